@@ -1,0 +1,58 @@
+"""The one table of signals that everything simulated or measured becomes."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+
+import numpy as np
+from numpy.typing import NDArray
+
+
+@dataclass(frozen=True)
+class Recording:
+    """Signals on one clock, in SI and radian.
+
+    Attributes:
+        name: What to call it in reports: the file's name without its ending.
+        time: Seconds, strictly increasing, shape (n,). Need not be uniform.
+        columns: `"<part>.<signal>"` to values, shape (n,); NaN where a sample is missing.
+        units: `"<part>.<signal>"` to the SI unit of its values.
+        metadata: What travels with it: rig text, scenario, versions, seed. All text.
+    """
+
+    name: str
+    time: NDArray[np.float64]
+    columns: Mapping[str, NDArray[np.float64]]
+    units: Mapping[str, str]
+    metadata: Mapping[str, str] = field(default_factory=dict)
+
+    def __contains__(self, key: str) -> bool:
+        return key in self.columns
+
+    def __getitem__(self, key: str) -> NDArray[np.float64]:
+        return self.columns[key]
+
+    def get(self, key: str) -> NDArray[np.float64] | None:
+        """Return a column, or None where it was not recorded."""
+        return self.columns.get(key)
+
+    @property
+    def duration(self) -> float:
+        """Seconds from the first sample to the last."""
+        return float(self.time[-1] - self.time[0]) if len(self.time) else 0.0
+
+    def parts(self) -> tuple[str, ...]:
+        """Return the names before the dot, in the order of the columns."""
+        return tuple(dict.fromkeys(key.split(".", 1)[0] for key in self.columns))
+
+    def span(self, start: float, stop: float) -> Recording:
+        """Return the samples with start <= time < stop, as a recording of its own."""
+        keep = slice(*np.searchsorted(self.time, (start, stop)))
+        return Recording(
+            self.name,
+            self.time[keep],
+            {key: values[keep] for key, values in self.columns.items()},
+            self.units,
+            self.metadata,
+        )

@@ -1,0 +1,106 @@
+"""Quantities with units, at the edges only: text in, SI out. Inside the program everything is SI and radian."""
+
+from __future__ import annotations
+
+import math
+import re
+from functools import cache
+from typing import TYPE_CHECKING
+
+from exo_sim.errors import UnitError
+
+if TYPE_CHECKING:
+    import pint
+
+#: What the rest of the program may ask for: the kind of quantity and the SI unit it is returned in.
+SI_UNITS = {
+    "length": "m",
+    "area": "m^2",
+    "volume": "m^3",
+    "pressure": "Pa",
+    "temperature": "K",
+    "mass": "kg",
+    "time": "s",
+    "force": "N",
+    "torque": "N*m",
+    "angle": "rad",
+    "number": "1",
+}
+
+_GAUGE = re.compile(r"\b(psig|barg|bar\s*\(g\)|bar\s+gauge|kpag|mpag|pag)(?![a-z])|\bgauge\b", re.IGNORECASE)
+_QUANTITY = re.compile(r"^\s*([-+]?(?:\d+\.?\d*|\.\d+)(?:[eE][-+]?\d+)?)\s*(.*?)\s*$")
+
+
+@cache
+def _registry() -> pint.UnitRegistry:
+    import pint
+
+    return pint.UnitRegistry(cache_folder=None, autoconvert_offset_to_baseunit=True)
+
+
+@cache
+def scale_and_offset(unit: str, si_unit: str) -> tuple[float, float]:
+    """Return `(scale, offset)` with `si = value * scale + offset` for one unit.
+
+    Raises:
+        UnitError: the unit is unknown, gauge, or of another kind than `si_unit`.
+    """
+    import pint
+
+    if _GAUGE.search(unit):
+        raise UnitError(f'unit "{unit}" is gauge; pressures are absolute here: add the atmosphere and write e.g. "Pa" or "bar"')
+    if unit in ("", "1") or si_unit == "1":
+        if unit in ("", "1") and si_unit == "1":
+            return 1.0, 0.0
+        if unit == "%" and si_unit == "1":
+            return 0.01, 0.0
+        raise UnitError(f'unit "{unit or "(none)"}" cannot be converted to "{si_unit}"')
+    registry = _registry()
+    try:
+        zero = registry.Quantity(0.0, unit).to(si_unit).magnitude
+        one = registry.Quantity(1.0, unit).to(si_unit).magnitude
+    except pint.UndefinedUnitError:
+        raise UnitError(f'unknown unit "{unit}"; write it like "{si_unit}"') from None
+    except pint.DimensionalityError:
+        raise UnitError(f'unit "{unit}" is not a unit of this kind; write it like "{si_unit}"') from None
+    except Exception:
+        raise UnitError(f'cannot read the unit "{unit}"; write it like "{si_unit}"') from None
+    # exact decimal scales (1 cm^3 is 1e-06, not 1.0000000000000002e-06)
+    return float(f"{one - zero:.15g}"), float(f"{zero:.15g}")
+
+
+def parse(text: object, si_unit: str) -> float:
+    """Read `"32 mm"` as SI.
+
+    Args:
+        text: A number followed by a unit. A bare number is taken only where the SI unit is "1".
+        si_unit: The SI unit wanted, e.g. "m^2" or "W/K".
+
+    Raises:
+        UnitError: no number, no unit, not finite, or a unit that cannot be `si_unit`.
+    """
+    if isinstance(text, bool):
+        raise UnitError(f'{text} is not a quantity; write it like "1 {si_unit}"')
+    if isinstance(text, int | float):
+        if si_unit != "1":
+            raise UnitError(f'{text} has no unit; write it in quotes with one, like "{text} {si_unit}"')
+        value, unit = float(text), "1"
+    else:
+        match = _QUANTITY.match(str(text))
+        if match is None:
+            raise UnitError(f'"{text}" is not a quantity; write a number and a unit, like "1 {si_unit}"')
+        value, unit = float(match.group(1)), match.group(2)
+        if not unit and si_unit != "1":
+            raise UnitError(f'"{text}" has no unit; write it with one, like "{text} {si_unit}"')
+    scale, offset = scale_and_offset(unit, si_unit)
+    si = value * scale + offset
+    if not math.isfinite(si):
+        raise UnitError(f'"{text}" is not finite')
+    return float(f"{si:.15g}")
+
+
+def write(value: float, si_unit: str) -> str | float:
+    """Return the text that `parse` reads back to the same number; a pure number stays a number."""
+    if si_unit == "1":
+        return float(value)
+    return f"{float(value)!r} {si_unit}"

@@ -1,0 +1,63 @@
+"""Kinds of values that options and arguments take: quantities with units, choices and files with nearest names."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Any
+
+import click
+
+from exo_sim.errors import UnitError, nearest
+
+
+class Quantity(click.ParamType):
+    """A number with a unit, read as SI: `--payload "34 kg"` gives 34.0."""
+
+    name = "quantity"
+
+    def __init__(self, si_unit: str, low: float | None = None, high: float | None = None) -> None:
+        self.si_unit, self.low, self.high = si_unit, low, high
+
+    def convert(self, value: Any, param: click.Parameter | None, ctx: click.Context | None) -> float:
+        if isinstance(value, float):
+            return value
+        from exo_sim import units
+
+        try:
+            si = units.parse(value, self.si_unit)
+        except UnitError as error:
+            self.fail(str(error), param, ctx)
+        if self.low is not None and si < self.low:
+            self.fail(f'"{value}" is too small; write at least "{self.low:g} {self.si_unit}"', param, ctx)
+        if self.high is not None and si > self.high:
+            self.fail(f'"{value}" is too large; write at most "{self.high:g} {self.si_unit}"', param, ctx)
+        return si
+
+    def get_metavar(self, param: click.Parameter, ctx: click.Context | None = None) -> str:
+        return "NUMBER" if self.si_unit == "1" else f'"N {self.si_unit}"'
+
+
+class Choice(click.Choice[str]):
+    """One of a few words; a misspelt one is answered with the nearest."""
+
+    def get_invalid_choice_message(self, value: Any, ctx: click.Context | None) -> str:
+        return f'no "{value}"{nearest(str(value), self.choices)}'
+
+
+class InputFile(click.Path):
+    """A file that must be there; a misspelt one is answered with its nearest neighbours in the folder."""
+
+    name = "file"
+
+    def __init__(self) -> None:
+        super().__init__(path_type=Path)
+
+    def convert(self, value: Any, param: click.Parameter | None, ctx: click.Context | None) -> Path:
+        path = Path(value)
+        if path.is_dir():
+            self.fail(f'"{path}" is a folder; name a file in it', param, ctx)
+        if not path.exists():
+            neighbours = [entry.name for entry in path.parent.iterdir()] if path.parent.is_dir() else []
+            hint = nearest(path.name, neighbours)
+            self.fail(f'there is no file "{path}"{hint if "mean" in hint else ""}', param, ctx)
+        return path

@@ -50,7 +50,7 @@ class Diverged(ExoSimError):
 
 
 def nearest(name: str, choices: Iterable[str]) -> str:
-    """Return `; did you mean "a" or "b"?` for a misspelt name, else `; there is: a, b, c`, or nothing to choose from."""
+    """Return `; did you mean "a" or "b"?` for a misspelt name, else `; there is: a, b, c`, or "" with no choices."""
     known = sorted(choices)
     close = difflib.get_close_matches(name, known, n=3, cutoff=0.6)
     if close:

@@ -14,7 +14,7 @@ class Signal:
         part: What stands before the dot: "cylinder", "joint", "site", "supply", "exhaust" or "gait".
         units: SI units it may have; more than one where a joint slides or turns.
         label: Words for a plot.
-        measured: True where a real recording may hold it (`../shared/formats.md`); False for what only a simulation knows.
+        measured: True where a real recording may hold it; False for what only a simulation knows.
     """
 
     name: str

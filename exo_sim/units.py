@@ -48,7 +48,7 @@ def scale_and_offset(unit: str, si_unit: str) -> tuple[float, float]:
     import pint
 
     if _GAUGE.search(unit):
-        raise UnitError(f'unit "{unit}" is gauge; pressures are absolute here: add the atmosphere and write "Pa" or "bar"')
+        raise UnitError(f'unit "{unit}" is gauge; pressures are absolute: add the atmosphere and write "Pa" or "bar"')
     if unit in ("", "1") or si_unit == "1":
         if unit in ("", "1") and si_unit == "1":
             return 1.0, 0.0

@@ -57,8 +57,9 @@ class Program(VerbGroup):
         return command
 
     def format_commands(self, ctx: click.Context, formatter: click.HelpFormatter) -> None:
-        with formatter.section("Verbs"):
-            formatter.write_dl([(name, _one_line(name)) for name in self.list_commands(ctx)])
+        if verbs := [(name, _one_line(name)) for name in self.list_commands(ctx)]:
+            with formatter.section("Verbs"):
+                formatter.write_dl(verbs)
 
 
 def _one_line(name: str) -> str:

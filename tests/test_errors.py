@@ -1,0 +1,18 @@
+from __future__ import annotations
+
+from exo_sim import errors
+
+
+def test_a_misspelt_name_is_answered_with_the_nearest() -> None:
+    assert errors.nearest("presure_1", ["pressure_1", "pressure_2", "force"]).startswith('; did you mean "pressure_1"')
+
+
+def test_a_foreign_name_is_answered_with_all_there_are() -> None:
+    assert errors.nearest("xyz", ["squat", "stand"]) == "; there is: squat, stand"
+    assert errors.nearest("xyz", []) == ""
+
+
+def test_every_error_has_the_status_of_the_contract() -> None:
+    kinds = [kind for kind in vars(errors).values() if isinstance(kind, type) and issubclass(kind, errors.ExoSimError)]
+    assert {kind.exit_status for kind in kinds if kind is not errors.Diverged} == {2}
+    assert errors.Diverged.exit_status == 5

@@ -1,0 +1,231 @@
+"""One case of the proving ground: a bench, what is hidden in it, and the files its owner would hand over."""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field, replace
+from pathlib import Path
+
+import numpy as np
+from numpy.typing import NDArray
+
+from exo_sim.trials.effects import Hidden, find, plant
+from exo_sim.trials.truth.bench import CYLINDER, JOINT, Bench, believed, draw_bench
+from exo_sim.trials.truth.drive import Truth, drive
+from exo_sim.trials.truth.instruments import Instrument, measure
+from exo_sim.trials.truth.machine import Machine
+
+Array = NDArray[np.float64]
+ALL_KNOWN = ("wall_heat_transfer", "coulomb_friction", "viscous_friction")
+#: Column to its name in the truth's log.
+COLUMNS = {
+    f"{CYLINDER}.valve_command [1]": "command",
+    f"{CYLINDER}.pressure_1 [Pa]": "pressure_1",
+    f"{CYLINDER}.pressure_2 [Pa]": "pressure_2",
+    f"{JOINT}.position [m]": "position",
+    "supply.pressure [Pa]": "supply",
+    "exhaust.pressure [Pa]": "exhaust",
+}
+
+
+@dataclass(frozen=True)
+class Case:
+    """One case before it is written.
+
+    Attributes:
+        name: Folder name.
+        bench: As built.
+        believed: As its owner believes.
+        machine: As built, hidden things included.
+        hidden: What is hidden.
+        truth: One per recording.
+        recordings: One table per recording: column to values, `time [s]` first.
+        about: Everything else worth keeping: seed, program, cell.
+    """
+
+    name: str
+    bench: Bench
+    believed: Bench
+    machine: Machine
+    hidden: tuple[Hidden, ...]
+    truth: tuple[Truth, ...]
+    recordings: tuple[dict[str, Array], ...]
+    about: Mapping[str, object] = field(default_factory=dict)
+
+
+def make_case(
+    name: str,
+    effects: Sequence[str] = (),
+    seed: int = 0,
+    size: float | Sequence[float] = 1.0,
+    *,
+    known: Sequence[str] | None = None,
+    program: str = "mixed",
+    recordings: int = 1,
+    duration: float = 24.0,
+    rate: float = 1000.0,
+    jitter: float = 0.0,
+    errors: float = 1.0,
+    pressure_noise: float = 250.0,
+    position_noise: float = 2e-5,
+    correlated: float = 0.0,
+    bits: int = 16,
+    skew: float = 0.0,
+    lag: float = 0.0,
+    supply_recorded: bool = True,
+    exhaust_recorded: bool = False,
+    missing: Sequence[str] = (),
+    oddities: bool = False,
+) -> Case:
+    """Draw a case.
+
+    Args:
+        name: Its name.
+        effects: Keys of `effects.EFFECTS`.
+        seed: Chance; the same seed gives the same case.
+        size: Size of every effect, or one each; 1 is clearly visible.
+        known: Effects that the owner has in the rig already (of `ALL_KNOWN`); None draws "nothing known" or all, and always
+            adds those without which a hidden effect makes no sense.
+        program: One of `excitation.PROGRAMS`.
+        recordings: How many recordings of the machine.
+        duration, rate, jitter: Length [s], samples a second [Hz], standard deviation of the sample period [s].
+        errors: Factor on the calibration errors of a careful laboratory.
+        pressure_noise, position_noise: White noise [Pa], [m].
+        correlated: Correlated noise as a share of the white noise.
+        bits: Converter bits.
+        skew: Seconds by which the position's card lags the pressures'.
+        lag: Anti-alias filter on pressures and position [s].
+        supply_recorded, exhaust_recorded: Whether these columns exist.
+        missing: Columns left out, without unit, e.g. "piston.pressure_2".
+        oddities: Mild physics that nobody lists: a spool of second order, heat transfer that grows with pressure, a
+            bent valve map, correlated noise.
+
+    Raises:
+        TrialError: an effect is unknown, or the drawn machine diverged.
+    """
+    rng = np.random.default_rng([seed, 20260])
+    wanted = [find(key) for key in effects]
+    needs = {need for effect in wanted for need in effect.known}
+    if known is None:
+        known = ALL_KNOWN if rng.random() < 0.5 else ()
+    hidden_names = {effect.name for effect in wanted}
+    owner_knows = [key for key in ALL_KNOWN if (key in known or key in needs) and key not in hidden_names]
+    if "asymmetric_friction" in hidden_names and "coulomb_friction" not in needs:
+        owner_knows = [key for key in owner_knows if key != "coulomb_friction"]
+    bench = draw_bench(rng, tuple(owner_knows))
+    sizes = [float(size)] * len(wanted) if isinstance(size, int | float) else [float(s) for s in size]
+    hidden = tuple(plant(effect, bench, s, seed * 31 + i) for i, (effect, s) in enumerate(zip(wanted, sizes)))
+    machine = bench.machine()
+    if oddities:
+        machine = machine.with_(spool_frequency=rng.uniform(110, 160), spool_damping=0.8, curve_exponent=rng.uniform(0.985, 1.015))
+        if machine["heat_conductance"] > 0:
+            machine = machine.with_(heat_eichelberg=rng.uniform(0.05, 0.15))
+        correlated = max(correlated, 0.5)
+    for entry in hidden:
+        machine = entry.into(machine, bench)
+    own = believed(bench, rng, 0.02 * errors, 0.05 * errors, 0.005 * errors, 0.01 * errors)
+    reach = max([0.7] + [effect.reach for effect in wanted])
+    truths = tuple(drive(bench, machine, program, duration, rate, jitter, reach, rng) for _ in range(recordings))
+    at_valve = any(entry.parameters.get("sensor_at_valve", 0) for entry in hidden)
+    columns = [
+        column
+        for column in COLUMNS
+        if column.split(" ")[0] not in missing
+        and (supply_recorded or not column.startswith("supply."))
+        and (exhaust_recorded or not column.startswith("exhaust."))
+    ]
+    pressure = Instrument(noise=pressure_noise, slow_noise=correlated * pressure_noise, bits=bits, low=0.0, high=1.2e6, lag=lag)
+    position = Instrument(noise=position_noise, slow_noise=correlated * position_noise, bits=bits, low=-0.3, high=0.3, lag=lag,
+                          delay=skew)  # fmt: skip
+    tables = []
+    for truth in truths:
+        table = {"time [s]": truth.log["time"]}
+        for column in columns:
+            key = COLUMNS[column]
+            if key == "command":
+                table[column] = truth.log[key]
+                continue
+            if at_valve and key in ("pressure_1", "pressure_2"):
+                key = "line" + key[-2:]
+            true = truth.log[key] - bench.zero if key == "position" else truth.log[key]
+            instrument = _faulty(position if key == "position" else pressure, column.split(" ")[0], hidden)
+            table[column] = measure(truth.log["time"], true, instrument, rng)
+        tables.append(table)
+    about = {"seed": seed, "program": program, "known": list(owner_knows), "recordings": recordings, "oddities": oddities}
+    return Case(name, bench, own, machine, hidden, truths, tuple(tables), about)
+
+
+def _faulty(instrument: Instrument, column: str, hidden: Sequence[Hidden]) -> Instrument:
+    """Return the instrument with the sensor effects that are planted in this column."""
+    for entry in hidden:
+        if entry.effect.where != column:
+            continue
+        p = entry.parameters
+        if "seconds" in p:
+            instrument = replace(instrument, delay=instrument.delay + p["seconds"])
+        if "value" in p:
+            instrument = replace(instrument, bias=p["value"], low=instrument.low - 2e5 if instrument.low == 0 else instrument.low)
+        if "factor" in p:
+            instrument = replace(instrument, scale=p["factor"])
+    return instrument
+
+
+def truth_of(case: Case) -> dict[str, object]:
+    """Return what is sealed: hidden effects with parameters, the bench as built and as believed."""
+
+    def plain(bench: Bench) -> dict[str, object]:
+        entries = {key: value for key, value in vars(bench).items() if key != "known"}
+        return {**entries, "known": {f"{name}.{where}": dict(p) for (name, where), p in bench.known.items()}}
+
+    return {
+        "schema": "exo-sim/truth/1",
+        "case": case.name,
+        "hidden": [
+            {
+                "name": entry.effect.name,
+                "variant": entry.effect.variant,
+                "where": entry.effect.where,
+                "also": list(entry.effect.synonyms),
+                "kind": entry.effect.kind,
+                "size": entry.size,
+                "parameters": {
+                    key: {"value": float(value), "unit": entry.effect.units.get(key, "1")} for key, value in entry.parameters.items()
+                },
+            }
+            for entry in case.hidden
+        ],
+        "about": dict(case.about),
+        "bench": plain(case.bench),
+        "believed": plain(case.believed),
+    }
+
+
+def write_case(case: Case, folder: Path, fmt: str = "csv", open_truth: bool = False) -> list[Path]:
+    """Write rig.toml, bench.xml and the recordings, and with `open_truth` truth.json; return the recordings' paths."""
+    folder.mkdir(parents=True, exist_ok=True)
+    (folder / "rig.toml").write_text(case.believed.rig())
+    (folder / "bench.xml").write_text(case.believed.model())
+    paths = []
+    for i, table in enumerate(case.recordings):
+        stem = "recording" if len(case.recordings) == 1 else f"recording_{i + 1}"
+        path = folder / f"{stem}.{fmt}"
+        if fmt == "parquet":
+            import pyarrow as pa
+            import pyarrow.parquet as pq
+
+            pq.write_table(pa.table(table), path)
+        else:
+            write_csv(table, path)
+        paths.append(path)
+    if open_truth:
+        (folder / "truth.json").write_text(json.dumps(truth_of(case), indent=1))
+    return paths
+
+
+def write_csv(table: Mapping[str, Array], path: Path) -> None:
+    """Write columns as CSV with the names as header, nine digits."""
+    values = np.column_stack(list(table.values()))
+    with path.open("w") as out:
+        out.write(",".join(table) + "\n")
+        np.savetxt(out, values, fmt="%.9g", delimiter=",")

@@ -1,0 +1,1 @@
+"""Recorded walking as a smooth reference motion, and the scenarios built on it."""

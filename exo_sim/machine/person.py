@@ -1,0 +1,123 @@
+"""The wearer as a planar chain of rigid segments whose motion is prescribed.
+
+Coordinates, in this order everywhere (the machine's joints have the same order and signs):
+`pelvis_x`, `pelvis_z` [m], `torso_pitch`, `hip_l`, `knee_l`, `ankle_l`, `hip_r`, `knee_r`, `ankle_r` [rad].
+x points forward, z up. Every rotation is about -y, so that hip flexion, knee extension and ankle dorsiflexion are positive and a torso
+that leans forward has a negative pitch. An upright stance is all zero.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from exo_sim.errors import ScenarioError
+
+COORDINATES = (
+    "pelvis_x",
+    "pelvis_z",
+    "torso_pitch",
+    "hip_l",
+    "knee_l",
+    "ankle_l",
+    "hip_r",
+    "knee_r",
+    "ankle_r",
+)
+SEGMENTS = ("torso", "thigh_l", "shank_l", "foot_l", "thigh_r", "shank_r", "foot_r")
+#: Index of the first coordinate of each leg.
+LEG_START = {"l": 3, "r": 6}
+
+#: The body height that the lengths below belong to [m], and the mass of the adult whose strides were recorded [kg] (Falisse et al. 2019).
+REFERENCE_HEIGHT = 1.70
+REFERENCE_MASS = 62.0
+
+_THIGH, _SHANK, _ANKLE, _HEEL, _TOE = 0.440, 0.369, 0.070, -0.048, 0.137
+
+
+@dataclass(frozen=True)
+class Person:
+    """Body height [m] and mass [kg]; segment lengths grow with height in proportion.
+
+    Raises:
+        ScenarioError: height outside 1.4 to 2.1 m, or mass outside 35 to 150 kg.
+    """
+
+    height: float = REFERENCE_HEIGHT
+    mass: float = 75.0
+
+    def __post_init__(self) -> None:
+        if not 1.4 <= self.height <= 2.1:
+            raise ScenarioError(f"wearer height {self.height:g} m is outside 1.4 to 2.1 m, for which the frame can be adjusted")
+        if not 35.0 <= self.mass <= 150.0:
+            raise ScenarioError(f"wearer mass {self.mass:g} kg is outside 35 to 150 kg")
+
+    @property
+    def scale(self) -> float:
+        """Lengths relative to the reference body."""
+        return self.height / REFERENCE_HEIGHT
+
+    @property
+    def thigh(self) -> float:
+        """Hip to knee [m]."""
+        return _THIGH * self.scale
+
+    @property
+    def shank(self) -> float:
+        """Knee to ankle [m]."""
+        return _SHANK * self.scale
+
+    @property
+    def ankle_height(self) -> float:
+        """Ankle above the sole [m]."""
+        return _ANKLE * self.scale
+
+    @property
+    def heel(self) -> float:
+        """Heel contact ahead of the ankle [m], negative."""
+        return _HEEL * self.scale
+
+    @property
+    def toe(self) -> float:
+        """Ball of the foot ahead of the ankle [m]."""
+        return _TOE * self.scale
+
+    def lengths(self) -> NDArray[np.float64]:
+        """Return thigh, shank, ankle height, heel, toe [m], shape (5,): what the compiled kernels take."""
+        return np.array([self.thigh, self.shank, self.ankle_height, self.heel, self.toe])
+
+
+def leg_points(
+    thigh: NDArray[np.float64], knee: NDArray[np.float64], ankle: NDArray[np.float64], person: Person
+) -> dict[str, NDArray[np.float64]]:
+    """Place one leg's points relative to the hip joint.
+
+    Args:
+        thigh: Angle of the thigh in space [rad], shape (n,): torso pitch plus hip angle.
+        knee: Knee angle [rad], shape (n,).
+        ankle: Ankle angle [rad], shape (n,).
+        person: Whose segments.
+
+    Returns:
+        "knee", "ankle", "heel", "toe": x and z [m], each of shape (n, 2); "foot_angle" [rad], shape (n,).
+    """
+
+    def below(angle: NDArray[np.float64], length: float) -> NDArray[np.float64]:
+        return length * np.stack([np.sin(angle), -np.cos(angle)], axis=-1)
+
+    def ahead(angle: NDArray[np.float64], length: float) -> NDArray[np.float64]:
+        return length * np.stack([np.cos(angle), np.sin(angle)], axis=-1)
+
+    knee_point = below(thigh, person.thigh)
+    ankle_point = knee_point + below(thigh + knee, person.shank)
+    foot = thigh + knee + ankle
+    sole = ankle_point + below(foot, person.ankle_height)
+    return {
+        "knee": knee_point,
+        "ankle": ankle_point,
+        "heel": sole + ahead(foot, person.heel),
+        "toe": sole + ahead(foot, person.toe),
+        "foot_angle": foot,
+    }

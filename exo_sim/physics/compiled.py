@@ -1,0 +1,63 @@
+"""How a kernel is compiled, and where its machine code is kept.
+
+numba's own cache does not notice a change in another file that a cached function calls, so the folder is named after the
+text of every file that holds a kernel, and after the versions that compile it: an edit is never met by stale code.
+"""
+
+from __future__ import annotations
+
+import hashlib
+import os
+import platform
+import shutil
+from collections.abc import Callable
+from pathlib import Path
+from typing import Any, TypeVar
+
+import numba
+import numpy
+from numba.core import config
+
+Function = TypeVar("Function", bound=Callable[..., Any])
+
+_PACKAGE = Path(__file__).resolve().parent.parent
+_KEPT = 4
+
+
+def _sources() -> list[Path]:
+    return [path for path in sorted(_PACKAGE.rglob("*.py")) if b"kernel" in path.read_bytes()]
+
+
+def _key() -> str:
+    digest = hashlib.sha256()
+    for part in (numba.__version__, numpy.__version__, platform.python_version(), platform.machine(), str(_PACKAGE)):
+        digest.update(part.encode())
+    for path in _sources():
+        digest.update(path.read_bytes())
+    return digest.hexdigest()[:16]
+
+
+def _folder() -> Path:
+    root = os.environ.get("EXO_SIM_CACHE") or os.environ.get("XDG_CACHE_HOME") or str(Path.home() / ".cache")
+    return Path(root) / "exo-sim"
+
+
+def _settle() -> None:
+    """Point numba at this source's own folder and drop the oldest of the others."""
+    folder = _folder() / _key()
+    try:
+        folder.mkdir(parents=True, exist_ok=True)
+        os.utime(folder)
+        for old in sorted(_folder().iterdir(), key=lambda path: path.stat().st_mtime)[:-_KEPT]:
+            shutil.rmtree(old, ignore_errors=True)
+    except OSError:
+        return  # a read-only home: numba then compiles anew at each start
+    config.CACHE_DIR = str(folder)
+
+
+_settle()
+
+
+def kernel(function: Function) -> Function:
+    """Compile a function of numbers, arrays and records; it releases the GIL and is cached between starts."""
+    return numba.njit(cache=True, nogil=True, error_model="numpy")(function)  # type: ignore[return-value]

@@ -1,0 +1,25 @@
+"""Dry friction of one size."""
+
+from __future__ import annotations
+
+from exo_sim.physics.compiled import kernel
+from exo_sim.physics.effects.declaration import Effect, Parameter
+
+EFFECT = Effect(
+    name="coulomb_friction",
+    places=("cylinder", "joint"),
+    question="Does force differ by a constant between the two directions of slow motion?",
+    says="Dry friction of constant size resists motion.",
+    parameters=(Parameter("force", "N", 0.0, 1e5, (1.0, 60.0), "4-40 N for 16-50 mm bores", angular_unit="N*m"),),
+    cut="motion",
+    reveals=("position", "force"),
+    mistaken_for=("pressure_dependent_friction", "asymmetric_friction", "stribeck_friction", "valve_deadband"),
+    experiment="slow triangles at two mean pressures",
+    signature="pressure difference against position is a loop of constant height; the piston sticks at reversals",
+)
+
+
+@kernel
+def level(p) -> float:
+    """Return the dry friction [N or N m]."""
+    return p.force

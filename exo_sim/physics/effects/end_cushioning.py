@@ -1,0 +1,29 @@
+"""A cushion that throttles what leaves near either end of the stroke."""
+
+from __future__ import annotations
+
+from exo_sim.physics.compiled import kernel
+from exo_sim.physics.effects.declaration import Effect, Parameter
+
+EFFECT = Effect(
+    name="end_cushioning",
+    places=("cylinder",),
+    question="Does pressure rise sharply in the shrinking chamber at one fixed distance from the end?",
+    says="End cushions throttle the flow near the ends of the stroke.",
+    parameters=(
+        Parameter("length", "m", 1e-4, 0.2, (5e-3, 2.5e-2), "10-25 mm for 32-50 mm bores"),
+        Parameter("area", "m^2", 1e-10, 1e-4, (2e-8, 1e-6), "needle, 0.01-0.1 of the port"),
+    ),
+    cut="gas",
+    reveals=("pressure_1", "pressure_2"),
+    needs=("position",),
+    mistaken_for=("line_restriction", "unknown"),
+    experiment="turn the cushion needle, or stop short of the end",
+    signature="a pressure spike tied to position; the start from the end is not slowed",
+)
+
+
+@kernel
+def outlet(p, area: float, from_end: float) -> float:
+    """Return the area left to gas that leaves a chamber whose piston is `from_end` metres from its end [m^2]."""
+    return min(area, p.area) if from_end < p.length else area

@@ -1,0 +1,35 @@
+"""A silencer or a shared exhaust that throttles what leaves."""
+
+from __future__ import annotations
+
+from exo_sim.physics import gas
+from exo_sim.physics.compiled import kernel
+from exo_sim.physics.effects.declaration import Effect, Parameter
+
+EFFECT = Effect(
+    name="exhaust_back_pressure",
+    places=("exhaust",),
+    question="Does a venting chamber stop above the atmosphere while gas flows, and does another cylinder's vent lift it?",
+    says="The exhaust builds up pressure while gas leaves.",
+    parameters=(
+        Parameter("area", "m^2", 1e-8, 1e-3, (2e-6, 3e-5), "felt where the silencer is less than three times the valve"),
+        Parameter("volume", "m^3", 1e-6, 1e-2, (5e-6, 1e-4), "manifold and silencer body", required=False, default=2e-5),
+    ),
+    cut="gas",
+    reveals=("pressure_1", "pressure_2", "exhaust.pressure"),
+    mistaken_for=("critical_ratio", "line_restriction", "sensor_bias"),
+    experiment="take the silencer off, or record the exhaust pressure",
+    signature="the floor of a venting chamber rises with the flow and is gone at rest",
+)
+
+
+@kernel
+def present(p) -> bool:
+    """Say whether anything stands between the valves and the open exhaust."""
+    return p.area > 0.0
+
+
+@kernel
+def flow(p, p_node: float, t_node: float, p_out: float, t_out: float, k: float, r: float) -> float:
+    """Return the mass flow from the exhaust manifold to the outside [kg/s]."""
+    return gas.flow(p.area, p_node, t_node, p_out, t_out, k, r)

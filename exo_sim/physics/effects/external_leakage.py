@@ -1,0 +1,48 @@
+"""Gas from a chamber to the atmosphere: rod gland, fitting, porous wall."""
+
+from __future__ import annotations
+
+import math
+
+from exo_sim.physics import gas
+from exo_sim.physics.compiled import kernel
+from exo_sim.physics.effects.declaration import Effect, Parameter
+
+_ORIFICE = "C = 1e-13..1e-11 m^3/(s Pa), gland to bad fitting"
+_POROUS = "printed cylinders, Zillen (PMC10907517), and worn glands"
+
+EFFECT = Effect(
+    name="external_leakage",
+    places=("cylinder",),
+    question="With every path closed, does a chamber lose gas that the other does not gain?",
+    says="Gas leaks from the cylinder to the atmosphere.",
+    parameters=(
+        Parameter("area_1", "m^2", 0.0, 1e-4, (1e-10, 1e-7), _ORIFICE, required=False),
+        Parameter("area_2", "m^2", 0.0, 1e-4, (1e-10, 1e-7), _ORIFICE, required=False),
+        Parameter("laminar_1", "kg/(s Pa^2)", 0.0, 1e-12, (1e-19, 1e-15), _POROUS, required=False),
+        Parameter("laminar_2", "kg/(s Pa^2)", 0.0, 1e-12, (1e-19, 1e-15), _POROUS, required=False),
+        Parameter("inertial", "Pa^2 s^2/kg^2", 0.0, 1e24, (1e16, 1e21), _POROUS, required=False),
+    ),
+    any_of=(("area_1",), ("area_2",), ("laminar_1",), ("laminar_2",)),
+    cut="gas",
+    reveals=("pressure_1", "pressure_2"),
+    mistaken_for=("piston_leakage", "valve_null_leakage", "wall_heat_transfer", "sensor_bias"),
+    experiment="close every path at equal pressures and hold longer than five thermal time constants",
+    signature="one chamber falls towards the atmosphere and never rests above it; the other does not rise",
+)
+
+
+@kernel
+def flow(p, chamber: int, p_gas: float, t_gas: float, p_atm: float, t_atm: float, k: float, r: float) -> float:
+    """Return the mass flow from chamber 1 or 2 to the atmosphere [kg/s].
+
+    An orifice, and a porous path after Forchheimer, p^2 - p_atm^2 = w/a + b w^2, signed.
+    """
+    area = p.area_1 if chamber == 1 else p.area_2
+    laminar = p.laminar_1 if chamber == 1 else p.laminar_2
+    leaked = gas.flow(area, p_gas, t_gas, p_atm, t_atm, k, r)
+    if laminar > 0.0:
+        drop = p_gas * p_gas - p_atm * p_atm
+        resistance = 1.0 / laminar
+        leaked += 2.0 * drop / (resistance + math.sqrt(resistance * resistance + 4.0 * p.inertial * abs(drop)))
+    return leaked

@@ -1,0 +1,26 @@
+"""A sensor, filter or second acquisition card that is late."""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import NDArray
+
+from exo_sim.physics.effects.declaration import Effect, Parameter
+
+EFFECT = Effect(
+    name="sensor_delay",
+    places=("column",),
+    question="Is every event of one channel late by the same time, even of a sealed piston?",
+    says="The channel is late.",
+    parameters=(Parameter("seconds", "s", -0.1, 0.1, (5e-4, 2e-2), "sensor lag 0.5-5 ms, skew between cards 1-20 ms"),),
+    cut="sensor",
+    reveals=(),
+    mistaken_for=("valve_lag", "wall_heat_transfer"),
+    experiment="move a sealed piston by hand: its pressure must lead",
+    signature="the same delay in all events of one channel",
+)
+
+
+def read(values: NDArray[np.float64], time: NDArray[np.float64], seconds: float) -> NDArray[np.float64]:
+    """Return what the sensor shows of the true `values` (n,) at `time` (n,): those of `seconds` before."""
+    return np.interp(time - seconds, time, values)

@@ -1,0 +1,29 @@
+"""A spool that can only move so fast."""
+
+from __future__ import annotations
+
+from exo_sim.physics.compiled import kernel
+from exo_sim.physics.effects.declaration import Effect, Parameter
+
+EFFECT = Effect(
+    name="spool_rate_limit",
+    places=("cylinder",),
+    question="Do large steps of the command take longer than small ones?",
+    says="The valve's spool moves no faster than a limit.",
+    parameters=(Parameter("rate", "1/s", 0.1, 1e5, (20.0, 500.0), "full travel in 2-50 ms"),),
+    cut="gas",
+    reveals=("pressure_1", "pressure_2"),
+    needs=("valve_command",),
+    mistaken_for=("valve_lag",),
+    experiment="lock the rod and step the command by a tenth and by the whole: the time grows with the step",
+    signature="opening grows as a ramp after a large step; small signals are untouched",
+)
+
+
+@kernel
+def limited(p, spool: float, wanted: float, h: float) -> float:
+    """Return the spool after `h` seconds on its way to `wanted`; rate 0 means no limit."""
+    if p.rate <= 0.0:
+        return wanted
+    reach = p.rate * h
+    return min(max(wanted, spool - reach), spool + reach)

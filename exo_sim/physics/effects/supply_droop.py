@@ -1,0 +1,34 @@
+"""An accumulator and the feed that refills it."""
+
+from __future__ import annotations
+
+from exo_sim.physics.compiled import kernel
+from exo_sim.physics.effects.declaration import Effect, Parameter
+
+EFFECT = Effect(
+    name="supply_droop",
+    places=("supply",),
+    question="Does the supply fall with every stroke and recover at rest?",
+    says="The supply pressure sags when gas is drawn.",
+    parameters=(
+        Parameter("volume", "m^3", 1e-6, 1.0, (1e-4, 1e-2), "accumulators of 0.1-10 l"),
+        Parameter("conductance", "kg/(s Pa)", 0.0, 1e-3, (1e-9, 1e-6), "feed of 0.1-10 g/s at 1-10 bar of sag"),
+    ),
+    cut="gas",
+    reveals=("supply.pressure", "pressure_1", "pressure_2"),
+    mistaken_for=("supply_regulator", "critical_ratio", "valve_null_leakage"),
+    experiment="record the supply pressure; work for ten seconds and wait for thirty",
+    signature="supply dips in phase with the strokes and recovers slowly",
+)
+
+
+@kernel
+def present(p) -> bool:
+    """Say whether the supply has a volume of its own."""
+    return p.volume > 0.0
+
+
+@kernel
+def feed(p, p_source: float, p_supply: float) -> float:
+    """Return the mass flow from the source into the accumulator [kg/s]; a check valve lets none back."""
+    return p.conductance * max(p_source - p_supply, 0.0)

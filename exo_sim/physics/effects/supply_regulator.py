@@ -1,0 +1,48 @@
+"""A regulator whose pressure falls with flow, late and with hysteresis."""
+
+from __future__ import annotations
+
+import math
+
+from exo_sim.physics.compiled import kernel
+from exo_sim.physics.effects.declaration import Effect, Parameter
+
+EFFECT = Effect(
+    name="supply_regulator",
+    places=("supply",),
+    question="Is the supply lower the more gas flows, with no memory of how much was used?",
+    says="The regulator lets the supply pressure droop with flow.",
+    parameters=(
+        Parameter("droop", "Pa s/kg", 0.0, 1e10, (1e6, 2e8), "ISO 6953 flow characteristics, 0.1-1 bar at 1-10 g/s"),
+        Parameter("time_constant", "s", 0.0, 5.0, (0.02, 0.2), "first order, 20-200 ms", required=False),
+        Parameter("hysteresis", "Pa", 0.0, 1e6, (5e3, 2e4), "ISO 6953, 0.05-0.2 bar", required=False),
+    ),
+    cut="gas",
+    reveals=("supply.pressure", "pressure_1", "pressure_2"),
+    mistaken_for=("supply_droop", "critical_ratio"),
+    experiment="record the supply pressure under two constant flows",
+    signature="supply falls at once with flow and returns at once",
+)
+
+
+@kernel
+def follow(p, flow_felt: float, flow: float, h: float) -> float:
+    """Return the flow that the regulator answers after `h` seconds [kg/s]: first order behind the drawn flow."""
+    if p.time_constant <= 0.0:
+        return flow
+    return flow + (flow_felt - flow) * math.exp(-h / p.time_constant)
+
+
+@kernel
+def stick(p, held: float, flow_felt: float) -> float:
+    """Return the flow that the diaphragm has moved to: a play as wide as the hysteresis [kg/s]."""
+    if p.droop <= 0.0:
+        return flow_felt
+    half = 0.5 * p.hysteresis / p.droop
+    return min(max(held, flow_felt - half), flow_felt + half)
+
+
+@kernel
+def pressure(p, p_set: float, held: float) -> float:
+    """Return the regulated pressure [Pa]."""
+    return p_set - p.droop * held

@@ -1,0 +1,28 @@
+"""A mount, strap or drive that gives under load."""
+
+from __future__ import annotations
+
+from exo_sim.physics.compiled import kernel
+from exo_sim.physics.effects.declaration import Effect, Parameter
+
+EFFECT = Effect(
+    name="transmission_compliance",
+    places=("cylinder", "joint"),
+    question="Does the joint lag the piston in proportion to the force between them?",
+    says="The transmission between piston and joint is elastic.",
+    parameters=(
+        Parameter("stiffness", "N/m", 1e2, 1e10, (1e4, 1e7), "steel linkage 1e6-1e7, printed 1e5-1e6, strap 5e3-3e4 N/m", angular_unit="N*m/rad"),
+    ),
+    cut="gas",
+    reveals=("position",),
+    needs=("pressure_1",),
+    mistaken_for=("dead_volume", "backlash", "payload_mass", "presliding"),
+    experiment="seal the chambers and load the joint at two pressures: the gas part of the give scales with pressure",
+    signature="chambers behave as if larger under load; a second resonance",
+)
+
+
+@kernel
+def present(p) -> bool:
+    """Say whether the transmission gives at all."""
+    return p.stiffness > 0.0

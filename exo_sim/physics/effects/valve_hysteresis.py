@@ -1,0 +1,27 @@
+"""A valve whose opening depends on where the command came from."""
+
+from __future__ import annotations
+
+from exo_sim.physics.compiled import kernel
+from exo_sim.physics.effects.declaration import Effect, Parameter
+
+EFFECT = Effect(
+    name="valve_hysteresis",
+    places=("cylinder",),
+    question="Does the same command give another flow on the way up than on the way down, at any rate?",
+    says="The valve has hysteresis.",
+    parameters=(Parameter("width", "1", 0.0, 0.9, (0.003, 0.07), "0.3-0.4 % position-controlled, 3-7 % open-loop spools"),),
+    cut="gas",
+    reveals=("pressure_1", "pressure_2"),
+    needs=("valve_command",),
+    mistaken_for=("valve_deadband", "valve_lag", "backlash"),
+    experiment="lock the rod and loop the command slowly between different turning points",
+    signature="flow against command is a loop of constant width, whatever the rate",
+)
+
+
+@kernel
+def play(p, memory: float, command: float) -> float:
+    """Return what is left of the command behind a play whose whole loop is `width` wide."""
+    half = 0.5 * p.width
+    return min(max(memory, command - half), command + half)

@@ -1,0 +1,27 @@
+"""What the closed paths of the valve let through."""
+
+from __future__ import annotations
+
+from exo_sim.physics.compiled import kernel
+from exo_sim.physics.effects.declaration import Effect, Parameter
+
+EFFECT = Effect(
+    name="valve_null_leakage",
+    places=("cylinder",),
+    question="With the command at zero, do both chambers drift to one level between supply and exhaust?",
+    says="The closed paths of the valve leak.",
+    parameters=(
+        Parameter("area", "m^2", 0.0, 1e-4, (1e-9, 3e-7), "spool valves, 1-10 l/min at null (engineering estimate)"),
+    ),
+    cut="gas",
+    reveals=("pressure_1", "pressure_2"),
+    mistaken_for=("piston_leakage", "external_leakage", "valve_offset"),
+    experiment="hold at zero command at two supply pressures: the level that the chambers reach scales with the supply",
+    signature="at null both pressures go to 0.75-0.85 of the supply; the supply is used at rest",
+)
+
+
+@kernel
+def closed_area(p) -> float:
+    """Return the area that a closed path keeps [m^2]."""
+    return p.area

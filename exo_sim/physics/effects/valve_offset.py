@@ -1,0 +1,26 @@
+"""A valve whose zero is not at zero command."""
+
+from __future__ import annotations
+
+from exo_sim.physics.compiled import kernel
+from exo_sim.physics.effects.declaration import Effect, Parameter
+
+EFFECT = Effect(
+    name="valve_offset",
+    places=("cylinder",),
+    question="Does the valve pass gas at zero command, and less one way than the other?",
+    says="The valve's zero is shifted.",
+    parameters=(Parameter("shift", "1", -0.5, 0.5, (-0.05, 0.05), "proportional valves, 0.1-0.2 V of 5 V (engineering estimate)"),),
+    cut="gas",
+    reveals=("pressure_1", "pressure_2"),
+    needs=("valve_command",),
+    mistaken_for=("valve_null_leakage", "sensor_bias"),
+    experiment="lock the rod, command plus and minus the same small value",
+    signature="one chamber fills and the other vents at zero command",
+)
+
+
+@kernel
+def shifted(p, spool: float) -> float:
+    """Return the spool position relative to the true zero."""
+    return spool + p.shift

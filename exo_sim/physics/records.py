@@ -1,0 +1,59 @@
+"""The numbers that a plant is made of, as records that compiled functions read by name.
+
+The fields of an effect are those of its declaration: a new file in `effects/` appears here by itself. Zero is "off".
+"""
+
+from __future__ import annotations
+
+import numpy as np
+
+from exo_sim.physics.effects.declaration import Effect, declared
+
+
+def _fields(place: str) -> list[tuple[str, np.dtype]]:
+    return [(effect.name, _record(effect)) for effect in declared().values() if place in effect.places]
+
+
+def _record(effect: Effect) -> np.dtype:
+    return np.dtype([(parameter.name, np.float64) for parameter in effect.parameters], align=True)
+
+
+#: What resists the motion of one sliding or turning part, by effect; and the mass it moves [kg or kg m^2].
+JOINT = np.dtype([("effective_mass", np.float64), ("turning", np.float64), *_fields("joint")], align=True)
+
+#: One cylinder with its valve, and every effect that can act on it. `arm` is dX/dq of the joint it drives [m/rad or 1].
+CYLINDER = np.dtype(
+    [
+        ("area_1", np.float64),
+        ("area_2", np.float64),
+        ("stroke", np.float64),
+        ("dead_volume_1", np.float64),
+        ("dead_volume_2", np.float64),
+        ("single_acting", np.float64),
+        ("valve_area", np.float64),
+        ("vented", np.float64),
+        ("effective_mass", np.float64),
+        ("turning", np.float64),
+        ("arm", np.float64),
+        ("drive_stiffness", np.float64),
+        ("drive_gap", np.float64),
+        *_fields("cylinder"),
+    ],
+    align=True,
+)
+
+#: The gas, the atmosphere and what all cylinders share. Pressures and temperatures may be set anew at every step.
+WORLD = np.dtype(
+    [
+        ("k", np.float64),
+        ("r", np.float64),
+        ("atmosphere", np.float64),
+        ("ambient", np.float64),
+        ("supply_pressure", np.float64),
+        ("supply_temperature", np.float64),
+        ("exhaust_pressure", np.float64),
+        *_fields("supply"),
+        *_fields("exhaust"),
+    ],
+    align=True,
+)

@@ -1,0 +1,102 @@
+"""What resists the motion of a piston or a joint: every mechanical effect, in the order in which it acts.
+
+Dry friction is carried by a bristle: a spring that follows the motion until the dry level is reached and then slides with it. At
+rest under less than the level it holds without creep, whatever the time step; where `presliding` is declared it is LuGre's.
+"""
+
+from __future__ import annotations
+
+import math
+
+from exo_sim.physics.compiled import kernel
+from exo_sim.physics.effects import (
+    asymmetric_friction,
+    coulomb_friction,
+    presliding,
+    pressure_dependent_friction,
+    quadratic_drag,
+    return_spring,
+    stribeck_friction,
+    viscous_friction,
+)
+
+#: How far a stuck piston (m) or joint (rad) gives before it slides where no presliding is declared.
+STUCK_TRAVEL = 1e-5
+STUCK_ANGLE = 1e-4
+
+#: Bound on the bristle's stiffness: effective mass over this time squared, so that a step of 1 ms resolves it.
+STUCK_TIME = 2e-3
+
+
+@kernel
+def dry_level(c, v: float, gauge_1: float, gauge_2: float) -> float:
+    """Return the dry friction that a piston moving at v meets [N]."""
+    level = coulomb_friction.level(c.coulomb_friction)
+    level += asymmetric_friction.level(c.asymmetric_friction, v)
+    level += pressure_dependent_friction.level(c.pressure_dependent_friction, gauge_1, gauge_2)
+    level += stribeck_friction.excess(c.stribeck_friction, level, v)
+    return level
+
+
+@kernel
+def joint_dry_level(j, v: float) -> float:
+    """Return the dry friction that a joint moving at v meets [N or N m]."""
+    level = coulomb_friction.level(j.coulomb_friction)
+    level += asymmetric_friction.level(j.asymmetric_friction, v)
+    level += stribeck_friction.excess(j.stribeck_friction, level, v)
+    return level
+
+
+@kernel
+def bristle_stiffness(c, level: float) -> float:
+    """Return the stiffness of the stuck contact [N/m or N m/rad]."""
+    if c.presliding.stiffness > 0.0:
+        return c.presliding.stiffness
+    stiff = level / (STUCK_ANGLE if c.turning > 0.0 else STUCK_TRAVEL)
+    return min(stiff, c.effective_mass / STUCK_TIME**2) if c.effective_mass > 0.0 else stiff
+
+
+@kernel
+def move_bristle(c, z: float, v: float, level: float, h: float) -> float:
+    """Return the bristle's deflection after `h` seconds at speed v [m or rad]."""
+    if level <= 0.0:
+        return 0.0
+    if c.presliding.stiffness > 0.0:
+        return presliding.bristle(c.presliding, z, v, level, h)
+    most = level / bristle_stiffness(c, level)
+    return min(max(z + v * h, -most), most)
+
+
+@kernel
+def dry_force(c, z: float, v: float, level: float) -> float:
+    """Return the dry friction against the motion [N or N m], with the damping of a contact that sticks."""
+    if level <= 0.0:
+        return 0.0
+    stiffness = bristle_stiffness(c, level)
+    if c.presliding.stiffness > 0.0:
+        return stiffness * z + c.presliding.damping * (v - stiffness * abs(v) * z / level)
+    force = stiffness * z
+    if abs(force) < level:
+        force += math.sqrt(stiffness * c.effective_mass) * v
+    return min(max(force, -level), level)
+
+
+@kernel
+def steady_force(c, x: float, v: float) -> float:
+    """Return what resists besides dry friction [N or N m]: viscous, quadratic, spring."""
+    force = viscous_friction.force(c.viscous_friction, v)
+    force += quadratic_drag.force(c.quadratic_drag, v)
+    force += return_spring.force(c.return_spring, x)
+    return force
+
+
+@kernel
+def piston_resistance(c, z: float, x: float, v: float, gauge_1: float, gauge_2: float) -> float:
+    """Return the force that a piston at x, moving at v, meets [N], against +v."""
+    return dry_force(c, z, v, dry_level(c, v, gauge_1, gauge_2)) + steady_force(c, x, v)
+
+
+@kernel
+def joint_resistance(j, z: float, q: float, qd: float) -> float:
+    """Return the generalised force that a joint meets [N or N m], against +qd."""
+    return dry_force(j, z, qd, joint_dry_level(j, qd)) + steady_force(j, q, qd)

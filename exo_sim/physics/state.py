@@ -1,0 +1,38 @@
+"""Where each number of the pneumatic state stands in its one vector.
+
+Per cylinder: what is integrated, then what is remembered; then the nodes that all cylinders share; then one bristle a joint.
+"""
+
+from __future__ import annotations
+
+# Integrated, per cylinder. The last eight are the books: what passed through since the start.
+MASS_1, ENERGY_1, MASS_2, ENERGY_2 = 0, 1, 2, 3
+HOSE_MASS_1, HOSE_ENERGY_1, HOSE_MASS_2, HOSE_ENERGY_2 = 4, 5, 6, 7
+WALL_1, WALL_2 = 8, 9
+DRAWN, EXHAUSTED, LEAKED = 10, 11, 12
+DRAWN_ENTHALPY, EXHAUSTED_ENTHALPY, LEAKED_ENTHALPY = 13, 14, 15
+HEAT, WORK = 16, 17
+INTEGRATED = 18
+
+# Integrated, shared: accumulator, exhaust manifold, and the books of what fed and left them.
+SUPPLY_MASS, SUPPLY_ENERGY, EXHAUST_MASS, EXHAUST_ENERGY = 0, 1, 2, 3
+FED, FED_ENTHALPY, RELEASED, RELEASED_ENTHALPY = 4, 5, 6, 7
+SHARED = 8
+
+# Remembered, per cylinder: spool, play of the valve, bristle of the dry friction, piston where the transmission gives.
+SPOOL, PLAY, BRISTLE, PISTON = 0, 1, 2, 3
+REMEMBERED = 4
+
+# Remembered, shared: flow that the regulator feels, and the flow its diaphragm holds.
+FELT, HELD = 0, 1
+SHARED_REMEMBERED = 2
+
+
+def integrated_size(cylinders: int) -> int:
+    """Return the length of the integrated part."""
+    return cylinders * INTEGRATED + SHARED
+
+
+def size(cylinders: int, joints: int) -> int:
+    """Return the length of the whole state vector."""
+    return integrated_size(cylinders) + cylinders * REMEMBERED + SHARED_REMEMBERED + joints

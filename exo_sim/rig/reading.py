@@ -1,0 +1,143 @@
+"""Read `rig.toml` and refuse what cannot be a machine."""
+
+from __future__ import annotations
+
+import tomllib
+from pathlib import Path
+
+from exo_sim.errors import RigError
+from exo_sim.rig.effects import read_effects
+from exo_sim.rig.schema import Ankle, Cylinder, Environment, Rig, Supply, Wearer
+from exo_sim.rig.table import Table
+
+ANKLE_MODES = ("free", "sprung", "powered")
+
+
+def read(path: str | Path) -> Rig:
+    """Read a rig file.
+
+    Raises:
+        RigError: one line that names the file, the key, the value and what to do.
+    """
+    path = Path(path)
+    try:
+        text = path.read_text(encoding="utf-8")
+    except FileNotFoundError:
+        raise RigError(f"{path}: no such rig file") from None
+    except (OSError, UnicodeDecodeError) as error:
+        raise RigError(f"{path}: cannot be read as text: {error}") from None
+    return parse(text, path)
+
+
+def parse(text: str, path: Path) -> Rig:
+    """Read a rig from its text; `path` is where its MJCF is looked for, and what errors name."""
+    try:
+        table = Table(path, "", tomllib.loads(text))
+    except tomllib.TOMLDecodeError as error:
+        raise RigError(f"{path}: is not TOML: {str(error)[0].lower()}{str(error)[1:]}") from None
+    name = table.text("name", default=path.stem)
+    model = path.parent / table.text("model")
+    if not model.is_file():
+        raise RigError(f'{path}: model = "{table.values["model"]}": no such MJCF file beside the rig')
+    environment = _environment(table)
+    gas = table.table("gas", required=False)
+    r, k = 287.05, 1.4
+    if gas:
+        r = gas.quantity("specific_gas_constant", "J/(kg K)", default=r, above=0.0)
+        k = gas.quantity("heat_capacity_ratio", "1", default=k, above=1.0)
+        gas.done()
+    cylinders = {}
+    if (group := table.table("cylinders", required=False)) is not None:
+        for key in group.values:
+            part = group.table(key)
+            assert part is not None
+            cylinders[key] = _cylinder(key, part)
+    driven: dict[str, str] = {}
+    for cylinder in cylinders.values():
+        if cylinder.actuator in driven:
+            raise RigError(
+                f'{path}: cylinders.{cylinder.name}.actuator = "{cylinder.actuator}": already driven by cylinder '
+                f'"{driven[cylinder.actuator]}"; give each cylinder an actuator of its own'
+            )
+        driven[cylinder.actuator] = cylinder.name
+    masses = {}
+    if (bodies := table.table("bodies", required=False)) is not None:
+        for key in bodies.values:
+            body = bodies.table(key)
+            assert body is not None
+            masses[key] = body.quantity("mass", "kg", above=0.0)
+            body.done()
+    supply = _supply(table, environment, needed=any(c.valve_area > 0.0 for c in cylinders.values()))
+    wearer, ankle = _worn(table)
+    effects = read_effects(table.table("effects", required=False), cylinders)
+    table.done()
+    return Rig(name, model, environment, supply, r, k, cylinders, effects, masses, wearer, ankle, text, path)
+
+
+def _environment(table: Table) -> Environment:
+    part = table.table("environment", required=False)
+    if part is None:
+        return Environment()
+    found = Environment(
+        part.quantity("pressure", "Pa", default=101325.0, above=0.0),
+        part.quantity("temperature", "K", default=293.15, above=0.0),
+    )
+    part.done()
+    return found
+
+
+def _supply(table: Table, environment: Environment, needed: bool) -> Supply:
+    part = table.table("supply", required=needed)
+    if part is None:
+        return Supply(environment.pressure, environment.temperature)
+    found = Supply(
+        part.quantity("pressure", "Pa", above=0.0),
+        part.quantity("temperature", "K", default=environment.temperature, above=0.0),
+    )
+    part.done()
+    if found.pressure < environment.pressure:
+        raise part.fail("pressure", f"is below the atmosphere ({environment.pressure:g} Pa); pressures are absolute, not gauge")
+    return found
+
+
+def _cylinder(name: str, part: Table) -> Cylinder:
+    bore = part.quantity("bore", "m", above=0.0)
+    rod = part.quantity("rod", "m", default=0.0, at_least=0.0)
+    if rod >= bore:
+        raise part.fail("rod", f"must be thinner than the bore ({bore:g} m)")
+    valve = part.table("valve", required=False)
+    area = 0.0
+    if valve is not None:
+        area = valve.quantity("area", "m^2", above=0.0)
+        valve.done()
+        if area > bore**2:
+            raise valve.fail("area", f"is larger than the piston of a {bore:g} m bore; is the unit right?")
+    cylinder = Cylinder(
+        name,
+        part.text("actuator"),
+        bore,
+        rod,
+        part.quantity("stroke", "m", above=0.0),
+        part.quantity("retracted_length", "m", default=0.0),
+        part.quantity("dead_volume_1", "m^3", default=0.0, at_least=0.0),
+        part.quantity("dead_volume_2", "m^3", default=0.0, at_least=0.0),
+        part.text("acting", default="double", choices=("double", "single")) == "single",
+        area,
+    )
+    part.done()
+    return cylinder
+
+
+def _worn(table: Table) -> tuple[Wearer, Ankle]:
+    wearer, ankle = Wearer(), Ankle()
+    if (part := table.table("wearer", required=False)) is not None:
+        wearer = Wearer(part.quantity("height", "m", wearer.height, above=0.5), part.quantity("mass", "kg", wearer.mass, above=10.0))
+        part.done()
+    if (part := table.table("ankle", required=False)) is not None:
+        ankle = Ankle(
+            part.text("mode", ankle.mode, ANKLE_MODES),
+            part.quantity("stiffness", "N*m/rad", ankle.stiffness, at_least=0.0),
+            part.quantity("torque", "N*m", ankle.torque, at_least=0.0),
+        )
+        part.done()
+    return wearer, ankle

@@ -1,0 +1,114 @@
+"""A rig in memory. Everything in SI; pressures absolute."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+from pathlib import Path
+
+
+@dataclass(frozen=True)
+class Environment:
+    """Around the machine: pressure [Pa] and temperature [K]."""
+
+    pressure: float = 101325.0
+    temperature: float = 293.15
+
+
+@dataclass(frozen=True)
+class Supply:
+    """Upstream of every valve: pressure [Pa] and temperature [K]."""
+
+    pressure: float
+    temperature: float = 293.15
+
+
+@dataclass(frozen=True)
+class Cylinder:
+    """One cylinder with its valve; lengths in m, volumes in m^3, areas in m^2. `valve_area` is 0 where there is no valve."""
+
+    name: str
+    actuator: str
+    bore: float
+    rod: float
+    stroke: float
+    retracted_length: float
+    dead_volume_1: float
+    dead_volume_2: float
+    single_acting: bool
+    valve_area: float
+
+    @property
+    def area_1(self) -> float:
+        """Piston area on the side of chamber 1 [m^2]."""
+        return math.pi / 4 * self.bore**2
+
+    @property
+    def area_2(self) -> float:
+        """Piston area on the side of chamber 2, less the rod [m^2]."""
+        return self.area_1 - math.pi / 4 * self.rod**2
+
+
+@dataclass(frozen=True)
+class EffectSetting:
+    """One `[effects.NAME.WHERE]`: parameters in SI; `turning` where they were given for a joint that turns."""
+
+    name: str
+    where: str
+    parameters: Mapping[str, float]
+    turning: bool = False
+
+
+@dataclass(frozen=True)
+class Wearer:
+    """Who wears it: height [m] and mass [kg]."""
+
+    height: float = 1.70
+    mass: float = 75.0
+
+
+@dataclass(frozen=True)
+class Ankle:
+    """The exoskeleton's ankle: "free", "sprung" with a stiffness [N m/rad], or "powered" with a largest torque [N m]."""
+
+    mode: str = "sprung"
+    stiffness: float = 100.0
+    torque: float = 80.0
+
+
+@dataclass(frozen=True)
+class Rig:
+    """One machine as its owner believes it to be.
+
+    Attributes:
+        name: What it is called.
+        model: The MJCF file.
+        environment, supply: As in the file.
+        specific_gas_constant: [J/(kg K)].
+        heat_capacity_ratio: cp/cv.
+        cylinders: By name, in the order of the file.
+        effects: Physics beyond the paper.
+        body_masses: Masses that replace the MJCF's, by body [kg].
+        wearer, ankle: For machines that are worn.
+        text: The file as it stands.
+        path: Where it was read from; errors name it.
+    """
+
+    name: str
+    model: Path
+    environment: Environment
+    supply: Supply
+    specific_gas_constant: float
+    heat_capacity_ratio: float
+    cylinders: Mapping[str, Cylinder]
+    effects: tuple[EffectSetting, ...] = ()
+    body_masses: Mapping[str, float] = field(default_factory=dict)
+    wearer: Wearer = Wearer()
+    ankle: Ankle = Ankle()
+    text: str = ""
+    path: Path = Path("rig.toml")
+
+    def effect(self, name: str, where: str) -> EffectSetting | None:
+        """Return the setting of an effect at a place, or None where it is off."""
+        return next((effect for effect in self.effects if effect.name == name and effect.where == where), None)

@@ -1,0 +1,98 @@
+"""One table of a rig file, read key by key, so that every complaint names file, key, value and what to do."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Mapping
+from pathlib import Path
+from typing import Any
+
+from exo_sim import units
+from exo_sim.errors import RigError, UnitError, nearest
+
+
+class Table:
+    """Keys of one table; `done` refuses what nobody asked for.
+
+    Args:
+        path: The file, for messages.
+        key: The table's dotted name, "" for the whole file.
+        values: What the file holds.
+    """
+
+    def __init__(self, path: Path, key: str, values: Any):
+        self.path, self.key = path, key
+        if not isinstance(values, Mapping):
+            raise RigError(f"{path}: {key} = {values!r} must be a table: write [{key}] above its keys")
+        self.values = values
+        self._asked: set[str] = set()
+
+    def name(self, key: str) -> str:
+        """Return the dotted name of a key."""
+        return f"{self.key}.{key}" if self.key else key
+
+    def fail(self, key: str, what: str) -> RigError:
+        """Return an error about one key, naming its value where it has one."""
+        value = f" = {self.values[key]!r}".replace("'", '"') if key in self.values else ""
+        return RigError(f"{self.path}: {self.name(key)}{value}: {what}")
+
+    def has(self, key: str) -> bool:
+        """Say whether the key is there."""
+        self._asked.add(key)
+        return key in self.values
+
+    def table(self, key: str, required: bool = True) -> Table | None:
+        """Return a table inside this one, or None where it is not required and absent."""
+        if not self.has(key):
+            if required:
+                raise RigError(f"{self.path}: the table [{self.name(key)}] is missing")
+            return None
+        return Table(self.path, self.name(key), self.values[key])
+
+    def text(self, key: str, default: str | None = None, choices: Iterable[str] = ()) -> str:
+        """Return a string, one of `choices` where there are any."""
+        if not self.has(key):
+            if default is None:
+                raise RigError(f"{self.path}: {self.name(key)} is missing{_near(key, self.values)}")
+            return default
+        value = self.values[key]
+        if not isinstance(value, str):
+            raise self.fail(key, "must be text in quotes")
+        known = tuple(choices)
+        if known and value not in known:
+            raise self.fail(key, f"is not known{nearest(value, known)}")
+        return str(value)
+
+    def quantity(
+        self, key: str, si_unit: str, default: float | None = None, above: float | None = None, at_least: float | None = None
+    ) -> float:
+        """Return a quantity in SI, checked against its lower bound."""
+        if not self.has(key):
+            if default is None:
+                raise RigError(
+                    f'{self.path}: {self.name(key)} is missing{_near(key, self.values)}: give it like "1 {si_unit}"'
+                )
+            return default
+        try:
+            value = units.parse(_plain(self.values[key]), si_unit)
+        except UnitError as error:
+            raise RigError(f"{self.path}: {self.name(key)}: {error}") from None
+        if above is not None and not value > above:
+            raise self.fail(key, f"must be more than {above:g} {si_unit}")
+        if at_least is not None and not value >= at_least:
+            raise self.fail(key, f"must not be less than {at_least:g} {si_unit}")
+        return value
+
+    def done(self) -> None:
+        """Refuse keys that nobody asked for."""
+        for key in self.values:
+            if key not in self._asked:
+                raise RigError(f"{self.path}: {self.name(key)} is not a key of a rig{nearest(key, self._asked)}")
+
+
+def _plain(value: Any) -> Any:
+    return value.unwrap() if hasattr(value, "unwrap") else value
+
+
+def _near(key: str, present: Iterable[str]) -> str:
+    found = nearest(key, present)
+    return found.replace("did you mean", "is it spelt") if "mean" in found else ""

@@ -85,7 +85,8 @@ def make_case(
         effects: Keys of `effects.EFFECTS`.
         seed: Chance; the same seed gives the same case.
         size: Size of every effect, or one each; 1 is clearly visible.
-        known: Effects that the owner has in the rig already (of `ALL_KNOWN`); None draws "nothing known" or all, and always
+        known: Effects that the owner has in the rig already (of `ALL_KNOWN`); None draws "nothing known" or all,
+        and always
             adds those without which a hidden effect makes no sense.
         program: One of `excitation.PROGRAMS`.
         recordings: How many recordings of the machine.
@@ -118,7 +119,9 @@ def make_case(
     hidden = tuple(plant(effect, bench, s, seed * 31 + i) for i, (effect, s) in enumerate(zip(wanted, sizes)))
     machine = bench.machine()
     if oddities:
-        machine = machine.with_(spool_frequency=rng.uniform(110, 160), spool_damping=0.8, curve_exponent=rng.uniform(0.985, 1.015))
+        machine = machine.with_(
+            spool_frequency=rng.uniform(110, 160), spool_damping=0.8, curve_exponent=rng.uniform(0.985, 1.015)
+        )
         if machine["heat_conductance"] > 0:
             machine = machine.with_(heat_eichelberg=rng.uniform(0.05, 0.15))
         correlated = max(correlated, 0.5)
@@ -135,8 +138,11 @@ def make_case(
         and (supply_recorded or not column.startswith("supply."))
         and (exhaust_recorded or not column.startswith("exhaust."))
     ]
-    pressure = Instrument(noise=pressure_noise, slow_noise=correlated * pressure_noise, bits=bits, low=0.0, high=1.2e6, lag=lag)
-    position = Instrument(noise=position_noise, slow_noise=correlated * position_noise, bits=bits, low=-0.3, high=0.3, lag=lag,
+    pressure = Instrument(
+        noise=pressure_noise, slow_noise=correlated * pressure_noise, bits=bits, low=0.0, high=1.2e6, lag=lag
+    )
+    position = Instrument(noise=position_noise, slow_noise=correlated * position_noise, bits=bits, low=-0.3,
+    high=0.3, lag=lag,
                           delay=skew)  # fmt: skip
     tables = []
     for truth in truths:
@@ -152,7 +158,13 @@ def make_case(
             instrument = _faulty(position if key == "position" else pressure, column.split(" ")[0], hidden)
             table[column] = measure(truth.log["time"], true, instrument, rng)
         tables.append(table)
-    about = {"seed": seed, "program": program, "known": list(owner_knows), "recordings": recordings, "oddities": oddities}
+    about = {
+        "seed": seed,
+        "program": program,
+        "known": list(owner_knows),
+        "recordings": recordings,
+        "oddities": oddities,
+    }
     return Case(name, bench, own, machine, hidden, truths, tuple(tables), about)
 
 
@@ -165,7 +177,9 @@ def _faulty(instrument: Instrument, column: str, hidden: Sequence[Hidden]) -> In
         if "seconds" in p:
             instrument = replace(instrument, delay=instrument.delay + p["seconds"])
         if "value" in p:
-            instrument = replace(instrument, bias=p["value"], low=instrument.low - 2e5 if instrument.low == 0 else instrument.low)
+            instrument = replace(
+                instrument, bias=p["value"], low=instrument.low - 2e5 if instrument.low == 0 else instrument.low
+            )
         if "factor" in p:
             instrument = replace(instrument, scale=p["factor"])
     return instrument
@@ -190,7 +204,8 @@ def truth_of(case: Case) -> dict[str, object]:
                 "kind": entry.effect.kind,
                 "size": entry.size,
                 "parameters": {
-                    key: {"value": float(value), "unit": entry.effect.units.get(key, "1")} for key, value in entry.parameters.items()
+                    key: {"value": float(value), "unit": entry.effect.units.get(key, "1")}
+                    for key, value in entry.parameters.items()
                 },
             }
             for entry in case.hidden

@@ -1,6 +1,6 @@
 """Cases with their truth open, for those who build a diagnosis.
 
-    python -m exo_sim.trials.develop --out /tmp/cases --effects all --draws 1
+python -m exo_sim.trials.develop --out /tmp/cases --effects all --draws 1
 """
 
 from __future__ import annotations
@@ -13,14 +13,23 @@ from exo_sim.trials.cases import make_case, write_case
 from exo_sim.trials.effects import CALIBRATIONS, EFFECTS, LISTED, OUTSIDE, SENSORS
 from exo_sim.trials.truth.excitation import PROGRAMS
 
-GROUPS = {"all": tuple(EFFECTS), "listed": LISTED, "outside": OUTSIDE, "sensor": SENSORS, "calibration": CALIBRATIONS, "none": ("",)}
+GROUPS = {
+    "all": tuple(EFFECTS),
+    "listed": LISTED,
+    "outside": OUTSIDE,
+    "sensor": SENSORS,
+    "calibration": CALIBRATIONS,
+    "none": ("",),
+}
 
 
 def main(argv: list[str] | None = None) -> int:
     """Write cases; see `--help`."""
     parser = argparse.ArgumentParser(prog="python -m exo_sim.trials.develop", description=__doc__.splitlines()[0])
     parser.add_argument("--out", type=Path, required=True)
-    parser.add_argument("--effects", default="all", help="all, listed, outside, sensor, calibration, none, or keys: a,b,c+d")
+    parser.add_argument(
+        "--effects", default="all", help="all, listed, outside, sensor, calibration, none, or keys: a,b,c+d"
+    )
     parser.add_argument("--draws", type=int, default=1)
     parser.add_argument("--size", default="1", help="1 is clearly visible; 10x means ten times the detection limit")
     parser.add_argument("--seed", type=int, default=1)
@@ -33,7 +42,9 @@ def main(argv: list[str] | None = None) -> int:
     parser.add_argument("--no-supply", action="store_true")
     parser.add_argument("--format", default="csv", choices=("csv", "parquet"))
     options = parser.parse_args(argv)
-    known = {"draw": None, "none": (), "all": ("wall_heat_transfer", "coulomb_friction", "viscous_friction")}[options.known]
+    known = {"draw": None, "none": (), "all": ("wall_heat_transfer", "coulomb_friction", "viscous_friction")}[
+        options.known
+    ]
     chosen = [key for name in options.effects.split(",") for key in GROUPS.get(name, (name,))]
     try:
         for j, entry in enumerate(chosen):
@@ -42,7 +53,8 @@ def main(argv: list[str] | None = None) -> int:
                 seed = options.seed + 1000 * draw + 7 * j
                 label = entry.replace(":", "-") or "nothing"
                 settings = {
-                    "known": known, "program": options.program, "recordings": options.recordings, "duration": options.duration,
+                    "known": known, "program": options.program, "recordings": options.recordings, "duration":
+                    options.duration,
                     "jitter": options.jitter, "oddities": options.oddities, "supply_recorded": not options.no_supply,
                 }  # fmt: skip
                 size: float | list[float]

@@ -11,7 +11,13 @@ import numpy as np
 from exo_sim.trials.truth.machine import GRAVITY, Machine
 
 #: bore, rod, stroke [m] of catalogue cylinders (ISO 6432 and ISO 15552 sizes).
-CATALOGUE = ((0.025, 0.010, 0.100), (0.025, 0.010, 0.160), (0.032, 0.012, 0.160), (0.032, 0.012, 0.200), (0.040, 0.016, 0.160))
+CATALOGUE = (
+    (0.025, 0.010, 0.100),
+    (0.025, 0.010, 0.160),
+    (0.032, 0.012, 0.160),
+    (0.032, 0.012, 0.200),
+    (0.040, 0.016, 0.160),
+)
 CYLINDER, JOINT = "piston", "slide"
 
 
@@ -145,7 +151,9 @@ class Bench:
   <worldbody>
     <geom name="bed" type="box" size="0.4 0.05 0.01" pos="0 0 -0.1" contype="0" conaffinity="0"/>
     <body name="carriage">
-      <joint name="{JOINT}" type="slide" axis="{axis}" range="{low:.6g} {high:.6g}" limited="true" damping="{self.damping:.6g}"{spring}/>
+
+            <joint name="{JOINT}" type="slide" axis="{axis}" range="{low:.6g} {high:.6g}" limited="true"
+             damping="{self.damping:.6g}"{spring}/>
       <geom name="payload" type="box" size="0.05 0.04 0.04" mass="{self.mass:.6g}" contype="0" conaffinity="0"/>
     </body>
   </worldbody>
@@ -221,7 +229,10 @@ def believed(bench: Bench, rng: np.random.Generator, area: float = 0.02, dead: f
     """Return the bench as a careful laboratory believes it: relative errors drawn with these standard deviations."""
     errors = np.clip(rng.standard_normal(4), -2.2, 2.2)
     known = {
-        key: {name: value * (1 + effects * float(np.clip(rng.standard_normal(), -2.2, 2.2))) for name, value in entry.items()}
+        key: {
+            name: value * (1 + effects * float(np.clip(rng.standard_normal(), -2.2, 2.2)))
+            for name, value in entry.items()
+        }
         for key, entry in bench.known.items()
     }
     return replace(

@@ -64,7 +64,9 @@ def drive(bench: Bench, machine: Machine, kind: str, duration: float, rate: floa
     noise = 2e-5 * rng.standard_normal(n)
     record = machine.packed()
     p2 = 0.55 * bench.supply
-    weight = bench.mass * machine["gravity"] + machine["spring_stiffness"] * (0.5 * bench.stroke - machine["spring_rest"])
+    weight = bench.mass * machine["gravity"] + machine["spring_stiffness"] * (
+        0.5 * bench.stroke - machine["spring_rest"]
+    )
     p1 = (p2 * bench.area_2 + bench.ambient * (bench.area_1 - bench.area_2) + weight) / bench.area_1
     y = at_rest(0.5 * bench.stroke, p1, p2, record[0])
     truth = advance(machine, y, np.zeros(4), 0.0, ticks, dt, plan, gains, noise)
@@ -73,12 +75,14 @@ def drive(bench: Bench, machine: Machine, kind: str, duration: float, rate: floa
     return truth
 
 
-def advance(machine: Machine, y: Array, bristle: Array, start: float, ticks: NDArray[np.int64], dt: float, plan: Program,
+def advance(machine: Machine, y: Array, bristle: Array, start: float, ticks: NDArray[np.int64], dt: float, plan:
+Program,
             gains: Array, noise: Array, keep: bool = False) -> Truth:  # fmt: skip
     """Run a machine from a given state; see `plant.run`."""
     log = np.empty((len(ticks), len(LOG)))
     states = np.empty((len(ticks) if keep else 0, STATES + 5))
-    run(machine.packed(), y.copy(), bristle.copy(), start, ticks, dt, plan.mode, plan.goal, plan.speed, plan.feed, gains,
+    run(machine.packed(), y.copy(), bristle.copy(), start, ticks, dt, plan.mode, plan.goal, plan.speed, plan.feed,
+    gains,
         noise, log, states)  # fmt: skip
     return Truth({name: log[:, i] for i, name in enumerate(LOG)}, ticks, dt, states)
 

@@ -58,7 +58,8 @@ def program(kind: str, time: Array, middle: float, travel: float, opening: float
     """Lay out a program.
 
     Args:
-        kind: One of `PROGRAMS`: "mixed" has every piece, "tracking" position control with holds, "valve" given commands with
+        kind: One of `PROGRAMS`: "mixed" has every piece, "tracking" position control with holds, "valve" given
+        commands with
             holds, "holds" mostly closed valves after short moves.
         time: Tick times [s], shape (n,).
         middle, travel: Centre [m] and largest excursion [m] of the motion.
@@ -102,8 +103,10 @@ def program(kind: str, time: Array, middle: float, travel: float, opening: float
             elif piece == "ramps":
                 feed[rows] = 0.8 * opening * _triangle(t, t[-1] / 3.0)
             else:
-                feed[rows] = opening * np.where(np.sin(2 * np.pi * t / (t[-1] / 3.5)) > 0, 1.0, -1.0) * (
-                    np.mod(t, t[-1] / 7) < t[-1] / 14
+                feed[rows] = (
+                    opening
+                    * np.where(np.sin(2 * np.pi * t / (t[-1] / 3.5)) > 0, 1.0, -1.0)
+                    * (np.mod(t, t[-1] / 7) < t[-1] / 14)
                 )
     ends = time[-1] - time[0]
     smooth = np.clip((time - time[0]) / min(0.5, 0.1 * ends + 1e-9), 0, 1)

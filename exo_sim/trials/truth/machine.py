@@ -111,7 +111,9 @@ class Machine:
             volumes.append(self["exhaust_volume"])
         openings = self["valve_area"] + self["line_area"] + self["exhaust_area"]
         # slope of the flow law at equal pressures, d(mdot)/dP = A c / sqrt(T) * 2 / ((1 - b) sqrt(zone))
-        slope = openings * 0.0404 / math.sqrt(290.0) * 2 / ((1 - self["choked_ratio"]) * math.sqrt(self["laminar_zone"]))
+        slope = (
+            openings * 0.0404 / math.sqrt(290.0) * 2 / ((1 - self["choked_ratio"]) * math.sqrt(self["laminar_zone"]))
+        )
         rate = slope * 1.4 * 287.05 * 290.0 / min(volumes)
         for pieces in (1, 2, 4, 5, 10):
             if 5e-5 / pieces * rate < 1.2:

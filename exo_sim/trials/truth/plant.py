@@ -1,6 +1,7 @@
 """The true machine in motion: mass and temperature of every gas volume, bristles for friction, fixed fine steps.
 
-Every volume carries (mass, temperature); flow follows the ellipse of ISO 6358 whose choked branch has the capacity of the
+Every volume carries (mass, temperature); flow follows the ellipse of ISO 6358 whose choked branch has the capacity
+of the
 throat area; friction is LuGre, its bristle advanced implicitly; everything else by the explicit midpoint rule.
 All compiled code of the bench lives in this one file, because numba's cache does not see changes in other files.
 """
@@ -85,10 +86,10 @@ def valve_areas(u, p):
 
 @njit(cache=True, nogil=True)
 def in_series(a, b):
-    """Return one area that stands for two behind each other."""
+    """Return one area that stands for two behind each other: 1/C^3 = 1/a^3 + 1/b^3, the rule for ISO 6358 parts."""
     if a <= 0.0 or b <= 0.0:
         return 0.0
-    return a * b / math.sqrt(a * a + b * b)
+    return (a**-3 + b**-3) ** (-1.0 / 3.0)
 
 
 @njit(cache=True, nogil=True)
@@ -163,8 +164,12 @@ def rates(y, u, dry, t, p, out):
             through_2 = mass_flow(p.line_area, end_2, end_t2, p2, y[T2], p.leak_ratio, zone, k, gas)
         carried_1 = cp * through_1 * (end_t1 if through_1 > 0 else y[T1])
         carried_2 = cp * through_2 * (end_t2 if through_2 > 0 else y[T2])
-        out[ML1], out[TL1] = gas_rates(y[ML1], y[TL1], p.line_volume, 0.0, net_1 - through_1, h_1 - carried_1, 0.0, gas, cv)
-        out[ML2], out[TL2] = gas_rates(y[ML2], y[TL2], p.line_volume, 0.0, net_2 - through_2, h_2 - carried_2, 0.0, gas, cv)
+        out[ML1], out[TL1] = gas_rates(
+            y[ML1], y[TL1], p.line_volume, 0.0, net_1 - through_1, h_1 - carried_1, 0.0, gas, cv
+        )
+        out[ML2], out[TL2] = gas_rates(
+            y[ML2], y[TL2], p.line_volume, 0.0, net_2 - through_2, h_2 - carried_2, 0.0, gas, cv
+        )
         net_1, net_2, h_1, h_2 = through_1, through_2, carried_1, carried_2
 
     # leaks
@@ -181,7 +186,9 @@ def rates(y, u, dry, t, p, out):
     q = mass_flow(p.leak_out_area_1, p1, y[T1], ambient, t_ambient, p.leak_ratio, zone, k, gas)
     q += porous_flow(p1 * p1 - ambient * ambient, p.leak_out_laminar_1, p.leak_out_inertial)
     if p.relief_slope > 0.0 and p1 > p.relief_pressure:
-        q += mass_flow(p.relief_slope * (p1 - p.relief_pressure), p1, y[T1], ambient, t_ambient, p.leak_ratio, zone, k, gas)
+        q += mass_flow(
+            p.relief_slope * (p1 - p.relief_pressure), p1, y[T1], ambient, t_ambient, p.leak_ratio, zone, k, gas
+        )
     net_1 -= q
     h_1 -= cp * q * (y[T1] if q > 0 else t_ambient)
     q = mass_flow(p.leak_out_area_2, p2, y[T2], ambient, t_ambient, p.leak_ratio, zone, k, gas)
@@ -286,14 +293,17 @@ def run(record, y, bristle, start, ticks, dt, mode, goal, speed, feed, gains, no
     Args:
         record: `Machine.packed()`.
         y: State at the first tick, shape (STATES,); holds the last state afterwards.
-        bristle: (deflection [m], seconds at rest, play of the valve, play of the regulator), changed in place, shape (4,).
+        bristle: (deflection [m], seconds at rest, play of the valve, play of the regulator), changed in place,
+        shape (4,).
         start: Time of the first tick [s].
         ticks: Integration steps between a tick and the next, shape (n,).
         dt: Integration step [s].
-        mode: What makes the command at each tick: 0 `feed` as it is, 1 position control towards `goal`, 2 `feed` plus a pull
+        mode: What makes the command at each tick: 0 `feed` as it is, 1 position control towards `goal`, 2 `feed`
+        plus a pull
             towards `goal`, shape (n,).
         goal, speed, feed: Wanted position [m] and velocity [m/s], command given in advance, shape (n,).
-        gains: Position [1/m], velocity [s/m] and pressure [1/Pa] gain of the bench's own controller, and the pull of mode 2.
+        gains: Position [1/m], velocity [s/m] and pressure [1/Pa] gain of the bench's own controller, and the pull
+        of mode 2.
         noise: What the controller's position sensor adds [m], shape (n,).
         log: Written, shape (n, len(LOG)).
         states: Written where it has rows: full state, bristle and time at each tick, shape (n or 0, STATES + 5).
@@ -354,7 +364,7 @@ def run(record, y, bristle, start, ticks, dt, mode, goal, speed, feed, gains, no
         log[i, 13] = y[XP]
         if states.shape[0] > 0:
             states[i, :STATES] = y
-            states[i, STATES:STATES + 4] = bristle
+            states[i, STATES : STATES + 4] = bristle
             states[i, STATES + 4] = t
         for _ in range(ticks[i]):
             line[head] = u

@@ -1,0 +1,132 @@
+"""Which joint each cylinder drives, and whether its stroke covers that joint's range."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import mujoco
+import numpy as np
+from numpy.typing import NDArray
+
+from exo_sim.errors import ModelError, RigError, nearest
+from exo_sim.rig import Rig
+
+#: How far a piston may be asked beyond its stroke before the rig is refused [m].
+STROKE_TOLERANCE = 1e-3
+
+
+@dataclass(frozen=True)
+class Linkage:
+    """One cylinder in the model.
+
+    Attributes:
+        cylinder: Its name.
+        actuator: Index of the MJCF actuator.
+        joint: Name of the joint it drives most directly.
+        dof: That joint's degree of freedom.
+        turning: True where the joint is a hinge.
+    """
+
+    cylinder: str
+    actuator: int
+    joint: str
+    dof: int
+    turning: bool
+
+
+def linkages(rig: Rig, model: mujoco.MjModel) -> tuple[Linkage, ...]:
+    """Return how each cylinder of the rig, in its order, hangs in the model.
+
+    Raises:
+        ModelError: the MJCF lacks an actuator, or has one that is no plain motor on a joint or tendon.
+    """
+    names = [model.actuator(i).name for i in range(model.nu)]
+    found = []
+    for cylinder in rig.cylinders.values():
+        key = f'{rig.path}: cylinders.{cylinder.name}.actuator = "{cylinder.actuator}"'
+        if cylinder.actuator not in names:
+            raise ModelError(f"{key}: no such actuator in {rig.model.name}{nearest(cylinder.actuator, names)}")
+        index = names.index(cylinder.actuator)
+        _check_motor(model, index, key)
+        dof = _driven_dof(model, index, key)
+        joint = int(model.dof_jntid[dof])
+        turning = model.jnt_type[joint] == mujoco.mjtJoint.mjJNT_HINGE
+        found.append(Linkage(cylinder.name, index, model.joint(joint).name, dof, bool(turning)))
+    return tuple(found)
+
+
+def _check_motor(model: mujoco.MjModel, index: int, key: str) -> None:
+    kinds = (int(mujoco.mjtTrn.mjTRN_JOINT), int(mujoco.mjtTrn.mjTRN_TENDON))
+    if int(model.actuator_trntype[index]) not in kinds:
+        raise ModelError(f"{key}: acts neither on a joint nor on a tendon; a cylinder needs one of these transmissions")
+    plain = (int(mujoco.mjtGain.mjGAIN_FIXED), int(mujoco.mjtBias.mjBIAS_NONE), int(mujoco.mjtDyn.mjDYN_NONE))
+    kind = (int(model.actuator_gaintype[index]), int(model.actuator_biastype[index]), int(model.actuator_dyntype[index]))
+    if kind != plain or model.actuator_gainprm[index, 0] != 1.0:
+        raise ModelError(f"{key}: is not a <motor> of gain 1; a cylinder writes its force in newtons into ctrl")
+
+
+def _driven_dof(model: mujoco.MjModel, index: int, key: str) -> int:
+    """Return the degree of freedom with the largest moment over the joints' ranges."""
+    data = mujoco.MjData(model)
+    moments = np.zeros(model.nv)
+    for share in (0.25, 0.5, 0.75):
+        data.qpos[:] = at_share(model, share)
+        mujoco.mj_forward(model, data)
+        moments = np.maximum(moments, np.abs(moment_row(model, data, index)))
+    sliding = np.array([model.jnt_type[model.dof_jntid[d]] in (2, 3) for d in range(model.nv)])
+    moments = np.where(sliding, moments, 0.0)
+    if not moments.max(initial=0.0) > 1e-6:
+        raise ModelError(f"{key}: moves no hinge or slide joint; its linkage is singular")
+    return int(np.argmax(moments))
+
+
+def moment_row(model: mujoco.MjModel, data: mujoco.MjData, index: int) -> NDArray[np.float64]:
+    """Return dlength/dq of an actuator, shape (nv,), after `mj_forward`."""
+    row = np.zeros((model.nu, model.nv))
+    mujoco.mju_sparse2dense(row, data.actuator_moment, data.moment_rownnz, data.moment_rowadr, data.moment_colind)
+    return row[index]
+
+
+def at_share(model: mujoco.MjModel, share: float) -> NDArray[np.float64]:
+    """Return the positions with every limited hinge and slide at this share of its range, shape (nq,)."""
+    qpos = np.array(model.qpos0)
+    for joint in range(model.njnt):
+        if model.jnt_limited[joint] and model.jnt_type[joint] in (2, 3):
+            low, high = model.jnt_range[joint]
+            qpos[model.jnt_qposadr[joint]] = low + share * (high - low)
+    return qpos
+
+
+def check_strokes(rig: Rig, model: mujoco.MjModel) -> None:
+    """Refuse a rig whose cylinders cannot follow their joints, or whose linkage passes a dead centre.
+
+    Raises:
+        RigError: a stroke that is too short, or a moment arm that vanishes inside the joint's range.
+    """
+    data = mujoco.MjData(model)
+    for link in linkages(rig, model):
+        joint = int(model.dof_jntid[link.dof])
+        if not model.jnt_limited[joint]:
+            continue
+        cylinder = rig.cylinders[link.cylinder]
+        low, high = model.jnt_range[joint]
+        lengths, arms = [], []
+        for angle in np.linspace(low, high, 41):
+            data.qpos[:] = model.qpos0
+            data.qpos[model.jnt_qposadr[joint]] = angle
+            mujoco.mj_forward(model, data)
+            lengths.append(float(data.actuator_length[link.actuator]))
+            arms.append(float(moment_row(model, data, link.actuator)[link.dof]))
+        where = f"{rig.path}: cylinders.{link.cylinder}"
+        if min(arms) < 0.0 < max(arms) or min(map(abs, arms)) < 1e-4:
+            raise RigError(
+                f'{where}: the linkage is singular inside the range of joint "{link.joint}": its moment arm goes from '
+                f"{min(arms) * 1e3:.1f} to {max(arms) * 1e3:.1f} mm; move an attachment point"
+            )
+        short = cylinder.retracted_length - min(lengths)
+        over = max(lengths) - cylinder.retracted_length - cylinder.stroke
+        if short > STROKE_TOLERANCE or over > STROKE_TOLERANCE:
+            raise RigError(
+                f'{where}: stroke = {cylinder.stroke * 1e3:.1f} mm from {cylinder.retracted_length * 1e3:.1f} mm does not cover '
+                f'joint "{link.joint}", which asks for {min(lengths) * 1e3:.1f} to {max(lengths) * 1e3:.1f} mm'
+            )

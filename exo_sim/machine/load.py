@@ -1,0 +1,62 @@
+"""From a rig to its MuJoCo model: the MJCF as it stands, with the masses that the rig knows better."""
+
+from __future__ import annotations
+
+import mujoco
+
+from exo_sim.errors import ModelError, nearest
+from exo_sim.rig import Rig
+
+
+def spec(rig: Rig) -> mujoco.MjSpec:
+    """Return the rig's MJCF as an editable specification, masses of `[bodies.NAME]` put in.
+
+    Raises:
+        ModelError: MuJoCo refuses the file, or a body is not in it.
+    """
+    try:
+        loaded = mujoco.MjSpec.from_file(str(rig.model))
+    except (ValueError, RuntimeError) as error:
+        raise ModelError(f"{rig.model}: MuJoCo cannot read it: {_one_line(error)}") from None
+    if rig.body_masses:
+        before = compiled(loaded, rig)
+        for name, mass in rig.body_masses.items():
+            body = loaded.body(name)
+            if body is None:
+                names = [other.name for other in loaded.bodies]
+                raise ModelError(f"{rig.path}: bodies.{name} is not a body of {rig.model.name}{nearest(name, names)}")
+            index = before.body(name).id
+            old = float(before.body_mass[index])
+            if old <= 0.0:
+                raise ModelError(f"{rig.path}: bodies.{name}: the body has no mass in {rig.model.name}; give its geom one")
+            body.explicitinertial = True
+            body.mass = mass
+            body.ipos = before.body_ipos[index]
+            body.iquat = before.body_iquat[index]
+            body.inertia = before.body_inertia[index] * mass / old
+    return loaded
+
+
+def compiled(loaded: mujoco.MjSpec, rig: Rig) -> mujoco.MjModel:
+    """Compile a specification.
+
+    Raises:
+        ModelError: MuJoCo refuses it.
+    """
+    try:
+        return loaded.compile()
+    except (ValueError, RuntimeError) as error:
+        raise ModelError(f"{rig.model}: MuJoCo cannot compile it: {_one_line(error)}") from None
+
+
+def load(rig: Rig) -> mujoco.MjModel:
+    """Return the rig's compiled model.
+
+    Raises:
+        ModelError: as `spec` and `compiled`.
+    """
+    return compiled(spec(rig), rig)
+
+
+def _one_line(error: Exception) -> str:
+    return " ".join(str(error).split())

@@ -1,0 +1,1 @@
+"""The pneumatics under MuJoCo: the plug-in, and running scenarios."""

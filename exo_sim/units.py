@@ -31,6 +31,11 @@ _GAUGE = re.compile(r"\b(psig|barg|bar\s*\(g\)|bar\s+gauge|kpag|mpag|pag)(?![a-z
 _QUANTITY = re.compile(r"^\s*([-+]?(?:\d+\.?\d*|\.\d+)(?:[eE][-+]?\d+)?)\s*(.*?)\s*$")
 
 
+def is_gauge(unit: str) -> bool:
+    """Return True for a pressure unit counted from the atmosphere, like "psig" or "bar gauge"."""
+    return _GAUGE.search(unit) is not None
+
+
 @cache
 def _registry() -> pint.UnitRegistry:
     import pint
@@ -47,7 +52,7 @@ def scale_and_offset(unit: str, si_unit: str) -> tuple[float, float]:
     """
     import pint
 
-    if _GAUGE.search(unit):
+    if is_gauge(unit):
         raise UnitError(f'unit "{unit}" is gauge; pressures are absolute: add the atmosphere and write "Pa" or "bar"')
     if unit in ("", "1") or si_unit == "1":
         if unit in ("", "1") and si_unit == "1":

@@ -1,0 +1,106 @@
+"""Putting the clock of a raw table in order: strictly increasing, with everything that was done about it said."""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import NDArray
+
+from exo_sim.errors import RecordingError
+from exo_sim.recording.finding import MOST_SPANS, Finding
+
+#: A clock that jumps back so far that more than this share of the rows would be lost is taken for two recordings in one
+#: file, and the longest is kept.
+MOST_LOST = 0.1
+
+
+def in_order(name: str, time: NDArray[np.float64]) -> tuple[NDArray[np.intp] | slice, list[Finding], tuple[float, ...]]:
+    """Choose the rows that make the clock strictly increasing.
+
+    Args:
+        name: The file, for messages.
+        time: Seconds as recorded, shape (n,).
+
+    Returns:
+        The rows to keep, in order; what was found; and the times at which the clock was mended, which no prediction
+        should run across.
+
+    Raises:
+        RecordingError: no time in it.
+    """
+    findings: list[Finding] = []
+    rows = np.arange(len(time))
+    missing = ~np.isfinite(time)
+    if missing.any():
+        if missing.all():
+            raise RecordingError(f'"{name}": column "time" holds no numbers')
+        count, first = int(missing.sum()), int(np.argmax(missing))
+        rows = rows[~missing]
+        says = f'"time" has no number in {_rows(count)}, first row {first + 1}; they were dropped'
+        findings.append(Finding("time", "clock", says, severity="warning", use="repaired"))
+    steps = np.diff(time[rows])
+    if len(steps) and (steps > 0).all():
+        return (slice(None) if not missing.any() else rows), findings, ()
+    if len(steps) and (steps <= 0).all() and (steps < 0).mean() > 0.5:
+        rows, steps = rows[::-1], -steps[::-1]
+        says = '"time" runs backwards in all rows; the rows were turned round'
+        findings.append(Finding("time", "clock", says, severity="warning", use="repaired"))
+    kept, breaks = _increasing(time, rows, steps, findings)
+    return kept, findings, breaks
+
+
+def _increasing(
+    time: NDArray[np.float64], rows: NDArray[np.intp], steps: NDArray[np.float64], findings: list[Finding]
+) -> tuple[NDArray[np.intp], tuple[float, ...]]:
+    clock = time[rows]
+    latest = np.maximum.accumulate(clock)
+    later = np.concatenate(([True], clock[1:] > latest[:-1]))
+    back = np.flatnonzero(steps < 0)
+    if not len(back):
+        if not later.all():
+            _say_repeated(clock, rows, ~later, findings)
+        return rows[later], ()
+    first = back[0]
+    times = tuple((float(clock[at + 1]), float(clock[at])) for at in back[:MOST_SPANS])
+    where = f"row {rows[first] + 1 + 1} ({clock[first]:.6g} s to {clock[first + 1]:.6g} s)"
+    if (~later).mean() <= MOST_LOST:
+        says = (
+            f'"time" steps back {_times(len(back))}, first at {where}; '
+            f"{_rows(int((~later).sum()))} not later than one before were dropped"
+        )
+        findings.append(Finding("time", "clock", says, times=times, severity="warning", use="repaired"))
+        mended = np.flatnonzero(np.diff(np.flatnonzero(later)) > 1)
+        return rows[later], tuple(float(t) for t in clock[later][mended + 1])
+    edges = np.concatenate(([0], back + 1, [len(rows)]))
+    longest = int(np.argmax(np.diff(edges)))
+    piece = slice(edges[longest], edges[longest + 1])
+    kept = f"{_rows(edges[longest + 1] - edges[longest])} from row {rows[piece][0] + 1} on"
+    says = (
+        f'"time" steps back {_times(len(back))}, first at {where}: several recordings in one file; '
+        f"the longest was kept ({kept}), the others set aside"
+    )
+    findings.append(Finding("time", "clock", says, times=times, severity="warning", use="set aside"))
+    clock, rows = clock[piece], rows[piece]
+    later = np.concatenate(([True], np.diff(clock) > 0))
+    if not later.all():
+        _say_repeated(clock, rows, ~later, findings)
+    return rows[later], ()
+
+
+def _say_repeated(
+    clock: NDArray[np.float64], rows: NDArray[np.intp], repeated: NDArray[np.bool_], findings: list[Finding]
+) -> None:
+    at = np.flatnonzero(repeated)
+    says = (
+        f'"time" stands still in {_rows(len(at))}, first row {rows[at[0]] + 1} ({clock[at[0]]:.6g} s); '
+        "only the first of each was kept"
+    )
+    times = tuple((float(clock[i]), float(clock[i])) for i in at[:MOST_SPANS])
+    findings.append(Finding("time", "clock", says, times=times, severity="warning", use="repaired"))
+
+
+def _rows(count: int) -> str:
+    return f"{count} row" if count == 1 else f"{count} rows"
+
+
+def _times(count: int) -> str:
+    return "once" if count == 1 else f"{count} times"

@@ -1,0 +1,98 @@
+"""A column map: which foreign column is which signal.
+
+A TOML file::
+
+    [file]                       # optional, for CSV
+    header = false               # the columns are then called "1", "2", ...
+    delimiter = ";"
+
+    [columns]                    # foreign name = contract name, with the unit the foreign numbers are in
+    "t(ms)"  = "time [ms]"
+    "Pos"    = "slide.position [in]"
+    "P1"     = { column = "piston.pressure_1 [bar]", scale = 1.0, offset = 1.01325 }   # gauge to absolute
+
+`scale` and `offset` apply to the foreign number, in the unit given: `value * scale + offset`.
+"""
+
+from __future__ import annotations
+
+import tomllib
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+from pathlib import Path
+
+from exo_sim.errors import RecordingError, UnitError, nearest
+from exo_sim.recording import columns
+from exo_sim.recording.columns import Column
+
+
+@dataclass(frozen=True)
+class ColumnMap:
+    """Foreign names to signals.
+
+    Attributes:
+        path: The file it was read from.
+        columns: Foreign name to where it goes.
+        header: False where a CSV has no heading line; its columns are called "1", "2", ...
+        delimiter: What stands between the numbers of a CSV; found out where it is None.
+    """
+
+    path: Path
+    columns: Mapping[str, Column] = field(default_factory=dict)
+    header: bool = True
+    delimiter: str | None = None
+
+
+def read_column_map(path: str | Path) -> ColumnMap:
+    """Read a column map.
+
+    Raises:
+        RecordingError: the file is missing or not TOML, a key is unknown, or a name or unit cannot be.
+    """
+    path = Path(path)
+    try:
+        tables = tomllib.loads(path.read_text(encoding="utf-8"))
+    except FileNotFoundError:
+        raise RecordingError(f'column map "{path}": there is no such file') from None
+    except (OSError, UnicodeDecodeError, tomllib.TOMLDecodeError) as error:
+        raise RecordingError(f'column map "{path}": cannot be read as TOML: {str(error).splitlines()[0]}') from None
+    _known(path, "table", tables, ("file", "columns"))
+    options = tables.get("file", {})
+    entries = tables.get("columns")
+    if not isinstance(entries, dict) or not entries:
+        raise RecordingError(f'column map "{path}": no [columns]; write lines like "P1" = "piston.pressure_1 [bar]"')
+    if not isinstance(options, dict):
+        raise RecordingError(f'column map "{path}": [file] must be a table')
+    _known(path, "key of [file]", options, ("header", "delimiter"))
+    header, delimiter = options.get("header", True), options.get("delimiter")
+    if not isinstance(header, bool):
+        raise RecordingError(f'column map "{path}": header = {header!r}; write true or false')
+    if delimiter is not None and (not isinstance(delimiter, str) or len(delimiter) != 1):
+        raise RecordingError(f'column map "{path}": delimiter = {delimiter!r}; write one character, like ";"')
+    return ColumnMap(path, {name: _entry(path, name, entry) for name, entry in entries.items()}, header, delimiter)
+
+
+def _known(path: Path, what: str, table: Mapping[str, object], choices: tuple[str, ...]) -> None:
+    for key in table:
+        if key not in choices:
+            raise RecordingError(f'column map "{path}": unknown {what} "{key}"{nearest(key, choices)}')
+
+
+def _entry(path: Path, name: str, entry: object) -> Column:
+    where = f'column map "{path}", "{name}"'
+    scale, offset = 1.0, 0.0
+    heading = entry
+    if isinstance(entry, dict):
+        _known(path, f'key of "{name}"', entry, ("column", "scale", "offset"))
+        heading = entry.get("column")
+        try:
+            scale, offset = float(entry.get("scale", 1.0)), float(entry.get("offset", 0.0))
+        except (TypeError, ValueError):
+            raise RecordingError(f"{where}: scale and offset must be numbers") from None
+    if not isinstance(heading, str):
+        raise RecordingError(f'{where}: write the column it is, like "piston.pressure_1 [bar]"')
+    try:
+        column = columns.resolve(heading)
+    except (RecordingError, UnitError) as error:
+        raise type(error)(f"{where}: {error}") from None
+    return Column(name, column.key, column.unit, scale * column.scale, offset * column.scale + column.offset)

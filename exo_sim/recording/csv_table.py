@@ -1,0 +1,203 @@
+"""CSV: any of the usual delimiters, a byte-order mark, comments, blank and torn lines, words among the numbers."""
+
+from __future__ import annotations
+
+import csv
+from collections.abc import Iterator
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from exo_sim.errors import RecordingError
+from exo_sim.recording.column_map import ColumnMap
+from exo_sim.recording.finding import Finding
+from exo_sim.recording.selection import RawTable, Selection, select
+
+if TYPE_CHECKING:
+    import pyarrow as pa
+
+_DELIMITERS = (",", ";", "\t")
+_MISSING = ["", "nan", "NaN", "NAN", "-nan", "NA", "N/A", "null", "NULL", "None", "#N/A"]
+#: Lines with another number of cells are dropped and said, up to this share of the rows; beyond it the file is refused.
+_MOST_TORN = 0.01
+_SAMPLE = 1 << 18
+
+
+def read_csv(path: Path, column_map: ColumnMap | None = None) -> RawTable:
+    """Read a CSV file.
+
+    Raises:
+        RecordingError: not text, no heading, no rows, decimal commas, too many torn lines, or what `select` refuses.
+    """
+    sample = _sample(path)
+    if not sample.strip():
+        raise RecordingError(f'"{path}": the file is empty')
+    lines = sample.splitlines()
+    skipped = next((i for i, line in enumerate(lines) if line.strip() and not line.lstrip().startswith("#")), None)
+    if skipped is None:
+        raise RecordingError(f'"{path}": there are only comments in it; the first other line must name the columns')
+    delimiter = (column_map.delimiter if column_map else None) or max(_DELIMITERS, key=lines[skipped].count)
+    headings = [cell.strip() for cell in next(csv.reader([lines[skipped]], delimiter=delimiter))]
+    if column_map and not column_map.header:
+        headings = [str(number) for number in range(1, len(headings) + 1)]
+        skipped -= 1
+    elif all(_is_number(cell) for cell in headings):
+        raise RecordingError(
+            f'"{path}": line {skipped + 1} holds numbers where the column names should be; add a line like '
+            '"time [s],piston.pressure_1 [Pa]", or hand in a column map with header = false'
+        )
+    selection = select(str(path), headings, column_map)
+    selection.refuse_if_too_long(str(path), _rows(path, sample, lines, skipped))
+    _refuse_decimal_comma(path, lines[skipped + 1 :], delimiter, len(headings))
+    return _Parse(path, headings, skipped + 1, delimiter, selection).table()
+
+
+def _sample(path: Path) -> str:
+    with path.open("rb") as file:
+        raw = file.read(_SAMPLE)
+    if raw[:2] in (b"\xff\xfe", b"\xfe\xff"):
+        raise RecordingError(f'"{path}": it is UTF-16 text; save it as UTF-8')
+    if b"\0" in raw:
+        raise RecordingError(f'"{path}": it is not text; name it by its kind: .csv, .parquet or .rrd')
+    return raw.decode("utf-8-sig", errors="replace")
+
+
+def _rows(path: Path, sample: str, lines: list[str], skipped: int) -> float:
+    body = lines[skipped + 1 : -1] or lines[skipped + 1 :]
+    if not body:
+        raise RecordingError(f'"{path}": there is a heading and no row below it')
+    return path.stat().st_size / max(1.0, sum(len(line) + 1 for line in body) / len(body))
+
+
+def _is_number(cell: str) -> bool:
+    try:
+        float(cell)
+    except ValueError:
+        return False
+    return True
+
+
+def _refuse_decimal_comma(path: Path, body: list[str], delimiter: str, width: int) -> None:
+    for number, line in enumerate(body[:50], start=1):
+        cells = line.split(delimiter)
+        comma = next((cell for cell in cells if cell.count(",") == 1 and _is_number(cell.replace(",", "."))), None)
+        if delimiter != "," and comma is not None:
+            where = f'"{path}": row {number} holds "{comma.strip()}"'
+            raise RecordingError(f"{where}: decimal commas; write decimal points")
+        if delimiter == "," and len(cells) == 2 * width and all(_is_number(cell) for cell in cells):
+            raise RecordingError(
+                f'"{path}": row {number} has {len(cells)} cells under {width} column names: decimal commas? '
+                "Write decimal points, or part the columns by semicolons"
+            )
+
+
+class _Parse:
+    """One pass over the file, block by block, into one array a column."""
+
+    def __init__(self, path: Path, headings: list[str], skip: int, delimiter: str, selection: Selection) -> None:
+        self.path, self.headings, self.skip, self.delimiter, self.selection = path, headings, skip, delimiter, selection
+        self.torn: list[tuple[int, str]] = []
+        self.words: dict[str, tuple[int, int, str]] = {}  # column: how many, first row, first word
+
+    def table(self) -> RawTable:
+        import pyarrow as pa
+
+        sources = [column.source for column in self.selection.columns]
+        try:
+            parts = self._blocks(sources, pa.float64())
+        except pa.ArrowInvalid:
+            self.torn.clear()
+            parts = self._blocks(sources, pa.string())  # words among the numbers: slower, and it says which
+        rows = sum(len(part) for part in parts[sources[0]])
+        if not rows:
+            raise RecordingError(f'"{self.path}": there is a heading and no whole row below it')
+        findings = list(self.selection.findings) + self._torn(rows) + self._words(rows)
+        values: dict[str, NDArray[np.float64]] = {}
+        for column in self.selection.columns:
+            values[column.key] = column.to_si(np.concatenate(parts.pop(column.source)))
+        units = {column.key: column.unit for column in self.selection.columns}
+        time = values.pop(self.selection.columns[0].key)
+        return RawTable(time, values, units, findings)
+
+    def _blocks(self, sources: list[str], type_: pa.DataType) -> dict[str, list[NDArray[np.float64]]]:
+        parts: dict[str, list[NDArray[np.float64]]] = {source: [] for source in sources}
+        done = 0
+        for batch in self._batches(sources, type_):
+            for source in sources:
+                parts[source].append(self._numbers(batch.column(source), source, done))
+            done += batch.num_rows
+        return parts
+
+    def _batches(self, sources: list[str], type_: pa.DataType) -> Iterator[Any]:
+        import pyarrow as pa
+        from pyarrow import csv as arrow
+
+        try:
+            yield from arrow.open_csv(
+                self.path,
+                read_options=arrow.ReadOptions(
+                    use_threads=False, column_names=self.headings, skip_rows=self.skip, block_size=1 << 22
+                ),
+                parse_options=arrow.ParseOptions(delimiter=self.delimiter, invalid_row_handler=self._on_torn),
+                convert_options=arrow.ConvertOptions(
+                    column_types=dict.fromkeys(sources, type_), include_columns=sources, null_values=_MISSING
+                ),
+            )
+        except pa.ArrowInvalid as error:
+            if "Empty CSV" in str(error):
+                raise RecordingError(f'"{self.path}": there is a heading and no row below it') from None
+            raise
+
+    def _on_torn(self, row: Any) -> str:
+        if not row.text.lstrip().startswith("#"):
+            self.torn.append((row.number or 0, row.text[:40]))
+        return "skip"
+
+    def _numbers(self, cells: pa.Array, source: str, done: int) -> NDArray[np.float64]:
+        import pyarrow as pa
+        from pyarrow import compute
+
+        if cells.type == pa.float64():
+            return cells.to_numpy(zero_copy_only=False)
+        numbers = np.full(len(cells), np.nan)
+        for row, cell in enumerate(compute.utf8_trim_whitespace(cells).to_pylist()):
+            if cell is None or cell in _MISSING:
+                continue
+            try:
+                numbers[row] = float(cell)
+            except ValueError:
+                if _is_number(cell.replace(",", ".", 1)):
+                    where = f'"{self.path}": row {done + row + 1} of "{source}" holds "{cell}"'
+                    raise RecordingError(f"{where}: decimal commas; write decimal points") from None
+                count, first, word = self.words.get(source, (0, done + row + 1, cell))
+                self.words[source] = (count + 1, first, word)
+        return numbers
+
+    def _torn(self, rows: int) -> list[Finding]:
+        if not self.torn:
+            return []
+        number, text = self.torn[0]
+        where = f'row {number} (it begins "{text}")' if number else f'the one that begins "{text}"'
+        if len(self.torn) > 1 + _MOST_TORN * rows:
+            raise RecordingError(
+                f'"{self.path}": {len(self.torn)} rows have more or fewer cells than there are columns '
+                f"({len(self.headings)}), first {where}; write one cell a column, with decimal points"
+            )
+        many = "1 row has" if len(self.torn) == 1 else f"{len(self.torn)} rows have"
+        says = f"{many} more or fewer cells than there are columns, first {where}: cut off while writing? Dropped"
+        return [Finding(self.path.name, "torn row", says, severity="warning", use="repaired")]
+
+    def _words(self, rows: int) -> list[Finding]:
+        findings = []
+        by_source = {column.source: column for column in self.selection.columns}
+        for source, (count, first, word) in self.words.items():
+            if count == rows:
+                raise RecordingError(
+                    f'"{self.path}": column "{source}" holds words, first "{word[:20]}"; it must hold numbers'
+                )
+            where = f'first "{word[:20]}" in row {first}'
+            says = f'"{source}" holds words in {count} of {rows} rows, {where}; taken as missing'
+            findings.append(Finding(by_source[source].key, "words", says, severity="warning", use="repaired"))
+        return findings

@@ -1,0 +1,110 @@
+"""Reading a recording from a file: CSV, Parquet or .rrd, to one table in SI and what was odd about it."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from pathlib import Path
+
+import numpy as np
+
+from exo_sim.errors import RecordingError
+from exo_sim.recording import clock
+from exo_sim.recording.column_map import ColumnMap, read_column_map
+from exo_sim.recording.finding import Finding
+from exo_sim.recording.selection import RawTable
+from exo_sim.recording.table import Recording
+
+#: Fewer samples than this say nothing.
+FEWEST_SAMPLES = 10
+
+
+@dataclass(frozen=True)
+class Reading:
+    """A recording as it came out of its file.
+
+    Attributes:
+        recording: The signals.
+        findings: What was odd about the file and what was done about it (`health.check` looks at the signals).
+        breaks: Seconds at which the clock was mended; no prediction should run across.
+    """
+
+    recording: Recording
+    findings: tuple[Finding, ...]
+    breaks: tuple[float, ...] = ()
+
+
+def read(path: str | Path, column_map: str | Path | None = None) -> Reading:
+    """Read a recording.
+
+    Args:
+        path: A `.csv` (also `.tsv`, `.txt`), `.parquet` or `.rrd` file of the contract.
+        column_map: A TOML file that names foreign columns (`recording.column_map`).
+
+    Raises:
+        RecordingError: the file is missing, empty, cut off, too long for memory, has no time or no signals, or fewer
+            than `FEWEST_SAMPLES` rows; one line says which, where and what to do.
+    """
+    path = Path(path)
+    if not path.exists():
+        raise RecordingError(f'"{path}": there is no such recording')
+    if path.is_dir():
+        raise RecordingError(f'"{path}" is a folder; name the recording in it')
+    foreign = read_column_map(column_map) if column_map is not None else None
+    try:
+        if path.is_file() and not path.stat().st_size:
+            raise RecordingError(f'"{path}": the file is empty')
+        return tidy(path, _reader(path)(path, foreign))
+    except OSError as error:
+        raise RecordingError(f'"{path}": {error.strerror or error}; it cannot be read') from None
+    except MemoryError:
+        raise RecordingError(f'"{path}": it does not fit into memory; cut it into pieces') from None
+
+
+def _reader(path: Path) -> Callable[[Path, ColumnMap | None], RawTable]:
+    # imported where used: pyarrow and rerun take their time
+    ending = path.suffix.lower()
+    if ending in (".csv", ".tsv", ".txt"):
+        from exo_sim.recording.csv_table import read_csv
+
+        return read_csv
+    if ending in (".parquet", ".pq"):
+        from exo_sim.recording.parquet_table import read_parquet
+
+        return read_parquet
+    if ending == ".rrd":
+        from exo_sim.recording.rrd_table import read_rrd
+
+        return read_rrd
+    raise RecordingError(f'"{path}": a recording ends in .csv, .parquet or .rrd, not in "{ending}"')
+
+
+def tidy(path: Path, raw: RawTable) -> Reading:
+    """Put the clock in order and set empty columns aside.
+
+    Raises:
+        RecordingError: too few rows, or nothing but empty columns.
+    """
+    kept, clock_findings, breaks = clock.in_order(str(path), raw.time)
+    findings = [*raw.findings, *clock_findings]
+    time = raw.time[kept]
+    if len(time) < FEWEST_SAMPLES:
+        raise RecordingError(f'"{path}": {len(time)} usable rows; at least {FEWEST_SAMPLES} are needed')
+    columns = {}
+    for key in list(raw.values):
+        values = raw.values.pop(key)[kept]
+        infinite = np.isinf(values)
+        if infinite.any():
+            values = np.where(infinite, np.nan, values)
+            count, first = int(infinite.sum()), int(np.argmax(infinite))
+            says = f'"{key}" is infinite in {count} rows, first row {first + 1}; taken as missing'
+            findings.append(Finding(key, "infinite", says, severity="warning", use="repaired"))
+        if np.isnan(values).all():
+            says = f'"{key}" holds no number in any of its {len(values)} rows; it was set aside'
+            findings.append(Finding(key, "empty", says, severity="fault", use="set aside"))
+            continue
+        columns[key] = values
+    if not columns:
+        raise RecordingError(f'"{path}": no column beside the time holds a number; {len(time)} rows of nothing')
+    units = {key: raw.units[key] for key in columns}
+    return Reading(Recording(path.stem, time, columns, units, raw.metadata), tuple(findings), breaks)

@@ -1,0 +1,196 @@
+"""Reading an .rrd: every entity that is named like a signal and holds scalars over time.
+
+The one file that reads rerun's format; the format is promised to open only in the next minor version of rerun.
+"""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from exo_sim.errors import RecordingError
+from exo_sim.recording import columns
+from exo_sim.recording.column_map import ColumnMap
+from exo_sim.recording.columns import Column
+from exo_sim.recording.finding import Finding
+from exo_sim.recording.selection import RawTable, Selection, select
+
+if TYPE_CHECKING:
+    import pyarrow as pa
+
+_SCALARS = "Scalars:scalars"
+_UNIT = "unit"
+#: The leaf under which a signal's own values stand where a recording also overlays simulated ones.
+RECORDED = "recorded"
+#: Leaves that hold other than what was recorded.
+OVERLAYS = ("before", "after", "simulated")
+_PROPERTIES = "__properties"
+_PREFERRED_CLOCKS = ("time", "sim_time", "t", "log_time")
+
+
+class _Entity:
+    def __init__(self) -> None:
+        self.clocks: dict[str, list[NDArray[np.float64]]] = {}
+        self.values: list[NDArray[np.float64]] = []
+
+
+def read_rrd(path: Path, column_map: ColumnMap | None = None) -> RawTable:
+    """Read an .rrd. Entities `/piston.pressure_1`, `/piston/pressure_1` and `/piston.pressure_1/recorded` are the same.
+
+    Raises:
+        RecordingError: not a whole .rrd of a version that this rerun opens, no scalars, or what `select` refuses.
+    """
+    entities, units, metadata = _scan(path)
+    if not entities:
+        raise RecordingError(f'"{path}": no entity in it holds scalars over time; is it a recording of signals?')
+    headings = {_heading(name, units, column_map): name for name in entities}
+    selection = select(str(path), [f"{columns.TIME} [s]", *headings], column_map and _with_time(column_map))
+    findings = list(selection.findings)
+    findings += [_guessed(column) for column in selection.columns[1:] if headings.get(column.source) not in units]
+    clock = _clock(path, entities)
+    series = {}
+    for column in selection.columns[1:]:
+        entity = entities[headings[column.source]]
+        times = np.concatenate(entity.clocks[clock]) if clock in entity.clocks else np.zeros(0)
+        series[column.key] = times, column.to_si(np.concatenate(entity.values))
+    time, values = _on_one_clock(path, series, findings)
+    selection.refuse_if_too_long(str(path), len(time))
+    return RawTable(time, values, {c.key: c.unit for c in selection.columns}, findings, metadata)
+
+
+def _scan(path: Path) -> tuple[dict[str, _Entity], dict[str, str], dict[str, str]]:
+    from rerun.chunk import RrdReader
+
+    entities: dict[str, _Entity] = {}
+    units: dict[str, str] = {}
+    metadata: dict[str, str] = {}
+    rows = 0
+    try:
+        for chunk in RrdReader(str(path)).stream():
+            name = _name(chunk.entity_path)
+            if name.startswith(_PROPERTIES):
+                metadata.update(_texts(chunk))
+                continue
+            if chunk.is_static:
+                units.update((name, text) for key, text in _texts(chunk).items() if key == _UNIT)
+                continue
+            batch = chunk.to_record_batch()
+            if _SCALARS in batch.schema.names and _is_signal(name):
+                rows += batch.num_rows
+                Selection((Column("", "", ""),)).refuse_if_too_long(str(path), rows)
+                _take(entities.setdefault(name, _Entity()), batch)
+    except RecordingError:
+        raise
+    except Exception as error:  # rerun raises bare exceptions of many kinds
+        why = str(error).splitlines()[0][:160] if str(error) else type(error).__name__
+        says = f'"{path}": not a whole .rrd that this version of rerun opens ({why}); use the .parquet beside it'
+        raise RecordingError(says) from None
+    return entities, units, metadata
+
+
+def _name(entity_path: str) -> str:
+    name = entity_path.lstrip("/").replace("\\", "")
+    return name[: -len(RECORDED) - 1] if name.endswith("/" + RECORDED) else name
+
+
+def _is_signal(name: str) -> bool:
+    return name.rsplit("/", 1)[-1] not in OVERLAYS
+
+
+def _texts(chunk: Any) -> dict[str, str]:
+    from pyarrow import types
+
+    batch = chunk.to_record_batch()
+    texts = {}
+    for field, column in zip(batch.schema, batch.columns):
+        if types.is_list(field.type) and types.is_string(field.type.value_type) and len(column) and column[0].is_valid:
+            cells = column[0].as_py()
+            if cells:
+                texts[field.name.rsplit(":", 1)[-1]] = cells[0]
+    return texts
+
+
+def _take(entity: _Entity, batch: pa.RecordBatch) -> None:
+    import pyarrow as pa
+
+    lists = batch.column(batch.schema.get_field_index(_SCALARS))
+    first = np.asarray(lists.offsets)[:-1]
+    present = np.diff(np.asarray(lists.offsets)) > 0
+    if lists.null_count:
+        present &= np.asarray(lists.is_valid())
+    flat = lists.values.cast(pa.float64()).to_numpy(zero_copy_only=False)
+    entity.values.append(np.array(flat[first[present]], dtype=np.float64))
+    for field in batch.schema:
+        meta = {key.decode(): value.decode() for key, value in (field.metadata or {}).items()}
+        if meta.get("rerun:kind") != "index":
+            continue
+        ticks = batch.column(batch.schema.get_field_index(field.name))
+        numbers = ticks.cast(pa.int64()).to_numpy(zero_copy_only=False)[present]
+        seconds = numbers * 1e-9 if not pa.types.is_integer(field.type) else numbers.astype(float)
+        entity.clocks.setdefault(meta.get("rerun:index_name", field.name), []).append(seconds)
+
+
+def _heading(name: str, units: dict[str, str], column_map: ColumnMap | None) -> str:
+    """Return the heading that an entity would have in a table."""
+    if column_map and name in column_map.columns:
+        return name
+    plain, given = name, None
+    if "[" in name:
+        plain, given = columns.split(name)
+    if "/" in plain and "." not in plain:
+        plain = ".".join(plain.rsplit("/", 1))
+    unit = given or units.get(name)
+    if unit is None:
+        try:
+            unit = columns.signal_of(plain).units[0]
+        except RecordingError:
+            return plain
+    return columns.heading(plain, unit)
+
+
+def _with_time(column_map: ColumnMap) -> ColumnMap:
+    kept = {name: column for name, column in column_map.columns.items() if column.key != columns.TIME}
+    return ColumnMap(column_map.path, kept, column_map.header, column_map.delimiter)
+
+
+def _guessed(column: Column) -> Finding:
+    says = f'"{column.key}" says no unit; "{column.unit}" was taken. Log a static component "unit" to be sure'
+    return Finding(column.key, "unit", says, severity="info", use="used")
+
+
+def _clock(path: Path, entities: dict[str, _Entity]) -> str:
+    names = {name for entity in entities.values() for name in entity.clocks}
+    if not names:
+        raise RecordingError(f'"{path}": its scalars are on no timeline; log them over "time"')
+    preferred = next((name for name in _PREFERRED_CLOCKS if name in names), None)
+    return preferred or min(names - {"log_tick"} or names)
+
+
+def _on_one_clock(
+    path: Path, series: dict[str, tuple[NDArray[np.float64], NDArray[np.float64]]], findings: list[Finding]
+) -> tuple[NDArray[np.float64], dict[str, NDArray[np.float64]]]:
+    """Put all signals on the clock of the longest; commands are held, the rest is interpolated."""
+    time = max((times for times, _ in series.values()), key=len)
+    values = {}
+    for key, (times, numbers) in series.items():
+        if len(times) == len(time) and np.array_equal(times, time):
+            values[key] = numbers
+        elif len(times) < 2 or not (np.diff(times) > 0).all():
+            says = f'"{key}" has {len(times)} samples on a clock of its own that does not increase; it was set aside'
+            findings.append(Finding(key, "clock", says, severity="warning", use="set aside"))
+        else:
+            if columns.signal_of(key).name == "valve_command":
+                at = np.searchsorted(times, time, side="right") - 1
+                values[key] = np.where(at >= 0, numbers[np.maximum(at, 0)], np.nan)
+            else:
+                values[key] = np.interp(time, times, numbers, left=np.nan, right=np.nan)
+            says = (
+                f'"{key}" has {len(times)} samples on a clock of its own; brought onto the clock of the longest signal'
+            )
+            findings.append(Finding(key, "clock", says, severity="info", use="repaired"))
+    if not values:
+        raise RecordingError(f'"{path}": no signal in it has a clock that increases')
+    return time, values

@@ -10,7 +10,7 @@ from numpy.typing import ArrayLike, NDArray
 
 @dataclass(frozen=True)
 class Series:
-    """f(phase) = mean + sum over h of cosine[h-1] cos(2 pi h phase) + sine[h-1] sin(2 pi h phase); one cycle is phase 0 to 1.
+    """f(phase) = mean + sum over h of cosine[h-1] cos(2 pi h phase) + sine[h-1] sin(2 pi h phase), one cycle a unit.
 
     Attributes:
         mean: The constant term.

@@ -2,18 +2,20 @@
 
 Coordinates, in this order everywhere (the machine's joints have the same order and signs):
 `pelvis_x`, `pelvis_z` [m], `torso_pitch`, `hip_l`, `knee_l`, `ankle_l`, `hip_r`, `knee_r`, `ankle_r` [rad].
-x points forward, z up. Every rotation is about -y, so that hip flexion, knee extension and ankle dorsiflexion are positive and a torso
-that leans forward has a negative pitch. An upright stance is all zero.
+x points forward, z up. Every rotation is about -y, so that hip flexion, knee extension and ankle dorsiflexion are
+positive and a torso that leans forward has a negative pitch. An upright stance is all zero.
 """
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
 
 from exo_sim.errors import ScenarioError
+from exo_sim.physics.compiled import kernel
 
 COORDINATES = (
     "pelvis_x",
@@ -30,9 +32,8 @@ SEGMENTS = ("torso", "thigh_l", "shank_l", "foot_l", "thigh_r", "shank_r", "foot
 #: Index of the first coordinate of each leg.
 LEG_START = {"l": 3, "r": 6}
 
-#: The body height that the lengths below belong to [m], and the mass of the adult whose strides were recorded [kg] (Falisse et al. 2019).
+#: The body height that the lengths below belong to [m].
 REFERENCE_HEIGHT = 1.70
-REFERENCE_MASS = 62.0
 
 _THIGH, _SHANK, _ANKLE, _HEEL, _TOE = 0.440, 0.369, 0.070, -0.048, 0.137
 
@@ -50,7 +51,7 @@ class Person:
 
     def __post_init__(self) -> None:
         if not 1.4 <= self.height <= 2.1:
-            raise ScenarioError(f"wearer height {self.height:g} m is outside 1.4 to 2.1 m, for which the frame can be adjusted")
+            raise ScenarioError(f"wearer height {self.height:g} m: the frame fits 1.4 to 2.1 m")
         if not 35.0 <= self.mass <= 150.0:
             raise ScenarioError(f"wearer mass {self.mass:g} kg is outside 35 to 150 kg")
 
@@ -121,3 +122,53 @@ def leg_points(
         "toe": sole + ahead(foot, person.toe),
         "foot_angle": foot,
     }
+
+
+@kernel
+def segment_poses(
+    q: NDArray[np.float64], v: NDArray[np.float64], lengths: NDArray[np.float64], out: NDArray[np.float64]
+) -> None:
+    """Place every segment and give it its velocity.
+
+    Args:
+        q, v: Coordinates and their rates, shape (9,), order `COORDINATES`.
+        lengths: `Person.lengths()`, shape (5,).
+        out: Written: x, z [m], angle [rad], and their rates, of each of `SEGMENTS` at its upper joint, shape (7, 6).
+    """
+    for j in range(3):
+        out[0, j] = q[j]
+        out[0, 3 + j] = v[j]
+    for leg in range(2):
+        first = 3 + 3 * leg
+        row = 1 + 3 * leg
+        x, z, angle = q[0], q[1], q[2]
+        vx, vz, rate = v[0], v[1], v[2]
+        for k in range(3):
+            angle += q[first + k]
+            rate += v[first + k]
+            out[row + k, 0], out[row + k, 1], out[row + k, 2] = x, z, angle
+            out[row + k, 3], out[row + k, 4], out[row + k, 5] = vx, vz, rate
+            if k < 2:
+                s, c = lengths[k] * math.sin(angle), lengths[k] * math.cos(angle)
+                x, z = x + s, z - c
+                vx, vz = vx + c * rate, vz + s * rate
+
+
+@kernel
+def pose_bodies(
+    poses: NDArray[np.float64],
+    offset_y: NDArray[np.float64],
+    mocap_pos: NDArray[np.float64],
+    mocap_quat: NDArray[np.float64],
+) -> None:
+    """Move the person's visible bodies to their segments.
+
+    Args:
+        poses: From `segment_poses`, shape (7, 6).
+        offset_y: Where each segment is sideways [m], shape (7,).
+        mocap_pos, mocap_quat: Of MuJoCo's data in the order of `SEGMENTS`, shapes (7, 3) and (7, 4); written.
+    """
+    for i in range(poses.shape[0]):
+        mocap_pos[i, 0], mocap_pos[i, 1], mocap_pos[i, 2] = poses[i, 0], offset_y[i], poses[i, 1]
+        half = 0.5 * poses[i, 2]
+        mocap_quat[i, 0], mocap_quat[i, 1], mocap_quat[i, 2], mocap_quat[i, 3] = math.cos(half), 0.0, -math.sin(half), 0.0

@@ -1,0 +1,131 @@
+"""A reference motion: one cycle of every coordinate with exact derivatives, repeated for as long as wanted."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from exo_sim.physics.compiled import kernel
+
+#: Samples of one cycle.
+SAMPLES = 512
+
+
+@dataclass(frozen=True)
+class Motion:
+    """One cycle of a prescribed motion, sampled at phases i/SAMPLES, coordinates in the order of `machine.person.COORDINATES`.
+
+    Attributes:
+        period: Duration of a cycle [s].
+        advance: How far the pelvis travels in a cycle [m].
+        position: Coordinates without the steady advance, shape (SAMPLES, 9).
+        slope, curvature: First and second derivative of the coordinates by phase, the steady advance included in the slope.
+        share: How much of the load the left and the right foot carry, shape (SAMPLES, 2); rows sum to 1.
+        pressure_centre: Where under each foot, ahead of the ankle along the sole [m], shape (SAMPLES, 2).
+        contact: Whether heel_l, toe_l, heel_r, toe_r are meant to touch the ground, shape (SAMPLES, 4).
+        support: How far the machine is to carry the load itself, 0 (the wearer sits) to 1, shape (SAMPLES,).
+    """
+
+    period: float
+    advance: float
+    position: NDArray[np.float64]
+    slope: NDArray[np.float64]
+    curvature: NDArray[np.float64]
+    share: NDArray[np.float64]
+    pressure_centre: NDArray[np.float64]
+    contact: NDArray[np.bool_]
+    support: NDArray[np.float64]
+
+    def at(self, phase: NDArray[np.float64]) -> NDArray[np.float64]:
+        """Return the coordinates without the steady advance at any phases [cycles], shape (n, 9)."""
+        grid = np.arange(SAMPLES + 1) / SAMPLES
+        closed = np.concatenate([self.position, self.position[:1]])
+        return np.stack([np.interp(phase % 1.0, grid, column) for column in closed.T], axis=1)
+
+    def tables(self) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+        """Return position and slope with the first row repeated behind the last, shape (SAMPLES + 1, 9), for `reference`."""
+        return (
+            np.ascontiguousarray(np.concatenate([self.position, self.position[:1]])),
+            np.ascontiguousarray(np.concatenate([self.slope, self.slope[:1]])),
+        )
+
+    def at_cadence(self, factor: float) -> Motion:
+        """Return the same motion, `factor` times as fast."""
+        return Motion(**{**self.__dict__, "period": self.period / factor})
+
+
+def derivatives(samples: NDArray[np.float64]) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+    """Return the first and second derivative by phase of smooth periodic samples, shape (n, ...), through their Fourier series."""
+    n = len(samples)
+    spectrum = np.fft.rfft(samples, axis=0)
+    rate = 2j * np.pi * np.arange(len(spectrum))
+    if n % 2 == 0:
+        rate[-1] = 0.0
+    rate = rate.reshape(-1, *([1] * (samples.ndim - 1)))
+    return np.fft.irfft(rate * spectrum, n, axis=0), np.fft.irfft(rate**2 * spectrum, n, axis=0)
+
+
+def phases() -> NDArray[np.float64]:
+    """Return the phases at which a cycle is sampled, shape (SAMPLES,)."""
+    return np.arange(SAMPLES) / SAMPLES
+
+
+def smooth(x: NDArray[np.float64]) -> NDArray[np.float64]:
+    """Rise from 0 at x <= 0 to 1 at x >= 1 with three continuous derivatives."""
+    x = np.clip(x, 0.0, 1.0)
+    return x**4 * (35 - 84 * x + 70 * x**2 - 20 * x**3)
+
+
+@kernel
+def reference(
+    cycles: float,
+    period: float,
+    advance: float,
+    position: NDArray[np.float64],
+    slope: NDArray[np.float64],
+    q: NDArray[np.float64],
+    v: NDArray[np.float64],
+) -> None:
+    """Evaluate a motion by cubic Hermite interpolation of its tables.
+
+    Args:
+        cycles: Time since the start, in cycles.
+        period, advance: Of the motion.
+        position, slope: `Motion.tables()`, shape (n + 1, 9).
+        q, v: Written: coordinates and their rates, shape (9,).
+    """
+    n = position.shape[0] - 1
+    whole = math.floor(cycles)
+    at = (cycles - whole) * n
+    i = min(int(at), n - 1)
+    u = at - i
+    h00, h10 = (1 + 2 * u) * (1 - u) ** 2, u * (1 - u) ** 2
+    h01, h11 = u * u * (3 - 2 * u), u * u * (u - 1)
+    d00, d10, d11 = 6 * u * (u - 1), (1 - u) * (1 - 3 * u), u * (3 * u - 2)
+    step = 1.0 / n
+    for j in range(position.shape[1]):
+        a, b = position[i, j], position[i + 1, j]
+        steady = advance if j == 0 else 0.0
+        sa, sb = (slope[i, j] - steady) * step, (slope[i + 1, j] - steady) * step
+        q[j] = h00 * a + h10 * sa + h01 * b + h11 * sb + steady * cycles
+        v[j] = ((d00 * (a - b) + d10 * sa + d11 * sb) * n + steady) / period
+
+
+@kernel
+def look_up(cycles: float, table: NDArray[np.float64], out: NDArray[np.float64]) -> None:
+    """Interpolate a periodic table linearly.
+
+    Args:
+        cycles: Time in cycles.
+        table: Values at evenly spaced phases, the first row repeated behind the last, shape (n + 1, m).
+        out: Written, shape (m,).
+    """
+    n = table.shape[0] - 1
+    at = (cycles - math.floor(cycles)) * n
+    i = min(int(at), n - 1)
+    u = at - i
+    for j in range(table.shape[1]):
+        out[j] = (1 - u) * table[i, j] + u * table[i + 1, j]

@@ -1,0 +1,65 @@
+"""Walking at the pace and with the joint angles that were recorded."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+
+from exo_sim.gait import recorded
+from exo_sim.gait.motion import Motion, derivatives, phases, smooth
+from exo_sim.machine.person import Person
+
+#: How far the trunk leans forward over the recorded pelvis under a load on the back [rad].
+LEAN = math.radians(8.0)
+#: Phases between which heel and ball of the foot are on the ground.
+HEEL_UNTIL, TOE_FROM = 0.36, 0.13
+#: Phases over which the centre of pressure travels from heel to ball.
+ROLL = (0.06, 0.50)
+
+
+def walking(name: str, person: Person) -> Motion:
+    """Return a recorded gait as a reference motion; phase 0 is the heel strike of the right foot.
+
+    Left and right are alike, half a stride apart. Lengths grow with body height; the stride time does not.
+
+    Raises:
+        ScenarioError: no gait of this name was recorded.
+    """
+    gait = recorded.load(name)
+    right = phases()
+    left = (right + 0.5) % 1.0
+    series = gait.motion
+    pitch = series["tilt"](right) - LEAN
+    columns = [
+        series["pelvis_x"](right) * person.scale,
+        series["pelvis_z"](right) * person.scale,
+        pitch,
+    ]
+    for phase in (left, right):
+        columns += [series["thigh"](phase) - pitch, series["knee"](phase), series["ankle"](phase)]
+    position = np.stack(columns, axis=1)
+    slope, curvature = derivatives(position)
+    advance = gait.stride * person.scale
+    slope[:, 0] += advance
+    double = gait.stance_end - 0.5
+    weight = [smooth(phase / double) * smooth((gait.stance_end - phase) / double) for phase in (left, right)]
+    share = np.stack(weight, axis=1) / (weight[0] + weight[1])[:, None]
+    roll = [np.clip((phase - ROLL[0]) / (ROLL[1] - ROLL[0]), 0.0, 1.0) for phase in (left, right)]
+    rolled = [np.where(phase < gait.stance_end, r * r * (3 - 2 * r), 0.5) for phase, r in zip((left, right), roll)]
+    contact = [
+        column
+        for phase in (left, right)
+        for column in (phase < HEEL_UNTIL, (phase > TOE_FROM) & (phase < gait.stance_end))
+    ]
+    return Motion(
+        period=gait.period,
+        advance=advance,
+        position=position,
+        slope=slope,
+        curvature=curvature,
+        share=share,
+        pressure_centre=person.heel + (person.toe - person.heel) * np.stack(rolled, axis=1),
+        contact=np.stack(contact, axis=1),
+        support=np.ones(len(right)),
+    )

@@ -1,0 +1,133 @@
+"""From an MJCF file to the model of a machine that fits its wearer and carries a payload."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+from exo_sim.errors import ModelError, RigError, ScenarioError, nearest
+from exo_sim.machine.person import COORDINATES, REFERENCE_HEIGHT, SEGMENTS, Person
+
+if TYPE_CHECKING:
+    import mujoco
+
+ANKLE_MODES = ("free", "sprung", "powered")
+#: What the frame is built to carry [kg].
+PAYLOAD_LIMIT = 45.0
+
+
+@dataclass(frozen=True)
+class Ankle:
+    """What the machine's ankle does: turns freely, has a spring about a right angle, or gives the torque demanded.
+
+    Attributes:
+        mode: "free", "sprung" or "powered".
+        stiffness: Of the spring [N m/rad].
+        torque: The most that a powered ankle gives [N m].
+
+    Raises:
+        RigError: an unknown mode, or a negative number.
+    """
+
+    mode: str = "sprung"
+    stiffness: float = 100.0
+    torque: float = 80.0
+
+    def __post_init__(self) -> None:
+        if self.mode not in ANKLE_MODES:
+            raise RigError(f'ankle mode "{self.mode}"{nearest(self.mode, ANKLE_MODES)}')
+        if self.stiffness < 0 or self.torque < 0:
+            raise RigError("ankle stiffness and torque must not be negative")
+
+
+def build(path: Path, person: Person, payload: float, ankle: Ankle) -> mujoco.MjModel:
+    """Read an MJCF of the kind of `assets/exo.xml` and fit it.
+
+    Segments grow with body height; every attachment keeps its distance from the joint next to it, so that cylinders keep their
+    stroke and moment arm. The payload's inertia grows with its mass.
+
+    Args:
+        path: The MJCF, drawn for a body height of `REFERENCE_HEIGHT`.
+        person: Who wears it.
+        payload: Mass on the back [kg], 0 to `PAYLOAD_LIMIT`.
+        ankle: What the ankle does.
+
+    Raises:
+        ModelError: the file cannot be read, or lacks a joint or body that a worn machine needs.
+        ScenarioError: a payload that the frame cannot carry.
+    """
+    import mujoco
+
+    if not 0.0 <= payload <= PAYLOAD_LIMIT:
+        raise ScenarioError(f"payload {payload:g} kg: the frame carries 0 to {PAYLOAD_LIMIT:g} kg")
+    if not path.is_file():
+        raise ModelError(f'{path}: no such file; "model" in the rig names the MJCF relative to the rig file')
+    try:
+        spec = mujoco.MjSpec.from_file(str(path))
+    except (ValueError, mujoco.FatalError) as error:
+        raise ModelError(f"{path}: MuJoCo cannot read it: {' '.join(str(error).split())}") from None
+    _require(spec, path)
+    if person.height != REFERENCE_HEIGHT:
+        _stretch(spec, person)
+    load = spec.geom("payload")
+    if payload > 0:
+        load.mass = payload
+    else:
+        load.mass = 1e-6
+        load.rgba[3] = 0.0
+    for side in "lr":
+        joint = spec.joint(f"ankle_{side}")
+        joint.stiffness[0] = ankle.stiffness if ankle.mode == "sprung" else 0.0
+    try:
+        return spec.compile()
+    except (ValueError, mujoco.FatalError) as error:
+        raise ModelError(f"{path}: MuJoCo cannot compile it: {' '.join(str(error).split())}") from None
+
+
+def _require(spec: Any, path: Path) -> None:
+    """Check that the parts of a worn machine are there."""
+    joints = ("torso_x", "torso_z", *COORDINATES[2:])
+    present = [joint.name for joint in spec.joints]
+    for name in joints:
+        if name not in present:
+            raise ModelError(f'{path}: a worn machine needs a joint "{name}"{nearest(name, present)}')
+    if present != list(joints):
+        raise ModelError(f"{path}: a worn machine has the joints {', '.join(joints)}, in this order and no others")
+    for name in (*SEGMENTS, *(f"person_{segment}" for segment in SEGMENTS)):
+        if spec.body(name) is None:
+            raise ModelError(f'{path}: a worn machine needs a body "{name}"')
+    if spec.geom("payload") is None:
+        raise ModelError(f'{path}: a worn machine needs a geom "payload"')
+
+
+def _stretch(spec: Any, person: Person) -> None:
+    """Lengthen (or shorten) the segments from the reference height to the person's."""
+    reference = Person(REFERENCE_HEIGHT, person.mass)
+    leg = person.thigh + person.shank + person.ankle_height
+    for prefix in ("", "person_"):
+        torso = spec.body(f"{prefix}torso")
+        torso.pos = [torso.pos[0], torso.pos[1], leg]
+    spec.joint("torso_z").ref = leg
+    for key in spec.keys:
+        key.qpos[1] = leg
+    change = {"thigh": person.thigh - reference.thigh, "shank": person.shank - reference.shank}
+    for side in "lr":
+        shank, foot = spec.body(f"shank_{side}"), spec.body(f"foot_{side}")
+        shank.pos = [shank.pos[0], shank.pos[1], shank.pos[2] - change["thigh"]]
+        foot.pos = [foot.pos[0], foot.pos[1], foot.pos[2] - change["shank"]]
+        spec.geom(f"thigh_{side}").fromto[5] -= change["thigh"]
+        spec.geom(f"shank_{side}").fromto[5] -= change["shank"]
+        base = spec.site(f"knee_{side}_base")  # next to the knee, though on the thigh
+        base.pos = [base.pos[0], base.pos[1], base.pos[2] - change["thigh"]]
+        for part in (*foot.geoms, *foot.sites):
+            grown = [part.pos[0] * person.scale, part.pos[1], part.pos[2]]
+            if part.name.startswith(("heel", "toe", "foot")):
+                grown[2] -= person.ankle_height - reference.ankle_height
+            part.pos = grown
+        sole = spec.geom(f"foot_{side}")
+        sole.size = [sole.size[0] * person.scale, sole.size[1], sole.size[2]]
+    for segment in SEGMENTS:
+        for geom in spec.body(f"person_{segment}").geoms:
+            geom.fromto = [value * person.scale for value in geom.fromto]
+            geom.pos = [value * person.scale for value in geom.pos]

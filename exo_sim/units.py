@@ -74,6 +74,18 @@ def scale_and_offset(unit: str, si_unit: str) -> tuple[float, float]:
     return float(f"{one - zero:.15g}"), float(f"{zero:.15g}")
 
 
+def split(text: str) -> tuple[float, str]:
+    """Return number and unit of a quantity's text.
+
+    Raises:
+        UnitError: it does not begin with a number.
+    """
+    match = _QUANTITY.match(text)
+    if match is None:
+        raise UnitError(f'"{text}" is not a quantity; write a number and a unit, like "1 m"')
+    return float(match.group(1)), match.group(2)
+
+
 def parse(text: object, si_unit: str) -> float:
     """Read `"32 mm"` as SI.
 

@@ -181,7 +181,9 @@ def cylinder_rates(world, c, y, dy, base, x, v, opening, p_s, t_s, p_e, t_e):
     leak = external_leakage.flow(c.external_leakage, 1, p_1, t_1, world.atmosphere, world.ambient, k, r)
     h_leak = leak * cp * (t_1 if leak > 0.0 else world.ambient)
     heat = wall_heat_transfer.heat_flow(c.wall_heat_transfer, 1, y[base + WALL_1], t_1)
-    dy[base + WALL_1] = moving_wall_temperature.wall_rate(c.moving_wall_temperature, heat, y[base + WALL_1], world.ambient)
+    dy[base + WALL_1] = moving_wall_temperature.wall_rate(
+        c.moving_wall_temperature, heat, y[base + WALL_1], world.ambient
+    )
     dy[base + MASS_1] = w_1 - leak
     dy[base + ENERGY_1] = h_1 - h_leak + heat - p_1 * c.area_1 * v
     dy[base + LEAKED] = leak
@@ -197,7 +199,9 @@ def cylinder_rates(world, c, y, dy, base, x, v, opening, p_s, t_s, p_e, t_e):
     leak = external_leakage.flow(c.external_leakage, 2, p_2, t_2, world.atmosphere, world.ambient, k, r)
     h_leak = leak * cp * (t_2 if leak > 0.0 else world.ambient)
     heat = wall_heat_transfer.heat_flow(c.wall_heat_transfer, 2, y[base + WALL_2], t_2)
-    dy[base + WALL_2] = moving_wall_temperature.wall_rate(c.moving_wall_temperature, heat, y[base + WALL_2], world.ambient)
+    dy[base + WALL_2] = moving_wall_temperature.wall_rate(
+        c.moving_wall_temperature, heat, y[base + WALL_2], world.ambient
+    )
     across = piston_leakage.flow(c.piston_leakage, p_1, t_1, p_2, t_2, k, r)
     h_across = across * cp * (t_1 if across > 0.0 else t_2)
     dy[base + MASS_1] -= across
@@ -227,7 +231,9 @@ def rates(world, cylinders, y, dy, held, x, v, spool):
     p_e, t_e = exhaust_state(world, y, shared)
     drawn = h_drawn = vented = h_vented = 0.0
     for i in range(n):
-        w, h, e, he = cylinder_rates(world, cylinders[i], y, dy, i * INTEGRATED, x[i], v[i], spool[i], p_s, t_s, p_e, t_e)
+        w, h, e, he = cylinder_rates(
+            world, cylinders[i], y, dy, i * INTEGRATED, x[i], v[i], spool[i], p_s, t_s, p_e, t_e
+        )
         drawn += w
         h_drawn += h
         vented += e
@@ -414,8 +420,12 @@ def advance(world, cylinders, state, x0, x1, command, dt, work, scratch):
             stages += 1
         for i in range(n):
             spool[i] = move_spool(cylinders[i], memory, i * REMEMBERED, command[i], h)
-        drawn = integrate(world, cylinders, y, memory[shared_memory + HELD], start, end, left, spool, h, stages, work, x, v)
+        drawn = integrate(
+            world, cylinders, y, memory[shared_memory + HELD], start, end, left, spool, h, stages, work, x, v
+        )
         felt = supply_regulator.follow(world.supply_regulator, memory[shared_memory + FELT], drawn, h)
         memory[shared_memory + FELT] = felt
-        memory[shared_memory + HELD] = supply_regulator.stick(world.supply_regulator, memory[shared_memory + HELD], felt)
+        memory[shared_memory + HELD] = supply_regulator.stick(
+            world.supply_regulator, memory[shared_memory + HELD], felt
+        )
         left -= h

@@ -133,7 +133,11 @@ class Pneumatics:
     """
 
     def __init__(
-        self, world: NDArray[np.void], cylinders: NDArray[np.void], joints: NDArray[np.void] | None = None, dt: float = 1e-3
+        self,
+        world: NDArray[np.void],
+        cylinders: NDArray[np.void],
+        joints: NDArray[np.void] | None = None,
+        dt: float = 1e-3,
     ):
         self.world = world
         self.cylinders = cylinders
@@ -188,14 +192,21 @@ class Pneumatics:
             y[:, mass] = p * v / (r * t)
             y[:, energy] = p * v / (k - 1.0)
         hose = c["line_restriction"]["volume"]
-        for p, mass, energy in ((p_1, state.HOSE_MASS_1, state.HOSE_ENERGY_1), (p_2, state.HOSE_MASS_2, state.HOSE_ENERGY_2)):
+        for p, mass, energy in (
+            (p_1, state.HOSE_MASS_1, state.HOSE_ENERGY_1),
+            (p_2, state.HOSE_MASS_2, state.HOSE_ENERGY_2),
+        ):
             y[:, mass] = p * hose / (r * t)
             y[:, energy] = p * hose / (k - 1.0)
         y[:, state.WALL_1] = y[:, state.WALL_2] = float(world["ambient"])
         self.memory[:, state.PISTON] = x
         shared = self.vector[n * state.INTEGRATED :]
         tank, manifold = float(world["supply_droop"]["volume"]), float(world["exhaust_back_pressure"]["volume"])
-        p_s, t_s, p_e = float(world["supply_pressure"]), float(world["supply_temperature"]), float(world["exhaust_pressure"])
+        p_s, t_s, p_e = (
+            float(world["supply_pressure"]),
+            float(world["supply_temperature"]),
+            float(world["exhaust_pressure"]),
+        )
         shared[state.SUPPLY_MASS] = p_s * tank / (r * t_s)
         shared[state.SUPPLY_ENERGY] = p_s * tank / (k - 1.0)
         shared[state.EXHAUST_MASS] = p_e * manifold / (r * float(world["ambient"]))
@@ -222,12 +233,17 @@ class Pneumatics:
         """Return both chamber pressures with the pistons at x, shape (n, 2) [Pa]."""
         at = np.where([gives(c) for c in self.cylinders], self.memory[:, state.PISTON], x)
         return np.array(
-            [plant.pressures(self.world[0], c, self.vector, i * state.INTEGRATED, at[i]) for i, c in enumerate(self.cylinders)]
+            [
+                plant.pressures(self.world[0], c, self.vector, i * state.INTEGRATED, at[i])
+                for i, c in enumerate(self.cylinders)
+            ]
         )
 
     def temperatures(self) -> NDArray[np.float64]:
         """Return both gas temperatures, shape (n, 2) [K]."""
-        return np.array([plant.temperatures(self.world[0], self.vector, i * state.INTEGRATED) for i in range(len(self.cylinders))])
+        return np.array(
+            [plant.temperatures(self.world[0], self.vector, i * state.INTEGRATED) for i in range(len(self.cylinders))]
+        )
 
     def forces(self, x: NDArray[np.float64], v: NDArray[np.float64]) -> NDArray[np.float64]:
         """Return the rod forces on the joints' side, shape (n,) [N]."""
@@ -259,7 +275,12 @@ class Pneumatics:
         mass = [state.MASS_1, state.MASS_2, state.HOSE_MASS_1, state.HOSE_MASS_2]
         energy = [state.ENERGY_1, state.ENERGY_2, state.HOSE_ENERGY_1, state.HOSE_ENERGY_2]
         missing = y[:, mass].sum(1) - y[:, state.DRAWN] + y[:, state.EXHAUSTED] + y[:, state.LEAKED]
-        lost = y[:, energy].sum(1) - y[:, state.DRAWN_ENTHALPY] + y[:, state.EXHAUSTED_ENTHALPY] + y[:, state.LEAKED_ENTHALPY]
+        lost = (
+            y[:, energy].sum(1)
+            - y[:, state.DRAWN_ENTHALPY]
+            + y[:, state.EXHAUSTED_ENTHALPY]
+            + y[:, state.LEAKED_ENTHALPY]
+        )
         lost += y[:, state.WORK] - y[:, state.HEAT]
         passed = np.abs(y[:, [state.DRAWN, state.EXHAUSTED, state.LEAKED]]).sum()
         carried_energy = np.abs(
@@ -268,7 +289,9 @@ class Pneumatics:
         off, off_energy = np.abs(missing).sum(), np.abs(lost).sum()
         if self.world["supply_droop"]["volume"][0] > 0.0:
             off += abs(shared[state.SUPPLY_MASS] - shared[state.FED] + y[:, state.DRAWN].sum())
-            off_energy += abs(shared[state.SUPPLY_ENERGY] - shared[state.FED_ENTHALPY] + y[:, state.DRAWN_ENTHALPY].sum())
+            off_energy += abs(
+                shared[state.SUPPLY_ENERGY] - shared[state.FED_ENTHALPY] + y[:, state.DRAWN_ENTHALPY].sum()
+            )
         if self.world["exhaust_back_pressure"]["area"][0] > 0.0:
             off += abs(shared[state.EXHAUST_MASS] + shared[state.RELEASED] - y[:, state.EXHAUSTED].sum())
             off_energy += abs(

@@ -2,5 +2,19 @@
 
 from exo_sim.rig.reading import parse, read
 from exo_sim.rig.schema import Ankle, Cylinder, EffectSetting, Environment, Rig, Supply, Wearer
+from exo_sim.rig.writing import Correction, Finding, improved
 
-__all__ = ["Ankle", "Cylinder", "EffectSetting", "Environment", "Rig", "Supply", "Wearer", "parse", "read"]
+__all__ = [
+    "Ankle",
+    "Correction",
+    "Cylinder",
+    "EffectSetting",
+    "Environment",
+    "Finding",
+    "Rig",
+    "Supply",
+    "Wearer",
+    "improved",
+    "parse",
+    "read",
+]

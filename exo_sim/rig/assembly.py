@@ -31,7 +31,11 @@ def cylinders(rig: Rig) -> NDArray[np.void]:
     for record, cylinder in zip(records, rig.cylinders.values(), strict=True):
         record["area_1"], record["area_2"], record["stroke"] = cylinder.area_1, cylinder.area_2, cylinder.stroke
         record["dead_volume_1"], record["dead_volume_2"] = cylinder.dead_volume_1, cylinder.dead_volume_2
-        record["single_acting"], record["valve_area"], record["arm"] = float(cylinder.single_acting), cylinder.valve_area, 1.0
+        record["single_acting"], record["valve_area"], record["arm"] = (
+            float(cylinder.single_acting),
+            cylinder.valve_area,
+            1.0,
+        )
         for effect in rig.effects:
             if effect.where == cylinder.name:
                 _switch_on(record, effect)
@@ -55,7 +59,9 @@ def joints_with_effects(rig: Rig) -> tuple[str, ...]:
     return tuple(dict.fromkeys(e.where for e in rig.effects if e.where not in known and "." not in e.where))
 
 
-def pneumatics(rig: Rig, dt: float, joint_names: Sequence[str] = (), drives: Mapping[str, str] | None = None) -> Pneumatics:
+def pneumatics(
+    rig: Rig, dt: float, joint_names: Sequence[str] = (), drives: Mapping[str, str] | None = None
+) -> Pneumatics:
     """Return the plant of a rig, not yet filled.
 
     Args:

@@ -31,7 +31,9 @@ def read_effects(table: Table | None, cylinders: Mapping[str, Cylinder]) -> tupl
     found = []
     for name in table.values:
         if name in CALIBRATIONS:
-            raise RigError(f"{table.path}: effects.{name} is a believed number, not an effect: change {CALIBRATIONS[name]} itself")
+            raise RigError(
+                f"{table.path}: effects.{name} is a believed number, not an effect: change {CALIBRATIONS[name]} itself"
+            )
         if name not in known:
             raise RigError(f"{table.path}: effects.{name} is not an effect{nearest(name, known)}")
         group = table.table(name)
@@ -49,7 +51,10 @@ def _places(group: Table, effect: Effect) -> list[tuple[str, Table]]:
         table = Table(group.path, f"{group.key}.{where}", values)
         nested = all(isinstance(value, Mapping) for value in table.values.values()) and table.values
         if "column" in effect.places and nested:
-            places += [(f"{where}.{signal}", Table(group.path, f"{table.key}.{signal}", inner)) for signal, inner in table.values.items()]
+            places += [
+                (f"{where}.{signal}", Table(group.path, f"{table.key}.{signal}", inner))
+                for signal, inner in table.values.items()
+            ]
         else:
             places.append((where, table))
     return places
@@ -57,18 +62,41 @@ def _places(group: Table, effect: Effect) -> list[tuple[str, Table]]:
 
 def _setting(effect: Effect, where: str, table: Table, cylinders: Mapping[str, Cylinder]) -> EffectSetting:
     place = _place(effect, where, table, cylinders)
+    if place == "cylinder":
+        _check_part(effect, cylinders[where], table)
     parameters: dict[str, float] = {}
+    curves: dict[str, tuple[float, ...]] = {}
     turning = False
     for parameter in effect.parameters:
-        value, turns = _value(effect, parameter, where, place, table)
-        if value is not None:
-            parameters[parameter.name] = value
-            turning = turning or turns
+        if parameter.most:
+            curves[parameter.name], turns = _curve(parameter, parameters, place, table)
+        else:
+            value, turns = _value(effect, parameter, where, place, table)
+            if value is not None:
+                parameters[parameter.name] = value
+        turning = turning or turns
     table.done()
     if effect.any_of and not any(all(name in parameters for name in names) for names in effect.any_of):
         ways = " or ".join(" and ".join(names) for names in effect.any_of)
         raise RigError(f"{table.path}: [{table.key}] needs {ways}")
-    return EffectSetting(effect.name, where, parameters, turning)
+    if effect.check is not None and (problem := effect.check(parameters, curves)):
+        raise RigError(f"{table.path}: [{table.key}]: {problem}")
+    return EffectSetting(effect.name, where, parameters, turning, curves)
+
+
+def _check_part(effect: Effect, cylinder: Cylinder, table: Table) -> None:
+    """Refuse what this cylinder has no part for: a valve's trouble without a valve, chamber 2's where there is none."""
+    if effect.needs_valve and cylinder.valve_area <= 0.0:
+        raise RigError(
+            f"{table.path}: [{table.key}]: cylinder {cylinder.name} has no valve for {effect.name} to act in; "
+            f"give it [cylinders.{cylinder.name}.valve] area, or remove the effect"
+        )
+    if cylinder.single_acting:
+        for name in table.values:
+            if name.endswith("_2") and any(parameter.name == name for parameter in effect.parameters):
+                raise table.fail(
+                    name, f"cylinder {cylinder.name} is single acting: its chamber 2 is the atmosphere; remove the key"
+                )
 
 
 def _place(effect: Effect, where: str, table: Table, cylinders: Mapping[str, Cylinder]) -> str:
@@ -84,15 +112,21 @@ def _place(effect: Effect, where: str, table: Table, cylinders: Mapping[str, Cyl
         return place
     fixed = [name for name in effect.places if name in ("supply", "exhaust")]
     if "cylinder" in effect.places and place == "joint":
-        raise RigError(f'{table.path}: [{table.key}]: "{where}" is not a cylinder of this rig{nearest(where, cylinders)}')
+        raise RigError(
+            f'{table.path}: [{table.key}]: "{where}" is not a cylinder of this rig{nearest(where, cylinders)}'
+        )
     if fixed:
-        raise RigError(f"{table.path}: [{table.key}]: {effect.name} acts on {fixed[0]}: write [effects.{effect.name}.{fixed[0]}]")
+        raise RigError(
+            f"{table.path}: [{table.key}]: {effect.name} acts on {fixed[0]}: write [effects.{effect.name}.{fixed[0]}]"
+        )
     if effect.places == ("column",):
         raise RigError(
             f"{table.path}: [{table.key}]: {effect.name} acts on one column: write "
             f'[effects.{effect.name}."{next(iter(cylinders), "slide")}.pressure_1"]'
         )
-    raise RigError(f"{table.path}: [{table.key}]: {effect.name} cannot act on {place} {where}; it acts on a {' or a '.join(effect.places)}")
+    raise RigError(
+        f"{table.path}: [{table.key}]: {effect.name} cannot act on {place} {where}; it acts on a {' or a '.join(effect.places)}"
+    )
 
 
 def _value(effect: Effect, parameter: Parameter, where: str, place: str, table: Table) -> tuple[float | None, bool]:
@@ -102,20 +136,60 @@ def _value(effect: Effect, parameter: Parameter, where: str, place: str, table: 
         key = "torque"
     if not table.has(key):
         if parameter.required and not effect.any_of:
-            raise RigError(f'{table.path}: {table.name(key)} is missing: give it like "1 {parameter.unit}"')
+            raise RigError(f"{table.path}: {table.name(key)} is missing{_like(parameter, where, table)}")
         return (parameter.default if parameter.default else None), False
     raw = table.values[key]
     if parameter.choices:
         return float(parameter.choices.index(table.text(key, choices=parameter.choices))), False
-    wanted = [parameter.unit]
     if parameter.unit == "column":
         wanted = _column_units(where, table)
-    elif place == "joint" and parameter.angular_unit:
-        wanted = [parameter.unit, parameter.angular_unit]
+    else:
+        wanted = _units(parameter, place)
     value, unit = _parse(raw, wanted, table, key)
     if not parameter.low <= value <= parameter.high:
         raise table.fail(key, f"is outside {parameter.low:g} to {parameter.high:g} {unit}")
-    return value, unit == parameter.angular_unit
+    return value, len(wanted) > 1 and unit == wanted[1]
+
+
+def _like(parameter: Parameter, where: str, table: Table) -> str:
+    if parameter.choices:
+        return f"; there is: {', '.join(parameter.choices)}"
+    unit = _column_units(where, table)[0] if parameter.unit == "column" else parameter.unit
+    return ": give it like 0.1" if unit == "1" else f': give it like "1 {unit}"'
+
+
+def _units(parameter: Parameter, place: str, choice: int = 0) -> list[str]:
+    """Return the SI units that a parameter may have at this place: a joint's sliding one, then its turning one."""
+    straight, turning = parameter.unit_at(False, choice), parameter.unit_at(True, choice)
+    return [straight, turning] if place == "joint" and turning != straight else [straight]
+
+
+def _curve(
+    parameter: Parameter, parameters: Mapping[str, float], place: str, table: Table
+) -> tuple[tuple[float, ...], bool]:
+    """Return a list of numbers in SI, and whether it was given for a part that turns."""
+    assert parameter.unit_by is not None
+    choice = int(parameters.get(parameter.unit_by[0], 0.0))
+    wanted = _units(parameter, place, choice)
+    key = parameter.name
+    if not table.has(key):
+        raise RigError(f'{table.path}: {table.name(key)} is missing: give it like ["0 {wanted[0]}", "1 {wanted[0]}"]')
+    raw = table.values[key]
+    if not isinstance(raw, list):
+        raise table.fail(key, f'must be a list, like ["0 {wanted[0]}", "1 {wanted[0]}"]')
+    if not 2 <= len(raw) <= parameter.most:
+        raise RigError(f"{table.path}: {table.name(key)} has {len(raw)} entries; it needs from 2 to {parameter.most}")
+    read = [_parse(entry, wanted, table, key) for entry in raw]
+    for value, unit in read:
+        if not parameter.low <= value <= parameter.high:
+            raise RigError(
+                f"{table.path}: {table.name(key)}: {value:g} {unit} is outside {parameter.low:g} to {parameter.high:g} {unit}"
+            )
+        if unit != read[0][1]:
+            raise RigError(
+                f'{table.path}: {table.name(key)} mixes "{read[0][1]}" and "{unit}": a joint slides or turns'
+            )
+    return tuple(value for value, _ in read), len(wanted) > 1 and read[0][1] == wanted[1]
 
 
 def _parse(raw: Any, wanted: list[str], table: Table, key: str) -> tuple[float, str]:
@@ -143,6 +217,9 @@ def _check_together(table: Table, known: Mapping[str, Effect], found: list[Effec
         effect = known[name]
         if effect.requires and (effect.requires, where) not in on:
             raise RigError(f"{table.path}: [effects.{name}.{where}] needs [effects.{effect.requires}.{where}] as well")
-        for other in effect.excludes:
+        for other, _ in effect.absorbs:
             if (other, where) in on:
-                raise RigError(f"{table.path}: [effects.{name}.{where}] and [effects.{other}.{where}] exclude each other: keep one")
+                raise RigError(
+                    f"{table.path}: [effects.{name}.{where}] and [effects.{other}.{where}] exclude each other: "
+                    f"{name} says all that {other} says; keep one"
+                )

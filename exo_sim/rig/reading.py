@@ -96,7 +96,9 @@ def _supply(table: Table, environment: Environment, needed: bool) -> Supply:
     )
     part.done()
     if found.pressure < environment.pressure:
-        raise part.fail("pressure", f"is below the atmosphere ({environment.pressure:g} Pa); pressures are absolute, not gauge")
+        raise part.fail(
+            "pressure", f"is below the atmosphere ({environment.pressure:g} Pa); pressures are absolute, not gauge"
+        )
     return found
 
 
@@ -131,7 +133,9 @@ def _cylinder(name: str, part: Table) -> Cylinder:
 def _worn(table: Table) -> tuple[Wearer, Ankle]:
     wearer, ankle = Wearer(), Ankle()
     if (part := table.table("wearer", required=False)) is not None:
-        wearer = Wearer(part.quantity("height", "m", wearer.height, above=0.5), part.quantity("mass", "kg", wearer.mass, above=10.0))
+        wearer = Wearer(
+            part.quantity("height", "m", wearer.height, above=0.5), part.quantity("mass", "kg", wearer.mass, above=10.0)
+        )
         part.done()
     if (part := table.table("ankle", required=False)) is not None:
         ankle = Ankle(

@@ -52,12 +52,20 @@ class Cylinder:
 
 @dataclass(frozen=True)
 class EffectSetting:
-    """One `[effects.NAME.WHERE]`: parameters in SI; `turning` where they were given for a joint that turns."""
+    """One `[effects.NAME.WHERE]`.
+
+    Attributes:
+        name, where: As in the file.
+        parameters: Single numbers, in SI.
+        turning: True where they were given for a joint that turns (N m, rad), or for a column of one.
+        curves: Parameters that are lists of numbers, in SI.
+    """
 
     name: str
     where: str
     parameters: Mapping[str, float]
     turning: bool = False
+    curves: Mapping[str, tuple[float, ...]] = field(default_factory=dict)
 
 
 @dataclass(frozen=True)

@@ -63,7 +63,12 @@ class Table:
         return str(value)
 
     def quantity(
-        self, key: str, si_unit: str, default: float | None = None, above: float | None = None, at_least: float | None = None
+        self,
+        key: str,
+        si_unit: str,
+        default: float | None = None,
+        above: float | None = None,
+        at_least: float | None = None,
     ) -> float:
         """Return a quantity in SI, checked against its lower bound."""
         if not self.has(key):

@@ -11,10 +11,15 @@ EFFECT = Effect(
     question="Does the outward stroke meet another friction than the inward one?",
     says="Dry friction differs between the two directions.",
     parameters=(
-        Parameter("forward", "N", 0.0, 1e5, (1.0, 60.0), "as Coulomb; lip seals differ by up to a half", angular_unit="N*m"),
-        Parameter("backward", "N", 0.0, 1e5, (1.0, 60.0), "as Coulomb; lip seals differ by up to a half", angular_unit="N*m"),
+        Parameter(
+            "forward", "N", 0.0, 1e5, (1.0, 60.0), "as Coulomb; lip seals differ by up to a half", angular_unit="N*m"
+        ),
+        Parameter(
+            "backward", "N", 0.0, 1e5, (1.0, 60.0), "as Coulomb; lip seals differ by up to a half", angular_unit="N*m"
+        ),
     ),
     cut="motion",
+    absorbs=(("coulomb_friction", (("forward", "force"), ("backward", "force"))),),
     reveals=("position", "force"),
     mistaken_for=("coulomb_friction", "sensor_bias", "return_spring"),
     experiment="slow triangles with both chambers open to the atmosphere: a bias then cannot come from pressure sensors",

@@ -14,7 +14,15 @@ EFFECT = Effect(
     question="Is there a stretch of motion that carries no force when the load reverses?",
     says="There is free play between piston and joint.",
     parameters=(
-        Parameter("gap", "m", 0.0, 0.05, (5e-5, 2e-3), "rod ends 0.02-0.1 mm, worn clevis 0.1-0.5 mm: the whole play", angular_unit="rad"),
+        Parameter(
+            "gap",
+            "m",
+            0.0,
+            0.05,
+            (5e-5, 2e-3),
+            "rod ends 0.02-0.1 mm, worn clevis 0.1-0.5 mm: the whole play",
+            angular_unit="rad",
+        ),
     ),
     cut="gas",
     reveals=("position",),

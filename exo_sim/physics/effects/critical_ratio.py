@@ -13,8 +13,11 @@ EFFECT = Effect(
     places=("cylinder",),
     question="Is choked flow right and subsonic flow too small?",
     says="The valve chokes at another pressure ratio than a nozzle (ISO 6358).",
-    parameters=(Parameter("ratio", "1", 0.02, 0.6, (0.15, 0.5), "ISO 6358 b of real valves, several restrictions in series"),),
+    parameters=(
+        Parameter("ratio", "1", 0.02, 0.6, (0.15, 0.5), "ISO 6358 b of real valves, several restrictions in series"),
+    ),
     cut="gas",
+    needs_valve=True,
     reveals=("pressure_1", "pressure_2"),
     needs=("valve_command",),
     mistaken_for=("flow_capacity", "line_restriction", "supply_droop", "exhaust_back_pressure"),

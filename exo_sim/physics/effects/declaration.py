@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import importlib
 import pkgutil
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from functools import cache
 
@@ -25,6 +26,8 @@ class Parameter:
         required: False where the effect works without it.
         choices: Words that stand for 0, 1, 2 ... where the parameter is a choice.
         default: Value of a parameter that is not required.
+        most: The longest list where the parameter is a list of numbers; 0 where it is one number.
+        unit_by: For a list whose unit follows from choices: the deciding parameter and the SI units in the order of its words.
     """
 
     name: str
@@ -37,9 +40,13 @@ class Parameter:
     required: bool = True
     choices: tuple[str, ...] = ()
     default: float = 0.0
+    most: int = 0
+    unit_by: tuple[str, tuple[tuple[str, str], ...]] | None = None
 
-    def unit_at(self, turning: bool) -> str:
-        """Return the SI unit on a sliding part, or on a turning one."""
+    def unit_at(self, turning: bool, choice: int = 0) -> str:
+        """Return the SI unit on a sliding part, or on a turning one; `choice` is the value of the parameter that decides."""
+        if self.unit_by is not None:
+            return self.unit_by[1][choice][turning]
         return self.angular_unit if turning and self.angular_unit else self.unit
 
 
@@ -60,7 +67,10 @@ class Effect:
         mistaken_for: Names of effects with a like signature.
         experiment: What to do to tell them apart.
         requires: An effect that must be on at the same part.
-        excludes: Effects that cannot be on at the same part.
+        absorbs: Effects of which this one is the richer form, so that both cannot be on at the same part: for each, which
+            parameters of this one contain which of the other's.
+        check: Says in words what is wrong with numbers that are each within bounds, or "".
+        needs_valve: True where it acts in a valve, so that a cylinder without one cannot have it.
         signature: What it looks like in a recording.
     """
 
@@ -77,7 +87,9 @@ class Effect:
     needs: tuple[str, ...] = ()
     any_of: tuple[tuple[str, ...], ...] = ()
     requires: str = ""
-    excludes: tuple[str, ...] = ()
+    absorbs: tuple[tuple[str, tuple[tuple[str, str], ...]], ...] = ()
+    needs_valve: bool = False
+    check: Callable[[Mapping[str, float], Mapping[str, tuple[float, ...]]], str] | None = None
 
     def parameter(self, name: str) -> Parameter:
         """Return the parameter called `name`; KeyError where there is none."""

@@ -12,8 +12,12 @@ EFFECT = Effect(
     question="Does a venting chamber stop above the atmosphere while gas flows, and does another cylinder's vent lift it?",
     says="The exhaust builds up pressure while gas leaves.",
     parameters=(
-        Parameter("area", "m^2", 1e-8, 1e-3, (2e-6, 3e-5), "felt where the silencer is less than three times the valve"),
-        Parameter("volume", "m^3", 1e-6, 1e-2, (5e-6, 1e-4), "manifold and silencer body", required=False, default=2e-5),
+        Parameter(
+            "area", "m^2", 1e-8, 1e-3, (2e-6, 3e-5), "felt where the silencer is less than three times the valve"
+        ),
+        Parameter(
+            "volume", "m^3", 1e-6, 1e-2, (5e-6, 1e-4), "manifold and silencer body", required=False, default=2e-5
+        ),
     ),
     cut="gas",
     reveals=("pressure_1", "pressure_2", "exhaust.pressure"),

@@ -12,9 +12,22 @@ EFFECT = Effect(
     question="Do valve end and cylinder end of the hose differ in pressure while gas flows?",
     says="The hose between valve and cylinder throttles the flow.",
     parameters=(
-        Parameter("area", "m^2", 1e-8, 1e-3, (2e-6, 3e-5), "C = 0.029 D^2/sqrt(L/D^1.25 + 510) for 3-8 mm hoses of 0.3-2 m"),
-        Parameter("volume", "m^3", 1e-7, 1e-3, (2e-6, 5e-5), "12.6 cm^3/m (4 mm), 28.3 cm^3/m (6 mm)", required=False, default=5e-6),
-        Parameter("sensor", "1", 0, 1, (0, 1), "where the pressure sensors sit", required=False, choices=("chamber", "valve")),
+        Parameter(
+            "area", "m^2", 1e-8, 1e-3, (2e-6, 3e-5), "C = 0.029 D^2/sqrt(L/D^1.25 + 510) for 3-8 mm hoses of 0.3-2 m"
+        ),
+        Parameter(
+            "volume",
+            "m^3",
+            1e-7,
+            1e-3,
+            (2e-6, 5e-5),
+            "12.6 cm^3/m (4 mm), 28.3 cm^3/m (6 mm)",
+            required=False,
+            default=5e-6,
+        ),
+        Parameter(
+            "sensor", "1", 0, 1, (0, 1), "where the pressure sensors sit", required=False, choices=("chamber", "valve")
+        ),
     ),
     cut="gas",
     reveals=("pressure_1", "pressure_2"),

@@ -12,8 +12,18 @@ EFFECT = Effect(
     question="With every path closed, does one chamber lose what the other gains?",
     says="Gas leaks past the piston from the fuller chamber to the other.",
     parameters=(
-        Parameter("area", "m^2", 0.0, 1e-4, (1e-10, 1e-7), "ISO 10099 order for new seals, a hundredfold for worn ones", required=False),
-        Parameter("laminar", "kg/(s Pa^2)", 0.0, 1e-12, (1e-19, 1e-15), "pi D c^3/(24 mu R T l), c 1-15 um", required=False),
+        Parameter(
+            "area",
+            "m^2",
+            0.0,
+            1e-4,
+            (1e-10, 1e-7),
+            "ISO 10099 order for new seals, a hundredfold for worn ones",
+            required=False,
+        ),
+        Parameter(
+            "laminar", "kg/(s Pa^2)", 0.0, 1e-12, (1e-19, 1e-15), "pi D c^3/(24 mu R T l), c 1-15 um", required=False
+        ),
     ),
     any_of=(("area",), ("laminar",)),
     cut="gas",

@@ -11,7 +11,9 @@ EFFECT = Effect(
     question="Does resistance grow with the square of speed?",
     says="Drag grows with the square of speed.",
     parameters=(
-        Parameter("coefficient", "N s^2/m^2", 0.0, 1e6, (5.0, 500.0), "engineering estimate", angular_unit="N*m*s^2/rad^2"),
+        Parameter(
+            "coefficient", "N s^2/m^2", 0.0, 1e6, (5.0, 500.0), "engineering estimate", angular_unit="N*m*s^2/rad^2"
+        ),
     ),
     cut="motion",
     reveals=("position", "force"),

@@ -11,8 +11,18 @@ EFFECT = Effect(
     question="Does the force needed to hold still grow with position?",
     says="A spring acts between the moving parts.",
     parameters=(
-        Parameter("stiffness", "N/m", 0.0, 1e7, (50.0, 5e3), "return springs of single-acting cylinders", angular_unit="N*m/rad"),
-        Parameter("rest", "m", -10.0, 10.0, (0.0, 0.2), "where the spring is slack", angular_unit="rad", required=False),
+        Parameter(
+            "stiffness",
+            "N/m",
+            0.0,
+            1e7,
+            (50.0, 5e3),
+            "return springs of single-acting cylinders",
+            angular_unit="N*m/rad",
+        ),
+        Parameter(
+            "rest", "m", -10.0, 10.0, (0.0, 0.2), "where the spring is slack", angular_unit="rad", required=False
+        ),
     ),
     cut="motion",
     reveals=("position", "force"),

@@ -12,7 +12,17 @@ EFFECT = Effect(
     places=("column",),
     question="Is one channel off in proportion to what it reads?",
     says="The sensor's gain is off.",
-    parameters=(Parameter("factor", "1", 0.01, 100.0, (0.95, 1.05), "0.25-1 % of full scale; worse where a range was mixed up", default=1.0),),
+    parameters=(
+        Parameter(
+            "factor",
+            "1",
+            0.01,
+            100.0,
+            (0.95, 1.05),
+            "0.25-1 % of full scale; worse where a range was mixed up",
+            default=1.0,
+        ),
+    ),
     cut="sensor",
     reveals=(),
     mistaken_for=("payload_mass", "flow_capacity", "dead_volume"),

@@ -12,6 +12,7 @@ EFFECT = Effect(
     says="The valve's spool moves no faster than a limit.",
     parameters=(Parameter("rate", "1/s", 0.1, 1e5, (20.0, 500.0), "full travel in 2-50 ms"),),
     cut="gas",
+    needs_valve=True,
     reveals=("pressure_1", "pressure_2"),
     needs=("valve_command",),
     mistaken_for=("valve_lag",),

@@ -13,7 +13,15 @@ EFFECT = Effect(
     question="Does it take more force to start than to keep going slowly?",
     says="Friction is higher at rest and falls as motion starts.",
     parameters=(
-        Parameter("breakaway", "N", 0.0, 1e5, (2.0, 100.0), "5-60 N for 16-50 mm bores: the whole force at rest", angular_unit="N*m"),
+        Parameter(
+            "breakaway",
+            "N",
+            0.0,
+            1e5,
+            (2.0, 100.0),
+            "5-60 N for 16-50 mm bores: the whole force at rest",
+            angular_unit="N*m",
+        ),
         Parameter("velocity", "m/s", 1e-4, 10.0, (5e-3, 0.1), "5-100 mm/s", angular_unit="rad/s"),
     ),
     cut="motion",

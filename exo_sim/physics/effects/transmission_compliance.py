@@ -11,7 +11,15 @@ EFFECT = Effect(
     question="Does the joint lag the piston in proportion to the force between them?",
     says="The transmission between piston and joint is elastic.",
     parameters=(
-        Parameter("stiffness", "N/m", 1e2, 1e10, (1e4, 1e7), "steel linkage 1e6-1e7, printed 1e5-1e6, strap 5e3-3e4 N/m", angular_unit="N*m/rad"),
+        Parameter(
+            "stiffness",
+            "N/m",
+            1e2,
+            1e10,
+            (1e4, 1e7),
+            "steel linkage 1e6-1e7, printed 1e5-1e6, strap 5e3-3e4 N/m",
+            angular_unit="N*m/rad",
+        ),
     ),
     cut="gas",
     reveals=("position",),

@@ -10,8 +10,11 @@ EFFECT = Effect(
     places=("cylinder",),
     question="Do small commands of either sign move no gas?",
     says="The valve does not open until the command exceeds a dead-band.",
-    parameters=(Parameter("width", "1", 0.0, 0.9, (0.005, 0.15), "0-1 % zero lap, 2-5 % overlap, 13 % Enfield LS-V25s"),),
+    parameters=(
+        Parameter("width", "1", 0.0, 0.9, (0.005, 0.15), "0-1 % zero lap, 2-5 % overlap, 13 % Enfield LS-V25s"),
+    ),
     cut="gas",
+    needs_valve=True,
     reveals=("pressure_1", "pressure_2"),
     needs=("valve_command",),
     mistaken_for=("flow_capacity", "valve_hysteresis", "coulomb_friction", "backlash"),

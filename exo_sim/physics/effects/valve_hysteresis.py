@@ -10,8 +10,11 @@ EFFECT = Effect(
     places=("cylinder",),
     question="Does the same command give another flow on the way up than on the way down, at any rate?",
     says="The valve has hysteresis.",
-    parameters=(Parameter("width", "1", 0.0, 0.9, (0.003, 0.07), "0.3-0.4 % position-controlled, 3-7 % open-loop spools"),),
+    parameters=(
+        Parameter("width", "1", 0.0, 0.9, (0.003, 0.07), "0.3-0.4 % position-controlled, 3-7 % open-loop spools"),
+    ),
     cut="gas",
+    needs_valve=True,
     reveals=("pressure_1", "pressure_2"),
     needs=("valve_command",),
     mistaken_for=("valve_deadband", "valve_lag", "backlash"),

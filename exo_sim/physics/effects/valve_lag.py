@@ -13,11 +13,14 @@ EFFECT = Effect(
     question="Does the pressure answer the command late, by the same time at every size of step?",
     says="The valve follows its command with a lag.",
     parameters=(
-        Parameter("time_constant", "s", 0.0, 0.5, (1e-3, 3e-2), "3-5 ms proportional, 5-20 ms solenoid valves", required=False),
+        Parameter(
+            "time_constant", "s", 0.0, 0.5, (1e-3, 3e-2), "3-5 ms proportional, 5-20 ms solenoid valves", required=False
+        ),
         Parameter("delay", "s", 0.0, 0.1, (5e-4, 2e-2), "electronics and coil", required=False),
     ),
     any_of=(("time_constant",), ("delay",)),
     cut="gas",
+    needs_valve=True,
     reveals=("pressure_1", "pressure_2"),
     needs=("valve_command",),
     mistaken_for=("sensor_delay", "spool_rate_limit", "line_restriction"),

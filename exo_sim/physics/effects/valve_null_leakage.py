@@ -14,6 +14,7 @@ EFFECT = Effect(
         Parameter("area", "m^2", 0.0, 1e-4, (1e-9, 3e-7), "spool valves, 1-10 l/min at null (engineering estimate)"),
     ),
     cut="gas",
+    needs_valve=True,
     reveals=("pressure_1", "pressure_2"),
     mistaken_for=("piston_leakage", "external_leakage", "valve_offset"),
     experiment="hold at zero command at two supply pressures: the level that the chambers reach scales with the supply",

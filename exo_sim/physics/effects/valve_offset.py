@@ -10,8 +10,13 @@ EFFECT = Effect(
     places=("cylinder",),
     question="Does the valve pass gas at zero command, and less one way than the other?",
     says="The valve's zero is shifted.",
-    parameters=(Parameter("shift", "1", -0.5, 0.5, (-0.05, 0.05), "proportional valves, 0.1-0.2 V of 5 V (engineering estimate)"),),
+    parameters=(
+        Parameter(
+            "shift", "1", -0.5, 0.5, (-0.05, 0.05), "proportional valves, 0.1-0.2 V of 5 V (engineering estimate)"
+        ),
+    ),
     cut="gas",
+    needs_valve=True,
     reveals=("pressure_1", "pressure_2"),
     needs=("valve_command",),
     mistaken_for=("valve_null_leakage", "sensor_bias"),

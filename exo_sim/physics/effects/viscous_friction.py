@@ -11,7 +11,9 @@ EFFECT = Effect(
     question="Does resistance grow in proportion to speed?",
     says="Viscous friction resists motion.",
     parameters=(
-        Parameter("coefficient", "N s/m", 0.0, 1e5, (5.0, 250.0), "10-150 N s/m for 16-50 mm bores", angular_unit="N*m*s/rad"),
+        Parameter(
+            "coefficient", "N s/m", 0.0, 1e5, (5.0, 250.0), "10-150 N s/m for 16-50 mm bores", angular_unit="N*m*s/rad"
+        ),
     ),
     cut="motion",
     reveals=("position", "force"),

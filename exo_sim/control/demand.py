@@ -16,10 +16,10 @@ from numpy.typing import NDArray
 from exo_sim.control.machine_dynamics import MachineDynamics
 from exo_sim.errors import ScenarioError, nearest
 from exo_sim.gait.motion import Motion
-from exo_sim.machine.build import Ankle
 from exo_sim.machine.person import Person
 from exo_sim.machine.straps import StrapSet
 from exo_sim.machine.wearer import extra_moments
+from exo_sim.rig.schema import Ankle
 
 LAWS = ("virtual_support", "inverse_dynamics", "least_load")
 DEFAULT_LAW = "least_load"

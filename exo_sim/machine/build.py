@@ -2,50 +2,25 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from exo_sim.errors import ModelError, RigError, ScenarioError, nearest
+from exo_sim.errors import ModelError, ScenarioError, nearest
 from exo_sim.machine.person import COORDINATES, REFERENCE_HEIGHT, SEGMENTS, Person
+from exo_sim.rig.schema import Ankle
 
 if TYPE_CHECKING:
     import mujoco
 
-ANKLE_MODES = ("free", "sprung", "powered")
 #: What the frame is built to carry [kg].
 PAYLOAD_LIMIT = 45.0
-
-
-@dataclass(frozen=True)
-class Ankle:
-    """What the machine's ankle does: turns freely, has a spring about a right angle, or gives the torque demanded.
-
-    Attributes:
-        mode: "free", "sprung" or "powered".
-        stiffness: Of the spring [N m/rad].
-        torque: The most that a powered ankle gives [N m].
-
-    Raises:
-        RigError: an unknown mode, or a negative number.
-    """
-
-    mode: str = "sprung"
-    stiffness: float = 100.0
-    torque: float = 80.0
-
-    def __post_init__(self) -> None:
-        if self.mode not in ANKLE_MODES:
-            raise RigError(f'ankle mode "{self.mode}"{nearest(self.mode, ANKLE_MODES)}')
-        if self.stiffness < 0 or self.torque < 0:
-            raise RigError("ankle stiffness and torque must not be negative")
 
 
 def build(path: Path, person: Person, payload: float, ankle: Ankle) -> mujoco.MjModel:
     """Read an MJCF of the kind of `assets/exo.xml` and fit it.
 
-    Segments grow with body height; every attachment keeps its distance from the joint next to it, so that cylinders keep their
-    stroke and moment arm. The payload's inertia grows with its mass.
+    Segments grow with body height; every attachment keeps its distance from the joint next to it, so that cylinders
+    keep their stroke and moment arm. The payload's inertia grows with its mass.
 
     Args:
         path: The MJCF, drawn for a body height of `REFERENCE_HEIGHT`.

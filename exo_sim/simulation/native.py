@@ -1,0 +1,44 @@
+"""Calling MuJoCo's C functions from compiled loops, by address: such a loop can be cached, as a bound function could not."""
+
+from __future__ import annotations
+
+import ctypes
+from pathlib import Path
+from typing import Any
+
+import mujoco
+from llvmlite import ir
+from numba import types
+from numba.extending import intrinsic
+
+
+@intrinsic
+def call(typingctx: Any, function: Any, model: Any, data: Any) -> Any:
+    """Call `void function(mjModel*, mjData*)`; all three are addresses. An `mju_error` inside ends the process."""
+
+    def generate(context: Any, builder: Any, signature: Any, arguments: Any) -> Any:
+        pointer = ir.IntType(8).as_pointer()
+        kind = ir.FunctionType(ir.VoidType(), [pointer, pointer])
+        target = builder.inttoptr(arguments[0], kind.as_pointer())
+        builder.call(target, [builder.inttoptr(argument, pointer) for argument in arguments[1:]])
+        return context.get_dummy_value()
+
+    return types.void(types.int64, types.int64, types.int64), generate
+
+
+def _library() -> ctypes.CDLL:
+    folder = Path(mujoco.__file__).parent
+    for pattern in ("libmujoco.so*", "libmujoco*.dylib", "mujoco.dll"):
+        for path in sorted(folder.glob(pattern)):
+            return ctypes.CDLL(str(path))
+    raise ImportError(f"MuJoCo's library is not in {folder}")
+
+
+_LIBRARY = _library()
+
+
+def address(function: str) -> int:
+    """Return the address of a function of MuJoCo's library."""
+    pointer = ctypes.cast(getattr(_LIBRARY, function), ctypes.c_void_p).value
+    assert pointer is not None
+    return pointer

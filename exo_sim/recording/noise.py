@@ -1,0 +1,197 @@
+"""How much of a signal is noise: white part, correlated part and quantisation, told apart from the motion under it.
+
+Differences of third order let a smooth signal through only as the sixth power of the sample interval, white noise
+unchanged, and noise of correlation time tau somewhere between. So their variance V is taken over strides of s = 1, 2,
+4, ... samples and the non-negative sum
+
+    V(s) = 20 w^2 + g(exp(-s dt / tau)) c^2 + a s^6,    g(r) = 20 - 30 r + 12 r^2 - 2 r^3
+
+is fitted: w is the white part, c the part correlated over tau, a the signal. (20 = 1 + 9 + 9 + 1, the squared
+binomials; the other numbers are their products at lags 1, 2, 3.) Each V is a low quantile over blocks of time, so that
+valve switching, impacts and stick-slip in up to half of the blocks do not count. Noise slower than about ten samples
+cannot be told from motion this way and is left out.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from exo_sim.recording.table import Recording
+
+_STRIDES = (1, 2, 4, 8, 16)
+_BLOCK = 256
+_QUANTILE, _NORMAL_QUANTILE = 0.3, -0.5244005127080409
+_MOST_SAMPLES = 200_000
+_CORRELATIONS = np.concatenate(([0.0], np.exp(-1.0 / np.geomspace(0.4, 10.0, 24))))  # of neighbouring samples
+
+
+@dataclass(frozen=True)
+class Noise:
+    """The noise of one column, in its unit.
+
+    Attributes:
+        std: Standard deviation of all noise, quantisation included; 0 where none can be seen.
+        white: The part independent from sample to sample, quantisation taken off.
+        correlated: The part that neighbouring samples share.
+        correlation_time: Seconds over which it decays by e; 0 where it is white.
+        step: Quantisation step; 0 where values are not on a grid.
+        signal_share: How much of the finest differences is signal after all; near 1 makes `std` an upper bound.
+    """
+
+    std: float
+    white: float
+    correlated: float
+    correlation_time: float
+    step: float
+    signal_share: float
+
+
+def floor(values: NDArray[np.float64], time: NDArray[np.float64]) -> Noise:
+    """Estimate the noise of one column.
+
+    Args:
+        values: Shape (n,), NaN where missing.
+        time: Seconds, shape (n,), strictly increasing; only samples at about the usual interval are compared.
+    """
+    values, time = _thinned(values, time)
+    step = quantum(values)
+    present = np.isfinite(values)
+    if present.sum() < 8:
+        return Noise(step / np.sqrt(12.0), 0.0, 0.0, 0.0, step, 0.0)
+    interval = float(np.median(np.diff(time)))
+    strides, variances = _variances(values, time, interval)
+    if not len(variances) or not variances[0] > 0.0:
+        return Noise(step / np.sqrt(12.0), 0.0, 0.0, 0.0, step, 0.0)
+    white, correlated, correlation, signal = _parts(strides, variances)
+    if correlation >= _CORRELATIONS[-1]:  # as slow as motion: nothing but an upper bound can be had
+        share = 1.0 - 20.0 * white / variances[0]
+        return Noise(float(np.sqrt(variances[0] / 20.0)), float(np.sqrt(white)), 0.0, 0.0, step, float(max(share, 0.0)))
+    rounding = step**2 / 12.0
+    tau = -interval / np.log(correlation) if correlation > 0.0 and correlated > 0.0 else 0.0
+    return Noise(
+        std=float(np.sqrt(max(white + correlated, rounding))),
+        white=float(np.sqrt(max(white - rounding, 0.0))),
+        correlated=float(np.sqrt(correlated)),
+        correlation_time=float(tau),
+        step=step,
+        signal_share=float(signal / variances[0]),
+    )
+
+
+def floors(recording: Recording) -> Mapping[str, Noise]:
+    """Estimate the noise of every column."""
+    return {key: floor(values, recording.time) for key, values in recording.columns.items()}
+
+
+def quantum(values: NDArray[np.float64]) -> float:
+    """Return the step of the grid that all values lie on, 0 where there is none."""
+    distinct = np.unique(values[np.isfinite(values)])
+    if len(distinct) < 3:
+        return 0.0
+    gaps = np.diff(distinct)
+    gaps = gaps[gaps > 1e-9 * np.abs(distinct[[0, -1]]).max()]
+    if len(gaps) < 2:
+        return 0.0
+    step = float(gaps.min())
+    near = gaps[gaps < 200.0 * step]
+    if len(near) < max(3, 0.2 * len(gaps)):
+        return 0.0
+    step = float(np.mean(near / np.rint(near / step)))
+    off_grid = np.abs(near / step - np.rint(near / step))
+    if np.mean(off_grid > 0.05) > 0.01:
+        return 0.0
+    return step
+
+
+def signal_bandwidth(values: NDArray[np.float64], time: NDArray[np.float64]) -> float:
+    """Return the frequency in Hz above which nothing but noise can be seen.
+
+    It is the highest frequency at which the spectrum (Welch) stands a factor of four above its level in the upper third
+    of the band.
+    """
+    from scipy import signal
+
+    values, time = _thinned(values, time)
+    rate = 1.0 / float(np.median(np.diff(time)))
+    present = np.isfinite(values)
+    if present.sum() < 64:
+        return 0.5 * rate
+    filled = np.interp(time, time[present], values[present])
+    frequency, power = signal.welch(filled, rate, nperseg=min(1024, len(filled) // 2), detrend="linear")
+    level = float(np.median(power[frequency > rate / 3.0]))
+    above = np.flatnonzero(power > 4.0 * level)
+    return float(frequency[above[-1]]) if len(above) else 0.0
+
+
+def _thinned(values: NDArray[np.float64], time: NDArray[np.float64]) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+    """Take eight stretches spread over a long recording; the seams are gaps in the clock."""
+    if len(values) <= _MOST_SAMPLES:
+        return values, time
+    length = _MOST_SAMPLES // 8
+    starts = np.linspace(0, len(values) - length, 8).astype(int)
+    rows = np.concatenate([np.arange(start, start + length) for start in starts])
+    return values[rows], time[rows]
+
+
+def _variances(
+    values: NDArray[np.float64], time: NDArray[np.float64], interval: float
+) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+    strides, variances = [], []
+    centred = values - np.nanmedian(values)
+    for stride in _STRIDES:
+        span = 3 * stride
+        if len(values) < max(2 * span, span + 8):
+            break
+        third = (
+            centred[span:] - 3.0 * centred[2 * stride : -stride] + 3.0 * centred[stride : -2 * stride] - centred[:-span]
+        )
+        even = np.abs(time[span:] - time[:-span] - span * interval) < max(0.5, 0.1 * span) * interval
+        squares = np.where(even, third, np.nan) ** 2
+        estimate = _low_mean(squares)
+        if estimate is None:
+            break
+        strides.append(float(stride))
+        variances.append(estimate)
+    return np.array(strides), np.array(variances)
+
+
+def _low_mean(squares: NDArray[np.float64]) -> float | None:
+    """Return the mean square of the quiet blocks, from a low quantile over blocks (Wilson and Hilferty 1931)."""
+    size = min(_BLOCK, max(8, len(squares) // 8))
+    blocks = squares[: len(squares) // size * size].reshape(-1, size)
+    whole = np.isfinite(blocks).mean(axis=1) > 0.8
+    if not whole.any():
+        return None
+    means = np.nanmean(blocks[whole], axis=1)
+    spread = 2.0 / (9.0 * 0.5 * size)
+    if len(means) < 4:
+        return float(np.median(means))
+    return float(np.quantile(means, _QUANTILE) / (1.0 - spread + _NORMAL_QUANTILE * np.sqrt(spread)) ** 3)
+
+
+def _parts(strides: NDArray[np.float64], variances: NDArray[np.float64]) -> tuple[float, float, float, float]:
+    """Return the white and correlated variance, the correlation of neighbours, and the signal's share of V(1)."""
+    from scipy.optimize import nnls
+
+    white = np.full_like(strides, 20.0)
+    signal = strides**6
+    best: tuple[float, tuple[float, float, float, float]] | None = None
+    for correlation in _CORRELATIONS:
+        r = correlation**strides
+        correlated = 20.0 - 30.0 * r + 12.0 * r**2 - 2.0 * r**3
+        columns = [white, signal] if correlation == 0.0 else [white, signal, correlated]
+        design = np.column_stack(columns) / variances[:, None]  # relative errors
+        scale = np.linalg.norm(design, axis=0)
+        weights, misfit = nnls(design / scale, np.ones_like(variances))
+        weights = weights / scale
+        # a correlated part must earn its two numbers
+        cost = misfit + (0.0 if correlation == 0.0 else 0.05 * np.sqrt(len(strides)))
+        if best is None or cost < best[0]:
+            extra = float(weights[2]) if correlation > 0.0 else 0.0
+            best = cost, (float(weights[0]), extra, float(correlation), float(weights[1]))
+    assert best is not None
+    return best[1]

@@ -21,6 +21,7 @@ from exo_sim.physics.effects import (
     spool_rate_limit,
     supply_droop,
     supply_regulator,
+    unknown,
     valve_deadband,
     valve_hysteresis,
     valve_lag,
@@ -55,6 +56,7 @@ from exo_sim.physics.state import (
     MASS_1,
     MASS_2,
     PISTON,
+    PISTON_SPEED,
     PLAY,
     RELEASED,
     RELEASED_ENTHALPY,
@@ -74,6 +76,9 @@ LONGEST_STEP = 5e-4
 
 #: Above this pressure ratio a path counts as nearly balanced, where the flow's slope is steepest.
 _NEARLY_BALANCED = 0.9
+
+#: Temperature that the bounds on rates assume of the gas [K].
+HOT = 400.0
 
 
 @kernel
@@ -166,6 +171,16 @@ def side_rates(world, c, p, t, from_end, a_supply, a_exhaust, p_s, t_s, p_e, t_e
 
 
 @kernel
+def stray(world, dy, base: int, mass: int, energy: int, t_gas: float, w: float):
+    """Add a flow from the surroundings into one chamber [kg/s] to its rates, as a leak with the sign turned."""
+    h = w * world.k * world.r / (world.k - 1.0) * (world.ambient if w > 0.0 else t_gas)
+    dy[base + mass] += w
+    dy[base + energy] += h
+    dy[base + LEAKED] -= w
+    dy[base + LEAKED_ENTHALPY] -= h
+
+
+@kernel
 def cylinder_rates(world, c, y, dy, base, x, v, opening, p_s, t_s, p_e, t_e):
     """Write d/dt of one cylinder's integrated state; return its flows from the supply and into the exhaust, with enthalpies."""
     for j in range(INTEGRATED):
@@ -191,6 +206,9 @@ def cylinder_rates(world, c, y, dy, base, x, v, opening, p_s, t_s, p_e, t_e):
     dy[base + HEAT] = heat
     dy[base + WORK] = p_1 * c.area_1 * v
     if c.single_acting > 0.0:
+        across = piston_leakage.flow(c.piston_leakage, p_1, t_1, world.atmosphere, world.ambient, k, r)
+        stray(world, dy, base, MASS_1, ENERGY_1, t_1, -across)
+        stray(world, dy, base, MASS_1, ENERGY_1, t_1, unknown.acting(c.unknown, 1, x, v, p_1, p_2))
         return dy[base + DRAWN], dy[base + DRAWN_ENTHALPY], e_1, he_1
     t_2 = chamber.temperature(y[base + ENERGY_2], y[base + MASS_2], k, r)
     w_2, h_2, e_2, he_2 = side_rates(
@@ -212,6 +230,9 @@ def cylinder_rates(world, c, y, dy, base, x, v, opening, p_s, t_s, p_e, t_e):
     dy[base + LEAKED_ENTHALPY] += h_leak
     dy[base + HEAT] += heat
     dy[base + WORK] -= p_2 * c.area_2 * v
+    if unknown.present(c.unknown):
+        stray(world, dy, base, MASS_1, ENERGY_1, t_1, unknown.acting(c.unknown, 1, x, v, p_1, p_2))
+        stray(world, dy, base, MASS_2, ENERGY_2, t_2, unknown.acting(c.unknown, 2, x, v, p_1, p_2))
     return dy[base + DRAWN], dy[base + DRAWN_ENTHALPY], e_1 + e_2, he_1 + he_2
 
 
@@ -269,7 +290,34 @@ def path_rate(area: float, p_up: float, p_down: float, volume: float, k: float, 
     slope = 1.0
     if ratio > _NEARLY_BALANCED:
         slope = gas.subsonic_flow_factor(gas.LAMINAR_RATIO, k) / (1.0 - gas.LAMINAR_RATIO)
-    return k * area * math.sqrt(k * r * 400.0) * slope / volume
+    return k * area * math.sqrt(k * r * HOT) * slope / volume
+
+
+@kernel
+def slow_rate(world, c, laminar: float, conductance: float, p: float, p_other: float, volume: float) -> float:
+    """Return a bound on how fast a chamber settles by laminar leaks and heat [1/s]: slow, unless a rig asks for much of it."""
+    k, r = world.k, world.r
+    rate = 2.0 * (laminar * p + c.piston_leakage.laminar * max(p, p_other)) * k * r * HOT / volume
+    heat = conductance + c.wall_heat_transfer.conductance
+    rate += heat * (k - 1.0) * HOT / (p * volume)
+    if c.moving_wall_temperature.heat_capacity > 0.0:
+        rate += (heat + c.moving_wall_temperature.outside_conductance) / c.moving_wall_temperature.heat_capacity
+    return rate
+
+
+@kernel
+def regulator_gain(world, cylinders, spool) -> float:
+    """Return a bound on how much the supply's pressure falls for each pascal that it rose, by the flow that this draws."""
+    if world.supply_regulator.droop <= 0.0:
+        return 0.0
+    if supply_droop.present(world.supply_droop):
+        return world.supply_regulator.droop * world.supply_droop.conductance
+    area = 0.0
+    for i in range(len(cylinders)):
+        a_s1, _, a_s2, _ = path_areas(cylinders[i], spool[i])
+        area += a_s1 + a_s2
+    steepest = gas.subsonic_flow_factor(gas.LAMINAR_RATIO, world.k) / (1.0 - gas.LAMINAR_RATIO)
+    return world.supply_regulator.droop * area * steepest * math.sqrt(world.k / (world.r * world.supply_temperature))
 
 
 @kernel
@@ -282,6 +330,7 @@ def fastest_rate(world, cylinders, y, held, x, spool) -> float:
     p_e, _ = exhaust_state(world, y, shared)
     fastest = 0.0
     exhaust_area = world.exhaust_back_pressure.area
+    supply_rate = world.supply_droop.conductance * k * r * HOT / max(world.supply_droop.volume, 1e-9)
     for i in range(n):
         c = cylinders[i]
         base = i * INTEGRATED
@@ -289,10 +338,15 @@ def fastest_rate(world, cylinders, y, held, x, spool) -> float:
         p_1, p_2 = pressures(world, c, y, base, x[i])
         a_s1, a_1e, a_s2, a_2e = path_areas(c, spool[i])
         exhaust_area += a_1e + a_2e
+        if supply_droop.present(world.supply_droop):
+            supply_rate += path_rate(a_s1, p_s, p_1, world.supply_droop.volume, k, r)
+            supply_rate += path_rate(a_s2, p_s, p_2, world.supply_droop.volume, k, r)
         inner_1 = path_rate(c.piston_leakage.area, p_1, p_2, v_1, k, r)
         inner_1 += path_rate(c.external_leakage.area_1, p_1, world.atmosphere, v_1, k, r)
         inner_2 = path_rate(c.piston_leakage.area, p_1, p_2, v_2, k, r)
         inner_2 += path_rate(c.external_leakage.area_2, p_2, world.atmosphere, v_2, k, r)
+        inner_1 += slow_rate(world, c, c.external_leakage.laminar_1, c.wall_heat_transfer.conductance_1, p_1, p_2, v_1)
+        inner_2 += slow_rate(world, c, c.external_leakage.laminar_2, c.wall_heat_transfer.conductance_2, p_2, p_1, v_2)
         if line_restriction.present(c.line_restriction):
             hose = c.line_restriction.volume
             a = c.line_restriction.area
@@ -314,7 +368,7 @@ def fastest_rate(world, cylinders, y, held, x, spool) -> float:
     if exhaust_back_pressure.present(world.exhaust_back_pressure):
         rate = path_rate(exhaust_area, p_e, world.exhaust_pressure, world.exhaust_back_pressure.volume, k, r)
         fastest = max(fastest, rate)
-    return fastest
+    return max(fastest, supply_rate)
 
 
 @kernel
@@ -399,10 +453,12 @@ def advance(world, cylinders, state, x0, x1, command, dt, work, scratch):
         p_1, p_2 = pressures(world, c, y, i * INTEGRATED, memory[place + PISTON] if gives(c) else x0[i])
         if gives(c):
             start[i] = memory[place + PISTON]
-            end[i] = piston_at(world, c, p_1, p_2, start[i], x1[i], memory[place + BRISTLE])
+            z, before = memory[place + BRISTLE], memory[place + PISTON_SPEED]
+            end[i] = piston_at(world, c, p_1, p_2, start[i], x1[i], z, before, dt)
             memory[place + PISTON] = end[i]
         speed = (end[i] - start[i]) / dt
-        level = dry_level(c, speed, p_1 - world.atmosphere, p_2 - world.atmosphere)
+        memory[place + PISTON_SPEED] = speed
+        level = dry_level(c, speed, memory[place + BRISTLE], p_1 - world.atmosphere, p_2 - world.atmosphere)
         memory[place + BRISTLE] = move_bristle(c, memory[place + BRISTLE], speed, level, dt)
     left = dt
     while left > 1e-12:
@@ -423,7 +479,8 @@ def advance(world, cylinders, state, x0, x1, command, dt, work, scratch):
         drawn = integrate(
             world, cylinders, y, memory[shared_memory + HELD], start, end, left, spool, h, stages, work, x, v
         )
-        felt = supply_regulator.follow(world.supply_regulator, memory[shared_memory + FELT], drawn, h)
+        slowest = h * regulator_gain(world, cylinders, spool)
+        felt = supply_regulator.follow(world.supply_regulator, memory[shared_memory + FELT], drawn, h, slowest)
         memory[shared_memory + FELT] = felt
         memory[shared_memory + HELD] = supply_regulator.stick(
             world.supply_regulator, memory[shared_memory + HELD], felt

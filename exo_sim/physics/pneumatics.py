@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 from exo_sim.physics import plant, state
 from exo_sim.physics.compiled import kernel
 from exo_sim.physics.cylinder import rod_force
+from exo_sim.physics.effects import unknown
 from exo_sim.physics.records import CYLINDER, JOINT, WORLD
 from exo_sim.physics.resistance import joint_dry_level, joint_resistance, move_bristle, piston_resistance
 from exo_sim.physics.transmission import carried, gives, piston_at
@@ -36,11 +37,13 @@ def rod_forces(world, cylinders, state_vector, x, v, force):
         here = memory[place + state.PISTON] if gives(c) else x[i]
         p_1, p_2 = plant.pressures(world, c, state_vector, i * state.INTEGRATED, here)
         if gives(c):
-            piston = piston_at(world, c, p_1, p_2, here, x[i], memory[place + state.BRISTLE])
+            z, speed = memory[place + state.BRISTLE], memory[place + state.PISTON_SPEED]
+            piston = piston_at(world, c, p_1, p_2, here, x[i], z, speed, 0.0)
             force[i] = carried(c, piston, x[i])
         else:
             g_1, g_2 = p_1 - world.atmosphere, p_2 - world.atmosphere
             push = rod_force(p_1, p_2, c.area_1, c.area_2, world.atmosphere)
+            push += unknown.acting(c.unknown, 0, x[i], v[i], p_1, p_2)
             force[i] = push - piston_resistance(c, memory[place + state.BRISTLE], x[i], v[i], g_1, g_2)
 
 
@@ -49,6 +52,7 @@ def joint_forces(joints, bristles, q, qd, force):
     """Write the generalised force that each joint's own friction, spring and drag exert, shape (m,) [N or N m]."""
     for i in range(len(joints)):
         force[i] = -joint_resistance(joints[i], bristles[i], q[i], qd[i])
+        force[i] += unknown.acting(joints[i].unknown, 0, q[i], qd[i], 0.0, 0.0)
 
 
 @kernel
@@ -56,7 +60,7 @@ def advance_joints(joints, bristles, q0, q1, dt):
     """Move the bristles of the joints on by a step, from q0 to q1, shape (m,)."""
     for i in range(len(joints)):
         speed = (q1[i] - q0[i]) / dt
-        bristles[i] = move_bristle(joints[i], bristles[i], speed, joint_dry_level(joints[i], speed), dt)
+        bristles[i] = move_bristle(joints[i], bristles[i], speed, joint_dry_level(joints[i], speed, bristles[i]), dt)
 
 
 @kernel
@@ -143,6 +147,7 @@ class Pneumatics:
         self.cylinders = cylinders
         self.joints = np.zeros(0, JOINT) if joints is None else joints
         self.dt = dt
+        self.cylinders["step"] = self.joints["step"] = dt
         n = len(cylinders)
         self.vector = np.zeros(state.size(n, len(self.joints)))
         delays = cylinders["valve_lag"]["delay"]

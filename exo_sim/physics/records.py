@@ -15,11 +15,14 @@ def _fields(place: str) -> list[tuple[str, np.dtype]]:
 
 
 def _record(effect: Effect) -> np.dtype:
-    return np.dtype([(parameter.name, np.float64) for parameter in effect.parameters], align=True)
+    fields = [(p.name, np.float64, (p.most,)) if p.most else (p.name, np.float64) for p in effect.parameters]
+    return np.dtype(fields, align=True)
 
 
-#: What resists the motion of one sliding or turning part, by effect; and the mass it moves [kg or kg m^2].
-JOINT = np.dtype([("effective_mass", np.float64), ("turning", np.float64), *_fields("joint")], align=True)
+#: What resists the motion of one sliding or turning part, by effect; and the mass it moves [kg or kg m^2] in steps of `step` s.
+JOINT = np.dtype(
+    [("effective_mass", np.float64), ("turning", np.float64), ("step", np.float64), *_fields("joint")], align=True
+)
 
 #: One cylinder with its valve, and every effect that can act on it. `arm` is dX/dq of the joint it drives [m/rad or 1].
 CYLINDER = np.dtype(
@@ -34,6 +37,7 @@ CYLINDER = np.dtype(
         ("vented", np.float64),
         ("effective_mass", np.float64),
         ("turning", np.float64),
+        ("step", np.float64),
         ("arm", np.float64),
         ("drive_stiffness", np.float64),
         ("drive_gap", np.float64),

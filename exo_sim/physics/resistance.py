@@ -24,36 +24,39 @@ from exo_sim.physics.effects import (
 STUCK_TRAVEL = 1e-5
 STUCK_ANGLE = 1e-4
 
-#: Bound on the bristle's stiffness: effective mass over this time squared, so that a step of 1 ms resolves it.
+#: A stuck contact answers no faster than this [s], nor than two time steps; a declared presliding no faster than one.
 STUCK_TIME = 2e-3
 
 
 @kernel
-def dry_level(c, v: float, gauge_1: float, gauge_2: float) -> float:
-    """Return the dry friction that a piston moving at v meets [N]."""
+def dry_level(c, v: float, z: float, gauge_1: float, gauge_2: float) -> float:
+    """Return the dry friction that a piston moving at v, its contact bent by z, meets [N]."""
     level = coulomb_friction.level(c.coulomb_friction)
-    level += asymmetric_friction.level(c.asymmetric_friction, v)
+    level += asymmetric_friction.level(c.asymmetric_friction, z if z != 0.0 else v)
     level += pressure_dependent_friction.level(c.pressure_dependent_friction, gauge_1, gauge_2)
     level += stribeck_friction.excess(c.stribeck_friction, level, v)
     return level
 
 
 @kernel
-def joint_dry_level(j, v: float) -> float:
-    """Return the dry friction that a joint moving at v meets [N or N m]."""
+def joint_dry_level(j, v: float, z: float) -> float:
+    """Return the dry friction that a joint moving at v, its contact bent by z, meets [N or N m]."""
     level = coulomb_friction.level(j.coulomb_friction)
-    level += asymmetric_friction.level(j.asymmetric_friction, v)
+    level += asymmetric_friction.level(j.asymmetric_friction, z if z != 0.0 else v)
     level += stribeck_friction.excess(j.stribeck_friction, level, v)
     return level
 
 
 @kernel
 def bristle_stiffness(c, level: float) -> float:
-    """Return the stiffness of the stuck contact [N/m or N m/rad]."""
-    if c.presliding.stiffness > 0.0:
-        return c.presliding.stiffness
-    stiff = level / (STUCK_ANGLE if c.turning > 0.0 else STUCK_TRAVEL)
-    return min(stiff, c.effective_mass / STUCK_TIME**2) if c.effective_mass > 0.0 else stiff
+    """Return the stiffness of the stuck contact [N/m or N m/rad], never more than the time step resolves."""
+    stiff, fastest = c.presliding.stiffness, c.step
+    if stiff <= 0.0:
+        stiff = level / (STUCK_ANGLE if c.turning > 0.0 else STUCK_TRAVEL)
+        fastest = max(STUCK_TIME, 2.0 * c.step)
+    if c.effective_mass > 0.0 and fastest > 0.0:
+        stiff = min(stiff, c.effective_mass / (fastest * fastest))
+    return stiff
 
 
 @kernel
@@ -61,9 +64,10 @@ def move_bristle(c, z: float, v: float, level: float, h: float) -> float:
     """Return the bristle's deflection after `h` seconds at speed v [m or rad]."""
     if level <= 0.0:
         return 0.0
+    stiffness = bristle_stiffness(c, level)
     if c.presliding.stiffness > 0.0:
-        return presliding.bristle(c.presliding, z, v, level, h)
-    most = level / bristle_stiffness(c, level)
+        return presliding.bristle(stiffness, z, v, level, h)
+    most = level / stiffness
     return min(max(z + v * h, -most), most)
 
 
@@ -74,7 +78,10 @@ def dry_force(c, z: float, v: float, level: float) -> float:
         return 0.0
     stiffness = bristle_stiffness(c, level)
     if c.presliding.stiffness > 0.0:
-        return stiffness * z + c.presliding.damping * (v - stiffness * abs(v) * z / level)
+        damping = c.presliding.damping
+        if c.effective_mass > 0.0 and c.step > 0.0:
+            damping = min(damping, c.effective_mass / c.step)
+        return stiffness * z + damping * (v - stiffness * abs(v) * z / level)
     force = stiffness * z
     if abs(force) < level:
         force += math.sqrt(stiffness * c.effective_mass) * v
@@ -93,10 +100,10 @@ def steady_force(c, x: float, v: float) -> float:
 @kernel
 def piston_resistance(c, z: float, x: float, v: float, gauge_1: float, gauge_2: float) -> float:
     """Return the force that a piston at x, moving at v, meets [N], against +v."""
-    return dry_force(c, z, v, dry_level(c, v, gauge_1, gauge_2)) + steady_force(c, x, v)
+    return dry_force(c, z, v, dry_level(c, v, z, gauge_1, gauge_2)) + steady_force(c, x, v)
 
 
 @kernel
 def joint_resistance(j, z: float, q: float, qd: float) -> float:
     """Return the generalised force that a joint meets [N or N m], against +qd."""
-    return dry_force(j, z, qd, joint_dry_level(j, qd)) + steady_force(j, q, qd)
+    return dry_force(j, z, qd, joint_dry_level(j, qd, z)) + steady_force(j, q, qd)

@@ -19,9 +19,10 @@ SUPPLY_MASS, SUPPLY_ENERGY, EXHAUST_MASS, EXHAUST_ENERGY = 0, 1, 2, 3
 FED, FED_ENTHALPY, RELEASED, RELEASED_ENTHALPY = 4, 5, 6, 7
 SHARED = 8
 
-# Remembered, per cylinder: spool, play of the valve, bristle of the dry friction, piston where the transmission gives.
-SPOOL, PLAY, BRISTLE, PISTON = 0, 1, 2, 3
-REMEMBERED = 4
+# Remembered, per cylinder: spool, play of the valve, bristle of the dry friction, piston and its speed where
+# the transmission gives.
+SPOOL, PLAY, BRISTLE, PISTON, PISTON_SPEED = 0, 1, 2, 3, 4
+REMEMBERED = 5
 
 # Remembered, shared: flow that the regulator feels, and the flow its diaphragm holds.
 FELT, HELD = 0, 1

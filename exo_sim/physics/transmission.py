@@ -1,12 +1,12 @@
 """Between piston and joint: rigid unless a mount gives or a gap plays; then the piston sits where the forces balance.
 
-The rod is taken as massless: gas force less friction equals what the transmission carries.
+The piston is taken as massless: gas force less what resists it equals what the transmission carries.
 """
 
 from __future__ import annotations
 
 from exo_sim.physics.compiled import kernel
-from exo_sim.physics.effects import backlash, transmission_compliance
+from exo_sim.physics.effects import backlash, return_spring, transmission_compliance, unknown
 from exo_sim.physics.resistance import bristle_stiffness, dry_level
 
 
@@ -44,19 +44,34 @@ def carried(c, piston: float, x: float) -> float:
 
 
 @kernel
-def piston_at(world, c, p_1: float, p_2: float, from_x: float, x: float, z: float) -> float:
-    """Return where the piston comes to rest between gas, dry friction and transmission [m].
+def piston_at(
+    world, c, p_1: float, p_2: float, from_x: float, x: float, z: float, speed: float, span: float
+) -> float:
+    """Return where the piston comes to rest between gas, friction and transmission [m].
 
-    The chambers answer adiabatically from (p_1, p_2) at `from_x`; Newton's method on a force that falls with the piston's position,
-    kept inside a bracket.
+    The chambers answer adiabatically from (p_1, p_2) at `from_x`; Newton's method on a force that falls with the piston's
+    position, kept inside a bracket.
+
+    Args:
+        from_x, speed: Where the piston was, and how fast it went there.
+        x: Where the joint's side is.
+        z: Deflection of the dry contact at `from_x`.
+        span: Time that the move takes [s]; 0 where the piston is to keep its speed.
     """
     spring = stiffness(c)
     low, high = x - 0.5 * c.stroke - 0.01, x + 0.5 * c.stroke + 0.01
-    level = dry_level(c, 0.0, p_1 - world.atmosphere, p_2 - world.atmosphere)
+    level = dry_level(c, speed, z, p_1 - world.atmosphere, p_2 - world.atmosphere)
     grip = bristle_stiffness(c, level) if level > 0.0 else 0.0
     v_1 = c.dead_volume_1 + c.area_1 * from_x
     v_2 = c.dead_volume_2 + c.area_2 * (c.stroke - from_x)
-    rod = world.atmosphere * (c.area_1 - c.area_2)
+    steady = world.atmosphere * (c.area_1 - c.area_2) - unknown.acting(c.unknown, 0, from_x, speed, p_1, p_2)
+    thick = c.viscous_friction.coefficient + c.quadratic_drag.coefficient * abs(speed)
+    if span > 0.0:
+        thick /= span
+    else:
+        steady += thick * speed
+        thick = 0.0
+    soft = c.return_spring.stiffness
     piston = from_x
     for _ in range(20):
         n_1 = max(v_1 + c.area_1 * (piston - from_x), 0.01 * v_1)
@@ -67,12 +82,13 @@ def piston_at(world, c, p_1: float, p_2: float, from_x: float, x: float, z: floa
         slope = spring if play(c, piston - x) != 0.0 else 0.0
         if abs(drag) < level:
             slope += grip
-        drag = min(max(drag, -level), level)
-        force = q_1 * c.area_1 - q_2 * c.area_2 - rod - drag - carried(c, piston, x)
+        drag = min(max(drag, -level), level) + thick * (piston - from_x) + return_spring.force(c.return_spring, piston)
+        force = q_1 * c.area_1 - q_2 * c.area_2 - steady - drag - carried(c, piston, x)
         if force > 0.0:
             low = piston
         else:
             high = piston
+        slope += thick + soft
         slope += world.k * (q_1 * c.area_1**2 / n_1 + (q_2 * c.area_2**2 / n_2 if c.single_acting == 0.0 else 0.0))
         new = piston + force / slope
         if not low < new < high:

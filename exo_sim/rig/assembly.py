@@ -85,3 +85,7 @@ def pneumatics(
 def _switch_on(record: np.void, effect: EffectSetting) -> None:
     for name, value in effect.parameters.items():
         record[effect.name][name] = value
+    for name, values in effect.curves.items():
+        held = record[effect.name][name]
+        held[: len(values)] = values
+        held[len(values) :] = values[-1]

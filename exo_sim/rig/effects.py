@@ -79,7 +79,9 @@ def _setting(effect: Effect, where: str, table: Table, cylinders: Mapping[str, C
     if effect.any_of and not any(all(name in parameters for name in names) for names in effect.any_of):
         ways = " or ".join(" and ".join(names) for names in effect.any_of)
         raise RigError(f"{table.path}: [{table.key}] needs {ways}")
-    if effect.check is not None and (problem := effect.check(parameters, curves)):
+    if place == "cylinder":
+        _check_chambers(effect, cylinders[where], table)
+    if effect.check is not None and (problem := effect.check(place, parameters, curves)):
         raise RigError(f"{table.path}: [{table.key}]: {problem}")
     return EffectSetting(effect.name, where, parameters, turning, curves)
 
@@ -91,9 +93,14 @@ def _check_part(effect: Effect, cylinder: Cylinder, table: Table) -> None:
             f"{table.path}: [{table.key}]: cylinder {cylinder.name} has no valve for {effect.name} to act in; "
             f"give it [cylinders.{cylinder.name}.valve] area, or remove the effect"
         )
+
+
+def _check_chambers(effect: Effect, cylinder: Cylinder, table: Table) -> None:
+    """Refuse what acts on the chamber 2 that a single-acting cylinder does not have."""
     if cylinder.single_acting:
-        for name in table.values:
-            if name.endswith("_2") and any(parameter.name == name for parameter in effect.parameters):
+        for parameter in effect.parameters:
+            name = parameter.name
+            if name in table.values and "_2" in (name[-2:], str(table.values[name])[-2:]):
                 raise table.fail(
                     name, f"cylinder {cylinder.name} is single acting: its chamber 2 is the atmosphere; remove the key"
                 )

@@ -28,6 +28,6 @@ EFFECT = Effect(
 
 
 @kernel
-def level(p, v: float) -> float:
-    """Return the dry friction that a motion of this direction meets [N or N m]."""
-    return p.forward if v > 0.0 else p.backward
+def level(p, direction: float) -> float:
+    """Return the dry friction that a motion, or a push at rest, in this direction meets [N or N m]."""
+    return p.forward if direction > 0.0 else p.backward

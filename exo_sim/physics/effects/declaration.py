@@ -63,13 +63,13 @@ class Effect:
         any_of: Sets of parameters, one of which must be given; empty where `required` says it all.
         reveals: Signals (names behind the dot) one of which must be recorded for it to show.
         needs: Signals all of which must be recorded.
-        cut: Which part of the plant feels it: "gas", "motion", "supply" or "sensor".
+        cut: Which part of the plant feels it: "gas", "motion", "sensor", or "any" where a parameter decides.
         mistaken_for: Names of effects with a like signature.
         experiment: What to do to tell them apart.
         requires: An effect that must be on at the same part.
         absorbs: Effects of which this one is the richer form, so that both cannot be on at the same part: for each, which
             parameters of this one contain which of the other's.
-        check: Says in words what is wrong with numbers that are each within bounds, or "".
+        check: Of a place's kind and the numbers, each within bounds, says in words what is wrong with them together, or "".
         needs_valve: True where it acts in a valve, so that a cylinder without one cannot have it.
         signature: What it looks like in a recording.
     """
@@ -89,7 +89,7 @@ class Effect:
     requires: str = ""
     absorbs: tuple[tuple[str, tuple[tuple[str, str], ...]], ...] = ()
     needs_valve: bool = False
-    check: Callable[[Mapping[str, float], Mapping[str, tuple[float, ...]]], str] | None = None
+    check: Callable[[str, Mapping[str, float], Mapping[str, tuple[float, ...]]], str] | None = None
 
     def parameter(self, name: str) -> Parameter:
         """Return the parameter called `name`; KeyError where there is none."""

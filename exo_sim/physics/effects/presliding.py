@@ -42,10 +42,10 @@ EFFECT = Effect(
 
 
 @kernel
-def bristle(p, z: float, v: float, level: float, h: float) -> float:
+def bristle(stiffness: float, z: float, v: float, level: float, h: float) -> float:
     """Return the bristle's deflection after `h` seconds at constant speed [m]: LuGre's dz/dt = v - s0 |v| z/g, exactly."""
     if level <= 0.0:
         return 0.0
-    fade = math.exp(-p.stiffness * abs(v) * h / level)
-    settled = level / p.stiffness if v > 0.0 else -level / p.stiffness
+    fade = math.exp(-stiffness * abs(v) * h / level)
+    settled = level / stiffness if v > 0.0 else -level / stiffness
     return settled + (z - settled) * fade if v != 0.0 else z

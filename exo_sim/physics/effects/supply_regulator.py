@@ -26,11 +26,15 @@ EFFECT = Effect(
 
 
 @kernel
-def follow(p, flow_felt: float, flow: float, h: float) -> float:
-    """Return the flow that the regulator answers after `h` seconds [kg/s]: first order behind the drawn flow."""
-    if p.time_constant <= 0.0:
+def follow(p, flow_felt: float, flow: float, h: float, resolved: float) -> float:
+    """Return the flow that the regulator answers after `h` seconds [kg/s]: first order behind the drawn flow.
+
+    `resolved` is the shortest time constant that the step resolves [s]: a faster regulator would hunt with the step.
+    """
+    lag = max(p.time_constant, resolved)
+    if lag <= 0.0:
         return flow
-    return flow + (flow_felt - flow) * math.exp(-h / p.time_constant)
+    return flow + (flow_felt - flow) * math.exp(-h / lag)
 
 
 @kernel

@@ -1,0 +1,89 @@
+"""What a recording shows and nobody has a name for: a curve fitted to it."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+
+from exo_sim.physics.compiled import kernel
+from exo_sim.physics.effects.declaration import Effect, Parameter
+
+#: The most knots that a curve may have.
+KNOTS = 16
+
+ACTS = ("force", "flow_1", "flow_2")
+DEPENDS_ON = ("position", "velocity", "pressure_1", "pressure_2", "pressure_difference")
+
+_SOURCE = "fitted to a recording"
+
+
+def _check(place: str, numbers: Mapping[str, float], curves: Mapping[str, tuple[float, ...]]) -> str:
+    """Say what is wrong with the curve, or ""."""
+    at, values = curves["at"], curves["values"]
+    if len(at) != len(values):
+        return f"at has {len(at)} entries and values {len(values)}: give one value for each"
+    if any(later <= earlier for earlier, later in zip(at, at[1:])):
+        return "at must increase from entry to entry"
+    acts, variable = ACTS[int(numbers["acts"])], DEPENDS_ON[int(numbers["depends_on"])]
+    if place == "joint" and (acts != "force" or variable not in ("position", "velocity")):
+        return f'a joint knows no {acts if acts != "force" else variable}: there acts = "force" and depends_on position or velocity'
+    return ""
+
+
+EFFECT = Effect(
+    name="unknown",
+    places=("cylinder", "joint"),
+    question="Is a force or a flow missing that follows one signal and fits no effect of this list?",
+    says="Something without a name acts; a curve describes it.",
+    parameters=(
+        Parameter("acts", "1", 0, 2, (0, 2), "+ pushes out (a joint: along +), or fills the chamber", choices=ACTS),
+        Parameter("depends_on", "1", 0, 4, (0, 4), "position and velocity of the part it acts on", choices=DEPENDS_ON),
+        Parameter(
+            "at", "m", -1e9, 1e9, (0.0, 1.0), _SOURCE, most=KNOTS,
+            unit_by=("depends_on", (("m", "rad"), ("m/s", "rad/s"), ("Pa", "Pa"), ("Pa", "Pa"), ("Pa", "Pa"))),
+        ),
+        Parameter(
+            "values", "N", -1e9, 1e9, (-100.0, 100.0), _SOURCE, most=KNOTS,
+            unit_by=("acts", (("N", "N*m"), ("kg/s", "kg/s"), ("kg/s", "kg/s"))),
+        ),
+    ),
+    check=_check,
+    cut="any",
+    reveals=("pressure_1", "pressure_2", "position", "force"),
+    mistaken_for=(),
+    experiment="move that one signal alone, slowly and then fast, and look whether the curve stays",
+    signature="what is left unexplained is a function of one signal",
+)  # fmt: skip
+
+
+@kernel
+def present(p) -> bool:
+    """Say whether there is a curve at all."""
+    return p.at[KNOTS - 1] > p.at[0]
+
+
+@kernel
+def curve(p, variable: float) -> float:
+    """Return the curve between its knots; beyond them it keeps its last value."""
+    if variable <= p.at[0]:
+        return p.values[0]
+    for i in range(1, KNOTS):
+        if variable < p.at[i]:
+            share = (variable - p.at[i - 1]) / (p.at[i] - p.at[i - 1])
+            return p.values[i - 1] + (p.values[i] - p.values[i - 1]) * share
+    return p.values[KNOTS - 1]
+
+
+@kernel
+def acting(p, on: int, x: float, v: float, p_1: float, p_2: float) -> float:
+    """Return the force on a part [N or N m] (on = 0), or the flow into chamber 1 or 2 [kg/s] (on = 1, 2)."""
+    if not present(p) or int(p.acts) != on:
+        return 0.0
+    if p.depends_on == 0.0:
+        return curve(p, x)
+    if p.depends_on == 1.0:
+        return curve(p, v)
+    if p.depends_on == 2.0:
+        return curve(p, p_1)
+    if p.depends_on == 3.0:
+        return curve(p, p_2)
+    return curve(p, p_1 - p_2)

@@ -26,6 +26,9 @@ class MachineDynamics:
         required: Generalised force that the motion needs from actuators, ground and straps together, (n, 9).
         contact: Jacobian of each of `CONTACTS`, x and z rows, (n, 4, 2, 9).
         pressure: Jacobian of the point under each foot at the centre of pressure, (n, 2, 2, 9).
+        inertia: Mass matrix, (n, 9, 9).
+        tip: Place of each contact, (n, 4, 2).
+        tip_velocity: Its velocity in the reference motion, (n, 4, 2).
         mass_centre: Jacobian and place of the whole machine's mass centre: (n, 2, 9) and (n, 2).
         pressure_point: Place of the centre of pressure, (n, 2, 2).
         strap: Jacobian of each strap's point, rows across and along the segment, (n, straps, 2, 9).
@@ -37,6 +40,9 @@ class MachineDynamics:
     required: NDArray[np.float64]
     contact: NDArray[np.float64]
     pressure: NDArray[np.float64]
+    inertia: NDArray[np.float64]
+    tip: NDArray[np.float64]
+    tip_velocity: NDArray[np.float64]
     mass_centre: NDArray[np.float64]
     mass_centre_point: NDArray[np.float64]
     pressure_point: NDArray[np.float64]
@@ -59,7 +65,8 @@ def along(model: mujoco.MjModel, motion: Motion, person: Person, straps: StrapSe
     tips = [model.geom(name) for name in CONTACTS]
     place = model.site_pos[[model.site(f"foot_{side}").id for side in "lr"]]
     nv, n_straps = model.nv, len(straps.names)
-    required = np.empty((SAMPLES, nv))
+    required, inertia = np.empty((SAMPLES, nv)), np.empty((SAMPLES, nv, nv))
+    tip_place, tip_velocity = np.empty((SAMPLES, 4, 2)), np.empty((SAMPLES, 4, 2))
     contact = np.empty((SAMPLES, len(CONTACTS), 2, nv))
     pressure = np.empty((SAMPLES, 2, 2, nv))
     pressure_point = np.empty((SAMPLES, 2, 2))
@@ -80,10 +87,12 @@ def along(model: mujoco.MjModel, motion: Motion, person: Person, straps: StrapSe
             data.qacc[:] = motion.curvature[i] * rate**2
             mujoco.mj_inverse(model, data)
             required[i] = data.qfrc_inverse
+            mujoco.mj_fullM(model, data, inertia[i])
             for j, tip in enumerate(tips):
                 centre = data.geom_xpos[tip.id].copy()
                 centre[2] -= tip.size[0]
-                contact[i, j] = at(centre, foot[j // 2])
+                contact[i, j], tip_place[i, j] = at(centre, foot[j // 2]), centre[[0, 2]]
+                tip_velocity[i, j] = contact[i, j] @ data.qvel
             for j in range(2):
                 local = np.array([motion.pressure_centre[i, j], place[j, 1], place[j, 2]])
                 point = data.xpos[foot[j]] + data.xmat[foot[j]].reshape(3, 3) @ local
@@ -104,6 +113,9 @@ def along(model: mujoco.MjModel, motion: Motion, person: Person, straps: StrapSe
         required=required,
         contact=contact,
         pressure=pressure,
+        inertia=inertia,
+        tip=tip_place,
+        tip_velocity=tip_velocity,
         mass_centre=mass_centre,
         mass_centre_point=mass_centre_point,
         pressure_point=pressure_point,

@@ -18,6 +18,24 @@ from exo_sim.trials.truth.machine import Machine
 
 Array = NDArray[np.float64]
 ALL_KNOWN = ("wall_heat_transfer", "coulomb_friction", "viscous_friction")
+#: What every healthy bench has a trace of, drawn where "mild oddities" are asked for.
+HEALTHY = (
+    "wall_heat_transfer",
+    "piston_leakage",
+    "external_leakage",
+    "external_leakage:chamber_2",
+    "valve_null_leakage",
+    "valve_deadband",
+    "valve_offset",
+    "valve_hysteresis",
+    "critical_ratio",
+    "curved_valve",
+    "unequal_paths",
+    "coulomb_friction",
+    "viscous_friction",
+    "return_spring",
+    "cogging",
+)
 #: Column to its name in the truth's log.
 COLUMNS = {
     f"{CYLINDER}.valve_command [1]": "command",
@@ -42,6 +60,7 @@ class Case:
         truth: One per recording.
         recordings: One table per recording: column to values, `time [s]` first.
         about: Everything else worth keeping: seed, program, cell.
+        pressure, position: The instruments, before sensor effects.
     """
 
     name: str
@@ -52,6 +71,13 @@ class Case:
     truth: tuple[Truth, ...]
     recordings: tuple[dict[str, Array], ...]
     about: Mapping[str, object] = field(default_factory=dict)
+    pressure: Instrument = field(default_factory=Instrument)
+    position: Instrument = field(default_factory=Instrument)
+
+    @property
+    def at_valve(self) -> bool:
+        """Whether the pressure sensors sit at the valve end of the hoses."""
+        return any(entry.parameters.get("sensor_at_valve", 0) for entry in self.hidden)
 
 
 def make_case(
@@ -77,6 +103,7 @@ def make_case(
     exhaust_recorded: bool = False,
     missing: Sequence[str] = (),
     oddities: bool = False,
+    keep_states: bool = False,
 ) -> Case:
     """Draw a case.
 
@@ -99,8 +126,9 @@ def make_case(
         lag: Anti-alias filter on pressures and position [s].
         supply_recorded, exhaust_recorded: Whether these columns exist.
         missing: Columns left out, without unit, e.g. "piston.pressure_2".
-        oddities: Mild physics that nobody lists: a spool of second order, heat transfer that grows with pressure, a
-            bent valve map, correlated noise.
+        oddities: What healthy benches have: a trace of every effect of `HEALTHY`, a spool of second order, heat
+            transfer that grows with pressure, correlated noise.
+        keep_states: Keep the full true state at every sample, which `limit` needs.
 
     Raises:
         TrialError: an effect is unknown, or the drawn machine diverged.
@@ -119,18 +147,22 @@ def make_case(
     hidden = tuple(plant(effect, bench, s, seed * 31 + i) for i, (effect, s) in enumerate(zip(wanted, sizes)))
     machine = bench.machine()
     if oddities:
-        machine = machine.with_(
-            spool_frequency=rng.uniform(110, 160), spool_damping=0.8, curve_exponent=rng.uniform(0.985, 1.015)
-        )
+        machine = machine.with_(spool_frequency=rng.uniform(110, 160), spool_damping=0.8)
         if machine["heat_conductance"] > 0:
             machine = machine.with_(heat_eichelberg=rng.uniform(0.05, 0.15))
+        for i, key in enumerate(HEALTHY):
+            effect = find(key)
+            trace = plant(effect, bench, effect.healthy * min(abs(rng.standard_normal()), 2.5), seed * 31 + 1000 + i)
+            fields = effect.fields(bench, trace.parameters)
+            machine = machine.with_(**{name: value for name, value in fields.items() if machine.is_default(name)})
         correlated = max(correlated, 0.5)
     for entry in hidden:
         machine = entry.into(machine, bench)
     own = believed(bench, rng, 0.02 * errors, 0.05 * errors, 0.005 * errors, 0.01 * errors)
     reach = max([0.7] + [effect.reach for effect in wanted])
-    truths = tuple(drive(bench, machine, program, duration, rate, jitter, reach, rng) for _ in range(recordings))
-    at_valve = any(entry.parameters.get("sensor_at_valve", 0) for entry in hidden)
+    truths = tuple(
+        drive(bench, machine, program, duration, rate, jitter, reach, rng, keep_states) for _ in range(recordings)
+    )
     columns = [
         column
         for column in COLUMNS
@@ -141,9 +173,17 @@ def make_case(
     pressure = Instrument(
         noise=pressure_noise, slow_noise=correlated * pressure_noise, bits=bits, low=0.0, high=1.2e6, lag=lag
     )
-    position = Instrument(noise=position_noise, slow_noise=correlated * position_noise, bits=bits, low=-0.3,
-    high=0.3, lag=lag,
-                          delay=skew)  # fmt: skip
+    position = Instrument(
+        noise=position_noise, slow_noise=correlated * position_noise, bits=bits, low=-0.3, high=0.3, lag=lag, delay=skew
+    )
+    about = {
+        "seed": seed,
+        "program": program,
+        "known": list(owner_knows),
+        "recordings": recordings,
+        "oddities": oddities,
+    }
+    case = Case(name, bench, own, machine, hidden, truths, (), about, pressure, position)
     tables = []
     for truth in truths:
         table = {"time [s]": truth.log["time"]}
@@ -152,25 +192,19 @@ def make_case(
             if key == "command":
                 table[column] = truth.log[key]
                 continue
-            if at_valve and key in ("pressure_1", "pressure_2"):
+            if case.at_valve and key in ("pressure_1", "pressure_2"):
                 key = "line" + key[-2:]
             true = truth.log[key] - bench.zero if key == "position" else truth.log[key]
-            instrument = _faulty(position if key == "position" else pressure, column.split(" ")[0], hidden)
-            table[column] = measure(truth.log["time"], true, instrument, rng)
+            table[column] = measure(truth.log["time"], true, instrument_of(case, column), rng)
         tables.append(table)
-    about = {
-        "seed": seed,
-        "program": program,
-        "known": list(owner_knows),
-        "recordings": recordings,
-        "oddities": oddities,
-    }
-    return Case(name, bench, own, machine, hidden, truths, tuple(tables), about)
+    return replace(case, recordings=tuple(tables))
 
 
-def _faulty(instrument: Instrument, column: str, hidden: Sequence[Hidden]) -> Instrument:
-    """Return the instrument with the sensor effects that are planted in this column."""
-    for entry in hidden:
+def instrument_of(case: Case, column: str) -> Instrument:
+    """Return the instrument of a column, with the sensor effects that are planted in it."""
+    column = column.split(" ")[0]
+    instrument = case.position if column.endswith(".position") else case.pressure
+    for entry in case.hidden:
         if entry.effect.where != column:
             continue
         p = entry.parameters

@@ -61,7 +61,7 @@ def main(argv: list[str] | None = None) -> int:
                 if options.size.endswith("x"):
                     from exo_sim.trials.limit import sized
 
-                    size = sized(keys, seed, float(options.size[:-1]), settings)
+                    size = sized(keys, float(options.size[:-1]))
                 else:
                     size = float(options.size)
                 case = make_case(f"{label}_{draw}", keys, seed, size, **settings)

@@ -35,6 +35,8 @@ class Effect:
         known: Effects that the owner must know of for this one to make sense.
         reach: Share of half the stroke that the motion must use.
         synonyms: Other places or names that are the same physics on this bench.
+        healthy: Size that a bench of a careful laboratory has of it, one standard deviation.
+        smallest: Size below which the plant cannot be integrated in reasonable steps.
     """
 
     name: str
@@ -47,6 +49,8 @@ class Effect:
     known: tuple[str, ...] = ()
     reach: float = 0.7
     synonyms: tuple[str, ...] = ()
+    healthy: float = 0.025
+    smallest: float = 1e-4
 
     @property
     def key(self) -> str:
@@ -133,14 +137,14 @@ _TABLE: tuple[Effect, ...] = (
     # lines, exhaust, supply
     Effect("line_restriction", P, "missing_physics", {"area": "m^2", "volume": "m^3"},
            lambda b, d, s: {"area": d(0.25, 0.45) * b.valve_area / s, "volume": d(0.3, 0.5) * min(b.dead_1, b.dead_2)},
-           lambda b, p: {"line_area": p["area"], "line_volume": p["volume"]}),
+           lambda b, p: {"line_area": p["area"], "line_volume": p["volume"]}, smallest=0.05),
     Effect("line_restriction", P, "missing_physics", {"area": "m^2", "volume": "m^3", "sensor_at_valve": "1"},
            lambda b, d, s: {"area": d(0.25, 0.45) * b.valve_area / s, "volume": d(0.3, 0.5) * min(b.dead_1, b.dead_2),
                             "sensor_at_valve": 1.0},
-           lambda b, p: {"line_area": p["area"], "line_volume": p["volume"]}, variant="valve_end"),
+           lambda b, p: {"line_area": p["area"], "line_volume": p["volume"]}, variant="valve_end", smallest=0.05),
     Effect("exhaust_back_pressure", "exhaust", "missing_physics", {"area": "m^2"},
-           lambda b, d, s: {"area": d(0.15, 0.3) * b.valve_area / s}, lambda b, p: {"exhaust_area": p["area"]},
-           synonyms=(P,)),
+           lambda b, d, s: {"area": d(0.06, 0.12) * b.valve_area / s}, lambda b, p: {"exhaust_area": p["area"]},
+           synonyms=(P,), smallest=0.02),
     Effect("supply_droop", "supply", "missing_physics", {"volume": "m^3", "conductance": "kg/(s Pa)"},
            lambda b, d, s: {"volume": d(2e-4, 5e-4) / s, "conductance": 0.1 * _flow(b) / (d(0.3, 0.7) * 1e5) / s},
            lambda b, p: {"tank_volume": p["volume"], "tank_conductance": p["conductance"]}),
@@ -176,7 +180,7 @@ _TABLE: tuple[Effect, ...] = (
            lambda b, d, s: {"stiffness": d(1.0, 2.0) * b.gas_stiffness / s,
                             "damping": d(0.2, 0.4) * np.sqrt(b.gas_stiffness * b.mass)},
            lambda b, p: {"bristle_stiffness": p["stiffness"], "bristle_damping": p["damping"]},
-           known=("coulomb_friction",), synonyms=(JOINT,)),
+           known=("coulomb_friction",), synonyms=(JOINT,), smallest=0.01),
     Effect("quadratic_drag", P, "missing_physics", {"coefficient": "N*s^2/m^2"},
            lambda b, d, s: {"coefficient": s * d(0.5, 1.0) * 0.03 * b.stall / 0.04},
            lambda b, p: {"drag": p["coefficient"]},
@@ -188,7 +192,7 @@ _TABLE: tuple[Effect, ...] = (
            lambda b, d, s: {"stiffness": d(4.0, 8.0) * b.gas_stiffness / s},
            lambda b, p: {"drive_stiffness": p["stiffness"],
                "drive_damping": 0.1 * np.sqrt(p["stiffness"] * 0.03 * b.mass)},
-           synonyms=(JOINT,)),
+           synonyms=(JOINT,), smallest=0.01),
     Effect("backlash", JOINT, "missing_physics", {"gap": "m"},
            lambda b, d, s: {"gap": s * d(0.4e-3, 1.0e-3)},
            lambda b, p: {"drive_stiffness": 100 * b.gas_stiffness, "drive_gap": p["gap"],
@@ -196,13 +200,13 @@ _TABLE: tuple[Effect, ...] = (
     # believed numbers
     Effect("flow_capacity", P, "calibration", {"factor": "1"},
            lambda b, d, s: {"factor": 1 + s * d(0.15, 0.3) * (1 if d(-1, 1) > 0 else -1)},
-           lambda b, p: {"valve_area": b.valve_area * p["factor"]}),
+           lambda b, p: {"valve_area": b.valve_area * p["factor"]}, healthy=0.09),
     Effect("dead_volume", P, "calibration", {"factor": "1"},
            lambda b, d, s: {"factor": max(1 + s * d(0.4, 0.7) * (1 if d(-1, 1) > -0.3 else -1), 0.1)},
-           lambda b, p: {"dead_1": b.dead_1 * p["factor"], "dead_2": b.dead_2 * p["factor"]}),
+           lambda b, p: {"dead_1": b.dead_1 * p["factor"], "dead_2": b.dead_2 * p["factor"]}, healthy=0.09),
     Effect("payload_mass", JOINT, "calibration", {"factor": "1"},
            lambda b, d, s: {"factor": 1 + s * d(0.08, 0.2) * (1 if d(-1, 1) > 0 else -0.7)},
-           lambda b, p: {"load_mass": b.mass * p["factor"]}),
+           lambda b, p: {"load_mass": b.mass * p["factor"]}, healthy=0.036),
     # sensors
     Effect("sensor_delay", f"{P}.pressure_1", "sensor", {"seconds": "s"},
            lambda b, d, s: {"seconds": s * d(3e-3, 8e-3)}),
@@ -238,7 +242,7 @@ _TABLE: tuple[Effect, ...] = (
            lambda b, d, s: {"inertance": s * d(0.5, 1.5) / 1.26e-5, "volume": 0.4 * min(b.dead_1, b.dead_2),
                "resistance": d(20, 60)},
            lambda b, p: {"line_inertance": p["inertance"], "line_volume": p["volume"],
-               "line_resistance": p["resistance"]}),
+               "line_resistance": p["resistance"]}, smallest=0.02),
     Effect("draining_payload", JOINT, "outside", {"change": "kg", "start": "s", "ramp": "s"},
            lambda b, d, s: {"change": -s * d(0.3, 0.45) * b.mass, "start": d(4, 9), "ramp": d(2, 6)},
            lambda b, p: {"payload_change": p["change"], "payload_time": p["start"], "payload_ramp": p["ramp"]}),

@@ -224,8 +224,14 @@ def draw_bench(rng: np.random.Generator, known: tuple[str, ...] = ()) -> Bench:
     return replace(bench, known={key: value for key, value in values.items() if key[0] in known})
 
 
-def believed(bench: Bench, rng: np.random.Generator, area: float = 0.02, dead: float = 0.05, mass: float = 0.005,
-             effects: float = 0.01) -> Bench:  # fmt: skip
+def believed(
+    bench: Bench,
+    rng: np.random.Generator,
+    area: float = 0.02,
+    dead: float = 0.05,
+    mass: float = 0.005,
+    effects: float = 0.01,
+) -> Bench:
     """Return the bench as a careful laboratory believes it: relative errors drawn with these standard deviations."""
     errors = np.clip(rng.standard_normal(4), -2.2, 2.2)
     known = {

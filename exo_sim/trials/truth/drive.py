@@ -34,8 +34,17 @@ class Truth:
     states: Array
 
 
-def drive(bench: Bench, machine: Machine, kind: str, duration: float, rate: float, jitter: float, reach: float,
-          rng: np.random.Generator) -> Truth:  # fmt: skip
+def drive(
+    bench: Bench,
+    machine: Machine,
+    kind: str,
+    duration: float,
+    rate: float,
+    jitter: float,
+    reach: float,
+    rng: np.random.Generator,
+    keep: bool = False,
+) -> Truth:
     """Run one program.
 
     Args:
@@ -47,6 +56,7 @@ def drive(bench: Bench, machine: Machine, kind: str, duration: float, rate: floa
         jitter: Standard deviation of the tick period [s].
         reach: Largest excursion from mid-stroke, as a share of half the stroke.
         rng: Chance.
+        keep: Keep the full state at every tick.
 
     Raises:
         TrialError: the machine left the range of numbers that mean anything.
@@ -69,21 +79,43 @@ def drive(bench: Bench, machine: Machine, kind: str, duration: float, rate: floa
     )
     p1 = (p2 * bench.area_2 + bench.ambient * (bench.area_1 - bench.area_2) + weight) / bench.area_1
     y = at_rest(0.5 * bench.stroke, p1, p2, record[0])
-    truth = advance(machine, y, np.zeros(4), 0.0, ticks, dt, plan, gains, noise)
+    truth = advance(machine, y, np.zeros(4), 0.0, ticks, dt, plan, gains, noise, keep)
     if not np.isfinite(truth.log["pressure_1"]).all() or abs(truth.log["position"]).max() > 10 * bench.stroke:
         raise TrialError("a drawn machine diverged; draw it again with another --seed")
     return truth
 
 
-def advance(machine: Machine, y: Array, bristle: Array, start: float, ticks: NDArray[np.int64], dt: float, plan:
-Program,
-            gains: Array, noise: Array, keep: bool = False) -> Truth:  # fmt: skip
+def advance(
+    machine: Machine,
+    y: Array,
+    bristle: Array,
+    start: float,
+    ticks: NDArray[np.int64],
+    dt: float,
+    plan: Program,
+    gains: Array,
+    noise: Array,
+    keep: bool = False,
+) -> Truth:
     """Run a machine from a given state; see `plant.run`."""
     log = np.empty((len(ticks), len(LOG)))
     states = np.empty((len(ticks) if keep else 0, STATES + 5))
-    run(machine.packed(), y.copy(), bristle.copy(), start, ticks, dt, plan.mode, plan.goal, plan.speed, plan.feed,
-    gains,
-        noise, log, states)  # fmt: skip
+    run(
+        machine.packed(),
+        y.copy(),
+        bristle.copy(),
+        start,
+        ticks,
+        dt,
+        plan.mode,
+        plan.goal,
+        plan.speed,
+        plan.feed,
+        gains,
+        noise,
+        log,
+        states,
+    )
     return Truth({name: log[:, i] for i, name in enumerate(LOG)}, ticks, dt, states)
 
 

@@ -95,6 +95,10 @@ class Machine:
                 raise KeyError(name)
         return replace(self, values={**self.values, **changes})
 
+    def is_default(self, name: str) -> bool:
+        """Say whether a field is as in the paper's machine."""
+        return self[name] == _DEFAULTS.get(name, 0.0)
+
     def packed(self) -> NDArray[np.void]:
         """Return the record that the compiled plant takes, shape (1,)."""
         record = np.zeros(1, DTYPE)
@@ -115,7 +119,9 @@ class Machine:
             openings * 0.0404 / math.sqrt(290.0) * 2 / ((1 - self["choked_ratio"]) * math.sqrt(self["laminar_zone"]))
         )
         rate = slope * 1.4 * 287.05 * 290.0 / min(volumes)
-        for pieces in (1, 2, 4, 5, 10):
-            if 5e-5 / pieces * rate < 1.2:
+        # the piston between the gas and a stiff drive swings fast
+        swing = math.sqrt(self["drive_stiffness"] / self["piston_mass"])
+        for pieces in (1, 2, 4, 5, 10, 20):
+            if 5e-5 / pieces * rate < 1.2 and 5e-5 / pieces * swing < 0.3:
                 return 5e-5 / pieces
-        return 5e-6
+        return 1e-6

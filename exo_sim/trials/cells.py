@@ -1,0 +1,130 @@
+"""The mix of a trial: what is hidden where, at which size, under which instruments."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+
+import numpy as np
+
+from exo_sim.trials.effects import CALIBRATIONS, EFFECTS, LISTED, OUTSIDE, SENSORS
+
+#: Share of the cases in each cell.
+SHARES = {
+    "nothing": 0.10,
+    "oddities": 0.10,
+    "single": 0.40,
+    "pair": 0.12,
+    "triple": 0.06,
+    "outside": 0.08,
+    "twin": 0.05,
+    "concealed": 0.05,
+    "missing_sensor": 0.04,
+}
+#: Sizes of singles, in limits.
+LADDER = (0.5, 1.0, 2.0, 4.0, 10.0)
+#: Effects that one kind of excitation can hardly tell from another: the effect,
+#: and the program that hides the difference.
+TWINS = (
+    ("coulomb_friction", "holds"),
+    ("pressure_dependent_friction", "tracking"),
+    ("valve_lag:delay", "valve"),
+    ("valve_lag", "tracking"),
+    ("valve_null_leakage", "tracking"),
+    ("dead_volume", "valve"),
+    ("transmission_compliance", "tracking"),
+    ("viscous_friction", "holds"),
+)
+#: Sets of which one case may hide only one: the same field of the machine, or one that contains the other.
+EXCLUSIVE = (
+    {"coulomb_friction", "asymmetric_friction", "stribeck_friction", "presliding", "dwell_friction"},
+    {"wall_heat_transfer", "moving_wall_temperature"},
+    {"transmission_compliance", "backlash"},
+    {"supply_droop", "supply_regulator"},
+    {"line_restriction", "ringing_hose"},
+)
+
+
+@dataclass(frozen=True)
+class Plan:
+    """One case to be made.
+
+    Attributes:
+        name: "case_0001".
+        cell: Of `SHARES`.
+        effects: Keys of `effects.EFFECTS`.
+        times: Size of each in limits.
+        seed: Chance.
+        settings: Further arguments of `make_case`.
+        conceal: Whether the believed numbers are tuned to hide it.
+    """
+
+    name: str
+    cell: str
+    effects: tuple[str, ...]
+    times: tuple[float, ...]
+    seed: int
+    settings: dict[str, object] = field(default_factory=dict)
+    conceal: bool = False
+
+
+def _compatible(keys: tuple[str, ...]) -> bool:
+    names = [EFFECTS[key].name for key in keys]
+    if len(set(names)) < len(names):
+        return False
+    return all(len(group & set(names)) < 2 for group in EXCLUSIVE)
+
+
+def draw_plans(count: int, seed: int) -> list[Plan]:
+    """Return the plans of a trial, in an order that says nothing about the cells.
+
+    Args:
+        count: How many cases.
+        seed: Chance.
+    """
+    rng = np.random.default_rng([seed, 5])
+    exact = np.array(list(SHARES.values())) * count
+    counts = np.floor(exact).astype(int)
+    for cell in np.argsort(counts - exact)[: count - counts.sum()]:
+        counts[cell] += 1
+    named = LISTED + CALIBRATIONS + SENSORS
+    ladder = [(key, times) for times in LADDER for key in LISTED]
+    rng.shuffle(ladder)  # type: ignore[arg-type]
+    drafts: list[tuple[str, tuple[str, ...], tuple[float, ...], dict[str, object], bool]] = []
+    for cell, number in zip(SHARES, counts):
+        for i in range(number):
+            settings: dict[str, object] = {"program": "mixed"}
+            keys: tuple[str, ...] = ()
+            times: tuple[float, ...] = ()
+            if cell == "oddities":
+                settings |= {"oddities": True, "jitter": float(rng.choice([0.0, 5e-5]))}
+            elif cell == "single":
+                key, size = ladder[i % len(ladder)]
+                if i % 8 == 7:
+                    key = str(rng.choice(CALIBRATIONS + SENSORS))
+                keys, times = (key,), (float(size),)
+            elif cell in ("pair", "triple"):
+                size = 2 if cell == "pair" else 3
+                while not keys or not _compatible(keys):
+                    keys = tuple(str(key) for key in rng.choice(LISTED, size, replace=False))
+                times = tuple(float(t) for t in rng.choice([5.0, 10.0, 20.0], size))
+            elif cell == "outside":
+                keys, times = (OUTSIDE[i % len(OUTSIDE)],), (10.0,)
+            elif cell == "twin":
+                key, program = TWINS[i % len(TWINS)]
+                keys, times, settings = (key,), (10.0,), {"program": program}
+            elif cell == "concealed":
+                keys, times = (str(rng.choice(LISTED)),), (10.0,)
+            elif cell == "missing_sensor":
+                keys, times = (str(rng.choice(named)),), (10.0,)
+                gone = str(rng.choice(["piston.pressure_2", "slide.position", "supply.pressure", "piston.pressure_1"]))
+                if gone == EFFECTS[keys[0]].where:
+                    gone = "supply.pressure"
+                settings |= {"missing": (gone,)}
+            drafts.append((cell, keys, times, settings, cell == "concealed"))
+    order = rng.permutation(len(drafts))
+    seeds = rng.integers(1, 2**31, len(drafts))
+    plans = []
+    for n, k in enumerate(order):
+        cell, keys, times, settings, conceal = drafts[k]
+        plans.append(Plan(f"case_{n + 1:04d}", cell, keys, times, int(seeds[n]), settings, conceal))
+    return plans

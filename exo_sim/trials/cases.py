@@ -6,6 +6,7 @@ import json
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -219,7 +220,7 @@ def instrument_of(case: Case, column: str) -> Instrument:
     return instrument
 
 
-def truth_of(case: Case) -> dict[str, object]:
+def truth_of(case: Case) -> dict[str, Any]:
     """Return what is sealed: hidden effects with parameters, the bench as built and as believed."""
 
     def plain(bench: Bench) -> dict[str, object]:

@@ -1,0 +1,277 @@
+"""Make and run: cases as users would have them, diagnosed blind by any command that keeps the public contract."""
+
+from __future__ import annotations
+
+import json
+import os
+import resource
+import shlex
+import shutil
+import subprocess
+import sys
+import time
+from collections.abc import Callable, Sequence
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+from exo_sim.errors import TrialError
+from exo_sim.outputs import replacing
+from exo_sim.progress import each
+from exo_sim.trials.cells import Plan, draw_plans
+from exo_sim.trials.seal import Ledger, digest_of, new_key, seal, write_key
+
+if TYPE_CHECKING:
+    from exo_sim.trials.cases import Case
+
+MANIFEST = "manifest.json"
+#: What runs when no other tool is named; the recordings, `--rig` and `--out` follow.
+OWN_TOOL = f"{shlex.quote(sys.executable)} -m exo_sim diagnose --quiet"
+
+
+def make(
+    folder: Path,
+    count: int,
+    seed: int,
+    key_file: Path,
+    duration: float = 24.0,
+    jobs: int = 1,
+    fmt: str = "parquet",
+    quiet: bool = False,
+) -> dict[str, Any]:
+    """Draw, write and seal a trial.
+
+    Args:
+        folder: Where; must not hold a trial yet.
+        count: How many cases.
+        seed: Chance: the same seed gives the same cases (not the same nonces and keys).
+        key_file: Where the key goes that opens the seals.
+        duration: Length of a recording [s].
+        jobs: Processes.
+        fmt: "parquet" or "csv".
+        quiet: No progress.
+
+    Raises:
+        TrialError: the folder holds a trial, or the count is not positive.
+    """
+    if count < 1:
+        raise TrialError(f"--cases {count}: at least one")
+    if (folder / MANIFEST).exists():
+        raise TrialError(f"{folder} holds a trial already; name another folder")
+    if key_file.exists():
+        raise TrialError(f"{key_file} exists; a key is never written over, name another file with --key")
+    key = new_key()
+    plans = draw_plans(count, seed)
+    cases = _spread(lambda plan: make_one(plan, folder, key, duration, fmt), plans, jobs, "making", quiet)
+    manifest = {"schema": "exo-sim/trial/1", "count": count, "duration": duration, "cases": dict(cases)}
+    write_key(key_file, key)
+    with replacing(folder / MANIFEST) as beside:
+        beside.write_text(json.dumps(manifest, indent=1) + "\n")
+    return manifest
+
+
+def make_one(plan: Plan, folder: Path, key: str, duration: float, fmt: str = "parquet") -> tuple[str, dict[str, Any]]:
+    """Write one case and its sealed truth; return its entry of the manifest."""
+    from exo_sim.trials.cases import make_case, truth_of, write_case
+    from exo_sim.trials.limit import concealed, distance, sized
+
+    size = [s * t for s, t in zip(sized(plan.effects, 1.0), plan.times)]
+
+    def draw(effects: Sequence[str], sizes: Sequence[float], seed: int) -> Case:
+        settings: dict[str, Any] = {**plan.settings, "duration": duration, "keep_states": True}
+        return make_case(plan.name, effects, seed, sizes, **settings)
+
+    case, seed = None, plan.seed
+    while case is None:
+        try:
+            case = draw(plan.effects, size, seed)
+        except TrialError:
+            seed += 1
+    if len(plan.effects) == 1:
+        alone = {plan.effects[0]: distance(case)}
+    else:
+        alone = {one: distance(draw([one], [s], seed)) for one, s in zip(plan.effects, size)}
+    if plan.conceal:
+        case = concealed(case)
+    where = folder / "cases" / plan.name
+    paths = write_case(case, where, fmt)
+    truth = truth_of(case)
+    truth["cell"] = plan.cell
+    for entry, one, times in zip(truth["hidden"], plan.effects, plan.times):
+        entry |= {"times_limit": times, "distance": alone[one]}
+    truth["actual"] = {
+        "flow_capacity": case.machine["valve_area"] / case.believed.valve_area,
+        "dead_volume": (case.machine["dead_1"] + case.machine["dead_2"])
+        / (case.believed.dead_1 + case.believed.dead_2),
+        "payload_mass": case.machine["load_mass"] / case.believed.mass,
+    }
+    stored, commitment = seal(truth, key)
+    sealed = folder / "sealed" / f"{plan.name}.sealed"
+    with replacing(sealed) as beside:
+        beside.write_bytes(stored)
+    files = {path.name: digest_of(path) for path in (where / "rig.toml", where / "bench.xml", *paths)}
+    return plan.name, {"files": files, "commitment": commitment, "sealed": digest_of(sealed)}
+
+
+def read_manifest(folder: Path) -> dict[str, Any]:
+    """Return the manifest of a trial.
+
+    Raises:
+        TrialError: there is none.
+    """
+    try:
+        manifest = json.loads((folder / MANIFEST).read_text())
+    except FileNotFoundError:
+        raise TrialError(f"{folder} holds no trial ({MANIFEST} is missing); make one with trial make") from None
+    except (json.JSONDecodeError, UnicodeDecodeError):
+        raise TrialError(f"{folder / MANIFEST}: not JSON; the manifest was altered") from None
+    if not isinstance(manifest, dict) or "cases" not in manifest:
+        raise TrialError(f"{folder / MANIFEST}: not the manifest of a trial")
+    return manifest
+
+
+def check_inputs(folder: Path, manifest: dict[str, Any]) -> None:
+    """Check that every file is the one that `make` wrote.
+
+    Raises:
+        TrialError: one is missing or altered.
+    """
+    for name, entry in manifest["cases"].items():
+        for file, expected in entry["files"].items():
+            _same(folder / "cases" / name / file, expected)
+        _same(folder / "sealed" / f"{name}.sealed", entry["sealed"])
+
+
+def _same(path: Path, expected: str) -> None:
+    if not path.exists():
+        raise TrialError(f"{path} is missing; the trial is not complete")
+    if digest_of(path) != expected:
+        raise TrialError(f"{path} was altered after the trial was made")
+
+
+def ledger_of(folder: Path) -> Ledger:
+    """Return the chain of verdicts of a trial."""
+    return Ledger(folder / "verdicts.jsonl", folder / "run" / "signing.key")
+
+
+def run(folder: Path, tool: str = OWN_TOOL, jobs: int = 1, scheduler: str | None = None, timeout: float = 600.0,
+        quiet: bool = False) -> dict[str, Any]:  # fmt: skip
+    """Diagnose every case that has no verdict yet, and sign the verdicts in the order of the cases.
+
+    Args:
+        folder: The trial.
+        tool: Command line; recordings, `--rig` and `--out` are appended.
+        jobs: Cases at a time.
+        scheduler: Address of a Dask scheduler; then `jobs` does not count.
+        timeout: Seconds a case may take.
+        quiet: No progress.
+
+    Raises:
+        TrialError: an input was altered, the ledger is closed or broken.
+    """
+    manifest = read_manifest(folder)
+    check_inputs(folder, manifest)
+    ledger = ledger_of(folder)
+    names = sorted(manifest["cases"])
+    done = [record["case"] for record in ledger.records()]
+    todo = [name for name in names if name not in set(done)]
+
+    def work(name: str) -> tuple[str, dict[str, Any]]:
+        return name, diagnose_one(folder, name, manifest["cases"][name], tool, timeout)
+
+    for name, outcome in _stream(work, todo, jobs, scheduler, quiet):
+        ledger.append({"case": name, "tool": tool, **outcome})
+    if not set(names) - {record["case"] for record in ledger.records()}:
+        ledger.close()
+    return {"verdicts": len(names), "new": len(todo), "head": ledger.head()}
+
+
+def diagnose_one(folder: Path, name: str, entry: dict[str, Any], tool: str, timeout: float) -> dict[str, Any]:
+    """Run the tool on one case in a folder of its own; return what goes into the ledger.
+
+    The tool sees copies of rig, model and recordings and nothing of the trial around them.
+    """
+    import tempfile
+
+    out = folder / "run" / name
+    with tempfile.TemporaryDirectory(prefix="case_") as bare:
+        for file in entry["files"]:
+            shutil.copy(folder / "cases" / name / file, bare)
+        recordings = sorted(file for file in entry["files"] if file.startswith("recording"))
+        command = [*shlex.split(tool), *recordings, "--rig", "rig.toml", "--out", "out"]
+        environment = {**os.environ, "OMP_NUM_THREADS": "1", "OPENBLAS_NUM_THREADS": "1", "NUMBA_NUM_THREADS": "1"}
+        with (Path(bare) / "words").open("w+") as words_file:
+            start = time.monotonic()
+            try:
+                process = subprocess.Popen(
+                    command,
+                    cwd=bare,
+                    stdin=subprocess.DEVNULL,
+                    stdout=subprocess.DEVNULL,
+                    stderr=words_file,
+                    env=environment,
+                )
+            except OSError as error:
+                raise TrialError(f'cannot run "{command[0]}": {error.strerror}') from None
+            status, used = _wait(process, timeout)
+            words_file.seek(0)
+            words = words_file.read().strip()[-500:]
+        answer = Path(bare) / "out" / "diagnosis.json"
+        diagnosis = None
+        if answer.exists():
+            out.mkdir(parents=True, exist_ok=True)
+            for file in ("diagnosis.json", "improved.toml"):
+                if (answer.parent / file).exists():
+                    shutil.copy(answer.parent / file, out / file)
+            diagnosis = digest_of(out / "diagnosis.json")
+    return {
+        "status": status,
+        "words": words if diagnosis is None else "",
+        "diagnosis": diagnosis,
+        "wall_s": round(time.monotonic() - start, 2),
+        "cpu_s": round(used.ru_utime + used.ru_stime, 2),
+        "peak_bytes": used.ru_maxrss * 1024,
+    }
+
+
+def _wait(process: subprocess.Popen[bytes], timeout: float) -> tuple[int, resource.struct_rusage]:
+    """Wait for a process; return its exit status (-1 where it had to be stopped) and what it used."""
+    deadline = time.monotonic() + timeout
+    stopped = False
+    while True:
+        pid, status, used = os.wait4(process.pid, os.WNOHANG)
+        if pid:
+            process.returncode = os.waitstatus_to_exitcode(status)
+            return (-1 if stopped else process.returncode), used
+        if time.monotonic() > deadline and not stopped:
+            process.kill()
+            stopped = True
+        time.sleep(0.02)
+
+
+def _spread(work: Callable[[Any], Any], items: Sequence[Any], jobs: int, words: str, quiet: bool) -> list[Any]:
+    if jobs == 1:
+        return [work(item) for item in each(items, words, total=len(items), unit="case", quiet=quiet)]
+    from joblib import Parallel, delayed
+
+    results = Parallel(n_jobs=jobs, return_as="generator")(delayed(work)(item) for item in items)
+    return list(each(results, words, total=len(items), unit="case", quiet=quiet))
+
+
+def _stream(work: Callable[[Any], Any], items: Sequence[Any], jobs: int, scheduler: str | None, quiet: bool) -> Any:
+    """Yield results in the order of the items, as they come."""
+    if scheduler is not None:
+        from distributed import Client
+
+        with Client(scheduler) as client:
+            futures = client.map(work, items, pure=False)
+            results = (future.result() for future in futures)
+            yield from each(results, "diagnosing", total=len(items), unit="case", quiet=quiet)
+        return
+    if jobs == 1:
+        yield from each(map(work, items), "diagnosing", total=len(items), unit="case", quiet=quiet)
+        return
+    from joblib import Parallel, delayed
+
+    # the work is a process of its own already, so threads are enough
+    results = Parallel(n_jobs=jobs, return_as="generator", prefer="threads")(delayed(work)(item) for item in items)
+    yield from each(results, "diagnosing", total=len(items), unit="case", quiet=quiet)

@@ -166,7 +166,11 @@ def _low_mean(squares: NDArray[np.float64]) -> float | None:
     whole = np.isfinite(blocks).mean(axis=1) > 0.8
     if not whole.any():
         return None
-    means = np.nanmean(blocks[whole], axis=1)
+    blocks = blocks[whole]
+    means = np.nanmean(blocks, axis=1)
+    alive = means > 0.0
+    if alive.any() and np.median(np.mean(blocks[alive] == 0.0, axis=1)) < 0.5:
+        means = means[alive]  # a sensor that shows noise has stopped where it shows none
     spread = 2.0 / (9.0 * 0.5 * size)
     if len(means) < 4:
         return float(np.median(means))

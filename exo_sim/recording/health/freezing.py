@@ -1,0 +1,161 @@
+"""Sensors that stop: stuck at one reading while things move, cut off at the end of their range, never moving at all.
+
+Three kinds of evidence are accepted, none of which a machine at rest or against its stop gives:
+
+- the sensor shows noise finer than or near its step elsewhere, and a long run of one exact reading is then next to
+  impossible (chance below one in a million for the whole recording);
+- it is on a grid coarser than its noise, or free of noise, and leaves the run by a jump far larger than it ever makes
+  between two samples while other signals move meanwhile (stuck);
+- it runs at full speed into its own extreme, again and again, and stays there exactly (clipped; not for positions,
+  whose machine has end stops).
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+
+import numpy as np
+from numpy.typing import NDArray
+
+from exo_sim.recording.finding import Finding
+from exo_sim.recording.health.spans import Rows, listed, runs, where
+from exo_sim.recording.noise import Noise
+from exo_sim.recording.table import Recording
+
+#: Signals whose flat spans mean something else: commands are held, feet are in the air, counts and phases are discrete.
+_FLAT_BY_NATURE = ("valve_command", "choked", "phase", "stance_l", "stance_r", "gas_used", "external_force")
+_FORCES = ("ground_force_", "strap_force_", "force", "torque", "wearer_moment")
+_CHANCE = 1e-6
+_FEWEST = 20
+#: Seconds between samples up to which a corner in a curve is seen as one.
+_QUICK = 0.01
+
+
+def check(recording: Recording, key: str, noise: Mapping[str, Noise]) -> list[Finding]:
+    """Look for spans in which one column stands still."""
+    values = recording[key]
+    signal = key.rsplit(".", 1)[-1]
+    present = values[np.isfinite(values)]
+    if len(present) < 2 * _FEWEST or signal in ("choked", "phase", "stance_l", "stance_r", "gas_used"):
+        return []
+    if np.all(present == present[0]):
+        return _constant(recording, key, float(present[0]))
+    if signal in _FLAT_BY_NATURE:
+        return []
+    held = runs(np.diff(values) == 0.0)
+    held[:, 1] += 1  # a run of n equal differences spans n + 1 samples
+    if signal.startswith(_FORCES):
+        held = held[values[held[:, 0]] != 0.0]
+    if not len(held):
+        return []
+    longest = _longest_by_chance(values, held)
+    quick = float(np.median(np.diff(recording.time))) < 1.01 * _QUICK
+    dithers = noise[key].white > 0.5 * noise[key].step and _turns_often(present) and (quick or noise[key].step == 0.0)
+    long = held[held[:, 1] - held[:, 0] >= (longest if dithers else _FEWEST)]
+    low, high = float(present.min()), float(present.max())
+    at_end = (values[held[:, 0]] == low) | (values[held[:, 0]] == high)
+    clipped = _clipped(values, held[at_end], dithers, longest, noise[key], quick and signal != "position")
+    if len(clipped):
+        return _say_clipped(recording, key, clipped, low, high)
+    if not dithers:
+        long = _released_by_a_jump(recording, key, values, long, noise)
+    return _say_stuck(recording, key, long) if len(long) else []
+
+
+def _constant(recording: Recording, key: str, value: float) -> list[Finding]:
+    unit = recording.units.get(key, "")
+    signal = key.rsplit(".", 1)[-1]
+    says = f'"{key}" reads exactly {value:.6g} {unit} from first to last'
+    grave = (
+        signal.startswith(("pressure", "temperature"))
+        and signal != "temperature"
+        and not key.startswith(("supply.", "exhaust."))
+    )
+    if not grave or value > 0.0:
+        return [Finding(key, "constant", says, severity="info")]
+    return [Finding(key, "constant", says + ": a dead sensor", severity="fault", use="set aside")]
+
+
+def _turns_often(values: NDArray[np.float64]) -> bool:
+    """Return True where readings go up and down like noise: white noise turns at 2 of 3 samples, motion hardly ever."""
+    steps = np.diff(values)
+    steps = steps[steps != 0.0]
+    return len(steps) > _FEWEST and bool(np.mean(steps[1:] * steps[:-1] < 0.0) > 0.3)
+
+
+def _longest_by_chance(values: NDArray[np.float64], held: Rows) -> int:
+    """Return the length that a run of equal readings reaches with a chance of `_CHANCE` in the whole recording."""
+    lengths = held[:, 1] - held[:, 0]
+    ordinary = lengths < 5 * _FEWEST
+    repeats = float((lengths[ordinary] - 1).sum())
+    others = max(1.0, len(values) - float(lengths[~ordinary].sum()))
+    again = min(0.98, max(repeats / others, 1e-3))
+    return max(_FEWEST, 1 + int(np.ceil(np.log(_CHANCE / len(values)) / np.log(again))))
+
+
+def _clipped(
+    values: NDArray[np.float64], spans: Rows, dithers: bool, longest: int, noise: Noise, corners: bool
+) -> Rows:
+    """Return the spans at an extreme in which the sensor, not the machine, is at its end."""
+    if not len(spans):
+        return spans
+    lengths = spans[:, 1] - spans[:, 0]
+    if dithers:
+        some = spans[lengths >= 5]
+        return some if len(some) and (lengths.max() >= longest or len(some) >= 8) else spans[:0]
+    if not corners:
+        return spans[:0]
+    inner = spans[(spans[:, 0] >= 3) & (spans[:, 1] <= len(values) - 3) & (lengths >= 5)]
+    # a curve that is cut off arrives at full speed; one that settles has slowed down before
+    last = np.abs(values[inner[:, 0] - 1] - values[inner[:, 0] - 2])
+    before = np.abs(values[inner[:, 0] - 2] - values[inner[:, 0] - 3])
+    least = max(4.0 * noise.step, 1e-3 * float(np.nanmax(values) - np.nanmin(values)))
+    cut = (last > least) & (last > 0.8 * before)
+    return inner[cut] if cut.sum() >= 3 and cut.mean() > 0.5 else inner[:0]
+
+
+def _released_by_a_jump(
+    recording: Recording, key: str, values: NDArray[np.float64], spans: Rows, noise: Mapping[str, Noise]
+) -> Rows:
+    if not len(spans):
+        return spans
+    inside = np.zeros(len(values), dtype=bool)
+    ends = []
+    for start, stop in spans:
+        inside[start:stop] = True
+        ends.append(abs(values[stop] - values[stop - 1]) if stop < len(values) else 0.0)
+    steps = np.abs(np.diff(values))
+    ordinary = steps[~(inside[1:] | inside[:-1])]
+    ordinary = ordinary[np.isfinite(ordinary)]
+    usual = float(ordinary.max()) if len(ordinary) else np.inf
+    jumped = np.array(ends) > max(2.0 * usual, 20.0 * noise[key].std)
+    jumped &= np.array([_others_move(recording, key, int(start), int(stop), noise) for start, stop in spans])
+    return spans[jumped]
+
+
+def _others_move(recording: Recording, key: str, start: int, stop: int, noise: Mapping[str, Noise]) -> bool:
+    for other, values in recording.columns.items():
+        piece = values[start:stop]
+        piece = piece[np.isfinite(piece)]
+        if other == key or len(piece) < 2:
+            continue
+        whole = float(np.nanmax(values) - np.nanmin(values))
+        if np.ptp(piece) > max(0.02 * whole, 12.0 * noise[other].std) and whole > 0.0:
+            return True
+    return False
+
+
+def _say_clipped(recording: Recording, key: str, spans: Rows, low: float, high: float) -> list[Finding]:
+    values, unit = recording[key], recording.units.get(key, "")
+    ends = {float(values[start]) for start, _ in spans}
+    limit = " and ".join(f"{end:.6g} {unit}" for end in sorted(ends))
+    rows, times = listed(spans, recording.time)
+    says = f'"{key}" is cut off at {limit}, the end of what its sensor shows, {where(spans, recording.time)}'
+    return [Finding(key, "clipped", says, rows, times, severity="fault", use="set aside")]
+
+
+def _say_stuck(recording: Recording, key: str, spans: Rows) -> list[Finding]:
+    value, unit = float(recording[key][spans[0][0]]), recording.units.get(key, "")
+    rows, times = listed(spans, recording.time)
+    says = f'"{key}" is stuck at exactly {value:.6g} {unit} while other things move, {where(spans, recording.time)}'
+    return [Finding(key, "stuck", says, rows, times, severity="fault", use="set aside")]

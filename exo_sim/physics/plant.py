@@ -74,6 +74,9 @@ from exo_sim.physics.transmission import gives, piston_at
 #: The longest step that accuracy allows [s]; stability asks for more stages, not for shorter steps.
 LONGEST_STEP = 5e-4
 
+#: The most pieces that a step is divided into; a gas that asks for more is no longer one that this model describes.
+MOST_PIECES = 50
+
 #: Above this pressure ratio a path counts as nearly balanced, where the flow's slope is steepest.
 _NEARLY_BALANCED = 0.9
 
@@ -470,9 +473,9 @@ def advance(world, cylinders, state, x0, x1, command, dt, work, scratch):
         pieces = max(math.ceil(left / LONGEST_STEP - 1e-9), 1)
         h = left / pieces
         if rate * h > REACH[MOST_STAGES]:
-            h = left / math.ceil(left * rate / REACH[MOST_STAGES])
+            h = left / min(math.ceil(left * rate / REACH[MOST_STAGES]), MOST_PIECES)
         stages = 2
-        while REACH[stages] < rate * h:
+        while stages < MOST_STAGES and REACH[stages] < rate * h:
             stages += 1
         for i in range(n):
             spool[i] = move_spool(cylinders[i], memory, i * REMEMBERED, command[i], h)

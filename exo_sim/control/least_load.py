@@ -4,10 +4,14 @@ The machine gives way against straps and ground by d, small and periodic:
 
     M d'' + C d' + K d = S torque - required - (ground reached by the reference motion itself)
 
-with C and K from straps and from the foot tips that are on the ground, and `required` the inverse dynamics of the reference.
-Phases are coupled through the derivatives, which are spectral; so the torques may use the compliance but not fool it. Strap forces,
-and with them the wearer's extra moments, are linear in d, so the best torque harmonics are a linear least-squares problem. Tips that
-would pull on the ground are lifted and the cycle is solved again.
+with C and K from straps and from the foot tips that are on the ground, and `required` the inverse dynamics of the
+reference. Phases are coupled through the derivatives, which are spectral, so that resonance of payload and harness is
+seen. Strap forces, and with them the wearer's extra moments, are linear in d, so the best torque harmonics are a linear
+least-squares problem.
+
+Contact is not linear, and gas lags. So the solution is then improved by rehearsal, stride by stride, as iterative learning
+control does: what the straps really did over a cycle takes the place of the prediction, and the same least-squares gain
+gives the correction (norm-optimal learning, Amann, Owens and Rogers 1996).
 """
 
 from __future__ import annotations
@@ -17,20 +21,22 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from exo_sim.control.machine_dynamics import MachineDynamics
+from exo_sim.control.machine_dynamics import PHASES, PICK, MachineDynamics
 from exo_sim.gait.motion import SAMPLES, Motion
 from exo_sim.machine.person import Person
 from exo_sim.machine.straps import StrapSet
 from exo_sim.machine.wearer import extra_moments
 from exo_sim.rig.schema import Ankle
 
-#: Phases at which the cycle is solved, and harmonics of the torques.
-PHASES = 64
+#: Harmonics of the torques.
 HARMONICS = 10
 _ANKLES = (5, 8)
 #: A foot's tip on the ground: spring upward [N/m], dampers along and up [N s/m] (friction creeps, it has no spring).
 _GROUND_SPRING = 2e5
 _GROUND_DAMPER = np.array([2e4, 1e3])
+_LIFTINGS = 4
+#: Share of a full correction that one rehearsal makes.
+_STRIDE_GAIN = 0.5
 
 
 @dataclass(frozen=True)
@@ -40,7 +46,7 @@ class Weights:
     Attributes:
         hip, knee, ankle: Weight of a newton metre in the wearer's joint.
         torso: Of a newton on the torso straps, up or down [m].
-        effort: Of a newton metre demanded.
+        effort: Of a newton metre demanded, steady.
         smoothness: Of a newton metre demanded, for each harmonic.
     """
 
@@ -51,66 +57,117 @@ class Weights:
     effort: float = 0.05
     smoothness: float = 0.05
 
+    def of_loads(self) -> NDArray[np.float64]:
+        """Return the weight of hip, knee, ankle left, right, and of the torso straps' vertical force, shape (7,)."""
+        return np.array([self.hip, self.knee, self.ankle] * 2 + [self.torso])
 
-def least_load(
-    dynamics: MachineDynamics,
-    motion: Motion,
-    person: Person,
-    straps: StrapSet,
-    ankle: Ankle,
-    weights: Weights | None = None,
-) -> NDArray[np.float64]:
-    """Return the torques of hip, knee, ankle of the left, then of the right leg along the cycle [N m], shape (SAMPLES, 6)."""
-    weights = weights or Weights()
-    pick = slice(0, SAMPLES, SAMPLES // PHASES)
-    first, second = _derivative_matrices(motion.period)
-    strap = dynamics.strap[pick].reshape(PHASES, -1, 9)
-    stiffness, damping = straps.stiffness.reshape(-1), straps.damping.reshape(-1)
-    spring = np.einsum("nij,i,nik->njk", strap, stiffness, strap)
-    damper = np.einsum("nij,i,nik->njk", strap, damping, strap)
-    if ankle.mode == "sprung":
-        for joint in _ANKLES:
-            spring[:, joint, joint] += ankle.stiffness
-    contact, tip, drift = dynamics.contact[pick], dynamics.tip[pick], dynamics.tip_velocity[pick]
-    driven = [0, 1, 3, 4] if ankle.mode != "powered" else [0, 1, 2, 3, 4, 5]
-    basis = _torque_basis()
-    loads = _wearer_map(dynamics, motion, person, straps)[pick]
-    loads = loads * np.array([weights.hip, weights.knee, weights.ankle] * 2)[None, :, None]
-    loads = np.concatenate([loads, weights.torso * _torso_up(dynamics, straps)[pick]], axis=1)
 
-    inputs = np.zeros((PHASES, 9, len(driven), basis.shape[1]))
-    for i, joint in enumerate(driven):
-        inputs[:, 3 + joint, i] = basis
-    inputs = inputs.reshape(PHASES * 9, -1)
-    harmonic = np.concatenate([[0], np.repeat(np.arange(1, HARMONICS + 1), 2)])
-    effort = np.tile(np.hypot(weights.effort, weights.smoothness * harmonic), len(driven)) * np.sqrt(PHASES)
+class LeastLoad:
+    """Torque harmonics, how they act on the wearer, and how to better them.
 
-    down = motion.contact[pick].copy()
-    coefficients = np.zeros(inputs.shape[1])
-    for _ in range(6):
-        k = spring + np.einsum("ncj,nc,nck->njk", contact[:, :, 1], _GROUND_SPRING * down, contact[:, :, 1])
-        grip = _GROUND_DAMPER * down[:, :, None]
-        c = damper + np.einsum("ncaj,nca,ncak->njk", contact, grip, contact)
-        system = _coupled(dynamics.inertia[pick], c, k, first, second)
-        reached = np.einsum("ncj,nc->nj", contact[:, :, 1], _GROUND_SPRING * down * tip[:, :, 1])
-        reached += np.einsum("ncaj,nca->nj", contact, grip * drift)
-        fixed = -(dynamics.required[pick] + reached).reshape(-1, 1)
-        give = np.linalg.solve(system, np.concatenate([inputs, fixed], axis=1)).reshape(PHASES, 9, -1)
-        rate = np.tensordot(first, give, axes=1)
-        force = -(stiffness[:, None] * (strap @ give) + damping[:, None] * (strap @ rate))
-        load = (loads @ force).reshape(-1, give.shape[2])
-        effect, offset = load[:, :-1], load[:, -1]
-        coefficients = np.linalg.solve(effect.T @ effect + np.diag(effort**2), -effect.T @ offset)
-        moved, moving = give[:, :, :-1] @ coefficients + give[:, :, -1], rate[:, :, :-1] @ coefficients + rate[:, :, -1]
-        press = -_GROUND_SPRING * (np.einsum("ncj,nj->nc", contact[:, :, 1], moved) + tip[:, :, 1])
-        press -= _GROUND_DAMPER[1] * (np.einsum("ncj,nj->nc", contact[:, :, 1], moving) + drift[:, :, 1])
-        pulling = down & (press < 0)
-        if not pulling.any():
-            break
-        down = down & ~pulling
-    torque = np.zeros((SAMPLES, 6))
-    torque[:, driven] = _fine_basis() @ coefficients.reshape(len(driven), -1).T
-    return torque
+    Args:
+        dynamics: Of the machine along the motion.
+        motion: The reference.
+        person: Who wears it.
+        straps: Between them.
+        ankle: What the ankle can do.
+        weights: What counts as load.
+    """
+
+    def __init__(
+        self,
+        dynamics: MachineDynamics,
+        motion: Motion,
+        person: Person,
+        straps: StrapSet,
+        ankle: Ankle,
+        weights: Weights | None = None,
+    ):
+        self.weights = weights or Weights()
+        self._driven = [0, 1, 3, 4] if ankle.mode != "powered" else [0, 1, 2, 3, 4, 5]
+        self._support = motion.support
+        self._matters = np.maximum(motion.support[PICK], 1e-3)
+        harmonic = np.concatenate([[0], np.repeat(np.arange(1, HARMONICS + 1), 2)])
+        effort = np.tile(np.hypot(self.weights.effort, self.weights.smoothness * harmonic), len(self._driven))
+        self._effort = effort * np.sqrt(PHASES)
+        self._solve(dynamics, motion, person, straps, ankle)
+        self._gain = np.linalg.inv(self._effect.T @ self._effect + np.diag(self._effort**2))
+        self._best: tuple[float, NDArray[np.float64]] = (np.inf, self._coefficients)
+
+    def torque(self, best: bool = False) -> NDArray[np.float64]:
+        """Return hip, knee, ankle of the left, then of the right leg along the cycle [N m], shape (SAMPLES, 6).
+
+        Args:
+            best: Those of the best rehearsal so far, else those to try next.
+        """
+        coefficients = self._best[1] if best else self._coefficients
+        out = np.zeros((SAMPLES, 6))
+        out[:, self._driven] = _basis(SAMPLES) @ coefficients.reshape(len(self._driven), -1).T
+        return out * self._support[:, None]
+
+    def learn(self, moments: NDArray[np.float64], torso_up: NDArray[np.float64]) -> float:
+        """Better the torques by what they did in a rehearsal.
+
+        Args:
+            moments: The wearer's extra moments at PHASES even phases of a cycle [N m], shape (PHASES, 6).
+            torso_up: Vertical force of the torso straps at the same phases [N], shape (PHASES,).
+
+        Returns:
+            The cost that was reached; `torque(best=True)` belongs to the least of all.
+        """
+        load = np.concatenate([moments, torso_up[:, None]], axis=1) * self.weights.of_loads() * self._matters[:, None]
+        load = load.reshape(-1)
+        held = self._effort**2 * self._coefficients
+        cost = float(load @ load + held @ self._coefficients)
+        if cost < self._best[0]:
+            self._best = (cost, self._coefficients)
+        step = self._gain @ (self._effect.T @ load + held)
+        self._coefficients = self._coefficients - _STRIDE_GAIN * step
+        return cost
+
+    def _solve(
+        self, dynamics: MachineDynamics, motion: Motion, person: Person, straps: StrapSet, ankle: Ankle
+    ) -> None:
+        """Find the effect of each torque harmonic on the loads, and the harmonics that make the loads least."""
+        first, second = _derivative_matrices(motion.period)
+        strap = dynamics.strap.reshape(PHASES, -1, 9)
+        stiffness, damping = straps.stiffness.reshape(-1), straps.damping.reshape(-1)
+        spring = np.einsum("nij,i,nik->njk", strap, stiffness, strap)
+        damper = np.einsum("nij,i,nik->njk", strap, damping, strap)
+        if ankle.mode == "sprung":
+            for joint in _ANKLES:
+                spring[:, joint, joint] += ankle.stiffness
+        loads = np.concatenate(
+            [_wearer_map(dynamics, motion, person, straps), _torso_up(dynamics, straps)], axis=1
+        ) * (self.weights.of_loads() * self._matters[:, None])[:, :, None]
+        inputs = np.zeros((PHASES, 9, len(self._driven), 2 * HARMONICS + 1))
+        for i, joint in enumerate(self._driven):
+            inputs[:, 3 + joint, i] = _basis(PHASES) * self._support[PICK, None]
+        inputs = inputs.reshape(PHASES * 9, -1)
+        contact, up = dynamics.contact, dynamics.contact[:, :, 1]
+        down = motion.contact[PICK].copy()
+        for _ in range(_LIFTINGS):
+            k = spring + np.einsum("ncj,nc,nck->njk", up, _GROUND_SPRING * down, up)
+            grip = _GROUND_DAMPER * down[:, :, None]
+            c = damper + np.einsum("ncaj,nca,ncak->njk", contact, grip, contact)
+            reached = np.einsum("ncj,nc->nj", up, _GROUND_SPRING * down * dynamics.tip[:, :, 1])
+            reached += np.einsum("ncaj,nca->nj", contact, grip * dynamics.tip_velocity)
+            fixed = -(dynamics.required + reached).reshape(-1, 1)
+            system = _coupled(dynamics.inertia, c, k, first, second)
+            give = np.linalg.solve(system, np.concatenate([inputs, fixed], axis=1)).reshape(PHASES, 9, -1)
+            rate = np.tensordot(first, give, axes=1)
+            force = -(stiffness[:, None] * (strap @ give) + damping[:, None] * (strap @ rate))
+            load = (loads @ force).reshape(-1, give.shape[2])
+            self._effect, offset = load[:, :-1], load[:, -1]
+            normal = self._effect.T @ self._effect + np.diag(self._effort**2)
+            self._coefficients = np.linalg.solve(normal, -self._effect.T @ offset)
+            all_of_it = np.append(self._coefficients, 1.0)
+            height = np.einsum("ncj,nj->nc", up, give @ all_of_it) + dynamics.tip[:, :, 1]
+            rising = np.einsum("ncj,nj->nc", up, rate @ all_of_it) + dynamics.tip_velocity[:, :, 1]
+            pulling = down & (_GROUND_SPRING * height + _GROUND_DAMPER[1] * rising > 0)
+            if not pulling.any():
+                break
+            down &= ~pulling
 
 
 def _derivative_matrices(period: float) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
@@ -137,19 +194,12 @@ def _coupled(
 
 
 def _basis(count: int) -> NDArray[np.float64]:
+    """Return constant, cosines and sines of the harmonics at evenly spaced phases, shape (count, 2 HARMONICS + 1)."""
     phase = np.arange(count) / count
     columns = [np.ones(count)]
     for h in range(1, HARMONICS + 1):
         columns += [np.cos(2 * np.pi * h * phase), np.sin(2 * np.pi * h * phase)]
     return np.stack(columns, axis=1)
-
-
-def _torque_basis() -> NDArray[np.float64]:
-    return _basis(PHASES)
-
-
-def _fine_basis() -> NDArray[np.float64]:
-    return _basis(SAMPLES)
 
 
 def _torso_up(dynamics: MachineDynamics, straps: StrapSet) -> NDArray[np.float64]:
@@ -179,6 +229,6 @@ def _wearer_map(
             wrench[:, segment, :2] = force
             wrench[:, segment, 2] = arm[:, 0] * force[:, 1] - arm[:, 1] * force[:, 0]
             out[:, :, 2 * i + k] = extra_moments(
-                dynamics.poses, wrench, motion.share, motion.pressure_centre, person.ankle_height
+                dynamics.poses, wrench, motion.share[PICK], motion.pressure_centre[PICK], person.ankle_height
             )
     return out

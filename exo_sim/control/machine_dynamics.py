@@ -15,12 +15,15 @@ from exo_sim.machine.straps import StrapSet
 if TYPE_CHECKING:
     import mujoco
 
+#: Phases at which a cycle is looked at, evenly spaced; every SAMPLES // PHASES-th sample of the motion.
+PHASES = 64
+PICK = slice(0, SAMPLES, SAMPLES // PHASES)
 CONTACTS = ("heel_l", "toe_l", "heel_r", "toe_r")
 
 
 @dataclass(frozen=True)
 class MachineDynamics:
-    """Along one cycle, n phases. Generalised coordinates in the order of the model's joints (torso x, z, pitch; hip, knee, ankle).
+    """Along one cycle, n = PHASES. Generalised coordinates in the order of the model's joints (torso x, z, pitch; hip, knee, ankle).
 
     Attributes:
         required: Generalised force that the motion needs from actuators, ground and straps together, (n, 9).
@@ -29,7 +32,7 @@ class MachineDynamics:
         inertia: Mass matrix, (n, 9, 9).
         tip: Place of each contact, (n, 4, 2).
         tip_velocity: Its velocity in the reference motion, (n, 4, 2).
-        mass_centre: Jacobian and place of the whole machine's mass centre: (n, 2, 9) and (n, 2).
+        mass_centre: Place of the whole machine's mass centre, (n, 2).
         pressure_point: Place of the centre of pressure, (n, 2, 2).
         strap: Jacobian of each strap's point, rows across and along the segment, (n, straps, 2, 9).
         strap_direction: Those two directions in space, (n, straps, 2, 2).
@@ -44,7 +47,6 @@ class MachineDynamics:
     tip: NDArray[np.float64]
     tip_velocity: NDArray[np.float64]
     mass_centre: NDArray[np.float64]
-    mass_centre_point: NDArray[np.float64]
     pressure_point: NDArray[np.float64]
     strap: NDArray[np.float64]
     strap_direction: NDArray[np.float64]
@@ -65,14 +67,14 @@ def along(model: mujoco.MjModel, motion: Motion, person: Person, straps: StrapSe
     tips = [model.geom(name) for name in CONTACTS]
     place = model.site_pos[[model.site(f"foot_{side}").id for side in "lr"]]
     nv, n_straps = model.nv, len(straps.names)
-    required, inertia = np.empty((SAMPLES, nv)), np.empty((SAMPLES, nv, nv))
-    tip_place, tip_velocity = np.empty((SAMPLES, 4, 2)), np.empty((SAMPLES, 4, 2))
-    contact = np.empty((SAMPLES, len(CONTACTS), 2, nv))
-    pressure = np.empty((SAMPLES, 2, 2, nv))
-    pressure_point = np.empty((SAMPLES, 2, 2))
-    mass_centre, mass_centre_point = np.empty((SAMPLES, 2, nv)), np.empty((SAMPLES, 2))
-    strap, direction = np.empty((SAMPLES, n_straps, 2, nv)), np.empty((SAMPLES, n_straps, 2, 2))
-    poses = np.empty((SAMPLES, 7, 6))
+    required, inertia = np.empty((PHASES, nv)), np.empty((PHASES, nv, nv))
+    tip_place, tip_velocity = np.empty((PHASES, 4, 2)), np.empty((PHASES, 4, 2))
+    contact = np.empty((PHASES, len(CONTACTS), 2, nv))
+    pressure = np.empty((PHASES, 2, 2, nv))
+    pressure_point = np.empty((PHASES, 2, 2))
+    mass_centre = np.empty((PHASES, 2))
+    strap, direction = np.empty((PHASES, n_straps, 2, nv)), np.empty((PHASES, n_straps, 2, 2))
+    poses = np.empty((PHASES, 7, 6))
     jacobian = np.empty((3, nv))
     lengths = person.lengths()
 
@@ -81,10 +83,10 @@ def along(model: mujoco.MjModel, motion: Motion, person: Person, straps: StrapSe
         return jacobian[[0, 2]]
 
     try:
-        for i in range(SAMPLES):
-            data.qpos[:] = motion.position[i]
-            data.qvel[:] = motion.slope[i] * rate
-            data.qacc[:] = motion.curvature[i] * rate**2
+        for i, sample in enumerate(range(0, SAMPLES, SAMPLES // PHASES)):
+            data.qpos[:] = motion.position[sample]
+            data.qvel[:] = motion.slope[sample] * rate
+            data.qacc[:] = motion.curvature[sample] * rate**2
             mujoco.mj_inverse(model, data)
             required[i] = data.qfrc_inverse
             mujoco.mj_fullM(model, data, inertia[i])
@@ -94,11 +96,10 @@ def along(model: mujoco.MjModel, motion: Motion, person: Person, straps: StrapSe
                 contact[i, j], tip_place[i, j] = at(centre, foot[j // 2]), centre[[0, 2]]
                 tip_velocity[i, j] = contact[i, j] @ data.qvel
             for j in range(2):
-                local = np.array([motion.pressure_centre[i, j], place[j, 1], place[j, 2]])
+                local = np.array([motion.pressure_centre[sample, j], place[j, 1], place[j, 2]])
                 point = data.xpos[foot[j]] + data.xmat[foot[j]].reshape(3, 3) @ local
                 pressure[i, j], pressure_point[i, j] = at(point, foot[j]), point[[0, 2]]
-            mujoco.mj_jacSubtreeCom(model, data, jacobian, root)
-            mass_centre[i], mass_centre_point[i] = jacobian[[0, 2]], data.subtree_com[root][[0, 2]]
+            mass_centre[i] = data.subtree_com[root][[0, 2]]
             segment_poses(data.qpos, data.qvel, lengths, poses[i])
             for j in range(n_straps):
                 body = straps.body[j]
@@ -117,7 +118,6 @@ def along(model: mujoco.MjModel, motion: Motion, person: Person, straps: StrapSe
         tip=tip_place,
         tip_velocity=tip_velocity,
         mass_centre=mass_centre,
-        mass_centre_point=mass_centre_point,
         pressure_point=pressure_point,
         strap=strap,
         strap_direction=direction,

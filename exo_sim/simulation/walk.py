@@ -13,6 +13,7 @@ from numpy.typing import NDArray
 from exo_sim import progress
 from exo_sim.control import demand as law_of_demand
 from exo_sim.control import machine_dynamics
+from exo_sim.control.least_load import LeastLoad
 from exo_sim.control.valve_control import CONTROLLERS, ValveGains, controller_code
 from exo_sim.errors import Diverged, ModelError, ScenarioError, nearest
 from exo_sim.gait import scenario as scenarios
@@ -31,6 +32,8 @@ ASSIST = ("on", "off", "vented")
 #: Time over which the demand grows from zero at the start [s].
 RAMP = 0.5
 _CHUNK = 100
+#: A rehearsal leaves out so many cycles or so much time [s] at its start, and looks at so much time after that [s].
+_SETTLING, _SETTLING_TIME, _LOOKED_AT = 2, 2.0, 1.5
 JOINTS = COORDINATES[3:]
 #: How far the machine may leave its wearer before the run counts as a fall.
 _FALLEN_PITCH, _FALLEN_DISTANCE = 0.7, 0.35
@@ -48,6 +51,7 @@ class Request:
         assist: "on"; "off": valves closed, gas trapped; "vented": both chambers open to the atmosphere.
         controller: How valves get forces, one of `CONTROLLERS`.
         law: What is demanded, one of `control.demand.LAWS`.
+        rehearsals: How often the least-load demand is bettered before the run.
         gains: Of the valve controllers.
         ideal: Forces come as demanded, without gas.
 
@@ -62,6 +66,7 @@ class Request:
     assist: str = "on"
     controller: str = "model"
     law: str = law_of_demand.DEFAULT_LAW
+    rehearsals: int = 5
     gains: ValveGains = field(default_factory=ValveGains)
     ideal: bool = False
 
@@ -166,12 +171,13 @@ class Simulation:
         self.straps = fasten(self.model, self.person)
         self.plugin = PneumaticPlugin(self.model, rig)
         self.dt = float(self.model.opt.timestep)
+        self._demand = self._demand_added = np.zeros((SAMPLES + 1, 6))
         self._demand = self._demands(request.payload)
         self._demand_added = self._demands(request.payload + self.added.mass) if self.added else self._demand
         self._reset()
 
     def _demands(self, payload: float) -> NDArray[np.float64]:
-        """Return the demand over the cycle for a payload, the first row repeated behind the last, shape (SAMPLES + 1, 6)."""
+        """Return the demand over the cycle for a payload, the first row repeated behind the last, (SAMPLES + 1, 6)."""
         if self.request.assist != "on":
             return np.zeros((SAMPLES + 1, 6))
         model = self.model
@@ -179,10 +185,32 @@ class Simulation:
             model = build(self.rig.model, self.person, min(payload, PAYLOAD_LIMIT), self.rig.ankle)
             _carry(model, payload)
         dynamics = machine_dynamics.along(model, self.motion, self.person, self.straps)
-        table = law_of_demand.demand(
-            self.request.law, dynamics, self.motion, self.person, self.straps, self.rig.ankle
-        )
-        return np.ascontiguousarray(np.concatenate([table, table[:1]]))
+        if self.request.law != "least_load":
+            return _closed(
+                law_of_demand.demand(self.request.law, dynamics, self.motion, self.straps, self.rig.ankle)
+            )
+        plan = LeastLoad(dynamics, self.motion, self.person, self.straps, self.rig.ankle)
+        return _closed(self._rehearse(plan, payload))
+
+    def _rehearse(self, plan: LeastLoad, payload: float) -> NDArray[np.float64]:
+        """Walk a few cycles at a time and better the plan after each time; return the best of the torques tried."""
+        from exo_sim.simulation.rehearsal import learn_from
+
+        ankle = self.rig.ankle
+        settling = min(_SETTLING, max(1, math.ceil(_SETTLING_TIME / self.motion.period)))
+        usual = (self.added, self.cycles, self._demand)
+        try:
+            self.added, self.cycles = None, settling + max(1, math.ceil(_LOOKED_AT / self.motion.period))
+            if payload != self.request.payload:
+                _carry(self.model, payload)
+            for _ in range(self.request.rehearsals):
+                self._demand = self._demand_added = _closed(law_of_demand.limit(plan.torque(), ankle))
+                self._reset()
+                learn_from(plan, self.run(), settling)
+        finally:
+            self.added, self.cycles, self._demand = usual
+            _carry(self.model, self.request.payload)
+        return law_of_demand.limit(plan.torque(best=self.request.rehearsals > 0), ankle)
 
     def _reset(self) -> None:
         """Put the machine on the person at phase zero, moving with it, gas at rest at the pressures that hold it."""
@@ -345,6 +373,11 @@ def _poses(cycles, period, advance, position, slope, lengths, q, v, out):
     for i in range(cycles.size):
         loop.reference(cycles[i], period, advance, position, slope, q, v)
         segment_poses(q, v, lengths, out[i])
+
+
+def _closed(table: NDArray[np.float64]) -> NDArray[np.float64]:
+    """Return a table with its first row repeated behind the last."""
+    return np.ascontiguousarray(np.concatenate([table, table[:1]]))
 
 
 def _carry(model: mujoco.MjModel, payload: float, body: int | None = None) -> None:

@@ -1,0 +1,36 @@
+"""Rehearsing: a few cycles at a time are simulated, and the demand bettered by what the straps did in them."""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import NDArray
+
+from exo_sim.control.least_load import LeastLoad
+from exo_sim.control.machine_dynamics import PHASES
+from exo_sim.simulation.summary import wearer_moments
+from exo_sim.simulation.walk import Walk
+
+
+def cycle_mean(walk: Walk, values: NDArray[np.float64], settling: float) -> NDArray[np.float64]:
+    """Return the mean over whole cycles of values at PHASES even phases, each over its share of the cycle.
+
+    Args:
+        walk: At least `settling` and one more cycle long.
+        values: Shape (n, ...), a row each step.
+        settling: Cycles at the start that are left out.
+    """
+    period = walk.motion.period
+    phase = walk.time / period
+    use = (phase >= settling) & (phase < np.floor(phase[-1] + 1e-6))
+    box = np.floor(phase[use] * PHASES + 0.5).astype(int) % PHASES
+    total = np.zeros((PHASES, *values.shape[1:]))
+    np.add.at(total, box, values[use])
+    count = np.bincount(box, minlength=PHASES)
+    return total / count.reshape(-1, *([1] * (values.ndim - 1)))
+
+
+def learn_from(plan: LeastLoad, walk: Walk, settling: float) -> float:
+    """Better a plan by one rehearsal; return the cost it had."""
+    up = [walk.columns[f"{name}.strap_force_z"] for name in walk.straps.names if name.startswith("torso")]
+    moments = cycle_mean(walk, wearer_moments(walk), settling)
+    return plan.learn(moments, cycle_mean(walk, np.sum(up, axis=0), settling))

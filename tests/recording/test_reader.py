@@ -139,7 +139,7 @@ def test_what_is_odd_is_said_and_the_rest_used(tmp_path: Path) -> None:
         ("piston.pressure_1", "words", "repaired"),
         ("piston.force", "infinite", "repaired"),
     ]
-    assert 'did you mean "pressure_1"' in reading.findings[0].says
+    assert 'or "pressure_1"?' in reading.findings[0].says
     assert "row 6" in reading.findings[3].says
     assert np.flatnonzero(np.isnan(reading.recording["piston.pressure_1"])).tolist() == [5]
     assert set(reading.recording.columns) == {"piston.pressure_1", "piston.force"}

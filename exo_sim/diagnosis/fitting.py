@@ -1,0 +1,147 @@
+"""Bounded least squares with priors, by a damped Gauss-Newton method on finite differences wide enough for jerky answers."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from concurrent.futures import ThreadPoolExecutor
+from dataclasses import dataclass, field
+
+import numpy as np
+from numpy.typing import NDArray
+
+from exo_sim.diagnosis.quantity import Quantity
+
+Array = NDArray[np.float64]
+Residual = Callable[[dict[Quantity, float]], Array]
+
+
+@dataclass
+class Fit:
+    """A least-squares fit.
+
+    Attributes:
+        quantities: What was free.
+        values: Where it ended.
+        residual: Whitened residual there, shape (n,).
+        jacobian: d residual / d (quantity/scale), shape (n, p).
+        cost: Sum of squares, priors included.
+        sse: Sum of squares of the residual alone.
+    """
+
+    quantities: tuple[Quantity, ...]
+    values: dict[Quantity, float]
+    residual: Array
+    jacobian: Array
+    cost: float
+    prior_rows: Array = field(default_factory=lambda: np.zeros((0, 0)))
+
+    @property
+    def sse(self) -> float:
+        """Sum of squares of the residual alone."""
+        return float(self.residual @ self.residual)
+
+
+def prior_terms(quantities: Sequence[Quantity], values: dict[Quantity, float]) -> tuple[Array, Array]:
+    """Return the residuals of the priors, shape (m,), and their Jacobian in scaled units, shape (m, p)."""
+    rows, jac = [], []
+    for j, quantity in enumerate(quantities):
+        if quantity.prior is not None:
+            mean, spread = quantity.prior
+            rows.append((values[quantity] - mean) / spread)
+            row = np.zeros(len(quantities))
+            row[j] = quantity.scale / spread
+            jac.append(row)
+    return np.array(rows), np.array(jac).reshape(len(rows), len(quantities))
+
+
+def differences(
+    residual: Residual, quantities: Sequence[Quantity], values: dict[Quantity, float], base: Array, pool: ThreadPoolExecutor | None
+) -> Array:
+    """Return the Jacobian by one-sided differences in scaled units, shape (n, p)."""
+
+    def column(quantity: Quantity) -> Array:
+        step = quantity.scale * (0.1 if quantity.rough else 0.02)
+        step = max(step, (0.1 if quantity.rough else 0.02) * abs(values[quantity] - quantity.neutral))
+        if values[quantity] + step > quantity.high:
+            step = -step
+        moved = residual({**values, quantity: values[quantity] + step})
+        return (moved - base) / (step / quantity.scale)
+
+    columns = list(pool.map(column, quantities)) if pool else [column(quantity) for quantity in quantities]
+    return np.column_stack(columns) if columns else np.zeros((base.size, 0))
+
+
+def fit(
+    residual: Residual,
+    quantities: Sequence[Quantity],
+    start: dict[Quantity, float],
+    pool: ThreadPoolExecutor | None = None,
+    most: int = 8,
+    jacobian: Array | None = None,
+    tolerance: float = 2e-3,
+) -> Fit:
+    """Minimise the whitened residual plus priors inside the bounds.
+
+    Args:
+        residual: Values to a whitened residual, shape (n,).
+        quantities: What is free, p of them.
+        start: Where to begin.
+        pool: Threads for the finite differences.
+        most: The most iterations.
+        jacobian: At the start, if known, shape (n, p).
+        tolerance: Stop when the cost falls by less than this share.
+    """
+    quantities = tuple(quantities)
+    values = {q: float(np.clip(start[q], q.low, q.high)) for q in quantities}
+    r = residual(values)
+    rows, row_jac = prior_terms(quantities, values)
+    cost = float(r @ r + rows @ rows)
+    if not quantities:
+        return Fit(quantities, values, r, np.zeros((r.size, 0)), cost)
+    jac = jacobian if jacobian is not None else differences(residual, quantities, values, r, pool)
+    damping = 1e-4
+    for _ in range(most):
+        whole = np.vstack([jac, row_jac])
+        gradient = whole.T @ np.concatenate([r, rows])
+        normal = whole.T @ whole
+        improved = False
+        for _ in range(5):
+            step = _bounded_step(normal, gradient, damping, quantities, values)
+            trial = {q: float(np.clip(values[q] + s * q.scale, q.low, q.high)) for q, s in zip(quantities, step, strict=True)}
+            new = residual(trial)
+            new_rows, _ = prior_terms(quantities, trial)
+            new_cost = float(new @ new + new_rows @ new_rows)
+            if new_cost < cost:
+                improved = True
+                break
+            damping = max(damping * 10.0, 1e-3)
+        if not improved:
+            break
+        gain = (cost - new_cost) / max(cost, 1e-300)
+        values, r, rows, cost = trial, new, new_rows, new_cost
+        damping = max(damping * 0.2, 1e-6)
+        if gain < tolerance:
+            break
+        jac = differences(residual, quantities, values, r, pool)
+    return Fit(quantities, values, r, jac, cost, row_jac)
+
+
+def _bounded_step(normal: Array, gradient: Array, damping: float, quantities: Sequence[Quantity], values: dict[Quantity, float]) -> Array:
+    """Return a damped Newton step in scaled units; what would leave its bounds is held there and the rest solved anew."""
+    p = len(quantities)
+    free = np.ones(p, dtype=bool)
+    step = np.zeros(p)
+    low = np.array([(q.low - values[q]) / q.scale for q in quantities])
+    high = np.array([(q.high - values[q]) / q.scale for q in quantities])
+    damped = normal + damping * np.diag(np.diag(normal) + 1e-12)
+    for _ in range(p + 1):
+        if not free.any():
+            break
+        right = -gradient[free] - damped[np.ix_(free, ~free)] @ step[~free]
+        step[free] = np.linalg.lstsq(damped[np.ix_(free, free)], right, rcond=None)[0]
+        out = free & ((step < low - 1e-12) | (step > high + 1e-12))
+        if not out.any():
+            break
+        step[out] = np.clip(step[out], low[out], high[out])
+        free &= ~out
+    return np.clip(step, low, high)

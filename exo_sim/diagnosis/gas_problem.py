@@ -1,0 +1,187 @@
+"""The gas cut of one cylinder as a least-squares problem: numbers in, whitened pressure errors of the training time out."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from exo_sim.diagnosis.gas_cut import GasInputs, GasPrediction, inputs, run_gas
+from exo_sim.diagnosis.observed import CylinderRun
+from exo_sim.diagnosis.quantity import Quantity, Setting
+from exo_sim.diagnosis.split import Split
+
+Array = NDArray[np.float64]
+
+#: Windows over which predictions run [s]. Short ones hide slow effects: a fifth to a third of the heat transfer at 0.4 s.
+WINDOW = 1.2
+#: Errors are averaged over this time before they are compared [s].
+GROUP = 0.005
+#: What the smoothed position and the windows' starts leave of the sensor's noise, as pressure [Pa].
+STRUCTURAL_FLOOR = 60.0
+#: How far a start that was estimated from a few samples may be off, in units of the sensor's noise.
+START_SPREAD = 1.0
+#: The step in start pressure that shows how errors there grow or fade [Pa].
+START_STEP = 500.0
+
+
+@dataclass
+class _Rows:
+    """How one run's samples become rows: group of each sample (-1: not compared), and window of each group, by side."""
+
+    group: NDArray[np.int64]
+    window: NDArray[np.int64]
+    count: Array
+    scale: Array
+
+
+class GasProblem:
+    """One cylinder, any number of runs.
+
+    Args:
+        runs: The runs, each with a position and at least one pressure.
+        setting: The machine as believed.
+        split: Which time may be used.
+        window: Seconds a window.
+    """
+
+    unit = "Pa"
+
+    def __init__(self, runs: Sequence[CylinderRun], setting: Setting, split: Split, window: float = WINDOW, held_out: bool = False):
+        self.runs, self.setting, self.split = list(runs), setting, split
+        self.feeds: list[GasInputs] = [inputs(run, setting.world, window) for run in self.runs]
+        self._rows = [[self._layout(feed, side, held_out) for side in range(2)] for feed in self.feeds]
+        self.blocks = self._blocks()
+        self.sides = np.concatenate(
+            [np.full(len(rows.count), side) for run in self._rows for side, rows in enumerate(run)] or [np.zeros(0)]
+        ).astype(int)
+        self._starts: list[list[Array]] | None = None
+
+    def _layout(self, feed: GasInputs, side: int, held_out: bool) -> _Rows:
+        time = feed.time
+        n = len(time)
+        values = feed.run.pressure[side]
+        group = np.full(n, -1)
+        if values is None:
+            return _Rows(group, np.zeros(0, int), np.zeros(0), np.zeros(0))
+        good = np.isfinite(values)
+        usable = self.split.held_out(feed.run.recording, time) if held_out else self.split.training(feed.run.recording, time)
+        size = max(1, int(round(GROUP / float(np.median(np.diff(time))))))
+        window_of: list[int] = []
+        counts: list[int] = []
+        for w, (begin, end) in enumerate(zip(feed.windows.starts, feed.windows.stops, strict=True)):
+            for first in range(begin, end, size):
+                chosen = np.arange(first, min(first + size, end))
+                chosen = chosen[good[chosen] & usable[chosen]]
+                if chosen.size:
+                    group[chosen] = len(counts)
+                    counts.append(chosen.size)
+                    window_of.append(w)
+        count = np.array(counts, dtype=float)
+        noise = feed.run.noise[side]
+        return _Rows(group, np.array(window_of, dtype=int), count, np.sqrt(noise**2 / np.maximum(count, 1.0) + STRUCTURAL_FLOOR**2))
+
+    def _blocks(self) -> NDArray[np.int64]:
+        blocks, offset = [], 0
+        for run in self._rows:
+            for rows in run:
+                blocks.append(rows.window + offset)
+            offset += 1 + max((int(rows.window.max()) for rows in run if rows.window.size), default=0)
+        return np.concatenate(blocks) if blocks else np.zeros(0, int)
+
+    @property
+    def size(self) -> int:
+        """How many rows the residual has."""
+        return int(self.blocks.size)
+
+    def apply(self, values: dict[Quantity, float], fixed: Sequence[tuple[Quantity, float]] = ()) -> Setting:
+        """Return the setting with these numbers put in."""
+        setting = self.setting.copy()
+        for quantity, value in (*values.items(), *fixed):
+            quantity.put(setting, value)
+        return setting
+
+    def predict(self, setting: Setting, index: int, shift: float = 0.0) -> GasPrediction:
+        """Predict what the sensors of one run would show."""
+        sensors = setting.sensors
+        feed = self.feeds[index]
+        length_scale = sensors.get("position.scale", 1.0)
+        offset = (sensors.get("pressure_1.bias", 0.0), sensors.get("pressure_2.bias", 0.0))
+        scale = np.array([sensors.get("pressure_1.scale", 1.0), sensors.get("pressure_2.scale", 1.0)])
+        plain = length_scale == 1.0 and (scale == 1.0).all()
+        if not plain:
+            feed = _seen_through(feed, length_scale, scale, np.array(offset))
+        out = run_gas(feed, setting.world, setting.cylinder, shift, sensors.get("position.delay", 0.0), offset)
+        pressure = out.pressure * scale + np.array(offset)
+        for side in range(2):
+            late = sensors.get(f"pressure_{side + 1}.delay", 0.0)
+            if late != 0.0:
+                pressure[:, side] = np.interp(feed.time - late, feed.time, pressure[:, side])
+        return GasPrediction(pressure, out.drawn, out.temperature)
+
+    def errors(self, setting: Setting) -> list[Array]:
+        """Return measured less predicted pressure of every run, shape (n, 2) [Pa]; NaN where nothing was measured."""
+        found = []
+        for index, feed in enumerate(self.feeds):
+            out = self.predict(setting, index).pressure
+            measured = [np.full(len(feed.time), np.nan) if values is None else values for values in feed.run.pressure]
+            found.append(np.column_stack(measured) - out)
+        return found
+
+    def residual_of(self, setting: Setting) -> Array:
+        """Return the whitened errors, cleared of what the unknown starts of the windows explain, shape (size,)."""
+        if self._starts is None:
+            self._starts = self._start_answers()
+        pieces = []
+        for index, errors in enumerate(self.errors(setting)):
+            for side in range(2):
+                rows = self._rows[index][side]
+                if rows.count.size:
+                    grouped = _grouped(errors[:, side], rows) / rows.scale
+                    pieces.append(_cleared(grouped, self._starts[index][side], rows.window))
+        return np.concatenate(pieces) if pieces else np.zeros(0)
+
+    def _start_answers(self) -> list[list[Array]]:
+        """Return how each row answers one standard deviation of its window's start pressure."""
+        answers = []
+        for index, feed in enumerate(self.feeds):
+            change = self.predict(self.setting, index, START_STEP).pressure - self.predict(self.setting, index).pressure
+            sides = []
+            for side in range(2):
+                rows = self._rows[index][side]
+                spread = START_SPREAD * max(feed.run.noise[side], STRUCTURAL_FLOOR)
+                sides.append(_grouped(change[:, side], rows) / rows.scale * (spread / START_STEP) if rows.count.size else np.zeros(0))
+            answers.append(sides)
+        return answers
+
+    def residual(self, values: dict[Quantity, float], fixed: Sequence[tuple[Quantity, float]] = ()) -> Array:
+        """Return the whitened, cleared errors for these numbers, shape (size,)."""
+        return self.residual_of(self.apply(values, fixed))
+
+
+def _grouped(values: Array, rows: _Rows) -> Array:
+    keep = rows.group >= 0
+    return np.bincount(rows.group[keep], weights=values[keep], minlength=len(rows.count)) / rows.count
+
+
+def _cleared(errors: Array, answer: Array, window: NDArray[np.int64]) -> Array:
+    """Take out of each window's errors what its start explains; the start's own spread is the prior of that."""
+    count = int(window.max()) + 1
+    strength = np.bincount(window, weights=answer * answer, minlength=count)
+    overlap = np.bincount(window, weights=answer * errors, minlength=count)
+    # (I - s s' / (1 + s's))^(1/2) applied, so that squares of the result are the likelihood with the start integrated out
+    with np.errstate(divide="ignore", invalid="ignore"):
+        factor = np.where(strength > 0.0, (1.0 - 1.0 / np.sqrt(1.0 + strength)) / strength, 0.0)
+    return errors - (factor * overlap)[window] * answer
+
+
+def _seen_through(feed: GasInputs, length_scale: float, scale: Array, offset: Array) -> GasInputs:
+    """Return the inputs with what the sensors' gains do taken off."""
+    starts = feed.windows
+    pressure = (starts.pressure - offset) / scale + offset
+    return GasInputs(
+        feed.run, feed.time, feed.command, feed.length / length_scale, feed.supply, feed.exhaust, feed.supply_temperature,
+        type(starts)(starts.starts, starts.stops, pressure), feed._delayed,
+    )  # fmt: skip

@@ -45,10 +45,11 @@ def flow_factor(ratio: float, k: float) -> float:
 
     The law is continuously differentiable at the critical ratio; its slope is finite at 1.
     """
-    if ratio <= critical_ratio(k):
-        return critical_flow_factor(k)
     if ratio < LAMINAR_RATIO:
-        return subsonic_flow_factor(ratio, k)
+        y = ratio ** (1.0 / k)
+        if 2.0 * y >= (k + 1.0) * ratio:  # where gamma's slope vanishes: the critical ratio, without a second power
+            return critical_flow_factor(k)
+        return math.sqrt(2.0 / (k - 1.0) * max(y * (y - ratio), 0.0))
     return subsonic_flow_factor(LAMINAR_RATIO, k) * max(1.0 - ratio, 0.0) / (1.0 - LAMINAR_RATIO)
 
 

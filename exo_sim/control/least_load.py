@@ -46,6 +46,7 @@ class Weights:
     Attributes:
         hip, knee, ankle: Weight of a newton metre in the wearer's joint.
         torso: Of a newton on the torso straps, up or down [m].
+        torso_ahead: Of a newton on the torso straps, forward or back [m].
         effort: Of a newton metre demanded, steady.
         smoothness: Of a newton metre demanded, for each harmonic.
     """
@@ -54,12 +55,13 @@ class Weights:
     knee: float = 1.0
     ankle: float = 0.7
     torso: float = 0.5
+    torso_ahead: float = 0.1
     effort: float = 0.05
     smoothness: float = 0.05
 
     def of_loads(self) -> NDArray[np.float64]:
-        """Return the weight of hip, knee, ankle left, right, and of the torso straps' vertical force, shape (7,)."""
-        return np.array([self.hip, self.knee, self.ankle] * 2 + [self.torso])
+        """Return the weight of hip, knee, ankle left, right, and of the torso straps' force ahead and up, shape (8,)."""
+        return np.array([self.hip, self.knee, self.ankle] * 2 + [self.torso_ahead, self.torso])
 
 
 class LeastLoad:
@@ -71,6 +73,7 @@ class LeastLoad:
         person: Who wears it.
         straps: Between them.
         ankle: What the ankle can do.
+        reach: Least and largest torque that the actuators can hold [N m], shape (PHASES, 6, 2).
         weights: What counts as load.
     """
 
@@ -81,6 +84,7 @@ class LeastLoad:
         person: Person,
         straps: StrapSet,
         ankle: Ankle,
+        reach: NDArray[np.float64],
         weights: Weights | None = None,
     ):
         self.weights = weights or Weights()
@@ -90,7 +94,10 @@ class LeastLoad:
         harmonic = np.concatenate([[0], np.repeat(np.arange(1, HARMONICS + 1), 2)])
         effort = np.tile(np.hypot(self.weights.effort, self.weights.smoothness * harmonic), len(self._driven))
         self._effort = effort * np.sqrt(PHASES)
+        self._reach = reach
+        self._coefficients = np.zeros(len(self._driven) * (2 * HARMONICS + 1))
         self._solve(dynamics, motion, person, straps, ankle)
+        self._keep_within_reach()
         self._gain = np.linalg.inv(self._effect.T @ self._effect + np.diag(self._effort**2))
         self._best: tuple[float, NDArray[np.float64]] = (np.inf, self._coefficients)
 
@@ -105,17 +112,17 @@ class LeastLoad:
         out[:, self._driven] = _basis(SAMPLES) @ coefficients.reshape(len(self._driven), -1).T
         return out * self._support[:, None]
 
-    def learn(self, moments: NDArray[np.float64], torso_up: NDArray[np.float64]) -> float:
+    def learn(self, moments: NDArray[np.float64], torso: NDArray[np.float64]) -> float:
         """Better the torques by what they did in a rehearsal.
 
         Args:
             moments: The wearer's extra moments at PHASES even phases of a cycle [N m], shape (PHASES, 6).
-            torso_up: Vertical force of the torso straps at the same phases [N], shape (PHASES,).
+            torso: Force of all torso straps, ahead and up, at the same phases [N], shape (PHASES, 2).
 
         Returns:
             The cost that was reached; `torque(best=True)` belongs to the least of all.
         """
-        load = np.concatenate([moments, torso_up[:, None]], axis=1) * self.weights.of_loads() * self._matters[:, None]
+        load = np.concatenate([moments, torso], axis=1) * self.weights.of_loads() * self._matters[:, None]
         load = load.reshape(-1)
         held = self._effort**2 * self._coefficients
         cost = float(load @ load + held @ self._coefficients)
@@ -123,7 +130,15 @@ class LeastLoad:
             self._best = (cost, self._coefficients)
         step = self._gain @ (self._effect.T @ load + held)
         self._coefficients = self._coefficients - _STRIDE_GAIN * step
+        self._keep_within_reach()
         return cost
+
+    def _keep_within_reach(self) -> None:
+        """Put the harmonics where they come closest to the torques cut off at what the actuators can hold."""
+        basis = _basis(PHASES)
+        table = basis @ self._coefficients.reshape(len(self._driven), -1).T
+        cut = np.clip(table, self._reach[:, self._driven, 0], self._reach[:, self._driven, 1])
+        self._coefficients = np.linalg.lstsq(basis, cut, rcond=None)[0].T.reshape(-1)
 
     def _solve(
         self, dynamics: MachineDynamics, motion: Motion, person: Person, straps: StrapSet, ankle: Ankle
@@ -138,7 +153,7 @@ class LeastLoad:
             for joint in _ANKLES:
                 spring[:, joint, joint] += ankle.stiffness
         loads = np.concatenate(
-            [_wearer_map(dynamics, motion, person, straps), _torso_up(dynamics, straps)], axis=1
+            [_wearer_map(dynamics, motion, person, straps), _torso(dynamics, straps)], axis=1
         ) * (self.weights.of_loads() * self._matters[:, None])[:, :, None]
         inputs = np.zeros((PHASES, 9, len(self._driven), 2 * HARMONICS + 1))
         for i, joint in enumerate(self._driven):
@@ -202,13 +217,13 @@ def _basis(count: int) -> NDArray[np.float64]:
     return np.stack(columns, axis=1)
 
 
-def _torso_up(dynamics: MachineDynamics, straps: StrapSet) -> NDArray[np.float64]:
-    """Return the vertical force on the torso straps for a unit force of each strap, shape (n, 1, 2 straps)."""
+def _torso(dynamics: MachineDynamics, straps: StrapSet) -> NDArray[np.float64]:
+    """Return the force of all torso straps, ahead and up, for a unit force of each strap, shape (n, 2, 2 straps)."""
     n = len(dynamics.strap)
-    out = np.zeros((n, 1, 2 * len(straps.names)))
+    out = np.zeros((n, 2, 2 * len(straps.names)))
     for i, name in enumerate(straps.names):
         if name.startswith("torso"):
-            out[:, 0, 2 * i : 2 * i + 2] = dynamics.strap_direction[:, i, :, 1]
+            out[:, :, 2 * i : 2 * i + 2] = dynamics.strap_direction[:, i].transpose(0, 2, 1)
     return out
 
 

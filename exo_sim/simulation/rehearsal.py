@@ -31,6 +31,13 @@ def cycle_mean(walk: Walk, values: NDArray[np.float64], settling: float) -> NDAr
 
 def learn_from(plan: LeastLoad, walk: Walk, settling: float) -> float:
     """Better a plan by one rehearsal; return the cost it had."""
-    up = [walk.columns[f"{name}.strap_force_z"] for name in walk.straps.names if name.startswith("torso")]
+    torso = np.sum(
+        [
+            [walk.columns[f"{name}.strap_force_{axis}"] for axis in "xz"]
+            for name in walk.straps.names
+            if name.startswith("torso")
+        ],
+        axis=0,
+    )
     moments = cycle_mean(walk, wearer_moments(walk), settling)
-    return plan.learn(moments, cycle_mean(walk, np.sum(up, axis=0), settling))
+    return plan.learn(moments, cycle_mean(walk, torso.T, settling))

@@ -36,7 +36,7 @@ def _along(walk: Walk, table: NDArray[np.float64]) -> NDArray[np.float64]:
 def wearer_moments(walk: Walk) -> NDArray[np.float64]:
     """Return the extra moments that the straps ask of the wearer [N m], columns as `walk.JOINTS`, shape (n, 6)."""
     share, centre = _along(walk, walk.motion.share), _along(walk, walk.motion.pressure_centre)
-    return extra_moments(walk.poses, walk.wrench, share, centre, walk.person.ankle_height)
+    return extra_moments(walk.poses, walk.wrench, share, centre, walk.person.ankle_height) * _on_feet(walk)
 
 
 def backpack_moments(walk: Walk) -> NDArray[np.float64]:
@@ -49,7 +49,12 @@ def backpack_moments(walk: Walk) -> NDArray[np.float64]:
     acceleration = _along(walk, motion.curvature[:, :3] / motion.period**2)
     wrench = backpack_wrench(position, acceleration, (float(place[0]), float(place[2])), walk.payload, inertia)
     share, centre = _along(walk, motion.share), _along(walk, motion.pressure_centre)
-    return extra_moments(walk.poses, wrench, share, centre, walk.person.ankle_height)
+    return extra_moments(walk.poses, wrench, share, centre, walk.person.ankle_height) * _on_feet(walk)
+
+
+def _on_feet(walk: Walk) -> NDArray[np.float64]:
+    """Return how far the wearer stands on the feet, 0 where a seat carries, shape (n, 1)."""
+    return _along(walk, walk.motion.support[:, None])
 
 
 def _rms(values: NDArray[np.float64]) -> float:

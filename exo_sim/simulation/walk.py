@@ -14,12 +14,12 @@ from exo_sim import progress
 from exo_sim.control import demand as law_of_demand
 from exo_sim.control import machine_dynamics
 from exo_sim.control.least_load import LeastLoad
-from exo_sim.control.valve_control import CONTROLLERS, ValveGains, controller_code
+from exo_sim.control.valve_control import CONTROLLERS, ValveGains, controller_code, largest_forces
 from exo_sim.errors import Diverged, ModelError, ScenarioError, nearest
 from exo_sim.gait import scenario as scenarios
 from exo_sim.gait.motion import SAMPLES, Motion
 from exo_sim.machine.build import PAYLOAD_LIMIT, build
-from exo_sim.machine.linkage import check_strokes
+from exo_sim.machine.linkage import check_strokes, moment_row
 from exo_sim.machine.person import COORDINATES, SEGMENTS, Person, segment_poses
 from exo_sim.machine.straps import StrapSet, fasten
 from exo_sim.physics.pneumatics import Books
@@ -189,8 +189,23 @@ class Simulation:
             return _closed(
                 law_of_demand.demand(self.request.law, dynamics, self.motion, self.straps, self.rig.ankle)
             )
-        plan = LeastLoad(dynamics, self.motion, self.person, self.straps, self.rig.ankle)
+        plan = LeastLoad(dynamics, self.motion, self.person, self.straps, self.rig.ankle, self._reach())
         return _closed(self._rehearse(plan, payload))
+
+    def _reach(self) -> NDArray[np.float64]:
+        """Return least and largest torque that cylinders and ankle motors can hold along the cycle, (PHASES, 6, 2)."""
+        data, cylinders = mujoco.MjData(self.model), self.plugin.pneumatics.cylinders
+        supply, atmosphere = self.rig.supply.pressure, self.rig.environment.pressure
+        forces = largest_forces(cylinders["area_1"], cylinders["area_2"], supply, atmosphere, atmosphere)
+        out = np.zeros((machine_dynamics.PHASES, 6, 2))
+        if self.rig.ankle.mode == "powered":
+            out[:, [2, 5]] = [-self.rig.ankle.torque, self.rig.ankle.torque]
+        for i, position in enumerate(self.motion.position[machine_dynamics.PICK]):
+            data.qpos[:] = position
+            mujoco.mj_forward(self.model, data)
+            for link, force in zip(self.plugin.links, forces):
+                out[i, link.dof - 3] += np.sort(moment_row(self.model, data, link.actuator)[link.dof] * force)
+        return out
 
     def _rehearse(self, plan: LeastLoad, payload: float) -> NDArray[np.float64]:
         """Walk a few cycles at a time and better the plan after each time; return the best of the torques tried."""

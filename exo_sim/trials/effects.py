@@ -37,6 +37,7 @@ class Effect:
         synonyms: Other places or names that are the same physics on this bench.
         healthy: Size that a bench of a careful laboratory has of it, one standard deviation.
         smallest: Size below which the plant cannot be integrated in reasonable steps.
+        largest: Size above which the machine stops being one.
     """
 
     name: str
@@ -51,6 +52,7 @@ class Effect:
     synonyms: tuple[str, ...] = ()
     healthy: float = 0.025
     smallest: float = 1e-4
+    largest: float = 4.0
 
     @property
     def key(self) -> str:
@@ -200,13 +202,14 @@ _TABLE: tuple[Effect, ...] = (
     # believed numbers
     Effect("flow_capacity", P, "calibration", {"factor": "1"},
            lambda b, d, s: {"factor": 1 + s * d(0.15, 0.3) * (1 if d(-1, 1) > 0 else -1)},
-           lambda b, p: {"valve_area": b.valve_area * p["factor"]}, healthy=0.09),
+           lambda b, p: {"valve_area": b.valve_area * p["factor"]}, healthy=0.09, largest=1.5),
     Effect("dead_volume", P, "calibration", {"factor": "1"},
            lambda b, d, s: {"factor": max(1 + s * d(0.4, 0.7) * (1 if d(-1, 1) > -0.3 else -1), 0.1)},
-           lambda b, p: {"dead_1": b.dead_1 * p["factor"], "dead_2": b.dead_2 * p["factor"]}, healthy=0.09),
+           lambda b, p: {"dead_1": b.dead_1 * p["factor"], "dead_2": b.dead_2 * p["factor"]},
+           healthy=0.09, largest=1.5),
     Effect("payload_mass", JOINT, "calibration", {"factor": "1"},
            lambda b, d, s: {"factor": 1 + s * d(0.08, 0.2) * (1 if d(-1, 1) > 0 else -0.7)},
-           lambda b, p: {"load_mass": b.mass * p["factor"]}, healthy=0.036),
+           lambda b, p: {"load_mass": b.mass * p["factor"]}, healthy=0.036, largest=1.5),
     # sensors
     Effect("sensor_delay", f"{P}.pressure_1", "sensor", {"seconds": "s"},
            lambda b, d, s: {"seconds": s * d(3e-3, 8e-3)}),

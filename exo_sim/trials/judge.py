@@ -98,7 +98,7 @@ def judge(truth: Mapping[str, Any], diagnosis: Mapping[str, Any] | None) -> Mark
     located = report.get("located") or []
     places = [str(entry.get("where", "")) + " " + str(entry.get("equation", "")) for entry in located[:1]]
     if not places and top is not None:
-        places = [str(top.get("where", ""))]
+        places = [f"{top.get('where', '')} {'force' if top['name'] in _MOTION else 'gas'} balance"]
     return Mark(
         case=str(truth["case"]),
         cell=str(truth.get("cell", "")),

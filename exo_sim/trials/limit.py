@@ -240,8 +240,8 @@ def limit(key: str, seed: int | None = None, settings: Mapping[str, object] | No
 
 
 def sized(keys: Sequence[str], times: float) -> list[float]:
-    """Return the sizes at which each effect stands at `times` its limit."""
-    return [times * limit(key) for key in keys]
+    """Return the sizes at which each effect stands at `times` its limit, as far as the machine bears it."""
+    return [min(times * limit(key), find(key).largest) for key in keys]
 
 
 @cache

@@ -72,9 +72,9 @@ def make(
 def make_one(plan: Plan, folder: Path, key: str, duration: float, fmt: str = "parquet") -> tuple[str, dict[str, Any]]:
     """Write one case and its sealed truth; return its entry of the manifest."""
     from exo_sim.trials.cases import make_case, truth_of, write_case
-    from exo_sim.trials.limit import concealed, distance, sized
+    from exo_sim.trials.limit import concealed, distance, limit, sized
 
-    size = [s * t for s, t in zip(sized(plan.effects, 1.0), plan.times)]
+    size = [sized([one], times)[0] for one, times in zip(plan.effects, plan.times)]
 
     def draw(effects: Sequence[str], sizes: Sequence[float], seed: int) -> Case:
         settings: dict[str, Any] = {**plan.settings, "duration": duration, "keep_states": True}
@@ -96,8 +96,8 @@ def make_one(plan: Plan, folder: Path, key: str, duration: float, fmt: str = "pa
     paths = write_case(case, where, fmt)
     truth = truth_of(case)
     truth["cell"] = plan.cell
-    for entry, one, times in zip(truth["hidden"], plan.effects, plan.times):
-        entry |= {"times_limit": times, "distance": alone[one]}
+    for entry, one, s in zip(truth["hidden"], plan.effects, size):
+        entry |= {"times_limit": s / limit(one), "distance": alone[one]}
     truth["actual"] = {
         "flow_capacity": case.machine["valve_area"] / case.believed.valve_area,
         "dead_volume": (case.machine["dead_1"] + case.machine["dead_2"])

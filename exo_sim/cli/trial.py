@@ -1,0 +1,109 @@
+"""The sealed proving ground: draw truths, diagnose them blind, open the seals and count."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import click
+
+from exo_sim.cli import options, printing
+from exo_sim.cli.frame import group, verb
+
+command = group("Draw truths and seal them, diagnose them blind, open the seals and count.", "trial")
+_FOLDER = click.argument("folder", type=click.Path(path_type=Path, file_okay=False))
+_JOBS = click.option(
+    "--jobs", type=click.IntRange(-1), default=-1, show_default=True, help="Cases at a time; -1: all cores."
+)
+
+
+@verb(
+    "exo-sim trial make --cases 400 --out trial --key ../trial.key",
+    name="make",
+    out="Folder of the trial.",
+    seed=True,
+)
+@click.option("--cases", type=click.IntRange(1), default=40, show_default=True, help="How many cases.")
+@click.option("--duration", type=options.Quantity("s", low=4.0, high=3600.0), default="24 s", show_default=True,
+              help="Length of a recording.")
+@click.option("--key", type=click.Path(path_type=Path, dir_okay=False), default=None,
+              help="Where the key goes that opens the seals, once; OUT.key when absent. Keep it from who diagnoses.")
+@_JOBS
+def make(cases: int, duration: float, key: Path | None, jobs: int, out: Path | None, as_json: bool, quiet: bool,
+         seed: int) -> None:  # fmt: skip
+    """Draw cases as users would have them, with their truth sealed."""
+    from exo_sim.trials import protocol
+    from exo_sim.trials.seal import digest_of
+
+    folder = out or Path("trial")
+    key = key or folder.with_name(folder.name + ".key")
+    manifest = protocol.make(folder, cases, seed, key, duration, jobs, quiet=quiet)
+    note = digest_of(folder / protocol.MANIFEST)
+    printing.show(
+        {"schema": "exo-sim/trial/1", "folder": folder, "cases": manifest["count"], "key": key, "manifest": note},
+        f"{manifest['count']} cases in {folder}, sealed; the key is {key}\nmanifest {note}: note it",
+        as_json=as_json,
+    )
+
+
+@verb("exo-sim trial run trial", name="run", out="File for the summary; verdicts go into FOLDER.")
+@_FOLDER
+@click.option("--tool", default=None, help="Command to diagnose with; exo-sim diagnose when absent.")
+@click.option("--timeout", type=options.Quantity("s", low=1.0), default="600 s", show_default=True, help="For a case.")
+@click.option("--scheduler", default=None, help="Address of a Dask scheduler to spread the cases over.")
+@_JOBS
+def run(folder: Path, tool: str | None, timeout: float, scheduler: str | None, jobs: int, out: Path | None,
+        as_json: bool, quiet: bool) -> None:  # fmt: skip
+    """Diagnose the cases of FOLDER blind and sign the verdicts; goes on where it was interrupted."""
+    from exo_sim.trials import protocol
+
+    try:
+        done = protocol.run(folder, tool or protocol.OWN_TOOL, jobs, scheduler, timeout, quiet)
+    except KeyboardInterrupt:
+        kept = len(protocol.ledger_of(folder).records())
+        raise KeyboardInterrupt(f"{kept} verdicts are kept; the same command goes on from there") from None
+    printing.show(
+        {"schema": "exo-sim/trial/1", "folder": folder, **done},
+        f"{done['verdicts']} verdicts, {done['new']} of them new; last verdict {done['head']}: note it",
+        as_json=as_json,
+        out=out,
+    )
+
+
+@verb(
+    "exo-sim trial score trial --key trial.key",
+    name="score",
+    out="File for the table; score.json and score.html go into FOLDER.",
+)
+@_FOLDER
+@click.option("--key", type=click.Path(path_type=Path, dir_okay=False), default=None,
+              help="Key of the seals; FOLDER.key when absent.")
+@click.option("--head", default=None, help="Last verdict as trial run printed it, to be held against the ledger.")
+def score(folder: Path, key: Path | None, head: str | None, out: Path | None, as_json: bool, quiet: bool) -> None:
+    """Open the seals of FOLDER, check them and count."""
+    from exo_sim.trials.page import percent
+    from exo_sim.trials.score import score as open_and_count
+
+    result = open_and_count(folder, key or folder.with_name(folder.name + ".key"), head)
+    figures = result["figures"]
+    rows = [
+        (
+            name.replace("_", " "),
+            percent(entry["share"]),
+            f"{percent(entry['low'])} to {percent(entry['high'])}",
+            entry["of"],
+        )
+        for name, entry in figures.items()
+        if isinstance(entry, dict) and {"share", "low", "high"} <= set(entry)
+    ]
+    text = printing.table(rows, ("figure", "share", "95 % bounds", "cases"))
+    nine = figures["detection"]["size_named_in_nine_of_ten"]
+    reached = "not reached" if nine is None else f"{nine:.2g} limits"
+    text += f"\nsize named in nine of ten: {reached}; page: {folder / 'score.html'}"
+    printing.show(
+        {"schema": result["schema"], "figures": figures, "head": result["head"]}, text, as_json=as_json, out=out
+    )
+
+
+command.add_command(make)
+command.add_command(run)
+command.add_command(score)

@@ -1,4 +1,4 @@
-"""What happens in one step of the pneumatics, in which order. The only place that calls every effect.
+"""What happens in one step of the pneumatics, in which order: the place that calls every effect.
 
 A plant is any number of cylinders on one supply and one exhaust. Its state is one vector (`state.py`), its numbers are records
 (`records.py`). With every effect off this is the paper: two chambers with their own mass and energy, four metering edges.
@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import math
 
-from exo_sim.physics import chamber, cylinder, gas, valve
+from exo_sim.physics import chamber, gas
 from exo_sim.physics.compiled import kernel
 from exo_sim.physics.effects import (
     critical_ratio,
@@ -25,11 +25,12 @@ from exo_sim.physics.effects import (
     valve_deadband,
     valve_hysteresis,
     valve_lag,
-    valve_null_leakage,
     valve_offset,
     wall_heat_transfer,
 )
-from exo_sim.physics.integrator import COEFFICIENTS, MOST_STAGES, REACH
+from exo_sim.physics.integrator import COEFFICIENTS
+from exo_sim.physics.nodes import exhaust_state, path_areas, pressures, supply_state, temperatures, volumes
+from exo_sim.physics.pace import MOST_STEPS, step_length
 from exo_sim.physics.resistance import dry_level, move_bristle
 from exo_sim.physics.state import (
     BRISTLE,
@@ -71,68 +72,7 @@ from exo_sim.physics.state import (
 )
 from exo_sim.physics.transmission import gives, piston_at
 
-#: The longest step that accuracy allows [s]; stability asks for more stages, not for shorter steps.
-LONGEST_STEP = 5e-4
-
-#: The most pieces that a step is divided into; a gas that asks for more is no longer one that this model describes.
-MOST_PIECES = 50
-
-#: Above this pressure ratio a path counts as nearly balanced, where the flow's slope is steepest.
-_NEARLY_BALANCED = 0.9
-
-#: Temperature that the bounds on rates assume of the gas [K].
-HOT = 400.0
-
-
-@kernel
-def volumes(c, x: float) -> tuple[float, float]:
-    """Return the volumes of both chambers [m^3] with the piston at x; never below a hundredth of the dead volume."""
-    v_1 = cylinder.volume_1(x, c.area_1, c.dead_volume_1)
-    v_2 = cylinder.volume_2(x, c.area_2, c.dead_volume_2, c.stroke)
-    return max(v_1, 0.01 * c.dead_volume_1 + 1e-12), max(v_2, 0.01 * c.dead_volume_2 + 1e-12)
-
-
-@kernel
-def pressures(world, c, y, base: int, x: float) -> tuple[float, float]:
-    """Return the absolute pressures of both chambers [Pa]; chamber 2 of a single-acting cylinder is the atmosphere."""
-    v_1, v_2 = volumes(c, x)
-    p_1 = chamber.pressure(y[base + ENERGY_1], v_1, world.k)
-    if c.single_acting > 0.0:
-        return p_1, world.atmosphere
-    return p_1, chamber.pressure(y[base + ENERGY_2], v_2, world.k)
-
-
-@kernel
-def temperatures(world, y, base: int) -> tuple[float, float]:
-    """Return the gas temperatures of both chambers [K]."""
-    t_1 = chamber.temperature(y[base + ENERGY_1], y[base + MASS_1], world.k, world.r)
-    return t_1, chamber.temperature(y[base + ENERGY_2], y[base + MASS_2], world.k, world.r)
-
-
-@kernel
-def supply_state(world, y, shared: int, held: float) -> tuple[float, float]:
-    """Return pressure and temperature upstream of every valve: an accumulator's, a regulator's, or the rig's constant."""
-    if supply_droop.present(world.supply_droop):
-        p = chamber.pressure(y[shared + SUPPLY_ENERGY], world.supply_droop.volume, world.k)
-        return p, chamber.temperature(y[shared + SUPPLY_ENERGY], y[shared + SUPPLY_MASS], world.k, world.r)
-    return supply_regulator.pressure(world.supply_regulator, world.supply_pressure, held), world.supply_temperature
-
-
-@kernel
-def exhaust_state(world, y, shared: int) -> tuple[float, float]:
-    """Return pressure and temperature downstream of every valve: the manifold's, or what the exhaust opens into."""
-    if exhaust_back_pressure.present(world.exhaust_back_pressure):
-        p = chamber.pressure(y[shared + EXHAUST_ENERGY], world.exhaust_back_pressure.volume, world.k)
-        return p, chamber.temperature(y[shared + EXHAUST_ENERGY], y[shared + EXHAUST_MASS], world.k, world.r)
-    return world.exhaust_pressure, world.ambient
-
-
-@kernel
-def path_areas(c, opening: float) -> tuple[float, float, float, float]:
-    """Return the areas of supply->1, 1->exhaust, supply->2, 2->exhaust [m^2]; a vented cylinder has both exhausts open."""
-    if c.vented > 0.0:
-        return 0.0, c.valve_area, 0.0, c.valve_area
-    return valve.path_areas(opening, c.valve_area, valve_null_leakage.closed_area(c.valve_null_leakage))
+__all__ = ["advance", "cylinder_rates", "integrate", "pressures", "rates", "temperatures", "volumes"]
 
 
 @kernel
@@ -285,30 +225,6 @@ def rates(world, cylinders, y, dy, held, x, v, spool):
 
 
 @kernel
-def path_rate(area: float, p_up: float, p_down: float, volume: float, k: float, r: float) -> float:
-    """Return a bound on how fast a volume behind one path can settle [1/s]: B15's node time constant, inverted."""
-    if area <= 0.0:
-        return 0.0
-    ratio = min(p_up, p_down) / max(p_up, p_down)
-    slope = 1.0
-    if ratio > _NEARLY_BALANCED:
-        slope = gas.subsonic_flow_factor(gas.LAMINAR_RATIO, k) / (1.0 - gas.LAMINAR_RATIO)
-    return k * area * math.sqrt(k * r * HOT) * slope / volume
-
-
-@kernel
-def slow_rate(world, c, laminar: float, conductance: float, p: float, p_other: float, volume: float) -> float:
-    """Return a bound on how fast a chamber settles by laminar leaks and heat [1/s]: slow, unless a rig asks for much of it."""
-    k, r = world.k, world.r
-    rate = 2.0 * (laminar * p + c.piston_leakage.laminar * max(p, p_other)) * k * r * HOT / volume
-    heat = conductance + c.wall_heat_transfer.conductance
-    rate += heat * (k - 1.0) * HOT / (p * volume)
-    if c.moving_wall_temperature.heat_capacity > 0.0:
-        rate += (heat + c.moving_wall_temperature.outside_conductance) / c.moving_wall_temperature.heat_capacity
-    return rate
-
-
-@kernel
 def regulator_gain(world, cylinders, spool) -> float:
     """Return a bound on how much the supply's pressure falls for each pascal that it rose, by the flow that this draws."""
     if world.supply_regulator.droop <= 0.0:
@@ -321,57 +237,6 @@ def regulator_gain(world, cylinders, spool) -> float:
         area += a_s1 + a_s2
     steepest = gas.subsonic_flow_factor(gas.LAMINAR_RATIO, world.k) / (1.0 - gas.LAMINAR_RATIO)
     return world.supply_regulator.droop * area * steepest * math.sqrt(world.k / (world.r * world.supply_temperature))
-
-
-@kernel
-def fastest_rate(world, cylinders, y, held, x, spool) -> float:
-    """Return a bound on the fastest rate of the gas [1/s], from the open areas, the volumes and how balanced they are."""
-    n = len(cylinders)
-    shared = n * INTEGRATED
-    k, r = world.k, world.r
-    p_s, _ = supply_state(world, y, shared, held)
-    p_e, _ = exhaust_state(world, y, shared)
-    fastest = 0.0
-    exhaust_area = world.exhaust_back_pressure.area
-    supply_rate = world.supply_droop.conductance * k * r * HOT / max(world.supply_droop.volume, 1e-9)
-    for i in range(n):
-        c = cylinders[i]
-        base = i * INTEGRATED
-        v_1, v_2 = volumes(c, x[i])
-        p_1, p_2 = pressures(world, c, y, base, x[i])
-        a_s1, a_1e, a_s2, a_2e = path_areas(c, spool[i])
-        exhaust_area += a_1e + a_2e
-        if supply_droop.present(world.supply_droop):
-            supply_rate += path_rate(a_s1, p_s, p_1, world.supply_droop.volume, k, r)
-            supply_rate += path_rate(a_s2, p_s, p_2, world.supply_droop.volume, k, r)
-        inner_1 = path_rate(c.piston_leakage.area, p_1, p_2, v_1, k, r)
-        inner_1 += path_rate(c.external_leakage.area_1, p_1, world.atmosphere, v_1, k, r)
-        inner_2 = path_rate(c.piston_leakage.area, p_1, p_2, v_2, k, r)
-        inner_2 += path_rate(c.external_leakage.area_2, p_2, world.atmosphere, v_2, k, r)
-        inner_1 += slow_rate(world, c, c.external_leakage.laminar_1, c.wall_heat_transfer.conductance_1, p_1, p_2, v_1)
-        inner_2 += slow_rate(world, c, c.external_leakage.laminar_2, c.wall_heat_transfer.conductance_2, p_2, p_1, v_2)
-        if line_restriction.present(c.line_restriction):
-            hose = c.line_restriction.volume
-            a = c.line_restriction.area
-            h_1 = chamber.pressure(y[base + HOSE_ENERGY_1], hose, k)
-            h_2 = chamber.pressure(y[base + HOSE_ENERGY_2], hose, k)
-            node_1 = path_rate(a, h_1, p_1, hose, k, r) + path_rate(a_s1, p_s, h_1, hose, k, r)
-            node_1 += path_rate(a_1e, h_1, p_e, hose, k, r)
-            node_2 = path_rate(a, h_2, p_2, hose, k, r) + path_rate(a_s2, p_s, h_2, hose, k, r)
-            node_2 += path_rate(a_2e, h_2, p_e, hose, k, r)
-            inner_1 += path_rate(a, h_1, p_1, v_1, k, r)
-            inner_2 += path_rate(a, h_2, p_2, v_2, k, r)
-            fastest = max(fastest, node_1, node_2)
-        else:
-            inner_1 += path_rate(a_s1, p_s, p_1, v_1, k, r) + path_rate(a_1e, p_1, p_e, v_1, k, r)
-            inner_2 += path_rate(a_s2, p_s, p_2, v_2, k, r) + path_rate(a_2e, p_2, p_e, v_2, k, r)
-        if c.single_acting > 0.0:
-            inner_2 = 0.0
-        fastest = max(fastest, inner_1, inner_2)
-    if exhaust_back_pressure.present(world.exhaust_back_pressure):
-        rate = path_rate(exhaust_area, p_e, world.exhaust_pressure, world.exhaust_back_pressure.volume, k, r)
-        fastest = max(fastest, rate)
-    return max(fastest, supply_rate)
 
 
 @kernel
@@ -469,14 +334,7 @@ def advance(world, cylinders, state, x0, x1, command, dt, work, scratch):
             here = opening(cylinders[i], memory[i * REMEMBERED + SPOOL])
             there = opening(cylinders[i], command[i])
             spool[i] = here if abs(here) > abs(there) else there
-        rate = fastest_rate(world, cylinders, y, memory[shared_memory + HELD], start, spool)
-        pieces = max(math.ceil(left / LONGEST_STEP - 1e-9), 1)
-        h = left / pieces
-        if rate * h > REACH[MOST_STAGES]:
-            h = left / min(math.ceil(left * rate / REACH[MOST_STAGES]), MOST_PIECES)
-        stages = 2
-        while stages < MOST_STAGES and REACH[stages] < rate * h:
-            stages += 1
+        h, stages = step_length(world, cylinders, y, memory[shared_memory + HELD], start, spool, left, dt / MOST_STEPS)
         for i in range(n):
             spool[i] = move_spool(cylinders[i], memory, i * REMEMBERED, command[i], h)
         drawn = integrate(

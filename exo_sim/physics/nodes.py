@@ -1,0 +1,68 @@
+"""Pressures and temperatures of chambers, supply and exhaust from the state, and the areas between them."""
+
+from __future__ import annotations
+
+from exo_sim.physics import chamber, cylinder, valve
+from exo_sim.physics.compiled import kernel
+from exo_sim.physics.effects import exhaust_back_pressure, supply_droop, supply_regulator, valve_null_leakage
+from exo_sim.physics.state import (
+    ENERGY_1,
+    ENERGY_2,
+    EXHAUST_ENERGY,
+    EXHAUST_MASS,
+    MASS_1,
+    MASS_2,
+    SUPPLY_ENERGY,
+    SUPPLY_MASS,
+)
+
+
+@kernel
+def volumes(c, x: float) -> tuple[float, float]:
+    """Return the volumes of both chambers [m^3] with the piston at x; never below a hundredth of the dead volume."""
+    v_1 = cylinder.volume_1(x, c.area_1, c.dead_volume_1)
+    v_2 = cylinder.volume_2(x, c.area_2, c.dead_volume_2, c.stroke)
+    return max(v_1, 0.01 * c.dead_volume_1 + 1e-12), max(v_2, 0.01 * c.dead_volume_2 + 1e-12)
+
+
+@kernel
+def pressures(world, c, y, base: int, x: float) -> tuple[float, float]:
+    """Return the absolute pressures of both chambers [Pa]; chamber 2 of a single-acting cylinder is the atmosphere."""
+    v_1, v_2 = volumes(c, x)
+    p_1 = chamber.pressure(y[base + ENERGY_1], v_1, world.k)
+    if c.single_acting > 0.0:
+        return p_1, world.atmosphere
+    return p_1, chamber.pressure(y[base + ENERGY_2], v_2, world.k)
+
+
+@kernel
+def temperatures(world, y, base: int) -> tuple[float, float]:
+    """Return the gas temperatures of both chambers [K]."""
+    t_1 = chamber.temperature(y[base + ENERGY_1], y[base + MASS_1], world.k, world.r)
+    return t_1, chamber.temperature(y[base + ENERGY_2], y[base + MASS_2], world.k, world.r)
+
+
+@kernel
+def supply_state(world, y, shared: int, held: float) -> tuple[float, float]:
+    """Return pressure and temperature upstream of every valve: an accumulator's, a regulator's, or the rig's constant."""
+    if supply_droop.present(world.supply_droop):
+        p = chamber.pressure(y[shared + SUPPLY_ENERGY], world.supply_droop.volume, world.k)
+        return p, chamber.temperature(y[shared + SUPPLY_ENERGY], y[shared + SUPPLY_MASS], world.k, world.r)
+    return supply_regulator.pressure(world.supply_regulator, world.supply_pressure, held), world.supply_temperature
+
+
+@kernel
+def exhaust_state(world, y, shared: int) -> tuple[float, float]:
+    """Return pressure and temperature downstream of every valve: the manifold's, or what the exhaust opens into."""
+    if exhaust_back_pressure.present(world.exhaust_back_pressure):
+        p = chamber.pressure(y[shared + EXHAUST_ENERGY], world.exhaust_back_pressure.volume, world.k)
+        return p, chamber.temperature(y[shared + EXHAUST_ENERGY], y[shared + EXHAUST_MASS], world.k, world.r)
+    return world.exhaust_pressure, world.ambient
+
+
+@kernel
+def path_areas(c, opening: float) -> tuple[float, float, float, float]:
+    """Return the areas of supply->1, 1->exhaust, supply->2, 2->exhaust [m^2]; a vented cylinder has both exhausts open."""
+    if c.vented > 0.0:
+        return 0.0, c.valve_area, 0.0, c.valve_area
+    return valve.path_areas(opening, c.valve_area, valve_null_leakage.closed_area(c.valve_null_leakage))

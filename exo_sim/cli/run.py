@@ -1,0 +1,110 @@
+"""Simulate a person in the machine and record everything."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import click
+
+from exo_sim.cli import options, printing
+from exo_sim.cli.frame import verb
+
+if TYPE_CHECKING:
+    from exo_sim.simulation.walk import Walk
+
+
+@verb(
+    'exo-sim run level_walk --payload "34 kg"',
+    'exo-sim run squat --payload "20 kg" --strides 3 --assist vented --out squat.rrd --json',
+    out="Recording for the viewer (.rrd); the table goes beside it as .parquet. SCENARIO.rrd when absent.",
+    seed=True,
+)
+@click.argument("scenario")
+@click.option("--payload", type=options.Quantity("kg", low=0.0), default="34 kg", show_default=True, help="On the back.")
+@click.option("--speed", type=float, default=1.0, show_default=True, help="Factor on the recorded cadence, 0.7 to 1.3.")
+@click.option("--strides", type=click.IntRange(1, 10000), default=None, help="How many strides or repetitions.")
+@click.option("--assist", type=options.Choice(["on", "off", "vented"]), default="on", show_default=True,
+              help="vented: both chambers open to the atmosphere; off: valves closed.")
+@click.option("--controller", type=options.Choice(["model", "pi"]), default="model", show_default=True,
+              help="How valves get forces: the gas equations inverted, or plain PI.")
+@click.option("--demand", type=options.Choice(["least_load", "inverse_dynamics", "virtual_support"]),
+              default="least_load", show_default=True, help="Law by which joint torques are asked for.")
+@click.option("--rig", type=options.InputFile(), default=None, help="The machine; the one in assets/ when absent.")
+def command(scenario: str, payload: float, speed: float, strides: int | None, assist: str, controller: str, demand: str,
+            rig: Path | None, out: Path | None, as_json: bool, quiet: bool, seed: int) -> None:  # fmt: skip
+    """Simulate SCENARIO headless; see `exo-sim scenarios` for what there is."""
+    import time
+
+    from exo_sim import rig as rigs
+    from exo_sim.errors import OutputError
+    from exo_sim.recording.rrd_file import write_rrd
+    from exo_sim.recording.table_file import write_table
+    from exo_sim.simulation import record, summary
+    from exo_sim.simulation.walk import Request, Simulation, default_rig
+
+    path = out or Path(f"{scenario}.rrd")
+    if path.suffix.lower() != ".rrd":
+        raise OutputError(f'cannot write "{path}": a recording for the viewer ends in .rrd')
+    request = Request(
+        scenario, payload=payload, speed=speed, cycles=strides, assist=assist, controller=controller, law=demand
+    )
+    begun = time.perf_counter()
+    simulation = Simulation(rigs.read(rig or default_rig()), request)
+    prepared = time.perf_counter()
+    walk = simulation.run(quiet=quiet)
+    if len(walk.time) < 2:
+        raise KeyboardInterrupt("nothing was simulated yet")
+    table = record.recording(walk, path.stem, seed)
+    beside = path.with_suffix(".parquet")
+    write_table(beside, table)
+    write_rrd(path, table, scene=record.scene(walk))
+    wall = time.perf_counter() - prepared
+    data = summary.summarise(walk)
+    data = {
+        "schema": data.pop("schema"),
+        "scenario": data.pop("scenario"),
+        "simulated_s": data.pop("simulated_s"),
+        "wall_s": wall,
+        "prepared_s": prepared - begun,
+        "recording": path,
+        "table": beside,
+        **data,
+    }
+    printing.show(data, _words(walk, data), as_json=as_json)
+    if walk.interrupted:
+        raise KeyboardInterrupt(f"{data['simulated_s']:.2f} s were simulated and are in {path} and {beside}")
+
+
+def _words(walk: Walk, data: dict[str, Any]) -> str:
+    """Return the result as a short report."""
+    straps, wearer = data["strap_load_n"], data["wearer"]
+    carried = data["mean_ground_force_n"] + straps["vertical_mean"]
+    lines = [
+        f"{data['scenario']}: {data['simulated_s']:.2f} s simulated in {data['wall_s']:.2f} s, "
+        f"{data['simulated_s'] / data['wall_s']:.0f} times real time (prepared in {data['prepared_s']:.2f} s)",
+        f"weight of frame and payload {data['supported_weight_n']:.1f} N; ground and straps carry {carried:.1f} N, "
+        f"the ground {100 * data['mean_ground_force_n'] / data['supported_weight_n']:.0f} %",
+        f"torso straps, up: mean {straps['torso_vertical_mean']:.0f} N, rms {straps['torso_rms']:.0f} N, "
+        f"peak {straps['torso_peak']:.0f} N",
+        "",
+    ]
+    extra, backpack = wearer["extra_moment_rms_nm"], wearer["backpack_moment_rms_nm"]
+    rows = [[f"extra moment at the wearer's {name}, N m rms", f"{extra[name]:.1f}", f"{backpack[name]:.1f}"]
+            for name in extra]  # fmt: skip
+    lines += [printing.table(rows, ["", "machine", "backpack"]), ""]
+    joints = [
+        [name, f"{one['torque_peak_nm']:.0f}", f"{one['torque_rms_nm']:.1f}", f"{one['torque_error_rms_nm']:.1f}"]
+        for name, one in data["joints"].items()
+    ]
+    lines += [printing.table(joints, ["joint", "peak N m", "rms N m", "error rms N m"]), ""]
+    if "cylinders" in data:
+        rows = [
+            [name, f"{one['pressure_peak_pa'] / 1e5:.1f}", f"{100 * one['choked_share']:.0f}",
+             f"{1e3 * one['gas_kg_per_stride']:.2f}"]
+            for name, one in data["cylinders"].items()
+        ]  # fmt: skip
+        lines += [printing.table(rows, ["cylinder", "peak bar", "choked %", "gas g a cycle"]), ""]
+        books = data["books"]
+        lines += [f"books: gas mass {books['gas_mass_residual']:.0e}, energy {books['gas_energy_residual']:.0e}"]
+    return "\n".join([*lines, f"recording {data['recording']}, table {data['table']}"])

@@ -1,0 +1,121 @@
+"""From a simulated walk to what is written: one table of signals, and the scene to draw."""
+
+from __future__ import annotations
+
+from importlib import metadata
+
+import mujoco
+import numpy as np
+from numpy.typing import NDArray
+
+from exo_sim import __version__
+from exo_sim.machine.person import SEGMENTS, pose_bodies
+from exo_sim.recording.scene import Arrows, DrawnCylinder, Scene, shapes_of_model
+from exo_sim.recording.table import Recording
+from exo_sim.simulation.summary import wearer_moments
+from exo_sim.simulation.walk import JOINTS, Walk
+
+#: Frames a second in the scene.
+FRAME_RATE = 50.0
+_STRAP_COLOUR = (0.90, 0.35, 0.40, 1.0)
+
+
+def recording(walk: Walk, name: str, seed: int = 0) -> Recording:
+    """Return a walk as a table with the contract's columns and what only a simulation knows.
+
+    Args:
+        walk: What was simulated.
+        name: What to call it.
+        seed: Travels with it; a walk has no chance in it.
+    """
+    columns, units = dict(walk.columns), dict(walk.units)
+    for joint, values in zip(JOINTS, wearer_moments(walk).T):
+        columns[f"{joint}.wearer_moment"], units[f"{joint}.wearer_moment"] = np.ascontiguousarray(values), "N*m"
+    request = walk.request
+    notes = {
+        "scenario": request.scenario,
+        "payload": f"{request.payload:g} kg",
+        "speed": f"{request.speed:g}",
+        "assist": request.assist,
+        "controller": request.controller,
+        "demand": request.law,
+        "rig": walk.rig.text,
+        "seed": str(seed),
+        "exo-sim": __version__,
+        **{package: metadata.version(package) for package in ("mujoco", "numpy", "numba")},
+    }
+    return Recording(name, walk.time, columns, units, notes)
+
+
+def scene(walk: Walk) -> Scene:
+    """Return bodies, cylinders and ground forces at `FRAME_RATE`."""
+    model = walk.model
+    every = max(1, round(1.0 / (FRAME_RATE * walk.step)))
+    rows = np.arange(0, len(walk.time), every)
+    data = mujoco.MjData(model)
+    columns = walk.columns
+    qpos = np.stack([columns[f"{model.joint(i).name}.position"][rows] for i in range(model.njnt)], axis=1)
+    offset_y = np.array([model.body(f"person_{segment}").pos[1] for segment in SEGMENTS])
+    ends = {name: _ends(model, cylinder.actuator) for name, cylinder in walk.rig.cylinders.items()}
+    feet = [model.site(f"foot_{side}").id for side in "lr"]
+    harness = [model.site(name).id for name in walk.straps.names]
+    positions = np.empty((len(rows), model.nbody, 3))
+    quaternions = np.empty((len(rows), model.nbody, 4))
+    sites = np.empty((len(rows), model.nsite, 3))
+    for i, row in enumerate(rows):
+        data.qpos[:] = qpos[i]
+        pose_bodies(walk.poses[row], offset_y, data.mocap_pos, data.mocap_quat)
+        mujoco.mj_kinematics(model, data)
+        positions[i], quaternions[i], sites[i] = data.xpos, data.xquat, data.site_xpos
+    bodies, shapes = shapes_of_model(model)
+    cylinders = [
+        DrawnCylinder(
+            name=name,
+            cap=sites[:, base],
+            end=sites[:, rod],
+            barrel_length=walk.rig.cylinders[name].retracted_length,
+            bore=walk.rig.cylinders[name].bore,
+            rod=max(walk.rig.cylinders[name].rod, 0.004),
+        )
+        for name, found in ends.items()
+        if found is not None
+        for base, rod in [found]
+    ]
+    arrows = [
+        Arrows(f"ground force, {word} foot", sites[:, foot], _vectors(columns, f"foot_{side}.ground_force", rows))
+        for foot, side, word in zip(feet, "lr", ("left", "right"))
+    ]
+    arrows += [
+        Arrows(name, sites[:, site], _vectors(columns, f"{name}.strap_force", rows), rgba=_STRAP_COLOUR)
+        for name, site in zip(walk.straps.names, harness)
+    ]
+    return Scene(
+        times=walk.time[rows],
+        bodies=bodies,
+        positions=positions,
+        quaternions=quaternions,
+        shapes=shapes,
+        cylinders=cylinders,
+        arrows=arrows,
+        follow="torso",
+    )
+
+
+def _ends(model: mujoco.MjModel, actuator: str) -> tuple[int, int] | None:
+    """Return the first and the last site of the tendon that an actuator pulls on, or None where it has none."""
+    index = model.actuator(actuator).id
+    if model.actuator_trntype[index] != mujoco.mjtTrn.mjTRN_TENDON:
+        return None
+    tendon = int(model.actuator_trnid[index, 0])
+    start, count = int(model.tendon_adr[tendon]), int(model.tendon_num[tendon])
+    sites = [
+        int(model.wrap_objid[i])
+        for i in range(start, start + count)
+        if model.wrap_type[i] == mujoco.mjtWrap.mjWRAP_SITE
+    ]
+    return (sites[0], sites[-1]) if len(sites) > 1 else None
+
+
+def _vectors(columns: dict[str, NDArray[np.float64]], key: str, rows: NDArray[np.int64]) -> NDArray[np.float64]:
+    """Return x, 0, z of a force at some rows, shape (n, 3)."""
+    return np.stack([columns[f"{key}_x"][rows], np.zeros(len(rows)), columns[f"{key}_z"][rows]], axis=1)

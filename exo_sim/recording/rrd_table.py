@@ -49,7 +49,7 @@ def read_rrd(path: Path, column_map: ColumnMap | None = None) -> RawTable:
     headings = {_heading(name, units, column_map): name for name in entities}
     selection = select(str(path), [f"{columns.TIME} [s]", *headings], column_map and _with_time(column_map))
     findings = list(selection.findings)
-    findings += [_guessed(column) for column in selection.columns[1:] if headings.get(column.source) not in units]
+    findings += [_guessed(column) for column in selection.columns[1:] if _is_guessed(column, headings, units)]
     clock = _clock(path, entities)
     series = {}
     for column in selection.columns[1:]:
@@ -108,7 +108,7 @@ def _texts(chunk: Any) -> dict[str, str]:
     for field, column in zip(batch.schema, batch.columns):
         if types.is_list(field.type) and types.is_string(field.type.value_type) and len(column) and column[0].is_valid:
             cells = column[0].as_py()
-            if cells:
+            if cells and not field.name.startswith("RecordingInfo:"):
                 texts[field.name.rsplit(":", 1)[-1]] = cells[0]
     return texts
 
@@ -129,7 +129,7 @@ def _take(entity: _Entity, batch: pa.RecordBatch) -> None:
             continue
         ticks = batch.column(batch.schema.get_field_index(field.name))
         numbers = ticks.cast(pa.int64()).to_numpy(zero_copy_only=False)[present]
-        seconds = numbers * 1e-9 if not pa.types.is_integer(field.type) else numbers.astype(float)
+        seconds = numbers / 1e9 if not pa.types.is_integer(field.type) else numbers.astype(float)
         entity.clocks.setdefault(meta.get("rerun:index_name", field.name), []).append(seconds)
 
 
@@ -154,6 +154,11 @@ def _heading(name: str, units: dict[str, str], column_map: ColumnMap | None) -> 
 def _with_time(column_map: ColumnMap) -> ColumnMap:
     kept = {name: column for name, column in column_map.columns.items() if column.key != columns.TIME}
     return ColumnMap(column_map.path, kept, column_map.header, column_map.delimiter)
+
+
+def _is_guessed(column: Column, headings: dict[str, str], units: dict[str, str]) -> bool:
+    name = headings.get(column.source, column.source)
+    return name not in units and "[" not in name and column.unit != "1"
 
 
 def _guessed(column: Column) -> Finding:

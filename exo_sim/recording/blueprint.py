@@ -1,0 +1,186 @@
+"""How the viewer lays a recording out: the scene, plots in tabs by joint, the gait and other lanes below."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from exo_sim import signals
+from exo_sim.recording import columns
+from exo_sim.recording.scene import Scene
+from exo_sim.recording.table import Recording
+
+if TYPE_CHECKING:
+    import rerun.blueprint as rrb
+
+SCENE = "scene"
+LANES = "lanes"
+
+#: Plots of a tab, from top to bottom, and the signals in each.
+_PLOTS = (
+    ("pressure, Pa", ("pressure_1", "pressure_2", "pressure")),
+    ("rod force, N", ("force", "force_demanded")),
+    ("joint torque or force", ("torque", "torque_demanded", "wearer_moment", "external_force")),
+    ("valve command, choked paths", ("valve_command", "choked")),
+    ("position", ("position", "length")),
+    ("velocity", ("velocity",)),
+    ("temperature, K", ("temperature_1", "temperature_2", "temperature")),
+    ("gas drawn, kg", ("gas_used",)),
+    ("ground force, N", ("ground_force_x", "ground_force_y", "ground_force_z")),
+    ("strap force, N", ("strap_force_x", "strap_force_y", "strap_force_z")),
+    ("gait phase", ("phase",)),
+)
+#: A tab of more plots than this has two columns.
+_MOST_ROWS = 4
+_SITES = {"ground_force": "ground", "strap_force": "straps"}
+
+
+def tabs(recording: Recording) -> dict[str, list[str]]:
+    """Return the tabs and the columns in each: one a joint with its cylinder, then ground, straps and supply.
+
+    A machine of one cylinder and one joint has them in one tab.
+    """
+    kinds: dict[str, set[str]] = {"cylinder": set(), "joint": set()}
+    tab_of: dict[str, str] = {}
+    for key in recording.columns:
+        part = key.rsplit(".", 1)[0]
+        signal = columns.signal_of(key)
+        tab_of[key] = part
+        if signal.part in kinds:
+            kinds[signal.part].add(part)
+        elif signal.part == "site":
+            tab_of[key] = _SITES[signal.name.rsplit("_", 1)[0]]
+        elif part in ("supply", "exhaust"):
+            tab_of[key] = "supply"
+    alone = kinds["cylinder"] | kinds["joint"]
+    if len(kinds["cylinder"]) == 1 and len(kinds["joint"]) == 1:
+        name = " and ".join(sorted(alone, key=list(recording.parts()).index))
+        tab_of = {key: name if tab in alone else tab for key, tab in tab_of.items()}
+    gathered: dict[str, list[str]] = {}
+    for key, tab in tab_of.items():
+        if columns.signal_of(key).part != "gait":
+            gathered.setdefault(tab, []).append(key)
+    last = ("ground", "straps", "supply")
+    return {tab: gathered[tab] for tab in sorted(gathered, key=lambda tab: tab in last and 1 + last.index(tab))}
+
+
+def plots(keys: Sequence[str]) -> list[tuple[str, list[str]]]:
+    """Return the plots of one tab from top to bottom: title and columns."""
+    of_plot = ((title, [key for key in keys if key.rsplit(".", 1)[1] in names]) for title, names in _PLOTS)
+    return [(title, shown) for title, shown in of_plot if shown]
+
+
+def places(recording: Recording) -> dict[str, int]:
+    """Return which line of its plot each column is, so that neighbours can differ in colour."""
+    return {
+        key: place for keys in tabs(recording).values() for _, shown in plots(keys) for place, key in enumerate(shown)
+    }
+
+
+def layout(
+    recording: Recording, *, scene: Scene | None, lanes: Sequence[str], overlaid: Mapping[str, bool]
+) -> rrb.Blueprint:
+    """Return the blueprint.
+
+    Args:
+        recording: What is shown.
+        scene: What is drawn in space.
+        lanes: Names of the lanes below the plots.
+        overlaid: Columns that also show simulated values: each gets a plot of its own.
+    """
+    import rerun.blueprint as rrb
+
+    pages = [_page(tab, _views(keys, overlaid)) for tab, keys in tabs(recording).items()]
+    right: rrb.Container | rrb.View = rrb.Tabs(*pages, active_tab=0)
+    if lanes:
+        height = 0.05 + 0.05 * len(lanes)
+        lane_view = rrb.StateTimelineView(origin=f"/{LANES}", name="when")
+        right = rrb.Vertical(right, lane_view, row_shares=[1.0 - height, height])
+    whole: rrb.Container | rrb.View = right
+    if scene is not None:
+        space = rrb.Spatial3DView(
+            origin=f"/{SCENE}",
+            name="machine",
+            line_grid=rrb.LineGrid3D(visible=True, spacing=0.5),
+            background=rrb.Background(color=[38, 42, 48]),
+            eye_controls=_eye(scene),
+        )
+        whole = rrb.Horizontal(space, right, column_shares=[2, 3])
+    return rrb.Blueprint(
+        whole,
+        rrb.TimePanel(state="collapsed", timeline="time"),
+        rrb.SelectionPanel(state="collapsed"),
+        rrb.BlueprintPanel(state="collapsed"),
+        auto_views=False,
+        auto_layout=False,
+    )
+
+
+def _page(tab: str, views: list[rrb.TimeSeriesView]) -> rrb.Container:
+    import rerun.blueprint as rrb
+
+    if len(views) > _MOST_ROWS:
+        return rrb.Grid(*views, grid_columns=2, name=tab)
+    return rrb.Vertical(*views, name=tab)
+
+
+def _eye(scene: Scene) -> rrb.EyeControls3D:
+    """Look from the right and a little from the front, near enough to see the machine, and go with it."""
+    import rerun.blueprint as rrb
+
+    drawn = sorted({shape.body for shape in scene.shapes}) or list(range(len(scene.bodies)))
+    first = scene.positions[0, drawn]
+    low, high = first.min(axis=0), first.max(axis=0)
+    middle, size = (low + high) / 2.0, max(float((high - low).max()), 0.2)
+    eye = middle + 1.35 * size * np.array([0.75, -1.3, 0.35])
+    return rrb.EyeControls3D(
+        position=eye,
+        look_target=middle,
+        eye_up=(0.0, 0.0, 1.0),
+        tracking_entity=_followed(scene),
+    )
+
+
+def _followed(scene: Scene) -> str | None:
+    """Return the shape that the eye goes with: rerun follows what it draws, not a bare frame."""
+    of_body = (shape for shape in scene.shapes if scene.bodies[shape.body] == scene.follow)
+    first = next(of_body, None)
+    return f"/{body_path(scene.bodies[first.body])}/{safe(first.name)}" if first else None
+
+
+def body_path(body: str) -> str:
+    """Return the entity of a body."""
+    return f"{SCENE}/bodies/{safe(body)}"
+
+
+def safe(name: str) -> str:
+    """Return a name that may stand in an entity path."""
+    return "".join(c if c.isalnum() or c in "_-." else "_" for c in name)
+
+
+def _views(keys: Sequence[str], overlaid: Mapping[str, bool]) -> list[rrb.TimeSeriesView]:
+    import rerun.blueprint as rrb
+
+    groups: list[tuple[str, list[str]]] = []
+    if any(overlaid.get(key) for key in keys):
+        groups = [(_words(key), [key]) for key in keys if overlaid.get(key)]
+        keys = [key for key in keys if not overlaid.get(key)]
+    groups += plots(keys)
+    return [
+        rrb.TimeSeriesView(
+            origin="/",
+            contents=[path for key in shown for path in (f"/{key}", f"/{key}/**")],
+            name=title,
+            plot_legend=rrb.PlotLegend(rrb.Corner2D.RightTop),
+            axis_x=rrb.TimeAxis(link=rrb.components.LinkAxis.LinkToGlobal),
+        )
+        for title, shown in groups
+    ]
+
+
+def _words(key: str) -> str:
+    part = key.rsplit(".", 1)[0]
+    signal: signals.Signal = columns.signal_of(key)
+    return f"{part}: {signal.label}"

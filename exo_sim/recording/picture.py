@@ -1,0 +1,68 @@
+"""A picture of an .rrd as the rerun viewer shows it, without a display.
+
+Needs a Vulkan driver; on a machine without a graphics card a software one does (Debian: `mesa-vulkan-drivers
+libvulkan1`).
+"""
+
+from __future__ import annotations
+
+import contextlib
+import socket
+import time
+from pathlib import Path
+
+from exo_sim.errors import OutputError, RecordingError
+from exo_sim.outputs import replacing
+
+
+def take_picture(rrd: str | Path, png: str | Path, at: float | None = None, settle: float = 2.0) -> None:
+    """Open a recording in a headless viewer and save what it shows.
+
+    Args:
+        rrd: The recording.
+        png: Where to.
+        at: Seconds on the recording's clock to show; the beginning when None.
+        settle: Seconds to wait for the viewer to load and paint.
+
+    Raises:
+        RecordingError: there is no such recording.
+        OutputError: no viewer can be started here, or the picture cannot be written.
+    """
+    from rerun.experimental import ViewerClient
+
+    rrd = Path(rrd)
+    if not rrd.is_file():
+        raise RecordingError(f'"{rrd}": there is no such recording')
+    try:
+        viewer = ViewerClient.spawn(headless=True, port=_free_port(), hide_welcome_screen=True)
+    except Exception as error:  # rerun raises bare exceptions of many kinds
+        raise OutputError(_no_viewer(error)) from None
+    try:
+        viewer.open(str(rrd.resolve()))
+        time.sleep(settle)
+        if at is not None:
+            viewer.set_time("time", duration=at, play_state="paused")
+            time.sleep(0.5 * settle)
+        with replacing(png) as beside:
+            beside.write_bytes(viewer.take_screenshot())
+    except OutputError:
+        raise
+    except Exception as error:
+        raise OutputError(_no_viewer(error)) from None
+    finally:
+        with contextlib.suppress(Exception):
+            viewer.quit()
+
+
+def _no_viewer(error: Exception) -> str:
+    why = str(error).splitlines()[0][:160] if str(error) else type(error).__name__
+    return (
+        f"no picture: the rerun viewer cannot paint here ({why}); "
+        "install a Vulkan driver (Debian: mesa-vulkan-drivers libvulkan1)"
+    )
+
+
+def _free_port() -> int:
+    with socket.socket() as probe:
+        probe.bind(("127.0.0.1", 0))
+        return int(probe.getsockname()[1])

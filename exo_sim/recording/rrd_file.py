@@ -1,0 +1,160 @@
+"""Writing an .rrd: signals, scene, lanes and blueprint in one file that opens in the rerun viewer.
+
+What a reader of the file gets back is the same for the same recording. The bytes are not: rerun stamps every chunk and
+every view of the blueprint with an identifier from clock and chance. The table beside it (`write_table`) is the same
+byte for byte.
+"""
+
+from __future__ import annotations
+
+import hashlib
+from collections.abc import Mapping, Sequence
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from exo_sim.outputs import replacing
+from exo_sim.recording import blueprint, columns
+from exo_sim.recording.scene import Scene
+from exo_sim.recording.table import Recording
+
+if TYPE_CHECKING:
+    import rerun as rr
+
+Lane = Sequence[tuple[float, str]]
+
+APPLICATION = "exo-sim"
+_COLOURS = {
+    "recorded": (255, 255, 255, 255),
+    "before": (255, 140, 60, 255),
+    "after": (80, 200, 120, 255),
+    "simulated": (90, 170, 255, 255),
+}
+_PALETTE = (
+    (90, 170, 255), (255, 140, 60), (80, 200, 120), (230, 90, 100), (180, 130, 240), (240, 200, 70), (120, 220, 220)
+)  # fmt: skip
+_LANE_COLOURS = {
+    "stance": (110, 150, 90),
+    "swing": (70, 80, 100),
+    "": (45, 48, 54),
+}
+
+
+def write_rrd(
+    path: str | Path,
+    recording: Recording,
+    scene: Scene | None = None,
+    overlays: Mapping[str, Recording] | None = None,
+    lanes: Mapping[str, Lane] | None = None,
+) -> None:
+    """Write a recording for the rerun viewer, with its blueprint.
+
+    Args:
+        path: Where to.
+        recording: Its columns become the entities `/<part>.<signal>`.
+        scene: What to draw in space.
+        overlays: Other recordings to show on the same plots, e.g. `{"before": ..., "after": ...}`; the entities are
+            then `/<part>.<signal>/recorded`, `/before` and `/after`. Each has its own clock.
+        lanes: Coloured bars below the plots: name to `(time at which it begins, label)`, an empty label for nothing.
+            The gait is added by itself where stance is recorded.
+
+    Raises:
+        OutputError: the file cannot be written.
+    """
+    import rerun as rr
+
+    overlays = overlays or {}
+    all_lanes = {**gait_lanes(recording), **(lanes or {})}
+    overlaid = {key: any(key in other for other in overlays.values()) for key in recording.columns}
+    stream = rr.RecordingStream(APPLICATION, recording_id=_identity(recording), send_properties=False)
+    with replacing(path) as beside:
+        stream.save(
+            beside,
+            default_blueprint=blueprint.layout(recording, scene=scene, lanes=list(all_lanes), overlaid=overlaid),
+        )
+        try:
+            stream.send_recording_name(recording.name)
+            if recording.metadata:
+                stream.send_property("exo_sim", rr.AnyValues(drop_untyped_nones=True, **recording.metadata))
+            _signals(stream, recording, "recorded" if overlays else "", overlaid)
+            for name, other in overlays.items():
+                _signals(stream, other, name, dict.fromkeys(other.columns, True))
+            for name, lane in all_lanes.items():
+                _lane(stream, name, lane)
+            if scene is not None:
+                from exo_sim.recording.rrd_scene import draw
+
+                draw(stream, scene)
+            stream.flush()
+        finally:
+            stream.disconnect()
+
+
+def gait_lanes(recording: Recording) -> dict[str, Lane]:
+    """Return when each foot stands and swings, from `gait.stance_l` and `gait.stance_r`."""
+    lanes: dict[str, Lane] = {}
+    for side, name in (("r", "right foot"), ("l", "left foot")):
+        stance = recording.get(f"gait.stance_{side}")
+        if stance is None:
+            continue
+        on = np.nan_to_num(stance) > 0.5
+        starts = np.concatenate(([0], 1 + np.flatnonzero(np.diff(on))))
+        lanes[name] = [(float(recording.time[i]), "stance" if on[i] else "swing") for i in starts]
+    return lanes
+
+
+def _identity(recording: Recording) -> str:
+    digest = hashlib.sha256(recording.name.encode())
+    for key in sorted(recording.metadata):
+        digest.update(f"\0{key}\0{recording.metadata[key]}".encode())
+    digest.update(recording.time.tobytes())
+    for key, values in recording.columns.items():
+        digest.update(key.encode())
+        digest.update(np.ascontiguousarray(values).tobytes())
+    return digest.hexdigest()[:32]
+
+
+def clock(times: NDArray[np.float64]) -> rr.TimeColumn:
+    """Return seconds as rerun's timeline `time`."""
+    import rerun as rr
+
+    return rr.TimeColumn("time", duration=np.rint(times * 1e9).astype("timedelta64[ns]"))
+
+
+def _signals(stream: Any, recording: Recording, leaf: str, overlaid: Mapping[str, bool]) -> None:
+    import rerun as rr
+
+    index = [clock(recording.time)]
+    place = blueprint.places(recording)
+    for key, values in recording.columns.items():
+        path, width, name = key, 1.5, f"{key.rsplit('.', 1)[0]}: {columns.signal_of(key).label}"
+        colour: tuple[int, ...] = _PALETTE[place.get(key, 0) % len(_PALETTE)]
+        if leaf and overlaid.get(key):
+            path, name, colour = f"{key}/{leaf}", leaf, _COLOURS.get(leaf, colour)
+            width = 1.2 if leaf == "recorded" else 4.0  # drawn last and thin, so that the others show behind it
+        stream.send_columns(path, indexes=index, columns=rr.Scalars.columns(scalars=values))
+        stream.log(path, rr.SeriesLines(names=name, colors=[colour], widths=[width]), static=True)
+        stream.log(key, rr.AnyValues(unit=recording.units[key]), static=True)
+
+
+def _lane(stream: Any, name: str, lane: Lane) -> None:
+    import rerun as rr
+
+    if not lane:
+        return
+    path = f"{blueprint.LANES}/{name.replace(' ', '_')}"
+    labels = list(dict.fromkeys(label or "-" for _, label in lane))
+    colours = [
+        _LANE_COLOURS.get("" if label == "-" else label, _PALETTE[i % len(_PALETTE)]) for i, label in enumerate(labels)
+    ]
+    shown = ["" if label == "-" else label for label in labels]
+    visible = [label != "-" for label in labels]
+    looks = rr.StateConfiguration(values=labels, labels=shown, colors=colours, visible=visible)
+    stream.log(path, looks, static=True)
+    stream.send_columns(
+        path,
+        indexes=[clock(np.array([time for time, _ in lane]))],
+        columns=rr.StateChange.columns(state=[label or "-" for _, label in lane]),
+    )

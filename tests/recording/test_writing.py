@@ -1,0 +1,175 @@
+"""What is written comes back, in every format; tables are the same byte for byte."""
+
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from exo_sim.errors import OutputError, RecordingError
+from exo_sim.recording import Arrows, DrawnCylinder, Recording, Scene, Shape, read, write_rrd, write_table
+from exo_sim.recording.blueprint import tabs
+from exo_sim.recording.rrd_file import gait_lanes
+from exo_sim.recording.rrd_scene import _turning_z_to
+
+UNITS = {
+    "knee_r.valve_command": "1",
+    "knee_r.pressure_1": "Pa",
+    "knee_r.force": "N",
+    "knee_r.position": "rad",
+    "hip_r.position": "rad",
+    "hip_r.torque": "N*m",
+    "foot_r.ground_force_z": "N",
+    "torso.strap_force_z": "N",
+    "supply.pressure": "Pa",
+    "gait.stance_r": "1",
+    "gait.phase": "1",
+}
+
+
+def walk(n: int = 500, seed: int = 0) -> Recording:
+    rng = np.random.default_rng(seed)
+    columns = {key: rng.standard_normal(n) for key in UNITS}
+    columns["gait.stance_r"] = (np.arange(n) % 100 < 60) * 1.0
+    columns["knee_r.force"][20:30] = np.nan
+    metadata = {"rig": 'name = "exo"\n[supply]\npressure = "7 bar"\n', "scenario": "level_walk", "seed": "0"}
+    return Recording("walk", np.arange(n) / 1000.0, columns, UNITS, metadata)
+
+
+def scene(times: np.ndarray) -> Scene:
+    n = len(times)
+    line = np.stack((times, np.zeros(n), np.ones(n)), axis=1)
+    turn = np.zeros((n, 2, 4))
+    turn[..., 0] = 1.0
+    kinds = ("sphere", "capsule", "ellipsoid", "cylinder", "box")
+    shapes = [Shape(k, 1, k, np.full(3, 0.1), np.zeros(3), np.array([1.0, 0, 0, 0])) for k in kinds]
+    return Scene(
+        times,
+        ("world", "torso"),
+        np.stack((0.0 * line, line), axis=1),
+        turn,
+        shapes,
+        [DrawnCylinder("knee_r", line, line - [0.0, 0.0, 0.3], 0.2, 0.04, 0.016)],
+        [Arrows("foot_r", line, 800.0 * line)],
+        follow="torso",
+    )
+
+
+def same(one: Recording, other: Recording) -> None:
+    np.testing.assert_array_equal(one.time, other.time)
+    assert set(one.columns) == set(other.columns)
+    for key, values in one.columns.items():
+        np.testing.assert_array_equal(other[key], values)
+        assert other.units[key] == one.units[key]
+
+
+@pytest.mark.parametrize("ending", ["parquet", "csv", "rrd"])
+def test_round_trip(tmp_path: Path, ending: str) -> None:
+    recording = walk()
+    path = tmp_path / f"walk.{ending}"
+    if ending == "rrd":
+        write_rrd(path, recording, scene(recording.time[::10]))
+    else:
+        write_table(path, recording)
+    reading = read(path)
+    assert reading.findings == ()
+    same(recording, reading.recording)
+    if ending != "csv":
+        assert reading.recording.metadata == recording.metadata
+    assert [p.name for p in tmp_path.iterdir()] == [path.name]
+
+
+@pytest.mark.parametrize("ending", ["parquet", "csv"])
+def test_tables_are_the_same_byte_for_byte(tmp_path: Path, ending: str) -> None:
+    first, second = tmp_path / f"a.{ending}", tmp_path / f"b.{ending}"
+    write_table(first, walk())
+    write_table(second, walk())
+    assert first.read_bytes() == second.read_bytes()
+
+
+def test_the_first_column_of_a_table_is_the_time(tmp_path: Path) -> None:
+    write_table(tmp_path / "a.csv", walk())
+    heading = (tmp_path / "a.csv").read_text().splitlines()[0].replace('"', "").split(",")
+    assert heading[:3] == ["time [s]", "knee_r.valve_command [1]", "knee_r.pressure_1 [Pa]"]
+
+
+def test_overlays_do_not_hide_what_was_recorded(tmp_path: Path) -> None:
+    recording, before, after = walk(), walk(400, 1), walk(500, 2)
+    path = tmp_path / "comparison.rrd"
+    write_rrd(path, recording, overlays={"before": before, "after": after}, lanes={"heat": [(0.0, ""), (0.1, "here")]})
+    same(recording, read(path).recording)
+    from rerun.chunk import RrdReader
+
+    entities = {chunk.entity_path for chunk in RrdReader(str(path)).stream()}
+    assert {f"/knee_r.pressure_1/{leaf}" for leaf in ("recorded", "before", "after")} <= entities
+    assert "/lanes/heat" in entities
+    assert RrdReader(str(path)).blueprints()
+
+
+def test_a_foreign_rrd(tmp_path: Path) -> None:
+    """Other clocks, paths with slashes and no units: said, and used."""
+    import rerun as rr
+
+    path = tmp_path / "foreign.rrd"
+    stream = rr.RecordingStream("other", recording_id="1")
+    stream.save(path)
+    fast, slow = np.arange(200) * 1e-3, np.arange(0, 200, 4) * 1e-3
+    for name, times in (("piston/pressure_1", fast), ("slide.position", slow), ("piston.valve_command", slow + 5e-4)):
+        index = rr.TimeColumn("time", duration=times)
+        stream.send_columns(name, indexes=[index], columns=rr.Scalars.columns(scalars=1.0 + times))
+    stream.disconnect()
+    reading = read(path)
+    assert {(f.column, f.kind) for f in reading.findings} == {
+        ("piston.pressure_1", "unit"),
+        ("slide.position", "unit"),
+        ("slide.position", "clock"),
+        ("piston.valve_command", "clock"),
+    }
+    recording = reading.recording
+    assert recording.units["slide.position"] == "m"
+    np.testing.assert_allclose(recording["slide.position"][:190], 1.0 + fast[:190])
+    assert recording["piston.valve_command"][7] == pytest.approx(1.0045)  # held, not interpolated
+
+
+def test_an_rrd_without_signals(tmp_path: Path) -> None:
+    import rerun as rr
+
+    path = tmp_path / "empty.rrd"
+    stream = rr.RecordingStream("other", recording_id="1")
+    stream.save(path)
+    stream.log("words", rr.TextLog("hello"))
+    stream.disconnect()
+    with pytest.raises(RecordingError, match="holds scalars over time"):
+        read(path)
+
+
+def test_tabs_are_joints() -> None:
+    assert list(tabs(walk())) == ["knee_r", "hip_r", "ground", "straps", "supply"]
+    bench = Recording("b", np.arange(3.0), {k: np.zeros(3) for k in ("piston.pressure_1", "slide.position")}, {})
+    assert tabs(bench) == {"piston and slide": ["piston.pressure_1", "slide.position"]}
+
+
+def test_gait_lanes() -> None:
+    lanes = gait_lanes(walk(250))
+    assert lanes == {
+        "right foot": [(0.0, "stance"), (0.06, "swing"), (0.1, "stance"), (0.16, "swing"), (0.2, "stance")]
+    }
+
+
+def test_cylinders_point_from_cap_to_end() -> None:
+    rng = np.random.default_rng(0)
+    along = rng.standard_normal((50, 3))
+    along /= np.linalg.norm(along, axis=1, keepdims=True)
+    along[0] = (0.0, 0.0, -1.0)
+    x, y, z, w = _turning_z_to(along).T
+    turned = np.stack((2 * (x * z + w * y), 2 * (y * z - w * x), 1 - 2 * (x * x + y * y)), axis=1)
+    np.testing.assert_allclose(turned, along, atol=1e-9)
+
+
+def test_writing_where_one_cannot(tmp_path: Path) -> None:
+    (tmp_path / "file").write_text("x")
+    with pytest.raises(OutputError):
+        write_table(tmp_path / "file" / "a.parquet", walk())
+    with pytest.raises(OutputError, match=r"ends in \.parquet or \.csv"):
+        write_table(tmp_path / "a.xlsx", walk())
+    with pytest.raises(OutputError):
+        write_rrd(tmp_path / "file" / "a.rrd", walk())

@@ -21,15 +21,32 @@ if TYPE_CHECKING:
     seed=True,
 )
 @click.argument("scenario")
-@click.option("--payload", type=options.Quantity("kg", low=0.0), default="34 kg", show_default=True, help="On the back.")
+@click.option(
+    "--payload", type=options.Quantity("kg", low=0.0), default="34 kg", show_default=True, help="On the back."
+)
 @click.option("--speed", type=float, default=1.0, show_default=True, help="Factor on the recorded cadence, 0.7 to 1.3.")
 @click.option("--strides", type=click.IntRange(1, 10000), default=None, help="How many strides or repetitions.")
-@click.option("--assist", type=options.Choice(["on", "off", "vented"]), default="on", show_default=True,
-              help="vented: both chambers open to the atmosphere; off: valves closed.")
-@click.option("--controller", type=options.Choice(["model", "pi"]), default="model", show_default=True,
-              help="How valves get forces: the gas equations inverted, or plain PI.")
-@click.option("--demand", type=options.Choice(["least_load", "inverse_dynamics", "virtual_support"]),
-              default="least_load", show_default=True, help="Law by which joint torques are asked for.")
+@click.option(
+    "--assist",
+    type=options.Choice(["on", "off", "vented"]),
+    default="on",
+    show_default=True,
+    help="vented: both chambers open to the atmosphere; off: valves closed.",
+)
+@click.option(
+    "--controller",
+    type=options.Choice(["model", "pi"]),
+    default="model",
+    show_default=True,
+    help="How valves get forces: the gas equations inverted, or plain PI.",
+)
+@click.option(
+    "--demand",
+    type=options.Choice(["least_load", "inverse_dynamics", "virtual_support"]),
+    default="least_load",
+    show_default=True,
+    help="Law by which joint torques are asked for.",
+)
 @click.option("--rig", type=options.InputFile(), default=None, help="The machine; the one in assets/ when absent.")
 def command(scenario: str, payload: float, speed: float, strides: int | None, assist: str, controller: str, demand: str,
             rig: Path | None, out: Path | None, as_json: bool, quiet: bool, seed: int) -> None:  # fmt: skip

@@ -1,10 +1,12 @@
-"""Joint torques that carry frame and payload through the stance leg: three laws, each a table over the phase of the motion.
+"""Joint torques that carry frame and payload through the stance leg: three laws, each a table over the phase of the
+motion.
 
-- `virtual_support`: the stance leg pushes on the ground with a force that carries the whole machine, aimed at its mass centre.
-- `inverse_dynamics`: the torques that the motion needs, with the centre of pressure inside the foot and the horizontal ground
-  force chosen so that the torso straps give no moment.
-- `least_load` (`least_load.py`): the torques for which the straps, as the springs they are, load the wearer's joints least,
-  improved by rehearsing a few strides.
+- `virtual_support`: the stance leg pushes on the ground with a force that carries the whole machine, aimed at its mass
+  centre.
+- `inverse_dynamics`: the torques that the motion needs, with the centre of pressure inside the foot and the horizontal
+  ground force chosen so that the torso straps give no moment.
+- `least_load` (`least_load.py`): the torques for which the straps, as the springs they are, load the wearer's joints
+  least, improved by rehearsing a few strides.
 
 A table depends on rig, payload, wearer and cadence and is computed before the run; the controller only interpolates.
 """
@@ -39,7 +41,8 @@ def demand(law: str, dynamics: MachineDynamics, motion: Motion, straps: StrapSet
         ankle: What the ankle can do.
 
     Returns:
-        hip, knee, ankle of the left, then of the right leg [N m], shape (SAMPLES, 6). Ankle columns are zero unless it is
+        hip, knee, ankle of the left, then of the right leg [N m], shape (SAMPLES, 6). Ankle columns are zero unless
+        it is
         powered.
 
     Raises:
@@ -86,7 +89,9 @@ def _inverse_dynamics(dynamics: MachineDynamics, motion: Motion, straps: StrapSe
     need, pressure, share = dynamics.required, dynamics.pressure, motion.share[PICK]
     torso = [i for i, name in enumerate(straps.names) if name.startswith("torso")]
     world = np.einsum("nska,nskj->nsaj", dynamics.strap_direction[:, torso], dynamics.strap[:, torso])
-    pull = world[:, :, 0].mean(axis=1)  # generalised force of a unit horizontal strap force at the middle of the harness
+    pull = world[:, :, 0].mean(
+        axis=1
+    )  # generalised force of a unit horizontal strap force at the middle of the harness
     push = np.einsum("nf,nfkj->nkj", share, pressure)  # of a unit ground force, shared
     vertical = need[:, 1]
     horizontal = (need[:, 2] - vertical * push[:, 1, 2] - need[:, 0] * pull[:, 2]) / (push[:, 0, 2] - pull[:, 2])

@@ -9,7 +9,8 @@ reference. Phases are coupled through the derivatives, which are spectral, so th
 seen. Strap forces, and with them the wearer's extra moments, are linear in d, so the best torque harmonics are a linear
 least-squares problem.
 
-Contact is not linear, and gas lags. So the solution is then improved by rehearsal, stride by stride, as iterative learning
+Contact is not linear, and gas lags. So the solution is then improved by rehearsal, stride by stride, as iterative
+learning
 control does: what the straps really did over a cycle takes the place of the prediction, and the same least-squares gain
 gives the correction (norm-optimal learning, Amann, Owens and Rogers 1996).
 """
@@ -60,7 +61,7 @@ class Weights:
     smoothness: float = 0.05
 
     def of_loads(self) -> NDArray[np.float64]:
-        """Return the weight of hip, knee, ankle left, right, and of the torso straps' force ahead and up, shape (8,)."""
+        """Return the weights of hip, knee, ankle on both sides, and of the torso straps ahead and up, shape (8,)."""
         return np.array([self.hip, self.knee, self.ankle] * 2 + [self.torso_ahead, self.torso])
 
 
@@ -93,7 +94,7 @@ class LeastLoad:
         self._matters = np.maximum(motion.support[PICK], 1e-3)
         harmonic = np.concatenate([[0], np.repeat(np.arange(1, HARMONICS + 1), 2)])
         effort = np.tile(np.hypot(self.weights.effort, self.weights.smoothness * harmonic), len(self._driven))
-        self._effort = effort * np.sqrt(PHASES)
+        self._effort: NDArray[np.float64] = effort * float(np.sqrt(PHASES))
         self._reach = reach
         self._coefficients = np.zeros(len(self._driven) * (2 * HARMONICS + 1))
         self._solve(dynamics, motion, person, straps, ankle)
@@ -138,11 +139,9 @@ class LeastLoad:
         basis = _basis(PHASES)
         table = basis @ self._coefficients.reshape(len(self._driven), -1).T
         cut = np.clip(table, self._reach[:, self._driven, 0], self._reach[:, self._driven, 1])
-        self._coefficients = np.linalg.lstsq(basis, cut, rcond=None)[0].T.reshape(-1)
+        self._coefficients = np.asarray(np.linalg.lstsq(basis, cut, rcond=None)[0].T.reshape(-1), dtype=np.float64)
 
-    def _solve(
-        self, dynamics: MachineDynamics, motion: Motion, person: Person, straps: StrapSet, ankle: Ankle
-    ) -> None:
+    def _solve(self, dynamics: MachineDynamics, motion: Motion, person: Person, straps: StrapSet, ankle: Ankle) -> None:
         """Find the effect of each torque harmonic on the loads, and the harmonics that make the loads least."""
         first, second = _derivative_matrices(motion.period)
         strap = dynamics.strap.reshape(PHASES, -1, 9)
@@ -152,13 +151,14 @@ class LeastLoad:
         if ankle.mode == "sprung":
             for joint in _ANKLES:
                 spring[:, joint, joint] += ankle.stiffness
-        loads = np.concatenate(
-            [_wearer_map(dynamics, motion, person, straps), _torso(dynamics, straps)], axis=1
-        ) * (self.weights.of_loads() * self._matters[:, None])[:, :, None]
+        loads = (
+            np.concatenate([_wearer_map(dynamics, motion, person, straps), _torso(dynamics, straps)], axis=1)
+            * (self.weights.of_loads() * self._matters[:, None])[:, :, None]
+        )
         inputs = np.zeros((PHASES, 9, len(self._driven), 2 * HARMONICS + 1))
         for i, joint in enumerate(self._driven):
             inputs[:, 3 + joint, i] = _basis(PHASES) * self._support[PICK, None]
-        inputs = inputs.reshape(PHASES * 9, -1)
+        columns = inputs.reshape(PHASES * 9, -1)
         contact, up = dynamics.contact, dynamics.contact[:, :, 1]
         down = motion.contact[PICK].copy()
         for _ in range(_LIFTINGS):
@@ -169,7 +169,7 @@ class LeastLoad:
             reached += np.einsum("ncaj,nca->nj", contact, grip * dynamics.tip_velocity)
             fixed = -(dynamics.required + reached).reshape(-1, 1)
             system = _coupled(dynamics.inertia, c, k, first, second)
-            give = np.linalg.solve(system, np.concatenate([inputs, fixed], axis=1)).reshape(PHASES, 9, -1)
+            give = np.linalg.solve(system, np.concatenate([columns, fixed], axis=1)).reshape(PHASES, 9, -1)
             rate = np.tensordot(first, give, axes=1)
             force = -(stiffness[:, None] * (strap @ give) + damping[:, None] * (strap @ rate))
             load = (loads @ force).reshape(-1, give.shape[2])
@@ -227,9 +227,7 @@ def _torso(dynamics: MachineDynamics, straps: StrapSet) -> NDArray[np.float64]:
     return out
 
 
-def _wearer_map(
-    dynamics: MachineDynamics, motion: Motion, person: Person, straps: StrapSet
-) -> NDArray[np.float64]:
+def _wearer_map(dynamics: MachineDynamics, motion: Motion, person: Person, straps: StrapSet) -> NDArray[np.float64]:
     """Return the wearer's extra moments for a unit force of each strap on the machine, shape (n, 6, 2 straps)."""
     n, n_straps = dynamics.strap.shape[:2]
     out = np.empty((n, 6, 2 * n_straps))

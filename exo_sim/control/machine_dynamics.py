@@ -23,7 +23,8 @@ CONTACTS = ("heel_l", "toe_l", "heel_r", "toe_r")
 
 @dataclass(frozen=True)
 class MachineDynamics:
-    """Along one cycle, n = PHASES. Generalised coordinates in the order of the model's joints (torso x, z, pitch; hip, knee, ankle).
+    """Along one cycle, n = PHASES. Generalised coordinates in the order of the model's joints (torso x, z, pitch;
+    hip, knee, ankle).
 
     Attributes:
         required: Generalised force that the motion needs from actuators, ground and straps together, (n, 9).
@@ -55,7 +56,7 @@ class MachineDynamics:
 
 
 def along(model: mujoco.MjModel, motion: Motion, person: Person, straps: StrapSet) -> MachineDynamics:
-    """Place the machine on the reference motion at every phase and ask MuJoCo for its inverse dynamics and Jacobians."""
+    """Place the machine on the motion at every phase and ask MuJoCo for inverse dynamics and Jacobians."""
     import mujoco
 
     data = mujoco.MjData(model)

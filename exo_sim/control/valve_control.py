@@ -59,10 +59,11 @@ def invert(
     wanted: float, v: float, p_1: float, t_1: float, p_2: float, t_2: float, v_1: float, v_2: float, area_1: float,
     area_2: float, valve_area: float, p_s: float, t_s: float, p_e: float, t_e: float, k: float, r: float,
 ) -> float:  # fmt: skip
-    """Return the opening for which the rod force changes at a wanted rate (corrected equation 34, each chamber by itself).
+    """Return the opening for which the rod force changes at a wanted rate (corrected equation 34, each chamber by
+    itself).
 
-    dF/dt = A1 dP1/dt - A2 dP2/dt with dPi/dt = k/Vi (R T mdot - Pi dVi/dt). The valve's gain is the flow of its two open paths at
-    full command, choked or not as they stand.
+    dF/dt = A1 dP1/dt - A2 dP2/dt with dPi/dt = k/Vi (R T mdot - Pi dVi/dt). The valve's gain is the flow of its two
+    open paths at     full command, choked or not as they stand.
 
     Args:
         wanted: Rate of the rod force [N/s].
@@ -97,9 +98,7 @@ def _least_gain(
 
 
 @kernel
-def force_limits(
-    area_1: float, area_2: float, p_s: float, p_e: float, atmosphere: float
-) -> tuple[float, float]:
+def force_limits(area_1: float, area_2: float, p_s: float, p_e: float, atmosphere: float) -> tuple[float, float]:
     """Return the least and the largest rod force that the supply can hold [N]."""
     on_rod = atmosphere * (area_1 - area_2)
     return p_e * area_1 - p_s * area_2 - on_rod, p_s * area_1 - p_e * area_2 - on_rod

@@ -60,6 +60,4 @@ def fit(values: ArrayLike, harmonics: int) -> Series:
     spectrum = np.fft.rfft(np.asarray(values, dtype=float)) / len(np.asarray(values))
     if len(spectrum) <= harmonics:
         raise ValueError(f"{harmonics} harmonics need more than {2 * harmonics} samples a cycle")
-    return Series(
-        float(spectrum[0].real), 2 * spectrum[1 : harmonics + 1].real, -2 * spectrum[1 : harmonics + 1].imag
-    )
+    return Series(float(spectrum[0].real), 2 * spectrum[1 : harmonics + 1].real, -2 * spectrum[1 : harmonics + 1].imag)

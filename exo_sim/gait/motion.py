@@ -16,13 +16,15 @@ SAMPLES = 512
 
 @dataclass(frozen=True)
 class Motion:
-    """One cycle of a prescribed motion, sampled at phases i/SAMPLES, coordinates in the order of `machine.person.COORDINATES`.
+    """One cycle of a prescribed motion, sampled at phases i/SAMPLES, coordinates in the order of
+    `machine.person.COORDINATES`.
 
     Attributes:
         period: Duration of a cycle [s].
         advance: How far the pelvis travels in a cycle [m].
         position: Coordinates without the steady advance, shape (SAMPLES, 9).
-        slope, curvature: First and second derivative of the coordinates by phase, the steady advance included in the slope.
+        slope, curvature: First and second derivative of the coordinates by phase, the steady advance included in the
+            slope.
         share: How much of the load the left and the right foot carry, shape (SAMPLES, 2); rows sum to 1.
         pressure_centre: Where under each foot, ahead of the ankle along the sole [m], shape (SAMPLES, 2).
         contact: Whether heel_l, toe_l, heel_r, toe_r are meant to touch the ground, shape (SAMPLES, 4).
@@ -46,7 +48,7 @@ class Motion:
         return np.stack([np.interp(phase % 1.0, grid, column) for column in closed.T], axis=1)
 
     def tables(self) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
-        """Return position and slope with the first row repeated behind the last, shape (SAMPLES + 1, 9), for `reference`."""
+        """Return position and slope, the first row repeated behind the last, (SAMPLES + 1, 9), for `reference`."""
         return (
             np.ascontiguousarray(np.concatenate([self.position, self.position[:1]])),
             np.ascontiguousarray(np.concatenate([self.slope, self.slope[:1]])),
@@ -58,7 +60,7 @@ class Motion:
 
 
 def derivatives(samples: NDArray[np.float64]) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
-    """Return the first and second derivative by phase of smooth periodic samples, shape (n, ...), through their Fourier series."""
+    """Return first and second derivative by phase of smooth periodic samples, shape (n, ...), by Fourier series."""
     n = len(samples)
     spectrum = np.fft.rfft(samples, axis=0)
     rate = 2j * np.pi * np.arange(len(spectrum))

@@ -1,4 +1,4 @@
-"""What a scenario is, and how scenarios are found: every module in `exo_sim.gait.scenarios` holds one, called `SCENARIO`."""
+"""What a scenario is, and how scenarios are found: every module in `exo_sim.gait.scenarios` holds one, `SCENARIO`."""
 
 from __future__ import annotations
 

@@ -171,4 +171,9 @@ def pose_bodies(
     for i in range(poses.shape[0]):
         mocap_pos[i, 0], mocap_pos[i, 1], mocap_pos[i, 2] = poses[i, 0], offset_y[i], poses[i, 1]
         half = 0.5 * poses[i, 2]
-        mocap_quat[i, 0], mocap_quat[i, 1], mocap_quat[i, 2], mocap_quat[i, 3] = math.cos(half), 0.0, -math.sin(half), 0.0
+        mocap_quat[i, 0], mocap_quat[i, 1], mocap_quat[i, 2], mocap_quat[i, 3] = (
+            math.cos(half),
+            0.0,
+            -math.sin(half),
+            0.0,
+        )

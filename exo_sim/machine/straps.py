@@ -1,7 +1,9 @@
 """The straps between wearer and machine: explicit spring-dampers between points of two rigid bodies.
 
-MuJoCo's welds to mocap bodies would lag and drag (such bodies have no velocity), and their softness scales with mass; here
-stiffness is in N/m and the person's real velocity is used. A strap pushes as well as pulls: it stands for harness, cuff or shoe.
+MuJoCo's welds to mocap bodies would lag and drag (such bodies have no velocity), and their softness scales with mass;
+here
+stiffness is in N/m and the person's real velocity is used. A strap pushes as well as pulls: it stands for harness,
+cuff or shoe.
 """
 
 from __future__ import annotations
@@ -129,7 +131,8 @@ def pull(
         body, local, segment, anchor, stiffness, damping: Of a `StrapSet`.
         xfrc_applied: MuJoCo's; overwritten for every body that a strap holds.
         force: Written: force on the machine, x and z [N], shape (n, 2).
-        wrench: Written: force x, z [N] and moment about -y [N m] on each segment of the person about its origin, (7, 3).
+        wrench: Written: force x, z [N] and moment about -y [N m] on each segment of the person about its origin, (7,
+            3).
     """
     for i in range(body.shape[0]):
         for k in range(6):

@@ -1,7 +1,10 @@
-"""What the straps do to the wearer: the moments that hip, knee and ankle must give in addition to those of walking alone.
+"""What the straps do to the wearer: the moments that hip, knee and ankle must give in addition to those of walking
+alone.
 
-The wearer's motion is prescribed, so whatever wrench the straps impose must reach the ground through the wearer's own legs. In
-single support that determines every joint's extra moment. In double support the ground's answer is shared between the feet with
+The wearer's motion is prescribed, so whatever wrench the straps impose must reach the ground through the wearer's own
+legs. In
+single support that determines every joint's extra moment. In double support the ground's answer is shared between the
+feet with
 the least weighted norm, the weight being the share of load that each foot carries in the gait.
 """
 
@@ -35,7 +38,8 @@ def extra_moments(
         ankle_height: Ankle above the sole [m].
 
     Returns:
-        hip, knee, ankle of the left, then of the right leg [N m]; flexion, extension, dorsiflexion positive, shape (n, 6).
+        hip, knee, ankle of the left, then of the right leg [N m]; flexion, extension, dorsiflexion positive, shape
+        (n, 6).
     """
     origin = poses[:, :, :2]
     about_pelvis = origin - origin[:, :1]

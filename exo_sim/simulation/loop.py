@@ -153,7 +153,7 @@ def _load_payload(fraction, settings, world):
 
 @kernel
 def _ask(cycles, time, fraction, settings, world, wearer, drives, gas):
-    """From the phase to the force wanted of each rod, within what its cylinder can hold, and the torque of the ankles."""
+    """From the phase to the force wanted of each rod, within what its cylinder can hold, and the ankles' torque."""
     n = settings.numbers
     ahead = cycles + n[PREVIEW] / n[PERIOD]
     look_up(ahead, wearer.demand, wearer.torque)

@@ -1,4 +1,4 @@
-"""Calling MuJoCo's C functions from compiled loops, by address: such a loop can be cached, as a bound function could not."""
+"""Calling MuJoCo's C functions from compiled loops, by address: such a loop can be cached."""
 
 from __future__ import annotations
 
@@ -12,8 +12,7 @@ from numba import types
 from numba.extending import intrinsic
 
 
-@intrinsic
-def call(typingctx: Any, function: Any, model: Any, data: Any) -> Any:
+def _call(typingctx: Any, function: Any, model: Any, data: Any) -> Any:
     """Call `void function(mjModel*, mjData*)`; all three are addresses. An `mju_error` inside ends the process."""
 
     def generate(context: Any, builder: Any, signature: Any, arguments: Any) -> Any:
@@ -24,6 +23,10 @@ def call(typingctx: Any, function: Any, model: Any, data: Any) -> Any:
         return context.get_dummy_value()
 
     return types.void(types.int64, types.int64, types.int64), generate
+
+
+#: `call(function, model, data)` in compiled code.
+call: Any = intrinsic(_call)
 
 
 def _library() -> ctypes.CDLL:

@@ -62,7 +62,7 @@ def _rms(values: NDArray[np.float64]) -> float:
 
 
 def summarise(walk: Walk) -> dict[str, Any]:
-    """Return the numbers of a run over whole cycles, without file names and wall time; empty parts where nothing ran."""
+    """Return the numbers of a run over whole cycles, without file names and wall time."""
     if len(walk.time) < 2:
         return {"scenario": walk.request.scenario, "simulated_s": 0.0}
     rows, column = span(walk), walk.columns

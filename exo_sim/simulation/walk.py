@@ -186,9 +186,7 @@ class Simulation:
             _carry(model, payload)
         dynamics = machine_dynamics.along(model, self.motion, self.person, self.straps)
         if self.request.law != "least_load":
-            return _closed(
-                law_of_demand.demand(self.request.law, dynamics, self.motion, self.straps, self.rig.ankle)
-            )
+            return _closed(law_of_demand.demand(self.request.law, dynamics, self.motion, self.straps, self.rig.ankle))
         plan = LeastLoad(dynamics, self.motion, self.person, self.straps, self.rig.ankle, self._reach())
         return _closed(self._rehearse(plan, payload))
 
@@ -248,14 +246,15 @@ class Simulation:
         gas = not self.request.ideal
         keys = layout(self.rig, self.straps, gas)
         log = np.empty((total, 1 + len(keys)))
-        wiring = self._wire()
+        addresses, settings, world, wearer, drives, gas_state = self._wire()
         done, interrupted = 0, False
         duration = total * self.dt
         with progress.Bar(duration, self.request.scenario, unit="s", quiet=quiet) as bar:
             try:
                 while done < total:
                     count = min(_CHUNK, total - done)
-                    loop.run(done, count, *wiring, log[done : done + count])
+                    rows = log[done : done + count]
+                    loop.run(done, count, addresses, settings, world, wearer, drives, gas_state, rows)
                     self._check(log, done, done + count)
                     done += count
                     bar.to(done * self.dt)
@@ -311,7 +310,8 @@ class Simulation:
             ),
             loop.Drives(
                 plugin._actuators, np.array([link.dof for link in plugin.links], dtype=np.int64),
-                np.array(ankles, dtype=np.int64), plugin._retracted, plugin.command, np.zeros(n), np.zeros(n), np.zeros(n),
+                np.array(ankles, dtype=np.int64), plugin._retracted, plugin.command, np.zeros(n), np.zeros(n),
+                np.zeros(n),
                 np.zeros(n), np.zeros(n),
             ),
             loop.Gas(
@@ -337,7 +337,7 @@ class Simulation:
             column = int(np.argmax(bad.any(axis=0)))
             key = "time" if column == 0 else layout(self.rig, self.straps, not self.request.ideal)[column - 1][0]
             raise Diverged(f"{self.request.scenario}: {key} is not a number {when}; {advice}")
-        cycles = np.arange(start, stop) * self.dt / self.motion.period
+        cycles = np.arange(start, stop, dtype=np.float64) * (self.dt / self.motion.period)
         wanted = self.motion.at(cycles)
         far = np.hypot(rows[:, 1] - wanted[:, 0] - self.motion.advance * cycles, rows[:, 2] - wanted[:, 1])
         if far.max() > _FALLEN_DISTANCE or np.abs(rows[:, 3] - wanted[:, 2]).max() > _FALLEN_PITCH:
@@ -349,11 +349,13 @@ class Simulation:
         wrench = np.stack([columns.pop(key) for key, _ in keys if key.startswith("wearer.")], axis=1)
         units = {key: unit for key, unit in units.items() if key in columns}
         n = len(log)
-        time = np.arange(n) * self.dt
+        time = np.asarray(np.arange(n) * self.dt, dtype=np.float64)
         position, slope = self.motion.tables()
         poses, q, v = np.empty((n, 7, 6)), np.empty(9), np.empty(9)
         lengths = self.person.lengths()
-        _poses(time / self.motion.period, self.motion.period, self.motion.advance, position, slope, lengths, q, v, poses)
+        _poses(
+            time / self.motion.period, self.motion.period, self.motion.advance, position, slope, lengths, q, v, poses
+        )
         payload = np.full(n, self.request.payload)
         if self.added:
             at = self.added.at * self.motion.period * self.cycles / self._usual_cycles()

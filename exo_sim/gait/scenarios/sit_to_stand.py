@@ -1,4 +1,4 @@
-"""Rising from a seat and sitting down again, every five seconds; seated, the seat carries the wearer and the machine helps little."""
+"""Rising from a seat and sitting down again, every five seconds; the seat carries, the machine helps in between."""
 
 import numpy as np
 

@@ -63,9 +63,9 @@ def check(recording: Recording, key: str, noise: Mapping[str, Noise]) -> list[Fi
 
 
 def _constant(recording: Recording, key: str, value: float) -> list[Finding]:
-    unit = recording.units.get(key, "")
+    unit = recording.units.get(key, "1")
     signal = key.rsplit(".", 1)[-1]
-    says = f'"{key}" reads exactly {value:.6g} {unit} from first to last'
+    says = f'"{key}" reads exactly {value:.6g}{"" if unit == "1" else " " + unit} from first to last'
     grave = (
         signal.startswith(("pressure", "temperature"))
         and signal != "temperature"

@@ -12,6 +12,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from exo_sim.trials.effects import Hidden, find, plant
+from exo_sim.trials.leg_cases import LegCase
 from exo_sim.trials.truth.bench import CYLINDER, JOINT, Bench, believed, draw_bench
 from exo_sim.trials.truth.drive import Truth, drive
 from exo_sim.trials.truth.instruments import Instrument, measure
@@ -220,13 +221,8 @@ def instrument_of(case: Case, column: str) -> Instrument:
     return instrument
 
 
-def truth_of(case: Case) -> dict[str, Any]:
-    """Return what is sealed: hidden effects with parameters, the bench as built and as believed."""
-
-    def plain(bench: Bench) -> dict[str, object]:
-        entries = {key: value for key, value in vars(bench).items() if key != "known"}
-        return {**entries, "known": {f"{name}.{where}": dict(p) for (name, where), p in bench.known.items()}}
-
+def truth_of(case: Case | LegCase) -> dict[str, Any]:
+    """Return what is sealed: hidden effects with parameters, the machine as built and as believed."""
     return {
         "schema": "exo-sim/truth/1",
         "case": case.name,
@@ -246,16 +242,16 @@ def truth_of(case: Case) -> dict[str, Any]:
             for entry in case.hidden
         ],
         "about": dict(case.about),
-        "bench": plain(case.bench),
-        "believed": plain(case.believed),
+        "bench": case.bench.plain(),
+        "believed": case.believed.plain(),
     }
 
 
-def write_case(case: Case, folder: Path, fmt: str = "csv", open_truth: bool = False) -> list[Path]:
-    """Write rig.toml, bench.xml and the recordings, and with `open_truth` truth.json; return the recordings' paths."""
+def write_case(case: Case | LegCase, folder: Path, fmt: str = "csv", open_truth: bool = False) -> list[Path]:
+    """Write rig.toml, the MJCF and the recordings, and with `open_truth` truth.json; return the recordings' paths."""
     folder.mkdir(parents=True, exist_ok=True)
     (folder / "rig.toml").write_text(case.believed.rig())
-    (folder / "bench.xml").write_text(case.believed.model())
+    (folder / case.believed.model_file).write_text(case.believed.model())
     paths = []
     for i, table in enumerate(case.recordings):
         stem = "recording" if len(case.recordings) == 1 else f"recording_{i + 1}"

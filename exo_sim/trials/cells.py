@@ -2,24 +2,29 @@
 
 from __future__ import annotations
 
+import hashlib
 from dataclasses import dataclass, field
 
 import numpy as np
 
 from exo_sim.trials.effects import CALIBRATIONS, EFFECTS, LISTED, OUTSIDE, SENSORS
+from exo_sim.trials.leg_cases import FORCE, GAS
 
 #: Share of the cases in each cell.
 SHARES = {
     "nothing": 0.10,
     "oddities": 0.10,
-    "single": 0.40,
-    "pair": 0.12,
-    "triple": 0.06,
-    "outside": 0.08,
+    "single": 0.36,
+    "pair": 0.11,
+    "triple": 0.05,
+    "outside": 0.06,
     "twin": 0.05,
     "concealed": 0.05,
     "missing_sensor": 0.04,
+    "leg": 0.08,
 }
+#: What a walking leg hides, in an order that mixes gas and force.
+LEG = tuple(sorted(GAS + FORCE, key=lambda key: hashlib.sha256(key.encode()).digest()))
 #: Sizes of singles, in limits.
 LADDER = (0.5, 1.0, 2.0, 4.0, 10.0)
 #: Effects that one kind of excitation can hardly tell from another: the effect,
@@ -120,6 +125,10 @@ def draw_plans(count: int, seed: int) -> list[Plan]:
                 if gone == EFFECTS[keys[0]].where:
                     gone = "supply.pressure"
                 settings |= {"missing": (gone,)}
+            elif cell == "leg":
+                settings = {}
+                if i % 6 != 5:
+                    keys, times = (LEG[i % len(LEG)],), (10.0,)
             drafts.append((cell, keys, times, settings, cell == "concealed"))
     order = rng.permutation(len(drafts))
     seeds = rng.integers(1, 2**31, len(drafts))

@@ -9,8 +9,9 @@ import argparse
 from pathlib import Path
 
 from exo_sim.errors import ExoSimError
-from exo_sim.trials.cases import make_case, write_case
+from exo_sim.trials.cases import Case, make_case, write_case
 from exo_sim.trials.effects import CALIBRATIONS, EFFECTS, LISTED, OUTSIDE, SENSORS
+from exo_sim.trials.leg_cases import FORCE, GAS, LegCase, make_leg_case
 from exo_sim.trials.truth.excitation import PROGRAMS
 
 GROUPS = {
@@ -20,6 +21,8 @@ GROUPS = {
     "sensor": SENSORS,
     "calibration": CALIBRATIONS,
     "none": ("",),
+    "gas": GAS,
+    "force": FORCE,
 }
 
 
@@ -40,6 +43,9 @@ def main(argv: list[str] | None = None) -> int:
     parser.add_argument("--jitter", type=float, default=0.0)
     parser.add_argument("--oddities", action="store_true")
     parser.add_argument("--no-supply", action="store_true")
+    parser.add_argument(
+        "--leg", action="store_true", help="a walking leg instead of the bench; --effects gas, force or keys"
+    )
     parser.add_argument("--format", default="csv", choices=("csv", "parquet"))
     options = parser.parse_args(argv)
     known = {"draw": None, "none": (), "all": ("wall_heat_transfer", "coulomb_friction", "viscous_friction")}[
@@ -64,7 +70,11 @@ def main(argv: list[str] | None = None) -> int:
                     size = sized(keys, float(options.size[:-1]))
                 else:
                     size = float(options.size)
-                case = make_case(f"{label}_{draw}", keys, seed, size, **settings)
+                case: Case | LegCase
+                if options.leg:
+                    case = make_leg_case(f"{label}_{draw}", keys, seed, size, known=known, duration=options.duration)
+                else:
+                    case = make_case(f"{label}_{draw}", keys, seed, size, **settings)
                 write_case(case, options.out / case.name, options.format, open_truth=True)
                 print(options.out / case.name)
     except ExoSimError as error:

@@ -76,6 +76,9 @@ def make_one(plan: Plan, folder: Path, key: str, duration: float, fmt: str = "pa
 
     size = [sized([one], times)[0] for one, times in zip(plan.effects, plan.times)]
 
+    if plan.cell == "leg":
+        return _make_leg(plan, folder, key, size, duration, fmt)
+
     def draw(effects: Sequence[str], sizes: Sequence[float], seed: int) -> Case:
         settings: dict[str, Any] = {**plan.settings, "duration": duration, "keep_states": True}
         return make_case(plan.name, effects, seed, sizes, **settings)
@@ -95,7 +98,6 @@ def make_one(plan: Plan, folder: Path, key: str, duration: float, fmt: str = "pa
     where = folder / "cases" / plan.name
     paths = write_case(case, where, fmt)
     truth = truth_of(case)
-    truth["cell"] = plan.cell
     for entry, one, s in zip(truth["hidden"], plan.effects, size):
         entry |= {"times_limit": s / limit(one), "distance": alone[one]}
     truth["actual"] = {
@@ -104,11 +106,36 @@ def make_one(plan: Plan, folder: Path, key: str, duration: float, fmt: str = "pa
         / (case.believed.dead_1 + case.believed.dead_2),
         "payload_mass": case.machine["load_mass"] / case.believed.mass,
     }
+    return _seal_one(plan, folder, [where / "rig.toml", where / "bench.xml", *paths], truth, key)
+
+
+def _make_leg(
+    plan: Plan, folder: Path, key: str, size: Sequence[float], duration: float, fmt: str
+) -> tuple[str, dict[str, Any]]:
+    from exo_sim.trials.cases import truth_of, write_case
+    from exo_sim.trials.leg_cases import actual, make_leg_case
+    from exo_sim.trials.limit import limit
+
+    case = make_leg_case(plan.name, plan.effects, plan.seed, size, duration=duration)
+    where = folder / "cases" / plan.name
+    paths = write_case(case, where, fmt)
+    truth = truth_of(case)
+    truth["actual"] = actual(case)
+    for entry, one, s in zip(truth["hidden"], plan.effects, size):
+        entry["times_limit"] = s / limit(one)
+    return _seal_one(plan, folder, [where / "rig.toml", where / "leg.xml", *paths], truth, key)
+
+
+def _seal_one(
+    plan: Plan, folder: Path, written: Sequence[Path], truth: dict[str, Any], key: str
+) -> tuple[str, dict[str, Any]]:
+    """Seal a truth; return the case's entry of the manifest."""
+    truth["cell"] = plan.cell
     stored, commitment = seal(truth, key)
     sealed = folder / "sealed" / f"{plan.name}.sealed"
     with replacing(sealed) as beside:
         beside.write_bytes(stored)
-    files = {path.name: digest_of(path) for path in (where / "rig.toml", where / "bench.xml", *paths)}
+    files = {path.name: digest_of(path) for path in written}
     return plan.name, {"files": files, "commitment": commitment, "sealed": digest_of(sealed)}
 
 

@@ -18,8 +18,9 @@ from exo_sim.trials.seal import START, Ledger, new_key, open_with, seal, unseal,
 
 TOOL = """
 import json, pathlib, sys
+model = next(pathlib.Path(".").glob("*.xml")).name
 out = pathlib.Path(sys.argv[sys.argv.index("--out") + 1])
-assert sorted(p.name for p in pathlib.Path(".").iterdir()) == ["bench.xml", "recording.parquet", "rig.toml", "words"]
+assert sorted(p.name for p in pathlib.Path(".").iterdir()) == [model, "recording.parquet", "rig.toml", "words"]
 out.mkdir()
 (out / "diagnosis.json").write_text(json.dumps({"verdict": "consistent", "effects": []}))
 """

@@ -54,6 +54,13 @@ class Bench:
     zero: float = 0.0
     known: Mapping[tuple[str, str], Mapping[str, float]] = field(default_factory=dict)
 
+    model_file = "bench.xml"
+
+    def plain(self) -> dict[str, object]:
+        """Return everything as plain numbers and text."""
+        entries = {key: value for key, value in vars(self).items() if key != "known"}
+        return {**entries, "known": {f"{name}.{where}": dict(p) for (name, where), p in self.known.items()}}
+
     @property
     def area_1(self) -> float:
         """Piston area of chamber 1 [m^2]."""

@@ -287,6 +287,67 @@ def at_rest(x, p1, p2, p):
 
 
 @njit(cache=True, nogil=True)
+def follow(y, bristle, wanted, dt, p):
+    """Move the spool for one step towards the command; return what is left of it behind the valve's play."""
+    if p.spool_frequency > 0.0:
+        w = 2.0 * math.pi * p.spool_frequency
+        y[SPOOL_V] += dt * (w * w * (wanted - y[SPOOL]) - 2.0 * p.spool_damping * w * y[SPOOL_V])
+        moved = y[SPOOL_V] * dt
+    elif p.lag > 0.0:
+        moved = (1.0 - math.exp(-dt / p.lag)) * (wanted - y[SPOOL])
+    else:
+        moved = wanted - y[SPOOL]
+    if p.rate_limit > 0.0:
+        most = p.rate_limit * dt
+        moved = most if moved > most else (-most if moved < -most else moved)
+    y[SPOOL] += moved
+    if p.hysteresis <= 0.0:
+        return y[SPOOL]
+    half = 0.5 * p.hysteresis
+    if y[SPOOL] - bristle[2] > half:
+        bristle[2] = y[SPOOL] - half
+    elif y[SPOOL] - bristle[2] < -half:
+        bristle[2] = y[SPOOL] + half
+    return bristle[2]
+
+
+@njit(cache=True, nogil=True)
+def dry_friction(y, bristle, dt, p):
+    """Advance the bristles for one step; return their force [N]."""
+    v = y[VP]
+    p1 = y[M1] * p.gas_constant * y[T1] / (p.dead_1 + p.area_1 * y[XP])
+    p2 = y[M2] * p.gas_constant * y[T2] / (p.dead_2 + p.area_2 * (p.stroke - y[XP]))
+    bristle[1] = bristle[1] + dt if abs(v) < 1e-3 else 0.0
+    level = friction_level(v, p1, p2, bristle[1], p)
+    if p.bump_force > 0.0:
+        level += p.bump_force * math.exp(-(((y[XP] - p.bump_place) / p.bump_width) ** 2))
+    if level <= 1e-9:
+        return 0.0
+    z = (bristle[0] + v * dt) / (1.0 + abs(v) * dt * p.bristle_stiffness / level)
+    damping = p.bristle_damping * math.exp(-((v / 0.02) ** 2))
+    force = p.bristle_stiffness * z + damping * (z - bristle[0]) / dt
+    bristle[0] = z
+    return force
+
+
+@njit(cache=True, nogil=True)
+def regulate(y, bristle, flow, dt, p):
+    """Move the regulator for one step: droop with flow, a play of its hysteresis, then a lag."""
+    if p.regulator_droop <= 0.0 and p.regulator_hysteresis <= 0.0:
+        return
+    target = p.supply_pressure - p.regulator_droop * flow
+    half = 0.5 * p.regulator_hysteresis
+    held = bristle[3] if bristle[3] != 0.0 else p.supply_pressure
+    if target - held > half:
+        held = target - half
+    elif target - held < -half:
+        held = target + half
+    bristle[3] = held
+    rate = 1.0 - math.exp(-dt / p.regulator_time) if p.regulator_time > 0.0 else 1.0
+    y[REGULATED] += rate * (held - y[REGULATED])
+
+
+@njit(cache=True, nogil=True)
 def run(record, y, bristle, start, ticks, dt, mode, goal, speed, feed, gains, noise, log, states):
     """Advance the machine from tick to tick.
 
@@ -370,58 +431,84 @@ def run(record, y, bristle, start, ticks, dt, mode, goal, speed, feed, gains, no
             line[head] = u
             head = head + 1 if head < longest else 0
             wanted = line[head] if p.delay > 0.0 else u
-            # spool: first order, or second order with a frequency, then rate limit, then play
-            if p.spool_frequency > 0.0:
-                w = 2.0 * math.pi * p.spool_frequency
-                y[SPOOL_V] += dt * (w * w * (wanted - y[SPOOL]) - 2.0 * p.spool_damping * w * y[SPOOL_V])
-                moved = y[SPOOL_V] * dt
-            elif p.lag > 0.0:
-                moved = (1.0 - math.exp(-dt / p.lag)) * (wanted - y[SPOOL])
-            else:
-                moved = wanted - y[SPOOL]
-            if p.rate_limit > 0.0:
-                most = p.rate_limit * dt
-                moved = most if moved > most else (-most if moved < -most else moved)
-            y[SPOOL] += moved
-            spool = y[SPOOL]
-            if p.hysteresis > 0.0:
-                half = 0.5 * p.hysteresis
-                if spool - bristle[2] > half:
-                    bristle[2] = spool - half
-                elif spool - bristle[2] < -half:
-                    bristle[2] = spool + half
-                spool = bristle[2]
-            # bristles
-            v = y[VP]
-            p1 = y[M1] * gas * y[T1] / (p.dead_1 + p.area_1 * y[XP])
-            p2 = y[M2] * gas * y[T2] / (p.dead_2 + p.area_2 * (p.stroke - y[XP]))
-            bristle[1] = bristle[1] + dt if abs(v) < 1e-3 else 0.0
-            level = friction_level(v, p1, p2, bristle[1], p)
-            if p.bump_force > 0.0:
-                level += p.bump_force * math.exp(-(((y[XP] - p.bump_place) / p.bump_width) ** 2))
-            dry = 0.0
-            if level > 1e-9:
-                z = (bristle[0] + v * dt) / (1.0 + abs(v) * dt * p.bristle_stiffness / level)
-                damping = p.bristle_damping * math.exp(-((v / 0.02) ** 2))
-                dry = p.bristle_stiffness * z + damping * (z - bristle[0]) / dt
-                bristle[0] = z
+            spool = follow(y, bristle, wanted, dt, p)
+            dry = dry_friction(y, bristle, dt, p)
             supply_flow, force, supply, exhaust = rates(y, spool, dry, t, p, a)
             for j in range(STATES):
                 middle[j] = y[j] + 0.5 * dt * a[j]
             supply_flow, force, supply, exhaust = rates(middle, spool, dry, t + 0.5 * dt, p, b)
             for j in range(STATES):
                 y[j] += dt * b[j]
-            if p.regulator_droop > 0.0 or p.regulator_hysteresis > 0.0:
-                target = p.supply_pressure - p.regulator_droop * supply_flow
-                half = 0.5 * p.regulator_hysteresis
-                held = bristle[3]
-                if held == 0.0:
-                    held = p.supply_pressure
-                if target - held > half:
-                    held = target - half
-                elif target - held < -half:
-                    held = target + half
-                bristle[3] = held
-                rate = 1.0 - math.exp(-dt / p.regulator_time) if p.regulator_time > 0.0 else 1.0
-                y[REGULATED] += rate * (held - y[REGULATED])
+            regulate(y, bristle, supply_flow, dt, p)
+            t += dt
+
+
+@njit(cache=True, nogil=True)
+def run_led(record, y, bristle, ticks, dt, x, v, closed, goal, gains, log):
+    """Advance a cylinder whose far end is led along a motion, its valve closing a loop on force.
+
+    Args:
+        record: `Machine.packed()` with a unit mass and no load; rigid, or with a drive between piston and joint.
+        y, bristle, ticks, dt: As in `run`.
+        x, v: Place [m] and velocity [m/s] of the joint's end at each tick, shape (n + 1,).
+        closed: 1 where the valve is commanded closed, shape (n,).
+        goal: Gas force wanted [N], shape (n,).
+        gains: Command per newton, per newton second, and per metre a second.
+        log: Written, shape (n, len(LOG)); `force` is what a load cell between rod and joint feels.
+    """
+    p = record[0]
+    a, b, middle = np.zeros(STATES), np.zeros(STATES), np.empty(STATES)
+    coupled = p.drive_stiffness > 0.0
+    place, rate = (XL, VL) if coupled else (XP, VP)
+    gas = p.gas_constant
+    t, integral = 0.0, 0.0
+    longest = round(p.delay / dt)
+    line = np.zeros(longest + 1)
+    head = 0
+    y[place], y[rate] = x[0], v[0]
+    spool, dry, cell = 0.0, 0.0, 0.0
+    for i in range(ticks.shape[0]):
+        span = ticks[i] * dt
+        y[place], y[rate] = x[i], v[i]
+        supply_flow, force, supply, exhaust = rates(y, spool, dry, t, p, a)
+        cell = p.drive_stiffness * (y[XP] - y[XL]) if coupled else a[VP] * p.load_mass
+        error = goal[i] - force
+        u = gains[0] * error + gains[1] * integral + gains[2] * v[i]
+        if closed[i] > 0:
+            u, integral = 0.0, 0.0
+        elif abs(u) < 1.0:
+            integral += error * span
+        u = 1.0 if u > 1.0 else (-1.0 if u < -1.0 else u)
+        u = round(u * 2048.0) / 2048.0
+        p1 = y[M1] * gas * y[T1] / (p.dead_1 + p.area_1 * y[XP])
+        p2 = y[M2] * gas * y[T2] / (p.dead_2 + p.area_2 * (p.stroke - y[XP]))
+        lines = p.line_area > 0.0 or p.line_inertance > 0.0
+        log[i, 0], log[i, 1], log[i, 2], log[i, 3], log[i, 4] = t, x[i], v[i], p1, p2
+        log[i, 5] = y[ML1] * gas * y[TL1] / p.line_volume if lines else p1
+        log[i, 6] = y[ML2] * gas * y[TL2] / p.line_volume if lines else p2
+        log[i, 7], log[i, 8], log[i, 9], log[i, 10] = y[T1], y[T2], supply, exhaust
+        log[i, 11], log[i, 12], log[i, 13] = cell, u, y[XP]
+        for k in range(ticks[i]):
+            line[head] = u
+            head = head + 1 if head < longest else 0
+            spool = follow(y, bristle, line[head] if p.delay > 0.0 else u, dt, p)
+            for half in range(2):
+                # cubic between the ticks
+                s = (k + 0.5 * half) / ticks[i]
+                h1, h2 = s * s * (3.0 - 2.0 * s), s * (1.0 - s) * (1.0 - s) * span
+                h3, d = -s * s * (1.0 - s) * span, 6.0 * s * (1.0 - s) / span
+                here = x[i] + h1 * (x[i + 1] - x[i]) + h2 * v[i] + h3 * v[i + 1]
+                speed = d * (x[i + 1] - x[i]) + (1.0 - s) * (1.0 - 3.0 * s) * v[i] + s * (3.0 * s - 2.0) * v[i + 1]
+                if half == 0:
+                    y[place], y[rate] = here, speed
+                    dry = dry_friction(y, bristle, dt, p)
+                    rates(y, spool, dry, t, p, a)
+                    for j in range(STATES):
+                        middle[j] = y[j] + 0.5 * dt * a[j]
+                else:
+                    middle[place], middle[rate] = here, speed
+                    supply_flow, force, supply, exhaust = rates(middle, spool, dry, t + 0.5 * dt, p, b)
+            for j in range(STATES):
+                y[j] += dt * b[j]
+            regulate(y, bristle, supply_flow, dt, p)
             t += dt

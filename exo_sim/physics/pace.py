@@ -82,7 +82,7 @@ def step_length(world, cylinders, y, held, x, spool, left: float, shortest: floa
     p_e, _ = exhaust_state(world, y, shared)
     p_o = world.exhaust_pressure
     tank, manifold = world.supply_droop.volume, world.exhaust_back_pressure.volume
-    span = min(left, LONGEST_STEP)
+    span = min(left, world.longest_step if world.longest_step > 0.0 else LONGEST_STEP)
     transient = 0.0
     for i in range(n):
         c = cylinders[i]
@@ -101,8 +101,9 @@ def step_length(world, cylinders, y, held, x, spool, left: float, shortest: floa
         transient = max(transient, transient_rate(world.exhaust_back_pressure.area, p_e, p_o, manifold, k, r))
     if transient * span > CHANGE:
         span = max(CHANGE / transient, shortest)
-    rate = world.supply_droop.conductance * k * r * HOT / max(tank, 1e-9)
     drawn_rate = vented_rate = 0.0
+    if supply_droop.present(world.supply_droop):
+        drawn_rate = world.supply_droop.conductance * k * r * HOT / tank
     fastest = 0.0
     for i in range(n):
         c = cylinders[i]
@@ -139,10 +140,13 @@ def step_length(world, cylinders, y, held, x, spool, left: float, shortest: floa
                 a_2e, p_2, p_e, manifold, span, k, r
             )
     vented_rate += path_rate(world.exhaust_back_pressure.area, p_e, p_o, max(manifold, 1e-9), span, k, r)
-    fastest = max(fastest, rate + drawn_rate, vented_rate)
+    fastest = max(fastest, drawn_rate, vented_rate)
     h = left / max(math.ceil(left / span - 1e-9), 1)
-    if fastest * h > REACH[MOST_STAGES]:
-        h = left / min(math.ceil(left * fastest / REACH[MOST_STAGES]), math.ceil(left / shortest))
+    if not fastest * h <= REACH[MOST_STAGES]:
+        pieces = left * fastest / REACH[MOST_STAGES]
+        if not pieces < left / shortest:  # also what is not a number any more
+            pieces = left / shortest
+        h = left / max(math.ceil(pieces), 1)
     stages = 2
     while stages < MOST_STAGES and REACH[stages] < fastest * h:
         stages += 1

@@ -329,12 +329,13 @@ def advance(world, cylinders, state, x0, x1, command, dt, work, scratch):
         level = dry_level(c, speed, memory[place + BRISTLE], p_1 - world.atmosphere, p_2 - world.atmosphere)
         memory[place + BRISTLE] = move_bristle(c, memory[place + BRISTLE], speed, level, dt)
     left = dt
+    shortest = dt / (world.most_steps if world.most_steps > 0.0 else MOST_STEPS)
     while left > 1e-12:
         for i in range(n):
             here = opening(cylinders[i], memory[i * REMEMBERED + SPOOL])
             there = opening(cylinders[i], command[i])
             spool[i] = here if abs(here) > abs(there) else there
-        h, stages = step_length(world, cylinders, y, memory[shared_memory + HELD], start, spool, left, dt / MOST_STEPS)
+        h, stages = step_length(world, cylinders, y, memory[shared_memory + HELD], start, spool, left, shortest)
         for i in range(n):
             spool[i] = move_spool(cylinders[i], memory, i * REMEMBERED, command[i], h)
         drawn = integrate(

@@ -47,6 +47,7 @@ CYLINDER = np.dtype(
 )
 
 #: The gas, the atmosphere and what all cylinders share. Pressures and temperatures may be set anew at every step.
+#: `longest_step` [s] and `most_steps` bound how finely a call is divided; 0 leaves that to `pace.py`.
 WORLD = np.dtype(
     [
         ("k", np.float64),
@@ -56,6 +57,8 @@ WORLD = np.dtype(
         ("supply_pressure", np.float64),
         ("supply_temperature", np.float64),
         ("exhaust_pressure", np.float64),
+        ("longest_step", np.float64),
+        ("most_steps", np.float64),
         *_fields("supply"),
         *_fields("exhaust"),
     ],

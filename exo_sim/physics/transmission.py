@@ -91,7 +91,7 @@ def piston_at(
         slope += thick + soft
         slope += world.k * (q_1 * c.area_1**2 / n_1 + (q_2 * c.area_2**2 / n_2 if c.single_acting == 0.0 else 0.0))
         new = piston + force / slope
-        if not low < new < high:
+        if not low <= new <= high:
             new = 0.5 * (low + high)
         if abs(new - piston) < 1e-12:
             return new

@@ -59,7 +59,11 @@ def load(name: str) -> RecordedGait:
     """
     if name not in names():
         raise ScenarioError(f'no recorded gait "{name}"{nearest(name, names())}')
-    text = (resources.files("exo_sim.gait") / "recorded" / f"{name}.toml").read_text(encoding="utf-8")
+    return parse((resources.files("exo_sim.gait") / "recorded" / f"{name}.toml").read_text(encoding="utf-8"))
+
+
+def parse(text: str) -> RecordedGait:
+    """Read what `scripts/fit_gait` writes."""
     data = tomllib.loads(text)
 
     def series(group: str) -> dict[str, Series]:

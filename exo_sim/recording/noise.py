@@ -89,8 +89,9 @@ def floors(recording: Recording) -> Mapping[str, Noise]:
 
 def quantum(values: NDArray[np.float64]) -> float:
     """Return the step of the grid that all values lie on, 0 where there is none."""
-    distinct = np.unique(values[np.isfinite(values)])
-    if len(distinct) < 3:
+    present = values[np.isfinite(values)]
+    distinct = np.unique(present)
+    if len(distinct) < 3 or len(distinct) > 0.9 * len(present):  # no value twice: a ramp is no grid
         return 0.0
     gaps = np.diff(distinct)
     gaps = gaps[gaps > 1e-9 * np.abs(distinct[[0, -1]]).max()]

@@ -7,8 +7,11 @@ libvulkan1`).
 from __future__ import annotations
 
 import contextlib
+import os
 import socket
+import tempfile
 import time
+from collections.abc import Iterator
 from pathlib import Path
 
 from exo_sim.errors import OutputError, RecordingError
@@ -34,7 +37,8 @@ def take_picture(rrd: str | Path, png: str | Path, at: float | None = None, sett
     if not rrd.is_file():
         raise RecordingError(f'"{rrd}": there is no such recording')
     try:
-        viewer = ViewerClient.spawn(headless=True, port=_free_port(), hide_welcome_screen=True)
+        with _quiet_surroundings():
+            viewer = ViewerClient.spawn(headless=True, port=_free_port(), hide_welcome_screen=True)
     except Exception as error:  # rerun raises bare exceptions of many kinds
         raise OutputError(_no_viewer(error)) from None
     try:
@@ -52,6 +56,20 @@ def take_picture(rrd: str | Path, png: str | Path, at: float | None = None, sett
     finally:
         with contextlib.suppress(Exception):
             viewer.quit()
+
+
+@contextlib.contextmanager
+def _quiet_surroundings() -> Iterator[None]:
+    """Let the viewer's process start without its log, and with the folder that graphics libraries ask for."""
+    with tempfile.TemporaryDirectory(prefix="exo-sim-") as folder:
+        wanted = {"RUST_LOG": "off", "XDG_RUNTIME_DIR": folder}
+        added = [name for name in wanted if name not in os.environ]
+        os.environ.update((name, wanted[name]) for name in added)
+        try:
+            yield
+        finally:
+            for name in added:
+                del os.environ[name]
 
 
 def _no_viewer(error: Exception) -> str:

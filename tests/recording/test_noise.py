@@ -56,6 +56,7 @@ def test_a_step_survives_a_change_of_unit() -> None:
     assert noise.quantum(counts * 0.0254 * 0.01 + 1.7) == pytest.approx(0.000254)
     assert noise.quantum(np.random.default_rng(0).standard_normal(5000)) == 0.0
     assert noise.quantum(np.full(100, 3.0)) == 0.0
+    assert noise.quantum(np.arange(5000) * 4e-7) == 0.0
 
 
 def test_motion_without_noise_has_none_to_speak_of() -> None:

@@ -1,0 +1,150 @@
+"""What `inspect` says of recordings whose contents are known."""
+
+import json
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from exo_sim.cli import main
+from exo_sim.recording import Reading, Recording, summary, summary_text, write_rrd, write_table
+from exo_sim.recording.gait_events import feet
+
+STRIDE = 1.25
+
+
+def walk(seconds: float = 10.0) -> Recording:
+    time = np.arange(int(1000 * seconds)) / 1000.0
+    swing = 2 * np.pi * time / STRIDE
+    rng = np.random.default_rng(0)
+    columns = {
+        "knee_r.pressure_1": 4e5 + 2e5 * np.sin(swing) + 200.0 * rng.standard_normal(len(time)),
+        "knee_r.force": 300.0 * np.sin(swing),
+        "knee_r.force_demanded": 300.0 * np.sin(swing) + 3.0,
+        "knee_r.valve_command": np.where(np.sin(swing) > 0, 0.5, 0.0),
+        "knee_r.choked": np.where(np.sin(swing) > 0, 1.0, 0.0),
+        "knee_r.gas_used": 1e-4 * time,
+        "knee_r.position": 0.5 * np.sin(swing),
+        "knee_r.torque": 20.0 * np.sin(swing),
+        "foot_r.ground_force_z": np.maximum(0.0, 900.0 * np.sin(swing - 0.3)),
+        "foot_l.ground_force_z": np.maximum(0.0, -900.0 * np.sin(swing - 0.3)),
+        "supply.pressure": 7e5 + 200.0 * rng.standard_normal(len(time)),
+    }
+    units = dict.fromkeys(columns, "N") | {
+        "knee_r.pressure_1": "Pa",
+        "knee_r.valve_command": "1",
+        "knee_r.choked": "1",
+        "knee_r.gas_used": "kg",
+        "knee_r.position": "rad",
+        "knee_r.torque": "N*m",
+        "supply.pressure": "Pa",
+    }
+    return Recording("walk", time, columns, units, {"scenario": "level_walk", "rig": "a = 1\n" * 40})
+
+
+def test_gait_events_of_a_known_walk() -> None:
+    right, left = feet(walk())
+    assert right.foot == "foot_r"
+    assert right.stride_times == pytest.approx(np.full(len(right.contacts) - 1, STRIDE), abs=2e-3)
+    late = STRIDE * (0.3 + np.arcsin(0.05)) / (2 * np.pi)  # when the force passes a twentieth of its peak
+    assert right.contacts[0] == pytest.approx(late, abs=2e-3)
+    assert left.contacts[0] - right.contacts[0] == pytest.approx(STRIDE / 2, abs=2e-3)
+    assert right.stance_share == pytest.approx(0.5 - np.arcsin(0.05) / np.pi, abs=0.01)
+    assert right.peak_force == pytest.approx(900.0, rel=1e-3)
+
+
+def test_chatter_is_not_a_step() -> None:
+    recording = walk()
+    force = recording["foot_r.ground_force_z"].copy()
+    force[3000:3020] = 0.0
+    rough = Recording("r", recording.time, {"foot_r.ground_force_z": force}, {"foot_r.ground_force_z": "N"})
+    assert feet(rough)[0].contacts == feet(walk())[0].contacts
+
+
+def test_stance_alone_will_do() -> None:
+    time = np.arange(3000) / 1000.0
+    columns = {"gait.stance_r": (np.sin(2 * np.pi * time) > 0) * 1.0}
+    (foot,) = feet(Recording("r", time, columns, {"gait.stance_r": "1"}))
+    assert foot.contacts == pytest.approx((0.001, 1.001, 2.001), abs=2e-3)
+    assert foot.peak_force is None
+
+
+def test_the_summary_adds_up() -> None:
+    found = summary.summarise(Reading(walk(), ()))
+    knee = found.cylinders["knee_r"]
+    assert knee["force_error_rms_n"] == pytest.approx(3.0)
+    assert knee["choked_share"] == pytest.approx(0.5, abs=0.01)
+    assert knee["valve_closed_share"] == pytest.approx(0.5, abs=0.01)
+    assert knee["gas_used_kg"] == pytest.approx(1e-3, rel=1e-3)
+    assert knee["gas_used_kg_per_stride"] == pytest.approx(1e-4 * STRIDE, rel=1e-3)
+    assert found.joints["knee_r"]["torque_rms"] == pytest.approx(20 / np.sqrt(2), rel=1e-3)
+    (pressure,) = [entry for entry in found.signals if entry["name"] == "knee_r.pressure_1"]
+    assert pressure["noise"] == pytest.approx(200.0, rel=0.1)
+    assert found.findings == ()
+    text = summary_text.text(found)
+    assert "Nothing looks wrong." in text
+    assert "1.250 +- 0.000" in text
+    assert max(len(line) for line in text.splitlines()) < 130
+    assert not any(line != line.rstrip() for line in text.splitlines())
+
+
+def test_odd_physics_is_told() -> None:
+    recording = walk()
+    turned = {**recording.columns, "foot_r.ground_force_z": -recording["foot_r.ground_force_z"]}
+    found = summary.summarise(Reading(Recording("r", recording.time, turned, recording.units), ()))
+    assert "ground pulls" in [finding.kind for finding in found.findings]
+    pumped = {**recording.columns, "supply.pressure": recording["supply.pressure"] - 2e5}
+    found = summary.summarise(Reading(Recording("r", recording.time, pumped, recording.units), ()))
+    assert [finding.kind for finding in found.findings] == ["above supply"]
+
+
+@pytest.mark.parametrize("ending", ["rrd", "parquet", "csv"])
+def test_inspect(tmp_path: Path, ending: str, capsys: pytest.CaptureFixture[str]) -> None:
+    path = tmp_path / f"walk.{ending}"
+    write_rrd(path, walk()) if ending == "rrd" else write_table(path, walk())
+    assert main(["inspect", str(path), "--json"]) == 0
+    shown = capsys.readouterr()
+    data = json.loads(shown.out)
+    assert shown.err == ""
+    assert data["schema"] == "exo-sim/inspect/1"
+    assert data["duration_s"] == pytest.approx(9.999)
+    assert {entry["name"] for entry in data["signals"]} == set(walk().columns)
+    assert main(["inspect", str(path)]) == 0
+    assert "knee_r.pressure_1" in capsys.readouterr().out
+
+
+def test_inspect_with_a_rig_and_a_fault(tmp_path: Path, repository: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    time = np.arange(3000) / 1000.0
+    columns = {
+        "piston.pressure_1": 3e5 * (1 + np.sin(time * 6)) + 300.0 * np.random.default_rng(0).standard_normal(3000),
+        "slide.position": 80.0 + 40.0 * np.cos(time * 6),
+    }
+    path = tmp_path / "bench.csv"
+    write_table(path, Recording("bench", time, columns, {"piston.pressure_1": "Pa", "slide.position": "m"}))
+    assert main(["inspect", str(path), "--rig", str(repository / "assets" / "bench.toml"), "--json"]) == 0
+    found = json.loads(capsys.readouterr().out)["findings"]
+    assert [(f["column"], f["kind"], f["severity"]) for f in found[:2]] == [
+        ("piston.pressure_1", "gauge", "fault"),
+        ("slide.position", "unit", "fault"),
+    ]
+
+
+def test_inspect_of_nothing(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    (tmp_path / "empty.csv").write_text("")
+    assert main(["inspect", str(tmp_path / "empty.csv")]) == 2
+    shown = capsys.readouterr()
+    assert shown.out == "" and "the file is empty" in shown.err and len(shown.err.splitlines()) == 1
+
+
+def test_view_without_a_display(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    for name in ("DISPLAY", "WAYLAND_DISPLAY"):
+        monkeypatch.delenv(name, raising=False)
+    monkeypatch.setattr("sys.platform", "linux")
+    monkeypatch.setattr("tempfile.tempdir", str(tmp_path))
+    write_table(tmp_path / "walk.parquet", walk(1.0))
+    assert main(["view", str(tmp_path / "walk.parquet")]) == 2
+    shown = capsys.readouterr()
+    assert "no display" in shown.err and len(shown.err.splitlines()) == 1
+    assert [path.name for path in tmp_path.iterdir()] == ["walk.parquet"]  # nothing left behind

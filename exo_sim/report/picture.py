@@ -35,6 +35,16 @@ class NoRenderer(RuntimeError):
     """This machine has nothing to draw with; a plot must do."""
 
 
+def headless() -> None:
+    """Have MuJoCo draw without a display where there is none. Heeded until the first import of mujoco."""
+    if sys.platform == "linux" and "DISPLAY" not in os.environ:
+        try:
+            ctypes.CDLL("libEGL.so.1")
+        except OSError:
+            return
+        os.environ.setdefault("MUJOCO_GL", "egl")
+
+
 def stride(columns: Columns, count: int = 6) -> list[int]:
     """Return rows at even phases of the last whole cycle, or evenly spread where there is no gait phase."""
     phase = columns.get("gait.phase")
@@ -64,7 +74,9 @@ def moments(
     Raises:
         NoRenderer: no OpenGL without a display here; `libegl1 libgl1-mesa-dri` bring it on Debian.
     """
-    mujoco = _mujoco()
+    headless()
+    import mujoco
+
     width, height = size
     model = copy.copy(model)
     model.vis.global_.offwidth = max(model.vis.global_.offwidth, width)
@@ -136,18 +148,6 @@ def save(path: Path, model: mujoco.MjModel, rig: Rig, columns: Columns) -> str:
     with replacing(path) as beside:
         imsave(beside, pixels, format="png")
     return "drawing"
-
-
-def _mujoco() -> Any:
-    if sys.platform == "linux" and "DISPLAY" not in os.environ and "mujoco" not in sys.modules:
-        try:
-            ctypes.CDLL("libEGL.so.1")
-        except OSError:
-            raise NoRenderer("no display and no libEGL.so.1; apt-get install libegl1 libgl1-mesa-dri") from None
-        os.environ.setdefault("MUJOCO_GL", "egl")
-    import mujoco
-
-    return mujoco
 
 
 def _pose(mujoco: Any, model: Any, data: Any, columns: Columns, row: int, x: float) -> None:

@@ -1,0 +1,75 @@
+"""`exo-sim run` and `exo-sim scenarios` as a person meets them."""
+
+import json
+
+import pytest
+
+from exo_sim.cli import main
+from exo_sim.recording import reader
+
+
+def call(capsys, *arguments):
+    status = main(list(arguments))
+    said = capsys.readouterr()
+    return status, said.out, said.err
+
+
+def test_run_prints_the_contracts_json_and_leaves_both_files(capsys, tmp_path):
+    out = tmp_path / "walk.rrd"
+    status, text, words = call(
+        capsys, "run", "level_walk", "--payload", "34 kg", "--strides", "2", "--assist", "vented", "--out", str(out), "--json"
+    )
+    assert status == 0, words
+    data = json.loads(text)
+    assert data["schema"] == "exo-sim/run/1"
+    keys = {"scenario", "simulated_s", "wall_s", "recording", "table", "supported_weight_n", "mean_ground_force_n",
+            "strap_load_n", "wearer", "joints", "cylinders", "books"}  # fmt: skip
+    assert keys <= set(data)
+    assert {"vertical_mean", "torso_vertical_mean", "torso_rms", "torso_peak"} <= set(data["strap_load_n"])
+    assert set(data["wearer"]["extra_moment_rms_nm"]) == {"hip", "knee", "ankle"}
+    assert {"torque_peak_nm", "torque_rms_nm", "torque_error_rms_nm"} == set(data["joints"]["knee_r"])
+    assert {"pressure_peak_pa", "choked_share", "gas_kg_per_stride"} == set(data["cylinders"]["knee_r"])
+    assert out.is_file() and out.with_suffix(".parquet").is_file()
+    for path in (out, out.with_suffix(".parquet")):
+        table = reader.read(path).recording
+        assert "hip_l.pressure_1" in table and table.metadata["assist"] == "vented"
+
+
+def test_run_prints_a_report_for_people(capsys, tmp_path):
+    status, text, _ = call(
+        capsys, "run", "stand", "--payload", "20 kg", "--strides", "1", "--assist", "off", "--out", str(tmp_path / "s.rrd")
+    )
+    assert status == 0
+    assert "backpack" in text and "weight of frame and payload 392.4 N" in text
+
+
+@pytest.mark.parametrize(
+    ("arguments", "hint"),
+    [
+        (["levelwalk"], 'did you mean "level_walk"'),
+        (["level_walk", "--payload", "60 kg"], "0 to 45 kg"),
+        (["level_walk", "--payload", "34"], "no unit"),
+        (["level_walk", "--speed", "2"], "0.7 to 1.3"),
+        (["level_walk", "--assist", "vents"], "vented"),
+        (["level_walk", "--out", "walk.csv"], "ends in .rrd"),
+        (["level_walk", "--rig", "none.toml"], "none.toml"),
+    ],
+)
+def test_bad_input_is_one_line_and_status_2(capsys, arguments, hint):
+    status, text, words = call(capsys, "run", *arguments)
+    assert (status, text) == (2, "")
+    assert hint in words and words.count("\n") == 1
+
+
+def test_a_rig_without_the_machines_parts_is_refused(capsys, repository, tmp_path):
+    rig = repository / "assets" / "bench.toml"
+    status, _, words = call(capsys, "run", "level_walk", "--rig", str(rig), "--out", str(tmp_path / "x.rrd"))
+    assert status == 2 and "torso_x" in words
+    assert list(tmp_path.iterdir()) == []
+
+
+def test_scenarios_are_listed(capsys):
+    status, text, _ = call(capsys, "scenarios", "--json")
+    assert status == 0
+    assert "level_walk" in [one["name"] for one in json.loads(text)["scenarios"]]
+    assert "squat" in call(capsys, "scenarios")[1]

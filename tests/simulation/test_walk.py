@@ -1,0 +1,205 @@
+"""The coupled walk: weight, relief of the wearer, gas books, recorded angles; and how it ends when it cannot go on."""
+
+import dataclasses
+
+import numpy as np
+import pytest
+
+from exo_sim import rig as rigs
+from exo_sim.errors import Diverged, ScenarioError
+from exo_sim.gait import recorded, scenario
+from exo_sim.rig import Ankle, Wearer
+from exo_sim.simulation import loop, record
+from exo_sim.simulation.summary import span, summarise, wearer_moments
+from exo_sim.simulation.walk import JOINTS, Request, Simulation, simulate
+
+
+@pytest.fixture(scope="module")
+def exo(repository):
+    return rigs.read(repository / "assets" / "exo.toml")
+
+
+@pytest.fixture(scope="module")
+def on(exo):
+    return simulate(exo, Request("level_walk"))
+
+
+@pytest.fixture(scope="module")
+def vented(exo):
+    return simulate(exo, Request("level_walk", assist="vented"))
+
+
+def carried(summary):
+    return summary["mean_ground_force_n"] + summary["strap_load_n"]["vertical_mean"]
+
+
+def test_ground_and_straps_carry_the_weight(on, vented):
+    for walk in (on, vented):
+        summary = summarise(walk)
+        assert summary["supported_weight_n"] == pytest.approx(54.0 * 9.81, rel=1e-6)
+        assert carried(summary) == pytest.approx(summary["supported_weight_n"], rel=5e-3)
+
+
+def test_assistance_relieves_torso_hip_and_knee(on, vented):
+    """The point of the machine: less than a quarter on the torso, less than half of a backpack's moments."""
+    with_it, without = summarise(on), summarise(vented)
+    for load in ("torso_vertical_mean", "torso_rms"):
+        assert abs(with_it["strap_load_n"][load]) < 0.25 * without["strap_load_n"][load]
+    extra, backpack = with_it["wearer"]["extra_moment_rms_nm"], with_it["wearer"]["backpack_moment_rms_nm"]
+    assert extra["hip"] < 0.5 * backpack["hip"]
+    assert extra["knee"] < 0.5 * backpack["knee"]
+    assert without["wearer"]["extra_moment_rms_nm"]["hip"] > backpack["hip"]
+
+
+def test_the_books_of_the_gas_close(on):
+    books = summarise(on)["books"]
+    assert abs(books["gas_mass_residual"]) < 1e-9
+    assert abs(books["gas_energy_residual"]) < 1e-9
+
+
+def test_wearer_stays_within_the_recorded_spread_and_the_machine_close(on):
+    """The wearer's angles against mean and two standard deviations of the recorded strides; the machine follows in straps."""
+    gait = recorded.load("falisse")
+    rows = span(on)
+    phase, poses = on.columns["gait.phase"][rows], on.poses[rows]
+    pitch = on.columns["torso_pitch.position"][rows]
+    worn = {
+        "thigh": pitch + on.columns["hip_r.position"][rows],
+        "knee": on.columns["knee_r.position"][rows],
+        "ankle": on.columns["ankle_r.position"][rows] - gait.ankle_offset,
+    }
+    wearer = {
+        "thigh": poses[:, 4, 2],
+        "knee": poses[:, 5, 2] - poses[:, 4, 2],
+        "ankle": poses[:, 6, 2] - poses[:, 5, 2] - gait.ankle_offset,
+    }
+    for name, angle in wearer.items():
+        spread = np.maximum(gait.spread[name](phase), np.radians(0.8))
+        assert np.max(np.abs(angle - gait.recorded[name](phase)) / spread) < 2.0, name
+        assert np.sqrt(np.mean((worn[name] - angle) ** 2)) < np.radians(6.0), name
+
+
+def test_the_person_moves_as_recorded_and_the_machine_with_the_person(on):
+    columns = on.columns
+    reference = on.motion.at(on.time / on.motion.period)
+    height = columns["torso_z.position"] - reference[:, 1]
+    assert np.abs(height).max() < 0.03
+    speed = np.polyfit(on.time, columns["torso_x.position"], 1)[0]
+    assert speed == pytest.approx(on.motion.advance / on.motion.period, rel=5e-3)
+
+
+def test_the_same_request_gives_the_same_numbers(exo):
+    first, second = (simulate(exo, Request("level_walk", cycles=3, rehearsals=1)) for _ in range(2))
+    for key, values in first.columns.items():
+        np.testing.assert_array_equal(values, second.columns[key], err_msg=key)
+
+
+@pytest.mark.parametrize("name", scenario.names())
+@pytest.mark.parametrize("payload", [0.0, 45.0])
+def test_every_scenario_keeps_its_feet(exo, name, payload):
+    walk = simulate(exo, Request(name, payload=payload, speed=1.3, rehearsals=1))
+    summary = summarise(walk)
+    assert carried(summary) == pytest.approx(summary["supported_weight_n"], rel=5e-3)
+    assert len(walk.time) * walk.step >= scenario.find(name).cycles * walk.motion.period
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("name", ["level_walk", "level_walk_opensim"])
+@pytest.mark.parametrize("assist", ["on", "vented"])
+def test_ten_strides_at_every_payload_and_cadence(exo, name, assist):
+    for payload in (0.0, 20.0, 34.0, 45.0):
+        for speed in (0.7, 1.0, 1.2):
+            walk = simulate(exo, Request(name, payload=payload, speed=speed, assist=assist, rehearsals=2))
+            summary = summarise(walk)
+            assert carried(summary) == pytest.approx(summary["supported_weight_n"], rel=5e-3)
+
+
+def test_both_controllers_get_the_torque_asked_for(exo, on):
+    pi = summarise(simulate(exo, Request("level_walk", controller="pi", cycles=4)))
+    for joints in (pi["joints"], summarise(on)["joints"]):
+        for name in ("hip_r", "knee_r"):
+            assert joints[name]["torque_error_rms_nm"] < 0.2 * joints[name]["torque_rms_nm"]
+
+
+def test_ideal_forces_are_those_demanded(exo):
+    walk = simulate(exo, Request("level_walk", cycles=2, rehearsals=0, ideal=True))
+    np.testing.assert_array_equal(walk.columns["hip_l.force"], walk.columns["hip_l.force_demanded"])
+    assert "hip_l.pressure_1" not in walk.columns
+    assert "books" not in summarise(walk)
+
+
+def test_a_powered_ankle_relieves_the_ankle_too(exo):
+    powered = dataclasses.replace(exo, ankle=Ankle("powered"))
+    extra = summarise(simulate(powered, Request("level_walk")))["wearer"]
+    assert extra["extra_moment_rms_nm"]["ankle"] < extra["backpack_moment_rms_nm"]["ankle"]
+
+
+def test_tall_and_short_wearers_walk(exo):
+    for height in (1.55, 1.90):
+        other = dataclasses.replace(exo, wearer=Wearer(height, 70.0))
+        summary = summarise(simulate(other, Request("level_walk", cycles=4, rehearsals=1)))
+        assert carried(summary) == pytest.approx(summary["supported_weight_n"], rel=5e-3)
+
+
+def test_added_payload_hangs_on_the_frame(exo):
+    walk = simulate(exo, Request("payload_step", payload=20.0))
+    up = sum(walk.columns[f"foot_{side}.ground_force_z"] for side in "lr")
+    up = up + sum(walk.columns[f"{name}.strap_force_z"] for name in walk.straps.names)
+    before, after = up[(walk.time > 3) & (walk.time < 4.9)], up[walk.time > 8.0]
+    assert before.mean() == pytest.approx(40.0 * 9.81, rel=5e-3)
+    assert after.mean() == pytest.approx(60.0 * 9.81, rel=5e-3)
+    assert walk.model.body("payload").mass[0] == pytest.approx(20.0)
+
+
+def test_an_interrupt_leaves_what_was_simulated(exo, monkeypatch):
+    real, calls = loop.run, []
+
+    def interrupted(first, count, *rest):
+        if len(calls) == 5:
+            raise KeyboardInterrupt
+        calls.append(first)
+        real(first, count, *rest)
+
+    simulation = Simulation(exo, Request("level_walk", assist="vented"))
+    monkeypatch.setattr(loop, "run", interrupted)
+    walk = simulation.run()
+    assert walk.interrupted
+    assert len(walk.time) == 500
+    table = record.recording(walk, "cut")
+    assert len(table.time) == 500 and np.isfinite(wearer_moments(walk)).all()
+    assert len(record.scene(walk).times) > 10
+
+
+def test_a_machine_that_falls_is_said_so(exo):
+    simulation = Simulation(exo, Request("level_walk", assist="vented"))
+    simulation.straps.stiffness[:] = 0.0
+    simulation.straps.damping[:] = 0.0
+    with pytest.raises(Diverged, match=r"level_walk: the machine falls away from its wearer at \d.*try"):
+        simulation.run()
+
+
+def test_numbers_that_are_none_are_said_so(exo):
+    simulation = Simulation(exo, Request("level_walk", assist="vented"))
+    simulation.data.qvel[4] = np.nan
+    with pytest.raises(Diverged, match=r"level_walk: .* s; try"):
+        simulation.run()
+
+
+def test_wrong_names_are_answered_with_the_nearest():
+    for field, value, hint in (("assist", "vent", "vented"), ("controller", "modle", "model"), ("law", "leastload", "least")):
+        with pytest.raises(ScenarioError, match=hint):
+            Request("level_walk", **{field: value})
+    with pytest.raises(ScenarioError, match="cycles"):
+        Request("level_walk", cycles=0)
+
+
+def test_the_table_has_the_contracts_columns(on):
+    table = record.recording(on, "walk")
+    for part in ("hip_l", "knee_r"):
+        for signal in ("valve_command", "pressure_1", "pressure_2", "temperature_1", "force", "position", "torque"):
+            assert f"{part}.{signal}" in table
+    assert "foot_l.ground_force_z" in table and "torso_strap_low.strap_force_x" in table
+    assert table.metadata["scenario"] == "level_walk" and "[cylinders.hip_l]" in table.metadata["rig"]
+    assert np.all(np.diff(table.time) > 0)
+    assert all(np.isfinite(values).all() for values in table.columns.values())
+    assert {f"{joint}.wearer_moment" for joint in JOINTS} <= set(table.columns)

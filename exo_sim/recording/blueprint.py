@@ -34,13 +34,14 @@ _PLOTS = (
 )
 #: A tab of more plots than this has two columns.
 _MOST_ROWS = 4
+_OTHERS = "other joints"
 _SITES = {"ground_force": "ground", "strap_force": "straps"}
 
 
 def tabs(recording: Recording) -> dict[str, list[str]]:
-    """Return the tabs and the columns in each: one a joint with its cylinder, then ground, straps and supply.
+    """Return the tabs and the columns in each: one a joint with its cylinder, then the rest of the machine.
 
-    A machine of one cylinder and one joint has them in one tab.
+    The rest is other joints, ground, straps and supply. A machine of one cylinder and one joint has them in one tab.
     """
     kinds: dict[str, set[str]] = {"cylinder": set(), "joint": set()}
     tab_of: dict[str, str] = {}
@@ -58,11 +59,13 @@ def tabs(recording: Recording) -> dict[str, list[str]]:
     if len(kinds["cylinder"]) == 1 and len(kinds["joint"]) == 1:
         name = " and ".join(sorted(alone, key=list(recording.parts()).index))
         tab_of = {key: name if tab in alone else tab for key, tab in tab_of.items()}
+    elif kinds["cylinder"] and len(kinds["joint"] - kinds["cylinder"]) > 1:
+        tab_of = {key: _OTHERS if tab in kinds["joint"] - kinds["cylinder"] else tab for key, tab in tab_of.items()}
     gathered: dict[str, list[str]] = {}
     for key, tab in tab_of.items():
         if columns.signal_of(key).part != "gait":
             gathered.setdefault(tab, []).append(key)
-    last = ("ground", "straps", "supply")
+    last = (_OTHERS, "ground", "straps", "supply")
     return {tab: gathered[tab] for tab in sorted(gathered, key=lambda tab: tab in last and 1 + last.index(tab))}
 
 

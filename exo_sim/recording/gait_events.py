@@ -69,10 +69,11 @@ def _events(foot: str, time: NDArray[np.float64], stands: NDArray[np.bool_], pea
 
 
 def _without_chatter(time: NDArray[np.float64], stands: NDArray[np.bool_]) -> NDArray[np.bool_]:
+    """Close short flights first, then drop short contacts; the first and last run may be cut off and stay."""
     on = stands.copy()
-    edges = np.concatenate(([0], 1 + np.flatnonzero(np.diff(on)), [len(on)]))
-    inner = edges[1:-1]  # the first and last run may be cut off
-    for start, stop in itertools.pairwise(inner):
-        if time[stop] - time[start] < SHORTEST:
-            on[start:stop] = not on[start]
+    for state in (False, True):
+        edges = 1 + np.flatnonzero(np.diff(on))
+        for start, stop in itertools.pairwise(edges):
+            if on[start] == state and time[stop] - time[start] < SHORTEST:
+                on[start:stop] = not state
     return on

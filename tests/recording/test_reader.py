@@ -5,10 +5,13 @@ from pathlib import Path
 import numpy as np
 import pyarrow as pa
 import pytest
+from hypothesis import HealthCheck, given, settings
+from hypothesis import strategies as st
 from pyarrow import parquet
 
 from exo_sim.errors import ExoSimError, RecordingError
 from exo_sim.recording import read, selection
+from exo_sim.recording.health import check
 
 HEADING = "time [s],piston.pressure_1 [Pa]\n"
 BODY = "".join(f"{i * 0.001:.3f},{100000 + i}\n" for i in range(20))
@@ -226,3 +229,23 @@ def test_a_billion_rows_are_refused_before_they_are_read(tmp_path: Path, monkeyp
     monkeypatch.setattr(selection, "MOST_BYTES", 10_000)
     with pytest.raises(RecordingError, match="cut it into pieces"):
         read(short)
+
+
+@settings(max_examples=150, suppress_health_check=[HealthCheck.function_scoped_fixture])
+@given(
+    text=st.one_of(
+        st.binary(max_size=300),
+        st.text(alphabet='0123456789.,;\t\n-+eE[]"# aPst_', max_size=300).map(lambda s: s.encode()),
+        st.text(alphabet="0123456789.,;\n-enif#", max_size=400).map(lambda s: (HEADING + s).encode()),
+    ),
+    ending=st.sampled_from(["csv", "parquet", "rrd"]),
+)
+def test_no_file_ends_in_a_traceback(tmp_path: Path, text: bytes, ending: str) -> None:
+    path = file(tmp_path, text, f"any.{ending}")
+    try:
+        reading = read(path)
+    except ExoSimError as error:
+        assert "\n" not in str(error)
+    else:
+        assert (np.diff(reading.recording.time) > 0).all()
+        check(reading.recording)

@@ -57,6 +57,8 @@ def test_chatter_is_not_a_step() -> None:
     recording = walk()
     force = recording["foot_r.ground_force_z"].copy()
     force[3000:3020] = 0.0
+    force[3030:3035] = 0.0
+    force[3600:3605] = 300.0  # in the air
     rough = Recording("r", recording.time, {"foot_r.ground_force_z": force}, {"foot_r.ground_force_z": "N"})
     assert feet(rough)[0].contacts == feet(walk())[0].contacts
 

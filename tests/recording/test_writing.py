@@ -144,6 +144,13 @@ def test_an_rrd_without_signals(tmp_path: Path) -> None:
 
 def test_tabs_are_joints() -> None:
     assert list(tabs(walk())) == ["knee_r", "hip_r", "ground", "straps", "supply"]
+    more = {**walk().columns, "ankle_r.position": np.zeros(500), "torso_x.position": np.zeros(500)}
+    assert tabs(Recording("w", walk().time, more, {}))["other joints"] == [
+        "hip_r.position",
+        "hip_r.torque",
+        "ankle_r.position",
+        "torso_x.position",
+    ]
     bench = Recording("b", np.arange(3.0), {k: np.zeros(3) for k in ("piston.pressure_1", "slide.position")}, {})
     assert tabs(bench) == {"piston and slide": ["piston.pressure_1", "slide.position"]}
 

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from pathlib import Path
 
 import numpy as np
@@ -19,6 +19,7 @@ from exo_sim.physics.records import CYLINDER, JOINT
 from exo_sim.rig import EffectSetting, Finding, improved, parse
 
 NAMES = sorted(declared())
+FRICTION = [name for name in NAMES if declared()[name].cut == "motion" and name != "return_spring"]
 
 #: What takes the strength out of an effect whose other numbers stay as they are. Without an entry: all its numbers are zero.
 OFF: Mapping[str, Mapping[str, float]] = {
@@ -131,12 +132,11 @@ def test_off_is_the_paper_bit_for_bit(name: str, paper: dict[str, NDArray[np.flo
         assert (found[key] == values).all(), key
 
 
-@pytest.mark.parametrize("name", NAMES)
-@pytest.mark.parametrize("index", range(3))
-def test_known_limits(name: str, index: int) -> None:
-    if index >= len(LIMITS[name]):
-        pytest.skip("no more limits")
-    LIMITS[name][index]()
+@pytest.mark.parametrize(
+    "limit", [pytest.param(limit, id=f"{name}-{limit.__name__}") for name in NAMES for limit in LIMITS.get(name, ())]
+)
+def test_known_limits(limit: Callable[[], None]) -> None:
+    limit()
 
 
 @pytest.mark.parametrize("name", [name for name in NAMES if declared()[name].cut != "sensor"])
@@ -156,11 +156,9 @@ def test_shows_in_the_signals_that_it_names_and_nowhere_else(name: str, paper: d
         assert changed == {"force"}, "what resists the motion leaves the gas alone where the motion is given"
 
 
-@pytest.mark.parametrize("name", [name for name in NAMES if declared()[name].cut == "motion" and name != "return_spring"])
+@pytest.mark.parametrize("name", [name for name in FRICTION if "joint" in declared()[name].places])
 def test_friction_takes_work_and_never_gives_it(name: str) -> None:
     effect = declared()[name]
-    if "joint" not in effect.places:
-        pytest.skip("on a cylinder: see its limit")
     settings = {**ALONGSIDE.get(name, {}), name: numbers(effect)}
     found = slide(contact(**settings), 5.0, 0.0, lambda t, q: 80.0 * math.sin(9 * t), 1.5, 1e-3)
     free = slide(contact(), 5.0, 0.0, lambda t, q: 80.0 * math.sin(9 * t), 1.5, 1e-3)

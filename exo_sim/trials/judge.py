@@ -141,6 +141,10 @@ class _Target:
         self.values = {key: float(value["value"]) for key, value in entry["parameters"].items()}
         if self.kind == "calibration" and self.true_name in actual:
             self.values = {"factor": float(actual[self.true_name])}
+            if f"{self.true_name}_value" in actual:
+                self.values["value"] = float(actual[f"{self.true_name}_value"])
+        if self.kind == "outside":
+            self.values = {}
 
     def is_named_by(self, found: Mapping[str, Any]) -> bool:
         if found["name"] not in self.names:

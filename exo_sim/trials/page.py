@@ -205,7 +205,8 @@ def _confusion(axes: Axes, table: Mapping[str, Mapping[str, int]]) -> None:
     axes.set_yticks(range(len(rows)), rows)
     axes.set_xticks(range(len(columns)), columns, rotation=90)
     for i, j in np.argwhere(counts > 0):
-        axes.text(j, i, f"{counts[i, j]:.0f}", ha="center", va="center", fontsize=6)
+        axes.text(j, i, f"{counts[i, j]:.0f}", ha="center", va="center", fontsize=6,
+                  color="white" if counts[i, j] > 0.5 * counts[i].sum() else "black")
 
 
 def _coverage(axes: Axes, entries: Mapping[str, Mapping[str, Any]]) -> None:

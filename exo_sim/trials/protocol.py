@@ -105,6 +105,8 @@ def make_one(plan: Plan, folder: Path, key: str, duration: float, fmt: str = "pa
         "dead_volume": (case.machine["dead_1"] + case.machine["dead_2"])
         / (case.believed.dead_1 + case.believed.dead_2),
         "payload_mass": case.machine["load_mass"] / case.believed.mass,
+        "flow_capacity_value": case.machine["valve_area"],
+        "payload_mass_value": case.machine["load_mass"],
     }
     return _seal_one(plan, folder, [where / "rig.toml", where / "bench.xml", *paths], truth, key)
 

@@ -8,15 +8,15 @@ import numpy as np
 from numpy.typing import NDArray
 
 from exo_sim.control.valve_control import MODEL, PI, force_limits, invert, pi
-from exo_sim.gait.motion import look_up, reference
-from exo_sim.machine.person import pose_bodies, segment_poses
+from exo_sim.gait.motion import Motion, look_up, reference
+from exo_sim.machine.person import Person, pose_bodies, segment_poses
 from exo_sim.machine.straps import pull
 from exo_sim.physics import plant
 from exo_sim.physics.compiled import kernel
 from exo_sim.physics.gas import critical_ratio
 from exo_sim.physics.state import DRAWN, INTEGRATED
+from exo_sim.simulation.coupling import advance_gas, compute_forces
 from exo_sim.simulation.native import call
-from exo_sim.simulation.plugin import advance_gas, compute_forces
 
 Array = NDArray[np.float64]
 Index = NDArray[np.int64]
@@ -308,3 +308,21 @@ def run(first, count, addresses, settings, world, wearer, drives, gas, log):
             drives.made[i] = world.ctrl[drives.actuators[i]]
         call(addresses.step2, addresses.model, addresses.data)
         _log(log[k - first], time, cycles, settings, world, wearer, drives, gas)
+
+
+@kernel
+def _segments_along(cycles, period, advance, position, slope, lengths, q, v, out):
+    for i in range(cycles.size):
+        reference(cycles[i], period, advance, position, slope, q, v)
+        segment_poses(q, v, lengths, out[i])
+
+
+def person_along(time: Array, motion: Motion, person: Person) -> Array:
+    """Return the person's segments at some times [s], shape (n, 7, 6), as the loop has them."""
+    position, slope = motion.tables()
+    out = np.empty((len(time), 7, 6))
+    _segments_along(
+        time / motion.period, motion.period, motion.advance, position, slope, person.lengths(), np.empty(9),
+        np.empty(9), out,
+    )  # fmt: skip
+    return out

@@ -10,9 +10,10 @@ from numpy.typing import NDArray
 
 from exo_sim.errors import ModelError, nearest
 from exo_sim.machine.linkage import linkages, moment_row
-from exo_sim.physics.compiled import kernel
-from exo_sim.physics.pneumatics import Books, joint_forces, rod_forces, step
+from exo_sim.physics.pneumatics import Books
 from exo_sim.rig import Rig, assembly
+from exo_sim.simulation.coupling import advance_gas, compute_forces
+from exo_sim.simulation.wiring import Wiring, advance_and_compute
 
 
 @dataclass(frozen=True)
@@ -33,48 +34,6 @@ class Snapshot:
     positions: NDArray[np.float64]
     start: NDArray[np.float64]
     time: float
-
-
-@kernel
-def compute_forces(
-    world, cylinders, joints, vector, actuators, retracted, length, velocity, dofs, addresses, qpos, qvel,
-    ctrl, applied, x, v, force, q, qd, own, felt,
-):  # fmt: skip
-    """Write the rod forces into `ctrl` and what the joints' own friction adds into `applied`.
-
-    `felt` keeps what was added last, so that forces from others in `applied` stay.
-    """
-    for i in range(len(cylinders)):
-        x[i] = length[actuators[i]] - retracted[i]
-        v[i] = velocity[actuators[i]]
-    rod_forces(world, cylinders, vector, x, v, force)
-    for i in range(len(cylinders)):
-        ctrl[actuators[i]] = force[i]
-    if len(joints) > 0:
-        for i in range(len(joints)):
-            q[i] = qpos[addresses[i]]
-            qd[i] = qvel[dofs[i]]
-        joint_forces(joints, vector[vector.size - len(joints) :], q, qd, own)
-        for i in range(len(joints)):
-            applied[dofs[i]] += own[i] - felt[i]
-            felt[i] = own[i]
-
-
-@kernel
-def advance_gas(
-    world, cylinders, joints, vector, history, actuators, retracted, length, addresses, qpos, command, dt,
-    x, x1, q, q1, work, scratch,
-):  # fmt: skip
-    """Move the gas on over the step that MuJoCo has just taken; x and q become where it ended."""
-    for i in range(len(cylinders)):
-        x1[i] = length[actuators[i]] - retracted[i]
-    for i in range(len(joints)):
-        q1[i] = qpos[addresses[i]]
-    step(world, cylinders, joints, vector, history, x, x1, q, q1, command, dt, work, scratch)
-    for i in range(len(cylinders)):
-        x[i] = x1[i]
-    for i in range(len(joints)):
-        q[i] = q1[i]
 
 
 class PneumaticPlugin:
@@ -125,6 +84,10 @@ class PneumaticPlugin:
         self._q, self._q1, self._qd, self._own, self._felt = np.zeros((5, m))
         self._time = 0.0
         self._turning = any(effect.turning for effect in rig.effects)
+        self._wiring: Wiring | None = None
+
+    def __getstate__(self) -> dict[str, object]:
+        return {**self.__dict__, "_wiring": None}  # a copy's arrays are elsewhere
 
     @property
     def force(self) -> NDArray[np.float64]:
@@ -212,8 +175,17 @@ class PneumaticPlugin:
     def step(self, data: mujoco.MjData) -> None:
         """Bring the gas up to now, write the forces, and let MuJoCo take one step under them."""
         mujoco.mj_step1(self.model, data)
-        self.advance(data)
-        self.compute(data)
+        if self._turning:
+            self.advance(data)
+            self.compute(data)
+        else:
+            if self._wiring is None or not self._wiring.holds(self, data):
+                self._wiring = Wiring(self, data)
+            time = data.time
+            late = time > self._time + 0.5 * self.dt
+            advance_and_compute(self._wiring.addresses, late)
+            if late:
+                self._time = time
         mujoco.mj_step2(self.model, data)
 
     def snapshot(self, data: mujoco.MjData) -> Snapshot:

@@ -135,8 +135,13 @@ def _signals(stream: Any, recording: Recording, leaf: str, overlaid: Mapping[str
             path, name, colour = f"{key}/{leaf}", leaf, _COLOURS.get(leaf, colour)
             width = 1.2 if leaf == "recorded" else 4.0  # drawn last and thin, so that the others show behind it
         stream.send_columns(path, indexes=index, columns=rr.Scalars.columns(scalars=values))
-        stream.log(path, rr.SeriesLines(names=name, colors=[colour], widths=[width]), static=True)
-        stream.log(key, rr.AnyValues(unit=recording.units[key]), static=True)
+        line = rr.SeriesLines(names=name, colors=[colour], widths=[width])
+        unit = rr.AnyValues(unit=recording.units[key])
+        if path == key:
+            stream.log(path, line, unit, static=True)
+        else:
+            stream.log(path, line, static=True)
+            stream.log(key, unit, static=True)
 
 
 def _lane(stream: Any, name: str, lane: Lane) -> None:

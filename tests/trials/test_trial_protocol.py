@@ -265,3 +265,29 @@ def test_nine_of_ten_finds_the_knee():
     assert nine_of_ten(marks) == pytest.approx(1.5 * 9 ** (1 / 4), rel=0.25)
     assert figures(marks)["detection"]["curve"][-1]["share"] > 0.9
     assert nine_of_ten([dataclasses.replace(mark, found=(False,)) for mark in marks]) is None
+
+
+@pytest.mark.slow
+def test_a_scheduler_gives_the_same_verdicts(trial, tmp_path):
+    from distributed import LocalCluster
+
+    tool = f"{sys.executable} {trial / 'tool.py'}"
+    other = tmp_path / "other"
+    shutil.copytree(trial / "trial", other)
+    protocol.run(trial / "trial", tool, quiet=True)
+    with LocalCluster(n_workers=1, threads_per_worker=2, processes=False, dashboard_address=None) as cluster:
+        protocol.run(other, tool, scheduler=cluster.scheduler_address, quiet=True)
+    kept = [
+        [(record["case"], record["diagnosis"]) for record in protocol.ledger_of(folder).records()]
+        for folder in (trial / "trial", other)
+    ]
+    assert kept[0] == kept[1]
+
+
+def test_the_same_seed_makes_the_same_cases(tmp_path):
+    one, two = (
+        protocol.make(tmp_path / name, 3, 5, tmp_path / f"{name}.key", duration=4.0, jobs=jobs, quiet=True)
+        for name, jobs in (("a", 1), ("b", 2))
+    )
+    assert [entry["files"] for entry in one["cases"].values()] == [entry["files"] for entry in two["cases"].values()]
+    assert one["cases"]["case_0001"]["commitment"] != two["cases"]["case_0001"]["commitment"]

@@ -4,12 +4,20 @@ from __future__ import annotations
 
 from exo_sim.physics import chamber, cylinder, valve
 from exo_sim.physics.compiled import kernel
-from exo_sim.physics.effects import exhaust_back_pressure, supply_droop, supply_regulator, valve_null_leakage
+from exo_sim.physics.effects import (
+    exhaust_back_pressure,
+    line_restriction,
+    supply_droop,
+    supply_regulator,
+    valve_null_leakage,
+)
 from exo_sim.physics.state import (
     ENERGY_1,
     ENERGY_2,
     EXHAUST_ENERGY,
     EXHAUST_MASS,
+    HOSE_ENERGY_1,
+    HOSE_ENERGY_2,
     MASS_1,
     MASS_2,
     SUPPLY_ENERGY,
@@ -33,6 +41,18 @@ def pressures(world, c, y, base: int, x: float) -> tuple[float, float]:
     if c.single_acting > 0.0:
         return p_1, world.atmosphere
     return p_1, chamber.pressure(y[base + ENERGY_2], v_2, world.k)
+
+
+@kernel
+def sensed_pressures(world, c, y, base: int, x: float) -> tuple[float, float]:
+    """Return the absolute pressures where the sensors sit [Pa]: in the chambers, or at the valve's end of the hoses."""
+    if line_restriction.present(c.line_restriction) and c.line_restriction.sensor > 0.0:
+        hose = c.line_restriction.volume
+        p_1 = chamber.pressure(y[base + HOSE_ENERGY_1], hose, world.k)
+        return p_1, chamber.pressure(
+            y[base + HOSE_ENERGY_2], hose, world.k
+        ) if c.single_acting == 0.0 else world.atmosphere
+    return pressures(world, c, y, base, x)
 
 
 @kernel

@@ -29,7 +29,15 @@ from exo_sim.physics.effects import (
     wall_heat_transfer,
 )
 from exo_sim.physics.integrator import COEFFICIENTS
-from exo_sim.physics.nodes import exhaust_state, path_areas, pressures, supply_state, temperatures, volumes
+from exo_sim.physics.nodes import (
+    exhaust_state,
+    path_areas,
+    pressures,
+    sensed_pressures,
+    supply_state,
+    temperatures,
+    volumes,
+)
 from exo_sim.physics.pace import MOST_STEPS, step_length
 from exo_sim.physics.resistance import dry_level, move_bristle
 from exo_sim.physics.state import (
@@ -72,7 +80,16 @@ from exo_sim.physics.state import (
 )
 from exo_sim.physics.transmission import gives, piston_at
 
-__all__ = ["advance", "cylinder_rates", "integrate", "pressures", "rates", "temperatures", "volumes"]
+__all__ = [
+    "advance",
+    "cylinder_rates",
+    "integrate",
+    "pressures",
+    "rates",
+    "sensed_pressures",
+    "temperatures",
+    "volumes",
+]
 
 
 @kernel

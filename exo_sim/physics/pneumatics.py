@@ -8,7 +8,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from exo_sim.physics import plant, state
+from exo_sim.physics import nodes, plant, state
 from exo_sim.physics.compiled import kernel
 from exo_sim.physics.cylinder import rod_force
 from exo_sim.physics.effects import unknown
@@ -45,6 +45,18 @@ def rod_forces(world, cylinders, state_vector, x, v, force):
             push = rod_force(p_1, p_2, c.area_1, c.area_2, world.atmosphere)
             push += unknown.acting(c.unknown, 0, x[i], v[i], p_1, p_2)
             force[i] = push - piston_resistance(c, memory[place + state.BRISTLE], x[i], v[i], g_1, g_2)
+
+
+@kernel
+def sensed_pressures(world, cylinders, state_vector, i: int, x: float) -> tuple[float, float]:
+    """Return the absolute pressures that cylinder i's sensors read [Pa], with the joint's side at x.
+
+    The piston may be elsewhere than the joint has it, and the sensors at the valve's end of the hoses.
+    """
+    c = cylinders[i]
+    n = len(cylinders)
+    here = state_vector[n * state.INTEGRATED + state.SHARED + i * state.REMEMBERED + state.PISTON] if gives(c) else x
+    return nodes.sensed_pressures(world, c, state_vector, i * state.INTEGRATED, here)
 
 
 @kernel
@@ -243,6 +255,11 @@ class Pneumatics:
                 for i, c in enumerate(self.cylinders)
             ]
         )
+
+    def sensed_pressures(self, x: NDArray[np.float64]) -> NDArray[np.float64]:
+        """Return the pressures that the sensors read with the joints' sides at x, shape (n, 2) [Pa]."""
+        world, n = self.world[0], len(self.cylinders)
+        return np.array([sensed_pressures(world, self.cylinders, self.vector, i, x[i]) for i in range(n)])
 
     def temperatures(self) -> NDArray[np.float64]:
         """Return both gas temperatures, shape (n, 2) [K]."""

@@ -14,6 +14,7 @@ from exo_sim.machine.straps import pull
 from exo_sim.physics import plant
 from exo_sim.physics.compiled import kernel
 from exo_sim.physics.gas import critical_ratio
+from exo_sim.physics.pneumatics import sensed_pressures
 from exo_sim.physics.state import DRAWN, INTEGRATED
 from exo_sim.simulation.coupling import advance_gas, compute_forces
 from exo_sim.simulation.native import call
@@ -189,7 +190,7 @@ def _open_valves(first, settings, world, drives, gas):
         c, w = gas.cylinders[i], gas.world[0]
         x = gas.x[i]
         v = world.actuator_velocity[drives.actuators[i]]
-        p_1, p_2 = plant.pressures(w, c, gas.vector, i * INTEGRATED, x)
+        p_1, p_2 = sensed_pressures(w, gas.cylinders, gas.vector, i, x)
         force = p_1 * c.area_1 - p_2 * c.area_2 - w.atmosphere * (c.area_1 - c.area_2)
         error = drives.wanted[i] - force
         if settings.controller == PI:
@@ -250,7 +251,7 @@ def _log(row, time, cycles, settings, world, wearer, drives, gas):
         critical = critical_ratio(w.k)
         for i in range(drives.actuators.size):
             c = gas.cylinders[i]
-            p_1, p_2 = plant.pressures(w, c, gas.vector, i * INTEGRATED, gas.x[i])
+            p_1, p_2 = sensed_pressures(w, gas.cylinders, gas.vector, i, gas.x[i])
             t_1, t_2 = plant.temperatures(w, gas.vector, i * INTEGRATED)
             u = drives.command[i]
             filled, emptied = (p_1, p_2) if u > 0.0 else (p_2, p_1)

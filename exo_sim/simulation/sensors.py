@@ -1,0 +1,33 @@
+"""What the sensors of a rig make of what was simulated."""
+
+from __future__ import annotations
+
+import importlib
+from dataclasses import replace
+
+from exo_sim.errors import RigError, nearest
+from exo_sim.physics.effects.declaration import declared
+from exo_sim.recording.table import Recording
+from exo_sim.rig import Rig
+
+#: A sensor first is late, then reads in proportion, then is off: reading = factor * truth(t - delay) + bias.
+ORDER = ("sensor_delay", "sensor_scale", "sensor_bias")
+
+
+def observe(recording: Recording, rig: Rig) -> Recording:
+    """Return the recording as the rig's sensors would have taken it; what has no sensor effect stays as it is.
+
+    Raises:
+        RigError: a sensor effect names a column that the recording does not have.
+    """
+    columns = dict(recording.columns)
+    sensing = [setting for setting in rig.effects if declared()[setting.name].cut == "sensor"]
+    for setting in sorted(sensing, key=lambda each: ORDER.index(each.name) if each.name in ORDER else len(ORDER)):
+        if setting.where not in columns:
+            raise RigError(
+                f'{rig.path}: [effects.{setting.name}."{setting.where}"]: no such column in {recording.name}'
+                f"{nearest(setting.where, columns)}"
+            )
+        module = importlib.import_module(f"exo_sim.physics.effects.{setting.name}")
+        columns[setting.where] = module.read(columns[setting.where], recording.time, **setting.parameters)
+    return replace(recording, columns=columns) if sensing else recording

@@ -12,8 +12,8 @@ from exo_sim.errors import ModelError, nearest
 from exo_sim.machine.linkage import linkages, moment_row
 from exo_sim.physics.pneumatics import Books
 from exo_sim.rig import Rig, assembly
+from exo_sim.simulation.bound_arrays import BoundArrays, advance_and_compute
 from exo_sim.simulation.coupling import advance_gas, compute_forces
-from exo_sim.simulation.wiring import Wiring, advance_and_compute
 
 
 @dataclass(frozen=True)
@@ -84,10 +84,10 @@ class PneumaticPlugin:
         self._q, self._q1, self._qd, self._own, self._felt = np.zeros((5, m))
         self._time = 0.0
         self._turning = any(effect.turning for effect in rig.effects)
-        self._wiring: Wiring | None = None
+        self._bound: BoundArrays | None = None
 
     def __getstate__(self) -> dict[str, object]:
-        return {**self.__dict__, "_wiring": None}  # a copy's arrays are elsewhere
+        return {**self.__dict__, "_bound": None}  # a copy's arrays are elsewhere
 
     @property
     def force(self) -> NDArray[np.float64]:
@@ -179,11 +179,11 @@ class PneumaticPlugin:
             self.advance(data)
             self.compute(data)
         else:
-            if self._wiring is None or not self._wiring.holds(self, data):
-                self._wiring = Wiring(self, data)
+            if self._bound is None or not self._bound.hold(self, data):
+                self._bound = BoundArrays(self, data)
             time = data.time
             late = time > self._time + 0.5 * self.dt
-            advance_and_compute(self._wiring.addresses, late)
+            advance_and_compute(self._bound.addresses, late)
             if late:
                 self._time = time
         mujoco.mj_step2(self.model, data)

@@ -1,10 +1,11 @@
-"""From a rig to its MuJoCo model: the MJCF as it stands, with the masses that the rig knows better."""
+"""From a rig to its MuJoCo model: the MJCF as it stands, with the masses and attachment points that the rig knows better."""
 
 from __future__ import annotations
 
 import mujoco
 
 from exo_sim.errors import ModelError, nearest
+from exo_sim.machine.attachment import attach
 from exo_sim.rig import Rig
 
 
@@ -55,7 +56,9 @@ def load(rig: Rig) -> mujoco.MjModel:
     Raises:
         ModelError: as `spec` and `compiled`.
     """
-    return compiled(spec(rig), rig)
+    model = compiled(spec(rig), rig)
+    attach(model, rig)
+    return model
 
 
 def _one_line(error: Exception) -> str:

@@ -7,7 +7,7 @@ from pathlib import Path
 
 from exo_sim.errors import RigError
 from exo_sim.rig.effects import read_effects
-from exo_sim.rig.schema import Ankle, Cylinder, Environment, Rig, Supply, Wearer
+from exo_sim.rig.schema import Ankle, Attachment, Cylinder, Environment, Rig, Supply, Wearer
 from exo_sim.rig.table import Table
 
 ANKLE_MODES = ("free", "sprung", "powered")
@@ -125,9 +125,18 @@ def _cylinder(name: str, part: Table) -> Cylinder:
         part.quantity("dead_volume_2", "m^3", default=0.0, at_least=0.0),
         part.text("acting", default="double", choices=("double", "single")) == "single",
         area,
+        _attachment(part.table("attachment", required=False)),
     )
     part.done()
     return cylinder
+
+
+def _attachment(part: Table | None) -> Attachment | None:
+    if part is None:
+        return None
+    found = Attachment(*(part.quantities(key, "m", ("x", "z")) for key in ("from", "to")))
+    part.done()
+    return found
 
 
 def _worn(table: Table) -> tuple[Wearer, Ankle]:

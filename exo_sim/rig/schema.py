@@ -25,8 +25,22 @@ class Supply:
 
 
 @dataclass(frozen=True)
+class Attachment:
+    """Where a cylinder's ends hang, from the axis of the joint that it drives, x forward and z up with all joints at zero [m].
+
+    Attributes:
+        base: "from" in the file: (x, z) of the first end, on the tendon's first site.
+        rod: "to" in the file: (x, z) of the rod's end, on the tendon's last site.
+    """
+
+    base: tuple[float, float]
+    rod: tuple[float, float]
+
+
+@dataclass(frozen=True)
 class Cylinder:
-    """One cylinder with its valve; lengths in m, volumes in m^3, areas in m^2. `valve_area` is 0 where there is no valve."""
+    """One cylinder with its valve; lengths in m, volumes in m^3, areas in m^2. `valve_area` is 0 where there is no valve.
+    `attachment` is None where the MJCF's own points stand."""
 
     name: str
     actuator: str
@@ -38,6 +52,7 @@ class Cylinder:
     dead_volume_2: float
     single_acting: bool
     valve_area: float
+    attachment: Attachment | None = None
 
     @property
     def area_1(self) -> float:

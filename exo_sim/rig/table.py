@@ -87,6 +87,20 @@ class Table:
             raise self.fail(key, f"must not be less than {at_least:g} {si_unit}")
         return value
 
+    def quantities(self, key: str, si_unit: str, names: tuple[str, str]) -> tuple[float, float]:
+        """Return a pair of quantities in SI, which `names` call for messages."""
+        example = f'give it like {key} = ["1 {si_unit}", "2 {si_unit}"], {names[0]} and {names[1]}'
+        if not self.has(key):
+            raise RigError(f"{self.path}: {self.name(key)} is missing{_near(key, self.values)}: {example}")
+        held = self.values[key]
+        if not isinstance(held, list) or len(held) != 2:
+            raise self.fail(key, f"must be a pair: {example}")
+        try:
+            first, second = (units.parse(_plain(value), si_unit) for value in held)
+        except UnitError as error:
+            raise RigError(f"{self.path}: {self.name(key)}: {error}") from None
+        return first, second
+
     def done(self) -> None:
         """Refuse keys that nobody asked for."""
         for key in self.values:

@@ -86,7 +86,7 @@ def _written_into(
     for finding in effects:
         effect = declared()[finding.setting.name]
         if not _set_anew(document, effect, finding):
-            new.append(_table(effect, _absorb(document, rig, effect, finding)))
+            new.append(table_text(effect, _absorb(document, rig, effect, finding)))
     text = tomlkit.dumps(document)
     return "\n".join([text.rstrip("\n") + "\n", *new]) if new else text
 
@@ -184,8 +184,8 @@ def _absorb(document: tomlkit.TOMLDocument, rig: Rig, effect: Effect, finding: F
     return finding
 
 
-def _table(effect: Effect, finding: Finding) -> str:
-    """Return a new table as text, each number with its interval in a comment."""
+def table_text(effect: Effect, finding: Finding) -> str:
+    """Return an effect's table as text, each number with its interval in a comment."""
     setting = finding.setting
     rows = []
     for parameter, value in _given(effect, setting):

@@ -23,6 +23,10 @@ EFFECT = Effect(
     reveals=("position", "force"),
     mistaken_for=("coulomb_friction", "sensor_bias", "return_spring"),
     experiment="slow triangles with both chambers open to the atmosphere: a bias then cannot come from pressure sensors",
+    convention=(
+        "forward and backward are the whole dry friction of each direction: this effect takes the place of "
+        "coulomb_friction. Forward is towards larger position (outwards)."
+    ),
     signature="the loop of force against position is not centred on the load",
 )
 

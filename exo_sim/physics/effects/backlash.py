@@ -29,6 +29,10 @@ EFFECT = Effect(
     needs=("pressure_1",),
     mistaken_for=("transmission_compliance", "valve_deadband", "dead_volume", "stribeck_friction"),
     experiment="seal the chambers and reverse a small load: the width of the play does not depend on the load",
+    convention=(
+        "gap is the whole play from one contact to the other, at the rod [m], or at the joint where it is "
+        "given for one."
+    ),
     signature="a flat stretch at every reversal of load, with a knock at its end",
 )
 

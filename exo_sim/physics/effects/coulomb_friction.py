@@ -15,6 +15,10 @@ EFFECT = Effect(
     reveals=("position", "force"),
     mistaken_for=("pressure_dependent_friction", "asymmetric_friction", "stribeck_friction", "valve_deadband"),
     experiment="slow triangles at two mean pressures",
+    convention=(
+        "force is one direction's; the loop between both directions is twice as high. On a turning joint the "
+        "key may be written torque."
+    ),
     signature="pressure difference against position is a loop of constant height; the piston sticks at reversals",
 )
 

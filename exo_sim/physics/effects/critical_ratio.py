@@ -22,6 +22,7 @@ EFFECT = Effect(
     needs=("valve_command",),
     mistaken_for=("flow_capacity", "line_restriction", "supply_droop", "exhaust_back_pressure"),
     experiment="lock the rod, fill and vent completely at one opening: the first half gives the size, the rest the ratio",
+    convention="choked flow stays the nozzle's; only the ratio at which it chokes and the subsonic curve change.",
     signature="the end of every fill, and every vent below twice the atmosphere, is slower",
 )
 

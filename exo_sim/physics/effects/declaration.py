@@ -72,6 +72,7 @@ class Effect:
         check: Of a place's kind and the numbers, each within bounds, says in words what is wrong with them together, or "".
         needs_valve: True where it acts in a valve, so that a cylinder without one cannot have it.
         signature: What it looks like in a recording.
+        convention: What its numbers mean exactly, where they could be read in two ways.
     """
 
     name: str
@@ -87,6 +88,7 @@ class Effect:
     needs: tuple[str, ...] = ()
     any_of: tuple[tuple[str, ...], ...] = ()
     requires: str = ""
+    convention: str = ""
     absorbs: tuple[tuple[str, tuple[tuple[str, str], ...]], ...] = ()
     needs_valve: bool = False
     check: Callable[[str, Mapping[str, float], Mapping[str, tuple[float, ...]]], str] | None = None

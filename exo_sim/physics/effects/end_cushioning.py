@@ -19,6 +19,7 @@ EFFECT = Effect(
     needs=("position",),
     mistaken_for=("line_restriction", "unknown"),
     experiment="turn the cushion needle, or stop short of the end",
+    convention="length is counted from the piston's ends of travel, X = 0 and X = stroke; both cushions are alike.",
     signature="a pressure spike tied to position; the start from the end is not slowed",
 )
 

@@ -23,6 +23,7 @@ EFFECT = Effect(
     reveals=("pressure_1", "pressure_2", "exhaust.pressure"),
     mistaken_for=("critical_ratio", "line_restriction", "sensor_bias"),
     experiment="take the silencer off, or record the exhaust pressure",
+    convention="one manifold for all cylinders; area is that of the way out of it.",
     signature="the floor of a venting chamber rises with the flow and is gone at rest",
 )
 

@@ -28,6 +28,7 @@ EFFECT = Effect(
     reveals=("pressure_1", "pressure_2"),
     mistaken_for=("piston_leakage", "valve_null_leakage", "wall_heat_transfer", "sensor_bias"),
     experiment="close every path at equal pressures and hold longer than five thermal time constants",
+    convention="inertial belongs to both porous paths: p^2 - p_atm^2 = w/laminar + inertial w^2.",
     signature="one chamber falls towards the atmosphere and never rests above it; the other does not rise",
 )
 

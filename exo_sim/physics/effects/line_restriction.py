@@ -34,6 +34,7 @@ EFFECT = Effect(
     needs=("valve_command",),
     mistaken_for=("flow_capacity", "critical_ratio", "valve_lag", "dead_volume"),
     experiment="measure the pressure at both ends of the hose during a fill, or double its length",
+    convention="the hose's volume comes on top of the dead volumes of the rig; both hoses are alike.",
     signature="flow saturates at large openings; a sensor at the valve jumps when the flow starts and stops",
 )
 

@@ -19,6 +19,10 @@ EFFECT = Effect(
     reveals=("pressure_1", "pressure_2"),
     mistaken_for=("wall_heat_transfer",),
     experiment="repeat one fill and hold from cold, then after five minutes of work",
+    convention=(
+        "heat_capacity and outside_conductance are one chamber's; both chambers are alike. The outside is the"
+        " environment of the rig."
+    ),
     signature="the plateau after a fill drifts; the loop of a driven sealed piston shrinks over minutes",
 )
 

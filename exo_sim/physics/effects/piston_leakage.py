@@ -30,6 +30,10 @@ EFFECT = Effect(
     reveals=("pressure_1", "pressure_2"),
     mistaken_for=("valve_null_leakage", "external_leakage", "wall_heat_transfer"),
     experiment="block both ports at the cylinder and hold, once with equal and once with unequal pressures",
+    convention=(
+        "+ or - is by pressure; area is an orifice, laminar a gap: w = laminar (p1^2 - p2^2). In a single-"
+        "acting cylinder chamber 2 is the atmosphere."
+    ),
     signature="closed chambers converge; nothing happens at equal pressures",
 )
 

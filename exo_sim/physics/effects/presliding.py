@@ -37,6 +37,11 @@ EFFECT = Effect(
     reveals=("position", "force"),
     mistaken_for=("transmission_compliance", "stribeck_friction", "backlash"),
     experiment="small force cycles below breakaway, position measured at the piston: presliding saturates, compliance does not",
+    convention=(
+        "LuGre with the levels of Coulomb, asymmetric, pressure-dependent and Stribeck friction at the same "
+        "part; alone it does nothing. A contact stiffer than the time step resolves is softened to what it "
+        "does."
+    ),
     signature="reversals turn round over 0.05-0.3 mm instead of at once",
 )
 

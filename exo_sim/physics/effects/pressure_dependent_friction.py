@@ -18,6 +18,7 @@ EFFECT = Effect(
     needs=("pressure_1",),
     mistaken_for=("coulomb_friction", "viscous_friction"),
     experiment="slow triangles at 2 and at 6 bar mean pressure",
+    convention="force = coefficient x (gauge pressure 1 + gauge pressure 2), in addition to other dry friction.",
     signature="the loop of force against velocity is fatter at high pressure",
 )
 

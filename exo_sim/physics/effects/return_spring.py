@@ -28,6 +28,10 @@ EFFECT = Effect(
     reveals=("position", "force"),
     mistaken_for=("payload_mass", "asymmetric_friction", "sensor_bias"),
     experiment="hold still at three positions",
+    convention=(
+        "on a cylinder, rest is a piston position X from the far left end; on a joint it is the joint's "
+        "coordinate. + stiffness pulls towards rest."
+    ),
     signature="balance of forces drifts in proportion to position",
 )
 

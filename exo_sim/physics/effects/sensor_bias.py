@@ -17,6 +17,7 @@ EFFECT = Effect(
     reveals=(),
     mistaken_for=("asymmetric_friction", "valve_offset", "external_leakage"),
     experiment="vent both chambers and read the sensor against the barometer",
+    convention="reading = factor x truth + bias, of the same column, after its delay.",
     signature="the same error at every level and speed",
 )
 

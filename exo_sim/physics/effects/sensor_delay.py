@@ -17,6 +17,7 @@ EFFECT = Effect(
     reveals=(),
     mistaken_for=("valve_lag", "wall_heat_transfer"),
     experiment="move a sealed piston by hand: its pressure must lead",
+    convention="+ is late: the sensor shows the truth of that many seconds before.",
     signature="the same delay in all events of one channel",
 )
 

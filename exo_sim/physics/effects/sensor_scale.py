@@ -27,6 +27,7 @@ EFFECT = Effect(
     reveals=(),
     mistaken_for=("payload_mass", "flow_capacity", "dead_volume"),
     experiment="read the sensor against a reference at two levels",
+    convention="reading = factor x truth + bias, of the same column, after its delay.",
     signature="an error in proportion to the reading",
 )
 

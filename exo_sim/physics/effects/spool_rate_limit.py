@@ -17,6 +17,7 @@ EFFECT = Effect(
     needs=("valve_command",),
     mistaken_for=("valve_lag",),
     experiment="lock the rod and step the command by a tenth and by the whole: the time grows with the step",
+    convention="full travel from closed to open is 1.",
     signature="opening grows as a ramp after a large step; small signals are untouched",
 )
 

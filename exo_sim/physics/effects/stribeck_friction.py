@@ -28,6 +28,10 @@ EFFECT = Effect(
     reveals=("position", "force"),
     mistaken_for=("coulomb_friction", "viscous_friction", "presliding", "backlash"),
     experiment="slow triangles at three speeds between 1 and 100 mm/s",
+    convention=(
+        "breakaway is the whole force at rest, not what it has more than Coulomb's; the excess falls as "
+        "exp(-(v/velocity)^2)."
+    ),
     signature="the piston jumps when it starts; friction falls over the first centimetres a second",
 )
 

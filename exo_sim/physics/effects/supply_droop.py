@@ -18,6 +18,7 @@ EFFECT = Effect(
     reveals=("supply.pressure", "pressure_1", "pressure_2"),
     mistaken_for=("supply_regulator", "critical_ratio", "valve_null_leakage"),
     experiment="record the supply pressure; work for ten seconds and wait for thirty",
+    convention="one accumulator for all cylinders; its feed has a check valve.",
     signature="supply dips in phase with the strokes and recovers slowly",
 )
 

@@ -21,6 +21,7 @@ EFFECT = Effect(
     reveals=("supply.pressure", "pressure_1", "pressure_2"),
     mistaken_for=("supply_droop", "critical_ratio"),
     experiment="record the supply pressure under two constant flows",
+    convention="hysteresis is the whole width in pressure; with supply_droop the regulator feeds the accumulator.",
     signature="supply falls at once with flow and returns at once",
 )
 

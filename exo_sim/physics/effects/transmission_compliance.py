@@ -26,6 +26,10 @@ EFFECT = Effect(
     needs=("pressure_1",),
     mistaken_for=("dead_volume", "backlash", "payload_mass", "presliding"),
     experiment="seal the chambers and load the joint at two pressures: the gas part of the give scales with pressure",
+    convention=(
+        "on a cylinder, stiffness along the rod; on a joint, of its drive. Both together are in series. "
+        "Position is recorded on the joint's side."
+    ),
     signature="chambers behave as if larger under load; a second resonance",
 )
 

@@ -51,6 +51,11 @@ EFFECT = Effect(
     reveals=("pressure_1", "pressure_2", "position", "force"),
     mistaken_for=(),
     experiment="move that one signal alone, slowly and then fast, and look whether the curve stays",
+    convention=(
+        "force: + pushes the rod out, or the joint along +. flow: + fills the chamber with gas of the "
+        "environment's temperature. Position is the piston's X, or the joint's coordinate. Beyond its ends "
+        "the curve keeps its last value."
+    ),
     signature="what is left unexplained is a function of one signal",
 )  # fmt: skip
 

@@ -19,6 +19,10 @@ EFFECT = Effect(
     needs=("valve_command",),
     mistaken_for=("flow_capacity", "valve_hysteresis", "coulomb_friction", "backlash"),
     experiment="lock the rod and ramp the command slowly through zero at two openings",
+    convention=(
+        "width is counted from zero to either side; full opening stays at full command: opening = (|u| - "
+        "width)/(1 - width)."
+    ),
     signature="the command crosses zero without an answer in pressure; flow starts at the width",
 )
 

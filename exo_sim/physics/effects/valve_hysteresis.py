@@ -19,6 +19,7 @@ EFFECT = Effect(
     needs=("valve_command",),
     mistaken_for=("valve_deadband", "valve_lag", "backlash"),
     experiment="lock the rod and loop the command slowly between different turning points",
+    convention="width is that of the whole loop, in units of command, from -1 to 1.",
     signature="flow against command is a loop of constant width, whatever the rate",
 )
 

@@ -25,6 +25,10 @@ EFFECT = Effect(
     needs=("valve_command",),
     mistaken_for=("sensor_delay", "spool_rate_limit", "line_restriction"),
     experiment="lock the rod and step the command by two sizes; chirp it: a delay turns the phase in proportion to frequency",
+    convention=(
+        "the command first waits for the delay, then the spool follows it in first order; a rate limit comes "
+        "after that."
+    ),
     signature="onset of dP/dt rounded and late, in proportion to nothing but time",
 )
 

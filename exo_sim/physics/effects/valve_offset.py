@@ -21,6 +21,7 @@ EFFECT = Effect(
     needs=("valve_command",),
     mistaken_for=("valve_null_leakage", "sensor_bias"),
     experiment="lock the rod, command plus and minus the same small value",
+    convention="shift is added to the spool after lag and hysteresis and before the dead-band.",
     signature="one chamber fills and the other vents at zero command",
 )
 

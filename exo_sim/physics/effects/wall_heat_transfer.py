@@ -22,6 +22,10 @@ EFFECT = Effect(
     reveals=("pressure_1", "pressure_2"),
     mistaken_for=("external_leakage", "piston_leakage", "viscous_friction"),
     experiment="fill fast, close every path and wait ten seconds; then vent fast, close and wait: heat reverses its sign and stops",
+    convention=(
+        "conductance is heat transfer coefficient times area, for each chamber; conductance_1 and "
+        "conductance_2 come on top of it."
+    ),
     signature="after a fill the pressure relaxes to a plateau without motion; a driven sealed piston draws a loop that absorbs work",
 )
 

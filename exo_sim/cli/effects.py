@@ -1,0 +1,48 @@
+"""List the physics that the paper leaves out, or print one effect's page."""
+
+from __future__ import annotations
+
+import textwrap
+from pathlib import Path
+
+import click
+
+from exo_sim.cli import printing
+from exo_sim.cli.frame import verb
+
+
+@verb("exo-sim effects", "exo-sim effects wall_heat_transfer", out="File for the list or the page; stdout when absent.")
+@click.argument("name", required=False)
+def command(name: str | None, out: Path | None, as_json: bool, quiet: bool) -> None:
+    """List the effects with one line each, or print the page of the effect NAME: numbers, signature, rig text."""
+    from exo_sim.errors import RigError, nearest
+    from exo_sim.physics.effects.declaration import declared
+    from exo_sim.rig import pages
+    from exo_sim.rig.effects import CALIBRATIONS
+
+    known = declared()
+    if name is None:
+        text = printing.table([[each.name, each.question] for each in known.values()])
+        entries = [{"name": e.name, "places": list(e.places), "question": e.question} for e in known.values()]
+        printing.show({"schema": "exo-sim/effects/1", "effects": entries}, text, as_json=as_json, out=out)
+        return
+    if name in CALIBRATIONS:
+        raise RigError(f"{name} is a believed number, not an effect: change {CALIBRATIONS[name]} in the rig")
+    if name not in known:
+        raise RigError(f'there is no effect "{name}"{nearest(name, known)}')
+    effect = known[name]
+    header = ["parameter", "unit", "typical", "bounds", "source"]
+    text = "\n\n".join(
+        [
+            f"{effect.name}: {effect.says}",
+            effect.question,
+            "\n".join(
+                textwrap.fill(f"{heading:15}{sentence}", 110, subsequent_indent=" " * 15)
+                for heading, sentence in pages.facts(effect)
+            ),
+            printing.table(pages.rows(effect), header),
+            "In a rig file:",
+            "\n".join(f"    {line}" if line else "" for line in pages.example(effect).splitlines()),
+        ]
+    )
+    printing.show({"schema": "exo-sim/effects/1", "effect": pages.data(effect)}, text, as_json=as_json, out=out)

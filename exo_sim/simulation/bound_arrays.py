@@ -76,7 +76,7 @@ def _indices(at, which, count):
 
 @kernel
 def advance_and_compute(at, late):
-    """Bring the gas up to now where it is `late`, then write the rod forces; `at` are the addresses of `BoundArrays`."""
+    """Bring the gas up to now where it is `late`, then write the rod forces; `at` are `BoundArrays.addresses`."""
     n, m = at[N], at[M]
     world = carray(_pointer(at[WORLD_AT]), (1,), WORLD)[0]
     cylinders = carray(_pointer(at[CYLINDERS]), (n,), CYLINDER)

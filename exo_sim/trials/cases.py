@@ -101,6 +101,7 @@ def make_case(
     bits: int = 16,
     skew: float = 0.0,
     lag: float = 0.0,
+    drift: float = 0.0,
     supply_recorded: bool = True,
     exhaust_recorded: bool = False,
     missing: Sequence[str] = (),
@@ -126,6 +127,7 @@ def make_case(
         bits: Converter bits.
         skew: Seconds by which the position's card lags the pressures'.
         lag: Anti-alias filter on pressures and position [s].
+        drift: Of the pressure sensors over a recording [Pa].
         supply_recorded, exhaust_recorded: Whether these columns exist.
         missing: Columns left out, without unit, e.g. "piston.pressure_2".
         oddities: What healthy benches have: a trace of every effect of `HEALTHY`, a spool of second order, heat
@@ -173,7 +175,13 @@ def make_case(
         and (exhaust_recorded or not column.startswith("exhaust."))
     ]
     pressure = Instrument(
-        noise=pressure_noise, slow_noise=correlated * pressure_noise, bits=bits, low=0.0, high=1.2e6, lag=lag
+        noise=pressure_noise,
+        slow_noise=correlated * pressure_noise,
+        bits=bits,
+        low=0.0,
+        high=1.2e6,
+        lag=lag,
+        drift=drift,
     )
     position = Instrument(
         noise=position_noise, slow_noise=correlated * position_noise, bits=bits, low=-0.3, high=0.3, lag=lag, delay=skew

@@ -79,6 +79,18 @@ def _compatible(keys: tuple[str, ...]) -> bool:
     return all(len(group & set(names)) < 2 for group in EXCLUSIVE)
 
 
+def _instruments(rng: np.random.Generator) -> dict[str, object]:
+    """Return what differs between good benches: noise, bits, sample rate, number of recordings."""
+    return {
+        "program": "mixed",
+        "pressure_noise": float(rng.choice([150.0, 250.0, 250.0, 400.0])),
+        "bits": int(rng.choice([14, 16])),
+        "rate": float(rng.choice([500.0, 1000.0, 1000.0, 1000.0])),
+        "recordings": int(rng.choice([1, 1, 1, 1, 1, 2])),
+        "supply_recorded": bool(rng.random() < 0.8),
+    }
+
+
 def draw_plans(count: int, seed: int) -> list[Plan]:
     """Return the plans of a trial, in an order that says nothing about the cells.
 
@@ -97,11 +109,17 @@ def draw_plans(count: int, seed: int) -> list[Plan]:
     drafts: list[tuple[str, tuple[str, ...], tuple[float, ...], dict[str, object], bool]] = []
     for cell, number in zip(SHARES, counts):
         for i in range(number):
-            settings: dict[str, object] = {"program": "mixed"}
+            settings = _instruments(rng)
             keys: tuple[str, ...] = ()
             times: tuple[float, ...] = ()
             if cell == "oddities":
-                settings |= {"oddities": True, "jitter": float(rng.choice([0.0, 5e-5]))}
+                settings |= {
+                    "oddities": True,
+                    "jitter": float(rng.choice([0.0, 5e-5])),
+                    "skew": float(rng.uniform(0, 2e-4)),
+                    "lag": float(rng.uniform(0, 3e-4)),
+                    "drift": float(rng.normal(0, 300)),
+                }
             elif cell == "single":
                 key, size = ladder[i % len(ladder)]
                 if i % 8 == 7:
@@ -116,7 +134,7 @@ def draw_plans(count: int, seed: int) -> list[Plan]:
                 keys, times = (OUTSIDE[i % len(OUTSIDE)],), (10.0,)
             elif cell == "twin":
                 key, program = TWINS[i % len(TWINS)]
-                keys, times, settings = (key,), (10.0,), {"program": program}
+                keys, times, settings["program"] = (key,), (10.0,), program
             elif cell == "concealed":
                 keys, times = (str(rng.choice(LISTED)),), (10.0,)
             elif cell == "missing_sensor":

@@ -46,6 +46,8 @@ STRIDE = 5
 #: Field to its relative standard deviation: what a careful owner does not know better.
 UNCERTAIN = {"valve_area": 0.02, "dead_1": 0.05, "dead_2": 0.05, "load_mass": 0.005, "heat_conductance": 0.01,
              "coulomb": 0.01, "viscous": 0.01}  # fmt: skip
+#: What an owner may tune besides, to hide what is missing.
+TUNED = {**UNCERTAIN, "damping": 0.05}
 #: Offsets of good sensors, one standard deviation [Pa], [m].
 OFFSETS = {"pressure_1": 500.0, "pressure_2": 500.0, "position": 5e-5}
 _STATE_STEPS = ((XP, 2e-5), (VP, 1e-4), (M1, 3e-4), (T1, 3e-4), (M2, 3e-4), (T2, 3e-4))
@@ -71,7 +73,7 @@ def _noise(one: Instrument) -> float:
 
 @dataclass(frozen=True)
 class Evidence:
-    """What the windows of a case say about the machine without what is hidden, in units of noise and of `UNCERTAIN`.
+    """What the windows of a case say about the machine without what is hidden, in units of noise and uncertainty.
 
     Attributes:
         names: The uncertain numbers, in the order of the rest.
@@ -86,17 +88,18 @@ class Evidence:
     total: float
 
 
-def evidence(case: Case) -> Evidence:
+def evidence(case: Case, uncertain: Mapping[str, float] = UNCERTAIN) -> Evidence:
     """Return the evidence of a case against the same bench with nothing hidden.
 
     Args:
         case: Drawn with `keep_states=True`.
+        uncertain: Field to the relative standard deviation that the owner leaves it.
     """
     plain = case.bench.machine()
     by_log = {log: column for column, log in COLUMNS.items()}
     changes = {
         name: plain.with_(**{name: plain[name] * (1 + 0.2 * deviation)})
-        for name, deviation in UNCERTAIN.items()
+        for name, deviation in uncertain.items()
         if plain[name] > 0
     }
     instruments = [instrument_of(case, by_log[name]) for name in CHANNELS]
@@ -163,19 +166,19 @@ def distance(case: Case) -> float:
 def concealed(case: Case) -> Case:
     """Return the case with the believed numbers tuned until they hide what they can.
 
-    Flow capacity, dead volumes, mass and known effects are fitted to the windows, with eight times the freedom that a
-    careful laboratory leaves and at most 40 % away; the owner then believes the fit.
+    Flow capacity, dead volumes, mass, damping and known effects are fitted to the windows, with eight times the freedom
+    that a careful laboratory leaves and at most 40 % away; the owner then believes the fit.
 
     Args:
         case: Drawn with `keep_states=True`.
     """
-    found = evidence(case)
+    found = evidence(case, TUNED)
     wide = np.array([1.0 if name in OFFSETS else 8.0 for name in found.names])
     best = np.linalg.solve(found.information + np.diag(wide**-2.0), found.gain)
     change = {
-        name: 1 + float(np.clip(theta * UNCERTAIN[name], -0.4, 0.4))
+        name: 1 + float(np.clip(theta * TUNED[name], -0.4, 0.4))
         for name, theta in zip(found.names, best)
-        if name in UNCERTAIN
+        if name in TUNED
     }
     bench = case.bench
     fields = {"heat_conductance": "wall_heat_transfer", "coulomb": "coulomb_friction", "viscous": "viscous_friction"}
@@ -189,6 +192,7 @@ def concealed(case: Case) -> Case:
         dead_1=bench.dead_1 * change["dead_1"],
         dead_2=bench.dead_2 * change["dead_2"],
         mass=bench.mass * change["load_mass"],
+        damping=bench.damping * change["damping"],
         known=known,
     )
     return replace(case, believed=owner)

@@ -58,7 +58,8 @@ def command(scenario: str, payload: float, speed: float, strides: int | None, as
     from exo_sim.recording.rrd_file import write_rrd
     from exo_sim.recording.table_file import write_table
     from exo_sim.simulation import record, summary
-    from exo_sim.simulation.walk import Request, Simulation, default_rig
+    from exo_sim.simulation.coupled import Simulation
+    from exo_sim.simulation.walk import Request, default_rig
 
     path = out or Path(f"{scenario}.rrd")
     if path.suffix.lower() != ".rrd":

@@ -17,7 +17,18 @@ def call(capsys, *arguments):
 def test_run_prints_the_contracts_json_and_leaves_both_files(capsys, tmp_path):
     out = tmp_path / "walk.rrd"
     status, text, words = call(
-        capsys, "run", "level_walk", "--payload", "34 kg", "--strides", "2", "--assist", "vented", "--out", str(out), "--json"
+        capsys,
+        "run",
+        "level_walk",
+        "--payload",
+        "34 kg",
+        "--strides",
+        "2",
+        "--assist",
+        "vented",
+        "--out",
+        str(out),
+        "--json",
     )
     assert status == 0, words
     data = json.loads(text)
@@ -37,7 +48,17 @@ def test_run_prints_the_contracts_json_and_leaves_both_files(capsys, tmp_path):
 
 def test_run_prints_a_report_for_people(capsys, tmp_path):
     status, text, _ = call(
-        capsys, "run", "stand", "--payload", "20 kg", "--strides", "1", "--assist", "off", "--out", str(tmp_path / "s.rrd")
+        capsys,
+        "run",
+        "stand",
+        "--payload",
+        "20 kg",
+        "--strides",
+        "1",
+        "--assist",
+        "off",
+        "--out",
+        str(tmp_path / "s.rrd"),
     )
     assert status == 0
     assert "backpack" in text and "weight of frame and payload 392.4 N" in text

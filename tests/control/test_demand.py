@@ -29,7 +29,7 @@ def test_standing_needs_the_weight_and_nothing_sideways(standing):
 
 
 def test_virtual_support_by_hand(standing):
-    """Half the weight through the centre of pressure along the line to the mass centre, times its lever at the ankle."""
+    """Half the weight through the centre of pressure, aimed at the mass centre, times its lever at the ankle."""
     motion, straps, dynamics = standing
     torque = demand("virtual_support", dynamics, motion, straps, Ankle("powered", torque=500.0))
     aim = dynamics.mass_centre[0] - dynamics.pressure_point[0, 0]

@@ -15,7 +15,9 @@ WALKS = ("level_walk", "level_walk_opensim")
 
 
 def test_the_list_prints_itself():
-    assert {"level_walk", "level_walk_opensim", "squat", "sit_to_stand", "stand", "payload_step"} <= set(scenario.names())
+    assert {"level_walk", "level_walk_opensim", "squat", "sit_to_stand", "stand", "payload_step"} <= set(
+        scenario.names()
+    )
     for name in scenario.names():
         assert scenario.find(name).summary
 
@@ -80,7 +82,9 @@ def test_a_walk_stays_within_two_standard_deviations_of_the_recording(name):
 
 def test_left_and_right_are_half_a_stride_apart():
     motion = scenario.motion("level_walk", Person(), 1.0)
-    np.testing.assert_allclose(motion.position[:, 3:6], np.roll(motion.position[:, 6:9], SAMPLES // 2, axis=0), atol=1e-9)
+    np.testing.assert_allclose(
+        motion.position[:, 3:6], np.roll(motion.position[:, 6:9], SAMPLES // 2, axis=0), atol=1e-9
+    )
     np.testing.assert_allclose(motion.share.sum(axis=1), 1.0)
 
 

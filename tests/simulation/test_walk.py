@@ -10,8 +10,9 @@ from exo_sim.errors import Diverged, ScenarioError
 from exo_sim.gait import recorded, scenario
 from exo_sim.rig import Ankle, Wearer
 from exo_sim.simulation import loop, record
+from exo_sim.simulation.coupled import Simulation, simulate
 from exo_sim.simulation.summary import span, summarise, wearer_moments
-from exo_sim.simulation.walk import JOINTS, Request, Simulation, simulate
+from exo_sim.simulation.walk import JOINTS, Request
 
 
 @pytest.fixture(scope="module")
@@ -58,7 +59,7 @@ def test_the_books_of_the_gas_close(on):
 
 
 def test_wearer_stays_within_the_recorded_spread_and_the_machine_close(on):
-    """The wearer's angles against mean and two standard deviations of the recorded strides; the machine follows in straps."""
+    """The wearer's angles against mean and two standard deviations of the recording; the machine follows."""
     gait = recorded.load("falisse")
     rows = span(on)
     phase, poses = on.columns["gait.phase"][rows], on.poses[rows]
@@ -186,7 +187,11 @@ def test_numbers_that_are_none_are_said_so(exo):
 
 
 def test_wrong_names_are_answered_with_the_nearest():
-    for field, value, hint in (("assist", "vent", "vented"), ("controller", "modle", "model"), ("law", "leastload", "least")):
+    for field, value, hint in (
+        ("assist", "vent", "vented"),
+        ("controller", "modle", "model"),
+        ("law", "leastload", "least"),
+    ):
         with pytest.raises(ScenarioError, match=hint):
             Request("level_walk", **{field: value})
     with pytest.raises(ScenarioError, match="cycles"):

@@ -1,0 +1,237 @@
+"""Person, machine, gas and controller put together, and moved."""
+
+from __future__ import annotations
+
+import math
+
+import mujoco
+import numpy as np
+from numpy.typing import NDArray
+
+from exo_sim import progress
+from exo_sim.control import demand as law_of_demand
+from exo_sim.control import machine_dynamics
+from exo_sim.control.least_load import LeastLoad
+from exo_sim.control.valve_control import largest_forces
+from exo_sim.errors import Diverged, ScenarioError
+from exo_sim.gait import scenario as scenarios
+from exo_sim.gait.motion import SAMPLES
+from exo_sim.machine.build import PAYLOAD_LIMIT, build
+from exo_sim.machine.linkage import check_strokes, moment_row
+from exo_sim.machine.person import Person
+from exo_sim.machine.straps import fasten
+from exo_sim.rig import Rig
+from exo_sim.simulation import loop
+from exo_sim.simulation.loop_wiring import wire
+from exo_sim.simulation.plugin import PneumaticPlugin
+from exo_sim.simulation.rehearsal import learn_from
+from exo_sim.simulation.walk import Request, Walk, layout
+
+_CHUNK = 100
+#: A rehearsal leaves out so many cycles or so much time [s] at its start, and looks at so much time after that [s].
+_SETTLING, _SETTLING_TIME, _LOOKED_AT = 2, 2.0, 1.5
+#: How far the machine may leave its wearer before the run counts as a fall [rad, m].
+_FALLEN_PITCH, _FALLEN_DISTANCE = 0.7, 0.35
+
+
+class Simulation:
+    """Person, machine, gas and controller put together; `run` moves them.
+
+    Args:
+        rig: A worn machine; its wearer and ankle settings are used.
+        request: What to simulate.
+
+    Raises:
+        ModelError, RigError, ScenarioError: the machine cannot be built, or cannot do this.
+    """
+
+    def __init__(self, rig: Rig, request: Request):
+        self.rig, self.request = rig, request
+        self.person = Person(rig.wearer.height, rig.wearer.mass)
+        scenario = scenarios.find(request.scenario)
+        self.motion = scenarios.motion(request.scenario, self.person, request.speed)
+        self.cycles = request.cycles if request.cycles is not None else scenario.cycles
+        self.model = build(rig.model, self.person, request.payload, rig.ankle)
+        self.added = scenario.added
+        if self.added and request.payload + self.added.mass > PAYLOAD_LIMIT + 20.0:
+            raise ScenarioError(f"payload {request.payload:g} kg and {self.added.mass:g} kg more: too much to carry")
+        check_strokes(rig, self.model)
+        self.data = mujoco.MjData(self.model)
+        self.straps = fasten(self.model, self.person)
+        self.plugin = PneumaticPlugin(self.model, rig)
+        self.dt = float(self.model.opt.timestep)
+        self.demand = self.demand_added = np.zeros((SAMPLES + 1, 6))
+        self.demand = self._demands(request.payload)
+        self.demand_added = self._demands(request.payload + self.added.mass) if self.added else self.demand
+        self._reset()
+
+    def _demands(self, payload: float) -> NDArray[np.float64]:
+        """Return the demand over the cycle for a payload, the first row repeated behind the last, (SAMPLES + 1, 6)."""
+        if self.request.assist != "on":
+            return np.zeros((SAMPLES + 1, 6))
+        model = self.model
+        if payload != self.request.payload:
+            model = build(self.rig.model, self.person, min(payload, PAYLOAD_LIMIT), self.rig.ankle)
+            _carry(model, payload)
+        dynamics = machine_dynamics.along(model, self.motion, self.person, self.straps)
+        if self.request.law != "least_load":
+            return _closed(law_of_demand.demand(self.request.law, dynamics, self.motion, self.straps, self.rig.ankle))
+        plan = LeastLoad(dynamics, self.motion, self.person, self.straps, self.rig.ankle, self._reach())
+        return _closed(self._rehearse(plan, payload))
+
+    def _reach(self) -> NDArray[np.float64]:
+        """Return least and largest torque that cylinders and ankle motors can hold along the cycle, (PHASES, 6, 2)."""
+        data, cylinders = mujoco.MjData(self.model), self.plugin.pneumatics.cylinders
+        supply, atmosphere = self.rig.supply.pressure, self.rig.environment.pressure
+        forces = largest_forces(cylinders["area_1"], cylinders["area_2"], supply, atmosphere, atmosphere)
+        out = np.zeros((machine_dynamics.PHASES, 6, 2))
+        if self.rig.ankle.mode == "powered":
+            out[:, [2, 5]] = [-self.rig.ankle.torque, self.rig.ankle.torque]
+        for i, position in enumerate(self.motion.position[machine_dynamics.PICK]):
+            data.qpos[:] = position
+            mujoco.mj_forward(self.model, data)
+            for link, force in zip(self.plugin.links, forces):
+                out[i, link.dof - 3] += np.sort(moment_row(self.model, data, link.actuator)[link.dof] * force)
+        return out
+
+    def _rehearse(self, plan: LeastLoad, payload: float) -> NDArray[np.float64]:
+        """Walk a few cycles at a time and better the plan after each time; return the best of the torques tried."""
+        ankle = self.rig.ankle
+        settling = min(_SETTLING, max(1, math.ceil(_SETTLING_TIME / self.motion.period)))
+        usual = (self.added, self.cycles, self.demand)
+        try:
+            self.added, self.cycles = None, settling + max(1, math.ceil(_LOOKED_AT / self.motion.period))
+            if payload != self.request.payload:
+                _carry(self.model, payload)
+            for _ in range(self.request.rehearsals):
+                self.demand = self.demand_added = _closed(law_of_demand.limit(plan.torque(), ankle))
+                self._reset()
+                learn_from(plan, self.run(), settling)
+        finally:
+            self.added, self.cycles, self.demand = usual
+            _carry(self.model, self.request.payload)
+        return law_of_demand.limit(plan.torque(best=self.request.rehearsals > 0), ankle)
+
+    def _reset(self) -> None:
+        """Put the machine on the person at phase zero, moving with it, gas at rest at the pressures that hold it."""
+        model, data = self.model, self.data
+        mujoco.mj_resetData(model, data)
+        data.qpos[:] = self.motion.position[0]
+        data.qvel[:] = self.motion.slope[0] / self.motion.period
+        vented = self.request.assist == "vented"
+        self.plugin.pneumatics.cylinders["vented"] = float(vented)
+        atmosphere = self.rig.environment.pressure
+        self.plugin.reset(data, atmosphere, atmosphere)
+
+    def run(self, quiet: bool = True) -> Walk:
+        """Simulate; Ctrl-C ends the run early and leaves what was done.
+
+        Raises:
+            Diverged: numbers that mean nothing any more, a warning of MuJoCo, or a fall.
+        """
+        total = math.ceil(self.cycles * self.motion.period / self.dt - 1e-9) + 1
+        gas = not self.request.ideal
+        keys = layout(self.rig, self.straps, gas)
+        log = np.empty((total, 1 + len(keys)))
+        addresses, settings, world, wearer, drives, gas_state = wire(self)
+        done, interrupted = 0, False
+        duration = total * self.dt
+        with progress.Bar(duration, self.request.scenario, unit="s", quiet=quiet) as bar:
+            try:
+                while done < total:
+                    count = min(_CHUNK, total - done)
+                    rows = log[done : done + count]
+                    loop.run(done, count, addresses, settings, world, wearer, drives, gas_state, rows)
+                    self._check(log, done, done + count)
+                    done += count
+                    bar.to(done * self.dt)
+            except KeyboardInterrupt:
+                interrupted = True
+        return self._result(log[:done], keys, interrupted)
+
+    @property
+    def added_at(self) -> float:
+        """When the added load is put on [s]: the same share of the run as in the scenario's own length."""
+        assert self.added is not None
+        usual = scenarios.find(self.request.scenario).cycles
+        return self.added.at * self.motion.period * self.cycles / usual
+
+    def _check(self, log: NDArray[np.float64], start: int, stop: int) -> None:
+        """Refuse what cannot be: warnings of MuJoCo, numbers that are none, a machine that left its wearer."""
+        rows = log[start:stop]
+        when = f"at {start * self.dt:.3f} to {stop * self.dt:.3f} s"
+        advice = "try a shorter timestep in the MJCF, a smaller payload, or --assist vented to find the cause"
+        for kind, warning in zip(mujoco.mjtWarning.__members__, self.data.warning):
+            if warning.number:
+                raise Diverged(f"{self.request.scenario}: MuJoCo warns of {kind} {when}; {advice}")
+        bad = ~np.isfinite(rows)
+        if bad.any():
+            column = int(np.argmax(bad.any(axis=0)))
+            key = "time" if column == 0 else layout(self.rig, self.straps, not self.request.ideal)[column - 1][0]
+            raise Diverged(f"{self.request.scenario}: {key} is not a number {when}; {advice}")
+        cycles = np.arange(start, stop, dtype=np.float64) * (self.dt / self.motion.period)
+        wanted = self.motion.at(cycles)
+        far = np.hypot(rows[:, 1] - wanted[:, 0] - self.motion.advance * cycles, rows[:, 2] - wanted[:, 1])
+        if far.max() > _FALLEN_DISTANCE or np.abs(rows[:, 3] - wanted[:, 2]).max() > _FALLEN_PITCH:
+            raise Diverged(f"{self.request.scenario}: the machine falls away from its wearer {when}; {advice}")
+
+    def _result(self, log: NDArray[np.float64], keys: list[tuple[str, str]], interrupted: bool) -> Walk:
+        columns = {key: np.ascontiguousarray(log[:, 1 + i]) for i, (key, _) in enumerate(keys)}
+        units = dict(keys)
+        wrench = np.stack([columns.pop(key) for key, _ in keys if key.startswith("wearer.")], axis=1)
+        units = {key: unit for key, unit in units.items() if key in columns}
+        n = len(log)
+        time = np.asarray(np.arange(n) * self.dt, dtype=np.float64)
+        poses = loop.person_along(time, self.motion, self.person)
+        payload = np.full(n, self.request.payload)
+        if self.added:
+            at = self.added_at
+            payload += self.added.mass * np.clip((time - at) / self.added.over, 0.0, 1.0)
+        gravity = float(-self.model.opt.gravity[2])
+        frame = float(_frame_mass(self.rig, self.person))
+        if self.added:
+            body = int(self.model.geom("payload").bodyid[0])
+            _carry(self.model, self.request.payload, body)
+        return Walk(
+            request=self.request,
+            rig=self.rig,
+            person=self.person,
+            motion=self.motion,
+            straps=self.straps,
+            time=time,
+            columns=columns,
+            units=units,
+            poses=poses,
+            wrench=wrench.reshape(n, 7, 3),
+            weight=(frame + payload) * gravity,
+            payload=payload,
+            books=None if self.request.ideal or n == 0 else self.plugin.books(),
+            step=self.dt,
+            interrupted=interrupted,
+            model=self.model,
+        )
+
+
+def _closed(table: NDArray[np.float64]) -> NDArray[np.float64]:
+    """Return a table with its first row repeated behind the last."""
+    return np.ascontiguousarray(np.concatenate([table, table[:1]]))
+
+
+def _carry(model: mujoco.MjModel, payload: float, body: int | None = None) -> None:
+    """Set the mass on the back of a compiled model, inertia in proportion [kg]."""
+    body = int(model.geom("payload").bodyid[0]) if body is None else body
+    mass = max(payload, 1e-6)
+    model.body_inertia[body] *= mass / model.body_mass[body]
+    model.body_mass[body] = mass
+    mujoco.mj_setConst(model, mujoco.MjData(model))
+
+
+def _frame_mass(rig: Rig, person: Person) -> float:
+    """Return the machine's mass without payload [kg]."""
+    model = build(rig.model, person, 0.0, rig.ankle)
+    return float(model.body_subtreemass[model.body("torso").id])
+
+
+def simulate(rig: Rig, request: Request, quiet: bool = True) -> Walk:
+    """Simulate a scenario; see `Simulation`."""
+    return Simulation(rig, request).run(quiet=quiet)

@@ -52,7 +52,7 @@ def _settle() -> None:
             shutil.rmtree(old, ignore_errors=True)
     except OSError:
         return  # a read-only home: numba then compiles anew at each start
-    config.CACHE_DIR = str(folder)
+    config.CACHE_DIR = str(folder)  # type: ignore[attr-defined]
 
 
 _settle()

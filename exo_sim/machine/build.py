@@ -60,6 +60,17 @@ def build(path: Path, person: Person, payload: float, ankle: Ankle) -> mujoco.Mj
         raise ModelError(f"{path}: MuJoCo cannot compile it: {' '.join(str(error).split())}") from None
 
 
+def carry(model: mujoco.MjModel, payload: float, body: int | None = None) -> None:
+    """Set the mass on the back of a compiled model, inertia in proportion [kg]; also beyond `PAYLOAD_LIMIT`."""
+    import mujoco
+
+    body = int(model.geom("payload").bodyid[0]) if body is None else body
+    mass = max(payload, 1e-6)
+    model.body_inertia[body] *= mass / model.body_mass[body]
+    model.body_mass[body] = mass
+    mujoco.mj_setConst(model, mujoco.MjData(model))
+
+
 def _require(spec: Any, path: Path) -> None:
     """Check that the parts of a worn machine are there."""
     joints = ("torso_x", "torso_z", *COORDINATES[2:])

@@ -16,7 +16,8 @@ from exo_sim.control.valve_control import largest_forces
 from exo_sim.errors import Diverged, ScenarioError
 from exo_sim.gait import scenario as scenarios
 from exo_sim.gait.motion import SAMPLES
-from exo_sim.machine.build import PAYLOAD_LIMIT, build
+from exo_sim.machine.attachment import attach
+from exo_sim.machine.build import PAYLOAD_LIMIT, build, carry
 from exo_sim.machine.linkage import check_strokes, moment_row
 from exo_sim.machine.person import Person
 from exo_sim.machine.straps import fasten
@@ -52,6 +53,9 @@ class Simulation:
         self.motion = scenarios.motion(request.scenario, self.person, request.speed)
         self.cycles = request.cycles if request.cycles is not None else scenario.cycles
         self.model = build(rig.model, self.person, request.payload, rig.ankle)
+        attach(self.model, rig)
+        if request.step is not None:
+            self.model.opt.timestep = request.step
         self.added = scenario.added
         if self.added and request.payload + self.added.mass > PAYLOAD_LIMIT + 20.0:
             raise ScenarioError(f"payload {request.payload:g} kg and {self.added.mass:g} kg more: too much to carry")
@@ -72,7 +76,7 @@ class Simulation:
         model = self.model
         if payload != self.request.payload:
             model = build(self.rig.model, self.person, min(payload, PAYLOAD_LIMIT), self.rig.ankle)
-            _carry(model, payload)
+            carry(model, payload)
         dynamics = machine_dynamics.along(model, self.motion, self.person, self.straps)
         if self.request.law != "least_load":
             return _closed(law_of_demand.demand(self.request.law, dynamics, self.motion, self.straps, self.rig.ankle))
@@ -102,14 +106,14 @@ class Simulation:
         try:
             self.added, self.cycles = None, settling + max(1, math.ceil(_LOOKED_AT / self.motion.period))
             if payload != self.request.payload:
-                _carry(self.model, payload)
+                carry(self.model, payload)
             for _ in range(self.request.rehearsals):
                 self.demand = self.demand_added = _closed(law_of_demand.limit(plan.torque(), ankle))
                 self._reset()
                 learn_from(plan, self.run(), settling)
         finally:
             self.added, self.cycles, self.demand = usual
-            _carry(self.model, self.request.payload)
+            carry(self.model, self.request.payload)
         return law_of_demand.limit(plan.torque(best=self.request.rehearsals > 0), ankle)
 
     def _reset(self) -> None:
@@ -191,7 +195,7 @@ class Simulation:
         frame = float(_frame_mass(self.rig, self.person))
         if self.added:
             body = int(self.model.geom("payload").bodyid[0])
-            _carry(self.model, self.request.payload, body)
+            carry(self.model, self.request.payload, body)
         return Walk(
             request=self.request,
             rig=self.rig,
@@ -215,15 +219,6 @@ class Simulation:
 def _closed(table: NDArray[np.float64]) -> NDArray[np.float64]:
     """Return a table with its first row repeated behind the last."""
     return np.ascontiguousarray(np.concatenate([table, table[:1]]))
-
-
-def _carry(model: mujoco.MjModel, payload: float, body: int | None = None) -> None:
-    """Set the mass on the back of a compiled model, inertia in proportion [kg]."""
-    body = int(model.geom("payload").bodyid[0]) if body is None else body
-    mass = max(payload, 1e-6)
-    model.body_inertia[body] *= mass / model.body_mass[body]
-    model.body_mass[body] = mass
-    mujoco.mj_setConst(model, mujoco.MjData(model))
 
 
 def _frame_mass(rig: Rig, person: Person) -> float:

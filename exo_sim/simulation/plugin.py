@@ -89,6 +89,18 @@ class PneumaticPlugin:
     def __getstate__(self) -> dict[str, object]:
         return {**self.__dict__, "_bound": None}  # a copy's arrays are elsewhere
 
+    def refit(self, rig: Rig) -> None:
+        """Take the numbers of another rig: the same cylinders on the same actuators, with other sizes, supply or effects' values.
+
+        The arrays stay where they are. Call `reset` next; attachment points are the model's (`machine.attachment.attach`).
+        """
+        drives = {link.cylinder: link.joint for link in self.links}
+        other = assembly.pneumatics(rig, self.dt, self.joint_names, drives)
+        self.rig = rig
+        self.pneumatics.world[:], self.pneumatics.cylinders[:] = other.world, other.cylinders
+        self.pneumatics.joints[:] = other.joints
+        self._retracted[:] = [rig.cylinders[link.cylinder].retracted_length for link in self.links]
+
     @property
     def force(self) -> NDArray[np.float64]:
         """Rod forces of the last `compute`, shape (n,) [N]; + pushes out."""

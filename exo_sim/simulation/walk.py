@@ -38,6 +38,7 @@ class Request:
         rehearsals: How often the least-load demand is bettered before the run.
         gains: Of the valve controllers.
         ideal: Forces come as demanded, without gas.
+        step: Of the simulation [s]; None for the MJCF's own.
 
     Raises:
         ScenarioError: a name that does not exist or a number out of range.
@@ -53,6 +54,7 @@ class Request:
     rehearsals: int = 5
     gains: ValveGains = field(default_factory=ValveGains)
     ideal: bool = False
+    step: float | None = None
 
     def __post_init__(self) -> None:
         scenarios.find(self.scenario)

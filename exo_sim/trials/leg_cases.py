@@ -35,7 +35,7 @@ FORCE = (
 
 @dataclass(frozen=True)
 class LegCase:
-    """A case of a leg before it is written; see `cases.Case`."""
+    """A case of a leg before it is written; see `cases.Case`. `instruments` are those of pressures and rod forces."""
 
     name: str
     bench: Leg
@@ -45,6 +45,7 @@ class LegCase:
     hidden: tuple[Hidden, ...]
     truth: Mapping[str, Truth]
     recordings: tuple[dict[str, Array], ...]
+    instruments: tuple[Instrument, Instrument]
     about: Mapping[str, object] = field(default_factory=dict)
 
 
@@ -121,7 +122,7 @@ def make_leg_case(
         for number in ("1", "2"):
             column = f"{key}.pressure_{number}"
             true = truth.log[f"line_{number}" if at_valve else f"pressure_{number}"]
-            table[f"{column} [Pa]"] = measure(time, true, _with_faults(pressure, column, hidden), rng)
+            table[f"{column} [Pa]"] = measure(time, true, with_faults(pressure, column, hidden), rng)
         if cell:
             table[f"{key}.force [N]"] = measure(time, truth.log["force"], force, rng)
     for key, values in angles.items():
@@ -129,10 +130,11 @@ def make_leg_case(
     if supply_recorded:
         table["supply.pressure [Pa]"] = measure(time, truths[joint].log["supply"], pressure, rng)
     about = {"seed": seed, "known": list(owner_knows), "load_cell": cell, "walks": True}
-    return LegCase(name, leg, own, machines, joint, tuple(hidden), truths, (table,), about)
+    return LegCase(name, leg, own, machines, joint, tuple(hidden), truths, (table,), (pressure, force), about)
 
 
-def _with_faults(instrument: Instrument, column: str, hidden: Sequence[Hidden]) -> Instrument:
+def with_faults(instrument: Instrument, column: str, hidden: Sequence[Hidden]) -> Instrument:
+    """Return the instrument with the sensor effects that are planted in this column."""
     for entry in hidden:
         if entry.effect.where == column:
             p = entry.parameters

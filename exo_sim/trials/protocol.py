@@ -116,6 +116,7 @@ def _make_leg(
 ) -> tuple[str, dict[str, Any]]:
     from exo_sim.trials.cases import truth_of, write_case
     from exo_sim.trials.leg_cases import actual, make_leg_case
+    from exo_sim.trials.leg_limit import distance
     from exo_sim.trials.limit import limit
 
     case = make_leg_case(plan.name, plan.effects, plan.seed, size, duration=duration)
@@ -124,7 +125,7 @@ def _make_leg(
     truth = truth_of(case)
     truth["actual"] = actual(case)
     for entry, one, s in zip(truth["hidden"], plan.effects, size):
-        entry["times_limit"] = s / limit(one)
+        entry |= {"times_limit": s / limit(one), "distance": distance(case)}
     return _seal_one(plan, folder, [where / "rig.toml", where / "leg.xml", *paths], truth, key)
 
 

@@ -94,3 +94,12 @@ def test_a_leg_is_what_its_owner_would_hand_over(case, tmp_path):
 def test_what_a_leg_cannot_show_is_refused():
     with pytest.raises(TrialError, match="cannot be planted in a leg"):
         make_leg_case("a", ["payload_mass"])
+
+
+def test_distance_of_a_leg_is_nothing_without_and_large_with():
+    from exo_sim.trials.leg_limit import distance
+
+    assert distance(make_leg_case("a", [], 3, known=(), duration=8.0)) == pytest.approx(0.0, abs=1e-6)
+    near, far = (distance(make_leg_case("a", ["valve_offset"], 3, s, known=(), duration=8.0)) for s in (1e-4, 1e-3))
+    assert far == pytest.approx(10 * near, rel=0.3)
+    assert distance(make_leg_case("a", ["piston_leakage"], 3, 1.0, known=(), duration=8.0)) > 100

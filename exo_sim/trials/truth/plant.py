@@ -451,8 +451,8 @@ def run_led(record, y, bristle, ticks, dt, x, v, closed, goal, gains, log):
         record: `Machine.packed()` with a unit mass and no load; rigid, or with a drive between piston and joint.
         y, bristle, ticks, dt: As in `run`.
         x, v: Place [m] and velocity [m/s] of the joint's end at each tick, shape (n + 1,).
-        closed: 1 where the valve is commanded closed, shape (n,).
-        goal: Gas force wanted [N], shape (n,).
+        closed: 1 where the valve is commanded closed, 2 where `goal` is the command itself, shape (n,).
+        goal: Gas force wanted [N], or a command, shape (n,).
         gains: Command per newton, per newton second, and per metre a second.
         log: Written, shape (n, len(LOG)); `force` is what a load cell between rod and joint feels.
     """
@@ -474,7 +474,9 @@ def run_led(record, y, bristle, ticks, dt, x, v, closed, goal, gains, log):
         cell = p.drive_stiffness * (y[XP] - y[XL]) if coupled else a[VP] * p.load_mass
         error = goal[i] - force
         u = gains[0] * error + gains[1] * integral + gains[2] * v[i]
-        if closed[i] > 0:
+        if closed[i] == 2:
+            u = goal[i]
+        elif closed[i] == 1:
             u, integral = 0.0, 0.0
         elif abs(u) < 1.0:
             integral += error * span

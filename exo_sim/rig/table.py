@@ -44,7 +44,7 @@ class Table:
         """Return a table inside this one, or None where it is not required and absent."""
         if not self.has(key):
             if required:
-                raise RigError(f"{self.path}: the table [{self.name(key)}] is missing")
+                raise RigError(f"{self.path}: the table [{self.name(key)}] is missing{_near(key, self.values)}")
             return None
         return Table(self.path, self.name(key), self.values[key])
 

@@ -294,8 +294,8 @@ def _replace(document: tomlkit.TOMLDocument, key: Sequence[str], value: Any, not
     item = tomlkit.item(value)
     if note and line is None:
         before = here[key[-1]].trivia.comment.lstrip("# ") if isinstance(here.get(key[-1]), Item) else ""
-        item.trivia.comment_ws = "  "
         item.comment(f"{note} | {before}" if before else note)
+        item.trivia.comment_ws = "  "
     here[key[-1]] = item
     if note and line is not None:
         before = line.trivia.comment.lstrip("# ")

@@ -15,6 +15,9 @@ from exo_sim.rig import Rig, assembly
 from exo_sim.simulation.bound_arrays import BoundArrays, advance_and_compute
 from exo_sim.simulation.coupling import advance_gas, compute_forces
 
+_CONTACT = ["effective_mass", "turning"]
+_CONTACT_OF_CYLINDER = [*_CONTACT, "arm"]
+
 
 @dataclass(frozen=True)
 class Snapshot:
@@ -24,7 +27,10 @@ class Snapshot:
         physics: MuJoCo's `mjSTATE_INTEGRATION`.
         gas: The pneumatic state vector.
         history: Commands still under way to their valves.
-        lengths, positions: Where the pistons and joints were.
+        lengths, positions: Where the pistons and joints were, and what the joints' friction exerted.
+        start: The gas at the start of the books.
+        contacts: What mass each dry contact holds, and the moment arms.
+        time: How far the gas has come [s].
     """
 
     physics: NDArray[np.float64]
@@ -33,6 +39,7 @@ class Snapshot:
     lengths: NDArray[np.float64]
     positions: NDArray[np.float64]
     start: NDArray[np.float64]
+    contacts: tuple[NDArray[np.void], NDArray[np.void]]
     time: float
 
 
@@ -208,6 +215,7 @@ class PneumaticPlugin:
         gas = self.pneumatics
         return Snapshot(
             physics, gas.vector.copy(), gas.history.copy(), self._x.copy(), np.concatenate([self._q, self._felt]), gas._start.copy(),
+            (gas.cylinders[_CONTACT_OF_CYLINDER].copy(), gas.joints[_CONTACT].copy()),
             self._time,
         )
 
@@ -216,6 +224,10 @@ class PneumaticPlugin:
         mujoco.mj_setState(self.model, data, snapshot.physics, mujoco.mjtState.mjSTATE_INTEGRATION)
         gas = self.pneumatics
         gas.vector[:], gas.history[:], gas._start[:] = snapshot.gas, snapshot.history, snapshot.start
+        for name in _CONTACT_OF_CYLINDER:
+            gas.cylinders[name] = snapshot.contacts[0][name]
+        for name in _CONTACT:
+            gas.joints[name] = snapshot.contacts[1][name]
         self._x[:] = snapshot.lengths
         self._time = snapshot.time
         m = len(self.joint_names)

@@ -1,0 +1,108 @@
+"""The improved rig reads as a diff against the owner's file."""
+
+from __future__ import annotations
+
+import difflib
+from pathlib import Path
+
+import pytest
+
+from exo_sim.rig import Correction, EffectSetting, Finding, improved, parse, read
+
+EXTRA = """
+[effects.coulomb_friction.piston]   # measured in May
+force = "10 N"                      # by hand
+
+[effects.viscous_friction]
+piston = {coefficient = "40 N s/m"} # from the data sheet
+"""
+
+
+@pytest.fixture
+def bench(repository: Path) -> Path:
+    return repository / "assets" / "bench.toml"
+
+
+def changed(before: str, after: str) -> tuple[list[str], list[str]]:
+    """Return the lines removed and added."""
+    lines = list(difflib.ndiff(before.splitlines(), after.splitlines()))
+    return [line[2:] for line in lines if line[0] == "-"], [line[2:] for line in lines if line[0] == "+"]
+
+
+def test_nothing_found_changes_nothing(bench: Path) -> None:
+    rig = read(bench)
+    assert improved(rig, [], [], bench.parent) == rig.text
+
+
+def test_a_corrected_number_stands_where_it_stood_in_its_own_unit(bench: Path) -> None:
+    rig = read(bench)
+    area = Correction(("cylinders", "piston", "valve", "area"), 4.62e-6, "m^2", (4.58e-6, 4.66e-6))
+    mass = Correction(("bodies", "load", "mass"), 10.53, "kg", (10.49, 10.57), believed=10.0)
+    text = improved(rig, [], [area, mass], bench.parent)
+    removed, added = changed(rig.text, text)
+    assert removed == ['area = "5 mm^2"']
+    assert added == [
+        'area = "4.62 mm^2"  # was "5 mm^2"; 95 %: 4.58 to 4.66 mm^2',
+        "",
+        "[bodies.load]",
+        'mass = "10.53 kg"  # was "10 kg"; 95 %: 10.49 to 10.57 kg',
+    ]
+    again = parse(text, bench)
+    assert again.cylinders["piston"].valve_area == pytest.approx(4.62e-6)
+    assert again.body_masses == {"load": 10.53}
+
+
+def test_a_new_effect_is_a_new_table_at_the_end(bench: Path) -> None:
+    rig = read(bench)
+    leak = Finding(
+        EffectSetting("piston_leakage", "piston", {"area": 3.0e-8}), {"area": (2.9e-8, 3.1e-8)}, "Gas leaks past the piston."
+    )
+    text = improved(rig, [leak], [], bench.parent)
+    assert text == rig.text + (
+        "\n# Gas leaks past the piston.\n[effects.piston_leakage.piston]\n"
+        'area = "0.03 mm^2"  # 95 %: 0.029 to 0.031 mm^2\n'
+    )
+
+
+def test_an_effect_that_is_there_is_set_anew_in_place(bench: Path) -> None:
+    rig = parse(bench.read_text() + EXTRA, bench)
+    found = [
+        Finding(EffectSetting("coulomb_friction", "piston", {"force": 12.5}), {"force": (12.1, 12.9)}),
+        Finding(EffectSetting("viscous_friction", "piston", {"coefficient": 44.0}), {"coefficient": (42.0, 46.0)}),
+    ]
+    text = improved(rig, found, [], bench.parent)
+    _, added = changed(rig.text, text)
+    assert len(added) == 2
+    assert 'force = "12.5 N"' in added[0] and 'was "10 N"; 95 %: 12.1 to 12.9 N' in added[0] and "by hand" in added[0]
+    assert 'piston = {coefficient = "44 N s/m"}' in added[1] and 'coefficient was "40 N s/m"' in added[1]
+    assert parse(text, bench).effect("viscous_friction", "piston").parameters == {"coefficient": 44.0}  # type: ignore[union-attr]
+
+
+def test_the_richer_effect_takes_in_the_poorer_one(bench: Path) -> None:
+    rig = parse(bench.read_text() + EXTRA, bench)
+    found = Finding(EffectSetting("asymmetric_friction", "piston", {"forward": 3.0, "backward": 1.0}), {"forward": (2.5, 3.5)})
+    text = improved(rig, [found], [], bench.parent)
+    again = parse(text, bench)
+    assert again.effect("coulomb_friction", "piston") is None
+    assert again.effect("asymmetric_friction", "piston").parameters == {"forward": 13.0, "backward": 11.0}  # type: ignore[union-attr]
+    assert "12.5 to 13.5 N" in text
+
+
+def test_the_model_is_found_from_the_folder_it_is_written_to(bench: Path, tmp_path: Path) -> None:
+    folder = tmp_path / "some" / "where"
+    folder.mkdir(parents=True)
+    text = improved(read(bench), [], [], folder)
+    again = parse(text, folder / "improved.toml")
+    assert again.model.resolve() == read(bench).model.resolve()
+
+
+@pytest.mark.parametrize("held", ['effects = {coulomb_friction = {piston = {force = "1 N"}}}', 'effects.coulomb_friction.piston.force = "1 N"'])
+def test_effects_in_braces_or_dots_can_be_added_to(bench: Path, held: str) -> None:
+    rig = parse(f"{held}\n{bench.read_text()}", bench)
+    leak = Finding(EffectSetting("coulomb_friction", "slide", {"force": 2.0}))
+    again = parse(improved(rig, [leak, Finding(EffectSetting("piston_leakage", "piston", {"area": 1e-8}))], [], bench.parent), bench)
+    assert {(effect.name, effect.where) for effect in again.effects} == {
+        ("coulomb_friction", "piston"),
+        ("coulomb_friction", "slide"),
+        ("piston_leakage", "piston"),
+    }

@@ -1,0 +1,284 @@
+"""The plug-in over MuJoCo's model and data: snapshots, neighbours, several cylinders, energy."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import mujoco
+import numpy as np
+import pytest
+from numpy.typing import NDArray
+
+from exo_sim.errors import RigError
+from exo_sim.machine.load import load
+from exo_sim.recording.table import Recording
+from exo_sim.rig import parse, read
+from exo_sim.simulation.plugin import PneumaticPlugin
+from exo_sim.simulation.sensors import observe
+
+EVERYTHING = """
+[effects.wall_heat_transfer.piston]
+conductance = "0.8 W/K"
+[effects.moving_wall_temperature.piston]
+heat_capacity = "20 J/K"
+outside_conductance = "0.1 W/K"
+[effects.piston_leakage.piston]
+area = "0.02 mm^2"
+[effects.external_leakage.piston]
+area_1 = "0.02 mm^2"
+laminar_2 = "1e-17 kg/(s Pa^2)"
+inertial = "1e18 Pa^2 s^2/kg^2"
+[effects.valve_null_leakage.piston]
+area = "0.05 mm^2"
+[effects.valve_deadband.piston]
+width = 0.03
+[effects.valve_offset.piston]
+shift = 0.01
+[effects.valve_lag.piston]
+time_constant = "5 ms"
+delay = "3.3 ms"
+[effects.valve_hysteresis.piston]
+width = 0.02
+[effects.spool_rate_limit.piston]
+rate = "100 1/s"
+[effects.critical_ratio.piston]
+ratio = 0.3
+[effects.line_restriction.piston]
+area = "8 mm^2"
+volume = "10 cm^3"
+[effects.exhaust_back_pressure.exhaust]
+area = "10 mm^2"
+[effects.supply_droop.supply]
+volume = "1 L"
+conductance = "1e-7 kg/(s Pa)"
+[effects.supply_regulator.supply]
+droop = "1e7 Pa s/kg"
+time_constant = "0.05 s"
+hysteresis = "5000 Pa"
+[effects.end_cushioning.piston]
+length = "10 mm"
+area = "0.3 mm^2"
+[effects.asymmetric_friction.piston]
+forward = "12 N"
+backward = "11 N"
+[effects.stribeck_friction.piston]
+breakaway = "15 N"
+velocity = "0.02 m/s"
+[effects.viscous_friction.piston]
+coefficient = "40 N s/m"
+[effects.pressure_dependent_friction.piston]
+coefficient = "1e-5 m^2"
+[effects.quadratic_drag.piston]
+coefficient = "20 N s^2/m^2"
+[effects.return_spring.piston]
+stiffness = "200 N/m"
+rest = "0.08 m"
+[effects.presliding.piston]
+stiffness = "2e5 N/m"
+damping = "100 N s/m"
+[effects.transmission_compliance.piston]
+stiffness = "1e6 N/m"
+[effects.backlash.piston]
+gap = "0.2 mm"
+[effects.coulomb_friction.slide]
+force = "2 N"
+[effects.unknown.piston]
+acts = "flow_2"
+depends_on = "position"
+at = ["0 m", "80 mm", "160 mm"]
+values = ["0 kg/s", "1e-5 kg/s", "-1e-5 kg/s"]
+"""
+
+
+@pytest.fixture
+def bench(repository: Path) -> Path:
+    return repository / "assets" / "bench.toml"
+
+
+def start(path: Path, extra: str = "", x: float = 0.08) -> tuple[mujoco.MjModel, mujoco.MjData, PneumaticPlugin]:
+    rig = parse(path.read_text() + extra, path)
+    model = load(rig)
+    data = mujoco.MjData(model)
+    data.qpos[0] = x
+    plugin = PneumaticPlugin(model, rig)
+    plugin.reset(data, 3e5, 3.3e5)
+    return model, data, plugin
+
+
+def go(data: mujoco.MjData, plugin: PneumaticPlugin, steps: int) -> NDArray[np.float64]:
+    out = []
+    for _ in range(steps):
+        plugin.command[:] = 0.3 * np.sin(2 * np.pi * data.time + np.arange(len(plugin.command)))
+        plugin.step(data)
+        out.append(np.concatenate([data.qpos, data.qvel, plugin.pressures().ravel(), plugin.force]))
+    return np.array(out)
+
+
+def test_bench_in_five_lines(bench: Path) -> None:
+    rig = read(bench)
+    model, data = (loaded := load(rig)), mujoco.MjData(loaded)
+    plugin = PneumaticPlugin(model, rig)
+    plugin.reset(data)
+    plugin.command[0] = 1.0
+    for _ in range(500):
+        plugin.step(data)
+    assert data.qpos[0] == pytest.approx(0.16, abs=2e-3)
+    assert plugin.pressures()[0, 0] > 6e5
+
+
+@pytest.mark.parametrize("extra", ["", EVERYTHING], ids=["paper", "everything"])
+def test_a_snapshot_brings_back_the_same_future_to_the_last_bit(bench: Path, extra: str) -> None:
+    model, data, plugin = start(bench, extra)
+    go(data, plugin, 137)
+    snapshot = plugin.snapshot(data)
+    first = go(data, plugin, 200)
+    books = plugin.books()
+    plugin.restore(data, snapshot)
+    assert (go(data, plugin, 200) == first).all()
+    assert plugin.books().mass_residual == books.mass_residual
+    other_data, other = mujoco.MjData(model), PneumaticPlugin(model, plugin.rig)
+    other.restore(other_data, snapshot)
+    assert (go(other_data, other, 200) == first).all()
+
+
+def test_reset_forgets_everything(bench: Path) -> None:
+    _, data, plugin = start(bench, EVERYTHING)
+    first = go(data, plugin, 100)
+    mujoco.mj_resetData(plugin.model, data)
+    data.qpos[0] = 0.08
+    plugin.reset(data, 3e5, 3.3e5)
+    assert (go(data, plugin, 100) == first).all()
+
+
+def test_books_close_with_everything_on(bench: Path) -> None:
+    _, data, plugin = start(bench, EVERYTHING)
+    found = go(data, plugin, 3000)
+    assert np.isfinite(found).all()
+    books = plugin.books()
+    assert books.mass_residual < 1e-9 and books.energy_residual < 1e-9
+    assert books.drawn[0] > 1e-3 and books.heat[0] != 0.0
+    assert not data.warning.number.any()
+
+
+def test_forces_of_others_on_a_joint_with_friction_stay(bench: Path) -> None:
+    _, data, plugin = start(bench, '\n[effects.viscous_friction.slide]\ncoefficient = "50 N s/m"\n')
+    data.qfrc_applied[0] = 7.0
+    data.qvel[0] = 0.2
+    for _ in range(50):
+        plugin.step(data)
+    felt = plugin._felt[0]
+    assert data.qfrc_applied[0] == pytest.approx(7.0 + felt, abs=1e-9)
+    assert felt != 0.0
+    data.qfrc_applied[0] += 3.0
+    plugin.step(data)
+    assert data.qfrc_applied[0] == pytest.approx(10.0 + plugin._felt[0], abs=1e-9)
+
+
+def test_joint_friction_is_the_friction_of_its_joint(bench: Path) -> None:
+    _, data, plugin = start(bench, '\n[effects.coulomb_friction.slide]\nforce = "30 N"\n')
+    data.qvel[0] = 0.3
+    plugin.pneumatics.cylinders["vented"] = 1.0
+    plugin.pneumatics.cylinders["valve_area"] = 1e-3
+    plugin.reset(data)
+    for _ in range(400):
+        plugin.step(data)
+    assert data.qvel[0] == pytest.approx(0.0, abs=1e-6)
+    assert data.qpos[0] - 0.08 == pytest.approx(10.0 * 0.3**2 / (2 * 30.0), rel=0.05)
+
+
+LEG = """
+<mujoco model="bench">
+  <option timestep="0.001"/>
+  <worldbody>
+    <site name="hip_base" pos="-0.12 0 0.1"/>
+    <body>
+      <joint name="hip" type="hinge" axis="0 1 0" damping="0.2" range="-40 40" limited="true"/>
+      <geom type="capsule" fromto="0 0 0 0 0 -0.4" size="0.03" mass="5"/>
+      <site name="hip_end" pos="-0.05 0 -0.2"/>
+      <site name="knee_base" pos="0.05 0 -0.1"/>
+      <body pos="0 0 -0.4">
+        <joint name="knee" type="hinge" axis="0 1 0" damping="0.2" range="0 80" limited="true"/>
+        <geom type="capsule" fromto="0 0 0 0 0 -0.4" size="0.03" mass="3"/>
+        <site name="knee_end" pos="0.06 0 -0.05"/>
+      </body>
+    </body>
+  </worldbody>
+  <tendon>
+    <spatial name="hip"><site site="hip_base"/><site site="hip_end"/></spatial>
+    <spatial name="knee"><site site="knee_base"/><site site="knee_end"/></spatial>
+  </tendon>
+  <actuator><motor name="hip" tendon="hip"/><motor name="knee" tendon="knee"/></actuator>
+</mujoco>
+"""
+
+
+def test_two_cylinders_on_the_tendons_of_two_hinges(bench: Path, tmp_path: Path) -> None:
+    (tmp_path / "bench.xml").write_text(LEG)
+    text = bench.read_text()
+    head, cylinder = text[: text.index("[cylinders")], text[text.index("[cylinders") :]
+    for name, retracted in (("hip", "0.2 m"), ("knee", "0.25 m")):
+        own = cylinder.replace("cylinders.piston", f"cylinders.{name}").replace('"piston"', f'"{name}"')
+        head += own.replace('retracted_length = "0 m"', f'retracted_length = "{retracted}"') + "\n"
+    rig = parse(head, tmp_path / "bench.toml")
+    model = load(rig)
+    data = mujoco.MjData(model)
+    data.qpos[1] = 0.4
+    plugin = PneumaticPlugin(model, rig)
+    assert [link.joint for link in plugin.links] == ["hip", "knee"]
+    plugin.reset(data, 3e5, 3e5)
+    assert plugin.lengths == pytest.approx(data.actuator_length - [0.2, 0.25])
+    for _ in range(1000):
+        plugin.command[:] = 0.2 * np.sin(2 * np.pi * data.time), 0.2 * np.cos(2 * np.pi * data.time)
+        plugin.step(data)
+    assert plugin.books().mass_residual < 1e-10
+    assert (plugin.books().drawn > 1e-5).all()
+    assert data.ctrl == pytest.approx(plugin.force)
+
+
+def test_gas_does_the_work_that_its_force_does(bench: Path) -> None:
+    """The sum of rod force times displacement, and the atmosphere's, is the gas's work; the error falls with the step."""
+    errors = []
+    for step in (5e-4, 2.5e-4, 1.25e-4):
+        rig = read(bench)
+        model = load(rig)
+        model.opt.timestep = step
+        data = mujoco.MjData(model)
+        data.qpos[0] = 0.08
+        plugin = PneumaticPlugin(model, rig)
+        plugin.reset(data, 3e5, 3.3e5)
+        c, at, push = rig.cylinders["piston"], [], []
+        for _ in range(round(0.3 / step) + 1):
+            plugin.command[0] = 0.2 * np.sin(2 * np.pi * 3 * data.time)
+            at.append(data.qpos[0])
+            plugin.step(data)
+            push.append(plugin.force[0] + rig.environment.pressure * (c.area_1 - c.area_2))
+        errors.append(abs(np.trapezoid(push, at) - plugin.books().work[0]))
+    assert errors[0] < 1e-3 * abs(plugin.books().work[0])
+    assert errors[1] < 0.3 * errors[0] and errors[2] < 0.3 * errors[1]
+
+
+def test_sensors_show_what_the_rig_says(bench: Path) -> None:
+    effects = """
+[effects.sensor_bias."piston.pressure_1"]
+value = "2000 Pa"
+[effects.sensor_scale."piston.pressure_1"]
+factor = 1.1
+[effects.sensor_delay.slide.position]
+seconds = "10 ms"
+"""
+    rig = parse(bench.read_text() + effects, bench)
+    time = np.arange(0.0, 1.0, 1e-3)
+    truth = Recording(
+        "run",
+        time,
+        {"piston.pressure_1": 3e5 + 1e5 * time, "piston.pressure_2": 2e5 + time, "slide.position": 0.1 * time},
+        {"piston.pressure_1": "Pa", "piston.pressure_2": "Pa", "slide.position": "m"},
+    )
+    seen = observe(truth, rig)
+    assert seen["piston.pressure_1"] == pytest.approx(1.1 * truth["piston.pressure_1"] + 2000.0)
+    assert seen["piston.pressure_2"] is truth["piston.pressure_2"]
+    assert seen["slide.position"][50:] == pytest.approx(0.1 * (time[50:] - 0.01))
+    assert observe(truth, read(bench)) is truth
+    wrong = parse(bench.read_text() + '\n[effects.sensor_bias."pistn.pressure_1"]\nvalue = "1 Pa"\n', bench)
+    with pytest.raises(RigError, match="did you mean .piston.pressure_1"):
+        observe(truth, wrong)

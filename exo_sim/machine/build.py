@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -16,7 +17,9 @@ if TYPE_CHECKING:
 PAYLOAD_LIMIT = 45.0
 
 
-def build(path: Path, person: Person, payload: float, ankle: Ankle) -> mujoco.MjModel:
+def build(
+    path: Path, person: Person, payload: float, ankle: Ankle, masses: Mapping[str, float] | None = None
+) -> mujoco.MjModel:
     """Read an MJCF of the kind of `assets/exo.xml` and fit it.
 
     Segments grow with body height; every attachment keeps its distance from the joint next to it, so that cylinders
@@ -27,6 +30,7 @@ def build(path: Path, person: Person, payload: float, ankle: Ankle) -> mujoco.Mj
         person: Who wears it.
         payload: Mass on the back [kg], 0 to `PAYLOAD_LIMIT`.
         ankle: What the ankle does.
+        masses: Of bodies that the rig knows better than the file [kg]; the payload's is `payload` all the same.
 
     Raises:
         ModelError: the file cannot be read, or lacks a joint or body that a worn machine needs.
@@ -55,9 +59,21 @@ def build(path: Path, person: Person, payload: float, ankle: Ankle) -> mujoco.Mj
         joint = spec.joint(f"ankle_{side}")
         joint.stiffness[0] = ankle.stiffness if ankle.mode == "sprung" else 0.0
     try:
-        return spec.compile()
+        model = spec.compile()
     except (ValueError, mujoco.FatalError) as error:
         raise ModelError(f"{path}: MuJoCo cannot compile it: {' '.join(str(error).split())}") from None
+    for name, mass in (masses or {}).items():
+        if name == "payload":
+            continue
+        bodies = [model.body(i).name for i in range(model.nbody)]
+        if name not in bodies or model.body_mass[bodies.index(name)] <= 0.0:
+            raise ModelError(f"bodies.{name} is not a body with mass in {path}{nearest(name, bodies)}")
+        index = bodies.index(name)
+        model.body_inertia[index] *= mass / model.body_mass[index]
+        model.body_mass[index] = mass
+    if masses:
+        mujoco.mj_setConst(model, mujoco.MjData(model))
+    return model
 
 
 def carry(model: mujoco.MjModel, payload: float, body: int | None = None) -> None:

@@ -52,7 +52,7 @@ class Simulation:
         scenario = scenarios.find(request.scenario)
         self.motion = scenarios.motion(request.scenario, self.person, request.speed)
         self.cycles = request.cycles if request.cycles is not None else scenario.cycles
-        self.model = build(rig.model, self.person, request.payload, rig.ankle)
+        self.model = build(rig.model, self.person, request.payload, rig.ankle, rig.body_masses)
         attach(self.model, rig)
         if request.step is not None:
             self.model.opt.timestep = request.step
@@ -75,7 +75,9 @@ class Simulation:
             return np.zeros((SAMPLES + 1, 6))
         model = self.model
         if payload != self.request.payload:
-            model = build(self.rig.model, self.person, min(payload, PAYLOAD_LIMIT), self.rig.ankle)
+            model = build(
+                self.rig.model, self.person, min(payload, PAYLOAD_LIMIT), self.rig.ankle, self.rig.body_masses
+            )
             carry(model, payload)
         dynamics = machine_dynamics.along(model, self.motion, self.person, self.straps)
         if self.request.law != "least_load":
@@ -223,7 +225,7 @@ def _closed(table: NDArray[np.float64]) -> NDArray[np.float64]:
 
 def _frame_mass(rig: Rig, person: Person) -> float:
     """Return the machine's mass without payload [kg]."""
-    model = build(rig.model, person, 0.0, rig.ankle)
+    model = build(rig.model, person, 0.0, rig.ankle, rig.body_masses)
     return float(model.body_subtreemass[model.body("torso").id])
 
 

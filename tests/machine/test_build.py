@@ -99,3 +99,13 @@ def test_what_cannot_be_is_one_line(assets, tmp_path):
     with pytest.raises(ModelError, match='joint "torso_x"'):
         build(assets / "bench.xml", Person(), 0.0, Ankle())
     assert len(COORDINATES) == 9
+
+
+def test_masses_that_the_rig_knows_better_replace_the_files(assets):
+    plain = build(assets / "exo.xml", Person(), 10.0, Ankle())
+    model = build(assets / "exo.xml", Person(), 10.0, Ankle(), {"thigh_l": 5.6, "payload": 3.0})
+    assert model.body("thigh_l").mass[0] == 5.6
+    np.testing.assert_allclose(model.body("thigh_l").inertia, 2 * plain.body("thigh_l").inertia)
+    assert model.body_subtreemass[model.body("torso").id] == pytest.approx(32.8)
+    with pytest.raises(ModelError, match='did you mean "thigh_l"'):
+        build(assets / "exo.xml", Person(), 10.0, Ankle(), {"tigh_l": 1.0})

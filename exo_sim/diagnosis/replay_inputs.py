@@ -22,8 +22,10 @@ START_SECONDS, START_SAMPLES = 0.015, 31
 #: A joint that moves less than this [m, rad] over a whole recording is held by something.
 STILL = 1e-4
 #: The share of the forces' power that an unknown force may put into a joint before that counts as led from outside.
-LED_SHARE = 0.3
-_POWER_SMOOTHING, _POWER_BLOCK = 0.06, 0.1
+LED_SHARE = 0.12
+_POWER_SMOOTHING, _POWER_BLOCK, MOST_JUDGED = 0.06, 0.1, 4000
+#: A card may be so late [s] without anybody leading the joint.
+_LATE = (-0.04, -0.02, -0.01, 0.0, 0.01, 0.02, 0.04)
 
 
 @dataclass(frozen=True)
@@ -170,7 +172,7 @@ def led_from_outside(recording: Recording, rig: Rig, model: mujoco.MjModel, link
 def _powers(recording: Recording, rig: Rig, model: mujoco.MjModel, links: Sequence[Linkage], joints: list[int]) -> dict[str, float]:
     """Return, for each joint whose drive is known, the power that unknown forces put in as a share of what was known."""
     time = recording.time
-    every = max(1, len(time) // 20000)
+    every = max(1, len(time) // MOST_JUDGED)
     usual = float(np.median(np.diff(time)))
     moves = [smoothed(time, recording[f"{model.joint(j).name}.position"], max(_POWER_SMOOTHING, 5 * usual)) for j in joints]
     pick = np.arange(0, len(time), every)
@@ -193,11 +195,18 @@ def _powers(recording: Recording, rig: Rig, model: mujoco.MjModel, links: Sequen
         name, dof = model.joint(j).name, int(model.jnt_dofadr[j])
         if any(link.dof == dof and link.cylinder not in known for link in links):
             continue
-        unknown = _blocks((needed[:, dof] - gas[:, dof]) * qd[:, dof], block)
-        worked = np.maximum(np.abs(_blocks(gas[:, dof] * qd[:, dof], block)), np.abs(_blocks(needed[:, dof] * qd[:, dof], block)))
-        if worked.sum() > 0.0:
-            shares[name] = float(np.maximum(unknown, 0.0).sum() / worked.sum())
+        shares[name] = min(
+            _put_in(needed[:, dof], np.interp(time[pick] - late, time[pick], gas[:, dof]), qd[:, dof], block) for late in _LATE
+        )
     return shares
+
+
+def _put_in(needed: Array, drive: Array, velocity: Array, block: int) -> float:
+    """Return the power that an unknown force puts in, over all power; a constant force (a gauge sensor's) does not count."""
+    missing = needed - drive
+    unknown = _blocks((missing - missing.mean()) * velocity, block)
+    worked = np.maximum(np.abs(_blocks(drive * velocity, block)), np.abs(_blocks(needed * velocity, block))).sum()
+    return float(np.maximum(unknown, 0.0).sum() / worked) if worked > 0.0 else 0.0
 
 
 def _drive(recording: Recording, rig: Rig, links: Sequence[Linkage], pick: NDArray[np.int64]) -> tuple[dict[str, Array], set[str]]:

@@ -17,6 +17,7 @@ if TYPE_CHECKING:
 
 SCENE = "scene"
 LANES = "lanes"
+DIFFERENCE = "difference"
 
 #: Plots of a tab, from top to bottom, and the signals in each.
 _PLOTS = (
@@ -91,7 +92,7 @@ def layout(
         recording: What is shown.
         scene: What is drawn in space.
         lanes: Names of the lanes below the plots.
-        overlaid: Columns that also show simulated values: each gets a plot of its own.
+        overlaid: Columns that also show simulated values: each gets a plot of its own, and one of the difference beside it.
     """
     import rerun.blueprint as rrb
 
@@ -168,7 +169,9 @@ def _views(keys: Sequence[str], overlaid: Mapping[str, bool]) -> list[rrb.TimeSe
 
     groups: list[tuple[str, list[str]]] = []
     if any(overlaid.get(key) for key in keys):
-        groups = [(_words(key), [key]) for key in keys if overlaid.get(key)]
+        for key in keys:
+            if overlaid.get(key):
+                groups += [(_words(key), [key]), (f"simulated less recorded, {_unit(key)}", [f"{DIFFERENCE}/{key}"])]
         keys = [key for key in keys if not overlaid.get(key)]
     groups += plots(keys)
     return [
@@ -181,6 +184,10 @@ def _views(keys: Sequence[str], overlaid: Mapping[str, bool]) -> list[rrb.TimeSe
         )
         for title, shown in groups
     ]
+
+
+def _unit(key: str) -> str:
+    return " or ".join(columns.signal_of(key).units)
 
 
 def _words(key: str) -> str:

@@ -31,6 +31,7 @@ _COLOURS = {
     "before": (255, 140, 60, 255),
     "after": (80, 200, 120, 255),
     "simulated": (90, 170, 255, 255),
+    "free_run": (180, 130, 240, 255),
 }
 _PALETTE = (
     (90, 170, 255), (255, 140, 60), (80, 200, 120), (230, 90, 100), (180, 130, 240), (240, 200, 70), (120, 220, 220)
@@ -56,7 +57,8 @@ def write_rrd(
         recording: Its columns become the entities `/<part>.<signal>`.
         scene: What to draw in space.
         overlays: Other recordings to show on the same plots, e.g. `{"before": ..., "after": ...}`; the entities are
-            then `/<part>.<signal>/recorded`, `/before` and `/after`. Each has its own clock.
+            then `/<part>.<signal>/recorded`, `/before` and `/after`. Each has its own clock. What they differ by from what
+            was recorded stands in plots beside, as `/difference/<part>.<signal>/<name>`.
         lanes: Coloured bars below the plots: name to `(time at which it begins, label)`, an empty label for nothing.
             The gait is added by itself where stance is recorded.
 
@@ -81,6 +83,7 @@ def write_rrd(
             _signals(stream, recording, "recorded" if overlays else "", overlaid)
             for name, other in overlays.items():
                 _signals(stream, other, name, dict.fromkeys(other.columns, True))
+                _differences(stream, recording, other, name)
             for name, lane in all_lanes.items():
                 _lane(stream, name, lane)
             if scene is not None:
@@ -142,6 +145,24 @@ def _signals(stream: Any, recording: Recording, leaf: str, overlaid: Mapping[str
         else:
             stream.log(path, line, static=True)
             stream.log(key, unit, static=True)
+
+
+def _differences(stream: Any, recording: Recording, other: Recording, name: str) -> None:
+    """Log how far an overlay is from what was recorded, on the overlay's clock."""
+    import rerun as rr
+
+    index = [clock(other.time)]
+    for key in other.columns:
+        if key not in recording:
+            continue
+        recorded = recording[key]
+        there = np.isfinite(recorded)
+        if not np.array_equal(recording.time, other.time) and there.any():
+            recorded = np.interp(other.time, recording.time[there], recorded[there])
+        path = f"{blueprint.DIFFERENCE}/{key}/{name}"
+        stream.send_columns(path, indexes=index, columns=rr.Scalars.columns(scalars=other[key] - recorded))
+        looks = rr.SeriesLines(names=name, colors=[_COLOURS.get(name, _PALETTE[0])], widths=[1.5])
+        stream.log(path, looks, static=True)
 
 
 def _lane(stream: Any, name: str, lane: Lane) -> None:

@@ -26,7 +26,7 @@ _UNIT = "unit"
 #: The leaf under which a signal's own values stand where a recording also overlays simulated ones.
 RECORDED = "recorded"
 #: Leaves that hold other than what was recorded.
-OVERLAYS = ("before", "after", "simulated")
+OVERLAYS = ("before", "after", "simulated", "free_run")
 _PROPERTIES = "__properties"
 _PREFERRED_CLOCKS = ("time", "sim_time", "t", "log_time")
 

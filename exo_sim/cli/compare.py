@@ -1,0 +1,106 @@
+"""Simulate what was recorded and show both; no naming."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import click
+
+from exo_sim.cli import options, printing
+from exo_sim.cli.frame import verb
+
+if TYPE_CHECKING:
+    from exo_sim.diagnosis.replay import Replay
+    from exo_sim.recording import Recording
+
+
+@verb(
+    "exo-sim compare bench.csv --rig rig.toml",
+    "exo-sim compare fresh.parquet --rig found/improved.toml --out fresh.rrd --json",
+    out="Recording for the viewer (.rrd), recorded and simulated overlaid; RECORDING_compared.rrd when absent.",
+)
+@click.argument("recording", type=options.InputFile())
+@click.option("--rig", type=options.InputFile(), required=True, help="The machine as it is believed to be.")
+@click.option("--columns", type=options.InputFile(), default=None, help="Column map (TOML) for foreign names.")
+@click.option(
+    "--motion",
+    type=options.Choice(["auto", "predicted", "recorded"]),
+    default="auto",
+    show_default=True,
+    help="Whether positions are predicted too, or led as recorded; auto leads them where unmeasured forces moved them.",
+)
+def command(
+    recording: Path, rig: Path, columns: Path | None, motion: str, out: Path | None, as_json: bool, quiet: bool
+) -> None:
+    """Hold RECORDING, a .csv, .parquet or .rrd file, against what the rig would have done.
+
+    Every measured pressure and position is predicted twice: over windows of 0.5 s, each from the measured state, and in
+    one run from the first.
+    """
+    from exo_sim import rig as rigs
+    from exo_sim.diagnosis import replay as replays
+    from exo_sim.errors import OutputError
+    from exo_sim.progress import Bar
+    from exo_sim.recording import read, write_rrd
+
+    path = out or Path(f"{recording.stem}_compared.rrd")
+    if path.suffix.lower() != ".rrd":
+        raise OutputError(f'cannot write "{path}": a recording for the viewer ends in .rrd')
+    reading = read(recording, columns)
+    machine = rigs.read(rig)
+    with Bar(1.0, "simulating", "of it", quiet) as bar:
+        replay = replays.replay(reading.recording, machine, motion=motion, progress=bar.to)
+    signals = errors(reading.recording, replay)
+    write_rrd(path, reading.recording, overlays={"simulated": replay.windowed, "free_run": replay.free_run})
+    for finding in reading.findings:
+        printing.remark(f"exo-sim: {finding.says}", quiet=quiet or finding.severity == "info")
+    for words in replay.remarks:
+        printing.remark(f"exo-sim: {words}", quiet=quiet)
+    data = {
+        "schema": "exo-sim/compare/1",
+        "measure": replay.measure,
+        "signal": signals,
+        "motion": "recorded" if replay.led else "predicted",
+        "remarks": [*(f.says for f in reading.findings if f.severity != "info"), *replay.remarks],
+        "recording": recording,
+        "rig": rig,
+        "comparison": path,
+    }
+    printing.show(data, _words(data), as_json=as_json)
+
+
+def errors(recording: Recording, replay: Replay) -> dict[str, dict[str, Any]]:
+    """Return, for each predicted signal, the errors of both predictions and the sensor's noise."""
+    from exo_sim.diagnosis.replay import rms
+    from exo_sim.recording import noise
+
+    return {
+        key: {
+            "unit": recording.units[key],
+            "windowed_rms": rms(recording[key], replay.windowed[key]),
+            "free_run_rms": rms(recording[key], replay.free_run[key]),
+            "noise": noise.floor(recording[key], recording.time).std,
+        }
+        for key in replay.windowed.columns
+    }
+
+
+def _words(data: dict[str, Any]) -> str:
+    rows = [
+        [key, s["unit"], _number(s["windowed_rms"]), _number(s["free_run_rms"]), _number(s["noise"])]
+        for key, s in data["signal"].items()
+    ]
+    return "\n".join(
+        [
+            printing.table(rows, ["signal", "unit", "0.5 s windows", "free run", "noise"]),
+            "",
+            f"{data['measure']}.",
+            *(["A dash: the simulation left all bounds before the recording's end."] if any("-" in row for row in rows) else []),
+            f"recorded and simulated: {data['comparison']} (exo-sim view {data['comparison']})",
+        ]
+    )
+
+
+def _number(value: float) -> str:
+    return f"{value:.4g}" if value == value else "-"

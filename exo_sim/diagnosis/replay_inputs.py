@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import itertools
 import math
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
@@ -67,7 +68,7 @@ def steps(time: Array, dt: float) -> list[Steps]:
     edges = [*breaks_of(time), len(time)]
     found: list[Steps] = []
     offset = 0
-    for first, last in zip(edges[:-1], edges[1:], strict=True):
+    for first, last in itertools.pairwise(edges):
         if last - first < 5:
             continue
         count = math.ceil((time[last - 1] - time[first]) / dt - 1e-6) + 1

@@ -94,11 +94,14 @@ def paper() -> dict[str, NDArray[np.float64]]:
 
 
 def test_every_effect_of_the_contract_is_declared() -> None:
-    listed = """wall_heat_transfer piston_leakage external_leakage valve_null_leakage valve_deadband valve_offset valve_lag
-        valve_hysteresis line_restriction exhaust_back_pressure supply_droop coulomb_friction viscous_friction stribeck_friction
-        pressure_dependent_friction return_spring transmission_compliance backlash quadratic_drag critical_ratio presliding
-        asymmetric_friction spool_rate_limit moving_wall_temperature end_cushioning supply_regulator sensor_delay sensor_bias
-        sensor_scale unknown""".split()
+    listed = [
+        "wall_heat_transfer", "piston_leakage", "external_leakage", "valve_null_leakage", "valve_deadband",
+        "valve_offset", "valve_lag", "valve_hysteresis", "line_restriction", "exhaust_back_pressure", "supply_droop",
+        "coulomb_friction", "viscous_friction", "stribeck_friction", "pressure_dependent_friction", "return_spring",
+        "transmission_compliance", "backlash", "quadratic_drag", "critical_ratio", "presliding",
+        "asymmetric_friction", "spool_rate_limit", "moving_wall_temperature", "end_cushioning", "supply_regulator",
+        "sensor_delay", "sensor_bias", "sensor_scale", "unknown",
+    ]  # fmt: skip
     assert set(listed) <= set(NAMES)
     assert set(LIMITS) == set(NAMES), "every declared effect has a known limit in effect_limits.py"
 

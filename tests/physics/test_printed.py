@@ -72,7 +72,7 @@ def test_sizes_of_the_slips_are_in_the_document(repository: Path) -> None:
 
 def test_a_closed_chamber_of_equation_16_looks_like_a_polytropic() -> None:
     """P1 A2 in place of P1 A1: P X^(k A2/A1), exponent 1.203125 for 32/12 mm."""
-    assert 1.4 * AREA_2 / AREA_1 == pytest.approx(1.203125)
+    assert pytest.approx(1.203125) == 1.4 * AREA_2 / AREA_1
     for ratio, wrong in ((0.5, 2.302378459906), (0.25, 5.300946572639), (0.8, 1.307961195015)):
         assert ratio ** (-1.4 * AREA_2 / AREA_1) == pytest.approx(wrong, rel=1e-11)
     pushed = Machine(AREA_1, AREA_2, 0.2, 20.0, 0.0)
@@ -94,7 +94,7 @@ def test_filling_a_fixed_volume_by_equation_40_as_printed() -> None:
     hot = single_acting(fixed, Reading(constants="exact"), 0.1, 101325.0, 0.02)
     mass = (hot[2] / 101325.0) ** (1 / 1.4)
     assert hot[3] == pytest.approx(293.15 * mass**0.4, rel=1e-6)
-    assert 293.15 * (7e5 / 101325.0) ** (0.4 / 1.4) == pytest.approx(509.229041388, rel=1e-9)
+    assert pytest.approx(509.229041388, rel=1e-9) == 293.15 * (7e5 / 101325.0) ** (0.4 / 1.4)
 
 
 def test_venting_by_equation_42_fills_in_print() -> None:

@@ -90,7 +90,10 @@ def test_numbers_and_names_that_cannot_be(old: str, new: str, says: str) -> None
         ('[effects.unknown.piston]\nacts = "force"\ndepends_on = "position"\nat = ["0 m"]\nvalues = ["1 N"]', "needs from 2 to 16"),
         ('[effects.unknown.piston]\nacts = "force"\ndepends_on = "position"\nat = ["0 m", "1 m"]\nvalues = ["1 N", "2 m"]', "values"),
         ('[effects.unknown.piston]\nacts = "force"\ndepends_on = "position"\nat = ["1 m", "0 m"]\nvalues = ["1 N", "2 N"]', "increase"),
-        ('[effects.unknown.slide]\nacts = "flow_1"\ndepends_on = "position"\nat = ["0 m", "1 m"]\nvalues = ["1 kg/s", "2 kg/s"]', "joint knows no"),
+        (
+            '[effects.unknown.slide]\nacts = "flow_1"\ndepends_on = "position"\nat = ["0 m", "1 m"]\nvalues = ["1 kg/s", "2 kg/s"]',
+            "joint knows no",
+        ),
     ],
 )  # fmt: skip
 def test_effects_that_cannot_be(effects: str, says: str) -> None:
@@ -140,7 +143,7 @@ CRANK = """
 def test_linkage_through_its_dead_centre(tmp_path: Path) -> None:
     (tmp_path / "bench.xml").write_text(CRANK.format(range="-60 60", end="0 0 -0.1"))
     rig = parse(TEXT.replace('retracted_length = "0 m"', 'retracted_length = "0.05 m"'), tmp_path / "bench.toml")
-    with pytest.raises(RigError, match="the linkage is singular inside the range of joint .hinge.*move an attachment"):
+    with pytest.raises(RigError, match=r"the linkage is singular inside the range of joint .hinge.*move an attachment"):
         check_strokes(rig, load(rig))
 
 

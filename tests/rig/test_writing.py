@@ -96,7 +96,9 @@ def test_the_model_is_found_from_the_folder_it_is_written_to(bench: Path, tmp_pa
     assert again.model.resolve() == read(bench).model.resolve()
 
 
-@pytest.mark.parametrize("held", ['effects = {coulomb_friction = {piston = {force = "1 N"}}}', 'effects.coulomb_friction.piston.force = "1 N"'])
+@pytest.mark.parametrize(
+    "held", ['effects = {coulomb_friction = {piston = {force = "1 N"}}}', 'effects.coulomb_friction.piston.force = "1 N"']
+)
 def test_effects_in_braces_or_dots_can_be_added_to(bench: Path, held: str) -> None:
     rig = parse(f"{held}\n{bench.read_text()}", bench)
     leak = Finding(EffectSetting("coulomb_friction", "slide", {"force": 2.0}))

@@ -280,5 +280,56 @@ seconds = "10 ms"
     assert seen["slide.position"][50:] == pytest.approx(0.1 * (time[50:] - 0.01))
     assert observe(truth, read(bench)) is truth
     wrong = parse(bench.read_text() + '\n[effects.sensor_bias."pistn.pressure_1"]\nvalue = "1 Pa"\n', bench)
-    with pytest.raises(RigError, match="did you mean .piston.pressure_1"):
+    with pytest.raises(RigError, match=r"did you mean .piston.pressure_1"):
         observe(truth, wrong)
+
+
+@pytest.mark.parametrize("where", ["piston", "slide"])
+@pytest.mark.parametrize("step", [1e-3, 4e-3])
+def test_a_stuck_load_stays_where_it_is_for_a_minute(bench: Path, where: str, step: float) -> None:
+    rig = parse(bench.read_text() + f'\n[effects.coulomb_friction.{where}]\nforce = "20 N"\n', bench)
+    model = load(rig)
+    model.opt.timestep = step
+    data = mujoco.MjData(model)
+    data.qpos[0] = 0.08
+    plugin = PneumaticPlugin(model, rig)
+    plugin.pneumatics.cylinders["vented"] = 1.0
+    plugin.reset(data)
+    at = []
+    for i in range(round(60.0 / step)):
+        data.qfrc_applied[0] = 18.0 * min(1.0, i * step) + plugin._felt.sum()
+        plugin.step(data)
+        at.append(data.qpos[0])
+    assert np.ptp(at[len(at) // 20 :]) < 1e-8
+    assert abs(at[-1] - 0.08) < 2e-4
+    for _ in range(round(1.0 / step)):
+        data.qfrc_applied[0] = 22.0 + plugin._felt.sum()
+        plugin.step(data)
+    assert data.qpos[0] > 0.1
+
+
+def test_one_cylinders_stroke_is_felt_by_another_on_the_same_supply_and_exhaust(bench: Path, tmp_path: Path) -> None:
+    (tmp_path / "bench.xml").write_text(LEG)
+    text = bench.read_text()
+    head, cylinder = text[: text.index("[cylinders")], text[text.index("[cylinders") :]
+    for name, retracted in (("hip", "0.2 m"), ("knee", "0.25 m")):
+        own = cylinder.replace("cylinders.piston", f"cylinders.{name}").replace('"piston"', f'"{name}"')
+        head += own.replace('retracted_length = "0 m"', f'retracted_length = "{retracted}"') + "\n"
+    shared = '[effects.supply_droop.supply]\nvolume = "0.5 L"\nconductance = "1e-8 kg/(s Pa)"\n'
+    shared += '[effects.exhaust_back_pressure.exhaust]\narea = "2 mm^2"\n'
+    seen = {}
+    for extra in ("", shared):
+        rig = parse(head + extra, tmp_path / "bench.toml")
+        model = load(rig)
+        for busy in (0.0, 0.8):
+            data = mujoco.MjData(model)
+            data.qpos[1] = 0.4
+            plugin = PneumaticPlugin(model, rig)
+            plugin.reset(data, 3e5, 3e5)
+            gas, still = plugin.pneumatics, plugin.lengths.copy()
+            for i in range(300):  # rods locked: only the gas can carry news
+                gas.advance(still, still, np.array([busy * (1.0 if i % 100 < 50 else -1.0), 0.3]))
+            seen[extra, busy] = gas.pressures(still)[1]
+            assert plugin.books().mass_residual < 1e-10
+    assert (seen["", 0.0] == seen["", 0.8]).all()
+    assert np.abs(seen[shared, 0.0] - seen[shared, 0.8]).max() > 1e3

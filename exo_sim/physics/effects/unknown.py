@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
+from itertools import pairwise
 
 from exo_sim.physics.compiled import kernel
 from exo_sim.physics.effects.declaration import Effect, Parameter
@@ -21,7 +22,7 @@ def _check(place: str, numbers: Mapping[str, float], curves: Mapping[str, tuple[
     at, values = curves["at"], curves["values"]
     if len(at) != len(values):
         return f"at has {len(at)} entries and values {len(values)}: give one value for each"
-    if any(later <= earlier for earlier, later in zip(at, at[1:])):
+    if any(later <= earlier for earlier, later in pairwise(at)):
         return "at must increase from entry to entry"
     acts, variable = ACTS[int(numbers["acts"])], DEPENDS_ON[int(numbers["depends_on"])]
     if place == "joint" and (acts != "force" or variable not in ("position", "velocity")):

@@ -7,7 +7,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from exo_sim.errors import ModelError
-from exo_sim.machine.linkage import linkages
+from exo_sim.machine.linkage import Linkage, linkages
 from exo_sim.rig.schema import Attachment, Rig
 
 _FLAT = [0, 2]
@@ -27,10 +27,15 @@ def attachments(rig: Rig, model: mujoco.MjModel) -> dict[str, Attachment]:
     return found
 
 
-def attach(model: mujoco.MjModel, rig: Rig) -> None:
+def attach(model: mujoco.MjModel, rig: Rig, links: tuple[Linkage, ...] | None = None) -> None:
     """Move the sites of every cylinder that has an `attachment` in the rig, in place.
 
     The points are counted with all joints at zero, in space: x forward, z up. What lies across (y) stays.
+
+    Args:
+        model: Of the rig.
+        rig: Where the points come from.
+        links: `linkages(rig, model)` where they are at hand.
 
     Raises:
         ModelError: a cylinder that is no tendon between two sites.
@@ -39,7 +44,7 @@ def attach(model: mujoco.MjModel, rig: Rig) -> None:
     if not moved:
         return
     data = _at_zero(model)
-    dofs = {link.cylinder: link.dof for link in linkages(rig, model)}
+    dofs = {link.cylinder: link.dof for link in links or linkages(rig, model)}
     for cylinder in moved:
         assert cylinder.attachment is not None
         axis = _axis(model, data, dofs[cylinder.name])

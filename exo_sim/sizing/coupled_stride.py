@@ -1,0 +1,157 @@
+"""One cycle of person, machine, gas and valves for any design, on a model that is built once."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass, replace
+
+import mujoco
+import numpy as np
+from numpy.typing import NDArray
+
+from exo_sim.control.valve_control import force_limits
+from exo_sim.gait import scenario as scenarios
+from exo_sim.gait.motion import SAMPLES
+from exo_sim.machine.attachment import attach
+from exo_sim.machine.build import carry
+from exo_sim.machine.linkage import moment_row
+from exo_sim.rig import Rig
+from exo_sim.simulation import loop
+from exo_sim.simulation.coupled import Simulation
+from exo_sim.simulation.loop_wiring import wire
+from exo_sim.simulation.walk import Request, layout
+from exo_sim.sizing.loads import LAW, Condition
+
+#: Time step of the search [s]. Twice that of a run; `tests/sizing` holds the two against each other.
+STEP = 2e-3
+#: Cycles, and least time [s], of ideal actuators from which every design starts.
+_SETTLED, _SETTLED_TIME = 2, 2.0
+#: Share of a cycle that a design gets to find its own pressures, before the cycle that counts.
+LEAD = 0.15
+#: How far the machine may be from its wearer [m].
+_LOST = 0.35
+
+
+@dataclass(frozen=True)
+class Stride:
+    """What one design did in one condition.
+
+    Attributes:
+        gas: Drawn from the supply by all cylinders in the cycle [kg].
+        error: Largest over the joints of the rms of torque less torque demanded [N m].
+        worst: That joint.
+        finished: False where numbers left the range that means anything, or the machine left its wearer.
+    """
+
+    gas: float
+    error: float
+    worst: str
+    finished: bool
+
+
+class CoupledStride:
+    """A condition that designs can be put through, one after another; none leaves a trace for the next.
+
+    Args:
+        rig: The owner's machine.
+        condition: Scenario, payload, cadence.
+        step: Of the simulation [s].
+        lead: Share of a cycle before the one that counts.
+    """
+
+    def __init__(self, rig: Rig, condition: Condition, step: float = STEP, lead: float = LEAD):
+        request = Request(condition.scenario, condition.payload, condition.speed, 1, law=LAW, step=step)
+        sim = self._simulation = Simulation(rig, request)
+        self.condition, self.dt = condition, sim.dt
+        added = scenarios.find(condition.scenario).added
+        if added is not None:
+            sim.added, sim.demand = None, sim.demand_added
+            carry(sim.model, condition.payload + added.mass)
+        self._wired = wire(sim)
+        self._first, start = self._settle()
+        self._start = start
+        self._lead = round(lead * sim.motion.period / self.dt)
+        self._count = round(sim.motion.period / self.dt)
+        keys = [key for key, _ in layout(rig, sim.straps, True)]
+        self._log = np.empty((self._lead + self._count, 1 + len(keys)))
+        column = {key: i + 1 for i, key in enumerate(keys)}
+        self._joints = tuple(dict.fromkeys(link.joint for link in sim.plugin.links))
+        self._torque = [column[f"{joint}.torque"] for joint in self._joints]
+        self._wanted = [column[f"{joint}.torque_demanded"] for joint in self._joints]
+        self._gas = [column[f"{name}.gas_used"] for name in rig.cylinders]
+        self._column = column
+
+    def _settle(self) -> tuple[int, NDArray[np.float64]]:
+        """Walk with ideal actuators; return the number of the step at a cycle's start, and MuJoCo's state there."""
+        sim = self._simulation
+        cycles = max(_SETTLED, math.ceil(_SETTLED_TIME / sim.motion.period))
+        count = round(cycles * sim.motion.period / self.dt)
+        addresses, settings, world, wearer, drives, gas = self._wired
+        log = np.empty((count, 1 + len(layout(sim.rig, sim.straps, False))))
+        loop.run(0, count, addresses, settings._replace(kind=loop.IDEAL), world, wearer, drives, gas, log)
+        kind = mujoco.mjtState.mjSTATE_INTEGRATION
+        state = np.empty(mujoco.mj_stateSize(sim.model, kind))
+        mujoco.mj_getState(sim.model, sim.data, state, kind)
+        return count, state
+
+    def run(self, rig: Rig) -> Stride:
+        """Put a fitted rig through one cycle.
+
+        Args:
+            rig: The owner's machine with a design's cylinders (`design.fitted`).
+        """
+        sim = self._simulation
+        addresses, settings, world, wearer, drives, gas = self._wired
+        attach(sim.model, rig, sim.plugin.links)
+        mujoco.mj_resetData(sim.model, sim.data)
+        mujoco.mj_setState(sim.model, sim.data, self._start, mujoco.mjtState.mjSTATE_INTEGRATION)
+        sim.plugin.refit(rig)
+        sim.plugin.pneumatics.world["longest_step"] = self.dt  # accuracy to a few parts in ten thousand is enough here
+        self._fill(rig, drives)
+        loop.run(self._first, len(self._log), addresses, settings, world, wearer, drives, gas, self._log)
+        return self._judged()
+
+    def _fill(self, rig: Rig, drives: loop.Drives) -> None:
+        """Fill the chambers so that the rods start with the forces wanted of them, half way between exhaust and supply."""
+        sim, data = self._simulation, self._simulation.data
+        mujoco.mj_forward(sim.model, data)
+        at = (self._first * self.dt / sim.motion.period) % 1.0
+        wanted = sim.demand[round(at * SAMPLES) % SAMPLES]
+        p_s, p_e = rig.supply.pressure, rig.environment.pressure
+        middle = 0.5 * (p_s + p_e)
+        pressures = np.empty((2, len(sim.plugin.links)))
+        for i, link in enumerate(sim.plugin.links):
+            cylinder = rig.cylinders[link.cylinder]
+            a_1, a_2 = cylinder.area_1, cylinder.area_2
+            arm = float(moment_row(sim.model, data, link.actuator)[link.dof])
+            low, high = force_limits(a_1, a_2, p_s, p_e, p_e)
+            force = min(max(wanted[link.dof - 3] / arm if abs(arm) > 5e-3 else 0.0, low), high)
+            drives.wanted[i] = force
+            apart = (force - (middle - p_e) * (a_1 - a_2)) / (a_1 + a_2)
+            p_1 = min(max(middle + apart, p_e), p_s)
+            p_2 = min(max((p_1 * a_1 - p_e * (a_1 - a_2) - force) / a_2, p_e), p_s)
+            p_1 = min(max((force + p_2 * a_2 + p_e * (a_1 - a_2)) / a_1, p_e), p_s)
+            pressures[:, i] = p_1, p_2
+        drives.before[:] = drives.wanted
+        drives.integral[:] = 0.0
+        sim.plugin.reset(data, *pressures)
+
+    def _judged(self) -> Stride:
+        part = self._log[self._lead :]
+        names = self._joints
+        if not np.isfinite(part).all():
+            return Stride(math.inf, math.inf, names[0], False)
+        cycles = part[:, 0] / self._simulation.motion.period
+        away = part[:, 1] - self._simulation.motion.advance * cycles - self._simulation.motion.at(cycles)[:, 0]
+        errors = np.sqrt(np.mean((part[:, self._torque] - part[:, self._wanted]) ** 2, axis=0))
+        worst = int(np.argmax(errors))
+        gas = float(np.sum(part[-1, self._gas] - part[0, self._gas])) * self._count / (len(part) - 1)
+        return Stride(gas, float(errors[worst]), names[worst], bool(np.abs(away).max() < _LOST))
+
+
+def mean_of(strides: list[Stride]) -> Stride:
+    """Return one for all conditions: the mean of the gas, the worst of the rest."""
+    worst = max(strides, key=lambda stride: stride.error)
+    return replace(
+        worst, gas=float(np.mean([stride.gas for stride in strides])), finished=all(s.finished for s in strides)
+    )

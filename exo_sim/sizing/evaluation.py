@@ -1,0 +1,156 @@
+"""A design's score: screened by capability first, then put through the coupled cycle where it survives."""
+
+from __future__ import annotations
+
+import hashlib
+from collections.abc import Mapping
+from dataclasses import dataclass, field, replace
+from functools import cached_property
+
+import numpy as np
+
+from exo_sim.rig import Rig
+from exo_sim.sizing.coupled_stride import LEAD, STEP, CoupledStride, mean_of
+from exo_sim.sizing.design import Design, JointKind, Space, actuator_mass, fitted
+from exo_sim.sizing.loads import Condition, JointLoads, joint_loads
+from exo_sim.sizing.screening import chosen_bores, screen
+
+#: What stands for gas [kg] and torque error [N m] of a design that was not simulated: worse than any that was.
+UNKNOWN_GAS, UNKNOWN_ERROR = 1.0, 1000.0
+#: Digits of a score that count, so that processors that round differently agree.
+DIGITS = 6
+
+
+@dataclass(frozen=True)
+class Score:
+    """How good a design is.
+
+    Attributes:
+        margin: Least torque left, as a share of the joint's peak torque; more is better.
+        gas: Drawn a cycle by all cylinders, mean over conditions [kg].
+        mass: Of all cylinders [kg].
+        error: Rms of torque less torque demanded at the worst joint under the worst condition [N m].
+        violations: Constraints; above zero is violated.
+        simulated: Whether it survived screening and went through the coupled cycle.
+        finished: Whether it came through.
+        by_joint: Margin by kind of joint.
+        thinnest: Joint, condition and phase where the margin is thinnest, or None.
+        worst: Joint with the largest error.
+        bores: Place in the catalogue by kind of joint.
+    """
+
+    margin: float
+    gas: float
+    mass: float
+    error: float
+    violations: tuple[float, ...]
+    simulated: bool
+    finished: bool
+    by_joint: dict[str, float] = field(default_factory=dict)
+    thinnest: tuple[str, str, float] | None = None
+    worst: str = ""
+    bores: dict[str, int] = field(default_factory=dict)
+
+    @property
+    def feasible(self) -> bool:
+        """Whether every constraint is kept and the coupled cycle was walked."""
+        return self.finished and max(self.violations) <= 0.0
+
+    @property
+    def objectives(self) -> tuple[float, float, float, float]:
+        """Margin (to be large), gas, mass, error (to be small)."""
+        return self.margin, self.gas, self.mass, self.error
+
+
+@dataclass(frozen=True)
+class Task:
+    """What all designs of a search are judged by.
+
+    Attributes:
+        rig: The owner's machine.
+        conditions: What it must do.
+        space: What may be chosen.
+        step: Of the coupled cycle [s].
+        lead: Share of a cycle before it.
+    """
+
+    rig: Rig
+    conditions: tuple[Condition, ...]
+    space: Space
+    step: float = STEP
+    lead: float = LEAD
+
+    @cached_property
+    def digest(self) -> str:
+        """Short name of everything that a score depends on besides the design."""
+        rig = self.rig
+        text = repr((rig.text, rig.effects, rig.wearer, rig.ankle, rig.supply, self.conditions, self.space, self.step, self.lead))
+        return hashlib.sha256(text.encode() + rig.model.read_bytes()).hexdigest()[:16]
+
+
+class Evaluator:
+    """Scores designs; everything that does not depend on the design is made once.
+
+    Args:
+        task: What they are judged by.
+    """
+
+    def __init__(self, task: Task):
+        self.task = task
+        self.kinds: tuple[JointKind, ...] = task.space.kinds
+        self.loads: tuple[JointLoads, ...] = tuple(joint_loads(task.rig, condition) for condition in task.conditions)
+        self._strides = [CoupledStride(task.rig, condition, task.step, task.lead) for condition in task.conditions]
+
+    def score(self, numbers: Mapping[str, float]) -> Score:
+        """Return the score of the design that a set of variables stands for (`Space`)."""
+        task = self.task
+        bores = chosen_bores(task.rig, task.space, self.loads, numbers)
+        return replace(self.judge(task.space.design(numbers, bores)), bores=bores)
+
+    def judge(self, design: Design) -> Score:
+        """Return the score of a design."""
+        rig = self.task.rig
+        screened = screen(rig, self.kinds, self.loads, design)
+        mass = actuator_mass(self.kinds, design)
+        place = screened.thinnest
+        known = {
+            "violations": tuple(_rounded(value) for value in screened.violations),
+            "by_joint": {name: _rounded(value) for name, value in screened.by_joint.items()},
+            "thinnest": None if place is None else (place.joint, place.condition, place.phase),
+        }
+        margin, mass = _rounded(screened.margin), _rounded(min(mass, 1e3))
+        if not screened.survives:
+            return Score(margin, UNKNOWN_GAS, mass, UNKNOWN_ERROR, simulated=False, finished=False, **known)
+        found = self.coupled(fitted(rig, self.kinds, design))
+        if not found.finished:
+            known["violations"] = (*known["violations"][:-1], 1.0)
+            return Score(margin, UNKNOWN_GAS, mass, UNKNOWN_ERROR, simulated=True, finished=False, **known)
+        return Score(
+            margin, _rounded(found.gas), mass, _rounded(found.error), simulated=True, finished=True, worst=found.worst, **known
+        )
+
+    def coupled(self, rig: Rig):  # type: ignore[no-untyped-def]
+        """Put a fitted rig through the cycle of every condition; return gas and error over all of them."""
+        return mean_of([stride.run(rig) for stride in self._strides])
+
+
+def _rounded(value: float) -> float:
+    return float(np.format_float_scientific(value, precision=DIGITS - 1))
+
+
+_held: dict[str, Evaluator] = {}
+
+
+def evaluator(task: Task) -> Evaluator:
+    """Return this process's evaluator of a task, made at the first call; the last two stay."""
+    if task.digest not in _held:
+        while len(_held) > 1:
+            del _held[next(iter(_held))]
+        _held[task.digest] = Evaluator(task)
+    return _held[task.digest]
+
+
+def score_all(task: Task, designs: list[dict[str, float]]) -> list[Score]:
+    """Return the scores of some designs, given as variables: what a worker is sent."""
+    judge = evaluator(task)
+    return [judge.score(numbers) for numbers in designs]

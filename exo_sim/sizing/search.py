@@ -1,0 +1,215 @@
+"""The search: Optuna's NSGA-II asks and is told in this process, designs are scored wherever workers are.
+
+Every trial's draw depends on the seed, its number and the scores before its batch, never on who scored or when. So the same seed
+gives the same front with any workers; and after a kill the same draws come again, and whatever the journal holds is not scored anew.
+"""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Sequence
+from dataclasses import asdict, dataclass
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from exo_sim import progress
+from exo_sim.errors import OutputError
+from exo_sim.sizing.design import MOST_ABOVE, Design, Space
+from exo_sim.sizing.evaluation import Score, Task
+from exo_sim.sizing.first_designs import first_designs
+from exo_sim.sizing.loads import JointLoads
+from exo_sim.sizing.workers import Workers
+
+if TYPE_CHECKING:
+    import optuna
+
+#: Designs asked for together, and NSGA-II's population: fixed, so that the number of workers does not matter.
+BATCH = 40
+DIRECTIONS = ("maximize", "minimize", "minimize", "minimize")
+
+
+@dataclass(frozen=True)
+class Found:
+    """A design and its score."""
+
+    design: Design
+    score: Score
+
+
+@dataclass(frozen=True)
+class Outcome:
+    """What a search came to.
+
+    Attributes:
+        trials: All designs with their scores, in the order of their numbers.
+        front: Those of the feasible ones that no other betters in every objective, by falling margin.
+        new: How many were scored now; the others came from the journal.
+        interrupted: True where Ctrl-C ended it early.
+    """
+
+    trials: tuple[Found, ...]
+    front: tuple[Found, ...]
+    new: int
+    interrupted: bool = False
+
+
+def search(
+    task: Task,
+    loads: tuple[JointLoads, ...],
+    trials: int,
+    seed: int,
+    workers: Workers,
+    journal: Path | None = None,
+    quiet: bool = True,
+) -> Outcome:
+    """Look for the best designs.
+
+    Args:
+        task: What they are judged by.
+        loads: What the joints must carry, by condition.
+        trials: How many designs; the first is the owner's, as near as the space allows.
+        seed: Of all draws.
+        workers: Who scores.
+        journal: Optuna journal that keeps finished designs; read where it is there.
+        quiet: No progress bar.
+
+    Raises:
+        OutputError: the journal belongs to another search.
+    """
+    import optuna
+
+    optuna.logging.set_verbosity(optuna.logging.WARNING)
+    space = task.space
+    book = _Journal(journal, f"{task.digest} seed {seed}")
+    study = optuna.create_study(directions=list(DIRECTIONS), sampler=_sampler(seed, 0))
+    distributions = _distributions(space)
+    for numbers in first_designs(task.rig, space, loads, min(BATCH, trials), seed):
+        study.enqueue_trial({name: _as_asked(name, numbers[name]) for name in distributions})
+    found: list[Found] = []
+    new, interrupted = 0, False
+    with progress.Bar(trials, "sizing", unit="design", quiet=quiet) as bar:
+        try:
+            for start in range(0, trials, BATCH):
+                asked = []
+                for number in range(start, min(start + BATCH, trials)):
+                    study.sampler = _sampler(seed, number)
+                    asked.append(study.ask(distributions))
+                    _ = asked[-1].relative_params  # puts the first designs, too, into a generation
+                kept = [book.score(trial.number, trial.params) for trial in asked]
+                missing = [trial.params for trial, score in zip(asked, kept) if score is None]
+                fresh = workers.scores(task, missing)
+                for trial, score in zip(asked, kept):
+                    if score is None:
+                        score = next(fresh)
+                        book.keep(trial, score, distributions)
+                        new += 1
+                    _tell(study, trial, score)
+                    found.append(Found(space.design(trial.params, score.bores, trial.number), score))
+                    bar.advance()
+        except KeyboardInterrupt:
+            interrupted = True
+    return Outcome(tuple(found), front_of(found), new, interrupted)
+
+
+def front_of(found: Sequence[Found]) -> tuple[Found, ...]:
+    """Return the feasible designs that no other equals or betters in every objective, by falling margin."""
+    good = [one for one in found if one.score.feasible]
+    if not good:
+        return ()
+    costs = np.array([(-one.score.margin, *one.score.objectives[1:]) for one in good])
+    out = []
+    for i, one in enumerate(good):
+        better = np.all(costs <= costs[i], axis=1) & np.any(costs < costs[i], axis=1)
+        same = np.all(costs[:i] == costs[i], axis=1)
+        if not better.any() and not same.any():
+            out.append(one)
+    return tuple(sorted(out, key=lambda one: (-one.score.margin, one.score.gas, one.design.number)))
+
+
+def _sampler(seed: int, number: int) -> optuna.samplers.NSGAIISampler:
+    import optuna
+
+    drawn = int(np.random.SeedSequence([seed, number]).generate_state(1)[0])
+    return optuna.samplers.NSGAIISampler(
+        seed=drawn, population_size=BATCH, crossover=optuna.samplers.nsgaii.SBXCrossover(), constraints_func=lambda trial: trial.user_attrs["violations"]
+    )
+
+
+def _distributions(space: Space) -> dict[str, Any]:
+    import optuna
+
+    out: dict[str, Any] = {}
+    for kind in space.kinds:
+        out[f"{kind.name}.above"] = optuna.distributions.IntDistribution(0, MOST_ABOVE)
+    for name, (low, high) in space.bounds.items():
+        out[name] = optuna.distributions.FloatDistribution(low, high, log=name.endswith(".valve"))
+    return out
+
+
+def _as_asked(name: str, value: float) -> float | int:
+    return int(value) if name.endswith(".above") else value
+
+
+def _tell(study: optuna.Study, trial: optuna.Trial, score: Score) -> None:
+    trial.set_user_attr("violations", list(score.violations))
+    study.tell(trial, score.objectives)
+
+
+class _Journal:
+    """Finished designs in Optuna's journal storage; one study of one search.
+
+    Args:
+        path: The file; None keeps nothing.
+        name: What the search is; a journal of another name is refused.
+    """
+
+    def __init__(self, path: Path | None, name: str):
+        self._study: optuna.Study | None = None
+        self._scores: dict[int, tuple[dict[str, Any], Score]] = {}
+        if path is None:
+            return
+        import optuna
+        from optuna.storages import JournalStorage
+        from optuna.storages.journal import JournalFileBackend
+
+        try:
+            path.parent.mkdir(parents=True, exist_ok=True)
+            storage = JournalStorage(JournalFileBackend(str(path)))
+            names = optuna.get_all_study_names(storage)
+            if names and names != [name]:
+                raise OutputError(
+                    f'{path} holds another search (other rig, loads, bounds or seed); name another folder with --out, '
+                    "or remove that file"
+                )
+            self._study = optuna.create_study(
+                storage=storage, study_name=name, directions=list(DIRECTIONS), load_if_exists=True
+            )
+        except OSError as error:
+            raise OutputError(f'cannot write "{path}": {error.strerror or error}; write elsewhere') from None
+        except (json.JSONDecodeError, KeyError, UnicodeDecodeError):
+            raise OutputError(f"{path} is no journal of a search; remove it or name another folder with --out") from None
+        for trial in self._study.get_trials(deepcopy=False):
+            score = trial.user_attrs["score"]
+            thinnest = score["thinnest"]
+            score = {**score, "violations": tuple(score["violations"]), "thinnest": tuple(thinnest) if thinnest else None}
+            self._scores[trial.user_attrs["number"]] = (trial.params, Score(**score))
+
+    def score(self, number: int, params: dict[str, Any]) -> Score | None:
+        """Return the score of a finished design, None where it was not finished or is another one."""
+        held = self._scores.get(number)
+        return held[1] if held is not None and held[0] == params else None
+
+    def keep(self, trial: optuna.Trial, score: Score, distributions: dict[str, Any]) -> None:
+        """Write a finished design down."""
+        if self._study is None:
+            return
+        import optuna
+
+        self._study.add_trial(
+            optuna.create_trial(
+                params=trial.params, distributions=distributions, values=list(score.objectives),
+                user_attrs={"number": trial.number, "score": asdict(score)},
+            )
+        )  # fmt: skip

@@ -1,0 +1,73 @@
+"""Scores from this process, from processes of this machine, or from a Dask cluster: the same scores in the same order."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from contextlib import ExitStack
+from typing import Any
+
+from exo_sim.errors import ScenarioError
+from exo_sim.sizing.evaluation import Score, Task, score_all
+
+#: Designs in one parcel: few enough to share a batch evenly, enough that sending them costs little.
+PARCEL = 4
+_CONNECT = 10.0
+
+
+class Workers:
+    """Whoever scores; a context manager.
+
+    Args:
+        jobs: Processes of this machine, one thread each; -1 for one a core.
+        scheduler: Address of a Dask scheduler, "tcp://HOST:PORT"; then `jobs` does not count.
+
+    Raises:
+        ScenarioError: nobody answers at that address, or no worker is there.
+    """
+
+    def __init__(self, jobs: int = 1, scheduler: str | None = None):
+        self._stack = ExitStack()
+        self.jobs, self._client, self._parallel = jobs, None, None
+        if scheduler is not None:
+            self._client = self._stack.enter_context(_client(scheduler))
+
+    def __enter__(self) -> Workers:
+        from joblib import Parallel, parallel_config
+
+        if self._client is not None:
+            self._stack.enter_context(parallel_config(backend="dask", client=self._client, wait_for_workers_timeout=_CONNECT))
+            self._parallel = Parallel(n_jobs=-1)
+        elif self.jobs != 1:
+            self._stack.enter_context(parallel_config(backend="loky", n_jobs=self.jobs, inner_max_num_threads=1))
+            self._parallel = self._stack.enter_context(Parallel(return_as="generator"))
+        return self
+
+    def __exit__(self, *exception: object) -> None:
+        self._stack.close()
+
+    def scores(self, task: Task, designs: list[dict[str, float]]) -> Iterator[Score]:
+        """Yield the score of each design, given as variables, in their order, as they come in."""
+        parcels = [designs[i : i + PARCEL] for i in range(0, len(designs), PARCEL)]
+        if self._parallel is None:
+            for design in designs:
+                yield score_all(task, [design])[0]
+            return
+        from joblib import delayed
+
+        for scores in self._parallel(delayed(score_all)(task, parcel) for parcel in parcels):
+            yield from scores
+
+
+def _client(address: str) -> Any:
+    try:
+        from distributed import Client
+    except ImportError:
+        raise ScenarioError("--scheduler needs Dask: install exo-sim-pneumatic[cluster]") from None
+    try:
+        client = Client(address, timeout=_CONNECT, set_as_default=False)
+    except (OSError, TimeoutError, ValueError) as error:
+        raise ScenarioError(f'no Dask scheduler answers at "{address}": {" ".join(str(error).split())}') from None
+    if not client.scheduler_info()["workers"]:
+        client.close()
+        raise ScenarioError(f'the Dask scheduler at "{address}" has no workers; start one with: dask worker {address}')
+    return client

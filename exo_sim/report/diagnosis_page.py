@@ -1,0 +1,111 @@
+"""A diagnosis as one self-contained page that is read in two minutes and printed."""
+
+from __future__ import annotations
+
+import difflib
+from importlib import metadata
+from pathlib import Path
+from typing import Any
+
+import exo_sim
+from exo_sim.diagnosis.result import Diagnosis, Finding, SignalFit
+from exo_sim.report import amounts, diagnosis_picture, diagnosis_words
+
+_HERE = Path(__file__).parent
+_PACKAGES = ("mujoco", "numpy", "scipy", "numba")
+
+
+def page(diagnosis: Diagnosis, rig_text: str, rig_name: str = "rig.toml") -> str:
+    """Return the HTML.
+
+    The same diagnosis, rig and versions give the same bytes.
+
+    Args:
+        diagnosis: What was found.
+        rig_text: The rig as it was handed in.
+        rig_name: What its file is called.
+    """
+    import jinja2
+
+    environment = jinja2.Environment(autoescape=True, trim_blocks=True, lstrip_blocks=True, undefined=jinja2.StrictUndefined)
+    environment.filters.update(share=amounts.share, name_of=diagnosis_words.name_of)
+    template = environment.from_string((_HERE / "diagnosis.html").read_text(encoding="utf-8"))
+    pictures = diagnosis_picture.drawn(diagnosis)
+    return template.render(
+        d=diagnosis,
+        style=(_HERE / "diagnosis.css").read_text(encoding="utf-8"),
+        badge=diagnosis_words.VERDICTS[diagnosis.verdict],
+        sentence=diagnosis_words.verdict(diagnosis),
+        proof=diagnosis_words.proof(diagnosis),
+        findings=[_finding(finding) for finding in diagnosis.effects if finding.kind != "calibration"],
+        corrections=[row for finding in diagnosis.effects if finding.kind == "calibration" for row in _correction(finding)],
+        pictures=[(name, diagnosis_picture.overview(diagnosis, name, signals)) for name, signals in pictures],
+        not_drawn=len({s.recording for s in diagnosis.series}) - len(pictures),
+        fits=[_fit(name, fit) for name, fit in diagnosis.signals.items()],
+        kept_back=diagnosis_words.kept_back(diagnosis),
+        located=[_located(place) for place in diagnosis.located],
+        diff=_diff(rig_text, diagnosis.improved, rig_name),
+        versions=versions(),
+    )
+
+
+def versions() -> str:
+    """Return what made the page, with versions."""
+    return ", ".join([f"exo-sim {exo_sim.__version__}", *(f"{name} {metadata.version(name)}" for name in _PACKAGES)])
+
+
+def _finding(finding: Finding) -> dict[str, Any]:
+    return {
+        "title": diagnosis_words.title(finding),
+        "kind": diagnosis_words.KINDS[finding.kind],
+        "class": finding.kind,
+        "says": finding.says,
+        "numbers": diagnosis_words.numbers(finding),
+        "evidence": diagnosis_words.evidence(finding),
+        "rivals": diagnosis_words.rivals(finding),
+        "depends_on": diagnosis_words.joined(finding.depends_on),
+        "curve": diagnosis_picture.curve(finding),
+    }
+
+
+def _correction(finding: Finding) -> list[tuple[str, str, str, str]]:
+    """Return (sentence, part, factor or value, interval) for each number that is off."""
+    rows = []
+    for estimate, (_, value, span) in zip(finding.parameters.values(), diagnosis_words.numbers(finding), strict=True):
+        times = "× " if estimate.unit in ("", "1") else ""
+        rows.append((finding.says, "" if finding.where in finding.says else finding.where, times + value, span))
+    return rows or [(finding.says, finding.where, "", "")]
+
+
+def _fit(name: str, fit: SignalFit) -> dict[str, Any]:
+    """Return one row of the proof: numbers in one unit, and how long their bars are against the largest."""
+    known = [v for v in (fit.before, fit.after, fit.noise) if v == v]
+    largest = max(known, default=1.0) or 1.0
+    unit, size = amounts.shown_in(fit.unit, largest)
+    row: dict[str, Any] = {"name": name, "unit": unit}
+    for key, value in (("before", fit.before), ("after", fit.after), ("noise", fit.noise)):
+        row[key] = amounts.digits(value / size)
+        row[f"{key}_share"] = f"{100 * value / largest:.1f}" if value == value else "0"
+    return row
+
+
+def _located(place: Any) -> dict[str, str]:
+    return {
+        "where": place.where,
+        "equation": place.equation,
+        "share": amounts.share(place.share),
+        "regime": place.regime,
+        "error": amounts.amount(place.error, place.unit),
+        "noise": amounts.amount(place.noise, place.unit),
+        "when": amounts.spans(place.when),
+        "recording": place.recording,
+    }
+
+
+def _diff(before: str, after: str, name: str) -> list[tuple[str, str]]:
+    """Return the lines of a unified diff as (kind, text)."""
+    if not after or after == before:
+        return []
+    lines = list(difflib.unified_diff(before.splitlines(), after.splitlines(), name, "improved.toml", lineterm="", n=2))
+    kinds = {"+": "added", "-": "removed", "@": "place"}
+    return [("file" if i < 2 else kinds.get(line[:1], "same"), line) for i, line in enumerate(lines)]

@@ -1,0 +1,101 @@
+"""A diagnosis in the terminal: at most forty lines of plain text."""
+
+from __future__ import annotations
+
+import textwrap
+from collections.abc import Sequence
+
+from exo_sim.diagnosis.result import Diagnosis
+from exo_sim.report import amounts, diagnosis_words
+
+WIDTH = 110
+MOST_LINES = 40
+
+
+def text(diagnosis: Diagnosis, written: Sequence[str] = ()) -> str:
+    """Return the summary.
+
+    Args:
+        diagnosis: What was found.
+        written: Lines about the files that hold the rest; they always show.
+    """
+    head = _wrapped(f"{diagnosis.verdict.upper()}  {diagnosis_words.verdict(diagnosis)}", "")
+    if proof := diagnosis_words.proof(diagnosis):
+        head += _wrapped(proof, "")
+    sections = [s for s in (_findings(diagnosis), _fit(diagnosis), _located(diagnosis), _rest(diagnosis)) if s]
+    tail = ["", *written] if written else []
+    return "\n".join([*_fitting(head, sections, MOST_LINES - len(tail)), *tail])
+
+
+def _fitting(head: list[str], sections: list[list[str]], room: int) -> list[str]:
+    """Cut the longest sections until everything fits; a cut one says so."""
+    sections = [list(section) for section in sections]
+
+    def total() -> int:
+        return len(head) + sum(len(section) + 1 for section in sections)
+
+    while total() > room and max(map(len, sections)) > 4:
+        longest = max(sections, key=len)
+        del longest[-2 if longest[-1].strip() == "..." else -1]
+        if longest[-1].strip() != "...":
+            longest[-1] = "  ..."
+    lines = list(head)
+    for section in sections:
+        lines += ["", *section]
+    return lines[:room]
+
+
+def _findings(diagnosis: Diagnosis) -> list[str]:
+    if not diagnosis.effects:
+        return []
+    lines = ["Found"]
+    for finding in diagnosis.effects:
+        title = f"{diagnosis_words.name_of(finding.name)} at {finding.where} ({diagnosis_words.KINDS[finding.kind]})"
+        lines += _wrapped(f"{title}: {finding.says}", "  ")
+        lines += [f"    {name} = {value}  (95 %: {span})" for name, value, span in diagnosis_words.numbers(finding)]
+        if proof := diagnosis_words.evidence(finding):
+            lines += _wrapped(proof, "    ")
+        if rivals := diagnosis_words.rivals(finding):
+            listed = [f"{diagnosis_words.name_of(name)}{'' if p is None else f' {amounts.share(p)}'}" for name, p in rivals]
+            lines += _wrapped(f"cannot be told apart: {', '.join(listed)}", "    ")
+    return lines
+
+
+def _fit(diagnosis: Diagnosis) -> list[str]:
+    if not diagnosis.signals:
+        return []
+    width = max(map(len, diagnosis.signals))
+    lines = [f"Error on held-out time ({diagnosis.measure})"]
+    for name, fit in diagnosis.signals.items():
+        unit, size = amounts.shown_in(fit.unit, max((v for v in (fit.before, fit.after) if v == v), default=0.0))
+        before, after, noise = (amounts.digits(v / size) for v in (fit.before, fit.after, fit.noise))
+        lines.append(f"  {name:{width}}  before {before:>8}  after {after:>8}  noise {noise:>8}  {unit}")
+    return lines
+
+
+def _located(diagnosis: Diagnosis) -> list[str]:
+    if not diagnosis.located:
+        return []
+    lines = ["Where the error sits"]
+    for place in diagnosis.located:
+        words = f"{place.where}, {place.equation}: {amounts.share(place.share)} of it; {place.regime}"
+        lines += _wrapped(words + (f"; {amounts.spans(place.when, 3)}" if place.when else ""), "  ")
+    return lines
+
+
+def _rest(diagnosis: Diagnosis) -> list[str]:
+    lines = []
+    for left in diagnosis.unexplained:
+        follows = f", follows {diagnosis_words.joined(left.depends_on)}" if left.depends_on else ""
+        lines += _wrapped(f"Unexplained: {amounts.share(left.share)} in {left.where}{follows}", "")
+    for question in diagnosis.open_questions:
+        lines += _wrapped(f"Open: {question.question.rstrip('.?')} ({question.why})", "")
+    for remark in diagnosis.sensor_remarks:
+        lines += _wrapped(f"Sensor: {remark}", "")
+    if diagnosis.next_experiment is not None:
+        lines += _wrapped(f"Next: {diagnosis.next_experiment.do} ({diagnosis.next_experiment.why})", "")
+    return lines
+
+
+def _wrapped(words: str, indent: str) -> list[str]:
+    return textwrap.wrap(words, WIDTH, initial_indent=indent, subsequent_indent=indent + "  ", break_long_words=False)

@@ -1,0 +1,137 @@
+"""A diagnosis in sentences: what page and terminal both say."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+
+from exo_sim.diagnosis.result import Diagnosis, Finding, SignalFit
+from exo_sim.report import amounts
+
+#: What a verdict is called on a page.
+VERDICTS = {
+    "consistent": "Consistent",
+    "calibration": "Believed numbers are off",
+    "mismatch": "Mismatch",
+    "undetermined": "Cannot tell",
+}
+KINDS = {
+    "missing_physics": "missing physics",
+    "calibration": "believed number off",
+    "sensor": "sensor at fault",
+    "unknown": "without a name",
+}
+
+
+def name_of(effect: str) -> str:
+    """Return the name of an effect as words."""
+    return effect.replace("_", " ")
+
+
+def joined(words: Sequence[str]) -> str:
+    """Return "a", "a and b", "a, b and c"."""
+    return words[0] if len(words) == 1 else ", ".join(words[:-1]) + f" and {words[-1]}" if words else ""
+
+
+def title(finding: Finding) -> str:
+    """Return name and place of a finding as a heading."""
+    name = name_of(finding.name)
+    name = name[0].upper() + name[1:]
+    return name if finding.where in finding.name.split("_") and finding.where in ("supply", "exhaust") else f"{name} at {finding.where}"
+
+
+def verdict(diagnosis: Diagnosis) -> str:
+    """Return the answer in one sentence."""
+    by_kind = {kind: [f for f in diagnosis.effects if f.kind == kind] for kind in KINDS}
+    parts = []
+    if missing := by_kind["missing_physics"]:
+        parts.append(f"the rig leaves out {joined([_placed(f) for f in missing])}")
+    if unknown := by_kind["unknown"]:
+        parts.append(f"something without a name acts at {joined([f.where for f in unknown])}")
+    if sensors := by_kind["sensor"]:
+        parts.append(f"{joined([_sensor(f) for f in sensors])}")
+    if numbers := by_kind["calibration"]:
+        listed = joined(list(dict.fromkeys(f"{name_of(f.name)} of {f.where}" for f in numbers)))
+        off = f"{_count(len(numbers))} believed number{' is' if len(numbers) == 1 else 's are'} off"
+        if not parts:
+            return f"No physics is missing, but {off}: {listed}."
+        parts.append(f"{off} as well")
+    if diagnosis.verdict == "consistent":
+        return "Recording and rig agree to within the noise and what a healthy machine shows."
+    if diagnosis.verdict == "undetermined" and not parts:
+        return "These recordings cannot tell whether the rig leaves anything out."
+    sentence = "; ".join(parts) or "something is missing"
+    if diagnosis.verdict == "undetermined":
+        sentence = f"these recordings cannot tell for certain: {sentence}"
+    return sentence[0].upper() + sentence[1:] + "."
+
+
+def _count(number: int) -> str:
+    words = ("no", "one", "two", "three", "four", "five", "six", "seven", "eight", "nine", "ten")
+    return words[number] if number < len(words) else str(number)
+
+
+def _placed(finding: Finding) -> str:
+    name = name_of(finding.name)
+    if finding.ambiguous_with:
+        name = " or ".join([name, *map(name_of, finding.ambiguous_with)])
+    return name if finding.where in ("supply", "exhaust") and finding.where in name else f"{name} at {finding.where}"
+
+
+def _sensor(finding: Finding) -> str:
+    what = {"sensor_bias": "is off by a constant", "sensor_scale": "has a wrong gain", "sensor_delay": "is late"}
+    return f"{finding.where} {what.get(finding.name, 'is at fault: ' + name_of(finding.name))}"
+
+
+def proof(diagnosis: Diagnosis) -> str:
+    """Return, in one sentence, what putting it all in is worth on time that took no part."""
+    worst = worst_signal(diagnosis)
+    if worst is None:
+        return ""
+    name, fit = worst
+    kept = kept_back(diagnosis)
+    unit, size = amounts.shown_in(fit.unit, max(fit.before, fit.after))
+    before, after, noise = (amounts.digits(v / size, 2) for v in (fit.before, fit.after, fit.noise))
+    if fit.after >= 0.98 * fit.before:
+        return f"On {kept} the error of {name} is {before} {unit} (noise {noise} {unit})."
+    return f"On {kept} the error of {name} falls from {before} to {after} {unit} (noise {noise} {unit})."
+
+
+def kept_back(diagnosis: Diagnosis) -> str:
+    """Return which time took no part in choosing or fitting, in words."""
+    if diagnosis.held_out_recordings:
+        return f"{joined(diagnosis.held_out_recordings)}, kept back whole,"
+    return f"the {amounts.spans(diagnosis.held_out)} kept back" if diagnosis.held_out else "the time kept back"
+
+
+def worst_signal(diagnosis: Diagnosis) -> tuple[str, SignalFit] | None:
+    """Return the signal that the rig as believed misses most, in multiples of its noise."""
+    known = [(n, s) for n, s in diagnosis.signals.items() if math.isfinite(s.before) and math.isfinite(s.after)]
+    return max(known, key=lambda pair: pair[1].before / max(pair[1].noise, 1e-30), default=None)
+
+
+def evidence(finding: Finding) -> str:
+    """Return odds and held-out gain of a finding as a phrase, empty where there is neither."""
+    words = []
+    if finding.log10_odds:
+        words.append(f"odds {amounts.odds(finding.log10_odds)}")
+    if finding.held_out_error_drop > 0.0:
+        words.append(f"held-out error {amounts.share(finding.held_out_error_drop)} lower with it")
+    return "; ".join(words)
+
+
+def numbers(finding: Finding) -> list[tuple[str, str, str]]:
+    """Return (parameter, value, 95 % interval) of a finding, in readable units."""
+    return [
+        (name_of(name), *amounts.interval(estimate.value, estimate.low, estimate.high, estimate.unit))
+        for name, estimate in finding.parameters.items()
+    ]
+
+
+def rivals(finding: Finding) -> list[tuple[str, float | None]]:
+    """Return the names that explain the recording as well, with probabilities, the likeliest first."""
+    if not finding.ambiguous_with:
+        return []
+    names = [finding.name, *finding.ambiguous_with]
+    known = [(name, finding.probabilities.get(name)) for name in names]
+    return sorted(known, key=lambda pair: -(pair[1] or 0.0))

@@ -24,13 +24,19 @@ from exo_sim.physics.state import (
     SUPPLY_MASS,
 )
 
+#: What is left of a chamber whose rig gives it no dead volume, the piston at its end [m^3].
+SMALLEST = 1e-8
+
 
 @kernel
 def volumes(c, x: float) -> tuple[float, float]:
-    """Return the volumes of both chambers [m^3] with the piston at x; never below a hundredth of the dead volume."""
+    """Return the volumes of both chambers [m^3] with the piston at x.
+
+    Never below a hundredth of the dead volume, nor below `SMALLEST`: a soft end stop lets the piston past its end.
+    """
     v_1 = cylinder.volume_1(x, c.area_1, c.dead_volume_1)
     v_2 = cylinder.volume_2(x, c.area_2, c.dead_volume_2, c.stroke)
-    return max(v_1, 0.01 * c.dead_volume_1 + 1e-12), max(v_2, 0.01 * c.dead_volume_2 + 1e-12)
+    return max(v_1, 0.01 * c.dead_volume_1, SMALLEST), max(v_2, 0.01 * c.dead_volume_2, SMALLEST)
 
 
 @kernel

@@ -70,10 +70,14 @@ def slow_rate(world, c, laminar: float, conductance: float, p: float, p_other: f
 
 
 @kernel
-def step_length(world, cylinders, y, held, x, spool, left: float, shortest: float) -> tuple[float, int]:
+def step_length(world, cylinders, y, held, x, end, spool, left: float, shortest: float) -> tuple[float, int]:
     """Return how long the next step may be [s], from `shortest` to `left`, and how many stages keep it stable.
 
-    Accuracy bounds the step by the volumes that are filling or emptying; stability, by the fastest of all, asks for stages.
+    Accuracy bounds the step by the volumes that are filling, emptying or being squeezed; stability, by the fastest rate of
+    all, asks for stages.
+
+    Args:
+        x, end: Piston positions now and when `left` is over, shape (n,).
     """
     n = len(cylinders)
     shared = n * INTEGRATED
@@ -88,6 +92,10 @@ def step_length(world, cylinders, y, held, x, spool, left: float, shortest: floa
         c = cylinders[i]
         base = i * INTEGRATED
         v_1, v_2 = volumes(c, x[i])
+        after_1, after_2 = volumes(c, end[i])
+        squeezed_1 = abs(after_1 - v_1) / min(after_1, v_1)
+        squeezed_2 = abs(after_2 - v_2) / min(after_2, v_2)
+        transient = max(transient, squeezed_1 / left, squeezed_2 / left)
         p_1, p_2 = pressures(world, c, y, base, x[i])
         a_s1, a_1e, a_s2, a_2e = path_areas(c, spool[i])
         if line_restriction.present(c.line_restriction):

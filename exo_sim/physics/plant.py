@@ -352,7 +352,7 @@ def advance(world, cylinders, state, x0, x1, command, dt, work, scratch):
             here = opening(cylinders[i], memory[i * REMEMBERED + SPOOL])
             there = opening(cylinders[i], command[i])
             spool[i] = here if abs(here) > abs(there) else there
-        h, stages = step_length(world, cylinders, y, memory[shared_memory + HELD], start, spool, left, shortest)
+        h, stages = step_length(world, cylinders, y, memory[shared_memory + HELD], start, end, spool, left, shortest)
         for i in range(n):
             spool[i] = move_spool(cylinders[i], memory, i * REMEMBERED, command[i], h)
         drawn = integrate(

@@ -202,8 +202,7 @@ class Pneumatics:
         self.vector[:] = 0.0
         self.history[:] = 0.0
         y, c = self.integrated, self.cylinders
-        v_1 = c["dead_volume_1"] + c["area_1"] * x
-        v_2 = c["dead_volume_2"] + c["area_2"] * (c["stroke"] - x)
+        v_1, v_2 = np.array([plant.volumes(one, at) for one, at in zip(c, np.broadcast_to(x, n))]).reshape(n, 2).T
         p_2 = np.where(c["single_acting"] > 0.0, world["atmosphere"], p_2)
         for p, v, mass, energy in ((p_1, v_1, state.MASS_1, state.ENERGY_1), (p_2, v_2, state.MASS_2, state.ENERGY_2)):
             y[:, mass] = p * v / (r * t)

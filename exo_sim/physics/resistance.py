@@ -93,6 +93,9 @@ def steady_force(c, x: float, v: float) -> float:
     """Return what resists besides dry friction [N or N m]: viscous, quadratic, spring."""
     force = viscous_friction.force(c.viscous_friction, v)
     force += quadratic_drag.force(c.quadratic_drag, v)
+    if c.effective_mass > 0.0 and c.step > 0.0:  # more than this would not slow the part within a step but throw it back
+        most = 0.5 * c.effective_mass / c.step * abs(v)
+        force = min(max(force, -most), most)
     force += return_spring.force(c.return_spring, x)
     return force
 

@@ -9,6 +9,9 @@ from exo_sim.physics.compiled import kernel
 from exo_sim.physics.effects import backlash, return_spring, transmission_compliance, unknown
 from exo_sim.physics.resistance import bristle_stiffness, dry_level
 
+#: How far beyond its ends a piston behind a soft mount may be pushed [m]: there it rests on the end cap.
+END_GIVE = 1e-3
+
 
 @kernel
 def gives(c) -> bool:
@@ -59,7 +62,7 @@ def piston_at(
         span: Time that the move takes [s]; 0 where the piston is to keep its speed.
     """
     spring = stiffness(c)
-    low, high = x - 0.5 * c.stroke - 0.01, x + 0.5 * c.stroke + 0.01
+    low, high = min(x, 0.0) - END_GIVE, max(x, c.stroke) + END_GIVE
     level = dry_level(c, speed, z, p_1 - world.atmosphere, p_2 - world.atmosphere)
     grip = bristle_stiffness(c, level) if level > 0.0 else 0.0
     v_1 = c.dead_volume_1 + c.area_1 * from_x

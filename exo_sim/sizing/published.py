@@ -1,0 +1,86 @@
+"""A machine of the published class, sized here by the way it was sized there: from a walking person's joint moments.
+
+The class (BLEEX): 34 kg of payload, about 75 kg carried altogether, actuators sized from clinical gait analysis of a 75 kg person.
+For a pneumatic one: knee 60 N m at an arm of 50 mm, 1200 N, a bore of 40 mm at 10 bar net, rod speeds of 0.3 to 0.35 m/s. All of it
+from the literature at second hand, not verified.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from exo_sim.gait import recorded
+from exo_sim.gait import scenario as scenarios
+from exo_sim.gait.motion import phases
+from exo_sim.rig import Rig
+from exo_sim.rig.catalogue import CATALOGUE
+from exo_sim.sizing.design import Space
+from exo_sim.sizing.linkage_geometry import length_and_arm
+from exo_sim.sizing.loads import JOINTS, Condition, JointLoads, joint_loads
+from exo_sim.sizing.screening import chosen_bores, screen
+
+#: The class [kg, kg, Pa, m^2]: person it was sized from, payload, 250 psi above the atmosphere, valve.
+PERSON, PAYLOAD, SUPPLY, VALVE = 75.0, 34.0, 1825014.0, 5e-6
+#: Knee torque [N m], moment arm [m], net pressure [Pa], bore [m], and rod speed [m/s] that the literature leads to.
+KNEE, ARM, NET, BORE, ROD_SPEED = 60.0, 0.050, 1.0e6, 0.040, (0.30, 0.35)
+
+
+@dataclass(frozen=True)
+class PublishedClass:
+    """The class beside this machine.
+
+    Attributes:
+        peak: Largest recorded moment of a person of `PERSON` by kind of joint [N m].
+        bores: What those moments ask for with this machine's linkage [m].
+        own_peak: Largest torque of this machine's own inverse dynamics [N m].
+        own_bores: What that asks for at the same supply and valve [m].
+        rod_speed: Largest in the cycle [m/s].
+        margin: Left by the bores of the moments.
+    """
+
+    peak: dict[str, float]
+    bores: dict[str, float]
+    own_peak: dict[str, float]
+    own_bores: dict[str, float]
+    rod_speed: dict[str, float]
+    margin: float
+
+
+def published_class(rig: Rig, space: Space) -> PublishedClass:
+    """Size level walking twice at the published supply: from scaled human moments, and from the machine's own loads."""
+    own = joint_loads(rig, Condition("level_walk", PAYLOAD))
+    human = _from_gait_analysis(own)
+    numbers = {**space.owners(rig), "supply": SUPPLY, **{f"{kind.name}.valve": VALVE for kind in space.kinds}}
+    found = {}
+    for name, loads in (("human", human), ("own", own)):
+        bores = chosen_bores(rig, space, (loads,), numbers)
+        found[name] = (loads, bores, screen(rig, space.kinds, (loads,), space.design(numbers, bores)))
+
+    def peak(loads: JointLoads) -> dict[str, float]:
+        return {kind.name: float(np.abs(loads.column(kind.joints[0])[2]).max()) for kind in space.kinds}
+
+    speeds = {}
+    for kind in space.kinds:
+        angle, speed, _ = own.column(kind.joints[0])
+        speeds[kind.name] = float(np.abs(length_and_arm(kind.own, kind.across, angle)[1] * speed).max())
+    return PublishedClass(
+        peak=peak(human),
+        bores={name: CATALOGUE[bore].bore for name, bore in found["human"][1].items()},
+        own_peak=peak(own),
+        own_bores={name: CATALOGUE[bore].bore for name, bore in found["own"][1].items()},
+        rod_speed=speeds,
+        margin=found["human"][2].margin,
+    )
+
+
+def _from_gait_analysis(own: JointLoads) -> JointLoads:
+    """Return the recorded moments of a walking person, scaled to `PERSON`, as loads of the machine's joints."""
+    name = scenarios.find("level_walk").gait
+    assert name is not None
+    gait = recorded.load(name)
+    right = phases()
+    columns = [gait.moment[j](phase) for phase in ((right + 0.5) % 1.0, right) for j in ("hip", "knee", "ankle")]
+    assert len(columns) == len(JOINTS)
+    return replace(own, torque=np.stack(columns, axis=1) * (PERSON / gait.mass))

@@ -1,0 +1,186 @@
+"""The whole of a sizing: loads, search, choice, what the rig's own physics changes, and the closed loop that confirms it."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass, replace
+from pathlib import Path
+from typing import Any
+
+from exo_sim.errors import ExoSimError, RigError
+from exo_sim.outputs import replacing
+from exo_sim.rig import Rig, read
+from exo_sim.rig.catalogue import RATED_PRESSURE
+from exo_sim.sizing.choice import Choice, nothing_found, recommended
+from exo_sim.sizing.coupled_stride import CoupledStride, Stride, mean_of
+from exo_sim.sizing.design import LEAST_SUPPLY, Space, fitted, kinds_of
+from exo_sim.sizing.evaluation import Evaluator, Score, Task
+from exo_sim.sizing.loads import Condition, JointLoads, joint_loads
+from exo_sim.sizing.published import PublishedClass, published_class
+from exo_sim.sizing.search import Outcome, search
+from exo_sim.sizing.workers import Workers
+from exo_sim.sizing.writing import sized_text
+
+#: Effects that a diagnosis may have found, by what a designer calls them.
+GROUPS = {
+    "friction": (
+        "coulomb_friction", "viscous_friction", "stribeck_friction", "pressure_dependent_friction", "presliding",
+        "asymmetric_friction", "quadratic_drag",
+    ),
+    "heat loss": ("wall_heat_transfer", "moving_wall_temperature"),
+}  # fmt: skip
+#: Step [s] and cycles before the one that counts, when the chosen design is looked at again.
+_FINE_STEP, _FINE_LEAD = 1e-3, 2.15
+_CONFIRMED_CYCLES = 4
+
+
+@dataclass(frozen=True)
+class Without:
+    """What would have been chosen had the rig not this physics.
+
+    Attributes:
+        what: "friction", "heat loss", "any effect".
+        choice: Of the search without it.
+        same: Score of the recommended design without it.
+    """
+
+    what: str
+    choice: Choice
+    same: Score
+
+
+@dataclass(frozen=True)
+class Sizing:
+    """Everything that a report tells.
+
+    Attributes:
+        task: What designs were judged by.
+        loads: By condition.
+        outcome: Of the search.
+        choice: The recommended design.
+        fine: The recommended design at half the time step, after two more cycles.
+        confirmed: Numbers of the closed loop with the rig as written, as `exo-sim run` gives them; None where it fails.
+        trouble: Why it fails, or "".
+        without: What the rig's effects change.
+        published: The published class beside it.
+    """
+
+    task: Task
+    loads: tuple[JointLoads, ...]
+    outcome: Outcome
+    choice: Choice
+    fine: Stride
+    confirmed: dict[str, Any] | None
+    trouble: str
+    without: tuple[Without, ...]
+    published: PublishedClass | None
+
+
+def space_of(rig: Rig, reach: float, pressure_limit: float | None) -> Space:
+    """Return the space of a rig.
+
+    Args:
+        rig: The owner's machine.
+        reach: How far an attachment point may move [m].
+        pressure_limit: Largest supply, absolute [Pa]; what the catalogue's cylinders are rated for when None.
+
+    Raises:
+        RigError: a limit that is no use.
+    """
+    atmosphere = rig.environment.pressure
+    most = RATED_PRESSURE + atmosphere if pressure_limit is None else pressure_limit
+    if most < atmosphere + LEAST_SUPPLY:
+        raise RigError(
+            f"a pressure limit of {most / 1e5:g} bar leaves nothing to choose; allow at least "
+            f"{(atmosphere + LEAST_SUPPLY) / 1e5:.2f} bar, absolute"
+        )
+    return Space(kinds_of(rig), (atmosphere + LEAST_SUPPLY, most), reach)
+
+
+def size(
+    rig: Rig,
+    conditions: tuple[Condition, ...],
+    space: Space,
+    trials: int,
+    seed: int,
+    workers: Workers,
+    folder: Path,
+    quiet: bool = True,
+    tell: Callable[[str], None] = lambda words: None,
+) -> Sizing:
+    """Search, choose, write `sized.toml`, walk with it, and record that.
+
+    Args:
+        rig: The owner's machine.
+        conditions: What it must do.
+        space: What may be chosen.
+        trials: Designs to look at.
+        seed: Of all draws.
+        workers: Who scores.
+        folder: For `sized.toml`, `sized.rrd`, `sized.parquet` and the journals that a second start goes on from.
+        quiet: No progress bar.
+        tell: Takes a remark.
+
+    Raises:
+        ScenarioError: no design carries the loads.
+        KeyboardInterrupt: with what was finished in the journal.
+    """
+    task = Task(rig, conditions, space)
+    loads = tuple(joint_loads(rig, condition) for condition in conditions)
+    outcome = search(task, loads, trials, seed, workers, folder / "search.journal", quiet)
+    if outcome.interrupted:
+        raise KeyboardInterrupt(f"{len(outcome.trials)} designs are kept; the same command goes on from there")
+    if not outcome.front:
+        raise nothing_found(outcome, task)
+    joints = tuple(joint for kind in space.kinds for joint in kind.joints)
+    choice = recommended(outcome.front, loads, joints)
+    design = choice.found.design
+    chosen = fitted(rig, space.kinds, design)
+    fine = mean_of([CoupledStride(rig, one, _FINE_STEP, _FINE_LEAD).run(chosen) for one in conditions])
+    target = folder / "sized.toml"
+    with replacing(target) as beside:
+        beside.write_text(sized_text(rig, space.kinds, design, folder), encoding="utf-8")
+    tell(f"{target}: walking with it")
+    confirmed, trouble = _confirm(target, conditions[0], folder, seed, quiet)
+    without = []
+    for what, names in _present(rig):
+        plain = replace(task, rig=replace(rig, effects=tuple(e for e in rig.effects if e.name not in names)))
+        tell(f"searching again without {what}")
+        journal = folder / f"search_without_{what.replace(' ', '_')}.journal"
+        other = search(plain, loads, trials, seed, workers, journal, quiet)
+        if other.interrupted:
+            raise KeyboardInterrupt("the search is kept; the same command goes on from there")
+        if other.front:
+            same = Evaluator(plain).judge(design)
+            without.append(Without(what, recommended(other.front, loads, joints), same))
+    walks = any(condition.scenario.startswith("level_walk") for condition in conditions)
+    published = published_class(rig, space) if walks else None
+    return Sizing(task, loads, outcome, choice, fine, confirmed, trouble, tuple(without), published)
+
+
+def _present(rig: Rig) -> list[tuple[str, tuple[str, ...]]]:
+    """Return the groups of effects that the rig has, and all of them together where there is more than one kind."""
+    names = {effect.name for effect in rig.effects}
+    found = [(what, group) for what, group in GROUPS.items() if names & set(group)]
+    if names and (len(found) != 1 or names - set(found[0][1])):
+        found.append(("any effect", tuple(names)))
+    return found
+
+
+def _confirm(path: Path, condition: Condition, folder: Path, seed: int, quiet: bool) -> tuple[dict[str, Any] | None, str]:
+    """Walk with the file as written, as `exo-sim run` does, and record it."""
+    from exo_sim.recording.rrd_file import write_rrd
+    from exo_sim.recording.table_file import write_table
+    from exo_sim.simulation import record, summary
+    from exo_sim.simulation.coupled import Simulation
+    from exo_sim.simulation.walk import Request
+
+    request = Request(condition.scenario, condition.payload, condition.speed, _CONFIRMED_CYCLES)
+    try:
+        walk = Simulation(read(path), request).run(quiet=quiet)
+    except ExoSimError as error:
+        return None, str(error)
+    table = record.recording(walk, "sized", seed)
+    write_table(folder / "sized.parquet", table)
+    write_rrd(folder / "sized.rrd", table, scene=record.scene(walk))
+    return summary.summarise(walk), ""

@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
+import shutil
 import sys
+import time
 from collections.abc import Iterable, Iterator
 from typing import Any, TypeVar
 
@@ -51,6 +53,35 @@ class Bar:
             self._bar.close()
 
     def __enter__(self) -> Bar:
+        return self
+
+    def __exit__(self, *exception: object) -> None:
+        self.close()
+
+
+class Stages:
+    """Says what is going on, one line that the next one replaces; a context manager.
+
+    Args:
+        quiet: Show nothing even on a terminal.
+    """
+
+    def __init__(self, quiet: bool = False) -> None:
+        self._shown = not quiet and sys.stderr.isatty()
+        self._begun = time.monotonic()
+
+    def say(self, words: str) -> None:
+        """Show what is going on now, and for how long it all has been."""
+        if self._shown:
+            line = f"{time.monotonic() - self._begun:4.0f} s  {words}"
+            print("\r\x1b[2K" + line[: shutil.get_terminal_size().columns - 1], end="", file=sys.stderr, flush=True)
+
+    def close(self) -> None:
+        """Take the line away."""
+        if self._shown:
+            print("\r\x1b[2K", end="", file=sys.stderr, flush=True)
+
+    def __enter__(self) -> Stages:
         return self
 
     def __exit__(self, *exception: object) -> None:

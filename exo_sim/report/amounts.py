@@ -50,9 +50,10 @@ def digits(value: float, significant: int = 3) -> str:
         return "–"
     if value == 0.0:
         return "0"
-    exponent = math.floor(math.log10(abs(value)))
+    mantissa, _, power = f"{value:.{significant - 1}e}".partition("e")
+    exponent = int(power)
     if exponent < -4 or exponent >= 6:
-        return f"{value / 10.0**exponent:.{significant - 1}f} × 10{str(exponent).translate(_SUPERSCRIPT)}"
+        return f"{mantissa} × 10{str(exponent).translate(_SUPERSCRIPT)}"
     decimals = max(significant - 1 - exponent, 0)
     return f"{round(value, significant - 1 - exponent):.{decimals}f}"
 

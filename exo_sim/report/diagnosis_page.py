@@ -8,7 +8,7 @@ from pathlib import Path
 from typing import Any
 
 import exo_sim
-from exo_sim.diagnosis.result import Diagnosis, Finding, SignalFit
+from exo_sim.diagnosis.result import Diagnosis, Finding, Located, SignalFit
 from exo_sim.report import amounts, diagnosis_picture, diagnosis_words
 
 _HERE = Path(__file__).parent
@@ -89,7 +89,7 @@ def _fit(name: str, fit: SignalFit) -> dict[str, Any]:
     return row
 
 
-def _located(place: Any) -> dict[str, str]:
+def _located(place: Located) -> dict[str, Any]:
     return {
         "where": place.where,
         "equation": place.equation,
@@ -97,7 +97,7 @@ def _located(place: Any) -> dict[str, str]:
         "regime": place.regime,
         "error": amounts.amount(place.error, place.unit),
         "noise": amounts.amount(place.noise, place.unit),
-        "when": amounts.spans(place.when),
+        "when": amounts.spans(place.when).replace(" and ", ", and ").split(", "),
         "recording": place.recording,
     }
 

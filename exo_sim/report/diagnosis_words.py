@@ -25,7 +25,7 @@ KINDS = {
 
 def name_of(effect: str) -> str:
     """Return the name of an effect as words."""
-    return effect.replace("_", " ")
+    return effect.replace("_", " ").replace("coulomb", "Coulomb").replace("stribeck", "Stribeck")
 
 
 def joined(words: Sequence[str]) -> str:
@@ -93,14 +93,14 @@ def proof(diagnosis: Diagnosis) -> str:
     unit, size = amounts.shown_in(fit.unit, max(fit.before, fit.after))
     before, after, noise = (amounts.digits(v / size, 2) for v in (fit.before, fit.after, fit.noise))
     if fit.after >= 0.98 * fit.before:
-        return f"On {kept} the error of {name} is {before} {unit} (noise {noise} {unit})."
-    return f"On {kept} the error of {name} falls from {before} to {after} {unit} (noise {noise} {unit})."
+        return f"On {kept}, the error of {name} is {before} {unit} (noise {noise} {unit})."
+    return f"On {kept}, the error of {name} falls from {before} to {after} {unit} (noise {noise} {unit})."
 
 
 def kept_back(diagnosis: Diagnosis) -> str:
     """Return which time took no part in choosing or fitting, in words."""
     if diagnosis.held_out_recordings:
-        return f"{joined(diagnosis.held_out_recordings)}, kept back whole,"
+        return f"{joined(diagnosis.held_out_recordings)}, kept back whole"
     return f"the {amounts.spans(diagnosis.held_out)} kept back" if diagnosis.held_out else "the time kept back"
 
 

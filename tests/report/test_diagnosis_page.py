@@ -1,0 +1,163 @@
+import html.parser
+import math
+import re
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from exo_sim.diagnosis.result import Diagnosis, SignalFit
+from exo_sim.report import diagnosis_picture, diagnosis_text, diagnosis_words
+from exo_sim.report.diagnosis_page import page
+
+import made_up_diagnoses as made_up
+
+
+class Reader(html.parser.HTMLParser):
+    """What a person sees, and what a browser would fetch or leave open."""
+
+    def __init__(self) -> None:
+        super().__init__()
+        self.words, self.open, self.fetched = [], [], []
+
+    def handle_starttag(self, tag, attrs):
+        if tag not in ("meta", "br", "link", "img"):
+            self.open.append(tag)
+        self.fetched += [
+            value for name, value in attrs if name in ("src", "href", "xlink:href") and value and not value.startswith("#")
+        ]
+
+    def handle_startendtag(self, tag, attrs):
+        pass
+
+    def handle_endtag(self, tag):
+        assert self.open.pop() == tag
+
+    def handle_data(self, data):
+        if self.open and self.open[-1] != "style":
+            self.words.append(data)
+
+
+def read(text):
+    reader = Reader()
+    reader.feed(text)
+    assert reader.open == []
+    return re.sub(r"\s+", " ", " ".join(reader.words)), reader.fetched
+
+
+def test_the_page_says_everything_that_the_diagnosis_says():
+    words, fetched = read(page(made_up.whole(), made_up.RIG))
+    assert fetched == []  # self-contained
+    for said in (
+        "The rig leaves out piston leakage or external leakage at piston",
+        "falls from 9.4 to 0.28 kPa (noise 0.25 kPa)",
+        "Gas leaks past the piston.",
+        "0.0300 mm²",
+        "0.0290 to 0.0310 mm²",
+        "10⁵⁷ to 1",
+        "97 % lower",
+        "piston leakage 80 %",
+        "external leakage 20 %",
+        "Hold the valve closed.",
+        "It follows slide.position.",
+        "The valve area is 2.0 % larger than believed.",
+        "× 1.0200",
+        "83 %",
+        "1–1.5 s",
+        "it fits worse <than> the leak",
+        "2 % of the error, in piston/force balance",
+        "the position was not recorded",
+        "rows 100 to 103",
+        '-area = "5 mm^2"',
+        '+area = "5.1 mm^2" # was "5 mm^2"',
+        "slide.position is late",
+        "exo-sim 0",
+    ):
+        assert said in words, said
+
+
+def test_the_same_diagnosis_gives_the_same_bytes():
+    assert page(made_up.whole(), made_up.RIG) == page(made_up.whole(), made_up.RIG)
+
+
+@pytest.mark.parametrize(
+    ("verdict", "sentence"),
+    [
+        ("consistent", "Recording and rig agree"),
+        ("undetermined", "cannot tell"),
+        ("calibration", "No physics is missing, but one believed number is off: flow capacity of piston."),
+    ],
+)
+def test_a_page_of_little_is_a_page_all_the_same(verdict, sentence):
+    effects = (made_up.AREA,) if verdict == "calibration" else ()
+    diagnosis = Diagnosis(verdict, ("monday",), "bench", effects=effects)
+    words, _ = read(page(diagnosis, made_up.RIG))
+    assert sentence in words
+    for heading in ("Proof", "Before and after", "put aside", "What changes"):
+        assert heading not in words
+    assert sentence in " ".join(diagnosis_text.text(diagnosis).split())
+
+
+def test_numbers_that_are_none_do_not_break_the_page():
+    nothing = math.nan
+    lost = replace(made_up.series()[0], before=np.full(1200, nothing), after=np.full(1200, nothing), noise=0.0)
+    diagnosis = made_up.whole(
+        signals={"piston.pressure_1": SignalFit("Pa", nothing, nothing, nothing)}, series=(lost, made_up.series()[1])
+    )
+    words, _ = read(page(diagnosis, made_up.RIG))
+    assert "nan" not in words.lower()
+    assert "nan" not in diagnosis_text.text(diagnosis).lower()
+
+
+def test_names_from_files_cannot_become_markup():
+    diagnosis = made_up.whole(recordings=("<script>alert(1)</script>",), rig="<b>", sensor_remarks=("<img src=x>",))
+    text = page(diagnosis, made_up.RIG)
+    assert "<script>" not in text and "<img" not in text
+
+
+def test_held_out_recordings_are_drawn_first():
+    recordings = ("monday", "tuesday", "wednesday")
+    every = tuple(s for name in recordings for s in made_up.series(name))
+    diagnosis = made_up.whole(recordings=recordings, series=every, held_out_recordings=("wednesday",))
+    drawn = [name for name, _ in diagnosis_picture.drawn(diagnosis)]
+    assert drawn[0] == "wednesday" and len(drawn) == diagnosis_picture.MOST_RECORDINGS
+    words, _ = read(page(diagnosis, made_up.RIG))
+    assert "1 more recording in comparison.rrd" in words
+    assert "On wednesday, kept back whole, the error" in words
+
+
+def test_located_spans_are_drawn_with_the_signal_that_they_are_about():
+    place = made_up.whole().located[0]
+    assert diagnosis_picture.concerns(place, "piston.pressure_1")
+    assert not diagnosis_picture.concerns(place, "piston.pressure_2")
+    assert not diagnosis_picture.concerns(place, "piston.force_balance")
+    force = replace(place, where="piston", equation="force balance")
+    assert diagnosis_picture.concerns(force, "piston.force_balance") and diagnosis_picture.concerns(force, "slide.position")
+    assert not diagnosis_picture.concerns(force, "piston.pressure_1")
+
+
+def test_the_near_look_lies_in_held_out_time_where_before_and_after_differ_most():
+    one = made_up.series(seconds=12.0)[0]
+    start, stop = diagnosis_picture.nearest_look(one, [(6.0, 9.5)])
+    assert 6.0 <= start and stop <= 9.5
+    assert start <= 2.5 * math.pi <= stop  # where the error's sine has its peak
+
+
+def test_the_summary_fits_on_a_screen_and_ends_with_the_files():
+    many = made_up.whole(effects=(made_up.LEAK,) * 12, sensor_remarks=tuple(f"remark {i}" for i in range(40)))
+    for diagnosis in (made_up.whole(), many):
+        lines = diagnosis_text.text(diagnosis, ["found/report.html: the page"]).splitlines()
+        assert len(lines) <= diagnosis_text.MOST_LINES
+        assert max(map(len, lines)) <= diagnosis_text.WIDTH
+        assert lines[-1] == "found/report.html: the page"
+    text = diagnosis_text.text(made_up.whole())
+    assert "area = 0.0300 mm²  (95 %: 0.0290 to 0.0310 mm²)" in text
+    assert "cannot be told apart: piston leakage 80 %, external leakage 20 %" in text
+    assert "  ..." in diagnosis_text.text(many)
+
+
+def test_the_verdict_counts_what_is_off_and_names_what_is_missing():
+    assert diagnosis_words.verdict(made_up.whole()) == (
+        "The rig leaves out piston leakage or external leakage at piston; something without a name acts at piston; "
+        "slide.position is late; one believed number is off as well."
+    )

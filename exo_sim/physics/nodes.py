@@ -32,11 +32,19 @@ SMALLEST = 1e-8
 def volumes(c, x: float) -> tuple[float, float]:
     """Return the volumes of both chambers [m^3] with the piston at x.
 
-    Never below a hundredth of the dead volume, nor below `SMALLEST`: a soft end stop lets the piston past its end.
+    A soft end stop lets the joint past the piston's end: the chamber then keeps half of its dead volume, or `SMALLEST`.
     """
     v_1 = cylinder.volume_1(x, c.area_1, c.dead_volume_1)
     v_2 = cylinder.volume_2(x, c.area_2, c.dead_volume_2, c.stroke)
-    return max(v_1, 0.01 * c.dead_volume_1, SMALLEST), max(v_2, 0.01 * c.dead_volume_2, SMALLEST)
+    return max(v_1, 0.5 * c.dead_volume_1, SMALLEST), max(v_2, 0.5 * c.dead_volume_2, SMALLEST)
+
+
+@kernel
+def within(c, x: float) -> float:
+    """Return the position nearest to x at which neither chamber is smaller than `volumes` lets it be [m]."""
+    low = (max(0.5 * c.dead_volume_1, SMALLEST) - c.dead_volume_1) / c.area_1
+    high = c.stroke - (max(0.5 * c.dead_volume_2, SMALLEST) - c.dead_volume_2) / c.area_2
+    return min(max(x, low), high)
 
 
 @kernel

@@ -37,6 +37,7 @@ from exo_sim.physics.nodes import (
     supply_state,
     temperatures,
     volumes,
+    within,
 )
 from exo_sim.physics.pace import MOST_STEPS, step_length
 from exo_sim.physics.resistance import dry_level, move_bristle
@@ -345,6 +346,8 @@ def advance(world, cylinders, state, x0, x1, command, dt, work, scratch):
         memory[place + PISTON_SPEED] = speed
         level = dry_level(c, speed, memory[place + BRISTLE], p_1 - world.atmosphere, p_2 - world.atmosphere)
         memory[place + BRISTLE] = move_bristle(c, memory[place + BRISTLE], speed, level, dt)
+    for i in range(n):  # what the joints do beyond the ends of a stroke does not squeeze the gas
+        start[i], end[i] = within(cylinders[i], start[i]), within(cylinders[i], end[i])
     left = dt
     shortest = dt / (world.most_steps if world.most_steps > 0.0 else MOST_STEPS)
     while left > 1e-12:

@@ -12,6 +12,9 @@ from numpy.typing import NDArray
 from exo_sim.diagnosis.quantity import Quantity
 
 Array = NDArray[np.float64]
+
+#: What an error that is no number counts as, in units of the noise.
+WORST = 1e4
 Residual = Callable[[dict[Quantity, float]], Array]
 
 
@@ -65,7 +68,8 @@ def differences(
         if values[quantity] + step > quantity.high:
             step = -step
         moved = residual({**values, quantity: values[quantity] + step})
-        return (moved - base) / (step / quantity.scale)
+        column = (moved - base) / (step / quantity.scale)
+        return column if np.isfinite(column).all() else np.zeros_like(base)
 
     columns = list(pool.map(column, quantities)) if pool else [column(quantity) for quantity in quantities]
     return np.column_stack(columns) if columns else np.zeros((base.size, 0))
@@ -96,8 +100,10 @@ def fit(
     r = residual(values)
     rows, row_jac = prior_terms(quantities, values)
     cost = float(r @ r + rows @ rows)
-    if not quantities:
-        return Fit(quantities, values, r, np.zeros((r.size, 0)), cost)
+    if not quantities or not np.isfinite(cost):
+        r = np.where(np.isfinite(r), r, WORST)
+        cost = float(r @ r + rows @ rows)
+        return Fit(quantities, values, r, np.zeros((r.size, len(quantities))), cost, row_jac)
     jac = jacobian if jacobian is not None else differences(residual, quantities, values, r, pool)
     damping = 1e-4
     for _ in range(most):
@@ -111,7 +117,7 @@ def fit(
             new = residual(trial)
             new_rows, _ = prior_terms(quantities, trial)
             new_cost = float(new @ new + new_rows @ new_rows)
-            if new_cost < cost:
+            if np.isfinite(new_cost) and new_cost < cost:
                 improved = True
                 break
             damping = max(damping * 10.0, 1e-3)

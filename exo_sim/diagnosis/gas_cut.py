@@ -16,6 +16,9 @@ from exo_sim.physics.transmission import gives
 
 Array = NDArray[np.float64]
 
+#: Steps as long as a sample, and few: a fit asks for thousands of runs, some of them with absurd machines.
+LONGEST_STEP, MOST_STEPS = 1e-3, 8.0
+
 #: Samples that estimate the pressure at the start of a window.
 START_SAMPLES = 15
 
@@ -203,6 +206,8 @@ def run_gas(
         offset: Taken off the measured start pressures [Pa]: what the sensors read too much.
     """
     world, cylinder = world.copy(), cylinder.copy()
+    usual = float(np.median(np.diff(feed.time)))
+    world["longest_step"], world["most_steps"] = max(LONGEST_STEP, 0.5 * usual), MOST_STEPS
     n = len(feed.time)
     length = feed.length
     if length_delay != 0.0:

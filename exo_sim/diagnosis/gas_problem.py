@@ -3,24 +3,34 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from concurrent.futures import ThreadPoolExecutor
+from copy import copy
 from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
 
+from exo_sim.diagnosis.fitting import fit
 from exo_sim.diagnosis.gas_cut import GasInputs, GasPrediction, inputs, run_gas
 from exo_sim.diagnosis.observed import CylinderRun
 from exo_sim.diagnosis.quantity import Quantity, Setting
 from exo_sim.diagnosis.split import Split
+from exo_sim.physics.gas import critical_ratio
 
 Array = NDArray[np.float64]
 
 #: Windows over which predictions run [s]. Short ones hide slow effects: a fifth to a third of the heat transfer at 0.4 s.
 WINDOW = 1.2
+#: ... and at least so many samples.
+FEWEST_SAMPLES = 150
 #: Errors are averaged over this time before they are compared [s].
 GROUP = 0.005
 #: What the smoothed position and the windows' starts leave of the sensor's noise, as pressure [Pa].
 STRUCTURAL_FLOOR = 60.0
+#: What no sensor and no model of a healthy machine keeps, as a share of the pressure's range.
+STRUCTURAL_SHARE = 1.5e-4
+#: Below this share of the pressure an error is not worth a name: sensors drift as much.
+MATERIAL_SHARE = 1e-4
 #: How far a start that was estimated from a few samples may be off, in units of the sensor's noise.
 START_SPREAD = 1.0
 #: The step in start pressure that shows how errors there grow or fade [Pa].
@@ -49,8 +59,13 @@ class GasProblem:
 
     unit = "Pa"
 
-    def __init__(self, runs: Sequence[CylinderRun], setting: Setting, split: Split, window: float = WINDOW, held_out: bool = False):
-        self.runs, self.setting, self.split = list(runs), setting, split
+    def __init__(
+        self, runs: Sequence[CylinderRun], setting: Setting, split: Split, window: float | None = None, held_out: bool = False
+    ):
+        if window is None:
+            window = max(WINDOW, FEWEST_SAMPLES * max(float(np.median(np.diff(run.time))) for run in runs))
+        self.setting, self.split = setting, split
+        self.runs = list(runs) if held_out else [run for run in (_trained(run, split) for run in runs) if run is not None]
         self.feeds: list[GasInputs] = [inputs(run, setting.world, window) for run in self.runs]
         self._rows = [[self._layout(feed, side, held_out) for side in range(2)] for feed in self.feeds]
         self.blocks = self._blocks()
@@ -81,7 +96,8 @@ class GasProblem:
                     window_of.append(w)
         count = np.array(counts, dtype=float)
         noise = feed.run.noise[side]
-        return _Rows(group, np.array(window_of, dtype=int), count, np.sqrt(noise**2 / np.maximum(count, 1.0) + STRUCTURAL_FLOOR**2))
+        floor = max(STRUCTURAL_FLOOR, STRUCTURAL_SHARE * float(np.ptp(values[good])) if good.any() else 0.0)
+        return _Rows(group, np.array(window_of, dtype=int), count, np.sqrt(noise**2 / np.maximum(count, 1.0) + floor**2))
 
     def _blocks(self) -> NDArray[np.int64]:
         blocks, offset = [], 0
@@ -95,6 +111,13 @@ class GasProblem:
     def size(self) -> int:
         """How many rows the residual has."""
         return int(self.blocks.size)
+
+    @property
+    def material(self) -> float:
+        """Root-mean-square error that matters, in units of the whitened rows: a small share of the pressure itself."""
+        levels = [float(np.nanmean(p)) for run in self.runs for p in run.pressure if p is not None]
+        scales = [float(np.median(rows.scale)) for run in self._rows for rows in run if rows.count.size]
+        return MATERIAL_SHARE * max(levels, default=0.0) / max(scales, default=1.0)
 
     def apply(self, values: dict[Quantity, float], fixed: Sequence[tuple[Quantity, float]] = ()) -> Setting:
         """Return the setting with these numbers put in."""
@@ -156,9 +179,30 @@ class GasProblem:
             answers.append(sides)
         return answers
 
+    def either_law(self, nuisances: Sequence[Quantity], pool: ThreadPoolExecutor | None = None) -> GasProblem:
+        """Return the problem under the form of the paper's flow law that fits better: the nozzle, or the ellipse that approximates it.
+
+        The two differ by at most 0.152 % of choked flow; a healthy valve may follow either, and neither is a finding.
+        """
+        if float(self.setting.cylinder["critical_ratio"]["ratio"][0]) > 0.0:
+            return self
+        other = self.setting.copy()
+        other.cylinder["critical_ratio"]["ratio"] = critical_ratio(float(self.setting.world["k"][0]))
+        rival = copy(self)
+        rival.setting = other
+        start = {q: q.prior[0] if q.prior else q.neutral for q in nuisances}
+        costs = [fit(problem.residual, nuisances, start, pool, most=4).cost for problem in (self, rival)]
+        return rival if costs[1] < costs[0] else self
+
     def residual(self, values: dict[Quantity, float], fixed: Sequence[tuple[Quantity, float]] = ()) -> Array:
         """Return the whitened, cleared errors for these numbers, shape (size,)."""
         return self.residual_of(self.apply(values, fixed))
+
+
+def _trained(run: CylinderRun, split: Split) -> CylinderRun | None:
+    """Return a run up to the end of its training time, or None where it has none: nothing after it is ever predicted."""
+    usable = np.flatnonzero(split.training(run.recording, run.time))
+    return run.until(int(usable[-1]) + 1) if usable.size > 20 else None
 
 
 def _grouped(values: Array, rows: _Rows) -> Array:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 
 import mujoco
 import numpy as np
@@ -53,6 +53,20 @@ class CylinderRun:
     commanded: bool
     noise: tuple[float, float]
     breaks: tuple[int, ...]
+
+
+    def until(self, stop: int) -> CylinderRun:
+        """Return the first `stop` samples as a run of their own."""
+
+        def cut(values: Array | None) -> Array | None:
+            return None if values is None else values[:stop]
+
+        return replace(
+            self, time=self.time[:stop], command=self.command[:stop], length=cut(self.length), speed=cut(self.speed),
+            pressure=(cut(self.pressure[0]), cut(self.pressure[1])), supply=cut(self.supply), exhaust=cut(self.exhaust),
+            supply_temperature=cut(self.supply_temperature), force=cut(self.force),
+            breaks=tuple(b for b in self.breaks if b < stop),
+        )  # fmt: skip
 
 
 @dataclass

@@ -42,6 +42,7 @@ class Quantity:
         low, high: Bounds.
         prior: Mean and standard deviation, or None.
         neutral: Its value where the effect is off.
+        least: Further from neutral than this, or it is nothing that a healthy machine would not show.
         rough: True where predictions answer it in jerks (play, dead zones): finite differences must be wide.
     """
 
@@ -56,6 +57,7 @@ class Quantity:
     prior: tuple[float, float] | None = None
     neutral: float = 0.0
     rough: bool = False
+    least: float = 0.0
 
     @property
     def key(self) -> tuple[str, str, str]:

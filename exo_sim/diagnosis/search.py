@@ -24,11 +24,17 @@ Array = NDArray[np.float64]
 #: log10 of the odds that a finding must have against leaving it out.
 LEAST_ODDS = 2.0
 #: Share of the explainable error that a finding must explain.
-LEAST_SHARE = 0.03
+LEAST_SHARE = 0.10
 #: Gain in log-likelihood a healthy machine's imperfect model shows, as a share of the rows: the material floor.
 HEALTHY_GAIN = 0.004
+#: Residual variance in units of the noise that counts as nothing left.
+CLEAN = 1.8
+#: A simpler question that explains this share of what the best one does is taken in its place.
+NEARLY = 0.93
+#: Fewer rows than this cannot be asked anything.
+FEWEST_ROWS = 30
 #: How many of the screened candidates are fitted whole.
-FINALISTS = 6
+FINALISTS = 4
 
 
 class Problem(Protocol):
@@ -93,6 +99,14 @@ class Found:
     runners_up: list[tuple[Candidate, Weighing]] = field(default_factory=list)
 
 
+def sizeable(candidate: Candidate, trial: Trial) -> bool:
+    """Say whether any of a candidate's numbers is further from neutral than a healthy machine's would be."""
+    values = trial.fit.values
+    if not any(q.least > 0.0 for q in candidate.quantities):
+        return True
+    return any(abs(values[q] - q.neutral) > q.least for q in candidate.quantities)
+
+
 class Search:
     """A search over one problem.
 
@@ -102,6 +116,9 @@ class Search:
         library: The questions.
         pool: Threads.
         progress: Told in a few words what is going on.
+        most: The most findings.
+        finalists: How many of the screened candidates are fitted whole.
+        material: Drop of the root-mean-square error, in units of the noise, below which nothing is a finding.
     """
 
     def __init__(
@@ -112,10 +129,13 @@ class Search:
         pool: ThreadPoolExecutor | None = None,
         progress: Callable[[str], None] | None = None,
         most: int = 5,
+        finalists: int = FINALISTS,
+        material: float = 0.0,
     ):
         self.problem, self.nuisances, self.library = problem, tuple(nuisances), tuple(library)
-        self.pool, self.most = pool, most
+        self.pool, self.most, self.finalists, self.material = pool, most, finalists, material
         self._say = progress or (lambda words: None)
+        self._whole: Trial | None = None
         self._fitted: dict[frozenset[tuple[str, str, str]], Trial] = {}
 
     # -- fitting -----------------------------------------------------------------------------------------------------
@@ -139,9 +159,14 @@ class Search:
         if len(options) > 1:
             costs = [float(np.sum(residual(option) ** 2)) for option in options]
             options = [options[int(np.argmin(costs))]]
-        trial = Trial(tuple(chosen), fit(residual, quantities, options[0], self.pool, tolerance=tolerance))
+        trial = Trial(tuple(chosen), fit(residual, quantities, options[0], self.pool, most=6, tolerance=tolerance))
         self._fitted[key] = trial
         return trial
+
+    def as_believed(self) -> Trial:
+        """Return the machine as its owner believes it, nothing refitted: what is left to look at when no name will do."""
+        values = {q: q.prior[0] if q.prior else q.neutral for q in self.nuisances}
+        return Trial((), Fit((), values, self.problem.residual(values), np.zeros((self.problem.size, 0)), 0.0))
 
     # -- weighing ----------------------------------------------------------------------------------------------------
 
@@ -167,7 +192,7 @@ class Search:
         """Say how much better `with_it` explains the training time than `without`, which has `added` fewer numbers."""
         n = self.problem.size
         a, b = without.fit.sse, with_it.fit.sse
-        tau = self.correlation_time(with_it.fit.residual)
+        tau = max(self.correlation_time(with_it.fit.residual), 1.0)
         material = 0.5 * math.log(max(without.fit.cost, 1e-12) / max(with_it.fit.cost, 1e-12))
         gain = material * n / tau
         odds = (gain - 0.5 * added * math.log(max(n / tau, 2.0))) / math.log(10.0) - math.log10(max(len(self.library), 1))
@@ -179,10 +204,20 @@ class Search:
         steady = float(gains.mean()) / error if error > 0.0 else math.inf
         return Weighing(odds, gain, max(a - b, 0.0) / explainable, steady, material)
 
-    def accepts(self, weighing: Weighing) -> bool:
-        """Say whether a finding passes every gate."""
+    def accepts(self, weighing: Weighing, without: Trial, with_it: Trial) -> bool:
+        """Say whether a finding passes every gate.
+
+        Once nine tenths are explained, a further effect must leave the noise, or take half of what is left: the last tenth of a real
+        machine is shaped like nothing in particular, and everything fits a little of it.
+        """
         steady = weighing.steady > 2.0 or weighing.share > 0.2
-        return weighing.log10_odds > LEAST_ODDS and weighing.share > LEAST_SHARE and steady and weighing.material > HEALTHY_GAIN
+        n = self.problem.size
+        whole = self._whole if self._whole is not None else without
+        explained = 1.0 - max(without.fit.sse - n, 0.0) / max(whole.fit.sse - n, 1e-9)
+        wanted = LEAST_SHARE if explained < 0.9 or with_it.fit.sse < CLEAN * n else 0.5
+        if math.sqrt(without.fit.sse / n) - math.sqrt(with_it.fit.sse / n) < self.material:
+            return False
+        return weighing.log10_odds > LEAST_ODDS and weighing.share > wanted and steady and weighing.material > HEALTHY_GAIN
 
     # -- screening ---------------------------------------------------------------------------------------------------
 
@@ -247,8 +282,10 @@ class Search:
     def run(self) -> Found:
         """Search forward, swap and prune, then weigh every finding and its rivals."""
         self._say("refitting believed numbers")
-        start = self.try_set((), {})
-        now = start
+        if self.problem.size < FEWEST_ROWS:
+            start = Trial((), Fit((), {}, np.zeros(0), np.zeros((0, 0)), 0.0))
+            return Found(start, start)
+        start = now = self._whole = self.try_set((), {})
         ranked: list[tuple[float, Candidate]] = []
         for _ in range(self.most):
             self._say(f"screening {len(self.library)} questions")
@@ -258,12 +295,14 @@ class Search:
                 break
             self._say(f"{best.chosen[-1].effect.replace('_', ' ')} joins")
             now = self._swapped(best, ranked)
-            now = self._pruned(now)
+            now = self._simplest(self._pruned(now))
+        now = self._pruned(now, keep_newest=False)
         found = Found(start, now)
         self._judge(found, ranked)
         return found
 
-    def _finalists(self, ranked: list[tuple[float, Candidate]], count: int = FINALISTS) -> list[Candidate]:
+    def _finalists(self, ranked: list[tuple[float, Candidate]], count: int | None = None) -> list[Candidate]:
+        count = self.finalists if count is None else max(count, self.finalists if self.finalists > FINALISTS else 0)
         picked: list[Candidate] = []
         for score, candidate in ranked:
             if len(picked) >= count or score <= 0.0:
@@ -273,17 +312,23 @@ class Search:
         return picked
 
     def _best_addition(self, now: Trial, ranked: list[tuple[float, Candidate]]) -> Trial | None:
-        best: tuple[float, Trial] | None = None
+        """Return the best of the accepted additions; of two that explain nearly the same, the one with fewer numbers."""
+        accepted = []
         for candidate in self._finalists(ranked):
             trial = self.try_set((*now.chosen, candidate), now.fit.values)
             weighing = self.weigh(now, trial, len(candidate.quantities))
-            if self.accepts(weighing) and (best is None or weighing.log10_odds > best[0]):
-                best = weighing.log10_odds, trial
-        return best[1] if best else None
+            if self.accepts(weighing, now, trial) and sizeable(candidate, trial):
+                accepted.append((weighing.log10_odds, len(candidate.quantities), trial))
+        if not accepted:
+            return None
+        best = max(accepted, key=lambda one: one[0])
+        gain = now.fit.sse - best[2].fit.sse
+        simpler = [one for one in accepted if one[1] < best[1] and now.fit.sse - one[2].fit.sse > NEARLY * gain]
+        return max(simpler, key=lambda one: one[0])[2] if simpler else best[2]
 
     def _swapped(self, now: Trial, ranked: list[tuple[float, Candidate]]) -> Trial:
-        """Try, for every finding but the newest, whether another question in its place explains more."""
-        for index in range(len(now.chosen) - 1):
+        """Try, for every finding, whether another question in its place explains more."""
+        for index in range(len(now.chosen) if self.finalists > FINALISTS else len(now.chosen) - 1):
             kept = (*now.chosen[:index], *now.chosen[index + 1 :])
             base = self.try_set(kept, now.fit.values)
             for candidate in self._finalists(self.screen(base, base.keys), 4):
@@ -295,17 +340,39 @@ class Search:
                     break
         return now
 
-    def _pruned(self, now: Trial) -> Trial:
-        while len(now.chosen) > 1:
-            for index, candidate in enumerate(now.chosen[:-1]):
+    def _pruned(self, now: Trial, keep_newest: bool = True) -> Trial:
+        while len(now.chosen) > (1 if keep_newest else 0):
+            for index, candidate in enumerate(now.chosen[:-1] if keep_newest else now.chosen):
                 kept = (*now.chosen[:index], *now.chosen[index + 1 :])
                 without = self.try_set(kept, now.fit.values)
-                if not self.accepts(self.weigh(without, now, len(candidate.quantities))):
+                if not self.accepts(self.weigh(without, now, len(candidate.quantities)), without, now):
                     now = without
                     break
             else:
                 break
         return now
+
+    def _simplest(self, now: Trial) -> Trial:
+        """Put each finding in the form that needs fewest numbers for what it explains."""
+        for candidate in now.chosen:
+            best = now
+            for form in self.library:
+                if (form.effect, form.where) != (candidate.effect, candidate.where) or form.key == candidate.key:
+                    continue
+                if form.kind != candidate.kind or len(form.quantities) > len(candidate.quantities) + 2:
+                    continue
+                others = tuple(form if c.key == candidate.key else c for c in now.chosen)
+                trial = self.try_set(others, now.fit.values)
+                if self._price(trial) < self._price(best):
+                    best = trial
+            now = best
+        return now
+
+    def _price(self, trial: Trial) -> float:
+        """Return minus twice the log-likelihood, correlation allowed for, plus what its numbers cost."""
+        n, tau = self.problem.size, self.correlation_time(trial.fit.residual)
+        numbers = sum(len(candidate.quantities) for candidate in trial.chosen)
+        return n / tau * math.log(max(trial.fit.cost, 1e-12) / n) + numbers * math.log(max(n / tau, 2.0))
 
     def _judge(self, found: Found, ranked: list[tuple[float, Candidate]]) -> None:
         """Weigh each finding against leaving it out and against what could take its place."""
@@ -316,8 +383,8 @@ class Search:
             found.weighings[candidate.key] = self.weigh(without, end, len(candidate.quantities))
             rivals = []
             tau = self.correlation_time(end.fit.residual)
-            for rival in self._finalists(self.screen(without, without.keys), 5):
-                if rival.key == candidate.key:
+            for rival in self._finalists(self.screen(without, without.keys), 4):
+                if (rival.effect, rival.where) == (candidate.effect, candidate.where):
                     continue
                 trial = self.try_set((*kept, rival), without.fit.values)
                 worse = 0.5 * math.log(max(trial.fit.cost, 1e-12) / max(end.fit.cost, 1e-12)) * self.problem.size / tau

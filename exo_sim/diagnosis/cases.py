@@ -1,0 +1,166 @@
+"""Recordings and rig put side by side: what can be judged, what cannot, and which sensors must not be believed."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass, field, replace
+from pathlib import Path
+
+import mujoco
+import numpy as np
+
+from exo_sim import recording as recordings
+from exo_sim.diagnosis.motion_cut import MotionRun, motion_runs
+from exo_sim.diagnosis.observed import CylinderRun, cylinder_runs
+from exo_sim.diagnosis.result import Estimate, Finding, OpenQuestion
+from exo_sim.errors import RecordingError, nearest
+from exo_sim.machine.linkage import Linkage, linkages
+from exo_sim.machine.load import load
+from exo_sim.recording.health import Facts, check
+from exo_sim.recording.table import Recording
+from exo_sim.rig import Rig, read
+
+#: Fewer samples a second than this do not show what gas does.
+FEWEST_A_SECOND = 8.0
+_FAULTS = {
+    "stuck": ("sensor_stuck", "The sensor is stuck for part of the time."),
+    "clipped": ("sensor_clipped", "The sensor runs into the end of its range."),
+    "gauge": ("sensor_bias", "The sensor reads gauge pressure where absolute was promised."),
+    "unit": ("sensor_scale", "The column cannot be in the unit that its header names."),
+    "range": ("sensor_scale", "The column leaves the range that its quantity can have."),
+    "inconsistent": ("sensor_scale", "The velocity is not the rate of the position."),
+    "constant": ("sensor_stuck", "The sensor shows one value while the machine moves."),
+}
+
+
+@dataclass
+class Case:
+    """Everything that was handed in, sorted.
+
+    Attributes:
+        rig, model, links: The machine.
+        recordings: Cleaned of what must not be believed.
+        cylinders: Runs by cylinder that the gas cut can judge.
+        joints: Runs by joint that the motion cut can judge.
+        sensors: Faults found before any physics was asked.
+        remarks: Plain sentences about clocks and sensors.
+        open: Questions that cannot be judged.
+    """
+
+    rig: Rig
+    model: mujoco.MjModel
+    links: tuple[Linkage, ...]
+    recordings: list[Recording]
+    cylinders: dict[str, list[CylinderRun]] = field(default_factory=dict)
+    joints: dict[str, list[MotionRun]] = field(default_factory=dict)
+    sensors: list[Finding] = field(default_factory=list)
+    remarks: list[str] = field(default_factory=list)
+    open: list[OpenQuestion] = field(default_factory=list)
+
+
+def gather(paths: Sequence[Path], rig_path: Path, column_map: Path | None = None) -> Case:
+    """Read recordings and rig.
+
+    Raises:
+        RecordingError, RigError, ModelError: one line each; nothing usable, or columns of another machine.
+    """
+    rig = read(rig_path)
+    model = load(rig)
+    case = Case(rig, model, linkages(rig, model), [])
+    taken: set[str] = set()
+    for path in paths:
+        reading = recordings.read(path, column_map)
+        name = reading.recording.name
+        while name in taken:
+            name += "'"
+        taken.add(name)
+        table = replace(reading.recording, name=name)
+        _belongs(table, path, rig, model)
+        case.remarks += [finding.says for finding in reading.findings if finding.severity != "info"]
+        case.recordings.append(_trusted(table, case))
+    _sort(case)
+    return case
+
+
+def _belongs(table: Recording, path: Path, rig: Rig, model: mujoco.MjModel) -> None:
+    known = {*rig.cylinders, *(model.joint(j).name for j in range(model.njnt))}
+    parts = [part for part in table.parts() if part in known]
+    if not parts:
+        others = [part for part in table.parts() if part not in ("supply", "exhaust", "gait")]
+        asked = others[0] if others else "any part"
+        raise RecordingError(f'"{path}": no column belongs to {rig.path}: "{asked}" is none of its parts{nearest(asked, known)}')
+    silent = [name for name in rig.cylinders if name not in table.parts()]
+    if rig.cylinders and len(silent) == len(rig.cylinders) and not any(k.endswith(".position") for k in table.columns):
+        raise RecordingError(f'"{path}": never mentions a cylinder of {rig.path} ({", ".join(silent)}): is it another machine\'s?')
+
+
+def _trusted(table: Recording, case: Case) -> Recording:
+    """Return the recording without what its sensors cannot have seen; say what was taken out."""
+    rig, model = case.rig, case.model
+    ranges = {}
+    for j in range(model.njnt):
+        if model.jnt_limited[j]:
+            ranges[model.joint(j).name] = (float(model.jnt_range[j][0]), float(model.jnt_range[j][1]))
+    facts = Facts(atmosphere=rig.environment.pressure, supply_pressure=rig.supply.pressure, joint_range=ranges)
+    columns = dict(table.columns)
+    for finding in check(table, facts):
+        if finding.severity == "info":
+            continue
+        case.remarks.append(finding.says)
+        if finding.severity != "fault" or finding.column not in columns:
+            continue
+        values = columns[finding.column].copy()
+        name, says = _FAULTS.get(finding.kind, ("sensor_fault", finding.says))
+        parameters = {}
+        if finding.kind == "gauge":
+            values = values + rig.environment.pressure
+            off = -rig.environment.pressure
+            parameters = {"value": Estimate(off, "Pa", off - 2e3, off + 2e3)}
+        elif finding.rows:
+            for begin, end in finding.rows:
+                values[begin:end] = np.nan
+        else:
+            values = np.full_like(values, np.nan)
+        columns[finding.column] = values
+        case.sensors.append(Finding(name, finding.column, "sensor", f"{says} {finding.says}", parameters, 10.0, 0.0))
+    return replace(table, columns={key: values for key, values in columns.items() if np.isfinite(values).sum() > 10})
+
+
+def _sort(case: Case) -> None:
+    """Say which balance can be judged, and which question stays open."""
+    judged_once = False
+    for table in case.recordings:
+        rate = 1.0 / max(float(np.median(np.diff(table.time))), 1e-9)
+        for run in cylinder_runs(table, case.rig, case.model, case.links):
+            why = _no_gas(run, case.rig, rate)
+            if why:
+                case.open.append(OpenQuestion(f"the gas of {run.cylinder} in {table.name}", ("gas and valve effects",), why))
+            else:
+                case.cylinders.setdefault(run.cylinder, []).append(run)
+                judged_once = True
+        mentioned = {run.cylinder for runs in case.cylinders.values() for run in runs}
+        for name in case.rig.cylinders:
+            if name not in mentioned and f"{name}.pressure_1" not in table and f"{name}.pressure_2" not in table:
+                case.open.append(OpenQuestion(f"the gas of {name} in {table.name}", ("gas and valve effects",), "no pressure of it was recorded"))
+        if rate < FEWEST_A_SECOND:
+            continue
+        runs, reasons = motion_runs(table, case.rig, case.model, case.links)
+        for motion in runs:
+            case.joints.setdefault(motion.joint, []).append(motion)
+            judged_once = True
+        for joint, why in reasons:
+            case.open.append(OpenQuestion(f"the balance of forces at {joint} in {table.name}", ("friction, load and joint effects",), why))
+    if not judged_once:
+        case.remarks.append("nothing in these recordings can be held against the rig")
+
+
+def _no_gas(run: CylinderRun, rig: Rig, rate: float) -> str:
+    if run.length is None:
+        return "the position of its joint was not recorded, so its volumes are not known"
+    if rate < FEWEST_A_SECOND:
+        return f"{rate:.3g} samples a second do not show what the gas does"
+    if not run.commanded and rig.cylinders[run.cylinder].valve_area > 0.0:
+        return "its valve command was not recorded"
+    if not run.commanded and run.supply is not None:
+        return "its valve command was not recorded"
+    return ""

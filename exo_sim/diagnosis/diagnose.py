@@ -1,0 +1,171 @@
+"""The diagnosis from end to end: read, cut, search, judge, prove, and write the rig anew."""
+
+from __future__ import annotations
+
+import os
+from collections.abc import Callable, Sequence
+from concurrent.futures import ThreadPoolExecutor
+from dataclasses import replace
+from pathlib import Path
+
+import numpy as np
+
+from exo_sim.diagnosis import gas_problem, library, motion_problem
+from exo_sim.diagnosis.cases import Case, gather
+from exo_sim.diagnosis.gas_problem import GasProblem
+from exo_sim.diagnosis.judging import Judged, calibration_finding, judge
+from exo_sim.diagnosis.motion_problem import MotionProblem
+from exo_sim.diagnosis.proof import prove
+from exo_sim.diagnosis.quantity import Setting
+from exo_sim.diagnosis.result import Diagnosis, Finding, Located, Rejected
+from exo_sim.diagnosis.rewriting import improved_text
+from exo_sim.diagnosis.search import Found, Search
+from exo_sim.diagnosis.split import Split, split
+from exo_sim.diagnosis.verdict import located, next_experiment, open_questions, unexplained, unknown_findings, verdict_of
+from exo_sim.physics.records import CYLINDER
+from exo_sim.rig import assembly
+
+Progress = Callable[[str], None]
+
+
+def diagnose(
+    recordings: Sequence[Path],
+    rig: Path,
+    *,
+    column_map: Path | None = None,
+    seed: int = 0,
+    jobs: int | None = None,
+    progress: Progress | None = None,
+    folder: Path | None = None,
+) -> Diagnosis:
+    """Hold recordings of one machine against its rig and say what the rig leaves out.
+
+    Args:
+        recordings: Files of the contract; several are one case with shared parameters.
+        rig: The rig as its owner believes it to be.
+        column_map: Names of foreign columns.
+        seed: Kept for the contract: nothing here is drawn by chance.
+        jobs: Threads; every core when absent. The answer does not depend on it.
+        progress: Told in a few words what is going on.
+        folder: Where `improved.toml` will lie, so that it finds its MJCF.
+
+    Raises:
+        RecordingError, RigError, ModelError: one line each.
+    """
+    say = progress or (lambda words: None)
+    say("reading")
+    case = gather(recordings, rig, column_map)
+    parts = split([(table.name, table.time) for table in case.recordings])
+    with ThreadPoolExecutor(jobs or os.cpu_count() or 1) as pool:
+        judged = [*_gas(case, parts, pool, say), *_motion(case, parts, pool, say)]
+        judged = _shared_once(judged)
+        nameless = unknown_findings(judged)
+        say("proving on time kept back")
+        proof = prove(judged, case, parts, nameless)
+    findings = _findings(judged, case, proof.drops)
+    findings += [replace(found.finding, held_out_error_drop=proof.drops.get(found.finding.where, 0.0)) for found in nameless]
+    say("writing the rig anew")
+    text = improved_text(case, judged, nameless, folder or rig.parent)
+    return Diagnosis(
+        verdict=verdict_of(findings, judged, case),
+        recordings=tuple(table.name for table in case.recordings),
+        rig=case.rig.name,
+        located=_placed(judged),
+        effects=tuple(findings),
+        rejected=_rejections(judged, findings),
+        signals=proof.signals,
+        held_out=proof.held_out,
+        held_out_recordings=proof.held_out_recordings,
+        unexplained=unexplained(judged, nameless),
+        next_experiment=next_experiment(findings, judged, case),
+        open_questions=open_questions(case),
+        sensor_remarks=tuple(dict.fromkeys(case.remarks)),
+        series=proof.series,
+        improved=text,
+    )
+
+
+def _gas(case: Case, parts: Split, pool: ThreadPoolExecutor, say: Progress) -> list[Judged]:
+    found = []
+    for name, runs in case.cylinders.items():
+        joint = next(link.joint for link in case.links if link.cylinder == name)
+        index = list(case.rig.cylinders).index(name)
+        setting = Setting(assembly.world(case.rig), assembly.cylinders(case.rig)[index : index + 1])
+        problem = GasProblem(runs, setting, parts)
+        nuisances = library.believed(name) + library.known_effects(setting, name)
+        questions = library.candidates(setting, runs, name, joint)
+        if not any(run.commanded for run in runs):
+            nuisances = tuple(q for q in nuisances if q.parameter != "valve_area")
+        if problem.size >= 30:
+            problem = problem.either_law(nuisances, pool)
+        search = Search(
+            problem, nuisances, questions, pool, lambda words, name=name: say(f"{name}: {words}"), material=problem.material  # type: ignore[misc]
+        )
+        found.append(judge("gas", name, problem, search, search.run()))
+    return found
+
+
+def _motion(case: Case, parts: Split, pool: ThreadPoolExecutor, say: Progress) -> list[Judged]:
+    found = []
+    for joint, runs in case.joints.items():
+        cylinder = runs[0].cylinder
+        if cylinder is not None:
+            index = list(case.rig.cylinders).index(cylinder)
+            record = assembly.cylinders(case.rig)[index : index + 1]
+            _carry_over(case, joint, record)
+        else:
+            record = np.zeros(1, CYLINDER)
+            _carry_over(case, joint, record)
+        where = cylinder or joint
+        setting = Setting(assembly.world(case.rig), record)
+        problem = MotionProblem(runs, setting, parts)
+        nuisances = motion_problem.believed(runs, setting, where)
+        questions = motion_problem.candidates(runs, problem.setting, where)
+        search = Search(
+            problem, nuisances, questions, None, lambda words, joint=joint: say(f"{joint}: {words}"), finalists=20  # type: ignore[misc]
+        )
+        found.append(judge("motion", where, problem, search, search.run()))
+    return found
+
+
+def _carry_over(case: Case, joint: str, record: np.ndarray) -> None:
+    """Put what the rig says of the joint's own friction and springs into the record that the balance is judged with."""
+    for effect in case.rig.effects:
+        if effect.where == joint and effect.name in (record.dtype.names or ()):
+            for name, value in effect.parameters.items():
+                record[effect.name][name] = value
+
+
+def _shared_once(judged: list[Judged]) -> list[Judged]:
+    """Keep an effect of the shared supply or exhaust where it is seen best, and only there."""
+    best: dict[tuple[str, str], tuple[float, int]] = {}
+    for index, one in enumerate(judged):
+        for finding in one.findings:
+            key = finding.name, finding.where
+            if key not in best or finding.log10_odds > best[key][0]:
+                best[key] = finding.log10_odds, index
+    for index, one in enumerate(judged):
+        one.findings[:] = [f for f in one.findings if best[f.name, f.where][1] == index]
+    return judged
+
+
+def _findings(judged: list[Judged], case: Case, drops: dict[str, float]) -> list[Finding]:
+    findings = list(case.sensors)
+    for one in judged:
+        findings += [replace(f, held_out_error_drop=drops.get(f"{f.name}@{f.where}", 0.0)) for f in one.findings]
+    for one in judged:
+        findings += [calibration_finding(*numbers) for numbers in one.calibrations]
+    order = {"missing_physics": 0, "unknown": 1, "sensor": 2, "calibration": 3}
+    return sorted(findings, key=lambda f: (order[f.kind], -f.log10_odds))
+
+
+def _placed(judged: list[Judged]) -> tuple[Located, ...]:
+    return located([one for one in judged if one.findings or one.nameless])
+
+
+def _rejections(judged: list[Judged], findings: list[Finding]) -> tuple[Rejected, ...]:
+    taken = {(f.name, f.where) for f in findings}
+    return tuple(r for one in judged for r in one.rejected if (r.name, r.where) not in taken)[:20]
+
+
+__all__ = ["Found", "diagnose", "gas_problem"]

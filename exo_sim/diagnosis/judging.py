@@ -1,0 +1,188 @@
+"""From a search over one cut to findings: names, numbers with intervals, rivals, calibrations, and the case without a name."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from exo_sim.diagnosis import wording
+from exo_sim.diagnosis.intervals import bounds, spreads
+from exo_sim.diagnosis.quantity import Candidate, Quantity
+from exo_sim.diagnosis.result import Estimate, Finding, Rejected
+from exo_sim.diagnosis.search import Found, Problem, Search, Trial
+from exo_sim.physics.effects.declaration import declared
+
+#: A rival whose log-likelihood is lower by less than this explains the recording as well.
+AS_GOOD = 3.0
+#: Residual variance in units of the noise beyond which something is left, and what named effects must then explain.
+LEFT_OVER, EXPLAINED = 1.8, 0.90
+#: Without any finding a residual variance beyond this is no healthy machine's.
+SICK = 5.0
+#: A believed number that had to move by more than this many of its own spreads speaks for something missing.
+STRAINED = 3.5
+#: A believed number is corrected where it is off by this many standard errors, and by this share.
+SURE, WORTH = 3.0, {"flow_capacity": 0.01, "dead_volume": 0.03, "payload_mass": 0.005}
+#: Ratio that stands for the paper's own nozzle.
+_NOZZLE = (0.508, 0.548)
+
+
+@dataclass
+class Judged:
+    """What one cut says.
+
+    Attributes:
+        cut: "gas" or "motion".
+        where: The cylinder or joint.
+        problem, search, found: How it was found.
+        named: Candidates that stand as findings.
+        trial: The model that is believed in the end.
+        nameless: True where something is missing that has no name.
+        findings, calibrations, rejected: For the report.
+    """
+
+    cut: str
+    where: str
+    problem: Problem
+    search: Search
+    found: Found
+    named: tuple[Candidate, ...]
+    trial: Trial
+    nameless: bool
+    findings: list[Finding]
+    calibrations: list[tuple[Quantity, float, float]]
+    rejected: list[Rejected]
+
+    @property
+    def empty(self) -> bool:
+        """Whether there was nothing to judge."""
+        return self.problem.size == 0 or self.trial.fit.residual.size == 0
+
+
+def judge(cut: str, where: str, problem: Problem, search: Search, found: Found) -> Judged:
+    """Turn a finished search into findings."""
+    end = found.end
+    if end.fit.residual.size == 0:
+        return Judged(cut, where, problem, search, found, (), end, False, [], [], [])
+    n = problem.size
+    named = tuple(c for c in end.chosen if not _is_nozzle(c, end))
+    nameless = _is_nameless(found, named, n, search, cut == "gas")
+    rejected = [
+        Rejected(r.effect, r.where, wording.rejected(r, c, worse))
+        for c in named
+        for r, worse in found.rivals.get(c.key, [])
+        if worse > AS_GOOD
+    ]
+    rejected += [Rejected(c.effect, c.where, wording.no_gain(c, w.share)) for c, w in found.runners_up]
+    trial = end
+    if nameless:
+        rejected += [
+            Rejected(c.effect, c.where, f"explains only {100 * found.weighings[c.key].share:.0f} % and leaves the rest as it was")
+            for c in named
+            if c.key in found.weighings
+        ]
+        kept = tuple(c for c in named if _stands_alone(found, c))
+        if not kept:
+            trial = search.as_believed()
+        elif kept != named:
+            trial = search.try_set(kept, end.fit.values)
+        named = kept
+    tau = search.correlation_time(trial.fit.residual)
+    spread = spreads(problem, trial, tau)
+    findings = [_finding(c, trial, spread, found) for c in named]
+    findings = _with_twin(findings, cut)
+    seen = set()
+    unique = [r for r in rejected if (r.name, r.where) not in {(f.name, f.where) for f in findings}]
+    unique = [r for r in unique if not ((r.name, r.where) in seen or seen.add((r.name, r.where)))]  # type: ignore[func-returns-value]
+    calibrations = [] if nameless else _calibrations(trial, spread)
+    return Judged(cut, where, problem, search, found, named, trial, nameless, findings, calibrations, unique)
+
+
+def _with_twin(findings: list[Finding], cut: str) -> list[Finding]:
+    """Say of a force sensor's offset beside Coulomb friction that asymmetric friction would look the same."""
+    if cut != "motion" or not any(f.name == "coulomb_friction" for f in findings):
+        return findings
+    twins = [f for f in findings if f.name == "sensor_bias" and f.where.endswith(".external_force")]
+    return [replace(f, ambiguous_with=(*f.ambiguous_with, "asymmetric_friction")) if f in twins else f for f in findings]
+
+
+def _is_nozzle(candidate: Candidate, trial: Trial) -> bool:
+    if candidate.effect != "critical_ratio":
+        return False
+    return _NOZZLE[0] < trial.fit.values[candidate.quantities[0]] < _NOZZLE[1]
+
+
+def _is_nameless(found: Found, named: Sequence[Candidate], n: int, search: Search, cut_is_gas: bool) -> bool:
+    """Say whether too much is left, or believed numbers are bent too far, for the names to be believed."""
+    start, end = found.start.fit, found.end.fit
+    left = end.sse / n
+    if left < LEFT_OVER:
+        return False
+    if not named:
+        if cut_is_gas and math.sqrt(left) < 20.0 * search.material:
+            return False
+        return left > SICK and (search.correlation_time(end.residual) > 2.0 or left > 3.0 * SICK)
+    explained = (start.sse - end.sse) / max(start.sse - n, 1e-9)
+    if explained < EXPLAINED:
+        return True
+    bent = any(q.prior is not None and abs(end.values[q] - q.prior[0]) > STRAINED * q.prior[1] for q in end.quantities)
+    return bent and left > SICK
+
+
+def _stands_alone(found: Found, candidate: Candidate) -> bool:
+    """Say whether a finding is beyond doubt although something else is left."""
+    weighing = found.weighings.get(candidate.key)
+    return weighing is not None and weighing.share > 0.9 and weighing.log10_odds > 30.0 and weighing.steady > 3.0
+
+
+def _finding(candidate: Candidate, trial: Trial, spread: dict[Quantity, float], found: Found) -> Finding:
+    parameters = {}
+    for quantity in candidate.quantities:
+        value = trial.fit.values[quantity]
+        low, high = bounds(quantity, value, spread.get(quantity, 0.0))
+        name = quantity.parameter.rsplit(".", 1)[-1] if quantity.target == "sensor" else quantity.parameter
+        name = {"bias": "value", "scale": "factor", "delay": "seconds"}.get(name, name) if quantity.target == "sensor" else name
+        parameters[name] = Estimate(value, quantity.unit, low, high)
+    weighing = found.weighings.get(candidate.key)
+    rivals = [(r, worse) for r, worse in found.rivals.get(candidate.key, []) if worse <= AS_GOOD and r.effect != candidate.effect]
+    weights = {candidate.effect: 1.0, **{r.effect: math.exp(-max(worse, -20.0)) for r, worse in reversed(rivals)}}
+    total = sum(weights.values())
+    return Finding(
+        candidate.effect, candidate.where, candidate.kind, wording.says(candidate.effect), parameters,
+        weighing.log10_odds if weighing else 0.0, 0.0, tuple(dict.fromkeys(r.effect for r, _ in rivals)),
+        {name: weight / total for name, weight in weights.items()} if rivals else {},
+    )  # fmt: skip
+
+
+def _calibrations(trial: Trial, spread: dict[Quantity, float]) -> list[tuple[Quantity, float, float]]:
+    """Return believed numbers that are off: quantity, factor, its standard error."""
+    found = []
+    for quantity, value in trial.fit.values.items():
+        if quantity.effect not in WORTH:
+            continue
+        error = spread.get(quantity, math.inf)
+        if abs(value - 1.0) > max(SURE * error, WORTH[quantity.effect]):
+            found.append((quantity, value, error))
+    return found
+
+
+def calibration_finding(quantity: Quantity, factor: float, error: float) -> Finding:
+    """Return the finding of a believed number that is off."""
+    low, high = bounds(quantity, factor, error)
+    return Finding(
+        quantity.effect, quantity.where, "calibration", wording.calibration(quantity.effect, quantity.parameter, factor),
+        {quantity.parameter if quantity.effect == "dead_volume" else "factor": Estimate(factor, "1", low, high)},
+        ((factor - 1.0) / max(error, 1e-12)) ** 2 / (2.0 * math.log(10.0)), 0.0,
+    )  # fmt: skip
+
+
+def known(effect: str) -> bool:
+    """Say whether a name is one of the declared effects."""
+    return effect in declared()
+
+
+def finite(value: float) -> float:
+    """Return the value, or 0 where it is not a number."""
+    return float(value) if np.isfinite(value) else 0.0

@@ -1,0 +1,172 @@
+"""The proof on time and recordings that took no part: errors before and after, and what each finding is worth there."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass, field
+
+import numpy as np
+
+from exo_sim.diagnosis.cases import Case
+from exo_sim.diagnosis.gas_problem import GasProblem
+from exo_sim.diagnosis.intervals import normalised
+from exo_sim.diagnosis.judging import Judged, finite
+from exo_sim.diagnosis.motion_problem import MotionProblem
+from exo_sim.diagnosis.quantity import Setting
+from exo_sim.diagnosis.result import Series, SignalFit
+from exo_sim.diagnosis.search import Trial
+from exo_sim.diagnosis.split import Split
+from exo_sim.diagnosis.unknown import hats
+from exo_sim.diagnosis.verdict import Unnamed, setting_of
+from exo_sim.physics.effects.unknown import ACTS, DEPENDS_ON, KNOTS
+
+#: Predictions whose error is reported run over this time [s].
+WINDOW = 0.5
+
+
+@dataclass
+class Proof:
+    """Errors on held-out time.
+
+    Attributes:
+        signals: By column, before and after.
+        drops: By `effect@where` (by place for what has no name), the share by which the held-out error falls.
+        series: What a report draws.
+        held_out, held_out_recordings: Which time was kept.
+    """
+
+    signals: dict[str, SignalFit] = field(default_factory=dict)
+    drops: dict[str, float] = field(default_factory=dict)
+    series: tuple[Series, ...] = ()
+    held_out: tuple[tuple[float, float], ...] = ()
+    held_out_recordings: tuple[str, ...] = ()
+
+
+def prove(judged: Sequence[Judged], case: Case, parts: Split, nameless: Sequence[Unnamed]) -> Proof:
+    """Predict the time that was kept, with the rig as believed and as it was found to be."""
+    proof = Proof()
+    series: list[Series] = []
+    for one in judged:
+        if one.empty:
+            continue
+        curve = next((u for u in nameless if u.judged is one), None)
+        if isinstance(one.problem, GasProblem):
+            series += _gas(one, case, parts, curve, proof)
+        else:
+            series += _motion(one, case, parts, curve, proof)
+    proof.series = tuple(series)
+    spans = {name: kept for name, kept in parts.spans.items()}
+    first = next(iter(spans), None)
+    proof.held_out = spans[first] if first else ()
+    if len(case.recordings) > 1:
+        proof.held_out_recordings = tuple(spans)
+    return proof
+
+
+def _settings(one: Judged, curve: Unnamed | None) -> tuple[Setting, Setting]:
+    """Return the machine as believed, and as found."""
+    assert isinstance(one.problem, GasProblem | MotionProblem)
+    after = setting_of(one, one.trial)
+    if curve is not None and isinstance(one.problem, GasProblem):
+        _put_curve(after, curve)
+    return one.problem.setting, after
+
+
+def _put_curve(setting: Setting, unnamed: Unnamed) -> None:
+    best = unnamed.nameless.best
+    if best is None or best.variable not in DEPENDS_ON:
+        return
+    record = setting.cylinder["unknown"]
+    record["acts"], record["depends_on"] = ACTS.index(unnamed.nameless.acts), DEPENDS_ON.index(best.variable)
+    count = len(best.at)
+    tail = best.at[-1] + 1e-6 * (1.0 + np.arange(KNOTS - count)) * max(abs(best.at[-1]), 1.0)
+    record["at"][0] = np.concatenate([best.at, tail])
+    record["values"][0] = np.concatenate([best.values, np.full(KNOTS - count, best.values[-1])])
+
+
+def _gas(one: Judged, case: Case, parts: Split, curve: Unnamed | None, proof: Proof) -> list[Series]:
+    assert isinstance(one.problem, GasProblem)
+    runs = case.cylinders[one.where]
+    believed, found = _settings(one, curve)
+    kept = GasProblem(runs, one.problem.setting, parts, WINDOW, held_out=True)
+    before = [kept.predict(believed, index).pressure for index in range(len(runs))]
+    after = [kept.predict(found, index).pressure for index in range(len(runs))]
+    series = []
+    for side in range(2):
+        errors: tuple[list[np.ndarray], list[np.ndarray]] = ([], [])
+        noise = 0.0
+        for index, run in enumerate(runs):
+            measured = run.pressure[side]
+            if measured is None:
+                continue
+            noise = max(noise, run.noise[side])
+            mask = parts.held_out(run.recording, run.time)
+            errors[0].append((measured - before[index][:, side])[mask])
+            errors[1].append((measured - after[index][:, side])[mask])
+            series.append(
+                Series(run.recording, f"{one.where}.pressure_{side + 1}", "Pa", run.time, measured, before[index][:, side],
+                       after[index][:, side], run.noise[side])
+            )  # fmt: skip
+        if errors[0] and sum(e.size for e in errors[0]):
+            proof.signals[f"{one.where}.pressure_{side + 1}"] = SignalFit(
+                "Pa", finite(normalised(np.concatenate(errors[0]))), finite(normalised(np.concatenate(errors[1]))), noise
+            )
+    _drops(one, kept, found, believed, curve, proof)
+    return series
+
+
+def _motion(one: Judged, case: Case, parts: Split, curve: Unnamed | None, proof: Proof) -> list[Series]:
+    assert isinstance(one.problem, MotionProblem)
+    runs = one.problem.runs
+    believed, found = _settings(one, curve)
+    kept = MotionProblem(runs, one.problem.setting, parts, held_out=True)
+    series = []
+    errors: tuple[list[np.ndarray], list[np.ndarray]] = ([], [])
+    for index, run in enumerate(runs):
+        group = kept._groups[index]
+        before, after = kept.missing(believed, index), kept.missing(found, index)
+        if curve is not None and curve.nameless.best is not None:
+            best = curve.nameless.best
+            values = {"position": run.position, "velocity": run.velocity, "time": run.time - run.time[0]}
+            if run.cylinder is not None:
+                values |= {"pressure_1": run.gauge[:, 0], "pressure_2": run.gauge[:, 1], "pressure_difference": run.gauge[:, 0] - run.gauge[:, 1]}
+            after = after - run.arm * (hats(values[best.variable], best.at) @ best.values)
+        needed = run.inertial - run.passive
+        quiet = np.where(np.abs(run.velocity) > run.still, 1.0, np.nan)
+        series.append(
+            Series(run.recording, f"{one.where}.force_balance", kept.unit, run.time, needed * quiet, (needed - before) * quiet,
+                   (needed - after) * quiet, float(np.median(kept.scale)) if kept.scale.size else run.noise)
+        )  # fmt: skip
+        errors[0].append(before[group >= 0])
+        errors[1].append(after[group >= 0])
+    if sum(e.size for e in errors[0]):
+        proof.signals[f"{one.where}.force_balance"] = SignalFit(
+            kept.unit, finite(normalised(np.concatenate(errors[0]))), finite(normalised(np.concatenate(errors[1]))),
+            float(np.median(kept.scale)) if kept.scale.size else 0.0,
+        )  # fmt: skip
+    _drops(one, kept, found, believed, curve, proof)
+    return series
+
+
+def _drops(one: Judged, kept: GasProblem | MotionProblem, found: Setting, believed: Setting, curve: Unnamed | None, proof: Proof) -> None:
+    """Say by what share the held-out error grows when one finding is left out and everything else refitted without it."""
+    if kept.size == 0:
+        return
+    whole = normalised(_residual(kept, found))
+    for candidate in one.named:
+        rest = tuple(c for c in one.trial.chosen if c.key != candidate.key)
+        without: Trial = one.search.try_set(rest, one.trial.fit.values)
+        lacking = normalised(_residual(kept, setting_of(one, without)))
+        proof.drops[f"{candidate.effect}@{candidate.where}"] = finite(1.0 - whole / lacking) if lacking > 0.0 else 0.0
+    if curve is not None:
+        plain = normalised(_residual(kept, setting_of(one, one.trial)))
+        key = next((k for k in proof.signals if k.startswith(one.where) and (k.endswith("force_balance") == (one.cut == "motion"))), None)
+        if one.cut == "motion" and key:
+            signal = proof.signals[key]
+            proof.drops[one.where] = finite(1.0 - signal.after / signal.before) if signal.before > 0.0 else 0.0
+        else:
+            proof.drops[one.where] = finite(1.0 - whole / plain) if plain > 0.0 else 0.0
+
+
+def _residual(problem: GasProblem | MotionProblem, setting: Setting) -> np.ndarray:
+    return problem.residual_of(setting)

@@ -1,0 +1,47 @@
+"""Sentences for people: what was found, why a rival was put aside, what to record next."""
+
+from __future__ import annotations
+
+from exo_sim.diagnosis.quantity import Candidate
+from exo_sim.physics.effects.declaration import declared
+
+
+def name_of(effect: str) -> str:
+    """Return an effect's name as words."""
+    return effect.replace("_", " ")
+
+
+def says(effect: str) -> str:
+    """Return the plain sentence of a declared effect, or one made of its name."""
+    found = declared().get(effect)
+    return found.says if found else f"{name_of(effect).capitalize()}."
+
+
+def calibration(name: str, parameter: str, factor: float) -> str:
+    """Say how a believed number is off."""
+    part = {"valve_area": "valve area", "dead_volume_1": "dead volume of chamber 1", "dead_volume_2": "dead volume of chamber 2"}
+    what = {"payload_mass": "moved mass"}.get(name, part.get(parameter, name_of(name)))
+    return f"The {what} is {abs(factor - 1.0) * 100:.1f} % {'larger' if factor > 1.0 else 'smaller'} than believed."
+
+
+def rejected(candidate: Candidate, instead_of: Candidate, worse: float) -> str:
+    """Say why a rival lost."""
+    if candidate.effect == instead_of.effect:
+        return f"in the form {candidate.form} it fits worse (log-likelihood {worse:.1f} lower)"
+    return f"in place of {name_of(instead_of.effect)} it fits worse (log-likelihood {worse:.1f} lower)"
+
+
+def no_gain(candidate: Candidate, share: float) -> str:
+    """Say why something was not added."""
+    if share <= 0.01:
+        return "adding it explains nothing of what is left"
+    return f"adding it explains only {100 * share:.0f} % of what is left, no more than a healthy machine shows"
+
+
+def experiment(first: str, second: str) -> str:
+    """Return what to do to tell two effects apart, from what the first declares of itself."""
+    found = declared()
+    for name in (first, second):
+        if name in found:
+            return found[name].experiment
+    return "record the same motion once more with every sensor calibrated"

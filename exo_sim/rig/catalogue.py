@@ -1,8 +1,8 @@
 """Cylinders that can be bought: bores, rods and strokes of ISO 6432 and ISO 15552, with lengths and masses.
 
 Bores and the rating of 1 MPa are the standards' own; rods and strokes are what makers' catalogues list with them (rods: Pneumax
-general catalogue, appendix A). Lengths and masses are typical of aluminium profile (ISO 15552) and stainless round (ISO 6432)
-cylinders; makers differ by about 15 %, so a chosen cylinder is to be looked up before it is bought.
+general catalogue, appendix A). Lengths and masses are our estimates for aluminium profile (ISO 15552) and stainless round (ISO 6432)
+cylinders, taken from no standard; makers differ by 15 % and more, so a chosen cylinder is to be looked up before it is bought.
 """
 
 from __future__ import annotations
@@ -62,8 +62,8 @@ class CatalogueCylinder:
         """Return what stays in chamber 1 and 2 at their ends, port and a short hose included [m^3]."""
         area = math.pi / 4 * self.bore**2
         return (
-            area * _CLEARANCE + _PORT_AND_HOSE,
-            (area - math.pi / 4 * self.rod**2) * _CLEARANCE + _PORT_AND_HOSE,
+            round(area * _CLEARANCE + _PORT_AND_HOSE, 7),
+            round((area - math.pi / 4 * self.rod**2) * _CLEARANCE + _PORT_AND_HOSE, 7),
         )
 
     def buckling_force(self, length: float) -> float:

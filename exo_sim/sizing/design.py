@@ -28,6 +28,8 @@ LEAST_SUPPLY = 3e5
 MOST_ABOVE = 2
 #: Largest change of the angle between the two ends, seen from the joint [rad].
 LARGEST_TURN = 0.6
+#: What a workshop can tell apart: lengths [m], valve areas [m^2], pressures [Pa]. Designs are rounded to it before they are judged.
+PLACES = {"length": 1e-4, "area": 1e-7, "pressure": 1e4}
 _RANGE_SAMPLES = 41
 
 
@@ -107,8 +109,8 @@ def fit(kind: JointKind, design: JointDesign) -> Fit:
     length, arm = kind.sweep(design.attachment)
     travel = float(length.max() - length.min())
     return Fit(
-        stroke=design.cylinder.stroke_for(travel + 2 * END_CLEARANCE),
-        retracted=float(length.min()) - END_CLEARANCE,
+        stroke=design.cylinder.stroke_for(travel + 2 * END_CLEARANCE + PLACES["length"]),
+        retracted=float(np.floor((length.min() - END_CLEARANCE) / PLACES["length"]) * PLACES["length"]),
         travel=travel,
         least_arm=float(arm.min()),
         longest=float(length.max()),
@@ -197,18 +199,20 @@ class Space:
         for name, end, angle in (("from", kind.own.base, -half), ("to", kind.own.rod, half)):
             way = np.arctan2(end[1], end[0]) + angle
             radius = float(numbers[f"{kind.name}.{name}"])
-            ends.append((float(radius * np.cos(way)), float(radius * np.sin(way))))
+            ends.append((_to(radius * np.cos(way), PLACES["length"]), _to(radius * np.sin(way), PLACES["length"])))
         return Attachment(*ends)
 
     def design(self, numbers: Mapping[str, float], bores: Mapping[str, int], number: int = -1) -> Design:
         """Return the design that variables and bores (places in the catalogue) stand for."""
         joints = {
             kind.name: JointDesign(
-                CATALOGUE[bores[kind.name]], self.attachment(kind, numbers), float(numbers[f"{kind.name}.valve"])
+                CATALOGUE[bores[kind.name]],
+                self.attachment(kind, numbers),
+                _to(numbers[f"{kind.name}.valve"], PLACES["area"]),
             )
             for kind in self.kinds
         }
-        return Design(float(numbers["supply"]), joints, number)
+        return Design(_to(numbers["supply"], PLACES["pressure"]), joints, number)
 
     def owners(self, rig: Rig) -> dict[str, float]:
         """Return the variables nearest to the owner's own machine, with the smallest bores that suffice."""
@@ -223,6 +227,10 @@ class Space:
         for name, (low, high) in self.bounds.items():
             out[name] = min(max(out[name], low), high)
         return out
+
+
+def _to(value: float, place: float) -> float:
+    return float(np.round(float(value) / place)) * place
 
 
 def fitted(rig: Rig, kinds: tuple[JointKind, ...], design: Design) -> Rig:

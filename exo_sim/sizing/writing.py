@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from pathlib import Path
 
 import tomlkit
@@ -20,26 +21,26 @@ def sized_text(rig: Rig, kinds: tuple[JointKind, ...], design: Design, folder: P
         folder: Where the file will be; the path to the MJCF is counted from there.
     """
     chosen = fitted(rig, kinds, design)
-    corrections = [Correction(("supply", "pressure"), design.supply, "Pa")]
+    numbers = [(("supply", "pressure"), rig.supply.pressure, design.supply, "Pa")]
     for kind in kinds:
         for name in kind.cylinders:
-            cylinder = chosen.cylinders[name]
-            key = ("cylinders", name)
-            corrections += [
-                Correction((*key, "bore"), cylinder.bore, "m"),
-                Correction((*key, "rod"), cylinder.rod, "m"),
-                Correction((*key, "stroke"), cylinder.stroke, "m"),
-                Correction((*key, "retracted_length"), cylinder.retracted_length, "m"),
-                Correction((*key, "dead_volume_1"), cylinder.dead_volume_1, "m^3"),
-                Correction((*key, "dead_volume_2"), cylinder.dead_volume_2, "m^3"),
-                Correction((*key, "valve", "area"), cylinder.valve_area, "m^2"),
-            ]
+            old, new, key = rig.cylinders[name], chosen.cylinders[name], ("cylinders", name)
+            for word in ("bore", "rod", "stroke", "retracted_length"):
+                numbers.append(((*key, word), getattr(old, word), getattr(new, word), "m"))
+            for word in ("dead_volume_1", "dead_volume_2"):
+                numbers.append(((*key, word), getattr(old, word), getattr(new, word), "m^3"))
+            numbers.append(((*key, "valve", "area"), old.valve_area, new.valve_area, "m^2"))
+    corrections = [
+        Correction(key, new, unit) for key, old, new, unit in numbers if not math.isclose(old, new, rel_tol=1e-7)
+    ]
     document = tomlkit.parse(improved(rig, [], corrections, folder))
     cylinders = document["cylinders"]
     for kind in kinds:
         points = design.joints[kind.name].attachment
         for name in kind.cylinders:
-            table = tomlkit.table()
+            before, table = rig.cylinders[name].attachment, tomlkit.table()
+            if before == points:
+                continue
             for key, end, own in (("from", points.base, kind.own.base), ("to", points.rod, kind.own.rod)):
                 item = tomlkit.array()
                 item.extend([f"{1e3 * end[0]:.7g} mm", f"{1e3 * end[1]:.7g} mm"])

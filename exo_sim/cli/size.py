@@ -1,0 +1,80 @@
+"""Search actuator sizes against joint loads; writes a rig that runs."""
+
+from __future__ import annotations
+
+from itertools import product
+from pathlib import Path
+
+import click
+
+from exo_sim.cli import options, printing
+from exo_sim.cli.frame import verb
+
+
+@verb(
+    'exo-sim size --scenario level_walk --payload "34 kg" --out sized',
+    'exo-sim size --scenario level_walk --scenario squat --payload "20 kg" --payload "34 kg" --trials 1000 --jobs 8',
+    "exo-sim size --quick",
+    "exo-sim run level_walk --rig sized/sized.toml",
+    out="Folder for sized.toml, report.html, sized.rrd and the journal of the search; sized when absent.",
+    seed=True,
+)
+@click.option("--scenario", "scenarios", multiple=True, default=("level_walk",), show_default=True,
+              help="What the machine must do; may be given again.")
+@click.option("--payload", "payloads", multiple=True, type=options.Quantity("kg", low=0.0), default=("34 kg",),
+              show_default=True, help="On the back; may be given again.")
+@click.option("--speed", "speeds", multiple=True, type=float, default=(1.0,), show_default=True,
+              help="Factor on the recorded cadence, 0.7 to 1.3; may be given again.")
+@click.option("--rig", type=options.InputFile(), default=None,
+              help="The machine, with what a diagnosis found of it; the one in assets/ when absent.")
+@click.option("--trials", type=click.IntRange(1, 1000000), default=400, show_default=True, help="Designs to look at.")
+@click.option("--reach", type=options.Quantity("m", low=0.0, high=0.2), default="40 mm", show_default=True,
+              help="How far an attachment point may move from where the rig has it.")
+@click.option("--pressure-limit", type=options.Quantity("Pa", low=0.0), default=None,
+              help="Largest supply, absolute; 10 bar above the atmosphere, for which the catalogue's cylinders are rated, when absent.")
+@click.option("--jobs", type=click.IntRange(-1), default=-1, show_default=True,
+              help="Processes, one thread each; -1: one a core.")
+@click.option("--scheduler", default=None, help="Address of a Dask scheduler, tcp://HOST:PORT, to score designs on its workers.")
+@click.option("--quick", is_flag=True, help="By hand: the paper's design equations 35 to 39. No search.")
+def command(scenarios: tuple[str, ...], payloads: tuple[float, ...], speeds: tuple[float, ...], rig: Path | None, trials: int,
+            reach: float, pressure_limit: float | None, jobs: int, scheduler: str | None, quick: bool, out: Path | None,
+            as_json: bool, quiet: bool, seed: int) -> None:  # fmt: skip
+    """Search bores, rods, strokes, attachment points, valves and supply against the joint loads of what the machine must do.
+
+    Finished designs are kept in the folder: the same command goes on where it was interrupted.
+    """
+    from exo_sim import rig as rigs
+    from exo_sim.errors import ScenarioError
+    from exo_sim.simulation.walk import default_rig
+    from exo_sim.sizing import told
+    from exo_sim.sizing.loads import Condition, joint_loads
+    from exo_sim.sizing.study import size, space_of
+
+    if jobs == 0:
+        raise ScenarioError("--jobs 0: give a number of processes, or -1 for one a core")
+    machine = rigs.read(rig or default_rig())
+    conditions = tuple(dict.fromkeys(Condition(*each) for each in product(scenarios, payloads, speeds)))
+    loads = tuple(joint_loads(machine, condition) for condition in conditions)
+    space = space_of(machine, reach, pressure_limit)
+    if quick:
+        from exo_sim.sizing.by_hand import joint_by_hand, papers_example
+
+        example = papers_example()
+        joints = {
+            f"{kind.name}, {one.condition}": joint_by_hand(machine, kind, one, pressure_limit)
+            for one in loads
+            for kind in space.kinds
+        }
+        printing.show(told.by_hand_numbers(example, joints), told.by_hand_words(example, joints), as_json=as_json)
+        return
+    from exo_sim.outputs import replacing
+    from exo_sim.report import sizing_page
+    from exo_sim.sizing.workers import Workers
+
+    folder = out or Path("sized")
+    with Workers(jobs, scheduler) as workers:
+        found = size(machine, conditions, space, trials, seed, workers, folder, quiet,
+                     lambda words: printing.remark(words, quiet=quiet))  # fmt: skip
+    with replacing(folder / "report.html") as beside:
+        beside.write_text(sizing_page.page(found), encoding="utf-8")
+    printing.show(told.numbers(found, folder), told.words(found, folder), as_json=as_json)

@@ -1,0 +1,150 @@
+"""Pictures of a sizing: what the joints need inside what their cylinders can do, and the front."""
+
+from __future__ import annotations
+
+import io
+import re
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from exo_sim.sizing.design import JointKind, fitted
+from exo_sim.sizing.loads import JOINTS, JointLoads
+from exo_sim.sizing.screening import along
+from exo_sim.sizing.study import Sizing
+
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
+    from matplotlib.figure import Figure
+
+_LOOP = ("#0072b2", "#d55e00", "#009e73", "#cc79a7", "#56b4e9", "#e69f00")
+_STILL, _MOVING, _HUMAN, _INK = "#e8eef4", "#8fa9bf", "#8a8a8a", "#1a1a1a"
+_WIDTH = 9.4
+
+
+def envelopes(sizing: Sizing) -> str:
+    """Return required torque against angle and against speed inside the capability, a row each kind of joint, as SVG."""
+    kinds = sizing.task.space.kinds
+    figure, panels = _panels(len(kinds), 2, 3.1)
+    rig = fitted(sizing.task.rig, kinds, sizing.choice.found.design)
+    for row, kind in zip(panels, kinds):
+        joint, name = kind.joints[-1], kind.cylinders[-1]
+        thinnest = None
+        for i, loads in enumerate(sizing.loads):
+            angle, speed, torque = loads.column(joint)
+            found = along(rig, kind, joint, name, loads)
+            order = np.argsort(angle)
+            still = [bound[order] for bound in found.still]
+            row[0].fill_between(np.degrees(angle[order]), *still, color=_STILL, zorder=0, lw=0,
+                                label="can hold" if i == 0 else None)  # fmt: skip
+            for panel, across in ((row[0], np.degrees(angle)), (row[1], np.degrees(speed))):
+                for j, bound in enumerate(found.moving):
+                    panel.plot(_closed(across), _closed(bound), color=_MOVING, lw=0.8, zorder=1,
+                               label="can give at its speed" if i + j == 0 else None)  # fmt: skip
+                panel.plot(_closed(across), _closed(torque), color=_LOOP[i % len(_LOOP)], lw=1.7, zorder=3, label=str(loads.condition))
+            if loads.human_scaled is not None:
+                human = loads.human_scaled[:, JOINTS.index(joint)]
+                row[0].plot(_closed(np.degrees(angle)), _closed(human), color=_HUMAN, lw=1.0, ls="--", zorder=2,
+                            label="recorded moments, scaled by mass" if i == 0 else None)  # fmt: skip
+            slack = np.minimum(found.slack(torque), found.still_slack(torque)) / np.abs(torque).max()
+            at = int(np.argmin(slack))
+            if thinnest is None or slack[at] < thinnest[0]:
+                thinnest = (slack[at], np.degrees(angle[at]), np.degrees(speed[at]), torque[at])
+        assert thinnest is not None
+        for panel, x in ((row[0], thinnest[1]), (row[1], thinnest[2])):
+            panel.plot([x], [thinnest[3]], "o", ms=6, mfc="none", mec=_INK, zorder=4)
+        row[0].annotate(f"thinnest: {100 * thinnest[0]:.0f} %", (thinnest[1], thinnest[3]), xytext=(6, 7),
+                        textcoords="offset points", fontsize=8)  # fmt: skip
+        row[0].set(xlabel=f"{kind.name} angle [deg]", ylabel=f"{kind.name} torque [N m]")
+        row[1].set(xlabel=f"{kind.name} speed [deg/s]")
+        row[0].legend(fontsize=7, loc="best", frameon=False)
+    return _svg(figure)
+
+
+def margins(sizing: Sizing) -> str:
+    """Return torque left over the cycle, by kind of joint, as SVG."""
+    kinds = sizing.task.space.kinds
+    figure, panels = _panels(1, len(kinds), 2.4)
+    rig = fitted(sizing.task.rig, kinds, sizing.choice.found.design)
+    for panel, kind in zip(panels[0], kinds):
+        _margin(panel, sizing, kind, rig)
+    return _svg(figure)
+
+
+def _margin(panel: Axes, sizing: Sizing, kind: JointKind, rig: Any) -> None:
+    joint, name = kind.joints[-1], kind.cylinders[-1]
+    for i, loads in enumerate(sizing.loads):
+        _, _, torque = loads.column(joint)
+        found = along(rig, kind, joint, name, loads)
+        phase, peak = np.linspace(0.0, 100.0, len(torque), endpoint=False), np.abs(torque).max()
+        colour = _LOOP[i % len(_LOOP)]
+        panel.plot(phase, 100 * found.slack(torque) / peak, color=colour, lw=1.4, label=f"{loads.condition}, moving")
+        panel.plot(phase, 100 * found.still_slack(torque) / peak, color=colour, lw=0.8, ls=":", label="held still")
+    panel.axhline(0.0, color=_INK, lw=0.6)
+    panel.set(xlabel="cycle of the right leg [%]", ylabel=f"{kind.name}: torque left [% of peak]", ylim=(min(0.0, panel.get_ylim()[0]), None))
+    panel.legend(fontsize=7, frameon=False)
+
+
+def front(sizing: Sizing) -> str:
+    """Return the front: gas against mass and gas against margin, as SVG."""
+    figure, panels = _panels(1, 2, 3.3)
+    found, chosen = sizing.outcome.front, sizing.choice.found
+    others = [one.score for one in sizing.outcome.trials if one.score.feasible]
+    gas = [1e3 * one.score.gas for one in found]
+    for panel, key, scale, words, by in (
+        (panels[0][0], "mass", 1.0, "all cylinders [kg]", "margin"),
+        (panels[0][1], "margin", 100.0, "torque margin [% of peak]", "error"),
+    ):
+        panel.plot([1e3 * s.gas for s in others], [scale * getattr(s, key) for s in others], ".", ms=3, color="#c9ced4", zorder=0)
+        colours = [100 * one.score.margin if by == "margin" else one.score.error for one in found]
+        dots = panel.scatter(gas, [scale * getattr(one.score, key) for one in found], c=colours, s=22, cmap="viridis", zorder=2)
+        bar = figure.colorbar(dots, ax=panel)
+        bar.set_label("torque margin [%]" if by == "margin" else "torque error [N m rms]", fontsize=8)
+        panel.plot([1e3 * chosen.score.gas], [scale * getattr(chosen.score, key)], "o", ms=11, mfc="none", mec=_LOOP[1], mew=1.8, zorder=3)
+        panel.set(xlabel="gas a cycle [g]", ylabel=words)
+    return _svg(figure)
+
+
+def loads_of_all_joints(loads: JointLoads) -> str:
+    """Return torque over the cycle of hip, knee and ankle, recorded moments beside it, as SVG."""
+    figure, panels = _panels(1, 3, 2.4)
+    phase = np.linspace(0.0, 100.0, len(loads.angle), endpoint=False)
+    for panel, joint in zip(panels[0], ("hip_r", "knee_r", "ankle_r")):
+        at = JOINTS.index(joint)
+        panel.plot(phase, loads.torque[:, at], color=_LOOP[0], lw=1.5, label="machine needs")
+        if loads.human is not None and loads.human_scaled is not None:
+            panel.plot(phase, loads.human[:, at], color=_HUMAN, lw=0.9, label="recorded person")
+            panel.plot(phase, loads.human_scaled[:, at], color=_HUMAN, lw=0.9, ls="--", label="scaled by mass")
+        panel.set(xlabel="cycle of the right leg [%]", ylabel=f"{joint[:-2]} [N m]")
+    panels[0][0].legend(fontsize=7, frameon=False)
+    return _svg(figure)
+
+
+def _panels(rows: int, columns: int, height: float) -> tuple[Figure, Any]:
+    import matplotlib
+
+    matplotlib.use("agg")
+    from matplotlib.figure import Figure as NewFigure
+
+    figure = NewFigure(figsize=(_WIDTH, height * rows), layout="constrained")
+    panels = figure.subplots(rows, columns, squeeze=False)
+    for panel in panels.flat:
+        panel.spines[["top", "right"]].set_visible(False)
+        panel.tick_params(labelsize=8)
+        panel.xaxis.label.set_size(8.5)
+        panel.yaxis.label.set_size(8.5)
+    return figure, panels
+
+
+def _closed(values: np.ndarray) -> np.ndarray:
+    return np.append(values, values[0])
+
+
+def _svg(figure: Figure) -> str:
+    """Return a figure as SVG; the same figure gives the same bytes."""
+    import matplotlib
+
+    with matplotlib.rc_context({"svg.hashsalt": "exo-sim", "svg.fonttype": "none"}):
+        text = io.StringIO()
+        figure.savefig(text, format="svg", metadata={"Date": None})
+    return re.sub(r"^.*?(?=<svg)", "", text.getvalue(), flags=re.DOTALL)

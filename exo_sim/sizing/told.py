@@ -1,0 +1,155 @@
+"""A sizing in numbers and words: what `exo-sim size` prints."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from exo_sim.sizing.by_hand import Step
+from exo_sim.sizing.design import JointKind, fit
+from exo_sim.sizing.loads import JointLoads
+from exo_sim.sizing.search import Found
+from exo_sim.sizing.study import Sizing
+
+SCHEMA = "exo-sim/size/1"
+
+
+def entry(kinds: tuple[JointKind, ...], found: Found) -> dict[str, Any]:
+    """Return one design as the contract has it; what differs by joint is a table by kind of joint."""
+    design, score = found.design, found.score
+    joints = {kind.name: design.joints[kind.name] for kind in kinds}
+    places = {kind.name: fit(kind, design.joints[kind.name]) for kind in kinds}
+    return {
+        "bore_mm": {name: _mm(one.cylinder.bore) for name, one in joints.items()},
+        "rod_mm": {name: _mm(one.cylinder.rod) for name, one in joints.items()},
+        "stroke_mm": {name: _mm(place.stroke or 0.0) for name, place in places.items()},
+        "supply_pa": design.supply,
+        "valve_area_mm2": {name: round(1e6 * one.valve_area, 3) for name, one in joints.items()},
+        "attachment_mm": {
+            name: {"from": [_mm(value) for value in one.attachment.base], "to": [_mm(value) for value in one.attachment.rod]}
+            for name, one in joints.items()
+        },
+        "torque_margin": score.margin,
+        "gas_kg_per_stride": score.gas,
+        "actuator_mass_kg": score.mass,
+        "torque_error_rms_nm": score.error,
+        "design": design.number,
+    }
+
+
+def numbers(sizing: Sizing, folder: Path) -> dict[str, Any]:
+    """Return the JSON object."""
+    kinds = sizing.task.space.kinds
+    return {
+        "schema": SCHEMA,
+        "evaluated": len(sizing.outcome.trials),
+        "simulated": sum(one.score.simulated for one in sizing.outcome.trials),
+        "new": sizing.outcome.new,
+        "pareto": [entry(kinds, one) for one in sizing.outcome.front],
+        "chosen": folder / "sized.toml",
+        "recommended": entry(kinds, sizing.choice.found),
+        "why": sizing.choice.why,
+        "finer": {"gas_kg_per_stride": sizing.fine.gas, "torque_error_rms_nm": sizing.fine.error},
+        "loads": [load_numbers(one) for one in sizing.loads],
+        "closed_loop": sizing.confirmed,
+        "trouble": sizing.trouble or None,
+        "without": [
+            {"what": one.what, "recommended": entry(kinds, one.choice.found), "same_design": {
+                "torque_margin": one.same.margin, "gas_kg_per_stride": one.same.gas, "torque_error_rms_nm": one.same.error}}
+            for one in sizing.without
+        ],
+        "published_class": None if sizing.published is None else sizing.published.__dict__,
+        "report": folder / "report.html",
+        "recording": None if sizing.confirmed is None else folder / "sized.rrd",
+    }  # fmt: skip
+
+
+def load_numbers(loads: JointLoads) -> dict[str, Any]:
+    """Return the range of each right joint's torque, and of the recorded moments beside it [N m]."""
+    out: dict[str, Any] = {"condition": str(loads.condition), "mass_kg": loads.mass, "torque_nm": {}, "human_scaled_nm": {}}
+    for joint in ("hip_r", "knee_r", "ankle_r"):
+        out["torque_nm"][joint] = _range(loads.column(joint)[2])
+        if loads.human_scaled is not None:
+            at = ("hip_l", "knee_l", "ankle_l", "hip_r", "knee_r", "ankle_r").index(joint)
+            out["human_scaled_nm"][joint] = _range(loads.human_scaled[:, at])
+    return out
+
+
+def words(sizing: Sizing, folder: Path) -> str:
+    """Return the result for people."""
+    kinds, chosen = sizing.task.space.kinds, sizing.choice.found
+    trials = sizing.outcome.trials
+    lines = [
+        f"{len(trials)} designs, {sum(one.score.simulated for one in trials)} of them simulated, "
+        f"{len(sizing.outcome.front)} on the front",
+        "",
+        *described(kinds, chosen),
+        "",
+        f"Why: {sizing.choice.why}.",
+    ]
+    for one in sizing.without:
+        there = one.choice.found
+        bores = ", ".join(f"{kind.name} {_mm(there.design.joints[kind.name].cylinder.bore):g} mm" for kind in kinds)
+        lines.append(
+            f"Without {one.what} the same design would have {100 * one.same.margin:.0f} % margin and draw {1e3 * one.same.gas:.2f} g; "
+            f"the choice would be {bores} at {there.design.supply / 1e5:.1f} bar, {1e3 * there.score.gas:.2f} g, {there.score.mass:.1f} kg."
+        )
+    if sizing.confirmed is not None:
+        joints = sizing.confirmed["joints"]
+        peaks = ", ".join(f"{kind.name} {joints[kind.joints[-1]]['torque_peak_nm']:.0f}" for kind in kinds)
+        straps = sizing.confirmed["strap_load_n"]
+        lines.append(f"Walked with it in closed loop: peak torques {peaks} N m; torso straps {straps['torso_rms']:.0f} N rms.")
+    else:
+        lines.append(f"It could not be walked with in closed loop: {sizing.trouble}")
+    lines.append(f"{folder / 'sized.toml'}, {folder / 'report.html'}" + (f", {folder / 'sized.rrd'}" if sizing.confirmed else ""))
+    return "\n".join(lines)
+
+
+def described(kinds: tuple[JointKind, ...], found: Found) -> list[str]:
+    """Return a design in lines of text."""
+    one = entry(kinds, found)
+    lines = [f"supply {one['supply_pa'] / 1e5:.1f} bar, absolute"]
+    for kind in kinds:
+        name = kind.name
+        points = one["attachment_mm"][name]
+        lines.append(
+            f"{name}: bore {one['bore_mm'][name]:g}, rod {one['rod_mm'][name]:g}, stroke {one['stroke_mm'][name]:g} mm; valve "
+            f"{one['valve_area_mm2'][name]:.1f} mm^2; from {points['from']} to {points['to']} mm; margin "
+            f"{100 * found.score.by_joint[name]:.0f} %"
+        )
+    lines.append(
+        f"gas {1e3 * found.score.gas:.2f} g a cycle, cylinders {found.score.mass:.2f} kg, torque error {found.score.error:.2f} N m rms"
+    )
+    return lines
+
+
+def by_hand_words(example: list[Step], joints: dict[str, list[Step]]) -> str:
+    """Return the hand calculation for people."""
+    lines = ["One horsepower from 250 psi above the atmosphere (equation 39):"]
+    lines += [_line(step) for step in example]
+    for name, steps in joints.items():
+        lines += ["", f"{name}:", *[_line(step) for step in steps]]
+    return "\n".join(lines)
+
+
+def by_hand_numbers(example: list[Step], joints: dict[str, list[Step]]) -> dict[str, Any]:
+    """Return the hand calculation as the JSON object."""
+    quick = {"example": [step.__dict__ for step in example]}
+    return {
+        "schema": SCHEMA, "evaluated": 0, "pareto": [], "chosen": None,
+        "by_hand": {**quick, "joints": {name: [step.__dict__ for step in steps] for name, steps in joints.items()}},
+    }  # fmt: skip
+
+
+def _line(step: Step) -> str:
+    return f"  {step.what:58} {step.value:10.4g} {step.unit:7} {step.source}"
+
+
+def _mm(value: float) -> float:
+    return round(1e3 * value, 4)
+
+
+def _range(values: np.ndarray) -> list[float]:
+    return [float(values.min()), float(values.max())]

@@ -151,7 +151,8 @@ class _Simulation:
         if not self.pieces:
             raise RecordingError(f'"{recording.name}": its clock jumps at every few samples; nothing can be simulated')
         n = sum(len(piece.time) for piece in self.pieces)
-        moves = [fed.motion(self.pieces, recording.time, recording[f"{name}.position"]) for name in self.names]
+        # mj_step2 lets velocities leap before positions: a velocity is that of half a step ago, and then its error is of second order
+        moves = [fed.motion(self.pieces, recording.time, recording[f"{name}.position"], 0.5 * self.dt) for name in self.names]
         empty = np.zeros((0, n))
         self.position = np.ascontiguousarray(np.array([there for there, _ in moves] or empty).T)
         self.velocity = np.ascontiguousarray(np.array([rate for _, rate in moves] or empty).T)
@@ -239,7 +240,7 @@ class _Simulation:
             for side in (1, 2):
                 measured = recording.get(f"{name}.pressure_{side}")
                 pressure[:, i, side - 1] = fed.start_pressures(pieces, starts, time, measured)
-        external = [fed.between(pieces, time, recording.get(f"{name}.external_force"), 0.0, half) for name in self.names]
+        external = [fed.between(pieces, time, recording.get(f"{name}.external_force"), 0.0) for name in self.names]
         model = self.model
         return Feed(
             command,

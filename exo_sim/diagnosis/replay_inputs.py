@@ -108,14 +108,14 @@ def between(pieces: Sequence[Steps], time: Array, values: Array | None, otherwis
     return np.concatenate([np.interp(piece.time + ahead, time[good], values[good]) for piece in pieces])
 
 
-def motion(pieces: Sequence[Steps], time: Array, values: Array) -> tuple[Array, Array]:
-    """Return smoothed position and velocity at each step, shape (steps,) each."""
+def motion(pieces: Sequence[Steps], time: Array, values: Array, earlier: float) -> tuple[Array, Array]:
+    """Return smoothed position at each step and velocity `earlier` seconds before it, shape (steps,) each."""
     position, velocity = [], []
     for piece in pieces:
         clock = time[piece.first : piece.last]
-        there, rate, _ = smoothed(clock, values[piece.first : piece.last])
+        there, rate, change = smoothed(clock, values[piece.first : piece.last])
         position.append(np.interp(piece.time, clock, there))
-        velocity.append(np.interp(piece.time, clock, rate))
+        velocity.append(np.interp(piece.time, clock, rate - earlier * change))
     return np.concatenate(position), np.concatenate(velocity)
 
 

@@ -69,9 +69,9 @@ class Feed(NamedTuple):
 
     Attributes:
         command: Valve commands, the mean over the step that follows, shape (n, cylinders).
-        external: Generalised forces from outside, in the middle of that step, shape (n, joints).
-        supply, supply_temperature, exhaust: There, shape (n,).
-        position, velocity: Measured motion of the recorded joints, shape (n, joints).
+        external: Generalised forces from outside, shape (n, joints).
+        supply, supply_temperature, exhaust: In the middle of that step, shape (n,).
+        position, velocity: Measured motion of the recorded joints, velocity half a step before, shape (n, joints).
         qpos_at, dof_at: Where those joints stand in MuJoCo's vectors, shape (joints,).
         imposed: Motion is led as measured; else it is predicted.
         starts: Steps at which the measured state is taken over, rising, shape (w,).

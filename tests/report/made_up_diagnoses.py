@@ -23,7 +23,8 @@ LEAK = Finding(
     57.0, 0.97, ("external_leakage",), {"piston_leakage": 0.8, "external_leakage": 0.2},
 )  # fmt: skip
 AREA = Finding(
-    "flow_capacity", "piston", "calibration", "The valve area is 2.0 % larger than believed.", {"factor": Estimate(1.02, "1", 1.018, 1.022)},
+    "flow_capacity", "piston", "calibration", "The valve area is 2.0 % larger than believed.",
+    {"factor": Estimate(1.02, "1", 1.018, 1.022)},
     12.0, 0.0,
 )  # fmt: skip
 NAMELESS = Finding(
@@ -55,7 +56,11 @@ def whole(**changes: object) -> Diagnosis:
         "verdict": "mismatch",
         "recordings": ("monday",),
         "rig": "bench",
-        "located": (Located("piston/chamber_1", "energy balance", 0.83, ((1.0, 1.5), (2.0, 2.25)), "valve closed", 412.0, 250.0, "Pa", "monday"),),
+        "located": (
+            Located("piston/chamber_1", "energy balance", 0.83, ((1.0, 1.5), (2.0, 2.25)),
+                    "valve closed", 412.0, 250.0, "Pa",
+                    "monday"),
+        ),
         "effects": (LEAK, NAMELESS, LATE, AREA),
         "rejected": (Rejected("valve_offset", "piston", "it fits worse <than> the leak"),),
         "signals": {"piston.pressure_1": SignalFit("Pa", 9423.0, 279.0, 250.0)},

@@ -1,9 +1,8 @@
+import made_up_diagnoses as made_up
 import numpy as np
 
 from exo_sim.recording import Recording, read
 from exo_sim.report.comparison import write_comparison
-
-import made_up_diagnoses as made_up
 
 
 def test_a_reader_gets_back_what_was_recorded_not_what_was_simulated(tmp_path):

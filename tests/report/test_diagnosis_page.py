@@ -3,14 +3,13 @@ import math
 import re
 from dataclasses import replace
 
+import made_up_diagnoses as made_up
 import numpy as np
 import pytest
 
 from exo_sim.diagnosis.result import Diagnosis, SignalFit
 from exo_sim.report import diagnosis_picture, diagnosis_text, diagnosis_words
 from exo_sim.report.diagnosis_page import page
-
-import made_up_diagnoses as made_up
 
 
 class Reader(html.parser.HTMLParser):
@@ -139,7 +138,7 @@ def test_located_spans_are_drawn_with_the_signal_that_they_are_about():
 def test_the_near_look_lies_in_held_out_time_where_before_and_after_differ_most():
     one = made_up.series(seconds=12.0)[0]
     start, stop = diagnosis_picture.nearest_look(one, [(6.0, 9.5)])
-    assert 6.0 <= start and stop <= 9.5
+    assert start >= 6.0 and stop <= 9.5
     assert start <= 2.5 * math.pi <= stop  # where the error's sine has its peak
 
 

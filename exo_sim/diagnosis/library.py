@@ -45,7 +45,7 @@ _STARTS: dict[str, tuple[tuple[float, ...], ...]] = {
 #: As above, areas in units of the valve's.
 _STARTS_BY_VALVE: dict[str, tuple[tuple[float, ...], ...]] = {
     "line_restriction": ((2.0, 5e-6), (0.6, 1e-5), (0.25, 5e-6)),
-    "exhaust_back_pressure": ((3.0,), (1.0,), (0.4,)),
+    "exhaust_back_pressure": ((3.0,), (1.0,), (0.5,), (0.25,)),
     "end_cushioning": ((0.01, 0.1), (0.02, 0.03), (0.03, 0.1)),
 }
 

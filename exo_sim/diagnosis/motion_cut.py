@@ -11,9 +11,8 @@ from dataclasses import dataclass
 import mujoco
 import numpy as np
 from numpy.typing import NDArray
-from scipy.signal import savgol_coeffs
 
-from exo_sim.diagnosis.observed import breaks_of, smooth_window, smoothed, white_noise
+from exo_sim.diagnosis.observed import breaks_of, led, left_of_noise, white_noise
 from exo_sim.machine.linkage import Linkage, moment_row
 from exo_sim.physics.compiled import kernel
 from exo_sim.physics.resistance import dry_level, move_bristle, piston_resistance
@@ -104,8 +103,8 @@ def motion_runs(recording: Recording, rig: Rig, model: mujoco.MjModel, links: tu
         why = f"the position of {', '.join(missing[:3])}{' and others' if len(missing) > 3 else ''} was not recorded"
         return [], [(name, why) for name in names if name not in missing] or [(name, why) for name in names]
     time = recording.time
-    seconds = max(SMOOTHING, 5.0 * float(np.median(np.diff(time))))
-    moves = [smoothed(time, recording[f"{name}.position"], seconds) for name in names]
+    seconds = max(SMOOTHING, 6.0 * float(np.median(np.diff(time))))
+    moves = [led(time, recording[f"{name}.position"], seconds) for name in names]
     n = len(time)
     q, qd, qdd = np.zeros((n, model.nq)), np.zeros((n, model.nv)), np.zeros((n, model.nv))
     for j, (position, velocity, acceleration) in enumerate(moves):
@@ -194,12 +193,11 @@ def _run(
     time = recording.time
     n = len(time)
     step = float(np.median(np.diff(time)))
-    window = smooth_window(time, seconds)
-    quiet = savgol_coeffs(window, 3)
-    keep = float(np.sqrt(quiet @ quiet))
+    keep = left_of_noise(0, seconds, step)
     drive, gauge = np.zeros(n), np.zeros((n, 2))
     levers: dict[str, Array] = {}
-    variance = (mass * white_noise(recording[f"{joint}.position"]) * float(np.linalg.norm(savgol_coeffs(window, 3, deriv=2, delta=step)))) ** 2
+    jitter = white_noise(recording[f"{joint}.position"])
+    variance = (mass * jitter * left_of_noise(2, seconds, step)) ** 2
     arm = np.ones(n)
     cylinder: str | None = None
     position, velocity = move[0], move[1]
@@ -210,9 +208,9 @@ def _run(
         cell = recording.get(f"{link.cylinder}.force")
         pressures = [recording.get(f"{link.cylinder}.pressure_{s}") for s in (1, 2)]
         atmosphere = rig.environment.pressure
-        smooth = [None if p is None else smoothed(time, p, seconds)[0] for p in pressures]
+        smooth = [None if p is None else led(time, p, seconds)[0] for p in pressures]
         if cell is not None and any(p is None for p in pressures):
-            drive += lever * smoothed(time, cell, seconds)[0]
+            drive += lever * led(time, cell, seconds)[0]
             levers[f"{link.cylinder}.force"] = lever
             variance += float(np.mean(lever**2)) * (white_noise(cell) * keep) ** 2
         else:
@@ -228,12 +226,12 @@ def _run(
             gauge = np.column_stack([np.zeros(n) if p is None else p - atmosphere for p in smooth])
             position = lengths[:, index] - c.retracted_length
             velocity = lever * move[1]
-    pushed = np.zeros(n) if external is None else smoothed(time, external, seconds)[0]
+    pushed = np.zeros(n) if external is None else led(time, external, seconds)[0]
     if external is not None:
         levers[f"{joint}.external_force"] = np.ones(n)
         variance += (white_noise(external) * keep) ** 2
-    jitter = white_noise(recording[f"{joint}.position"]) * float(np.linalg.norm(savgol_coeffs(window, 3, deriv=1, delta=step)))
-    still = max(4.0 * jitter * float(np.median(np.abs(arm))), 0.01 * float(np.nanstd(velocity)))
+    shake = jitter * left_of_noise(1, seconds, step)
+    still = max(4.0 * shake * float(np.median(np.abs(arm))), 0.01 * float(np.nanstd(velocity)))
     effective = mass / max(float(np.median(arm**2)), 1e-12)
     return MotionRun(
         recording.name, joint, cylinder, bool(turning), time, position, velocity, inertial, bias, tilt, passive, drive, pushed, arm, gauge, levers,

@@ -8,7 +8,6 @@ import numpy as np
 from numpy.typing import NDArray
 
 from exo_sim.diagnosis.motion_cut import MotionRun, resistance_along
-from exo_sim.diagnosis.observed import smoothed
 from exo_sim.diagnosis.quantity import Candidate, Quantity, Setting
 from exo_sim.diagnosis.split import Split
 from exo_sim.physics.effects.declaration import Parameter, declared
@@ -20,7 +19,7 @@ GROUP = 0.02
 #: Blocks of time that count as one witness [s].
 BLOCK = 1.0
 #: What a healthy machine's balance misses, as a share of the forces at work.
-STRUCTURAL_SHARE = 0.003
+STRUCTURAL_SHARE = 0.008
 
 #: What a good pressure sensor's zero may be off by [Pa]: a constant force that no recording can call friction.
 PRESSURE_OFFSET = 2000.0
@@ -120,7 +119,8 @@ def _layout(run: MotionRun, usable: NDArray[np.bool_]) -> tuple[NDArray[np.int64
         good[max(0, begin - edge) : begin + edge] = False
     good[-edge:] = False
     group = np.full(len(time), -1)
-    blocks, counts = [], []
+    blocks: list[int] = []
+    counts: list[float] = []
     for first in range(0, len(time), size):
         chosen = np.arange(first, min(first + size, len(time)))
         if good[chosen].all():
@@ -211,8 +211,3 @@ def candidates(runs: Sequence[MotionRun], setting: Setting, where: str) -> tuple
 
 def _size(parameter: Parameter, sizes: dict[str, float]) -> float:
     return sizes.get(parameter.unit, 1.0)
-
-
-def velocity_of(run: MotionRun) -> Array:
-    """Return the speed of the place where friction is asked, smoothed, shape (n,)."""
-    return smoothed(run.time, run.position)[1]

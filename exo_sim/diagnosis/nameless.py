@@ -49,7 +49,7 @@ def missing_force(problem: MotionProblem, setting: Setting) -> Nameless:
     for index, run in enumerate(problem.runs):
         group = problem._groups[index]
         keep = group >= 0
-        count = np.bincount(group[keep])
+        count = np.bincount(group[keep]).astype(float)
 
         def mean(values: Array, keep: NDArray[np.bool_] = keep, group: NDArray[np.int64] = group, count: Array = count) -> Array:
             return np.bincount(group[keep], weights=values[keep]) / count

@@ -7,6 +7,7 @@ from dataclasses import dataclass, field, replace
 import mujoco
 import numpy as np
 from numpy.typing import NDArray
+from scipy.ndimage import gaussian_filter1d
 from scipy.signal import savgol_coeffs, savgol_filter
 
 from exo_sim.machine.linkage import Linkage, moment_row
@@ -114,6 +115,43 @@ def smoothed(time: Array, values: Array, seconds: float = POSITION_SMOOTHING) ->
     if on_grid:
         return out[0], out[1], out[2]
     return np.interp(time, even, out[0]), np.interp(time, even, out[1]), np.interp(time, even, out[2])
+
+
+def led(time: Array, values: Array, seconds: float) -> tuple[Array, Array, Array]:
+    """Return values, first and second derivative, shape (n,) each, all behind the very same filter: a Gaussian of `seconds`' width.
+
+    What a balance of forces needs: derivatives of the smoothed signal, so that nothing but the same smoothing stands on its two sides.
+    """
+    bad = ~np.isfinite(values)
+    if bad.all():
+        return values, values, values
+    filled = np.interp(time, time[~bad], values[~bad]) if bad.any() else values
+    usual = float(np.median(np.diff(time)))
+    even = np.arange(time[0], time[-1] + 0.5 * usual, usual)
+    on_grid = len(even) == len(time) and np.allclose(even, time, atol=0.02 * usual)
+    grid = filled if on_grid else np.interp(even, time, filled)
+    width = gaussian_width(seconds) / usual
+    quiet = gaussian_filter1d(grid, width, mode="nearest")
+    rate = np.gradient(quiet, usual)
+    # differences of the smoothed signal: a cut-off derivative kernel would answer a constant
+    bend = np.zeros_like(quiet)
+    bend[1:-1] = (quiet[2:] - 2.0 * quiet[1:-1] + quiet[:-2]) / usual**2
+    out = [quiet, rate, bend]
+    if on_grid:
+        return out[0], out[1], out[2]
+    return np.interp(time, even, out[0]), np.interp(time, even, out[1]), np.interp(time, even, out[2])
+
+
+def gaussian_width(seconds: float) -> float:
+    """Return the standard deviation [s] of the Gaussian that smooths over about `seconds`."""
+    return seconds / 4.0
+
+
+def left_of_noise(order: int, seconds: float, step: float) -> float:
+    """Return what `led` leaves of white noise of size 1 in a derivative of this order."""
+    s = gaussian_width(seconds)
+    power = (1.0 / (2.0 * s), 1.0 / (4.0 * s**3), 3.0 / (8.0 * s**5))[order] / np.sqrt(np.pi)
+    return float(np.sqrt(step * power))
 
 
 def white_noise(values: Array | None) -> float:

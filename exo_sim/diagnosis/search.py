@@ -31,6 +31,8 @@ HEALTHY_GAIN = 0.004
 CLEAN = 1.8
 #: A simpler question that explains this share of what the best one does is taken in its place.
 NEARLY = 0.93
+#: ... unless its log-likelihood is lower by more than this.
+NO_WORSE = 12.0
 #: Fewer rows than this cannot be asked anything.
 FEWEST_ROWS = 30
 #: How many of the screened candidates are fitted whole.
@@ -322,8 +324,15 @@ class Search:
         if not accepted:
             return None
         best = max(accepted, key=lambda one: one[0])
-        gain = now.fit.sse - best[2].fit.sse
-        simpler = [one for one in accepted if one[1] < best[1] and now.fit.sse - one[2].fit.sse > NEARLY * gain]
+        gain = now.fit.cost - best[2].fit.cost
+        rows = self.problem.size / self.correlation_time(best[2].fit.residual)
+        simpler = [
+            one
+            for one in accepted
+            if one[1] < best[1]
+            and now.fit.cost - one[2].fit.cost > NEARLY * gain
+            and 0.5 * rows * math.log(one[2].fit.cost / best[2].fit.cost) < NO_WORSE
+        ]
         return max(simpler, key=lambda one: one[0])[2] if simpler else best[2]
 
     def _swapped(self, now: Trial, ranked: list[tuple[float, Candidate]]) -> Trial:

@@ -1,0 +1,69 @@
+"""A diagnosis from end to end, on machines whose truth shares no equation with the simulator."""
+
+from __future__ import annotations
+
+import json
+from pathlib import Path
+
+import pytest
+
+from exo_sim.diagnosis.diagnose import diagnose
+from exo_sim.errors import RecordingError
+from exo_sim.trials.cases import make_case, write_case
+
+PLANTED = [
+    ("piston_leakage", "piston", "area"),
+    ("wall_heat_transfer", "piston", "conductance"),
+    ("valve_deadband", "piston", "width"),
+    ("critical_ratio", "piston", "ratio"),
+    ("viscous_friction", "piston", "coefficient"),
+    ("pressure_dependent_friction", "piston", "coefficient"),
+]
+
+
+def case_folder(tmp_path: Path, effects: tuple[str, ...], seed: int = 11) -> Path:
+    write_case(make_case("case", effects=effects, seed=seed, size=1.0, known="none"), tmp_path, "csv", open_truth=True)
+    return next(path.parent for path in tmp_path.rglob("rig.toml"))
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize(("effect", "where", "parameter"), PLANTED, ids=[one[0] for one in PLANTED])
+def test_it_and_nothing_else_is_named(tmp_path: Path, effect: str, where: str, parameter: str) -> None:
+    folder = case_folder(tmp_path, (effect,))
+    found = diagnose(sorted(folder.glob("recording*.csv")), folder / "rig.toml", folder=folder)
+    truth = json.loads((folder / "truth.json").read_text())["hidden"][0]["parameters"][parameter]["value"]
+    named = [finding for finding in found.effects if finding.kind != "calibration"]
+    assert [(finding.name, finding.where) for finding in named] == [(effect, where)]
+    assert named[0].parameters[parameter].value == pytest.approx(truth, rel=0.05)
+    assert found.verdict == "mismatch"
+    assert found.exit_status == 3
+    assert named[0].held_out_error_drop > 0.3
+    (folder / "improved.toml").write_text(found.improved)
+    again = diagnose(sorted(folder.glob("recording*.csv")), folder / "improved.toml", folder=folder)
+    assert not [finding for finding in again.effects if finding.kind != "calibration"]
+
+
+@pytest.mark.slow
+def test_nothing_hidden_names_nothing(tmp_path: Path) -> None:
+    folder = case_folder(tmp_path, ())
+    found = diagnose(sorted(folder.glob("recording*.csv")), folder / "rig.toml", folder=folder)
+    assert [finding for finding in found.effects if finding.kind != "calibration"] == []
+    assert found.verdict in ("consistent", "calibration")
+    assert found.exit_status == 0
+
+
+@pytest.mark.slow
+def test_the_answer_does_not_depend_on_the_threads(tmp_path: Path) -> None:
+    folder = case_folder(tmp_path, ("external_leakage",))
+    files = sorted(folder.glob("recording*.csv"))
+    one, two = (diagnose(files, folder / "rig.toml", folder=folder, jobs=jobs).as_dict() for jobs in (1, 2))
+    assert one == two
+
+
+def test_columns_of_another_machine_are_refused(tmp_path: Path) -> None:
+    folder = case_folder(tmp_path, ())
+    table = tmp_path / "other.csv"
+    rows = "\n".join(f"{0.001 * i},{1e5 + i}" for i in range(50))
+    table.write_text("time [s],plunger.pressure_1 [Pa]\n" + rows + "\n")
+    with pytest.raises(RecordingError, match="plunger"):
+        diagnose([table], folder / "rig.toml")

@@ -88,10 +88,14 @@ def _belongs(table: Recording, path: Path, rig: Rig, model: mujoco.MjModel) -> N
     if not parts:
         others = [part for part in table.parts() if part not in ("supply", "exhaust", "gait")]
         asked = others[0] if others else "any part"
-        raise RecordingError(f'"{path}": no column belongs to {rig.path}: "{asked}" is none of its parts{nearest(asked, known)}')
+        raise RecordingError(
+            f'"{path}": no column belongs to {rig.path}: "{asked}" is none of its parts{nearest(asked, known)}'
+        )
     silent = [name for name in rig.cylinders if name not in table.parts()]
     if rig.cylinders and len(silent) == len(rig.cylinders) and not any(k.endswith(".position") for k in table.columns):
-        raise RecordingError(f'"{path}": never mentions a cylinder of {rig.path} ({", ".join(silent)}): is it another machine\'s?')
+        raise RecordingError(
+            f'"{path}": never mentions a cylinder of {rig.path} ({", ".join(silent)}): is it another machine\'s?'
+        )
 
 
 def _trusted(table: Recording, case: Case) -> Recording:
@@ -134,14 +138,22 @@ def _sort(case: Case) -> None:
         for run in cylinder_runs(table, case.rig, case.model, case.links):
             why = _no_gas(run, case.rig, rate)
             if why:
-                case.open.append(OpenQuestion(f"the gas of {run.cylinder} in {table.name}", ("gas and valve effects",), why))
+                case.open.append(
+                    OpenQuestion(f"the gas of {run.cylinder} in {table.name}", ("gas and valve effects",), why)
+                )
             else:
                 case.cylinders.setdefault(run.cylinder, []).append(run)
                 judged_once = True
         mentioned = {run.cylinder for runs in case.cylinders.values() for run in runs}
         for name in case.rig.cylinders:
             if name not in mentioned and f"{name}.pressure_1" not in table and f"{name}.pressure_2" not in table:
-                case.open.append(OpenQuestion(f"the gas of {name} in {table.name}", ("gas and valve effects",), "no pressure of it was recorded"))
+                case.open.append(
+                    OpenQuestion(
+                        f"the gas of {name} in {table.name}",
+                        ("gas and valve effects",),
+                        "no pressure of it was recorded",
+                    )
+                )
         if rate < FEWEST_A_SECOND:
             continue
         runs, reasons = motion_runs(table, case.rig, case.model, case.links)
@@ -149,7 +161,11 @@ def _sort(case: Case) -> None:
             case.joints.setdefault(motion.joint, []).append(motion)
             judged_once = True
         for joint, why in reasons:
-            case.open.append(OpenQuestion(f"the balance of forces at {joint} in {table.name}", ("friction, load and joint effects",), why))
+            case.open.append(
+                OpenQuestion(
+                    f"the balance of forces at {joint} in {table.name}", ("friction, load and joint effects",), why
+                )
+            )
     if not judged_once:
         case.remarks.append("nothing in these recordings can be held against the rig")
 

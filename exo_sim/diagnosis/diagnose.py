@@ -21,7 +21,14 @@ from exo_sim.diagnosis.result import Diagnosis, Finding, Located, Rejected
 from exo_sim.diagnosis.rewriting import improved_text
 from exo_sim.diagnosis.search import Found, Search
 from exo_sim.diagnosis.split import Split, split
-from exo_sim.diagnosis.verdict import located, next_experiment, open_questions, unexplained, unknown_findings, verdict_of
+from exo_sim.diagnosis.verdict import (
+    located,
+    next_experiment,
+    open_questions,
+    unexplained,
+    unknown_findings,
+    verdict_of,
+)
 from exo_sim.physics.records import CYLINDER
 from exo_sim.rig import assembly
 
@@ -63,7 +70,9 @@ def diagnose(
         say("proving on time kept back")
         proof = prove(judged, case, parts, nameless)
     findings = _findings(judged, case, proof.drops)
-    findings += [replace(found.finding, held_out_error_drop=proof.drops.get(found.finding.where, 0.0)) for found in nameless]
+    findings += [
+        replace(found.finding, held_out_error_drop=proof.drops.get(found.finding.where, 0.0)) for found in nameless
+    ]
     say("writing the rig anew")
     text = improved_text(case, judged, nameless, folder or rig.parent)
     return Diagnosis(
@@ -99,7 +108,12 @@ def _gas(case: Case, parts: Split, pool: ThreadPoolExecutor, say: Progress) -> l
         if problem.size >= 30:
             problem = problem.either_law(nuisances, pool)
         search = Search(
-            problem, nuisances, questions, pool, lambda words, name=name: say(f"{name}: {words}"), material=problem.material  # type: ignore[misc]
+            problem,
+            nuisances,
+            questions,
+            pool,
+            lambda words, name=name: say(f"{name}: {words}"),
+            material=problem.material,  # type: ignore[misc]
         )
         found.append(judge("gas", name, problem, search, search.run()))
     return found
@@ -122,7 +136,12 @@ def _motion(case: Case, parts: Split, pool: ThreadPoolExecutor, say: Progress) -
         nuisances = motion_problem.believed(runs, setting, where)
         questions = motion_problem.candidates(runs, problem.setting, where)
         search = Search(
-            problem, nuisances, questions, None, lambda words, joint=joint: say(f"{joint}: {words}"), finalists=20  # type: ignore[misc]
+            problem,
+            nuisances,
+            questions,
+            None,
+            lambda words, joint=joint: say(f"{joint}: {words}"),
+            finalists=20,  # type: ignore[misc]
         )
         found.append(judge("motion", where, problem, search, search.run()))
     return found

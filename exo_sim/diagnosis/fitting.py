@@ -58,7 +58,11 @@ def prior_terms(quantities: Sequence[Quantity], values: dict[Quantity, float]) -
 
 
 def differences(
-    residual: Residual, quantities: Sequence[Quantity], values: dict[Quantity, float], base: Array, pool: ThreadPoolExecutor | None
+    residual: Residual,
+    quantities: Sequence[Quantity],
+    values: dict[Quantity, float],
+    base: Array,
+    pool: ThreadPoolExecutor | None,
 ) -> Array:
     """Return the Jacobian by one-sided differences in scaled units, shape (n, p)."""
 
@@ -113,7 +117,9 @@ def fit(
         improved = False
         for _ in range(5):
             step = _bounded_step(normal, gradient, damping, quantities, values)
-            trial = {q: float(np.clip(values[q] + s * q.scale, q.low, q.high)) for q, s in zip(quantities, step, strict=True)}
+            trial = {
+                q: float(np.clip(values[q] + s * q.scale, q.low, q.high)) for q, s in zip(quantities, step, strict=True)
+            }
             new = residual(trial)
             new_rows, _ = prior_terms(quantities, trial)
             new_cost = float(new @ new + new_rows @ new_rows)
@@ -132,7 +138,9 @@ def fit(
     return Fit(quantities, values, r, jac, cost, row_jac)
 
 
-def _bounded_step(normal: Array, gradient: Array, damping: float, quantities: Sequence[Quantity], values: dict[Quantity, float]) -> Array:
+def _bounded_step(
+    normal: Array, gradient: Array, damping: float, quantities: Sequence[Quantity], values: dict[Quantity, float]
+) -> Array:
     """Return a damped Newton step in scaled units; what would leave its bounds is held there and the rest solved anew."""
     p = len(quantities)
     free = np.ones(p, dtype=bool)

@@ -60,12 +60,19 @@ class GasProblem:
     unit = "Pa"
 
     def __init__(
-        self, runs: Sequence[CylinderRun], setting: Setting, split: Split, window: float | None = None, held_out: bool = False
+        self,
+        runs: Sequence[CylinderRun],
+        setting: Setting,
+        split: Split,
+        window: float | None = None,
+        held_out: bool = False,
     ):
         if window is None:
             window = max(WINDOW, FEWEST_SAMPLES * max(float(np.median(np.diff(run.time))) for run in runs))
         self.setting, self.split = setting, split
-        self.runs = list(runs) if held_out else [run for run in (_trained(run, split) for run in runs) if run is not None]
+        self.runs = (
+            list(runs) if held_out else [run for run in (_trained(run, split) for run in runs) if run is not None]
+        )
         self.feeds: list[GasInputs] = [inputs(run, setting.world, window) for run in self.runs]
         self._rows = [[self._layout(feed, side, held_out) for side in range(2)] for feed in self.feeds]
         self.blocks = self._blocks()
@@ -82,7 +89,9 @@ class GasProblem:
         if values is None:
             return _Rows(group, np.zeros(0, int), np.zeros(0), np.zeros(0))
         good = np.isfinite(values)
-        usable = self.split.held_out(feed.run.recording, time) if held_out else self.split.training(feed.run.recording, time)
+        usable = (
+            self.split.held_out(feed.run.recording, time) if held_out else self.split.training(feed.run.recording, time)
+        )
         size = max(1, int(round(GROUP / float(np.median(np.diff(time))))))
         window_of: list[int] = []
         counts: list[int] = []
@@ -97,7 +106,9 @@ class GasProblem:
         count = np.array(counts, dtype=float)
         noise = feed.run.noise[side]
         floor = max(STRUCTURAL_FLOOR, STRUCTURAL_SHARE * float(np.ptp(values[good])) if good.any() else 0.0)
-        return _Rows(group, np.array(window_of, dtype=int), count, np.sqrt(noise**2 / np.maximum(count, 1.0) + floor**2))
+        return _Rows(
+            group, np.array(window_of, dtype=int), count, np.sqrt(noise**2 / np.maximum(count, 1.0) + floor**2)
+        )
 
     def _blocks(self) -> NDArray[np.int64]:
         blocks, offset = [], 0
@@ -175,7 +186,11 @@ class GasProblem:
             for side in range(2):
                 rows = self._rows[index][side]
                 spread = START_SPREAD * max(feed.run.noise[side], STRUCTURAL_FLOOR)
-                sides.append(_grouped(change[:, side], rows) / rows.scale * (spread / START_STEP) if rows.count.size else np.zeros(0))
+                sides.append(
+                    _grouped(change[:, side], rows) / rows.scale * (spread / START_STEP)
+                    if rows.count.size
+                    else np.zeros(0)
+                )
             answers.append(sides)
         return answers
 

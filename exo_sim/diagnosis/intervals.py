@@ -34,7 +34,9 @@ def spreads(problem: Problem, trial: Trial, correlation: float) -> dict[Quantity
     bread = np.linalg.pinv(information / variance + prior.T @ prior)
     blocks = problem.blocks
     count = int(blocks.max()) + 1
-    scores = np.column_stack([np.bincount(blocks, weights=jac[:, j] * fit.residual, minlength=count) for j in range(jac.shape[1])])
+    scores = np.column_stack(
+        [np.bincount(blocks, weights=jac[:, j] * fit.residual, minlength=count) for j in range(jac.shape[1])]
+    )
     loose = np.linalg.pinv(information + prior.T @ prior)
     used = max(int(np.count_nonzero(np.bincount(blocks))), 2)
     sandwich = loose @ (scores.T @ scores) @ loose * used / max(used - len(fit.quantities), 1)

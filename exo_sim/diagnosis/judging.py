@@ -79,7 +79,11 @@ def judge(cut: str, where: str, problem: Problem, search: Search, found: Found) 
     trial = end
     if nameless:
         rejected += [
-            Rejected(c.effect, c.where, f"explains only {100 * found.weighings[c.key].share:.0f} % and leaves the rest as it was")
+            Rejected(
+                c.effect,
+                c.where,
+                f"explains only {100 * found.weighings[c.key].share:.0f} % and leaves the rest as it was",
+            )
             for c in named
             if c.key in found.weighings
         ]
@@ -105,7 +109,9 @@ def _with_twin(findings: list[Finding], cut: str) -> list[Finding]:
     if cut != "motion" or not any(f.name == "coulomb_friction" for f in findings):
         return findings
     twins = [f for f in findings if f.name == "sensor_bias" and f.where.endswith(".external_force")]
-    return [replace(f, ambiguous_with=(*f.ambiguous_with, "asymmetric_friction")) if f in twins else f for f in findings]
+    return [
+        replace(f, ambiguous_with=(*f.ambiguous_with, "asymmetric_friction")) if f in twins else f for f in findings
+    ]
 
 
 def _is_nozzle(candidate: Candidate, trial: Trial) -> bool:
@@ -143,10 +149,18 @@ def _finding(candidate: Candidate, trial: Trial, spread: dict[Quantity, float], 
         value = trial.fit.values[quantity]
         low, high = bounds(quantity, value, spread.get(quantity, 0.0))
         name = quantity.parameter.rsplit(".", 1)[-1] if quantity.target == "sensor" else quantity.parameter
-        name = {"bias": "value", "scale": "factor", "delay": "seconds"}.get(name, name) if quantity.target == "sensor" else name
+        name = (
+            {"bias": "value", "scale": "factor", "delay": "seconds"}.get(name, name)
+            if quantity.target == "sensor"
+            else name
+        )
         parameters[name] = Estimate(value, quantity.unit, low, high)
     weighing = found.weighings.get(candidate.key)
-    rivals = [(r, worse) for r, worse in found.rivals.get(candidate.key, []) if worse <= AS_GOOD and r.effect != candidate.effect]
+    rivals = [
+        (r, worse)
+        for r, worse in found.rivals.get(candidate.key, [])
+        if worse <= AS_GOOD and r.effect != candidate.effect
+    ]
     weights = {candidate.effect: 1.0, **{r.effect: math.exp(-max(worse, -20.0)) for r, worse in reversed(rivals)}}
     total = sum(weights.values())
     return Finding(

@@ -13,15 +13,29 @@ from exo_sim.physics.effects.declaration import Effect, Parameter, declared
 _ROUGH = {"valve_hysteresis", "valve_deadband", "backlash", "spool_rate_limit", "end_cushioning", "supply_regulator"}
 
 #: Effects that are linear in their parameters from zero on: a signature may be scaled until it shows.
-_PROPORTIONAL = {"wall_heat_transfer", "piston_leakage", "external_leakage", "valve_null_leakage", "valve_offset", "valve_lag"}
+_PROPORTIONAL = {
+    "wall_heat_transfer",
+    "piston_leakage",
+    "external_leakage",
+    "valve_null_leakage",
+    "valve_offset",
+    "valve_lag",
+}
 
 #: Forms in which a question is put: which parameters are free together. Effects not listed have one form with all of them.
 _FORMS: dict[str, tuple[tuple[str, ...], ...]] = {
     "wall_heat_transfer": (("conductance",), ("conductance_1", "conductance_2")),
     "piston_leakage": (("area",), ("laminar",)),
     "external_leakage": (
-        ("area_1",), ("area_2",), ("laminar_1",), ("laminar_2",), ("area_1", "area_2"), ("laminar_1", "laminar_2"),
-        ("laminar_1", "inertial"), ("laminar_2", "inertial"), ("laminar_1", "laminar_2", "inertial"),
+        ("area_1",),
+        ("area_2",),
+        ("laminar_1",),
+        ("laminar_2",),
+        ("area_1", "area_2"),
+        ("laminar_1", "laminar_2"),
+        ("laminar_1", "inertial"),
+        ("laminar_2", "inertial"),
+        ("laminar_1", "laminar_2", "inertial"),
     ),
     "valve_lag": (("time_constant",), ("delay",), ("time_constant", "delay")),
     "line_restriction": (("area", "volume"),),
@@ -51,8 +65,12 @@ _STARTS_BY_VALVE: dict[str, tuple[tuple[float, ...], ...]] = {
 
 #: What a healthy machine shows as well: smaller than this is no finding.
 _LEAST = {
-    ("valve_deadband", "width"): 0.002, ("valve_offset", "shift"): 5e-4, ("valve_hysteresis", "width"): 0.002,
-    ("valve_lag", "time_constant"): 4e-4, ("valve_lag", "delay"): 3e-4, ("critical_ratio", "ratio"): 0.02,
+    ("valve_deadband", "width"): 0.002,
+    ("valve_offset", "shift"): 5e-4,
+    ("valve_hysteresis", "width"): 0.002,
+    ("valve_lag", "time_constant"): 4e-4,
+    ("valve_lag", "delay"): 3e-4,
+    ("critical_ratio", "ratio"): 0.02,
     ("backlash", "gap"): 4e-5,
 }
 
@@ -80,8 +98,16 @@ def known_effects(setting: Setting, cylinder: str) -> tuple[Quantity, ...]:
             if value != 0.0 and not parameter.choices:
                 found.append(
                     Quantity(
-                        effect.name, cylinder, parameter.name, parameter.unit, "cylinder", 0.1 * abs(value), parameter.low,
-                        parameter.high, (value, 0.1 * abs(value)), rough=effect.name in _ROUGH,
+                        effect.name,
+                        cylinder,
+                        parameter.name,
+                        parameter.unit,
+                        "cylinder",
+                        0.1 * abs(value),
+                        parameter.low,
+                        parameter.high,
+                        (value, 0.1 * abs(value)),
+                        rough=effect.name in _ROUGH,
                     )  # fmt: skip
                 )
     return tuple(found)
@@ -100,7 +126,12 @@ def candidates(setting: Setting, runs: list[CylinderRun], cylinder: str, joint: 
             continue
         if "valve_command" in effect.needs and not commanded:
             continue
-        if not commanded and effect.name in ("valve_null_leakage", "exhaust_back_pressure", "supply_droop", "supply_regulator"):
+        if not commanded and effect.name in (
+            "valve_null_leakage",
+            "exhaust_back_pressure",
+            "supply_droop",
+            "supply_regulator",
+        ):
             continue
         if not moves and effect.name in ("transmission_compliance", "backlash", "end_cushioning"):
             continue
@@ -146,7 +177,9 @@ def _forms(effect: Effect, where: str, form: tuple[str, ...], setting: Setting) 
         high = tuple(_typical(effect.parameter(name), 0.75) for name in form)
         starts = (low, high)
     pinned = tuple(
-        (_quantity(effect, p, where, target), p.default) for p in effect.parameters if p.default and p.name not in form and not p.choices
+        (_quantity(effect, p, where, target), p.default)
+        for p in effect.parameters
+        if p.default and p.name not in form and not p.choices
     )
     one = Candidate(
         effect.name, where, "+".join(form), quantities, starts, fixed=pinned, proportional=effect.name in _PROPORTIONAL
@@ -158,7 +191,10 @@ def _forms(effect: Effect, where: str, form: tuple[str, ...], setting: Setting) 
         replace(
             one,
             form=one.form + "".join(f",{p.name}={p.choices[c]}" for p, c in zip(choices, chosen, strict=True)),
-            fixed=(*pinned, *((_quantity(effect, p, where, target), float(c)) for p, c in zip(choices, chosen, strict=True))),
+            fixed=(
+                *pinned,
+                *((_quantity(effect, p, where, target), float(c)) for p, c in zip(choices, chosen, strict=True)),
+            ),
         )
         for chosen in itertools.product(*(range(len(p.choices)) for p in choices))
     ]
@@ -186,14 +222,18 @@ def _sensors(runs: list[CylinderRun], cylinder: str, joint: str, moves: bool) ->
         if all(run.pressure[side - 1] is None for run in runs):
             continue
         bias = Quantity("sensor_bias", column, f"pressure_{side}.bias", "Pa", "sensor", 2e3, -1.2e5, 1.2e5, least=800.0)
-        scale = Quantity("sensor_scale", column, f"pressure_{side}.scale", "1", "sensor", 0.02, 0.8, 1.25, neutral=1.0, least=0.003)
+        scale = Quantity(
+            "sensor_scale", column, f"pressure_{side}.scale", "1", "sensor", 0.02, 0.8, 1.25, neutral=1.0, least=0.003
+        )
         delay = Quantity("sensor_delay", column, f"pressure_{side}.delay", "s", "sensor", 2e-3, -0.05, 0.05, least=3e-4)
         found.append(Candidate("sensor_bias", column, "value", (bias,), ((2e3,),), "sensor"))
         found.append(Candidate("sensor_scale", column, "factor", (scale,), ((1.02,),), "sensor"))
         found.append(Candidate("sensor_delay", column, "seconds", (delay,), ((2e-3,),), "sensor"))
     if moves:
         column = f"{joint}.position"
-        scale = Quantity("sensor_scale", column, "position.scale", "1", "sensor", 0.02, 0.8, 1.25, neutral=1.0, least=0.003)
+        scale = Quantity(
+            "sensor_scale", column, "position.scale", "1", "sensor", 0.02, 0.8, 1.25, neutral=1.0, least=0.003
+        )
         delay = Quantity("sensor_delay", column, "position.delay", "s", "sensor", 2e-3, -0.05, 0.05, least=3e-4)
         found.append(Candidate("sensor_delay", column, "seconds", (delay,), ((2e-3,),), "sensor"))
         found.append(Candidate("sensor_scale", column, "factor", (scale,), ((1.02,),), "sensor"))

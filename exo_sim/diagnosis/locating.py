@@ -92,7 +92,11 @@ def gas_regimes(run: CylinderRun, side: int, supply: Array, exhaust: Array, k: f
         choked_out = exhaust < limit * pressure
         above = pressure > supply
     speed = np.zeros(len(run.time)) if run.speed is None else run.speed
-    moving = np.abs(speed) > max(0.005, 0.05 * float(np.nanmax(np.abs(speed)))) if run.speed is not None else np.zeros(len(speed), bool)
+    moving = (
+        np.abs(speed) > max(0.005, 0.05 * float(np.nanmax(np.abs(speed))))
+        if run.speed is not None
+        else np.zeros(len(speed), bool)
+    )
     return {
         "valve closed, piston at rest": closed & ~moving,
         "valve closed, piston moving": closed & moving,

@@ -91,13 +91,17 @@ def resistance_along(c, time, x, v, gauge, out):
         out[i] = piston_resistance(c, z, x[i], v[i], gauge[i, 0], gauge[i, 1])
 
 
-def motion_runs(recording: Recording, rig: Rig, model: mujoco.MjModel, links: tuple[Linkage, ...]) -> tuple[list[MotionRun], list[tuple[str, str]]]:
+def motion_runs(
+    recording: Recording, rig: Rig, model: mujoco.MjModel, links: tuple[Linkage, ...]
+) -> tuple[list[MotionRun], list[tuple[str, str]]]:
     """Return the balance of every joint that can be judged, and (joint, reason) for those that cannot.
 
     Every joint of the model must have been recorded: what is not known to move may carry any force.
     """
     names = [model.joint(j).name for j in range(model.njnt)]
-    plain = [int(kind) in (int(mujoco.mjtJoint.mjJNT_SLIDE), int(mujoco.mjtJoint.mjJNT_HINGE)) for kind in model.jnt_type]
+    plain = [
+        int(kind) in (int(mujoco.mjtJoint.mjJNT_SLIDE), int(mujoco.mjtJoint.mjJNT_HINGE)) for kind in model.jnt_type
+    ]
     missing = [name for name, ok in zip(names, plain, strict=True) if not ok or f"{name}.position" not in recording]
     if missing:
         why = f"the position of {', '.join(missing[:3])}{' and others' if len(missing) > 3 else ''} was not recorded"
@@ -108,7 +112,11 @@ def motion_runs(recording: Recording, rig: Rig, model: mujoco.MjModel, links: tu
     n = len(time)
     q, qd, qdd = np.zeros((n, model.nq)), np.zeros((n, model.nv)), np.zeros((n, model.nv))
     for j, (position, velocity, acceleration) in enumerate(moves):
-        q[:, model.jnt_qposadr[j]], qd[:, model.jnt_dofadr[j]], qdd[:, model.jnt_dofadr[j]] = position, velocity, acceleration
+        q[:, model.jnt_qposadr[j]], qd[:, model.jnt_dofadr[j]], qdd[:, model.jnt_dofadr[j]] = (
+            position,
+            velocity,
+            acceleration,
+        )
     inertial, bias, passive, arms, lengths, mass = _inverse(model, q, qd, qdd, links)
     tilted = _gravity(model, q + TILT) - _gravity(model, q) if model.nq == model.nv else np.zeros_like(bias)
     runs, reasons = [], []

@@ -27,7 +27,10 @@ PRESSURE_OFFSET = 2000.0
 #: Stiffness of a dry contact before it slides that any seal shows [N/m]; only one much softer is a finding.
 HEALTHY_CONTACT, SOFT_CONTACT = 8e5, 2.5e5
 
-_FORMS: dict[str, tuple[tuple[str, ...], ...]] = {"return_spring": (("stiffness", "rest"),), "presliding": (("stiffness",),)}
+_FORMS: dict[str, tuple[tuple[str, ...], ...]] = {
+    "return_spring": (("stiffness", "rest"),),
+    "presliding": (("stiffness",),),
+}
 
 
 class MotionProblem:
@@ -61,7 +64,9 @@ class MotionProblem:
             force = run.drive + run.external
             size = float(np.std(force)) + float(np.std(run.inertial))
             scale = np.hypot(run.noise, STRUCTURAL_SHARE * size) if count.size else 0.0
-            scales.append(np.full(len(count), max(scale, 1e-9) * np.sqrt(min(1.0, 3.0 / per_row) if per_row > 3 else 1.0)))
+            scales.append(
+                np.full(len(count), max(scale, 1e-9) * np.sqrt(min(1.0, 3.0 / per_row) if per_row > 3 else 1.0))
+            )
         self.blocks = np.concatenate(blocks) if blocks else np.zeros(0, int)
         self.scale = np.concatenate(scales) if scales else np.zeros(0)
 
@@ -83,7 +88,11 @@ class MotionProblem:
         resisted = np.empty(len(run.time))
         resistance_along(setting.cylinder[0], run.time, run.position, run.velocity, run.gauge, resisted)
         mass = sensors.get("payload_mass", 1.0)
-        moved = run.inertial + (sensors.get("inertia", 1.0) - 1.0) * (run.inertial - run.bias) + sensors.get("zero", 0.0) * run.tilt
+        moved = (
+            run.inertial
+            + (sensors.get("inertia", 1.0) - 1.0) * (run.inertial - run.bias)
+            + sensors.get("zero", 0.0) * run.tilt
+        )
         found = mass * moved - run.passive - run.drive - run.external + run.arm * resisted - sensors.get("offset", 0.0)
         for column, lever in run.levers.items():
             found = found + lever * sensors.get(f"{column}.bias", 0.0)
@@ -137,8 +146,12 @@ def believed(runs: Sequence[MotionRun], setting: Setting, where: str) -> tuple[Q
     force = float(np.std(run.drive + run.external)) or float(np.std(run.inertial)) or 1.0
     spread = max(PRESSURE_OFFSET * lever, 1e-4 * force)
     found = []
-    if run.cylinder is not None or run.external_recorded:  # a free swing scales with its mass: no recording of it holds the mass
-        found.append(Quantity("payload_mass", run.joint, "payload_mass", "1", "sensor", 0.02, 0.2, 5.0, (1.0, 0.05), neutral=1.0))
+    if (
+        run.cylinder is not None or run.external_recorded
+    ):  # a free swing scales with its mass: no recording of it holds the mass
+        found.append(
+            Quantity("payload_mass", run.joint, "payload_mass", "1", "sensor", 0.02, 0.2, 5.0, (1.0, 0.05), neutral=1.0)
+        )
     unit = "N*m" if run.turning else "N"
     found.append(Quantity("offset", run.joint, "offset", unit, "sensor", max(spread, 1e-6), -1e6, 1e6, (0.0, spread)))
     if run.turning:
@@ -146,15 +159,26 @@ def believed(runs: Sequence[MotionRun], setting: Setting, where: str) -> tuple[Q
     if float(np.std(run.tilt)) > 0.0:
         found.append(Quantity("zero", run.joint, "zero", "rad", "sensor", 0.005, -0.3, 0.3, (0.0, 0.01)))
     for effect in declared().values():
-        if effect.cut != "motion" or effect.name not in (setting.cylinder.dtype.names or ()) or effect.name == "presliding":
+        if (
+            effect.cut != "motion"
+            or effect.name not in (setting.cylinder.dtype.names or ())
+            or effect.name == "presliding"
+        ):
             continue
         for parameter in effect.parameters:
             value = float(setting.cylinder[effect.name][parameter.name][0])
             if value != 0.0 and not parameter.choices:
                 found.append(
                     Quantity(
-                        effect.name, where, parameter.name, parameter.unit_at(run.turning and run.cylinder is None), "cylinder",
-                        0.1 * abs(value), parameter.low, parameter.high, (value, 0.1 * abs(value)),
+                        effect.name,
+                        where,
+                        parameter.name,
+                        parameter.unit_at(run.turning and run.cylinder is None),
+                        "cylinder",
+                        0.1 * abs(value),
+                        parameter.low,
+                        parameter.high,
+                        (value, 0.1 * abs(value)),
                     )  # fmt: skip
                 )
     return tuple(found)
@@ -176,20 +200,34 @@ def candidates(runs: Sequence[MotionRun], setting: Setting, where: str) -> tuple
     found: list[Candidate] = []
     for effect in declared().values():
         place = "cylinder" if run.cylinder is not None else "joint"
-        if effect.cut != "motion" or place not in effect.places or effect.name not in (setting.cylinder.dtype.names or ()):
+        if (
+            effect.cut != "motion"
+            or place not in effect.places
+            or effect.name not in (setting.cylinder.dtype.names or ())
+        ):
             continue
         if effect.name == "asymmetric_friction" and run.cylinder is None and run.external_recorded:
             continue  # while it moves, Coulomb friction with an offset of the force sensor says the same in simpler words
-        if effect.name != "presliding" and any(float(setting.cylinder[effect.name][p.name][0]) != 0.0 for p in effect.parameters):
+        if effect.name != "presliding" and any(
+            float(setting.cylinder[effect.name][p.name][0]) != 0.0 for p in effect.parameters
+        ):
             continue
         for form in _FORMS.get(effect.name, (tuple(p.name for p in effect.parameters),)):
             quantities, start = [], []
             for name in form:
                 parameter = effect.parameter(name)
                 size = _size(parameter, sizes)
-                high = SOFT_CONTACT if effect.name == "presliding" and name == "stiffness" and not run.turning else parameter.high
+                high = (
+                    SOFT_CONTACT
+                    if effect.name == "presliding" and name == "stiffness" and not run.turning
+                    else parameter.high
+                )
                 scale = 5e4 if effect.name == "presliding" else abs(size) or 1.0
-                quantities.append(Quantity(effect.name, where, name, parameter.unit_at(turning), "cylinder", scale, parameter.low, high))
+                quantities.append(
+                    Quantity(
+                        effect.name, where, name, parameter.unit_at(turning), "cylinder", scale, parameter.low, high
+                    )
+                )
                 start.append(size)
             starts = [tuple(start)]
             if effect.name == "stribeck_friction":

@@ -51,7 +51,9 @@ def missing_force(problem: MotionProblem, setting: Setting) -> Nameless:
         keep = group >= 0
         count = np.bincount(group[keep]).astype(float)
 
-        def mean(values: Array, keep: NDArray[np.bool_] = keep, group: NDArray[np.int64] = group, count: Array = count) -> Array:
+        def mean(
+            values: Array, keep: NDArray[np.bool_] = keep, group: NDArray[np.int64] = group, count: Array = count
+        ) -> Array:
             return np.bincount(group[keep], weights=values[keep]) / count
 
         variables = {"position": run.position, "velocity": run.velocity, "time": run.time - run.time[0]}
@@ -94,13 +96,21 @@ def missing_flow(problem: GasProblem, setting: Setting, side: int) -> Nameless:
                     rows.setdefault(name, []).append(np.array([values[half].mean()]))
         offset += len(feed.windows.starts)
     missing = np.array(flows)
-    found = depends_on({name: np.concatenate(values) for name, values in rows.items()}, missing, np.array(blocks, dtype=int))
-    return Nameless(f"flow_{side + 1}", "kg/s", tuple(found), float(np.sqrt(np.mean(missing**2))) if missing.size else 0.0)
+    found = depends_on(
+        {name: np.concatenate(values) for name, values in rows.items()}, missing, np.array(blocks, dtype=int)
+    )
+    return Nameless(
+        f"flow_{side + 1}", "kg/s", tuple(found), float(np.sqrt(np.mean(missing**2))) if missing.size else 0.0
+    )
 
 
 def _volume(setting: Setting, length: Array, side: int) -> Array:
     c = setting.cylinder[0]
-    return c["dead_volume_1"] + c["area_1"] * length if side == 0 else c["dead_volume_2"] + c["area_2"] * (c["stroke"] - length)
+    return (
+        c["dead_volume_1"] + c["area_1"] * length
+        if side == 0
+        else c["dead_volume_2"] + c["area_2"] * (c["stroke"] - length)
+    )
 
 
 def _variables(run: object, length: Array) -> dict[str, Array]:

@@ -55,7 +55,6 @@ class CylinderRun:
     noise: tuple[float, float]
     breaks: tuple[int, ...]
 
-
     def until(self, stop: int) -> CylinderRun:
         """Return the first `stop` samples as a run of their own."""
 
@@ -182,11 +181,21 @@ def joint_run(recording: Recording, joint: str, seconds: float = POSITION_SMOOTH
         return None
     position, velocity, acceleration = smoothed(recording.time, raw, seconds)
     return JointRun(
-        recording.name, joint, recording.time, raw, position, velocity, acceleration, white_noise(raw), breaks_of(recording.time)
+        recording.name,
+        joint,
+        recording.time,
+        raw,
+        position,
+        velocity,
+        acceleration,
+        white_noise(raw),
+        breaks_of(recording.time),
     )
 
 
-def lengths(recording: Recording, rig: Rig, model: mujoco.MjModel, links: tuple[Linkage, ...]) -> dict[str, tuple[Array, Array]]:
+def lengths(
+    recording: Recording, rig: Rig, model: mujoco.MjModel, links: tuple[Linkage, ...]
+) -> dict[str, tuple[Array, Array]]:
     """Return X and dX/dt of every cylinder whose joints were recorded, through MuJoCo's kinematics, shape (n,) each."""
     moves = {}
     for joint in range(model.njnt):
@@ -223,7 +232,9 @@ def lengths(recording: Recording, rig: Rig, model: mujoco.MjModel, links: tuple[
     return found
 
 
-def cylinder_runs(recording: Recording, rig: Rig, model: mujoco.MjModel, links: tuple[Linkage, ...]) -> list[CylinderRun]:
+def cylinder_runs(
+    recording: Recording, rig: Rig, model: mujoco.MjModel, links: tuple[Linkage, ...]
+) -> list[CylinderRun]:
     """Return one run for every cylinder of the rig of which the recording holds a pressure."""
     known = lengths(recording, rig, model, links)
     runs = []
@@ -236,10 +247,20 @@ def cylinder_runs(recording: Recording, rig: Rig, model: mujoco.MjModel, links: 
         held = np.zeros_like(recording.time) if command is None else np.clip(_held(command), -1.0, 1.0)
         runs.append(
             CylinderRun(
-                recording.name, name, recording.time, held, length, speed, (p_1, p_2),
-                _bridged(recording, "supply.pressure"), _bridged(recording, "exhaust.pressure"),
-                _bridged(recording, "supply.temperature"), recording.get(f"{name}.force"), command is not None,
-                (white_noise(p_1), white_noise(p_2)), breaks_of(recording.time),
+                recording.name,
+                name,
+                recording.time,
+                held,
+                length,
+                speed,
+                (p_1, p_2),
+                _bridged(recording, "supply.pressure"),
+                _bridged(recording, "exhaust.pressure"),
+                _bridged(recording, "supply.temperature"),
+                recording.get(f"{name}.force"),
+                command is not None,
+                (white_noise(p_1), white_noise(p_2)),
+                breaks_of(recording.time),
             )  # fmt: skip
         )
     return runs

@@ -109,7 +109,10 @@ def _gas(one: Judged, case: Case, parts: Split, curve: Unnamed | None, proof: Pr
             )  # fmt: skip
         if errors[0] and sum(e.size for e in errors[0]):
             proof.signals[f"{one.where}.pressure_{side + 1}"] = SignalFit(
-                "Pa", finite(normalised(np.concatenate(errors[0]))), finite(normalised(np.concatenate(errors[1]))), noise
+                "Pa",
+                finite(normalised(np.concatenate(errors[0]))),
+                finite(normalised(np.concatenate(errors[1]))),
+                noise,
             )
     _drops(one, kept, found, believed, curve, proof)
     return series
@@ -129,7 +132,11 @@ def _motion(one: Judged, case: Case, parts: Split, curve: Unnamed | None, proof:
             best = curve.nameless.best
             values = {"position": run.position, "velocity": run.velocity, "time": run.time - run.time[0]}
             if run.cylinder is not None:
-                values |= {"pressure_1": run.gauge[:, 0], "pressure_2": run.gauge[:, 1], "pressure_difference": run.gauge[:, 0] - run.gauge[:, 1]}
+                values |= {
+                    "pressure_1": run.gauge[:, 0],
+                    "pressure_2": run.gauge[:, 1],
+                    "pressure_difference": run.gauge[:, 0] - run.gauge[:, 1],
+                }
             after = after - run.arm * (hats(values[best.variable], best.at) @ best.values)
         needed = run.inertial - run.passive
         quiet = np.where(np.abs(run.velocity) > run.still, 1.0, np.nan)
@@ -148,7 +155,14 @@ def _motion(one: Judged, case: Case, parts: Split, curve: Unnamed | None, proof:
     return series
 
 
-def _drops(one: Judged, kept: GasProblem | MotionProblem, found: Setting, believed: Setting, curve: Unnamed | None, proof: Proof) -> None:
+def _drops(
+    one: Judged,
+    kept: GasProblem | MotionProblem,
+    found: Setting,
+    believed: Setting,
+    curve: Unnamed | None,
+    proof: Proof,
+) -> None:
     """Say by what share the held-out error grows when one finding is left out and everything else refitted without it."""
     if kept.size == 0:
         return
@@ -160,7 +174,14 @@ def _drops(one: Judged, kept: GasProblem | MotionProblem, found: Setting, believ
         proof.drops[f"{candidate.effect}@{candidate.where}"] = finite(1.0 - whole / lacking) if lacking > 0.0 else 0.0
     if curve is not None:
         plain = normalised(_residual(kept, setting_of(one, one.trial)))
-        key = next((k for k in proof.signals if k.startswith(one.where) and (k.endswith("force_balance") == (one.cut == "motion"))), None)
+        key = next(
+            (
+                k
+                for k in proof.signals
+                if k.startswith(one.where) and (k.endswith("force_balance") == (one.cut == "motion"))
+            ),
+            None,
+        )
         if one.cut == "motion" and key:
             signal = proof.signals[key]
             proof.drops[one.where] = finite(1.0 - signal.after / signal.before) if signal.before > 0.0 else 0.0

@@ -152,7 +152,9 @@ class _Simulation:
             raise RecordingError(f'"{recording.name}": its clock jumps at every few samples; nothing can be simulated')
         n = sum(len(piece.time) for piece in self.pieces)
         # mj_step2 lets velocities leap before positions: a velocity is that of half a step ago, and then its error is of second order
-        moves = [fed.motion(self.pieces, recording.time, recording[f"{name}.position"], 0.5 * self.dt) for name in self.names]
+        moves = [
+            fed.motion(self.pieces, recording.time, recording[f"{name}.position"], 0.5 * self.dt) for name in self.names
+        ]
         empty = np.zeros((0, n))
         self.position = np.ascontiguousarray(np.array([there for there, _ in moves] or empty).T)
         self.velocity = np.ascontiguousarray(np.array([rate for _, rate in moves] or empty).T)
@@ -223,7 +225,9 @@ class _Simulation:
             begins = np.isin(right + piece.offset, list(starts))
             share = np.where(begins, 0.0, np.clip(place - left, 0.0, 1.0))
             share = np.where(share < 1e-6, 0.0, share)
-            out[piece.first : piece.last] = np.where(share > 0.0, (1.0 - share) * own[left] + share * own[right], own[left])
+            out[piece.first : piece.last] = np.where(
+                share > 0.0, (1.0 - share) * own[left] + share * own[right], own[left]
+            )
         return out
 
     def _feed(self, window: float, led: bool) -> Feed:

@@ -142,7 +142,11 @@ def start_pressures(pieces: Sequence[Steps], starts: NDArray[np.int64], time: Ar
 
 def recorded_joints(recording: Recording, model: mujoco.MjModel) -> list[int]:
     """Return the hinges and slides whose position was recorded, as MuJoCo's indices."""
-    return [j for j in range(model.njnt) if model.jnt_type[j] in (2, 3) and _has(recording, f"{model.joint(j).name}.position")]
+    return [
+        j
+        for j in range(model.njnt)
+        if model.jnt_type[j] in (2, 3) and _has(recording, f"{model.joint(j).name}.position")
+    ]
 
 
 def led_from_outside(recording: Recording, rig: Rig, model: mujoco.MjModel, links: Sequence[Linkage]) -> dict[str, str]:
@@ -170,12 +174,16 @@ def led_from_outside(recording: Recording, rig: Rig, model: mujoco.MjModel, link
     return found
 
 
-def _powers(recording: Recording, rig: Rig, model: mujoco.MjModel, links: Sequence[Linkage], joints: list[int]) -> dict[str, float]:
+def _powers(
+    recording: Recording, rig: Rig, model: mujoco.MjModel, links: Sequence[Linkage], joints: list[int]
+) -> dict[str, float]:
     """Return, for each joint whose drive is known, the power that unknown forces put in as a share of what was known."""
     time = recording.time
     every = max(1, len(time) // MOST_JUDGED)
     usual = float(np.median(np.diff(time)))
-    moves = [smoothed(time, recording[f"{model.joint(j).name}.position"], max(_POWER_SMOOTHING, 5 * usual)) for j in joints]
+    moves = [
+        smoothed(time, recording[f"{model.joint(j).name}.position"], max(_POWER_SMOOTHING, 5 * usual)) for j in joints
+    ]
     pick = np.arange(0, len(time), every)
     q, qd, qdd = np.zeros((len(pick), model.nq)), np.zeros((len(pick), model.nv)), np.zeros((len(pick), model.nv))
     for j, (position, velocity, acceleration) in zip(joints, moves, strict=True):
@@ -197,7 +205,8 @@ def _powers(recording: Recording, rig: Rig, model: mujoco.MjModel, links: Sequen
         if any(link.dof == dof and link.cylinder not in known for link in links):
             continue
         shares[name] = min(
-            _put_in(needed[:, dof], np.interp(time[pick] - late, time[pick], gas[:, dof]), qd[:, dof], block) for late in _LATE
+            _put_in(needed[:, dof], np.interp(time[pick] - late, time[pick], gas[:, dof]), qd[:, dof], block)
+            for late in _LATE
         )
     return shares
 
@@ -210,7 +219,9 @@ def _put_in(needed: Array, drive: Array, velocity: Array, block: int) -> float:
     return float(np.maximum(unknown, 0.0).sum() / worked) if worked > 0.0 else 0.0
 
 
-def _drive(recording: Recording, rig: Rig, links: Sequence[Linkage], pick: NDArray[np.int64]) -> tuple[dict[str, Array], set[str]]:
+def _drive(
+    recording: Recording, rig: Rig, links: Sequence[Linkage], pick: NDArray[np.int64]
+) -> tuple[dict[str, Array], set[str]]:
     """Return the force of each cylinder from measured pressures, shape (picked,), and of which it is known."""
     forces, known = {}, set()
     atmosphere = rig.environment.pressure

@@ -143,12 +143,15 @@ def _arms(machine):
 
 
 @kernel
-def _lost(machine, motion) -> bool:
+def _lost(machine, motion):
     for d in range(machine.qvel.size):
         if motion and not abs(machine.qvel[d]) < FASTEST:
             return True
     for i in range(len(machine.cylinders)):
-        energy = machine.vector[i * state.INTEGRATED + state.ENERGY_1] + machine.vector[i * state.INTEGRATED + state.ENERGY_2]
+        energy = (
+            machine.vector[i * state.INTEGRATED + state.ENERGY_1]
+            + machine.vector[i * state.INTEGRATED + state.ENERGY_2]
+        )
         if not abs(energy) < HIGHEST:
             return True
     return False
@@ -203,7 +206,9 @@ def run(first, stop, window, machine, feed, filled, shown_pressure, shown_positi
                 shown_position[k] = np.nan
                 continue
         for i in range(n):
-            seen = sensed_pressures(machine.world[0], machine.cylinders[i], machine.vector, i * state.INTEGRATED, _piston(machine, i))
+            seen = sensed_pressures(
+                machine.world[0], machine.cylinders[i], machine.vector, i * state.INTEGRATED, _piston(machine, i)
+            )
             shown_pressure[k, i, 0], shown_pressure[k, i, 1] = seen
         for j in range(feed.qpos_at.size):
             shown_position[k, j] = machine.qpos[feed.qpos_at[j]]

@@ -67,7 +67,10 @@ class Finding:
             "kind": self.kind,
             "says": self.says,
             "parameters": {name: estimate.as_dict() for name, estimate in self.parameters.items()},
-            "evidence": {"log10_odds": round(self.log10_odds, 2), "held_out_error_drop": round(self.held_out_error_drop, 4)},
+            "evidence": {
+                "log10_odds": round(self.log10_odds, 2),
+                "held_out_error_drop": round(self.held_out_error_drop, 4),
+            },
             "ambiguous_with": list(self.ambiguous_with),
         }
         if self.probabilities:

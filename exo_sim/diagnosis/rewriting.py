@@ -22,7 +22,11 @@ def improved_text(case: Case, judged: Sequence[Judged], nameless: Sequence[Unnam
     entries, corrections = [], []
     for one in judged:
         kept = {(finding.name, finding.where) for finding in one.findings}
-        spread = spreads(one.problem, one.trial, one.search.correlation_time(one.trial.fit.residual)) if not one.empty else {}
+        spread = (
+            spreads(one.problem, one.trial, one.search.correlation_time(one.trial.fit.residual))
+            if not one.empty
+            else {}
+        )
         entries += [_entry(c, one, spread) for c in one.named if (c.effect, c.where) in kept]
         corrections += [_correction(case, *numbers) for numbers in one.calibrations]
     for found in case.sensors:
@@ -32,11 +36,22 @@ def improved_text(case: Case, judged: Sequence[Judged], nameless: Sequence[Unnam
     for unnamed in nameless:
         best = unnamed.nameless.best
         if best is not None and best.variable in DEPENDS_ON:
-            numbers = {"acts": float(ACTS.index(unnamed.nameless.acts)), "depends_on": float(DEPENDS_ON.index(best.variable))}
-            shift = case.rig.environment.pressure if best.variable in ("pressure_1", "pressure_2") and unnamed.nameless.acts == "force" else 0.0
+            numbers = {
+                "acts": float(ACTS.index(unnamed.nameless.acts)),
+                "depends_on": float(DEPENDS_ON.index(best.variable)),
+            }
+            shift = (
+                case.rig.environment.pressure
+                if best.variable in ("pressure_1", "pressure_2") and unnamed.nameless.acts == "force"
+                else 0.0
+            )
             curves = {"at": tuple(float(v) + shift for v in best.at), "values": tuple(float(v) for v in best.values)}
             turning = unnamed.nameless.unit == "N*m" and unnamed.judged.where not in case.rig.cylinders
-            entries.append(Entry(EffectSetting("unknown", unnamed.judged.where, numbers, turning, curves), {}, unnamed.finding.says))
+            entries.append(
+                Entry(
+                    EffectSetting("unknown", unnamed.judged.where, numbers, turning, curves), {}, unnamed.finding.says
+                )
+            )
     return improved(case.rig, entries, corrections, folder)
 
 
@@ -53,7 +68,9 @@ def _entry(candidate: Candidate, judged: Judged, spread: dict[Quantity, float]) 
         turning = turning or "rad" in quantity.unit or quantity.unit == "N*m"
     for quantity, value in candidate.fixed:
         values[quantity.parameter] = value
-    return Entry(EffectSetting(candidate.effect, candidate.where, values, turning), intervals, wording.says(candidate.effect))
+    return Entry(
+        EffectSetting(candidate.effect, candidate.where, values, turning), intervals, wording.says(candidate.effect)
+    )
 
 
 def _correction(case: Case, quantity: Quantity, factor: float, error: float) -> Correction:
@@ -72,5 +89,9 @@ def _correction(case: Case, quantity: Quantity, factor: float, error: float) -> 
     if quantity.parameter == "valve_area":
         key, believed, unit = ("cylinders", quantity.where, "valve", "area"), cylinder.valve_area, "m^2"
     else:
-        key, believed, unit = ("cylinders", quantity.where, quantity.parameter), getattr(cylinder, quantity.parameter), "m^3"
+        key, believed, unit = (
+            ("cylinders", quantity.where, quantity.parameter),
+            getattr(cylinder, quantity.parameter),
+            "m^3",
+        )
     return Correction(key, believed * factor, unit, (believed * low, believed * high), believed)

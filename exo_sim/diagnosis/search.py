@@ -153,7 +153,11 @@ class Search:
         begun = {q: start.get(q, q.prior[0] if q.prior else q.neutral) for q in quantities}
         options = [begun]
         for candidate in fresh:
-            options = [{**o, **dict(zip(candidate.quantities, values, strict=True))} for o in options for values in candidate.starts]
+            options = [
+                {**o, **dict(zip(candidate.quantities, values, strict=True))}
+                for o in options
+                for values in candidate.starts
+            ]
 
         def residual(values: dict[Quantity, float]) -> Array:
             return self.problem.residual(values, fixed)
@@ -197,7 +201,9 @@ class Search:
         tau = max(self.correlation_time(with_it.fit.residual), 1.0)
         material = 0.5 * math.log(max(without.fit.cost, 1e-12) / max(with_it.fit.cost, 1e-12))
         gain = material * n / tau
-        odds = (gain - 0.5 * added * math.log(max(n / tau, 2.0))) / math.log(10.0) - math.log10(max(len(self.library), 1))
+        odds = (gain - 0.5 * added * math.log(max(n / tau, 2.0))) / math.log(10.0) - math.log10(
+            max(len(self.library), 1)
+        )
         explainable = max(a - min(n, b), 1e-12)
         per_block = np.bincount(self.problem.blocks, weights=without.fit.residual**2 - with_it.fit.residual**2)
         present = np.bincount(self.problem.blocks) > 0
@@ -219,7 +225,9 @@ class Search:
         wanted = LEAST_SHARE if explained < 0.9 or with_it.fit.sse < CLEAN * n else 0.5
         if math.sqrt(without.fit.sse / n) - math.sqrt(with_it.fit.sse / n) < self.material:
             return False
-        return weighing.log10_odds > LEAST_ODDS and weighing.share > wanted and steady and weighing.material > HEALTHY_GAIN
+        return (
+            weighing.log10_odds > LEAST_ODDS and weighing.share > wanted and steady and weighing.material > HEALTHY_GAIN
+        )
 
     # -- screening ---------------------------------------------------------------------------------------------------
 
@@ -238,7 +246,7 @@ class Search:
         def score(candidate: Candidate) -> tuple[float, Candidate]:
             best = 0.0
             for start in candidate.starts:
-                change, values = self._answer(candidate, start, now, fixed_now, base, level)
+                change, _ = self._answer(candidate, start, now, fixed_now, base, level)
                 if change is None:
                     continue
                 clear = np.concatenate([change, np.zeros(len(prior_rows))])
@@ -258,7 +266,13 @@ class Search:
         return sorted(scored, key=lambda pair: -pair[0])
 
     def _answer(
-        self, candidate: Candidate, start: tuple[float, ...], now: Trial, fixed_now: list[tuple[Quantity, float]], base: Array, level: float
+        self,
+        candidate: Candidate,
+        start: tuple[float, ...],
+        now: Trial,
+        fixed_now: list[tuple[Quantity, float]],
+        base: Array,
+        level: float,
     ) -> tuple[Array | None, dict[Quantity, float]]:
         """Return how the residual changes when the candidate is put in at a size that shows but does not swamp."""
         size = 1.0
@@ -408,4 +422,6 @@ class Search:
 def column_jacobian(problem: Problem, trial: Trial) -> Array:
     """Return the Jacobian of a fitted trial anew, shape (size, p)."""
     fixed = [pair for candidate in trial.chosen for pair in candidate.fixed]
-    return differences(lambda v: problem.residual(v, fixed), trial.fit.quantities, trial.fit.values, trial.fit.residual, None)
+    return differences(
+        lambda v: problem.residual(v, fixed), trial.fit.quantities, trial.fit.values, trial.fit.residual, None
+    )

@@ -60,7 +60,9 @@ def fit_curve(name: str, variable: Array, missing: Array, blocks: NDArray[np.int
     fold = (blocks * 7919) % FOLDS
 
     def solve(rows: NDArray[np.bool_]) -> Array:
-        return np.linalg.lstsq(np.vstack([design[rows], smooth]), np.append(missing[rows], np.zeros(len(smooth))), rcond=None)[0]
+        return np.linalg.lstsq(
+            np.vstack([design[rows], smooth]), np.append(missing[rows], np.zeros(len(smooth))), rcond=None
+        )[0]
 
     predicted = np.zeros(len(missing))
     for k in range(FOLDS):

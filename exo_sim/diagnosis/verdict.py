@@ -51,13 +51,17 @@ def traces(judged: Judged, trial: Trial) -> list[Trace]:
                 noise = float(np.hypot(feed.run.noise[side], STRUCTURAL_FLOOR))
                 regimes = gas_regimes(feed.run, side, feed.supply, feed.exhaust, k)
                 where = f"{judged.where}/chamber_{side + 1}"
-                found.append(Trace(where, "energy balance", "Pa", feed.run.recording, feed.time, errors[:, side], noise, regimes))
+                found.append(
+                    Trace(where, "energy balance", "Pa", feed.run.recording, feed.time, errors[:, side], noise, regimes)
+                )
     elif isinstance(problem, MotionProblem):
         for index, run in enumerate(problem.runs):
             error = np.where(problem._groups[index] >= 0, problem.missing(setting, index), np.nan)
             scale = float(np.median(problem.scale)) if problem.scale.size else 1.0
             regimes = motion_regimes(run.velocity, run.time)
-            found.append(Trace(judged.where, "force balance", problem.unit, run.recording, run.time, error, scale, regimes))
+            found.append(
+                Trace(judged.where, "force balance", problem.unit, run.recording, run.time, error, scale, regimes)
+            )
     return found
 
 
@@ -110,8 +114,16 @@ def unknown_findings(judged: Sequence[Judged]) -> list[Unnamed]:
                 "values": [float(v) for v in best.values], "band": [float(v) for v in best.band], "explains": round(best.explains, 3),
             }  # fmt: skip
         n = one.problem.size
-        odds = 0.5 * n / max(one.search.correlation_time(one.trial.fit.residual), 1.0) * np.log(max(one.trial.fit.sse / n, 1.0)) / np.log(10.0)
-        finding = Finding("unknown", one.where, "unknown", says, parameters, float(odds), 0.0, depends_on=variables, curve=curve)
+        odds = (
+            0.5
+            * n
+            / max(one.search.correlation_time(one.trial.fit.residual), 1.0)
+            * np.log(max(one.trial.fit.sse / n, 1.0))
+            / np.log(10.0)
+        )
+        finding = Finding(
+            "unknown", one.where, "unknown", says, parameters, float(odds), 0.0, depends_on=variables, curve=curve
+        )
         found.append(Unnamed(finding, lacking, one))
     return found
 
@@ -170,5 +182,7 @@ def next_experiment(findings: Sequence[Finding], judged: Sequence[Judged], case:
             do = f"move {follows} alone, slowly and then fast, with the valve closed where that is possible"
             return NextExperiment("something is missing that has no name", do, ("unknown",))
     for question in case.open:
-        return NextExperiment(f"{question.question} cannot be judged: {question.why}", "record that signal as well", question.effects)
+        return NextExperiment(
+            f"{question.question} cannot be judged: {question.why}", "record that signal as well", question.effects
+        )
     return None

@@ -19,7 +19,11 @@ def says(effect: str) -> str:
 
 def calibration(name: str, parameter: str, factor: float) -> str:
     """Say how a believed number is off."""
-    part = {"valve_area": "valve area", "dead_volume_1": "dead volume of chamber 1", "dead_volume_2": "dead volume of chamber 2"}
+    part = {
+        "valve_area": "valve area",
+        "dead_volume_1": "dead volume of chamber 1",
+        "dead_volume_2": "dead volume of chamber 2",
+    }
     what = {"payload_mass": "moved mass"}.get(name, part.get(parameter, name_of(name)))
     return f"The {what} is {abs(factor - 1.0) * 100:.1f} % {'larger' if factor > 1.0 else 'smaller'} than believed."
 

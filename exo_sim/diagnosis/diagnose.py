@@ -94,6 +94,11 @@ def diagnose(
     )
 
 
+def _told(say: Progress, part: str) -> Progress:
+    """Return a progress that names the part it speaks of."""
+    return lambda words: say(f"{part}: {words}")
+
+
 def _gas(case: Case, parts: Split, pool: ThreadPoolExecutor, say: Progress) -> list[Judged]:
     found = []
     for name, runs in case.cylinders.items():
@@ -112,8 +117,8 @@ def _gas(case: Case, parts: Split, pool: ThreadPoolExecutor, say: Progress) -> l
             nuisances,
             questions,
             pool,
-            lambda words, name=name: say(f"{name}: {words}"),
-            material=problem.material,  # type: ignore[misc]
+            _told(say, name),
+            material=problem.material,
         )
         found.append(judge("gas", name, problem, search, search.run()))
     return found
@@ -140,8 +145,8 @@ def _motion(case: Case, parts: Split, pool: ThreadPoolExecutor, say: Progress) -
             nuisances,
             questions,
             None,
-            lambda words, joint=joint: say(f"{joint}: {words}"),
-            finalists=20,  # type: ignore[misc]
+            _told(say, joint),
+            finalists=20,
         )
         found.append(judge("motion", where, problem, search, search.run()))
     return found

@@ -242,6 +242,7 @@ def _run(
     still = max(4.0 * shake * float(np.median(np.abs(arm))), 0.01 * float(np.nanstd(velocity)))
     effective = mass / max(float(np.median(arm**2)), 1e-12)
     return MotionRun(
-        recording.name, joint, cylinder, bool(turning), time, position, velocity, inertial, bias, tilt, passive, drive, pushed, arm, gauge, levers,
-        float(np.sqrt(variance)), still, breaks_of(time), effective, external is not None,
+        recording.name, joint, cylinder, bool(turning), time, position, velocity, inertial, bias, tilt, passive, drive,
+        pushed, arm, gauge, levers, float(np.sqrt(variance)), still, breaks_of(time), effective,
+        external is not None,
     )  # fmt: skip

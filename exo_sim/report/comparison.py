@@ -47,7 +47,7 @@ def write_comparison(path: Path, diagnosis: Diagnosis, recordings: Sequence[Reco
         return
     metadata = {"verdict": diagnosis.verdict, "rig": diagnosis.rig}
     whole = {kind: _one_after_another(diagnosis.rig, parts, metadata) for kind, parts in pieces.items() if parts}
-    overlays = {kind: whole[kind] for kind in ("before", "after") if kind in whole and whole[kind].columns}
+    overlays: dict[str, Recording] = {kind: one for kind, one in whole.items() if kind != "recorded" and one.columns}
     write_rrd(path, whole["recorded"], overlays=overlays, lanes=lanes(diagnosis, shifts, pieces["recorded"]))
 
 

@@ -27,7 +27,7 @@ STRETCHES = 90
 NEAR, MOST_POINTS = 1.5, 450
 #: Recordings that are drawn; the rest is in comparison.rrd.
 MOST_RECORDINGS, MOST_SIGNALS = 2, 6
-_STYLE = {
+_STYLE: dict[Any, Any] = {
     "svg.hashsalt": "exo-sim",
     "svg.fonttype": "path",
     "font.size": 9.0,
@@ -41,18 +41,20 @@ _STYLE = {
 
 
 def drawn(diagnosis: Diagnosis) -> list[tuple[str, list[Series]]]:
-    """Return the recordings that are worth a picture with their signals: those kept back first, then the worst."""
+    """Return the recordings that are worth a picture with their signals: one kept back, then where the mismatch was located."""
     by_recording: dict[str, list[Series]] = {}
     for series in diagnosis.series:
         if np.isfinite(series.recorded).any() and np.isfinite(series.before).any():
             by_recording.setdefault(series.recording, []).append(series)
-    kept = set(diagnosis.held_out_recordings)
+    kept, located = set(diagnosis.held_out_recordings), [place.recording for place in diagnosis.located]
 
     def rank(item: tuple[str, list[Series]]) -> tuple[bool, float]:
         worst = max(_rms(s.before - s.recorded) / max(s.noise, 1e-30) for s in item[1])
-        return item[0] not in kept, -worst
+        return item[0] not in located, -worst
 
-    chosen = sorted(by_recording.items(), key=rank)[:MOST_RECORDINGS]
+    held = sorted((item for item in by_recording.items() if item[0] in kept), key=rank)
+    others = sorted((item for item in by_recording.items() if item[0] not in kept), key=rank)
+    chosen = [*held[:1], *others, *held[1:]][:MOST_RECORDINGS]
     return [(name, signals[:MOST_SIGNALS]) for name, signals in chosen]
 
 
@@ -82,13 +84,15 @@ def curve(finding: Finding) -> str:
     at, values = np.asarray(held["at"], dtype=float), np.asarray(held["values"], dtype=float)
     band = np.asarray(held.get("band", np.zeros_like(values)), dtype=float)
     name, size = amounts.shown_in(str(held.get("unit", "")), float(np.nanmax(np.abs(values), initial=0.0)))
+    variable = str(held.get("variable", "variable"))
+    along, scale = amounts.shown_in("Pa", 1e5) if variable.startswith("pressure") else ("s" if variable == "time" else "SI", 1.0)
 
     def draw(figure: Figure) -> None:
         axes = figure.subplots()
-        axes.fill_between(at, (values - band) / size, (values + band) / size, color=AFTER, alpha=0.2, linewidth=0.0)
-        axes.plot(at, values / size, color=AFTER, marker="o", markersize=3.0)
+        axes.fill_between(at / scale, (values - band) / size, (values + band) / size, color=AFTER, alpha=0.2, linewidth=0.0)
+        axes.plot(at / scale, values / size, color=AFTER, marker="o", markersize=3.0)
         axes.axhline(0.0, color=NOISE, linewidth=0.8)
-        axes.set_xlabel(f"{str(held.get('variable', 'variable')).replace('_', ' ')} (SI)")
+        axes.set_xlabel(f"{variable.replace('_', ' ')}, {along}")
         axes.set_ylabel(f"missing {str(held.get('acts', '')).replace('_', ' ')}, {name}")
 
     return _svg((5.2, 2.4), draw)
@@ -122,7 +126,8 @@ def _error_over_time(axes: Axes, series: Series, places: Sequence[Located], held
         axes.axhline(series.noise / size, color=NOISE, linewidth=1.0, linestyle="--")
     axes.set_yscale("log")
     if known.size:
-        axes.set_ylim(0.6 * known.min() / size, 2.2 * known.max() / size)
+        low, high = np.quantile(known, (0.01, 0.975))
+        axes.set_ylim(0.6 * low / size, 2.2 * high / size)
     _plain_ticks(axes)
     axes.set_title(series.signal)
     axes.set_ylabel(f"error, {name}")
@@ -136,7 +141,10 @@ def _from_near(axes: Axes, series: Series, held_out: Sequence[tuple[float, float
     time = series.time[rows]
     lines = [values[rows] for values in (series.recorded, series.before, series.after)]
     shown = np.concatenate([line[np.isfinite(line)] for line in lines])
-    name, size = amounts.shown_in(series.unit, float(np.abs(shown).max(initial=0.0)))
+    low, high = np.quantile(shown, (0.005, 0.995)) if shown.size else (0.0, 1.0)
+    name, size = amounts.shown_in(series.unit, float(max(abs(low), abs(high))))
+    if high > low:
+        axes.set_ylim((low - 0.08 * (high - low)) / size, (high + 0.08 * (high - low)) / size)
     widths = (2.6, 1.2, 1.2)
     for line, colour, width, alpha in zip(lines, (RECORDED, BEFORE, AFTER), widths, (0.35, 1.0, 1.0)):
         axes.plot(time, line / size, color=colour, linewidth=width, alpha=alpha, solid_capstyle="round")
@@ -154,6 +162,8 @@ def nearest_look(series: Series, held_out: Sequence[tuple[float, float]]) -> tup
     gain = np.nan_to_num((series.before - series.recorded) ** 2 - (series.after - series.recorded) ** 2)
     if not np.any(gain):
         gain = np.nan_to_num((series.before - series.recorded) ** 2)
+    usual = float(np.quantile(np.abs(gain), 0.98))
+    gain = np.clip(gain, -usual, usual)  # what derivatives do at the ends of a recording tells nothing
     total = np.concatenate([[0.0], np.cumsum(gain)])
     roomy = [(a, b) for a, b in held_out if b - a >= length] or [(first, last)]
     starts = np.concatenate([np.linspace(a, b - length, max(2, int(4 * (b - a) / max(length, 1e-9)))) for a, b in roomy])

@@ -12,7 +12,7 @@ from exo_sim.physics.nodes import exhaust_state, path_areas, pressures, supply_s
 from exo_sim.physics.state import HOSE_ENERGY_1, HOSE_ENERGY_2, INTEGRATED
 
 #: The longest step that accuracy allows [s]; stability asks for more stages, not for shorter steps.
-LONGEST_STEP = 5e-4
+LONGEST_STEP = 1e-3
 
 #: The most steps in one call: a gas that asks for more is no longer one that this model describes.
 MOST_STEPS = 2000

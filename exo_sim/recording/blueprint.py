@@ -96,7 +96,7 @@ def layout(
     """
     import rerun.blueprint as rrb
 
-    pages = [_page(tab, _views(keys, overlaid)) for tab, keys in tabs(recording).items()]
+    pages = [_page(tab, _views(keys, overlaid, recording.units)) for tab, keys in tabs(recording).items()]
     right: rrb.Container | rrb.View = rrb.Tabs(*pages, active_tab=0)
     if lanes:
         height = 0.05 + 0.05 * len(lanes)
@@ -164,14 +164,14 @@ def safe(name: str) -> str:
     return "".join(c if c.isalnum() or c in "_-." else "_" for c in name)
 
 
-def _views(keys: Sequence[str], overlaid: Mapping[str, bool]) -> list[rrb.TimeSeriesView]:
+def _views(keys: Sequence[str], overlaid: Mapping[str, bool], units: Mapping[str, str]) -> list[rrb.TimeSeriesView]:
     import rerun.blueprint as rrb
 
     groups: list[tuple[str, list[str]]] = []
     if any(overlaid.get(key) for key in keys):
         for key in keys:
             if overlaid.get(key):
-                groups += [(_words(key), [key]), (f"simulated less recorded, {_unit(key)}", [f"{DIFFERENCE}/{key}"])]
+                groups += [(_words(key), [key]), (f"simulated less recorded, {units[key]}", [f"{DIFFERENCE}/{key}"])]
         keys = [key for key in keys if not overlaid.get(key)]
     groups += plots(keys)
     return [
@@ -184,10 +184,6 @@ def _views(keys: Sequence[str], overlaid: Mapping[str, bool]) -> list[rrb.TimeSe
         )
         for title, shown in groups
     ]
-
-
-def _unit(key: str) -> str:
-    return " or ".join(columns.signal_of(key).units)
 
 
 def _words(key: str) -> str:

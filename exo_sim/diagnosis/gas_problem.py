@@ -130,6 +130,11 @@ class GasProblem:
         scales = [float(np.median(rows.scale)) for run in self._rows for rows in run if rows.count.size]
         return MATERIAL_SHARE * max(levels, default=0.0) / max(scales, default=1.0)
 
+    @property
+    def sick(self) -> float:
+        """Root-mean-square error beyond which no healthy machine's gas is, in units of the whitened rows."""
+        return 20.0 * self.material
+
     def apply(self, values: dict[Quantity, float], fixed: Sequence[tuple[Quantity, float]] = ()) -> Setting:
         """Return the setting with these numbers put in."""
         setting = self.setting.copy()

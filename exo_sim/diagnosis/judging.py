@@ -68,7 +68,7 @@ def judge(cut: str, where: str, problem: Problem, search: Search, found: Found) 
         return Judged(cut, where, problem, search, found, (), end, False, [], [], [])
     n = problem.size
     named = tuple(c for c in end.chosen if not _is_nozzle(c, end))
-    nameless = _is_nameless(found, named, n, search, cut == "gas")
+    nameless = _is_nameless(found, named, n, search)
     rejected = [
         Rejected(r.effect, r.where, wording.rejected(r, c, worse))
         for c in named
@@ -120,14 +120,14 @@ def _is_nozzle(candidate: Candidate, trial: Trial) -> bool:
     return _NOZZLE[0] < trial.fit.values[candidate.quantities[0]] < _NOZZLE[1]
 
 
-def _is_nameless(found: Found, named: Sequence[Candidate], n: int, search: Search, cut_is_gas: bool) -> bool:
+def _is_nameless(found: Found, named: Sequence[Candidate], n: int, search: Search) -> bool:
     """Say whether too much is left, or believed numbers are bent too far, for the names to be believed."""
     start, end = found.start.fit, found.end.fit
     left = end.sse / n
     if left < LEFT_OVER:
         return False
     if not named:
-        if cut_is_gas and math.sqrt(left) < 20.0 * search.material:
+        if math.sqrt(left) < search.problem.sick:
             return False
         return left > SICK and (search.correlation_time(end.residual) > 2.0 or left > 3.0 * SICK)
     explained = (start.sse - end.sse) / max(start.sse - n, 1e-9)

@@ -6,8 +6,9 @@ from collections.abc import Sequence
 
 import numpy as np
 from numpy.typing import NDArray
+from scipy.ndimage import binary_erosion
 
-from exo_sim.diagnosis.motion_cut import MotionRun, resistance_along
+from exo_sim.diagnosis.motion_cut import SMOOTHING, MotionRun, resistance_along
 from exo_sim.diagnosis.quantity import Candidate, Quantity, Setting
 from exo_sim.diagnosis.split import Split
 from exo_sim.physics.effects.declaration import Parameter, declared
@@ -21,6 +22,8 @@ BLOCK = 1.0
 #: What a healthy machine's balance misses, as a share of the forces at work.
 STRUCTURAL_SHARE = 0.008
 
+#: ... and what no healthy machine's does, as a share of the same.
+SICK_SHARE = 0.03
 #: What a good pressure sensor's zero may be off by [Pa]: a constant force that no recording can call friction.
 PRESSURE_OFFSET = 2000.0
 
@@ -75,6 +78,12 @@ class MotionProblem:
         """How many rows the residual has."""
         return int(self.blocks.size)
 
+    @property
+    def sick(self) -> float:
+        """Root-mean-square error beyond which no healthy machine's balance is, in units of the whitened rows."""
+        force = max((float(np.std(run.drive + run.external)) + float(np.std(run.inertial)) for run in self.runs), default=0.0)
+        return SICK_SHARE * force / float(np.median(self.scale)) if self.scale.size else 0.0
+
     def apply(self, values: dict[Quantity, float], fixed: Sequence[tuple[Quantity, float]] = ()) -> Setting:
         """Return the setting with these numbers put in."""
         setting = self.setting.copy()
@@ -121,8 +130,8 @@ def _layout(run: MotionRun, usable: NDArray[np.bool_]) -> tuple[NDArray[np.int64
     time = run.time
     step = float(np.median(np.diff(time)))
     size = max(1, int(round(GROUP / step)))
-    moving = np.abs(run.velocity) > run.still
-    edge = max(2, int(round(0.5 * 0.031 / step)))
+    edge = max(2, int(round(0.5 * SMOOTHING / step)))
+    moving = binary_erosion(np.abs(run.velocity) > run.still, iterations=max(1, edge // 2))
     good = usable & moving & np.isfinite(run.inertial + run.drive + run.external)
     for begin in run.breaks:
         good[max(0, begin - edge) : begin + edge] = False

@@ -47,6 +47,9 @@ class Problem(Protocol):
     @property
     def size(self) -> int: ...
 
+    @property
+    def sick(self) -> float: ...
+
     def residual(self, values: dict[Quantity, float], fixed: Sequence[tuple[Quantity, float]] = ()) -> Array: ...
 
 
@@ -386,16 +389,18 @@ class Search:
                     continue
                 others = tuple(form if c.key == candidate.key else c for c in now.chosen)
                 trial = self.try_set(others, now.fit.values)
-                if self._price(trial) < self._price(best):
+                if self._is_better(trial, best):
                     best = trial
             now = best
         return now
 
-    def _price(self, trial: Trial) -> float:
-        """Return minus twice the log-likelihood, correlation allowed for, plus what its numbers cost."""
-        n, tau = self.problem.size, self.correlation_time(trial.fit.residual)
-        numbers = sum(len(candidate.quantities) for candidate in trial.chosen)
-        return n / tau * math.log(max(trial.fit.cost, 1e-12) / n) + numbers * math.log(max(n / tau, 2.0))
+    def _is_better(self, one: Trial, other: Trial) -> bool:
+        """Say whether one trial explains more than another for what its numbers cost, both by the better one's correlation."""
+        cleaner = one if one.fit.sse < other.fit.sse else other
+        rows = self.problem.size / self.correlation_time(cleaner.fit.residual)
+        gain = rows * math.log(max(other.fit.cost, 1e-12) / max(one.fit.cost, 1e-12))
+        more = sum(len(c.quantities) for c in one.chosen) - sum(len(c.quantities) for c in other.chosen)
+        return gain > more * math.log(max(rows, 2.0))
 
     def _judge(self, found: Found, ranked: list[tuple[float, Candidate]]) -> None:
         """Weigh each finding against leaving it out and against what could take its place."""

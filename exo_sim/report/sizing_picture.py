@@ -57,7 +57,8 @@ def envelopes(sizing: Sizing) -> str:
                         textcoords="offset points", fontsize=8)  # fmt: skip
         row[0].set(xlabel=f"{kind.name} angle [deg]", ylabel=f"{kind.name} torque [N m]")
         row[1].set(xlabel=f"{kind.name} speed [deg/s]")
-        row[0].legend(fontsize=7, loc="best", frameon=False)
+    handles, words = panels[0][0].get_legend_handles_labels()
+    figure.legend(handles, words, loc="outside upper center", ncols=3, fontsize=7.5, frameon=False)
     return _svg(figure)
 
 

@@ -17,7 +17,7 @@ from exo_sim.physics.gas import flow
 from exo_sim.physics.resistance import dry_level, steady_force
 
 Array = NDArray[np.float64]
-_BISECTIONS = 26
+_BISECTIONS = 22
 
 
 @kernel

@@ -12,6 +12,7 @@ import numpy as np
 from exo_sim.rig import Rig
 from exo_sim.sizing.coupled_stride import LEAD, STEP, CoupledStride, mean_of
 from exo_sim.sizing.design import Design, JointKind, Space, actuator_mass, fitted
+from exo_sim.sizing.first_designs import first_design
 from exo_sim.sizing.loads import Condition, JointLoads, joint_loads
 from exo_sim.sizing.screening import chosen_bores, screen
 
@@ -154,3 +155,9 @@ def score_all(task: Task, designs: list[dict[str, float]]) -> list[Score]:
     """Return the scores of some designs, given as variables: what a worker is sent."""
     judge = evaluator(task)
     return [judge.score(numbers) for numbers in designs]
+
+
+def first_of_all(task: Task, numbers: list[int], seed: int) -> list[dict[str, float]]:
+    """Return some of the first designs, as variables: what a worker is sent before any score is known."""
+    loads = evaluator(task).loads
+    return [first_design(task.rig, task.space, loads, number, seed) for number in numbers]

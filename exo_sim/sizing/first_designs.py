@@ -12,8 +12,8 @@ from exo_sim.sizing.screening import chosen_bores, screen
 _DRAWS = 12
 
 
-def first_designs(rig: Rig, space: Space, loads: tuple[JointLoads, ...], count: int, seed: int) -> list[dict[str, float]]:
-    """Return variables of `count` designs; the first is the owner's, as near as the space allows.
+def first_design(rig: Rig, space: Space, loads: tuple[JointLoads, ...], number: int, seed: int) -> dict[str, float]:
+    """Return the variables of one of the first designs; number 0 is the owner's, as near as the space allows.
 
     Draws come nearer to the owner's geometry until one survives; the last one is taken as it is.
 
@@ -21,20 +21,20 @@ def first_designs(rig: Rig, space: Space, loads: tuple[JointLoads, ...], count: 
         rig: The owner's machine.
         space: What may be chosen.
         loads: What the joints must carry.
-        count: How many.
+        number: Which.
         seed: Of the draws.
     """
     own = space.owners(rig)
-    out = [own]
-    for number in range(1, count):
-        chance = np.random.default_rng([seed, number, 1])
-        for attempt in range(_DRAWS):
-            numbers = _draw(space, own, 1.0 - attempt / _DRAWS, chance)
-            bores = chosen_bores(rig, space, loads, numbers)
-            if screen(rig, space.kinds, loads, space.design(numbers, bores)).survives:
-                break
-        out.append(numbers)
-    return out
+    if number == 0:
+        return own
+    chance = np.random.default_rng([seed, number, 1])
+    numbers = own
+    for attempt in range(_DRAWS):
+        numbers = _draw(space, own, 1.0 - attempt / _DRAWS, chance)
+        bores = chosen_bores(rig, space, loads, numbers)
+        if screen(rig, space.kinds, loads, space.design(numbers, bores)).survives:
+            break
+    return numbers
 
 
 def _draw(space: Space, own: dict[str, float], spread: float, chance: np.random.Generator) -> dict[str, float]:

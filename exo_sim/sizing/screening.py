@@ -16,8 +16,8 @@ from exo_sim.sizing.loads import JointLoads
 
 #: Least moment arm over the joint's whole range [m]: below it a linkage counts as singular.
 LEAST_ARM = 0.010
-#: Phases of each joint's cycle at which torque is held against capability.
-_PHASES = 32
+#: Phases of each joint's cycle at which torque is held against capability; those of a second leg lie between the first's.
+_PHASES = 64
 #: Constraints of each kind of joint, in this order; a design can be built where none is above zero.
 CONSTRAINTS = ("dead centre", "stroke", "length", "buckling", "torque")
 _MISSING = 1.0
@@ -81,9 +81,9 @@ def screen(rig: Rig, kinds: tuple[JointKind, ...], loads: tuple[JointLoads, ...]
     chosen_rig = fitted(rig, tuple(sound), design)
     for kind in sound:
         found = [
-            torque_margin(chosen_rig, kind, joint, name, one)
+            torque_margin(chosen_rig, kind, joint, name, one, side)
             for one in loads
-            for joint, name in zip(kind.joints, kind.cylinders)
+            for side, (joint, name) in enumerate(zip(kind.joints, kind.cylinders))
         ]
         worst = min(found, key=lambda item: item[0])
         by_joint[kind.name] = worst[0]
@@ -129,19 +129,22 @@ def chosen_bores(
     return out
 
 
-def torque_margin(rig: Rig, kind: JointKind, joint: str, name: str, loads: JointLoads) -> tuple[float, Thinnest]:
+def torque_margin(
+    rig: Rig, kind: JointKind, joint: str, name: str, loads: JointLoads, side: int = 0
+) -> tuple[float, Thinnest]:
     """Return the margin of one cylinder under one condition, and where it is thinnest."""
     every = len(loads.angle) // _PHASES
-    found = along(rig, kind, joint, name, loads, every)
-    torque = loads.column(joint)[2][::every]
-    slack = np.minimum(found.slack(torque), found.still_slack(torque))
+    rows = slice((side * every // 2) % every, None, every)
+    found = along(rig, kind, joint, name, loads, rows)
+    torque = loads.column(joint)[2]
+    slack = np.minimum(found.slack(torque[rows]), found.still_slack(torque[rows]))
     at = int(np.argmin(slack))
-    return margin(slack, torque), Thinnest(joint, str(loads.condition), at * every / len(loads.angle))
+    return margin(slack, torque), Thinnest(joint, str(loads.condition), (rows.start + at * every) / len(torque))
 
 
-def along(rig: Rig, kind: JointKind, joint: str, name: str, loads: JointLoads, every: int = 1) -> Capability:
-    """Return what a cylinder of a fitted rig can do along a joint's loop, at every so-many-th sample."""
-    angle, speed, _ = (column[::every] for column in loads.column(joint))
+def along(rig: Rig, kind: JointKind, joint: str, name: str, loads: JointLoads, rows: slice = slice(None)) -> Capability:
+    """Return what a cylinder of a fitted rig can do along a joint's loop, at some of its samples."""
+    angle, speed, _ = (column[rows] for column in loads.column(joint))
     cylinder = rig.cylinders[name]
     attachment = cylinder.attachment or kind.own
     length, arm = length_and_arm(attachment, kind.across, angle)

@@ -1,12 +1,13 @@
 """The search: Optuna's NSGA-II asks and is told in this process, designs are scored wherever workers are.
 
-Every trial's draw depends on the seed, its number and the scores before its batch, never on who scored or when. So the same seed
+Every batch's draws depend on the seed, its number and the scores before it, never on who scored or when. So the same seed
 gives the same front with any workers; and after a kill the same draws come again, and whatever the journal holds is not scored anew.
 """
 
 from __future__ import annotations
 
 import json
+import warnings
 from collections.abc import Sequence
 from dataclasses import asdict, dataclass
 from pathlib import Path
@@ -18,8 +19,6 @@ from exo_sim import progress
 from exo_sim.errors import OutputError
 from exo_sim.sizing.design import MOST_ABOVE, Design, Space
 from exo_sim.sizing.evaluation import Score, Task
-from exo_sim.sizing.first_designs import first_designs
-from exo_sim.sizing.loads import JointLoads
 from exo_sim.sizing.workers import Workers
 
 if TYPE_CHECKING:
@@ -57,7 +56,6 @@ class Outcome:
 
 def search(
     task: Task,
-    loads: tuple[JointLoads, ...],
     trials: int,
     seed: int,
     workers: Workers,
@@ -68,7 +66,6 @@ def search(
 
     Args:
         task: What they are judged by.
-        loads: What the joints must carry, by condition.
         trials: How many designs; the first is the owner's, as near as the space allows.
         seed: Of all draws.
         workers: Who scores.
@@ -85,18 +82,18 @@ def search(
     book = _Journal(journal, f"{task.digest} seed {seed}")
     study = optuna.create_study(directions=list(DIRECTIONS), sampler=_sampler(seed, 0))
     distributions = _distributions(space)
-    for numbers in first_designs(task.rig, space, loads, min(BATCH, trials), seed):
+    for numbers in workers.first_designs(task, min(BATCH, trials), seed):
         study.enqueue_trial({name: _as_asked(name, numbers[name]) for name in distributions})
     found: list[Found] = []
     new, interrupted = 0, False
     with progress.Bar(trials, "sizing", unit="design", quiet=quiet) as bar:
         try:
             for start in range(0, trials, BATCH):
+                study.sampler = _sampler(seed, start)
                 asked = []
-                for number in range(start, min(start + BATCH, trials)):
-                    study.sampler = _sampler(seed, number)
+                for _ in range(start, min(start + BATCH, trials)):
                     asked.append(study.ask(distributions))
-                    _ = asked[-1].relative_params  # puts the first designs, too, into a generation
+                    asked[-1].relative_params  # noqa: B018  puts the first designs, too, into a generation
                 kept = [book.score(trial.number, trial.params) for trial in asked]
                 missing = [trial.params for trial, score in zip(asked, kept) if score is None]
                 fresh = workers.scores(task, missing)
@@ -132,9 +129,10 @@ def _sampler(seed: int, number: int) -> optuna.samplers.NSGAIISampler:
     import optuna
 
     drawn = int(np.random.SeedSequence([seed, number]).generate_state(1)[0])
-    return optuna.samplers.NSGAIISampler(
-        seed=drawn, population_size=BATCH, crossover=optuna.samplers.nsgaii.SBXCrossover(), constraints_func=lambda trial: trial.user_attrs["violations"]
-    )
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore", optuna.exceptions.ExperimentalWarning)
+        crossover = optuna.samplers.nsgaii.SBXCrossover()
+    return optuna.samplers.NSGAIISampler(seed=drawn, population_size=BATCH, crossover=crossover)
 
 
 def _distributions(space: Space) -> dict[str, Any]:
@@ -153,7 +151,8 @@ def _as_asked(name: str, value: float) -> float | int:
 
 
 def _tell(study: optuna.Study, trial: optuna.Trial, score: Score) -> None:
-    trial.set_user_attr("violations", list(score.violations))
+    for i, violation in enumerate(score.violations):
+        trial.set_constraint(str(i), violation)
     study.tell(trial, score.objectives)
 
 

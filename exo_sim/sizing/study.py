@@ -127,7 +127,7 @@ def size(
     """
     task = Task(rig, conditions, space)
     loads = tuple(joint_loads(rig, condition) for condition in conditions)
-    outcome = search(task, loads, trials, seed, workers, folder / "search.journal", quiet)
+    outcome = search(task, trials, seed, workers, folder / "search.journal", quiet)
     if outcome.interrupted:
         raise KeyboardInterrupt(f"{len(outcome.trials)} designs are kept; the same command goes on from there")
     if not outcome.front:
@@ -147,7 +147,7 @@ def size(
         plain = replace(task, rig=replace(rig, effects=tuple(e for e in rig.effects if e.name not in names)))
         tell(f"searching again without {what}")
         journal = folder / f"search_without_{what.replace(' ', '_')}.journal"
-        other = search(plain, loads, trials, seed, workers, journal, quiet)
+        other = search(plain, trials, seed, workers, journal, quiet)
         if other.interrupted:
             raise KeyboardInterrupt("the search is kept; the same command goes on from there")
         if other.front:

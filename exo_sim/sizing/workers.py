@@ -2,15 +2,15 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from contextlib import ExitStack
 from typing import Any
 
 from exo_sim.errors import ScenarioError
-from exo_sim.sizing.evaluation import Score, Task, score_all
+from exo_sim.sizing.evaluation import Score, Task, first_of_all, score_all
 
 #: Designs in one parcel: few enough to share a batch evenly, enough that sending them costs little.
-PARCEL = 4
+PARCEL = 2
 _CONNECT = 10.0
 
 
@@ -47,15 +47,22 @@ class Workers:
 
     def scores(self, task: Task, designs: list[dict[str, float]]) -> Iterator[Score]:
         """Yield the score of each design, given as variables, in their order, as they come in."""
-        parcels = [designs[i : i + PARCEL] for i in range(0, len(designs), PARCEL)]
+        return self._each(score_all, task, designs)
+
+    def first_designs(self, task: Task, count: int, seed: int) -> list[dict[str, float]]:
+        """Return the variables of the first designs, in their order."""
+        return list(self._each(first_of_all, task, list(range(count)), seed))
+
+    def _each(self, work: Callable[..., list[Any]], task: Task, items: list[Any], *more: Any) -> Iterator[Any]:
         if self._parallel is None:
-            for design in designs:
-                yield score_all(task, [design])[0]
+            for item in items:
+                yield from work(task, [item], *more)
             return
         from joblib import delayed
 
-        for scores in self._parallel(delayed(score_all)(task, parcel) for parcel in parcels):
-            yield from scores
+        parcels = [items[i : i + PARCEL] for i in range(0, len(items), PARCEL)]
+        for found in self._parallel(delayed(work)(task, parcel, *more) for parcel in parcels):
+            yield from found
 
 
 def _client(address: str) -> Any:

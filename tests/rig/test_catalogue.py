@@ -1,0 +1,48 @@
+"""The catalogue: standard sizes, rising in everything, and what it makes of the owner's own cylinders."""
+
+import math
+
+import pytest
+
+from exo_sim import rig as rigs
+from exo_sim.errors import RigError
+from exo_sim.rig.catalogue import CATALOGUE, RATED_PRESSURE, estimated_mass, find
+
+
+def test_bores_and_rods_of_the_standards():
+    pairs = [(round(1e3 * one.bore), round(1e3 * one.rod)) for one in CATALOGUE]
+    assert pairs == [(8, 4), (10, 4), (12, 6), (16, 6), (20, 8), (25, 10), (32, 12), (40, 16), (50, 20), (63, 20), (80, 25), (100, 25)]
+    assert all(one.standard == ("ISO 6432" if one.bore < 0.03 else "ISO 15552") for one in CATALOGUE)
+    assert RATED_PRESSURE == 1e6
+
+
+def test_larger_is_heavier_and_longer():
+    for small, large in zip(CATALOGUE, CATALOGUE[1:]):
+        assert small.mass(0.1) < large.mass(0.1)
+        assert small.shortest(0.1) <= large.shortest(0.1)
+    assert all(one.mass(0.1) < one.mass(0.2) for one in CATALOGUE)
+
+
+def test_the_shortest_stroke_that_covers_a_travel():
+    entry = find(0.040)
+    assert entry.stroke_for(0.100) == pytest.approx(0.100)
+    assert entry.stroke_for(0.1001) == pytest.approx(0.125)
+    assert entry.stroke_for(0.9) is None
+
+
+def test_euler_buckling_of_a_16_mm_rod():
+    # pi^2 E I / L^2 = 6.54 kN at 1 m for 206 GPa; a fifth of it is allowed
+    inertia = math.pi / 64 * 0.016**4
+    assert find(0.040).buckling_force(1.0) == pytest.approx(math.pi**2 * 2.06e11 * inertia / 5.0)
+    assert find(0.040).buckling_force(0.5) == pytest.approx(4 * find(0.040).buckling_force(1.0))
+
+
+def test_mass_between_two_standard_bores(repository):
+    cylinder = rigs.read(repository / "assets" / "exo.toml").cylinders["knee_l"]
+    from dataclasses import replace
+
+    assert estimated_mass(cylinder) == pytest.approx(find(0.040).mass(cylinder.stroke))
+    odd = estimated_mass(replace(cylinder, bore=0.045))
+    assert find(0.040).mass(cylinder.stroke) < odd < find(0.050).mass(cylinder.stroke)
+    with pytest.raises(RigError, match="outside the catalogue"):
+        estimated_mass(replace(cylinder, bore=0.3))

@@ -39,10 +39,11 @@ def command(
     one run from the first.
     """
     from exo_sim import rig as rigs
+    from exo_sim.cli.inspect import facts_of
     from exo_sim.diagnosis import replay as replays
     from exo_sim.errors import OutputError
     from exo_sim.progress import Bar
-    from exo_sim.recording import read, write_rrd
+    from exo_sim.recording import health, read, write_rrd
 
     path = out or Path(f"{recording.stem}_compared.rrd")
     if path.suffix.lower() != ".rrd":
@@ -53,16 +54,16 @@ def command(
         replay = replays.replay(reading.recording, machine, motion=motion, progress=bar.to)
     signals = errors(reading.recording, replay)
     write_rrd(path, reading.recording, overlays={"simulated": replay.windowed, "free_run": replay.free_run})
-    for finding in reading.findings:
-        printing.remark(f"exo-sim: {finding.says}", quiet=quiet or finding.severity == "info")
-    for words in replay.remarks:
+    odd = [*reading.findings, *health.check(reading.recording, facts_of(rig))]
+    remarks = [*(finding.says for finding in odd if finding.severity != "info"), *replay.remarks]
+    for words in remarks:
         printing.remark(f"exo-sim: {words}", quiet=quiet)
     data = {
         "schema": "exo-sim/compare/1",
         "measure": replay.measure,
         "signal": signals,
         "motion": "recorded" if replay.led else "predicted",
-        "remarks": [*(f.says for f in reading.findings if f.severity != "info"), *replay.remarks],
+        "remarks": remarks,
         "recording": recording,
         "rig": rig,
         "comparison": path,

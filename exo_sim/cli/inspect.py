@@ -28,11 +28,12 @@ def command(
     """Show the signals, gait events, pressures, torques and gas used of RECORDING, a .csv, .parquet or .rrd file."""
     from exo_sim.recording import read, summary, summary_text
 
-    found = summary.summarise(read(recording, columns), _facts(rig))
+    found = summary.summarise(read(recording, columns), facts_of(rig))
     printing.show(summary.as_dict(found), summary_text.text(found), as_json=as_json, out=out)
 
 
-def _facts(path: Path | None) -> Facts | None:
+def facts_of(path: Path | None) -> Facts | None:
+    """Return what a rig says that a sensor can be held against."""
     if path is None:
         return None
     import mujoco

@@ -28,6 +28,8 @@ Array = NDArray[np.float64]
 #: Length of a window [s].
 WINDOW = 0.5
 _CHUNK = 20000
+#: More steps than this are refused: ten hours in steps of a millisecond.
+MOST_STEPS = 36_000_000
 
 
 @dataclass(frozen=True)
@@ -147,6 +149,11 @@ class _Simulation:
         self.dt = float(model.opt.timestep)
         self.joints = fed.recorded_joints(recording, model)
         self.names = [model.joint(j).name for j in self.joints]
+        if recording.duration > MOST_STEPS * self.dt:
+            raise RecordingError(
+                f'"{recording.name}": {recording.duration:.3g} s in steps of {self.dt:g} s are too many to simulate; '
+                "is its clock in seconds? Else cut it into pieces"
+            )
         self.pieces = fed.steps(recording.time, self.dt)
         if not self.pieces:
             raise RecordingError(f'"{recording.name}": its clock jumps at every few samples; nothing can be simulated')

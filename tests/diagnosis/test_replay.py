@@ -163,3 +163,10 @@ def test_without_a_position_nothing_can_be_predicted(tmp_path):
     columns = {key: values for key, values in true.columns.items() if key != "slide.position"}
     with pytest.raises(RecordingError, match="nothing in it can be predicted"):
         replay(benches.recording(true.time, columns), rig)
+
+
+def test_a_clock_that_is_not_in_seconds_is_refused(tmp_path):
+    rig = benches.bench(tmp_path)
+    true = benches.recorded(rig, 0.2)
+    with pytest.raises(RecordingError, match="is its clock in seconds"):
+        replay(replace(true, time=true.time * 1e6), rig)

@@ -6,6 +6,7 @@ import os
 from collections.abc import Callable, Sequence
 from concurrent.futures import ThreadPoolExecutor
 from dataclasses import replace
+from functools import partial
 from pathlib import Path
 
 import numpy as np
@@ -15,6 +16,7 @@ from exo_sim.diagnosis.cases import Case, gather
 from exo_sim.diagnosis.gas_problem import GasProblem
 from exo_sim.diagnosis.judging import Judged, calibration_finding, judge
 from exo_sim.diagnosis.motion_problem import MotionProblem
+from exo_sim.diagnosis.nameless import pattern_left
 from exo_sim.diagnosis.proof import prove
 from exo_sim.diagnosis.quantity import Setting
 from exo_sim.diagnosis.result import Diagnosis, Finding, Located, Rejected
@@ -120,7 +122,7 @@ def _gas(case: Case, parts: Split, pool: ThreadPoolExecutor, say: Progress) -> l
             _told(say, name),
             material=problem.material,
         )
-        found.append(judge("gas", name, problem, search, search.run()))
+        found.append(judge("gas", name, problem, search, search.run(), partial(pattern_left, problem)))
     return found
 
 
@@ -148,7 +150,7 @@ def _motion(case: Case, parts: Split, pool: ThreadPoolExecutor, say: Progress) -
             _told(say, joint),
             finalists=20,
         )
-        found.append(judge("motion", where, problem, search, search.run()))
+        found.append(judge("motion", where, problem, search, search.run(), partial(pattern_left, problem)))
     return found
 
 

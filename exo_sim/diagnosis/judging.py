@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -19,6 +19,8 @@ from exo_sim.physics.effects.declaration import declared
 AS_GOOD = 3.0
 #: Residual variance in units of the noise beyond which something is left, and what named effects must then explain.
 LEFT_OVER, EXPLAINED = 1.8, 0.90
+#: Between this and nine tenths, names stand unless what is left follows one signal by more than that share.
+HALFWAY, PATTERN = 0.6, 0.25
 #: Without any finding a residual variance beyond this is no healthy machine's.
 SICK = 5.0
 #: A believed number that had to move by more than this many of its own spreads speaks for something missing.
@@ -61,14 +63,21 @@ class Judged:
         return self.problem.size == 0 or self.trial.fit.residual.size == 0
 
 
-def judge(cut: str, where: str, problem: Problem, search: Search, found: Found) -> Judged:
-    """Turn a finished search into findings."""
+def judge(
+    cut: str, where: str, problem: Problem, search: Search, found: Found, pattern: Callable[[Trial], float]
+) -> Judged:
+    """Turn a finished search into findings.
+
+    Args:
+        cut, where, problem, search, found: What was searched, and the outcome.
+        pattern: Share of what a trial leaves that follows one signal.
+    """
     end = found.end
     if end.fit.residual.size == 0:
         return Judged(cut, where, problem, search, found, (), end, False, [], [], [])
     n = problem.size
     named = tuple(c for c in end.chosen if not _is_nozzle(c, end))
-    nameless = _is_nameless(found, named, n, search)
+    nameless = _is_nameless(found, named, n, search, pattern)
     rejected = [
         Rejected(r.effect, r.where, wording.rejected(r, c, worse))
         for c in named
@@ -120,7 +129,9 @@ def _is_nozzle(candidate: Candidate, trial: Trial) -> bool:
     return _NOZZLE[0] < trial.fit.values[candidate.quantities[0]] < _NOZZLE[1]
 
 
-def _is_nameless(found: Found, named: Sequence[Candidate], n: int, search: Search) -> bool:
+def _is_nameless(
+    found: Found, named: Sequence[Candidate], n: int, search: Search, pattern: Callable[[Trial], float]
+) -> bool:
     """Say whether too much is left, or believed numbers are bent too far, for the names to be believed."""
     start, end = found.start.fit, found.end.fit
     left = end.sse / n
@@ -131,7 +142,7 @@ def _is_nameless(found: Found, named: Sequence[Candidate], n: int, search: Searc
             return False
         return left > SICK and (search.correlation_time(end.residual) > 2.0 or left > 3.0 * SICK)
     explained = (start.sse - end.sse) / max(start.sse - n, 1e-9)
-    if explained < EXPLAINED:
+    if explained < EXPLAINED and (explained < HALFWAY or pattern(found.end) > PATTERN):
         return True
     bent = any(q.prior is not None and abs(end.values[q] - q.prior[0]) > STRAINED * q.prior[1] for q in end.quantities)
     return bent and left > SICK

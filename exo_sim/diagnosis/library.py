@@ -165,7 +165,10 @@ def _forms(effect: Effect, where: str, form: tuple[str, ...], setting: Setting) 
     target = "world" if where in ("supply", "exhaust") else "cylinder"
     quantities = tuple(_quantity(effect, effect.parameter(name), where, target) for name in form)
     valve = float(setting.cylinder["valve_area"][0])
-    if effect.name in _STARTS:
+    porous = "inertial" in form
+    if porous:  # where both terms of the path's law take half of the drop from 5 bar
+        starts = tuple((*(a for _ in form[:-1]), 2.0 / (a * a * 2.5e11)) for a in (1e-16, 1e-17, 1e-18))
+    elif effect.name in _STARTS:
         starts = _STARTS[effect.name]
     elif effect.name in _STARTS_BY_VALVE and valve > 0.0:
         starts = tuple(
@@ -182,7 +185,13 @@ def _forms(effect: Effect, where: str, form: tuple[str, ...], setting: Setting) 
         if p.default and p.name not in form and not p.choices
     )
     one = Candidate(
-        effect.name, where, "+".join(form), quantities, starts, fixed=pinned, proportional=effect.name in _PROPORTIONAL
+        effect.name,
+        where,
+        "+".join(form),
+        quantities,
+        starts,
+        fixed=pinned,
+        proportional=effect.name in _PROPORTIONAL and not porous,
     )
     choices = [parameter for parameter in effect.parameters if parameter.choices]
     if not choices:

@@ -81,7 +81,9 @@ class MotionProblem:
     @property
     def sick(self) -> float:
         """Root-mean-square error beyond which no healthy machine's balance is, in units of the whitened rows."""
-        force = max((float(np.std(run.drive + run.external)) + float(np.std(run.inertial)) for run in self.runs), default=0.0)
+        force = max(
+            (float(np.std(run.drive + run.external)) + float(np.std(run.inertial)) for run in self.runs), default=0.0
+        )
         return SICK_SHARE * force / float(np.median(self.scale)) if self.scale.size else 0.0
 
     def apply(self, values: dict[Quantity, float], fixed: Sequence[tuple[Quantity, float]] = ()) -> Setting:
@@ -154,6 +156,8 @@ def believed(runs: Sequence[MotionRun], setting: Setting, where: str) -> tuple[Q
     lever = max((float(np.median(np.abs(v))) for k, v in run.levers.items() if "pressure" in k), default=0.0)
     force = float(np.std(run.drive + run.external)) or float(np.std(run.inertial)) or 1.0
     spread = max(PRESSURE_OFFSET * lever, 1e-4 * force)
+    if run.cylinder is None and not run.external_recorded:
+        spread = 0.02 * float(np.std(run.inertial))
     found = []
     if (
         run.cylinder is not None or run.external_recorded
@@ -215,8 +219,8 @@ def candidates(runs: Sequence[MotionRun], setting: Setting, where: str) -> tuple
             or effect.name not in (setting.cylinder.dtype.names or ())
         ):
             continue
-        if effect.name == "asymmetric_friction" and run.cylinder is None and run.external_recorded:
-            continue  # while it moves, Coulomb friction with an offset of the force sensor says the same in simpler words
+        if effect.name == "asymmetric_friction" and run.cylinder is None:
+            continue  # while it moves, Coulomb friction with an offset says the same in simpler words
         if effect.name != "presliding" and any(
             float(setting.cylinder[effect.name][p.name][0]) != 0.0 for p in effect.parameters
         ):

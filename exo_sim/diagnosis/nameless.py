@@ -10,6 +10,7 @@ from numpy.typing import NDArray
 from exo_sim.diagnosis.gas_problem import GasProblem
 from exo_sim.diagnosis.motion_problem import MotionProblem
 from exo_sim.diagnosis.quantity import Setting
+from exo_sim.diagnosis.search import Trial
 from exo_sim.diagnosis.unknown import Curve, depends_on
 
 Array = NDArray[np.float64]
@@ -40,6 +41,16 @@ class Nameless:
     def best(self) -> Curve | None:
         """The curve that predicts most, if any predicts enough."""
         return self.curves[0] if self.curves and self.curves[0].explains > LEAST_EXPLAINED else None
+
+
+def pattern_left(problem: GasProblem | MotionProblem, trial: Trial) -> float:
+    """Return the largest share of what a trial leaves that follows one signal."""
+    setting = problem.apply(trial.fit.values, [pair for candidate in trial.chosen for pair in candidate.fixed])
+    if isinstance(problem, MotionProblem):
+        left = [missing_force(problem, setting)]
+    else:
+        left = [missing_flow(problem, setting, side) for side in set(problem.sides.tolist())]
+    return max((curves.curves[0].explains for curves in left if curves.curves), default=0.0)
 
 
 def missing_force(problem: MotionProblem, setting: Setting) -> Nameless:

@@ -379,13 +379,15 @@ class Search:
         return now
 
     def _simplest(self, now: Trial) -> Trial:
-        """Put each finding in the form that needs fewest numbers for what it explains."""
+        """Put each finding in the form that needs fewest numbers for what it explains; where fits are cheap, in a plainer one's place."""
         for candidate in now.chosen:
             best = now
             for form in self.library:
-                if (form.effect, form.where) != (candidate.effect, candidate.where) or form.key == candidate.key:
+                same = (form.effect, form.where) == (candidate.effect, candidate.where)
+                plainer = self.finalists > FINALISTS and len(form.quantities) < len(candidate.quantities)
+                if form.key == candidate.key or not (same or (plainer and (form.effect, form.where) not in now.keys)):
                     continue
-                if form.kind != candidate.kind or len(form.quantities) > len(candidate.quantities) + 2:
+                if same and len(form.quantities) > len(candidate.quantities) + 2:
                     continue
                 others = tuple(form if c.key == candidate.key else c for c in now.chosen)
                 trial = self.try_set(others, now.fit.values)

@@ -21,7 +21,7 @@ EFFECT = Effect(
         Parameter("area_2", "m^2", 0.0, 1e-4, (1e-10, 1e-7), _ORIFICE, required=False),
         Parameter("laminar_1", "kg/(s Pa^2)", 0.0, 1e-12, (1e-19, 1e-15), _POROUS, required=False),
         Parameter("laminar_2", "kg/(s Pa^2)", 0.0, 1e-12, (1e-19, 1e-15), _POROUS, required=False),
-        Parameter("inertial", "Pa^2 s^2/kg^2", 0.0, 1e24, (1e16, 1e21), _POROUS, required=False),
+        Parameter("inertial", "Pa^2 s^2/kg^2", 0.0, 1e28, (1e18, 1e24), _POROUS, required=False),
     ),
     any_of=(("area_1",), ("area_2",), ("laminar_1",), ("laminar_2",)),
     cut="gas",

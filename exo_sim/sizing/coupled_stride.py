@@ -27,7 +27,7 @@ STEP = 2e-3
 #: Cycles, and least time [s], of ideal actuators from which every design starts.
 _SETTLED, _SETTLED_TIME = 2, 2.0
 #: Share of a cycle that a design gets to find its own pressures, before the cycle that counts.
-LEAD = 0.15
+LEAD = 0.5
 #: How far the machine may be from its wearer [m].
 _LOST = 0.35
 
@@ -56,7 +56,7 @@ class CoupledStride:
         rig: The owner's machine.
         condition: Scenario, payload, cadence.
         step: Of the simulation [s].
-        lead: Share of a cycle before the one that counts.
+        lead: Cycles before the one that counts.
     """
 
     def __init__(self, rig: Rig, condition: Condition, step: float = STEP, lead: float = LEAD):
@@ -145,7 +145,8 @@ class CoupledStride:
         away = part[:, 1] - self._simulation.motion.advance * cycles - self._simulation.motion.at(cycles)[:, 0]
         errors = np.sqrt(np.mean((part[:, self._torque] - part[:, self._wanted]) ** 2, axis=0))
         worst = int(np.argmax(errors))
-        gas = float(np.sum(part[-1, self._gas] - part[0, self._gas])) * self._count / (len(part) - 1)
+        drawn = float(np.sum(part[-1, self._gas] - part[0, self._gas]))
+        gas = drawn * self._simulation.motion.period / float(part[-1, 0] - part[0, 0])
         return Stride(gas, float(errors[worst]), names[worst], bool(np.abs(away).max() < _LOST))
 
 

@@ -10,7 +10,7 @@ from functools import cached_property
 import numpy as np
 
 from exo_sim.rig import Rig
-from exo_sim.sizing.coupled_stride import LEAD, STEP, CoupledStride, mean_of
+from exo_sim.sizing.coupled_stride import STEP, CoupledStride, mean_of
 from exo_sim.sizing.design import Design, JointKind, Space, actuator_mass, fitted
 from exo_sim.sizing.first_designs import first_design
 from exo_sim.sizing.loads import Condition, JointLoads, joint_loads
@@ -72,20 +72,18 @@ class Task:
         conditions: What it must do.
         space: What may be chosen.
         step: Of the coupled cycle [s].
-        lead: Share of a cycle before it.
     """
 
     rig: Rig
     conditions: tuple[Condition, ...]
     space: Space
     step: float = STEP
-    lead: float = LEAD
 
     @cached_property
     def digest(self) -> str:
         """Short name of everything that a score depends on besides the design."""
         rig = self.rig
-        text = repr((rig.text, rig.effects, rig.wearer, rig.ankle, rig.supply, self.conditions, self.space, self.step, self.lead))
+        text = repr((rig.text, rig.effects, rig.wearer, rig.ankle, rig.supply, self.conditions, self.space, self.step))
         return hashlib.sha256(text.encode() + rig.model.read_bytes()).hexdigest()[:16]
 
 
@@ -100,7 +98,7 @@ class Evaluator:
         self.task = task
         self.kinds: tuple[JointKind, ...] = task.space.kinds
         self.loads: tuple[JointLoads, ...] = tuple(joint_loads(task.rig, condition) for condition in task.conditions)
-        self._strides = [CoupledStride(task.rig, condition, task.step, task.lead) for condition in task.conditions]
+        self._strides = [CoupledStride(task.rig, condition, task.step) for condition in task.conditions]
 
     def score(self, numbers: Mapping[str, float]) -> Score:
         """Return the score of the design that a set of variables stands for (`Space`)."""

@@ -11,7 +11,7 @@ from exo_sim.sizing.evaluation import Score, Task, first_of_all, score_all
 
 #: Designs in one parcel: few enough to share a batch evenly, enough that sending them costs little.
 PARCEL = 2
-_CONNECT = 10.0
+_CONNECT = 5.0
 
 
 class Workers:

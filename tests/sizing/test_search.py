@@ -1,0 +1,133 @@
+"""The search: a true front, the same one whoever scores, and nothing scored twice."""
+
+from dataclasses import replace
+from functools import partial
+
+import numpy as np
+import pytest
+
+from exo_sim.errors import OutputError, ScenarioError
+from exo_sim.rig import EffectSetting
+from exo_sim.sizing import evaluation
+from exo_sim.sizing.choice import ENOUGH_MARGIN, nothing_found, recommended
+from exo_sim.sizing.evaluation import Task
+from exo_sim.sizing.search import search
+from exo_sim.sizing.study import space_of
+from exo_sim.sizing.workers import Workers
+
+TRIALS = 60
+
+
+@pytest.fixture(scope="module")
+def outcome(task):
+    with Workers(1) as workers:
+        return search(task, TRIALS, 5, workers)
+
+
+def _told(outcome):
+    return [(one.design, one.score) for one in outcome.front]
+
+
+def test_nothing_on_the_front_is_bettered(outcome):
+    feasible = [one.score for one in outcome.trials if one.score.feasible]
+    assert len(feasible) > TRIALS / 4 and len(outcome.front) > 3
+    for one in outcome.front:
+        mine = np.array([-one.score.margin, *one.score.objectives[1:]])
+        for other in feasible:
+            theirs = np.array([-other.margin, *other.objectives[1:]])
+            assert not (np.all(theirs <= mine) and np.any(theirs < mine))
+
+
+def test_screened_out_designs_are_not_simulated(outcome):
+    out = [one.score for one in outcome.trials if max(one.score.violations) > 0 and not one.score.simulated]
+    assert out and all(not score.feasible for score in out)
+
+
+def test_the_recommended_design_keeps_torque_in_hand(outcome, loads, space):
+    joints = tuple(joint for kind in space.kinds for joint in kind.joints)
+    choice = recommended(outcome.front, (loads,), joints)
+    assert choice.found in outcome.front
+    assert choice.found.score.margin >= ENOUGH_MARGIN and "margin" in choice.why
+
+
+def test_same_seed_same_front_another_seed_another(task, outcome):
+    with Workers(1) as workers:
+        assert _told(search(task, TRIALS, 5, workers)) == _told(outcome)
+        assert _told(search(task, TRIALS, 6, workers)) != _told(outcome)
+
+
+def test_two_processes_give_the_same_front(task, outcome):
+    with Workers(2) as workers:
+        assert _told(search(task, TRIALS, 5, workers)) == _told(outcome)
+
+
+def test_killed_and_started_again_it_repeats_nothing(task, outcome, tmp_path, monkeypatch):
+    journal, scored = tmp_path / "search.journal", []
+    whole = evaluation.Evaluator.score
+
+    def counted(self, numbers, stop_at):
+        if len(scored) == stop_at:
+            raise KeyboardInterrupt
+        scored.append(tuple(sorted(numbers.items())))
+        return whole(self, numbers)
+
+    monkeypatch.setattr(evaluation.Evaluator, "score", lambda self, numbers: counted(self, numbers, 47))
+    with Workers(1) as workers:
+        half = search(task, TRIALS, 5, workers, journal)
+    assert half.interrupted and len(half.trials) == 47
+    monkeypatch.setattr(evaluation.Evaluator, "score", lambda self, numbers: counted(self, numbers, 1000))
+    with Workers(1) as workers:
+        rest = search(task, TRIALS, 5, workers, journal)
+        third = search(task, TRIALS, 5, workers, journal)
+    assert rest.new == TRIALS - 47 and third.new == 0
+    assert len(scored) == len(set(scored)) == TRIALS
+    assert _told(rest) == _told(outcome) == _told(third)
+
+
+def test_a_journal_of_another_search_is_refused(task, tmp_path):
+    with Workers(1) as workers:
+        search(task, 1, 5, workers, tmp_path / "search.journal")
+        with pytest.raises(OutputError, match="holds another search"):
+            search(task, 1, 6, workers, tmp_path / "search.journal")
+
+
+def test_what_keeps_every_design_out_is_named(exo, condition):
+    weak = Task(exo, (condition,), space_of(exo, 0.0, 4.2e5))
+    starved = replace(weak, rig=replace(exo, effects=tuple(
+        EffectSetting("coulomb_friction", name, {"force": 5000.0}) for name in exo.cylinders)))  # fmt: skip
+    with Workers(1) as workers:
+        found = search(starved, 5, 0, workers)
+    assert not found.front
+    error = nothing_found(found, starved)
+    assert isinstance(error, ScenarioError) and "torque" in str(error) and "\n" not in str(error)
+
+
+def test_friction_asks_for_more(task, judge, outcome):
+    """The same design has less margin with friction, and draws different gas with heat loss."""
+    names = task.rig.cylinders
+    rough = replace(task, rig=replace(task.rig, effects=tuple(
+        EffectSetting("coulomb_friction", name, {"force": 120.0}) for name in names)))  # fmt: skip
+    lossy = replace(task, rig=replace(task.rig, effects=tuple(
+        EffectSetting("wall_heat_transfer", name, {"conductance": 3.0}) for name in names)))  # fmt: skip
+    design = outcome.front[0].design
+    plain = judge.judge(design)
+    assert evaluation.Evaluator(rough).judge(design).margin < plain.margin - 0.02
+    with_loss = evaluation.Evaluator(lossy).judge(design)
+    assert with_loss.margin == plain.margin and with_loss.gas != plain.gas
+
+
+@pytest.mark.slow
+def test_a_dask_cluster_of_two_processes_gives_the_same_front(task, outcome):
+    distributed = pytest.importorskip("distributed")
+    make = partial(
+        distributed.LocalCluster, n_workers=2, threads_per_worker=1, processes=True, host="127.0.0.1", dashboard_address=None
+    )
+    with make() as cluster, Workers(scheduler=cluster.scheduler_address) as workers:
+        assert _told(search(task, TRIALS, 5, workers)) == _told(outcome)
+
+
+def test_no_scheduler_there_is_one_line():
+    pytest.importorskip("distributed")
+    with pytest.raises(ScenarioError, match="no Dask scheduler answers") as error:
+        Workers(scheduler="tcp://127.0.0.1:9")
+    assert "\n" not in str(error.value)

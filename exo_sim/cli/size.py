@@ -68,7 +68,7 @@ def command(scenarios: tuple[str, ...], payloads: tuple[float, ...], speeds: tup
         printing.show(told.by_hand_numbers(example, joints), told.by_hand_words(example, joints), as_json=as_json)
         return
     from exo_sim.outputs import replacing
-    from exo_sim.report import sizing_page
+    from exo_sim.report.sizing_page import page
     from exo_sim.sizing.workers import Workers
 
     folder = out or Path("sized")
@@ -76,5 +76,5 @@ def command(scenarios: tuple[str, ...], payloads: tuple[float, ...], speeds: tup
         found = size(machine, conditions, space, trials, seed, workers, folder, quiet,
                      lambda words: printing.remark(words, quiet=quiet))  # fmt: skip
     with replacing(folder / "report.html") as beside:
-        beside.write_text(sizing_page.page(found), encoding="utf-8")
+        beside.write_text(page(found), encoding="utf-8")
     printing.show(told.numbers(found, folder), told.words(found, folder), as_json=as_json)

@@ -82,7 +82,8 @@ def _margin(panel: Axes, sizing: Sizing, kind: JointKind, rig: Any) -> None:
         panel.plot(phase, 100 * found.slack(torque) / peak, color=colour, lw=1.4, label=f"{loads.condition}, moving")
         panel.plot(phase, 100 * found.still_slack(torque) / peak, color=colour, lw=0.8, ls=":", label="held still")
     panel.axhline(0.0, color=_INK, lw=0.6)
-    panel.set(xlabel="cycle of the right leg [%]", ylabel=f"{kind.name}: torque left [% of peak]", ylim=(min(0.0, panel.get_ylim()[0]), None))
+    panel.set(xlabel="cycle of the right leg [%]", ylabel=f"{kind.name}: torque left [% of peak]")
+    panel.set_ylim(min(0.0, panel.get_ylim()[0]), None)
     panel.legend(fontsize=7, frameon=False)
 
 

@@ -71,7 +71,9 @@ class CatalogueCylinder:
         return math.pi**2 * 2.06e11 * math.pi / 64 * self.rod**4 / (5.0 * length**2)
 
 
-def _row(standard: str, strokes: tuple[int, ...], bore: float, rod: float, pivot: float, grams: float, per_10mm: float):  # type: ignore[no-untyped-def]
+def _row(
+    standard: str, strokes: tuple[int, ...], bore: float, rod: float, pivot: float, grams: float, per_10mm: float
+) -> CatalogueCylinder:
     return CatalogueCylinder(
         standard, bore * _MM, rod * _MM, tuple(s * _MM for s in strokes), pivot * _MM, grams * 1e-3, per_10mm * _G_PER_10MM
     )

@@ -10,7 +10,7 @@ from functools import cached_property
 import numpy as np
 
 from exo_sim.rig import Rig
-from exo_sim.sizing.coupled_stride import STEP, CoupledStride, mean_of
+from exo_sim.sizing.coupled_stride import STEP, CoupledStride, Stride, mean_of
 from exo_sim.sizing.design import Design, JointKind, Space, actuator_mass, fitted
 from exo_sim.sizing.first_designs import first_design
 from exo_sim.sizing.loads import Condition, JointLoads, joint_loads
@@ -112,23 +112,26 @@ class Evaluator:
         screened = screen(rig, self.kinds, self.loads, design)
         mass = actuator_mass(self.kinds, design)
         place = screened.thinnest
-        known = {
-            "violations": tuple(_rounded(value) for value in screened.violations),
-            "by_joint": {name: _rounded(value) for name, value in screened.by_joint.items()},
-            "thinnest": None if place is None else (place.joint, place.condition, place.phase),
-        }
-        margin, mass = _rounded(screened.margin), _rounded(min(mass, 1e3))
+        seen = Score(
+            margin=_rounded(screened.margin),
+            gas=UNKNOWN_GAS,
+            mass=_rounded(min(mass, 1e3)),
+            error=UNKNOWN_ERROR,
+            violations=tuple(_rounded(value) for value in screened.violations),
+            simulated=False,
+            finished=False,
+            by_joint={name: _rounded(value) for name, value in screened.by_joint.items()},
+            thinnest=None if place is None else (place.joint, place.condition, place.phase),
+        )
         if not screened.survives:
-            return Score(margin, UNKNOWN_GAS, mass, UNKNOWN_ERROR, simulated=False, finished=False, **known)
+            return seen
         found = self.coupled(fitted(rig, self.kinds, design))
         if not found.finished:
-            known["violations"] = (*known["violations"][:-1], 1.0)
-            return Score(margin, UNKNOWN_GAS, mass, UNKNOWN_ERROR, simulated=True, finished=False, **known)
-        return Score(
-            margin, _rounded(found.gas), mass, _rounded(found.error), simulated=True, finished=True, worst=found.worst, **known
-        )
+            return replace(seen, simulated=True, violations=(*seen.violations[:-1], 1.0))
+        gas, error = _rounded(found.gas), _rounded(found.error)
+        return replace(seen, simulated=True, finished=True, gas=gas, error=error, worst=found.worst)
 
-    def coupled(self, rig: Rig):  # type: ignore[no-untyped-def]
+    def coupled(self, rig: Rig) -> Stride:
         """Put a fitted rig through the cycle of every condition; return gas and error over all of them."""
         return mean_of([stride.run(rig) for stride in self._strides])
 

@@ -8,7 +8,9 @@ from numpy.typing import NDArray
 from exo_sim.rig import Attachment
 
 
-def length_and_arm(attachment: Attachment, across: float, angle: NDArray[np.float64]):  # type: ignore[no-untyped-def]
+def length_and_arm(
+    attachment: Attachment, across: float, angle: NDArray[np.float64]
+) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
     """Return length and dlength/dangle at some joint angles.
 
     Args:

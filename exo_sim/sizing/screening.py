@@ -77,7 +77,8 @@ def screen(rig: Rig, kinds: tuple[JointKind, ...], loads: tuple[JointLoads, ...]
             push / entry.buckling_force(place.longest) - 1.0,
         ])  # fmt: skip
     sound = [kind for kind, row in zip(kinds, geometry) if max(row) <= 0.0]
-    least, by_joint = (-_MISSING if len(sound) < len(kinds) else np.inf, None), {kind.name: -_MISSING for kind in kinds}
+    least: tuple[float, Thinnest | None] = (-_MISSING if len(sound) < len(kinds) else np.inf, None)
+    by_joint = {kind.name: -_MISSING for kind in kinds}
     chosen_rig = fitted(rig, tuple(sound), design)
     for kind in sound:
         found = [

@@ -21,7 +21,7 @@ def sized_text(rig: Rig, kinds: tuple[JointKind, ...], design: Design, folder: P
         folder: Where the file will be; the path to the MJCF is counted from there.
     """
     chosen = fitted(rig, kinds, design)
-    numbers = [(("supply", "pressure"), rig.supply.pressure, design.supply, "Pa")]
+    numbers: list[tuple[tuple[str, ...], float, float, str]] = [(("supply", "pressure"), rig.supply.pressure, design.supply, "Pa")]
     for kind in kinds:
         for name in kind.cylinders:
             old, new, key = rig.cylinders[name], chosen.cylinders[name], ("cylinders", name)
@@ -41,10 +41,10 @@ def sized_text(rig: Rig, kinds: tuple[JointKind, ...], design: Design, folder: P
             before, table = rig.cylinders[name].attachment, tomlkit.table()
             if before == points:
                 continue
-            for key, end, own in (("from", points.base, kind.own.base), ("to", points.rod, kind.own.rod)):
+            for word, end, own in (("from", points.base, kind.own.base), ("to", points.rod, kind.own.rod)):
                 item = tomlkit.array()
                 item.extend([f"{1e3 * end[0]:.7g} mm", f"{1e3 * end[1]:.7g} mm"])
                 item.comment(f"was {1e3 * own[0]:.4g}, {1e3 * own[1]:.4g} mm; x, z from the axis of the {kind.name}")
-                table[key] = item
+                table[word] = item
             cylinders[name]["attachment"] = table  # type: ignore[index]
     return tomlkit.dumps(document)

@@ -14,6 +14,9 @@ if TYPE_CHECKING:
     from exo_sim.diagnosis.replay import Replay
     from exo_sim.recording import Recording
 
+#: Samples of a recording that the viewer is given; errors count all of them.
+_MOST_SHOWN = 400_000
+
 
 @verb(
     "exo-sim compare bench.csv --rig rig.toml",
@@ -53,7 +56,8 @@ def command(
     with Bar(1.0, "simulating", "of it", quiet) as bar:
         replay = replays.replay(reading.recording, machine, motion=motion, progress=bar.to)
     signals = errors(reading.recording, replay)
-    write_rrd(path, reading.recording, overlays={"simulated": replay.windowed, "free_run": replay.free_run})
+    overlays = {"simulated": replay.windowed.thinned(_MOST_SHOWN), "free_run": replay.free_run.thinned(_MOST_SHOWN)}
+    write_rrd(path, reading.recording.thinned(_MOST_SHOWN), overlays=overlays)
     odd = [*reading.findings, *health.check(reading.recording, facts_of(rig))]
     remarks = [*(finding.says for finding in odd if finding.severity != "info"), *replay.remarks]
     for words in remarks:

@@ -56,3 +56,11 @@ class Recording:
             self.units,
             self.metadata,
         )
+
+    def thinned(self, most: int) -> Recording:
+        """Return every n-th sample, n as small as leaves no more than `most`; the recording itself where it is short enough."""
+        every = -(-len(self.time) // most)
+        if every <= 1:
+            return self
+        columns = {key: values[::every] for key, values in self.columns.items()}
+        return Recording(self.name, self.time[::every], columns, self.units, self.metadata)

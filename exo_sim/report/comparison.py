@@ -16,6 +16,8 @@ Array = NDArray[np.float64]
 
 #: Between two recordings on the one clock of the file [s].
 PAUSE = 1.0
+#: Samples that the viewer is given of a long recording.
+MOST_SHOWN = 400_000
 
 
 def write_comparison(path: Path, diagnosis: Diagnosis, recordings: Sequence[Recording] = ()) -> None:
@@ -46,7 +48,7 @@ def write_comparison(path: Path, diagnosis: Diagnosis, recordings: Sequence[Reco
     if not pieces["recorded"]:
         return
     metadata = {"verdict": diagnosis.verdict, "rig": diagnosis.rig}
-    whole = {kind: _one_after_another(diagnosis.rig, parts, metadata) for kind, parts in pieces.items() if parts}
+    whole = {kind: _one_after_another(diagnosis.rig, parts, metadata).thinned(MOST_SHOWN) for kind, parts in pieces.items()}
     overlays: dict[str, Recording] = {kind: one for kind, one in whole.items() if kind != "recorded" and one.columns}
     write_rrd(path, whole["recorded"], overlays=overlays, lanes=lanes(diagnosis, shifts, pieces["recorded"]))
 

@@ -38,3 +38,12 @@ def test_recordings_follow_each_other_on_one_clock(tmp_path):
     assert len(back.time) == 2 * len(first.time)
     assert (np.diff(back.time) > 0.0).all()
     np.testing.assert_allclose(back["piston.pressure_1"][len(first.time) :], first.recorded)
+
+
+def test_a_long_recording_is_thinned_and_keeps_its_span(tmp_path, monkeypatch):
+    monkeypatch.setattr("exo_sim.report.comparison.MOST_SHOWN", 500)
+    write_comparison(tmp_path / "comparison.rrd", made_up.whole())
+    back = read(tmp_path / "comparison.rrd").recording
+    whole = made_up.series()[0]
+    assert len(back.time) == 400
+    np.testing.assert_allclose(back["piston.pressure_1"], whole.recorded[::3])

@@ -27,7 +27,9 @@ def attachments(rig: Rig, model: mujoco.MjModel) -> dict[str, Attachment]:
     return found
 
 
-def attach(model: mujoco.MjModel, rig: Rig, links: tuple[Linkage, ...] | None = None) -> None:
+def attach(
+    model: mujoco.MjModel, rig: Rig, links: tuple[Linkage, ...] | None = None, data: mujoco.MjData | None = None
+) -> None:
     """Move the sites of every cylinder that has an `attachment` in the rig, in place.
 
     The points are counted with all joints at zero, in space: x forward, z up. What lies across (y) stays.
@@ -36,6 +38,7 @@ def attach(model: mujoco.MjModel, rig: Rig, links: tuple[Linkage, ...] | None = 
         model: Of the rig.
         rig: Where the points come from.
         links: `linkages(rig, model)` where they are at hand.
+        data: Of the model, to work in; its positions are overwritten.
 
     Raises:
         ModelError: a cylinder that is no tendon between two sites.
@@ -43,7 +46,7 @@ def attach(model: mujoco.MjModel, rig: Rig, links: tuple[Linkage, ...] | None = 
     moved = [cylinder for cylinder in rig.cylinders.values() if cylinder.attachment is not None]
     if not moved:
         return
-    data = _at_zero(model)
+    data = _at_zero(model, data)
     dofs = {link.cylinder: link.dof for link in links or linkages(rig, model)}
     for cylinder in moved:
         assert cylinder.attachment is not None
@@ -57,9 +60,10 @@ def attach(model: mujoco.MjModel, rig: Rig, links: tuple[Linkage, ...] | None = 
     mujoco.mj_setConst(model, data)
 
 
-def _at_zero(model: mujoco.MjModel) -> mujoco.MjData:
+def _at_zero(model: mujoco.MjModel, data: mujoco.MjData | None = None) -> mujoco.MjData:
     """Return data with all hinges at zero; slides stay where the model has them."""
-    data = mujoco.MjData(model)
+    data = data or mujoco.MjData(model)
+    data.qpos[:] = model.qpos0
     hinge = model.jnt_type == mujoco.mjtJoint.mjJNT_HINGE
     data.qpos[model.jnt_qposadr[hinge]] = 0.0
     mujoco.mj_kinematics(model, data)

@@ -102,7 +102,7 @@ class CoupledStride:
         """
         sim = self._simulation
         addresses, settings, world, wearer, drives, gas = self._wired
-        attach(sim.model, rig, sim.plugin.links)
+        attach(sim.model, rig, sim.plugin.links, sim.data)
         mujoco.mj_resetData(sim.model, sim.data)
         mujoco.mj_setState(sim.model, sim.data, self._start, mujoco.mjtState.mjSTATE_INTEGRATION)
         sim.plugin.refit(rig)

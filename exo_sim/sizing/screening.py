@@ -17,7 +17,7 @@ from exo_sim.sizing.loads import JointLoads
 #: Least moment arm over the joint's whole range [m]: below it a linkage counts as singular.
 LEAST_ARM = 0.010
 #: Phases of each joint's cycle at which torque is held against capability; those of a second leg lie between the first's.
-_PHASES = 64
+_PHASES = 32
 #: Constraints of each kind of joint, in this order; a design can be built where none is above zero.
 CONSTRAINTS = ("dead centre", "stroke", "length", "buckling", "torque")
 _MISSING = 1.0

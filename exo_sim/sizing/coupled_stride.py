@@ -81,6 +81,11 @@ class CoupledStride:
         self._gas = [column[f"{name}.gas_used"] for name in rig.cylinders]
         self._column = column
 
+    @property
+    def steps(self) -> int:
+        """How many steps one run takes."""
+        return len(self._log)
+
     def _settle(self) -> tuple[int, NDArray[np.float64]]:
         """Walk with ideal actuators; return the number of the step at a cycle's start, and MuJoCo's state there."""
         sim = self._simulation

@@ -100,6 +100,11 @@ class Evaluator:
         self.loads: tuple[JointLoads, ...] = tuple(joint_loads(task.rig, condition) for condition in task.conditions)
         self._strides = [CoupledStride(task.rig, condition, task.step) for condition in task.conditions]
 
+    @property
+    def steps(self) -> int:
+        """How many steps of person, machine and gas one design takes."""
+        return sum(stride.steps for stride in self._strides)
+
     def score(self, numbers: Mapping[str, float]) -> Score:
         """Return the score of the design that a set of variables stands for (`Space`)."""
         task = self.task

@@ -22,6 +22,10 @@ from exo_sim.rig import Rig, read
 
 #: Fewer samples a second than this do not show what gas does.
 FEWEST_A_SECOND = 8.0
+#: ... of a valve that works or a piston that moves, this many.
+FEWEST_FOR_EVENTS = 25.0
+#: A pressure that swings less than this, in units of its noise, says nothing.
+QUIET = 3.0
 _FAULTS = {
     "stuck": ("sensor_stuck", "The sensor is stuck for part of the time."),
     "clipped": ("sensor_clipped", "The sensor runs into the end of its range."),
@@ -105,7 +109,9 @@ def _trusted(table: Recording, case: Case) -> Recording:
     for j in range(model.njnt):
         if model.jnt_limited[j]:
             ranges[model.joint(j).name] = (float(model.jnt_range[j][0]), float(model.jnt_range[j][1]))
-    facts = Facts(atmosphere=rig.environment.pressure, supply_pressure=rig.supply.pressure, joint_range=ranges)
+    valves = any(cylinder.valve_area > 0.0 for cylinder in rig.cylinders.values())
+    supply = rig.supply.pressure if valves else None
+    facts = Facts(atmosphere=rig.environment.pressure, supply_pressure=supply, joint_range=ranges)
     columns = dict(table.columns)
     for finding in check(table, facts):
         if finding.severity == "info":
@@ -175,6 +181,12 @@ def _no_gas(run: CylinderRun, rig: Rig, rate: float) -> str:
         return "the position of its joint was not recorded, so its volumes are not known"
     if rate < FEWEST_A_SECOND:
         return f"{rate:.3g} samples a second do not show what the gas does"
+    still = float(np.ptp(run.length)) < 1e-4 and float(np.ptp(run.command)) < 1e-3
+    if rate < FEWEST_FOR_EVENTS and not still:
+        return f"{rate:.3g} samples a second do not show what a valve or a moving piston does to the gas"
+    swings = [float(np.nanstd(p)) / max(noise, 1.0) for p, noise in zip(run.pressure, run.noise) if p is not None]
+    if max(swings, default=0.0) < QUIET:
+        return "its pressures hardly change"
     if not run.commanded and rig.cylinders[run.cylinder].valve_area > 0.0:
         return "its valve command was not recorded"
     if not run.commanded and run.supply is not None:

@@ -106,6 +106,8 @@ def motion_runs(
     if missing:
         why = f"the position of {', '.join(missing[:3])}{' and others' if len(missing) > 3 else ''} was not recorded"
         return [], [(name, why) for name in names if name not in missing] or [(name, why) for name in names]
+    if why := _touched(recording, model):
+        return [], [(name, why) for name in names]
     time = recording.time
     seconds = max(SMOOTHING, 6.0 * float(np.median(np.diff(time))))
     moves = [led(time, recording[f"{name}.position"], seconds) for name in names]
@@ -134,6 +136,17 @@ def motion_runs(
                  external, model.jnt_type[j] == int(mujoco.mjtJoint.mjJNT_HINGE))
         )  # fmt: skip
     return runs, reasons
+
+
+def _touched(recording: Recording, model: mujoco.MjModel) -> str:
+    """Say what else pushes the machine than its joints' recorded forces, or "": then no balance of it closes."""
+    pushed = sorted({key.split(".")[0] for key in recording.columns if "ground_force" in key or "strap_force" in key})
+    if pushed:
+        return f"forces on {', '.join(pushed[:2])} act at points that were not recorded"
+    touching = (model.geom_contype != 0) & (model.geom_bodyid != 0)
+    if touching.any() and model.nv > model.nu + 1:
+        return "the machine touches the ground, and ground forces were not recorded"
+    return ""
 
 
 def _unjudgeable(recording: Recording, rig: Rig, driven: list[Linkage], external: bool) -> str:

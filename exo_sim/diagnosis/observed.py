@@ -20,6 +20,8 @@ Array = NDArray[np.float64]
 POSITION_SMOOTHING = 0.015
 #: Where the clock jumps by more than this many usual steps no prediction runs across.
 JUMP = 20.0
+#: ... nor across a hole in a channel that is longer than this [s].
+HOLE = 0.03
 
 
 @dataclass
@@ -91,6 +93,21 @@ def breaks_of(time: Array) -> tuple[int, ...]:
     return (0, *(int(i) + 1 for i in np.flatnonzero(step > JUMP * usual)))
 
 
+def gaps_of(time: Array, *channels: Array | None) -> tuple[int, ...]:
+    """Return the indices at which a stretch begins: jumps of the clock, and both ends of every hole in a channel."""
+    edges = set(breaks_of(time))
+    least = max(3, int(HOLE / max(float(np.median(np.diff(time))), 1e-9))) if len(time) > 1 else 3
+    for values in channels:
+        if values is None:
+            continue
+        bad = np.concatenate([[0], (~np.isfinite(values)).astype(int), [0]])
+        turns = np.flatnonzero(np.diff(bad))
+        for begin, end in zip(turns[::2], turns[1::2], strict=True):
+            if end - begin >= least:
+                edges |= {int(begin), int(end)}
+    return tuple(sorted(edge for edge in edges if edge < len(time)))
+
+
 def smooth_window(time: Array, seconds: float = POSITION_SMOOTHING) -> int:
     """Return an odd number of samples that spans about `seconds`, at least 5."""
     usual = float(np.median(np.diff(time)))
@@ -129,7 +146,7 @@ def led(time: Array, values: Array, seconds: float) -> tuple[Array, Array, Array
     even = np.arange(time[0], time[-1] + 0.5 * usual, usual)
     on_grid = len(even) == len(time) and np.allclose(even, time, atol=0.02 * usual)
     grid = filled if on_grid else np.interp(even, time, filled)
-    width = gaussian_width(seconds) / usual
+    width = min(gaussian_width(seconds) / usual, 0.02 * len(grid))
     quiet = gaussian_filter1d(grid, width, mode="nearest")
     rate = np.gradient(quiet, usual)
     # differences of the smoothed signal: a cut-off derivative kernel would answer a constant
@@ -260,10 +277,15 @@ def cylinder_runs(
                 recording.get(f"{name}.force"),
                 command is not None,
                 (white_noise(p_1), white_noise(p_2)),
-                breaks_of(recording.time),
+                gaps_of(recording.time, p_1, p_2, _position(recording, name, links)),
             )  # fmt: skip
         )
     return runs
+
+
+def _position(recording: Recording, cylinder: str, links: tuple[Linkage, ...]) -> Array | None:
+    joint = next((link.joint for link in links if link.cylinder == cylinder), "")
+    return recording.get(f"{joint}.position")
 
 
 def _held(values: Array) -> Array:

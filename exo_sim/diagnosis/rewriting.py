@@ -52,7 +52,10 @@ def improved_text(case: Case, judged: Sequence[Judged], nameless: Sequence[Unnam
                     EffectSetting("unknown", unnamed.judged.where, numbers, turning, curves), {}, unnamed.finding.says
                 )
             )
-    return improved(case.rig, entries, corrections, folder)
+    once = {
+        (entry.setting.name, entry.setting.where): entry for entry in reversed(entries)
+    }  # a part holds an effect once
+    return improved(case.rig, list(reversed(once.values())), corrections, folder)
 
 
 def _entry(candidate: Candidate, judged: Judged, spread: dict[Quantity, float]) -> Entry:

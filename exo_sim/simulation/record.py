@@ -12,6 +12,7 @@ from exo_sim import __version__
 from exo_sim.machine.person import SEGMENTS, pose_bodies
 from exo_sim.recording.scene import Arrows, DrawnCylinder, Scene, shapes_of_model
 from exo_sim.recording.table import Recording
+from exo_sim.simulation.sensors import observe
 from exo_sim.simulation.summary import wearer_moments
 from exo_sim.simulation.walk import JOINTS, Walk
 
@@ -21,7 +22,7 @@ _STRAP_COLOUR = (0.90, 0.35, 0.40, 1.0)
 
 
 def recording(walk: Walk, name: str, seed: int = 0) -> Recording:
-    """Return a walk as a table with the contract's columns and what only a simulation knows.
+    """Return a walk as a table with the contract's columns and what only a simulation knows, as the rig's sensors show it.
 
     Args:
         walk: What was simulated.
@@ -44,7 +45,7 @@ def recording(walk: Walk, name: str, seed: int = 0) -> Recording:
         "exo-sim": __version__,
         **{package: metadata.version(package) for package in ("mujoco", "numpy", "numba")},
     }
-    return Recording(name, walk.time, columns, units, notes)
+    return observe(Recording(name, walk.time, columns, units, notes), walk.rig)
 
 
 def scene(walk: Walk) -> Scene:

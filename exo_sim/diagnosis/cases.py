@@ -176,6 +176,20 @@ def _sort(case: Case) -> None:
         case.remarks.append("nothing in these recordings can be held against the rig")
 
 
+def turned_round(cylinder: str) -> Finding:
+    """Return the finding of a valve command with the wrong sign."""
+    says = "The valve command has the wrong sign: its opposite moves the pressures as recorded."
+    return Finding(
+        "sensor_scale",
+        f"{cylinder}.valve_command",
+        "sensor",
+        says,
+        {"factor": Estimate(-1.0, "1", -1.0, -1.0)},
+        100.0,
+        0.9,
+    )
+
+
 def _no_gas(run: CylinderRun, rig: Rig, rate: float) -> str:
     if run.length is None:
         return "the position of its joint was not recorded, so its volumes are not known"

@@ -12,7 +12,7 @@ from pathlib import Path
 import numpy as np
 
 from exo_sim.diagnosis import gas_problem, library, motion_problem
-from exo_sim.diagnosis.cases import Case, gather
+from exo_sim.diagnosis.cases import Case, gather, turned_round
 from exo_sim.diagnosis.gas_problem import GasProblem
 from exo_sim.diagnosis.judging import Judged, calibration_finding, judge
 from exo_sim.diagnosis.motion_problem import MotionProblem
@@ -33,6 +33,9 @@ from exo_sim.diagnosis.verdict import (
 )
 from exo_sim.physics.records import CYLINDER
 from exo_sim.rig import assembly
+
+#: A valve command whose opposite leaves less than this share of the squared error is wired the wrong way round.
+TURNED = 0.1
 
 Progress = Callable[[str], None]
 
@@ -108,6 +111,10 @@ def _gas(case: Case, parts: Split, pool: ThreadPoolExecutor, say: Progress) -> l
         index = list(case.rig.cylinders).index(name)
         setting = Setting(assembly.world(case.rig), assembly.cylinders(case.rig)[index : index + 1])
         problem = GasProblem(runs, setting, parts)
+        turned = GasProblem([replace(run, command=-run.command) for run in runs], setting, parts)
+        if problem.size >= 30 and np.sum(turned.residual({}) ** 2) < TURNED * np.sum(problem.residual({}) ** 2):
+            problem, case.cylinders[name] = turned, turned.all_runs
+            case.sensors.append(turned_round(name))
         nuisances = library.believed(name) + library.known_effects(setting, name)
         questions = library.candidates(setting, runs, name, joint)
         if not any(run.commanded for run in runs):

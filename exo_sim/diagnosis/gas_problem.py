@@ -69,7 +69,7 @@ class GasProblem:
     ):
         if window is None:
             window = max(WINDOW, FEWEST_SAMPLES * max(float(np.median(np.diff(run.time))) for run in runs))
-        self.setting, self.split = setting, split
+        self.setting, self.split, self.all_runs = setting, split, list(runs)
         self.runs = (
             list(runs) if held_out else [run for run in (_trained(run, split) for run in runs) if run is not None]
         )

@@ -30,7 +30,7 @@ def improved_text(case: Case, judged: Sequence[Judged], nameless: Sequence[Unnam
         entries += [_entry(c, one, spread) for c in one.named if (c.effect, c.where) in kept]
         corrections += [_correction(case, *numbers) for numbers in one.calibrations]
     for found in case.sensors:
-        if found.name in declared() and found.parameters:
+        if found.name in declared() and found.parameters and not found.where.endswith(".valve_command"):
             setting = EffectSetting(found.name, found.where, {name: e.value for name, e in found.parameters.items()})
             entries.append(Entry(setting, {name: (e.low, e.high) for name, e in found.parameters.items()}, found.says))
     for unnamed in nameless:

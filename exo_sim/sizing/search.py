@@ -26,6 +26,7 @@ if TYPE_CHECKING:
 
 #: Designs asked for together, and NSGA-II's population: fixed, so that the number of workers does not matter.
 BATCH = 40
+_GRACE = 2
 DIRECTIONS: tuple[Literal["maximize", "minimize"], ...] = ("maximize", "minimize", "minimize", "minimize")
 
 
@@ -171,11 +172,13 @@ class _Journal:
             return
         import optuna
         from optuna.storages import JournalStorage
-        from optuna.storages.journal import JournalFileBackend
+        from optuna.storages.journal import JournalFileBackend, JournalFileOpenLock
 
         try:
             path.parent.mkdir(parents=True, exist_ok=True)
-            storage = JournalStorage(JournalFileBackend(str(path)))
+            # whoever was killed holding the lock is not waited for long
+            lock = JournalFileOpenLock(str(path.resolve()), grace_period=_GRACE)
+            storage = JournalStorage(JournalFileBackend(str(path), lock_obj=lock))
             names = optuna.get_all_study_names(storage)
             if names and names != [name]:
                 raise OutputError(

@@ -59,7 +59,7 @@ class Sizing:
         outcome: Of the search.
         choice: The recommended design.
         fine: The recommended design at half the time step, after two more cycles.
-        confirmed: Numbers of the closed loop with the rig as written, as `exo-sim run` gives them; None where it fails.
+        confirmed: Numbers of the closed loop with the rig as written, where the margin is thinnest, as `exo-sim run` gives them; None where it fails.
         trouble: Why it fails, or "".
         without: What the rig's effects change.
         published: The published class beside it.
@@ -141,7 +141,10 @@ def size(
     with replacing(target) as beside:
         beside.write_text(sized_text(rig, space.kinds, design, folder), encoding="utf-8")
     tell(f"{target}: walking with it")
-    confirmed, trouble = _confirm(target, conditions[0], folder, seed, quiet)
+    thinnest = choice.found.score.thinnest
+    place = thinnest[1] if thinnest else ""
+    hardest = next((i for i, one in enumerate(loads) if str(one.condition) == place), 0)
+    confirmed, trouble = _confirm(target, conditions[hardest], folder, seed, quiet)
     without = []
     for what, names in _present(rig):
         plain = replace(task, rig=replace(rig, effects=tuple(e for e in rig.effects if e.name not in names)))

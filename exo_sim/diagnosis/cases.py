@@ -12,6 +12,7 @@ import numpy as np
 from exo_sim import recording as recordings
 from exo_sim.diagnosis.motion_cut import MotionRun, motion_runs
 from exo_sim.diagnosis.observed import CylinderRun, cylinder_runs
+from exo_sim.diagnosis.replay_inputs import led_from_outside
 from exo_sim.diagnosis.result import Estimate, Finding, OpenQuestion
 from exo_sim.errors import RecordingError, nearest
 from exo_sim.machine.linkage import Linkage, linkages
@@ -49,6 +50,7 @@ class Case:
         sensors: Faults found before any physics was asked.
         remarks: Plain sentences about clocks and sensors.
         open: Questions that cannot be judged.
+        led: Joints that somebody led or held unmeasured.
     """
 
     rig: Rig
@@ -60,6 +62,7 @@ class Case:
     sensors: list[Finding] = field(default_factory=list)
     remarks: list[str] = field(default_factory=list)
     open: list[OpenQuestion] = field(default_factory=list)
+    led: set[str] = field(default_factory=set)
 
 
 def gather(paths: Sequence[Path], rig_path: Path, column_map: Path | None = None) -> Case:
@@ -163,7 +166,10 @@ def _sort(case: Case) -> None:
         if rate < FEWEST_A_SECOND:
             continue
         runs, reasons = motion_runs(table, case.rig, case.model, case.links)
-        for motion in runs:
+        led = led_from_outside(table, case.rig, case.model, case.links) if runs else {}
+        reasons += [(joint, why) for joint, why in led.items() if joint in {run.joint for run in runs}]
+        case.led |= set(led)
+        for motion in (run for run in runs if run.joint not in led):
             case.joints.setdefault(motion.joint, []).append(motion)
             judged_once = True
         for joint, why in reasons:

@@ -391,10 +391,23 @@ class Search:
                     continue
                 others = tuple(form if c.key == candidate.key else c for c in now.chosen)
                 trial = self.try_set(others, now.fit.values)
-                if self._is_better(trial, best):
+                fewer = same and len(form.quantities) < sum(
+                    len(c.quantities) for c in best.chosen if c.effect == form.effect
+                )
+                if self._is_better(trial, best) or (fewer and self._hardly_loses(trial, best)):
                     best = trial
             now = best
         return now
+
+    def _hardly_loses(self, one: Trial, other: Trial) -> bool:
+        """Say whether the plainer form of an effect explains all but a thousandth of what the fuller one does."""
+        whole = self._whole.fit.cost if self._whole else one.fit.cost
+        return whole - one.fit.cost > 0.999 * (whole - other.fit.cost) or self._loss(one, other) < NO_WORSE
+
+    def _loss(self, one: Trial, other: Trial) -> float:
+        """Return by how much one trial's log-likelihood is lower than another's."""
+        rows = self.problem.size / self.correlation_time(other.fit.residual)
+        return 0.5 * rows * math.log(max(one.fit.cost, 1e-12) / max(other.fit.cost, 1e-12))
 
     def _is_better(self, one: Trial, other: Trial) -> bool:
         """Say whether one trial explains more than another for what its numbers cost, both by the better one's correlation."""

@@ -158,7 +158,8 @@ def verdict_of(findings: Sequence[Finding], judged: Sequence[Judged], case: Case
         return "mismatch"
     cuts = {one.cut for one in judged if not one.empty}
     free = any(int(kind) in (0, 1) for kind in case.model.jnt_type) or case.model.njnt > len(case.rig.cylinders) + 1
-    wanted = {"motion"} if not case.rig.cylinders else ({"gas"} if free else {"gas", "motion"})
+    led = bool(case.led) and not any(link.joint not in case.led for link in case.links)
+    wanted = {"motion"} if not case.rig.cylinders else ({"gas"} if free or led else {"gas", "motion"})
     if not wanted <= cuts:
         return "undetermined"
     return "calibration" if any(f.kind == "calibration" for f in findings) else "consistent"

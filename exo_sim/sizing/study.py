@@ -59,7 +59,7 @@ class Sizing:
         outcome: Of the search.
         choice: The recommended design.
         fine: The recommended design at half the time step, after two more cycles.
-        confirmed: Numbers of the closed loop with the rig as written, where the margin is thinnest, as `exo-sim run` gives them; None where it fails.
+        confirmed: What `exo-sim run` gives for the rig as written, where the margin is thinnest; None where it fails.
         trouble: Why it fails, or "".
         without: What the rig's effects change.
         published: The published class beside it.

@@ -100,7 +100,10 @@ def words(sizing: Sizing, folder: Path) -> str:
         joints = sizing.confirmed["joints"]
         peaks = ", ".join(f"{kind.name} {joints[kind.joints[-1]]['torque_peak_nm']:.0f}" for kind in kinds)
         straps = sizing.confirmed["strap_load_n"]
-        lines.append(f"Walked with it in closed loop ({sizing.confirmed['scenario']}): peak torques {peaks} N m; torso straps {straps['torso_rms']:.0f} N rms.")
+        lines.append(
+            f"Walked with it in closed loop ({sizing.confirmed['scenario']}): peak torques {peaks} N m; "
+            f"torso straps {straps['torso_rms']:.0f} N rms."
+        )
     else:
         lines.append(f"It could not be walked with in closed loop: {sizing.trouble}")
     lines.append(f"{folder / 'sized.toml'}, {folder / 'report.html'}" + (f", {folder / 'sized.rrd'}" if sizing.confirmed else ""))

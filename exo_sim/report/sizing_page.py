@@ -27,6 +27,7 @@ def page(sizing: Sizing) -> str:
     shown = _spread(len(front), front.index(sizing.choice.found))
     return template.render(
         z=sizing,
+        c=sizing.choice.confirmed,
         kinds=kinds,
         style=(_HERE / "diagnosis.css").read_text(encoding="utf-8"),
         conditions=[str(condition) for condition in sizing.task.conditions],

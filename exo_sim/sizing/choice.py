@@ -2,34 +2,55 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass
 
 import numpy as np
 
 from exo_sim.errors import ScenarioError
-from exo_sim.sizing.evaluation import Task
+from exo_sim.sizing.confirmation import Confirmed, confirm
+from exo_sim.sizing.design import fitted
+from exo_sim.sizing.evaluation import OF_THE_CYCLE, Task
 from exo_sim.sizing.loads import JointLoads
 from exo_sim.sizing.screening import CONSTRAINTS
 from exo_sim.sizing.search import Found, Outcome
 
 #: Torque to keep in hand, as a share of the joint's peak: friction, wear and a stumble are not in the loads.
 ENOUGH_MARGIN = 0.25
-#: Largest torque error, as a share of the largest torque wanted.
-ENOUGH_TRACKING = 0.03
+#: Largest torque error, as a share of the largest torque wanted: in the search, and when `exo-sim run` asks for its own demand.
+ENOUGH_TRACKING, ENOUGH_IN_RUN = 0.03, 0.05
+#: How many of the best are walked with.
+_WALKED = 8
 
 
 @dataclass(frozen=True)
 class Choice:
-    """The recommended design and the reason in words."""
+    """The recommended design, the reason in words, and what walking with it gave."""
 
     found: Found
     why: str
+    confirmed: Confirmed
 
 
-def recommended(front: tuple[Found, ...], loads: tuple[JointLoads, ...], joints: tuple[str, ...]) -> Choice:
-    """Return the design of a front that keeps torque in hand, tracks well, and of these costs least.
+@dataclass(frozen=True)
+class Shortlist:
+    """Designs worth walking with.
 
-    Cost is gas and mass, each relative to the least among the candidates, added.
+    Attributes:
+        designs: The cheapest first.
+        words: What they have that others have not.
+        peak: Largest torque wanted of any joint [N m].
+    """
+
+    designs: tuple[Found, ...]
+    words: str
+    peak: float
+
+
+def shortlist(front: tuple[Found, ...], loads: tuple[JointLoads, ...], joints: tuple[str, ...]) -> Shortlist:
+    """Return the designs of a front that keep torque in hand and track well, those that cost least first.
+
+    Cost is gas and mass, each relative to the least among them, added.
 
     Args:
         front: Not empty.
@@ -57,29 +78,76 @@ def recommended(front: tuple[Found, ...], loads: tuple[JointLoads, ...], joints:
             f"no design found keeps {100 * ENOUGH_MARGIN:.0f} % of peak torque in hand; this one keeps most. Allow more pressure "
             "(--pressure-limit), more room (--reach) or more trials"
         )
-    least_gas, least_mass = min(one.score.gas for one in good), min(one.score.mass for one in good)
-    best = min(good, key=lambda one: (one.score.gas / least_gas + one.score.mass / least_mass, one.design.number))
-    if len(good) > 1:
+    least_gas, least_mass = _least(good)
+    cost = {one.design.number: one.score.gas / (least_gas or 1.0) + one.score.mass / least_mass for one in good}
+    return Shortlist(tuple(sorted(good, key=lambda one: (cost[one.design.number], one.design.number))), words, peak)
+
+
+def recommended(
+    front: tuple[Found, ...], loads: tuple[JointLoads, ...], task: Task, tell: Callable[[str], None] = lambda words: None
+) -> Choice:
+    """Return the cheapest of a front that keeps torque in hand and tracks well, in the search and in `exo-sim run`.
+
+    Args:
+        front: Not empty.
+        loads: What the joints must carry, in the order of the task's conditions.
+        task: What the designs were judged by.
+        tell: Takes a remark.
+    """
+    kinds = task.space.kinds
+    joints = tuple(joint for kind in kinds for joint in kind.joints)
+    short = shortlist(front, loads, joints)
+    limits = ENOUGH_IN_RUN * short.peak, task.space.supply[1]
+    tried: list[tuple[float, Found, Confirmed]] = []
+    for one in short.designs[:_WALKED]:
+        tell(f"walking with design {one.design.number}")
+        walked = confirm(fitted(task.rig, kinds, one.design), task.conditions[_hardest(one, loads)], joints)
+        tried.append((walked.excess(*limits), one, walked))
+        if tried[-1][0] <= 1.0:
+            break
+    at = len(tried) - 1 if tried[-1][0] <= 1.0 else min(range(len(tried)), key=lambda i: tried[i][0])
+    excess, best, walked = tried[at]
+    words = short.words
+    if len(short.designs) > 1:
+        least_gas, least_mass = _least(short.designs)
+        if excess > 1.0:
+            words += f"; of the {len(tried)} with least gas and mass together it comes nearest to the limits in the closed loop"
+        else:
+            words += "; of these it has the least gas and mass together"
+            if at:
+                words += f" but for {at} that went beyond the limits in the closed loop"
         words += (
-            f"; of these it has the least gas and mass together: {1e3 * best.score.gas:.1f} g a cycle "
-            f"(least {1e3 * least_gas:.1f}) and {best.score.mass:.1f} kg (least {least_mass:.1f})"
+            f": {1e3 * best.score.gas:.1f} g a cycle (least {1e3 * least_gas:.1f}) and {best.score.mass:.1f} kg "
+            f"(least {least_mass:.1f})"
         )
     place = best.score.thinnest
     if place is not None:
         words += f". Its margin, {100 * best.score.margin:.0f} %, is thinnest at {place[0]}, phase {place[2]:.2f} of {place[1]}"
-    return Choice(best, words)
+    if walked.walk is not None:
+        words += (
+            f". In the closed loop of exo-sim run it follows within {walked.error:.1f} N m rms (limit {limits[0]:.1f}) and its chambers "
+            f"reach {walked.peak / 1e5:.1f} bar (limit {limits[1] / 1e5:.1f})"
+        )
+    return Choice(best, words, walked)
+
+
+def _least(designs: list[Found] | tuple[Found, ...]) -> tuple[float, float]:
+    return min(one.score.gas for one in designs), min(one.score.mass for one in designs)
+
+
+def _hardest(found: Found, loads: tuple[JointLoads, ...]) -> int:
+    """Return which condition leaves the thinnest margin."""
+    place = found.score.thinnest
+    return next((i for i, one in enumerate(loads) if place and str(one.condition) == place[1]), 0)
 
 
 def nothing_found(outcome: Outcome, task: Task) -> ScenarioError:
     """Return the error that says what kept every design out."""
     violated = np.array([one.score.violations for one in outcome.trials]) > 0.0
-    names = [f"{kind.name}: {words}" for kind in task.space.kinds for words in CONSTRAINTS]
+    names = [f"{kind.name}: {words}" for kind in task.space.kinds for words in CONSTRAINTS] + list(OF_THE_CYCLE)
     worst = int(np.argmax(violated.mean(axis=0)))
-    fell = sum(one.score.simulated and not one.score.finished for one in outcome.trials)
-    what = f'"{names[worst]}" keeps {100 * violated[:, worst].mean():.0f} % of them out'
-    if fell and not violated[:, worst].any():
-        what = f"{fell} of them lose the wearer in the coupled cycle"
     return ScenarioError(
-        f"none of {len(outcome.trials)} designs carries {'; '.join(map(str, task.conditions))}: {what}; allow more pressure "
+        f"none of {len(outcome.trials)} designs carries {'; '.join(map(str, task.conditions))}: "
+        f'"{names[worst]}" keeps {100 * violated[:, worst].mean():.0f} % of them out; allow more pressure '
         "(--pressure-limit), more room (--reach), more trials, or less payload"
     )

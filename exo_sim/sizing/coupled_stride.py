@@ -40,6 +40,7 @@ class Stride:
         gas: Drawn from the supply by all cylinders in the cycle [kg].
         error: Largest over the joints of the rms of torque less torque demanded [N m].
         worst: That joint.
+        peak: Largest pressure in any chamber in the cycle, absolute [Pa].
         finished: False where numbers left the range that means anything, or the machine left its wearer.
     """
 
@@ -47,6 +48,7 @@ class Stride:
     error: float
     worst: str
     finished: bool
+    peak: float
 
 
 class CoupledStride:
@@ -79,7 +81,7 @@ class CoupledStride:
         self._torque = [column[f"{joint}.torque"] for joint in self._joints]
         self._wanted = [column[f"{joint}.torque_demanded"] for joint in self._joints]
         self._gas = [column[f"{name}.gas_used"] for name in rig.cylinders]
-        self._column = column
+        self._pressures = [column[f"{name}.pressure_{side}"] for name in rig.cylinders for side in (1, 2)]
 
     @property
     def steps(self) -> int:
@@ -145,19 +147,23 @@ class CoupledStride:
         part = self._log[self._lead :]
         names = self._joints
         if not np.isfinite(part).all():
-            return Stride(math.inf, math.inf, names[0], False)
+            return Stride(math.inf, math.inf, names[0], False, math.inf)
         cycles = part[:, 0] / self._simulation.motion.period
         away = part[:, 1] - self._simulation.motion.advance * cycles - self._simulation.motion.at(cycles)[:, 0]
         errors = np.sqrt(np.mean((part[:, self._torque] - part[:, self._wanted]) ** 2, axis=0))
         worst = int(np.argmax(errors))
         drawn = float(np.sum(part[-1, self._gas] - part[0, self._gas]))
         gas = drawn * self._simulation.motion.period / float(part[-1, 0] - part[0, 0])
-        return Stride(gas, float(errors[worst]), names[worst], bool(np.abs(away).max() < _LOST))
+        near = bool(np.abs(away).max() < _LOST)
+        return Stride(gas, float(errors[worst]), names[worst], near, float(part[:, self._pressures].max()))
 
 
 def mean_of(strides: list[Stride]) -> Stride:
     """Return one for all conditions: the mean of the gas, the worst of the rest."""
     worst = max(strides, key=lambda stride: stride.error)
     return replace(
-        worst, gas=float(np.mean([stride.gas for stride in strides])), finished=all(s.finished for s in strides)
+        worst,
+        gas=float(np.mean([stride.gas for stride in strides])),
+        finished=all(stride.finished for stride in strides),
+        peak=max(stride.peak for stride in strides),
     )

@@ -9,6 +9,7 @@ from functools import cached_property
 
 import numpy as np
 
+import exo_sim
 from exo_sim.rig import Rig
 from exo_sim.sizing.coupled_stride import STEP, CoupledStride, Stride, mean_of
 from exo_sim.sizing.design import Design, JointKind, Space, actuator_mass, fitted
@@ -18,6 +19,10 @@ from exo_sim.sizing.screening import chosen_bores, screen
 
 #: What stands for gas [kg] and torque error [N m] of a design that was not simulated: worse than any that was.
 UNKNOWN_GAS, UNKNOWN_ERROR = 1.0, 1000.0
+#: Torque in hand, as a share of the peak, above which more is no better.
+AMPLE_MARGIN = 1.0
+#: Constraints of the coupled cycle, behind those of screening.
+OF_THE_CYCLE = ("coupled cycle", "chamber pressure")
 #: Digits of a score that count, so that processors that round differently agree.
 DIGITS = 6
 
@@ -31,12 +36,13 @@ class Score:
         gas: Drawn a cycle by all cylinders, mean over conditions [kg].
         mass: Of all cylinders [kg].
         error: Rms of torque less torque demanded at the worst joint under the worst condition [N m].
-        violations: Constraints; above zero is violated.
+        violations: Constraints, those of screening and then `OF_THE_CYCLE`; above zero is violated.
         simulated: Whether it survived screening and went through the coupled cycle.
         finished: Whether it came through.
         by_joint: Margin by kind of joint.
         thinnest: Joint, condition and phase where the margin is thinnest, or None.
         worst: Joint with the largest error.
+        peak: Largest pressure in any chamber [Pa], 0 where it was not simulated.
         bores: Place in the catalogue by kind of joint.
     """
 
@@ -50,6 +56,7 @@ class Score:
     by_joint: dict[str, float] = field(default_factory=dict)
     thinnest: tuple[str, str, float] | None = None
     worst: str = ""
+    peak: float = 0.0
     bores: dict[str, int] = field(default_factory=dict)
 
     @property
@@ -59,8 +66,8 @@ class Score:
 
     @property
     def objectives(self) -> tuple[float, float, float, float]:
-        """Margin (to be large), gas, mass, error (to be small)."""
-        return self.margin, self.gas, self.mass, self.error
+        """Margin up to `AMPLE_MARGIN` (to be large), gas, mass, error (to be small)."""
+        return min(self.margin, AMPLE_MARGIN), self.gas, self.mass, self.error
 
 
 @dataclass(frozen=True)
@@ -83,7 +90,7 @@ class Task:
     def digest(self) -> str:
         """Short name of everything that a score depends on besides the design."""
         rig = self.rig
-        text = repr((rig.text, rig.effects, rig.wearer, rig.ankle, rig.supply, self.conditions, self.space, self.step))
+        text = repr((exo_sim.__version__, rig.text, rig.effects, rig.wearer, rig.ankle, rig.supply, self.conditions, self.space, self.step))
         return hashlib.sha256(text.encode() + rig.model.read_bytes()).hexdigest()[:16]
 
 
@@ -122,7 +129,7 @@ class Evaluator:
             gas=UNKNOWN_GAS,
             mass=_rounded(min(mass, 1e3)),
             error=UNKNOWN_ERROR,
-            violations=tuple(_rounded(value) for value in screened.violations),
+            violations=(*(_rounded(value) for value in screened.violations), 0.0, 0.0),
             simulated=False,
             finished=False,
             by_joint={name: _rounded(value) for name, value in screened.by_joint.items()},
@@ -132,9 +139,14 @@ class Evaluator:
             return seen
         found = self.coupled(fitted(rig, self.kinds, design))
         if not found.finished:
-            return replace(seen, simulated=True, violations=(*seen.violations[:-1], 1.0))
+            return replace(seen, simulated=True, violations=(*seen.violations[:-2], 1.0, 0.0))
         gas, error = _rounded(found.gas), _rounded(found.error)
-        return replace(seen, simulated=True, finished=True, gas=gas, error=error, worst=found.worst)
+        peak = _rounded(found.peak)
+        over = _rounded(peak / self.task.space.supply[1] - 1.0)
+        return replace(
+            seen, simulated=True, finished=True, gas=gas, error=error, worst=found.worst, peak=peak,
+            violations=(*seen.violations[:-1], over),
+        )  # fmt: skip
 
     def coupled(self, rig: Rig) -> Stride:
         """Put a fitted rig through the cycle of every condition; return gas and error over all of them."""

@@ -116,7 +116,7 @@ def front_of(found: Sequence[Found]) -> tuple[Found, ...]:
     good = [one for one in found if one.score.feasible]
     if not good:
         return ()
-    costs = np.array([(-one.score.margin, *one.score.objectives[1:]) for one in good])
+    costs = np.array([(-one.score.objectives[0], *one.score.objectives[1:]) for one in good])
     out = []
     for i, one in enumerate(good):
         better = np.all(costs <= costs[i], axis=1) & np.any(costs < costs[i], axis=1)
@@ -174,10 +174,14 @@ class _Journal:
         from optuna.storages import JournalStorage
         from optuna.storages.journal import JournalFileBackend, JournalFileOpenLock
 
+        if path.parent.exists() and not path.parent.is_dir():
+            raise OutputError(f'cannot write into "{path.parent}": it is a file; name a folder with --out')
         try:
             path.parent.mkdir(parents=True, exist_ok=True)
             # whoever was killed holding the lock is not waited for long
-            lock = JournalFileOpenLock(str(path.resolve()), grace_period=_GRACE)
+            with warnings.catch_warnings():
+                warnings.simplefilter("ignore", UserWarning)
+                lock = JournalFileOpenLock(str(path.resolve()), grace_period=_GRACE)
             storage = JournalStorage(JournalFileBackend(str(path), lock_obj=lock))
             names = optuna.get_all_study_names(storage)
             if names and names != [name]:

@@ -5,13 +5,13 @@ from __future__ import annotations
 from collections.abc import Callable
 from dataclasses import dataclass, replace
 from pathlib import Path
-from typing import Any
 
-from exo_sim.errors import ExoSimError, RigError
+from exo_sim.errors import RigError
 from exo_sim.outputs import replacing
-from exo_sim.rig import Rig, read
+from exo_sim.rig import Rig
 from exo_sim.rig.catalogue import RATED_PRESSURE
 from exo_sim.sizing.choice import Choice, nothing_found, recommended
+from exo_sim.sizing.confirmation import Confirmed
 from exo_sim.sizing.coupled_stride import CoupledStride, Stride, mean_of
 from exo_sim.sizing.design import LEAST_SUPPLY, Space, fitted, kinds_of
 from exo_sim.sizing.evaluation import Evaluator, Score, Task
@@ -31,7 +31,6 @@ GROUPS = {
 }  # fmt: skip
 #: Step [s] and cycles before the one that counts, when the chosen design is looked at again.
 _FINE_STEP, _FINE_LEAD = 1e-3, 2.15
-_CONFIRMED_CYCLES = 4
 
 
 @dataclass(frozen=True)
@@ -59,8 +58,6 @@ class Sizing:
         outcome: Of the search.
         choice: The recommended design.
         fine: The recommended design at half the time step, after two more cycles.
-        confirmed: What `exo-sim run` gives for the rig as written, where the margin is thinnest; None where it fails.
-        trouble: Why it fails, or "".
         without: What the rig's effects change.
         published: The published class beside it.
     """
@@ -70,8 +67,6 @@ class Sizing:
     outcome: Outcome
     choice: Choice
     fine: Stride
-    confirmed: dict[str, Any] | None
-    trouble: str
     without: tuple[Without, ...]
     published: PublishedClass | None
 
@@ -132,19 +127,14 @@ def size(
         raise KeyboardInterrupt(f"{len(outcome.trials)} designs are kept; the same command goes on from there")
     if not outcome.front:
         raise nothing_found(outcome, task)
-    joints = tuple(joint for kind in space.kinds for joint in kind.joints)
-    choice = recommended(outcome.front, loads, joints)
+    choice = recommended(outcome.front, loads, task, tell)
     design = choice.found.design
     chosen = fitted(rig, space.kinds, design)
     fine = mean_of([CoupledStride(rig, one, _FINE_STEP, _FINE_LEAD).run(chosen) for one in conditions])
     target = folder / "sized.toml"
     with replacing(target) as beside:
         beside.write_text(sized_text(rig, space.kinds, design, folder), encoding="utf-8")
-    tell(f"{target}: walking with it")
-    thinnest = choice.found.score.thinnest
-    place = thinnest[1] if thinnest else ""
-    hardest = next((i for i, one in enumerate(loads) if str(one.condition) == place), 0)
-    confirmed, trouble = _confirm(target, conditions[hardest], folder, seed, quiet)
+    _record(choice.confirmed, folder, seed)
     without = []
     for what, names in _present(rig):
         plain = replace(task, rig=replace(rig, effects=tuple(e for e in rig.effects if e.name not in names)))
@@ -155,10 +145,10 @@ def size(
             raise KeyboardInterrupt("the search is kept; the same command goes on from there")
         if other.front:
             same = Evaluator(plain).judge(design)
-            without.append(Without(what, recommended(other.front, loads, joints), same))
+            without.append(Without(what, recommended(other.front, loads, plain), same))
     walks = any(condition.scenario.startswith("level_walk") for condition in conditions)
     published = published_class(rig, space) if walks else None
-    return Sizing(task, loads, outcome, choice, fine, confirmed, trouble, tuple(without), published)
+    return Sizing(task, loads, outcome, choice, fine, tuple(without), published)
 
 
 def _present(rig: Rig) -> list[tuple[str, tuple[str, ...]]]:
@@ -170,20 +160,14 @@ def _present(rig: Rig) -> list[tuple[str, tuple[str, ...]]]:
     return found
 
 
-def _confirm(path: Path, condition: Condition, folder: Path, seed: int, quiet: bool) -> tuple[dict[str, Any] | None, str]:
-    """Walk with the file as written, as `exo-sim run` does, and record it."""
+def _record(confirmed: Confirmed, folder: Path, seed: int) -> None:
+    """Write table and recording of a walk with `sized.toml`."""
     from exo_sim.recording.rrd_file import write_rrd
     from exo_sim.recording.table_file import write_table
-    from exo_sim.simulation import record, summary
-    from exo_sim.simulation.coupled import Simulation
-    from exo_sim.simulation.walk import Request
+    from exo_sim.simulation import record
 
-    request = Request(condition.scenario, condition.payload, condition.speed, _CONFIRMED_CYCLES)
-    try:
-        walk = Simulation(read(path), request).run(quiet=quiet)
-    except ExoSimError as error:
-        return None, str(error)
-    table = record.recording(walk, "sized", seed)
+    if confirmed.walk is None:
+        return
+    table = record.recording(confirmed.walk, "sized", seed)
     write_table(folder / "sized.parquet", table)
-    write_rrd(folder / "sized.rrd", table, scene=record.scene(walk))
-    return summary.summarise(walk), ""
+    write_rrd(folder / "sized.rrd", table, scene=record.scene(confirmed.walk))

@@ -53,8 +53,8 @@ def numbers(sizing: Sizing, folder: Path) -> dict[str, Any]:
         "why": sizing.choice.why,
         "finer": {"gas_kg_per_stride": sizing.fine.gas, "torque_error_rms_nm": sizing.fine.error},
         "loads": [load_numbers(one) for one in sizing.loads],
-        "closed_loop": sizing.confirmed,
-        "trouble": sizing.trouble or None,
+        "closed_loop": sizing.choice.confirmed.summary or None,
+        "trouble": sizing.choice.confirmed.trouble or None,
         "without": [
             {"what": one.what, "recommended": entry(kinds, one.choice.found), "same_design": {
                 "torque_margin": one.same.margin, "gas_kg_per_stride": one.same.gas, "torque_error_rms_nm": one.same.error}}
@@ -62,7 +62,7 @@ def numbers(sizing: Sizing, folder: Path) -> dict[str, Any]:
         ],
         "published_class": None if sizing.published is None else sizing.published.__dict__,
         "report": folder / "report.html",
-        "recording": None if sizing.confirmed is None else folder / "sized.rrd",
+        "recording": None if sizing.choice.confirmed.walk is None else folder / "sized.rrd",
     }  # fmt: skip
 
 
@@ -96,17 +96,18 @@ def words(sizing: Sizing, folder: Path) -> str:
             f"Without {one.what} the same design would have {100 * one.same.margin:.0f} % margin and draw {1e3 * one.same.gas:.2f} g; "
             f"the choice would be {bores} at {there.design.supply / 1e5:.1f} bar, {1e3 * there.score.gas:.2f} g, {there.score.mass:.1f} kg."
         )
-    if sizing.confirmed is not None:
-        joints = sizing.confirmed["joints"]
+    confirmed = sizing.choice.confirmed
+    if confirmed.walk is not None:
+        joints = confirmed.summary["joints"]
         peaks = ", ".join(f"{kind.name} {joints[kind.joints[-1]]['torque_peak_nm']:.0f}" for kind in kinds)
-        straps = sizing.confirmed["strap_load_n"]
+        straps = confirmed.summary["strap_load_n"]
         lines.append(
-            f"Walked with it in closed loop ({sizing.confirmed['scenario']}): peak torques {peaks} N m; "
+            f"Walked with it in closed loop ({confirmed.summary['scenario']}): peak torques {peaks} N m; "
             f"torso straps {straps['torso_rms']:.0f} N rms."
         )
     else:
-        lines.append(f"It could not be walked with in closed loop: {sizing.trouble}")
-    lines.append(f"{folder / 'sized.toml'}, {folder / 'report.html'}" + (f", {folder / 'sized.rrd'}" if sizing.confirmed else ""))
+        lines.append(f"It could not be walked with in closed loop: {confirmed.trouble}")
+    lines.append(f"{folder / 'sized.toml'}, {folder / 'report.html'}" + (f", {folder / 'sized.rrd'}" if confirmed.walk is not None else ""))
     return "\n".join(lines)
 
 

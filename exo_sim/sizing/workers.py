@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from collections.abc import Callable, Iterator
 from contextlib import ExitStack
 from typing import Any
@@ -70,6 +71,8 @@ def _client(address: str) -> Any:
         from distributed import Client
     except ImportError:
         raise ScenarioError("--scheduler needs Dask: install exo-sim-pneumatic[cluster]") from None
+    if not re.fullmatch(r"(tcp|tls|ucx|ws|wss)://[^\s/]+:\d+", address):
+        raise ScenarioError(f'"{address}" is no address of a Dask scheduler; write it as tcp://HOST:PORT')
     try:
         client = Client(address, timeout=_CONNECT, set_as_default=False)
     except (OSError, TimeoutError, ValueError) as error:

@@ -46,5 +46,6 @@ def sized_text(rig: Rig, kinds: tuple[JointKind, ...], design: Design, folder: P
                 item.extend([f"{1e3 * end[0]:.7g} mm", f"{1e3 * end[1]:.7g} mm"])
                 item.comment(f"was {1e3 * own[0]:.4g}, {1e3 * own[1]:.4g} mm; x, z from the axis of the {kind.name}")
                 table[word] = item
+            table.add(tomlkit.nl())
             cylinders[name]["attachment"] = table  # type: ignore[index]
     return tomlkit.dumps(document)

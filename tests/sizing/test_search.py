@@ -8,7 +8,7 @@ import pytest
 
 from exo_sim.errors import OutputError, ScenarioError
 from exo_sim.rig import EffectSetting
-from exo_sim.sizing import evaluation
+from exo_sim.sizing import evaluation, workers
 from exo_sim.sizing.choice import ENOUGH_MARGIN, nothing_found, recommended
 from exo_sim.sizing.evaluation import Task
 from exo_sim.sizing.search import search
@@ -20,8 +20,8 @@ TRIALS = 60
 
 @pytest.fixture(scope="module")
 def outcome(task):
-    with Workers(1) as workers:
-        return search(task, TRIALS, 5, workers)
+    with Workers(1) as crowd:
+        return search(task, TRIALS, 5, crowd)
 
 
 def _told(outcome):
@@ -32,9 +32,9 @@ def test_nothing_on_the_front_is_bettered(outcome):
     feasible = [one.score for one in outcome.trials if one.score.feasible]
     assert len(feasible) > TRIALS / 4 and len(outcome.front) > 3
     for one in outcome.front:
-        mine = np.array([-one.score.margin, *one.score.objectives[1:]])
+        mine = np.array([-one.score.objectives[0], *one.score.objectives[1:]])
         for other in feasible:
-            theirs = np.array([-other.margin, *other.objectives[1:]])
+            theirs = np.array([-other.objectives[0], *other.objectives[1:]])
             assert not (np.all(theirs <= mine) and np.any(theirs < mine))
 
 
@@ -43,22 +43,29 @@ def test_screened_out_designs_are_not_simulated(outcome):
     assert out and all(not score.feasible for score in out)
 
 
-def test_the_recommended_design_keeps_torque_in_hand(outcome, loads, space):
-    joints = tuple(joint for kind in space.kinds for joint in kind.joints)
-    choice = recommended(outcome.front, (loads,), joints)
+def test_chambers_keep_to_the_pressure_limit(outcome, space):
+    simulated = [one.score for one in outcome.trials if one.score.simulated]
+    assert any(score.peak > space.supply[1] and not score.feasible for score in simulated)
+    assert all(one.score.peak <= space.supply[1] for one in outcome.front)
+
+
+def test_the_recommended_design_keeps_torque_in_hand(outcome, loads, task):
+    choice = recommended(outcome.front, (loads,), task)
+    assert choice.confirmed.walk is not None
+    assert f"reach {choice.confirmed.peak / 1e5:.1f} bar" in choice.why
     assert choice.found in outcome.front
     assert choice.found.score.margin >= ENOUGH_MARGIN and "margin" in choice.why
 
 
 def test_same_seed_same_front_another_seed_another(task, outcome):
-    with Workers(1) as workers:
-        assert _told(search(task, TRIALS, 5, workers)) == _told(outcome)
-        assert _told(search(task, TRIALS, 6, workers)) != _told(outcome)
+    with Workers(1) as crowd:
+        assert _told(search(task, TRIALS, 5, crowd)) == _told(outcome)
+        assert _told(search(task, TRIALS, 6, crowd)) != _told(outcome)
 
 
 def test_two_processes_give_the_same_front(task, outcome):
-    with Workers(2) as workers:
-        assert _told(search(task, TRIALS, 5, workers)) == _told(outcome)
+    with Workers(2) as crowd:
+        assert _told(search(task, TRIALS, 5, crowd)) == _told(outcome)
 
 
 def test_killed_and_started_again_it_repeats_nothing(task, outcome, tmp_path, monkeypatch):
@@ -72,31 +79,31 @@ def test_killed_and_started_again_it_repeats_nothing(task, outcome, tmp_path, mo
         return whole(self, numbers)
 
     monkeypatch.setattr(evaluation.Evaluator, "score", lambda self, numbers: counted(self, numbers, 47))
-    with Workers(1) as workers:
-        half = search(task, TRIALS, 5, workers, journal)
+    with Workers(1) as crowd:
+        half = search(task, TRIALS, 5, crowd, journal)
     assert half.interrupted and len(half.trials) == 47
     monkeypatch.setattr(evaluation.Evaluator, "score", lambda self, numbers: counted(self, numbers, 1000))
-    with Workers(1) as workers:
-        rest = search(task, TRIALS, 5, workers, journal)
-        third = search(task, TRIALS, 5, workers, journal)
+    with Workers(1) as crowd:
+        rest = search(task, TRIALS, 5, crowd, journal)
+        third = search(task, TRIALS, 5, crowd, journal)
     assert rest.new == TRIALS - 47 and third.new == 0
     assert len(scored) == len(set(scored)) == TRIALS
     assert _told(rest) == _told(outcome) == _told(third)
 
 
 def test_a_journal_of_another_search_is_refused(task, tmp_path):
-    with Workers(1) as workers:
-        search(task, 1, 5, workers, tmp_path / "search.journal")
+    with Workers(1) as crowd:
+        search(task, 1, 5, crowd, tmp_path / "search.journal")
         with pytest.raises(OutputError, match="holds another search"):
-            search(task, 1, 6, workers, tmp_path / "search.journal")
+            search(task, 1, 6, crowd, tmp_path / "search.journal")
 
 
 def test_what_keeps_every_design_out_is_named(exo, condition):
     weak = Task(exo, (condition,), space_of(exo, 0.0, 4.2e5))
     starved = replace(weak, rig=replace(exo, effects=tuple(
         EffectSetting("coulomb_friction", name, {"force": 5000.0}) for name in exo.cylinders)))  # fmt: skip
-    with Workers(1) as workers:
-        found = search(starved, 5, 0, workers)
+    with Workers(1) as crowd:
+        found = search(starved, 5, 0, crowd)
     assert not found.front
     error = nothing_found(found, starved)
     assert isinstance(error, ScenarioError) and "torque" in str(error) and "\n" not in str(error)
@@ -122,12 +129,19 @@ def test_a_dask_cluster_of_two_processes_gives_the_same_front(task, outcome):
     make = partial(
         distributed.LocalCluster, n_workers=2, threads_per_worker=1, processes=True, host="127.0.0.1", dashboard_address=None
     )
-    with make() as cluster, Workers(scheduler=cluster.scheduler_address) as workers:
-        assert _told(search(task, TRIALS, 5, workers)) == _told(outcome)
+    with make() as cluster, Workers(scheduler=cluster.scheduler_address) as crowd:
+        assert _told(search(task, TRIALS, 5, crowd)) == _told(outcome)
 
 
-def test_no_scheduler_there_is_one_line():
+def test_what_is_no_address_is_one_line():
     pytest.importorskip("distributed")
+    with pytest.raises(ScenarioError, match="tcp://HOST:PORT"):
+        Workers(scheduler="nonsense")
+
+
+def test_no_scheduler_there_is_one_line(monkeypatch):
+    pytest.importorskip("distributed")
+    monkeypatch.setattr(workers, "_CONNECT", 1.0)
     with pytest.raises(ScenarioError, match="no Dask scheduler answers") as error:
         Workers(scheduler="tcp://127.0.0.1:9")
     assert "\n" not in str(error.value)

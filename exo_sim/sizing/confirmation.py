@@ -1,0 +1,69 @@
+"""Walking with the best designs as `exo-sim run` does: its own demand, rehearsed with the design's own gas.
+
+The search asks for the torques of inverse dynamics, which no design changes. What `exo-sim run` asks for is bettered by rehearsal
+with the cylinders that are there, so it costs a second a design and is asked of the best few only.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Any
+
+from exo_sim.errors import ExoSimError
+from exo_sim.rig import Rig
+from exo_sim.simulation import summary
+from exo_sim.simulation.coupled import Simulation
+from exo_sim.simulation.walk import Request, Walk
+from exo_sim.sizing.loads import Condition
+
+#: Cycles that are walked; what `summary` leaves out at the start does not count.
+CYCLES = 4
+
+
+@dataclass(frozen=True)
+class Confirmed:
+    """What one design did.
+
+    Attributes:
+        walk: The run, or None where it failed.
+        summary: Its numbers as `exo-sim run --json` gives them.
+        error: Largest rms over the sized joints of torque less torque demanded [N m].
+        peak: Largest pressure in any chamber, absolute [Pa].
+        trouble: Why it failed, or "".
+    """
+
+    walk: Walk | None
+    summary: dict[str, Any]
+    error: float
+    peak: float
+    trouble: str = ""
+
+    def excess(self, most_error: float, most_pressure: float) -> float:
+        """Return how far it goes beyond its limits: at most 1 keeps to both."""
+        return max(self.error / most_error, self.peak / most_pressure) if self.walk is not None else float("inf")
+
+
+def confirm(rig: Rig, condition: Condition, joints: tuple[str, ...]) -> Confirmed:
+    """Walk with a fitted rig.
+
+    Args:
+        rig: The machine with a design's cylinders, or read from `sized.toml`.
+        condition: What it does.
+        joints: Those that were sized.
+
+    Raises:
+        KeyboardInterrupt: Ctrl-C.
+    """
+    try:
+        walk = Simulation(rig, Request(condition.scenario, condition.payload, condition.speed, CYCLES)).run()
+    except ExoSimError as error:
+        return Confirmed(None, {}, float("inf"), float("inf"), str(error))
+    if walk.interrupted:
+        raise KeyboardInterrupt("finished designs are kept; the same command goes on from there")
+    found = summary.summarise(walk)
+    return Confirmed(
+        walk,
+        found,
+        error=max(found["joints"][joint]["torque_error_rms_nm"] for joint in joints),
+        peak=max(one["pressure_peak_pa"] for one in found["cylinders"].values()),
+    )

@@ -9,6 +9,9 @@ from exo_sim.physics.compiled import kernel
 #: Above this pressure ratio the flow falls linearly to zero: the nozzle's slope is infinite at equal pressures.
 LAMINAR_RATIO = 0.999
 
+#: Below this pressure ratio every gas with k up to 2 chokes.
+_SURELY_CHOKED = 0.44
+
 
 @kernel
 def critical_ratio(k: float) -> float:
@@ -45,6 +48,8 @@ def flow_factor(ratio: float, k: float) -> float:
 
     The law is continuously differentiable at the critical ratio; its slope is finite at 1.
     """
+    if ratio < _SURELY_CHOKED and k <= 2.0:
+        return critical_flow_factor(k)
     if ratio < LAMINAR_RATIO:
         y = ratio ** (1.0 / k)
         if 2.0 * y >= (k + 1.0) * ratio:  # where gamma's slope vanishes: the critical ratio, without a second power

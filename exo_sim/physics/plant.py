@@ -40,6 +40,7 @@ from exo_sim.physics.nodes import (
     within,
 )
 from exo_sim.physics.pace import MOST_STEPS, step_length
+from exo_sim.physics.plain import plain, plain_rates
 from exo_sim.physics.resistance import dry_level, move_bristle
 from exo_sim.physics.state import (
     BRISTLE,
@@ -144,6 +145,8 @@ def stray(world, dy, base: int, mass: int, energy: int, t_gas: float, w: float):
 @kernel
 def cylinder_rates(world, c, y, dy, base, x, v, opening, p_s, t_s, p_e, t_e):
     """Write d/dt of one cylinder's integrated state; return its flows from the supply and into the exhaust, with enthalpies."""
+    if plain(c):
+        return plain_rates(world, c, y, dy, base, x, v, opening, p_s, t_s, p_e, t_e)
     for j in range(INTEGRATED):
         dy[base + j] = 0.0
     k, r = world.k, world.r

@@ -7,6 +7,16 @@ from exo_sim.physics.pneumatics import joint_forces, rod_forces, step
 
 
 @kernel
+def moment_arm(actuator, dof, moment, counts, starts, dofs):
+    """Return dlength/dq of one actuator for one degree of freedom from MuJoCo's sparse rows; 0 where it has none."""
+    arm = 0.0
+    for j in range(starts[actuator], starts[actuator] + counts[actuator]):
+        if dofs[j] == dof:
+            arm = moment[j]
+    return arm
+
+
+@kernel
 def compute_forces(
     world, cylinders, joints, vector, actuators, retracted, length, velocity, dofs, addresses, qpos, qvel,
     ctrl, applied, x, v, force, q, qd, own, felt,

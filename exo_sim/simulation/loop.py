@@ -16,7 +16,7 @@ from exo_sim.physics.compiled import kernel
 from exo_sim.physics.gas import critical_ratio
 from exo_sim.physics.pneumatics import sensed_pressures
 from exo_sim.physics.state import DRAWN, INTEGRATED
-from exo_sim.simulation.coupling import advance_gas, compute_forces
+from exo_sim.simulation.coupling import advance_gas, compute_forces, moment_arm
 from exo_sim.simulation.native import call
 
 Array = NDArray[np.float64]
@@ -167,10 +167,8 @@ def _ask(cycles, time, fraction, settings, world, wearer, drives, gas):
             wearer.torque[j] *= time / n[RAMP]
     for i in range(drives.actuators.size):
         a, dof = drives.actuators[i], drives.dofs[i]
-        arm = 0.0
-        for j in range(world.moment_rowadr[a], world.moment_rowadr[a] + world.moment_rownnz[a]):
-            if world.moment_colind[j] == dof:
-                arm = world.actuator_moment[j]
+        arm = moment_arm(a, dof, world.actuator_moment, world.moment_rownnz, world.moment_rowadr, world.moment_colind)
+        gas.cylinders[i].arm = arm
         c = gas.cylinders[i]
         w = gas.world[0]
         low, high = force_limits(c.area_1, c.area_2, w.supply_pressure, w.exhaust_pressure, w.atmosphere)

@@ -29,6 +29,24 @@ def _call(typingctx: Any, function: Any, model: Any, data: Any) -> Any:
 call: Any = intrinsic(_call)
 
 
+def _read_time(typingctx: Any, function: Any, model: Any, data: Any, out: Any) -> Any:
+    """Call `mj_getState` for the time alone; all four are addresses."""
+
+    def generate(context: Any, builder: Any, signature: Any, arguments: Any) -> Any:
+        pointer, whole = ir.IntType(8).as_pointer(), ir.IntType(32)
+        kind = ir.FunctionType(ir.VoidType(), [pointer, pointer, pointer, whole])
+        target = builder.inttoptr(arguments[0], kind.as_pointer())
+        places = [builder.inttoptr(argument, pointer) for argument in arguments[1:]]
+        builder.call(target, [*places, ir.Constant(whole, int(mujoco.mjtState.mjSTATE_TIME))])
+        return context.get_dummy_value()
+
+    return types.void(types.int64, types.int64, types.int64, types.int64), generate
+
+
+#: `read_time(mj_getState, model, data, out)` in compiled code: writes `data.time` to an address.
+read_time: Any = intrinsic(_read_time)
+
+
 def _library() -> ctypes.CDLL:
     folder = Path(mujoco.__file__).parent
     for pattern in ("libmujoco.so*", "libmujoco*.dylib", "mujoco.dll"):

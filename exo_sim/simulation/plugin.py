@@ -12,7 +12,7 @@ from exo_sim.errors import ModelError, nearest
 from exo_sim.machine.linkage import linkages, moment_row
 from exo_sim.physics.pneumatics import Books
 from exo_sim.rig import Rig, assembly
-from exo_sim.simulation.bound_arrays import BoundArrays, advance_and_compute
+from exo_sim.simulation.bound_arrays import BoundArrays, take_step
 from exo_sim.simulation.coupling import advance_gas, compute_forces
 
 _CONTACT = ["effective_mass", "turning"]
@@ -57,7 +57,6 @@ class PneumaticPlugin:
     and `step(data)` is its short form. Pistons move evenly within a step, so the gas does exactly the work that their motion asks.
 
     Attributes:
-        command: Valve commands, -1 to 1, one a cylinder in the rig's order, shape (n,). Set it before `advance`.
         pneumatics: The gas: state vector, records, books.
 
     Args:
@@ -80,7 +79,7 @@ class PneumaticPlugin:
         self.dt = float(model.opt.timestep)
         drives = {link.cylinder: link.joint for link in self.links}
         self.pneumatics = assembly.pneumatics(rig, self.dt, names, drives)
-        self.command = np.zeros(len(self.links))
+        self._command = np.zeros(len(self.links))
         n, m = len(self.links), len(names)
         self._actuators = np.array([link.actuator for link in self.links], dtype=np.int64)
         self._retracted = np.array([rig.cylinders[link.cylinder].retracted_length for link in self.links])
@@ -89,7 +88,8 @@ class PneumaticPlugin:
         self._dofs = np.array([model.jnt_dofadr[i] for i in ids], dtype=np.int64)
         self._x, self._x1, self._v, self._force = np.zeros((4, n))
         self._q, self._q1, self._qd, self._own, self._felt = np.zeros((5, m))
-        self._time = 0.0
+        self._driven = np.array([link.dof for link in self.links], dtype=np.int64)
+        self._clock = np.zeros(2)  # how far the gas has come; what MuJoCo's clock said last
         self._turning = any(effect.turning for effect in rig.effects)
         self._bound: BoundArrays | None = None
 
@@ -107,6 +107,15 @@ class PneumaticPlugin:
         self.pneumatics.world[:], self.pneumatics.cylinders[:] = other.world, other.cylinders
         self.pneumatics.joints[:] = other.joints
         self._retracted[:] = [rig.cylinders[link.cylinder].retracted_length for link in self.links]
+
+    @property
+    def command(self) -> NDArray[np.float64]:
+        """Valve commands, -1 to 1, one a cylinder in the rig's order, shape (n,). Set it before `advance`."""
+        return self._command
+
+    @command.setter
+    def command(self, value: NDArray[np.float64]) -> None:
+        self._command[:] = value
 
     @property
     def force(self) -> NDArray[np.float64]:
@@ -144,7 +153,7 @@ class PneumaticPlugin:
         self._masses(data)
         self.pneumatics.fill(self._x, p_1, p_2)
         self.pneumatics.settle_transmission(self._x)
-        self._time = data.time
+        self._clock[0] = data.time
 
     def _masses(self, data: mujoco.MjData) -> None:
         """Tell each dry contact what mass it holds: the inverse of J M^-1 J'."""
@@ -181,7 +190,7 @@ class PneumaticPlugin:
 
         Does nothing where the gas is there already.
         """
-        if data.time <= self._time + 0.5 * self.dt:
+        if data.time <= self._clock[0] + 0.5 * self.dt:
             return
         gas = self.pneumatics
         advance_gas(
@@ -189,23 +198,17 @@ class PneumaticPlugin:
             data.actuator_length, self._addresses, data.qpos, self.command, self.dt,
             self._x, self._x1, self._q, self._q1, gas._work, gas._scratch,
         )  # fmt: skip
-        self._time = data.time
+        self._clock[0] = data.time
 
     def step(self, data: mujoco.MjData) -> None:
-        """Bring the gas up to now, write the forces, and let MuJoCo take one step under them."""
-        mujoco.mj_step1(self.model, data)
-        if self._turning:
-            self.advance(data)
-            self.compute(data)
-        else:
-            if self._bound is None or not self._bound.hold(self, data):
-                self._bound = BoundArrays(self, data)
-            time = data.time
-            late = time > self._time + 0.5 * self.dt
-            advance_and_compute(self._bound.addresses, late)
-            if late:
-                self._time = time
-        mujoco.mj_step2(self.model, data)
+        """Bring the gas up to now, write the forces, and let MuJoCo take one step under them: one compiled call.
+
+        An error that MuJoCo itself calls fatal ends the process here; in the long form it is raised.
+        """
+        bound = self._bound
+        if bound is None or bound.data is not data:
+            bound = self._bound = BoundArrays(self, data)
+        take_step(bound.place)
 
     def snapshot(self, data: mujoco.MjData) -> Snapshot:
         """Return MuJoCo's state and the gas's together."""
@@ -216,7 +219,7 @@ class PneumaticPlugin:
         return Snapshot(
             physics, gas.vector.copy(), gas.history.copy(), self._x.copy(), np.concatenate([self._q, self._felt]), gas._start.copy(),
             (gas.cylinders[_CONTACT_OF_CYLINDER].copy(), gas.joints[_CONTACT].copy()),
-            self._time,
+            float(self._clock[0]),
         )
 
     def restore(self, data: mujoco.MjData, snapshot: Snapshot) -> None:
@@ -229,7 +232,7 @@ class PneumaticPlugin:
         for name in _CONTACT:
             gas.joints[name] = snapshot.contacts[1][name]
         self._x[:] = snapshot.lengths
-        self._time = snapshot.time
+        self._clock[0] = snapshot.time
         m = len(self.joint_names)
         self._q[:], self._felt[:] = snapshot.positions[:m], snapshot.positions[m:]
         mujoco.mj_forward(self.model, data)

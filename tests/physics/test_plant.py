@@ -165,3 +165,21 @@ def test_stiffness_of_two_closed_chambers() -> None:
             gas.fill(np.array([0.05]), 5e5, 565237.727273)
             ends.append(drive(gas, np.linspace(0.05, 0.05 + step, 11))[-1, 4])
         assert (ends[0] - ends[1]) / 2e-5 == pytest.approx(expected, rel=1e-6)
+
+
+def test_a_cylinder_without_effects_takes_a_short_way_to_the_same_bits() -> None:
+    """An end cushion of no length acts on nothing, but sends the cylinder the long way."""
+    ends = []
+    for length in (0.0, 1e-300):
+        gas = Pneumatics(paper_world(), paper_cylinder(0.032, 0.012, 0.2, 2e-6, 1e-5, 1e-5), dt=1e-3)
+        gas.cylinders["end_cushioning"]["length"] = length
+        gas.cylinders["end_cushioning"]["area"] = 1e-6
+        gas.fill(np.array([0.1]), 3e5, 4e5)
+        time = np.arange(600) * 1e-3
+        path = 0.1 + 0.08 * np.sin(20 * time)
+        for i in range(1, len(path)):
+            gas.advance(path[i - 1 : i], path[i : i + 1], np.array([np.sin(9 * time[i])]))
+        ends.append(gas.vector.copy())
+    assert np.array_equal(*ends)
+    assert ends[0][state.DRAWN] > 0.0
+    assert ends[0][state.EXHAUSTED] > 0.0

@@ -27,6 +27,7 @@ if TYPE_CHECKING:
 #: Designs asked for together, and NSGA-II's population: fixed, so that the number of workers does not matter.
 BATCH = 40
 _GRACE = 2
+_NO_JOURNAL = "is no journal of a search; remove it or name another folder with --out"
 DIRECTIONS: tuple[Literal["maximize", "minimize"], ...] = ("maximize", "minimize", "minimize", "minimize")
 
 
@@ -178,6 +179,7 @@ class _Journal:
             raise OutputError(f'cannot write into "{path.parent}": it is a file; name a folder with --out')
         try:
             path.parent.mkdir(parents=True, exist_ok=True)
+            _mend(path)
             # whoever was killed holding the lock is not waited for long
             with warnings.catch_warnings():
                 warnings.simplefilter("ignore", UserWarning)
@@ -195,7 +197,7 @@ class _Journal:
         except OSError as error:
             raise OutputError(f'cannot write "{path}": {error.strerror or error}; write elsewhere') from None
         except (json.JSONDecodeError, KeyError, UnicodeDecodeError):
-            raise OutputError(f"{path} is no journal of a search; remove it or name another folder with --out") from None
+            raise OutputError(f"{path} {_NO_JOURNAL}") from None
         for trial in self._study.get_trials(deepcopy=False):
             score = trial.user_attrs["score"]
             thinnest = score["thinnest"]
@@ -219,3 +221,19 @@ class _Journal:
                 user_attrs={"number": trial.number, "score": asdict(score)},
             )
         )  # fmt: skip
+
+
+def _mend(path: Path) -> None:
+    """Take away the line that a killed search was writing.
+
+    Raises:
+        OutputError: the file is no journal; it is left alone.
+    """
+    if not path.is_file():
+        return
+    with path.open("r+b") as file:
+        text = file.read()
+        if text and not text.startswith(b'{"op_code"'):
+            raise OutputError(f"{path} {_NO_JOURNAL}")
+        if not text.endswith(b"\n"):
+            file.truncate(text.rfind(b"\n") + 1)

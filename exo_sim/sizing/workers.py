@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import re
+import warnings
 from collections.abc import Callable, Iterator
 from contextlib import ExitStack
 from typing import Any
@@ -39,6 +40,8 @@ class Workers:
             self._stack.enter_context(parallel_config(backend="dask", client=self._client, wait_for_workers_timeout=_CONNECT))
             self._parallel = Parallel(n_jobs=-1)
         elif self.jobs != 1:
+            # after Ctrl-C joblib would speak of what it throws away
+            warnings.filterwarnings("ignore", message=".*tasks have been successfully executed", category=UserWarning)
             self._stack.enter_context(parallel_config(backend="loky", n_jobs=self.jobs, inner_max_num_threads=1))
             self._parallel = self._stack.enter_context(Parallel(return_as="generator"))
         return self

@@ -91,6 +91,19 @@ def test_killed_and_started_again_it_repeats_nothing(task, outcome, tmp_path, mo
     assert _told(rest) == _told(outcome) == _told(third)
 
 
+def test_a_line_half_written_at_the_kill_costs_one_design(task, outcome, tmp_path):
+    journal = tmp_path / "search.journal"
+    with Workers(1) as crowd:
+        search(task, 5, 5, crowd, journal)
+        journal.write_bytes(journal.read_bytes()[:-300])
+        again = search(task, 5, 5, crowd, journal)
+        assert again.new == 1 and [one.score for one in again.trials] == [one.score for one in outcome.trials[:5]]
+        journal.write_text("shopping list", encoding="utf-8")
+        with pytest.raises(OutputError, match="no journal"):
+            search(task, 5, 5, crowd, journal)
+        assert journal.read_text(encoding="utf-8") == "shopping list"
+
+
 def test_a_journal_of_another_search_is_refused(task, tmp_path):
     with Workers(1) as crowd:
         search(task, 1, 5, crowd, tmp_path / "search.journal")

@@ -14,6 +14,7 @@ from exo_sim.diagnosis.motion_cut import MotionRun, motion_runs
 from exo_sim.diagnosis.observed import CylinderRun, cylinder_runs
 from exo_sim.diagnosis.replay_inputs import led_from_outside
 from exo_sim.diagnosis.result import Estimate, Finding, OpenQuestion
+from exo_sim.diagnosis.rod_cut import rod_run
 from exo_sim.errors import RecordingError, nearest
 from exo_sim.machine.linkage import Linkage, linkages
 from exo_sim.machine.load import load
@@ -46,7 +47,7 @@ class Case:
         rig, model, links: The machine.
         recordings: Cleaned of what must not be believed.
         cylinders: Runs by cylinder that the gas cut can judge.
-        joints: Runs by joint that the motion cut can judge.
+        joints: Runs that the motion cut can judge, by joint, or by cylinder where its rod carries a load cell.
         sensors: Faults found before any physics was asked.
         remarks: Plain sentences about clocks and sensors.
         open: Questions that cannot be judged.
@@ -153,6 +154,9 @@ def _sort(case: Case) -> None:
             else:
                 case.cylinders.setdefault(run.cylinder, []).append(run)
                 judged_once = True
+            rod = rod_run(run, case.rig) if rate >= FEWEST_A_SECOND else None
+            if rod is not None:
+                case.joints.setdefault(run.cylinder, []).append(rod)
         mentioned = {run.cylinder for runs in case.cylinders.values() for run in runs}
         for name in case.rig.cylinders:
             if name not in mentioned and f"{name}.pressure_1" not in table and f"{name}.pressure_2" not in table:

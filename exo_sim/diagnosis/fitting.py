@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable, Sequence
 from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass, field
@@ -27,16 +28,18 @@ class Fit:
         values: Where it ended.
         residual: Whitened residual there, shape (n,).
         jacobian: d residual / d (quantity/scale), shape (n, p).
-        cost: Sum of squares, priors included.
-        sse: Sum of squares of the residual alone.
+        penalty: Sum of squares of what the priors say against it.
+        prior_rows: Jacobian of the priors, shape (m, p).
+        weight: What a prior counted against the residual's squares.
     """
 
     quantities: tuple[Quantity, ...]
     values: dict[Quantity, float]
     residual: Array
     jacobian: Array
-    cost: float
+    penalty: float = 0.0
     prior_rows: Array = field(default_factory=lambda: np.zeros((0, 0)))
+    weight: float = 1.0
 
     @property
     def sse(self) -> float:
@@ -85,10 +88,13 @@ def fit(
     start: dict[Quantity, float],
     pool: ThreadPoolExecutor | None = None,
     most: int = 8,
-    jacobian: Array | None = None,
     tolerance: float = 2e-3,
+    spell: float = 1.0,
 ) -> Fit:
     """Minimise the whitened residual plus priors inside the bounds.
+
+    While a model misses more than the noise, its errors are counted in units of what it misses, and neighbours that say the same
+    count once: else the first wrong model bends every believed number as far as it goes, and the search is lost from there.
 
     Args:
         residual: Values to a whitened residual, shape (n,).
@@ -96,23 +102,24 @@ def fit(
         start: Where to begin.
         pool: Threads for the finite differences.
         most: The most iterations.
-        jacobian: At the start, if known, shape (n, p).
         tolerance: Stop when the cost falls by less than this share.
+        spell: How many neighbouring rows say the same.
     """
     quantities = tuple(quantities)
     values = {q: float(np.clip(start[q], q.low, q.high)) for q in quantities}
     r = residual(values)
     rows, row_jac = prior_terms(quantities, values)
-    cost = float(r @ r + rows @ rows)
-    if not quantities or not np.isfinite(cost):
+    if not quantities or not np.isfinite(r).all():
         r = np.where(np.isfinite(r), r, WORST)
-        cost = float(r @ r + rows @ rows)
-        return Fit(quantities, values, r, np.zeros((r.size, len(quantities))), cost, row_jac)
-    jac = jacobian if jacobian is not None else differences(residual, quantities, values, r, pool)
+        return Fit(quantities, values, r, np.zeros((r.size, len(quantities))), float(rows @ rows), row_jac)
+    jac = differences(residual, quantities, values, r, pool)
     damping = 1e-4
+    weight = 1.0
     for _ in range(most):
-        whole = np.vstack([jac, row_jac])
-        gradient = whole.T @ np.concatenate([r, rows])
+        weight = spell * max(float(r @ r) / max(r.size, 1), 1.0)
+        cost = float(r @ r + weight * (rows @ rows))
+        whole = np.vstack([jac, math.sqrt(weight) * row_jac])
+        gradient = whole.T @ np.concatenate([r, math.sqrt(weight) * rows])
         normal = whole.T @ whole
         improved = False
         for _ in range(5):
@@ -122,7 +129,7 @@ def fit(
             }
             new = residual(trial)
             new_rows, _ = prior_terms(quantities, trial)
-            new_cost = float(new @ new + new_rows @ new_rows)
+            new_cost = float(new @ new + weight * (new_rows @ new_rows))
             if np.isfinite(new_cost) and new_cost < cost:
                 improved = True
                 break
@@ -130,12 +137,12 @@ def fit(
         if not improved:
             break
         gain = (cost - new_cost) / max(cost, 1e-300)
-        values, r, rows, cost = trial, new, new_rows, new_cost
+        values, r, rows = trial, new, new_rows
         damping = max(damping * 0.2, 1e-6)
         if gain < tolerance:
             break
         jac = differences(residual, quantities, values, r, pool)
-    return Fit(quantities, values, r, jac, cost, row_jac)
+    return Fit(quantities, values, r, jac, float(rows @ rows), row_jac, weight)
 
 
 def _bounded_step(

@@ -211,7 +211,7 @@ class GasProblem:
         rival = copy(self)
         rival.setting = other
         start = {q: q.prior[0] if q.prior else q.neutral for q in nuisances}
-        costs = [fit(problem.residual, nuisances, start, pool, most=4).cost for problem in (self, rival)]
+        costs = [fit(problem.residual, nuisances, start, pool, most=4).sse for problem in (self, rival)]
         return rival if costs[1] < costs[0] else self
 
     def residual(self, values: dict[Quantity, float], fixed: Sequence[tuple[Quantity, float]] = ()) -> Array:

@@ -48,6 +48,10 @@ class MotionRun:
         levers: How the drive answers one pascal (newton) too much in a column.
         noise: Standard deviation that sensor noise leaves in one smoothed sample.
         still: Below this speed the sign of the velocity is not known.
+        breaks: Indices at which a new stretch begins.
+        effective_mass: Mass that the piston feels [kg]; 0 where that plays no part.
+        external_recorded: Whether `external` was measured.
+        weighs: Whether a mass enters the balance.
     """
 
     recording: str
@@ -71,6 +75,7 @@ class MotionRun:
     breaks: tuple[int, ...]
     effective_mass: float
     external_recorded: bool
+    weighs: bool = True
 
 
 @kernel
@@ -230,7 +235,7 @@ def _run(
         pressures = [recording.get(f"{link.cylinder}.pressure_{s}") for s in (1, 2)]
         atmosphere = rig.environment.pressure
         smooth = [None if p is None else led(time, p, seconds)[0] for p in pressures]
-        if cell is not None and any(p is None for p in pressures):
+        if cell is not None:  # what the piston loses is the rod's own balance
             drive += lever * led(time, cell, seconds)[0]
             levers[f"{link.cylinder}.force"] = lever
             variance += float(np.mean(lever**2)) * (white_noise(cell) * keep) ** 2
@@ -242,7 +247,7 @@ def _run(
                 if p is not None:
                     levers[f"{link.cylinder}.pressure_{s + 1}"] = lever * area
                     variance += float(np.mean((lever * area) ** 2)) * (white_noise(p) * keep) ** 2
-        if k == 0 and len(driven) == 1:
+        if k == 0 and len(driven) == 1 and cell is None:
             cylinder, arm = link.cylinder, lever
             gauge = np.column_stack([np.zeros(n) if p is None else p - atmosphere for p in smooth])
             position = lengths[:, index] - c.retracted_length

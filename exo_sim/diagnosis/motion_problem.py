@@ -159,7 +159,7 @@ def believed(runs: Sequence[MotionRun], setting: Setting, where: str) -> tuple[Q
     if run.cylinder is None and not run.external_recorded:
         spread = 0.02 * float(np.std(run.inertial))
     found = []
-    if (
+    if run.weighs and (
         run.cylinder is not None or run.external_recorded
     ):  # a free swing scales with its mass: no recording of it holds the mass
         found.append(

@@ -16,7 +16,9 @@ from typing import Any, TypeVar
 
 import numba
 import numpy
-from numba.core import config
+from numba import types
+from numba.core import cgutils, config
+from numba.extending import intrinsic
 
 Function = TypeVar("Function", bound=Callable[..., Any])
 
@@ -61,3 +63,23 @@ _settle()
 def kernel(function: Function) -> Function:
     """Compile a function of numbers, arrays and records; it releases the GIL and is cached between starts."""
     return numba.njit(cache=True, nogil=True, error_model="numpy")(function)  # type: ignore[return-value]
+
+
+def _borrow(typingctx: Any, arrays: Any) -> Any:
+    """Return a tuple's values with its arrays' owners taken off: no reference is counted for them any more."""
+
+    def generate(context: Any, builder: Any, signature: Any, arguments: Any) -> Any:
+        held = arguments[0]
+        for place, kind in enumerate(arrays):
+            if isinstance(kind, types.Array):
+                array = cgutils.create_struct_proxy(kind)(context, builder, builder.extract_value(held, place))
+                array.meminfo = cgutils.get_null_value(array.meminfo.type)
+                array.parent = cgutils.get_null_value(array.parent.type)
+                held = builder.insert_value(held, array._getvalue(), place)
+        return held
+
+    return arrays(arrays), generate
+
+
+#: `borrow(tuple)` in compiled code whose caller keeps the arrays: counting their references costs more than small kernels do.
+borrow: Any = intrinsic(_borrow)

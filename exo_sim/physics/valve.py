@@ -14,8 +14,8 @@ def path_areas(opening: float, area: float, closed_area: float) -> tuple[float, 
     Args:
         opening: -1 to 1; beyond that it is held.
         area: Effective throat area of one path at full opening [m^2].
-        closed_area: What a closed path still leaks through [m^2]; 0 for the paper's valve.
+        closed_area: What every path leaks through besides, open or closed [m^2]; 0 for the paper's valve.
     """
     forward = area * min(max(opening, 0.0), 1.0)
     backward = area * min(max(-opening, 0.0), 1.0)
-    return max(forward, closed_area), max(backward, closed_area), max(backward, closed_area), max(forward, closed_area)
+    return forward + closed_area, backward + closed_area, backward + closed_area, forward + closed_area

@@ -18,14 +18,12 @@ EFFECT = Effect(
     reveals=("pressure_1", "pressure_2"),
     mistaken_for=("piston_leakage", "external_leakage", "valve_offset"),
     experiment="hold at zero command at two supply pressures: the level that the chambers reach scales with the supply",
-    convention=(
-        "each of the four paths keeps at least this area; a path opened further than that is not widened by it."
-    ),
+    convention="each of the four paths leaks through this area, whatever it is open besides.",
     signature="at null both pressures go to 0.75-0.85 of the supply; the supply is used at rest",
 )
 
 
 @kernel
 def closed_area(p) -> float:
-    """Return the area that a closed path keeps [m^2]."""
+    """Return the area that every path leaks through besides its opening [m^2]."""
     return p.area

@@ -51,7 +51,11 @@ if TYPE_CHECKING:
 def command(scenario: str, payload: float, speed: float, strides: int | None, assist: str, controller: str, demand: str,
             rig: Path | None, out: Path | None, as_json: bool, quiet: bool, seed: int) -> None:  # fmt: skip
     """Simulate SCENARIO headless; see `exo-sim scenarios` for what there is."""
+    import gc
     import time
+
+    import pyarrow.parquet  # noqa: F401 - both now, so that their start is not taken for work
+    import rerun  # noqa: F401
 
     from exo_sim import rig as rigs
     from exo_sim.errors import OutputError
@@ -67,6 +71,7 @@ def command(scenario: str, payload: float, speed: float, strides: int | None, as
     request = Request(
         scenario, payload=payload, speed=speed, cycles=strides, assist=assist, controller=controller, law=demand
     )
+    gc.freeze()  # what was imported stays: it need not be gone through again and again
     begun = time.perf_counter()
     simulation = Simulation(rigs.read(rig or default_rig()), request)
     prepared = time.perf_counter()

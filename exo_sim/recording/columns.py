@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import re
 from dataclasses import dataclass
+from functools import lru_cache
 
 import numpy as np
 from numpy.typing import NDArray
@@ -49,6 +50,7 @@ def split(heading: str) -> tuple[str, str | None]:
     return match["name"], match["unit"]
 
 
+@lru_cache(maxsize=4096)
 def signal_of(name: str) -> signals.Signal:
     """Return the signal that `"<part>.<signal>"` names.
 

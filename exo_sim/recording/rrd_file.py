@@ -131,6 +131,7 @@ def _signals(stream: Any, recording: Recording, leaf: str, overlaid: Mapping[str
 
     index = [clock(recording.time)]
     place = blueprint.places(recording)
+    values_of = {unit: rr.AnyValues(unit=unit) for unit in set(recording.units.values())}
     for key, values in recording.columns.items():
         path, width, name = key, 1.5, f"{key.rsplit('.', 1)[0]}: {columns.signal_of(key).label}"
         colour: tuple[int, ...] = _PALETTE[place.get(key, 0) % len(_PALETTE)]
@@ -139,7 +140,7 @@ def _signals(stream: Any, recording: Recording, leaf: str, overlaid: Mapping[str
             width = 1.2 if leaf == "recorded" else 4.0  # drawn last and thin, so that the others show behind it
         stream.send_columns(path, indexes=index, columns=rr.Scalars.columns(scalars=values))
         line = rr.SeriesLines(names=name, colors=[colour], widths=[width])
-        unit = rr.AnyValues(unit=recording.units[key])
+        unit = values_of[recording.units[key]]
         if path == key:
             stream.log(path, line, unit, static=True)
         else:

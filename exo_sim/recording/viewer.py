@@ -55,7 +55,7 @@ def open_window(rrd: Path) -> None:
         )
     try:
         viewer = subprocess.Popen(
-            [sys.executable, "-m", "rerun", str(rrd.resolve())],
+            [sys.executable, "-m", "rerun", "--bind", "127.0.0.1", str(rrd.resolve())],
             stdout=subprocess.DEVNULL,
             stderr=subprocess.DEVNULL,
             start_new_session=True,

@@ -28,7 +28,7 @@ from exo_sim.simulation.plugin import PneumaticPlugin
 from exo_sim.simulation.rehearsal import learn_from
 from exo_sim.simulation.walk import Request, Walk, layout
 
-_CHUNK = 100
+_CHUNK = 250
 #: A rehearsal leaves out so many cycles or so much time [s] at its start, and looks at so much time after that [s].
 _SETTLING, _SETTLING_TIME, _LOOKED_AT = 2, 2.0, 1.5
 #: How far the machine may leave its wearer before the run counts as a fall [rad, m].
@@ -167,12 +167,11 @@ class Simulation:
         rows = log[start:stop]
         when = f"at {start * self.dt:.3f} to {stop * self.dt:.3f} s"
         advice = "try a shorter timestep in the MJCF, a smaller payload, or --assist vented to find the cause"
-        for kind, warning in zip(mujoco.mjtWarning.__members__, self.data.warning):
-            if warning.number:
-                raise Diverged(f"{self.request.scenario}: MuJoCo warns of {kind} {when}; {advice}")
-        bad = ~np.isfinite(rows)
-        if bad.any():
-            column = int(np.argmax(bad.any(axis=0)))
+        if self.data.warning.number.any():
+            kind = list(mujoco.mjtWarning.__members__)[int(np.argmax(self.data.warning.number > 0))]
+            raise Diverged(f"{self.request.scenario}: MuJoCo warns of {kind} {when}; {advice}")
+        if not np.isfinite(rows).all():
+            column = int(np.argmin(np.isfinite(rows).all(axis=0)))
             key = "time" if column == 0 else layout(self.rig, self.straps, not self.request.ideal)[column - 1][0]
             raise Diverged(f"{self.request.scenario}: {key} is not a number {when}; {advice}")
         cycles = np.arange(start, stop, dtype=np.float64) * (self.dt / self.motion.period)

@@ -12,10 +12,11 @@ from exo_sim.gait.motion import Motion, look_up, reference
 from exo_sim.machine.person import Person, pose_bodies, segment_poses
 from exo_sim.machine.straps import pull
 from exo_sim.physics import plant
-from exo_sim.physics.compiled import kernel
+from exo_sim.physics.compiled import borrow, kernel
 from exo_sim.physics.gas import critical_ratio
+from exo_sim.physics.nodes import exhaust_state, supply_state
 from exo_sim.physics.pneumatics import sensed_pressures
-from exo_sim.physics.state import DRAWN, INTEGRATED
+from exo_sim.physics.state import DRAWN, HELD, INTEGRATED, REMEMBERED, SHARED
 from exo_sim.simulation.coupling import advance_gas, compute_forces, moment_arm
 from exo_sim.simulation.native import call
 
@@ -247,6 +248,10 @@ def _log(row, time, cycles, settings, world, wearer, drives, gas):
     if settings.kind == GAS:
         w = gas.world[0]
         critical = critical_ratio(w.k)
+        shared = drives.actuators.size * INTEGRATED
+        held = gas.vector[shared + SHARED + drives.actuators.size * REMEMBERED + HELD]
+        p_s, _ = supply_state(w, gas.vector, shared, held)
+        p_e, _ = exhaust_state(w, gas.vector, shared)
         for i in range(drives.actuators.size):
             c = gas.cylinders[i]
             p_1, p_2 = sensed_pressures(w, gas.cylinders, gas.vector, i, gas.x[i])
@@ -255,11 +260,12 @@ def _log(row, time, cycles, settings, world, wearer, drives, gas):
             filled, emptied = (p_1, p_2) if u > 0.0 else (p_2, p_1)
             choked = 0.0
             if u != 0.0 and c.vented == 0.0:
-                choked += 1.0 if filled < critical * w.supply_pressure else 0.0
-                choked += 1.0 if w.exhaust_pressure < critical * emptied else 0.0
+                choked += 1.0 if filled < critical * p_s else 0.0
+                choked += 1.0 if p_e < critical * emptied else 0.0
             row[at], row[at + 1], row[at + 2], row[at + 3], row[at + 4] = u, p_1, p_2, t_1, t_2
             row[at + 5], row[at + 6] = choked, gas.vector[i * INTEGRATED + DRAWN]
             at += 7
+        row[at], row[at + 1] = p_s, p_e
 
 
 @kernel
@@ -268,6 +274,7 @@ def run(first, count, addresses, settings, world, wearer, drives, gas, log):
 
     Order: positions of now; gas up to now; person, straps, demand and valves at now; rod forces; MuJoCo's step.
     """
+    settings, world, wearer, drives, gas = borrow(settings), borrow(world), borrow(wearer), borrow(drives), borrow(gas)
     n = settings.numbers
     dt = n[DT]
     for k in range(first, first + count):

@@ -128,6 +128,7 @@ def layout(rig: Rig, straps: StrapSet, gas: bool) -> list[tuple[str, str]]:
             out += [(f"{name}.valve_command", "1"), (f"{name}.pressure_1", "Pa"), (f"{name}.pressure_2", "Pa")]
             out += [(f"{name}.temperature_1", "K"), (f"{name}.temperature_2", "K")]
             out += [(f"{name}.choked", "1"), (f"{name}.gas_used", "kg")]
+        out += [("supply.pressure", "Pa"), ("exhaust.pressure", "Pa")]
     return out
 
 

@@ -9,7 +9,8 @@ from exo_sim import rig as rigs
 from exo_sim.errors import Diverged, ScenarioError
 from exo_sim.gait import recorded, scenario
 from exo_sim.rig import Ankle, Wearer
-from exo_sim.simulation import loop, record
+from exo_sim.rig.schema import EffectSetting
+from exo_sim.simulation import coupled, loop, record
 from exo_sim.simulation.coupled import Simulation, simulate
 from exo_sim.simulation.summary import span, summarise, wearer_moments
 from exo_sim.simulation.walk import JOINTS, Request
@@ -165,9 +166,9 @@ def test_an_interrupt_leaves_what_was_simulated(exo, monkeypatch):
     monkeypatch.setattr(loop, "run", interrupted)
     walk = simulation.run()
     assert walk.interrupted
-    assert len(walk.time) == 500
+    assert len(walk.time) == 5 * coupled._CHUNK
     table = record.recording(walk, "cut")
-    assert len(table.time) == 500 and np.isfinite(wearer_moments(walk)).all()
+    assert len(table.time) == len(walk.time) and np.isfinite(wearer_moments(walk)).all()
     assert len(record.scene(walk).times) > 10
 
 
@@ -207,4 +208,15 @@ def test_the_table_has_the_contracts_columns(on):
     assert table.metadata["scenario"] == "level_walk" and "[cylinders.hip_l]" in table.metadata["rig"]
     assert np.all(np.diff(table.time) > 0)
     assert all(np.isfinite(values).all() for values in table.columns.values())
+    assert np.ptp(table["supply.pressure"]) == 0.0 and table["supply.pressure"][0] == pytest.approx(18.25e5)
+    assert np.all(table["exhaust.pressure"] == 101325.0)
     assert {f"{joint}.wearer_moment" for joint in JOINTS} <= set(table.columns)
+
+
+def test_a_drooping_supply_is_logged_as_it_droops(exo):
+    droop = EffectSetting("supply_droop", "supply", {"volume": 2e-3, "conductance": 1e-8})
+    walk = simulate(dataclasses.replace(exo, effects=(droop,)), Request("level_walk", cycles=2, law="inverse_dynamics"))
+    supply = walk.columns["supply.pressure"]
+    assert supply[0] == pytest.approx(18.25e5)
+    assert supply.min() < 17e5
+    assert np.all(walk.columns["exhaust.pressure"] == 101325.0)

@@ -27,7 +27,7 @@ from exo_sim.cli.frame import verb
               help="Factor on the recorded cadence, 0.7 to 1.3; may be given again.")
 @click.option("--rig", type=options.InputFile(), default=None,
               help="The machine, with what a diagnosis found of it; the one in assets/ when absent.")
-@click.option("--trials", type=click.IntRange(1, 1000000), default=400, show_default=True, help="Designs to look at.")
+@click.option("--trials", type=click.IntRange(1, 1000000), default=800, show_default=True, help="Designs to look at.")
 @click.option("--reach", type=options.Quantity("m", low=0.0, high=0.2), default="40 mm", show_default=True,
               help="How far an attachment point may move from where the rig has it.")
 @click.option("--pressure-limit", type=options.Quantity("Pa", low=0.0), default=None,

@@ -10,15 +10,13 @@ import numpy as np
 from exo_sim.errors import ScenarioError
 from exo_sim.sizing.confirmation import Confirmed, confirm
 from exo_sim.sizing.design import fitted
-from exo_sim.sizing.evaluation import OF_THE_CYCLE, Task
+from exo_sim.sizing.evaluation import ENOUGH_MARGIN, ENOUGH_TRACKING, OF_THE_CYCLE, Task, largest_torque
 from exo_sim.sizing.loads import JointLoads
 from exo_sim.sizing.screening import CONSTRAINTS
 from exo_sim.sizing.search import Found, Outcome
 
-#: Torque to keep in hand, as a share of the joint's peak: friction, wear and a stumble are not in the loads.
-ENOUGH_MARGIN = 0.25
-#: Largest torque error, as a share of the largest torque wanted: in the search, and when `exo-sim run` asks for its own demand.
-ENOUGH_TRACKING, ENOUGH_IN_RUN = 0.03, 0.05
+#: Largest torque error when `exo-sim run` asks for its own demand, as a share of the largest torque wanted.
+ENOUGH_IN_RUN = 0.05
 #: How many of the best are walked with.
 _WALKED = 8
 
@@ -57,7 +55,7 @@ def shortlist(front: tuple[Found, ...], loads: tuple[JointLoads, ...], joints: t
         loads: What the joints must carry.
         joints: Those that have cylinders.
     """
-    peak = max(float(np.abs(one.column(joint)[2]).max()) for one in loads for joint in joints)
+    peak = largest_torque(loads, joints)
     most_error = ENOUGH_TRACKING * peak
     strong = [one for one in front if one.score.margin >= ENOUGH_MARGIN]
     good = [one for one in strong if one.score.error <= most_error]

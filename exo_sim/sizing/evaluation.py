@@ -21,6 +21,10 @@ from exo_sim.sizing.screening import chosen_bores, screen
 UNKNOWN_GAS, UNKNOWN_ERROR = 1.0, 1000.0
 #: Torque in hand, as a share of the peak, above which more is no better.
 AMPLE_MARGIN = 1.0
+#: Torque to keep in hand, as a share of the joint's peak: friction, wear and a stumble are not in the loads.
+ENOUGH_MARGIN = 0.25
+#: Largest torque error, as a share of the largest torque wanted.
+ENOUGH_TRACKING = 0.03
 #: Constraints of the coupled cycle, behind those of screening.
 OF_THE_CYCLE = ("coupled cycle", "chamber pressure")
 #: Digits of a score that count, so that processors that round differently agree.
@@ -155,6 +159,11 @@ class Evaluator:
 
 def _rounded(value: float) -> float:
     return float(np.format_float_scientific(value, precision=DIGITS - 1))
+
+
+def largest_torque(loads: tuple[JointLoads, ...], joints: tuple[str, ...]) -> float:
+    """Return the largest torque that any of some joints must carry [N m]."""
+    return max(float(np.abs(one.column(joint)[2]).max()) for one in loads for joint in joints)
 
 
 _held: dict[str, Evaluator] = {}

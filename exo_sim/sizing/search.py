@@ -1,5 +1,8 @@
 """The search: Optuna's NSGA-II asks and is told in this process, designs are scored wherever workers are.
 
+The first half of the designs is for the whole front. Four objectives leave few designs bettered by others, so that half does not
+press for what somebody would buy; the second half goes on from its best with enough margin and tracking as constraints, for gas and mass.
+
 Every batch's draws depend on the seed, its number and the scores before it, never on who scored or when. So the same seed
 gives the same front with any workers; and after a kill the same draws come again, and whatever the journal holds is not scored anew.
 """
@@ -7,9 +10,10 @@ gives the same front with any workers; and after a kill the same draws come agai
 from __future__ import annotations
 
 import json
+import math
 import warnings
-from collections.abc import Sequence
-from dataclasses import asdict, dataclass
+from collections.abc import Mapping, Sequence
+from dataclasses import asdict, dataclass, field
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Literal
 
@@ -18,7 +22,8 @@ import numpy as np
 from exo_sim import progress
 from exo_sim.errors import OutputError
 from exo_sim.sizing.design import MOST_ABOVE, Design, Space
-from exo_sim.sizing.evaluation import Score, Task
+from exo_sim.sizing.evaluation import ENOUGH_MARGIN, ENOUGH_TRACKING, Score, Task, largest_torque
+from exo_sim.sizing.loads import joint_loads
 from exo_sim.sizing.workers import Workers
 
 if TYPE_CHECKING:
@@ -33,10 +38,11 @@ DIRECTIONS: tuple[Literal["maximize", "minimize"], ...] = ("maximize", "minimize
 
 @dataclass(frozen=True)
 class Found:
-    """A design and its score."""
+    """A design, its score, and the variables that stand for it."""
 
     design: Design
     score: Score
+    numbers: Mapping[str, Any] = field(default_factory=dict)
 
 
 @dataclass(frozen=True)
@@ -84,32 +90,55 @@ def search(
     book = _Journal(journal, f"{task.digest} seed {seed}")
     study = optuna.create_study(directions=list(DIRECTIONS), sampler=_sampler(seed, 0))
     distributions = _distributions(space)
-    for numbers in workers.first_designs(task, min(BATCH, trials), seed):
-        study.enqueue_trial({name: _as_asked(name, numbers[name]) for name in distributions})
+    for first in workers.first_designs(task, min(BATCH, trials), seed):
+        study.enqueue_trial({name: _as_asked(name, first[name]) for name in distributions})
     found: list[Found] = []
     new, interrupted = 0, False
+    narrow: float | None = None
+    half = BATCH * math.ceil(trials / (2 * BATCH))
+    loads = tuple(joint_loads(task.rig, condition) for condition in task.conditions)
+    most_error = ENOUGH_TRACKING * largest_torque(loads, tuple(joint for kind in space.kinds for joint in kind.joints))
     with progress.Bar(trials, "sizing", unit="design", quiet=quiet) as bar:
         try:
             for start in range(0, trials, BATCH):
-                study.sampler = _sampler(seed, start)
-                asked = []
-                for _ in range(start, min(start + BATCH, trials)):
-                    asked.append(study.ask(distributions))
-                    asked[-1].relative_params  # noqa: B018  puts the first designs, too, into a generation
-                kept = [book.score(trial.number, trial.params) for trial in asked]
+                study.sampler = _sampler(seed, start, start >= half)
+                if start == half:
+                    narrow, study = most_error, _narrowed(found, most_error, distributions, study.sampler)
+                numbers = range(start, min(start + BATCH, trials))
+                asked = [_ask(study, distributions) for _ in numbers]
+                kept = [book.score(number, trial.params) for number, trial in zip(numbers, asked)]
                 missing = [trial.params for trial, score in zip(asked, kept) if score is None]
                 fresh = workers.scores(task, missing)
-                for trial, score in zip(asked, kept):
+                for number, trial, score in zip(numbers, asked, kept):
                     if score is None:
                         score = next(fresh)
-                        book.keep(trial, score, distributions)
+                        book.keep(number, trial.params, score, distributions)
                         new += 1
-                    _tell(study, trial, score)
-                    found.append(Found(space.design(trial.params, score.bores, trial.number), score))
+                    _tell(study, trial, score, narrow)
+                    found.append(Found(space.design(trial.params, score.bores, number), score, trial.params))
                     bar.advance()
         except KeyboardInterrupt:
             interrupted = True
     return Outcome(tuple(found), front_of(found), new, interrupted)
+
+
+def with_more(
+    task: Task, outcome: Outcome, more: Sequence[Mapping[str, Any]], seed: int, workers: Workers, journal: Path | None = None
+) -> Outcome:
+    """Return what a search came to with some more designs, given as variables, among its own; the journal keeps these, too."""
+    book, distributions = _Journal(journal, f"{task.digest} seed {seed}"), _distributions(task.space)
+    own = [one.numbers for one in outcome.trials]
+    first = len(own)
+    others = [dict(numbers) for i, numbers in enumerate(more) if numbers not in own and numbers not in more[:i]]
+    kept = [book.score(first + i, numbers) for i, numbers in enumerate(others)]
+    fresh = workers.scores(task, [numbers for numbers, score in zip(others, kept) if score is None])
+    found = list(outcome.trials)
+    for i, (numbers, score) in enumerate(zip(others, kept)):
+        if score is None:
+            score = next(fresh)
+            book.keep(first + i, numbers, score, distributions)
+        found.append(Found(task.space.design(numbers, score.bores, first + i), score, numbers))
+    return Outcome(tuple(found), front_of(found), outcome.new + sum(score is None for score in kept))
 
 
 def front_of(found: Sequence[Found]) -> tuple[Found, ...]:
@@ -127,14 +156,19 @@ def front_of(found: Sequence[Found]) -> tuple[Found, ...]:
     return tuple(sorted(out, key=lambda one: (-one.score.margin, one.score.gas, one.design.number)))
 
 
-def _sampler(seed: int, number: int) -> optuna.samplers.NSGAIISampler:
+def _sampler(seed: int, number: int, narrow: bool = False) -> optuna.samplers.NSGAIISampler:
     import optuna
 
     drawn = int(np.random.SeedSequence([seed, number]).generate_state(1)[0])
     with warnings.catch_warnings():
         warnings.simplefilter("ignore", optuna.exceptions.ExperimentalWarning)
         crossover = optuna.samplers.nsgaii.SBXCrossover()
-    return optuna.samplers.NSGAIISampler(seed=drawn, population_size=BATCH, crossover=crossover)
+        if not narrow:
+            return optuna.samplers.NSGAIISampler(seed=drawn, population_size=BATCH, crossover=crossover)
+        mutation = optuna.samplers.nsgaii.PolynomialMutation()
+        return optuna.samplers.NSGAIISampler(
+            seed=drawn, population_size=BATCH // 2, crossover=crossover, mutation=mutation, mutation_prob=0.3
+        )
 
 
 def _distributions(space: Space) -> dict[str, Any]:
@@ -152,10 +186,41 @@ def _as_asked(name: str, value: float) -> float | int:
     return int(value) if name.endswith(".above") else value
 
 
-def _tell(study: optuna.Study, trial: optuna.Trial, score: Score) -> None:
-    for i, violation in enumerate(score.violations):
+def _ask(study: optuna.Study, distributions: dict[str, Any]) -> optuna.Trial:
+    trial = study.ask(distributions)
+    trial.relative_params  # noqa: B018  puts designs that were enqueued, too, into a generation
+    return trial
+
+
+def _tell(study: optuna.Study, trial: optuna.Trial, score: Score, most_error: float | None = None) -> None:
+    """Tell a score; with a largest error as one of gas and mass alone, enough margin and tracking being constraints."""
+    narrow = most_error is not None
+    for i, violation in enumerate(_narrow_violations(score, most_error) if narrow else score.violations):
         trial.set_constraint(str(i), violation)
-    study.tell(trial, score.objectives)
+    study.tell(trial, score.objectives[1:3] if narrow else score.objectives)
+
+
+def _narrow_violations(score: Score, most_error: float | None) -> tuple[float, ...]:
+    late = score.error / most_error - 1.0 if most_error and score.finished else 0.0
+    return *score.violations, ENOUGH_MARGIN - score.margin, late
+
+
+def _narrowed(
+    found: list[Found], most_error: float, distributions: dict[str, Any], sampler: optuna.samplers.NSGAIISampler
+) -> optuna.Study:
+    """Return a study of gas and mass whose first generation are the best so far."""
+    import optuna
+
+    study = optuna.create_study(directions=["minimize", "minimize"], sampler=sampler)
+
+    def rank(one: Found) -> tuple[float, float]:
+        over = sum(max(violation, 0.0) for violation in _narrow_violations(one.score, most_error))
+        return over, one.score.gas * one.score.mass
+
+    for one in sorted(found, key=rank)[: BATCH // 2]:
+        study.enqueue_trial(dict(one.numbers))
+        _tell(study, _ask(study, distributions), one.score, most_error)
+    return study
 
 
 class _Journal:
@@ -209,7 +274,7 @@ class _Journal:
         held = self._scores.get(number)
         return held[1] if held is not None and held[0] == params else None
 
-    def keep(self, trial: optuna.Trial, score: Score, distributions: dict[str, Any]) -> None:
+    def keep(self, number: int, params: dict[str, Any], score: Score, distributions: dict[str, Any]) -> None:
         """Write a finished design down."""
         if self._study is None:
             return
@@ -217,8 +282,8 @@ class _Journal:
 
         self._study.add_trial(
             optuna.create_trial(
-                params=trial.params, distributions=distributions, values=list(score.objectives),
-                user_attrs={"number": trial.number, "score": asdict(score)},
+                params=params, distributions=distributions, values=list(score.objectives),
+                user_attrs={"number": number, "score": asdict(score)},
             )
         )  # fmt: skip
 

@@ -10,14 +10,14 @@ from exo_sim.errors import RigError
 from exo_sim.outputs import replacing
 from exo_sim.rig import Rig
 from exo_sim.rig.catalogue import RATED_PRESSURE
-from exo_sim.sizing.choice import Choice, nothing_found, recommended
+from exo_sim.sizing.choice import Choice, nothing_found, recommended, shortlist
 from exo_sim.sizing.confirmation import Confirmed
 from exo_sim.sizing.coupled_stride import CoupledStride, Stride, mean_of
 from exo_sim.sizing.design import LEAST_SUPPLY, Space, fitted, kinds_of
 from exo_sim.sizing.evaluation import Evaluator, Score, Task
 from exo_sim.sizing.loads import Condition, JointLoads, joint_loads
 from exo_sim.sizing.published import PublishedClass, published_class
-from exo_sim.sizing.search import Outcome, search
+from exo_sim.sizing.search import Outcome, search, with_more
 from exo_sim.sizing.workers import Workers
 from exo_sim.sizing.writing import sized_text
 
@@ -31,6 +31,8 @@ GROUPS = {
 }  # fmt: skip
 #: Step [s] and cycles before the one that counts, when the chosen design is looked at again.
 _FINE_STEP, _FINE_LEAD = 1e-3, 2.15
+#: How many of its best each search gives to the others.
+_SHARED = 15
 
 
 @dataclass(frozen=True)
@@ -122,33 +124,48 @@ def size(
     """
     task = Task(rig, conditions, space)
     loads = tuple(joint_loads(rig, condition) for condition in conditions)
-    outcome = search(task, trials, seed, workers, folder / "search.journal", quiet)
-    if outcome.interrupted:
-        raise KeyboardInterrupt(f"{len(outcome.trials)} designs are kept; the same command goes on from there")
+    joints = tuple(joint for kind in space.kinds for joint in kind.joints)
+    journal = folder / "search.journal"
+    outcome = search(task, trials, seed, workers, journal, quiet)
+    _unless_interrupted(outcome)
+    others = []
+    for what, names in _present(rig):
+        plain = replace(task, rig=replace(rig, effects=tuple(e for e in rig.effects if e.name not in names)))
+        tell(f"searching again without {what}")
+        beside = folder / f"search_without_{what.replace(' ', '_')}.journal"
+        other = search(plain, trials, seed, workers, beside, quiet)
+        _unless_interrupted(other)
+        if other.front:
+            others.append((what, plain, other, beside))
+    if others:
+        # each also judges the best of the rest, so that what differs is the physics and not the luck of a search
+        fronts = [one for one in (outcome.front, *(other.front for _, _, other, _ in others)) if one]
+        best = [one.numbers for front in fronts for one in shortlist(front, loads, joints).designs[:_SHARED]]
+        outcome = with_more(task, outcome, best, seed, workers, journal)
+        others = [
+            (what, plain, with_more(plain, other, best, seed, workers, beside), beside) for what, plain, other, beside in others
+        ]
     if not outcome.front:
         raise nothing_found(outcome, task)
     choice = recommended(outcome.front, loads, task, tell)
     design = choice.found.design
     chosen = fitted(rig, space.kinds, design)
     fine = mean_of([CoupledStride(rig, one, _FINE_STEP, _FINE_LEAD).run(chosen) for one in conditions])
-    target = folder / "sized.toml"
-    with replacing(target) as beside:
-        beside.write_text(sized_text(rig, space.kinds, design, folder), encoding="utf-8")
+    with replacing(folder / "sized.toml") as new:
+        new.write_text(sized_text(rig, space.kinds, design, folder), encoding="utf-8")
     _record(choice.confirmed, folder, seed)
-    without = []
-    for what, names in _present(rig):
-        plain = replace(task, rig=replace(rig, effects=tuple(e for e in rig.effects if e.name not in names)))
-        tell(f"searching again without {what}")
-        journal = folder / f"search_without_{what.replace(' ', '_')}.journal"
-        other = search(plain, trials, seed, workers, journal, quiet)
-        if other.interrupted:
-            raise KeyboardInterrupt("the search is kept; the same command goes on from there")
-        if other.front:
-            same = Evaluator(plain).judge(design)
-            without.append(Without(what, recommended(other.front, loads, plain), same))
+    without = [
+        Without(what, recommended(other.front, loads, plain), Evaluator(plain).judge(design))
+        for what, plain, other, _ in others
+    ]
     walks = any(condition.scenario.startswith("level_walk") for condition in conditions)
     published = published_class(rig, space) if walks else None
     return Sizing(task, loads, outcome, choice, fine, tuple(without), published)
+
+
+def _unless_interrupted(outcome: Outcome) -> None:
+    if outcome.interrupted:
+        raise KeyboardInterrupt(f"{len(outcome.trials)} designs are kept; the same command goes on from there")
 
 
 def _present(rig: Rig) -> list[tuple[str, tuple[str, ...]]]:

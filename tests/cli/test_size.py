@@ -46,7 +46,7 @@ def test_json_and_files(sized, capsys):
     captured = capsys.readouterr()
     data = json.loads(captured.out)
     assert captured.err == ""
-    assert data["schema"] == "exo-sim/size/1" and data["evaluated"] == 45 and data["chosen"].endswith("sized.toml")
+    assert data["schema"] == "exo-sim/size/1" and data["evaluated"] >= 45 and data["chosen"].endswith("sized.toml")
     keys = {"bore_mm", "stroke_mm", "supply_pa", "valve_area_mm2", "torque_margin", "gas_kg_per_stride", "actuator_mass_kg",
             "torque_error_rms_nm"}  # fmt: skip
     assert data["pareto"] and all(keys <= set(entry) for entry in data["pareto"])

@@ -17,6 +17,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
         arguments: What stands behind `exo-sim`; the process's own arguments when absent.
     """
     words = list(sys.argv[1:] if arguments is None else arguments)
+    os.environ.setdefault("RUST_LOG", "off")  # rerun's own log: what fails is said in our line
     if "_EXO_SIM_COMPLETE" in os.environ:
         program.main(words, prog_name="exo-sim")
     try:

@@ -80,8 +80,8 @@ def command(scenario: str, payload: float, speed: float, strides: int | None, as
         raise KeyboardInterrupt("nothing was simulated yet")
     table = record.recording(walk, path.stem, seed)
     beside = path.with_suffix(".parquet")
+    write_rrd(path, table, scene=record.scene(walk))  # the larger one first: where the disk is full, neither is left
     write_table(beside, table)
-    write_rrd(path, table, scene=record.scene(walk))
     wall = time.perf_counter() - prepared
     data = summary.summarise(walk)
     data = {

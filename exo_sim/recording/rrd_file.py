@@ -7,7 +7,10 @@ byte for byte.
 
 from __future__ import annotations
 
+import contextlib
+import errno
 import hashlib
+import shutil
 from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -91,8 +94,13 @@ def write_rrd(
 
                 draw(stream, scene)
             stream.flush()
-        finally:
             stream.disconnect()
+        except RuntimeError as error:  # all that rerun says of a file that it could not write
+            full = shutil.disk_usage(beside.parent).free < max(beside.stat().st_size, 1 << 20)
+            raise OSError(errno.ENOSPC if full else errno.EIO, str(error).split("\n", 1)[0], str(beside)) from error
+        finally:
+            with contextlib.suppress(RuntimeError):
+                stream.disconnect()
 
 
 def gait_lanes(recording: Recording) -> dict[str, Lane]:

@@ -13,7 +13,7 @@ from exo_sim.control import demand as law_of_demand
 from exo_sim.control import machine_dynamics
 from exo_sim.control.least_load import LeastLoad
 from exo_sim.control.valve_control import largest_forces
-from exo_sim.errors import Diverged, ScenarioError
+from exo_sim.errors import Diverged, ModelError, ScenarioError
 from exo_sim.gait import scenario as scenarios
 from exo_sim.gait.motion import SAMPLES
 from exo_sim.machine.attachment import attach
@@ -24,6 +24,7 @@ from exo_sim.machine.straps import fasten
 from exo_sim.rig import Rig
 from exo_sim.simulation import loop
 from exo_sim.simulation.loop_wiring import wire
+from exo_sim.simulation.native import warnings_counted
 from exo_sim.simulation.plugin import PneumaticPlugin
 from exo_sim.simulation.rehearsal import learn_from
 from exo_sim.simulation.walk import Request, Walk, layout
@@ -63,6 +64,8 @@ class Simulation:
         self.data = mujoco.MjData(self.model)
         self.straps = fasten(self.model, self.person)
         self.plugin = PneumaticPlugin(self.model, rig)
+        if request.assist == "on" and not request.ideal:
+            _check_step(rig, float(self.model.opt.timestep))
         self.dt = float(self.model.opt.timestep)
         self.demand = self.demand_added = np.zeros((SAMPLES + 1, 6))
         self.demand = self._demands(request.payload)
@@ -142,7 +145,7 @@ class Simulation:
         addresses, settings, world, wearer, drives, gas_state = wire(self)
         done, interrupted = 0, False
         duration = total * self.dt
-        with progress.Bar(duration, self.request.scenario, unit="s", quiet=quiet) as bar:
+        with warnings_counted(), progress.Bar(duration, self.request.scenario, unit="s", quiet=quiet) as bar:
             try:
                 while done < total:
                     count = min(_CHUNK, total - done)
@@ -220,6 +223,23 @@ class Simulation:
 def _closed(table: NDArray[np.float64]) -> NDArray[np.float64]:
     """Return a table with its first row repeated behind the last."""
     return np.ascontiguousarray(np.concatenate([table, table[:1]]))
+
+
+def _check_step(rig: Rig, step: float) -> None:
+    """Refuse a time step in which an open valve would all but settle a chamber: no held command steers a force then.
+
+    Raises:
+        ModelError: the step is more than half the time in which a chamber settles, the piston at mid-stroke.
+    """
+    c = math.sqrt(rig.heat_capacity_ratio * rig.specific_gas_constant * rig.supply.temperature)
+    for cylinder in rig.cylinders.values():
+        volume = cylinder.dead_volume_1 + 0.5 * cylinder.area_1 * cylinder.stroke
+        longest = 0.5 * volume / (rig.heat_capacity_ratio * cylinder.valve_area * c)
+        if step > longest:
+            raise ModelError(
+                f"{rig.model}: timestep = {step:g} s is too long for the valve of cylinder {cylinder.name}, which fills half "
+                f"the cylinder in {2e3 * longest:.1f} ms; write at most {0.95 * longest:.1g}"
+            )
 
 
 def _frame_mass(rig: Rig, person: Person) -> float:

@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 import ctypes
+from collections.abc import Iterator
+from contextlib import contextmanager
 from pathlib import Path
 from typing import Any
 
@@ -63,3 +65,14 @@ def address(function: str) -> int:
     pointer = ctypes.cast(getattr(_LIBRARY, function), ctypes.c_void_p).value
     assert pointer is not None
     return pointer
+
+
+@contextmanager
+def warnings_counted() -> Iterator[None]:
+    """Let MuJoCo count its warnings in `data.warning` without printing them, and without a MUJOCO_LOG.TXT."""
+    before = mujoco.get_mju_user_warning()
+    mujoco.set_mju_user_warning(lambda message: None)
+    try:
+        yield
+    finally:
+        mujoco.set_mju_user_warning(before)

@@ -180,3 +180,15 @@ def test_writing_where_one_cannot(tmp_path: Path) -> None:
         write_table(tmp_path / "a.xlsx", walk())
     with pytest.raises(OutputError):
         write_rrd(tmp_path / "file" / "a.rrd", walk())
+
+
+def test_a_recording_that_finds_no_room_is_one_error_and_leaves_nothing(tmp_path: Path) -> None:
+    resource = pytest.importorskip("resource")
+    before = resource.getrlimit(resource.RLIMIT_FSIZE)
+    resource.setrlimit(resource.RLIMIT_FSIZE, (50_000, before[1]))
+    try:
+        with pytest.raises(OutputError, match=r'cannot write ".*walk.rrd": .*write elsewhere'):
+            write_rrd(tmp_path / "walk.rrd", walk(20000))
+    finally:
+        resource.setrlimit(resource.RLIMIT_FSIZE, before)
+    assert not list(tmp_path.iterdir())

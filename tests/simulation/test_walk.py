@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from exo_sim import rig as rigs
-from exo_sim.errors import Diverged, ScenarioError
+from exo_sim.errors import Diverged, ModelError, ScenarioError
 from exo_sim.gait import recorded, scenario
 from exo_sim.rig import Ankle, Wearer
 from exo_sim.rig.schema import EffectSetting
@@ -220,3 +220,17 @@ def test_a_drooping_supply_is_logged_as_it_droops(exo):
     assert supply[0] == pytest.approx(18.25e5)
     assert supply.min() < 17e5
     assert np.all(walk.columns["exhaust.pressure"] == 101325.0)
+
+
+def test_a_step_too_long_for_the_valves_is_refused(exo):
+    with pytest.raises(ModelError, match=r"timestep = 0.01 s is too long for the valve of cylinder knee_l.*at most 0.009"):
+        Simulation(exo, Request("level_walk", step=0.01))
+    Simulation(exo, Request("level_walk", step=0.004, law="inverse_dynamics"))
+
+
+def test_a_diverging_run_is_one_error_and_no_log_file(exo, monkeypatch, tmp_path, capfd):
+    monkeypatch.chdir(tmp_path)
+    with pytest.raises(Diverged, match="MuJoCo warns of mjWARN_BADQACC"):
+        simulate(exo, Request("level_walk", cycles=2, assist="vented", step=0.01))
+    assert not list(tmp_path.iterdir())
+    assert capfd.readouterr().err == ""

@@ -10,7 +10,7 @@ import numpy as np
 
 from exo_sim.sizing.design import JointKind, fitted
 from exo_sim.sizing.loads import JOINTS, JointLoads
-from exo_sim.sizing.screening import along
+from exo_sim.sizing.screening import along, at
 from exo_sim.sizing.study import Sizing
 
 if TYPE_CHECKING:
@@ -30,13 +30,12 @@ def envelopes(sizing: Sizing) -> str:
     for row, kind in zip(panels, kinds):
         joint, name = kind.joints[-1], kind.cylinders[-1]
         thinnest = None
+        swept = np.linspace(*_extent(sizing, joint), 60)
+        held = at(rig, kind, name, swept, np.zeros_like(swept)).still
+        row[0].fill_between(np.degrees(swept), *held, color=_STILL, zorder=0, lw=0, label="can hold")
         for i, loads in enumerate(sizing.loads):
             angle, speed, torque = loads.column(joint)
             found = along(rig, kind, joint, name, loads)
-            order = np.argsort(angle)
-            still = [bound[order] for bound in found.still]
-            row[0].fill_between(np.degrees(angle[order]), *still, color=_STILL, zorder=0, lw=0,
-                                label="can hold" if i == 0 else None)  # fmt: skip
             for panel, across in ((row[0], np.degrees(angle)), (row[1], np.degrees(speed))):
                 for j, bound in enumerate(found.moving):
                     panel.plot(_closed(across), _closed(bound), color=_MOVING, lw=0.8, zorder=1,
@@ -46,10 +45,15 @@ def envelopes(sizing: Sizing) -> str:
                 human = loads.human_scaled[:, JOINTS.index(joint)]
                 row[0].plot(_closed(np.degrees(angle)), _closed(human), color=_HUMAN, lw=1.0, ls="--", zorder=2,
                             label="recorded moments, scaled by mass" if i == 0 else None)  # fmt: skip
+            if sizing.choice.condition == loads.condition and (walk := sizing.choice.confirmed.walk) is not None:
+                last = slice(-round(walk.motion.period / walk.step), None)
+                seen = [walk.columns[f"{joint}.{signal}"][last] for signal in ("position", "velocity", "torque")]
+                for panel, across in zip(row, (seen[0], seen[1])):
+                    panel.plot(np.degrees(across), seen[2], color=_LOOP[1], lw=0.8, zorder=2, label="walked with it")
             slack = np.minimum(found.slack(torque), found.still_slack(torque)) / np.abs(torque).max()
-            at = int(np.argmin(slack))
-            if thinnest is None or slack[at] < thinnest[0]:
-                thinnest = (slack[at], np.degrees(angle[at]), np.degrees(speed[at]), torque[at])
+            thin = int(np.argmin(slack))
+            if thinnest is None or slack[thin] < thinnest[0]:
+                thinnest = (slack[thin], np.degrees(angle[thin]), np.degrees(speed[thin]), torque[thin])
         assert thinnest is not None
         for panel, x in ((row[0], thinnest[1]), (row[1], thinnest[2])):
             panel.plot([x], [thinnest[3]], "o", ms=6, mfc="none", mec=_INK, zorder=4)
@@ -60,6 +64,14 @@ def envelopes(sizing: Sizing) -> str:
     handles, words = panels[0][0].get_legend_handles_labels()
     figure.legend(handles, words, loc="outside upper center", ncols=3, fontsize=7.5, frameon=False)
     return _svg(figure)
+
+
+def _extent(sizing: Sizing, joint: str) -> tuple[float, float]:
+    """Return the least and the largest angle of a joint [rad], as asked for and as walked."""
+    angles = [loads.column(joint)[0] for loads in sizing.loads]
+    if sizing.choice.confirmed.walk is not None:
+        angles.append(sizing.choice.confirmed.walk.columns[f"{joint}.position"])
+    return min(float(each.min()) for each in angles), max(float(each.max()) for each in angles)
 
 
 def margins(sizing: Sizing) -> str:

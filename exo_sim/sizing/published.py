@@ -25,6 +25,8 @@ from exo_sim.sizing.screening import chosen_bores, screen
 PERSON, PAYLOAD, SUPPLY, VALVE = 75.0, 34.0, 1825014.0, 5e-6
 #: Knee torque [N m], moment arm [m], net pressure [Pa], bore [m], and rod speed [m/s] that the literature leads to.
 KNEE, ARM, NET, BORE, ROD_SPEED = 60.0, 0.050, 1.0e6, 0.040, (0.30, 0.35)
+#: Bore [m] and pressure [Pa] of the hydraulic prototype.
+HYDRAULIC = 0.019, 6.9e6
 
 
 @dataclass(frozen=True)
@@ -36,6 +38,9 @@ class PublishedClass:
         bores: What those moments ask for with this machine's linkage [m].
         own_peak: Largest torque of this machine's own inverse dynamics [N m].
         own_bores: What that asks for at the same supply and valve [m].
+        force: Largest rod force for those moments at this machine's linkage [N].
+        own_force: The same for its own loads [N].
+        by_rule: Bore for `force` by the class's own rule, `NET` on the piston and the next size up [m].
         rod_speed: Largest in the cycle [m/s].
         margin: Left by the bores of the moments.
     """
@@ -44,6 +49,9 @@ class PublishedClass:
     bores: dict[str, float]
     own_peak: dict[str, float]
     own_bores: dict[str, float]
+    force: dict[str, float]
+    own_force: dict[str, float]
+    by_rule: dict[str, float]
     rod_speed: dict[str, float]
     margin: float
 
@@ -61,6 +69,13 @@ def published_class(rig: Rig, space: Space) -> PublishedClass:
     def peak(loads: JointLoads) -> dict[str, float]:
         return {kind.name: float(np.abs(loads.column(kind.joints[0])[2]).max()) for kind in space.kinds}
 
+    def force(loads: JointLoads) -> dict[str, float]:
+        out = {}
+        for kind in space.kinds:
+            angle, _, torque = loads.column(kind.joints[0])
+            out[kind.name] = float(np.abs(torque / length_and_arm(kind.own, kind.across, angle)[1]).max())
+        return out
+
     speeds = {}
     for kind in space.kinds:
         angle, speed, _ = own.column(kind.joints[0])
@@ -70,9 +85,17 @@ def published_class(rig: Rig, space: Space) -> PublishedClass:
         bores={name: CATALOGUE[bore].bore for name, bore in found["human"][1].items()},
         own_peak=peak(own),
         own_bores={name: CATALOGUE[bore].bore for name, bore in found["own"][1].items()},
+        force=force(human),
+        own_force=force(own),
+        by_rule={name: rule_of_the_class(value) for name, value in force(human).items()},
         rod_speed=speeds,
         margin=found["human"][2].margin,
     )
+
+
+def rule_of_the_class(force: float) -> float:
+    """Return the bore of the catalogue that holds a force with `NET` on its piston [m]; the largest where none does."""
+    return next((entry.bore for entry in CATALOGUE if np.pi / 4 * entry.bore**2 * NET >= force), CATALOGUE[-1].bore)
 
 
 def _from_gait_analysis(own: JointLoads) -> JointLoads:

@@ -6,6 +6,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 
 import numpy as np
+from numpy.typing import NDArray
 
 from exo_sim.rig import Rig, assembly
 from exo_sim.rig.catalogue import CATALOGUE
@@ -139,13 +140,18 @@ def torque_margin(
     found = along(rig, kind, joint, name, loads, rows)
     torque = loads.column(joint)[2]
     slack = np.minimum(found.slack(torque[rows]), found.still_slack(torque[rows]))
-    at = int(np.argmin(slack))
-    return margin(slack, torque), Thinnest(joint, str(loads.condition), (rows.start + at * every) / len(torque))
+    thin = int(np.argmin(slack))
+    return margin(slack, torque), Thinnest(joint, str(loads.condition), (rows.start + thin * every) / len(torque))
 
 
 def along(rig: Rig, kind: JointKind, joint: str, name: str, loads: JointLoads, rows: slice = slice(None)) -> Capability:
     """Return what a cylinder of a fitted rig can do along a joint's loop, at some of its samples."""
     angle, speed, _ = (column[rows] for column in loads.column(joint))
+    return at(rig, kind, name, angle, speed)
+
+
+def at(rig: Rig, kind: JointKind, name: str, angle: NDArray[np.float64], speed: NDArray[np.float64]) -> Capability:
+    """Return what a cylinder of a fitted rig can do at some angles [rad] and speeds [rad/s] of its joint, shape (n,) each."""
     cylinder = rig.cylinders[name]
     attachment = cylinder.attachment or kind.own
     length, arm = length_and_arm(attachment, kind.across, angle)

@@ -32,6 +32,8 @@ if TYPE_CHECKING:
 #: Designs asked for together, and NSGA-II's population: fixed, so that the number of workers does not matter.
 BATCH = 40
 _GRACE = 2
+#: Share of the pressure limit that the second half keeps free: the demand of `exo-sim run` presses the gas harder.
+_HEADROOM = 0.05
 _NO_JOURNAL = "is no journal of a search; remove it or name another folder with --out"
 DIRECTIONS: tuple[Literal["maximize", "minimize"], ...] = ("maximize", "minimize", "minimize", "minimize")
 
@@ -202,7 +204,8 @@ def _tell(study: optuna.Study, trial: optuna.Trial, score: Score, most_error: fl
 
 def _narrow_violations(score: Score, most_error: float | None) -> tuple[float, ...]:
     late = score.error / most_error - 1.0 if most_error and score.finished else 0.0
-    return *score.violations, ENOUGH_MARGIN - score.margin, late
+    tight = score.violations[-1] + _HEADROOM if score.finished else 0.0
+    return *score.violations, ENOUGH_MARGIN - score.margin, late, tight
 
 
 def _narrowed(

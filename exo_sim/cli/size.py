@@ -31,7 +31,8 @@ from exo_sim.cli.frame import verb
 @click.option("--reach", type=options.Quantity("m", low=0.0, high=0.2), default="40 mm", show_default=True,
               help="How far an attachment point may move from where the rig has it.")
 @click.option("--pressure-limit", type=options.Quantity("Pa", low=0.0), default=None,
-              help="Largest pressure of supply and chambers, absolute; 10 bar above the atmosphere, for which the catalogue's cylinders are rated, when absent.")
+              help="Largest pressure of supply and chambers, absolute; when absent 10 bar above "
+                   "the atmosphere, for which the catalogue's are rated.")
 @click.option("--jobs", type=click.IntRange(-1), default=-1, show_default=True,
               help="Processes, one thread each; -1: one a core.")
 @click.option("--scheduler", default=None, help="Address of a Dask scheduler, tcp://HOST:PORT, to score designs on its workers.")

@@ -85,6 +85,10 @@ def test_json_and_files(sized, capsys):
         (["--pressure-limit", "2 bar"], "leaves nothing"),
         (["--pressure-limit", "150 psig"], "gauge"),
         (["--jobs", "0"], "--jobs"),
+        (["--payload", "-5 kg"], "too small"),
+        (["--rig", "nowhere.toml"], "no file"),
+        (["--trials", "0"], "range"),
+        (["--scheduler", "nonsense", "--trials", "1"], "tcp://HOST:PORT"),
         (["--speed", "3"], "0.7 to 1.3"),
     ],
 )
@@ -92,3 +96,11 @@ def test_bad_input_is_one_line(arguments, words, capsys, tmp_path):
     assert main(["size", *arguments, "--out", str(tmp_path / "out")]) == 2
     err = capsys.readouterr().err
     assert words in err and err.count("\n") == 1
+
+
+def test_a_file_where_the_folder_should_be_is_one_line(capsys, tmp_path):
+    (tmp_path / "out").write_text("mine", encoding="utf-8")
+    assert main(["size", "--trials", "1", "--jobs", "1", "--out", str(tmp_path / "out")]) == 2
+    err = capsys.readouterr().err
+    assert "is a file; name a folder" in err and err.count("\n") == 1
+    assert (tmp_path / "out").read_text(encoding="utf-8") == "mine"

@@ -8,7 +8,9 @@ from __future__ import annotations
 
 import contextlib
 import os
+import shlex
 import socket
+import sys
 import tempfile
 import time
 from collections.abc import Iterator
@@ -37,8 +39,10 @@ def take_picture(rrd: str | Path, png: str | Path, at: float | None = None, sett
     if not rrd.is_file():
         raise RecordingError(f'"{rrd}": there is no such recording')
     try:
-        with _quiet_surroundings():
-            viewer = ViewerClient.spawn(headless=True, port=_free_port(), hide_welcome_screen=True)
+        with _quiet_surroundings() as folder:
+            viewer = ViewerClient.spawn(
+                headless=True, port=_free_port(), hide_welcome_screen=True, executable_path=_on_loopback(folder)
+            )
     except Exception as error:  # rerun raises bare exceptions of many kinds
         raise OutputError(_no_viewer(error)) from None
     try:
@@ -59,17 +63,27 @@ def take_picture(rrd: str | Path, png: str | Path, at: float | None = None, sett
 
 
 @contextlib.contextmanager
-def _quiet_surroundings() -> Iterator[None]:
-    """Let the viewer's process start without its log, and with the folder that graphics libraries ask for."""
+def _quiet_surroundings() -> Iterator[Path]:
+    """Let the viewer's process start without its log, and with the folder that graphics libraries ask for; give the folder."""
     with tempfile.TemporaryDirectory(prefix="exo-sim-") as folder:
         wanted = {"RUST_LOG": "off", "XDG_RUNTIME_DIR": folder}
         added = [name for name in wanted if name not in os.environ]
         os.environ.update((name, wanted[name]) for name in added)
         try:
-            yield
+            yield Path(folder)
         finally:
             for name in added:
                 del os.environ[name]
+
+
+def _on_loopback(folder: Path) -> str | None:
+    """Return a starter for the viewer that listens to this machine only; rerun's own way in has no word for that."""
+    if os.name != "posix":
+        return None
+    starter = folder / "viewer"
+    starter.write_text(f'#!/bin/sh\nunset RERUN_APP_ONLY\nexec {shlex.quote(sys.executable)} -m rerun --bind 127.0.0.1 "$@"\n', encoding="utf-8")
+    starter.chmod(0o700)
+    return str(starter)
 
 
 def _no_viewer(error: Exception) -> str:

@@ -81,7 +81,8 @@ def _on_loopback(folder: Path) -> str | None:
     if os.name != "posix":
         return None
     starter = folder / "viewer"
-    starter.write_text(f'#!/bin/sh\nunset RERUN_APP_ONLY\nexec {shlex.quote(sys.executable)} -m rerun --bind 127.0.0.1 "$@"\n', encoding="utf-8")
+    words = f'unset RERUN_APP_ONLY\nexec {shlex.quote(sys.executable)} -m rerun --bind 127.0.0.1 "$@"'
+    starter.write_text(f"#!/bin/sh\n{words}\n", encoding="utf-8")
     starter.chmod(0o700)
     return str(starter)
 

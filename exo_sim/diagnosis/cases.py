@@ -65,6 +65,10 @@ class Case:
     open: list[OpenQuestion] = field(default_factory=list)
     led: set[str] = field(default_factory=set)
 
+    def table(self, name: str) -> Recording:
+        """Return a recording by its name."""
+        return next(table for table in self.recordings if table.name == name)
+
 
 def gather(paths: Sequence[Path], rig_path: Path, column_map: Path | None = None) -> Case:
     """Read recordings and rig.

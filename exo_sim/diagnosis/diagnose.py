@@ -11,7 +11,7 @@ from pathlib import Path
 
 import numpy as np
 
-from exo_sim.diagnosis import gas_problem, library, motion_problem
+from exo_sim.diagnosis import gas_problem, library, motion_problem, supply_cut
 from exo_sim.diagnosis.cases import Case, gather, turned_round
 from exo_sim.diagnosis.gas_problem import GasProblem
 from exo_sim.diagnosis.judging import Judged, calibration_finding, judge
@@ -27,6 +27,7 @@ from exo_sim.diagnosis.verdict import (
     located,
     next_experiment,
     open_questions,
+    setting_of,
     unexplained,
     unknown_findings,
     verdict_of,
@@ -36,6 +37,9 @@ from exo_sim.rig import assembly
 
 #: A valve command whose opposite leaves less than this share of the squared error is wired the wrong way round.
 TURNED = 0.1
+
+#: So few samples cost little to predict: every question is then fitted whole.
+FEW_SAMPLES = 5000
 
 Progress = Callable[[str], None]
 
@@ -69,15 +73,13 @@ def diagnose(
     case = gather(recordings, rig, column_map)
     parts = split([(table.name, table.time) for table in case.recordings])
     with ThreadPoolExecutor(jobs or os.cpu_count() or 1) as pool:
-        judged = [*_gas(case, parts, pool, say), *_motion(case, parts, pool, say)]
-        judged = _shared_once(judged)
+        gas = _gas(case, parts, pool, say)
+        judged = _shared_once([*gas, *_supply(case, parts, gas, say), *_motion(case, parts, pool, say)])
         nameless = unknown_findings(judged)
         say("proving on time kept back")
         proof = prove(judged, case, parts, nameless)
     findings = _findings(judged, case, proof.drops)
-    findings += [
-        replace(found.finding, held_out_error_drop=proof.drops.get(found.finding.where, 0.0)) for found in nameless
-    ]
+    findings += [replace(found.finding, held_out_error_drop=proof.drops.get(found.finding.where, 0.0)) for found in nameless]
     say("writing the rig anew")
     text = improved_text(case, judged, nameless, folder or rig.parent)
     return Diagnosis(
@@ -115,10 +117,10 @@ def _gas(case: Case, parts: Split, pool: ThreadPoolExecutor, say: Progress) -> l
         if problem.size >= 30 and np.sum(turned.residual({}) ** 2) < TURNED * np.sum(problem.residual({}) ** 2):
             problem, case.cylinders[name] = turned, turned.all_runs
             case.sensors.append(turned_round(name))
-        nuisances = library.believed(name) + library.known_effects(setting, name)
+        commanded = any(run.commanded for run in runs)
+        sides = [side for side in (1, 2) if any(run.pressure[side - 1] is not None for run in runs)]
+        nuisances = library.believed(setting, name, commanded, sides) + library.known_effects(setting, name)
         questions = library.candidates(setting, runs, name, joint)
-        if not any(run.commanded for run in runs):
-            nuisances = tuple(q for q in nuisances if q.parameter != "valve_area")
         if problem.size >= 30:
             problem = problem.either_law(nuisances, pool)
         search = Search(
@@ -127,10 +129,40 @@ def _gas(case: Case, parts: Split, pool: ThreadPoolExecutor, say: Progress) -> l
             questions,
             pool,
             _told(say, name),
+            cheap=sum(len(run.time) for run in runs) < FEW_SAMPLES,
             material=problem.material,
         )
         found.append(judge("gas", name, problem, search, search.run(), partial(pattern_left, problem)))
     return found
+
+
+def _supply(case: Case, parts: Split, gas: Sequence[Judged], say: Progress) -> list[Judged]:
+    """Judge the measured supply by what all cylinders together drew from it; nothing where one of them is not known."""
+    if len(gas) < len(case.rig.cylinders) or any(one.empty for one in gas):
+        return []
+    drawn: dict[str, np.ndarray] = {}
+    measured: dict[str, tuple[np.ndarray, np.ndarray]] = {}
+    for one in gas:
+        whole = GasProblem(case.cylinders[one.where], setting_of(one, one.trial), parts, held_out=True)
+        for index, run in enumerate(whole.runs):
+            if run.supply is not None and "supply.pressure" in (table := case.table(run.recording)):
+                drawn[run.recording] = drawn.get(run.recording, 0.0) + whole.predict(whole.setting, index).drawn
+                measured[run.recording] = (run.time, table["supply.pressure"])
+    if not drawn:
+        return []
+    setting = Setting(assembly.world(case.rig), assembly.cylinders(case.rig)[:1])
+    runs = [supply_cut.supply_run(name, *measured[name], drawn[name]) for name in drawn]
+    problem = supply_cut.SupplyProblem(runs, setting, parts)
+    search = Search(
+        problem,
+        supply_cut.believed(setting),
+        supply_cut.candidates(setting),
+        None,
+        _told(say, "supply"),
+        cheap=True,
+        material=problem.material,
+    )
+    return [judge("supply", "supply", problem, search, search.run(), partial(pattern_left, problem))]
 
 
 def _motion(case: Case, parts: Split, pool: ThreadPoolExecutor, say: Progress) -> list[Judged]:
@@ -155,7 +187,7 @@ def _motion(case: Case, parts: Split, pool: ThreadPoolExecutor, say: Progress) -
             questions,
             None,
             _told(say, joint),
-            finalists=20,
+            cheap=True,
         )
         found.append(judge("motion", where, problem, search, search.run(), partial(pattern_left, problem)))
     return found

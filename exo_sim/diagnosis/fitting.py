@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass, field
 
@@ -27,7 +27,7 @@ class Fit:
         quantities: What was free.
         values: Where it ended.
         residual: Whitened residual there, shape (n,).
-        jacobian: d residual / d (quantity/scale), shape (n, p).
+        jacobian: d residual / d coordinate of each quantity, shape (n, p).
         penalty: Sum of squares of what the priors say against it.
         prior_rows: Jacobian of the priors, shape (m, p).
         weight: What a prior counted against the residual's squares.
@@ -48,14 +48,14 @@ class Fit:
 
 
 def prior_terms(quantities: Sequence[Quantity], values: dict[Quantity, float]) -> tuple[Array, Array]:
-    """Return the residuals of the priors, shape (m,), and their Jacobian in scaled units, shape (m, p)."""
+    """Return the residuals of the priors, shape (m,), and their Jacobian in coordinates, shape (m, p)."""
     rows, jac = [], []
     for j, quantity in enumerate(quantities):
         if quantity.prior is not None:
             mean, spread = quantity.prior
             rows.append((values[quantity] - mean) / spread)
             row = np.zeros(len(quantities))
-            row[j] = quantity.scale / spread
+            row[j] = quantity.slope(values[quantity]) / spread
             jac.append(row)
     return np.array(rows), np.array(jac).reshape(len(rows), len(quantities))
 
@@ -67,15 +67,20 @@ def differences(
     base: Array,
     pool: ThreadPoolExecutor | None,
 ) -> Array:
-    """Return the Jacobian by one-sided differences in scaled units, shape (n, p)."""
+    """Return the Jacobian by one-sided differences in coordinates, shape (n, p)."""
 
     def column(quantity: Quantity) -> Array:
-        step = quantity.scale * (0.1 if quantity.rough else 0.02)
-        step = max(step, (0.1 if quantity.rough else 0.02) * abs(values[quantity] - quantity.neutral))
+        share = 0.1 if quantity.rough else 0.02
+        if quantity.wide:
+            step = share * max(values[quantity], 1e-12 * quantity.scale)
+        else:
+            step = share * max(quantity.scale, abs(values[quantity] - quantity.neutral))
         if values[quantity] + step > quantity.high:
             step = -step
-        moved = residual({**values, quantity: values[quantity] + step})
-        column = (moved - base) / (step / quantity.scale)
+        there = values[quantity] + step
+        moved = residual({**values, quantity: there})
+        apart = quantity.coordinate(there) - quantity.coordinate(values[quantity])
+        column = (moved - base) / apart
         return column if np.isfinite(column).all() else np.zeros_like(base)
 
     columns = list(pool.map(column, quantities)) if pool else [column(quantity) for quantity in quantities]
@@ -90,6 +95,8 @@ def fit(
     most: int = 8,
     tolerance: float = 2e-3,
     spell: float = 1.0,
+    known: Mapping[Quantity, Array] | None = None,
+    exact: bool = False,
 ) -> Fit:
     """Minimise the whitened residual plus priors inside the bounds.
 
@@ -104,6 +111,9 @@ def fit(
         most: The most iterations.
         tolerance: Stop when the cost falls by less than this share.
         spell: How many neighbouring rows say the same.
+        known: Columns of the Jacobian near the start, by quantity; then it is carried on by Broyden's update instead of being
+            differenced anew at every step.
+        exact: Whether the Jacobian is differenced anew where the fit ends.
     """
     quantities = tuple(quantities)
     values = {q: float(np.clip(start[q], q.low, q.high)) for q in quantities}
@@ -112,7 +122,14 @@ def fit(
     if not quantities or not np.isfinite(r).all():
         r = np.where(np.isfinite(r), r, WORST)
         return Fit(quantities, values, r, np.zeros((r.size, len(quantities))), float(rows @ rows), row_jac)
-    jac = differences(residual, quantities, values, r, pool)
+    missing = [q for q in quantities if known is None or q not in known]
+    jac = np.zeros((r.size, len(quantities)))
+    for j, column in zip([quantities.index(q) for q in missing], differences(residual, missing, values, r, pool).T, strict=True):
+        jac[:, j] = column
+    for j, q in enumerate(quantities):
+        if known is not None and q in known:
+            jac[:, j] = known[q]
+    fresh = known is None
     damping = 1e-4
     weight = 1.0
     for _ in range(most):
@@ -124,9 +141,7 @@ def fit(
         improved = False
         for _ in range(5):
             step = _bounded_step(normal, gradient, damping, quantities, values)
-            trial = {
-                q: float(np.clip(values[q] + s * q.scale, q.low, q.high)) for q, s in zip(quantities, step, strict=True)
-            }
+            trial = {q: q.value(q.coordinate(values[q]) + float(s)) for q, s in zip(quantities, step, strict=True)}
             new = residual(trial)
             new_rows, _ = prior_terms(quantities, trial)
             new_cost = float(new @ new + weight * (new_rows @ new_rows))
@@ -135,25 +150,33 @@ def fit(
                 break
             damping = max(damping * 10.0, 1e-3)
         if not improved:
-            break
+            if fresh:
+                break
+            jac, fresh, damping = differences(residual, quantities, values, r, pool), True, 1e-4
+            continue
         gain = (cost - new_cost) / max(cost, 1e-300)
+        taken = np.array([q.coordinate(trial[q]) - q.coordinate(values[q]) for q in quantities])
+        surprise = new - r - jac @ taken
         values, r, rows = trial, new, new_rows
         damping = max(damping * 0.2, 1e-6)
         if gain < tolerance:
             break
+        if known is None:
+            jac = differences(residual, quantities, values, r, pool)
+        else:
+            jac, fresh = jac + np.outer(surprise, taken) / max(float(taken @ taken), 1e-300), False
+    if exact and not fresh:
         jac = differences(residual, quantities, values, r, pool)
     return Fit(quantities, values, r, jac, float(rows @ rows), row_jac, weight)
 
 
-def _bounded_step(
-    normal: Array, gradient: Array, damping: float, quantities: Sequence[Quantity], values: dict[Quantity, float]
-) -> Array:
-    """Return a damped Newton step in scaled units; what would leave its bounds is held there and the rest solved anew."""
+def _bounded_step(normal: Array, gradient: Array, damping: float, quantities: Sequence[Quantity], values: dict[Quantity, float]) -> Array:
+    """Return a damped Newton step in coordinates; what would leave its bounds is held there and the rest solved anew."""
     p = len(quantities)
     free = np.ones(p, dtype=bool)
     step = np.zeros(p)
-    low = np.array([(q.low - values[q]) / q.scale for q in quantities])
-    high = np.array([(q.high - values[q]) / q.scale for q in quantities])
+    low = np.array([q.coordinate(q.low) - q.coordinate(values[q]) for q in quantities])
+    high = np.array([q.coordinate(q.high) - q.coordinate(values[q]) for q in quantities])
     damped = normal + damping * np.diag(np.diag(normal) + 1e-12)
     for _ in range(p + 1):
         if not free.any():

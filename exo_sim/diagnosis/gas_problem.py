@@ -23,6 +23,8 @@ Array = NDArray[np.float64]
 WINDOW = 1.2
 #: ... and at least so many samples.
 FEWEST_SAMPLES = 150
+#: ... while at rest a recording is cut into no more windows than this.
+REST_WINDOWS = 5
 #: Errors are averaged over this time before they are compared [s].
 GROUP = 0.005
 #: What the smoothed position and the windows' starts leave of the sensor's noise, as pressure [Pa].
@@ -69,6 +71,8 @@ class GasProblem:
     ):
         if window is None:
             window = max(WINDOW, FEWEST_SAMPLES * max(float(np.median(np.diff(run.time))) for run in runs))
+            if all(_rests(run) for run in runs):
+                window = max(window, max(float(np.ptp(run.time)) for run in runs) / REST_WINDOWS)
         self.setting, self.split, self.all_runs = setting, split, list(runs)
         self.runs = (
             list(runs) if held_out else [run for run in (_trained(run, split) for run in runs) if run is not None]
@@ -133,7 +137,7 @@ class GasProblem:
     @property
     def sick(self) -> float:
         """Root-mean-square error beyond which no healthy machine's gas is, in units of the whitened rows."""
-        return 20.0 * self.material
+        return 10.0 * self.material
 
     def apply(self, values: dict[Quantity, float], fixed: Sequence[tuple[Quantity, float]] = ()) -> Setting:
         """Return the setting with these numbers put in."""
@@ -211,12 +215,19 @@ class GasProblem:
         rival = copy(self)
         rival.setting = other
         start = {q: q.prior[0] if q.prior else q.neutral for q in nuisances}
-        costs = [fit(problem.residual, nuisances, start, pool, most=4).sse for problem in (self, rival)]
+        own = fit(self.residual, nuisances, start, pool, most=4)
+        known = dict(zip(own.quantities, own.jacobian.T, strict=True))
+        costs = own.sse, fit(rival.residual, nuisances, own.values, pool, most=4, known=known).sse
         return rival if costs[1] < costs[0] else self
 
     def residual(self, values: dict[Quantity, float], fixed: Sequence[tuple[Quantity, float]] = ()) -> Array:
         """Return the whitened, cleared errors for these numbers, shape (size,)."""
         return self.residual_of(self.apply(values, fixed))
+
+
+def _rests(run: CylinderRun) -> bool:
+    """Say whether neither the valve nor the piston ever moves: what the gas does then is slow."""
+    return float(np.ptp(run.command)) < 1e-3 and (run.length is None or float(np.ptp(run.length)) < 1e-4)
 
 
 def _trained(run: CylinderRun, split: Split) -> CylinderRun | None:

@@ -7,14 +7,15 @@ import math
 import numpy as np
 from numpy.typing import NDArray
 
+from exo_sim.diagnosis.fitting import Fit
 from exo_sim.diagnosis.quantity import Quantity
-from exo_sim.diagnosis.search import Problem, Trial
+from exo_sim.diagnosis.weighing import Blocked
 
 #: 97.5 % quantile of the normal distribution.
 _Z = 1.959963984540054
 
 
-def spreads(problem: Problem, trial: Trial, correlation: float) -> dict[Quantity, float]:
+def spreads(problem: Blocked, fit: Fit, correlation: float) -> dict[Quantity, float]:
     """Return the standard deviation of every fitted number, in its unit.
 
     The larger of two: least squares with the residual's own variance and correlation time, and the sandwich over blocks of time,
@@ -22,10 +23,9 @@ def spreads(problem: Problem, trial: Trial, correlation: float) -> dict[Quantity
 
     Args:
         problem: The cut.
-        trial: The fit.
+        fit: The fit.
         correlation: How many neighbouring rows say the same.
     """
-    fit = trial.fit
     if not fit.quantities or not fit.residual.size:
         return {}
     jac, prior = fit.jacobian, fit.prior_rows.reshape(-1, len(fit.quantities))
@@ -34,16 +34,14 @@ def spreads(problem: Problem, trial: Trial, correlation: float) -> dict[Quantity
     bread = np.linalg.pinv(information / variance + prior.T @ prior)
     blocks = problem.blocks
     count = int(blocks.max()) + 1
-    scores = np.column_stack(
-        [np.bincount(blocks, weights=jac[:, j] * fit.residual, minlength=count) for j in range(jac.shape[1])]
-    )
+    scores = np.column_stack([np.bincount(blocks, weights=jac[:, j] * fit.residual, minlength=count) for j in range(jac.shape[1])])
     loose = np.linalg.pinv(information + prior.T @ prior)
     used = max(int(np.count_nonzero(np.bincount(blocks))), 2)
     sandwich = loose @ (scores.T @ scores) @ loose * used / max(used - len(fit.quantities), 1)
     found = {}
     for j, quantity in enumerate(fit.quantities):
         both = max(float(bread[j, j]), float(sandwich[j, j]), 0.0)
-        found[quantity] = math.sqrt(both) * quantity.scale
+        found[quantity] = math.sqrt(both) * abs(quantity.slope(fit.values[quantity]))
     return found
 
 

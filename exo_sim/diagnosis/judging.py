@@ -100,10 +100,10 @@ def judge(
         if not kept:
             trial = search.as_believed()
         elif kept != named:
-            trial = search.try_set(kept, end.fit.values)
+            trial = search.try_set(kept, end)
         named = kept
     tau = search.correlation_time(trial.fit.residual)
-    spread = spreads(problem, trial, tau)
+    spread = spreads(problem, trial.fit, tau)
     findings = [_finding(c, trial, spread, found) for c in named]
     findings = _with_twin(findings, cut)
     seen = set()

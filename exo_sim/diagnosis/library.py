@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import itertools
+from collections.abc import Sequence
 from dataclasses import replace
 
 from exo_sim.diagnosis.observed import CylinderRun
@@ -40,7 +41,7 @@ _FORMS: dict[str, tuple[tuple[str, ...], ...]] = {
     "valve_lag": (("time_constant",), ("delay",), ("time_constant", "delay")),
     "line_restriction": (("area", "volume"),),
     "exhaust_back_pressure": (("area",),),
-    "supply_regulator": (("droop", "time_constant"),),
+    "supply_regulator": (("droop", "time_constant"), ("droop", "time_constant", "hysteresis")),
 }
 
 #: Values to begin with where the range is wide or the answer not in proportion; else a low and a high typical one.
@@ -50,7 +51,6 @@ _STARTS: dict[str, tuple[tuple[float, ...], ...]] = {
     "valve_offset": ((0.01,), (-0.01,)),
     "critical_ratio": ((0.4,), (0.25,)),
     "supply_droop": ((2e-3, 1e-7), (5e-4, 2e-8)),
-    "supply_regulator": ((1e7, 0.1), (5e7, 0.05)),
     "spool_rate_limit": ((20.0,), (6.0,), (60.0,)),
     "transmission_compliance": ((3e5,), (3e4,)),
     "backlash": ((2e-4,), (1e-3,)),
@@ -63,28 +63,77 @@ _STARTS_BY_VALVE: dict[str, tuple[tuple[float, ...], ...]] = {
     "end_cushioning": ((0.01, 0.1), (0.02, 0.03), (0.03, 0.1)),
 }
 
-#: What a healthy machine shows as well: smaller than this is no finding.
-_LEAST = {
-    ("valve_deadband", "width"): 0.002,
-    ("valve_offset", "shift"): 5e-4,
-    ("valve_hysteresis", "width"): 0.002,
-    ("valve_lag", "time_constant"): 4e-4,
-    ("valve_lag", "delay"): 3e-4,
+#: Zero of a good pressure sensor, one standard deviation [Pa].
+ZERO_SPREAD = 500.0
+#: Seconds by which filters and cards of a good laboratory may be apart.
+HEALTHY_SKEW = 6e-4
+
+#: Leaks of a healthy cylinder for its swept volume [m^2/m^3], [kg/(s Pa^2 m^3)]: they take minutes to empty it.
+HEALTHY_LEAK, HEALTHY_GAP = 1.8e-5, 1.8e-13
+
+#: What a healthy machine shows as well: how much of it, one standard deviation, and how much at most. Every fit may move these
+#: up to there; only what is larger is a finding. A good proportional valve answers at about 100 Hz.
+_HEALTHY: dict[tuple[str, str], tuple[float, float]] = {
+    ("valve_deadband", "width"): (1e-3, 2.5e-3),
+    ("valve_offset", "shift"): (5e-4, 1e-3),
+    ("valve_lag", "delay"): (1e-3, 3e-3),
+}
+#: Smaller than this is no finding.
+_LEAST = {key: most for key, (_, most) in _HEALTHY.items()} | {
+    ("valve_hysteresis", "width"): 0.0025,
+    ("valve_lag", "time_constant"): 3e-3,
     ("critical_ratio", "ratio"): 0.02,
     ("backlash", "gap"): 4e-5,
 }
 
 
-def believed(cylinder: str) -> tuple[Quantity, ...]:
-    """Return the believed numbers that every fit of the gas may move: valve area and both dead volumes, as factors."""
-    return tuple(
+def believed(setting: Setting, cylinder: str, commanded: bool, sides: Sequence[int]) -> tuple[Quantity, ...]:
+    """Return what every fit of the gas may move: valve area and dead volumes as factors, sensor zeros, a healthy valve's faults.
+
+    Args:
+        setting: The machine as believed.
+        cylinder: Its name.
+        commanded: Whether a valve command was recorded; without one nothing is asked of the valve.
+        sides: Chambers whose pressure was recorded, of 1 and 2.
+    """
+    numbers = tuple(
         Quantity(name, cylinder, field, "1", "factor", 0.1, 0.2, 5.0, (1.0, SPREADS[key]), neutral=1.0)
         for name, field, key in (
             ("flow_capacity", "valve_area", "flow_capacity"),
             ("dead_volume", "dead_volume_1", "dead_volume_1"),
             ("dead_volume", "dead_volume_2", "dead_volume_2"),
         )
+        if commanded or field != "valve_area"
     )
+    zeros = tuple(
+        Quantity(
+            "sensor_zero",
+            f"{cylinder}.pressure_{side}",
+            f"pressure_{side}.bias",
+            "Pa",
+            "sensor",
+            ZERO_SPREAD,
+            -1e4,
+            1e4,
+            (0.0, ZERO_SPREAD),
+        )  # fmt: skip
+        for side in sides
+    )
+    return (*numbers, *zeros, *_imperfections(setting, cylinder)) if commanded else (*numbers, *zeros)
+
+
+def _imperfections(setting: Setting, cylinder: str) -> tuple[Quantity, ...]:
+    """Return what a healthy valve shows, of what the rig does not know already."""
+    found = []
+    for (name, field), (spread, most) in _HEALTHY.items():
+        effect = declared()[name]
+        parameter = effect.parameter(field)
+        if not _is_on(effect, setting):
+            low = 0.0 if parameter.low >= 0.0 else -most
+            found.append(
+                Quantity(name, cylinder, field, parameter.unit, "cylinder", spread, low, most, (0.0, spread), rough=name in _ROUGH)
+            )
+    return tuple(found)
 
 
 def known_effects(setting: Setting, cylinder: str) -> tuple[Quantity, ...]:
@@ -121,8 +170,6 @@ def candidates(setting: Setting, runs: list[CylinderRun], cylinder: str, joint: 
     found: list[Candidate] = []
     for effect in declared().values():
         if effect.cut != "gas" or _measured_away(effect, runs):
-            continue
-        if effect.requires and not _is_on(declared()[effect.requires], setting):
             continue
         if "valve_command" in effect.needs and not commanded:
             continue
@@ -163,7 +210,9 @@ def _is_on(effect: Effect, setting: Setting) -> bool:
 def _forms(effect: Effect, where: str, form: tuple[str, ...], setting: Setting) -> list[Candidate]:
     """Return the candidates of one form; a choice (where the sensor sits) makes one for each of its words."""
     target = "world" if where in ("supply", "exhaust") else "cylinder"
-    quantities = tuple(_quantity(effect, effect.parameter(name), where, target) for name in form)
+    quantities = tuple(_quantity(effect, effect.parameter(name), where, target, setting) for name in form)
+    if "inertial" in form or effect.name == "supply_droop":
+        quantities = tuple(replace(quantity, wide=True) for quantity in quantities)
     valve = float(setting.cylinder["valve_area"][0])
     porous = "inertial" in form
     if porous:  # where both terms of the path's law take half of the drop from 5 bar
@@ -180,7 +229,7 @@ def _forms(effect: Effect, where: str, form: tuple[str, ...], setting: Setting) 
         high = tuple(_typical(effect.parameter(name), 0.75) for name in form)
         starts = (low, high)
     pinned = tuple(
-        (_quantity(effect, p, where, target), p.default)
+        (_quantity(effect, p, where, target, setting), p.default)
         for p in effect.parameters
         if p.default and p.name not in form and not p.choices
     )
@@ -192,6 +241,7 @@ def _forms(effect: Effect, where: str, form: tuple[str, ...], setting: Setting) 
         starts,
         fixed=pinned,
         proportional=effect.name in _PROPORTIONAL and not porous,
+        beside=effect.requires if effect.requires and not _is_on(declared()[effect.requires], setting) else "",
     )
     choices = [parameter for parameter in effect.parameters if parameter.choices]
     if not choices:
@@ -202,7 +252,7 @@ def _forms(effect: Effect, where: str, form: tuple[str, ...], setting: Setting) 
             form=one.form + "".join(f",{p.name}={p.choices[c]}" for p, c in zip(choices, chosen, strict=True)),
             fixed=(
                 *pinned,
-                *((_quantity(effect, p, where, target), float(c)) for p, c in zip(choices, chosen, strict=True)),
+                *((_quantity(effect, p, where, target, setting), float(c)) for p, c in zip(choices, chosen, strict=True)),
             ),
         )
         for chosen in itertools.product(*(range(len(p.choices)) for p in choices))
@@ -214,13 +264,25 @@ def _typical(parameter: Parameter, share: float) -> float:
     return low * (high / low) ** share if low > 0.0 else low + share * (high - low)
 
 
-def _quantity(effect: Effect, parameter: Parameter, where: str, target: str) -> Quantity:
+def _least(effect: Effect, parameter: Parameter, setting: Setting) -> float:
+    """Return what a healthy machine has of a parameter; of a leak, what empties the cylinder by half in some minutes."""
+    c = setting.cylinder[0]
+    swept = float(c["area_1"] * c["stroke"])
+    share = {"piston_leakage": 1.0, "external_leakage": 0.5, "valve_null_leakage": 0.75}.get(effect.name, 0.0)
+    if share and parameter.unit == "m^2":
+        return share * HEALTHY_LEAK * swept
+    if share and parameter.unit == "kg/(s Pa^2)":
+        return share * HEALTHY_GAP * swept
+    return _LEAST.get((effect.name, parameter.name), 0.0)
+
+
+def _quantity(effect: Effect, parameter: Parameter, where: str, target: str, setting: Setting) -> Quantity:
     low, high = parameter.typical
     scale = abs(_typical(parameter, 0.5)) or 0.5 * (high - low)
     neutral = 0.528 if effect.name == "critical_ratio" else 0.0  # the nozzle's own
     return Quantity(
         effect.name, where, parameter.name, parameter.unit, target, scale, parameter.low, parameter.high, neutral=neutral,
-        rough=effect.name in _ROUGH, least=_LEAST.get((effect.name, parameter.name), 0.0),
+        rough=effect.name in _ROUGH, least=_least(effect, parameter, setting),
     )  # fmt: skip
 
 
@@ -230,20 +292,16 @@ def _sensors(runs: list[CylinderRun], cylinder: str, joint: str, moves: bool) ->
         column = f"{cylinder}.pressure_{side}"
         if all(run.pressure[side - 1] is None for run in runs):
             continue
-        bias = Quantity("sensor_bias", column, f"pressure_{side}.bias", "Pa", "sensor", 2e3, -1.2e5, 1.2e5, least=800.0)
-        scale = Quantity(
-            "sensor_scale", column, f"pressure_{side}.scale", "1", "sensor", 0.02, 0.8, 1.25, neutral=1.0, least=0.003
-        )
-        delay = Quantity("sensor_delay", column, f"pressure_{side}.delay", "s", "sensor", 2e-3, -0.05, 0.05, least=3e-4)
+        bias = Quantity("sensor_bias", column, f"pressure_{side}.bias", "Pa", "sensor", 2e3, -1.2e5, 1.2e5, least=4.0 * ZERO_SPREAD)
+        scale = Quantity("sensor_scale", column, f"pressure_{side}.scale", "1", "sensor", 0.02, 0.8, 1.25, neutral=1.0, least=0.003)
+        delay = Quantity("sensor_delay", column, f"pressure_{side}.delay", "s", "sensor", 2e-3, -0.05, 0.05, least=HEALTHY_SKEW)
         found.append(Candidate("sensor_bias", column, "value", (bias,), ((2e3,),), "sensor"))
         found.append(Candidate("sensor_scale", column, "factor", (scale,), ((1.02,),), "sensor"))
         found.append(Candidate("sensor_delay", column, "seconds", (delay,), ((2e-3,),), "sensor"))
     if moves:
         column = f"{joint}.position"
-        scale = Quantity(
-            "sensor_scale", column, "position.scale", "1", "sensor", 0.02, 0.8, 1.25, neutral=1.0, least=0.003
-        )
-        delay = Quantity("sensor_delay", column, "position.delay", "s", "sensor", 2e-3, -0.05, 0.05, least=3e-4)
+        scale = Quantity("sensor_scale", column, "position.scale", "1", "sensor", 0.02, 0.8, 1.25, neutral=1.0, least=0.003)
+        delay = Quantity("sensor_delay", column, "position.delay", "s", "sensor", 2e-3, -0.05, 0.05, least=HEALTHY_SKEW)
         found.append(Candidate("sensor_delay", column, "seconds", (delay,), ((2e-3,),), "sensor"))
         found.append(Candidate("sensor_scale", column, "factor", (scale,), ((1.02,),), "sensor"))
     return found

@@ -27,8 +27,15 @@ SICK_SHARE = 0.03
 #: What a good pressure sensor's zero may be off by [Pa]: a constant force that no recording can call friction.
 PRESSURE_OFFSET = 2000.0
 
+#: Forces that a healthy cylinder loses besides, as shares of its stall force: dry friction (one standard deviation, and the most),
+#: a spring over its whole stroke, and all together what no name is looked for.
+HEALTHY_DRY, MOST_DRY, MOST_SPRING, NAMELESS = 0.001, 0.002, 0.011, 0.003
+
 #: Stiffness of a dry contact before it slides that any seal shows [N/m]; only one much softer is a finding.
 HEALTHY_CONTACT, SOFT_CONTACT = 8e5, 2.5e5
+
+#: What an effect comes on top of.
+_ON_TOP_OF = {"stribeck_friction": "coulomb_friction"}
 
 _FORMS: dict[str, tuple[tuple[str, ...], ...]] = {
     "return_spring": (("stiffness", "rest"),),
@@ -84,7 +91,8 @@ class MotionProblem:
         force = max(
             (float(np.std(run.drive + run.external)) + float(np.std(run.inertial)) for run in self.runs), default=0.0
         )
-        return SICK_SHARE * force / float(np.median(self.scale)) if self.scale.size else 0.0
+        floor = max(SICK_SHARE * force, NAMELESS * stall_force(self.runs[0], self.setting))
+        return floor / float(np.median(self.scale)) if self.scale.size else 0.0
 
     def apply(self, values: dict[Quantity, float], fixed: Sequence[tuple[Quantity, float]] = ()) -> Setting:
         """Return the setting with these numbers put in."""
@@ -150,6 +158,14 @@ def _layout(run: MotionRun, usable: NDArray[np.bool_]) -> tuple[NDArray[np.int64
     return group, np.array(blocks, dtype=int), np.array(counts)
 
 
+def stall_force(run: MotionRun, setting: Setting) -> float:
+    """Return what the cylinder of a balance can push at most [N, N m at the joint]; 0 without a cylinder."""
+    if run.cylinder is None:
+        return 0.0
+    gauge = float(setting.world["supply_pressure"][0] - setting.world["atmosphere"][0])
+    return max(gauge, 0.0) * float(setting.cylinder["area_1"][0]) * float(np.median(np.abs(run.arm)))
+
+
 def believed(runs: Sequence[MotionRun], setting: Setting, where: str) -> tuple[Quantity, ...]:
     """Return the believed numbers that every fit of the balance may move: the mass, and an offset that nobody can exclude."""
     run = runs[0]
@@ -158,6 +174,7 @@ def believed(runs: Sequence[MotionRun], setting: Setting, where: str) -> tuple[Q
     spread = max(PRESSURE_OFFSET * lever, 1e-4 * force)
     if run.cylinder is None and not run.external_recorded:
         spread = 0.02 * float(np.std(run.inertial))
+    stall = stall_force(run, setting) / max(float(np.median(np.abs(run.arm))), 1e-9)
     found = []
     if run.weighs and (
         run.cylinder is not None or run.external_recorded
@@ -178,6 +195,11 @@ def believed(runs: Sequence[MotionRun], setting: Setting, where: str) -> tuple[Q
             or effect.name == "presliding"
         ):
             continue
+        if effect.name == "coulomb_friction" and stall > 0.0 and setting.cylinder[effect.name]["force"][0] == 0.0:
+            found.append(
+                Quantity(effect.name, where, "force", "N", "cylinder", HEALTHY_DRY * stall, 0.0, MOST_DRY * stall,
+                         (0.0, HEALTHY_DRY * stall))
+            )  # fmt: skip
         for parameter in effect.parameters:
             value = float(setting.cylinder[effect.name][parameter.name][0])
             if value != 0.0 and not parameter.choices:
@@ -204,6 +226,9 @@ def candidates(runs: Sequence[MotionRun], setting: Setting, where: str) -> tuple
     force = max(float(np.std(run.drive + run.external)), 0.1 * float(np.std(run.inertial)), 1e-6)
     speed = max(float(np.nanstd(run.velocity)), 1e-6)
     travel = max(float(np.nanstd(run.position)), 1e-6)
+    stall = stall_force(run, setting) / max(float(np.median(np.abs(run.arm))), 1e-9)
+    stroke = max(float(setting.cylinder["stroke"][0]), 1e-3)
+    least = {("coulomb_friction", "force"): MOST_DRY * stall, ("return_spring", "stiffness"): MOST_SPRING * stall / stroke}
     pressure = max(float(np.mean(np.abs(run.gauge).sum(1))), 1.0)
     # a tenth of the forces at work, spread over the speeds, travels and pressures that were met
     sizes = {
@@ -238,8 +263,9 @@ def candidates(runs: Sequence[MotionRun], setting: Setting, where: str) -> tuple
                 scale = 5e4 if effect.name == "presliding" else abs(size) or 1.0
                 quantities.append(
                     Quantity(
-                        effect.name, where, name, parameter.unit_at(turning), "cylinder", scale, parameter.low, high
-                    )
+                        effect.name, where, name, parameter.unit_at(turning), "cylinder", scale, parameter.low, high,
+                        least=least.get((effect.name, name), 0.0),
+                    )  # fmt: skip
                 )
                 start.append(size)
             starts = [tuple(start)]
@@ -250,7 +276,8 @@ def candidates(runs: Sequence[MotionRun], setting: Setting, where: str) -> tuple
                 starts = [(1e5,), (2e4,)]
             found.append(
                 Candidate(effect.name, where, "+".join(form), tuple(quantities), tuple(starts),
-                          proportional=effect.name not in ("stribeck_friction", "presliding"))
+                          proportional=effect.name not in ("stribeck_friction", "presliding"),
+                          beside="" if _is_on(base := _ON_TOP_OF.get(effect.name, ""), setting) else base)
             )  # fmt: skip
     for column in run.levers:
         unit = "Pa" if "pressure" in column else ("N*m" if run.turning else "N")
@@ -258,6 +285,12 @@ def candidates(runs: Sequence[MotionRun], setting: Setting, where: str) -> tuple
         bias = Quantity("sensor_bias", column, f"{column}.bias", unit, "sensor", level, -1e7, 1e7)
         found.append(Candidate("sensor_bias", column, "value", (bias,), ((level,),), "sensor"))
     return tuple(found)
+
+
+def _is_on(name: str, setting: Setting) -> bool:
+    if not name:
+        return True
+    return any(float(setting.cylinder[name][p.name][0]) != 0.0 for p in declared()[name].parameters)
 
 
 def _size(parameter: Parameter, sizes: dict[str, float]) -> float:

@@ -11,6 +11,7 @@ from exo_sim.diagnosis.gas_problem import GasProblem
 from exo_sim.diagnosis.motion_problem import MotionProblem
 from exo_sim.diagnosis.quantity import Setting
 from exo_sim.diagnosis.search import Trial
+from exo_sim.diagnosis.supply_cut import SupplyProblem
 from exo_sim.diagnosis.unknown import Curve, depends_on
 
 Array = NDArray[np.float64]
@@ -43,8 +44,10 @@ class Nameless:
         return self.curves[0] if self.curves and self.curves[0].explains > LEAST_EXPLAINED else None
 
 
-def pattern_left(problem: GasProblem | MotionProblem, trial: Trial) -> float:
+def pattern_left(problem: GasProblem | MotionProblem | SupplyProblem, trial: Trial) -> float:
     """Return the largest share of what a trial leaves that follows one signal."""
+    if isinstance(problem, SupplyProblem):
+        return 0.0
     setting = problem.apply(trial.fit.values, [pair for candidate in trial.chosen for pair in candidate.fixed])
     if isinstance(problem, MotionProblem):
         left = [missing_force(problem, setting)]

@@ -16,6 +16,7 @@ from exo_sim.diagnosis.quantity import Setting
 from exo_sim.diagnosis.result import Series, SignalFit
 from exo_sim.diagnosis.search import Trial
 from exo_sim.diagnosis.split import Split
+from exo_sim.diagnosis.supply_cut import SupplyProblem
 from exo_sim.diagnosis.unknown import hats
 from exo_sim.diagnosis.verdict import Unnamed, setting_of
 from exo_sim.physics.effects.unknown import ACTS, DEPENDS_ON, KNOTS
@@ -52,6 +53,8 @@ def prove(judged: Sequence[Judged], case: Case, parts: Split, nameless: Sequence
         curve = next((u for u in nameless if u.judged is one), None)
         if isinstance(one.problem, GasProblem):
             series += _gas(one, case, parts, curve, proof)
+        elif isinstance(one.problem, SupplyProblem):
+            series += _supply(one, parts, proof)
         else:
             series += _motion(one, case, parts, curve, proof)
     proof.series = tuple(series)
@@ -155,9 +158,29 @@ def _motion(one: Judged, case: Case, parts: Split, curve: Unnamed | None, proof:
     return series
 
 
+def _supply(one: Judged, parts: Split, proof: Proof) -> list[Series]:
+    assert isinstance(one.problem, SupplyProblem)
+    found = setting_of(one, one.trial)
+    kept = SupplyProblem(one.problem.runs, one.problem.setting, parts, held_out=True)
+    series, errors = [], ([], [])  # type: ignore[var-annotated]
+    for index, run in enumerate(kept.runs):
+        before, after = kept.predict(one.problem.setting, index), kept.predict(found, index)
+        mask = kept.group[index] >= 0
+        errors[0].append((run.pressure - before)[mask])
+        errors[1].append((run.pressure - after)[mask])
+        series.append(Series(run.recording, "supply.pressure", "Pa", run.time, run.pressure, before, after, run.noise))
+    if kept.size:
+        proof.signals["supply.pressure"] = SignalFit(
+            "Pa", finite(normalised(np.concatenate(errors[0]))), finite(normalised(np.concatenate(errors[1]))),
+            max(run.noise for run in kept.runs),
+        )  # fmt: skip
+    _drops(one, kept, found, one.problem.setting, None, proof)
+    return series
+
+
 def _drops(
     one: Judged,
-    kept: GasProblem | MotionProblem,
+    kept: GasProblem | MotionProblem | SupplyProblem,
     found: Setting,
     believed: Setting,
     curve: Unnamed | None,
@@ -169,7 +192,7 @@ def _drops(
     whole = normalised(_residual(kept, found))
     for candidate in one.named:
         rest = tuple(c for c in one.trial.chosen if c.key != candidate.key)
-        without: Trial = one.search.try_set(rest, one.trial.fit.values)
+        without: Trial = one.search.try_set(rest, one.trial)
         lacking = normalised(_residual(kept, setting_of(one, without)))
         proof.drops[f"{candidate.effect}@{candidate.where}"] = finite(1.0 - whole / lacking) if lacking > 0.0 else 0.0
     if curve is not None:
@@ -189,5 +212,5 @@ def _drops(
             proof.drops[one.where] = finite(1.0 - whole / plain) if plain > 0.0 else 0.0
 
 
-def _residual(problem: GasProblem | MotionProblem, setting: Setting) -> np.ndarray:
+def _residual(problem: GasProblem | MotionProblem | SupplyProblem, setting: Setting) -> np.ndarray:
     return problem.residual_of(setting)

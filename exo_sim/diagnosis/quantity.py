@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Mapping
 from dataclasses import dataclass, field
 
@@ -42,6 +43,7 @@ class Quantity:
         low, high: Bounds.
         prior: Mean and standard deviation, or None.
         neutral: Its value where the effect is off.
+        wide: True where the typical range spans decades: then a fit moves its logarithm.
         least: Further from neutral than this, or it is nothing that a healthy machine would not show.
         rough: True where predictions answer it in jerks (play, dead zones): finite differences must be wide.
     """
@@ -58,11 +60,30 @@ class Quantity:
     neutral: float = 0.0
     rough: bool = False
     least: float = 0.0
+    wide: bool = False
 
     @property
     def key(self) -> tuple[str, str, str]:
         """What tells it from all others."""
         return self.effect, self.where, self.parameter
+
+    def coordinate(self, value: float) -> float:
+        """Return a value as a fit counts it: in units of the scale, or its logarithm."""
+        return math.log(max(value, 1e-12 * self.scale) / self.scale) if self.wide else value / self.scale
+
+    def value(self, coordinate: float) -> float:
+        """Return the value at a coordinate, inside the bounds."""
+        value = math.exp(min(coordinate, 60.0)) * self.scale if self.wide else coordinate * self.scale
+        return min(max(value, self.low), self.high)
+
+    def slope(self, value: float) -> float:
+        """Return how the value answers its coordinate there."""
+        return value if self.wide else self.scale
+
+    @property
+    def field(self) -> tuple[str, str]:
+        """Which number of a setting it is: two quantities of one field stand for the same thing."""
+        return ("" if self.target == "sensor" else self.effect), self.parameter
 
     def put(self, setting: Setting, value: float) -> None:
         """Write the number into a setting."""
@@ -92,6 +113,7 @@ class Candidate:
         kind: "missing_physics", "calibration" or "sensor".
         fixed: Parameters that this form pins to a value.
         proportional: Whether its signature may be scaled up or down until it shows.
+        beside: Effect that must be in the set as well, or "": what comes on top of another.
     """
 
     effect: str
@@ -102,6 +124,7 @@ class Candidate:
     kind: str = "missing_physics"
     fixed: tuple[tuple[Quantity, float], ...] = ()
     proportional: bool = True
+    beside: str = ""
 
     @property
     def key(self) -> tuple[str, str, str]:

@@ -23,7 +23,7 @@ def improved_text(case: Case, judged: Sequence[Judged], nameless: Sequence[Unnam
     for one in judged:
         kept = {(finding.name, finding.where) for finding in one.findings}
         spread = (
-            spreads(one.problem, one.trial, one.search.correlation_time(one.trial.fit.residual))
+            spreads(one.problem, one.trial.fit, one.search.correlation_time(one.trial.fit.residual))
             if not one.empty
             else {}
         )

@@ -16,6 +16,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from exo_sim.diagnosis.fitting import Fit, fit, prior_terms
+from exo_sim.diagnosis.intervals import spreads
 from exo_sim.diagnosis.quantity import Candidate, Quantity
 from exo_sim.diagnosis.weighing import CLEAN, Weighing, correlation_time, loss, passes, weigh
 
@@ -31,6 +32,12 @@ FEWEST_ROWS = 30
 FINALISTS = 4
 #: How many sets are grown side by side while none reaches the noise.
 BEAM = 3
+#: A finding stands if one of its numbers is this many standard errors from neutral.
+CERTAIN = 2.5
+#: From how many of its starts a candidate is fitted where that costs little.
+CHEAP_STARTS = 3
+#: How often rivals may take a finding's place in the end.
+MOST_TURNS = 2
 #: The longest spell of equal errors that a fit is told of, in rows.
 LONGEST_SPELL = 60.0
 
@@ -61,6 +68,10 @@ class Trial:
         """Effects and places that are in it."""
         return {(candidate.effect, candidate.where) for candidate in self.chosen}
 
+    def bears(self, candidate: Candidate) -> bool:
+        """Say whether what a candidate comes on top of is in it."""
+        return not candidate.beside or any(c.effect == candidate.beside for c in self.chosen)
+
     @property
     def numbers(self) -> int:
         """How many numbers its candidates have."""
@@ -89,9 +100,8 @@ class Found:
 def sizeable(candidate: Candidate, trial: Trial) -> bool:
     """Say whether any of a candidate's numbers is further from neutral than a healthy machine's would be."""
     values = trial.fit.values
-    if not any(q.least > 0.0 for q in candidate.quantities):
-        return True
-    return any(abs(values[q] - q.neutral) > q.least for q in candidate.quantities)
+    asked = [q for q in candidate.quantities if q.least > 0.0]
+    return not asked or any(abs(values[q] - q.neutral) > q.least for q in asked)
 
 
 class Search:
@@ -104,7 +114,7 @@ class Search:
         pool: Threads.
         progress: Told in a few words what is going on.
         most: The most findings.
-        finalists: How many of the screened candidates are fitted whole.
+        cheap: Whether predictions cost little: then every candidate is fitted whole, from scratch, and in plainer ones' place.
         material: Drop of the root-mean-square error, in units of the noise, below which nothing is a finding.
     """
 
@@ -116,37 +126,49 @@ class Search:
         pool: ThreadPoolExecutor | None = None,
         progress: Callable[[str], None] | None = None,
         most: int = 5,
-        finalists: int = FINALISTS,
+        cheap: bool = False,
         material: float = 0.0,
     ):
         self.problem, self.nuisances, self.library = problem, tuple(nuisances), tuple(library)
-        self.pool, self.most, self.finalists, self.material = pool, most, finalists, material
+        self.pool, self.most, self.cheap, self.material = pool, most, cheap, material
         self._say = progress or (lambda words: None)
         self._whole: Trial | None = None
         self._fitted: dict[frozenset[tuple[str, str, str]], Trial] = {}
+        self._screened: dict[frozenset[tuple[str, str, str]], list[tuple[float, Candidate]]] = {}
 
     # -- fitting -----------------------------------------------------------------------------------------------------
 
-    def try_set(self, chosen: Sequence[Candidate], start: dict[Quantity, float]) -> Trial:
-        """Fit the believed numbers and these candidates together, from `start` where it says and typical values else."""
+    def try_set(self, chosen: Sequence[Candidate], near: Trial | None = None, again: bool = False) -> Trial:
+        """Fit the believed numbers and these candidates together, from a trial near by and typical values where it has none.
+
+        With `again` a set that was fitted before is fitted from here as well, and the better one kept.
+        """
         key = frozenset(candidate.key for candidate in chosen)
-        if key in self._fitted:
-            return self._fitted[key]
+        before = self._fitted.get(key)
+        if before is not None and not again:
+            return before
+        start = near.fit.values if near else {}
         quantities = (*self.nuisances, *(q for candidate in chosen for q in candidate.quantities))
         begun = {q: start.get(q, q.prior[0] if q.prior else q.neutral) for q in quantities}
         options = [begun]
+        if self.cheap and near and any(q not in start for q in quantities):
+            options.append({**begun, **{q: q.prior[0] for q in self.nuisances if q.prior}})
         for candidate in chosen:
             if any(q not in start for q in candidate.quantities):
-                options = [
-                    {**o, **dict(zip(candidate.quantities, values, strict=True))}
-                    for o in options
-                    for values in candidate.starts
-                ]
+                options = [{**o, **dict(zip(candidate.quantities, values, strict=True))} for o in options for values in candidate.starts]
         residual = self._residual_of(chosen)
         errors = [residual(option) for option in options]
-        best = int(np.argmin([float(e @ e) if np.isfinite(e).all() else np.inf for e in errors]))
-        spell = min(self.correlation_time(errors[best]), LONGEST_SPELL)
-        trial = Trial(tuple(chosen), fit(residual, quantities, options[best], self.pool, most=6, spell=spell))
+        order = np.argsort([float(e @ e) if np.isfinite(e).all() else np.inf for e in errors])
+        spell = min(self.correlation_time(errors[order[0]]), LONGEST_SPELL)
+        if self.cheap:
+            tried = [fit(residual, quantities, options[i], self.pool, most=24, tolerance=1e-5, spell=spell) for i in order[:CHEAP_STARTS]]
+            done = min(tried, key=lambda one: one.sse + one.weight * one.penalty)
+        else:
+            known = dict(zip(near.fit.quantities, near.fit.jacobian.T, strict=True)) if near else None
+            done = fit(residual, quantities, options[order[0]], self.pool, most=8, spell=spell, known=known)
+        trial = Trial(tuple(chosen), done)
+        if before is not None and self._loses(before, trial) <= 0.0:
+            return before
         self._fitted[key] = trial
         return trial
 
@@ -157,7 +179,8 @@ class Search:
         quantities = (*self.nuisances, *(q for candidate in trial.chosen for q in candidate.quantities))
         spell = min(self.correlation_time(trial.fit.residual), LONGEST_SPELL)
         residual = self._residual_of(trial.chosen)
-        done = fit(residual, quantities, trial.fit.values, self.pool, most=8, tolerance=1e-6, spell=spell)
+        known = dict(zip(trial.fit.quantities, trial.fit.jacobian.T, strict=True))
+        done = fit(residual, quantities, trial.fit.values, self.pool, most=12, tolerance=1e-6, spell=spell, known=known, exact=True)
         better = Trial(trial.chosen, done)
         self._fitted[frozenset(candidate.key for candidate in trial.chosen)] = better
         return better
@@ -209,18 +232,36 @@ class Search:
 
     def screen(self, now: Trial) -> list[tuple[float, Candidate]]:
         """Return the candidates that are not in a trial by how much of its error their signatures could explain, best first."""
+        key = frozenset(candidate.key for candidate in now.chosen)
+        if key not in self._screened:
+            self._screened[key] = self._screen(now)
+        return self._screened[key]
+
+    def _screen(self, now: Trial) -> list[tuple[float, Candidate]]:
         base = now.fit.residual
         fixed_now = [pair for candidate in now.chosen for pair in candidate.fixed]
         prior_rows, prior_jac = prior_terms(now.fit.quantities, now.fit.values)
         strength = math.sqrt(now.fit.weight)
         whole = np.vstack([now.fit.jacobian, strength * prior_jac])
-        basis = np.linalg.qr(whole)[0] if whole.shape[1] else np.zeros((whole.shape[0], 0))
-        target = np.concatenate([base, strength * prior_rows])
-        target = target - basis @ (basis.T @ target)
+        raw = np.concatenate([base, strength * prior_rows])
+        values = now.fit.values
+        loose = [j for j, q in enumerate(now.fit.quantities) if q.low < values[q] < q.high]
+        cleared: dict[tuple[int, ...], tuple[Array, Array]] = {}
+
+        def clear_of(candidate: Candidate) -> tuple[Array, Array]:
+            """Return a basis of what the fitted numbers can explain, those that the candidate stands for left out, and the rest."""
+            fields = {q.field for q in candidate.quantities}
+            columns = tuple(j for j in loose if now.fit.quantities[j].field not in fields)
+            if columns not in cleared:
+                basis = np.linalg.qr(whole[:, columns])[0] if columns else np.zeros((whole.shape[0], 0))
+                cleared[columns] = basis, raw - basis @ (basis.T @ raw)
+            return cleared[columns]
+
         level = math.sqrt(float(base @ base) / max(base.size, 1))
 
         def score(candidate: Candidate) -> tuple[float, Candidate]:
             best = 0.0
+            basis, target = clear_of(candidate)
             for start in candidate.starts:
                 change = self._answer(candidate, start, now, fixed_now, base, level)
                 if change is None:
@@ -231,13 +272,14 @@ class Search:
                 pull = -float(clear @ target)
                 if power <= 1e-12 * float(change @ change) or power == 0.0:
                     continue
-                one_sided = all(q.low >= q.neutral for q in candidate.quantities)
+                taken = {q.field for q in now.fit.quantities}
+                one_sided = all(q.low >= q.neutral and q.field not in taken for q in candidate.quantities)
                 if pull <= 0.0 and one_sided:
                     continue
                 best = max(best, pull * pull / power)
             return best, candidate
 
-        open_questions = [c for c in self.library if (c.effect, c.where) not in now.keys]
+        open_questions = [c for c in self.library if (c.effect, c.where) not in now.keys and now.bears(c)]
         scored = list(self.pool.map(score, open_questions)) if self.pool else [score(c) for c in open_questions]
         return sorted(scored, key=lambda pair: -pair[0])
 
@@ -277,7 +319,7 @@ class Search:
         if self.problem.size < FEWEST_ROWS:
             start = Trial((), Fit((), {}, np.zeros(0), np.zeros((0, 0))))
             return Found(start, start)
-        start = best = self._whole = self.polished(self.try_set((), {}))
+        start = best = self._whole = self.polished(self.try_set(()))
         beam = [start]
         for _ in range(self.most):
             self._say(f"screening {len(self.library)} questions")
@@ -285,7 +327,7 @@ class Search:
             if not grown:
                 break
             leader = self._leader(grown)
-            tidied = self._simplest(self._pruned(self._swapped(leader)))
+            tidied = self._simplest(self._pruned(self._swapped(leader) if self.cheap else leader))
             if best.chosen and self._loses(tidied, best) >= 0.0:
                 break
             best = tidied
@@ -293,23 +335,43 @@ class Search:
             beam = [best]
             if not self._clean(best):
                 beam += [trial for trial in self._ranked(grown) if trial.keys not in (best.keys, leader.keys)][: BEAM - 1]
-        end = self.polished(self._pruned(best))
-        found = Found(start, end)
-        self._judge(found)
+        end = self._settled(self.polished(self._pruned(best)))
+        found = self._judged(start, end)
+        for _ in range(MOST_TURNS):
+            better = self._overtaken(found)
+            if better is None:
+                break
+            found = self._judged(start, self._settled(self.polished(self._pruned(better))))
         return found
+
+    def _overtaken(self, found: Found) -> Trial | None:
+        """Return the set with the best rival in a finding's place, where that explains more."""
+        by_loss = [
+            (worse + 2.0 * max(len(rival.quantities) - len(candidate.quantities), 0), candidate, rival)
+            for candidate in found.end.chosen
+            for rival, worse in found.rivals[candidate.key][:1]
+            if (rival.effect, rival.where) not in found.end.keys
+        ]
+        if not by_loss:
+            return None
+        worse, candidate, rival = min(by_loss, key=lambda one: one[0])
+        if worse > -2.0:
+            return None
+        return self.try_set(tuple(rival if c is candidate else c for c in found.end.chosen))
 
     def _grown(self, beam: Sequence[Trial]) -> list[Trial]:
         """Return every accepted set that has one candidate more than one of these."""
         grown: dict[frozenset[tuple[str, str, str]], Trial] = {}
         for now in beam:
             for candidate in self._finalists(self.screen(now)):
-                trial = self.try_set((*now.chosen, candidate), now.fit.values)
+                trial = self.try_set((*now.chosen, candidate), now)
                 if self.accepts(now, trial) and sizeable(candidate, trial):
                     grown[frozenset(c.key for c in trial.chosen)] = trial
         return list(grown.values())
 
-    def _finalists(self, ranked: list[tuple[float, Candidate]], count: int | None = None) -> list[Candidate]:
-        count = self.finalists if count is None else max(count, self.finalists if self.finalists > FINALISTS else 0)
+    def _finalists(self, ranked: list[tuple[float, Candidate]], count: int = FINALISTS) -> list[Candidate]:
+        if self.cheap:
+            count = len(self.library)
         picked: list[Candidate] = []
         for score, candidate in ranked:
             if len(picked) >= count or score <= 0.0:
@@ -326,21 +388,19 @@ class Search:
         simpler = [
             one
             for one in grown
-            if one.numbers < best.numbers
-            and whole - one.fit.sse > NEARLY * (whole - best.fit.sse)
-            and self._loses(one, best) < NO_WORSE
+            if one.numbers < best.numbers and whole - one.fit.sse > NEARLY * (whole - best.fit.sse) and self._loses(one, best) < NO_WORSE
         ]
         return self._ranked(simpler)[0] if simpler else best
 
     def _swapped(self, now: Trial) -> Trial:
         """Try, for every finding, whether another question in its place explains more."""
-        for index in range(len(now.chosen) if self.finalists > FINALISTS else len(now.chosen) - 1):
+        for index in range(len(now.chosen) if self.cheap else len(now.chosen) - 1):
             kept = (*now.chosen[:index], *now.chosen[index + 1 :])
-            base = self.try_set(kept, now.fit.values)
+            base = self.try_set(kept, now)
             for candidate in self._finalists(self.screen(base), 4):
                 if (candidate.effect, candidate.where) in now.keys:
                     continue
-                trial = self.try_set((*kept, candidate), base.fit.values)
+                trial = self.try_set((*kept, candidate), base)
                 if self._loses(trial, now) < -2.0 - 2.0 * max(trial.numbers - now.numbers, 0):
                     now = trial
                     break
@@ -351,12 +411,33 @@ class Search:
         shrunk = True
         while shrunk and now.chosen:
             shrunk = False
-            for index in range(len(now.chosen)):
-                without = self.try_set((*now.chosen[:index], *now.chosen[index + 1 :]), now.fit.values)
-                if not self.accepts(without, now):
+            for index, candidate in enumerate(now.chosen):
+                if any(other.beside == candidate.effect for other in now.chosen):
+                    continue
+                without = self.try_set((*now.chosen[:index], *now.chosen[index + 1 :]), now, again=True)
+                if not self.accepts(without, now) or not sizeable(candidate, now):
                     now, shrunk = without, True
                     break
         return now
+
+    def _settled(self, now: Trial) -> Trial:
+        """Leave out what the data do not tell from nothing: numbers, and whole findings, within their error of neutral."""
+        while now.chosen:
+            spread = spreads(self.problem, now.fit, self.correlation_time(now.fit.residual))
+            vague = {q for c in now.chosen for q in c.quantities if abs(now.fit.values[q] - q.neutral) < CERTAIN * spread.get(q, 0.0)}
+            plain = tuple(one for c in now.chosen if (one := self._without(c, vague)) is not None)
+            if {c.key for c in plain} == {c.key for c in now.chosen}:
+                break
+            now = self.polished(self._pruned(self.try_set(plain, now)))
+        return now
+
+    def _without(self, candidate: Candidate, vague: set[Quantity]) -> Candidate | None:
+        """Return the form of an effect that has no vague numbers, itself where there is no such form, None where all are vague."""
+        clear = [q.parameter for q in candidate.quantities if q not in vague]
+        if not clear:
+            return None
+        return next((c for c in self.library if (c.effect, c.where) == (candidate.effect, candidate.where)
+                     and sorted(q.parameter for q in c.quantities) == sorted(clear)), candidate)  # fmt: skip
 
     def _simplest(self, now: Trial) -> Trial:
         """Put each finding in the form that needs fewest numbers for what it explains; where fits are cheap, in a plainer one's place."""
@@ -364,16 +445,16 @@ class Search:
             best = now
             for form in self.library:
                 same = (form.effect, form.where) == (candidate.effect, candidate.where)
-                plainer = self.finalists > FINALISTS and len(form.quantities) < len(candidate.quantities)
+                plainer = self.cheap and len(form.quantities) < len(candidate.quantities)
                 if form.key == candidate.key or not (same or (plainer and (form.effect, form.where) not in now.keys)):
+                    continue
+                if not now.bears(form):
                     continue
                 if same and len(form.quantities) > len(candidate.quantities) + 2:
                     continue
                 others = tuple(form if c.key == candidate.key else c for c in now.chosen)
-                trial = self.try_set(others, now.fit.values)
-                if self._ranked((trial, best))[0] is trial or (
-                    same and trial.numbers < best.numbers and self._hardly_loses(trial, best)
-                ):
+                trial = self.try_set(others, now)
+                if self._ranked((trial, best))[0] is trial or (same and trial.numbers < best.numbers and self._hardly_loses(trial, best)):
                     best = trial
             now = best
         return now
@@ -384,20 +465,21 @@ class Search:
         whole = self._whole.fit.sse
         return whole - one.fit.sse > 0.999 * (whole - other.fit.sse) or self._loses(one, other) < NO_WORSE
 
-    def _judge(self, found: Found) -> None:
+    def _judged(self, start: Trial, end: Trial) -> Found:
         """Weigh each finding against leaving it out and against what could take its place."""
-        end = found.end
+        found = Found(start, end)
         for index, candidate in enumerate(end.chosen):
             kept = (*end.chosen[:index], *end.chosen[index + 1 :])
-            without = self.try_set(kept, end.fit.values)
+            without = self.try_set(kept, end)
             found.weighings[candidate.key] = self.weigh(without, end)
             rivals = []
             for rival in self._finalists(self.screen(without), 4):
                 if (rival.effect, rival.where) == (candidate.effect, candidate.where):
                     continue
-                trial = self.try_set((*kept, rival), without.fit.values)
+                trial = self.try_set((*kept, rival), without)
                 rivals.append((rival, self._loses(trial, end)))
             found.rivals[candidate.key] = sorted(rivals, key=lambda pair: pair[1])
         for candidate in self._finalists(self.screen(end), 3):
-            trial = self.try_set((*end.chosen, candidate), end.fit.values)
+            trial = self.try_set((*end.chosen, candidate), end)
             found.runners_up.append((candidate, self.weigh(end, trial)))
+        return found

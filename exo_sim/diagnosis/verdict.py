@@ -17,6 +17,7 @@ from exo_sim.diagnosis.nameless import Nameless, missing_flow, missing_force
 from exo_sim.diagnosis.quantity import Setting
 from exo_sim.diagnosis.result import Estimate, Finding, Located, NextExperiment, OpenQuestion, Unexplained
 from exo_sim.diagnosis.search import Trial
+from exo_sim.diagnosis.supply_cut import SupplyProblem
 
 
 @dataclass(frozen=True)
@@ -32,7 +33,7 @@ def setting_of(judged: Judged, trial: Trial) -> Setting:
     """Return the machine as a trial has it."""
     fixed = [pair for candidate in trial.chosen for pair in candidate.fixed]
     problem = judged.problem
-    assert isinstance(problem, GasProblem | MotionProblem)
+    assert isinstance(problem, GasProblem | MotionProblem | SupplyProblem)
     return problem.apply(trial.fit.values, fixed)
 
 
@@ -62,6 +63,12 @@ def traces(judged: Judged, trial: Trial) -> list[Trace]:
             found.append(
                 Trace(judged.where, "force balance", problem.unit, run.recording, run.time, error, scale, regimes)
             )
+    elif isinstance(problem, SupplyProblem):
+        for index, fed in enumerate(problem.runs):
+            error = np.where(problem.group[index] >= 0, fed.pressure - problem.predict(setting, index), np.nan)
+            noise = float(np.median(problem.scale)) if problem.scale.size else 1.0
+            regimes = {"drawing": fed.drawn > 0.2 * float(fed.drawn.max()), "resting": fed.drawn <= 0.2 * float(fed.drawn.max())}
+            found.append(Trace("supply", "mass balance", "Pa", fed.recording, fed.time, error, noise, regimes))
     return found
 
 
@@ -96,6 +103,9 @@ def unknown_findings(judged: Sequence[Judged]) -> list[Unnamed]:
         if isinstance(one.problem, MotionProblem):
             lacking = missing_force(one.problem, setting)
             place = "force balance"
+        elif isinstance(one.problem, SupplyProblem):
+            lacking = Nameless("flow", "Pa", (), float(np.std(one.problem.residual_of(setting) * one.problem.scale)))
+            place = "mass balance"
         else:
             assert isinstance(one.problem, GasProblem)
             loud = sorted(traces(one, one.trial), key=lambda trace: -trace.excess)
@@ -146,7 +156,7 @@ def unexplained(judged: Sequence[Judged], nameless: Sequence[Unnamed]) -> tuple[
         n = one.problem.size
         left = max(one.trial.fit.sse - 1.2 * n, 0.0) / max(one.found.start.fit.sse - n, 1e-9)
         if left > 0.01:
-            place = "force balance" if one.cut == "motion" else "energy balance"
+            place = {"motion": "force balance", "supply": "mass balance"}.get(one.cut, "energy balance")
             follows = next((u.finding.depends_on for u in nameless if u.judged is one), ())
             found.append(Unexplained(f"{one.where}/{place}", follows, min(left, 1.0)))
     return tuple(found)

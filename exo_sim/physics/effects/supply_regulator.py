@@ -14,7 +14,7 @@ EFFECT = Effect(
     says="The regulator lets the supply pressure droop with flow.",
     parameters=(
         Parameter("droop", "Pa s/kg", 0.0, 1e10, (1e6, 2e8), "ISO 6953 flow characteristics, 0.1-1 bar at 1-10 g/s"),
-        Parameter("time_constant", "s", 0.0, 5.0, (0.02, 0.2), "first order, 20-200 ms", required=False),
+        Parameter("time_constant", "s", 0.0, 0.3, (0.02, 0.2), "first order, 20-200 ms", required=False),
         Parameter("hysteresis", "Pa", 0.0, 1e6, (5e3, 2e4), "ISO 6953, 0.05-0.2 bar", required=False),
     ),
     cut="gas",

@@ -1,0 +1,61 @@
+"""Weighing: errors that come in spells count once; less than the noise is no gain."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from exo_sim.diagnosis.fitting import Fit
+from exo_sim.diagnosis.weighing import correlation_time, loss, misfit, passes, weigh
+
+BLOCKS = np.repeat(np.arange(20), 200)
+
+
+class Rows:
+    def __init__(self, blocks: np.ndarray):
+        self.blocks = blocks
+        self.size = blocks.size
+
+
+def fit_of(residual: np.ndarray, penalty: float = 0.0) -> Fit:
+    return Fit((), {}, residual, np.zeros((residual.size, 0)), penalty)
+
+
+@pytest.mark.parametrize("rho", [0.0, 0.5, 0.8, 0.95])
+def test_correlation_time_of_an_autoregression(rho: float) -> None:
+    rng = np.random.default_rng(1)
+    noise = rng.standard_normal(BLOCKS.size)
+    values = np.empty_like(noise)
+    values[0] = noise[0]
+    for i in range(1, noise.size):
+        values[i] = rho * values[i - 1] + noise[i]
+    exact = (1.0 + rho) / (1.0 - rho)
+    assert correlation_time(values, BLOCKS) == pytest.approx(exact, rel=0.35)
+
+
+def test_a_constant_error_counts_once_a_block() -> None:
+    assert correlation_time(np.ones(BLOCKS.size), BLOCKS) > 100.0
+
+
+@given(st.floats(1e-3, 1e3), st.floats(1e-3, 1e3))
+def test_misfit_grows_with_the_variance(one: float, other: float) -> None:
+    assert (misfit(one) <= misfit(other)) == (one <= other)
+
+
+def test_less_than_the_noise_is_hardly_a_gain() -> None:
+    rng = np.random.default_rng(2)
+    quiet = 0.2 * rng.standard_normal(BLOCKS.size)
+    assert loss(fit_of(quiet), 1000.0) - loss(fit_of(0.5 * quiet), 1000.0) < 0.5 * 1000.0 * 0.04
+
+
+def test_a_false_effect_does_not_pass_and_a_true_one_does() -> None:
+    rng = np.random.default_rng(3)
+    noise = rng.standard_normal(BLOCKS.size)
+    start = fit_of(noise + 3.0 * np.sin(np.arange(BLOCKS.size) / 7.0))
+    true, false = fit_of(noise), fit_of(0.999 * start.residual)
+    rows = Rows(BLOCKS)
+    assert passes(weigh(rows, start, true, 1, 30), start, start, true, 0.0)
+    assert not passes(weigh(rows, start, false, 1, 30), start, start, false, 0.0)
+    assert not passes(weigh(rows, start, true, 1, 30), start, start, true, 10.0)

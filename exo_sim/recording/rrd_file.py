@@ -7,10 +7,7 @@ byte for byte.
 
 from __future__ import annotations
 
-import contextlib
-import errno
 import hashlib
-import shutil
 from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -74,33 +71,24 @@ def write_rrd(
     all_lanes = {**gait_lanes(recording), **(lanes or {})}
     overlaid = {key: any(key in other for other in overlays.values()) for key in recording.columns}
     stream = rr.RecordingStream(APPLICATION, recording_id=_identity(recording), send_properties=False)
-    with replacing(path) as beside:
-        stream.save(
-            beside,
-            default_blueprint=blueprint.layout(recording, scene=scene, lanes=list(all_lanes), overlaid=overlaid),
-        )
-        try:
-            stream.send_recording_name(recording.name)
-            if recording.metadata:
-                stream.send_property("exo_sim", rr.AnyValues(drop_untyped_nones=True, **recording.metadata))
-            _signals(stream, recording, "recorded" if overlays else "", overlaid)
-            for name, other in overlays.items():
-                _signals(stream, other, name, dict.fromkeys(other.columns, True))
-                _differences(stream, recording, other, name)
-            for name, lane in all_lanes.items():
-                _lane(stream, name, lane)
-            if scene is not None:
-                from exo_sim.recording.rrd_scene import draw
+    made = stream.memory_recording()  # rerun's own writing to files waits for ever once a disk is full
+    layout = blueprint.layout(recording, scene=scene, lanes=list(all_lanes), overlaid=overlaid)
+    stream.send_blueprint(layout, make_active=False, make_default=True)
+    stream.send_recording_name(recording.name)
+    if recording.metadata:
+        stream.send_property("exo_sim", rr.AnyValues(drop_untyped_nones=True, **recording.metadata))
+    _signals(stream, recording, "recorded" if overlays else "", overlaid)
+    for name, other in overlays.items():
+        _signals(stream, other, name, dict.fromkeys(other.columns, True))
+        _differences(stream, recording, other, name)
+    for name, lane in all_lanes.items():
+        _lane(stream, name, lane)
+    if scene is not None:
+        from exo_sim.recording.rrd_scene import draw
 
-                draw(stream, scene)
-            stream.flush()
-            stream.disconnect()
-        except RuntimeError as error:  # all that rerun says of a file that it could not write
-            full = shutil.disk_usage(beside.parent).free < max(beside.stat().st_size, 1 << 20)
-            raise OSError(errno.ENOSPC if full else errno.EIO, str(error).split("\n", 1)[0], str(beside)) from error
-        finally:
-            with contextlib.suppress(RuntimeError):
-                stream.disconnect()
+        draw(stream, scene)
+    with replacing(path) as beside:
+        beside.write_bytes(made.drain_as_bytes())
 
 
 def gait_lanes(recording: Recording) -> dict[str, Lane]:

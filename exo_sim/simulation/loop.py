@@ -211,14 +211,17 @@ def _open_valves(first, settings, world, drives, gas):
 
 
 @kernel
-def _log(row, time, cycles, settings, world, wearer, drives, gas):
-    """Write what `walk.columns` names, in that order."""
+def _log_motion(row, time, world):
+    """Write the first columns that `walk.columns` names: time, positions, velocities. MuJoCo's step moves them on."""
     row[0] = time
-    at = 1
     for j in range(9):
-        row[at], row[at + 9] = world.qpos[j], world.qvel[j]
-        at += 1
-    at += 9
+        row[1 + j], row[10 + j] = world.qpos[j], world.qvel[j]
+
+
+@kernel
+def _log(row, cycles, settings, world, wearer, drives, gas):
+    """Write the columns behind the motion, in the order of `walk.columns`; forces on the ground are there after MuJoCo's step."""
+    at = 19
     for j in range(6):
         row[at + j], row[at + 6 + j] = 0.0, wearer.torque[j]
     for i in range(drives.actuators.size):
@@ -312,8 +315,9 @@ def run(first, count, addresses, settings, world, wearer, drives, gas, log):
                 world.ctrl[drives.actuators[i]] = drives.wanted[i]
         for i in range(drives.actuators.size):
             drives.made[i] = world.ctrl[drives.actuators[i]]
+        _log_motion(log[k - first], time, world)
         call(addresses.step2, addresses.model, addresses.data)
-        _log(log[k - first], time, cycles, settings, world, wearer, drives, gas)
+        _log(log[k - first], cycles, settings, world, wearer, drives, gas)
 
 
 @kernel

@@ -2,6 +2,7 @@
 
 import dataclasses
 
+import mujoco
 import numpy as np
 import pytest
 
@@ -212,6 +213,24 @@ def test_the_table_has_the_contracts_columns(on):
     assert np.ptp(table["supply.pressure"]) == 0.0 and table["supply.pressure"][0] == pytest.approx(18.25e5)
     assert np.all(table["exhaust.pressure"] == 101325.0)
     assert {f"{joint}.wearer_moment" for joint in JOINTS} <= set(table.columns)
+
+
+def test_one_row_is_one_moment(exo):
+    """Recorded positions, put into the model, give the piston positions; sealed gas is compressed by them adiabatically."""
+    walk = simulate(exo, Request("squat", cycles=1, assist="off", law="inverse_dynamics"))
+    columns, model = walk.columns, walk.model
+    data = mujoco.MjData(model)
+    for row in range(1000, 2000, 100):
+        for j in range(model.njnt):
+            data.qpos[model.jnt_qposadr[j]] = columns[f"{model.joint(j).name}.position"][row]
+        mujoco.mj_fwdPosition(model, data)
+        for name, cylinder in exo.cylinders.items():
+            x = data.actuator(cylinder.actuator).length[0] - cylinder.retracted_length
+            assert columns[f"{name}.length"][row] == pytest.approx(x, abs=1e-12)
+    for name, cylinder in exo.cylinders.items():
+        volume = cylinder.dead_volume_1 + cylinder.area_1 * columns[f"{name}.length"]
+        constant = columns[f"{name}.pressure_1"] * volume**exo.heat_capacity_ratio
+        assert np.ptp(constant) < 1e-4 * constant[0]
 
 
 def test_a_drooping_supply_is_logged_as_it_droops(exo):

@@ -6,6 +6,7 @@ import mujoco
 
 from exo_sim.errors import ModelError, nearest
 from exo_sim.machine.attachment import attach
+from exo_sim.physics.effects.declaration import declared
 from exo_sim.rig import Rig
 
 
@@ -50,13 +51,36 @@ def compiled(loaded: mujoco.MjSpec, rig: Rig) -> mujoco.MjModel:
         raise ModelError(f"{rig.model}: MuJoCo cannot compile it: {_one_line(error)}") from None
 
 
+def check_effects(rig: Rig, model: mujoco.MjModel) -> None:
+    """Refuse an effect on a hinge in the units of a slide, or the reverse.
+
+    Raises:
+        ModelError: 1 N where 1 N m must stand.
+    """
+    kinds = {int(mujoco.mjtJoint.mjJNT_HINGE): True, int(mujoco.mjtJoint.mjJNT_SLIDE): False}
+    turns = {model.joint(i).name: kinds.get(int(model.jnt_type[i])) for i in range(model.njnt)}
+    for effect in rig.effects:
+        turning = None if effect.where in rig.cylinders else turns.get(effect.where)
+        if turning is None or turning == effect.turning:
+            continue
+        for parameter in declared()[effect.name].parameters:
+            choice = int(effect.parameters.get(parameter.unit_by[0], 0.0)) if parameter.unit_by else 0
+            given, wanted = (parameter.unit_at(turned, choice) for turned in (not turning, turning))
+            if given != wanted and (parameter.name in effect.parameters or parameter.name in effect.curves):
+                raise ModelError(
+                    f'{rig.path}: effects.{effect.name}.{effect.where}.{parameter.name}: joint "{effect.where}" of '
+                    f'{rig.model.name} {"turns" if turning else "slides"}: give it like "1 {wanted}"'
+                )
+
+
 def load(rig: Rig) -> mujoco.MjModel:
     """Return the rig's compiled model.
 
     Raises:
-        ModelError: as `spec` and `compiled`.
+        ModelError: as `spec`, `compiled` and `check_effects`.
     """
     model = compiled(spec(rig), rig)
+    check_effects(rig, model)
     attach(model, rig)
     return model
 

@@ -48,6 +48,9 @@ def _places(group: Table, effect: Effect) -> list[tuple[str, Table]]:
     """Return (where, table) pairs; a column may be written `[effects.sensor_bias."piston.force"]` or without quotes."""
     places = []
     for where, values in group.values.items():
+        if not isinstance(values, Mapping):
+            raise RigError(f"{group.path}: {group.key}.{where} must be a table: write [{group.key}.WHERE] above its keys, "
+                           f"WHERE being a {' or a '.join(effect.places)}")  # fmt: skip
         table = Table(group.path, f"{group.key}.{where}", values)
         nested = all(isinstance(value, Mapping) for value in table.values.values()) and table.values
         if "column" in effect.places and nested:
@@ -132,8 +135,12 @@ def _place(effect: Effect, where: str, table: Table, cylinders: Mapping[str, Cyl
             f'[effects.{effect.name}."{next(iter(cylinders), "slide")}.pressure_1"]'
         )
     raise RigError(
-        f"{table.path}: [{table.key}]: {effect.name} cannot act on {place} {where}; it acts on a {' or a '.join(effect.places)}"
+        f"{table.path}: [{table.key}]: {effect.name} cannot act on {_called(place, where)}; it acts on a {' or a '.join(effect.places)}"
     )
+
+
+def _called(place: str, where: str) -> str:
+    return f"the {where}" if place == where else f"{place} {where}"
 
 
 def _value(effect: Effect, parameter: Parameter, where: str, place: str, table: Table) -> tuple[float | None, bool]:
@@ -141,6 +148,8 @@ def _value(effect: Effect, parameter: Parameter, where: str, place: str, table: 
     key = parameter.name
     if key == "force" and place == "joint" and not table.has("force") and table.has("torque"):
         key = "torque"
+    if key == "force" and place == "cylinder" and not table.has(key) and "torque" in table.values:
+        raise RigError(f"{table.path}: {table.name('torque')}: {_slides(where, parameter)}")
     if not table.has(key):
         if parameter.required and not effect.any_of:
             raise RigError(f"{table.path}: {table.name(key)} is missing{_like(parameter, where, table)}")
@@ -152,10 +161,29 @@ def _value(effect: Effect, parameter: Parameter, where: str, place: str, table: 
         wanted = _column_units(where, table)
     else:
         wanted = _units(parameter, place)
-    value, unit = _parse(raw, wanted, table, key)
+    try:
+        value, unit = _parse(raw, wanted, table, key)
+    except RigError:
+        if place == "cylinder" and _is(raw, parameter.angular_unit):
+            raise RigError(f'{table.path}: {table.name(key)} = "{raw}": {_slides(where, parameter)}') from None
+        raise
     if not parameter.low <= value <= parameter.high:
         raise table.fail(key, f"is outside {parameter.low:g} to {parameter.high:g} {unit}")
     return value, len(wanted) > 1 and unit == wanted[1]
+
+
+def _is(raw: Any, unit: str | None) -> bool:
+    try:
+        return unit is not None and bool(units.parse(raw, unit) is not None)
+    except UnitError:
+        return False
+
+
+def _slides(where: str, parameter: Parameter) -> str:
+    return (
+        f'"{where}" is a cylinder here, whose rod slides: give it like "1 {parameter.unit}"; '
+        "where a joint of that name is meant, give the cylinder another name"
+    )
 
 
 def _like(parameter: Parameter, where: str, table: Table) -> str:

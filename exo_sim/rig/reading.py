@@ -10,6 +10,10 @@ from exo_sim.rig.effects import read_effects
 from exo_sim.rig.schema import Ankle, Attachment, Cylinder, Environment, Rig, Supply, Wearer
 from exo_sim.rig.table import Table
 
+#: What stands at the top of a rig file. Told apart first: under a misspelt heading everything else looks missing.
+SECTIONS = (
+    "name", "model", "environment", "gas", "supply", "cylinders", "bodies", "wearer", "ankle", "effects",
+)  # fmt: skip
 ANKLE_MODES = ("free", "sprung", "powered")
 
 
@@ -35,6 +39,7 @@ def parse(text: str, path: Path) -> Rig:
         table = Table(path, "", tomllib.loads(text))
     except tomllib.TOMLDecodeError as error:
         raise RigError(f"{path}: is not TOML: {str(error)[0].lower()}{str(error)[1:]}") from None
+    table.only(SECTIONS)
     name = table.text("name", default=path.stem)
     model = path.parent / table.text("model")
     if not model.is_file():
@@ -70,7 +75,6 @@ def parse(text: str, path: Path) -> Rig:
     supply = _supply(table, environment, needed=any(c.valve_area > 0.0 for c in cylinders.values()))
     wearer, ankle = _worn(table)
     effects = read_effects(table.table("effects", required=False), cylinders)
-    table.done()
     return Rig(name, model, environment, supply, r, k, cylinders, effects, masses, wearer, ankle, text, path)
 
 

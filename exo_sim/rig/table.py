@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Mapping
+from collections.abc import Collection, Iterable, Mapping
 from pathlib import Path
 from typing import Any
 
@@ -82,9 +82,9 @@ class Table:
         except UnitError as error:
             raise RigError(f"{self.path}: {self.name(key)}: {error}") from None
         if above is not None and not value > above:
-            raise self.fail(key, f"must be more than {above:g} {si_unit}")
+            raise self.fail(key, f"must be more than {_amount(above, si_unit)}")
         if at_least is not None and not value >= at_least:
-            raise self.fail(key, f"must not be less than {at_least:g} {si_unit}")
+            raise self.fail(key, f"must not be less than {_amount(at_least, si_unit)}")
         return value
 
     def quantities(self, key: str, si_unit: str, names: tuple[str, str]) -> tuple[float, float]:
@@ -103,9 +103,17 @@ class Table:
 
     def done(self) -> None:
         """Refuse keys that nobody asked for."""
+        self.only(self._asked)
+
+    def only(self, known: Collection[str]) -> None:
+        """Refuse all other keys than these."""
         for key in self.values:
-            if key not in self._asked:
-                raise RigError(f"{self.path}: {self.name(key)} is not a key of a rig{nearest(key, self._asked)}")
+            if key not in known:
+                raise RigError(f"{self.path}: {self.name(key)} is not a key of a rig{nearest(key, known)}")
+
+
+def _amount(value: float, si_unit: str) -> str:
+    return f"{value:g}" if si_unit == "1" else f"{value:g} {si_unit}"
 
 
 def _plain(value: Any) -> Any:

@@ -19,6 +19,7 @@ from exo_sim.gait.motion import SAMPLES
 from exo_sim.machine.attachment import attach
 from exo_sim.machine.build import PAYLOAD_LIMIT, build, carry
 from exo_sim.machine.linkage import check_strokes, moment_row
+from exo_sim.machine.load import check_effects
 from exo_sim.machine.person import Person
 from exo_sim.machine.straps import fasten
 from exo_sim.rig import Rig
@@ -61,6 +62,7 @@ class Simulation:
         if self.added and request.payload + self.added.mass > PAYLOAD_LIMIT + 20.0:
             raise ScenarioError(f"payload {request.payload:g} kg and {self.added.mass:g} kg more: too much to carry")
         check_strokes(rig, self.model)
+        check_effects(rig, self.model)
         self.data = mujoco.MjData(self.model)
         self.straps = fasten(self.model, self.person)
         self.plugin = PneumaticPlugin(self.model, rig)

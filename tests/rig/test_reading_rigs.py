@@ -13,7 +13,9 @@ from exo_sim.errors import ExoSimError, RigError
 from exo_sim.machine.linkage import check_strokes
 from exo_sim.machine.load import load
 from exo_sim.rig import parse, read
+from exo_sim.simulation.coupled import Simulation
 from exo_sim.simulation.plugin import PneumaticPlugin
+from exo_sim.simulation.walk import Request
 
 ROOT = Path(__file__).resolve().parents[2]
 BENCH = ROOT / "assets" / "bench.toml"
@@ -45,7 +47,7 @@ def refusal(text: str) -> str:
         ('pressure    = "7 bar"', 'pressure = "100 psig"', "supply.pressure: .*gauge.*absolute"),
         ('pressure    = "7 bar"', 'pressure = "0.5 bar"', "supply.pressure.*below the atmosphere"),
         ('pressure    = "7 bar"', 'pressure = "seven bar"', "supply.pressure: .*not a quantity"),
-        ("[supply]", "[suply]", r"the table \[supply\] is missing; is it spelt .suply"),
+        ("[supply]", "[suply]", "suply is not a key of a rig; did you mean .supply"),
         ('acting           = "double"', 'acting = "duble"', "acting.*did you mean .double"),
         ('stroke           = "160 mm"', 'stroke = "90 mm"', "stroke = 90.0 mm.*does not cover.*slide"),
         ('actuator         = "piston"', 'actuator = "pistn"', "no such actuator.*did you mean .piston"),
@@ -53,7 +55,9 @@ def refusal(text: str) -> str:
         ('area = "5 mm^2"', 'area = "5 mm"', "valve.area: .*not a unit of this kind"),
         ('area = "5 mm^2"', 'area = "5 m^2"', "valve.area.*larger than the piston"),
         ("heat_capacity_ratio   = 1.4", "heat_capacity_ratio   = 0.9", "gas.heat_capacity_ratio"),
+        ("heat_capacity_ratio   = 1.4", "heat_capacity_ratio   = 0.9", "must be more than 1$"),
         ("[gas]", "[gas", "is not TOML"),
+        ("[cylinders.piston]", "[cylinder.piston]", "bench.toml: cylinder is not a key of a rig; did you mean .cylinders"),
         ("[environment]", "[bodies.lod]\nmass = \"3 kg\"\n[environment]", "bodies.lod.*did you mean .load"),
     ],
 )  # fmt: skip
@@ -86,7 +90,12 @@ def test_numbers_and_names_that_cannot_be(old: str, new: str, says: str) -> None
         ('[effects.payload_mass.load]\nfactor = 1.1', "believed number.*bodies.NAME. mass"),
         ('[effects.coulomb_friction.piston]\nforce = "1 N"\nfroce = "2 N"', "froce is not a key.*did you mean .force"),
         ('[effects.line_restriction.piston]\narea = "5 mm^2"\nsensor = "vlave"', "sensor.*did you mean .valve"),
-        ('[effects.coulomb_friction]\nforce = "1 N"', "must be a table"),
+        ('[effects.coulomb_friction]\nforce = "1 N"', "write .effects.coulomb_friction.WHERE. above its keys, .*cylinder or a joint"),
+        ('[effects.wall_heat_transfer.supply]\nconductance = "1 W/K"', "cannot act on the supply; it acts on a cylinder"),
+        ('[effects.viscous_friction.piston]\ncoefficient = "1 N m s/rad"', "piston. is a cylinder here.*like .1 N s/m.*another name"),
+        ('[effects.coulomb_friction.piston]\ntorque = "1 N m"', "piston. is a cylinder here.*like .1 N.;"),
+        ('[effects.viscous_friction.piston]\ncoefficient = "1 kg"', "not a unit of this kind"),
+        ('[effects.viscous_friction.slide]\ncoefficient = "1 N m s/rad"', "slide. of bench.xml slides: give it like .1 N s/m"),
         ('[effects.unknown.piston]\nacts = "force"\ndepends_on = "position"\nat = ["0 m"]\nvalues = ["1 N"]', "needs from 2 to 16"),
         ('[effects.unknown.piston]\nacts = "force"\ndepends_on = "position"\nat = ["0 m", "1 m"]\nvalues = ["1 N", "2 m"]', "values"),
         ('[effects.unknown.piston]\nacts = "force"\ndepends_on = "position"\nat = ["1 m", "0 m"]\nvalues = ["1 N", "2 N"]', "increase"),
@@ -107,6 +116,16 @@ def test_parts_that_a_cylinder_does_not_have() -> None:
     assert re.search("has no valve", refusal(valveless))
     curve = 'acts = "flow_2"\ndepends_on = "position"\nat = ["0 m", "1 m"]\nvalues = ["1 kg/s", "2 kg/s"]\n'
     assert re.search("single acting", refusal(TEXT.replace('"double"', '"single"') + f"\n[effects.unknown.piston]\n{curve}"))
+
+
+def test_what_acts_on_a_hinge_is_given_in_angles() -> None:
+    text = (ROOT / "assets" / "exo.toml").read_text(encoding="utf-8")
+    wrong = parse(text + '[effects.coulomb_friction.ankle_r]\nforce = "1 N"\n', ROOT / "assets" / "exo.toml")
+    with pytest.raises(ExoSimError, match=r"force: joint .ankle_r. of exo.xml turns: give it like .1 N.m"):
+        load(wrong)
+    with pytest.raises(ExoSimError, match="turns"):
+        Simulation(wrong, Request("level_walk"))
+    load(parse(text + '[effects.coulomb_friction.ankle_r]\ntorque = "1 N m"\n', ROOT / "assets" / "exo.toml"))
 
 
 def test_two_cylinders_on_one_actuator() -> None:

@@ -22,8 +22,13 @@ def command(
     recording: Path, columns: Path | None, at: float | None, out: Path | None, as_json: bool, quiet: bool
 ) -> None:
     """Show RECORDING with its scene and plots. A .csv or .parquet file is laid out like a recorded run."""
+    from exo_sim.errors import OutputError
     from exo_sim.recording import viewer
 
+    if out is not None and out.suffix.lower() != ".png":
+        raise OutputError(f'cannot write "{out}": a picture ends in .png')
+    if at is not None:
+        _check_moment(recording, columns, at)
     with viewer.as_rrd(recording, columns, keep=out is None) as rrd:
         if out is None:
             viewer.open_window(rrd)
@@ -34,3 +39,13 @@ def command(
             take_picture(rrd, out, at)
             data, words = {"window": False, "recording": str(recording), "picture": str(out)}, str(out)
     printing.show({"schema": "exo-sim/view/1", **data}, words, as_json=as_json)
+
+
+def _check_moment(recording: Path, columns: Path | None, at: float) -> None:
+    """Refuse a moment that was not recorded; the viewer would show an empty scene."""
+    from exo_sim.errors import RecordingError
+    from exo_sim.recording import read
+
+    time = read(recording, columns).recording.time
+    if not time[0] <= at <= time[-1]:
+        raise RecordingError(f'--at {at:g}: "{recording}" goes from {time[0]:g} to {time[-1]:g} s')

@@ -5,6 +5,8 @@ The one file that reads rerun's format; the format is promised to open only in t
 
 from __future__ import annotations
 
+import warnings
+from collections.abc import Iterator
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -61,33 +63,50 @@ def read_rrd(path: Path, column_map: ColumnMap | None = None) -> RawTable:
     return RawTable(time, values, {c.key: c.unit for c in selection.columns}, findings, metadata)
 
 
-def _scan(path: Path) -> tuple[dict[str, _Entity], dict[str, str], dict[str, str]]:
+def check_whole(path: Path) -> None:
+    """Go through an .rrd to its end.
+
+    Raises:
+        RecordingError: it is not one, or not whole.
+    """
+    for _ in _chunks(path):
+        pass
+
+
+def _chunks(path: Path) -> Iterator[Any]:
     from rerun.chunk import RrdReader
 
-    entities: dict[str, _Entity] = {}
-    units: dict[str, str] = {}
-    metadata: dict[str, str] = {}
-    rows = 0
     try:
-        for chunk in RrdReader(str(path)).stream():
-            name = _name(chunk.entity_path)
-            if name.startswith(_PROPERTIES):
-                metadata.update(_texts(chunk))
-                continue
-            if chunk.is_static:
-                units.update((name, text) for key, text in _texts(chunk).items() if key == _UNIT)
-                continue
-            batch = chunk.to_record_batch()
-            if _SCALARS in batch.schema.names and _is_signal(name):
-                rows += batch.num_rows
-                Selection((Column("", "", ""),)).refuse_if_too_long(str(path), rows)
-                _take(entities.setdefault(name, _Entity()), batch)
+        with warnings.catch_warnings():
+            warnings.simplefilter("ignore")  # what is wrong is said in our line
+            stream = RrdReader(str(path)).stream()
+        yield from stream
     except RecordingError:
         raise
     except Exception as error:  # rerun raises bare exceptions of many kinds
         why = str(error).splitlines()[0][:160] if str(error) else type(error).__name__
         says = f'"{path}": not a whole .rrd that this version of rerun opens ({why}); use the .parquet beside it'
         raise RecordingError(says) from None
+
+
+def _scan(path: Path) -> tuple[dict[str, _Entity], dict[str, str], dict[str, str]]:
+    entities: dict[str, _Entity] = {}
+    units: dict[str, str] = {}
+    metadata: dict[str, str] = {}
+    rows = 0
+    for chunk in _chunks(path):
+        name = _name(chunk.entity_path)
+        if name.startswith(_PROPERTIES):
+            metadata.update(_texts(chunk))
+            continue
+        if chunk.is_static:
+            units.update((name, text) for key, text in _texts(chunk).items() if key == _UNIT)
+            continue
+        batch = chunk.to_record_batch()
+        if _SCALARS in batch.schema.names and _is_signal(name):
+            rows += batch.num_rows
+            Selection((Column("", "", ""),)).refuse_if_too_long(str(path), rows)
+            _take(entities.setdefault(name, _Entity()), batch)
     return entities, units, metadata
 
 

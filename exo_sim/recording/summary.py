@@ -14,6 +14,9 @@ from exo_sim.recording.gait_events import feet
 from exo_sim.recording.reader import Reading
 from exo_sim.recording.table import Recording
 
+#: Of a valve that is open: from the supply into one chamber, and out of the other. `choked` counts those that are.
+_PATHS = 2.0
+
 
 @dataclass(frozen=True)
 class Summary:
@@ -145,7 +148,7 @@ def _cylinder(recording: Recording, part: str, strides: int) -> dict[str, Any]:
     if command is not None:
         entry["valve_closed_share"] = float(np.nanmean(np.abs(command) < 1e-3))
     if choked is not None:
-        entry["choked_share"] = float(np.nanmean(choked > 0.0))
+        entry["choked_share"] = float(np.nanmean(choked)) / _PATHS
     used = recording.get(f"{part}.gas_used")
     if used is not None:
         entry["gas_used_kg"] = float(np.nanmax(used) - np.nanmin(used))

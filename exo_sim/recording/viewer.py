@@ -13,6 +13,7 @@ from pathlib import Path
 from exo_sim.errors import OutputError
 from exo_sim.recording.reader import read
 from exo_sim.recording.rrd_file import write_rrd
+from exo_sim.recording.rrd_table import check_whole
 
 
 @contextmanager
@@ -23,8 +24,12 @@ def as_rrd(path: Path, column_map: Path | None = None, keep: bool = False) -> It
         path: The recording.
         column_map: For foreign names.
         keep: Leave the made one in the system's folder for passing files: a window outlives the block.
+
+    Raises:
+        RecordingError: it cannot be read.
     """
     if path.suffix.lower() == ".rrd":
+        check_whole(path)
         yield path
         return
     recording = read(path, column_map).recording

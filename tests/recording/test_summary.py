@@ -22,7 +22,7 @@ def walk(seconds: float = 10.0) -> Recording:
         "knee_r.force": 300.0 * np.sin(swing),
         "knee_r.force_demanded": 300.0 * np.sin(swing) + 3.0,
         "knee_r.valve_command": np.where(np.sin(swing) > 0, 0.5, 0.0),
-        "knee_r.choked": np.where(np.sin(swing) > 0, 1.0, 0.0),
+        "knee_r.choked": np.where(np.sin(swing) > 0, 2.0, 0.0),
         "knee_r.gas_used": 1e-4 * time,
         "knee_r.position": 0.5 * np.sin(swing),
         "knee_r.torque": 20.0 * np.sin(swing),
@@ -90,6 +90,14 @@ def test_the_summary_adds_up() -> None:
     assert not any(line != line.rstrip() for line in text.splitlines())
 
 
+def test_walking_a_long_way_is_not_millimetres() -> None:
+    recording = walk()
+    for way, kinds in ((1.3 * recording.time, []), (8.0 * np.sin(recording.time), ["unit"])):
+        columns = {**recording.columns, "torso_x.position": way}
+        moved = Recording("r", recording.time, columns, recording.units | {"torso_x.position": "m"})
+        assert [finding.kind for finding in summary.summarise(Reading(moved, ())).findings] == kinds
+
+
 def test_odd_physics_is_told() -> None:
     recording = walk()
     turned = {**recording.columns, "foot_r.ground_force_z": -recording["foot_r.ground_force_z"]}
@@ -150,3 +158,26 @@ def test_view_without_a_display(
     shown = capsys.readouterr()
     assert "no display" in shown.err and len(shown.err.splitlines()) == 1
     assert [path.name for path in tmp_path.iterdir()] == ["walk.parquet"]  # nothing left behind
+
+
+@pytest.mark.parametrize(
+    ("arguments", "words"),
+    [
+        (["noise.rrd", "--out", "a.png"], "not a whole .rrd"),
+        (["short.rrd", "--out", "a.png"], "not a whole .rrd"),
+        (["walk.rrd", "--out", "a.jpg"], "a picture ends in .png"),
+        (["walk.rrd", "--out", "a.png", "--at", "9"], '--at 9: "walk.rrd" goes from 0 to 0.999 s'),
+        (["walk.rrd", "--out", "a.png", "--at", "nan"], "--at nan"),
+    ],
+)
+def test_what_cannot_be_viewed_is_one_line(
+    tmp_path: Path, capfd: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch, arguments: list[str], words: str
+) -> None:
+    monkeypatch.chdir(tmp_path)
+    write_rrd("walk.rrd", walk(1.0))
+    Path("noise.rrd").write_bytes(np.random.default_rng(0).bytes(5000))
+    Path("short.rrd").write_bytes(Path("walk.rrd").read_bytes()[:-3000])
+    assert main(["view", *arguments]) == 2
+    shown = capfd.readouterr()
+    assert words in shown.err and len(shown.err.splitlines()) == 1 and shown.out == ""
+    assert not list(tmp_path.glob("a.*"))

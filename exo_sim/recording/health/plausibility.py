@@ -28,7 +28,8 @@ def check(recording: Recording, key: str, noise: Noise, facts: Facts) -> list[Fi
     if signal == "valve_command":
         return _command(key, values, noise)
     if signal == "position":
-        return _position(key, values, recording.units.get(key, ""), facts.joint_range.get(part))
+        strides = any(other.endswith(".ground_force_z") for other in recording.columns)
+        return _position(key, values, recording.units.get(key, ""), facts.joint_range.get(part), strides)
     return []
 
 
@@ -92,7 +93,9 @@ def _command(key: str, values: NDArray[np.float64], noise: Noise) -> list[Findin
     return _fault(key, "unit", f'"{key}" reaches {most:.4g}, where a command lies between -1 and 1; is it in {guess}?')
 
 
-def _position(key: str, values: NDArray[np.float64], unit: str, believed: tuple[float, float] | None) -> list[Finding]:
+def _position(
+    key: str, values: NDArray[np.float64], unit: str, believed: tuple[float, float] | None, strides: bool
+) -> list[Finding]:
     low, high = float(values.min()), float(values.max())
     if believed is not None and believed[1] > believed[0]:
         reach = believed[1] - believed[0]
@@ -106,7 +109,8 @@ def _position(key: str, values: NDArray[np.float64], unit: str, believed: tuple[
             says = f'"{key}" lies between {low:.4g} and {high:.4g} m, outside {reach_of_joint}; where is its zero?'
             return [Finding(key, "range", says, severity="warning")]
         return []
-    if unit == "m" and high - low > 10.0:
+    walked = strides and abs(values[-1] - values[0]) > 0.9 * (high - low)  # over the ground, one way
+    if unit == "m" and high - low > 10.0 and not walked:
         return _fault(key, "unit", f'"{key}" moves over {high - low:.4g} m; is the column in mm?')
     if unit == "rad" and high - low > 30.0:
         return _fault(key, "unit", f'"{key}" turns over {high - low:.4g} rad; is the column in degrees?')

@@ -1,0 +1,1 @@
+"""The parts of scripts/benchmark, one subject a file; each has `measure(asked)` that returns figures and remarks."""

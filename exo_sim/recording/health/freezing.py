@@ -12,6 +12,7 @@ Three kinds of evidence are accepted, none of which a machine at rest or against
 
 from __future__ import annotations
 
+import math
 from collections.abc import Mapping
 
 import numpy as np
@@ -48,7 +49,7 @@ def check(recording: Recording, key: str, noise: Mapping[str, Noise]) -> list[Fi
         held = held[values[held[:, 0]] != 0.0]
     if not len(held):
         return []
-    longest = _longest_by_chance(values, held)
+    longest = _longest_by_chance(values, held, noise[key])
     quick = float(np.median(np.diff(recording.time))) < 1.01 * _QUICK
     dithers = noise[key].white > 0.5 * noise[key].step and _turns_often(present) and (quick or noise[key].step == 0.0)
     long = held[held[:, 1] - held[:, 0] >= (longest if dithers else _FEWEST)]
@@ -83,13 +84,18 @@ def _turns_often(values: NDArray[np.float64]) -> bool:
     return len(steps) > _FEWEST and bool(np.mean(steps[1:] * steps[:-1] < 0.0) > 0.3)
 
 
-def _longest_by_chance(values: NDArray[np.float64], held: Rows) -> int:
-    """Return the length that a run of equal readings reaches with a chance of `_CHANCE` in the whole recording."""
+def _longest_by_chance(values: NDArray[np.float64], held: Rows, noise: Noise) -> int:
+    """Return the length that a run of equal readings reaches with a chance of `_CHANCE` in the whole recording.
+
+    Readings repeat the more often the slower things move, most of all at rest in the middle of a step of the sensor.
+    """
     lengths = held[:, 1] - held[:, 0]
     ordinary = lengths < 5 * _FEWEST
     repeats = float((lengths[ordinary] - 1).sum())
     others = max(1.0, len(values) - float(lengths[~ordinary].sum()))
-    again = min(0.98, max(repeats / others, 1e-3))
+    unrounded = math.sqrt(max(noise.white**2 - noise.step**2 / 12.0, 1e-12 * noise.white**2))
+    at_rest = math.erf(noise.step / (math.sqrt(8.0) * unrounded)) if unrounded > 0.0 else 0.0
+    again = min(0.98, max(repeats / others, at_rest, 1e-3))
     return max(_FEWEST, 1 + int(np.ceil(np.log(_CHANCE / len(values)) / np.log(again))))
 
 

@@ -14,6 +14,8 @@ from exo_sim.sizing.evaluation import Score, Task, first_of_all, score_all
 #: Designs in one parcel: few enough to share a batch evenly, enough that sending them costs little.
 PARCEL = 2
 _CONNECT = 5.0
+#: Seconds after which a process without work ends; it is started again where more comes.
+_IDLE = 20
 
 
 class Workers:
@@ -42,7 +44,9 @@ class Workers:
         elif self.jobs != 1:
             # after Ctrl-C joblib would speak of what it throws away
             warnings.filterwarnings("ignore", message=".*tasks have been successfully executed", category=UserWarning)
-            self._stack.enter_context(parallel_config(backend="loky", n_jobs=self.jobs, inner_max_num_threads=1))
+            # where this process is killed, its workers have no work any more, and are gone within a minute
+            loky = parallel_config(backend="loky", n_jobs=self.jobs, inner_max_num_threads=1, idle_worker_timeout=_IDLE)
+            self._stack.enter_context(loky)
             self._parallel = self._stack.enter_context(Parallel(return_as="generator"))
         return self
 

@@ -94,7 +94,8 @@ def words(sizing: Sizing, folder: Path) -> str:
         bores = ", ".join(f"{kind.name} {_mm(there.design.joints[kind.name].cylinder.bore):g} mm" for kind in kinds)
         lines.append(
             f"Without {one.what} the same design would have {100 * one.same.margin:.0f} % margin and draw {1e3 * one.same.gas:.2f} g; "
-            f"the choice would be {bores} at {there.design.supply / 1e5:.1f} bar, {1e3 * there.score.gas:.2f} g, {there.score.mass:.1f} kg."
+            f"the choice would be {bores} at {there.design.supply / 1e5:.1f} bar, {1e3 * there.score.gas:.2f} g, "
+            f"{there.score.mass:.1f} kg, {100 * there.score.margin:.0f} % margin."
         )
     confirmed = sizing.choice.confirmed
     if confirmed.walk is not None:

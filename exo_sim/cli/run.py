@@ -75,6 +75,8 @@ def command(scenario: str, payload: float, speed: float, strides: int | None, as
     begun = time.perf_counter()
     simulation = Simulation(rigs.read(rig or default_rig()), request)
     prepared = time.perf_counter()
+    for words in simulation.remarks:
+        printing.remark(f"exo-sim: {words}", quiet=quiet)
     walk = simulation.run(quiet=quiet)
     if len(walk.time) < 2:
         raise KeyboardInterrupt("nothing was simulated yet")
@@ -93,6 +95,7 @@ def command(scenario: str, payload: float, speed: float, strides: int | None, as
         "recording": path,
         "table": beside,
         **data,
+        **({"remarks": list(simulation.remarks)} if simulation.remarks else {}),
     }
     printing.show(data, _words(walk, data), as_json=as_json)
     if walk.interrupted:

@@ -44,6 +44,9 @@ class Simulation:
         rig: A worn machine; its wearer and ankle settings are used.
         request: What to simulate.
 
+    Attributes:
+        remarks: Plain sentences, such as that the cylinders cannot carry the payload.
+
     Raises:
         ModelError, RigError, ScenarioError: the machine cannot be built, or cannot do this.
     """
@@ -69,6 +72,7 @@ class Simulation:
         if request.assist == "on" and not request.ideal:
             _check_step(rig, float(self.model.opt.timestep))
         self.dt = float(self.model.opt.timestep)
+        self.remarks: tuple[str, ...] = ()
         self.demand = self.demand_added = np.zeros((SAMPLES + 1, 6))
         self.demand = self._demands(request.payload)
         self.demand_added = self._demands(request.payload + self.added.mass) if self.added else self.demand
@@ -85,9 +89,12 @@ class Simulation:
             )
             carry(model, payload)
         dynamics = machine_dynamics.along(model, self.motion, self.person, self.straps)
+        reach = self._reach()
+        needed = law_of_demand.demand("inverse_dynamics", dynamics, self.motion, self.straps, self.rig.ankle)
+        self.remarks = () if self.request.ideal else self._too_weak(payload, needed[machine_dynamics.PICK], reach)
         if self.request.law != "least_load":
             return _closed(law_of_demand.demand(self.request.law, dynamics, self.motion, self.straps, self.rig.ankle))
-        plan = LeastLoad(dynamics, self.motion, self.person, self.straps, self.rig.ankle, self._reach())
+        plan = LeastLoad(dynamics, self.motion, self.person, self.straps, self.rig.ankle, reach)
         return _closed(self._rehearse(plan, payload))
 
     def _reach(self) -> NDArray[np.float64]:
@@ -104,6 +111,22 @@ class Simulation:
             for link, force in zip(self.plugin.links, forces):
                 out[i, link.dof - 3] += np.sort(moment_row(self.model, data, link.actuator)[link.dof] * force)
         return out
+
+    def _too_weak(self, payload: float, needed: NDArray[np.float64], reach: NDArray[np.float64]) -> tuple[str, ...]:
+        """Say which cylinders cannot hold what carrying the payload needs, shape (PHASES, 6), reach (PHASES, 6, 2)."""
+        short = []
+        for link in self.plugin.links:
+            torque, (low, high) = needed[:, link.dof - 3], reach[:, link.dof - 3].T
+            worst = int(np.argmax(np.maximum(torque - high, low - torque)))
+            if not low[worst] <= torque[worst] <= high[worst]:
+                most = high[worst] if torque[worst] > 0.0 else low[worst]
+                short.append(f"{link.cylinder} holds {most:.0f} of {torque[worst]:.0f} N m")
+        if not short:
+            return ()
+        return (
+            f"{payload:g} kg is more than the cylinders carry: {', '.join(short)}; the wearer bears the rest "
+            "(more supply pressure, bore or moment arm, or less payload)",
+        )
 
     def _rehearse(self, plan: LeastLoad, payload: float) -> NDArray[np.float64]:
         """Walk a few cycles at a time and better the plan after each time; return the best of the torques tried."""

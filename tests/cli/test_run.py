@@ -89,6 +89,20 @@ def test_a_rig_without_the_machines_parts_is_refused(capsys, repository, tmp_pat
     assert list(tmp_path.iterdir()) == []
 
 
+def test_a_payload_that_the_cylinders_cannot_carry_is_said(capsys, repository, tmp_path):
+    assets = repository / "assets"
+    weak = (assets / "exo.toml").read_text().replace("18.25 bar", "7 bar").replace("exo.xml", str(assets / "exo.xml"))
+    (tmp_path / "weak.toml").write_text(weak)
+    given = ["--rig", str(tmp_path / "weak.toml"), "--strides", "1", "--demand", "inverse_dynamics"]
+    status, text, words = call(capsys, "run", "level_walk", *given, "--json", "--out", str(tmp_path / "w.rrd"))
+    assert status == 0 and len(json.loads(text)["remarks"]) == 1 and words.count("\n") == 1
+    assert "34 kg is more than the cylinders carry" in words and "hip_r holds 105 of 125 N m" in words
+    _, text, words = call(
+        capsys, "run", "level_walk", *given, "--payload", "10 kg", "--json", "--out", str(tmp_path / "w.rrd")
+    )
+    assert "remarks" not in json.loads(text) and words == ""
+
+
 def test_scenarios_are_listed(capsys):
     status, text, _ = call(capsys, "scenarios", "--json")
     assert status == 0

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Sequence
 from dataclasses import dataclass
 
@@ -55,11 +56,11 @@ Said = Sequence[Figure | str]
 
 
 def as_json(said: Said) -> dict[str, object]:
-    """Return one object: every figure under its key, the targets and whether they are met, and the remarks."""
+    """Return one object: every figure under its key (null where it is infinite), targets and whether they are met, remarks."""
     figures = [one for one in said if isinstance(one, Figure)]
     return {
         "schema": "exo-sim/benchmark/1",
-        **{one.key: one.value for one in figures},
+        **{one.key: one.value if math.isfinite(one.value) else None for one in figures},
         "targets": {one.key: {"target": one.target, "met": one.met} for one in figures if one.target},
         "remarks": [one for one in said if isinstance(one, str)],
     }

@@ -40,6 +40,7 @@ def test_a_target_is_met_or_missed() -> None:
     assert quick.line().endswith("2.50   target > 2: met")
     said = as_json([slow, quick, "left out"])
     assert said["a"] == 2.5 and said["remarks"] == ["left out"]
+    assert as_json([Figure("c", "never", float("inf"))])["c"] is None
     assert said["targets"] == {"a": {"target": "< 2", "met": False}, "b": {"target": "> 2", "met": True}}
 
 

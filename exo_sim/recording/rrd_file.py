@@ -77,9 +77,10 @@ def write_rrd(
     stream.send_recording_name(recording.name)
     if recording.metadata:
         stream.send_property("exo_sim", rr.AnyValues(drop_untyped_nones=True, **recording.metadata))
-    _signals(stream, recording, "recorded" if overlays else "", overlaid)
+    on_top = max(["recorded", *overlays])  # the viewer draws in the order of names
+    _signals(stream, recording, "recorded" if overlays else "", overlaid, on_top)
     for name, other in overlays.items():
-        _signals(stream, other, name, dict.fromkeys(other.columns, True))
+        _signals(stream, other, name, dict.fromkeys(other.columns, True), on_top)
         _differences(stream, recording, other, name)
     for name, lane in all_lanes.items():
         _lane(stream, name, lane)
@@ -122,7 +123,7 @@ def clock(times: NDArray[np.float64]) -> rr.TimeColumn:
     return rr.TimeColumn("time", duration=np.rint(times * 1e9).astype("timedelta64[ns]"))
 
 
-def _signals(stream: Any, recording: Recording, leaf: str, overlaid: Mapping[str, bool]) -> None:
+def _signals(stream: Any, recording: Recording, leaf: str, overlaid: Mapping[str, bool], on_top: str) -> None:
     import rerun as rr
 
     index = [clock(recording.time)]
@@ -133,7 +134,7 @@ def _signals(stream: Any, recording: Recording, leaf: str, overlaid: Mapping[str
         colour: tuple[int, ...] = _PALETTE[place.get(key, 0) % len(_PALETTE)]
         if leaf and overlaid.get(key):
             path, name, colour = f"{key}/{leaf}", leaf, _COLOURS.get(leaf, colour)
-            width = 1.2 if leaf == "recorded" else 4.0  # drawn last and thin, so that the others show behind it
+            width = 1.2 if leaf == on_top else 4.0  # thin, so that the others show behind it
         stream.send_columns(path, indexes=index, columns=rr.Scalars.columns(scalars=values))
         line = rr.SeriesLines(names=name, colors=[colour], widths=[width])
         unit = values_of[recording.units[key]]

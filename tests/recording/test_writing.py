@@ -192,3 +192,21 @@ def test_a_recording_that_finds_no_room_is_one_error_and_leaves_nothing(tmp_path
     finally:
         resource.setrlimit(resource.RLIMIT_FSIZE, before)
     assert not list(tmp_path.iterdir())
+
+
+@pytest.mark.parametrize(("names", "thin"), [(("before", "after"), "recorded"), (("simulated", "free_run"), "simulated")])
+def test_the_overlay_that_the_viewer_draws_last_is_thin(tmp_path: Path, names: tuple[str, ...], thin: str) -> None:
+    """It draws in the order of names; a thick line on top would hide the others."""
+    from rerun.chunk import RrdReader
+
+    time = np.arange(50) / 100.0
+    recording = Recording("r", time, {"p.pressure_1": 1e5 + time}, {"p.pressure_1": "Pa"})
+    write_rrd(tmp_path / "a.rrd", recording, overlays=dict.fromkeys(names, recording))
+    widths = {}
+    for chunk in RrdReader(str(tmp_path / "a.rrd")).stream():
+        batch = chunk.to_record_batch()
+        if "SeriesLines:widths" in batch.schema.names and "/p.pressure_1/" in chunk.entity_path.replace("\\", ""):
+            widths[chunk.entity_path.rsplit("/", 1)[-1]] = batch.column("SeriesLines:widths")[0].as_py()[0]
+    drawn = {name: width for name, width in widths.items() if name in ("recorded", *names)}
+    assert set(drawn) == {"recorded", *names}
+    assert min(drawn, key=drawn.__getitem__) == thin == max(drawn)

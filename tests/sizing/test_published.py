@@ -1,0 +1,24 @@
+"""The published class: its own numbers by its own rule, and what this machine's linkage makes of the same moments."""
+
+import numpy as np
+import pytest
+
+from exo_sim.sizing import published
+
+
+def test_the_class_by_its_own_rule():
+    """60 N m at 50 mm are 1200 N; 10 bar net ask for 39.1 mm of bore, and 40 mm is the next size."""
+    force = published.KNEE / published.ARM
+    assert force == pytest.approx(1200.0)
+    assert 1e3 * np.sqrt(4.0 / np.pi * force / published.NET) == pytest.approx(39.1, abs=0.05)
+    assert published.rule_of_the_class(force) == published.BORE
+
+
+def test_this_machine_from_the_same_moments_comes_out_within_reason(exo, space):
+    found = published.published_class(exo, space)
+    assert found.peak["knee"] == pytest.approx(published.KNEE, rel=0.15)
+    assert found.force["knee"] == pytest.approx(published.KNEE / published.ARM, rel=0.25)
+    assert found.by_rule["knee"] == published.BORE
+    assert found.bores["knee"] <= found.by_rule["knee"]  # the valve's real back-pressure is less than half of the supply
+    assert found.own_peak["hip"] > found.peak["hip"]
+    assert found.margin >= 0.0

@@ -120,6 +120,14 @@ def test_a_clipped_sensor(noise: float, grid: float) -> None:
     assert "500000 Pa" in finding.says
 
 
+def test_a_demand_at_its_limit_is_no_sensor_at_its_end() -> None:
+    time = np.arange(3000) / 1000.0
+    columns = {"p.force": np.clip(900.0 * np.sin(8 * time), -700.0, 700.0), "s.position": np.cos(time)}
+    for key, kinds in (("p.force", ["clipped"]), ("p.force_demanded", [])):
+        recording = Recording("r", time, {key: columns["p.force"], "s.position": columns["s.position"]}, {key: "N", "s.position": "m"})
+        assert [f.kind for f in grave(recording, None)] == kinds
+
+
 def test_a_clipped_sine_without_noise() -> None:
     time = np.arange(5000) * 1e-3
     values = np.minimum(3e5 + 2e5 * np.sin(2 * np.pi * time), 4e5)

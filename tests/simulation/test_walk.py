@@ -9,6 +9,8 @@ import pytest
 from exo_sim import rig as rigs
 from exo_sim.errors import Diverged, ModelError, ScenarioError
 from exo_sim.gait import recorded, scenario
+from exo_sim.recording import Reading
+from exo_sim.recording import summary as inspected
 from exo_sim.rig import Ankle, Wearer
 from exo_sim.rig.schema import EffectSetting
 from exo_sim.simulation import coupled, loop, record
@@ -213,6 +215,14 @@ def test_the_table_has_the_contracts_columns(on):
     assert np.ptp(table["supply.pressure"]) == 0.0 and table["supply.pressure"][0] == pytest.approx(18.25e5)
     assert np.all(table["exhaust.pressure"] == 101325.0)
     assert {f"{joint}.wearer_moment" for joint in JOINTS} <= set(table.columns)
+
+
+def test_nothing_looks_wrong_in_a_good_walk(on):
+    found = inspected.summarise(Reading(record.recording(on, "walk"), ()))
+    assert [finding.says for finding in found.findings if finding.severity != "info"] == []
+    assert found.head["duration_s"] > 10.0 and np.ptp(on.columns["torso_x.position"]) > 10.0
+    for name, cylinder in summarise(on)["cylinders"].items():
+        assert found.cylinders[name]["choked_share"] == pytest.approx(cylinder["choked_share"], abs=0.1)
 
 
 def test_one_row_is_one_moment(exo):

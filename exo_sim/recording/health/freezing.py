@@ -18,14 +18,15 @@ from collections.abc import Mapping
 import numpy as np
 from numpy.typing import NDArray
 
+from exo_sim.recording.columns import signal_of
 from exo_sim.recording.finding import Finding
 from exo_sim.recording.health.spans import Rows, listed, runs, where
 from exo_sim.recording.noise import Noise
 from exo_sim.recording.table import Recording
 
-#: Signals whose flat spans mean something else: commands are held, feet are in the air, counts and phases are discrete.
-_FLAT_BY_NATURE = ("valve_command", "choked", "phase", "stance_l", "stance_r", "gas_used", "external_force")
-_FORCES = ("ground_force_", "strap_force_", "force", "torque", "wearer_moment")
+#: Signals whose flat spans mean something else: commands are held, nobody pushes.
+_FLAT_BY_NATURE = ("valve_command", "external_force")
+_FORCES = ("ground_force_", "strap_force_", "force")
 _CHANCE = 1e-6
 _FEWEST = 20
 #: Seconds between samples up to which a corner in a curve is seen as one.
@@ -37,7 +38,7 @@ def check(recording: Recording, key: str, noise: Mapping[str, Noise]) -> list[Fi
     values = recording[key]
     signal = key.rsplit(".", 1)[-1]
     present = values[np.isfinite(values)]
-    if len(present) < 2 * _FEWEST or signal in ("choked", "phase", "stance_l", "stance_r", "gas_used"):
+    if len(present) < 2 * _FEWEST or not signal_of(key).measured:  # what only a simulation knows has no sensor
         return []
     if np.all(present == present[0]):
         return _constant(recording, key, float(present[0]))

@@ -6,6 +6,7 @@ text of every file that holds a kernel, and after the versions that compile it: 
 
 from __future__ import annotations
 
+import contextlib
 import hashlib
 import os
 import platform
@@ -18,6 +19,7 @@ import numba
 import numpy
 from numba import types
 from numba.core import cgutils, config
+from numba.core.caching import FunctionCache
 from numba.extending import intrinsic
 
 Function = TypeVar("Function", bound=Callable[..., Any])
@@ -62,7 +64,17 @@ _settle()
 
 def kernel(function: Function) -> Function:
     """Compile a function of numbers, arrays and records; it releases the GIL and is cached between starts."""
-    return numba.njit(cache=True, nogil=True, error_model="numpy")(function)  # type: ignore[return-value]
+    compiled: Any = numba.njit(nogil=True, error_model="numpy")(function)
+    compiled._cache = _Kept(function)  # what `cache=True` does, with our kind of cache
+    return compiled  # type: ignore[no-any-return]
+
+
+class _Kept(FunctionCache):  # type: ignore[misc]
+    """numba's cache; where the disk is full, machine code is used without being kept."""
+
+    def save_overload(self, sig: Any, data: Any) -> None:
+        with contextlib.suppress(OSError):
+            super().save_overload(sig, data)
 
 
 def _borrow(typingctx: Any, arrays: Any) -> Any:

@@ -1,0 +1,47 @@
+"""Machine code is kept between starts, and a disk that cannot hold it stops nobody."""
+
+import errno
+import importlib.util
+import os
+from pathlib import Path
+from types import ModuleType
+
+import pytest
+from numba.core.caching import FunctionCache
+
+TEXT = """
+from exo_sim.physics.compiled import kernel
+
+@kernel
+def twice(x):
+    return 2.0 * x
+"""
+
+
+def fresh(folder: Path, name: str) -> ModuleType:
+    path = folder / f"{name}.py"
+    if not path.exists():
+        path.write_text(TEXT)
+    spec = importlib.util.spec_from_file_location(name, path)
+    assert spec is not None and spec.loader is not None
+    module = importlib.util.module_from_spec(spec)
+    spec.loader.exec_module(module)
+    return module
+
+
+def test_a_second_start_finds_the_machine_code(tmp_path: Path) -> None:
+    for hits in (0, 1):
+        twice = fresh(tmp_path, "kept").twice
+        assert twice(1.5) == 3.0
+        assert sum(twice.stats.cache_hits.values()) == hits
+
+
+def test_a_full_disk_costs_only_the_keeping(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    def full(self: FunctionCache, sig: object, data: object) -> None:
+        raise OSError(errno.ENOSPC, os.strerror(errno.ENOSPC))
+
+    monkeypatch.setattr(FunctionCache, "save_overload", full)
+    for _ in range(2):
+        twice = fresh(tmp_path, "lost").twice
+        assert twice(1.5) == 3.0
+        assert not twice.stats.cache_hits

@@ -15,6 +15,7 @@ from exo_sim.diagnosis.observed import CylinderRun, cylinder_runs
 from exo_sim.diagnosis.replay_inputs import led_from_outside
 from exo_sim.diagnosis.result import Estimate, Finding, OpenQuestion
 from exo_sim.diagnosis.rod_cut import rod_run
+from exo_sim.diagnosis.shut_in import from_the_fall
 from exo_sim.errors import RecordingError, nearest
 from exo_sim.machine.linkage import Linkage, linkages
 from exo_sim.machine.load import load
@@ -150,6 +151,11 @@ def _sort(case: Case) -> None:
     for table in case.recordings:
         rate = 1.0 / max(float(np.median(np.diff(table.time))), 1e-9)
         for run in cylinder_runs(table, case.rig, case.model, case.links):
+            late = from_the_fall(run) if run.rests else run
+            if late is not run:
+                held = f"{late.time[0] - run.time[0]:.3g} s"
+                case.remarks.append(f"{table.name}: {run.cylinder} is held under pressure for its first {held}; judged from its fall on")
+                run = late
             why = _no_gas(run, case.rig, rate)
             if why:
                 case.open.append(

@@ -13,8 +13,9 @@ import numpy as np
 
 from exo_sim.diagnosis import gas_problem, library, motion_problem, supply_cut
 from exo_sim.diagnosis.cases import Case, gather, turned_round
+from exo_sim.diagnosis.chamber_pressure import carried_over
 from exo_sim.diagnosis.gas_problem import GasProblem
-from exo_sim.diagnosis.judging import Judged, calibration_finding, judge
+from exo_sim.diagnosis.judging import Judged, calibration_findings, judge
 from exo_sim.diagnosis.motion_problem import MotionProblem
 from exo_sim.diagnosis.nameless import pattern_left
 from exo_sim.diagnosis.proof import prove
@@ -74,6 +75,7 @@ def diagnose(
     parts = split([(table.name, table.time) for table in case.recordings])
     with ThreadPoolExecutor(jobs or os.cpu_count() or 1) as pool:
         gas = _gas(case, parts, pool, say)
+        case.joints = carried_over(case, gas, parts)
         judged = _shared_once([*gas, *_supply(case, parts, gas, say), *_motion(case, parts, pool, say)])
         nameless = unknown_findings(judged)
         say("proving on time kept back")
@@ -119,7 +121,8 @@ def _gas(case: Case, parts: Split, pool: ThreadPoolExecutor, say: Progress) -> l
             case.sensors.append(turned_round(name))
         commanded = any(run.commanded for run in runs)
         sides = [side for side in (1, 2) if any(run.pressure[side - 1] is not None for run in runs)]
-        nuisances = library.believed(setting, name, commanded, sides) + library.known_effects(setting, name)
+        still = all(run.rests for run in runs)
+        nuisances = library.believed(setting, name, commanded, sides, still) + library.known_effects(setting, name)
         questions = library.candidates(setting, runs, name, joint)
         if problem.size >= 30:
             problem = problem.either_law(nuisances, pool)
@@ -219,7 +222,7 @@ def _findings(judged: list[Judged], case: Case, drops: dict[str, float]) -> list
     for one in judged:
         findings += [replace(f, held_out_error_drop=drops.get(f"{f.name}@{f.where}", 0.0)) for f in one.findings]
     for one in judged:
-        findings += [calibration_finding(*numbers) for numbers in one.calibrations]
+        findings += calibration_findings(one.calibrations)
     order = {"missing_physics": 0, "unknown": 1, "sensor": 2, "calibration": 3}
     return sorted(findings, key=lambda f: (order[f.kind], -f.log10_odds))
 

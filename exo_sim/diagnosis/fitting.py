@@ -14,6 +14,10 @@ from exo_sim.diagnosis.quantity import Quantity
 
 Array = NDArray[np.float64]
 
+#: A fit whose squared error is below this, in units of the noise, is not differenced anew before it ends.
+NEAR_NOISE = 2.0
+#: No step changes a logarithm by more than this.
+FARTHEST = 1.2
 #: What an error that is no number counts as, in units of the noise.
 WORST = 1e4
 Residual = Callable[[dict[Quantity, float]], Array]
@@ -160,8 +164,10 @@ def fit(
         values, r, rows = trial, new, new_rows
         damping = max(damping * 0.2, 1e-6)
         if gain < tolerance:
-            break
-        if known is None:
+            if fresh or float(r @ r) < NEAR_NOISE * r.size:
+                break
+            jac, fresh, damping = differences(residual, quantities, values, r, pool), True, 1e-4
+        elif known is None:
             jac = differences(residual, quantities, values, r, pool)
         else:
             jac, fresh = jac + np.outer(surprise, taken) / max(float(taken @ taken), 1e-300), False
@@ -177,6 +183,8 @@ def _bounded_step(normal: Array, gradient: Array, damping: float, quantities: Se
     step = np.zeros(p)
     low = np.array([q.coordinate(q.low) - q.coordinate(values[q]) for q in quantities])
     high = np.array([q.coordinate(q.high) - q.coordinate(values[q]) for q in quantities])
+    wide = np.array([q.wide for q in quantities])
+    low, high = np.where(wide, np.maximum(low, -FARTHEST), low), np.where(wide, np.minimum(high, FARTHEST), high)
     damped = normal + damping * np.diag(np.diag(normal) + 1e-12)
     for _ in range(p + 1):
         if not free.any():

@@ -7,10 +7,12 @@ from dataclasses import dataclass, field
 
 import numpy as np
 from numpy.typing import NDArray
+from scipy.ndimage import maximum_filter1d, minimum_filter1d
 
 from exo_sim.diagnosis.observed import CylinderRun, start_filter
 from exo_sim.physics import chamber, plant, state
 from exo_sim.physics.compiled import kernel
+from exo_sim.physics.pace import settling_rate
 from exo_sim.physics.pneumatics import Pneumatics
 from exo_sim.physics.transmission import gives
 
@@ -19,14 +21,23 @@ Array = NDArray[np.float64]
 #: Steps as long as a sample, and few: a fit asks for thousands of runs, some of them with absurd machines.
 LONGEST_STEP, MOST_STEPS = 1e-3, 8.0
 
+#: ... and where the sensor sits behind a hose, no longer than this share of the time in which the hose settles.
+HOSE_SHARE = 0.07
+
+#: Samples of delayed commands that are kept for the next time.
+MOST_KEPT = 2_000_000
+
 #: Samples that estimate the pressure at the start of a window.
 START_SAMPLES = 15
+
+#: How far a window's start may be moved to where the gas is quieter, in lengths of a window.
+QUIET_REACH = 0.25
 
 
 @kernel
 def predict(
     world, cylinders, vector, time, command, length, supply, exhaust, supply_temperature, starts, start_pressure,
-    work, scratch, out, drawn, warmth,
+    work, scratch, out, inside, drawn, warmth,
 ):  # fmt: skip
     """Run one cylinder through a recording with its pressures set right at the start of every window.
 
@@ -39,6 +50,7 @@ def predict(
         starts: Index of each window's first sample, rising, shape (w,).
         start_pressure: Measured pressures there, shape (w, 2); NaN keeps the prediction.
         out: Predicted pressures as the sensors would have them, shape (n, 2).
+        inside: Predicted pressures in the chambers themselves, shape (n, 2).
         drawn: Mass flow from the supply over the step that follows each sample [kg/s], shape (n,).
         warmth: Predicted gas temperatures, shape (n, 2).
     """
@@ -80,6 +92,7 @@ def predict(
         p_1, p_2 = plant.pressures(world[0], c, vector, 0, here)
         t_1, t_2 = plant.temperatures(world[0], vector, 0)
         warmth[i, 0], warmth[i, 1] = t_1, t_2
+        inside[i, 0], inside[i, 1] = p_1, p_2
         if at_valve:
             out[i, 0] = chamber.pressure(vector[state.HOSE_ENERGY_1], c.line_restriction.volume, k)
             out[i, 1] = chamber.pressure(vector[state.HOSE_ENERGY_2], c.line_restriction.volume, k)
@@ -115,15 +128,22 @@ class Windows:
 
 
 def windows(run: CylinderRun, seconds: float) -> Windows:
-    """Cut a run into windows of about `seconds` that no break of the clock and no long gap of samples lies in."""
+    """Cut a run into windows of about `seconds` that no break of the clock lies in, each begun where the gas is quiet nearby.
+
+    Where gas flows, no sensor tells the state to begin with: a hose's two ends differ, and a sample's jitter is pressure.
+    """
     starts: list[int] = []
     stops: list[int] = []
     time = run.time
+    unrest = _unrest(run)
     edges = [*run.breaks, len(time)]
     for begin, end in zip(edges[:-1], edges[1:], strict=True):
         span = time[end - 1] - time[begin] if end > begin else 0.0
         count = max(1, int(round(span / seconds)))
         cuts = np.searchsorted(time[begin:end], time[begin] + span * np.arange(count) / count) + begin
+        reach = int(QUIET_REACH * (end - begin) / count)
+        if reach > 0:
+            cuts[1:] = [cut - reach + int(np.argmin(unrest[cut - reach : cut + reach])) for cut in cuts[1:]]
         starts += [int(cut) for cut in cuts]
         stops += [*(int(cut) for cut in cuts[1:]), end]
     pressure = np.full((len(starts), 2), np.nan)
@@ -133,6 +153,16 @@ def windows(run: CylinderRun, seconds: float) -> Windows:
         for w, (begin, end) in enumerate(zip(starts, stops, strict=True)):
             pressure[w, side] = _start(values[begin:end])
     return Windows(np.array(starts), np.array(stops), pressure)
+
+
+def _unrest(run: CylinderRun) -> Array:
+    """Return by how much the measured pressures change around each sample [Pa], shape (n,)."""
+    total = np.zeros(len(run.time))
+    for values in run.pressure:
+        if values is not None:
+            filled = np.where(np.isfinite(values), values, np.inf)
+            total += maximum_filter1d(filled, 2 * START_SAMPLES) - minimum_filter1d(values, 2 * START_SAMPLES)
+    return np.where(np.isfinite(total), total, np.inf)
 
 
 def _start(values: Array) -> float:
@@ -162,7 +192,7 @@ class GasInputs:
     def command_after(self, delay: float) -> Array:
         """Return the command as it reaches the valve `delay` seconds late."""
         if delay not in self._delayed:
-            if len(self._delayed) > 64:
+            if len(self._delayed) > max(2, MOST_KEPT // len(self.time)):
                 self._delayed.clear()
             self._delayed[delay] = late_command(self.time, self.command, delay)
         return self._delayed[delay]
@@ -185,9 +215,17 @@ def inputs(run: CylinderRun, world: NDArray[np.void], seconds: float) -> GasInpu
 
 @dataclass
 class GasPrediction:
-    """Predicted pressures (n, 2) [Pa], flow from the supply (n,) [kg/s] and gas temperatures (n, 2) [K]."""
+    """What one run would show.
+
+    Attributes:
+        pressure: As the sensors have it, shape (n, 2) [Pa].
+        inside: In the chambers themselves, shape (n, 2) [Pa].
+        drawn: Flow from the supply, shape (n,) [kg/s].
+        temperature: Of the gas, shape (n, 2) [K].
+    """
 
     pressure: Array
+    inside: Array
     drawn: Array
     temperature: Array
 
@@ -208,6 +246,10 @@ def run_gas(
     world, cylinder = world.copy(), cylinder.copy()
     usual = float(np.median(np.diff(feed.time)))
     world["longest_step"], world["most_steps"] = max(LONGEST_STEP, 0.5 * usual), MOST_STEPS
+    hose = cylinder["line_restriction"][0]
+    if hose["area"] > 0.0 and hose["sensor"] > 0.5:  # such a sensor shows every error of a step in the hose's small volume
+        settling = settling_rate(hose["area"], hose["volume"], world["k"][0], world["r"][0])
+        world["longest_step"] = min(world["longest_step"][0], HOSE_SHARE / settling)
     n = len(feed.time)
     length = feed.length
     if length_delay != 0.0:
@@ -219,10 +261,10 @@ def run_gas(
     gas.fill(length[:1], first[:1], first[1:])
     if bool(gives(cylinder[0])):
         gas.settle_transmission(length[:1])
-    out, drawn, warmth = np.empty((n, 2)), np.zeros(n), np.empty((n, 2))
+    out, inside, drawn, warmth = np.empty((n, 2)), np.empty((n, 2)), np.zeros(n), np.empty((n, 2))
     gas.memory[0, state.SPOOL] = gas.memory[0, state.PLAY] = feed.command[0]
     predict(
         world, cylinder, gas.vector, feed.time, feed.command_after(float(cylinder["valve_lag"]["delay"][0])), length, feed.supply,
-        feed.exhaust, feed.supply_temperature, feed.windows.starts, start, gas._work, gas._scratch, out, drawn, warmth,
+        feed.exhaust, feed.supply_temperature, feed.windows.starts, start, gas._work, gas._scratch, out, inside, drawn, warmth,
     )  # fmt: skip
-    return GasPrediction(out, drawn, warmth)
+    return GasPrediction(out, inside, drawn, warmth)

@@ -25,8 +25,10 @@ WINDOW = 1.2
 FEWEST_SAMPLES = 150
 #: ... while at rest a recording is cut into no more windows than this.
 REST_WINDOWS = 5
-#: Errors are averaged over this time before they are compared [s].
+#: Errors are averaged over this time before they are compared [s] ...
 GROUP = 0.005
+#: ... and over longer, in proportion, where the recordings are longer than this together [s]: what a fit holds does not grow then.
+LONG = 100.0
 #: What the smoothed position and the windows' starts leave of the sensor's noise, as pressure [Pa].
 STRUCTURAL_FLOOR = 60.0
 #: What no sensor and no model of a healthy machine keeps, as a share of the pressure's range.
@@ -71,9 +73,10 @@ class GasProblem:
     ):
         if window is None:
             window = max(WINDOW, FEWEST_SAMPLES * max(float(np.median(np.diff(run.time))) for run in runs))
-            if all(_rests(run) for run in runs):
+            if all(run.rests for run in runs):
                 window = max(window, max(float(np.ptp(run.time)) for run in runs) / REST_WINDOWS)
         self.setting, self.split, self.all_runs = setting, split, list(runs)
+        self._group = GROUP * max(1.0, sum(float(np.ptp(run.time)) for run in runs) / LONG)
         self.runs = (
             list(runs) if held_out else [run for run in (_trained(run, split) for run in runs) if run is not None]
         )
@@ -96,7 +99,7 @@ class GasProblem:
         usable = (
             self.split.held_out(feed.run.recording, time) if held_out else self.split.training(feed.run.recording, time)
         )
-        size = max(1, int(round(GROUP / float(np.median(np.diff(time))))))
+        size = max(1, int(round(self._group / float(np.median(np.diff(time))))))
         window_of: list[int] = []
         counts: list[int] = []
         for w, (begin, end) in enumerate(zip(feed.windows.starts, feed.windows.stops, strict=True)):
@@ -162,7 +165,7 @@ class GasProblem:
             late = sensors.get(f"pressure_{side + 1}.delay", 0.0)
             if late != 0.0:
                 pressure[:, side] = np.interp(feed.time - late, feed.time, pressure[:, side])
-        return GasPrediction(pressure, out.drawn, out.temperature)
+        return GasPrediction(pressure, out.inside, out.drawn, out.temperature)
 
     def errors(self, setting: Setting) -> list[Array]:
         """Return measured less predicted pressure of every run, shape (n, 2) [Pa]; NaN where nothing was measured."""
@@ -223,11 +226,6 @@ class GasProblem:
     def residual(self, values: dict[Quantity, float], fixed: Sequence[tuple[Quantity, float]] = ()) -> Array:
         """Return the whitened, cleared errors for these numbers, shape (size,)."""
         return self.residual_of(self.apply(values, fixed))
-
-
-def _rests(run: CylinderRun) -> bool:
-    """Say whether neither the valve nor the piston ever moves: what the gas does then is slow."""
-    return float(np.ptp(run.command)) < 1e-3 and (run.length is None or float(np.ptp(run.length)) < 1e-4)
 
 
 def _trained(run: CylinderRun, split: Split) -> CylinderRun | None:

@@ -193,14 +193,30 @@ def _calibrations(trial: Trial, spread: dict[Quantity, float]) -> list[tuple[Qua
     return found
 
 
-def calibration_finding(quantity: Quantity, factor: float, error: float) -> Finding:
-    """Return the finding of a believed number that is off."""
-    low, high = bounds(quantity, factor, error)
-    return Finding(
-        quantity.effect, quantity.where, "calibration", wording.calibration(quantity.effect, quantity.parameter, factor),
-        {quantity.parameter if quantity.effect == "dead_volume" else "factor": Estimate(factor, "1", low, high)},
-        ((factor - 1.0) / max(error, 1e-12)) ** 2 / (2.0 * math.log(10.0)), 0.0,
-    )  # fmt: skip
+def calibration_findings(numbers: Sequence[tuple[Quantity, float, float]]) -> list[Finding]:
+    """Return a finding for every believed number that is off; the two dead volumes of a cylinder are one.
+
+    Args:
+        numbers: Quantity, factor, its standard error.
+    """
+    kinds: dict[tuple[str, str], list[tuple[Quantity, float, float]]] = {}
+    for quantity, factor, error in numbers:
+        kinds.setdefault((quantity.effect, quantity.where), []).append((quantity, factor, error))
+    return [_calibration(name, where, parts) for (name, where), parts in kinds.items()]
+
+
+def _calibration(name: str, where: str, parts: Sequence[tuple[Quantity, float, float]]) -> Finding:
+    weights = [1.0 / max(error, 1e-9) ** 2 for _, _, error in parts]
+    mean = sum(w * factor for w, (_, factor, _) in zip(weights, parts, strict=True)) / sum(weights)
+    apart = max(abs(factor - mean) for _, factor, _ in parts)
+    low, high = bounds(parts[0][0], mean, max(math.sqrt(1.0 / sum(weights)), apart))
+    parameters = {"factor": Estimate(mean, "1", low, high)}
+    if name == "dead_volume":
+        for quantity, factor, error in parts:
+            parameters[quantity.parameter] = Estimate(factor, "1", *bounds(quantity, factor, error))
+    odds = sum(((factor - 1.0) / max(error, 1e-12)) ** 2 for _, factor, error in parts) / (2.0 * math.log(10.0))
+    says = " ".join(wording.calibration(name, quantity.parameter, factor) for quantity, factor, _ in parts)
+    return Finding(name, where, "calibration", says, parameters, odds, 0.0)
 
 
 def known(effect: str) -> bool:

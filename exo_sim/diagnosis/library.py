@@ -63,11 +63,15 @@ _STARTS_BY_VALVE: dict[str, tuple[tuple[float, ...], ...]] = {
     "end_cushioning": ((0.01, 0.1), (0.02, 0.03), (0.03, 0.1)),
 }
 
+#: A number that is never zero and whose typical range is wider than this is fitted by its logarithm.
+WIDE = 4.0
 #: Zero of a good pressure sensor, one standard deviation [Pa].
 ZERO_SPREAD = 500.0
 #: Seconds by which filters and cards of a good laboratory may be apart.
 HEALTHY_SKEW = 6e-4
 
+#: Heat that walls may take from a gas at rest, one standard deviation [W/K].
+REST_HEAT = 2.0
 #: Leaks of a healthy cylinder for its swept volume [m^2/m^3], [kg/(s Pa^2 m^3)]: they take minutes to empty it.
 HEALTHY_LEAK, HEALTHY_GAP = 1.8e-5, 1.8e-13
 
@@ -87,17 +91,20 @@ _LEAST = {key: most for key, (_, most) in _HEALTHY.items()} | {
 }
 
 
-def believed(setting: Setting, cylinder: str, commanded: bool, sides: Sequence[int]) -> tuple[Quantity, ...]:
+def believed(setting: Setting, cylinder: str, commanded: bool, sides: Sequence[int], rests: bool = False) -> tuple[Quantity, ...]:
     """Return what every fit of the gas may move: valve area and dead volumes as factors, sensor zeros, a healthy valve's faults.
+
+    A gas at rest gives heat to its walls while its pressure falls, in every machine: where nothing else happens that is no finding.
 
     Args:
         setting: The machine as believed.
         cylinder: Its name.
         commanded: Whether a valve command was recorded; without one nothing is asked of the valve.
         sides: Chambers whose pressure was recorded, of 1 and 2.
+        rests: Neither valve nor piston ever moves.
     """
     numbers = tuple(
-        Quantity(name, cylinder, field, "1", "factor", 0.1, 0.2, 5.0, (1.0, SPREADS[key]), neutral=1.0)
+        Quantity(name, cylinder, field, "1", "factor", 0.1, 0.05, 10.0, (1.0, SPREADS[key]), neutral=1.0)
         for name, field, key in (
             ("flow_capacity", "valve_area", "flow_capacity"),
             ("dead_volume", "dead_volume_1", "dead_volume_1"),
@@ -119,6 +126,9 @@ def believed(setting: Setting, cylinder: str, commanded: bool, sides: Sequence[i
         )  # fmt: skip
         for side in sides
     )
+    if rests and not _is_on(declared()["wall_heat_transfer"], setting):
+        spread = REST_HEAT
+        zeros += (Quantity("wall_heat_transfer", cylinder, "conductance", "W/K", "cylinder", spread, 0.0, 20.0 * spread, (0.0, spread)),)
     return (*numbers, *zeros, *_imperfections(setting, cylinder)) if commanded else (*numbers, *zeros)
 
 
@@ -282,7 +292,7 @@ def _quantity(effect: Effect, parameter: Parameter, where: str, target: str, set
     neutral = 0.528 if effect.name == "critical_ratio" else 0.0  # the nozzle's own
     return Quantity(
         effect.name, where, parameter.name, parameter.unit, target, scale, parameter.low, parameter.high, neutral=neutral,
-        rough=effect.name in _ROUGH, least=_least(effect, parameter, setting),
+        rough=effect.name in _ROUGH, least=_least(effect, parameter, setting), wide=parameter.low > 0.0 and high > WIDE * low,
     )  # fmt: skip
 
 

@@ -57,17 +57,26 @@ class CylinderRun:
     noise: tuple[float, float]
     breaks: tuple[int, ...]
 
+    @property
+    def rests(self) -> bool:
+        """Whether neither the valve nor the piston ever moves: what the gas does then is slow."""
+        return float(np.ptp(self.command)) < 1e-3 and (self.length is None or float(np.ptp(self.length)) < 1e-4)
+
     def until(self, stop: int) -> CylinderRun:
         """Return the first `stop` samples as a run of their own."""
+        return self.part(0, stop)
+
+    def part(self, start: int, stop: int) -> CylinderRun:
+        """Return the samples from `start` to before `stop` as a run of their own."""
 
         def cut(values: Array | None) -> Array | None:
-            return None if values is None else values[:stop]
+            return None if values is None else values[start:stop]
 
         return replace(
-            self, time=self.time[:stop], command=self.command[:stop], length=cut(self.length), speed=cut(self.speed),
+            self, time=self.time[start:stop], command=self.command[start:stop], length=cut(self.length), speed=cut(self.speed),
             pressure=(cut(self.pressure[0]), cut(self.pressure[1])), supply=cut(self.supply), exhaust=cut(self.exhaust),
             supply_temperature=cut(self.supply_temperature), force=cut(self.force),
-            breaks=tuple(b for b in self.breaks if b < stop),
+            breaks=(0, *(b - start for b in self.breaks if start < b < stop)),
         )  # fmt: skip
 
 

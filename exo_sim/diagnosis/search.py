@@ -165,7 +165,7 @@ class Search:
             done = min(tried, key=lambda one: one.sse + one.weight * one.penalty)
         else:
             known = dict(zip(near.fit.quantities, near.fit.jacobian.T, strict=True)) if near else None
-            done = fit(residual, quantities, options[order[0]], self.pool, most=8, spell=spell, known=known)
+            done = fit(residual, quantities, options[order[0]], self.pool, most=12, spell=spell, known=known)
         trial = Trial(tuple(chosen), done)
         if before is not None and self._loses(before, trial) <= 0.0:
             return before

@@ -171,7 +171,7 @@ def _views(keys: Sequence[str], overlaid: Mapping[str, bool], units: Mapping[str
     if any(overlaid.get(key) for key in keys):
         for key in keys:
             if overlaid.get(key):
-                groups += [(_words(key), [key]), (f"simulated less recorded, {units[key]}", [f"{DIFFERENCE}/{key}"])]
+                groups += [(words(key, units[key]), [key]), (f"simulated less recorded, {units[key]}", [f"{DIFFERENCE}/{key}"])]
         keys = [key for key in keys if not overlaid.get(key)]
     groups += plots(keys)
     return [
@@ -186,7 +186,8 @@ def _views(keys: Sequence[str], overlaid: Mapping[str, bool], units: Mapping[str
     ]
 
 
-def _words(key: str) -> str:
+def words(key: str, unit: str) -> str:
+    """Return what to call a column in a plot: part, signal and unit."""
     part = key.rsplit(".", 1)[0]
     signal: signals.Signal = columns.signal_of(key)
-    return f"{part}: {signal.label}"
+    return f"{part}: {signal.label}" + ("" if unit in ("", "1") else f", {unit}")

@@ -130,7 +130,7 @@ def _signals(stream: Any, recording: Recording, leaf: str, overlaid: Mapping[str
     place = blueprint.places(recording)
     values_of = {unit: rr.AnyValues(unit=unit) for unit in set(recording.units.values())}
     for key, values in recording.columns.items():
-        path, width, name = key, 1.5, f"{key.rsplit('.', 1)[0]}: {columns.signal_of(key).label}"
+        path, width, name = key, 1.5, blueprint.words(key, recording.units[key])
         colour: tuple[int, ...] = _PALETTE[place.get(key, 0) % len(_PALETTE)]
         if leaf and overlaid.get(key):
             path, name, colour = f"{key}/{leaf}", leaf, _COLOURS.get(leaf, colour)

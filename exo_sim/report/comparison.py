@@ -17,7 +17,7 @@ Array = NDArray[np.float64]
 #: Between two recordings on the one clock of the file [s].
 PAUSE = 1.0
 #: Samples that the viewer is given of a long recording.
-MOST_SHOWN = 400_000
+MOST_SHOWN = 150_000
 
 
 def write_comparison(path: Path, diagnosis: Diagnosis, recordings: Sequence[Recording] = ()) -> None:
@@ -43,7 +43,7 @@ def write_comparison(path: Path, diagnosis: Diagnosis, recordings: Sequence[Reco
         clock = measured[name].time if name in measured else own[0].time
         shifts[name] = 0.0 if end is None else end + PAUSE - float(clock[0])
         for kind, columns, units in _columns(own, clock, measured.get(name)):
-            pieces[kind].append(Recording(name, clock + shifts[name], columns, units))
+            pieces[kind].append(Recording(name, clock + shifts[name], columns, units).thinned(MOST_SHOWN))
         end = float(clock[-1]) + shifts[name]
     if not pieces["recorded"]:
         return

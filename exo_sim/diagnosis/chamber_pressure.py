@@ -1,0 +1,78 @@
+"""What is known of the pressure in a chamber once the gas has been judged: a sensor's faults and a hose between taken off.
+
+The balance of forces is made of these pressures; left uncorrected, a late sensor or one behind a hose looks like friction.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import replace
+
+import numpy as np
+from numpy.typing import NDArray
+
+from exo_sim.diagnosis.cases import Case
+from exo_sim.diagnosis.gas_problem import GasProblem
+from exo_sim.diagnosis.judging import Judged
+from exo_sim.diagnosis.motion_cut import SMOOTHING, MotionRun
+from exo_sim.diagnosis.observed import led
+from exo_sim.diagnosis.split import Split
+from exo_sim.diagnosis.verdict import setting_of
+
+Array = NDArray[np.float64]
+
+#: Smaller corrections than this are left alone [Pa].
+LEAST = 50.0
+
+
+def carried_over(case: Case, gas: Sequence[Judged], parts: Split) -> dict[str, list[MotionRun]]:
+    """Return the runs of the motion cut, by joint, with every correction that a judged cylinder's gas asks for."""
+    changes: dict[tuple[str, str], Array] = {}
+    for one in gas:
+        if one.empty or one.nameless or not one.named:
+            continue
+        whole = GasProblem(case.cylinders[one.where], setting_of(one, one.trial), parts, held_out=True)
+        named = {q.parameter for candidate in one.named if candidate.kind == "sensor" for q in candidate.quantities}
+        for index, feed in enumerate(whole.feeds):
+            for side in range(2):
+                measured = feed.run.pressure[side]
+                if measured is not None:
+                    change = _change(whole, index, side, measured, named)
+                    if np.nanmax(np.abs(change)) > LEAST:
+                        changes[feed.run.recording, f"{one.where}.pressure_{side + 1}"] = change
+    return {joint: [_changed(run, changes) for run in runs] for joint, runs in case.joints.items()}
+
+
+def _change(whole: GasProblem, index: int, side: int, measured: Array, named: set[str]) -> Array:
+    """Return pressure in the chamber less what was measured, shape (n,) [Pa]."""
+    setting, time = whole.setting, whole.feeds[index].time
+
+    def fault(kind: str, none: float) -> float:
+        name = f"pressure_{side + 1}.{kind}"
+        return setting.sensors.get(name, none) if name in named else none
+
+    true = (measured - fault("bias", 0.0)) / fault("scale", 1.0)
+    late = fault("delay", 0.0)
+    if late != 0.0:
+        good = np.isfinite(true)
+        true = np.interp(time + late, time[good], true[good])
+    hose = setting.cylinder["line_restriction"]
+    if float(hose["area"][0]) > 0.0 and float(hose["sensor"][0]) > 0.5:
+        shown = whole.predict(setting, index)
+        true = true + shown.inside[:, side] - shown.pressure[:, side]
+    return true - measured
+
+
+def _changed(run: MotionRun, changes: dict[tuple[str, str], Array]) -> MotionRun:
+    drive, gauge = run.drive, run.gauge
+    seconds = max(SMOOTHING, 6.0 * float(np.median(np.diff(run.time))))
+    for column, lever in run.levers.items():
+        change = changes.get((run.recording, column))
+        if change is None or len(change) != len(run.time):
+            continue
+        smooth = led(run.time, change, seconds)[0]
+        drive = drive + lever * smooth
+        if run.cylinder is not None and column.startswith(f"{run.cylinder}.pressure_"):
+            side = int(column[-1]) - 1
+            gauge = gauge + np.column_stack([smooth if s == side else np.zeros_like(smooth) for s in range(2)])
+    return run if drive is run.drive else replace(run, drive=drive, gauge=gauge)

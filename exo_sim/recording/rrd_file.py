@@ -16,7 +16,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from exo_sim.outputs import replacing
-from exo_sim.recording import blueprint, columns
+from exo_sim.recording import blueprint
 from exo_sim.recording.scene import Scene
 from exo_sim.recording.table import Recording
 

@@ -7,7 +7,7 @@ import pytest
 
 from exo_sim.errors import OutputError, RecordingError
 from exo_sim.recording import Arrows, DrawnCylinder, Recording, Scene, Shape, read, write_rrd, write_table
-from exo_sim.recording.blueprint import tabs
+from exo_sim.recording.blueprint import tabs, words
 from exo_sim.recording.rrd_file import gait_lanes
 from exo_sim.recording.rrd_scene import _turning_z_to
 
@@ -210,3 +210,8 @@ def test_the_overlay_that_the_viewer_draws_last_is_thin(tmp_path: Path, names: t
     drawn = {name: width for name, width in widths.items() if name in ("recorded", *names)}
     assert set(drawn) == {"recorded", *names}
     assert min(drawn, key=drawn.__getitem__) == thin == max(drawn)
+
+
+def test_plots_name_their_units() -> None:
+    assert words("knee_r.position", "rad") == "knee_r: joint position, rad"
+    assert words("knee_r.valve_command", "1") == "knee_r: valve command"

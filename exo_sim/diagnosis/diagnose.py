@@ -191,6 +191,7 @@ def _motion(case: Case, parts: Split, pool: ThreadPoolExecutor, say: Progress) -
             None,
             _told(say, joint),
             cheap=True,
+            material=problem.material,
         )
         found.append(judge("motion", where, problem, search, search.run(), partial(pattern_left, problem)))
     return found

@@ -249,7 +249,7 @@ def run_gas(
     hose = cylinder["line_restriction"][0]
     if hose["area"] > 0.0 and hose["sensor"] > 0.5:  # such a sensor shows every error of a step in the hose's small volume
         settling = settling_rate(hose["area"], hose["volume"], world["k"][0], world["r"][0])
-        world["longest_step"] = min(world["longest_step"][0], HOSE_SHARE / settling)
+        world["longest_step"] = min(world["longest_step"][0], max(HOSE_SHARE / settling, usual / MOST_STEPS))
     n = len(feed.time)
     length = feed.length
     if length_delay != 0.0:

@@ -135,11 +135,9 @@ def _is_nameless(
     """Say whether too much is left, or believed numbers are bent too far, for the names to be believed."""
     start, end = found.start.fit, found.end.fit
     left = end.sse / n
-    if left < LEFT_OVER:
+    if left < LEFT_OVER or math.sqrt(left) < search.problem.sick:
         return False
     if not named:
-        if math.sqrt(left) < search.problem.sick:
-            return False
         return left > SICK and (search.correlation_time(end.residual) > 2.0 or left > 3.0 * SICK)
     explained = (start.sse - end.sse) / max(start.sse - n, 1e-9)
     if explained < EXPLAINED and (explained < HALFWAY or pattern(found.end) > PATTERN):

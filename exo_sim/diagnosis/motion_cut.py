@@ -11,8 +11,9 @@ from dataclasses import dataclass
 import mujoco
 import numpy as np
 from numpy.typing import NDArray
+from scipy.ndimage import gaussian_filter1d
 
-from exo_sim.diagnosis.observed import breaks_of, led, left_of_noise, white_noise
+from exo_sim.diagnosis.observed import breaks_of, gaussian_width, led, left_of_noise, white_noise
 from exo_sim.machine.linkage import Linkage, moment_row
 from exo_sim.physics.compiled import kernel
 from exo_sim.physics.resistance import dry_level, move_bristle, piston_resistance
@@ -94,6 +95,12 @@ def resistance_along(c, time, x, v, gauge, out):
         if i > 0:
             z = move_bristle(c, z, 0.5 * (v[i] + v[i - 1]), level, time[i] - time[i - 1])
         out[i] = piston_resistance(c, z, x[i], v[i], gauge[i, 0], gauge[i, 1])
+
+
+def as_smooth(time: Array, values: Array) -> Array:
+    """Return values behind the filter that the measured forces of a balance have passed, shape (n,)."""
+    usual = float(np.median(np.diff(time)))
+    return gaussian_filter1d(values, gaussian_width(max(SMOOTHING, 6.0 * usual)) / usual, mode="nearest")
 
 
 def motion_runs(

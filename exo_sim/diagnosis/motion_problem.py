@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.ndimage import binary_erosion
 
-from exo_sim.diagnosis.motion_cut import SMOOTHING, MotionRun, resistance_along
+from exo_sim.diagnosis.motion_cut import SMOOTHING, MotionRun, as_smooth, resistance_along
 from exo_sim.diagnosis.quantity import Candidate, Quantity, Setting
 from exo_sim.diagnosis.split import Split
 from exo_sim.physics.effects.declaration import Parameter, declared
@@ -24,8 +24,12 @@ STRUCTURAL_SHARE = 0.008
 
 #: ... and what no healthy machine's does, as a share of the same.
 SICK_SHARE = 0.03
+#: How far an owner's number of friction or spring may be off, one standard deviation, as a share.
+KNOWN_SPREAD = 0.2
+#: An effect that lowers the error by less than this share of the stall force is not worth a name.
+MATERIAL_SHARE = 2e-4
 #: What a good pressure sensor's zero may be off by [Pa]: a constant force that no recording can call friction.
-PRESSURE_OFFSET = 2000.0
+PRESSURE_OFFSET = 1200.0
 
 #: Forces that a healthy cylinder loses besides, as shares of its stall force: dry friction (one standard deviation, and the most),
 #: a spring over its whole stroke, and all together what no name is looked for.
@@ -86,6 +90,12 @@ class MotionProblem:
         return int(self.blocks.size)
 
     @property
+    def material(self) -> float:
+        """Drop of the root-mean-square error that matters, in units of the whitened rows."""
+        floor = MATERIAL_SHARE * stall_force(self.runs[0], self.setting)
+        return floor / float(np.median(self.scale)) if self.scale.size else 0.0
+
+    @property
     def sick(self) -> float:
         """Root-mean-square error beyond which no healthy machine's balance is, in units of the whitened rows."""
         force = max(
@@ -106,6 +116,7 @@ class MotionProblem:
         run, sensors = self.runs[index], setting.sensors
         resisted = np.empty(len(run.time))
         resistance_along(setting.cylinder[0], run.time, run.position, run.velocity, run.gauge, resisted)
+        resisted = as_smooth(run.time, resisted)  # as the measured forces are: a reversal is a step on neither side
         mass = sensors.get("payload_mass", 1.0)
         moved = (
             run.inertial
@@ -141,7 +152,7 @@ def _layout(run: MotionRun, usable: NDArray[np.bool_]) -> tuple[NDArray[np.int64
     step = float(np.median(np.diff(time)))
     size = max(1, int(round(GROUP / step)))
     edge = max(2, int(round(0.5 * SMOOTHING / step)))
-    moving = binary_erosion(np.abs(run.velocity) > run.still, iterations=max(1, edge // 2))
+    moving = binary_erosion(np.abs(run.velocity) > run.still, iterations=edge)
     good = usable & moving & np.isfinite(run.inertial + run.drive + run.external)
     for begin in run.breaks:
         good[max(0, begin - edge) : begin + edge] = False
@@ -210,10 +221,10 @@ def believed(runs: Sequence[MotionRun], setting: Setting, where: str) -> tuple[Q
                         parameter.name,
                         parameter.unit_at(run.turning and run.cylinder is None),
                         "cylinder",
-                        0.1 * abs(value),
+                        KNOWN_SPREAD * abs(value),
                         parameter.low,
                         parameter.high,
-                        (value, 0.1 * abs(value)),
+                        (value, KNOWN_SPREAD * abs(value)),
                     )  # fmt: skip
                 )
     return tuple(found)

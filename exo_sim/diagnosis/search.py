@@ -421,23 +421,36 @@ class Search:
         return now
 
     def _settled(self, now: Trial) -> Trial:
-        """Leave out what the data do not tell from nothing: numbers, and whole findings, within their error of neutral."""
+        """Leave out what the data do not tell from nothing: numbers, and whole findings, within their error of neutral.
+
+        Numbers that are vague only because they stand in for each other stay.
+        """
         while now.chosen:
             spread = spreads(self.problem, now.fit, self.correlation_time(now.fit.residual))
             vague = {q for c in now.chosen for q in c.quantities if abs(now.fit.values[q] - q.neutral) < CERTAIN * spread.get(q, 0.0)}
-            plain = tuple(one for c in now.chosen if (one := self._without(c, vague)) is not None)
-            if {c.key for c in plain} == {c.key for c in now.chosen}:
+            plainer = self._without(now, vague)
+            if plainer is None:
                 break
-            now = self.polished(self._pruned(self.try_set(plain, now)))
+            now = self.polished(self._pruned(plainer))
         return now
 
-    def _without(self, candidate: Candidate, vague: set[Quantity]) -> Candidate | None:
-        """Return the form of an effect that has no vague numbers, itself where there is no such form, None where all are vague."""
-        clear = [q.parameter for q in candidate.quantities if q not in vague]
-        if not clear:
-            return None
-        return next((c for c in self.library if (c.effect, c.where) == (candidate.effect, candidate.where)
-                     and sorted(q.parameter for q in c.quantities) == sorted(clear)), candidate)  # fmt: skip
+    def _without(self, now: Trial, vague: set[Quantity]) -> Trial | None:
+        """Return a set with less of what is vague in it, None where there is none."""
+        for candidate in now.chosen:
+            others = tuple(c for c in now.chosen if c is not candidate)
+            clear = {q.parameter for q in candidate.quantities if q not in vague}
+            if len(clear) == len(candidate.quantities):
+                continue
+            if len(candidate.quantities) == 1:
+                return self.try_set(others, now)
+            forms = [c for c in self.library if (c.effect, c.where) == (candidate.effect, candidate.where)
+                     and {q.parameter for q in c.quantities} < {q.parameter for q in candidate.quantities}
+                     and clear <= {q.parameter for q in c.quantities}]  # fmt: skip
+            for form in sorted(forms, key=lambda c: len(c.quantities)):
+                trial = self.try_set((*others, form), now)
+                if self._hardly_loses(trial, now):
+                    return trial
+        return None
 
     def _simplest(self, now: Trial) -> Trial:
         """Put each finding in the form that needs fewest numbers for what it explains; where fits are cheap, in a plainer one's place."""

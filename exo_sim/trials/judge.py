@@ -79,7 +79,8 @@ def judge(truth: Mapping[str, Any], diagnosis: Mapping[str, Any] | None) -> Mark
     report: Mapping[str, Any] = diagnosis if answered and diagnosis is not None else {}
     given = [entry for entry in report.get("effects", []) if isinstance(entry, Mapping) and entry.get("name")]
     targets = {target.name for target in hidden}
-    given = [entry for entry in given if entry["name"] in targets or not _mere_calibration(entry)]
+    spare = {"viscous_friction"} if _damping_is_off(truth) else set()
+    given = [entry for entry in given if entry["name"] in targets or not (_mere_calibration(entry) or entry["name"] in spare)]
     matches = [next((entry for entry in given if target.is_named_by(entry)), None) for target in hidden]
     rivals = [
         next((entry for entry in given if target.is_rival_of(entry)), None) if match is None else match
@@ -183,6 +184,12 @@ class _Target:
             within = isinstance(low, int | float) and isinstance(high, int | float) and low <= true <= high
             out.append((abs(got - true) / abs(true), bool(within), f"{self.true_name}.{key}"))
         return out
+
+
+def _damping_is_off(truth: Mapping[str, Any]) -> bool:
+    """Say whether the owner's damping was bent to conceal something: then viscous friction is missing in truth, named or not."""
+    believed, built = ((truth.get(key) or {}).get("damping") for key in ("believed", "bench"))
+    return bool(believed is not None and built and abs(believed / built - 1.0) > 0.05)
 
 
 def _mere_calibration(entry: Mapping[str, Any]) -> bool:

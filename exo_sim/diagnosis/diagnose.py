@@ -77,7 +77,7 @@ def diagnose(
         gas = _gas(case, parts, pool, say)
         case.joints = carried_over(case, gas, parts)
         judged = _shared_once([*gas, *_supply(case, parts, gas, say), *_motion(case, parts, pool, say)])
-        nameless = unknown_findings(judged)
+        nameless = unknown_findings(_rigid(judged))
         say("proving on time kept back")
         proof = prove(judged, case, parts, nameless)
     findings = _findings(judged, case, proof.drops)
@@ -195,6 +195,15 @@ def _motion(case: Case, parts: Split, pool: ThreadPoolExecutor, say: Progress) -
         )
         found.append(judge("motion", where, problem, search, search.run(), partial(pattern_left, problem)))
     return found
+
+
+def _rigid(judged: list[Judged]) -> list[Judged]:
+    """Take back what has no name in a balance of forces whose transmission was found to give: the balance takes it for rigid."""
+    soft = {f.where for one in judged for f in one.findings if f.name in ("backlash", "transmission_compliance")}
+    for one in judged:
+        if one.cut == "motion" and one.where in soft:
+            one.nameless = False
+    return judged
 
 
 def _carry_over(case: Case, joint: str, record: np.ndarray) -> None:

@@ -35,6 +35,8 @@ STRUCTURAL_FLOOR = 60.0
 STRUCTURAL_SHARE = 1.5e-4
 #: Below this share of the pressure an error is not worth a name: sensors drift as much.
 MATERIAL_SHARE = 1e-4
+#: So many times that, and no healthy machine is like it.
+SICK_TIMES = 15.0
 #: How far a start that was estimated from a few samples may be off, in units of the sensor's noise.
 START_SPREAD = 1.0
 #: The step in start pressure that shows how errors there grow or fade [Pa].
@@ -140,7 +142,7 @@ class GasProblem:
     @property
     def sick(self) -> float:
         """Root-mean-square error beyond which no healthy machine's gas is, in units of the whitened rows."""
-        return 10.0 * self.material
+        return SICK_TIMES * self.material
 
     def apply(self, values: dict[Quantity, float], fixed: Sequence[tuple[Quantity, float]] = ()) -> Setting:
         """Return the setting with these numbers put in."""

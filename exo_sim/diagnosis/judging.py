@@ -20,7 +20,9 @@ AS_GOOD = 3.0
 #: Residual variance in units of the noise beyond which something is left, and what named effects must then explain.
 LEFT_OVER, EXPLAINED = 1.8, 0.90
 #: Between this and nine tenths, names stand unless what is left follows one signal by more than that share.
-HALFWAY, PATTERN = 0.6, 0.25
+HALFWAY, PATTERN = 0.8, 0.25
+#: Where more is left than the noise, a finding takes more than this share of what was there without it: else it is one shape of many.
+LARGER_PART = 0.5
 #: Without any finding a residual variance beyond this is no healthy machine's.
 SICK = 5.0
 #: A believed number that had to move by more than this many of its own spreads speaks for something missing.
@@ -86,6 +88,8 @@ def judge(
     ]
     rejected += [Rejected(c.effect, c.where, wording.no_gain(c, w.share)) for c, w in found.runners_up]
     trial = end
+    if not nameless and end.fit.sse > LEFT_OVER * n:
+        trial, named = _firm(search, found, named)
     if nameless:
         rejected += [
             Rejected(
@@ -123,6 +127,30 @@ def _with_twin(findings: list[Finding], cut: str) -> list[Finding]:
     ]
 
 
+def _firm(search: Search, found: Found, named: tuple[Candidate, ...]) -> tuple[Trial, tuple[Candidate, ...]]:
+    """Return the findings that stand although something is left: the larger part of it is theirs, and surely more than healthy."""
+    trial = found.end
+    while named:
+        spread = spreads(search.problem, trial.fit, search.correlation_time(trial.fit.residual))
+        firm = tuple(c for c in named if _takes_most(found, c) and surely_sizeable(c, trial, spread))
+        if firm == named:
+            break
+        trial, named = search.polished(search.try_set(firm, trial)), firm
+    return trial, named
+
+
+def _takes_most(found: Found, candidate: Candidate) -> bool:
+    weighing = found.weighings.get(candidate.key)
+    return weighing is None or weighing.share > LARGER_PART
+
+
+def surely_sizeable(candidate: Candidate, trial: Trial, spread: dict[Quantity, float]) -> bool:
+    """Say whether any number of a candidate lies, interval and all, beyond what a healthy machine shows."""
+    asked = [q for q in candidate.quantities if q.least > 0.0]
+    values = trial.fit.values
+    return not asked or any(abs(values[q] - q.neutral) - 2.0 * spread.get(q, 0.0) > q.least for q in asked)
+
+
 def _is_nozzle(candidate: Candidate, trial: Trial) -> bool:
     if candidate.effect != "critical_ratio":
         return False
@@ -142,7 +170,8 @@ def _is_nameless(
     explained = (start.sse - end.sse) / max(start.sse - n, 1e-9)
     if explained < EXPLAINED and (explained < HALFWAY or pattern(found.end) > PATTERN):
         return True
-    bent = any(q.prior is not None and abs(end.values[q] - q.prior[0]) > STRAINED * q.prior[1] for q in end.quantities)
+    believed = [q for q in end.quantities if q.prior is not None and q.effect != "offset"]
+    bent = any(abs(end.values[q] - q.prior[0]) > STRAINED * q.prior[1] for q in believed if q.prior)
     return bent and left > SICK
 
 

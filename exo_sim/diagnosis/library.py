@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import itertools
+import math
 from collections.abc import Sequence
 from dataclasses import replace
 
@@ -75,6 +76,8 @@ REST_HEAT = 2.0
 #: Leaks of a healthy cylinder for its swept volume [m^2/m^3], [kg/(s Pa^2 m^3)]: they take minutes to empty it.
 HEALTHY_LEAK, HEALTHY_GAP = 1.8e-5, 1.8e-13
 
+#: Heat transfer that no gas at rest goes below, on the wall of the whole cylinder [W/(m^2 K)].
+HEALTHY_FILM = 2.0
 #: What a healthy machine shows as well: how much of it, one standard deviation, and how much at most. Every fit may move these
 #: up to there; only what is larger is a finding. A good proportional valve answers at about 100 Hz.
 _HEALTHY: dict[tuple[str, str], tuple[float, float]] = {
@@ -283,6 +286,9 @@ def _least(effect: Effect, parameter: Parameter, setting: Setting) -> float:
         return share * HEALTHY_LEAK * swept
     if share and parameter.unit == "kg/(s Pa^2)":
         return share * HEALTHY_GAP * swept
+    if effect.name == "wall_heat_transfer":
+        bore = math.sqrt(4.0 * float(c["area_1"]) / math.pi)
+        return HEALTHY_FILM * math.pi * bore * (float(c["stroke"]) + 0.5 * bore)
     return _LEAST.get((effect.name, parameter.name), 0.0)
 
 

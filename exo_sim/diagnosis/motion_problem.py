@@ -285,9 +285,12 @@ def candidates(runs: Sequence[MotionRun], setting: Setting, where: str) -> tuple
                 starts = [(b * dry + c * force, w * speed) for b, c in ((1.4, 0.1), (2.0, 0.4)) for w in (0.05, 0.25)]
             if effect.name == "presliding":
                 starts = [(1e5,), (2e4,)]
+            if effect.name == "return_spring":  # stiffness times rest is one number: a bad start for one of them traps the other
+                middle = float(np.nanmean(run.position))
+                starts = [(s * force / travel, middle + r * travel) for s in (0.2, 1.0) for r in (-4.0, -1.5, 0.0, 1.5, 4.0)]
             found.append(
                 Candidate(effect.name, where, "+".join(form), tuple(quantities), tuple(starts),
-                          proportional=effect.name not in ("stribeck_friction", "presliding"),
+                          proportional=effect.name not in ("stribeck_friction", "presliding", "return_spring"),
                           beside="" if _is_on(base := _ON_TOP_OF.get(effect.name, ""), setting) else base)
             )  # fmt: skip
     for column in run.levers:

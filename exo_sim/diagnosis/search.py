@@ -446,6 +446,10 @@ class Search:
             forms = [c for c in self.library if (c.effect, c.where) == (candidate.effect, candidate.where)
                      and {q.parameter for q in c.quantities} < {q.parameter for q in candidate.quantities}
                      and clear <= {q.parameter for q in c.quantities}]  # fmt: skip
+            if self.cheap:
+                taken = {(c.effect, c.where) for c in now.chosen}
+                forms += [c for c in self.library if len(c.quantities) < len(candidate.quantities)
+                          and (c.effect, c.where) not in taken and not c.beside]  # fmt: skip
             for form in sorted(forms, key=lambda c: len(c.quantities)):
                 trial = self.try_set((*others, form), now)
                 if self._hardly_loses(trial, now):

@@ -1,0 +1,68 @@
+"""Believed numbers that are off become findings: the two dead volumes of one cylinder are one, of two cylinders two."""
+
+from __future__ import annotations
+
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from exo_sim.diagnosis.judging import calibration_findings
+from exo_sim.diagnosis.quantity import Quantity
+
+FACTORS = st.floats(0.3, 3.0)
+ERRORS = st.floats(1e-4, 0.1)
+
+
+def number(effect: str, where: str, field: str) -> Quantity:
+    return Quantity(effect, where, field, "1", "factor", 0.1, 0.05, 10.0, (1.0, 0.15), neutral=1.0)
+
+
+def volume(side: int, where: str = "piston") -> Quantity:
+    return number("dead_volume", where, f"dead_volume_{side}")
+
+
+@given(one=FACTORS, other=FACTORS, error=ERRORS, doubt=ERRORS)
+def test_two_dead_volumes_are_one_finding_between_them(one: float, other: float, error: float, doubt: float) -> None:
+    (found,) = calibration_findings([(volume(1), one, error), (volume(2), other, doubt)])
+    assert (found.name, found.where, found.kind) == ("dead_volume", "piston", "calibration")
+    factor = found.parameters["factor"]
+    low, high = min(one, other), max(one, other)
+    assert low - 1e-12 <= factor.value <= high + 1e-12
+    assert factor.low <= low + 1e-12 and high - 1e-12 <= factor.high
+    assert (found.parameters["dead_volume_1"].value, found.parameters["dead_volume_2"].value) == (one, other)
+
+
+@given(one=FACTORS, other=FACTORS, error=ERRORS)
+def test_the_surer_of_the_two_counts_more(one: float, other: float, error: float) -> None:
+    (found,) = calibration_findings([(volume(1), one, error), (volume(2), other, 3.0 * error)])
+    assert found.parameters["factor"].value == pytest.approx(0.9 * one + 0.1 * other)
+
+
+@given(factor=st.floats(0.5, 2.0), error=ERRORS)
+def test_two_that_agree_are_surer_than_one(factor: float, error: float) -> None:
+    (alone,) = calibration_findings([(volume(1), factor, error)])
+    (both,) = calibration_findings([(volume(1), factor, error), (volume(2), factor, error)])
+    for found, spread in ((alone, error), (both, error / 2.0**0.5)):
+        interval = found.parameters["factor"]
+        assert interval.value == pytest.approx(factor)
+        assert (interval.high - interval.low) == pytest.approx(2.0 * 1.959964 * spread, rel=1e-5)
+    assert both.log10_odds == pytest.approx(2.0 * alone.log10_odds)
+
+
+def test_cylinders_and_kinds_stay_apart() -> None:
+    numbers = [
+        (volume(1, "hip"), 1.3, 0.01),
+        (volume(1, "knee"), 0.7, 0.01),
+        (number("flow_capacity", "hip", "valve_area"), 0.9, 0.01),
+        (volume(2, "hip"), 1.2, 0.01),
+    ]
+    found = {(one.name, one.where): one.parameters for one in calibration_findings(numbers)}
+    assert set(found) == {("dead_volume", "hip"), ("dead_volume", "knee"), ("flow_capacity", "hip")}
+    assert found["dead_volume", "hip"]["factor"].value == pytest.approx(1.25)
+    assert found["dead_volume", "knee"]["factor"].value == 0.7
+    assert set(found["dead_volume", "knee"]) == {"factor", "dead_volume_1"}
+    assert set(found["flow_capacity", "hip"]) == {"factor"}
+
+
+def test_nothing_off_is_no_finding() -> None:
+    assert calibration_findings([]) == []

@@ -1,0 +1,116 @@
+"""Which questions may be asked: what comes on top of another waits for it; what every machine at rest shows is believed."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+from exo_sim.diagnosis import library
+from exo_sim.diagnosis.fitting import Fit
+from exo_sim.diagnosis.quantity import Candidate, Quantity, Setting
+from exo_sim.diagnosis.search import Search, Trial
+from exo_sim.physics.records import CYLINDER, WORLD
+
+AT = np.arange(400.0)
+
+
+def candidate(effect: str, beside: str = "") -> Candidate:
+    quantity = Quantity(effect, "piston", "size", "1", "cylinder", 1.0, -10.0, 10.0)
+    return Candidate(effect, "piston", "size", (quantity,), ((1.0,),), beside=beside)
+
+
+BASE, ON_TOP, OTHER = candidate("base"), candidate("on_top", beside="base"), candidate("other")
+SHAPES = {"base": np.sin(AT / 30.0), "on_top": np.sin(AT / 11.0), "other": np.cos(AT / 5.0)}
+
+
+class Waves:
+    """Noise and waves, of which each candidate is one."""
+
+    sick = 1e9
+
+    def __init__(self, **sizes: float):
+        self.blocks = (AT // 40).astype(np.int64)
+        self._error = np.random.default_rng(8).standard_normal(AT.size) - sum(size * SHAPES[name] for name, size in sizes.items())
+
+    @property
+    def size(self) -> int:
+        return AT.size
+
+    def residual(self, values: dict[Quantity, float], fixed: object = ()) -> np.ndarray:
+        return self._error + sum((value * SHAPES[q.effect] for q, value in values.items()), np.zeros(AT.size))
+
+
+def trial(*chosen: Candidate) -> Trial:
+    return Trial(chosen, Fit((), {}, np.zeros(0), np.zeros((0, 0))))
+
+
+def search(problem: Waves, cheap: bool) -> Search:
+    return Search(problem, (), (BASE, ON_TOP, OTHER), cheap=cheap)
+
+
+def test_only_what_stands_on_its_own_or_on_what_is_there_is_borne() -> None:
+    assert trial().bears(BASE) and trial().bears(OTHER)
+    assert not trial().bears(ON_TOP)
+    assert not trial(OTHER).bears(ON_TOP)
+    assert trial(BASE).bears(ON_TOP) and trial(OTHER, BASE).bears(ON_TOP)
+
+
+def test_a_screen_leaves_out_what_is_not_borne() -> None:
+    one = search(Waves(on_top=5.0), cheap=False)
+    assert {found.effect for _, found in one.screen(one.try_set(()))} == {"base", "other"}
+    ranked = one.screen(one.try_set((BASE,)))
+    assert [found.effect for _, found in ranked] == ["on_top", "other"]
+    assert ranked[0][0] > 100.0 * max(ranked[1][0], 1.0)
+
+
+@pytest.mark.parametrize("cheap", [False, True])
+def test_both_are_found_where_both_are_there(cheap: bool) -> None:
+    found = search(Waves(base=3.0, on_top=2.0), cheap).run().end
+    assert {c.effect for c in found.chosen} == {"base", "on_top"}
+    for c, size in ((BASE, 3.0), (ON_TOP, 2.0)):
+        assert found.fit.values[c.quantities[0]] == pytest.approx(size, abs=0.3)
+
+
+@pytest.mark.parametrize("cheap", [False, True])
+def test_what_comes_on_top_is_never_named_alone(cheap: bool) -> None:
+    found = search(Waves(on_top=5.0), cheap).run().end
+    assert all(found.bears(c) for c in found.chosen)
+
+
+def setting(conductance: float = 0.0) -> Setting:
+    cylinder = np.zeros(1, CYLINDER)
+    cylinder["wall_heat_transfer"]["conductance"] = conductance
+    return Setting(np.zeros(1, WORLD), cylinder)
+
+
+def believed(one: Setting, rests: bool, commanded: bool = False) -> dict[tuple[str, str], Quantity]:
+    return {(q.effect, q.parameter): q for q in library.believed(one, "piston", commanded, (1, 2), rests)}
+
+
+HEAT = ("wall_heat_transfer", "conductance")
+
+
+@pytest.mark.parametrize("commanded", [False, True])
+def test_gas_at_rest_may_warm_at_its_walls(commanded: bool) -> None:
+    heat = believed(setting(), rests=True, commanded=commanded)[HEAT]
+    assert heat.low == 0.0 < heat.high and heat.prior is not None and heat.prior[0] == heat.neutral == 0.0
+    one = setting()
+    heat.put(one, 1.5)
+    assert one.cylinder["wall_heat_transfer"]["conductance"][0] == 1.5
+
+
+def test_gas_that_works_has_no_such_excuse() -> None:
+    assert HEAT not in believed(setting(), rests=False)
+
+
+def test_walls_that_the_rig_knows_are_not_asked_twice() -> None:
+    assert HEAT not in believed(setting(0.7), rests=True)
+    assert HEAT in {(q.effect, q.parameter) for q in library.known_effects(setting(0.7), "piston")}
+
+
+def test_nothing_is_believed_of_a_valve_that_nobody_commanded() -> None:
+    names = {effect for effect, _ in believed(setting(), rests=True)}
+    assert names == {"dead_volume", "sensor_zero", "wall_heat_transfer"}
+    assert {"flow_capacity", "valve_offset", "valve_deadband", "valve_lag"} <= {
+        effect for effect, _ in believed(setting(), rests=False, commanded=True)
+    }

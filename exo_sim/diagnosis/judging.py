@@ -88,7 +88,7 @@ def judge(
     ]
     rejected += [Rejected(c.effect, c.where, wording.no_gain(c, w.share)) for c, w in found.runners_up]
     trial = end
-    if not nameless and end.fit.sse > LEFT_OVER * n:
+    if cut == "gas" and not nameless and end.fit.sse > LEFT_OVER * n:  # no two valves are alike
         trial, named = _firm(search, found, named)
     if nameless:
         rejected += [
@@ -199,7 +199,7 @@ def _finding(candidate: Candidate, trial: Trial, spread: dict[Quantity, float], 
         for r, worse in found.rivals.get(candidate.key, [])
         if worse <= AS_GOOD and r.effect != candidate.effect
     ]
-    weights = {candidate.effect: 1.0, **{r.effect: math.exp(-max(worse, -20.0)) for r, worse in reversed(rivals)}}
+    weights = {candidate.effect: 1.0, **{r.effect: math.exp(-max(worse, 0.0)) for r, worse in reversed(rivals)}}
     total = sum(weights.values())
     return Finding(
         candidate.effect, candidate.where, candidate.kind, wording.says(candidate.effect), parameters,

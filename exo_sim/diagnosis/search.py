@@ -86,7 +86,7 @@ class Found:
         start: Believed numbers refitted, nothing added.
         end: With everything that was accepted.
         weighings: By candidate key: what dropping it would cost.
-        rivals: By candidate key: what would take its place and how much worse that fits (log-likelihood).
+        rivals: By candidate key: what would take its place and how much worse that fits (log-likelihood, numbers paid for).
         runners_up: Candidates that were considered at the end and not accepted, with what they would gain.
     """
 
@@ -221,9 +221,12 @@ class Search:
 
     def _ranked(self, trials: Sequence[Trial]) -> list[Trial]:
         """Return trials by what they explain for what their numbers cost, best first."""
-        rows = self._rows(trials)
-        price = 0.5 * math.log(max(rows, 2.0))
+        rows, price = self._rows(trials), self._price(trials)
         return sorted(trials, key=lambda trial: loss(trial.fit, rows) + price * trial.numbers)
+
+    def _price(self, trials: Sequence[Trial]) -> float:
+        """Return the log-likelihood that one more number must bring."""
+        return 0.5 * math.log(max(self._rows(trials), 2.0))
 
     def _clean(self, trial: Trial) -> bool:
         return trial.fit.sse < CLEAN * self.problem.size
@@ -347,7 +350,7 @@ class Search:
     def _overtaken(self, found: Found) -> Trial | None:
         """Return the set with the best rival in a finding's place, where that explains more."""
         by_loss = [
-            (worse + 2.0 * max(len(rival.quantities) - len(candidate.quantities), 0), candidate, rival)
+            (worse, candidate, rival)
             for candidate in found.end.chosen
             for rival, worse in found.rivals[candidate.key][:1]
             if (rival.effect, rival.where) not in found.end.keys
@@ -494,7 +497,7 @@ class Search:
                 if (rival.effect, rival.where) == (candidate.effect, candidate.where):
                     continue
                 trial = self.try_set((*kept, rival), without)
-                rivals.append((rival, self._loses(trial, end)))
+                rivals.append((rival, self._loses(trial, end) + self._price((trial, end)) * (trial.numbers - end.numbers)))
             found.rivals[candidate.key] = sorted(rivals, key=lambda pair: pair[1])
         for candidate in self._finalists(self.screen(end), 3):
             trial = self.try_set((*end.chosen, candidate), end)

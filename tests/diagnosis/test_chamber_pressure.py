@@ -19,6 +19,7 @@ from exo_sim.diagnosis.judging import Judged
 from exo_sim.diagnosis.motion_cut import MotionRun, motion_runs
 from exo_sim.diagnosis.observed import cylinder_runs
 from exo_sim.diagnosis.quantity import Candidate, Setting
+from exo_sim.diagnosis.rod_cut import rod_run
 from exo_sim.diagnosis.search import Trial
 from exo_sim.diagnosis.split import Split
 from exo_sim.machine.linkage import linkages
@@ -124,3 +125,17 @@ def test_a_load_cell_needs_no_correction(rig: Rig, truth: Recording) -> None:
     (raw,) = case.joints["slide"]
     (after,) = carried_over(case, [judged(case, "sensor_scale", 1.06)], PARTS)["slide"]
     assert after is raw
+
+
+def test_the_balance_along_a_rod_is_mended_too(rig: Rig, truth: Recording) -> None:
+    force = 50.0 * np.sin(4.0 * truth.time)
+    table = replace(truth, columns={**truth.columns, "piston.force": force}, units={**truth.units, "piston.force": "N"})
+    exact = rod_run(case_of(rig, table).cylinders["piston"][0], rig)
+    case = case_of(rig, seen(table, "sensor_delay", 0.008, 2))
+    raw = rod_run(case.cylinders["piston"][0], rig)
+    assert exact is not None and raw is not None
+    case.joints = {"piston": [raw]}
+    (mended,) = carried_over(case, [judged(case, "sensor_delay", 0.008, 2)], PARTS)["piston"]
+    assert force_error(raw, exact) > 3.0
+    assert force_error(mended, exact) < 0.01 * force_error(raw, exact)
+    np.testing.assert_array_equal(mended.inertial, raw.inertial)

@@ -14,17 +14,17 @@ from exo_sim.physics.records import CYLINDER, WORLD
 AT = np.arange(400.0)
 
 
-def candidate(effect: str, beside: str = "") -> Candidate:
-    quantity = Quantity(effect, "piston", "size", "1", "cylinder", 1.0, -10.0, 10.0)
-    return Candidate(effect, "piston", "size", (quantity,), ((1.0,),), beside=beside)
+def candidate(effect: str, *waves: str, beside: str = "") -> Candidate:
+    quantities = tuple(Quantity(effect, "piston", wave, "1", "cylinder", 1.0, -10.0, 10.0) for wave in waves)
+    return Candidate(effect, "piston", "+".join(waves), quantities, ((1.0,) * len(waves),), beside=beside)
 
 
-BASE, ON_TOP, OTHER = candidate("base"), candidate("on_top", beside="base"), candidate("other")
-SHAPES = {"base": np.sin(AT / 30.0), "on_top": np.sin(AT / 11.0), "other": np.cos(AT / 5.0)}
+SHAPES = {"slow": np.sin(AT / 30.0), "quick": np.sin(AT / 11.0), "quicker": np.cos(AT / 5.0)}
+BASE, ON_TOP, OTHER = candidate("base", "slow"), candidate("on_top", "quick", beside="base"), candidate("other", "quicker")
 
 
 class Waves:
-    """Noise and waves, of which each candidate is one."""
+    """Noise and waves, of which each candidate has one or two."""
 
     sick = 1e9
 
@@ -37,15 +37,15 @@ class Waves:
         return AT.size
 
     def residual(self, values: dict[Quantity, float], fixed: object = ()) -> np.ndarray:
-        return self._error + sum((value * SHAPES[q.effect] for q, value in values.items()), np.zeros(AT.size))
+        return self._error + sum((value * SHAPES[q.parameter] for q, value in values.items()), np.zeros(AT.size))
 
 
 def trial(*chosen: Candidate) -> Trial:
     return Trial(chosen, Fit((), {}, np.zeros(0), np.zeros((0, 0))))
 
 
-def search(problem: Waves, cheap: bool) -> Search:
-    return Search(problem, (), (BASE, ON_TOP, OTHER), cheap=cheap)
+def search(problem: Waves, cheap: bool, library: tuple[Candidate, ...] = (BASE, ON_TOP, OTHER)) -> Search:
+    return Search(problem, (), library, cheap=cheap)
 
 
 def test_only_what_stands_on_its_own_or_on_what_is_there_is_borne() -> None:
@@ -56,7 +56,7 @@ def test_only_what_stands_on_its_own_or_on_what_is_there_is_borne() -> None:
 
 
 def test_a_screen_leaves_out_what_is_not_borne() -> None:
-    one = search(Waves(on_top=5.0), cheap=False)
+    one = search(Waves(quick=5.0), cheap=False)
     assert {found.effect for _, found in one.screen(one.try_set(()))} == {"base", "other"}
     ranked = one.screen(one.try_set((BASE,)))
     assert [found.effect for _, found in ranked] == ["on_top", "other"]
@@ -65,7 +65,7 @@ def test_a_screen_leaves_out_what_is_not_borne() -> None:
 
 @pytest.mark.parametrize("cheap", [False, True])
 def test_both_are_found_where_both_are_there(cheap: bool) -> None:
-    found = search(Waves(base=3.0, on_top=2.0), cheap).run().end
+    found = search(Waves(slow=3.0, quick=2.0), cheap).run().end
     assert {c.effect for c in found.chosen} == {"base", "on_top"}
     for c, size in ((BASE, 3.0), (ON_TOP, 2.0)):
         assert found.fit.values[c.quantities[0]] == pytest.approx(size, abs=0.3)
@@ -73,8 +73,23 @@ def test_both_are_found_where_both_are_there(cheap: bool) -> None:
 
 @pytest.mark.parametrize("cheap", [False, True])
 def test_what_comes_on_top_is_never_named_alone(cheap: bool) -> None:
-    found = search(Waves(on_top=5.0), cheap).run().end
+    found = search(Waves(quick=5.0), cheap).run().end
     assert all(found.bears(c) for c in found.chosen)
+
+
+def test_a_fuller_question_is_not_put_plainer_by_what_is_not_borne() -> None:
+    fuller = candidate("other", "quick", "quicker")
+    found = search(Waves(quick=5.0), True, (BASE, ON_TOP, fuller)).run().end
+    assert [c.effect for c in found.chosen] == ["other"]
+    assert found.fit.values[fuller.quantities[0]] == pytest.approx(5.0, abs=0.3)
+
+
+def test_pruning_keeps_what_another_stands_on() -> None:
+    one = search(Waves(quick=5.0), cheap=False)
+    one._whole = one.try_set(())
+    kept = one._pruned(one.try_set((BASE, ON_TOP)))
+    assert {c.effect for c in kept.chosen} == {"base", "on_top"}
+    assert one._pruned(one.try_set((BASE, OTHER))).chosen == ()
 
 
 def setting(conductance: float = 0.0) -> Setting:

@@ -141,9 +141,11 @@ def windows(run: CylinderRun, seconds: float) -> Windows:
         span = time[end - 1] - time[begin] if end > begin else 0.0
         count = max(1, int(round(span / seconds)))
         cuts = np.searchsorted(time[begin:end], time[begin] + span * np.arange(count) / count) + begin
-        reach = int(QUIET_REACH * (end - begin) / count)
-        if reach > 0:
-            cuts[1:] = [cut - reach + int(np.argmin(unrest[cut - reach : cut + reach])) for cut in cuts[1:]]
+        marks = [*(int(cut) for cut in cuts), end]
+        for w in range(1, count):
+            low = marks[w] - int(QUIET_REACH * (marks[w] - marks[w - 1]))
+            high = marks[w] + int(QUIET_REACH * (marks[w + 1] - marks[w]))
+            cuts[w] = low + int(np.argmin(unrest[low : high + 1]))
         starts += [int(cut) for cut in cuts]
         stops += [*(int(cut) for cut in cuts[1:]), end]
     pressure = np.full((len(starts), 2), np.nan)

@@ -10,7 +10,7 @@ import numpy as np
 
 from exo_sim.diagnosis import wording
 from exo_sim.diagnosis.intervals import bounds, spreads
-from exo_sim.diagnosis.quantity import Candidate, Quantity
+from exo_sim.diagnosis.quantity import Candidate, Quantity, standing
 from exo_sim.diagnosis.result import Estimate, Finding, Rejected
 from exo_sim.diagnosis.search import Found, Problem, Search, Trial
 from exo_sim.physics.effects.declaration import declared
@@ -100,7 +100,7 @@ def judge(
             for c in named
             if c.key in found.weighings
         ]
-        kept = tuple(c for c in named if _stands_alone(found, c))
+        kept = standing([c for c in named if _stands_alone(found, c)])
         if not kept:
             trial = search.as_believed()
         elif kept != named:
@@ -132,7 +132,7 @@ def _firm(search: Search, found: Found, named: tuple[Candidate, ...]) -> tuple[T
     trial = found.end
     while named:
         spread = spreads(search.problem, trial.fit, search.correlation_time(trial.fit.residual))
-        firm = tuple(c for c in named if _takes_most(found, c) and surely_sizeable(c, trial, spread))
+        firm = standing([c for c in named if _takes_most(found, c) and surely_sizeable(c, trial, spread)])
         if firm == named:
             break
         trial, named = search.polished(search.try_set(firm, trial)), firm

@@ -11,9 +11,8 @@ from dataclasses import dataclass
 import mujoco
 import numpy as np
 from numpy.typing import NDArray
-from scipy.ndimage import gaussian_filter1d
 
-from exo_sim.diagnosis.observed import breaks_of, gaussian_width, led, left_of_noise, white_noise
+from exo_sim.diagnosis.observed import breaks_of, led, left_of_noise, white_noise
 from exo_sim.machine.linkage import Linkage, moment_row
 from exo_sim.physics.compiled import kernel
 from exo_sim.physics.resistance import dry_level, move_bristle, piston_resistance
@@ -99,8 +98,7 @@ def resistance_along(c, time, x, v, gauge, out):
 
 def as_smooth(time: Array, values: Array) -> Array:
     """Return values behind the filter that the measured forces of a balance have passed, shape (n,)."""
-    usual = float(np.median(np.diff(time)))
-    return gaussian_filter1d(values, gaussian_width(max(SMOOTHING, 6.0 * usual)) / usual, mode="nearest")
+    return led(time, values, max(SMOOTHING, 6.0 * float(np.median(np.diff(time)))))[0]
 
 
 def motion_runs(

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 
 import numpy as np
@@ -135,3 +135,10 @@ class Candidate:
     def label(self) -> str:
         """Effect, place and form in one word."""
         return f"{self.effect}@{self.where}[{self.form}]"
+
+
+def standing(chosen: Sequence[Candidate]) -> tuple[Candidate, ...]:
+    """Return those candidates of a set whose own ground is in it: what comes on top of another goes with it."""
+    effects = {candidate.effect for candidate in chosen}
+    kept = tuple(candidate for candidate in chosen if not candidate.beside or candidate.beside in effects)
+    return kept if len(kept) == len(chosen) else standing(kept)

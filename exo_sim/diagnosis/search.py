@@ -17,7 +17,7 @@ from numpy.typing import NDArray
 
 from exo_sim.diagnosis.fitting import Fit, fit, prior_terms
 from exo_sim.diagnosis.intervals import spreads
-from exo_sim.diagnosis.quantity import Candidate, Quantity
+from exo_sim.diagnosis.quantity import Candidate, Quantity, standing
 from exo_sim.diagnosis.weighing import CLEAN, Weighing, correlation_time, loss, passes, weigh
 
 Array = NDArray[np.float64]
@@ -360,7 +360,7 @@ class Search:
         worse, candidate, rival = min(by_loss, key=lambda one: one[0])
         if worse > -2.0:
             return None
-        return self.try_set(tuple(rival if c is candidate else c for c in found.end.chosen))
+        return self.try_set(standing(tuple(rival if c is candidate else c for c in found.end.chosen)))
 
     def _grown(self, beam: Sequence[Trial]) -> list[Trial]:
         """Return every accepted set that has one candidate more than one of these."""
@@ -398,10 +398,12 @@ class Search:
     def _swapped(self, now: Trial) -> Trial:
         """Try, for every finding, whether another question in its place explains more."""
         for index in range(len(now.chosen) if self.cheap else len(now.chosen) - 1):
+            if index >= len(now.chosen):
+                break
             kept = (*now.chosen[:index], *now.chosen[index + 1 :])
             base = self.try_set(kept, now)
             for candidate in self._finalists(self.screen(base), 4):
-                if (candidate.effect, candidate.where) in now.keys:
+                if (candidate.effect, candidate.where) in now.keys or len(standing((*kept, candidate))) <= len(kept):
                     continue
                 trial = self.try_set((*kept, candidate), base)
                 if self._loses(trial, now) < -2.0 - 2.0 * max(trial.numbers - now.numbers, 0):
@@ -415,9 +417,10 @@ class Search:
         while shrunk and now.chosen:
             shrunk = False
             for index, candidate in enumerate(now.chosen):
-                if any(other.beside == candidate.effect for other in now.chosen):
+                others = (*now.chosen[:index], *now.chosen[index + 1 :])
+                if len(standing(others)) < len(others):
                     continue
-                without = self.try_set((*now.chosen[:index], *now.chosen[index + 1 :]), now, again=True)
+                without = self.try_set(others, now, again=True)
                 if not self.accepts(without, now) or not sizeable(candidate, now):
                     now, shrunk = without, True
                     break
@@ -443,6 +446,8 @@ class Search:
             others = tuple(c for c in now.chosen if c is not candidate)
             clear = {q.parameter for q in candidate.quantities if q not in vague}
             if len(clear) == len(candidate.quantities):
+                continue
+            if len(standing(others)) < len(others):
                 continue
             if len(candidate.quantities) == 1:
                 return self.try_set(others, now)

@@ -7,7 +7,7 @@ import numpy as np
 from exo_sim.diagnosis.observed import CylinderRun
 
 #: A fall smaller than this, in units of the noise, tells no moment.
-CLEAR = 50.0
+CLEAR = 100.0
 #: The pressure held if this share of the fall took ...
 FIRST, HALF = 0.01, 0.5
 #: ... longer than this share of the time in which half of it is gone: a leak falls fastest at first, and takes a fiftieth.

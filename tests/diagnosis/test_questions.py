@@ -129,3 +129,12 @@ def test_nothing_is_believed_of_a_valve_that_nobody_commanded() -> None:
     assert {"flow_capacity", "valve_offset", "valve_deadband", "valve_lag"} <= {
         effect for effect, _ in believed(setting(), rests=False, commanded=True)
     }
+
+
+@pytest.mark.parametrize("cheap", [False, True])
+@pytest.mark.parametrize("share", [0.95, 0.8])
+def test_a_base_that_became_needless_is_not_left_out_alone(monkeypatch: pytest.MonkeyPatch, cheap: bool, share: float) -> None:
+    mixed = share * SHAPES["quick"] + np.sqrt(1.0 - share**2) * np.sin(AT / 3.0)
+    monkeypatch.setitem(SHAPES, "slow", mixed)
+    found = search(Waves(quick=5.0), cheap).run().end
+    assert all(found.bears(c) for c in found.chosen)

@@ -63,8 +63,8 @@ def test_a_pressure_that_rises_is_left_whole() -> None:
 def test_a_fall_lost_in_the_noise_tells_no_moment() -> None:
     pressure, _ = held_then_falling(500, 100.0)
     fall = pressure[0] - pressure[-1]
-    assert len(from_the_fall(cylinder_runs.run_of(pressure, noise=(fall / 60.0, 0.0))).time) < N
-    run = cylinder_runs.run_of(pressure, noise=(fall / 40.0, 0.0))
+    assert len(from_the_fall(cylinder_runs.run_of(pressure, noise=(fall / 120.0, 0.0))).time) < N
+    run = cylinder_runs.run_of(pressure, noise=(fall / 80.0, 0.0))
     assert from_the_fall(run) is run
 
 

@@ -32,7 +32,9 @@ def write_table(path: str | Path, recording: Recording) -> None:
         if ending == ".parquet":
             from pyarrow import parquet
 
-            parquet.write_table(_table(recording), beside, compression="zstd", row_group_size=_ROW_GROUP)
+            parquet.write_table(
+                _table(recording), beside, compression="zstd", use_dictionary=False, use_byte_stream_split=True, row_group_size=_ROW_GROUP
+            )
         else:
             from pyarrow import csv
 

@@ -52,15 +52,20 @@ def extra_moments(
     centre = about_pelvis[:, foot_rows] + np.stack(
         [ahead * np.cos(angle) - below * np.sin(angle), ahead * np.sin(angle) + below * np.cos(angle)], axis=-1
     )
+    # least weighted norm under the balance of x, z and moment about the pelvis; x and z share nothing but the moment
+    weight = np.maximum(share, _LEAST_SHARE)
+    lean, reach = (weight * centre[:, :, 1]).sum(axis=1), (weight * centre[:, :, 0]).sum(axis=1)
+    load = weight.sum(axis=1)
+    turn = (weight * ((centre**2).sum(axis=2) + _FOOT_ARM**2)).sum(axis=1)
+    spin = (total[:, 2] + (lean * total[:, 0] - reach * total[:, 1]) / load) / (turn - (lean**2 + reach**2) / load)
+    push, lift = (total[:, 0] + lean * spin) / load, (total[:, 1] - reach * spin) / load
     n = len(poses)
-    balance = np.zeros((n, 3, 6))
+    ground = np.empty((n, 6))
     for foot in range(2):
-        balance[:, 0, 3 * foot] = balance[:, 1, 3 * foot + 1] = balance[:, 2, 3 * foot + 2] = 1.0
-        balance[:, 2, 3 * foot] = -centre[:, foot, 1]
-        balance[:, 2, 3 * foot + 1] = centre[:, foot, 0]
-    weight = np.repeat(np.maximum(share, _LEAST_SHARE), 3, axis=1) * np.tile([1.0, 1.0, _FOOT_ARM**2], 2)
-    weighted = weight[:, :, None] * balance.transpose(0, 2, 1)
-    ground = -(weighted @ np.linalg.solve(balance @ weighted, total[:, :, None]))[:, :, 0]
+        carries = weight[:, foot]
+        ground[:, 3 * foot] = -carries * (push - centre[:, foot, 1] * spin)
+        ground[:, 3 * foot + 1] = -carries * (lift + centre[:, foot, 0] * spin)
+        ground[:, 3 * foot + 2] = -carries * _FOOT_ARM**2 * spin
 
     extra = np.empty((n, 6))
     for leg in range(2):

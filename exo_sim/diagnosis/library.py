@@ -11,59 +11,6 @@ from exo_sim.diagnosis.observed import CylinderRun
 from exo_sim.diagnosis.quantity import SPREADS, Candidate, Quantity, Setting
 from exo_sim.physics.effects.declaration import Effect, Parameter, declared
 
-#: Effects whose answer is in jerks: play, dead zones, limits.
-_ROUGH = {"valve_hysteresis", "valve_deadband", "backlash", "spool_rate_limit", "end_cushioning", "supply_regulator"}
-
-#: Effects that are linear in their parameters from zero on: a signature may be scaled until it shows.
-_PROPORTIONAL = {
-    "wall_heat_transfer",
-    "piston_leakage",
-    "external_leakage",
-    "valve_null_leakage",
-    "valve_offset",
-    "valve_lag",
-}
-
-#: Forms in which a question is put: which parameters are free together. Effects not listed have one form with all of them.
-_FORMS: dict[str, tuple[tuple[str, ...], ...]] = {
-    "wall_heat_transfer": (("conductance",), ("conductance_1", "conductance_2")),
-    "piston_leakage": (("area",), ("laminar",)),
-    "external_leakage": (
-        ("area_1",),
-        ("area_2",),
-        ("laminar_1",),
-        ("laminar_2",),
-        ("area_1", "area_2"),
-        ("laminar_1", "laminar_2"),
-        ("laminar_1", "inertial"),
-        ("laminar_2", "inertial"),
-        ("laminar_1", "laminar_2", "inertial"),
-    ),
-    "valve_lag": (("time_constant",), ("delay",), ("time_constant", "delay")),
-    "line_restriction": (("area", "volume"),),
-    "exhaust_back_pressure": (("area",),),
-    "supply_regulator": (("droop", "time_constant"), ("droop", "time_constant", "hysteresis")),
-}
-
-#: Values to begin with where the range is wide or the answer not in proportion; else a low and a high typical one.
-_STARTS: dict[str, tuple[tuple[float, ...], ...]] = {
-    "valve_deadband": ((0.01,), (0.04,), (0.1,)),
-    "valve_hysteresis": ((0.01,), (0.04,), (0.1,)),
-    "valve_offset": ((0.01,), (-0.01,)),
-    "critical_ratio": ((0.4,), (0.25,)),
-    "supply_droop": ((2e-3, 1e-7), (5e-4, 2e-8)),
-    "spool_rate_limit": ((20.0,), (6.0,), (60.0,)),
-    "transmission_compliance": ((3e5,), (3e4,)),
-    "backlash": ((2e-4,), (1e-3,)),
-}
-
-#: As above, areas in units of the valve's.
-_STARTS_BY_VALVE: dict[str, tuple[tuple[float, ...], ...]] = {
-    "line_restriction": ((2.0, 5e-6), (0.6, 1e-5), (0.25, 5e-6)),
-    "exhaust_back_pressure": ((3.0,), (1.0,), (0.5,), (0.25,)),
-    "end_cushioning": ((0.01, 0.1), (0.02, 0.03), (0.03, 0.1)),
-}
-
 #: A number that is never zero and whose typical range is wider than this is fitted by its logarithm.
 WIDE = 4.0
 #: Zero of a good pressure sensor, one standard deviation [Pa].
@@ -78,20 +25,6 @@ HEALTHY_LEAK, HEALTHY_GAP = 1.8e-5, 1.8e-13
 
 #: Heat transfer that no gas at rest goes below, on the wall of the whole cylinder [W/(m^2 K)].
 HEALTHY_FILM = 2.0
-#: What a healthy machine shows as well: how much of it, one standard deviation, and how much at most. Every fit may move these
-#: up to there; only what is larger is a finding. A good proportional valve answers at about 100 Hz.
-_HEALTHY: dict[tuple[str, str], tuple[float, float]] = {
-    ("valve_deadband", "width"): (1e-3, 2.5e-3),
-    ("valve_offset", "shift"): (5e-4, 1e-3),
-    ("valve_lag", "delay"): (1e-3, 3e-3),
-}
-#: Smaller than this is no finding.
-_LEAST = {key: most for key, (_, most) in _HEALTHY.items()} | {
-    ("valve_hysteresis", "width"): 0.0025,
-    ("valve_lag", "time_constant"): 3e-3,
-    ("critical_ratio", "ratio"): 0.02,
-    ("backlash", "gap"): 4e-5,
-}
 
 
 def believed(setting: Setting, cylinder: str, commanded: bool, sides: Sequence[int], rests: bool = False) -> tuple[Quantity, ...]:
@@ -138,14 +71,17 @@ def believed(setting: Setting, cylinder: str, commanded: bool, sides: Sequence[i
 def _imperfections(setting: Setting, cylinder: str) -> tuple[Quantity, ...]:
     """Return what a healthy valve shows, of what the rig does not know already."""
     found = []
-    for (name, field), (spread, most) in _HEALTHY.items():
-        effect = declared()[name]
-        parameter = effect.parameter(field)
-        if not _is_on(effect, setting):
-            low = 0.0 if parameter.low >= 0.0 else -most
-            found.append(
-                Quantity(name, cylinder, field, parameter.unit, "cylinder", spread, low, most, (0.0, spread), rough=name in _ROUGH)
-            )
+    for effect in declared().values():
+        for name, (spread, most) in effect.asked.healthy.items():
+            parameter = effect.parameter(name)
+            if not _is_on(effect, setting):
+                low = 0.0 if parameter.low >= 0.0 else -most
+                found.append(
+                    Quantity(
+                        effect.name, cylinder, name, parameter.unit, "cylinder", spread, low, most, (0.0, spread),
+                        rough=effect.asked.jerky,
+                    )  # fmt: skip
+                )
     return tuple(found)
 
 
@@ -169,7 +105,7 @@ def known_effects(setting: Setting, cylinder: str) -> tuple[Quantity, ...]:
                         parameter.low,
                         parameter.high,
                         (value, 0.1 * abs(value)),
-                        rough=effect.name in _ROUGH,
+                        rough=effect.asked.jerky,
                     )  # fmt: skip
                 )
     return tuple(found)
@@ -201,7 +137,7 @@ def candidates(setting: Setting, runs: list[CylinderRun], cylinder: str, joint: 
         if where == cylinder and _is_on(effect, setting) and effect.name != "critical_ratio":
             continue
         single = float(setting.cylinder["single_acting"][0]) > 0.0
-        for form in _FORMS.get(effect.name, (tuple(p.name for p in effect.parameters if not p.choices),)):
+        for form in effect.asked.forms or (tuple(p.name for p in effect.parameters if not p.choices),):
             if single and any(name.endswith("_2") for name in form):
                 continue
             found += _forms(effect, where, form, setting)
@@ -230,12 +166,12 @@ def _forms(effect: Effect, where: str, form: tuple[str, ...], setting: Setting) 
     porous = "inertial" in form
     if porous:  # where both terms of the path's law take half of the drop from 5 bar
         starts = tuple((*(a for _ in form[:-1]), 2.0 / (a * a * 2.5e11)) for a in (1e-16, 1e-17, 1e-18))
-    elif effect.name in _STARTS:
-        starts = _STARTS[effect.name]
-    elif effect.name in _STARTS_BY_VALVE and valve > 0.0:
+    elif effect.asked.starts:
+        starts = effect.asked.starts
+    elif effect.asked.starts_by_valve and valve > 0.0:
         starts = tuple(
             tuple(value * (valve if name == "area" else 1.0) for name, value in zip(form, values, strict=True))
-            for values in _STARTS_BY_VALVE[effect.name]
+            for values in effect.asked.starts_by_valve
         )
     else:
         low = tuple(_typical(effect.parameter(name), 0.25) for name in form)
@@ -253,7 +189,7 @@ def _forms(effect: Effect, where: str, form: tuple[str, ...], setting: Setting) 
         quantities,
         starts,
         fixed=pinned,
-        proportional=effect.name in _PROPORTIONAL and not porous,
+        proportional=effect.asked.proportional and not porous,
         beside=effect.requires if effect.requires and not _is_on(declared()[effect.requires], setting) else "",
     )
     choices = [parameter for parameter in effect.parameters if parameter.choices]
@@ -281,15 +217,14 @@ def _least(effect: Effect, parameter: Parameter, setting: Setting) -> float:
     """Return what a healthy machine has of a parameter; of a leak, what empties the cylinder by half in some minutes."""
     c = setting.cylinder[0]
     swept = float(c["area_1"] * c["stroke"])
-    share = {"piston_leakage": 1.0, "external_leakage": 0.5, "valve_null_leakage": 0.75}.get(effect.name, 0.0)
-    if share and parameter.unit == "m^2":
-        return share * HEALTHY_LEAK * swept
-    if share and parameter.unit == "kg/(s Pa^2)":
-        return share * HEALTHY_GAP * swept
+    if effect.asked.leaks and parameter.unit == "m^2":
+        return effect.asked.leaks * HEALTHY_LEAK * swept
+    if effect.asked.leaks and parameter.unit == "kg/(s Pa^2)":
+        return effect.asked.leaks * HEALTHY_GAP * swept
     if effect.name == "wall_heat_transfer":
         bore = math.sqrt(4.0 * float(c["area_1"]) / math.pi)
         return HEALTHY_FILM * math.pi * bore * (float(c["stroke"]) + 0.5 * bore)
-    return _LEAST.get((effect.name, parameter.name), 0.0)
+    return effect.asked.smallest(parameter.name)
 
 
 def _quantity(effect: Effect, parameter: Parameter, where: str, target: str, setting: Setting) -> Quantity:
@@ -298,7 +233,7 @@ def _quantity(effect: Effect, parameter: Parameter, where: str, target: str, set
     neutral = 0.528 if effect.name == "critical_ratio" else 0.0  # the nozzle's own
     return Quantity(
         effect.name, where, parameter.name, parameter.unit, target, scale, parameter.low, parameter.high, neutral=neutral,
-        rough=effect.name in _ROUGH, least=_least(effect, parameter, setting), wide=parameter.low > 0.0 and high > WIDE * low,
+        rough=effect.asked.jerky, least=_least(effect, parameter, setting), wide=parameter.low > 0.0 and high > WIDE * low,
     )  # fmt: skip
 
 

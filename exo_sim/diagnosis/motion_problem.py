@@ -38,14 +38,6 @@ HEALTHY_DRY, MOST_DRY, MOST_SPRING, NAMELESS = 0.001, 0.002, 0.011, 0.003
 #: Stiffness of a dry contact before it slides that any seal shows [N/m]; only one much softer is a finding.
 HEALTHY_CONTACT, SOFT_CONTACT = 8e5, 2.5e5
 
-#: What an effect comes on top of.
-_ON_TOP_OF = {"stribeck_friction": "coulomb_friction"}
-
-_FORMS: dict[str, tuple[tuple[str, ...], ...]] = {
-    "return_spring": (("stiffness", "rest"),),
-    "presliding": (("stiffness",),),
-}
-
 
 class MotionProblem:
     """One joint, any number of runs.
@@ -261,7 +253,7 @@ def candidates(runs: Sequence[MotionRun], setting: Setting, where: str) -> tuple
             float(setting.cylinder[effect.name][p.name][0]) != 0.0 for p in effect.parameters
         ):
             continue
-        for form in _FORMS.get(effect.name, (tuple(p.name for p in effect.parameters),)):
+        for form in effect.asked.forms or (tuple(p.name for p in effect.parameters),):
             quantities, start = [], []
             for name in form:
                 parameter = effect.parameter(name)
@@ -291,7 +283,7 @@ def candidates(runs: Sequence[MotionRun], setting: Setting, where: str) -> tuple
             found.append(
                 Candidate(effect.name, where, "+".join(form), tuple(quantities), tuple(starts),
                           proportional=effect.name not in ("stribeck_friction", "presliding", "return_spring"),
-                          beside="" if _is_on(base := _ON_TOP_OF.get(effect.name, ""), setting) else base)
+                          beside="" if _is_on(base := effect.asked.on_top_of, setting) else base)
             )  # fmt: skip
     for column in run.levers:
         unit = "Pa" if "pressure" in column else ("N*m" if run.turning else "N")

@@ -33,12 +33,6 @@ SET_SPREAD = 0.02
 #: A supply that strays from its mean by less than this share is nobody's worry, and one that strays further is a finding.
 HEALTHY_SHARE = 2e-3
 
-_FORMS = (
-    ("supply_droop", ("volume", "conductance")),
-    ("supply_regulator", ("droop", "time_constant")),
-    ("supply_regulator", ("droop", "time_constant", "hysteresis")),
-)
-
 
 @dataclass
 class SupplyRun:
@@ -183,8 +177,9 @@ def believed(setting: Setting) -> tuple[Quantity, ...]:
 def candidates(setting: Setting) -> tuple[Candidate, ...]:
     """Return the questions that a measured supply can be asked: a tank that sags, a regulator that droops."""
     found = []
-    for name, form in _FORMS:
-        effect = declared()[name]
+    shared = [effect for effect in declared().values() if effect.places == ("supply",)]
+    for effect, form in ((e, form) for e in shared for form in e.asked.forms or (tuple(p.name for p in e.parameters),)):
+        name = effect.name
         if any(float(setting.world[name][p.name][0]) != 0.0 for p in effect.parameters):
             continue
         quantities = tuple(_quantity(effect, parameter) for parameter in form)

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from exo_sim.physics.compiled import kernel
-from exo_sim.physics.effects.declaration import Effect, Parameter
+from exo_sim.physics.effects.declaration import Asked, Effect, Parameter
 
 #: Stiffness of the contact on either side of the gap where no compliance is declared [N/m].
 CONTACT_STIFFNESS = 1e6
@@ -34,6 +34,7 @@ EFFECT = Effect(
         "given for one."
     ),
     signature="a flat stretch at every reversal of load, with a knock at its end",
+    asked=Asked(jerky=True, starts=((2e-4,), (1e-3,)), least={"gap": 4e-5}),
 )
 
 

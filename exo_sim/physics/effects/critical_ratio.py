@@ -6,7 +6,7 @@ import math
 
 from exo_sim.physics import gas
 from exo_sim.physics.compiled import kernel
-from exo_sim.physics.effects.declaration import Effect, Parameter
+from exo_sim.physics.effects.declaration import Asked, Effect, Parameter
 
 EFFECT = Effect(
     name="critical_ratio",
@@ -24,6 +24,7 @@ EFFECT = Effect(
     experiment="lock the rod, fill and vent completely at one opening: the first half gives the size, the rest the ratio",
     convention="choked flow stays the nozzle's; only the ratio at which it chokes and the subsonic curve change.",
     signature="the end of every fill, and every vent below twice the atmosphere, is slower",
+    asked=Asked(starts=((0.4,), (0.25,)), least={"ratio": 0.02}),
 )
 
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 import importlib
 import pkgutil
 from collections.abc import Callable, Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from functools import cache
 
 #: Where an effect may act. "cylinder" and "joint" are named parts; "supply" and "exhaust" are shared; "column" is a sensor.
@@ -51,6 +51,38 @@ class Parameter:
 
 
 @dataclass(frozen=True)
+class Asked:
+    """How the question is put to a recording.
+
+    Attributes:
+        forms: Which parameters are free together; one form with all of them where empty.
+        starts: Values to begin with where the range is wide or the answer not in proportion; else a low and a high typical one.
+        starts_by_valve: As `starts`, areas in units of the valve's.
+        proportional: Whether it is linear in its parameters from zero on: a signature may then be scaled until it shows.
+        jerky: Whether its answer is in jerks: play, dead zones, limits.
+        healthy: What a healthy machine shows of a parameter as well: one standard deviation, and the most. A fit may move it up
+            to there; only what is larger is a finding.
+        least: Parameters of which less than this is no finding.
+        leaks: For a leak, its share of what empties a healthy cylinder in some minutes; 0 where it is none.
+        on_top_of: Effect that must be there for it to be asked.
+    """
+
+    forms: tuple[tuple[str, ...], ...] = ()
+    starts: tuple[tuple[float, ...], ...] = ()
+    starts_by_valve: tuple[tuple[float, ...], ...] = ()
+    proportional: bool = False
+    jerky: bool = False
+    healthy: Mapping[str, tuple[float, float]] = field(default_factory=dict)
+    least: Mapping[str, float] = field(default_factory=dict)
+    leaks: float = 0.0
+    on_top_of: str = ""
+
+    def smallest(self, parameter: str) -> float:
+        """Return what less of a parameter is no finding."""
+        return self.least.get(parameter, self.healthy.get(parameter, (0.0, 0.0))[1])
+
+
+@dataclass(frozen=True)
 class Effect:
     """One piece of physics that the paper leaves out.
 
@@ -73,6 +105,7 @@ class Effect:
         needs_valve: True where it acts in a valve, so that a cylinder without one cannot have it.
         signature: What it looks like in a recording.
         convention: What its numbers mean exactly, where they could be read in two ways.
+        asked: How a diagnosis puts the question.
     """
 
     name: str
@@ -92,6 +125,7 @@ class Effect:
     absorbs: tuple[tuple[str, tuple[tuple[str, str], ...]], ...] = ()
     needs_valve: bool = False
     check: Callable[[str, Mapping[str, float], Mapping[str, tuple[float, ...]]], str] | None = None
+    asked: Asked = Asked()
 
     def parameter(self, name: str) -> Parameter:
         """Return the parameter called `name`; KeyError where there is none."""

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from exo_sim.physics.compiled import kernel
-from exo_sim.physics.effects.declaration import Effect, Parameter
+from exo_sim.physics.effects.declaration import Asked, Effect, Parameter
 
 EFFECT = Effect(
     name="end_cushioning",
@@ -21,6 +21,7 @@ EFFECT = Effect(
     experiment="turn the cushion needle, or stop short of the end",
     convention="length is counted from the piston's ends of travel, X = 0 and X = stroke; both cushions are alike.",
     signature="a pressure spike tied to position; the start from the end is not slowed",
+    asked=Asked(jerky=True, starts_by_valve=((0.01, 0.1), (0.02, 0.03), (0.03, 0.1))),
 )
 
 

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from exo_sim.physics import gas
 from exo_sim.physics.compiled import kernel
-from exo_sim.physics.effects.declaration import Effect, Parameter
+from exo_sim.physics.effects.declaration import Asked, Effect, Parameter
 
 EFFECT = Effect(
     name="exhaust_back_pressure",
@@ -25,6 +25,7 @@ EFFECT = Effect(
     experiment="take the silencer off, or record the exhaust pressure",
     convention="one manifold for all cylinders; area is that of the way out of it.",
     signature="the floor of a venting chamber rises with the flow and is gone at rest",
+    asked=Asked(forms=(("area",),), starts_by_valve=((3.0,), (1.0,), (0.5,), (0.25,))),
 )
 
 

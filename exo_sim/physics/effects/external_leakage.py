@@ -6,7 +6,7 @@ import math
 
 from exo_sim.physics import gas
 from exo_sim.physics.compiled import kernel
-from exo_sim.physics.effects.declaration import Effect, Parameter
+from exo_sim.physics.effects.declaration import Asked, Effect, Parameter
 
 _ORIFICE = "C = 1e-13..1e-11 m^3/(s Pa), gland to bad fitting"
 _POROUS = "printed cylinders, Zillen (PMC10907517), and worn glands"
@@ -30,6 +30,21 @@ EFFECT = Effect(
     experiment="close every path at equal pressures and hold longer than five thermal time constants",
     convention="inertial belongs to both porous paths: p^2 - p_atm^2 = w/laminar + inertial w^2.",
     signature="one chamber falls towards the atmosphere and never rests above it; the other does not rise",
+    asked=Asked(
+        proportional=True,
+        leaks=0.5,
+        forms=(
+            ("area_1",),
+            ("area_2",),
+            ("laminar_1",),
+            ("laminar_2",),
+            ("area_1", "area_2"),
+            ("laminar_1", "laminar_2"),
+            ("laminar_1", "inertial"),
+            ("laminar_2", "inertial"),
+            ("laminar_1", "laminar_2", "inertial"),
+        ),
+    ),
 )
 
 

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from exo_sim.physics import gas
 from exo_sim.physics.compiled import kernel
-from exo_sim.physics.effects.declaration import Effect, Parameter
+from exo_sim.physics.effects.declaration import Asked, Effect, Parameter
 
 EFFECT = Effect(
     name="line_restriction",
@@ -36,6 +36,7 @@ EFFECT = Effect(
     experiment="measure the pressure at both ends of the hose during a fill, or double its length",
     convention="the hose's volume comes on top of the dead volumes of the rig; both hoses are alike.",
     signature="flow saturates at large openings; a sensor at the valve jumps when the flow starts and stops",
+    asked=Asked(forms=(("area", "volume"),), starts_by_valve=((2.0, 5e-6), (0.6, 1e-5), (0.25, 5e-6))),
 )
 
 

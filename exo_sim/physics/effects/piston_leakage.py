@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from exo_sim.physics import gas
 from exo_sim.physics.compiled import kernel
-from exo_sim.physics.effects.declaration import Effect, Parameter
+from exo_sim.physics.effects.declaration import Asked, Effect, Parameter
 
 EFFECT = Effect(
     name="piston_leakage",
@@ -35,6 +35,7 @@ EFFECT = Effect(
         "acting cylinder chamber 2 is the atmosphere."
     ),
     signature="closed chambers converge; nothing happens at equal pressures",
+    asked=Asked(proportional=True, leaks=1.0, forms=(("area",), ("laminar",))),
 )
 
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 
 from exo_sim.physics.compiled import kernel
-from exo_sim.physics.effects.declaration import Effect, Parameter
+from exo_sim.physics.effects.declaration import Asked, Effect, Parameter
 
 EFFECT = Effect(
     name="presliding",
@@ -43,6 +43,7 @@ EFFECT = Effect(
         "does."
     ),
     signature="reversals turn round over 0.05-0.3 mm instead of at once",
+    asked=Asked(forms=(("stiffness",),)),
 )
 
 

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from exo_sim.physics.compiled import kernel
-from exo_sim.physics.effects.declaration import Effect, Parameter
+from exo_sim.physics.effects.declaration import Asked, Effect, Parameter
 
 EFFECT = Effect(
     name="return_spring",
@@ -33,6 +33,7 @@ EFFECT = Effect(
         "coordinate. + stiffness pulls towards rest."
     ),
     signature="balance of forces drifts in proportion to position",
+    asked=Asked(forms=(("stiffness", "rest"),)),
 )
 
 

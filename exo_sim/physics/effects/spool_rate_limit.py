@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from exo_sim.physics.compiled import kernel
-from exo_sim.physics.effects.declaration import Effect, Parameter
+from exo_sim.physics.effects.declaration import Asked, Effect, Parameter
 
 EFFECT = Effect(
     name="spool_rate_limit",
@@ -19,6 +19,7 @@ EFFECT = Effect(
     experiment="lock the rod and step the command by a tenth and by the whole: the time grows with the step",
     convention="full travel from closed to open is 1.",
     signature="opening grows as a ramp after a large step; small signals are untouched",
+    asked=Asked(jerky=True, starts=((20.0,), (6.0,), (60.0,))),
 )
 
 

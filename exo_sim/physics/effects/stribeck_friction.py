@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 
 from exo_sim.physics.compiled import kernel
-from exo_sim.physics.effects.declaration import Effect, Parameter
+from exo_sim.physics.effects.declaration import Asked, Effect, Parameter
 
 EFFECT = Effect(
     name="stribeck_friction",
@@ -33,6 +33,7 @@ EFFECT = Effect(
         "exp(-(v/velocity)^2)."
     ),
     signature="the piston jumps when it starts; friction falls over the first centimetres a second",
+    asked=Asked(on_top_of="coulomb_friction"),
 )
 
 

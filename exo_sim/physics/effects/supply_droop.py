@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from exo_sim.physics.compiled import kernel
-from exo_sim.physics.effects.declaration import Effect, Parameter
+from exo_sim.physics.effects.declaration import Asked, Effect, Parameter
 
 EFFECT = Effect(
     name="supply_droop",
@@ -20,6 +20,7 @@ EFFECT = Effect(
     experiment="record the supply pressure; work for ten seconds and wait for thirty",
     convention="one accumulator for all cylinders; its feed has a check valve.",
     signature="supply dips in phase with the strokes and recovers slowly",
+    asked=Asked(starts=((2e-3, 1e-7), (5e-4, 2e-8))),
 )
 
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 
 from exo_sim.physics.compiled import kernel
-from exo_sim.physics.effects.declaration import Effect, Parameter
+from exo_sim.physics.effects.declaration import Asked, Effect, Parameter
 
 EFFECT = Effect(
     name="supply_regulator",
@@ -23,6 +23,7 @@ EFFECT = Effect(
     experiment="record the supply pressure under two constant flows",
     convention="hysteresis is the whole width in pressure; with supply_droop the regulator feeds the accumulator.",
     signature="supply falls at once with flow and returns at once",
+    asked=Asked(jerky=True, forms=(("droop", "time_constant"), ("droop", "time_constant", "hysteresis"))),
 )
 
 

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from exo_sim.physics.compiled import kernel
-from exo_sim.physics.effects.declaration import Effect, Parameter
+from exo_sim.physics.effects.declaration import Asked, Effect, Parameter
 
 EFFECT = Effect(
     name="transmission_compliance",
@@ -31,6 +31,7 @@ EFFECT = Effect(
         "Position is recorded on the joint's side."
     ),
     signature="chambers behave as if larger under load; a second resonance",
+    asked=Asked(starts=((3e5,), (3e4,))),
 )
 
 

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from exo_sim.physics.compiled import kernel
-from exo_sim.physics.effects.declaration import Effect, Parameter
+from exo_sim.physics.effects.declaration import Asked, Effect, Parameter
 
 EFFECT = Effect(
     name="valve_deadband",
@@ -24,6 +24,7 @@ EFFECT = Effect(
         "width)/(1 - width)."
     ),
     signature="the command crosses zero without an answer in pressure; flow starts at the width",
+    asked=Asked(jerky=True, starts=((0.01,), (0.04,), (0.1,)), healthy={"width": (1e-3, 2.5e-3)}),
 )
 
 

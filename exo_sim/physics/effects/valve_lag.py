@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 
 from exo_sim.physics.compiled import kernel
-from exo_sim.physics.effects.declaration import Effect, Parameter
+from exo_sim.physics.effects.declaration import Asked, Effect, Parameter
 
 EFFECT = Effect(
     name="valve_lag",
@@ -30,6 +30,13 @@ EFFECT = Effect(
         "after that."
     ),
     signature="onset of dP/dt rounded and late, in proportion to nothing but time",
+    asked=Asked(
+        # a good proportional valve answers at about 100 Hz
+        proportional=True,
+        forms=(("time_constant",), ("delay",), ("time_constant", "delay")),
+        healthy={"delay": (1e-3, 3e-3)},
+        least={"time_constant": 3e-3},
+    ),
 )
 
 

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from exo_sim.physics.compiled import kernel
-from exo_sim.physics.effects.declaration import Effect, Parameter
+from exo_sim.physics.effects.declaration import Asked, Effect, Parameter
 
 EFFECT = Effect(
     name="valve_null_leakage",
@@ -20,6 +20,7 @@ EFFECT = Effect(
     experiment="hold at zero command at two supply pressures: the level that the chambers reach scales with the supply",
     convention="each of the four paths leaks through this area, whatever it is open besides.",
     signature="at null both pressures go to 0.75-0.85 of the supply; the supply is used at rest",
+    asked=Asked(proportional=True, leaks=0.75),
 )
 
 

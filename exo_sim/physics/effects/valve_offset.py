@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from exo_sim.physics.compiled import kernel
-from exo_sim.physics.effects.declaration import Effect, Parameter
+from exo_sim.physics.effects.declaration import Asked, Effect, Parameter
 
 EFFECT = Effect(
     name="valve_offset",
@@ -23,6 +23,7 @@ EFFECT = Effect(
     experiment="lock the rod, command plus and minus the same small value",
     convention="shift is added to the spool after lag and hysteresis and before the dead-band.",
     signature="one chamber fills and the other vents at zero command",
+    asked=Asked(proportional=True, starts=((0.01,), (-0.01,)), healthy={"shift": (5e-4, 1e-3)}),
 )
 
 

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from exo_sim.physics.compiled import kernel
-from exo_sim.physics.effects.declaration import Effect, Parameter
+from exo_sim.physics.effects.declaration import Asked, Effect, Parameter
 
 _SOURCE = "h = 10-120 W/(m^2 K) over the wall of a 12-50 mm bore; Carneiro and de Almeida (2007)"
 
@@ -27,6 +27,7 @@ EFFECT = Effect(
         "conductance_2 come on top of it."
     ),
     signature="after a fill the pressure relaxes to a plateau without motion; a driven sealed piston draws a loop that absorbs work",
+    asked=Asked(proportional=True, forms=(("conductance",), ("conductance_1", "conductance_2"))),
 )
 
 

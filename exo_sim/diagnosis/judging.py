@@ -23,6 +23,8 @@ LEFT_OVER, EXPLAINED = 1.8, 0.90
 HALFWAY, PATTERN = 0.8, 0.25
 #: Where more is left than the noise, a finding takes more than this share of what was there without it: else it is one shape of many.
 LARGER_PART = 0.5
+#: No equation describes a machine, nor a sensor its pressure, to better than this share (one standard deviation).
+MODEL_SHARE = 0.0015
 #: Without any finding a residual variance beyond this is no healthy machine's.
 SICK = 5.0
 #: A believed number that had to move by more than this many of its own spreads speaks for something missing.
@@ -185,7 +187,10 @@ def _finding(candidate: Candidate, trial: Trial, spread: dict[Quantity, float], 
     parameters = {}
     for quantity in candidate.quantities:
         value = trial.fit.values[quantity]
-        low, high = bounds(quantity, value, spread.get(quantity, 0.0))
+        low, high = bounds(quantity, value, max(spread.get(quantity, 0.0), MODEL_SHARE * abs(value)))
+        if candidate.effect in declared():
+            down, up = declared()[candidate.effect].asked.open_by.get(quantity.parameter, (1.0, 1.0))
+            low, high = low * down, high * up
         name = quantity.parameter.rsplit(".", 1)[-1] if quantity.target == "sensor" else quantity.parameter
         name = (
             {"bias": "value", "scale": "factor", "delay": "seconds"}.get(name, name)

@@ -65,6 +65,7 @@ class Asked:
         least: Parameters of which less than this is no finding.
         leaks: For a leak, its share of what empties a healthy cylinder in some minutes; 0 where it is none.
         on_top_of: Effect that must be there for it to be asked.
+        open_by: Factors on the ends of a parameter's interval, for what the model itself leaves open.
     """
 
     forms: tuple[tuple[str, ...], ...] = ()
@@ -76,6 +77,7 @@ class Asked:
     least: Mapping[str, float] = field(default_factory=dict)
     leaks: float = 0.0
     on_top_of: str = ""
+    open_by: Mapping[str, tuple[float, float]] = field(default_factory=dict)
 
     def smallest(self, parameter: str) -> float:
         """Return what less of a parameter is no finding."""

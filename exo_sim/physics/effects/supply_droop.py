@@ -20,7 +20,10 @@ EFFECT = Effect(
     experiment="record the supply pressure; work for ten seconds and wait for thirty",
     convention="one accumulator for all cylinders; its feed has a check valve.",
     signature="supply dips in phase with the strokes and recovers slowly",
-    asked=Asked(starts=((2e-3, 1e-7), (5e-4, 2e-8))),
+    asked=Asked(
+        starts=((2e-3, 1e-7), (5e-4, 2e-8)),
+        open_by={"volume": (1.0 / 1.4, 1.0)},  # a tank that takes heat from its walls looks larger, up to k times
+    ),
 )
 
 

@@ -74,6 +74,7 @@ def command(scenario: str, payload: float, speed: float, strides: int | None, as
     gc.freeze()  # what was imported stays: it need not be gone through again and again
     begun = time.perf_counter()
     simulation = Simulation(rigs.read(rig or default_rig()), request)
+    gc.freeze()  # and so does what was prepared
     prepared = time.perf_counter()
     for words in simulation.remarks:
         printing.remark(f"exo-sim: {words}", quiet=quiet)

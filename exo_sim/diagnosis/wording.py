@@ -45,9 +45,8 @@ def no_gain(candidate: Candidate, share: float) -> str:
 
 
 def experiment(first: str, second: str) -> str:
-    """Return what to do to tell two effects apart, from what the first declares of itself."""
-    found = declared()
-    for name in (first, second):
-        if name in found:
-            return found[name].experiment
+    """Return what to do to tell two effects apart, from what they declare: the one that is mistaken for fewer others says it best."""
+    known = [effect for name, effect in declared().items() if name in (first, second)]
+    if known:
+        return min(known, key=lambda effect: (len(effect.mistaken_for), effect.name != first)).experiment
     return "record the same motion once more with every sensor calibrated"

@@ -41,11 +41,11 @@ class Motion:
     contact: NDArray[np.bool_]
     support: NDArray[np.float64]
 
-    def at(self, phase: NDArray[np.float64]) -> NDArray[np.float64]:
-        """Return the coordinates without the steady advance at any phases [cycles], shape (n, 9)."""
+    def at(self, phase: NDArray[np.float64], first: int = 9) -> NDArray[np.float64]:
+        """Return the first coordinates without the steady advance at any phases [cycles], shape (n, first)."""
         grid = np.arange(SAMPLES + 1) / SAMPLES
-        closed = np.concatenate([self.position, self.position[:1]])
-        return np.stack([np.interp(phase % 1.0, grid, column) for column in closed.T], axis=1)
+        closed, phase = np.concatenate([self.position, self.position[:1]])[:, :first], phase % 1.0
+        return np.stack([np.interp(phase, grid, column) for column in closed.T], axis=1)
 
     def tables(self) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
         """Return position and slope, the first row repeated behind the last, (SAMPLES + 1, 9), for `reference`."""

@@ -64,7 +64,16 @@ _settle()
 
 def kernel(function: Function) -> Function:
     """Compile a function of numbers, arrays and records; it releases the GIL and is cached between starts."""
-    compiled: Any = numba.njit(nogil=True, error_model="numpy")(function)
+    return _compiled(function)
+
+
+def inlined_kernel(function: Function) -> Function:
+    """Compile a kernel into the code of those that call it: for one of many arrays, which take a while to hand over."""
+    return _compiled(function, forceinline=True)
+
+
+def _compiled(function: Function, forceinline: bool = False) -> Function:
+    compiled: Any = numba.njit(nogil=True, error_model="numpy", forceinline=forceinline)(function)
     compiled._cache = _Kept(function)  # what `cache=True` does, with our kind of cache
     return compiled  # type: ignore[no-any-return]
 

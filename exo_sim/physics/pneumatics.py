@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from exo_sim.physics import nodes, plant, state
-from exo_sim.physics.compiled import kernel
+from exo_sim.physics.compiled import inlined_kernel, kernel
 from exo_sim.physics.cylinder import rod_force
 from exo_sim.physics.effects import unknown
 from exo_sim.physics.records import CYLINDER, JOINT, WORLD
@@ -20,7 +20,7 @@ from exo_sim.physics.transmission import carried, gives, piston_at
 LONGEST_DELAY = 0.1
 
 
-@kernel
+@inlined_kernel
 def rod_forces(world, cylinders, state_vector, x, v, force):
     """Write the force of each rod on the joint's side [N], + pushes out: gas, atmosphere, and what resists the piston.
 
@@ -93,7 +93,7 @@ def delayed(history, newest, delay, dt):
     return late if part == 0.0 else (1.0 - part) * late + part * history[(newest - whole - 1) % size]
 
 
-@kernel
+@inlined_kernel
 def step(world, cylinders, joints, vector, history, x0, x1, q0, q1, command, dt, work, scratch):
     """Move everything pneumatic on by one step; `history` holds one ring a cylinder and, last, the index of the newest.
 

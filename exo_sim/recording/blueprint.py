@@ -174,13 +174,15 @@ def _views(keys: Sequence[str], overlaid: Mapping[str, bool], units: Mapping[str
                 groups += [(words(key, units[key]), [key]), (f"simulated less recorded, {units[key]}", [f"{DIFFERENCE}/{key}"])]
         keys = [key for key in keys if not overlaid.get(key)]
     groups += plots(keys)
+    legend = rrb.PlotLegend(rrb.Corner2D.RightTop)
+    axis = rrb.TimeAxis(link=rrb.components.LinkAxis.LinkToGlobal)
     return [
         rrb.TimeSeriesView(
             origin="/",
             contents=[path for key in shown for path in (f"/{key}", f"/{key}/**")],
             name=title,
-            plot_legend=rrb.PlotLegend(rrb.Corner2D.RightTop),
-            axis_x=rrb.TimeAxis(link=rrb.components.LinkAxis.LinkToGlobal),
+            plot_legend=legend,
+            axis_x=axis,
         )
         for title, shown in groups
     ]

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -122,3 +123,10 @@ def take_step(place):
         _numbers(at, QD, m), _numbers(at, OWN, m), _numbers(at, FELT, m),
     )  # fmt: skip
     call(at[STEP2], at[MODEL], at[DATA])
+
+
+def straight(function: Callable[[int], None]) -> Callable[[int], None]:
+    """Return the compiled code of a kernel of one address, without the dispatcher that would ask each time of what type it is."""
+    dispatcher: Any = function
+    dispatcher.compile((types.int64,))
+    return dispatcher.overloads[(types.int64,)].entry_point  # type: ignore[no-any-return]

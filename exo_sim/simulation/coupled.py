@@ -68,6 +68,7 @@ class Simulation:
         check_effects(rig, self.model)
         self.data = mujoco.MjData(self.model)
         self.straps = fasten(self.model, self.person)
+        self._frame = _frame_mass(rig, self.person)
         self.plugin = PneumaticPlugin(self.model, rig)
         if request.assist == "on" and not request.ideal:
             _check_step(rig, float(self.model.opt.timestep))
@@ -203,13 +204,14 @@ class Simulation:
             key = "time" if column == 0 else layout(self.rig, self.straps, not self.request.ideal)[column - 1][0]
             raise Diverged(f"{self.request.scenario}: {key} is not a number {when}; {advice}")
         cycles = np.arange(start, stop, dtype=np.float64) * (self.dt / self.motion.period)
-        wanted = self.motion.at(cycles)
+        wanted = self.motion.at(cycles, 3)
         far = np.hypot(rows[:, 1] - wanted[:, 0] - self.motion.advance * cycles, rows[:, 2] - wanted[:, 1])
         if far.max() > _FALLEN_DISTANCE or np.abs(rows[:, 3] - wanted[:, 2]).max() > _FALLEN_PITCH:
             raise Diverged(f"{self.request.scenario}: the machine falls away from its wearer {when}; {advice}")
 
     def _result(self, log: NDArray[np.float64], keys: list[tuple[str, str]], interrupted: bool) -> Walk:
-        columns = {key: np.ascontiguousarray(log[:, 1 + i]) for i, (key, _) in enumerate(keys)}
+        table = _turned(log[:, 1:])
+        columns = {key: table[i] for i, (key, _) in enumerate(keys)}
         units = dict(keys)
         wrench = np.stack([columns.pop(key) for key, _ in keys if key.startswith("wearer.")], axis=1)
         units = {key: unit for key, unit in units.items() if key in columns}
@@ -221,7 +223,7 @@ class Simulation:
             at = self.added_at
             payload += self.added.mass * np.clip((time - at) / self.added.over, 0.0, 1.0)
         gravity = float(-self.model.opt.gravity[2])
-        frame = float(_frame_mass(self.rig, self.person))
+        frame = self._frame
         if self.added:
             body = int(self.model.geom("payload").bodyid[0])
             carry(self.model, self.request.payload, body)
@@ -248,6 +250,14 @@ class Simulation:
 def _closed(table: NDArray[np.float64]) -> NDArray[np.float64]:
     """Return a table with its first row repeated behind the last."""
     return np.ascontiguousarray(np.concatenate([table, table[:1]]))
+
+
+def _turned(log: NDArray[np.float64]) -> NDArray[np.float64]:
+    """Return a copy of rows as columns, each in one piece, shape (m, n); some hundred rows at a time stay in the cache."""
+    out = np.empty(log.shape[::-1])
+    for start in range(0, len(log), 128):
+        out[:, start : start + 128] = log[start : start + 128].T
+    return out
 
 
 def _check_step(rig: Rig, step: float) -> None:

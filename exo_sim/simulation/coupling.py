@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from exo_sim.physics.compiled import kernel
+from exo_sim.physics.compiled import inlined_kernel, kernel
 from exo_sim.physics.pneumatics import joint_forces, rod_forces, step
 
 
@@ -16,7 +16,7 @@ def moment_arm(actuator, dof, moment, counts, starts, dofs):
     return arm
 
 
-@kernel
+@inlined_kernel
 def compute_forces(
     world, cylinders, joints, vector, actuators, retracted, length, velocity, dofs, addresses, qpos, qvel,
     ctrl, applied, x, v, force, q, qd, own, felt,
@@ -41,7 +41,7 @@ def compute_forces(
             felt[i] = own[i]
 
 
-@kernel
+@inlined_kernel
 def advance_gas(
     world, cylinders, joints, vector, history, actuators, retracted, length, addresses, qpos, command, dt,
     x, x1, q, q1, work, scratch,

@@ -12,7 +12,7 @@ from exo_sim.errors import ModelError, nearest
 from exo_sim.machine.linkage import linkages, moment_row
 from exo_sim.physics.pneumatics import Books
 from exo_sim.rig import Rig, assembly
-from exo_sim.simulation.bound_arrays import BoundArrays, take_step
+from exo_sim.simulation.bound_arrays import BoundArrays, straight, take_step
 from exo_sim.simulation.coupling import advance_gas, compute_forces
 
 _CONTACT = ["effective_mass", "turning"]
@@ -92,9 +92,11 @@ class PneumaticPlugin:
         self._clock = np.zeros(2)  # how far the gas has come; what MuJoCo's clock said last
         self._turning = any(effect.turning for effect in rig.effects)
         self._bound: BoundArrays | None = None
+        self._stepped: mujoco.MjData | None = None  # what `step` was last called with, and the call for it
+        self._place, self._take_step = 0, take_step
 
     def __getstate__(self) -> dict[str, object]:
-        return {**self.__dict__, "_bound": None}  # a copy's arrays are elsewhere
+        return {**self.__dict__, "_bound": None, "_stepped": None, "_take_step": None}  # a copy's arrays are elsewhere
 
     def refit(self, rig: Rig) -> None:
         """Take the numbers of another rig: the same cylinders on the same actuators, with other sizes, supply or effects' values.
@@ -205,10 +207,10 @@ class PneumaticPlugin:
 
         An error that MuJoCo itself calls fatal ends the process here; in the long form it is raised.
         """
-        bound = self._bound
-        if bound is None or bound.data is not data:
-            bound = self._bound = BoundArrays(self, data)
-        take_step(bound.place)
+        if data is not self._stepped:
+            self._bound = BoundArrays(self, data)
+            self._stepped, self._place, self._take_step = data, self._bound.place, straight(take_step)
+        self._take_step(self._place)
 
     def snapshot(self, data: mujoco.MjData) -> Snapshot:
         """Return MuJoCo's state and the gas's together."""

@@ -51,9 +51,9 @@ class Person:
 
     def __post_init__(self) -> None:
         if not 1.4 <= self.height <= 2.1:
-            raise ScenarioError(f"wearer height {self.height:g} m: the frame fits 1.4 to 2.1 m")
+            raise ScenarioError(f"wearer: height = {self.height:g} m is outside 1.4 to 2.1 m; write what the frame fits")
         if not 35.0 <= self.mass <= 150.0:
-            raise ScenarioError(f"wearer mass {self.mass:g} kg is outside 35 to 150 kg")
+            raise ScenarioError(f"wearer: mass = {self.mass:g} kg is outside 35 to 150 kg; write one of those")
 
     @property
     def scale(self) -> float:

@@ -23,6 +23,7 @@ from exo_sim.machine.load import check_effects
 from exo_sim.machine.person import Person
 from exo_sim.machine.straps import fasten
 from exo_sim.rig import Rig
+from exo_sim.rig.valve_pace import longest_step
 from exo_sim.simulation import loop
 from exo_sim.simulation.loop_wiring import wire
 from exo_sim.simulation.native import warnings_counted
@@ -266,10 +267,8 @@ def _check_step(rig: Rig, step: float) -> None:
     Raises:
         ModelError: the step is more than half the time in which a chamber settles, the piston at mid-stroke.
     """
-    c = math.sqrt(rig.heat_capacity_ratio * rig.specific_gas_constant * rig.supply.temperature)
     for cylinder in rig.cylinders.values():
-        volume = cylinder.dead_volume_1 + 0.5 * cylinder.area_1 * cylinder.stroke
-        longest = 0.5 * volume / (rig.heat_capacity_ratio * cylinder.valve_area * c)
+        longest = longest_step(rig, cylinder)
         if step > longest:
             raise ModelError(
                 f"{rig.model}: timestep = {step:g} s is too long for the valve of cylinder {cylinder.name}, which fills half "

@@ -11,6 +11,7 @@ import numpy as np
 
 import exo_sim
 from exo_sim.rig import Rig
+from exo_sim.rig.valve_pace import longest_step
 from exo_sim.sizing.coupled_stride import STEP, CoupledStride, Stride, mean_of
 from exo_sim.sizing.design import Design, JointKind, Space, actuator_mass, fitted
 from exo_sim.sizing.first_designs import first_design
@@ -27,6 +28,8 @@ ENOUGH_MARGIN = 0.25
 ENOUGH_TRACKING = 0.03
 #: Constraints of the coupled cycle, behind those of screening.
 OF_THE_CYCLE = ("coupled cycle", "chamber pressure")
+#: Time step of a run [s]: a valve that settles its chamber sooner has no place in it.
+RUN_STEP = 1e-3
 #: Digits of a score that count, so that processors that round differently agree.
 DIGITS = 6
 
@@ -141,7 +144,10 @@ class Evaluator:
         )
         if not screened.survives:
             return seen
-        found = self.coupled(fitted(rig, self.kinds, design))
+        chosen = fitted(rig, self.kinds, design)
+        if any(longest_step(chosen, cylinder) < RUN_STEP for cylinder in chosen.cylinders.values()):
+            return replace(seen, violations=(*seen.violations[:-2], 1.0, 0.0))
+        found = self.coupled(chosen)
         if not found.finished:
             return replace(seen, simulated=True, violations=(*seen.violations[:-2], 1.0, 0.0))
         gas, error = _rounded(found.gas), _rounded(found.error)

@@ -1,0 +1,31 @@
+"""How long a step a valve bears."""
+
+from dataclasses import replace
+from pathlib import Path
+
+import pytest
+
+from exo_sim import rig
+from exo_sim.rig.valve_pace import longest_step
+
+ASSETS = Path(__file__).resolve().parents[2] / "assets"
+
+
+def test_it_follows_the_settling_time_of_a_choked_volume() -> None:
+    machine = rig.read(ASSETS / "exo.toml")
+    knee = next(iter(machine.cylinders.values()))
+    volume = knee.dead_volume_1 + 0.5 * knee.area_1 * knee.stroke
+    speed_of_sound = (1.4 * machine.specific_gas_constant * machine.supply.temperature) ** 0.5
+    assert longest_step(machine, knee) == pytest.approx(0.5 * volume / (1.4 * knee.valve_area * speed_of_sound), rel=1e-3)
+    assert longest_step(machine, replace(knee, valve_area=100.0 * knee.valve_area)) == pytest.approx(longest_step(machine, knee) / 100.0)
+
+
+def test_without_a_valve_any_step_will_do() -> None:
+    machine = rig.read(ASSETS / "exo.toml")
+    knee = next(iter(machine.cylinders.values()))
+    assert longest_step(machine, replace(knee, valve_area=0.0)) == float("inf")
+
+
+def test_the_committed_machine_runs_at_its_own_step() -> None:
+    machine = rig.read(ASSETS / "exo.toml")
+    assert all(longest_step(machine, cylinder) > 1e-3 for cylinder in machine.cylinders.values())

@@ -11,7 +11,7 @@ from pathlib import Path
 
 import numpy as np
 
-from exo_sim.diagnosis import gas_problem, library, motion_problem, supply_cut
+from exo_sim.diagnosis import library, motion_problem, supply_cut
 from exo_sim.diagnosis.cases import Case, gather, turned_round
 from exo_sim.diagnosis.chamber_pressure import carried_over
 from exo_sim.diagnosis.gas_problem import GasProblem
@@ -22,7 +22,7 @@ from exo_sim.diagnosis.proof import prove
 from exo_sim.diagnosis.quantity import Setting
 from exo_sim.diagnosis.result import Diagnosis, Finding, Located, Rejected
 from exo_sim.diagnosis.rewriting import improved_text
-from exo_sim.diagnosis.search import Found, Search
+from exo_sim.diagnosis.search import Search
 from exo_sim.diagnosis.split import Split, split
 from exo_sim.diagnosis.verdict import (
     located,
@@ -245,5 +245,3 @@ def _rejections(judged: list[Judged], findings: list[Finding]) -> tuple[Rejected
     taken = {(f.name, f.where) for f in findings}
     return tuple(r for one in judged for r in one.rejected if (r.name, r.where) not in taken)[:20]
 
-
-__all__ = ["Found", "diagnose", "gas_problem"]

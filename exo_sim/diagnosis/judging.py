@@ -9,10 +9,11 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from exo_sim.diagnosis import wording
+from exo_sim.diagnosis.fitted_set import Found, Problem, Trial, sizeable
 from exo_sim.diagnosis.intervals import bounds, spreads
 from exo_sim.diagnosis.quantity import Candidate, Quantity, standing
 from exo_sim.diagnosis.result import Estimate, Finding, Rejected
-from exo_sim.diagnosis.search import Found, Problem, Search, Trial
+from exo_sim.diagnosis.search import Search
 from exo_sim.physics.effects.declaration import declared
 
 #: A rival whose log-likelihood is lower by less than this explains the recording as well.
@@ -134,7 +135,7 @@ def _firm(search: Search, found: Found, named: tuple[Candidate, ...]) -> tuple[T
     trial = found.end
     while named:
         spread = spreads(search.problem, trial.fit, search.correlation_time(trial.fit.residual))
-        firm = standing([c for c in named if _takes_most(found, c) and surely_sizeable(c, trial, spread)])
+        firm = standing([c for c in named if _takes_most(found, c) and sizeable(c, trial, spread)])
         if firm == named:
             break
         trial, named = search.polished(search.try_set(firm, trial)), firm
@@ -144,13 +145,6 @@ def _firm(search: Search, found: Found, named: tuple[Candidate, ...]) -> tuple[T
 def _takes_most(found: Found, candidate: Candidate) -> bool:
     weighing = found.weighings.get(candidate.key)
     return weighing is None or weighing.share > LARGER_PART
-
-
-def surely_sizeable(candidate: Candidate, trial: Trial, spread: dict[Quantity, float]) -> bool:
-    """Say whether any number of a candidate lies, interval and all, beyond what a healthy machine shows."""
-    asked = [q for q in candidate.quantities if q.least > 0.0]
-    values = trial.fit.values
-    return not asked or any(abs(values[q] - q.neutral) - 2.0 * spread.get(q, 0.0) > q.least for q in asked)
 
 
 def _is_nozzle(candidate: Candidate, trial: Trial) -> bool:

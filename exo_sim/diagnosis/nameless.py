@@ -7,10 +7,10 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from exo_sim.diagnosis.fitted_set import Trial
 from exo_sim.diagnosis.gas_problem import GasProblem
 from exo_sim.diagnosis.motion_problem import MotionProblem
 from exo_sim.diagnosis.quantity import Setting
-from exo_sim.diagnosis.search import Trial
 from exo_sim.diagnosis.supply_cut import SupplyProblem
 from exo_sim.diagnosis.unknown import Curve, depends_on
 

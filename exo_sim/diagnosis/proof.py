@@ -8,13 +8,13 @@ from dataclasses import dataclass, field
 import numpy as np
 
 from exo_sim.diagnosis.cases import Case
+from exo_sim.diagnosis.fitted_set import Trial
 from exo_sim.diagnosis.gas_problem import GasProblem
 from exo_sim.diagnosis.intervals import normalised
 from exo_sim.diagnosis.judging import Judged, finite
 from exo_sim.diagnosis.motion_problem import MotionProblem
 from exo_sim.diagnosis.quantity import Setting
 from exo_sim.diagnosis.result import Series, SignalFit
-from exo_sim.diagnosis.search import Trial
 from exo_sim.diagnosis.split import Split
 from exo_sim.diagnosis.supply_cut import SupplyProblem
 from exo_sim.diagnosis.unknown import hats

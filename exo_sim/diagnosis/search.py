@@ -9,15 +9,15 @@ from __future__ import annotations
 import math
 from collections.abc import Callable, Sequence
 from concurrent.futures import ThreadPoolExecutor
-from dataclasses import dataclass, field
-from typing import Protocol
 
 import numpy as np
 from numpy.typing import NDArray
 
-from exo_sim.diagnosis.fitting import Fit, fit, prior_terms
+from exo_sim.diagnosis.fitted_set import Found, Problem, Trial, sizeable
+from exo_sim.diagnosis.fitting import Fit, fit
 from exo_sim.diagnosis.intervals import spreads
 from exo_sim.diagnosis.quantity import Candidate, Quantity, standing
+from exo_sim.diagnosis.screening import screen
 from exo_sim.diagnosis.weighing import CLEAN, Weighing, correlation_time, loss, passes, weigh
 
 Array = NDArray[np.float64]
@@ -40,68 +40,6 @@ CHEAP_STARTS = 3
 MOST_TURNS = 2
 #: The longest spell of equal errors that a fit is told of, in rows.
 LONGEST_SPELL = 60.0
-
-
-class Problem(Protocol):
-    """What the search needs of a cut."""
-
-    blocks: NDArray[np.int64]
-
-    @property
-    def size(self) -> int: ...
-
-    @property
-    def sick(self) -> float: ...
-
-    def residual(self, values: dict[Quantity, float], fixed: Sequence[tuple[Quantity, float]] = ()) -> Array: ...
-
-
-@dataclass
-class Trial:
-    """One set of candidates, fitted."""
-
-    chosen: tuple[Candidate, ...]
-    fit: Fit
-
-    @property
-    def keys(self) -> set[tuple[str, str]]:
-        """Effects and places that are in it."""
-        return {(candidate.effect, candidate.where) for candidate in self.chosen}
-
-    def bears(self, candidate: Candidate) -> bool:
-        """Say whether what a candidate comes on top of is in it."""
-        return not candidate.beside or any(c.effect == candidate.beside for c in self.chosen)
-
-    @property
-    def numbers(self) -> int:
-        """How many numbers its candidates have."""
-        return sum(len(candidate.quantities) for candidate in self.chosen)
-
-
-@dataclass
-class Found:
-    """What a search ended with.
-
-    Attributes:
-        start: Believed numbers refitted, nothing added.
-        end: With everything that was accepted.
-        weighings: By candidate key: what dropping it would cost.
-        rivals: By candidate key: what would take its place and how much worse that fits (log-likelihood, numbers paid for).
-        runners_up: Candidates that were considered at the end and not accepted, with what they would gain.
-    """
-
-    start: Trial
-    end: Trial
-    weighings: dict[tuple[str, str, str], Weighing] = field(default_factory=dict)
-    rivals: dict[tuple[str, str, str], list[tuple[Candidate, float]]] = field(default_factory=dict)
-    runners_up: list[tuple[Candidate, Weighing]] = field(default_factory=list)
-
-
-def sizeable(candidate: Candidate, trial: Trial) -> bool:
-    """Say whether any of a candidate's numbers is further from neutral than a healthy machine's would be."""
-    values = trial.fit.values
-    asked = [q for q in candidate.quantities if q.least > 0.0]
-    return not asked or any(abs(values[q] - q.neutral) > q.least for q in asked)
 
 
 class Search:
@@ -237,82 +175,8 @@ class Search:
         """Return the candidates that are not in a trial by how much of its error their signatures could explain, best first."""
         key = frozenset(candidate.key for candidate in now.chosen)
         if key not in self._screened:
-            self._screened[key] = self._screen(now)
+            self._screened[key] = screen(self.problem, now, self.library, self.pool)
         return self._screened[key]
-
-    def _screen(self, now: Trial) -> list[tuple[float, Candidate]]:
-        base = now.fit.residual
-        fixed_now = [pair for candidate in now.chosen for pair in candidate.fixed]
-        prior_rows, prior_jac = prior_terms(now.fit.quantities, now.fit.values)
-        strength = math.sqrt(now.fit.weight)
-        whole = np.vstack([now.fit.jacobian, strength * prior_jac])
-        raw = np.concatenate([base, strength * prior_rows])
-        values = now.fit.values
-        loose = [j for j, q in enumerate(now.fit.quantities) if q.low < values[q] < q.high]
-        cleared: dict[tuple[int, ...], tuple[Array, Array]] = {}
-
-        def clear_of(candidate: Candidate) -> tuple[Array, Array]:
-            """Return a basis of what the fitted numbers can explain, those that the candidate stands for left out, and the rest."""
-            fields = {q.field for q in candidate.quantities}
-            columns = tuple(j for j in loose if now.fit.quantities[j].field not in fields)
-            if columns not in cleared:
-                basis = np.linalg.qr(whole[:, columns])[0] if columns else np.zeros((whole.shape[0], 0))
-                cleared[columns] = basis, raw - basis @ (basis.T @ raw)
-            return cleared[columns]
-
-        level = math.sqrt(float(base @ base) / max(base.size, 1))
-
-        def score(candidate: Candidate) -> tuple[float, Candidate]:
-            best = 0.0
-            basis, target = clear_of(candidate)
-            for start in candidate.starts:
-                change = self._answer(candidate, start, now, fixed_now, base, level)
-                if change is None:
-                    continue
-                clear = np.concatenate([change, np.zeros(len(prior_rows))])
-                clear -= basis @ (basis.T @ clear)
-                power = float(clear @ clear)
-                pull = -float(clear @ target)
-                if power <= 1e-12 * float(change @ change) or power == 0.0:
-                    continue
-                taken = {q.field for q in now.fit.quantities}
-                one_sided = all(q.low >= q.neutral and q.field not in taken for q in candidate.quantities)
-                if pull <= 0.0 and one_sided:
-                    continue
-                best = max(best, pull * pull / power)
-            return best, candidate
-
-        open_questions = [c for c in self.library if (c.effect, c.where) not in now.keys and now.bears(c)]
-        scored = list(self.pool.map(score, open_questions)) if self.pool else [score(c) for c in open_questions]
-        return sorted(scored, key=lambda pair: -pair[0])
-
-    def _answer(
-        self,
-        candidate: Candidate,
-        start: tuple[float, ...],
-        now: Trial,
-        fixed_now: list[tuple[Quantity, float]],
-        base: Array,
-        level: float,
-    ) -> Array | None:
-        """Return how the residual changes when the candidate is put in at a size that shows but does not swamp."""
-        size = 1.0
-        for _ in range(4 if candidate.proportional else 1):
-            values = {
-                q: float(np.clip(q.neutral + size * (v - q.neutral), q.low, q.high))
-                for q, v in zip(candidate.quantities, start, strict=True)
-            }
-            change = self.problem.residual({**now.fit.values, **values}, [*fixed_now, *candidate.fixed]) - base
-            if not np.isfinite(change).all():
-                return None
-            strength = math.sqrt(float(change @ change) / change.size)
-            if strength > 10.0 * level and size > 1e-3:
-                size *= 0.2
-            elif strength < 0.02 * level and size < 50.0:
-                size *= 10.0
-            else:
-                break
-        return change
 
     # -- the search --------------------------------------------------------------------------------------------------
 
@@ -397,10 +261,8 @@ class Search:
 
     def _swapped(self, now: Trial) -> Trial:
         """Try, for every finding, whether another question in its place explains more."""
-        for index in range(len(now.chosen) if self.cheap else len(now.chosen) - 1):
-            if index >= len(now.chosen):
-                break
-            kept = (*now.chosen[:index], *now.chosen[index + 1 :])
+        for index in range(len(now.chosen)):
+            kept = now.others(now.chosen[index])
             base = self.try_set(kept, now)
             for candidate in self._finalists(self.screen(base), 4):
                 if (candidate.effect, candidate.where) in now.keys or len(standing((*kept, candidate))) <= len(kept):
@@ -416,8 +278,8 @@ class Search:
         shrunk = True
         while shrunk and now.chosen:
             shrunk = False
-            for index, candidate in enumerate(now.chosen):
-                others = (*now.chosen[:index], *now.chosen[index + 1 :])
+            for candidate in now.chosen:
+                others = now.others(candidate)
                 if len(standing(others)) < len(others):
                     continue
                 without = self.try_set(others, now, again=True)
@@ -443,7 +305,7 @@ class Search:
     def _without(self, now: Trial, vague: set[Quantity]) -> Trial | None:
         """Return a set with less of what is vague in it, None where there is none."""
         for candidate in now.chosen:
-            others = tuple(c for c in now.chosen if c is not candidate)
+            others = now.others(candidate)
             clear = {q.parameter for q in candidate.quantities if q not in vague}
             if len(clear) == len(candidate.quantities):
                 continue
@@ -493,8 +355,8 @@ class Search:
     def _judged(self, start: Trial, end: Trial) -> Found:
         """Weigh each finding against leaving it out and against what could take its place."""
         found = Found(start, end)
-        for index, candidate in enumerate(end.chosen):
-            kept = (*end.chosen[:index], *end.chosen[index + 1 :])
+        for candidate in end.chosen:
+            kept = end.others(candidate)
             without = self.try_set(kept, end)
             found.weighings[candidate.key] = self.weigh(without, end)
             rivals = []

@@ -9,6 +9,7 @@ import numpy as np
 
 from exo_sim.diagnosis import wording
 from exo_sim.diagnosis.cases import Case
+from exo_sim.diagnosis.fitted_set import Trial
 from exo_sim.diagnosis.gas_problem import STRUCTURAL_FLOOR, GasProblem
 from exo_sim.diagnosis.judging import Judged
 from exo_sim.diagnosis.locating import Trace, gas_regimes, loud_spans, motion_regimes, worst_regime
@@ -16,7 +17,6 @@ from exo_sim.diagnosis.motion_problem import MotionProblem
 from exo_sim.diagnosis.nameless import Nameless, missing_flow, missing_force
 from exo_sim.diagnosis.quantity import Setting
 from exo_sim.diagnosis.result import Estimate, Finding, Located, NextExperiment, OpenQuestion, Unexplained
-from exo_sim.diagnosis.search import Trial
 from exo_sim.diagnosis.supply_cut import SupplyProblem
 
 

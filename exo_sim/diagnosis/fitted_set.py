@@ -1,0 +1,88 @@
+"""A set of candidates with its fit, and what a search says of it."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field
+from typing import Protocol
+
+import numpy as np
+from numpy.typing import NDArray
+
+from exo_sim.diagnosis.fitting import Fit
+from exo_sim.diagnosis.quantity import Candidate, Quantity
+from exo_sim.diagnosis.weighing import Weighing
+
+Array = NDArray[np.float64]
+
+
+class Problem(Protocol):
+    """What the search needs of a cut."""
+
+    blocks: NDArray[np.int64]
+
+    @property
+    def size(self) -> int: ...
+
+    @property
+    def sick(self) -> float: ...
+
+    def residual(self, values: dict[Quantity, float], fixed: Sequence[tuple[Quantity, float]] = ()) -> Array: ...
+
+
+@dataclass
+class Trial:
+    """One set of candidates, fitted."""
+
+    chosen: tuple[Candidate, ...]
+    fit: Fit
+
+    @property
+    def keys(self) -> set[tuple[str, str]]:
+        """Effects and places that are in it."""
+        return {(candidate.effect, candidate.where) for candidate in self.chosen}
+
+    def bears(self, candidate: Candidate) -> bool:
+        """Say whether what a candidate comes on top of is in it."""
+        return not candidate.beside or any(c.effect == candidate.beside for c in self.chosen)
+
+    def others(self, candidate: Candidate) -> tuple[Candidate, ...]:
+        """Return all of it but one candidate."""
+        return tuple(c for c in self.chosen if c is not candidate)
+
+    @property
+    def numbers(self) -> int:
+        """How many numbers its candidates have."""
+        return sum(len(candidate.quantities) for candidate in self.chosen)
+
+
+@dataclass
+class Found:
+    """What a search ended with.
+
+    Attributes:
+        start: Believed numbers refitted, nothing added.
+        end: With everything that was accepted.
+        weighings: By candidate key: what dropping it would cost.
+        rivals: By candidate key: what would take its place and how much worse that fits (log-likelihood, numbers paid for).
+        runners_up: Candidates that were considered at the end and not accepted, with what they would gain.
+    """
+
+    start: Trial
+    end: Trial
+    weighings: dict[tuple[str, str, str], Weighing] = field(default_factory=dict)
+    rivals: dict[tuple[str, str, str], list[tuple[Candidate, float]]] = field(default_factory=dict)
+    runners_up: list[tuple[Candidate, Weighing]] = field(default_factory=list)
+
+
+def sizeable(candidate: Candidate, trial: Trial, spread: Mapping[Quantity, float] | None = None) -> bool:
+    """Say whether any of a candidate's numbers is further from neutral than a healthy machine's would be.
+
+    Args:
+        candidate: One of the trial's.
+        trial: Its numbers.
+        spread: Standard deviations of the numbers; with them a number counts only if it is further out by two of its own.
+    """
+    values, spread = trial.fit.values, spread or {}
+    asked = [q for q in candidate.quantities if q.least > 0.0]
+    return not asked or any(abs(values[q] - q.neutral) - 2.0 * spread.get(q, 0.0) > q.least for q in asked)

@@ -12,10 +12,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from exo_sim.diagnosis.cases import Case
+from exo_sim.diagnosis.gas_cut import behind_hose
 from exo_sim.diagnosis.gas_problem import GasProblem
 from exo_sim.diagnosis.judging import Judged
-from exo_sim.diagnosis.motion_cut import SMOOTHING, MotionRun
-from exo_sim.diagnosis.observed import led
+from exo_sim.diagnosis.motion_cut import MotionRun, as_smooth
 from exo_sim.diagnosis.split import Split
 from exo_sim.diagnosis.verdict import setting_of
 
@@ -56,8 +56,7 @@ def _change(whole: GasProblem, index: int, side: int, measured: Array, named: se
     if late != 0.0:
         good = np.isfinite(true)
         true = np.interp(time + late, time[good], true[good])
-    hose = setting.cylinder["line_restriction"]
-    if float(hose["area"][0]) > 0.0 and float(hose["sensor"][0]) > 0.5:
+    if behind_hose(setting.cylinder):
         shown = whole.predict(setting, index)
         true = true + shown.inside[:, side] - shown.pressure[:, side]
     return true - measured
@@ -65,12 +64,11 @@ def _change(whole: GasProblem, index: int, side: int, measured: Array, named: se
 
 def _changed(run: MotionRun, changes: dict[tuple[str, str], Array]) -> MotionRun:
     drive, gauge = run.drive, run.gauge
-    seconds = max(SMOOTHING, 6.0 * float(np.median(np.diff(run.time))))
     for column, lever in run.levers.items():
         change = changes.get((run.recording, column))
         if change is None or len(change) != len(run.time):
             continue
-        smooth = led(run.time, change, seconds)[0]
+        smooth = as_smooth(run.time, change)
         drive = drive + lever * smooth
         if run.cylinder is not None and column.startswith(f"{run.cylinder}.pressure_"):
             side = int(column[-1]) - 1

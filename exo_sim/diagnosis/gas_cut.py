@@ -163,7 +163,7 @@ def _unrest(run: CylinderRun) -> Array:
     for values in run.pressure:
         if values is not None:
             filled = np.where(np.isfinite(values), values, np.inf)
-            total += maximum_filter1d(filled, 2 * START_SAMPLES) - minimum_filter1d(values, 2 * START_SAMPLES)
+            total += maximum_filter1d(filled, 2 * START_SAMPLES) - minimum_filter1d(filled, 2 * START_SAMPLES)
     return np.where(np.isfinite(total), total, np.inf)
 
 
@@ -232,6 +232,12 @@ class GasPrediction:
     temperature: Array
 
 
+def behind_hose(cylinder: NDArray[np.void]) -> bool:
+    """Say whether a hose lies between a cylinder, record of shape (1,), and its pressure sensors."""
+    hose = cylinder["line_restriction"][0]
+    return bool(hose["area"] > 0.0 and hose["sensor"] > 0.5)
+
+
 def run_gas(
     feed: GasInputs, world: NDArray[np.void], cylinder: NDArray[np.void], shift: float = 0.0, length_delay: float = 0.0,
     offset: tuple[float, float] = (0.0, 0.0),
@@ -248,8 +254,8 @@ def run_gas(
     world, cylinder = world.copy(), cylinder.copy()
     usual = float(np.median(np.diff(feed.time)))
     world["longest_step"], world["most_steps"] = max(LONGEST_STEP, 0.5 * usual), MOST_STEPS
-    hose = cylinder["line_restriction"][0]
-    if hose["area"] > 0.0 and hose["sensor"] > 0.5:  # such a sensor shows every error of a step in the hose's small volume
+    if behind_hose(cylinder):  # such a sensor shows every error of a step in the hose's small volume
+        hose = cylinder["line_restriction"][0]
         settling = settling_rate(hose["area"], hose["volume"], world["k"][0], world["r"][0])
         world["longest_step"] = min(world["longest_step"][0], max(HOSE_SHARE / settling, usual / MOST_STEPS))
     n = len(feed.time)

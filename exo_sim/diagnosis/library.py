@@ -62,7 +62,7 @@ def believed(setting: Setting, cylinder: str, commanded: bool, sides: Sequence[i
         )  # fmt: skip
         for side in sides
     )
-    if rests and not _is_on(declared()["wall_heat_transfer"], setting):
+    if rests and not setting.is_on(declared()["wall_heat_transfer"]):
         spread = REST_HEAT
         zeros += (Quantity("wall_heat_transfer", cylinder, "conductance", "W/K", "cylinder", spread, 0.0, 20.0 * spread, (0.0, spread)),)
     return (*numbers, *zeros, *_imperfections(setting, cylinder)) if commanded else (*numbers, *zeros)
@@ -74,7 +74,7 @@ def _imperfections(setting: Setting, cylinder: str) -> tuple[Quantity, ...]:
     for effect in declared().values():
         for name, (spread, most) in effect.asked.healthy.items():
             parameter = effect.parameter(name)
-            if not _is_on(effect, setting):
+            if not setting.is_on(effect):
                 low = 0.0 if parameter.low >= 0.0 else -most
                 found.append(
                     Quantity(
@@ -134,7 +134,7 @@ def candidates(setting: Setting, runs: list[CylinderRun], cylinder: str, joint: 
         if effect.name == "piston_leakage" and float(setting.cylinder["single_acting"][0]) > 0.0:
             continue  # chamber 2 is the atmosphere: the leak is an external one
         where = effect.places[0] if effect.places[0] in ("supply", "exhaust") else cylinder
-        if where == cylinder and _is_on(effect, setting) and effect.name != "critical_ratio":
+        if where == cylinder and setting.is_on(effect) and effect.name != "critical_ratio":
             continue
         single = float(setting.cylinder["single_acting"][0]) > 0.0
         for form in effect.asked.forms or (tuple(p.name for p in effect.parameters if not p.choices),):
@@ -150,10 +150,6 @@ def _measured_away(effect: Effect, runs: list[CylinderRun]) -> bool:
     if effect.name in ("supply_droop", "supply_regulator"):
         return all(run.supply is not None for run in runs)
     return effect.name == "exhaust_back_pressure" and all(run.exhaust is not None for run in runs)
-
-
-def _is_on(effect: Effect, setting: Setting) -> bool:
-    return any(float(setting.cylinder[effect.name][parameter.name][0]) != 0.0 for parameter in effect.parameters)
 
 
 def _forms(effect: Effect, where: str, form: tuple[str, ...], setting: Setting) -> list[Candidate]:
@@ -190,7 +186,7 @@ def _forms(effect: Effect, where: str, form: tuple[str, ...], setting: Setting) 
         starts,
         fixed=pinned,
         proportional=effect.asked.proportional and not porous,
-        beside=effect.requires if effect.requires and not _is_on(declared()[effect.requires], setting) else "",
+        beside=effect.requires if effect.requires and not setting.is_on(declared()[effect.requires]) else "",
     )
     choices = [parameter for parameter in effect.parameters if parameter.choices]
     if not choices:

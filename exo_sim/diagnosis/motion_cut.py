@@ -12,7 +12,7 @@ import mujoco
 import numpy as np
 from numpy.typing import NDArray
 
-from exo_sim.diagnosis.observed import breaks_of, led, left_of_noise, white_noise
+from exo_sim.diagnosis.observed import breaks_of, led, left_of_noise, quieted, white_noise
 from exo_sim.machine.linkage import Linkage, moment_row
 from exo_sim.physics.compiled import kernel
 from exo_sim.physics.resistance import dry_level, move_bristle, piston_resistance
@@ -96,9 +96,14 @@ def resistance_along(c, time, x, v, gauge, out):
         out[i] = piston_resistance(c, z, x[i], v[i], gauge[i, 0], gauge[i, 1])
 
 
+def smoothing(time: Array) -> float:
+    """Return the width of the filter that every term of a balance passes on this clock [s]."""
+    return max(SMOOTHING, 6.0 * float(np.median(np.diff(time))))
+
+
 def as_smooth(time: Array, values: Array) -> Array:
     """Return values behind the filter that the measured forces of a balance have passed, shape (n,)."""
-    return led(time, values, max(SMOOTHING, 6.0 * float(np.median(np.diff(time)))))[0]
+    return quieted(time, values, smoothing(time))
 
 
 def motion_runs(
@@ -119,7 +124,7 @@ def motion_runs(
     if why := _touched(recording, model):
         return [], [(name, why) for name in names]
     time = recording.time
-    seconds = max(SMOOTHING, 6.0 * float(np.median(np.diff(time))))
+    seconds = smoothing(time)
     moves = [led(time, recording[f"{name}.position"], seconds) for name in names]
     n = len(time)
     q, qd, qdd = np.zeros((n, model.nq)), np.zeros((n, model.nv)), np.zeros((n, model.nv))

@@ -11,7 +11,7 @@ from scipy.ndimage import binary_erosion
 from exo_sim.diagnosis.motion_cut import SMOOTHING, MotionRun, as_smooth, resistance_along
 from exo_sim.diagnosis.quantity import Candidate, Quantity, Setting
 from exo_sim.diagnosis.split import Split
-from exo_sim.physics.effects.declaration import Parameter, declared
+from exo_sim.physics.effects.declaration import Effect, Parameter, declared
 
 Array = NDArray[np.float64]
 
@@ -249,9 +249,7 @@ def candidates(runs: Sequence[MotionRun], setting: Setting, where: str) -> tuple
             continue
         if effect.name == "asymmetric_friction" and run.cylinder is None:
             continue  # while it moves, Coulomb friction with an offset says the same in simpler words
-        if effect.name != "presliding" and any(
-            float(setting.cylinder[effect.name][p.name][0]) != 0.0 for p in effect.parameters
-        ):
+        if effect.name != "presliding" and setting.is_on(effect):
             continue
         for form in effect.asked.forms or (tuple(p.name for p in effect.parameters),):
             quantities, start = [], []
@@ -283,7 +281,7 @@ def candidates(runs: Sequence[MotionRun], setting: Setting, where: str) -> tuple
             found.append(
                 Candidate(effect.name, where, "+".join(form), tuple(quantities), tuple(starts),
                           proportional=effect.name not in ("stribeck_friction", "presliding", "return_spring"),
-                          beside="" if _is_on(base := effect.asked.on_top_of, setting) else base)
+                          beside=_ground_that_lacks(effect, setting))
             )  # fmt: skip
     for column in run.levers:
         unit = "Pa" if "pressure" in column else ("N*m" if run.turning else "N")
@@ -293,10 +291,10 @@ def candidates(runs: Sequence[MotionRun], setting: Setting, where: str) -> tuple
     return tuple(found)
 
 
-def _is_on(name: str, setting: Setting) -> bool:
-    if not name:
-        return True
-    return any(float(setting.cylinder[name][p.name][0]) != 0.0 for p in declared()[name].parameters)
+def _ground_that_lacks(effect: Effect, setting: Setting) -> str:
+    """Return the effect that this one comes on top of, "" where it needs none or the rig has it."""
+    base = effect.asked.on_top_of
+    return "" if not base or setting.is_on(declared()[base]) else base
 
 
 def _size(parameter: Parameter, sizes: dict[str, float]) -> float:

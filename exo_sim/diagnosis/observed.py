@@ -125,21 +125,14 @@ def smooth_window(time: Array, seconds: float = POSITION_SMOOTHING) -> int:
 
 def smoothed(time: Array, values: Array, seconds: float = POSITION_SMOOTHING) -> tuple[Array, Array, Array]:
     """Return values, first and second derivative by local cubics, shape (n,) each; missing samples are bridged."""
-    bad = ~np.isfinite(values)
-    if bad.all():
+    if not np.isfinite(values).any():
         return values, values, values
-    filled = np.interp(time, time[~bad], values[~bad]) if bad.any() else values
-    usual = float(np.median(np.diff(time)))
-    even = np.arange(time[0], time[-1] + 0.5 * usual, usual)
-    on_grid = len(even) == len(time) and np.allclose(even, time, atol=0.02 * usual)
-    grid = filled if on_grid else np.interp(even, time, filled)
+    filled, grid, even, usual = _evenly(time, values)
     window = min(smooth_window(time, seconds), 2 * ((len(grid) - 1) // 2) + 1)
     if window < 5:
         return filled, np.gradient(filled, time), np.zeros_like(filled)
     out = [savgol_filter(grid, window, 3, deriv=d, delta=usual, mode="interp") for d in range(3)]
-    if on_grid:
-        return out[0], out[1], out[2]
-    return np.interp(time, even, out[0]), np.interp(time, even, out[1]), np.interp(time, even, out[2])
+    return _back(time, even, out[0]), _back(time, even, out[1]), _back(time, even, out[2])
 
 
 def led(time: Array, values: Array, seconds: float) -> tuple[Array, Array, Array]:
@@ -147,24 +140,42 @@ def led(time: Array, values: Array, seconds: float) -> tuple[Array, Array, Array
 
     What a balance of forces needs: derivatives of the smoothed signal, so that nothing but the same smoothing stands on its two sides.
     """
-    bad = ~np.isfinite(values)
-    if bad.all():
+    if not np.isfinite(values).any():
         return values, values, values
-    filled = np.interp(time, time[~bad], values[~bad]) if bad.any() else values
-    usual = float(np.median(np.diff(time)))
-    even = np.arange(time[0], time[-1] + 0.5 * usual, usual)
-    on_grid = len(even) == len(time) and np.allclose(even, time, atol=0.02 * usual)
-    grid = filled if on_grid else np.interp(even, time, filled)
-    width = min(gaussian_width(seconds) / usual, 0.02 * len(grid))
-    quiet = gaussian_filter1d(grid, width, mode="nearest")
+    _, grid, even, usual = _evenly(time, values)
+    quiet = _gaussian(grid, seconds, usual)
     rate = np.gradient(quiet, usual)
     # differences of the smoothed signal: a cut-off derivative kernel would answer a constant
     bend = np.zeros_like(quiet)
     bend[1:-1] = (quiet[2:] - 2.0 * quiet[1:-1] + quiet[:-2]) / usual**2
-    out = [quiet, rate, bend]
-    if on_grid:
-        return out[0], out[1], out[2]
-    return np.interp(time, even, out[0]), np.interp(time, even, out[1]), np.interp(time, even, out[2])
+    return _back(time, even, quiet), _back(time, even, rate), _back(time, even, bend)
+
+
+def quieted(time: Array, values: Array, seconds: float) -> Array:
+    """Return the values alone of what `led` returns, shape (n,)."""
+    if not np.isfinite(values).any():
+        return values
+    _, grid, even, usual = _evenly(time, values)
+    return _back(time, even, _gaussian(grid, seconds, usual))
+
+
+def _gaussian(grid: Array, seconds: float, usual: float) -> Array:
+    return gaussian_filter1d(grid, min(gaussian_width(seconds) / usual, 0.02 * len(grid)), mode="nearest")
+
+
+def _evenly(time: Array, values: Array) -> tuple[Array, Array, Array | None, float]:
+    """Return values with gaps bridged, the same on an even clock, that clock (None where it is the own one), and its step [s]."""
+    bad = ~np.isfinite(values)
+    filled = np.interp(time, time[~bad], values[~bad]) if bad.any() else values
+    usual = float(np.median(np.diff(time)))
+    even = np.arange(time[0], time[-1] + 0.5 * usual, usual)
+    if len(even) == len(time) and np.allclose(even, time, atol=0.02 * usual):
+        return filled, filled, None, usual
+    return filled, np.interp(even, time, filled), even, usual
+
+
+def _back(time: Array, even: Array | None, values: Array) -> Array:
+    return values if even is None else np.interp(time, even, values)
 
 
 def gaussian_width(seconds: float) -> float:

@@ -9,6 +9,8 @@ from dataclasses import dataclass, field
 import numpy as np
 from numpy.typing import NDArray
 
+from exo_sim.physics.effects.declaration import Effect
+
 #: How far a believed number may be off, one standard deviation: what a data sheet allows, and what tuning has done to it.
 SPREADS = {"flow_capacity": 0.10, "dead_volume_1": 0.15, "dead_volume_2": 0.15, "payload_mass": 0.05}
 
@@ -23,6 +25,11 @@ class Setting:
     world: NDArray[np.void]
     cylinder: NDArray[np.void]
     sensors: dict[str, float] = field(default_factory=dict)
+
+    def is_on(self, effect: Effect) -> bool:
+        """Say whether an effect has any number in the records already."""
+        record = self.world if effect.name in (self.world.dtype.names or ()) else self.cylinder
+        return any(float(record[effect.name][parameter.name][0]) != 0.0 for parameter in effect.parameters)
 
     def copy(self) -> Setting:
         """Return a copy that shares nothing."""

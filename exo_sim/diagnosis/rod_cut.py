@@ -7,7 +7,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from exo_sim.diagnosis.motion_cut import SMOOTHING, MotionRun
+from exo_sim.diagnosis.motion_cut import MotionRun, smoothing
 from exo_sim.diagnosis.observed import CylinderRun, led, left_of_noise, white_noise
 from exo_sim.rig import Rig
 
@@ -25,7 +25,7 @@ def rod_run(run: CylinderRun, rig: Rig) -> MotionRun | None:
         return None
     time, n = run.time, len(run.time)
     step = float(np.median(np.diff(time)))
-    seconds = max(SMOOTHING, 6.0 * step)
+    seconds = smoothing(time)
     keep = left_of_noise(0, seconds, step)
     atmosphere = rig.environment.pressure
     position, velocity, _ = led(time, run.length, seconds)

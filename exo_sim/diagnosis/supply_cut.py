@@ -179,12 +179,11 @@ def candidates(setting: Setting) -> tuple[Candidate, ...]:
     found = []
     shared = [effect for effect in declared().values() if effect.places == ("supply",)]
     for effect, form in ((e, form) for e in shared for form in e.asked.forms or (tuple(p.name for p in e.parameters),)):
-        name = effect.name
-        if any(float(setting.world[name][p.name][0]) != 0.0 for p in effect.parameters):
+        if setting.is_on(effect):
             continue
         quantities = tuple(_quantity(effect, parameter) for parameter in form)
         starts = tuple(itertools.product(*([_between(effect, p, share) for share in (0.15, 0.5, 0.85)] for p in form)))
-        found.append(Candidate(name, "supply", "+".join(form), quantities, starts, proportional=False))
+        found.append(Candidate(effect.name, "supply", "+".join(form), quantities, starts, proportional=False))
     return tuple(found)
 
 

@@ -29,7 +29,7 @@ ENOUGH_TRACKING = 0.03
 #: Constraints of the coupled cycle, behind those of screening.
 OF_THE_CYCLE = ("coupled cycle", "chamber pressure")
 #: Time step of a run [s]: a valve that settles its chamber sooner has no place in it.
-RUN_STEP = 1e-3
+RUN_STEP = 0.5 * STEP
 #: Digits of a score that count, so that processors that round differently agree.
 DIGITS = 6
 

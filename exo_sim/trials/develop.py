@@ -1,6 +1,6 @@
 """Cases with their truth open, for those who build a diagnosis.
 
-python -m exo_sim.trials.develop --out /tmp/cases --effects all --draws 1
+python -m exo_sim.trials.develop --out cases --effects all --draws 1
 """
 
 from __future__ import annotations

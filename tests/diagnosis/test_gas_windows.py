@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import cylinder_runs
 import numpy as np
+import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
@@ -82,3 +83,12 @@ def test_no_window_begins_in_a_hole_that_it_can_avoid() -> None:
     pressure[N // 2 - 20 : N // 2 + 20] = np.nan
     start = int(windows(cylinder_runs.run_of(pressure), 2.0).starts[1])
     assert np.isfinite(pressure[start - START_SAMPLES : start + START_SAMPLES]).all()
+
+
+@pytest.mark.parametrize("seconds", [0.1, 0.5, 1.2])
+def test_a_clock_that_changes_its_pace_is_covered_as_well(seconds: float) -> None:
+    steps = np.where(np.arange(1000) < 100, 10e-3, 1e-3)
+    run = cylinder_runs.run_of(np.linspace(5e5, 4e5, 1000), time=np.cumsum(steps))
+    cut = windows(run, seconds)
+    assert cut.starts[0] == 0 and cut.stops[-1] == 1000
+    assert (np.diff(cut.starts) > 0).all()

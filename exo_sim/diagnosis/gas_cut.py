@@ -162,9 +162,11 @@ def _unrest(run: CylinderRun) -> Array:
     total = np.zeros(len(run.time))
     for values in run.pressure:
         if values is not None:
-            filled = np.where(np.isfinite(values), values, np.inf)
+            hole = ~np.isfinite(values)
+            filled = np.where(hole, 0.0, values)
             total += maximum_filter1d(filled, 2 * START_SAMPLES) - minimum_filter1d(filled, 2 * START_SAMPLES)
-    return np.where(np.isfinite(total), total, np.inf)
+            total[maximum_filter1d(hole, 2 * START_SAMPLES)] = np.inf
+    return total
 
 
 def _start(values: Array) -> float:

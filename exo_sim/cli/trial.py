@@ -78,12 +78,15 @@ def run(folder: Path, tool: str | None, timeout: float, scheduler: str | None, j
 @click.option("--key", type=click.Path(path_type=Path, dir_okay=False), default=None,
               help="Key of the seals; FOLDER.key when absent.")
 @click.option("--head", default=None, help="Last verdict as trial run printed it, to be held against the ledger.")
-def score(folder: Path, key: Path | None, head: str | None, out: Path | None, as_json: bool, quiet: bool) -> None:
+@click.option("--told", is_flag=True, help="Diagnose once more with a tool told what is hidden, and compare held-out errors.")
+@_JOBS
+def score(folder: Path, key: Path | None, head: str | None, told: bool, jobs: int, out: Path | None, as_json: bool,
+          quiet: bool) -> None:  # fmt: skip
     """Open the seals of FOLDER, check them and count."""
     from exo_sim.trials.page import percent
     from exo_sim.trials.score import score as open_and_count
 
-    result = open_and_count(folder, key or folder.with_name(folder.name + ".key"), head)
+    result = open_and_count(folder, key or folder.with_name(folder.name + ".key"), head, told, jobs, quiet)
     figures = result["figures"]
     rows = [
         (

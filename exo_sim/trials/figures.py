@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from collections import Counter
-from collections.abc import Iterable, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from itertools import pairwise
 from typing import Any
 
@@ -36,12 +36,15 @@ def share(outcomes: Iterable[bool]) -> dict[str, Any]:
     return {"hits": hits, "of": tries, "share": hits / tries if tries else None, "low": low, "high": high}
 
 
-def figures(marks: Sequence[Mark], spent: Sequence[dict[str, Any]] = ()) -> dict[str, Any]:
+def figures(
+    marks: Sequence[Mark], spent: Sequence[dict[str, Any]] = (), over_told: Mapping[str, float] | None = None
+) -> dict[str, Any]:
     """Return all figures of a trial.
 
     Args:
         marks: One per case.
         spent: Ledger records: `wall_s`, `cpu_s`, `peak_bytes` of each case.
+        over_told: By case, the held-out error over that of the tool told what is hidden.
     """
     clean = [mark for mark in marks if not mark.hidden]
     dirty = [mark for mark in marks if mark.hidden]
@@ -78,6 +81,8 @@ def figures(marks: Sequence[Mark], spent: Sequence[dict[str, Any]] = ()) -> dict
         "parameters": _parameters(marks),
         "held_out_error_over_noise": _quantiles([ratio for mark in listed for ratio in mark.held_out]),
         "held_out_error_after_over_before": _quantiles([ratio for mark in listed for ratio in mark.drop]),
+        "held_out_error_over_told": _quantiles(list((over_told or {}).values())),
+        "held_out_error_near_told": share(ratio <= 1.1 for ratio in (over_told or {}).values()),
         "wall_s": _quantiles([float(record["wall_s"]) for record in spent]),
         "cpu_s": _quantiles([float(record["cpu_s"]) for record in spent]),
         "peak_bytes": max((int(record["peak_bytes"]) for record in spent), default=None),

@@ -13,15 +13,21 @@ from exo_sim.trials.figures import figures
 from exo_sim.trials.judge import judge
 from exo_sim.trials.protocol import check_inputs, ledger_of, read_manifest
 from exo_sim.trials.seal import digest_of, open_with, unseal
+from exo_sim.trials.told import over_told, told_errors
 
 
-def score(folder: Path, key_file: Path, head: str | None = None) -> dict[str, Any]:
+def score(
+    folder: Path, key_file: Path, head: str | None = None, told: bool = False, jobs: int = 1, quiet: bool = False
+) -> dict[str, Any]:
     """Open a finished trial and count; write score.json and score.html into its folder.
 
     Args:
         folder: The trial.
         key_file: What opens its seals.
         head: The last verdict's hash as `trial run` printed it; checked where given.
+        told: Also run the tool once more on each case that hides physics of the list, told what it is, and compare errors.
+        jobs: Cases told at a time.
+        quiet: No progress.
 
     Raises:
         TrialError: a case, a seal, a verdict or a diagnosis was altered, verdicts are missing, or the seals were opened
@@ -41,15 +47,22 @@ def score(folder: Path, key_file: Path, head: str | None = None) -> dict[str, An
         truth = unseal(stored, manifest["cases"][name]["commitment"], key, name)
         truths[name] = truth
         marks.append(judge(truth, diagnoses[name]))
+    with replacing(folder / "opened.json") as beside:
+        beside.write_text(json.dumps(truths, indent=1) + "\n")
+    ratios: dict[str, float] = {}
+    if told:
+        files = {name: list(entry["files"]) for name, entry in manifest["cases"].items()}
+        errors = told_errors(folder, files, truths, records[-1]["tool"], jobs, quiet)
+        found = {name: over_told(diagnoses[name], one) for name, one in errors.items()}
+        ratios = {name: ratio for name, ratio in found.items() if ratio is not None}
     result = {
         "schema": "exo-sim/score/1",
-        "figures": figures(marks, records),
+        "figures": figures(marks, records, ratios),
         "head": records[-1]["hash"],
         "tool": records[-1]["tool"],
         "marks": [asdict(mark) for mark in marks],
+        "held_out_error_over_told": ratios,
     }
-    with replacing(folder / "opened.json") as beside:
-        beside.write_text(json.dumps(truths, indent=1) + "\n")
     with replacing(folder / "score.json") as beside:
         beside.write_text(json.dumps(result, indent=1) + "\n")
     from exo_sim.trials.page import page

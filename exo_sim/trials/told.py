@@ -1,0 +1,89 @@
+"""What the held-out error would have been, had the tool been told what is hidden: the same tool, a rig that has it switched on."""
+
+from __future__ import annotations
+
+import json
+import os
+import shlex
+import shutil
+import subprocess
+import tempfile
+from collections.abc import Mapping, Sequence
+from pathlib import Path
+from typing import Any
+
+from exo_sim.progress import each
+
+
+def told_rig(rig: str, hidden: Sequence[Mapping[str, Any]]) -> str:
+    """Return the text of a rig to which hidden effects were added at their true values."""
+    tables = []
+    for entry in hidden:
+        lines = [f"[effects.{entry['name']}.{entry['where'].split('.')[0]}]"]
+        for name, given in entry["parameters"].items():
+            if name == "sensor_at_valve":
+                lines.append('sensor = "valve"')
+                continue
+            unit = "" if given["unit"] == "1" else f" {given['unit']}"
+            lines.append(f'{name} = "{given["value"]!r}{unit}"' if unit else f"{name} = {given['value']!r}")
+        tables.append("\n".join(lines))
+    return "\n\n".join([rig.rstrip(), *tables]) + "\n"
+
+
+def can_be_told(truth: Mapping[str, Any]) -> bool:
+    """Say whether all that is hidden is physics that a rig file can have."""
+    return bool(truth["hidden"]) and all(entry["kind"] == "missing_physics" for entry in truth["hidden"])
+
+
+def told_errors(
+    folder: Path, files: Mapping[str, Sequence[str]], truths: Mapping[str, Mapping[str, Any]], tool: str, jobs: int = 1, quiet: bool = False
+) -> dict[str, dict[str, float]]:
+    """Return, by case and signal, the held-out error of a tool that was told what is hidden.
+
+    Cases that cannot be told, and those where the tool then gives no error, are left out.
+
+    Args:
+        folder: The trial.
+        files: Names of the files of each case.
+        truths: What each case hides.
+        tool: Command line; recordings, `--rig` and `--out` are appended.
+        jobs: Cases at a time.
+        quiet: No progress.
+    """
+    from joblib import Parallel, delayed
+
+    names = [name for name, truth in truths.items() if can_be_told(truth)]
+    results = Parallel(n_jobs=jobs, return_as="generator", prefer="threads")(
+        delayed(_one)(folder / "cases" / name, files[name], truths[name], tool) for name in names
+    )
+    found = dict(zip(names, each(results, "telling", total=len(names), unit="case", quiet=quiet)))
+    return {name: errors for name, errors in found.items() if errors}
+
+
+def over_told(diagnosis: Mapping[str, Any] | None, told: Mapping[str, float]) -> float | None:
+    """Return by how much the worst signal's held-out error of a blind diagnosis is above that of a told one; None where unknown."""
+    blind = held_out_errors(diagnosis or {})
+    return max((blind[key] / told[key] for key in told if key in blind), default=None)
+
+
+def held_out_errors(diagnosis: Mapping[str, Any]) -> dict[str, float]:
+    """Return the held-out error of each signal of a diagnosis, as it is after."""
+    signals = (diagnosis.get("fit") or {}).get("signal") or {}
+    errors = {key: entry.get("after") for key, entry in signals.items() if isinstance(entry, Mapping)}
+    return {key: float(error) for key, error in errors.items() if isinstance(error, int | float) and error > 0}
+
+
+def _one(case: Path, files: Sequence[str], truth: Mapping[str, Any], tool: str) -> dict[str, float]:
+    with tempfile.TemporaryDirectory(prefix="told_") as bare:
+        for file in files:
+            shutil.copy(case / file, bare)
+        rig = Path(bare) / "rig.toml"
+        rig.write_text(told_rig(rig.read_text(), truth["hidden"]))
+        recordings = sorted(file for file in files if file.startswith("recording"))
+        environment = {**os.environ, "OMP_NUM_THREADS": "1", "OPENBLAS_NUM_THREADS": "1", "NUMBA_NUM_THREADS": "1"}
+        subprocess.run(
+            [*shlex.split(tool), *recordings, "--rig", "rig.toml", "--out", "out"],
+            cwd=bare, stdin=subprocess.DEVNULL, capture_output=True, env=environment, check=False,
+        )  # fmt: skip
+        answer = Path(bare) / "out" / "diagnosis.json"
+        return held_out_errors(json.loads(answer.read_text())) if answer.exists() else {}

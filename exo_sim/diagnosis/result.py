@@ -178,7 +178,6 @@ class Diagnosis:
     signals: Mapping[str, SignalFit] = field(default_factory=dict)
     held_out: tuple[tuple[float, float], ...] = ()
     held_out_recordings: tuple[str, ...] = ()
-    measure: str = "rms of 0.5 s predictions"
     unexplained: tuple[Unexplained, ...] = ()
     next_experiment: NextExperiment | None = None
     open_questions: tuple[OpenQuestion, ...] = ()
@@ -190,6 +189,14 @@ class Diagnosis:
     def exit_status(self) -> int:
         """Exit status of the command."""
         return EXIT_STATUS[self.verdict]
+
+    @property
+    def measure(self) -> str:
+        """Say what the errors of `signals` are: pressures are predicted, a balance of forces is closed or not."""
+        balances = [name.endswith(".force_balance") for name in self.signals]
+        if balances and all(balances):
+            return "rms of what the forces' balance leaves over"
+        return "rms of 0.5 s predictions" + ("; of forces, of what their balance leaves over" if any(balances) else "")
 
     def as_dict(self) -> dict[str, Any]:
         """Return the JSON of the contract."""

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from pathlib import Path
 
@@ -12,7 +12,7 @@ import numpy as np
 from exo_sim import recording as recordings
 from exo_sim.diagnosis.motion_cut import MotionRun, motion_runs
 from exo_sim.diagnosis.observed import CylinderRun, cylinder_runs
-from exo_sim.diagnosis.replay_inputs import led_from_outside
+from exo_sim.diagnosis.replay_inputs import led_against, led_from_outside
 from exo_sim.diagnosis.result import Estimate, Finding, OpenQuestion
 from exo_sim.diagnosis.rod_cut import rod_run
 from exo_sim.diagnosis.shut_in import from_the_fall
@@ -186,14 +186,31 @@ def _sort(case: Case) -> None:
         for motion in (run for run in runs if run.joint not in led):
             case.joints.setdefault(motion.joint, []).append(motion)
             judged_once = True
-        for joint, why in reasons:
-            case.open.append(
-                OpenQuestion(
-                    f"the balance of forces at {joint} in {table.name}", ("friction, load and joint effects",), why
-                )
-            )
+        case.open += [_no_balance(joint, table.name, why) for joint, why in reasons]
     if not judged_once:
         case.remarks.append("nothing in these recordings can be held against the rig")
+
+
+def _no_balance(joint: str, recording: str, why: str) -> OpenQuestion:
+    return OpenQuestion(f"the balance of forces at {joint} in {recording}", ("friction, load and joint effects",), why)
+
+
+def put_right(case: Case, joints: Mapping[str, Sequence[MotionRun]]) -> None:
+    """Take over runs of the motion cut whose pressures were put right; what then proves to be led from outside stays open."""
+    for joint, runs in joints.items():
+        kept = []
+        for run, before in zip(runs, case.joints[joint], strict=True):
+            needed = run.inertial - run.passive
+            speed = run.velocity / np.where(np.abs(run.arm) > 1e-6, run.arm, 1.0)
+            unsure = run is not before and run.weighs and not run.external_recorded
+            why = led_against(run.time, needed, run.drive, speed) if unsure else ""
+            if why:
+                case.led.add(run.joint)
+                case.open.append(_no_balance(run.joint, run.recording, why))
+            else:
+                kept.append(run)
+        case.joints[joint] = kept
+    case.joints = {joint: runs for joint, runs in case.joints.items() if runs}
 
 
 def turned_round(cylinder: str) -> Finding:

@@ -1,6 +1,7 @@
 """What is known of the pressure in a chamber once the gas has been judged: a sensor's faults and a hose between taken off.
 
-The balance of forces is made of these pressures; left uncorrected, a late sensor or one behind a hose looks like friction.
+The balance of forces is made of these pressures; left uncorrected, a late sensor or one behind a hose looks like friction. Where it is
+the position that comes late, pressures are made as late as it is.
 """
 
 from __future__ import annotations
@@ -28,11 +29,14 @@ LEAST = 50.0
 def carried_over(case: Case, gas: Sequence[Judged], parts: Split) -> dict[str, list[MotionRun]]:
     """Return the runs of the motion cut, by joint, with every correction that a judged cylinder's gas asks for."""
     changes: dict[tuple[str, str], Array] = {}
+    late: dict[str, float] = {}
     for one in gas:
         if one.empty or one.nameless or not one.named:
             continue
         whole = GasProblem(case.cylinders[one.where], setting_of(one, one.trial), parts, held_out=True)
         named = {q.parameter for candidate in one.named if candidate.kind == "sensor" for q in candidate.quantities}
+        if "position.delay" in named:
+            late[next(link.joint for link in case.links if link.cylinder == one.where)] = whole.setting.sensors["position.delay"]
         for index, feed in enumerate(whole.feeds):
             for side in range(2):
                 measured = feed.run.pressure[side]
@@ -40,7 +44,7 @@ def carried_over(case: Case, gas: Sequence[Judged], parts: Split) -> dict[str, l
                     change = _change(whole, index, side, measured, named)
                     if np.nanmax(np.abs(change)) > LEAST:
                         changes[feed.run.recording, f"{one.where}.pressure_{side + 1}"] = change
-    return {joint: [_changed(run, changes) for run in runs] for joint, runs in case.joints.items()}
+    return {joint: [_late(_changed(run, changes), late.get(joint, 0.0)) for run in runs] for joint, runs in case.joints.items()}
 
 
 def _change(whole: GasProblem, index: int, side: int, measured: Array, named: set[str]) -> Array:
@@ -74,3 +78,15 @@ def _changed(run: MotionRun, changes: dict[tuple[str, str], Array]) -> MotionRun
             side = int(column[-1]) - 1
             gauge = gauge + np.column_stack([smooth if s == side else np.zeros_like(smooth) for s in range(2)])
     return run if drive is run.drive else replace(run, drive=drive, gauge=gauge)
+
+
+def _late(run: MotionRun, seconds: float) -> MotionRun:
+    """Return a run whose forces come as late as its position does."""
+    if seconds == 0.0:
+        return run
+
+    def then(values: Array) -> Array:
+        return np.interp(run.time - seconds, run.time, values)
+
+    gauge = np.column_stack([then(run.gauge[:, side]) for side in range(2)])
+    return replace(run, drive=then(run.drive), external=then(run.external), gauge=gauge)

@@ -12,7 +12,7 @@ from pathlib import Path
 import numpy as np
 
 from exo_sim.diagnosis import library, motion_problem, supply_cut
-from exo_sim.diagnosis.cases import Case, gather, turned_round
+from exo_sim.diagnosis.cases import Case, gather, put_right, turned_round
 from exo_sim.diagnosis.chamber_pressure import carried_over
 from exo_sim.diagnosis.gas_problem import GasProblem
 from exo_sim.diagnosis.judging import Judged, calibration_findings, judge
@@ -75,7 +75,7 @@ def diagnose(
     parts = split([(table.name, table.time) for table in case.recordings])
     with ThreadPoolExecutor(jobs or os.cpu_count() or 1) as pool:
         gas = _gas(case, parts, pool, say)
-        case.joints = carried_over(case, gas, parts)
+        put_right(case, carried_over(case, gas, parts))
         judged = _shared_once([*gas, *_supply(case, parts, gas, say), *_motion(case, parts, pool, say)])
         nameless = unknown_findings(_rigid(judged))
         say("proving on time kept back")

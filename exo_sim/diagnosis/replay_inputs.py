@@ -170,8 +170,25 @@ def led_from_outside(recording: Recording, rig: Rig, model: mujoco.MjModel, link
         if float(np.ptp(recording[f"{name}.position"][np.isfinite(recording[f"{name}.position"])])) < STILL:
             found[name] = "it never moves, so something holds it"
         elif name in balance and balance[name] > LED_SHARE:
-            found[name] = f"unmeasured forces put in {100 * balance[name]:.0f} % of the power that its motion took"
+            found[name] = _put_in_words(balance[name])
     return found
+
+
+def led_against(time: Array, needed: Array, drive: Array, velocity: Array) -> str:
+    """Say how much power unmeasured forces put into a joint's motion, or "" where that is no more than friction's opposite.
+
+    Args:
+        time: Even clock, shape (n,).
+        needed, drive: What the motion took and what is known to have driven it [N m, or N], shape (n,).
+        velocity: Of the joint, shape (n,).
+    """
+    block = max(1, round(_POWER_BLOCK / float(np.median(np.diff(time)))))
+    share = _put_in(needed, drive, velocity, block)
+    return _put_in_words(share) if share > LED_SHARE else ""
+
+
+def _put_in_words(share: float) -> str:
+    return f"unmeasured forces put in {100 * share:.0f} % of the power that its motion took"
 
 
 def _powers(

@@ -66,6 +66,13 @@ class Case:
     open: list[OpenQuestion] = field(default_factory=list)
     led: set[str] = field(default_factory=set)
 
+    def copy(self) -> Case:
+        """Return a case that may be sorted anew without touching this one."""
+        return replace(
+            self, cylinders=dict(self.cylinders), joints=dict(self.joints), sensors=list(self.sensors), remarks=list(self.remarks),
+            open=list(self.open), led=set(self.led),
+        )  # fmt: skip
+
     def table(self, name: str) -> Recording:
         """Return a recording by its name."""
         return next(table for table in self.recordings if table.name == name)

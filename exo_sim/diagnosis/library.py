@@ -7,6 +7,8 @@ import math
 from collections.abc import Sequence
 from dataclasses import replace
 
+import numpy as np
+
 from exo_sim.diagnosis.observed import CylinderRun
 from exo_sim.diagnosis.quantity import SPREADS, Candidate, Quantity, Setting
 from exo_sim.physics.effects.declaration import Effect, Parameter, declared
@@ -140,9 +142,24 @@ def candidates(setting: Setting, runs: list[CylinderRun], cylinder: str, joint: 
         for form in effect.asked.forms or (tuple(p.name for p in effect.parameters if not p.choices),):
             if single and any(name.endswith("_2") for name in form):
                 continue
-            found += _forms(effect, where, form, setting)
+            made = _forms(effect, where, form, setting)
+            if effect.asked.starts_by_reach:
+                made = [replace(one, starts=_within_reach(effect, form, setting, runs)) for one in made]
+            found += made
     found += _sensors(runs, cylinder, joint, moves)
     return tuple(found)
+
+
+def _within_reach(effect: Effect, form: tuple[str, ...], setting: Setting, runs: list[CylinderRun]) -> tuple[tuple[float, ...], ...]:
+    """Return values to begin with for what lies at fixed distances from the ends of the stroke."""
+    stroke, valve = float(setting.cylinder["stroke"][0]), float(setting.cylinder["valve_area"][0])
+    moved = [run.length for run in runs if run.length is not None]
+    nearest = max(min(min(float(np.nanmin(x)), stroke - float(np.nanmax(x))) for x in moved), 0.0)
+    shift, size = {"length": nearest}, {"length": 0.5 * stroke, "area": valve}
+    return tuple(
+        tuple(shift.get(name, 0.0) + value * size[name] for name, value in zip(form, values, strict=True))
+        for values in effect.asked.starts_by_reach
+    )
 
 
 def _measured_away(effect: Effect, runs: list[CylinderRun]) -> bool:
@@ -187,6 +204,7 @@ def _forms(effect: Effect, where: str, form: tuple[str, ...], setting: Setting) 
         fixed=pinned,
         proportional=effect.asked.proportional and not porous,
         beside=effect.requires if effect.requires and not setting.is_on(declared()[effect.requires]) else "",
+        adds_up=effect.asked.adds_up,
     )
     choices = [parameter for parameter in effect.parameters if parameter.choices]
     if not choices:

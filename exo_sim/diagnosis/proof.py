@@ -23,6 +23,10 @@ from exo_sim.physics.effects.unknown import ACTS, DEPENDS_ON, KNOTS
 
 #: Predictions whose error is reported run over this time [s].
 WINDOW = 0.5
+#: A name that lowers the error on time kept back by less than this share needs odds above these (log10) to stand ...
+LEAST_DROP, PLAIN_ODDS = 0.15, 25.0
+#: ... and one that raises it by more than this, above these.
+MOST_RISE, GREAT_ODDS = 0.1, 100.0
 
 
 @dataclass
@@ -34,6 +38,7 @@ class Proof:
         drops: By `effect@where` (by place for what has no name), the share by which the held-out error falls.
         series: What a report draws.
         held_out, held_out_recordings: Which time was kept.
+        surprise: The largest held-out error of a balance, in units of what the time that took part left of it, or of the noise.
     """
 
     signals: dict[str, SignalFit] = field(default_factory=dict)
@@ -41,6 +46,7 @@ class Proof:
     series: tuple[Series, ...] = ()
     held_out: tuple[tuple[float, float], ...] = ()
     held_out_recordings: tuple[str, ...] = ()
+    surprise: float = 0.0
 
 
 def prove(judged: Sequence[Judged], case: Case, parts: Split, nameless: Sequence[Unnamed]) -> Proof:
@@ -64,6 +70,11 @@ def prove(judged: Sequence[Judged], case: Case, parts: Split, nameless: Sequence
     if len(case.recordings) > 1:
         proof.held_out_recordings = tuple(spans)
     return proof
+
+
+def doubtful(drop: float, log10_odds: float) -> bool:
+    """Say whether time that was kept back speaks against a name: its error hardly falls with it, and the odds were not great."""
+    return (drop < LEAST_DROP and log10_odds < PLAIN_ODDS) or (drop < -MOST_RISE and log10_odds < GREAT_ODDS)
 
 
 def _settings(one: Judged, curve: Unnamed | None) -> tuple[Setting, Setting]:
@@ -190,6 +201,7 @@ def _drops(
     if kept.size == 0:
         return
     whole = normalised(_residual(kept, found))
+    proof.surprise = max(proof.surprise, finite(whole / max(normalised(one.trial.fit.residual), 1.0)))
     for candidate in one.named:
         rest = tuple(c for c in one.trial.chosen if c.key != candidate.key)
         without: Trial = one.search.try_set(rest, one.trial)

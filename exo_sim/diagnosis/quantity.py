@@ -121,6 +121,7 @@ class Candidate:
         fixed: Parameters that this form pins to a value.
         proportional: Whether its signature may be scaled up or down until it shows.
         beside: Effect that must be in the set as well, or "": what comes on top of another.
+        adds_up: Whether its numbers are parts of one thing.
     """
 
     effect: str
@@ -132,6 +133,7 @@ class Candidate:
     fixed: tuple[tuple[Quantity, float], ...] = ()
     proportional: bool = True
     beside: str = ""
+    adds_up: bool = False
 
     @property
     def key(self) -> tuple[str, str, str]:

@@ -30,15 +30,17 @@ class Split:
         return ~self.held_out(recording, time)
 
 
-def split(times: Sequence[tuple[str, NDArray[np.float64]]]) -> Split:
+def split(times: Sequence[tuple[str, NDArray[np.float64]]], head: bool = False) -> Split:
     """Keep whole recordings where there are several (a quarter of them, the last), else the end of the only one.
 
     Args:
         times: Name and clock of every recording.
+        head: Keep the first ones, or the beginning, instead.
     """
     if len(times) == 1:
         name, time = times[0]
-        start = float(time[0] + (1.0 - HELD_OUT_SHARE) * (time[-1] - time[0]))
-        return Split({name: ((start, float(time[-1])),)})
+        start, stop = float(time[0]), float(time[-1])
+        share = HELD_OUT_SHARE * (stop - start)
+        return Split({name: ((start, start + share) if head else (stop - share, stop),)})
     count = max(1, len(times) // 4)
-    return Split({name: ((float(time[0]), float(time[-1])),) for name, time in times[-count:]})
+    return Split({name: ((float(time[0]), float(time[-1])),) for name, time in (times[:count] if head else times[-count:])})

@@ -58,11 +58,14 @@ class Asked:
         forms: Which parameters are free together; one form with all of them where empty.
         starts: Values to begin with where the range is wide or the answer not in proportion; else a low and a high typical one.
         starts_by_valve: As `starts`, areas in units of the valve's.
+        starts_by_reach: As `starts_by_valve`, lengths in units of half the stroke and counted from where the piston comes nearest to
+            an end.
         proportional: Whether it is linear in its parameters from zero on: a signature may then be scaled until it shows.
         jerky: Whether its answer is in jerks: play, dead zones, limits.
         healthy: What a healthy machine shows of a parameter as well: one standard deviation, and the most. A fit may move it up
             to there; only what is larger is a finding.
         least: Parameters of which less than this is no finding.
+        adds_up: Whether its parameters are parts of one thing: then their sum is held against `least`.
         leaks: For a leak, its share of what empties a healthy cylinder in some minutes; 0 where it is none.
         on_top_of: Effect that must be there for it to be asked.
         open_by: Factors on the ends of a parameter's interval, for what the model itself leaves open.
@@ -71,10 +74,12 @@ class Asked:
     forms: tuple[tuple[str, ...], ...] = ()
     starts: tuple[tuple[float, ...], ...] = ()
     starts_by_valve: tuple[tuple[float, ...], ...] = ()
+    starts_by_reach: tuple[tuple[float, ...], ...] = ()
     proportional: bool = False
     jerky: bool = False
     healthy: Mapping[str, tuple[float, float]] = field(default_factory=dict)
     least: Mapping[str, float] = field(default_factory=dict)
+    adds_up: bool = False
     leaks: float = 0.0
     on_top_of: str = ""
     open_by: Mapping[str, tuple[float, float]] = field(default_factory=dict)

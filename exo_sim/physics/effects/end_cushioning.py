@@ -21,7 +21,7 @@ EFFECT = Effect(
     experiment="turn the cushion needle, or stop short of the end",
     convention="length is counted from the piston's ends of travel, X = 0 and X = stroke; both cushions are alike.",
     signature="a pressure spike tied to position; the start from the end is not slowed",
-    asked=Asked(jerky=True, starts_by_valve=((0.01, 0.1), (0.02, 0.03), (0.03, 0.1))),
+    asked=Asked(jerky=True, starts_by_reach=tuple((reach, area) for reach in (0.02, 0.06, 0.12, 0.25) for area in (0.03, 0.15))),
 )
 
 

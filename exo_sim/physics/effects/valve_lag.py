@@ -36,6 +36,7 @@ EFFECT = Effect(
         forms=(("time_constant",), ("delay",), ("time_constant", "delay")),
         healthy={"delay": (1e-3, 3e-3)},
         least={"time_constant": 3e-3},
+        adds_up=True,
     ),
 )
 

@@ -80,7 +80,11 @@ def judge(truth: Mapping[str, Any], diagnosis: Mapping[str, Any] | None) -> Mark
     given = [entry for entry in report.get("effects", []) if isinstance(entry, Mapping) and entry.get("name")]
     targets = {target.name for target in hidden}
     spare = {"viscous_friction"} if _damping_is_off(truth) else set()
-    given = [entry for entry in given if entry["name"] in targets or not (_mere_calibration(entry) or entry["name"] in spare)]
+    given = [
+        entry
+        for entry in given
+        if (entry["name"] in targets and not _elsewhere(entry, hidden)) or not (_mere_calibration(entry) or entry["name"] in spare)
+    ]
     matches = [next((entry for entry in given if target.is_named_by(entry)), None) for target in hidden]
     rivals = [
         next((entry for entry in given if target.is_rival_of(entry)), None) if match is None else match
@@ -150,7 +154,7 @@ class _Target:
     def is_named_by(self, found: Mapping[str, Any]) -> bool:
         if found["name"] not in self.names:
             return False
-        if self.kind in ("outside", "calibration"):
+        if self.kind == "outside":
             return True
         where = str(found.get("where", ""))
         return any(where == place or where.startswith((f"{place}/", f"{place}.")) for place in self.places)
@@ -190,6 +194,11 @@ def _damping_is_off(truth: Mapping[str, Any]) -> bool:
     """Say whether the owner's damping was bent to conceal something: then viscous friction is missing in truth, named or not."""
     believed, built = ((truth.get(key) or {}).get("damping") for key in ("believed", "bench"))
     return bool(believed is not None and built and abs(believed / built - 1.0) > 0.05)
+
+
+def _elsewhere(entry: Mapping[str, Any], hidden: Sequence[_Target]) -> bool:
+    """Say whether a believed number was corrected at another place than the hidden one: there it may be a little off as well."""
+    return _mere_calibration(entry) and not any(target.is_named_by(entry) for target in hidden)
 
 
 def _mere_calibration(entry: Mapping[str, Any]) -> bool:

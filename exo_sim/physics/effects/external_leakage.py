@@ -33,6 +33,7 @@ EFFECT = Effect(
     asked=Asked(
         proportional=True,
         leaks=0.5,
+        open_by={"laminar_1": (0.9, 1.9), "laminar_2": (0.9, 1.9)},  # an inertial part too small to show makes the path look narrower
         forms=(
             ("area_1",),
             ("area_2",),

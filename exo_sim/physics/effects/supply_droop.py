@@ -22,7 +22,8 @@ EFFECT = Effect(
     signature="supply dips in phase with the strokes and recovers slowly",
     asked=Asked(
         starts=((2e-3, 1e-7), (5e-4, 2e-8)),
-        open_by={"volume": (1.0 / 1.4, 1.0)},  # a tank that takes heat from its walls looks larger, up to k times
+        # a tank that takes heat from its walls looks larger, up to k times, and is fed warmer
+        open_by={"volume": (1.0 / 1.4, 1.0), "conductance": (0.97, 1.025)},
     ),
 )
 

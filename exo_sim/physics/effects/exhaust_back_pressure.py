@@ -25,7 +25,7 @@ EFFECT = Effect(
     experiment="take the silencer off, or record the exhaust pressure",
     convention="one manifold for all cylinders; area is that of the way out of it.",
     signature="the floor of a venting chamber rises with the flow and is gone at rest",
-    asked=Asked(forms=(("area",),), starts_by_valve=((3.0,), (1.0,), (0.5,), (0.25,))),
+    asked=Asked(forms=(("area",),), starts_by_valve=((3.0,), (1.0,), (0.5,), (0.25,), (0.12,), (0.06,), (0.03,))),
 )
 
 

@@ -22,6 +22,7 @@ from exo_sim.machine.load import load
 from exo_sim.recording.health import Facts, check
 from exo_sim.recording.table import Recording
 from exo_sim.rig import Rig, read
+from exo_sim.simulation.sensors import seen_through
 
 #: Fewer samples a second than this do not show what gas does.
 FEWEST_A_SECOND = 8.0
@@ -97,6 +98,8 @@ def gather(paths: Sequence[Path], rig_path: Path, column_map: Path | None = None
         table = replace(reading.recording, name=name)
         _belongs(table, path, rig, model)
         case.remarks += [finding.says for finding in reading.findings if finding.severity != "info"]
+        table, mended = seen_through(table, rig)
+        case.remarks += [f"{table.name}: {column} was put right by what the rig says of its sensor" for column in mended]
         case.recordings.append(_trusted(table, case))
     _sort(case)
     return case

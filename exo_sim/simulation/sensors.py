@@ -1,9 +1,11 @@
-"""What the sensors of a rig make of what was simulated."""
+"""What the sensors of a rig make of what was simulated, and what they saw, from what they showed."""
 
 from __future__ import annotations
 
 import importlib
 from dataclasses import replace
+
+import numpy as np
 
 from exo_sim.errors import RigError, nearest
 from exo_sim.physics.effects.declaration import declared
@@ -31,3 +33,20 @@ def observe(recording: Recording, rig: Rig) -> Recording:
         module = importlib.import_module(f"exo_sim.physics.effects.{setting.name}")
         columns[setting.where] = module.read(columns[setting.where], recording.time, **setting.parameters)
     return replace(recording, columns=columns) if sensing else recording
+
+
+def seen_through(recording: Recording, rig: Rig) -> tuple[Recording, tuple[str, ...]]:
+    """Return the recording with what the rig knows of its sensors taken off, and the columns that this put right."""
+    columns = dict(recording.columns)
+    sensing = [setting for setting in rig.effects if setting.name in ORDER and setting.where in columns]
+    for setting in sorted(sensing, key=lambda each: -ORDER.index(each.name)):
+        values = columns[setting.where]
+        if setting.name == "sensor_delay":
+            good = np.isfinite(values)
+            shown = np.interp(recording.time + setting.parameters["seconds"], recording.time[good], values[good])
+            columns[setting.where] = np.where(good, shown, np.nan)
+        elif setting.name == "sensor_scale":
+            columns[setting.where] = values / setting.parameters["factor"]
+        else:
+            columns[setting.where] = values - setting.parameters["value"]
+    return replace(recording, columns=columns), tuple(dict.fromkeys(setting.where for setting in sensing))

@@ -49,11 +49,11 @@ def case_of(rig: Rig, table: Recording) -> Case:
     return Case(rig, model, links, [table], {"piston": cylinder_runs(table, rig, model, links)}, joints)
 
 
-def judged(case: Case, effect: str, value: float, side: int = 1, **more: Any) -> Judged:
+def judged(case: Case, effect: str, value: float, side: int = 1, position: bool = False, **more: Any) -> Judged:
     """Return what the gas says once a sensor's fault has been found in it."""
     setting = Setting(assembly.world(case.rig), assembly.cylinders(case.rig))
     problem = GasProblem(case.cylinders["piston"], setting, PARTS)
-    column = f"piston.pressure_{side}"
+    column = "slide.position" if position else f"piston.pressure_{side}"
     named: Candidate = next(
         c for c in library.candidates(setting, case.cylinders["piston"], "piston", "slide") if (c.effect, c.where) == (effect, column)
     )
@@ -91,6 +91,20 @@ def test_the_drive_is_what_it_truly_was(rig: Rig, truth: Recording, effect: str,
     assert force_error(mended, exact) < 0.01 * force_error(raw, exact)
     np.testing.assert_allclose(mended.gauge[INSIDE], exact.gauge[INSIDE], atol=0.01 * np.abs(raw.gauge - exact.gauge).max())
     assert case.joints["slide"][0] is raw  # what was handed in stays
+
+
+@pytest.mark.parametrize("seconds", [0.004, -0.003])
+def test_forces_come_as_late_as_the_position_does(rig: Rig, truth: Recording, seconds: float) -> None:
+    late = np.interp(truth.time - seconds, truth.time, truth["slide.position"])
+    (exact,) = case_of(rig, truth).joints["slide"]
+    case = case_of(rig, replace(truth, columns={**truth.columns, "slide.position": late}))
+    (raw,) = case.joints["slide"]
+    gas = judged(case, "sensor_delay", seconds, position=True)
+    (mended,) = carried_over(case, [gas], PARTS)["slide"]
+    then = np.interp(exact.time - seconds, exact.time, exact.drive)
+    assert np.abs(raw.drive - then)[INSIDE].max() > 1.0
+    assert np.abs(mended.drive - then)[INSIDE].max() < 0.02 * np.abs(raw.drive - then)[INSIDE].max()
+    np.testing.assert_array_equal(mended.inertial, raw.inertial)
 
 
 def test_missing_samples_do_not_spread(rig: Rig, truth: Recording) -> None:

@@ -194,8 +194,9 @@ class Search:
             if not grown:
                 break
             leader = self._leader(grown)
-            tidied = self._simplest(self._pruned(self._swapped(leader) if self.cheap else leader))
-            if best.chosen and self._loses(tidied, best) >= 0.0:
+            ordered = [leader, *(trial for trial in self._ranked(grown) if trial is not leader)]
+            tidied = next((trial for trial in map(self._tidied, ordered) if trial.chosen), None)
+            if tidied is None or (best.chosen and self._loses(tidied, best) >= 0.0):
                 break
             best = tidied
             self._say(f"{len(best.chosen)} found, {best.chosen[-1].effect.replace('_', ' ')} last")
@@ -210,6 +211,10 @@ class Search:
                 break
             found = self._judged(start, self._settled(self.polished(self._pruned(better))))
         return found
+
+    def _tidied(self, trial: Trial) -> Trial:
+        """Return a set in its plainest form, without what does not stand beside the rest."""
+        return self._simplest(self._pruned(self._swapped(trial) if self.cheap else trial))
 
     def _overtaken(self, found: Found) -> Trial | None:
         """Return the set with the best rival in a finding's place, where that explains more."""

@@ -31,7 +31,7 @@ SICK = 5.0
 #: A believed number that had to move by more than this many of its own spreads speaks for something missing.
 STRAINED = 3.5
 #: A believed number is corrected where it is off by this many standard errors, and by this share.
-SURE, WORTH = 3.0, {"flow_capacity": 0.01, "dead_volume": 0.03, "payload_mass": 0.005}
+SURE, WORTH = 3.0, {"flow_capacity": 0.01, "dead_volume": 0.03, "payload_mass": 0.005, "joint_damping": 0.15}
 #: Ratio that stands for the paper's own nozzle.
 _NOZZLE = (0.508, 0.548)
 

@@ -41,6 +41,7 @@ class MotionRun:
         bias: The part of `inertial` that does not go with acceleration: gravity and centrifugal forces.
         tilt: How `bias` answers one radian (metre) of error in the position's zero.
         passive: What the MJCF's own springs and dampers already exert.
+        damped: The part of it that the damper exerts; None where there is none.
         drive: Force of the cylinders from measured pressures (or load cell), with the lever of each sensor's error.
         external: Measured generalised force from outside; zero where none was recorded.
         arm: Lever of the cylinder: dX/dq; 1 without one.
@@ -76,6 +77,7 @@ class MotionRun:
     effective_mass: float
     external_recorded: bool
     weighs: bool = True
+    damped: Array | None = None
 
 
 @kernel
@@ -148,7 +150,7 @@ def motion_runs(
         runs.append(
             _run(recording, rig, name, driven, seconds, moves[j], inertial[:, dof], bias[:, dof], tilted[:, dof] / TILT,
                  passive[:, dof], arms, lengths, mass[dof],
-                 external, model.jnt_type[j] == int(mujoco.mjtJoint.mjJNT_HINGE))
+                 external, model.jnt_type[j] == int(mujoco.mjtJoint.mjJNT_HINGE), float(model.dof_damping[dof].max()))
         )  # fmt: skip
     return runs, reasons
 
@@ -225,6 +227,7 @@ def _gravity(model: mujoco.MjModel, q: Array) -> Array:
 def _run(
     recording: Recording, rig: Rig, joint: str, driven: list[Linkage], seconds: float, move: tuple[Array, Array, Array], inertial: Array,
     bias: Array, tilt: Array, passive: Array, arms: Array, lengths: Array, mass: float, external: Array | None, turning: bool,
+    damping: float,
 ) -> MotionRun:  # fmt: skip
     time = recording.time
     n = len(time)
@@ -272,5 +275,5 @@ def _run(
     return MotionRun(
         recording.name, joint, cylinder, bool(turning), time, position, velocity, inertial, bias, tilt, passive, drive,
         pushed, arm, gauge, levers, float(np.sqrt(variance)), still, breaks_of(time), effective,
-        external is not None,
+        external is not None, damped=-damping * move[1] if damping > 0.0 else None,
     )  # fmt: skip

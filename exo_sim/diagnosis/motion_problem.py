@@ -26,6 +26,8 @@ STRUCTURAL_SHARE = 0.008
 SICK_SHARE = 0.03
 #: How far an owner's number of friction or spring may be off, one standard deviation, as a share.
 KNOWN_SPREAD = 0.2
+#: How far the damping of a joint may be below what its owner believes, as a share: a data sheet knows little of it.
+DAMPING_SPREAD = 0.3
 #: An effect that lowers the error by less than this share of the stall force is not worth a name.
 MATERIAL_SHARE = 2e-4
 #: What a good pressure sensor's zero may be off by [Pa]: a constant force that no recording can call friction.
@@ -115,7 +117,8 @@ class MotionProblem:
             + (sensors.get("inertia", 1.0) - 1.0) * (run.inertial - run.bias)
             + sensors.get("zero", 0.0) * run.tilt
         )
-        found = mass * moved - run.passive - run.drive - run.external + run.arm * resisted - sensors.get("offset", 0.0)
+        passive = run.passive if run.damped is None else run.passive + (sensors.get("damping", 1.0) - 1.0) * run.damped
+        found = mass * moved - passive - run.drive - run.external + run.arm * resisted - sensors.get("offset", 0.0)
         for column, lever in run.levers.items():
             found = found + lever * sensors.get(f"{column}.bias", 0.0)
         return found
@@ -185,6 +188,8 @@ def believed(runs: Sequence[MotionRun], setting: Setting, where: str) -> tuple[Q
         found.append(
             Quantity("payload_mass", run.joint, "payload_mass", "1", "sensor", 0.02, 0.2, 5.0, (1.0, 0.05), neutral=1.0)
         )
+    if run.damped is not None:  # more of it than believed is viscous friction, which has a name
+        found.append(Quantity("joint_damping", run.joint, "damping", "1", "sensor", 0.1, 0.0, 1.0, (1.0, DAMPING_SPREAD), neutral=1.0))
     unit = "N*m" if run.turning else "N"
     found.append(Quantity("offset", run.joint, "offset", unit, "sensor", max(spread, 1e-6), -1e6, 1e6, (0.0, spread)))
     if run.turning:

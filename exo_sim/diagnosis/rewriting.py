@@ -88,6 +88,10 @@ def _correction(case: Case, quantity: Quantity, factor: float, error: float) -> 
 
         key: tuple[str, ...] = ("bodies", model.body(body).name, "mass")
         return Correction(key, mass(factor), "kg", (mass(low), mass(high)), own)
+    if quantity.effect == "joint_damping":
+        believed = case.rig.damping_factors.get(quantity.where, 1.0)
+        low, factor, high = (max(number, 1e-3) * believed for number in (low, factor, high))
+        return Correction(("joints", quantity.where, "damping_factor"), factor, "1", (low, high), believed)
     cylinder = case.rig.cylinders[quantity.where]
     if quantity.parameter == "valve_area":
         key, believed, unit = ("cylinders", quantity.where, "valve", "area"), cylinder.valve_area, "m^2"

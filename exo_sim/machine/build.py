@@ -18,7 +18,12 @@ PAYLOAD_LIMIT = 45.0
 
 
 def build(
-    path: Path, person: Person, payload: float, ankle: Ankle, masses: Mapping[str, float] | None = None
+    path: Path,
+    person: Person,
+    payload: float,
+    ankle: Ankle,
+    masses: Mapping[str, float] | None = None,
+    damping: Mapping[str, float] | None = None,
 ) -> mujoco.MjModel:
     """Read an MJCF of the kind of `assets/exo.xml` and fit it.
 
@@ -31,12 +36,15 @@ def build(
         payload: Mass on the back [kg], 0 to `PAYLOAD_LIMIT`.
         ankle: What the ankle does.
         masses: Of bodies that the rig knows better than the file [kg]; the payload's is `payload` all the same.
+        damping: Factors on the file's damping, by joint.
 
     Raises:
         ModelError: the file cannot be read, or lacks a joint or body that a worn machine needs.
         ScenarioError: a payload that the frame cannot carry.
     """
     import mujoco
+
+    from exo_sim.machine.load import damp
 
     if not 0.0 <= payload <= PAYLOAD_LIMIT:
         raise ScenarioError(f"payload {payload:g} kg: the frame carries 0 to {PAYLOAD_LIMIT:g} kg")
@@ -71,6 +79,7 @@ def build(
         index = bodies.index(name)
         model.body_inertia[index] *= mass / model.body_mass[index]
         model.body_mass[index] = mass
+    damp(model, damping or {}, str(path))
     if masses:
         mujoco.mj_setConst(model, mujoco.MjData(model))
     return model

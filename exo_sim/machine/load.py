@@ -1,6 +1,8 @@
-"""From a rig to its MuJoCo model: the MJCF as it stands, with the masses and attachment points that the rig knows better."""
+"""From a rig to its MuJoCo model: the MJCF as it stands, with the masses, damping and attachment points that the rig knows better."""
 
 from __future__ import annotations
+
+from collections.abc import Mapping
 
 import mujoco
 
@@ -51,6 +53,24 @@ def compiled(loaded: mujoco.MjSpec, rig: Rig) -> mujoco.MjModel:
         raise ModelError(f"{rig.model}: MuJoCo cannot compile it: {_one_line(error)}") from None
 
 
+def damp(model: mujoco.MjModel, factors: Mapping[str, float], told_by: str) -> None:
+    """Multiply the damping of joints.
+
+    Args:
+        model: Changed.
+        factors: By joint.
+        told_by: What names the joints, for the error.
+
+    Raises:
+        ModelError: a joint that is not in the model.
+    """
+    names = [model.joint(i).name for i in range(model.njnt)]
+    for name, factor in factors.items():
+        if name not in names:
+            raise ModelError(f"{told_by}: joints.{name} is not a joint of the model{nearest(name, names)}")
+        model.dof_damping[model.joint(name).dofadr] *= factor
+
+
 def check_effects(rig: Rig, model: mujoco.MjModel) -> None:
     """Refuse an effect on a hinge in the units of a slide, or the reverse.
 
@@ -80,6 +100,7 @@ def load(rig: Rig) -> mujoco.MjModel:
         ModelError: as `spec`, `compiled` and `check_effects`.
     """
     model = compiled(spec(rig), rig)
+    damp(model, rig.damping_factors, str(rig.path))
     check_effects(rig, model)
     attach(model, rig)
     return model

@@ -16,6 +16,7 @@ CALIBRATIONS = {
     "flow_capacity": "[cylinders.NAME.valve] area",
     "dead_volume": "[cylinders.NAME] dead_volume_1 and dead_volume_2",
     "payload_mass": "[bodies.NAME] mass",
+    "joint_damping": "[joints.NAME] damping_factor",
 }
 
 

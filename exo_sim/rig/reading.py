@@ -12,7 +12,7 @@ from exo_sim.rig.table import Table
 
 #: What stands at the top of a rig file. Told apart first: under a misspelt heading everything else looks missing.
 SECTIONS = (
-    "name", "model", "environment", "gas", "supply", "cylinders", "bodies", "wearer", "ankle", "effects",
+    "name", "model", "environment", "gas", "supply", "cylinders", "bodies", "joints", "wearer", "ankle", "effects",
 )  # fmt: skip
 ANKLE_MODES = ("free", "sprung", "powered")
 
@@ -65,17 +65,24 @@ def parse(text: str, path: Path) -> Rig:
                 f'"{driven[cylinder.actuator]}"; give each cylinder an actuator of its own'
             )
         driven[cylinder.actuator] = cylinder.name
-    masses = {}
-    if (bodies := table.table("bodies", required=False)) is not None:
-        for key in bodies.values:
-            body = bodies.table(key)
-            assert body is not None
-            masses[key] = body.quantity("mass", "kg", above=0.0)
-            body.done()
+    masses = _numbers_of(table, "bodies", "mass", "kg")
+    factors = _numbers_of(table, "joints", "damping_factor", "1")
     supply = _supply(table, environment, needed=any(c.valve_area > 0.0 for c in cylinders.values()))
     wearer, ankle = _worn(table)
     effects = read_effects(table.table("effects", required=False), cylinders)
-    return Rig(name, model, environment, supply, r, k, cylinders, effects, masses, wearer, ankle, text, path)
+    return Rig(name, model, environment, supply, r, k, cylinders, effects, masses, factors, wearer, ankle, text, path)
+
+
+def _numbers_of(table: Table, group: str, key: str, unit: str) -> dict[str, float]:
+    """Return one positive number of every part of a group, e.g. the mass of each of `[bodies.NAME]`."""
+    parts = table.table(group, required=False)
+    found: dict[str, float] = {}
+    for name in parts.values if parts is not None else ():
+        part = parts.table(name) if parts is not None else None
+        assert part is not None
+        found[name] = part.quantity(key, unit, above=0.0)
+        part.done()
+    return found
 
 
 def _environment(table: Table) -> Environment:

@@ -113,6 +113,7 @@ class Rig:
         cylinders: By name, in the order of the file.
         effects: Physics beyond the paper.
         body_masses: Masses that replace the MJCF's, by body [kg].
+        damping_factors: What the MJCF's damping is multiplied with, by joint.
         wearer, ankle: For machines that are worn.
         text: The file as it stands.
         path: Where it was read from; errors name it.
@@ -127,6 +128,7 @@ class Rig:
     cylinders: Mapping[str, Cylinder]
     effects: tuple[EffectSetting, ...] = ()
     body_masses: Mapping[str, float] = field(default_factory=dict)
+    damping_factors: Mapping[str, float] = field(default_factory=dict)
     wearer: Wearer = Wearer()
     ankle: Ankle = Ankle()
     text: str = ""

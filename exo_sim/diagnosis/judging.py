@@ -28,6 +28,8 @@ LARGER_PART = 0.5
 MODEL_SHARE = 0.0015
 #: Without any finding a residual variance beyond this is no healthy machine's.
 SICK = 5.0
+#: ... and what is left of this many times the noise's square bears no name, whatever share was explained.
+HOPELESS = 40.0
 #: A believed number that had to move by more than this many of its own spreads speaks for something missing.
 STRAINED = 3.5
 #: A believed number is corrected where it is off by this many standard errors, and by this share.
@@ -82,7 +84,7 @@ def judge(
         return Judged(cut, where, problem, search, found, (), end, False, [], [], [])
     n = problem.size
     named = tuple(c for c in end.chosen if not _is_nozzle(c, end))
-    nameless = _is_nameless(found, named, n, search, pattern)
+    nameless = _is_nameless(cut, found, named, n, search, pattern)
     rejected = [
         Rejected(r.effect, r.where, wording.rejected(r, c, worse))
         for c in named
@@ -154,7 +156,7 @@ def _is_nozzle(candidate: Candidate, trial: Trial) -> bool:
 
 
 def _is_nameless(
-    found: Found, named: Sequence[Candidate], n: int, search: Search, pattern: Callable[[Trial], float]
+    cut: str, found: Found, named: Sequence[Candidate], n: int, search: Search, pattern: Callable[[Trial], float]
 ) -> bool:
     """Say whether too much is left, or believed numbers are bent too far, for the names to be believed."""
     start, end = found.start.fit, found.end.fit
@@ -163,6 +165,8 @@ def _is_nameless(
         return False
     if not named:
         return left > SICK and (search.correlation_time(end.residual) > 2.0 or left > 3.0 * SICK)
+    if cut == "gas" and left > HOPELESS:
+        return True
     explained = (start.sse - end.sse) / max(start.sse - n, 1e-9)
     if explained < EXPLAINED and (explained < HALFWAY or pattern(found.end) > PATTERN):
         return True

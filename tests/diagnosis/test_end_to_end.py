@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import re
 from pathlib import Path
 
 import pytest
@@ -52,6 +53,22 @@ def test_nothing_hidden_names_nothing(tmp_path: Path) -> None:
     assert [finding for finding in found.effects if finding.kind != "calibration"] == []
     assert found.verdict in ("consistent", "calibration")
     assert found.exit_status == 0
+
+
+@pytest.mark.slow
+def test_damping_believed_too_large_is_a_believed_number(tmp_path: Path) -> None:
+    folder = case_folder(tmp_path, ())
+    model = folder / "bench.xml"
+    text = model.read_text()
+    (damping,) = re.findall(r'damping="([\d.e+-]+)"', text)
+    model.write_text(text.replace(f'damping="{damping}"', f'damping="{1.5 * float(damping)}"'))
+    found = diagnose(sorted(folder.glob("recording*.csv")), folder / "rig.toml", folder=folder)
+    assert [finding for finding in found.effects if finding.kind != "calibration"] == []
+    (factor,) = [f.parameters["factor"].value for f in found.effects if f.name == "joint_damping"]
+    assert factor == pytest.approx(1.0 / 1.5, rel=0.05)
+    (folder / "improved.toml").write_text(found.improved)
+    again = diagnose(sorted(folder.glob("recording*.csv")), folder / "improved.toml", folder=folder)
+    assert "joint_damping" not in {finding.name for finding in again.effects}
 
 
 @pytest.mark.slow

@@ -43,6 +43,16 @@ def test_frame_and_payload_weigh_what_they_should(assets, payload):
     assert np.all(model.body_mass[person] == 0.0)
 
 
+def test_a_rig_may_know_damping_better_than_the_file(assets):
+    plain, softer = (build(assets / "exo.xml", Person(), 34.0, Ankle(), damping=factors) for factors in (None, {"knee_l": 0.25}))
+    knee = plain.joint("knee_l").dofadr[0]
+    assert softer.dof_damping[knee] == 0.25 * plain.dof_damping[knee] > 0.0
+    others = np.arange(plain.nv) != knee
+    np.testing.assert_array_equal(softer.dof_damping[others], plain.dof_damping[others])
+    with pytest.raises(ModelError, match=r"joints.kne_l.*did you mean .knee_l"):
+        build(assets / "exo.xml", Person(), 34.0, Ankle(), damping={"kne_l": 0.5})
+
+
 @pytest.mark.parametrize("height", [1.50, 1.70, 2.00])
 def test_any_wearer_stands_with_feet_on_the_ground_and_the_same_cylinders(assets, height):
     person = Person(height)

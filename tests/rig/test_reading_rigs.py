@@ -58,6 +58,9 @@ def refusal(text: str) -> str:
         ("heat_capacity_ratio   = 1.4", "heat_capacity_ratio   = 0.9", "must be more than 1$"),
         ("[gas]", "[gas", "is not TOML"),
         ("[cylinders.piston]", "[cylinder.piston]", "bench.toml: cylinder is not a key of a rig; did you mean .cylinders"),
+        ("[environment]", "[joints.slid]\ndamping_factor = 0.7\n[environment]", "joints.slid.*did you mean .slide"),
+        ("[environment]", "[joints.slide]\ndamping_factor = 0\n[environment]", "joints.slide.damping_factor.*more than 0"),
+        ("[environment]", "[joints.slide]\ndamping = 0.7\n[environment]", "damping is not a key.*damping_factor|damping_factor is missing"),
         ("[environment]", "[bodies.lod]\nmass = \"3 kg\"\n[environment]", "bodies.lod.*did you mean .load"),
     ],
 )  # fmt: skip

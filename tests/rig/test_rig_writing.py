@@ -52,6 +52,16 @@ def test_a_corrected_number_stands_where_it_stood_in_its_own_unit(bench: Path) -
     assert again.body_masses == {"load": 10.53}
 
 
+def test_a_damping_believed_too_large_is_written_as_a_factor(bench: Path) -> None:
+    damping = Correction(("joints", "slide", "damping_factor"), 0.713, "1", (0.707, 0.72), believed=1.0)
+    text = improved(read(bench), [], [damping], bench.parent)
+    assert text.endswith("[joints.slide]\ndamping_factor = 0.713  # was 1.0; 95 %: 0.707 to 0.72\n")
+    again = parse(text, bench)
+    assert again.damping_factors == {"slide": 0.713}
+    twice = improved(again, [], [Correction(damping.key, 0.5, "1")], bench.parent)
+    assert parse(twice, bench).damping_factors == {"slide": 0.5}
+
+
 def test_a_new_effect_is_a_new_table_at_the_end(bench: Path) -> None:
     rig = read(bench)
     leak = Finding(

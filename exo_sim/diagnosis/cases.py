@@ -49,7 +49,7 @@ class Case:
         rig, model, links: The machine.
         recordings: Cleaned of what must not be believed.
         cylinders: Runs by cylinder that the gas cut can judge.
-        joints: Runs that the motion cut can judge, by joint, or by cylinder where its rod carries a load cell.
+        joints: Runs that the motion cut can judge, by joint, or as "rod of CYLINDER" where that carries a load cell.
         sensors: Faults found before any physics was asked.
         remarks: Plain sentences about clocks and sensors.
         open: Questions that cannot be judged.
@@ -176,7 +176,7 @@ def _sort(case: Case) -> None:
                 judged_once = True
             rod = rod_run(run, case.rig) if rate >= FEWEST_A_SECOND else None
             if rod is not None:
-                case.joints.setdefault(run.cylinder, []).append(rod)
+                case.joints.setdefault(f"rod of {run.cylinder}", []).append(rod)
         mentioned = {run.cylinder for runs in case.cylinders.values() for run in runs}
         for name in case.rig.cylinders:
             if name not in mentioned and f"{name}.pressure_1" not in table and f"{name}.pressure_2" not in table:

@@ -36,7 +36,8 @@ def carried_over(case: Case, gas: Sequence[Judged], parts: Split) -> dict[str, l
         whole = GasProblem(case.cylinders[one.where], setting_of(one, one.trial), parts, held_out=True)
         named = {q.parameter for candidate in one.named if candidate.kind == "sensor" for q in candidate.quantities}
         if "position.delay" in named:
-            late[next(link.joint for link in case.links if link.cylinder == one.where)] = whole.setting.sensors["position.delay"]
+            seconds = whole.setting.sensors["position.delay"]
+            late |= {next(link.joint for link in case.links if link.cylinder == one.where): seconds, f"rod of {one.where}": seconds}
         for index, feed in enumerate(whole.feeds):
             for side in range(2):
                 measured = feed.run.pressure[side]
@@ -89,4 +90,5 @@ def _late(run: MotionRun, seconds: float) -> MotionRun:
         return np.interp(run.time - seconds, run.time, values)
 
     gauge = np.column_stack([then(run.gauge[:, side]) for side in range(2)])
-    return replace(run, drive=then(run.drive), external=then(run.external), gauge=gauge)
+    moved = replace(run, drive=then(run.drive), external=then(run.external), gauge=gauge)
+    return moved if run.weighs else replace(moved, inertial=then(run.inertial), bias=then(run.bias))  # a rod's cell is measured too

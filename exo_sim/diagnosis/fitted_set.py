@@ -85,7 +85,7 @@ def sizeable(candidate: Candidate, trial: Trial, spread: Mapping[Quantity, float
     """
     values, spread = trial.fit.values, spread or {}
     asked = [q for q in candidate.quantities if q.least > 0.0]
-    if candidate.adds_up:  # with what a healthy machine has of it
-        parts = [q for q in values if (q.effect, q.where) == (candidate.effect, candidate.where)]
-        return sum(abs(values[q] - q.neutral) for q in parts) > max(q.least for q in asked)
+    if candidate.adds_up:  # with what a healthy machine has of it, where the candidate does not stand for that
+        parts = {q.field: q for q in (*values, *candidate.quantities) if (q.effect, q.where) == (candidate.effect, candidate.where)}
+        return sum(abs(values[q] - q.neutral) for q in parts.values()) > max(q.least for q in asked)
     return not asked or any(abs(values[q] - q.neutral) - 2.0 * spread.get(q, 0.0) > q.least for q in asked)

@@ -27,8 +27,8 @@ HOSE_SHARE = 0.07
 #: Samples of delayed commands that are kept for the next time.
 MOST_KEPT = 2_000_000
 
-#: Samples that estimate the pressure at the start of a window.
-START_SAMPLES = 15
+#: Samples that estimate the pressure at the start of a window, and the longest time that they may span [s].
+START_SAMPLES, START_SECONDS = 15, 0.03
 
 #: How far a window's start may be moved to where the gas is quieter, in lengths of a window.
 QUIET_REACH = 0.25
@@ -149,11 +149,12 @@ def windows(run: CylinderRun, seconds: float) -> Windows:
         starts += [int(cut) for cut in cuts]
         stops += [*(int(cut) for cut in cuts[1:]), end]
     pressure = np.full((len(starts), 2), np.nan)
+    points = min(START_SAMPLES, int(START_SECONDS / max(float(np.median(np.diff(time))), 1e-9)) + 1) if len(time) > 1 else 1
     for side, values in enumerate(run.pressure):
         if values is None:
             continue
         for w, (begin, end) in enumerate(zip(starts, stops, strict=True)):
-            pressure[w, side] = _start(values[begin:end])
+            pressure[w, side] = _start(values[begin:end], points)
     return Windows(np.array(starts), np.array(stops), pressure)
 
 
@@ -169,11 +170,11 @@ def _unrest(run: CylinderRun) -> Array:
     return total
 
 
-def _start(values: Array) -> float:
+def _start(values: Array, points: int) -> float:
     good = np.isfinite(values)
     if not good.any():
         return math.nan
-    points = min(START_SAMPLES, len(values))
+    points = min(points, len(values))
     if points < 5 or not good[:points].all():
         return float(values[int(np.argmax(good))])
     return float(start_filter(points) @ values[:points])

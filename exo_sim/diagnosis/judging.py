@@ -28,12 +28,14 @@ LARGER_PART = 0.5
 MODEL_SHARE = 0.0015
 #: Without any finding a residual variance beyond this is no healthy machine's.
 SICK = 5.0
-#: ... and what is left of this many times the noise's square bears no name, whatever share was explained.
-HOPELESS = 40.0
+#: ... and an error that is left of so many times what is no healthy machine's bears no name, whatever share was explained.
+HOPELESS = 3.0
 #: A believed number that had to move by more than this many of its own spreads speaks for something missing.
 STRAINED = 3.5
 #: A believed number is corrected where it is off by this many standard errors, and by this share.
 SURE, WORTH = 3.0, {"flow_capacity": 0.01, "dead_volume": 0.03, "payload_mass": 0.005, "joint_damping": 0.15}
+#: ... and a number of an effect that the rig has on already, by this one.
+WORTH_OF_EFFECT = 0.1
 #: Ratio that stands for the paper's own nozzle.
 _NOZZLE = (0.508, 0.548)
 
@@ -165,7 +167,7 @@ def _is_nameless(
         return False
     if not named:
         return left > SICK and (search.correlation_time(end.residual) > 2.0 or left > 3.0 * SICK)
-    if cut == "gas" and left > HOPELESS:
+    if cut == "gas" and math.sqrt(left) > HOPELESS * search.problem.sick:
         return True
     explained = (start.sse - end.sse) / max(start.sse - n, 1e-9)
     if explained < EXPLAINED and (explained < HALFWAY or pattern(found.end) > PATTERN):
@@ -187,8 +189,7 @@ def _finding(candidate: Candidate, trial: Trial, spread: dict[Quantity, float], 
         value = trial.fit.values[quantity]
         low, high = bounds(quantity, value, max(spread.get(quantity, 0.0), MODEL_SHARE * abs(value)))
         if candidate.effect in declared():
-            down, up = declared()[candidate.effect].asked.open_by.get(quantity.parameter, (1.0, 1.0))
-            low, high = low * down, high * up
+            low, high = _opened(candidate, quantity, low, high)
         name = quantity.parameter.rsplit(".", 1)[-1] if quantity.target == "sensor" else quantity.parameter
         name = (
             {"bias": "value", "scale": "factor", "delay": "seconds"}.get(name, name)
@@ -211,15 +212,26 @@ def _finding(candidate: Candidate, trial: Trial, spread: dict[Quantity, float], 
     )  # fmt: skip
 
 
+def _opened(candidate: Candidate, quantity: Quantity, low: float, high: float) -> tuple[float, float]:
+    """Return the ends of an interval with what the law itself leaves open; where a fit holds more of the law, less is open."""
+    asked = declared()[candidate.effect].asked
+    if asked.closed_by and asked.closed_by in {q.parameter for q in candidate.quantities}:
+        return low, high
+    down, up = asked.open_by.get(quantity.parameter, (1.0, 1.0))
+    return max(low * down, quantity.low), min(high * up, quantity.high)
+
+
 def _calibrations(trial: Trial, spread: dict[Quantity, float]) -> list[tuple[Quantity, float, float]]:
     """Return believed numbers that are off: quantity, factor, its standard error."""
     found = []
+    asked = {quantity for candidate in trial.chosen for quantity in candidate.quantities}
     for quantity, value in trial.fit.values.items():
-        if quantity.effect not in WORTH:
+        whole = quantity.prior[0] if quantity.prior and quantity.effect in declared() else 1.0
+        if whole == 0.0 or (quantity.effect not in WORTH and quantity.effect not in declared()) or quantity in asked:
             continue
-        error = spread.get(quantity, math.inf)
-        if abs(value - 1.0) > max(SURE * error, WORTH[quantity.effect]):
-            found.append((quantity, value, error))
+        factor, error = value / whole, spread.get(quantity, math.inf) / abs(whole)
+        if abs(factor - 1.0) > max(SURE * error, WORTH.get(quantity.effect, WORTH_OF_EFFECT)):
+            found.append((quantity, factor, error))
     return found
 
 
@@ -239,11 +251,18 @@ def _calibration(name: str, where: str, parts: Sequence[tuple[Quantity, float, f
     weights = [1.0 / max(error, 1e-9) ** 2 for _, _, error in parts]
     mean = sum(w * factor for w, (_, factor, _) in zip(weights, parts, strict=True)) / sum(weights)
     apart = max(abs(factor - mean) for _, factor, _ in parts)
-    low, high = bounds(parts[0][0], mean, max(math.sqrt(1.0 / sum(weights)), apart))
+    spread = max(math.sqrt(1.0 / sum(weights)), apart, MODEL_SHARE)
+    low, high = _near(mean, spread) if known(name) else bounds(parts[0][0], mean, spread)
     parameters = {"factor": Estimate(mean, "1", low, high)}
     if name == "dead_volume":
         for quantity, factor, error in parts:
-            parameters[quantity.parameter] = Estimate(factor, "1", *bounds(quantity, factor, error))
+            parameters[quantity.parameter] = Estimate(factor, "1", *bounds(quantity, factor, max(error, MODEL_SHARE)))
+    if known(name):
+        parameters = {
+            q.parameter: Estimate(factor * q.prior[0], q.unit, *sorted(q.prior[0] * end for end in _near(factor, error)))
+            for q, factor, error in parts
+            if q.prior
+        }
     odds = sum(((factor - 1.0) / max(error, 1e-12)) ** 2 for _, factor, error in parts) / (2.0 * math.log(10.0))
     says = " ".join(wording.calibration(name, quantity.parameter, factor) for quantity, factor, _ in parts)
     return Finding(name, where, "calibration", says, parameters, odds, 0.0)
@@ -252,6 +271,12 @@ def _calibration(name: str, where: str, parts: Sequence[tuple[Quantity, float, f
 def known(effect: str) -> bool:
     """Say whether a name is one of the declared effects."""
     return effect in declared()
+
+
+def _near(factor: float, error: float) -> tuple[float, float]:
+    """Return the ends of the interval of a factor that has no bounds of its own."""
+    reach = 1.96 * max(error, MODEL_SHARE)
+    return factor - reach, factor + reach
 
 
 def finite(value: float) -> float:

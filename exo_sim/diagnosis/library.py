@@ -91,26 +91,31 @@ def known_effects(setting: Setting, cylinder: str) -> tuple[Quantity, ...]:
     """Return the parameters of effects that the rig has on already, free within a tenth: an owner's numbers are estimates."""
     found = []
     for effect in declared().values():
-        if effect.cut != "gas" or "cylinder" not in effect.places or effect.name == "critical_ratio":
+        if effect.cut != "gas" or effect.name == "critical_ratio":
             continue
+        shared = effect.places[0] in ("supply", "exhaust")
+        record = setting.world if shared else setting.cylinder
         for parameter in effect.parameters:
-            value = float(setting.cylinder[effect.name][parameter.name][0])
+            value = float(record[effect.name][parameter.name][0])
             if value != 0.0 and not parameter.choices:
                 found.append(
                     Quantity(
-                        effect.name,
-                        cylinder,
-                        parameter.name,
-                        parameter.unit,
-                        "cylinder",
-                        0.1 * abs(value),
-                        parameter.low,
-                        parameter.high,
-                        (value, 0.1 * abs(value)),
-                        rough=effect.asked.jerky,
+                        effect.name, effect.places[0] if shared else cylinder, parameter.name, parameter.unit,
+                        "world" if shared else "cylinder", 0.1 * abs(value), parameter.low, parameter.high,
+                        (value, 0.1 * abs(value)), rough=effect.asked.jerky,
                     )  # fmt: skip
                 )
     return tuple(found)
+
+
+def without_what_was_measured(setting: Setting, runs: Sequence[CylinderRun]) -> Setting:
+    """Return a setting whose supply and exhaust are what was measured there, whatever the rig knows of how they come about."""
+    measured = setting.copy()
+    for name in ("supply_droop", "supply_regulator") if all(run.supply is not None for run in runs) else ():
+        measured.world[name] = np.zeros(1, measured.world[name].dtype)
+    if all(run.exhaust is not None for run in runs):
+        measured.world["exhaust_back_pressure"] = np.zeros(1, measured.world["exhaust_back_pressure"].dtype)
+    return measured
 
 
 def candidates(setting: Setting, runs: list[CylinderRun], cylinder: str, joint: str) -> tuple[Candidate, ...]:
@@ -136,7 +141,10 @@ def candidates(setting: Setting, runs: list[CylinderRun], cylinder: str, joint: 
         if effect.name == "piston_leakage" and float(setting.cylinder["single_acting"][0]) > 0.0:
             continue  # chamber 2 is the atmosphere: the leak is an external one
         where = effect.places[0] if effect.places[0] in ("supply", "exhaust") else cylinder
-        if where == cylinder and setting.is_on(effect) and effect.name != "critical_ratio":
+        if setting.is_on(effect) and effect.name != "critical_ratio":
+            continue
+        driven = {"transmission_compliance": "drive_stiffness", "backlash": "drive_gap"}.get(effect.name)
+        if driven and float(setting.cylinder[driven][0]) > 0.0:  # the rig has it at the joint
             continue
         single = float(setting.cylinder["single_acting"][0]) > 0.0
         for form in effect.asked.forms or (tuple(p.name for p in effect.parameters if not p.choices),):

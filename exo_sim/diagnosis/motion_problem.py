@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.ndimage import binary_erosion
 
-from exo_sim.diagnosis.motion_cut import SMOOTHING, MotionRun, as_smooth, resistance_along
+from exo_sim.diagnosis.motion_cut import MotionRun, as_smooth, resistance_along, smoothing
 from exo_sim.diagnosis.quantity import Candidate, Quantity, Setting
 from exo_sim.diagnosis.split import Split
 from exo_sim.physics.effects.declaration import Effect, Parameter, declared
@@ -146,7 +146,7 @@ def _layout(run: MotionRun, usable: NDArray[np.bool_]) -> tuple[NDArray[np.int64
     time = run.time
     step = float(np.median(np.diff(time)))
     size = max(1, int(round(GROUP / step)))
-    edge = max(2, int(round(0.5 * SMOOTHING / step)))
+    edge = max(2, int(round(0.5 * smoothing(time) / step)))
     moving = binary_erosion(np.abs(run.velocity) > run.still, iterations=edge)
     good = usable & moving & np.isfinite(run.inertial + run.drive + run.external)
     for begin in run.breaks:

@@ -23,7 +23,7 @@ from exo_sim.physics.effects.unknown import ACTS, DEPENDS_ON, KNOTS
 
 #: Predictions whose error is reported run over this time [s].
 WINDOW = 0.5
-#: A name that lowers the error on time kept back by less than this share needs odds above these (log10) to stand ...
+#: A name that lowers the error of the check by less than this share needs odds above these (log10) to stand ...
 LEAST_DROP, PLAIN_ODDS = 0.15, 25.0
 #: ... and one that raises it by more than this, above these.
 MOST_RISE, GREAT_ODDS = 0.1, 100.0
@@ -38,7 +38,8 @@ class Proof:
         drops: By `effect@where` (by place for what has no name), the share by which the held-out error falls.
         series: What a report draws.
         held_out, held_out_recordings: Which time was kept.
-        surprise: The largest held-out error of a balance, in units of what the time that took part left of it, or of the noise.
+        felt: By the keys of `drops`, how much predictions change with it [units of the noise].
+        surprise: The largest error of a balance, in units of what the fit leaves of it, or of the noise.
     """
 
     signals: dict[str, SignalFit] = field(default_factory=dict)
@@ -46,6 +47,7 @@ class Proof:
     series: tuple[Series, ...] = ()
     held_out: tuple[tuple[float, float], ...] = ()
     held_out_recordings: tuple[str, ...] = ()
+    felt: dict[str, float] = field(default_factory=dict)
     surprise: float = 0.0
 
 
@@ -73,7 +75,7 @@ def prove(judged: Sequence[Judged], case: Case, parts: Split, nameless: Sequence
 
 
 def doubtful(drop: float, log10_odds: float) -> bool:
-    """Say whether time that was kept back speaks against a name: its error hardly falls with it, and the odds were not great."""
+    """Say whether the check speaks against a name: its error hardly falls with it, and the odds were not great."""
     return (drop < LEAST_DROP and log10_odds < PLAIN_ODDS) or (drop < -MOST_RISE and log10_odds < GREAT_ODDS)
 
 
@@ -151,7 +153,8 @@ def _motion(one: Judged, case: Case, parts: Split, curve: Unnamed | None, proof:
                     "pressure_2": run.gauge[:, 1],
                     "pressure_difference": run.gauge[:, 0] - run.gauge[:, 1],
                 }
-            after = after - run.arm * (hats(values[best.variable], best.at) @ best.values)
+            if best.variable in values:
+                after = after - run.arm * (hats(values[best.variable], best.at) @ best.values)
         needed = run.inertial - run.passive
         quiet = np.where(np.abs(run.velocity) > run.still, 1.0, np.nan)
         series.append(
@@ -200,13 +203,17 @@ def _drops(
     """Say by what share the held-out error grows when one finding is left out and everything else refitted without it."""
     if kept.size == 0:
         return
-    whole = normalised(_residual(kept, found))
+    residual = _residual(kept, found)
+    whole = normalised(residual)
     proof.surprise = max(proof.surprise, finite(whole / max(normalised(one.trial.fit.residual), 1.0)))
-    for candidate in one.named:
+    told = {(finding.name, finding.where) for finding in one.findings}
+    for candidate in (candidate for candidate in one.named if (candidate.effect, candidate.where) in told):
         rest = tuple(c for c in one.trial.chosen if c.key != candidate.key)
         without: Trial = one.search.try_set(rest, one.trial)
-        lacking = normalised(_residual(kept, setting_of(one, without)))
-        proof.drops[f"{candidate.effect}@{candidate.where}"] = finite(1.0 - whole / lacking) if lacking > 0.0 else 0.0
+        other = _residual(kept, setting_of(one, without))
+        lacking, name = normalised(other), f"{candidate.effect}@{candidate.where}"
+        proof.drops[name] = finite(1.0 - whole / lacking) if lacking > 0.0 else 0.0
+        proof.felt[name] = finite(normalised(other - residual))
     if curve is not None:
         plain = normalised(_residual(kept, setting_of(one, one.trial)))
         key = next(

@@ -21,7 +21,7 @@ from exo_sim.rig import Rig
 from exo_sim.signals import SHARED_PARTS
 from exo_sim.simulation.native import address
 from exo_sim.simulation.plugin import PneumaticPlugin
-from exo_sim.simulation.sensors import observe
+from exo_sim.simulation.sensors import observe, seen_through
 
 Array = NDArray[np.float64]
 
@@ -108,7 +108,7 @@ def replay(
     """
     model = load(rig) if model is None else model
     remarks = list(check_belongs(recording, rig, model))
-    simulation = _Simulation(fed.true_signals(recording, rig), rig, model)
+    simulation = _Simulation(seen_through(recording, rig)[0], rig, model)
     led = simulation.led(motion)
     keys = simulation.predictable(bool(led))
     wanted = [key for key in keys if np.isfinite(recording.columns.get(key, np.zeros(0))).any()]

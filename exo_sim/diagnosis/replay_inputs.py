@@ -5,7 +5,7 @@ from __future__ import annotations
 import itertools
 import math
 from collections.abc import Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 
 import mujoco
 import numpy as np
@@ -43,24 +43,6 @@ class Steps:
     last: int
     time: Array
     offset: int
-
-
-def true_signals(recording: Recording, rig: Rig) -> Recording:
-    """Return a recording with the rig's sensor effects taken off: what the sensors would have shown without them."""
-    columns = dict(recording.columns)
-    for name in ("sensor_bias", "sensor_scale", "sensor_delay"):  # the reverse of how a sensor reads
-        for setting in rig.effects:
-            if setting.name != name or setting.where not in columns:
-                continue
-            values, p = columns[setting.where], setting.parameters
-            if name == "sensor_bias":
-                values = values - p["value"]
-            elif name == "sensor_scale":
-                values = values / p["factor"]
-            else:
-                values = np.interp(recording.time + p["seconds"], recording.time, values)
-            columns[setting.where] = values
-    return replace(recording, columns=columns)
 
 
 def steps(time: Array, dt: float) -> list[Steps]:

@@ -7,13 +7,14 @@ from pathlib import Path
 
 from exo_sim.diagnosis import wording
 from exo_sim.diagnosis.cases import Case
-from exo_sim.diagnosis.intervals import bounds, spreads
-from exo_sim.diagnosis.judging import Judged
+from exo_sim.diagnosis.intervals import bounds
+from exo_sim.diagnosis.judging import Judged, known
 from exo_sim.diagnosis.quantity import Candidate, Quantity
+from exo_sim.diagnosis.result import Finding
 from exo_sim.diagnosis.verdict import Unnamed
 from exo_sim.physics.effects.declaration import declared
 from exo_sim.physics.effects.unknown import ACTS, DEPENDS_ON
-from exo_sim.rig import Correction, EffectSetting, improved
+from exo_sim.rig import Correction, EffectSetting, Rig, improved
 from exo_sim.rig import Finding as Entry
 
 
@@ -21,18 +22,12 @@ def improved_text(case: Case, judged: Sequence[Judged], nameless: Sequence[Unnam
     """Return the text of `improved.toml` for `folder`."""
     entries, corrections = [], []
     for one in judged:
-        kept = {(finding.name, finding.where) for finding in one.findings}
-        spread = (
-            spreads(one.problem, one.trial.fit, one.search.correlation_time(one.trial.fit.residual))
-            if not one.empty
-            else {}
-        )
-        entries += [_entry(c, one, spread) for c in one.named if (c.effect, c.where) in kept]
-        corrections += [_correction(case, *numbers) for numbers in one.calibrations]
+        told = {(finding.name, finding.where): finding for finding in one.findings}
+        entries += [_entry(c, one, told[c.effect, c.where], case.rig) for c in one.named if (c.effect, c.where) in told]
+        corrections += [_correction(case, *numbers) for numbers in one.calibrations if _is_the_rigs(case.rig, numbers[0])]
     for found in case.sensors:
         if found.name in declared() and found.parameters and not found.where.endswith(".valve_command"):
-            setting = EffectSetting(found.name, found.where, {name: e.value for name, e in found.parameters.items()})
-            entries.append(Entry(setting, {name: (e.low, e.high) for name, e in found.parameters.items()}, found.says))
+            entries.append(_sensor_entry(found, case.rig))
     for unnamed in nameless:
         best = unnamed.nameless.best
         if best is not None and best.variable in DEPENDS_ON:
@@ -58,25 +53,43 @@ def improved_text(case: Case, judged: Sequence[Judged], nameless: Sequence[Unnam
     return improved(case.rig, list(reversed(once.values())), corrections, folder)
 
 
-def _entry(candidate: Candidate, judged: Judged, spread: dict[Quantity, float]) -> Entry:
-    values, intervals = {}, {}
-    turning = False
-    for quantity in candidate.quantities:
-        value = judged.trial.fit.values[quantity]
-        name = quantity.parameter
-        if quantity.target == "sensor":
-            name = {"bias": "value", "scale": "factor", "delay": "seconds"}[quantity.parameter.rsplit(".", 1)[-1]]
-        values[name] = value
-        intervals[name] = bounds(quantity, value, spread.get(quantity, 0.0))
-        turning = turning or "rad" in quantity.unit or quantity.unit == "N*m"
-    for quantity, value in candidate.fixed:
-        values[quantity.parameter] = value
-    return Entry(
-        EffectSetting(candidate.effect, candidate.where, values, turning), intervals, wording.says(candidate.effect)
-    )
+def _entry(candidate: Candidate, judged: Judged, finding: Finding, rig: Rig) -> Entry:
+    if candidate.kind == "sensor":
+        return _sensor_entry(finding, rig)
+    values = {quantity.parameter: judged.trial.fit.values[quantity] for quantity in candidate.quantities}
+    values |= {quantity.parameter: value for quantity, value in candidate.fixed}
+    turning = any("rad" in quantity.unit or quantity.unit == "N*m" for quantity in candidate.quantities)
+    intervals = {name: (e.low, e.high) for name, e in finding.parameters.items()}
+    return Entry(EffectSetting(candidate.effect, candidate.where, values, turning), intervals, wording.says(candidate.effect))
+
+
+def _sensor_entry(finding: Finding, rig: Rig) -> Entry:
+    """Return what the rig must say of a sensor: what it knew was taken off before anything was found, so both count."""
+    known = rig.effect(finding.name, finding.where)
+    scale = rig.effect("sensor_scale", finding.where)
+    turning = any("rad" in e.unit or e.unit == "N*m" for e in finding.parameters.values())
+
+    def both(name: str, found: float) -> float:
+        before = known.parameters.get(name, 0.0) if known else 0.0
+        if finding.name == "sensor_scale":
+            return (before or 1.0) * found
+        return before + found * (scale.parameters["factor"] if scale and finding.name == "sensor_bias" else 1.0)
+
+    values = {name: both(name, e.value) for name, e in finding.parameters.items()}
+    intervals = {name: (both(name, e.low), both(name, e.high)) for name, e in finding.parameters.items()}
+    return Entry(EffectSetting(finding.name, finding.where, values, turning), intervals, finding.says)
+
+
+def _is_the_rigs(rig: Rig, quantity: Quantity) -> bool:
+    """Say whether the rig file holds the number where it was judged; what a joint shares with its piston it does not."""
+    return not known(quantity.effect) or rig.effect(quantity.effect, quantity.where) is not None
 
 
 def _correction(case: Case, quantity: Quantity, factor: float, error: float) -> Correction:
+    if quantity.prior and known(quantity.effect):
+        believed, reach = quantity.prior[0], 1.96 * error
+        ends = believed * (factor - reach), believed * (factor + reach)
+        return Correction(("effects", quantity.effect, quantity.where, quantity.parameter), believed * factor, quantity.unit, ends)
     low, high = bounds(quantity, factor, error)
     if quantity.effect == "payload_mass":
         model = case.model

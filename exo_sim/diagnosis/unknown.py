@@ -51,8 +51,10 @@ def fit_curve(name: str, variable: Array, missing: Array, blocks: NDArray[np.int
         variable, missing: Rows, shape (n,).
         blocks: Block of time of each row; folds are made of whole blocks.
     """
+    if len(variable) < 5 * KNOTS:
+        return None
     spread = np.percentile(variable, [1.0, 99.0])
-    if not spread[1] - spread[0] > 1e-12 or len(variable) < 5 * KNOTS:
+    if not spread[1] - spread[0] > 1e-12:
         return None
     even = np.linspace(spread[0], spread[1], KNOTS)
     design = hats(variable, even)
@@ -80,8 +82,10 @@ def fit_curve(name: str, variable: Array, missing: Array, blocks: NDArray[np.int
 
 def depends_on(variables: dict[str, Array], missing: Array, blocks: NDArray[np.int64]) -> list[Curve]:
     """Return curves against every variable, the one that predicts most first."""
-    good = np.isfinite(missing)
-    for values in variables.values():
-        good &= np.isfinite(values)
-    found = [fit_curve(name, values[good], missing[good], blocks[good]) for name, values in variables.items()]
+    found = []
+    for name, values in variables.items():
+        if len(values) != len(missing):
+            continue  # not every recording has it
+        good = np.isfinite(missing) & np.isfinite(values)
+        found.append(fit_curve(name, values[good], missing[good], blocks[good]))
     return sorted((curve for curve in found if curve is not None), key=lambda curve: -curve.explains)

@@ -24,6 +24,9 @@ def calibration(name: str, parameter: str, factor: float) -> str:
         "dead_volume_1": "dead volume of chamber 1",
         "dead_volume_2": "dead volume of chamber 2",
     }
+    if name in declared():
+        what = f"{name_of(parameter)} of the {name_of(name)} that the rig has"
+        return f"The {what} is {abs(factor - 1.0) * 100:.0f} % {'larger' if factor > 1.0 else 'smaller'} than believed."
     what = {"payload_mass": "moved mass"}.get(name, part.get(parameter, name_of(name)))
     return f"The {what} is {abs(factor - 1.0) * 100:.1f} % {'larger' if factor > 1.0 else 'smaller'} than believed."
 

@@ -25,8 +25,13 @@ def world(rig: Rig) -> NDArray[np.void]:
     return record
 
 
-def cylinders(rig: Rig) -> NDArray[np.void]:
-    """Return one record a cylinder in the order of the rig, shape (n,)."""
+def cylinders(rig: Rig, drives: Mapping[str, str] | None = None) -> NDArray[np.void]:
+    """Return one record a cylinder in the order of the rig, shape (n,).
+
+    Args:
+        rig: The machine.
+        drives: Joint that each cylinder drives; what gives or plays in that joint's drive is felt by the cylinder.
+    """
     records = np.zeros(len(rig.cylinders), CYLINDER)
     for record, cylinder in zip(records, rig.cylinders.values(), strict=True):
         record["area_1"], record["area_2"], record["stroke"] = cylinder.area_1, cylinder.area_2, cylinder.stroke
@@ -39,6 +44,11 @@ def cylinders(rig: Rig) -> NDArray[np.void]:
         for effect in rig.effects:
             if effect.where == cylinder.name:
                 _switch_on(record, effect)
+            elif effect.where == (drives or {}).get(cylinder.name):
+                if effect.name == "transmission_compliance":
+                    record["drive_stiffness"] = effect.parameters["stiffness"]
+                elif effect.name == "backlash":
+                    record["drive_gap"] = effect.parameters["gap"]
     return records
 
 
@@ -70,16 +80,7 @@ def pneumatics(
         joint_names: Joints whose own friction, spring or drag is to be carried along.
         drives: Joint that each cylinder drives; what gives or plays in that joint's drive is felt by the cylinder.
     """
-    records = cylinders(rig)
-    for index, name in enumerate(rig.cylinders):
-        joint = (drives or {}).get(name)
-        for effect in rig.effects:
-            if joint and effect.where == joint:
-                if effect.name == "transmission_compliance":
-                    records[index]["drive_stiffness"] = effect.parameters["stiffness"]
-                elif effect.name == "backlash":
-                    records[index]["drive_gap"] = effect.parameters["gap"]
-    return Pneumatics(world(rig), records, joints(rig, joint_names), dt)
+    return Pneumatics(world(rig), cylinders(rig, drives), joints(rig, joint_names), dt)
 
 
 def _switch_on(record: np.void, effect: EffectSetting) -> None:

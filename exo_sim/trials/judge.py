@@ -95,7 +95,7 @@ def judge(truth: Mapping[str, Any], diagnosis: Mapping[str, Any] | None) -> Mark
     wrong = tuple(
         str(entry["name"])
         for entry in given
-        if id(entry) not in loose and entry["name"] != "unknown" and _odds(entry) >= CONFIDENT and not _hedged(entry)
+        if id(entry) not in loose and entry["name"] != "unknown" and _odds(entry) >= CONFIDENT
     )
     undetermined = report.get("verdict") == "undetermined"
     weak = bool(hidden) and all(target.distance < NEEDED for target in hidden)
@@ -115,7 +115,7 @@ def judge(truth: Mapping[str, Any], diagnosis: Mapping[str, Any] | None) -> Mark
         found=tuple(match is not None for match in matches),
         class_found=tuple(match is not None for match in rivals),
         located=any(target.lies_at(place) for target in hidden for place in places) if hidden else None,
-        probability=_mean([_weight(entry) if entry is not None else 0.0 for entry in rivals]),
+        probability=_mean([_weight(entry, target) if entry is not None else 0.0 for target, entry in zip(hidden, rivals)]),
         confidently_wrong=wrong,
         false_alarm=not hidden and any(entry.get("kind") != "calibration" for entry in given),
         undetermined_right=undetermined and weak and not given,
@@ -191,9 +191,9 @@ class _Target:
 
 
 def _damping_is_off(truth: Mapping[str, Any]) -> bool:
-    """Say whether the owner's damping was bent to conceal something: then viscous friction is missing in truth, named or not."""
+    """Say whether the owner's damping was bent below the true one: then viscous friction is missing in truth, named or not."""
     believed, built = ((truth.get(key) or {}).get("damping") for key in ("believed", "bench"))
-    return bool(believed is not None and built and abs(believed / built - 1.0) > 0.05)
+    return bool(believed is not None and built and believed / built < 0.95)
 
 
 def _elsewhere(entry: Mapping[str, Any], hidden: Sequence[_Target]) -> bool:
@@ -210,14 +210,11 @@ def _odds(entry: Mapping[str, Any]) -> float:
     return float(odds) if isinstance(odds, int | float) else CONFIDENT
 
 
-def _hedged(entry: Mapping[str, Any]) -> bool:
-    return bool(entry.get("ambiguous_with"))
-
-
-def _weight(entry: Mapping[str, Any]) -> float:
-    stated = (entry.get("evidence") or {}).get("probability")
-    if isinstance(stated, int | float):
-        return float(stated)
+def _weight(entry: Mapping[str, Any], target: _Target) -> float:
+    """Return the probability that a finding gives to a hidden name: as it says, else equal among the name and its rivals."""
+    stated = entry.get("probabilities")
+    if isinstance(stated, Mapping):
+        return max((float(stated[name]) for name in target.names if isinstance(stated.get(name), int | float)), default=0.0)
     return 1.0 / (1 + len(entry.get("ambiguous_with") or []))
 
 

@@ -13,7 +13,7 @@ from exo_sim.trials.figures import figures
 from exo_sim.trials.judge import judge
 from exo_sim.trials.protocol import check_inputs, ledger_of, read_manifest
 from exo_sim.trials.seal import digest_of, open_with, unseal
-from exo_sim.trials.told import over_told, told_errors
+from exo_sim.trials.told import over_told, told_diagnoses
 
 
 def score(
@@ -50,18 +50,19 @@ def score(
     with replacing(folder / "opened.json") as beside:
         beside.write_text(json.dumps(truths, indent=1) + "\n")
     ratios: dict[str, float] = {}
+    compared: dict[str, float | None] = {}
     if told:
         files = {name: list(entry["files"]) for name, entry in manifest["cases"].items()}
-        errors = told_errors(folder, files, truths, records[-1]["tool"], jobs, quiet)
-        found = {name: over_told(diagnoses[name], one) for name, one in errors.items()}
-        ratios = {name: ratio for name, ratio in found.items() if ratio is not None}
+        answers = told_diagnoses(folder, files, truths, records[-1]["tool"], jobs, quiet)
+        compared = {name: over_told(diagnoses[name], one) for name, one in answers.items()}
+        ratios = {name: ratio for name, ratio in compared.items() if ratio is not None}
     result = {
         "schema": "exo-sim/score/1",
         "figures": figures(marks, records, ratios),
         "head": records[-1]["hash"],
         "tool": records[-1]["tool"],
         "marks": [asdict(mark) for mark in marks],
-        "held_out_error_over_told": ratios,
+        "held_out_error_over_told": {"ratio": ratios, "told": len(compared)},
     }
     with replacing(folder / "score.json") as beside:
         beside.write_text(json.dumps(result, indent=1) + "\n")

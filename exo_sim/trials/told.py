@@ -14,6 +14,9 @@ from typing import Any
 
 from exo_sim.progress import each
 
+#: Seconds that a tool that was told may take for a case.
+TIMEOUT = 600.0
+
 
 def told_rig(rig: str, hidden: Sequence[Mapping[str, Any]]) -> str:
     """Return the text of a rig to which hidden effects were added at their true values."""
@@ -35,12 +38,12 @@ def can_be_told(truth: Mapping[str, Any]) -> bool:
     return bool(truth["hidden"]) and all(entry["kind"] == "missing_physics" for entry in truth["hidden"])
 
 
-def told_errors(
+def told_diagnoses(
     folder: Path, files: Mapping[str, Sequence[str]], truths: Mapping[str, Mapping[str, Any]], tool: str, jobs: int = 1, quiet: bool = False
-) -> dict[str, dict[str, float]]:
-    """Return, by case and signal, the held-out error of a tool that was told what is hidden.
+) -> dict[str, dict[str, Any]]:
+    """Return, by case, the answer of a tool that was told what is hidden.
 
-    Cases that cannot be told, and those where the tool then gives no error, are left out.
+    Cases that cannot be told are left out; a tool that does not answer within `TIMEOUT` gives an empty answer.
 
     Args:
         folder: The trial.
@@ -56,14 +59,23 @@ def told_errors(
     results = Parallel(n_jobs=jobs, return_as="generator", prefer="threads")(
         delayed(_one)(folder / "cases" / name, files[name], truths[name], tool) for name in names
     )
-    found = dict(zip(names, each(results, "telling", total=len(names), unit="case", quiet=quiet)))
-    return {name: errors for name, errors in found.items() if errors}
+    return dict(zip(names, each(results, "telling", total=len(names), unit="case", quiet=quiet)))
 
 
-def over_told(diagnosis: Mapping[str, Any] | None, told: Mapping[str, float]) -> float | None:
-    """Return by how much the worst signal's held-out error of a blind diagnosis is above that of a told one; None where unknown."""
-    blind = held_out_errors(diagnosis or {})
-    return max((blind[key] / told[key] for key in told if key in blind), default=None)
+def over_told(diagnosis: Mapping[str, Any] | None, told: Mapping[str, Any]) -> float | None:
+    """Return by how much the worst signal's held-out error of a blind diagnosis is above that of a told one.
+
+    None where either gives no error, or where they kept different time for the proof.
+    """
+    blind, best = held_out_errors(diagnosis or {}), held_out_errors(told)
+    if _kept(diagnosis or {}) != _kept(told):
+        return None
+    return max((blind[key] / best[key] for key in best if key in blind), default=None)
+
+
+def _kept(diagnosis: Mapping[str, Any]) -> tuple[Any, Any]:
+    fit = diagnosis.get("fit") or {}
+    return fit.get("held_out"), fit.get("held_out_recordings")
 
 
 def held_out_errors(diagnosis: Mapping[str, Any]) -> dict[str, float]:
@@ -73,7 +85,7 @@ def held_out_errors(diagnosis: Mapping[str, Any]) -> dict[str, float]:
     return {key: float(error) for key, error in errors.items() if isinstance(error, int | float) and error > 0}
 
 
-def _one(case: Path, files: Sequence[str], truth: Mapping[str, Any], tool: str) -> dict[str, float]:
+def _one(case: Path, files: Sequence[str], truth: Mapping[str, Any], tool: str) -> dict[str, Any]:
     with tempfile.TemporaryDirectory(prefix="told_") as bare:
         for file in files:
             shutil.copy(case / file, bare)
@@ -81,9 +93,11 @@ def _one(case: Path, files: Sequence[str], truth: Mapping[str, Any], tool: str) 
         rig.write_text(told_rig(rig.read_text(), truth["hidden"]))
         recordings = sorted(file for file in files if file.startswith("recording"))
         environment = {**os.environ, "OMP_NUM_THREADS": "1", "OPENBLAS_NUM_THREADS": "1", "NUMBA_NUM_THREADS": "1"}
-        subprocess.run(
-            [*shlex.split(tool), *recordings, "--rig", "rig.toml", "--out", "out"],
-            cwd=bare, stdin=subprocess.DEVNULL, capture_output=True, env=environment, check=False,
-        )  # fmt: skip
-        answer = Path(bare) / "out" / "diagnosis.json"
-        return held_out_errors(json.loads(answer.read_text())) if answer.exists() else {}
+        try:
+            subprocess.run(
+                [*shlex.split(tool), *recordings, "--rig", "rig.toml", "--out", "out"],
+                cwd=bare, stdin=subprocess.DEVNULL, capture_output=True, env=environment, check=False, timeout=TIMEOUT,
+            )  # fmt: skip
+            return dict(json.loads((Path(bare) / "out" / "diagnosis.json").read_text()))
+        except (subprocess.TimeoutExpired, FileNotFoundError, ValueError):
+            return {}

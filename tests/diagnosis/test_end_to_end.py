@@ -56,6 +56,26 @@ def test_nothing_hidden_names_nothing(tmp_path: Path) -> None:
 
 
 @pytest.mark.slow
+def test_a_wrong_number_of_an_effect_that_the_rig_has_is_a_believed_number(tmp_path: Path) -> None:
+    known = ("wall_heat_transfer", "coulomb_friction", "viscous_friction")
+    write_case(make_case("case", effects=(), seed=11, known=known), tmp_path, "csv")
+    rig = tmp_path / "rig.toml"
+    text = rig.read_text()
+    true = {name: float(re.search(rf'{name} *= "([\d.e+-]+)', text)[1]) for name in ("conductance", "force")}  # type: ignore[index]
+    for name, factor in (("conductance", 1.6), ("force", 0.6)):
+        text = re.sub(rf'({name} *= ")[\d.e+-]+', rf"\g<1>{factor * true[name]}", text)
+    rig.write_text(text)
+    found = diagnose([tmp_path / "recording.csv"], rig, folder=tmp_path)
+    assert found.verdict == "calibration" and found.exit_status == 0
+    numbers = {name: estimate for finding in found.effects for name, estimate in finding.parameters.items()}
+    for name, value in true.items():
+        assert numbers[name].value == pytest.approx(value, rel=0.05)
+    (tmp_path / "improved.toml").write_text(found.improved)
+    again = diagnose([tmp_path / "recording.csv"], tmp_path / "improved.toml", folder=tmp_path)
+    assert not {"wall_heat_transfer", "coulomb_friction"} & {finding.name for finding in again.effects}
+
+
+@pytest.mark.slow
 def test_damping_believed_too_large_is_a_believed_number(tmp_path: Path) -> None:
     folder = case_folder(tmp_path, ())
     model = folder / "bench.xml"

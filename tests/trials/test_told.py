@@ -5,6 +5,7 @@ from __future__ import annotations
 import json
 import sys
 from pathlib import Path
+from typing import Any
 
 import pytest
 
@@ -49,7 +50,8 @@ def test_the_blind_error_is_held_against_the_told_one(tmp_path: Path, capsys: py
     capsys.readouterr()
     score = json.loads((folder / "score.json").read_text())
     truths = json.loads((folder / "opened.json").read_text())
-    ratios = score["held_out_error_over_told"]
+    ratios = score["held_out_error_over_told"]["ratio"]
+    assert score["held_out_error_over_told"]["told"] == len(ratios)
     assert set(ratios) == {name for name, truth in truths.items() if told.can_be_told(truth)} != set()
     for name, ratio in ratios.items():
         known = "effects" in (folder / "cases" / name / "rig.toml").read_text()
@@ -59,7 +61,12 @@ def test_the_blind_error_is_held_against_the_told_one(tmp_path: Path, capsys: py
     assert "told what is hidden" in (folder / "score.html").read_text()
 
 
-def test_what_gives_no_error_is_left_out() -> None:
-    assert told.over_told(None, {"a": 1.0}) is None
-    assert told.over_told({"fit": {"signal": {"b": {"after": 2.0}}}}, {"a": 1.0}) is None
-    assert told.over_told({"fit": {"signal": {"a": {"after": 2.0}, "b": {"after": 9.0}}}}, {"a": 1.0}) == 2.0
+def answer(held_out: float = 9.0, **after: float) -> dict[str, Any]:
+    return {"fit": {"signal": {key: {"after": value} for key, value in after.items()}, "held_out": [[held_out, 12.0]]}}
+
+
+def test_only_what_both_were_asked_is_compared() -> None:
+    assert told.over_told(None, answer(a=1.0)) is None
+    assert told.over_told(answer(b=2.0), answer(a=1.0)) is None
+    assert told.over_told(answer(a=2.0), answer(held_out=8.0, a=1.0)) is None
+    assert told.over_told(answer(a=2.0, b=9.0), answer(a=1.0)) == 2.0

@@ -68,7 +68,8 @@ class Asked:
         adds_up: Whether its parameters are parts of one thing: then their sum is held against `least`.
         leaks: For a leak, its share of what empties a healthy cylinder in some minutes; 0 where it is none.
         on_top_of: Effect that must be there for it to be asked.
-        open_by: Factors on the ends of a parameter's interval, for what the model itself leaves open.
+        open_by: Factors on the ends of a parameter's interval, for what the model itself leaves open ...
+        closed_by: ... unless this parameter was fitted as well.
     """
 
     forms: tuple[tuple[str, ...], ...] = ()
@@ -83,6 +84,7 @@ class Asked:
     leaks: float = 0.0
     on_top_of: str = ""
     open_by: Mapping[str, tuple[float, float]] = field(default_factory=dict)
+    closed_by: str = ""
 
     def smallest(self, parameter: str) -> float:
         """Return what less of a parameter is no finding."""

@@ -34,6 +34,7 @@ EFFECT = Effect(
         proportional=True,
         leaks=0.5,
         open_by={"laminar_1": (0.9, 1.9), "laminar_2": (0.9, 1.9)},  # an inertial part too small to show makes the path look narrower
+        closed_by="inertial",
         forms=(
             ("area_1",),
             ("area_2",),

@@ -1,0 +1,209 @@
+"""One division of the time: every cut of the plant searched and judged, and held against what was kept back."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Sequence
+from concurrent.futures import ThreadPoolExecutor
+from dataclasses import dataclass, replace
+from functools import partial
+
+import numpy as np
+
+from exo_sim.diagnosis import library, motion_problem, supply_cut
+from exo_sim.diagnosis.cases import Case, put_right, turned_round
+from exo_sim.diagnosis.chamber_pressure import carried_over
+from exo_sim.diagnosis.gas_problem import GasProblem
+from exo_sim.diagnosis.judging import Judged, judge
+from exo_sim.diagnosis.motion_problem import MotionProblem
+from exo_sim.diagnosis.nameless import pattern_left
+from exo_sim.diagnosis.proof import Proof, prove
+from exo_sim.diagnosis.quantity import Candidate, Setting
+from exo_sim.diagnosis.search import Search
+from exo_sim.diagnosis.split import Split, split
+from exo_sim.diagnosis.verdict import Unnamed, setting_of, unknown_findings
+from exo_sim.physics.effects.declaration import declared
+from exo_sim.physics.records import CYLINDER
+from exo_sim.rig import assembly
+
+#: A valve command whose opposite leaves less than this share of the squared error is wired the wrong way round.
+TURNED = 0.1
+
+#: So few samples cost little to predict: every question is then fitted whole.
+FEW_SAMPLES = 5000
+
+#: How a joint's number becomes its piston's: with which power of the lever between them.
+_LEVERS = {"N": -1, "N s/m": -2, "N s^2/m^2": -3, "N/m": -2, "m": 1, "m/s": 1}
+
+Progress = Callable[[str], None]
+#: Effect and place that the check does not bear out, and why.
+Doubts = dict[tuple[str, str], str]
+
+
+@dataclass
+class Examined:
+    """What came out of one division of the time; `check` is what the time between fit and proof says of it, None where there is none."""
+
+    case: Case
+    judged: list[Judged]
+    nameless: list[Unnamed]
+    proof: Proof
+    check: Proof | None
+    doubted: Doubts
+
+    @property
+    def surprise(self) -> float:
+        """How much worse the check is met than the time of the fit; infinite where nothing in it could be compared."""
+        if self.check is None:
+            return 0.0
+        return self.check.surprise if self.check.signals else math.inf
+
+
+def examine(case: Case, head: bool, doubted: Doubts, pool: ThreadPoolExecutor, say: Progress) -> Examined:
+    parts = split([(table.name, table.time) for table in case.recordings], head)
+    gas = _gas(case, parts, doubted, pool, say)
+    put_right(case, carried_over(case, gas, parts))
+    judged = _shared_once([*gas, *_supply(case, parts, gas, doubted, say), *_motion(case, parts, doubted, say)])
+    nameless = unknown_findings(_rigid(judged))
+    say("proving on time kept back")
+    check = prove(judged, case, parts.checking(), nameless) if parts.check else None
+    return Examined(case, judged, nameless, prove(judged, case, parts, nameless), check, doubted)
+
+
+def _asked(questions: Sequence[Candidate], doubted: Doubts) -> tuple[Candidate, ...]:
+    """Return the questions that the check has not answered with no."""
+    return tuple(question for question in questions if (question.effect, question.where) not in doubted)
+
+
+def _told(say: Progress, part: str) -> Progress:
+    """Return a progress that names the part it speaks of."""
+    return lambda words: say(f"{part}: {words}")
+
+
+def _gas(case: Case, parts: Split, doubted: Doubts, pool: ThreadPoolExecutor, say: Progress) -> list[Judged]:
+    found = []
+    for name, runs in case.cylinders.items():
+        joint = next(link.joint for link in case.links if link.cylinder == name)
+        index = list(case.rig.cylinders).index(name)
+        drives = {link.cylinder: link.joint for link in case.links}
+        believed = Setting(assembly.world(case.rig), assembly.cylinders(case.rig, drives)[index : index + 1])
+        setting = library.without_what_was_measured(believed, runs)
+        problem = GasProblem(runs, setting, parts)
+        turned = GasProblem([replace(run, command=-run.command) for run in runs], setting, parts)
+        if problem.size >= 30 and np.sum(turned.residual({}) ** 2) < TURNED * np.sum(problem.residual({}) ** 2):
+            problem, case.cylinders[name] = turned, turned.all_runs
+            case.sensors.append(turned_round(name))
+        commanded = any(run.commanded for run in runs)
+        sides = [side for side in (1, 2) if any(run.pressure[side - 1] is not None for run in runs)]
+        still = all(run.rests for run in runs)
+        nuisances = library.believed(setting, name, commanded, sides, still) + library.known_effects(setting, name)
+        questions = library.candidates(setting, runs, name, joint)
+        if problem.size >= 30:
+            problem = problem.either_law(nuisances, pool)
+        search = Search(
+            problem,
+            nuisances,
+            _asked(questions, doubted),
+            pool,
+            _told(say, name),
+            cheap=sum(len(run.time) for run in runs) < FEW_SAMPLES,
+            material=problem.material,
+        )
+        found.append(judge("gas", name, problem, search, search.run(), partial(pattern_left, problem)))
+    return found
+
+
+def _supply(case: Case, parts: Split, gas: Sequence[Judged], doubted: Doubts, say: Progress) -> list[Judged]:
+    """Judge the measured supply by what all cylinders together drew from it; nothing where one of them is not known."""
+    if len(gas) < len(case.rig.cylinders) or any(one.empty for one in gas):
+        return []
+    drawn: dict[str, np.ndarray] = {}
+    measured: dict[str, tuple[np.ndarray, np.ndarray]] = {}
+    feeds: dict[str, int] = {}
+    for one in gas:
+        whole = GasProblem(case.cylinders[one.where], setting_of(one, one.trial), parts, held_out=True)
+        for index, run in enumerate(whole.runs):
+            table = case.table(run.recording)
+            if run.supply is None or "supply.pressure" not in table or len(run.time) != len(table.time):
+                continue  # a run that was cut short does not say what its cylinder drew before
+            drawn[run.recording] = drawn.get(run.recording, 0.0) + whole.predict(whole.setting, index).drawn
+            measured[run.recording] = (run.time, table["supply.pressure"])
+            feeds[run.recording] = feeds.get(run.recording, 0) + 1
+    drawn = {name: flow for name, flow in drawn.items() if feeds[name] == len(case.rig.cylinders)}
+    if not drawn:
+        return []
+    setting = Setting(assembly.world(case.rig), assembly.cylinders(case.rig)[:1])
+    runs = [supply_cut.supply_run(name, *measured[name], drawn[name]) for name in drawn]
+    problem = supply_cut.SupplyProblem(runs, setting, parts)
+    search = Search(
+        problem,
+        supply_cut.believed(setting),
+        _asked(supply_cut.candidates(setting), doubted),
+        None,
+        _told(say, "supply"),
+        cheap=True,
+        material=problem.material,
+    )
+    return [judge("supply", "supply", problem, search, search.run(), partial(pattern_left, problem))]
+
+
+def _motion(case: Case, parts: Split, doubted: Doubts, say: Progress) -> list[Judged]:
+    found = []
+    for joint, runs in case.joints.items():
+        cylinder = runs[0].cylinder
+        if cylinder is not None:
+            index = list(case.rig.cylinders).index(cylinder)
+            record = assembly.cylinders(case.rig)[index : index + 1]
+        else:
+            record = np.zeros(1, CYLINDER)
+        _carry_over(case, joint, record, 1.0 if cylinder is None else float(np.median(np.abs(runs[0].arm))))
+        where = cylinder or joint
+        setting = Setting(assembly.world(case.rig), record)
+        problem = MotionProblem(runs, setting, parts)
+        nuisances = motion_problem.believed(runs, setting, where)
+        questions = motion_problem.candidates(runs, problem.setting, where)
+        search = Search(
+            problem,
+            nuisances,
+            _asked(questions, doubted),
+            None,
+            _told(say, joint),
+            cheap=True,
+            material=problem.material,
+        )
+        found.append(judge("motion", where, problem, search, search.run(), partial(pattern_left, problem)))
+    return found
+
+
+def _rigid(judged: list[Judged]) -> list[Judged]:
+    """Take back what has no name in a balance of forces whose transmission was found to give: the balance takes it for rigid."""
+    soft = {f.where for one in judged for f in one.findings if f.name in ("backlash", "transmission_compliance")}
+    for one in judged:
+        if one.cut == "motion" and one.where in soft:
+            one.nameless = False
+    return judged
+
+
+def _carry_over(case: Case, joint: str, record: np.ndarray, arm: float) -> None:
+    """Add what the rig says of the joint's own friction and springs to the record that the balance is judged with.
+
+    A piston feels them through its lever `arm` [m/rad, or 1].
+    """
+    for effect in case.rig.effects:
+        if effect.where == joint and effect.name in (record.dtype.names or ()):
+            for name, value in effect.parameters.items():
+                unit = declared()[effect.name].parameter(name).unit
+                record[effect.name][name] += value * arm ** _LEVERS.get(unit, 0)
+
+
+def _shared_once(judged: list[Judged]) -> list[Judged]:
+    """Keep an effect of the shared supply or exhaust where it is seen best, and only there."""
+    best: dict[tuple[str, str], tuple[float, int]] = {}
+    for index, one in enumerate(judged):
+        for finding in one.findings:
+            key = finding.name, finding.where
+            if key not in best or finding.log10_odds > best[key][0]:
+                best[key] = finding.log10_odds, index
+    for index, one in enumerate(judged):
+        one.findings[:] = [f for f in one.findings if best[f.name, f.where][1] == index]
+    return judged

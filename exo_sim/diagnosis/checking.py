@@ -8,6 +8,8 @@ from dataclasses import replace
 from exo_sim.diagnosis.cases import Case
 from exo_sim.diagnosis.examining import Doubts, Examined, Progress, examine
 from exo_sim.diagnosis.proof import doubtful
+from exo_sim.diagnosis.result import Finding
+from exo_sim.diagnosis.split import Split, split
 
 #: Where the check is missed by so many times what the fit leaves, it shows something that the fit never met.
 SURPRISE = 3.0
@@ -15,24 +17,43 @@ SURPRISE = 3.0
 #: A name that changes predictions of the check by less than this, in units of the noise, was not tested there.
 FELT = 0.3
 
+#: Where the proof is missed by so many times what the fit leaves, something acts there that has not been found.
+UNMET = 8.0
+
 #: How often a case is examined without what its check did not bear out.
 MOST_DOUBTS = 4
 
 
 def examined_and_checked(case: Case, pool: ThreadPoolExecutor, say: Progress) -> Examined:
     """Examine a case with its end kept back, or with its beginning where the check shows what the fit never met and that is met better."""
-    found = _checked(case, False, pool, say)
+    times = [(table.name, table.time) for table in case.recordings]
+    found = _checked(case, split(times), pool, say)
     if found.surprise <= SURPRISE:
         return found
     say("the check shows what the fit never met: the beginning is kept back instead")
-    return min(found, _checked(case, True, pool, say), key=lambda one: one.surprise)
+    return min(found, _checked(case, split(times, head=True), pool, say), key=lambda one: one.surprise)
 
 
-def _checked(gathered: Case, head: bool, pool: ThreadPoolExecutor, say: Progress) -> Examined:
+def unmet(examined: Examined) -> list[Finding]:
+    """Return a finding for every balance of which the proof shows something that the rest of the time never met."""
+    found = []
+    for one in examined.judged:
+        ratio, odds = examined.proof.missed.get((one.cut, one.where), (0.0, 0.0))
+        if ratio > UNMET and not one.nameless:
+            balance = {"motion": "balance of forces", "supply": "mass balance"}.get(one.cut, "energy balance")
+            says = (
+                f"In the time kept back the {balance} of {one.where} is missed {ratio:.0f} times as much as in the rest: "
+                "something acts there that the rest never met; record more of it."
+            )
+            found.append(Finding("unknown", one.where, "unknown", says, {}, odds, 0.0))
+    return found
+
+
+def _checked(gathered: Case, parts: Split, pool: ThreadPoolExecutor, say: Progress) -> Examined:
     """Examine a case, and again without the names that its check does not bear out."""
     doubted: Doubts = {}
     for _ in range(MOST_DOUBTS):
-        examined = examine(gathered.copy(), head, doubted, pool, say)
+        examined = examine(gathered.copy(), parts, doubted, pool, say)
         new = _doubts(examined)
         if not new:
             return examined

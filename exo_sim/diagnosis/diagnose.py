@@ -9,7 +9,7 @@ from dataclasses import replace
 from pathlib import Path
 
 from exo_sim.diagnosis.cases import Case, gather
-from exo_sim.diagnosis.checking import examined_and_checked
+from exo_sim.diagnosis.checking import examined_and_checked, unmet
 from exo_sim.diagnosis.examining import Doubts, Progress
 from exo_sim.diagnosis.judging import Judged, calibration_findings
 from exo_sim.diagnosis.result import Diagnosis, Finding, Located, Rejected
@@ -49,6 +49,7 @@ def diagnose(
     case, judged, nameless, proof = examined.case, examined.judged, examined.nameless, examined.proof
     findings = _findings(judged, case, proof.drops)
     findings += [replace(found.finding, held_out_error_drop=proof.drops.get(found.finding.where, 0.0)) for found in nameless]
+    findings += unmet(examined)
     say("writing the rig anew")
     text = improved_text(case, judged, nameless, folder or rig.parent)
     return Diagnosis(

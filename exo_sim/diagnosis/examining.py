@@ -20,7 +20,7 @@ from exo_sim.diagnosis.nameless import pattern_left
 from exo_sim.diagnosis.proof import Proof, prove
 from exo_sim.diagnosis.quantity import Candidate, Setting
 from exo_sim.diagnosis.search import Search
-from exo_sim.diagnosis.split import Split, split
+from exo_sim.diagnosis.split import Split
 from exo_sim.diagnosis.verdict import Unnamed, setting_of, unknown_findings
 from exo_sim.physics.effects.declaration import declared
 from exo_sim.physics.records import CYLINDER
@@ -59,8 +59,8 @@ class Examined:
         return self.check.surprise if self.check.signals else math.inf
 
 
-def examine(case: Case, head: bool, doubted: Doubts, pool: ThreadPoolExecutor, say: Progress) -> Examined:
-    parts = split([(table.name, table.time) for table in case.recordings], head)
+def examine(case: Case, parts: Split, doubted: Doubts, pool: ThreadPoolExecutor, say: Progress) -> Examined:
+    """Search and judge every cut of the plant on one division of the time, and hold what comes out against what was kept back."""
     gas = _gas(case, parts, doubted, pool, say)
     put_right(case, carried_over(case, gas, parts))
     judged = _shared_once([*gas, *_supply(case, parts, gas, doubted, say), *_motion(case, parts, doubted, say)])

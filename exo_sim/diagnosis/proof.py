@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Sequence
 from dataclasses import dataclass, field
 
@@ -19,6 +20,7 @@ from exo_sim.diagnosis.split import Split
 from exo_sim.diagnosis.supply_cut import SupplyProblem
 from exo_sim.diagnosis.unknown import hats
 from exo_sim.diagnosis.verdict import Unnamed, setting_of
+from exo_sim.diagnosis.weighing import correlation_time
 from exo_sim.physics.effects.unknown import ACTS, DEPENDS_ON, KNOTS
 
 #: Predictions whose error is reported run over this time [s].
@@ -39,6 +41,7 @@ class Proof:
         series: What a report draws.
         held_out, held_out_recordings: Which time was kept.
         felt: By the keys of `drops`, how much predictions change with it [units of the noise].
+        missed: By cut and place, the error in those units, and the odds (log10) that it is more than noise.
         surprise: The largest error of a balance, in units of what the fit leaves of it, or of the noise.
     """
 
@@ -48,6 +51,7 @@ class Proof:
     held_out: tuple[tuple[float, float], ...] = ()
     held_out_recordings: tuple[str, ...] = ()
     felt: dict[str, float] = field(default_factory=dict)
+    missed: dict[tuple[str, str], tuple[float, float]] = field(default_factory=dict)
     surprise: float = 0.0
 
 
@@ -205,7 +209,10 @@ def _drops(
         return
     residual = _residual(kept, found)
     whole = normalised(residual)
-    proof.surprise = max(proof.surprise, finite(whole / max(normalised(one.trial.fit.residual), 1.0)))
+    ratio = finite(whole / max(normalised(one.trial.fit.residual), 1.0))
+    alike = max(correlation_time(residual, kept.blocks), 1.0)
+    proof.missed[one.cut, one.where] = ratio, 0.5 * kept.size / alike * math.log10(max(whole, 1.0) ** 2)
+    proof.surprise = max(proof.surprise, ratio)
     told = {(finding.name, finding.where) for finding in one.findings}
     for candidate in (candidate for candidate in one.named if (candidate.effect, candidate.where) in told):
         rest = tuple(c for c in one.trial.chosen if c.key != candidate.key)

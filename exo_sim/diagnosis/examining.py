@@ -160,7 +160,7 @@ def _motion(case: Case, parts: Split, doubted: Doubts, say: Progress) -> list[Ju
         where = cylinder or joint
         setting = Setting(assembly.world(case.rig), record)
         problem = MotionProblem(runs, setting, parts)
-        nuisances = motion_problem.believed(runs, setting, where)
+        nuisances = motion_problem.overdamped(problem, motion_problem.believed(runs, setting, where))
         questions = motion_problem.candidates(runs, problem.setting, where)
         search = Search(
             problem,

@@ -36,6 +36,8 @@ STRAINED = 3.5
 SURE, WORTH = 3.0, {"flow_capacity": 0.01, "dead_volume": 0.03, "payload_mass": 0.005, "joint_damping": 0.15}
 #: ... and a number of an effect that the rig has on already, by this one.
 WORTH_OF_EFFECT = 0.1
+#: Two ways in which a supply that nobody measured gives way.
+_SUPPLIES = ("supply_droop", "supply_regulator")
 #: Ratio that stands for the paper's own nozzle.
 _NOZZLE = (0.508, 0.548)
 
@@ -125,13 +127,22 @@ def judge(
 
 
 def _with_twin(findings: list[Finding], cut: str) -> list[Finding]:
-    """Say of a force sensor's offset beside Coulomb friction that asymmetric friction would look the same."""
+    """Name what would look the same: asymmetric friction for a force sensor's offset beside Coulomb friction; for one, the other supply."""
+    if cut == "gas":  # an unmeasured tank behind a feed, and a regulator that lags: the same first order between flow and pressure
+        return [_beside(f, *(name for name in _SUPPLIES if name != f.name)) if f.name in _SUPPLIES else f for f in findings]
     if cut != "motion" or not any(f.name == "coulomb_friction" for f in findings):
         return findings
     twins = [f for f in findings if f.name == "sensor_bias" and f.where.endswith(".external_force")]
     return [
         replace(f, ambiguous_with=(*f.ambiguous_with, "asymmetric_friction")) if f in twins else f for f in findings
     ]
+
+
+def _beside(finding: Finding, twin: str) -> Finding:
+    if twin in finding.ambiguous_with:
+        return finding
+    equal = dict.fromkeys((finding.name, *finding.ambiguous_with, twin), 1.0 / (2 + len(finding.ambiguous_with)))
+    return replace(finding, ambiguous_with=(*finding.ambiguous_with, twin), probabilities=equal)
 
 
 def _firm(search: Search, found: Found, named: tuple[Candidate, ...]) -> tuple[Trial, tuple[Candidate, ...]]:

@@ -8,6 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.ndimage import binary_erosion
 
+from exo_sim.diagnosis.fitting import fit
 from exo_sim.diagnosis.motion_cut import MotionRun, as_smooth, resistance_along, smoothing
 from exo_sim.diagnosis.quantity import Candidate, Quantity, Setting
 from exo_sim.diagnosis.split import Split
@@ -28,6 +29,10 @@ SICK_SHARE = 0.03
 KNOWN_SPREAD = 0.2
 #: How far the damping of a joint may be below what its owner believes, as a share: a data sheet knows little of it.
 DAMPING_SPREAD = 0.3
+#: Damping is plainly too large where less than this share of it is left, and then no more than this of the squared error.
+LEAST_DAMPED, LEAST_LEFT = 0.9, 0.8
+#: Fewer rows than this say nothing of it.
+FEWEST_ROWS = 30
 #: An effect that lowers the error by less than this share of the stall force is not worth a name.
 MATERIAL_SHARE = 2e-4
 #: What a good pressure sensor's zero may be off by [Pa]: a constant force that no recording can call friction.
@@ -35,7 +40,7 @@ PRESSURE_OFFSET = 1200.0
 
 #: Forces that a healthy cylinder loses besides, as shares of its stall force: dry friction (one standard deviation, and the most),
 #: a spring over its whole stroke, and all together what no name is looked for.
-HEALTHY_DRY, MOST_DRY, MOST_SPRING, NAMELESS = 0.001, 0.002, 0.011, 0.003
+HEALTHY_DRY, MOST_DRY, MOST_SPRING, NAMELESS = 0.001, 0.002, 0.02, 0.003
 
 #: Stiffness of a dry contact before it slides that any seal shows [N/m]; only one much softer is a finding.
 HEALTHY_CONTACT, SOFT_CONTACT = 8e5, 2.5e5
@@ -188,8 +193,6 @@ def believed(runs: Sequence[MotionRun], setting: Setting, where: str) -> tuple[Q
         found.append(
             Quantity("payload_mass", run.joint, "payload_mass", "1", "sensor", 0.02, 0.2, 5.0, (1.0, 0.05), neutral=1.0)
         )
-    if run.damped is not None:  # more of it than believed is viscous friction, which has a name
-        found.append(Quantity("joint_damping", run.joint, "damping", "1", "sensor", 0.1, 0.0, 1.0, (1.0, DAMPING_SPREAD), neutral=1.0))
     unit = "N*m" if run.turning else "N"
     found.append(Quantity("offset", run.joint, "offset", unit, "sensor", max(spread, 1e-6), -1e6, 1e6, (0.0, spread)))
     if run.turning:
@@ -225,6 +228,24 @@ def believed(runs: Sequence[MotionRun], setting: Setting, where: str) -> tuple[Q
                     )  # fmt: skip
                 )
     return tuple(found)
+
+
+def overdamped(problem: MotionProblem, nuisances: tuple[Quantity, ...]) -> tuple[Quantity, ...]:
+    """Return the believed numbers with the joint's damping among them where it is plainly too large; else as they were.
+
+    Only then: damping that is free to move would hide viscous friction, which is the same with the opposite sign.
+    """
+    run = problem.runs[0]
+    if run.damped is None or problem.size < FEWEST_ROWS:
+        return nuisances
+    damping = Quantity("joint_damping", run.joint, "damping", "1", "sensor", 0.1, 0.0, 1.0, (1.0, DAMPING_SPREAD), neutral=1.0)
+    fits = []
+    for quantities in (nuisances, (*nuisances, damping)):
+        start = {q: q.prior[0] if q.prior else q.neutral for q in quantities}
+        fits.append(fit(problem.residual, quantities, start, most=8))
+    plain, freed = fits
+    plainly = freed.values[damping] < LEAST_DAMPED and freed.sse < LEAST_LEFT * plain.sse
+    return (*nuisances, damping) if plainly else nuisances
 
 
 def candidates(runs: Sequence[MotionRun], setting: Setting, where: str) -> tuple[Candidate, ...]:

@@ -89,7 +89,8 @@ class Search:
         quantities = (*self.nuisances, *(q for candidate in chosen for q in candidate.quantities))
         begun = {q: start.get(q, q.prior[0] if q.prior else q.neutral) for q in quantities}
         options = [begun]
-        if self.cheap and near and any(q not in start for q in quantities):
+        new = [q for q in quantities if q not in start]
+        if near and new and (self.cheap or any(q.rough for q in new)):  # what is missing may have bent the believed numbers
             options.append({**begun, **{q: q.prior[0] for q in self.nuisances if q.prior}})
         for candidate in chosen:
             if any(q not in start for q in candidate.quantities):

@@ -34,7 +34,7 @@ EFFECT = Effect(
         "given for one."
     ),
     signature="a flat stretch at every reversal of load, with a knock at its end",
-    asked=Asked(jerky=True, starts=((2e-4,), (1e-3,)), least={"gap": 4e-5}),
+    asked=Asked(jerky=True, starts=((2e-4,), (5e-4,), (1e-3,)), least={"gap": 4e-5}),
 )
 
 

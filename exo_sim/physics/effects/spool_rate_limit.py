@@ -19,7 +19,7 @@ EFFECT = Effect(
     experiment="lock the rod and step the command by a tenth and by the whole: the time grows with the step",
     convention="full travel from closed to open is 1.",
     signature="opening grows as a ramp after a large step; small signals are untouched",
-    asked=Asked(jerky=True, starts=((20.0,), (6.0,), (60.0,))),
+    asked=Asked(jerky=True, starts=((60.0,), (20.0,), (8.0,), (4.0,), (2.0,))),
 )
 
 

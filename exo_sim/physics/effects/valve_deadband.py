@@ -24,7 +24,7 @@ EFFECT = Effect(
         "width)/(1 - width)."
     ),
     signature="the command crosses zero without an answer in pressure; flow starts at the width",
-    asked=Asked(jerky=True, starts=((0.01,), (0.04,), (0.1,)), healthy={"width": (1e-3, 2.5e-3)}),
+    asked=Asked(jerky=True, starts=((0.01,), (0.025,), (0.05,), (0.1,)), healthy={"width": (1e-3, 2.5e-3)}),
 )
 
 

@@ -21,7 +21,7 @@ EFFECT = Effect(
     experiment="lock the rod and loop the command slowly between different turning points",
     convention="width is that of the whole loop, in units of command, from -1 to 1.",
     signature="flow against command is a loop of constant width, whatever the rate",
-    asked=Asked(jerky=True, starts=((0.01,), (0.04,), (0.1,)), least={"width": 0.0025}),
+    asked=Asked(jerky=True, starts=((0.005,), (0.012,), (0.025,), (0.05,), (0.1,)), least={"width": 0.0025}),
 )
 
 

@@ -6,7 +6,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from exo_sim.diagnosis.judging import calibration_findings
+from exo_sim.diagnosis.judging import MODEL_SHARE, calibration_findings
 from exo_sim.diagnosis.quantity import Quantity
 
 FACTORS = st.floats(0.3, 3.0)
@@ -45,7 +45,7 @@ def test_two_that_agree_are_surer_than_one(factor: float, error: float) -> None:
     for found, spread in ((alone, error), (both, error / 2.0**0.5)):
         interval = found.parameters["factor"]
         assert interval.value == pytest.approx(factor)
-        assert (interval.high - interval.low) == pytest.approx(2.0 * 1.959964 * spread, rel=1e-5)
+        assert (interval.high - interval.low) == pytest.approx(2.0 * 1.959964 * max(spread, MODEL_SHARE), rel=1e-5)
     assert both.log10_odds == pytest.approx(2.0 * alone.log10_odds)
 
 

@@ -89,4 +89,3 @@ def _rejections(judged: list[Judged], findings: list[Finding], doubted: Doubts) 
     taken = {(f.name, f.where) for f in findings}
     first = [Rejected(name, where, why) for (name, where), why in doubted.items()]
     return tuple(r for r in [*first, *(r for one in judged for r in one.rejected)] if (r.name, r.where) not in taken)[:20]
-

@@ -13,6 +13,7 @@ import numpy as np
 from exo_sim.diagnosis import library, motion_problem, supply_cut
 from exo_sim.diagnosis.cases import Case, put_right, turned_round
 from exo_sim.diagnosis.chamber_pressure import carried_over
+from exo_sim.diagnosis.fitting import FEWEST_ROWS
 from exo_sim.diagnosis.gas_problem import GasProblem
 from exo_sim.diagnosis.judging import Judged, judge
 from exo_sim.diagnosis.motion_problem import MotionProblem
@@ -90,7 +91,7 @@ def _gas(case: Case, parts: Split, doubted: Doubts, pool: ThreadPoolExecutor, sa
         setting = library.without_what_was_measured(believed, runs)
         problem = GasProblem(runs, setting, parts)
         turned = GasProblem([replace(run, command=-run.command) for run in runs], setting, parts)
-        if problem.size >= 30 and np.sum(turned.residual({}) ** 2) < TURNED * np.sum(problem.residual({}) ** 2):
+        if problem.size >= FEWEST_ROWS and np.sum(turned.residual({}) ** 2) < TURNED * np.sum(problem.residual({}) ** 2):
             problem, case.cylinders[name] = turned, turned.all_runs
             case.sensors.append(turned_round(name))
         commanded = any(run.commanded for run in runs)
@@ -98,7 +99,7 @@ def _gas(case: Case, parts: Split, doubted: Doubts, pool: ThreadPoolExecutor, sa
         still = all(run.rests for run in runs)
         nuisances = library.believed(setting, name, commanded, sides, still) + library.known_effects(setting, name)
         questions = library.candidates(setting, runs, name, joint)
-        if problem.size >= 30:
+        if problem.size >= FEWEST_ROWS:
             problem = problem.either_law(nuisances, pool)
         search = Search(
             problem,

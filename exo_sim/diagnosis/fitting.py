@@ -14,6 +14,8 @@ from exo_sim.diagnosis.quantity import Quantity
 
 Array = NDArray[np.float64]
 
+#: Fewer rows than this cannot be asked anything.
+FEWEST_ROWS = 30
 #: A fit whose squared error is below this, in units of the noise, is not differenced anew before it ends.
 NEAR_NOISE = 2.0
 #: No step changes a logarithm by more than this.

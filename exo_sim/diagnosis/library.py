@@ -111,10 +111,9 @@ def known_effects(setting: Setting, cylinder: str) -> tuple[Quantity, ...]:
 def without_what_was_measured(setting: Setting, runs: Sequence[CylinderRun]) -> Setting:
     """Return a setting whose supply and exhaust are what was measured there, whatever the rig knows of how they come about."""
     measured = setting.copy()
-    for name in ("supply_droop", "supply_regulator") if all(run.supply is not None for run in runs) else ():
-        measured.world[name] = np.zeros(1, measured.world[name].dtype)
-    if all(run.exhaust is not None for run in runs):
-        measured.world["exhaust_back_pressure"] = np.zeros(1, measured.world["exhaust_back_pressure"].dtype)
+    for effect in declared().values():
+        if _measured_away(effect, runs):
+            measured.world[effect.name] = np.zeros(1, measured.world[effect.name].dtype)
     return measured
 
 
@@ -170,7 +169,7 @@ def _within_reach(effect: Effect, form: tuple[str, ...], setting: Setting, runs:
     )
 
 
-def _measured_away(effect: Effect, runs: list[CylinderRun]) -> bool:
+def _measured_away(effect: Effect, runs: Sequence[CylinderRun]) -> bool:
     """Say whether a measured supply or exhaust already holds what the effect would explain."""
     if effect.name in ("supply_droop", "supply_regulator"):
         return all(run.supply is not None for run in runs)

@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.ndimage import binary_erosion
 
-from exo_sim.diagnosis.fitting import fit
+from exo_sim.diagnosis.fitting import FEWEST_ROWS, fit
 from exo_sim.diagnosis.motion_cut import MotionRun, as_smooth, resistance_along, smoothing
 from exo_sim.diagnosis.quantity import Candidate, Quantity, Setting
 from exo_sim.diagnosis.split import Split
@@ -31,8 +31,6 @@ KNOWN_SPREAD = 0.2
 DAMPING_SPREAD = 0.3
 #: Damping is plainly too large where less than this share of it is left, and then no more than this of the squared error.
 LEAST_DAMPED, LEAST_LEFT = 0.9, 0.8
-#: Fewer rows than this say nothing of it.
-FEWEST_ROWS = 30
 #: An effect that lowers the error by less than this share of the stall force is not worth a name.
 MATERIAL_SHARE = 2e-4
 #: What a good pressure sensor's zero may be off by [Pa]: a constant force that no recording can call friction.

@@ -14,7 +14,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from exo_sim.diagnosis.fitted_set import Found, Problem, Trial, sizeable
-from exo_sim.diagnosis.fitting import Fit, fit
+from exo_sim.diagnosis.fitting import FEWEST_ROWS, Fit, fit
 from exo_sim.diagnosis.intervals import spreads
 from exo_sim.diagnosis.quantity import Candidate, Quantity, standing
 from exo_sim.diagnosis.screening import screen
@@ -26,8 +26,6 @@ Array = NDArray[np.float64]
 NEARLY = 0.93
 #: ... unless its log-likelihood is lower by more than this.
 NO_WORSE = 12.0
-#: Fewer rows than this cannot be asked anything.
-FEWEST_ROWS = 30
 #: How many of the screened candidates are fitted whole.
 FINALISTS = 4
 #: How many sets are grown side by side while none reaches the noise.

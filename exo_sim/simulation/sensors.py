@@ -4,13 +4,12 @@ from __future__ import annotations
 
 import importlib
 from dataclasses import replace
-
-import numpy as np
+from typing import Any
 
 from exo_sim.errors import RigError, nearest
 from exo_sim.physics.effects.declaration import declared
 from exo_sim.recording.table import Recording
-from exo_sim.rig import Rig
+from exo_sim.rig import EffectSetting, Rig
 
 #: A sensor first is late, then reads in proportion, then is off: reading = factor * truth(t - delay) + bias.
 ORDER = ("sensor_delay", "sensor_scale", "sensor_bias")
@@ -30,8 +29,7 @@ def observe(recording: Recording, rig: Rig) -> Recording:
                 f'{rig.path}: [effects.{setting.name}."{setting.where}"]: no such column in {recording.name}'
                 f"{nearest(setting.where, columns)}"
             )
-        module = importlib.import_module(f"exo_sim.physics.effects.{setting.name}")
-        columns[setting.where] = module.read(columns[setting.where], recording.time, **setting.parameters)
+        columns[setting.where] = _module(setting).read(columns[setting.where], recording.time, **setting.parameters)
     return replace(recording, columns=columns) if sensing else recording
 
 
@@ -40,13 +38,9 @@ def seen_through(recording: Recording, rig: Rig) -> tuple[Recording, tuple[str, 
     columns = dict(recording.columns)
     sensing = [setting for setting in rig.effects if setting.name in ORDER and setting.where in columns]
     for setting in sorted(sensing, key=lambda each: -ORDER.index(each.name)):
-        values = columns[setting.where]
-        if setting.name == "sensor_delay":
-            good = np.isfinite(values)
-            shown = np.interp(recording.time + setting.parameters["seconds"], recording.time[good], values[good])
-            columns[setting.where] = np.where(good, shown, np.nan)
-        elif setting.name == "sensor_scale":
-            columns[setting.where] = values / setting.parameters["factor"]
-        else:
-            columns[setting.where] = values - setting.parameters["value"]
+        columns[setting.where] = _module(setting).truth(columns[setting.where], recording.time, **setting.parameters)
     return replace(recording, columns=columns), tuple(dict.fromkeys(setting.where for setting in sensing))
+
+
+def _module(setting: EffectSetting) -> Any:
+    return importlib.import_module(f"exo_sim.physics.effects.{setting.name}")

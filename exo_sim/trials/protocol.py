@@ -19,6 +19,7 @@ from exo_sim.outputs import replacing
 from exo_sim.progress import each
 from exo_sim.trials.cells import Plan, draw_plans
 from exo_sim.trials.seal import Ledger, digest_of, new_key, seal, write_key
+from exo_sim.trials.tool import command, environment, lay_out
 
 if TYPE_CHECKING:
     from exo_sim.trials.cases import Case
@@ -224,24 +225,20 @@ def diagnose_one(folder: Path, name: str, entry: dict[str, Any], tool: str, time
 
     out = folder / "run" / name
     with tempfile.TemporaryDirectory(prefix="case_") as bare:
-        for file in entry["files"]:
-            shutil.copy(folder / "cases" / name / file, bare)
-        recordings = sorted(file for file in entry["files"] if file.startswith("recording"))
-        command = [*shlex.split(tool), *recordings, "--rig", "rig.toml", "--out", "out"]
-        environment = {**os.environ, "OMP_NUM_THREADS": "1", "OPENBLAS_NUM_THREADS": "1", "NUMBA_NUM_THREADS": "1"}
+        line = command(tool, lay_out(folder / "cases" / name, entry["files"], Path(bare)))
         with (Path(bare) / "words").open("w+") as words_file:
             start = time.monotonic()
             try:
                 process = subprocess.Popen(
-                    command,
+                    line,
                     cwd=bare,
                     stdin=subprocess.DEVNULL,
                     stdout=subprocess.DEVNULL,
                     stderr=words_file,
-                    env=environment,
+                    env=environment(),
                 )
             except OSError as error:
-                raise TrialError(f'cannot run "{command[0]}": {error.strerror}') from None
+                raise TrialError(f'cannot run "{line[0]}": {error.strerror}') from None
             status, used = _wait(process, timeout)
             words_file.seek(0)
             words = words_file.read().strip()[-500:]

@@ -3,9 +3,6 @@
 from __future__ import annotations
 
 import json
-import os
-import shlex
-import shutil
 import subprocess
 import tempfile
 from collections.abc import Mapping, Sequence
@@ -13,6 +10,7 @@ from pathlib import Path
 from typing import Any
 
 from exo_sim.progress import each
+from exo_sim.trials.tool import command, environment, lay_out
 
 #: Seconds that a tool that was told may take for a case.
 TIMEOUT = 600.0
@@ -87,16 +85,13 @@ def held_out_errors(diagnosis: Mapping[str, Any]) -> dict[str, float]:
 
 def _one(case: Path, files: Sequence[str], truth: Mapping[str, Any], tool: str) -> dict[str, Any]:
     with tempfile.TemporaryDirectory(prefix="told_") as bare:
-        for file in files:
-            shutil.copy(case / file, bare)
+        recordings = lay_out(case, files, Path(bare))
         rig = Path(bare) / "rig.toml"
         rig.write_text(told_rig(rig.read_text(), truth["hidden"]))
-        recordings = sorted(file for file in files if file.startswith("recording"))
-        environment = {**os.environ, "OMP_NUM_THREADS": "1", "OPENBLAS_NUM_THREADS": "1", "NUMBA_NUM_THREADS": "1"}
         try:
             subprocess.run(
-                [*shlex.split(tool), *recordings, "--rig", "rig.toml", "--out", "out"],
-                cwd=bare, stdin=subprocess.DEVNULL, capture_output=True, env=environment, check=False, timeout=TIMEOUT,
+                command(tool, recordings),
+                cwd=bare, stdin=subprocess.DEVNULL, capture_output=True, env=environment(), check=False, timeout=TIMEOUT,
             )  # fmt: skip
             return dict(json.loads((Path(bare) / "out" / "diagnosis.json").read_text()))
         except (subprocess.TimeoutExpired, FileNotFoundError, ValueError):

@@ -25,3 +25,8 @@ EFFECT = Effect(
 def read(values: NDArray[np.float64], time: NDArray[np.float64], value: float) -> NDArray[np.float64]:
     """Return what the sensor shows of the true `values` (n,) at `time` (n,)."""
     return values + value
+
+
+def truth(values: NDArray[np.float64], time: NDArray[np.float64], value: float) -> NDArray[np.float64]:
+    """Return what the sensor saw where it shows `values` (n,) at `time` (n,)."""
+    return values - value

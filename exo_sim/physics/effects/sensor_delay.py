@@ -25,3 +25,9 @@ EFFECT = Effect(
 def read(values: NDArray[np.float64], time: NDArray[np.float64], seconds: float) -> NDArray[np.float64]:
     """Return what the sensor shows of the true `values` (n,) at `time` (n,): those of `seconds` before."""
     return np.interp(time - seconds, time, values)
+
+
+def truth(values: NDArray[np.float64], time: NDArray[np.float64], seconds: float) -> NDArray[np.float64]:
+    """Return what the sensor saw where it shows `values` (n,) at `time` (n,): those of `seconds` after; a missing one stays missing."""
+    good = np.isfinite(values)
+    return np.where(good, np.interp(time + seconds, time[good], values[good]), np.nan)

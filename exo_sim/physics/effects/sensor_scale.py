@@ -35,3 +35,8 @@ EFFECT = Effect(
 def read(values: NDArray[np.float64], time: NDArray[np.float64], factor: float) -> NDArray[np.float64]:
     """Return what the sensor shows of the true `values` (n,) at `time` (n,)."""
     return values * factor
+
+
+def truth(values: NDArray[np.float64], time: NDArray[np.float64], factor: float) -> NDArray[np.float64]:
+    """Return what the sensor saw where it shows `values` (n,) at `time` (n,)."""
+    return values / factor

@@ -51,6 +51,12 @@ def test_a_hole_stays_a_hole(bench: Rig) -> None:
     assert np.flatnonzero(~np.isfinite(back[COLUMN])).tolist() == list(range(500, 510))
 
 
+def test_a_late_sensor_that_shows_nothing_still_shows_nothing(bench: Rig) -> None:
+    rig = with_faults(bench, EffectSetting("sensor_delay", COLUMN, {"seconds": 0.004}))
+    back, _ = seen_through(replace(TRUTH, columns={**TRUTH.columns, COLUMN: np.full_like(TIME, np.nan)}), rig)
+    assert np.isnan(back[COLUMN]).all()
+
+
 def test_a_column_that_was_not_recorded_asks_for_nothing(bench: Rig) -> None:
     rig = with_faults(bench, EffectSetting("sensor_bias", "piston.pressure_2", {"value": 1e3}))
     back, mended = seen_through(TRUTH, rig)

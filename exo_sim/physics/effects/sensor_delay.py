@@ -30,4 +30,6 @@ def read(values: NDArray[np.float64], time: NDArray[np.float64], seconds: float)
 def truth(values: NDArray[np.float64], time: NDArray[np.float64], seconds: float) -> NDArray[np.float64]:
     """Return what the sensor saw where it shows `values` (n,) at `time` (n,): those of `seconds` after; a missing one stays missing."""
     good = np.isfinite(values)
+    if not good.any():
+        return values
     return np.where(good, np.interp(time + seconds, time[good], values[good]), np.nan)

@@ -145,8 +145,8 @@ def fit(
         gradient = whole.T @ np.concatenate([r, math.sqrt(weight) * rows])
         normal = whole.T @ whole
         improved = False
-        for _ in range(5):
-            step = _bounded_step(normal, gradient, damping, quantities, values)
+        for attempt in range(5):
+            step = _bounded_step(normal, gradient, damping, quantities, values, FARTHEST / 3.0**attempt)
             trial = {q: q.value(q.coordinate(values[q]) + float(s)) for q, s in zip(quantities, step, strict=True)}
             new = residual(trial)
             new_rows, _ = prior_terms(quantities, trial)
@@ -178,15 +178,20 @@ def fit(
     return Fit(quantities, values, r, jac, float(rows @ rows), row_jac, weight)
 
 
-def _bounded_step(normal: Array, gradient: Array, damping: float, quantities: Sequence[Quantity], values: dict[Quantity, float]) -> Array:
-    """Return a damped Newton step in coordinates; what would leave its bounds is held there and the rest solved anew."""
+def _bounded_step(
+    normal: Array, gradient: Array, damping: float, quantities: Sequence[Quantity], values: dict[Quantity, float], farthest: float
+) -> Array:
+    """Return a damped Newton step in coordinates; what would leave its bounds is held there and the rest solved anew.
+
+    No logarithm moves by more than `farthest`.
+    """
     p = len(quantities)
     free = np.ones(p, dtype=bool)
     step = np.zeros(p)
     low = np.array([q.coordinate(q.low) - q.coordinate(values[q]) for q in quantities])
     high = np.array([q.coordinate(q.high) - q.coordinate(values[q]) for q in quantities])
     wide = np.array([q.wide for q in quantities])
-    low, high = np.where(wide, np.maximum(low, -FARTHEST), low), np.where(wide, np.minimum(high, FARTHEST), high)
+    low, high = np.where(wide, np.maximum(low, -farthest), low), np.where(wide, np.minimum(high, farthest), high)
     damped = normal + damping * np.diag(np.diag(normal) + 1e-12)
     for _ in range(p + 1):
         if not free.any():

@@ -7,6 +7,7 @@ from dataclasses import replace
 
 from exo_sim.diagnosis.cases import Case
 from exo_sim.diagnosis.examining import Doubts, Examined, Progress, examine
+from exo_sim.diagnosis.motion_problem import MotionProblem
 from exo_sim.diagnosis.proof import doubtful
 from exo_sim.diagnosis.result import Finding
 from exo_sim.diagnosis.split import Split, split
@@ -38,6 +39,8 @@ def unmet(examined: Examined) -> list[Finding]:
     """Return a finding for every balance of which the proof shows something that the rest of the time never met."""
     found = []
     for one in examined.judged:
+        if isinstance(one.problem, MotionProblem) and one.problem.filled_in:
+            continue
         ratio, odds = examined.proof.missed.get((one.cut, one.where), (0.0, 0.0))
         if ratio > UNMET and not one.nameless:
             balance = {"motion": "balance of forces", "supply": "mass balance"}.get(one.cut, "energy balance")

@@ -13,6 +13,7 @@ import numpy as np
 from exo_sim.diagnosis import library, motion_problem, supply_cut
 from exo_sim.diagnosis.cases import Case, put_right, turned_round
 from exo_sim.diagnosis.chamber_pressure import carried_over
+from exo_sim.diagnosis.filled_in import begun_by_forces, filled_in
 from exo_sim.diagnosis.fitting import FEWEST_ROWS
 from exo_sim.diagnosis.gas_problem import GasProblem
 from exo_sim.diagnosis.judging import Judged, judge
@@ -20,6 +21,7 @@ from exo_sim.diagnosis.motion_problem import MotionProblem
 from exo_sim.diagnosis.nameless import pattern_left
 from exo_sim.diagnosis.proof import Proof, prove
 from exo_sim.diagnosis.quantity import Candidate, Setting
+from exo_sim.diagnosis.result import OpenQuestion
 from exo_sim.diagnosis.search import Search
 from exo_sim.diagnosis.split import Split
 from exo_sim.diagnosis.verdict import Unnamed, setting_of, unknown_findings
@@ -63,9 +65,10 @@ class Examined:
 def examine(case: Case, parts: Split, doubted: Doubts, pool: ThreadPoolExecutor, say: Progress) -> Examined:
     """Search and judge every cut of the plant on one division of the time, and hold what comes out against what was kept back."""
     gas = _gas(case, parts, doubted, pool, say)
+    filled_in(case, gas, parts)
     put_right(case, carried_over(case, gas, parts))
     judged = _shared_once([*gas, *_supply(case, parts, gas, doubted, say), *_motion(case, parts, doubted, say)])
-    nameless = unknown_findings(_rigid(judged))
+    nameless = unknown_findings(_nameable(judged, case))
     say("proving on time kept back")
     check = prove(judged, case, parts.checking(), nameless) if parts.check else None
     return Examined(case, judged, nameless, prove(judged, case, parts, nameless), check, doubted)
@@ -83,7 +86,8 @@ def _told(say: Progress, part: str) -> Progress:
 
 def _gas(case: Case, parts: Split, doubted: Doubts, pool: ThreadPoolExecutor, say: Progress) -> list[Judged]:
     found = []
-    for name, runs in case.cylinders.items():
+    for name in list(case.cylinders):
+        runs = case.cylinders[name] = [begun_by_forces(case, run) for run in case.cylinders[name]]
         joint = next(link.joint for link in case.links if link.cylinder == name)
         index = list(case.rig.cylinders).index(name)
         drives = {link.cylinder: link.joint for link in case.links}
@@ -176,12 +180,20 @@ def _motion(case: Case, parts: Split, doubted: Doubts, say: Progress) -> list[Ju
     return found
 
 
-def _rigid(judged: list[Judged]) -> list[Judged]:
-    """Take back what has no name in a balance of forces whose transmission was found to give: the balance takes it for rigid."""
+def _nameable(judged: list[Judged], case: Case) -> list[Judged]:
+    """Take back what has no name in a balance of forces whose transmission was found to give, or one of whose pressures was filled in.
+
+    The balance takes the one for rigid; of the other nobody knows what the unmeasured chamber does.
+    """
     soft = {f.where for one in judged for f in one.findings if f.name in ("backlash", "transmission_compliance")}
     for one in judged:
-        if one.cut == "motion" and one.where in soft:
-            one.nameless = False
+        if one.cut != "motion" or not one.nameless:
+            continue
+        filled = isinstance(one.problem, MotionProblem) and one.problem.filled_in
+        if filled:
+            why = "it does not close, and one of its pressures was not recorded: the chamber may be at fault"
+            case.open.append(OpenQuestion(f"the rest of the balance of forces of {one.where}", ("friction, load and joint effects",), why))
+        one.nameless = one.nameless and not filled and one.where not in soft
     return judged
 
 

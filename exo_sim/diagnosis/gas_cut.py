@@ -152,6 +152,7 @@ def windows(run: CylinderRun, seconds: float) -> Windows:
     points = min(START_SAMPLES, int(START_SECONDS / max(float(np.median(np.diff(time))), 1e-9)) + 1) if len(time) > 1 else 1
     for side, values in enumerate(run.pressure):
         if values is None:
+            pressure[0, side] = run.begun[side]
             continue
         for w, (begin, end) in enumerate(zip(starts, stops, strict=True)):
             pressure[w, side] = _start(values[begin:end], points)

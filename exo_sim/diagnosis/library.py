@@ -22,8 +22,8 @@ HEALTHY_SKEW = 6e-4
 
 #: Heat that walls may take from a gas at rest, one standard deviation [W/K].
 REST_HEAT = 2.0
-#: Leaks of a healthy cylinder for its swept volume [m^2/m^3], [kg/(s Pa^2 m^3)]: they take minutes to empty it.
-HEALTHY_LEAK, HEALTHY_GAP = 1.8e-5, 1.8e-13
+#: Leaks of a healthy cylinder for its swept volume, by their unit [m^2/m^3, kg/(s Pa^2 m^3)]: they take minutes to empty it.
+_HEALTHY_LEAKS = {"m^2": 1.8e-5, "kg/(s Pa^2)": 1.8e-13}
 
 #: Heat transfer that no gas at rest goes below, on the wall of the whole cylinder [W/(m^2 K)].
 HEALTHY_FILM = 2.0
@@ -234,14 +234,18 @@ def _typical(parameter: Parameter, share: float) -> float:
     return low * (high / low) ** share if low > 0.0 else low + share * (high - low)
 
 
+def healthy_leaks(setting: Setting) -> dict[str, float]:
+    """Return, by parameter of a leak, what takes minutes to empty the cylinder [m^2, kg/(s Pa^2)]."""
+    swept = float(setting.cylinder["area_1"][0] * setting.cylinder["stroke"][0])
+    parameters = declared()["external_leakage"].parameters
+    return {p.name: _HEALTHY_LEAKS[p.unit] * swept for p in parameters if p.unit in _HEALTHY_LEAKS}
+
+
 def _least(effect: Effect, parameter: Parameter, setting: Setting) -> float:
     """Return what a healthy machine has of a parameter; of a leak, what empties the cylinder by half in some minutes."""
     c = setting.cylinder[0]
-    swept = float(c["area_1"] * c["stroke"])
-    if effect.asked.leaks and parameter.unit == "m^2":
-        return effect.asked.leaks * HEALTHY_LEAK * swept
-    if effect.asked.leaks and parameter.unit == "kg/(s Pa^2)":
-        return effect.asked.leaks * HEALTHY_GAP * swept
+    if effect.asked.leaks and parameter.unit in _HEALTHY_LEAKS:
+        return effect.asked.leaks * _HEALTHY_LEAKS[parameter.unit] * float(c["area_1"] * c["stroke"])
     if effect.name == "wall_heat_transfer":
         bore = math.sqrt(4.0 * float(c["area_1"]) / math.pi)
         return HEALTHY_FILM * math.pi * bore * (float(c["stroke"]) + 0.5 * bore)

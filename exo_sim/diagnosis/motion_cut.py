@@ -6,7 +6,7 @@ filter, so that acceleration needs no more differentiation than the filter bears
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 
 import mujoco
 import numpy as np
@@ -53,6 +53,8 @@ class MotionRun:
         effective_mass: Mass that the piston feels [kg]; 0 where that plays no part.
         external_recorded: Whether `external` was measured.
         weighs: Whether a mass enters the balance.
+        unsure: How `drive` answers one standard deviation of each number that a pressure hangs on which was not measured.
+        leaks: How it answers the parameters of a leak from that chamber, per unit of each.
     """
 
     recording: str
@@ -78,6 +80,8 @@ class MotionRun:
     external_recorded: bool
     weighs: bool = True
     damped: Array | None = None
+    unsure: dict[str, Array] = field(default_factory=dict)
+    leaks: dict[str, Array] = field(default_factory=dict)
 
 
 @kernel

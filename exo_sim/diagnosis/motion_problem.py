@@ -9,6 +9,7 @@ from numpy.typing import NDArray
 from scipy.ndimage import binary_erosion
 
 from exo_sim.diagnosis.fitting import FEWEST_ROWS, fit
+from exo_sim.diagnosis.library import healthy_leaks
 from exo_sim.diagnosis.motion_cut import MotionRun, as_smooth, resistance_along, smoothing
 from exo_sim.diagnosis.quantity import Candidate, Quantity, Setting
 from exo_sim.diagnosis.split import Split
@@ -35,6 +36,9 @@ LEAST_DAMPED, LEAST_LEFT = 0.9, 0.8
 MATERIAL_SHARE = 2e-4
 #: What a good pressure sensor's zero may be off by [Pa]: a constant force that no recording can call friction.
 PRESSURE_OFFSET = 1200.0
+
+#: By how much a sensor's gain is off before that is a finding.
+LEAST_GAIN = 0.005
 
 #: Forces that a healthy cylinder loses besides, as shares of its stall force: dry friction (one standard deviation, and the most),
 #: a spring over its whole stroke, and all together what no name is looked for.
@@ -87,6 +91,11 @@ class MotionProblem:
         return int(self.blocks.size)
 
     @property
+    def filled_in(self) -> bool:
+        """Whether a pressure in it was not measured."""
+        return any(run.unsure for run in self.runs)
+
+    @property
     def material(self) -> float:
         """Drop of the root-mean-square error that matters, in units of the whitened rows."""
         floor = MATERIAL_SHARE * stall_force(self.runs[0], self.setting)
@@ -124,6 +133,14 @@ class MotionProblem:
         found = mass * moved - passive - run.drive - run.external + run.arm * resisted - sensors.get("offset", 0.0)
         for column, lever in run.levers.items():
             found = found + lever * sensors.get(f"{column}.bias", 0.0)
+            gain = sensors.get(f"{column}.scale", 1.0)
+            if gain != 1.0:
+                shown = run.gauge[:, int(column[-1]) - 1] + float(setting.world["atmosphere"][0])
+                found = found + lever * shown * (1.0 - 1.0 / gain)
+        for name, answer in run.unsure.items():
+            found = found - answer * sensors.get(name, 0.0)
+        for name, answer in run.leaks.items():
+            found = found - answer * float(setting.cylinder["external_leakage"][name][0])
         return found
 
     def residual(self, values: dict[Quantity, float], fixed: Sequence[tuple[Quantity, float]] = ()) -> Array:
@@ -197,6 +214,12 @@ def believed(runs: Sequence[MotionRun], setting: Setting, where: str) -> tuple[Q
         found.append(Quantity("inertia", run.joint, "inertia", "1", "sensor", 0.01, 0.5, 2.0, (1.0, 0.05), neutral=1.0))
     if float(np.std(run.tilt)) > 0.0:
         found.append(Quantity("zero", run.joint, "zero", "rad", "sensor", 0.005, -0.3, 0.3, (0.0, 0.01)))
+    for name in dict.fromkeys(name for run in runs for name in run.unsure):
+        found.append(Quantity("filled_in", where, name, "1", "sensor", 1.0, -20.0, 20.0, (0.0, 1.0)))
+    for name in run.leaks:
+        spread, unit = healthy_leaks(setting)[name], declared()["external_leakage"].parameter(name).unit
+        if unit == "m^2":  # one law will do for a trace
+            found.append(Quantity("external_leakage", where, name, unit, "cylinder", spread, 0.0, 2.5 * spread, (0.0, spread)))
     for effect in declared().values():
         if (
             effect.cut != "motion"
@@ -307,11 +330,18 @@ def candidates(runs: Sequence[MotionRun], setting: Setting, where: str) -> tuple
                           proportional=effect.name not in ("stribeck_friction", "presliding", "return_spring"),
                           beside=_ground_that_lacks(effect, setting))
             )  # fmt: skip
+    for name in run.leaks:
+        healthy, leak = healthy_leaks(setting)[name], declared()["external_leakage"].parameter(name)
+        hole = Quantity("external_leakage", where, name, leak.unit, "cylinder", 10.0 * healthy, 0.0, leak.high, least=healthy)
+        found.append(Candidate("external_leakage", where, name, (hole,), ((10.0 * healthy,),), proportional=True))
     for column in run.levers:
         unit = "Pa" if "pressure" in column else ("N*m" if run.turning else "N")
         level = 0.02 * force / max(float(np.median(np.abs(run.levers[column]))), 1e-12)
         bias = Quantity("sensor_bias", column, f"{column}.bias", unit, "sensor", level, -1e7, 1e7)
         found.append(Candidate("sensor_bias", column, "value", (bias,), ((level,),), "sensor"))
+        if run.cylinder is not None and "pressure" in column:
+            gain = Quantity("sensor_scale", column, f"{column}.scale", "1", "sensor", 0.02, 0.8, 1.25, neutral=1.0, least=LEAST_GAIN)
+            found.append(Candidate("sensor_scale", column, "factor", (gain,), ((1.001,), (1.02,)), "sensor"))
     return tuple(found)
 
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass, field, replace
 
 import mujoco
@@ -40,6 +41,7 @@ class CylinderRun:
         commanded: Whether a valve command was recorded.
         noise: Sensor noise of each pressure [Pa].
         breaks: Indices at which a new stretch begins.
+        begun: Pressure at the first sample of a chamber that was not measured, by the balance of forces [Pa]; NaN where unknown.
     """
 
     recording: str
@@ -56,6 +58,7 @@ class CylinderRun:
     commanded: bool
     noise: tuple[float, float]
     breaks: tuple[int, ...]
+    begun: tuple[float, float] = (math.nan, math.nan)
 
     @property
     def rests(self) -> bool:
@@ -77,6 +80,7 @@ class CylinderRun:
             pressure=(cut(self.pressure[0]), cut(self.pressure[1])), supply=cut(self.supply), exhaust=cut(self.exhaust),
             supply_temperature=cut(self.supply_temperature), force=cut(self.force),
             breaks=(0, *(b - start for b in self.breaks if start < b < stop)),
+            begun=self.begun if start == 0 else (math.nan, math.nan),
         )  # fmt: skip
 
 

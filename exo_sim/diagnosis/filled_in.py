@@ -1,0 +1,182 @@
+"""Balances of forces that lack one pressure: it is filled in from the judged gas of its cylinder, with what that leaves open.
+
+The chamber that nobody measured follows from the command, the motion and the supply by the same equations that the other chamber has just
+been judged with. What the other chamber cannot say of it (its first pressure, its own dead volume, its own leak) stays free in the balance.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator, Sequence
+from copy import copy
+from dataclasses import replace
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.optimize import minimize_scalar
+
+from exo_sim.diagnosis.cases import Case
+from exo_sim.diagnosis.gas_cut import Windows
+from exo_sim.diagnosis.gas_problem import GasProblem
+from exo_sim.diagnosis.intervals import normalised, spreads
+from exo_sim.diagnosis.judging import Judged
+from exo_sim.diagnosis.library import healthy_leaks
+from exo_sim.diagnosis.motion_cut import MotionRun, as_smooth, motion_runs
+from exo_sim.diagnosis.observed import CylinderRun
+from exo_sim.diagnosis.quantity import Setting
+from exo_sim.diagnosis.replay_inputs import led_from_outside
+from exo_sim.diagnosis.split import Split
+from exo_sim.diagnosis.verdict import setting_of
+from exo_sim.physics.effects.declaration import declared
+from exo_sim.recording.table import Recording
+
+Array = NDArray[np.float64]
+
+#: To what the pressure at the very start is sought that suits the balance best, and how unsure that stays, one standard deviation [Pa].
+START_TOLERANCE, START_SPREAD = 500.0, 1e4
+#: The first seconds, whose balance says with which pressure an unmeasured chamber began [s].
+SOON = 0.05
+#: What changes the pressure by less than this is no uncertainty of it [Pa].
+LEAST = 20.0
+
+
+def begun_by_forces(case: Case, run: CylinderRun) -> CylinderRun:
+    """Return a run that knows from the balance of forces with which pressure a chamber that nobody measured began."""
+    table, side = case.table(run.recording), _lacking(case, run)
+    if side is None:
+        return run
+    column, atmosphere = f"{run.cylinder}.pressure_{side + 1}", case.rig.environment.pressure
+    _, balance = _balanced(case, table, run.cylinder, column, np.full(len(table.time), atmosphere))
+    if balance is None or column not in balance.levers:
+        return run
+    soon = balance.time < balance.time[0] + SOON
+    pressure = atmosphere + float(np.median(_lacks(balance)[soon] / balance.levers[column][soon]))
+    highest = case.rig.supply.pressure if run.supply is None else float(np.max(run.supply))
+    begun = [math.nan, math.nan]
+    begun[side] = min(max(pressure, 0.5 * atmosphere), highest)
+    return replace(run, begun=(begun[0], begun[1]))
+
+
+def filled_in(case: Case, gas: Sequence[Judged], parts: Split) -> None:
+    """Add to a case the balances that lack one pressure of a cylinder whose gas was judged; their open questions are taken off."""
+    for one in gas:
+        if one.empty or one.nameless:
+            continue
+        whole = GasProblem(case.cylinders[one.where], setting_of(one, one.trial), parts, held_out=True)
+        for index, feed in enumerate(whole.feeds):
+            side = _lacking(case, feed.run)
+            if side is None:
+                continue
+            run = _Unmeasured(case, one, whole, index, side).balance()
+            if run is None:
+                continue
+            case.joints[run.joint] = [*case.joints.get(run.joint, ()), run]
+            case.open[:] = [q for q in case.open if q.question != f"the balance of forces at {run.joint} in {run.recording}"]
+            case.remarks.append(
+                f"{run.recording}: {one.where}.pressure_{side + 1} was not recorded; the balance of forces takes what the gas, "
+                "as judged by the other chamber, predicts"
+            )
+
+
+class _Unmeasured:
+    """The chamber of one run that nobody measured, as the judged gas of its cylinder predicts it."""
+
+    def __init__(self, case: Case, judged: Judged, whole: GasProblem, index: int, side: int):
+        self.case, self.judged, self.whole, self.index, self.side = case, judged, whole, index, side
+        self.feed = whole.feeds[index]
+        self.table = case.table(self.feed.run.recording)
+        self.column = f"{judged.where}.pressure_{side + 1}"
+
+    def balance(self) -> MotionRun | None:
+        """Return the balance of the cylinder's joint; None where even then nothing can be said."""
+        setting, cylinder = self.whole.setting, self.judged.where
+        begun = self._begun()
+        if begun is None:
+            return None
+        pressure = self._pressure(setting, begun)
+        longer, run = _balanced(self.case, self.table, cylinder, self.column, pressure)
+        if run is None or run.joint in led_from_outside(longer, self.case.rig, self.case.model, self.case.links):
+            return None
+        lever = run.levers.pop(self.column)
+
+        def felt(changed: Array) -> Array:
+            return lever * as_smooth(run.time, changed - pressure)
+
+        unsure = {"start": felt(self._pressure(setting, begun + START_SPREAD))}
+        unsure |= {name: felt(self._pressure(moved, begun)) for name, moved in _moved(self.judged)}
+        least = LEAST * float(np.median(np.abs(lever)))
+        leaks = {name: felt(self._pressure(leaky, begun)) / size for name, size, leaky in self._leaking(setting)}
+        other = normalised(self.whole.errors(setting)[self.index][:, 1 - self.side])
+        return replace(
+            run,
+            unsure={name: change for name, change in unsure.items() if float(np.max(np.abs(change))) > least},
+            leaks=leaks,
+            noise=float(np.hypot(run.noise, other * np.sqrt(np.mean(lever**2)))),
+        )
+
+    def _pressure(self, setting: Setting, begun: float) -> Array:
+        """Return the pressure of a machine that began with so much, shape (n,) [Pa]."""
+        windows = self.feed.windows
+        starts = windows.pressure.copy()
+        starts[0, self.side] = begun
+        alone = copy(self.whole)
+        alone.feeds = [replace(self.feed, windows=Windows(windows.starts, windows.stops, starts))]
+        return alone.predict(setting, 0).inside[:, self.side]
+
+    def _begun(self) -> float | None:
+        """Return the first pressure that leaves least in the balance of all that follows [Pa]."""
+        setting = self.whole.setting
+        low, high = float(setting.world["atmosphere"][0]), float(np.max(self.feed.supply))
+        guess = self._pressure(setting, low)
+        _, run = _balanced(self.case, self.table, self.judged.where, self.column, guess)
+        if run is None:
+            return None
+        time, lever, lacks = run.time, run.levers[self.column], _lacks(run)
+
+        def left(begun: float) -> float:
+            rest = lacks - lever * as_smooth(time, self._pressure(setting, begun) - guess)
+            return float(np.mean(np.abs(rest - np.median(rest))))
+
+        return float(minimize_scalar(left, bounds=(low, high), method="bounded", options={"xatol": START_TOLERANCE}).x)
+
+    def _leaking(self, setting: Setting) -> Iterator[tuple[str, float, Setting]]:
+        """Yield each parameter of a leak of this chamber alone, a size of it, and the machine that has it; none where a leak is known."""
+        if setting.is_on(declared()["external_leakage"]):
+            return
+        for name, size in healthy_leaks(setting).items():
+            if name.endswith(str(self.side + 1)):
+                leaky = setting.copy()
+                leaky.cylinder["external_leakage"][name] = size
+                yield name, size, leaky
+
+
+def _lacking(case: Case, run: CylinderRun) -> int | None:
+    """Return which of two chambers was not measured, 0 or 1; None where that is not the question, or a load cell answers it."""
+    lacking = [side for side in range(2) if run.pressure[side] is None]
+    whole = len(run.time) == len(case.table(run.recording).time)
+    if case.rig.cylinders[run.cylinder].single_acting or run.force is not None or not whole or len(lacking) != 1:
+        return None
+    return lacking[0]
+
+
+def _balanced(case: Case, table: Recording, cylinder: str, column: str, pressure: Array) -> tuple[Recording, MotionRun | None]:
+    """Return a recording with one pressure more, and by it the balance of the joint that a cylinder drives."""
+    joint = next(link.joint for link in case.links if link.cylinder == cylinder)
+    longer = replace(table, columns={**table.columns, column: pressure}, units={**table.units, column: "Pa"})
+    return longer, next((run for run in motion_runs(longer, case.rig, case.model, case.links)[0] if run.joint == joint), None)
+
+
+def _lacks(run: MotionRun) -> Array:
+    """Return what the forces of a balance lack before anything resists, shape (n,)."""
+    return run.inertial - run.passive - run.drive - run.external
+
+
+def _moved(one: Judged) -> Iterator[tuple[str, Setting]]:
+    """Yield every number that the judged gas hangs on, by name, with the machine that has it off by one standard deviation."""
+    assert isinstance(one.problem, GasProblem)
+    spread = spreads(one.problem, one.trial.fit, one.search.correlation_time(one.trial.fit.residual))
+    fixed = [pair for candidate in one.trial.chosen for pair in candidate.fixed]
+    for quantity, value in one.trial.fit.values.items():
+        step = spread.get(quantity, 0.0)
+        if quantity.target != "sensor" and step > 0.0:
+            yield " ".join(quantity.key), one.problem.apply({**one.trial.fit.values, quantity: value + step}, fixed)

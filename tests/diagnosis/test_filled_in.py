@@ -1,0 +1,77 @@
+"""Machines of which one pressure was not recorded: friction, springs and the unseen chamber's own leak are found all the same."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from exo_sim.diagnosis.cases import gather
+from exo_sim.diagnosis.diagnose import diagnose
+from exo_sim.diagnosis.filled_in import begun_by_forces
+from exo_sim.diagnosis.result import Diagnosis
+from exo_sim.trials.cases import make_case, write_case
+
+
+def folder_of(tmp_path: Path, effects: tuple[str, ...], seed: int, gone: int, **more: bool) -> Path:
+    case = make_case("case", effects, seed, duration=8.0, missing=(f"piston.pressure_{gone}",), **more)
+    write_case(case, tmp_path, "csv", open_truth=True)
+    return tmp_path
+
+
+def diagnosed(folder: Path, rig: str = "rig.toml") -> Diagnosis:
+    return diagnose([folder / "recording.csv"], folder / rig, folder=folder, jobs=1)
+
+
+def named(found: Diagnosis) -> list[tuple[str, str]]:
+    return [(finding.name, finding.where) for finding in found.effects if finding.kind != "calibration"]
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize(
+    ("effect", "gone", "parameter"),
+    [
+        ("return_spring", 2, "stiffness"),
+        ("pressure_dependent_friction", 1, "coefficient"),
+        ("external_leakage:chamber_2", 2, "area_2"),
+    ],
+)
+def test_it_is_named_with_one_pressure_missing(tmp_path: Path, effect: str, gone: int, parameter: str) -> None:
+    case = make_case("case", (effect,), 7201, duration=8.0, missing=(f"piston.pressure_{gone}",))
+    write_case(case, tmp_path, "csv")
+    found = diagnosed(tmp_path)
+    assert named(found) == [(effect.split(":")[0], "piston")]
+    number = next(f for f in found.effects if f.kind != "calibration").parameters[parameter]
+    assert number.value == pytest.approx(case.hidden[0].parameters[parameter], rel=0.12)
+    assert any(f"pressure_{gone} was not recorded" in remark for remark in found.sensor_remarks)
+    (tmp_path / "improved.toml").write_text(found.improved)
+    assert named(diagnosed(tmp_path, "improved.toml")) == []
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("gone", [1, 2])
+def test_a_healthy_machine_stays_healthy(tmp_path: Path, gone: int) -> None:
+    found = diagnosed(folder_of(tmp_path, (), 7010, gone, oddities=True))
+    assert named(found) == []
+    assert found.verdict in ("consistent", "calibration")
+    assert not any("balance of forces" in question.question for question in found.open_questions)
+
+
+@pytest.mark.parametrize("gone", [1, 2])
+def test_the_forces_say_with_which_pressure_a_chamber_began(tmp_path: Path, gone: int) -> None:
+    case = make_case("case", (), 7010, duration=2.0, known=(), missing=(f"piston.pressure_{gone}",), keep_states=True)
+    write_case(case, tmp_path, "csv")
+    gathered = gather([tmp_path / "recording.csv"], tmp_path / "rig.toml")
+    run = begun_by_forces(gathered, gathered.cylinders["piston"][0])
+    truth = float(case.truth[0].log[f"pressure_{gone}"][0])
+    dry = 0.01 * 7e5  # what the believed numbers and a trace of friction may hide
+    assert run.begun[gone - 1] == pytest.approx(truth, abs=dry + 0.05 * truth)
+    assert np.isnan(run.begun[2 - gone])
+
+
+def test_a_recording_with_both_needs_no_forces(tmp_path: Path) -> None:
+    write_case(make_case("case", (), 7010, duration=2.0), tmp_path, "csv")
+    gathered = gather([tmp_path / "recording.csv"], tmp_path / "rig.toml")
+    run = gathered.cylinders["piston"][0]
+    assert begun_by_forces(gathered, run) is run

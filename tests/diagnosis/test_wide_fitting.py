@@ -98,3 +98,9 @@ def test_a_stale_jacobian_still_ends_at_the_minimum(kind: str) -> None:
     assert found.values[R] == pytest.approx(1.0 / TRUE, rel=5e-3)
     at_end = differences(both, quantities, found.values, found.residual, None)
     np.testing.assert_allclose(found.jacobian, at_end, atol=1e-9)
+
+
+def test_a_step_that_fails_is_followed_by_a_shorter_one() -> None:
+    steep = lambda values: np.full(40, (0.3 / values[T]) ** 12 - (0.3 / 0.25) ** 12)  # noqa: E731
+    found = fit(steep, (T,), {T: 0.4}, most=40, tolerance=1e-9)  # flat above, a wall below: Newton's step is 23 e-folds long
+    assert found.values[T] == pytest.approx(0.25, rel=1e-3)

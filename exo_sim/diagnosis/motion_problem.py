@@ -37,8 +37,8 @@ MATERIAL_SHARE = 2e-4
 #: What a good pressure sensor's zero may be off by [Pa]: a constant force that no recording can call friction.
 PRESSURE_OFFSET = 1200.0
 
-#: By how much a sensor's gain is off before that is a finding.
-LEAST_GAIN = 0.005
+#: By how much a sensor's gain is off in a balance before that is a finding: bores and load cells are known to one per cent.
+LEAST_GAIN = 0.015
 
 #: Forces that a healthy cylinder loses besides, as shares of its stall force: dry friction (one standard deviation, and the most),
 #: a spring over its whole stroke, and all together what no name is looked for.

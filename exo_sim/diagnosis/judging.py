@@ -23,7 +23,7 @@ LEFT_OVER, EXPLAINED = 1.8, 0.90
 #: Between this and nine tenths, names stand unless what is left follows one signal by more than that share.
 HALFWAY, PATTERN = 0.8, 0.25
 #: Where more is left than the noise, a finding takes more than this share of what was there without it: else it is one shape of many.
-LARGER_PART = 0.5
+LARGER_PART = 0.7
 #: No equation describes a machine, nor a sensor its pressure, to better than this share (one standard deviation).
 MODEL_SHARE = 0.0015
 #: Without any finding a residual variance beyond this is no healthy machine's.
@@ -98,7 +98,9 @@ def judge(
     rejected += [Rejected(c.effect, c.where, wording.no_gain(c, w.share)) for c, w in found.runners_up]
     trial = end
     if cut == "gas" and not nameless and end.fit.sse > LEFT_OVER * n:  # no two valves are alike
-        trial, named = _firm(search, found, named)
+        trial, firm = _firm(search, found, named)
+        nameless = bool(named) and not firm and _is_sick(trial, search)
+        named = firm
     if nameless:
         rejected += [
             Rejected(
@@ -177,7 +179,7 @@ def _is_nameless(
     if left < LEFT_OVER or math.sqrt(left) < search.problem.sick:
         return False
     if not named:
-        return left > SICK and (search.correlation_time(end.residual) > 2.0 or left > 3.0 * SICK)
+        return _is_sick(found.end, search)
     if cut == "gas" and math.sqrt(left) > HOPELESS * search.problem.sick:
         return True
     explained = (start.sse - end.sse) / max(start.sse - n, 1e-9)
@@ -186,6 +188,15 @@ def _is_nameless(
     believed = [q for q in end.quantities if q.prior is not None and q.effect != "offset"]
     bent = any(abs(end.values[q] - q.prior[0]) > STRAINED * q.prior[1] for q in believed if q.prior)
     return bent and left > SICK
+
+
+def _is_sick(trial: Trial, search: Search) -> bool:
+    """Say whether a trial without names leaves more than any healthy machine."""
+    n = search.problem.size
+    left = trial.fit.sse / n
+    if math.sqrt(left) < search.problem.sick:
+        return False
+    return left > SICK and (search.correlation_time(trial.fit.residual) > 2.0 or left > 3.0 * SICK)
 
 
 def _stands_alone(found: Found, candidate: Candidate) -> bool:

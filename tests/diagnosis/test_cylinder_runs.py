@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from dataclasses import fields
+import math
+from dataclasses import fields, replace
 
 import cylinder_runs
 import numpy as np
@@ -13,9 +14,8 @@ from hypothesis import strategies as st
 from exo_sim.diagnosis.observed import CylinderRun
 
 N = 60
-CHANNELS = [
-    field.name for field in fields(CylinderRun) if field.name not in ("recording", "cylinder", "commanded", "noise", "breaks", "pressure")
-]
+OTHERS = ("recording", "cylinder", "commanded", "noise", "breaks", "pressure", "begun")
+CHANNELS = [field.name for field in fields(CylinderRun) if field.name not in OTHERS]
 SPANS = st.tuples(st.integers(0, N - 1), st.integers(1, N)).filter(lambda span: span[0] < span[1])
 
 
@@ -43,6 +43,13 @@ def test_every_channel_is_cut_alike(span: tuple[int, int]) -> None:
         np.testing.assert_array_equal(cut, whole[slice(*span)])
     assert (part.recording, part.cylinder, part.noise, part.commanded) == (run.recording, run.cylinder, run.noise, run.commanded)
     assert len(run.time) == N
+
+
+@given(span=SPANS)
+def test_only_the_beginning_knows_the_first_pressure(span: tuple[int, int]) -> None:
+    run = replace(full(), begun=(3e5, math.nan))
+    first, second = run.part(*span).begun
+    assert (first == 3e5) == (span[0] == 0) and math.isnan(second)
 
 
 @given(span=SPANS, inner=st.sets(st.integers(1, N - 1), max_size=8))

@@ -8,7 +8,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from exo_sim.diagnosis.fitting import Fit
-from exo_sim.diagnosis.weighing import correlation_time, loss, misfit, passes, weigh
+from exo_sim.diagnosis.weighing import GREAT_ODDS, correlation_time, loss, misfit, passes, weigh
 
 BLOCKS = np.repeat(np.arange(20), 200)
 
@@ -58,4 +58,15 @@ def test_a_false_effect_does_not_pass_and_a_true_one_does() -> None:
     rows = Rows(BLOCKS)
     assert passes(weigh(rows, start, true, 1, 30), start, start, true, 0.0)
     assert not passes(weigh(rows, start, false, 1, 30), start, start, false, 0.0)
-    assert not passes(weigh(rows, start, true, 1, 30), start, start, true, 10.0)
+
+
+def test_a_small_error_is_a_finding_only_beyond_doubt() -> None:
+    rng = np.random.default_rng(3)
+    noise, wave = rng.standard_normal(BLOCKS.size), np.sin(np.arange(BLOCKS.size) / 7.0)
+    rows, true = Rows(BLOCKS), fit_of(noise)
+    for size, plain in ((3.0, True), (0.35, False)):
+        start = fit_of(noise + size * wave)
+        weighing = weigh(rows, start, true, 1, 30)
+        assert (weighing.log10_odds > GREAT_ODDS) == plain
+        assert passes(weighing, start, start, true, 0.0)
+        assert passes(weighing, start, start, true, 10.0) == plain

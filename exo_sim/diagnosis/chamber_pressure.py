@@ -6,7 +6,7 @@ the position that comes late, pressures are made as late as it is.
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import replace
 
 import numpy as np
@@ -16,7 +16,7 @@ from exo_sim.diagnosis.cases import Case
 from exo_sim.diagnosis.gas_cut import behind_hose
 from exo_sim.diagnosis.gas_problem import GasProblem
 from exo_sim.diagnosis.judging import Judged
-from exo_sim.diagnosis.motion_cut import MotionRun, as_smooth
+from exo_sim.diagnosis.motion_cut import MotionRun, as_smooth, on_clock
 from exo_sim.diagnosis.split import Split
 from exo_sim.diagnosis.verdict import setting_of
 
@@ -28,7 +28,7 @@ LEAST = 50.0
 
 def carried_over(case: Case, gas: Sequence[Judged], parts: Split) -> dict[str, list[MotionRun]]:
     """Return the runs of the motion cut, by joint, with every correction that a judged cylinder's gas asks for."""
-    changes: dict[tuple[str, str], Array] = {}
+    changes: dict[tuple[str, str], tuple[Array, Array]] = {}
     late: dict[str, float] = {}
     for one in gas:
         if one.empty or one.nameless or not one.named:
@@ -44,7 +44,7 @@ def carried_over(case: Case, gas: Sequence[Judged], parts: Split) -> dict[str, l
                 if measured is not None:
                     change = _change(whole, index, side, measured, named)
                     if np.nanmax(np.abs(change)) > LEAST:
-                        changes[feed.run.recording, f"{one.where}.pressure_{side + 1}"] = change
+                        changes[feed.run.recording, f"{one.where}.pressure_{side + 1}"] = feed.time, change
     return {joint: [_late(_changed(run, changes), late.get(joint, 0.0)) for run in runs] for joint, runs in case.joints.items()}
 
 
@@ -67,13 +67,13 @@ def _change(whole: GasProblem, index: int, side: int, measured: Array, named: se
     return true - measured
 
 
-def _changed(run: MotionRun, changes: dict[tuple[str, str], Array]) -> MotionRun:
+def _changed(run: MotionRun, changes: Mapping[tuple[str, str], tuple[Array, Array]]) -> MotionRun:
     drive, gauge = run.drive, run.gauge
     for column, lever in run.levers.items():
-        change = changes.get((run.recording, column))
-        if change is None or len(change) != len(run.time):
+        time, change = changes.get((run.recording, column), (run.time, None))
+        if change is None or time[0] > run.time[0]:  # a run that was cut short says nothing of what came before
             continue
-        smooth = as_smooth(run.time, change)
+        smooth = as_smooth(run.time, on_clock(run, time, change))
         drive = drive + lever * smooth
         if run.cylinder is not None and column.startswith(f"{run.cylinder}.pressure_"):
             side = int(column[-1]) - 1

@@ -21,7 +21,7 @@ from exo_sim.diagnosis.gas_problem import GasProblem
 from exo_sim.diagnosis.intervals import normalised, spreads
 from exo_sim.diagnosis.judging import Judged
 from exo_sim.diagnosis.library import healthy_leaks
-from exo_sim.diagnosis.motion_cut import MotionRun, as_smooth, motion_runs
+from exo_sim.diagnosis.motion_cut import MotionRun, as_smooth, motion_runs, on_clock
 from exo_sim.diagnosis.observed import CylinderRun
 from exo_sim.diagnosis.quantity import Setting
 from exo_sim.diagnosis.replay_inputs import led_from_outside
@@ -100,7 +100,7 @@ class _Unmeasured:
         lever = run.levers.pop(self.column)
 
         def felt(changed: Array) -> Array:
-            return lever * as_smooth(run.time, changed - pressure)
+            return lever * as_smooth(run.time, on_clock(run, self.table.time, changed - pressure))
 
         unsure = {"start": felt(self._pressure(setting, begun + START_SPREAD))}
         unsure |= {name: felt(self._pressure(moved, begun)) for name, moved in _moved(self.judged)}
@@ -131,10 +131,11 @@ class _Unmeasured:
         _, run = _balanced(self.case, self.table, self.judged.where, self.column, guess)
         if run is None:
             return None
-        time, lever, lacks = run.time, run.levers[self.column], _lacks(run)
+        lever, lacks = run.levers[self.column], _lacks(run)
 
         def left(begun: float) -> float:
-            rest = lacks - lever * as_smooth(time, self._pressure(setting, begun) - guess)
+            changed = on_clock(run, self.table.time, self._pressure(setting, begun) - guess)
+            rest = lacks - lever * as_smooth(run.time, changed)
             return float(np.mean(np.abs(rest - np.median(rest))))
 
         return float(minimize_scalar(left, bounds=(low, high), method="bounded", options={"xatol": START_TOLERANCE}).x)

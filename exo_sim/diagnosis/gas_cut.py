@@ -50,10 +50,11 @@ def predict(
         starts: Index of each window's first sample, rising, shape (w,).
         start_pressure: Measured pressures there, shape (w, 2); NaN keeps the prediction.
         out: Predicted pressures as the sensors would have them, shape (n, 2).
-        inside: Predicted pressures in the chambers themselves, shape (n, 2).
+        inside: Predicted pressures in the chambers themselves, shape (n, 2); these three may be empty, then they are not asked for.
         drawn: Mass flow from the supply over the step that follows each sample [kg/s], shape (n,).
         warmth: Predicted gas temperatures, shape (n, 2).
     """
+    whole = drawn.size > 0
     n = time.size
     c = cylinders[0]
     k = world[0].k
@@ -90,9 +91,10 @@ def predict(
                     vector[hose_energy] *= factor
             window += 1
         p_1, p_2 = plant.pressures(world[0], c, vector, 0, here)
-        t_1, t_2 = plant.temperatures(world[0], vector, 0)
-        warmth[i, 0], warmth[i, 1] = t_1, t_2
-        inside[i, 0], inside[i, 1] = p_1, p_2
+        if whole:
+            t_1, t_2 = plant.temperatures(world[0], vector, 0)
+            warmth[i, 0], warmth[i, 1] = t_1, t_2
+            inside[i, 0], inside[i, 1] = p_1, p_2
         if at_valve:
             out[i, 0] = chamber.pressure(vector[state.HOSE_ENERGY_1], c.line_restriction.volume, k)
             out[i, 1] = chamber.pressure(vector[state.HOSE_ENERGY_2], c.line_restriction.volume, k)
@@ -104,7 +106,8 @@ def predict(
             if dt < 0.5:
                 x0[0], x1[0], u[0] = length[i], length[i + 1], command[i]
                 plant.advance(world[0], cylinders, vector, x0, x1, u, dt, work, scratch)
-            drawn[i] = (vector[state.DRAWN] - before) / dt
+            if whole:
+                drawn[i] = (vector[state.DRAWN] - before) / dt
 
 
 def late_command(time: Array, command: Array, delay: float) -> Array:
@@ -244,7 +247,7 @@ def behind_hose(cylinder: NDArray[np.void]) -> bool:
 
 def run_gas(
     feed: GasInputs, world: NDArray[np.void], cylinder: NDArray[np.void], shift: float = 0.0, length_delay: float = 0.0,
-    offset: tuple[float, float] = (0.0, 0.0),
+    offset: tuple[float, float] = (0.0, 0.0), whole: bool = True,
 ) -> GasPrediction:  # fmt: skip
     """Predict the pressures of one run.
 
@@ -254,6 +257,7 @@ def run_gas(
         shift: Added to the pressures at the start of every window [Pa], to see what an error there does.
         length_delay: Seconds by which the position sensor is late.
         offset: Taken off the measured start pressures [Pa]: what the sensors read too much.
+        whole: Whether more than the pressures at the sensors is wanted; else the rest of the prediction is empty.
     """
     world, cylinder = world.copy(), cylinder.copy()
     usual = float(np.median(np.diff(feed.time)))
@@ -273,7 +277,8 @@ def run_gas(
     gas.fill(length[:1], first[:1], first[1:])
     if bool(gives(cylinder[0])):
         gas.settle_transmission(length[:1])
-    out, inside, drawn, warmth = np.empty((n, 2)), np.empty((n, 2)), np.zeros(n), np.empty((n, 2))
+    rest = n if whole else 0
+    out, inside, drawn, warmth = np.empty((n, 2)), np.empty((rest, 2)), np.zeros(rest), np.empty((rest, 2))
     gas.memory[0, state.SPOOL] = gas.memory[0, state.PLAY] = feed.command[0]
     predict(
         world, cylinder, gas.vector, feed.time, feed.command_after(float(cylinder["valve_lag"]["delay"][0])), length, feed.supply,

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Sequence
 from concurrent.futures import ThreadPoolExecutor
 from copy import copy
@@ -151,8 +152,8 @@ class GasProblem:
             quantity.put(setting, value)
         return setting
 
-    def predict(self, setting: Setting, index: int, shift: float = 0.0) -> GasPrediction:
-        """Predict what the sensors of one run would show."""
+    def predict(self, setting: Setting, index: int, shift: float = 0.0, whole: bool = True) -> GasPrediction:
+        """Predict what the sensors of one run would show; without `whole` nothing but that."""
         sensors = setting.sensors
         feed = self.feeds[index]
         length_scale = sensors.get("position.scale", 1.0)
@@ -161,8 +162,10 @@ class GasProblem:
         plain = length_scale == 1.0 and (scale == 1.0).all()
         if not plain:
             feed = _seen_through(feed, length_scale, scale, np.array(offset))
-        out = run_gas(feed, setting.world, setting.cylinder, shift, sensors.get("position.delay", 0.0), offset)
-        pressure = out.pressure * scale + np.array(offset)
+        out = run_gas(feed, setting.world, setting.cylinder, shift, sensors.get("position.delay", 0.0), offset, whole)
+        pressure = out.pressure
+        pressure *= scale
+        pressure += np.array(offset)
         for side in range(2):
             late = sensors.get(f"pressure_{side + 1}.delay", 0.0)
             if late != 0.0:
@@ -171,12 +174,13 @@ class GasProblem:
 
     def errors(self, setting: Setting) -> list[Array]:
         """Return measured less predicted pressure of every run, shape (n, 2) [Pa]; NaN where nothing was measured."""
-        found = []
-        for index, feed in enumerate(self.feeds):
-            out = self.predict(setting, index).pressure
-            measured = [np.full(len(feed.time), np.nan) if values is None else values for values in feed.run.pressure]
-            found.append(np.column_stack(measured) - out)
-        return found
+        return [self._missed(self.predict(setting, index, whole=False).pressure, index) for index in range(len(self.feeds))]
+
+    def _missed(self, predicted: Array, index: int) -> Array:
+        """Return measured less predicted pressure of a run, in the place of the predicted."""
+        for side, measured in enumerate(self.feeds[index].run.pressure):
+            np.subtract(math.nan if measured is None else measured, predicted[:, side], out=predicted[:, side])
+        return predicted
 
     def residual_of(self, setting: Setting) -> Array:
         """Return the whitened errors, cleared of what the unknown starts of the windows explain, shape (size,)."""
@@ -195,7 +199,8 @@ class GasProblem:
         """Return how each row answers one standard deviation of its window's start pressure."""
         answers = []
         for index, feed in enumerate(self.feeds):
-            change = self.predict(self.setting, index, START_STEP).pressure - self.predict(self.setting, index).pressure
+            change = self.predict(self.setting, index, START_STEP, whole=False).pressure
+            change -= self.predict(self.setting, index, whole=False).pressure
             sides = []
             for side in range(2):
                 rows = self._rows[index][side]

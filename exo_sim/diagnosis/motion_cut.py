@@ -6,6 +6,7 @@ filter, so that acceleration needs no more differentiation than the filter bears
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass, field
 
 import mujoco
@@ -26,6 +27,8 @@ TILT = 1e-3
 
 #: Motion and forces are smoothed alike over this time [s].
 SMOOTHING = 0.031
+#: Behind that filter no more samples of a long recording are kept than this, while it spans at least so many of them.
+MOST_SAMPLES, FEWEST_IN_FILTER = 400_000, 6
 
 
 @dataclass
@@ -54,6 +57,7 @@ class MotionRun:
         external_recorded: Whether `external` was measured.
         weighs: Whether a mass enters the balance.
         unsure: How `drive` answers one standard deviation of each number that a pressure hangs on which was not measured.
+        every: Of how many samples of the recording one was kept.
         leaks: How it answers the parameters of a leak from that chamber, per unit of each.
     """
 
@@ -80,6 +84,7 @@ class MotionRun:
     external_recorded: bool
     weighs: bool = True
     damped: Array | None = None
+    every: int = 1
     unsure: dict[str, Array] = field(default_factory=dict)
     leaks: dict[str, Array] = field(default_factory=dict)
 
@@ -104,12 +109,23 @@ def resistance_along(c, time, x, v, gauge, out):
 
 def smoothing(time: Array) -> float:
     """Return the width of the filter that every term of a balance passes on this clock [s]."""
-    return max(SMOOTHING, 6.0 * float(np.median(np.diff(time))))
+    return max(SMOOTHING, FEWEST_IN_FILTER * float(np.median(np.diff(time))))
 
 
 def as_smooth(time: Array, values: Array) -> Array:
     """Return values behind the filter that the measured forces of a balance have passed, shape (n,)."""
     return quieted(time, values, smoothing(time))
+
+
+def kept(time: Array) -> int:
+    """Return of how many samples of this clock a balance keeps one."""
+    spanned = smoothing(time) / float(np.median(np.diff(time)))
+    return max(1, min(-(-len(time) // MOST_SAMPLES), int(spanned / FEWEST_IN_FILTER + 1e-9)))
+
+
+def on_clock(run: MotionRun, time: Array, values: Array) -> Array:
+    """Return values of a recording's clock at the samples that a balance of it keeps, shape of `run.time`."""
+    return values if len(values) == len(run.time) else np.interp(run.time, time, values)
 
 
 def motion_runs(
@@ -131,8 +147,9 @@ def motion_runs(
         return [], [(name, why) for name in names]
     time = recording.time
     seconds = smoothing(time)
-    moves = [led(time, recording[f"{name}.position"], seconds) for name in names]
-    n = len(time)
+    every = kept(time)
+    moves = [_thinned(led(time, recording[f"{name}.position"], seconds), every) for name in names]
+    n = len(time[::every])
     q, qd, qdd = np.zeros((n, model.nq)), np.zeros((n, model.nv)), np.zeros((n, model.nv))
     for j, (position, velocity, acceleration) in enumerate(moves):
         q[:, model.jnt_qposadr[j]], qd[:, model.jnt_dofadr[j]], qdd[:, model.jnt_dofadr[j]] = (
@@ -152,11 +169,16 @@ def motion_runs(
             reasons.append((name, reason))
             continue
         runs.append(
-            _run(recording, rig, name, driven, seconds, moves[j], inertial[:, dof], bias[:, dof], tilted[:, dof] / TILT,
+            _run(recording, rig, name, driven, (seconds, every), moves[j], inertial[:, dof], bias[:, dof], tilted[:, dof] / TILT,
                  passive[:, dof], arms, lengths, mass[dof],
                  external, model.jnt_type[j] == int(mujoco.mjtJoint.mjJNT_HINGE), float(model.dof_damping[dof].max()))
         )  # fmt: skip
     return runs, reasons
+
+
+def _thinned(values: Sequence[Array], every: int) -> tuple[Array, ...]:
+    """Return every so many of the samples of each, shape (ceil(n / every),), as arrays that keep nothing else alive."""
+    return tuple(np.ascontiguousarray(one[::every]) for one in values)
 
 
 def _touched(recording: Recording, model: mujoco.MjModel) -> str:
@@ -229,14 +251,19 @@ def _gravity(model: mujoco.MjModel, q: Array) -> Array:
 
 
 def _run(
-    recording: Recording, rig: Rig, joint: str, driven: list[Linkage], seconds: float, move: tuple[Array, Array, Array], inertial: Array,
+    recording: Recording, rig: Rig, joint: str, driven: list[Linkage], filtered: tuple[float, int], move: Sequence[Array], inertial: Array,
     bias: Array, tilt: Array, passive: Array, arms: Array, lengths: Array, mass: float, external: Array | None, turning: bool,
     damping: float,
 ) -> MotionRun:  # fmt: skip
-    time = recording.time
+    seconds, every = filtered
+    step = float(np.median(np.diff(recording.time)))
+    time = _thinned((recording.time,), every)[0]
     n = len(time)
-    step = float(np.median(np.diff(time)))
     keep = left_of_noise(0, seconds, step)
+
+    def quiet(values: Array) -> Array:
+        return _thinned((quieted(recording.time, values, seconds),), every)[0]
+
     drive, gauge = np.zeros(n), np.zeros((n, 2))
     levers: dict[str, Array] = {}
     jitter = white_noise(recording[f"{joint}.position"])
@@ -251,9 +278,9 @@ def _run(
         cell = recording.get(f"{link.cylinder}.force")
         pressures = [recording.get(f"{link.cylinder}.pressure_{s}") for s in (1, 2)]
         atmosphere = rig.environment.pressure
-        smooth = [None if p is None else led(time, p, seconds)[0] for p in pressures]
+        smooth = [None if p is None else quiet(p) for p in pressures]
         if cell is not None:  # what the piston loses is the rod's own balance
-            drive += lever * led(time, cell, seconds)[0]
+            drive += lever * quiet(cell)
             levers[f"{link.cylinder}.force"] = lever
             variance += float(np.mean(lever**2)) * (white_noise(cell) * keep) ** 2
         else:
@@ -269,15 +296,16 @@ def _run(
             gauge = np.column_stack([np.zeros(n) if p is None else p - atmosphere for p in smooth])
             position = lengths[:, index] - c.retracted_length
             velocity = lever * move[1]
-    pushed = np.zeros(n) if external is None else led(time, external, seconds)[0]
+    pushed = np.zeros(n) if external is None else quiet(external)
     if external is not None:
         levers[f"{joint}.external_force"] = np.ones(n)
         variance += (white_noise(external) * keep) ** 2
     shake = jitter * left_of_noise(1, seconds, step)
     still = max(4.0 * shake * float(np.median(np.abs(arm))), 0.01 * float(np.nanstd(velocity)))
+    breaks = tuple(dict.fromkeys(begin // every for begin in breaks_of(recording.time)))
     effective = mass / max(float(np.median(arm**2)), 1e-12)
     return MotionRun(
         recording.name, joint, cylinder, bool(turning), time, position, velocity, inertial, bias, tilt, passive, drive,
-        pushed, arm, gauge, levers, float(np.sqrt(variance)), still, breaks_of(time), effective,
-        external is not None, damped=-damping * move[1] if damping > 0.0 else None,
+        pushed, arm, gauge, levers, float(np.sqrt(variance)), still, breaks, effective,
+        external is not None, damped=-damping * move[1] if damping > 0.0 else None, every=every,
     )  # fmt: skip

@@ -74,7 +74,7 @@ class MotionProblem:
             self._groups.append(group)
             blocks.append(block + offset)
             offset += int(block.max()) + 1 if block.size else 0
-            per_row = max(1.0, GROUP / max(float(np.median(np.diff(run.time))), 1e-9))
+            per_row = max(1.0, run.every * GROUP / max(float(np.median(np.diff(run.time))), 1e-9))
             # neighbouring samples share the smoothing window: averaging GROUP of it gains little
             force = run.drive + run.external
             size = float(np.std(force)) + float(np.std(run.inertial))

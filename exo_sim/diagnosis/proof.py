@@ -109,8 +109,8 @@ def _gas(one: Judged, case: Case, parts: Split, curve: Unnamed | None, proof: Pr
     runs = case.cylinders[one.where]
     believed, found = _settings(one, curve)
     kept = GasProblem(runs, one.problem.setting, parts, WINDOW, held_out=True)
-    before = [kept.predict(believed, index).pressure for index in range(len(runs))]
-    after = [kept.predict(found, index).pressure for index in range(len(runs))]
+    before = [kept.predict(believed, index, whole=False).pressure for index in range(len(runs))]
+    after = [kept.predict(found, index, whole=False).pressure for index in range(len(runs))]
     series = []
     for side in range(2):
         errors: tuple[list[np.ndarray], list[np.ndarray]] = ([], [])

@@ -1,8 +1,8 @@
 """Writing an .rrd: signals, scene, lanes and blueprint in one file that opens in the rerun viewer.
 
-What a reader of the file gets back is the same for the same recording. The bytes are not: rerun stamps every chunk and
-every view of the blueprint with an identifier from clock and chance. The table beside it (`write_table`) is the same
-byte for byte.
+Of a signal that mostly keeps its value only the turns are written: a line through them is the signal. What a reader of the file gets
+back is the same for the same recording. The bytes are not: rerun stamps every chunk and every view of the blueprint with an identifier
+from clock and chance. The table beside it (`write_table`) is the same byte for byte.
 """
 
 from __future__ import annotations
@@ -123,6 +123,13 @@ def clock(times: NDArray[np.float64]) -> rr.TimeColumn:
     return rr.TimeColumn("time", duration=np.rint(times * 1e9).astype("timedelta64[ns]"))
 
 
+def turns(values: NDArray[np.float64]) -> NDArray[np.bool_]:
+    """Return which samples a line needs, shape (n,): all but those between two that are equal to them."""
+    needed = np.ones(len(values), dtype=bool)
+    needed[1:-1] = (values[1:-1] != values[:-2]) | (values[1:-1] != values[2:])
+    return needed
+
+
 def _signals(stream: Any, recording: Recording, leaf: str, overlaid: Mapping[str, bool], on_top: str) -> None:
     import rerun as rr
 
@@ -135,7 +142,11 @@ def _signals(stream: Any, recording: Recording, leaf: str, overlaid: Mapping[str
         if leaf and overlaid.get(key):
             path, name, colour = f"{key}/{leaf}", leaf, _COLOURS.get(leaf, colour)
             width = 1.2 if leaf == on_top else 4.0  # thin, so that the others show behind it
-        stream.send_columns(path, indexes=index, columns=rr.Scalars.columns(scalars=values))
+        told = turns(values)
+        if 2 * np.count_nonzero(told) < len(values):
+            stream.send_columns(path, indexes=[clock(recording.time[told])], columns=rr.Scalars.columns(scalars=values[told]))
+        else:
+            stream.send_columns(path, indexes=index, columns=rr.Scalars.columns(scalars=values))
         line = rr.SeriesLines(names=name, colors=[colour], widths=[width])
         unit = values_of[recording.units[key]]
         if path == key:

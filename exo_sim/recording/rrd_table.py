@@ -193,6 +193,14 @@ def _clock(path: Path, entities: dict[str, _Entity]) -> str:
     return preferred or min(names - {"log_tick"} or names)
 
 
+def _only_turns(time: NDArray[np.float64], times: NDArray[np.float64], numbers: NDArray[np.float64]) -> bool:
+    """Say whether what a signal lacks of a clock lies between samples that are equal: then nothing of it is lost."""
+    if times[0] != time[0] or times[-1] != time[-1]:
+        return False
+    at = np.searchsorted(time, times)
+    return bool(np.array_equal(time[at], times) and (numbers[:-1] == numbers[1:])[np.diff(at) > 1].all())
+
+
 def _on_one_clock(
     path: Path, series: dict[str, tuple[NDArray[np.float64], NDArray[np.float64]]], findings: list[Finding]
 ) -> tuple[NDArray[np.float64], dict[str, NDArray[np.float64]]]:
@@ -211,6 +219,8 @@ def _on_one_clock(
                 values[key] = np.where(at >= 0, numbers[np.maximum(at, 0)], np.nan)
             else:
                 values[key] = np.interp(time, times, numbers, left=np.nan, right=np.nan)
+            if _only_turns(time, times, numbers):
+                continue
             says = (
                 f'"{key}" has {len(times)} samples on a clock of its own; brought onto the clock of the longest signal'
             )

@@ -33,7 +33,7 @@ def write_table(path: str | Path, recording: Recording) -> None:
             from pyarrow import parquet
 
             parquet.write_table(
-                _table(recording), beside, compression="zstd", use_dictionary=False, use_byte_stream_split=True, row_group_size=_ROW_GROUP
+                _table(recording), beside, compression="lz4", use_dictionary=False, use_byte_stream_split=True, row_group_size=_ROW_GROUP
             )
         else:
             from pyarrow import csv

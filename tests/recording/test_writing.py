@@ -1,14 +1,17 @@
 """What is written comes back, in every format; tables are the same byte for byte."""
 
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
 import pytest
+from hypothesis import given
+from hypothesis import strategies as st
 
 from exo_sim.errors import OutputError, RecordingError
 from exo_sim.recording import Arrows, DrawnCylinder, Recording, Scene, Shape, read, write_rrd, write_table
 from exo_sim.recording.blueprint import tabs, words
-from exo_sim.recording.rrd_file import gait_lanes
+from exo_sim.recording.rrd_file import gait_lanes, turns
 from exo_sim.recording.rrd_scene import _turning_z_to
 
 UNITS = {
@@ -76,6 +79,27 @@ def test_round_trip(tmp_path: Path, ending: str) -> None:
     if ending != "csv":
         assert reading.recording.metadata == recording.metadata
     assert [p.name for p in tmp_path.iterdir()] == [path.name]
+
+
+@given(runs=st.lists(st.tuples(st.sampled_from([0.0, 1.0, -2.5, np.nan]), st.integers(1, 9)), min_size=2, max_size=12))
+def test_a_line_through_the_turns_is_the_signal(runs: list[tuple[float, int]]) -> None:
+    values = np.concatenate([np.full(count, value) for value, count in runs])
+    told, time = turns(values), np.arange(len(values)) / 7.0
+    assert told[0] and told[-1]
+    np.testing.assert_array_equal(np.interp(time, time[told], values[told]), values)
+
+
+def test_what_keeps_its_value_is_written_by_its_turns(tmp_path: Path) -> None:
+    recording = walk(4000)
+    held = np.repeat(np.random.default_rng(1).uniform(-1.0, 1.0, 40), 100)
+    steps = {"supply.pressure": np.full(4000, 7e5), "knee_r.valve_command": held, "hip_r.torque": 5.0 * held}
+    recording = replace(recording, columns={**recording.columns, **steps})
+    write_rrd(tmp_path / "held.rrd", recording)
+    write_rrd(tmp_path / "moving.rrd", walk(4000))
+    assert (tmp_path / "held.rrd").stat().st_size < 0.8 * (tmp_path / "moving.rrd").stat().st_size
+    back = read(tmp_path / "held.rrd")
+    same(back.recording, recording)
+    assert not back.findings
 
 
 @pytest.mark.parametrize("ending", ["parquet", "csv"])

@@ -73,7 +73,7 @@ def _changed(run: MotionRun, changes: Mapping[tuple[str, str], tuple[Array, Arra
         time, change = changes.get((run.recording, column), (run.time, None))
         if change is None or time[0] > run.time[0]:  # a run that was cut short says nothing of what came before
             continue
-        smooth = as_smooth(run.time, on_clock(run, time, change))
+        smooth = on_clock(run, time, as_smooth(time, change))
         drive = drive + lever * smooth
         if run.cylinder is not None and column.startswith(f"{run.cylinder}.pressure_"):
             side = int(column[-1]) - 1
@@ -90,5 +90,6 @@ def _late(run: MotionRun, seconds: float) -> MotionRun:
         return np.interp(run.time - seconds, run.time, values)
 
     gauge = np.column_stack([then(run.gauge[:, side]) for side in range(2)])
-    moved = replace(run, drive=then(run.drive), external=then(run.external), gauge=gauge)
+    unsure, leaks = ({name: then(change) for name, change in one.items()} for one in (run.unsure, run.leaks))
+    moved = replace(run, drive=then(run.drive), external=then(run.external), gauge=gauge, unsure=unsure, leaks=leaks)
     return moved if run.weighs else replace(moved, inertial=then(run.inertial), bias=then(run.bias))  # a rod's cell is measured too

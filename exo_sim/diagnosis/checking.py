@@ -6,7 +6,7 @@ from concurrent.futures import ThreadPoolExecutor
 from dataclasses import replace
 
 from exo_sim.diagnosis.cases import Case
-from exo_sim.diagnosis.examining import Doubts, Examined, Progress, examine
+from exo_sim.diagnosis.examining import Doubts, Examined, Progress, examine, leave_open
 from exo_sim.diagnosis.motion_problem import MotionProblem
 from exo_sim.diagnosis.proof import doubtful
 from exo_sim.diagnosis.result import Finding
@@ -39,13 +39,12 @@ def unmet(examined: Examined) -> list[Finding]:
     """Return a finding for every balance of which the proof shows something that the rest of the time never met."""
     found = []
     for one in examined.judged:
-        if isinstance(one.problem, MotionProblem) and one.problem.filled_in:
-            continue
         ratio, odds = examined.proof.missed.get((one.cut, one.where), (0.0, 0.0))
-        if ratio > UNMET and not one.nameless:
-            balance = {"motion": "balance of forces", "supply": "mass balance"}.get(one.cut, "energy balance")
+        if ratio > UNMET and isinstance(one.problem, MotionProblem) and one.problem.filled_in:
+            leave_open(one, examined.case)
+        elif ratio > UNMET and not one.nameless:
             says = (
-                f"In the time kept back the {balance} of {one.where} is missed {ratio:.0f} times as much as in the rest: "
+                f"In the time kept back the {one.balance} of {one.where} is missed {ratio:.0f} times as much as in the rest: "
                 "something acts there that the rest never met; record more of it."
             )
             found.append(Finding("unknown", one.where, "unknown", says, {}, odds, 0.0))

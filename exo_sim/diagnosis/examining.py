@@ -180,6 +180,13 @@ def _motion(case: Case, parts: Split, doubted: Doubts, say: Progress) -> list[Ju
     return found
 
 
+def leave_open(one: Judged, case: Case) -> None:
+    """Make an open question of what is left in a balance of forces one of whose pressures was filled in."""
+    why = "it does not close, and one of its pressures was not recorded: the chamber may be at fault"
+    case.open.append(OpenQuestion(f"the rest of the balance of forces of {one.where}", ("friction, load and joint effects",), why))
+    one.nameless, one.unclosed = False, True
+
+
 def _nameable(judged: list[Judged], case: Case) -> list[Judged]:
     """Take back what has no name in a balance of forces whose transmission was found to give, or one of whose pressures was filled in.
 
@@ -189,11 +196,9 @@ def _nameable(judged: list[Judged], case: Case) -> list[Judged]:
     for one in judged:
         if one.cut != "motion" or not one.nameless:
             continue
-        filled = isinstance(one.problem, MotionProblem) and one.problem.filled_in
-        if filled:
-            why = "it does not close, and one of its pressures was not recorded: the chamber may be at fault"
-            case.open.append(OpenQuestion(f"the rest of the balance of forces of {one.where}", ("friction, load and joint effects",), why))
-        one.nameless = one.nameless and not filled and one.where not in soft
+        if isinstance(one.problem, MotionProblem) and one.problem.filled_in:
+            leave_open(one, case)
+        one.nameless = one.nameless and one.where not in soft
     return judged
 
 

@@ -1,7 +1,8 @@
 """Balances of forces that lack one pressure: it is filled in from the judged gas of its cylinder, with what that leaves open.
 
 The chamber that nobody measured follows from the command, the motion and the supply by the same equations that the other chamber has just
-been judged with. What the other chamber cannot say of it (its first pressure, its own dead volume, its own leak) stays free in the balance.
+been judged with. What the other chamber cannot say of it (its first pressure, its own dead volume, and a leak where none is known of
+the cylinder) stays free in the balance.
 """
 
 from __future__ import annotations
@@ -22,7 +23,7 @@ from exo_sim.diagnosis.intervals import normalised, spreads
 from exo_sim.diagnosis.judging import Judged
 from exo_sim.diagnosis.library import healthy_leaks
 from exo_sim.diagnosis.motion_cut import MotionRun, as_smooth, motion_runs, on_clock
-from exo_sim.diagnosis.observed import CylinderRun
+from exo_sim.diagnosis.observed import CylinderRun, breaks_of
 from exo_sim.diagnosis.quantity import Setting
 from exo_sim.diagnosis.replay_inputs import led_from_outside
 from exo_sim.diagnosis.split import Split
@@ -34,8 +35,9 @@ Array = NDArray[np.float64]
 
 #: To what the pressure at the very start is sought that suits the balance best, and how unsure that stays, one standard deviation [Pa].
 START_TOLERANCE, START_SPREAD = 500.0, 1e4
-#: The first seconds, whose balance says with which pressure an unmeasured chamber began [s].
-SOON = 0.05
+#: The first seconds, whose balance says with which pressure an unmeasured chamber began [s]; and what of a recording that is kept back
+#: whole may be looked at for it.
+SOON, BEGINNING = 0.05, 1.0
 #: What changes the pressure by less than this is no uncertainty of it [Pa].
 LEAST = 20.0
 
@@ -51,14 +53,16 @@ def begun_by_forces(case: Case, run: CylinderRun) -> CylinderRun:
         return run
     soon = balance.time < balance.time[0] + SOON
     pressure = atmosphere + float(np.median(_lacks(balance)[soon] / balance.levers[column][soon]))
-    highest = case.rig.supply.pressure if run.supply is None else float(np.max(run.supply))
     begun = [math.nan, math.nan]
-    begun[side] = min(max(pressure, 0.5 * atmosphere), highest)
+    begun[side] = float(np.clip(pressure, *_possible(case, run)))
     return replace(run, begun=(begun[0], begun[1]))
 
 
 def filled_in(case: Case, gas: Sequence[Judged], parts: Split) -> None:
-    """Add to a case the balances that lack one pressure of a cylinder whose gas was judged; their open questions are taken off."""
+    """Add to a case the balances that lack one pressure of a cylinder whose gas was judged; their open questions are taken off.
+
+    Where another recording holds all that the balance of a joint needs, that one is judged alone.
+    """
     for one in gas:
         if one.empty or one.nameless:
             continue
@@ -68,7 +72,7 @@ def filled_in(case: Case, gas: Sequence[Judged], parts: Split) -> None:
             if side is None:
                 continue
             run = _Unmeasured(case, one, whole, index, side).balance()
-            if run is None:
+            if run is None or any(not other.unsure for other in case.joints.get(run.joint, ())):
                 continue
             case.joints[run.joint] = [*case.joints.get(run.joint, ()), run]
             case.open[:] = [q for q in case.open if q.question != f"the balance of forces at {run.joint} in {run.recording}"]
@@ -95,18 +99,21 @@ class _Unmeasured:
             return None
         pressure = self._pressure(setting, begun)
         longer, run = _balanced(self.case, self.table, cylinder, self.column, pressure)
-        if run is None or run.joint in led_from_outside(longer, self.case.rig, self.case.model, self.case.links):
+        if run is None or run.cylinder is None or run.joint in led_from_outside(longer, self.case.rig, self.case.model, self.case.links):
             return None
         lever = run.levers.pop(self.column)
 
         def felt(changed: Array) -> Array:
-            return lever * as_smooth(run.time, on_clock(run, self.table.time, changed - pressure))
+            return lever * on_clock(run, self.table.time, as_smooth(self.table.time, changed - pressure))
 
-        unsure = {"start": felt(self._pressure(setting, begun + START_SPREAD))}
+        unsure = {f"start of {run.recording}": felt(self._pressure(setting, begun + START_SPREAD))}
         unsure |= {name: felt(self._pressure(moved, begun)) for name, moved in _moved(self.judged)}
         least = LEAST * float(np.median(np.abs(lever)))
         leaks = {name: felt(self._pressure(leaky, begun)) / size for name, size, leaky in self._leaking(setting)}
-        other = normalised(self.whole.errors(setting)[self.index][:, 1 - self.side])
+        if not all(np.isfinite(change).all() for change in (pressure, *unsure.values(), *leaks.values())):
+            return None
+        missed = as_smooth(self.table.time, self.whole.errors(setting)[self.index][:, 1 - self.side])
+        other = normalised(missed[self._shown(self.table.time)])
         return replace(
             run,
             unsure={name: change for name, change in unsure.items() if float(np.max(np.abs(change))) > least},
@@ -126,19 +133,24 @@ class _Unmeasured:
     def _begun(self) -> float | None:
         """Return the first pressure that leaves least in the balance of all that follows [Pa]."""
         setting = self.whole.setting
-        low, high = float(setting.world["atmosphere"][0]), float(np.max(self.feed.supply))
+        low, high = _possible(self.case, self.feed.run)
         guess = self._pressure(setting, low)
         _, run = _balanced(self.case, self.table, self.judged.where, self.column, guess)
         if run is None:
             return None
-        lever, lacks = run.levers[self.column], _lacks(run)
+        lever, lacks, shown = run.levers[self.column], _lacks(run), self._shown(run.time)
 
         def left(begun: float) -> float:
-            changed = on_clock(run, self.table.time, self._pressure(setting, begun) - guess)
-            rest = lacks - lever * as_smooth(run.time, changed)
+            changed = as_smooth(self.table.time, self._pressure(setting, begun) - guess)
+            rest = (lacks - lever * on_clock(run, self.table.time, changed))[shown]
             return float(np.mean(np.abs(rest - np.median(rest))))
 
         return float(minimize_scalar(left, bounds=(low, high), method="bounded", options={"xatol": START_TOLERANCE}).x)
+
+    def _shown(self, time: Array) -> NDArray[np.bool_]:
+        """Return at which times numbers may be fitted; of a recording that is kept back whole at its beginning, shape (n,)."""
+        fitted = self.whole.split.training(self.table.name, time)
+        return fitted if fitted.any() else time < time[0] + BEGINNING
 
     def _leaking(self, setting: Setting) -> Iterator[tuple[str, float, Setting]]:
         """Yield each parameter of a leak of this chamber alone, a size of it, and the machine that has it; none where a leak is known."""
@@ -152,12 +164,23 @@ class _Unmeasured:
 
 
 def _lacking(case: Case, run: CylinderRun) -> int | None:
-    """Return which of two chambers was not measured, 0 or 1; None where that is not the question, or a load cell answers it."""
+    """Return which of two chambers was not measured, 0 or 1; None where that is not the question, or a load cell answers it.
+
+    Nor is it one across a jump of the clock: nobody knows what the chamber did meanwhile.
+    """
     lacking = [side for side in range(2) if run.pressure[side] is None]
-    whole = len(run.time) == len(case.table(run.recording).time)
+    whole = len(run.time) == len(case.table(run.recording).time) and len(breaks_of(run.time)) == 1
     if case.rig.cylinders[run.cylinder].single_acting or run.force is not None or not whole or len(lacking) != 1:
         return None
     return lacking[0]
+
+
+def _possible(case: Case, run: CylinderRun) -> tuple[float, float]:
+    """Return between which pressures a chamber may begin [Pa]."""
+    atmosphere = case.rig.environment.pressure
+    highest = [case.rig.supply.pressure if run.supply is None else float(np.max(run.supply)), 2.0 * atmosphere]
+    highest += [float(np.nanmax(pressure)) for pressure in run.pressure if pressure is not None]
+    return 0.5 * atmosphere, max(highest)
 
 
 def _balanced(case: Case, table: Recording, cylinder: str, column: str, pressure: Array) -> tuple[Recording, MotionRun | None]:
@@ -179,5 +202,6 @@ def _moved(one: Judged) -> Iterator[tuple[str, Setting]]:
     fixed = [pair for candidate in one.trial.chosen for pair in candidate.fixed]
     for quantity, value in one.trial.fit.values.items():
         step = spread.get(quantity, 0.0)
-        if quantity.target != "sensor" and step > 0.0:
-            yield " ".join(quantity.key), one.problem.apply({**one.trial.fit.values, quantity: value + step}, fixed)
+        moved = value + step if value + step <= quantity.high else max(value - step, quantity.low)
+        if quantity.target != "sensor" and moved != value:
+            yield " ".join(quantity.key), one.problem.apply({**one.trial.fit.values, quantity: moved}, fixed)

@@ -123,7 +123,9 @@ def late_command(time: Array, command: Array, delay: float) -> Array:
 
 @dataclass
 class Windows:
-    """Where predictions start and what is compared: `starts` (w,), `stops` (w,), and measured start pressures (w, 2)."""
+    """Where predictions start and what is compared: `starts` (w,), `stops` (w,), and start pressures (w, 2): measured; at the very
+    first of a chamber that was not measured, as the forces have it; else NaN.
+    """
 
     starts: NDArray[np.int64]
     stops: NDArray[np.int64]

@@ -45,9 +45,15 @@ def spreads(problem: Blocked, fit: Fit, correlation: float) -> dict[Quantity, fl
     return found
 
 
+def ends(value: float, spread: float) -> tuple[float, float]:
+    """Return the ends of the 95 % interval of a number that has no bounds."""
+    return value - _Z * spread, value + _Z * spread
+
+
 def bounds(quantity: Quantity, value: float, spread: float) -> tuple[float, float]:
     """Return the ends of the 95 % interval, inside the quantity's own bounds."""
-    return max(value - _Z * spread, quantity.low), min(value + _Z * spread, quantity.high)
+    low, high = ends(value, spread)
+    return max(low, quantity.low), min(high, quantity.high)
 
 
 def normalised(errors: NDArray[np.float64]) -> float:

@@ -10,12 +10,14 @@ import numpy as np
 
 from exo_sim.diagnosis import wording
 from exo_sim.diagnosis.fitted_set import Found, Problem, Trial, sizeable
-from exo_sim.diagnosis.intervals import bounds, spreads
+from exo_sim.diagnosis.intervals import bounds, ends, spreads
 from exo_sim.diagnosis.quantity import Candidate, Quantity, standing
 from exo_sim.diagnosis.result import Estimate, Finding, Rejected
 from exo_sim.diagnosis.search import Search
 from exo_sim.physics.effects.declaration import declared
 
+#: What each cut holds against each other.
+BALANCES = {"gas": "energy balance", "motion": "force balance", "supply": "mass balance"}
 #: A rival whose log-likelihood is lower by less than this explains the recording as well.
 AS_GOOD = 3.0
 #: Residual variance in units of the noise beyond which something is left, and what named effects must then explain.
@@ -47,13 +49,14 @@ class Judged:
     """What one cut says.
 
     Attributes:
-        cut: "gas" or "motion".
+        cut: "gas", "motion" or "supply".
         where: The cylinder or joint.
         problem, search, found: How it was found.
         named: Candidates that stand as findings.
         trial: The model that is believed in the end.
         nameless: True where something is missing that has no name.
         findings, calibrations, rejected: For the report.
+        unclosed: True where what is left cannot be told from what an unmeasured chamber may do.
     """
 
     cut: str
@@ -67,6 +70,12 @@ class Judged:
     findings: list[Finding]
     calibrations: list[tuple[Quantity, float, float]]
     rejected: list[Rejected]
+    unclosed: bool = False
+
+    @property
+    def balance(self) -> str:
+        """What the cut holds against each other, in words."""
+        return BALANCES[self.cut]
 
     @property
     def empty(self) -> bool:
@@ -86,9 +95,9 @@ def judge(
     end = found.end
     if end.fit.residual.size == 0:
         return Judged(cut, where, problem, search, found, (), end, False, [], [], [])
-    n = problem.size
     named = tuple(c for c in end.chosen if not _is_nozzle(c, end))
-    nameless = _is_nameless(cut, found, named, n, search, pattern)
+    nameless = _is_nameless(cut, found.start, end, named, search, pattern)
+    asked = named
     rejected = [
         Rejected(r.effect, r.where, wording.rejected(r, c, worse))
         for c in named
@@ -97,10 +106,9 @@ def judge(
     ]
     rejected += [Rejected(c.effect, c.where, wording.no_gain(c, w.share)) for c, w in found.runners_up]
     trial = end
-    if cut == "gas" and not nameless and end.fit.sse > LEFT_OVER * n:  # no two valves are alike
-        trial, firm = _firm(search, found, named)
-        nameless = bool(named) and not firm and _is_sick(trial, search)
-        named = firm
+    if cut == "gas" and not nameless and end.fit.sse > LEFT_OVER * problem.size:  # no two valves are alike
+        trial, named = _firm(search, found, named)
+        nameless = named != asked and _is_nameless(cut, found.start, trial, named, search, pattern)
     if nameless:
         rejected += [
             Rejected(
@@ -108,7 +116,7 @@ def judge(
                 c.where,
                 f"explains only {100 * found.weighings[c.key].share:.0f} % and leaves the rest as it was",
             )
-            for c in named
+            for c in asked
             if c.key in found.weighings
         ]
         kept = standing([c for c in named if _stands_alone(found, c)])
@@ -171,32 +179,23 @@ def _is_nozzle(candidate: Candidate, trial: Trial) -> bool:
 
 
 def _is_nameless(
-    cut: str, found: Found, named: Sequence[Candidate], n: int, search: Search, pattern: Callable[[Trial], float]
+    cut: str, begun: Trial, trial: Trial, named: Sequence[Candidate], search: Search, pattern: Callable[[Trial], float]
 ) -> bool:
-    """Say whether too much is left, or believed numbers are bent too far, for the names to be believed."""
-    start, end = found.start.fit, found.end.fit
+    """Say whether too much is left of what there was without names, or believed numbers are bent too far, for the names to be believed."""
+    start, end, n = begun.fit, trial.fit, search.problem.size
     left = end.sse / n
     if left < LEFT_OVER or math.sqrt(left) < search.problem.sick:
         return False
     if not named:
-        return _is_sick(found.end, search)
+        return left > SICK and (search.correlation_time(end.residual) > 2.0 or left > 3.0 * SICK)
     if cut == "gas" and math.sqrt(left) > HOPELESS * search.problem.sick:
         return True
     explained = (start.sse - end.sse) / max(start.sse - n, 1e-9)
-    if explained < EXPLAINED and (explained < HALFWAY or pattern(found.end) > PATTERN):
+    if explained < EXPLAINED and (explained < HALFWAY or pattern(trial) > PATTERN):
         return True
     believed = [q for q in end.quantities if q.prior is not None and q.effect != "offset"]
     bent = any(abs(end.values[q] - q.prior[0]) > STRAINED * q.prior[1] for q in believed if q.prior)
     return bent and left > SICK
-
-
-def _is_sick(trial: Trial, search: Search) -> bool:
-    """Say whether a trial without names leaves more than any healthy machine."""
-    n = search.problem.size
-    left = trial.fit.sse / n
-    if math.sqrt(left) < search.problem.sick:
-        return False
-    return left > SICK and (search.correlation_time(trial.fit.residual) > 2.0 or left > 3.0 * SICK)
 
 
 def _stands_alone(found: Found, candidate: Candidate) -> bool:
@@ -274,14 +273,14 @@ def _calibration(name: str, where: str, parts: Sequence[tuple[Quantity, float, f
     mean = sum(w * factor for w, (_, factor, _) in zip(weights, parts, strict=True)) / sum(weights)
     apart = max(abs(factor - mean) for _, factor, _ in parts)
     spread = max(math.sqrt(1.0 / sum(weights)), apart, MODEL_SHARE)
-    low, high = _near(mean, spread) if known(name) else bounds(parts[0][0], mean, spread)
+    low, high = ends(mean, spread) if known(name) else bounds(parts[0][0], mean, spread)
     parameters = {"factor": Estimate(mean, "1", low, high)}
     if name == "dead_volume":
         for quantity, factor, error in parts:
             parameters[quantity.parameter] = Estimate(factor, "1", *bounds(quantity, factor, max(error, MODEL_SHARE)))
     if known(name):
         parameters = {
-            q.parameter: Estimate(factor * q.prior[0], q.unit, *sorted(q.prior[0] * end for end in _near(factor, error)))
+            q.parameter: Estimate(factor * q.prior[0], q.unit, *sorted(q.prior[0] * end for end in ends(factor, max(error, MODEL_SHARE))))
             for q, factor, error in parts
             if q.prior
         }
@@ -293,12 +292,6 @@ def _calibration(name: str, where: str, parts: Sequence[tuple[Quantity, float, f
 def known(effect: str) -> bool:
     """Say whether a name is one of the declared effects."""
     return effect in declared()
-
-
-def _near(factor: float, error: float) -> tuple[float, float]:
-    """Return the ends of the interval of a factor that has no bounds of its own."""
-    reach = 1.96 * max(error, MODEL_SHARE)
-    return factor - reach, factor + reach
 
 
 def finite(value: float) -> float:

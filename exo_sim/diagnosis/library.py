@@ -12,6 +12,7 @@ import numpy as np
 from exo_sim.diagnosis.observed import CylinderRun
 from exo_sim.diagnosis.quantity import SPREADS, Candidate, Quantity, Setting
 from exo_sim.physics.effects.declaration import Effect, Parameter, declared
+from exo_sim.signals import SHARED_PARTS
 
 #: A number that is never zero and whose typical range is wider than this is fitted by its logarithm.
 WIDE = 4.0
@@ -93,15 +94,14 @@ def known_effects(setting: Setting, cylinder: str) -> tuple[Quantity, ...]:
     for effect in declared().values():
         if effect.cut != "gas" or effect.name == "critical_ratio":
             continue
-        shared = effect.places[0] in ("supply", "exhaust")
-        record = setting.world if shared else setting.cylinder
+        where, target = _place(effect, cylinder)
+        record = setting.world if target == "world" else setting.cylinder
         for parameter in effect.parameters:
             value = float(record[effect.name][parameter.name][0])
             if value != 0.0 and not parameter.choices:
                 found.append(
                     Quantity(
-                        effect.name, effect.places[0] if shared else cylinder, parameter.name, parameter.unit,
-                        "world" if shared else "cylinder", 0.1 * abs(value), parameter.low, parameter.high,
+                        effect.name, where, parameter.name, parameter.unit, target, 0.1 * abs(value), parameter.low, parameter.high,
                         (value, 0.1 * abs(value)), rough=effect.asked.jerky,
                     )  # fmt: skip
                 )
@@ -139,7 +139,7 @@ def candidates(setting: Setting, runs: list[CylinderRun], cylinder: str, joint: 
             continue
         if effect.name == "piston_leakage" and float(setting.cylinder["single_acting"][0]) > 0.0:
             continue  # chamber 2 is the atmosphere: the leak is an external one
-        where = effect.places[0] if effect.places[0] in ("supply", "exhaust") else cylinder
+        where, target = _place(effect, cylinder)
         if setting.is_on(effect) and effect.name != "critical_ratio":
             continue
         driven = {"transmission_compliance": "drive_stiffness", "backlash": "drive_gap"}.get(effect.name)
@@ -149,7 +149,7 @@ def candidates(setting: Setting, runs: list[CylinderRun], cylinder: str, joint: 
         for form in effect.asked.forms or (tuple(p.name for p in effect.parameters if not p.choices),):
             if single and any(name.endswith("_2") for name in form):
                 continue
-            made = _forms(effect, where, form, setting)
+            made = _forms(effect, (where, target), form, setting)
             if effect.asked.starts_by_reach:
                 made = [replace(one, starts=_within_reach(effect, form, setting, runs)) for one in made]
             found += made
@@ -176,9 +176,14 @@ def _measured_away(effect: Effect, runs: Sequence[CylinderRun]) -> bool:
     return effect.name == "exhaust_back_pressure" and all(run.exhaust is not None for run in runs)
 
 
-def _forms(effect: Effect, where: str, form: tuple[str, ...], setting: Setting) -> list[Candidate]:
+def _place(effect: Effect, cylinder: str) -> tuple[str, str]:
+    """Return where a cylinder's gas feels an effect, and which record holds its numbers."""
+    return (effect.places[0], "world") if effect.places[0] in SHARED_PARTS else (cylinder, "cylinder")
+
+
+def _forms(effect: Effect, place: tuple[str, str], form: tuple[str, ...], setting: Setting) -> list[Candidate]:
     """Return the candidates of one form; a choice (where the sensor sits) makes one for each of its words."""
-    target = "world" if where in ("supply", "exhaust") else "cylinder"
+    where, target = place
     quantities = tuple(_quantity(effect, effect.parameter(name), where, target, setting) for name in form)
     if "inertial" in form or effect.name == "supply_droop":
         quantities = tuple(replace(quantity, wide=True) for quantity in quantities)

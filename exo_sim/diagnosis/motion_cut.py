@@ -58,7 +58,7 @@ class MotionRun:
         weighs: Whether a mass enters the balance.
         unsure: How `drive` answers one standard deviation of each number that a pressure hangs on which was not measured.
         every: Of how many samples of the recording one was kept.
-        leaks: How it answers the parameters of a leak from that chamber, per unit of each.
+        leaks: How `drive` answers the parameters of a leak from that chamber, per unit of each.
     """
 
     recording: str

@@ -37,9 +37,6 @@ MATERIAL_SHARE = 2e-4
 #: What a good pressure sensor's zero may be off by [Pa]: a constant force that no recording can call friction.
 PRESSURE_OFFSET = 1200.0
 
-#: By how much a sensor's gain is off in a balance before that is a finding: bores and load cells are known to one per cent.
-LEAST_GAIN = 0.015
-
 #: Forces that a healthy cylinder loses besides, as shares of its stall force: dry friction (one standard deviation, and the most),
 #: a spring over its whole stroke, and all together what no name is looked for.
 HEALTHY_DRY, MOST_DRY, MOST_SPRING, NAMELESS = 0.001, 0.002, 0.02, 0.003
@@ -133,10 +130,6 @@ class MotionProblem:
         found = mass * moved - passive - run.drive - run.external + run.arm * resisted - sensors.get("offset", 0.0)
         for column, lever in run.levers.items():
             found = found + lever * sensors.get(f"{column}.bias", 0.0)
-            gain = sensors.get(f"{column}.scale", 1.0)
-            if gain != 1.0:
-                shown = run.gauge[:, int(column[-1]) - 1] + float(setting.world["atmosphere"][0])
-                found = found + lever * shown * (1.0 - 1.0 / gain)
         for name, answer in run.unsure.items():
             found = found - answer * sensors.get(name, 0.0)
         for name, answer in run.leaks.items():
@@ -339,9 +332,6 @@ def candidates(runs: Sequence[MotionRun], setting: Setting, where: str) -> tuple
         level = 0.02 * force / max(float(np.median(np.abs(run.levers[column]))), 1e-12)
         bias = Quantity("sensor_bias", column, f"{column}.bias", unit, "sensor", level, -1e7, 1e7)
         found.append(Candidate("sensor_bias", column, "value", (bias,), ((level,),), "sensor"))
-        if run.cylinder is not None and "pressure" in column:
-            gain = Quantity("sensor_scale", column, f"{column}.scale", "1", "sensor", 0.02, 0.8, 1.25, neutral=1.0, least=LEAST_GAIN)
-            found.append(Candidate("sensor_scale", column, "factor", (gain,), ((1.001,), (1.02,)), "sensor"))
     return tuple(found)
 
 

@@ -7,7 +7,7 @@ from pathlib import Path
 
 from exo_sim.diagnosis import wording
 from exo_sim.diagnosis.cases import Case
-from exo_sim.diagnosis.intervals import bounds
+from exo_sim.diagnosis.intervals import bounds, ends
 from exo_sim.diagnosis.judging import Judged, known
 from exo_sim.diagnosis.quantity import Candidate, Quantity
 from exo_sim.diagnosis.result import Finding
@@ -87,9 +87,10 @@ def _is_the_rigs(rig: Rig, quantity: Quantity) -> bool:
 
 def _correction(case: Case, quantity: Quantity, factor: float, error: float) -> Correction:
     if quantity.prior and known(quantity.effect):
-        believed, reach = quantity.prior[0], 1.96 * error
-        ends = believed * (factor - reach), believed * (factor + reach)
-        return Correction(("effects", quantity.effect, quantity.where, quantity.parameter), believed * factor, quantity.unit, ends)
+        believed = quantity.prior[0]
+        low, high = ends(factor, error)
+        path = ("effects", quantity.effect, quantity.where, quantity.parameter)
+        return Correction(path, believed * factor, quantity.unit, (believed * low, believed * high))
     low, high = bounds(quantity, factor, error)
     if quantity.effect == "payload_mass":
         model = case.model

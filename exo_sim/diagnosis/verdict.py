@@ -53,7 +53,7 @@ def traces(judged: Judged, trial: Trial) -> list[Trace]:
                 regimes = gas_regimes(feed.run, side, feed.supply, feed.exhaust, k)
                 where = f"{judged.where}/chamber_{side + 1}"
                 found.append(
-                    Trace(where, "energy balance", "Pa", feed.run.recording, feed.time, errors[:, side], noise, regimes)
+                    Trace(where, judged.balance, "Pa", feed.run.recording, feed.time, errors[:, side], noise, regimes)
                 )
     elif isinstance(problem, MotionProblem):
         for index, run in enumerate(problem.runs):
@@ -61,14 +61,14 @@ def traces(judged: Judged, trial: Trial) -> list[Trace]:
             scale = float(np.median(problem.scale)) if problem.scale.size else 1.0
             regimes = motion_regimes(run.velocity, run.time)
             found.append(
-                Trace(judged.where, "force balance", problem.unit, run.recording, run.time, error, scale, regimes)
+                Trace(judged.where, judged.balance, problem.unit, run.recording, run.time, error, scale, regimes)
             )
     elif isinstance(problem, SupplyProblem):
         for index, fed in enumerate(problem.runs):
             error = np.where(problem.group[index] >= 0, fed.pressure - problem.predict(setting, index), np.nan)
             noise = float(np.median(problem.scale)) if problem.scale.size else 1.0
             regimes = {"drawing": fed.drawn > 0.2 * float(fed.drawn.max()), "resting": fed.drawn <= 0.2 * float(fed.drawn.max())}
-            found.append(Trace("supply", "mass balance", "Pa", fed.recording, fed.time, error, noise, regimes))
+            found.append(Trace("supply", judged.balance, "Pa", fed.recording, fed.time, error, noise, regimes))
     return found
 
 
@@ -99,19 +99,17 @@ def unknown_findings(judged: Sequence[Judged]) -> list[Unnamed]:
     for one in judged:
         if not one.nameless:
             continue
-        setting = setting_of(one, one.trial)
+        setting, place = setting_of(one, one.trial), one.balance
         if isinstance(one.problem, MotionProblem):
             lacking = missing_force(one.problem, setting)
-            place = "force balance"
         elif isinstance(one.problem, SupplyProblem):
             lacking = Nameless("flow", "Pa", (), float(np.std(one.problem.residual_of(setting) * one.problem.scale)))
-            place = "mass balance"
         else:
             assert isinstance(one.problem, GasProblem)
             loud = sorted(traces(one, one.trial), key=lambda trace: -trace.excess)
             side = int(loud[0].where[-1]) - 1
             lacking = missing_flow(one.problem, setting, side)
-            place = f"energy balance of chamber {side + 1}"
+            place = f"{one.balance} of chamber {side + 1}"
         best = lacking.best
         variables = (_column(one, best.variable),) if best else ()
         says = f"Something without a name acts in the {place} of {one.where}"
@@ -156,9 +154,8 @@ def unexplained(judged: Sequence[Judged], nameless: Sequence[Unnamed]) -> tuple[
         n = one.problem.size
         left = max(one.trial.fit.sse - 1.2 * n, 0.0) / max(one.found.start.fit.sse - n, 1e-9)
         if left > 0.01:
-            place = {"motion": "force balance", "supply": "mass balance"}.get(one.cut, "energy balance")
             follows = next((u.finding.depends_on for u in nameless if u.judged is one), ())
-            found.append(Unexplained(f"{one.where}/{place}", follows, min(left, 1.0)))
+            found.append(Unexplained(f"{one.where}/{one.balance}", follows, min(left, 1.0)))
     return tuple(found)
 
 
@@ -166,7 +163,7 @@ def verdict_of(findings: Sequence[Finding], judged: Sequence[Judged], case: Case
     """Return the verdict: physics or a sensor at fault, numbers off, all well, or nobody can tell."""
     if any(f.kind in ("missing_physics", "unknown", "sensor") for f in findings):
         return "mismatch"
-    cuts = {one.cut for one in judged if not one.empty}
+    cuts = {one.cut for one in judged if not one.empty and not one.unclosed}
     free = any(int(kind) in (0, 1) for kind in case.model.jnt_type) or case.model.njnt > len(case.rig.cylinders) + 1
     led = bool(case.led) and not any(link.joint not in case.led for link in case.links)
     wanted = {"motion"} if not case.rig.cylinders else ({"gas"} if free or led else {"gas", "motion"})

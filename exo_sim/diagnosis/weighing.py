@@ -22,8 +22,9 @@ LEAST_ODDS = 2.0
 LEAST_SHARE = 0.10
 #: ... and where nine tenths are explained but the noise is not reached.
 SHARE_OF_THE_REST = 0.5
-#: A finding of such odds (log10) that takes more than this share of the error is one however small the error is.
-GREAT_ODDS, LARGER_SHARE = 50.0, 0.5
+#: A finding of such odds (log10) that takes more than this share of an error is one however small the error is, if it is above the
+#: noise at all: residual variance in units of it.
+GREAT_ODDS, LARGER_SHARE, ABOVE_NOISE = 50.0, 0.5, 1.2
 #: Gain in log-likelihood a row that a healthy machine's imperfect model shows: the material floor.
 HEALTHY_GAIN = 0.004
 #: Residual variance in units of the noise that counts as nothing left.
@@ -134,7 +135,7 @@ def passes(weighing: Weighing, whole: Fit, without: Fit, with_it: Fit, material:
         material: Drop of the root-mean-square error, in units of the noise, below which a finding must be beyond doubt.
     """
     n = max(without.residual.size, 1)
-    beyond_doubt = weighing.log10_odds > GREAT_ODDS and weighing.share > LARGER_SHARE
+    beyond_doubt = weighing.log10_odds > GREAT_ODDS and weighing.share > LARGER_SHARE and without.sse > ABOVE_NOISE * n
     if math.sqrt(without.sse / n) - math.sqrt(with_it.sse / n) < material and not beyond_doubt:
         return False
     explained = 1.0 - max(without.sse - n, 0.0) / max(whole.sse - n, 1e-9)

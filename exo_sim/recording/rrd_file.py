@@ -136,14 +136,14 @@ def _signals(stream: Any, recording: Recording, leaf: str, overlaid: Mapping[str
     index = [clock(recording.time)]
     place = blueprint.places(recording)
     values_of = {unit: rr.AnyValues(unit=unit) for unit in set(recording.units.values())}
-    for key, values in recording.columns.items():
+    for number, (key, values) in enumerate(recording.columns.items()):
         path, width, name = key, 1.5, blueprint.words(key, recording.units[key])
         colour: tuple[int, ...] = _PALETTE[place.get(key, 0) % len(_PALETTE)]
         if leaf and overlaid.get(key):
             path, name, colour = f"{key}/{leaf}", leaf, _COLOURS.get(leaf, colour)
             width = 1.2 if leaf == on_top else 4.0  # thin, so that the others show behind it
         told = turns(values)
-        if 2 * np.count_nonzero(told) < len(values):
+        if number and 2 * np.count_nonzero(told) < len(values):  # the first one holds the clock
             stream.send_columns(path, indexes=[clock(recording.time[told])], columns=rr.Scalars.columns(scalars=values[told]))
         else:
             stream.send_columns(path, indexes=index, columns=rr.Scalars.columns(scalars=values))

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -9,7 +10,7 @@ import pytest
 
 from exo_sim.diagnosis.cases import gather
 from exo_sim.diagnosis.diagnose import diagnose
-from exo_sim.diagnosis.filled_in import begun_by_forces
+from exo_sim.diagnosis.filled_in import _possible, begun_by_forces
 from exo_sim.diagnosis.result import Diagnosis
 from exo_sim.trials.cases import make_case, write_case
 
@@ -68,6 +69,31 @@ def test_the_forces_say_with_which_pressure_a_chamber_began(tmp_path: Path, gone
     dry = 0.01 * 7e5  # what the believed numbers and a trace of friction may hide
     assert run.begun[gone - 1] == pytest.approx(truth, abs=dry + 0.05 * truth)
     assert np.isnan(run.begun[2 - gone])
+
+
+@pytest.mark.slow
+def test_what_has_no_name_is_left_open(tmp_path: Path) -> None:
+    found = diagnosed(folder_of(tmp_path, ("cogging",), 7203, 2))
+    assert found.verdict == "undetermined" and named(found) == []
+    assert any("the rest of the balance of forces" in question.question for question in found.open_questions)
+
+
+def test_nobody_knows_what_a_chamber_did_while_nothing_was_recorded(tmp_path: Path) -> None:
+    folder = folder_of(tmp_path, (), 7010, 2)
+    rows = (folder / "recording.csv").read_text().splitlines(keepends=True)
+    (folder / "recording.csv").write_text("".join(rows[:3000] + rows[5000:]))
+    gathered = gather([folder / "recording.csv"], folder / "rig.toml")
+    run = gathered.cylinders["piston"][0]
+    assert begun_by_forces(gathered, run) is run
+
+
+@pytest.mark.parametrize("supply", [7e5, 0.9e5])
+def test_a_chamber_begins_between_nothing_and_what_the_machine_has(tmp_path: Path, supply: float) -> None:
+    gathered = gather([folder_of(tmp_path, (), 7010, 2) / "recording.csv"], tmp_path / "rig.toml")
+    run = replace(gathered.cylinders["piston"][0], supply=np.full(10, supply))
+    low, high = _possible(gathered, run)
+    assert 0.0 < low < gathered.rig.environment.pressure < high
+    assert high >= np.nanmax(run.pressure[0])
 
 
 def test_a_recording_with_both_needs_no_forces(tmp_path: Path) -> None:

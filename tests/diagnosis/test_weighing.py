@@ -8,7 +8,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from exo_sim.diagnosis.fitting import Fit
-from exo_sim.diagnosis.weighing import GREAT_ODDS, correlation_time, loss, misfit, passes, weigh
+from exo_sim.diagnosis.weighing import GREAT_ODDS, LARGER_SHARE, correlation_time, loss, misfit, passes, weigh
 
 BLOCKS = np.repeat(np.arange(20), 200)
 
@@ -70,3 +70,23 @@ def test_a_small_error_is_a_finding_only_beyond_doubt() -> None:
         assert (weighing.log10_odds > GREAT_ODDS) == plain
         assert passes(weighing, start, start, true, 0.0)
         assert passes(weighing, start, start, true, 10.0) == plain
+
+
+def test_below_the_noise_nothing_is_beyond_doubt() -> None:
+    rng = np.random.default_rng(3)
+    quiet = 0.5 * rng.standard_normal(60 * BLOCKS.size)
+    rows = Rows(np.arange(quiet.size) // 50)
+    start, less = fit_of(quiet + 0.25 * np.sin(np.arange(quiet.size) / 7.0)), fit_of(quiet)
+    weighing = weigh(rows, start, less, 1, 30)
+    assert weighing.log10_odds > GREAT_ODDS and weighing.share == 1.0
+    assert not passes(weighing, start, start, less, 10.0)
+
+
+def test_great_odds_for_a_small_share_are_not_beyond_doubt() -> None:
+    rng = np.random.default_rng(3)
+    noise, wave = rng.standard_normal(60 * BLOCKS.size), np.sin(np.arange(60 * BLOCKS.size) / 7.0)
+    rows = Rows(np.arange(noise.size) // 50)
+    start, less = fit_of(noise + 3.0 * wave), fit_of(noise + 2.5 * wave)
+    weighing = weigh(rows, start, less, 1, 30)
+    assert weighing.share < LARGER_SHARE
+    assert not passes(weighing, start, start, less, 10.0)

@@ -74,6 +74,10 @@ class Case:
             open=list(self.open), led=set(self.led),
         )  # fmt: skip
 
+    def joint_of(self, cylinder: str) -> str:
+        """Return the joint that a cylinder drives."""
+        return next(link.joint for link in self.links if link.cylinder == cylinder)
+
     def table(self, name: str) -> Recording:
         """Return a recording by its name."""
         return next(table for table in self.recordings if table.name == name)
@@ -201,8 +205,13 @@ def _sort(case: Case) -> None:
         case.remarks.append("nothing in these recordings can be held against the rig")
 
 
+def balance_asked(joint: str, recording: str) -> str:
+    """Return the question that a balance of forces answers, in words."""
+    return f"the balance of forces at {joint} in {recording}"
+
+
 def _no_balance(joint: str, recording: str, why: str) -> OpenQuestion:
-    return OpenQuestion(f"the balance of forces at {joint} in {recording}", ("friction, load and joint effects",), why)
+    return OpenQuestion(balance_asked(joint, recording), ("friction, load and joint effects",), why)
 
 
 def put_right(case: Case, joints: Mapping[str, Sequence[MotionRun]]) -> None:

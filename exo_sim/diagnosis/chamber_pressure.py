@@ -16,7 +16,7 @@ from exo_sim.diagnosis.cases import Case
 from exo_sim.diagnosis.gas_cut import behind_hose
 from exo_sim.diagnosis.gas_problem import GasProblem
 from exo_sim.diagnosis.judging import Judged
-from exo_sim.diagnosis.motion_cut import MotionRun, as_smooth, on_clock
+from exo_sim.diagnosis.motion_cut import MotionRun, smooth_on_clock
 from exo_sim.diagnosis.split import Split
 from exo_sim.diagnosis.verdict import setting_of
 
@@ -37,7 +37,7 @@ def carried_over(case: Case, gas: Sequence[Judged], parts: Split) -> dict[str, l
         named = {q.parameter for candidate in one.named if candidate.kind == "sensor" for q in candidate.quantities}
         if "position.delay" in named:
             seconds = whole.setting.sensors["position.delay"]
-            late |= {next(link.joint for link in case.links if link.cylinder == one.where): seconds, f"rod of {one.where}": seconds}
+            late |= {case.joint_of(one.where): seconds, f"rod of {one.where}": seconds}
         for index, feed in enumerate(whole.feeds):
             for side in range(2):
                 measured = feed.run.pressure[side]
@@ -73,7 +73,7 @@ def _changed(run: MotionRun, changes: Mapping[tuple[str, str], tuple[Array, Arra
         time, change = changes.get((run.recording, column), (run.time, None))
         if change is None or time[0] > run.time[0]:  # a run that was cut short says nothing of what came before
             continue
-        smooth = on_clock(run, time, as_smooth(time, change))
+        smooth = smooth_on_clock(run, time, change)
         drive = drive + lever * smooth
         if run.cylinder is not None and column.startswith(f"{run.cylinder}.pressure_"):
             side = int(column[-1]) - 1

@@ -6,8 +6,7 @@ from concurrent.futures import ThreadPoolExecutor
 from dataclasses import replace
 
 from exo_sim.diagnosis.cases import Case
-from exo_sim.diagnosis.examining import Doubts, Examined, Progress, examine, leave_open
-from exo_sim.diagnosis.motion_problem import MotionProblem
+from exo_sim.diagnosis.examining import Doubts, Examined, Progress, examine, has_filled_in, leave_open
 from exo_sim.diagnosis.proof import doubtful
 from exo_sim.diagnosis.result import Finding
 from exo_sim.diagnosis.split import Split, split
@@ -40,7 +39,7 @@ def unmet(examined: Examined) -> list[Finding]:
     found = []
     for one in examined.judged:
         ratio, odds = examined.proof.missed.get((one.cut, one.where), (0.0, 0.0))
-        if ratio > UNMET and isinstance(one.problem, MotionProblem) and one.problem.filled_in:
+        if ratio > UNMET and has_filled_in(one):
             leave_open(one, examined.case)
         elif ratio > UNMET and not one.nameless:
             says = (

@@ -88,7 +88,7 @@ def _gas(case: Case, parts: Split, doubted: Doubts, pool: ThreadPoolExecutor, sa
     found = []
     for name in list(case.cylinders):
         runs = case.cylinders[name] = [begun_by_forces(case, run) for run in case.cylinders[name]]
-        joint = next(link.joint for link in case.links if link.cylinder == name)
+        joint = case.joint_of(name)
         index = list(case.rig.cylinders).index(name)
         drives = {link.cylinder: link.joint for link in case.links}
         believed = Setting(assembly.world(case.rig), assembly.cylinders(case.rig, drives)[index : index + 1])
@@ -180,6 +180,11 @@ def _motion(case: Case, parts: Split, doubted: Doubts, say: Progress) -> list[Ju
     return found
 
 
+def has_filled_in(one: Judged) -> bool:
+    """Say whether it is a balance of forces one of whose pressures was not measured."""
+    return isinstance(one.problem, MotionProblem) and one.problem.filled_in
+
+
 def leave_open(one: Judged, case: Case) -> None:
     """Make an open question of what is left in a balance of forces one of whose pressures was filled in."""
     why = "it does not close, and one of its pressures was not recorded: the chamber may be at fault"
@@ -196,7 +201,7 @@ def _nameable(judged: list[Judged], case: Case) -> list[Judged]:
     for one in judged:
         if one.cut != "motion" or not one.nameless:
             continue
-        if isinstance(one.problem, MotionProblem) and one.problem.filled_in:
+        if has_filled_in(one):
             leave_open(one, case)
         one.nameless = one.nameless and one.where not in soft
     return judged

@@ -16,13 +16,13 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.optimize import minimize_scalar
 
-from exo_sim.diagnosis.cases import Case
+from exo_sim.diagnosis.cases import Case, balance_asked
 from exo_sim.diagnosis.gas_cut import Windows
 from exo_sim.diagnosis.gas_problem import GasProblem
 from exo_sim.diagnosis.intervals import normalised, spreads
 from exo_sim.diagnosis.judging import Judged
 from exo_sim.diagnosis.library import healthy_leaks
-from exo_sim.diagnosis.motion_cut import MotionRun, as_smooth, motion_runs, on_clock
+from exo_sim.diagnosis.motion_cut import MotionRun, as_smooth, motion_runs, smooth_on_clock
 from exo_sim.diagnosis.observed import CylinderRun, breaks_of
 from exo_sim.diagnosis.quantity import Setting
 from exo_sim.diagnosis.replay_inputs import led_from_outside
@@ -66,16 +66,17 @@ def filled_in(case: Case, gas: Sequence[Judged], parts: Split) -> None:
     for one in gas:
         if one.empty or one.nameless:
             continue
+        joint = case.joint_of(one.where)
         whole = GasProblem(case.cylinders[one.where], setting_of(one, one.trial), parts, held_out=True)
         for index, feed in enumerate(whole.feeds):
             side = _lacking(case, feed.run)
-            if side is None:
+            if side is None or any(not run.unsure for run in case.joints.get(joint, ())):
                 continue
             run = _Unmeasured(case, one, whole, index, side).balance()
-            if run is None or any(not other.unsure for other in case.joints.get(run.joint, ())):
+            if run is None:
                 continue
-            case.joints[run.joint] = [*case.joints.get(run.joint, ()), run]
-            case.open[:] = [q for q in case.open if q.question != f"the balance of forces at {run.joint} in {run.recording}"]
+            case.joints[joint] = [*case.joints.get(joint, ()), run]
+            case.open[:] = [q for q in case.open if q.question != balance_asked(joint, run.recording)]
             case.remarks.append(
                 f"{run.recording}: {one.where}.pressure_{side + 1} was not recorded; the balance of forces takes what the gas, "
                 "as judged by the other chamber, predicts"
@@ -104,7 +105,7 @@ class _Unmeasured:
         lever = run.levers.pop(self.column)
 
         def felt(changed: Array) -> Array:
-            return lever * on_clock(run, self.table.time, as_smooth(self.table.time, changed - pressure))
+            return lever * smooth_on_clock(run, self.table.time, changed - pressure)
 
         unsure = {f"start of {run.recording}": felt(self._pressure(setting, begun + START_SPREAD))}
         unsure |= {name: felt(self._pressure(moved, begun)) for name, moved in _moved(self.judged)}
@@ -141,8 +142,8 @@ class _Unmeasured:
         lever, lacks, shown = run.levers[self.column], _lacks(run), self._shown(run.time)
 
         def left(begun: float) -> float:
-            changed = as_smooth(self.table.time, self._pressure(setting, begun) - guess)
-            rest = (lacks - lever * on_clock(run, self.table.time, changed))[shown]
+            changed = smooth_on_clock(run, self.table.time, self._pressure(setting, begun) - guess)
+            rest = (lacks - lever * changed)[shown]
             return float(np.mean(np.abs(rest - np.median(rest))))
 
         return float(minimize_scalar(left, bounds=(low, high), method="bounded", options={"xatol": START_TOLERANCE}).x)
@@ -185,7 +186,7 @@ def _possible(case: Case, run: CylinderRun) -> tuple[float, float]:
 
 def _balanced(case: Case, table: Recording, cylinder: str, column: str, pressure: Array) -> tuple[Recording, MotionRun | None]:
     """Return a recording with one pressure more, and by it the balance of the joint that a cylinder drives."""
-    joint = next(link.joint for link in case.links if link.cylinder == cylinder)
+    joint = case.joint_of(cylinder)
     longer = replace(table, columns={**table.columns, column: pressure}, units={**table.units, column: "Pa"})
     return longer, next((run for run in motion_runs(longer, case.rig, case.model, case.links)[0] if run.joint == joint), None)
 

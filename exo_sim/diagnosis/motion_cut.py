@@ -128,6 +128,11 @@ def on_clock(run: MotionRun, time: Array, values: Array) -> Array:
     return values if len(values) == len(run.time) else np.interp(run.time, time, values)
 
 
+def smooth_on_clock(run: MotionRun, time: Array, values: Array) -> Array:
+    """Return what a balance sees of values on a recording's clock: behind its filter, at the samples that it keeps."""
+    return on_clock(run, time, as_smooth(time, values))
+
+
 def motion_runs(
     recording: Recording, rig: Rig, model: mujoco.MjModel, links: tuple[Linkage, ...]
 ) -> tuple[list[MotionRun], list[tuple[str, str]]]:
@@ -148,7 +153,7 @@ def motion_runs(
     time = recording.time
     seconds = smoothing(time)
     every = kept(time)
-    moves = [_thinned(led(time, recording[f"{name}.position"], seconds), every) for name in names]
+    moves = [[_thinned(one, every) for one in led(time, recording[f"{name}.position"], seconds)] for name in names]
     n = len(time[::every])
     q, qd, qdd = np.zeros((n, model.nq)), np.zeros((n, model.nv)), np.zeros((n, model.nv))
     for j, (position, velocity, acceleration) in enumerate(moves):
@@ -176,9 +181,9 @@ def motion_runs(
     return runs, reasons
 
 
-def _thinned(values: Sequence[Array], every: int) -> tuple[Array, ...]:
-    """Return every so many of the samples of each, shape (ceil(n / every),), as arrays that keep nothing else alive."""
-    return tuple(np.ascontiguousarray(one[::every]) for one in values)
+def _thinned(values: Array, every: int) -> Array:
+    """Return one of every so many samples, shape (ceil(n / every),), as an array that keeps nothing else alive."""
+    return np.ascontiguousarray(values[::every])
 
 
 def _touched(recording: Recording, model: mujoco.MjModel) -> str:
@@ -257,12 +262,12 @@ def _run(
 ) -> MotionRun:  # fmt: skip
     seconds, every = filtered
     step = float(np.median(np.diff(recording.time)))
-    time = _thinned((recording.time,), every)[0]
+    time = _thinned(recording.time, every)
     n = len(time)
     keep = left_of_noise(0, seconds, step)
 
     def quiet(values: Array) -> Array:
-        return _thinned((quieted(recording.time, values, seconds),), every)[0]
+        return _thinned(quieted(recording.time, values, seconds), every)
 
     drive, gauge = np.zeros(n), np.zeros((n, 2))
     levers: dict[str, Array] = {}

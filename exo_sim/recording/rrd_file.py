@@ -142,11 +142,12 @@ def _signals(stream: Any, recording: Recording, leaf: str, overlaid: Mapping[str
         if leaf and overlaid.get(key):
             path, name, colour = f"{key}/{leaf}", leaf, _COLOURS.get(leaf, colour)
             width = 1.2 if leaf == on_top else 4.0  # thin, so that the others show behind it
-        told = turns(values)
-        if number and 2 * np.count_nonzero(told) < len(values):  # the first one holds the clock
-            stream.send_columns(path, indexes=[clock(recording.time[told])], columns=rr.Scalars.columns(scalars=values[told]))
-        else:
-            stream.send_columns(path, indexes=index, columns=rr.Scalars.columns(scalars=values))
+        times, shown = index, values
+        if number:  # the first one holds the clock
+            told = turns(values)
+            if 2 * np.count_nonzero(told) < len(values):
+                times, shown = [clock(recording.time[told])], values[told]
+        stream.send_columns(path, indexes=times, columns=rr.Scalars.columns(scalars=shown))
         line = rr.SeriesLines(names=name, colors=[colour], widths=[width])
         unit = values_of[recording.units[key]]
         if path == key:

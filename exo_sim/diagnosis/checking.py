@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from concurrent.futures import ThreadPoolExecutor
 from dataclasses import replace
 
 from exo_sim.diagnosis.cases import Case
@@ -10,6 +9,7 @@ from exo_sim.diagnosis.examining import Doubts, Examined, Progress, examine, has
 from exo_sim.diagnosis.proof import doubtful
 from exo_sim.diagnosis.result import Finding
 from exo_sim.diagnosis.split import Split, split
+from exo_sim.diagnosis.workers import Workers
 
 #: Where the check is missed by so many times what the fit leaves, it shows something that the fit never met.
 SURPRISE = 3.0
@@ -24,14 +24,14 @@ UNMET = 8.0
 MOST_DOUBTS = 4
 
 
-def examined_and_checked(case: Case, pool: ThreadPoolExecutor, say: Progress) -> Examined:
+def examined_and_checked(case: Case, workers: Workers, say: Progress) -> Examined:
     """Examine a case with its end kept back, or with its beginning where the check shows what the fit never met and that is met better."""
     times = [(table.name, table.time) for table in case.recordings]
-    found = _checked(case, split(times), pool, say)
+    found = _checked(case, split(times), workers, say)
     if found.surprise <= SURPRISE:
         return found
     say("the check shows what the fit never met: the beginning is kept back instead")
-    return min(found, _checked(case, split(times, head=True), pool, say), key=lambda one: one.surprise)
+    return min(found, _checked(case, split(times, head=True), workers, say), key=lambda one: one.surprise)
 
 
 def unmet(examined: Examined) -> list[Finding]:
@@ -50,11 +50,11 @@ def unmet(examined: Examined) -> list[Finding]:
     return found
 
 
-def _checked(gathered: Case, parts: Split, pool: ThreadPoolExecutor, say: Progress) -> Examined:
+def _checked(gathered: Case, parts: Split, workers: Workers, say: Progress) -> Examined:
     """Examine a case, and again without the names that its check does not bear out."""
     doubted: Doubts = {}
     for _ in range(MOST_DOUBTS):
-        examined = examine(gathered.copy(), parts, doubted, pool, say)
+        examined = examine(gathered.copy(), parts, doubted, workers, say)
         new = _doubts(examined)
         if not new:
             return examined

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import os
 from collections.abc import Sequence
-from concurrent.futures import ThreadPoolExecutor
 from dataclasses import replace
 from pathlib import Path
 
@@ -15,6 +14,7 @@ from exo_sim.diagnosis.judging import Judged, calibration_findings
 from exo_sim.diagnosis.result import Diagnosis, Finding, Located, Rejected
 from exo_sim.diagnosis.rewriting import improved_text
 from exo_sim.diagnosis.verdict import located, next_experiment, open_questions, unexplained, verdict_of
+from exo_sim.diagnosis.workers import Workers
 
 
 def diagnose(
@@ -44,8 +44,8 @@ def diagnose(
     say = progress or (lambda words: None)
     say("reading")
     gathered = gather(recordings, rig, column_map)
-    with ThreadPoolExecutor(jobs or os.cpu_count() or 1) as pool:
-        examined = examined_and_checked(gathered, pool, say)
+    with Workers(jobs or os.cpu_count() or 1) as workers:
+        examined = examined_and_checked(gathered, workers, say)
     case, judged, nameless, proof = examined.case, examined.judged, examined.nameless, examined.proof
     findings = _findings(judged, case, proof.drops)
     findings += [replace(found.finding, held_out_error_drop=proof.drops.get(found.finding.where, 0.0)) for found in nameless]

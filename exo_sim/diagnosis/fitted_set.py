@@ -65,14 +65,14 @@ class Found:
         end: With everything that was accepted.
         weighings: By candidate key: what dropping it would cost.
         rivals: By candidate key: what would take its place and how much worse that fits (log-likelihood, numbers paid for).
-        runners_up: Candidates that were considered at the end and not accepted, with what they would gain.
+        runners_up: Candidates that were considered at the end and not accepted, with the share of what is left that they explain.
     """
 
     start: Trial
     end: Trial
     weighings: dict[tuple[str, str, str], Weighing] = field(default_factory=dict)
     rivals: dict[tuple[str, str, str], list[tuple[Candidate, float]]] = field(default_factory=dict)
-    runners_up: list[tuple[Candidate, Weighing]] = field(default_factory=list)
+    runners_up: list[tuple[Candidate, float]] = field(default_factory=list)
 
 
 def sizeable(candidate: Candidate, trial: Trial, spread: Mapping[Quantity, float] | None = None) -> bool:

@@ -13,7 +13,7 @@ from exo_sim.diagnosis.fitted_set import Found, Problem, Trial, sizeable
 from exo_sim.diagnosis.intervals import bounds, ends, spreads
 from exo_sim.diagnosis.quantity import Candidate, Quantity, standing
 from exo_sim.diagnosis.result import Estimate, Finding, Rejected
-from exo_sim.diagnosis.search import Search
+from exo_sim.diagnosis.set_fits import SetFits
 from exo_sim.physics.effects.declaration import declared
 
 #: What each cut holds against each other.
@@ -51,7 +51,7 @@ class Judged:
     Attributes:
         cut: "gas", "motion" or "supply".
         where: The cylinder or joint.
-        problem, search, found: How it was found.
+        problem, sets, found: How it was found.
         named: Candidates that stand as findings.
         trial: The model that is believed in the end.
         nameless: True where something is missing that has no name.
@@ -62,7 +62,7 @@ class Judged:
     cut: str
     where: str
     problem: Problem
-    search: Search
+    sets: SetFits
     found: Found
     named: tuple[Candidate, ...]
     trial: Trial
@@ -84,19 +84,19 @@ class Judged:
 
 
 def judge(
-    cut: str, where: str, problem: Problem, search: Search, found: Found, pattern: Callable[[Trial], float]
+    cut: str, where: str, problem: Problem, sets: SetFits, found: Found, pattern: Callable[[Trial], float]
 ) -> Judged:
     """Turn a finished search into findings.
 
     Args:
-        cut, where, problem, search, found: What was searched, and the outcome.
+        cut, where, problem, sets, found: What was searched, and the outcome.
         pattern: Share of what a trial leaves that follows one signal.
     """
     end = found.end
     if end.fit.residual.size == 0:
-        return Judged(cut, where, problem, search, found, (), end, False, [], [], [])
+        return Judged(cut, where, problem, sets, found, (), end, False, [], [], [])
     named = tuple(c for c in end.chosen if not _is_nozzle(c, end))
-    nameless = _is_nameless(cut, found.start, end, named, search, pattern)
+    nameless = _is_nameless(cut, found.start, end, named, sets, pattern)
     asked = named
     rejected = [
         Rejected(r.effect, r.where, wording.rejected(r, c, worse))
@@ -104,11 +104,11 @@ def judge(
         for r, worse in found.rivals.get(c.key, [])
         if worse > AS_GOOD
     ]
-    rejected += [Rejected(c.effect, c.where, wording.no_gain(c, w.share)) for c, w in found.runners_up]
+    rejected += [Rejected(c.effect, c.where, wording.no_gain(c, share)) for c, share in found.runners_up]
     trial = end
     if cut == "gas" and not nameless and end.fit.sse > LEFT_OVER * problem.size:  # no two valves are alike
-        trial, named = _firm(search, found, named)
-        nameless = named != asked and _is_nameless(cut, found.start, trial, named, search, pattern)
+        trial, named = _firm(sets, found, named)
+        nameless = named != asked and _is_nameless(cut, found.start, trial, named, sets, pattern)
     if nameless:
         rejected += [
             Rejected(
@@ -121,11 +121,11 @@ def judge(
         ]
         kept = standing([c for c in named if _stands_alone(found, c)])
         if not kept:
-            trial = search.as_believed()
+            trial = sets.as_believed()
         elif kept != named:
-            trial = search.try_set(kept, end)
+            trial = sets.try_set(kept, end)
         named = kept
-    tau = search.correlation_time(trial.fit.residual)
+    tau = sets.correlation_time(trial.fit.residual)
     spread = spreads(problem, trial.fit, tau)
     findings = [_finding(c, trial, spread, found) for c in named]
     findings = _with_twin(findings, cut)
@@ -133,7 +133,7 @@ def judge(
     unique = [r for r in rejected if (r.name, r.where) not in {(f.name, f.where) for f in findings}]
     unique = [r for r in unique if not ((r.name, r.where) in seen or seen.add((r.name, r.where)))]  # type: ignore[func-returns-value]
     calibrations = [] if nameless else _calibrations(trial, spread)
-    return Judged(cut, where, problem, search, found, named, trial, nameless, findings, calibrations, unique)
+    return Judged(cut, where, problem, sets, found, named, trial, nameless, findings, calibrations, unique)
 
 
 def _with_twin(findings: list[Finding], cut: str) -> list[Finding]:
@@ -155,15 +155,15 @@ def _beside(finding: Finding, twin: str) -> Finding:
     return replace(finding, ambiguous_with=(*finding.ambiguous_with, twin), probabilities=equal)
 
 
-def _firm(search: Search, found: Found, named: tuple[Candidate, ...]) -> tuple[Trial, tuple[Candidate, ...]]:
+def _firm(sets: SetFits, found: Found, named: tuple[Candidate, ...]) -> tuple[Trial, tuple[Candidate, ...]]:
     """Return the findings that stand although something is left: the larger part of it is theirs, and surely more than healthy."""
     trial = found.end
     while named:
-        spread = spreads(search.problem, trial.fit, search.correlation_time(trial.fit.residual))
+        spread = spreads(sets.problem, trial.fit, sets.correlation_time(trial.fit.residual))
         firm = standing([c for c in named if _takes_most(found, c) and sizeable(c, trial, spread)])
         if firm == named:
             break
-        trial, named = search.polished(search.try_set(firm, trial)), firm
+        trial, named = sets.polished(sets.try_set(firm, trial)), firm
     return trial, named
 
 
@@ -179,16 +179,16 @@ def _is_nozzle(candidate: Candidate, trial: Trial) -> bool:
 
 
 def _is_nameless(
-    cut: str, begun: Trial, trial: Trial, named: Sequence[Candidate], search: Search, pattern: Callable[[Trial], float]
+    cut: str, begun: Trial, trial: Trial, named: Sequence[Candidate], sets: SetFits, pattern: Callable[[Trial], float]
 ) -> bool:
     """Say whether too much is left of what there was without names, or believed numbers are bent too far, for the names to be believed."""
-    start, end, n = begun.fit, trial.fit, search.problem.size
+    start, end, n = begun.fit, trial.fit, sets.problem.size
     left = end.sse / n
-    if left < LEFT_OVER or math.sqrt(left) < search.problem.sick:
+    if left < LEFT_OVER or math.sqrt(left) < sets.problem.sick:
         return False
     if not named:
-        return left > SICK and (search.correlation_time(end.residual) > 2.0 or left > 3.0 * SICK)
-    if cut == "gas" and math.sqrt(left) > HOPELESS * search.problem.sick:
+        return left > SICK and (sets.correlation_time(end.residual) > 2.0 or left > 3.0 * SICK)
+    if cut == "gas" and math.sqrt(left) > HOPELESS * sets.problem.sick:
         return True
     explained = (start.sse - end.sse) / max(start.sse - n, 1e-9)
     if explained < EXPLAINED and (explained < HALFWAY or pattern(trial) > PATTERN):

@@ -216,7 +216,7 @@ def _drops(
     told = {(finding.name, finding.where) for finding in one.findings}
     for candidate in (candidate for candidate in one.named if (candidate.effect, candidate.where) in told):
         rest = tuple(c for c in one.trial.chosen if c.key != candidate.key)
-        without: Trial = one.search.try_set(rest, one.trial)
+        without: Trial = one.sets.try_set(rest, one.trial)
         other = _residual(kept, setting_of(one, without))
         lacking, name = normalised(other), f"{candidate.effect}@{candidate.where}"
         proof.drops[name] = finite(1.0 - whole / lacking) if lacking > 0.0 else 0.0

@@ -8,17 +8,18 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Sequence
-from concurrent.futures import ThreadPoolExecutor
 
 import numpy as np
 from numpy.typing import NDArray
 
 from exo_sim.diagnosis.fitted_set import Found, Problem, Trial, sizeable
-from exo_sim.diagnosis.fitting import FEWEST_ROWS, Fit, fit
+from exo_sim.diagnosis.fitting import FEWEST_ROWS, Fit
 from exo_sim.diagnosis.intervals import spreads
 from exo_sim.diagnosis.quantity import Candidate, Quantity, standing
 from exo_sim.diagnosis.screening import screen
-from exo_sim.diagnosis.weighing import CLEAN, Weighing, correlation_time, loss, passes, weigh
+from exo_sim.diagnosis.set_fits import SetFits
+from exo_sim.diagnosis.weighing import CLEAN, Weighing, loss, passes, promises, weigh
+from exo_sim.diagnosis.workers import ALONE, Workers
 
 Array = NDArray[np.float64]
 
@@ -32,12 +33,8 @@ FINALISTS = 4
 BEAM = 3
 #: A finding stands if one of its numbers is this many standard errors from neutral.
 CERTAIN = 2.5
-#: From how many of its starts a candidate is fitted where that costs little.
-CHEAP_STARTS = 3
 #: How often rivals may take a finding's place in the end.
 MOST_TURNS = 2
-#: The longest spell of equal errors that a fit is told of, in rows.
-LONGEST_SPELL = 60.0
 
 
 class Search:
@@ -47,7 +44,7 @@ class Search:
         problem: The cut.
         nuisances: Believed numbers, refitted in every comparison.
         library: The questions.
-        pool: Threads.
+        workers: Threads; what is found does not depend on how many.
         progress: Told in a few words what is going on.
         most: The most findings.
         cheap: Whether predictions cost little: then every candidate is fitted whole, from scratch, and in plainer ones' place.
@@ -59,114 +56,41 @@ class Search:
         problem: Problem,
         nuisances: Sequence[Quantity],
         library: Sequence[Candidate],
-        pool: ThreadPoolExecutor | None = None,
+        workers: Workers = ALONE,
         progress: Callable[[str], None] | None = None,
         most: int = 5,
         cheap: bool = False,
         material: float = 0.0,
     ):
-        self.problem, self.nuisances, self.library = problem, tuple(nuisances), tuple(library)
-        self.pool, self.most, self.cheap, self.material = pool, most, cheap, material
+        self.sets = SetFits(problem, nuisances, workers, cheap)
+        self.library, self.most, self.cheap, self.material = tuple(library), most, cheap, material
         self._say = progress or (lambda words: None)
         self._whole: Trial | None = None
-        self._fitted: dict[frozenset[tuple[str, str, str]], Trial] = {}
         self._screened: dict[frozenset[tuple[str, str, str]], list[tuple[float, Candidate]]] = {}
 
-    # -- fitting -----------------------------------------------------------------------------------------------------
-
-    def try_set(self, chosen: Sequence[Candidate], near: Trial | None = None, again: bool = False) -> Trial:
-        """Fit the believed numbers and these candidates together, from a trial near by and typical values where it has none.
-
-        With `again` a set that was fitted before is fitted from here as well, and the better one kept.
-        """
-        key = frozenset(candidate.key for candidate in chosen)
-        before = self._fitted.get(key)
-        if before is not None and not again:
-            return before
-        start = near.fit.values if near else {}
-        quantities = (*self.nuisances, *(q for candidate in chosen for q in candidate.quantities))
-        begun = {q: start.get(q, q.prior[0] if q.prior else q.neutral) for q in quantities}
-        options = [begun]
-        new = [q for q in quantities if q not in start]
-        if near and new and (self.cheap or any(q.rough for q in new)):  # what is missing may have bent the believed numbers
-            options.append({**begun, **{q: q.prior[0] for q in self.nuisances if q.prior}})
-        for candidate in chosen:
-            if any(q not in start for q in candidate.quantities):
-                options = [{**o, **dict(zip(candidate.quantities, values, strict=True))} for o in options for values in candidate.starts]
-        residual = self._residual_of(chosen)
-        errors = [residual(option) for option in options]
-        order = np.argsort([float(e @ e) if np.isfinite(e).all() else np.inf for e in errors])
-        spell = min(self.correlation_time(errors[order[0]]), LONGEST_SPELL)
-        if self.cheap:
-            tried = [fit(residual, quantities, options[i], self.pool, most=24, tolerance=1e-5, spell=spell) for i in order[:CHEAP_STARTS]]
-            done = min(tried, key=lambda one: one.sse + one.weight * one.penalty)
-        else:
-            known = dict(zip(near.fit.quantities, near.fit.jacobian.T, strict=True)) if near else None
-            done = fit(residual, quantities, options[order[0]], self.pool, most=12, spell=spell, known=known)
-        trial = Trial(tuple(chosen), done)
-        if before is not None and self._loses(before, trial) <= 0.0:
-            return before
-        self._fitted[key] = trial
-        return trial
-
-    def polished(self, trial: Trial) -> Trial:
-        """Return a trial fitted to the end: its numbers are going to be told."""
-        if not trial.fit.residual.size:
-            return trial
-        quantities = (*self.nuisances, *(q for candidate in trial.chosen for q in candidate.quantities))
-        spell = min(self.correlation_time(trial.fit.residual), LONGEST_SPELL)
-        residual = self._residual_of(trial.chosen)
-        known = dict(zip(trial.fit.quantities, trial.fit.jacobian.T, strict=True))
-        done = fit(residual, quantities, trial.fit.values, self.pool, most=12, tolerance=1e-6, spell=spell, known=known, exact=True)
-        better = Trial(trial.chosen, done)
-        self._fitted[frozenset(candidate.key for candidate in trial.chosen)] = better
-        return better
-
-    def _residual_of(self, chosen: Sequence[Candidate]) -> Callable[[dict[Quantity, float]], Array]:
-        fixed = [pair for candidate in chosen for pair in candidate.fixed]
-        return lambda values: self.problem.residual(values, fixed)
-
-    def as_believed(self) -> Trial:
-        """Return the machine as its owner believes it, nothing refitted: what is left to look at when no name will do."""
-        values = {q: q.prior[0] if q.prior else q.neutral for q in self.nuisances}
-        return Trial((), Fit((), values, self.problem.residual(values), np.zeros((self.problem.size, 0))))
-
-    # -- weighing ----------------------------------------------------------------------------------------------------
-
-    def correlation_time(self, residual: Array) -> float:
-        """Return how many neighbouring rows of a residual say the same."""
-        return correlation_time(residual, self.problem.blocks)
+    # -- weighing ---------------------------------------------------------------------------------------------------
 
     def weigh(self, without: Trial, with_it: Trial) -> Weighing:
         """Say how much better `with_it` explains the training time than `without`."""
         added = with_it.numbers - without.numbers
-        return weigh(self.problem, without.fit, with_it.fit, added, len(self.library))
+        return weigh(self.sets.problem, without.fit, with_it.fit, added, len(self.library))
 
     def accepts(self, without: Trial, with_it: Trial) -> bool:
         """Say whether what `with_it` has more passes every gate."""
         whole = self._whole or without
         return passes(self.weigh(without, with_it), whole.fit, without.fit, with_it.fit, self.material)
 
-    def _loses(self, one: Trial, other: Trial) -> float:
-        """Return by how much one trial's log-likelihood is lower than another's, as the cleaner one's errors count."""
-        rows = self._rows((one, other))
-        return loss(one.fit, rows) - loss(other.fit, rows)
-
-    def _rows(self, trials: Sequence[Trial]) -> float:
-        cleanest = min(trials, key=lambda trial: trial.fit.sse)
-        return self.problem.size / self.correlation_time(cleanest.fit.residual)
-
     def _ranked(self, trials: Sequence[Trial]) -> list[Trial]:
         """Return trials by what they explain for what their numbers cost, best first."""
-        rows, price = self._rows(trials), self._price(trials)
+        rows, price = self.sets.rows(trials), self._price(trials)
         return sorted(trials, key=lambda trial: loss(trial.fit, rows) + price * trial.numbers)
 
     def _price(self, trials: Sequence[Trial]) -> float:
         """Return the log-likelihood that one more number must bring."""
-        return 0.5 * math.log(max(self._rows(trials), 2.0))
+        return 0.5 * math.log(max(self.sets.rows(trials), 2.0))
 
     def _clean(self, trial: Trial) -> bool:
-        return trial.fit.sse < CLEAN * self.problem.size
+        return trial.fit.sse < CLEAN * self.sets.problem.size
 
     # -- screening ---------------------------------------------------------------------------------------------------
 
@@ -174,7 +98,7 @@ class Search:
         """Return the candidates that are not in a trial by how much of its error their signatures could explain, best first."""
         key = frozenset(candidate.key for candidate in now.chosen)
         if key not in self._screened:
-            self._screened[key] = screen(self.problem, now, self.library, self.pool)
+            self._screened[key] = screen(self.sets.problem, now, self.library, self.sets.workers)
         return self._screened[key]
 
     # -- the search --------------------------------------------------------------------------------------------------
@@ -182,10 +106,10 @@ class Search:
     def run(self) -> Found:
         """Grow sets side by side, swap and prune, then weigh every finding and its rivals."""
         self._say("refitting believed numbers")
-        if self.problem.size < FEWEST_ROWS:
+        if self.sets.problem.size < FEWEST_ROWS:
             start = Trial((), Fit((), {}, np.zeros(0), np.zeros((0, 0))))
             return Found(start, start)
-        start = best = self._whole = self.polished(self.try_set(()))
+        start = best = self._whole = self.sets.polished(self.sets.try_set(()))
         beam = [start]
         for _ in range(self.most):
             self._say(f"screening {len(self.library)} questions")
@@ -195,20 +119,20 @@ class Search:
             leader = self._leader(grown)
             ordered = [leader, *(trial for trial in self._ranked(grown) if trial is not leader)]
             tidied = next((trial for trial in map(self._tidied, ordered) if trial.chosen), None)
-            if tidied is None or (best.chosen and self._loses(tidied, best) >= 0.0):
+            if tidied is None or (best.chosen and self.sets.loses(tidied, best) >= 0.0):
                 break
             best = tidied
             self._say(f"{len(best.chosen)} found, {best.chosen[-1].effect.replace('_', ' ')} last")
             beam = [best]
             if not self._clean(best):
                 beam += [trial for trial in self._ranked(grown) if trial.keys not in (best.keys, leader.keys)][: BEAM - 1]
-        end = self._settled(self.polished(self._pruned(best)))
+        end = self._settled(self.sets.polished(self._pruned(best)))
         found = self._judged(start, end)
         for _ in range(MOST_TURNS):
             better = self._overtaken(found)
             if better is None:
                 break
-            found = self._judged(start, self._settled(self.polished(self._pruned(better))))
+            found = self._judged(start, self._settled(self.sets.polished(self._pruned(better))))
         return found
 
     def _tidied(self, trial: Trial) -> Trial:
@@ -228,17 +152,20 @@ class Search:
         worse, candidate, rival = min(by_loss, key=lambda one: one[0])
         if worse > -2.0:
             return None
-        return self.try_set(standing(tuple(rival if c is candidate else c for c in found.end.chosen)))
+        return self.sets.try_set(standing(tuple(rival if c is candidate else c for c in found.end.chosen)))
 
     def _grown(self, beam: Sequence[Trial]) -> list[Trial]:
         """Return every accepted set that has one candidate more than one of these."""
+        asked = [(now, candidate) for now in beam for candidate in self._finalists(self._promising(now))]
         grown: dict[frozenset[tuple[str, str, str]], Trial] = {}
-        for now in beam:
-            for candidate in self._finalists(self.screen(now)):
-                trial = self.try_set((*now.chosen, candidate), now)
-                if self.accepts(now, trial) and sizeable(candidate, trial):
-                    grown[frozenset(c.key for c in trial.chosen)] = trial
+        for (now, candidate), trial in zip(asked, self.sets.try_sets([((*now.chosen, one), now) for now, one in asked]), strict=True):
+            if self.accepts(now, trial) and sizeable(candidate, trial):
+                grown[frozenset(c.key for c in trial.chosen)] = trial
         return list(grown.values())
+
+    def _promising(self, now: Trial) -> list[tuple[float, Candidate]]:
+        """Return the screened candidates that could pass the gates, best first."""
+        return [(score, candidate) for score, candidate in self.screen(now) if promises(score, now.fit, self.material)]
 
     def _finalists(self, ranked: list[tuple[float, Candidate]], count: int = FINALISTS) -> list[Candidate]:
         if self.cheap:
@@ -259,7 +186,9 @@ class Search:
         simpler = [
             one
             for one in grown
-            if one.numbers < best.numbers and whole - one.fit.sse > NEARLY * (whole - best.fit.sse) and self._loses(one, best) < NO_WORSE
+            if one.numbers < best.numbers
+            and whole - one.fit.sse > NEARLY * (whole - best.fit.sse)
+            and self.sets.loses(one, best) < NO_WORSE
         ]
         return self._ranked(simpler)[0] if simpler else best
 
@@ -267,12 +196,12 @@ class Search:
         """Try, for every finding, whether another question in its place explains more."""
         for index in range(len(now.chosen)):
             kept = now.others(now.chosen[index])
-            base = self.try_set(kept, now)
+            base = self.sets.try_set(kept, now)
             for candidate in self._finalists(self.screen(base), 4):
                 if (candidate.effect, candidate.where) in now.keys or len(standing((*kept, candidate))) <= len(kept):
                     continue
-                trial = self.try_set((*kept, candidate), base)
-                if self._loses(trial, now) < -2.0 - 2.0 * max(trial.numbers - now.numbers, 0):
+                trial = self.sets.try_set((*kept, candidate), base)
+                if self.sets.loses(trial, now) < -2.0 - 2.0 * max(trial.numbers - now.numbers, 0):
                     now = trial
                     break
         return now
@@ -282,11 +211,8 @@ class Search:
         shrunk = True
         while shrunk and now.chosen:
             shrunk = False
-            for candidate in now.chosen:
-                others = now.others(candidate)
-                if len(standing(others)) < len(others):
-                    continue
-                without = self.try_set(others, now, again=True)
+            apart = [c for c in now.chosen if len(standing(now.others(c))) == len(now.others(c))]
+            for candidate, without in zip(apart, self.sets.try_sets([(now.others(c), now) for c in apart], again=True), strict=True):
                 if not self.accepts(without, now) or not sizeable(candidate, now):
                     now, shrunk = without, True
                     break
@@ -298,12 +224,12 @@ class Search:
         Numbers that are vague only because they stand in for each other stay.
         """
         while now.chosen:
-            spread = spreads(self.problem, now.fit, self.correlation_time(now.fit.residual))
+            spread = spreads(self.sets.problem, now.fit, self.sets.correlation_time(now.fit.residual))
             vague = {q for c in now.chosen for q in c.quantities if abs(now.fit.values[q] - q.neutral) < CERTAIN * spread.get(q, 0.0)}
             plainer = self._without(now, vague)
             if plainer is None:
                 break
-            now = self.polished(self._pruned(plainer))
+            now = self.sets.polished(self._pruned(plainer))
         return now
 
     def _without(self, now: Trial, vague: set[Quantity]) -> Trial | None:
@@ -316,7 +242,7 @@ class Search:
             if len(standing(others)) < len(others):
                 continue
             if len(candidate.quantities) == 1:
-                return self.try_set(others, now)
+                return self.sets.try_set(others, now)
             forms = [c for c in self.library if (c.effect, c.where) == (candidate.effect, candidate.where)
                      and {q.parameter for q in c.quantities} < {q.parameter for q in candidate.quantities}
                      and clear <= {q.parameter for q in c.quantities}]  # fmt: skip
@@ -325,7 +251,7 @@ class Search:
                 forms += [c for c in self.library if len(c.quantities) < len(candidate.quantities)
                           and (c.effect, c.where) not in taken and not c.beside]  # fmt: skip
             for form in sorted(forms, key=lambda c: len(c.quantities)):
-                trial = self.try_set((*others, form), now)
+                trial = self.sets.try_set((*others, form), now)
                 if self._hardly_loses(trial, now):
                     return trial
         return None
@@ -334,43 +260,55 @@ class Search:
         """Put each finding in the form that needs fewest numbers for what it explains; where fits are cheap, in a plainer one's place."""
         for candidate in now.chosen:
             best = now
-            for form in self.library:
-                same = (form.effect, form.where) == (candidate.effect, candidate.where)
-                plainer = self.cheap and len(form.quantities) < len(candidate.quantities)
-                if form.key == candidate.key or not (same or (plainer and (form.effect, form.where) not in now.keys)):
-                    continue
-                if not now.bears(form):
-                    continue
-                if same and len(form.quantities) > len(candidate.quantities) + 2:
-                    continue
-                others = tuple(form if c.key == candidate.key else c for c in now.chosen)
-                trial = self.try_set(others, now)
-                if self._ranked((trial, best))[0] is trial or (same and trial.numbers < best.numbers and self._hardly_loses(trial, best)):
+            forms = self._forms(candidate, now)
+            sets = [tuple(form if c.key == candidate.key else c for c in now.chosen) for form in forms]
+            for form, trial in zip(forms, self.sets.try_sets([(chosen, now) for chosen in sets]), strict=True):
+                plainer = (form.effect, form.where) == (candidate.effect, candidate.where) and trial.numbers < best.numbers
+                if self._ranked((trial, best))[0] is trial or (plainer and self._hardly_loses(trial, best)):
                     best = trial
             now = best
         return now
+
+    def _forms(self, candidate: Candidate, now: Trial) -> list[Candidate]:
+        """Return what may stand in a candidate's place: other forms of the same effect; where fits are cheap, plainer effects too."""
+        forms = []
+        for form in self.library:
+            more = len(form.quantities) - len(candidate.quantities)
+            same = (form.effect, form.where) == (candidate.effect, candidate.where)
+            plainer = self.cheap and more < 0 and (form.effect, form.where) not in now.keys
+            if form.key != candidate.key and now.bears(form) and (plainer or (same and more <= 2)):
+                forms.append(form)
+        return forms
 
     def _hardly_loses(self, one: Trial, other: Trial) -> bool:
         """Say whether the plainer form of an effect explains all but a thousandth of what the fuller one does."""
         assert self._whole is not None
         whole = self._whole.fit.sse
-        return whole - one.fit.sse > 0.999 * (whole - other.fit.sse) or self._loses(one, other) < NO_WORSE
+        return whole - one.fit.sse > 0.999 * (whole - other.fit.sse) or self.sets.loses(one, other) < NO_WORSE
 
     def _judged(self, start: Trial, end: Trial) -> Found:
         """Weigh each finding against leaving it out and against what could take its place."""
         found = Found(start, end)
-        for candidate in end.chosen:
-            kept = end.others(candidate)
-            without = self.try_set(kept, end)
+        asked: list[tuple[Candidate | None, Candidate, Trial]] = []
+        bare = self.sets.try_sets([(end.others(candidate), end) for candidate in end.chosen])
+        for candidate, without in zip(end.chosen, bare, strict=True):
             found.weighings[candidate.key] = self.weigh(without, end)
-            rivals = []
-            for rival in self._finalists(self.screen(without), 4):
-                if (rival.effect, rival.where) == (candidate.effect, candidate.where):
-                    continue
-                trial = self.try_set((*kept, rival), without)
-                rivals.append((rival, self._loses(trial, end) + self._price((trial, end)) * (trial.numbers - end.numbers)))
-            found.rivals[candidate.key] = sorted(rivals, key=lambda pair: pair[1])
-        for candidate in self._finalists(self.screen(end), 3):
-            trial = self.try_set((*end.chosen, candidate), end)
-            found.runners_up.append((candidate, self.weigh(end, trial)))
+            found.rivals[candidate.key] = []
+            rivals = self._finalists(self.screen(without), 4)
+            asked += [(candidate, r, without) for r in rivals if (r.effect, r.where) != (candidate.effect, candidate.where)]
+        promised = {one.key: score for score, one in self.screen(end)}
+        for one in self._finalists(self.screen(end), 3):
+            if promises(promised[one.key], end.fit, self.material):
+                asked.append((None, one, end))
+            else:
+                found.runners_up.append((one, promised[one.key] / end.fit.sse))
+        trials = self.sets.try_sets([((*near.chosen, more), near) for _, more, near in asked])
+        for (taken, more, near), trial in zip(asked, trials, strict=True):
+            if taken is None:
+                found.runners_up.append((more, self.weigh(near, trial).share))
+            else:
+                worse = self.sets.loses(trial, end) + self._price((trial, end)) * (trial.numbers - end.numbers)
+                found.rivals[taken.key].append((more, worse))
+        for by_worse in found.rivals.values():
+            by_worse.sort(key=lambda pair: pair[1])
         return found

@@ -125,7 +125,7 @@ def unknown_findings(judged: Sequence[Judged]) -> list[Unnamed]:
         odds = (
             0.5
             * n
-            / max(one.search.correlation_time(one.trial.fit.residual), 1.0)
+            / max(one.sets.correlation_time(one.trial.fit.residual), 1.0)
             * np.log(max(one.trial.fit.sse / n, 1.0))
             / np.log(10.0)
         )

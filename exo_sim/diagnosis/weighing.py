@@ -25,6 +25,8 @@ SHARE_OF_THE_REST = 0.5
 #: A finding of such odds (log10) that takes more than this share of an error is one however small the error is, if it is above the
 #: noise at all: residual variance in units of it.
 GREAT_ODDS, LARGER_SHARE, ABOVE_NOISE = 50.0, 0.5, 1.2
+#: By how many times a full fit may lower an error more than a signature, taken to be proportional, promised.
+UNDERRATED = 10.0
 #: Gain in log-likelihood a row that a healthy machine's imperfect model shows: the material floor.
 HEALTHY_GAIN = 0.004
 #: Residual variance in units of the noise that counts as nothing left.
@@ -142,3 +144,18 @@ def passes(weighing: Weighing, whole: Fit, without: Fit, with_it: Fit, material:
     wanted = LEAST_SHARE if explained < 0.9 or with_it.sse < CLEAN * n else SHARE_OF_THE_REST
     steady = weighing.steady > 2.0 or weighing.share > 0.2
     return weighing.log10_odds > LEAST_ODDS and weighing.share > wanted and steady and weighing.material > HEALTHY_GAIN
+
+
+def promises(promised: float, without: Fit, material: float) -> bool:
+    """Say whether what a signature promises could pass the gates: else the whole fit is not worth its time.
+
+    Args:
+        promised: By how much the sum of squares falls if the answer is proportional.
+        without: The fit that it comes on top of.
+        material: As in `passes`.
+    """
+    n = max(without.residual.size, 1)
+    missing = max(without.sse - n, 0.0)
+    seen = without.sse - n * max(math.sqrt(without.sse / n) - material, 0.0) ** 2
+    wanted = min(seen, LARGER_SHARE * missing) if without.sse > ABOVE_NOISE * n else seen
+    return UNDERRATED * promised >= max(wanted, LEAST_SHARE * missing)

@@ -57,8 +57,8 @@ def test_only_what_stands_on_its_own_or_on_what_is_there_is_borne() -> None:
 
 def test_a_screen_leaves_out_what_is_not_borne() -> None:
     one = search(Waves(quick=5.0), cheap=False)
-    assert {found.effect for _, found in one.screen(one.try_set(()))} == {"base", "other"}
-    ranked = one.screen(one.try_set((BASE,)))
+    assert {found.effect for _, found in one.screen(one.sets.try_set(()))} == {"base", "other"}
+    ranked = one.screen(one.sets.try_set((BASE,)))
     assert [found.effect for _, found in ranked] == ["on_top", "other"]
     assert ranked[0][0] > 100.0 * max(ranked[1][0], 1.0)
 
@@ -86,10 +86,10 @@ def test_a_fuller_question_is_not_put_plainer_by_what_is_not_borne() -> None:
 
 def test_pruning_keeps_what_another_stands_on() -> None:
     one = search(Waves(quick=5.0), cheap=False)
-    one._whole = one.try_set(())
-    kept = one._pruned(one.try_set((BASE, ON_TOP)))
+    one._whole = one.sets.try_set(())
+    kept = one._pruned(one.sets.try_set((BASE, ON_TOP)))
     assert {c.effect for c in kept.chosen} == {"base", "on_top"}
-    assert one._pruned(one.try_set((BASE, OTHER))).chosen == ()
+    assert one._pruned(one.sets.try_set((BASE, OTHER))).chosen == ()
 
 
 def setting(conductance: float = 0.0) -> Setting:

@@ -8,7 +8,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from exo_sim.diagnosis.fitting import Fit
-from exo_sim.diagnosis.weighing import GREAT_ODDS, LARGER_SHARE, correlation_time, loss, misfit, passes, weigh
+from exo_sim.diagnosis.weighing import GREAT_ODDS, LARGER_SHARE, UNDERRATED, correlation_time, loss, misfit, passes, promises, weigh
 
 BLOCKS = np.repeat(np.arange(20), 200)
 
@@ -90,3 +90,19 @@ def test_great_odds_for_a_small_share_are_not_beyond_doubt() -> None:
     weighing = weigh(rows, start, less, 1, 30)
     assert weighing.share < LARGER_SHARE
     assert not passes(weighing, start, start, less, 10.0)
+
+
+@given(st.floats(0.3, 100.0), st.floats(0.0, 1.0), st.floats(0.0, 3.0))
+def test_whatever_passes_was_promised(variance: float, kept: float, material: float) -> None:
+    noise = np.random.default_rng(3).standard_normal(BLOCKS.size)
+    start = fit_of(np.sqrt(variance) * noise)
+    end = fit_of(np.sqrt(kept * variance) * noise)
+    fallen = start.sse - end.sse
+    if passes(weigh(Rows(BLOCKS), start, end, 1, 30), start, start, end, material):
+        assert promises(1.001 * fallen / UNDERRATED, start, material)
+
+
+def test_at_the_noise_nothing_small_is_promised() -> None:
+    noise = fit_of(np.random.default_rng(3).standard_normal(BLOCKS.size))
+    assert not promises(20.0, noise, 0.3)
+    assert promises(0.5 * noise.sse, noise, 0.3)

@@ -1,0 +1,50 @@
+"""Threads on two levels: fits side by side, and inside each fit the predictions that it needs at once."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from concurrent.futures import ThreadPoolExecutor
+from types import TracebackType
+from typing import TypeVar
+
+Item = TypeVar("Item")
+Outcome = TypeVar("Outcome")
+
+
+class Workers:
+    """As many threads as were asked for on each level; one means that everything runs where it is asked for.
+
+    The levels have threads of their own: a fit that waits for its predictions never holds a thread that they need.
+
+    Args:
+        count: Threads.
+    """
+
+    def __init__(self, count: int = 1):
+        self._levels = [ThreadPoolExecutor(count) for _ in range(2)] if count > 1 else [None, None]
+
+    def fits(self, work: Callable[[Item], Outcome], items: Sequence[Item]) -> list[Outcome]:
+        """Return the outcome for every item, in their order; `work` may ask for predictions, but for no fits."""
+        return _spread(self._levels[0], work, items)
+
+    def predictions(self, work: Callable[[Item], Outcome], items: Sequence[Item]) -> list[Outcome]:
+        """Return the outcome for every item, in their order; `work` asks for nothing."""
+        return _spread(self._levels[1], work, items)
+
+    def __enter__(self) -> Workers:
+        return self
+
+    def __exit__(self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None) -> None:
+        for level in self._levels:
+            if level is not None:
+                level.shutdown(cancel_futures=True)
+
+
+#: Everything runs where it is asked for.
+ALONE = Workers()
+
+
+def _spread(level: ThreadPoolExecutor | None, work: Callable[[Item], Outcome], items: Sequence[Item]) -> list[Outcome]:
+    if level is None or len(items) < 2:
+        return [work(item) for item in items]
+    return list(level.map(work, items))

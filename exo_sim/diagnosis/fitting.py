@@ -71,7 +71,7 @@ def differences(
     quantities: Sequence[Quantity],
     values: dict[Quantity, float],
     base: Array,
-    workers: Workers,
+    workers: Workers = ALONE,
 ) -> Array:
     """Return the Jacobian by one-sided differences in coordinates, shape (n, p)."""
 

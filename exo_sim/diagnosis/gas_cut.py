@@ -9,7 +9,8 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.ndimage import maximum_filter1d, minimum_filter1d
 
-from exo_sim.diagnosis.observed import CylinderRun, start_filter
+from exo_sim.diagnosis.filters import start_filter
+from exo_sim.diagnosis.observed import CylinderRun
 from exo_sim.physics import chamber, plant, state
 from exo_sim.physics.compiled import kernel
 from exo_sim.physics.pace import settling_rate

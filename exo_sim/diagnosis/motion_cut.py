@@ -1,19 +1,21 @@
 """The motion cut: measured motion and measured pressures go in; the force that is missing in their balance comes out.
 
 Inverse dynamics of the MJCF give the force that the motion took, the pressures and the outside force what was there. Both pass one
-filter, so that acceleration needs no more differentiation than the filter bears.
+filter, so that acceleration needs no more differentiation than the filter bears. What is no linear function of the motion is asked at
+positions and velocities with what the filter took put back, and filtered then.
 """
 
 from __future__ import annotations
 
-from collections.abc import Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
+from functools import partial
 
 import mujoco
 import numpy as np
 from numpy.typing import NDArray
 
-from exo_sim.diagnosis.observed import breaks_of, led, left_of_noise, quieted, white_noise
+from exo_sim.diagnosis.filters import Moved, left_of_noise, moved, quieted, restored, white_noise
+from exo_sim.diagnosis.observed import breaks_of
 from exo_sim.machine.linkage import Linkage, moment_row
 from exo_sim.physics.compiled import kernel
 from exo_sim.physics.resistance import dry_level, move_bristle, piston_resistance
@@ -153,17 +155,17 @@ def motion_runs(
     time = recording.time
     seconds = smoothing(time)
     every = kept(time)
-    moves = [[_thinned(one, every) for one in led(time, recording[f"{name}.position"], seconds)] for name in names]
-    n = len(time[::every])
+    moves = [_moved(time, recording[f"{name}.position"], seconds, every) for name in names]
+    thin = _thinned(time, every)
+    n = len(thin)
     q, qd, qdd = np.zeros((n, model.nq)), np.zeros((n, model.nv)), np.zeros((n, model.nv))
-    for j, (position, velocity, acceleration) in enumerate(moves):
-        q[:, model.jnt_qposadr[j]], qd[:, model.jnt_dofadr[j]], qdd[:, model.jnt_dofadr[j]] = (
-            position,
-            velocity,
-            acceleration,
-        )
-    inertial, bias, passive, arms, lengths, mass = _inverse(model, q, qd, qdd, links)
-    tilted = _gravity(model, q + TILT) - _gravity(model, q) if model.nq == model.nv else np.zeros_like(bias)
+    for j, move in enumerate(moves):
+        q[:, model.jnt_qposadr[j]], qd[:, model.jnt_dofadr[j]] = move.position, move.velocity
+        qdd[:, model.jnt_dofadr[j]] = move.acceleration
+    inertial, raw, passive, arms, lengths, mass = _inverse(model, q, qd, qdd, links)
+    tilted = _gravity(model, q + TILT) - _gravity(model, q) if model.nq == model.nv else np.zeros_like(raw)
+    bias, passive, tilted = (np.apply_along_axis(partial(as_smooth, thin), 0, one) for one in (raw, passive, tilted))
+    inertial += bias - raw  # its acceleration was behind the filter already
     runs, reasons = [], []
     for j, name in enumerate(names):
         driven = [link for link in links if link.joint == name]
@@ -179,6 +181,13 @@ def motion_runs(
                  external, model.jnt_type[j] == int(mujoco.mjtJoint.mjJNT_HINGE), float(model.dof_damping[dof].max()))
         )  # fmt: skip
     return runs, reasons
+
+
+def _moved(time: Array, position: Array, seconds: float, every: int) -> Moved:
+    """Return how a joint moved, at every so many samples."""
+    whole = moved(time, position, seconds)
+    position, velocity, acceleration = (_thinned(one, every) for one in (whole.position, whole.velocity, whole.acceleration))
+    return replace(whole, position=position, velocity=velocity, acceleration=acceleration)
 
 
 def _thinned(values: Array, every: int) -> Array:
@@ -256,7 +265,7 @@ def _gravity(model: mujoco.MjModel, q: Array) -> Array:
 
 
 def _run(
-    recording: Recording, rig: Rig, joint: str, driven: list[Linkage], filtered: tuple[float, int], move: Sequence[Array], inertial: Array,
+    recording: Recording, rig: Rig, joint: str, driven: list[Linkage], filtered: tuple[float, int], move: Moved, inertial: Array,
     bias: Array, tilt: Array, passive: Array, arms: Array, lengths: Array, mass: float, external: Array | None, turning: bool,
     damping: float,
 ) -> MotionRun:  # fmt: skip
@@ -269,13 +278,15 @@ def _run(
     def quiet(values: Array) -> Array:
         return _thinned(quieted(recording.time, values, seconds), every)
 
+    def full(values: Array) -> Array:
+        return _thinned(restored(recording.time, quieted(recording.time, values, seconds), seconds), every)
+
     drive, gauge = np.zeros(n), np.zeros((n, 2))
     levers: dict[str, Array] = {}
-    jitter = white_noise(recording[f"{joint}.position"])
-    variance = (mass * jitter * left_of_noise(2, seconds, step)) ** 2
+    variance = (mass * move.jitter * left_of_noise(2, seconds, step)) ** 2
     arm = np.ones(n)
     cylinder: str | None = None
-    position, velocity = move[0], move[1]
+    position, velocity = move.position, move.velocity
     for k, link in enumerate(driven):
         c = rig.cylinders[link.cylinder]
         index = list(rig.cylinders).index(link.cylinder)
@@ -298,19 +309,18 @@ def _run(
                     variance += float(np.mean((lever * area) ** 2)) * (white_noise(p) * keep) ** 2
         if k == 0 and len(driven) == 1 and cell is None:
             cylinder, arm = link.cylinder, lever
-            gauge = np.column_stack([np.zeros(n) if p is None else p - atmosphere for p in smooth])
+            gauge = np.column_stack([np.zeros(n) if p is None else full(p) - atmosphere for p in pressures])
             position = lengths[:, index] - c.retracted_length
-            velocity = lever * move[1]
+            velocity = lever * move.velocity
     pushed = np.zeros(n) if external is None else quiet(external)
     if external is not None:
         levers[f"{joint}.external_force"] = np.ones(n)
         variance += (white_noise(external) * keep) ** 2
-    shake = jitter * left_of_noise(1, seconds, step)
-    still = max(4.0 * shake * float(np.median(np.abs(arm))), 0.01 * float(np.nanstd(velocity)))
+    still = max(4.0 * move.shake * float(np.median(np.abs(arm))), 0.01 * float(np.nanstd(velocity)))
     breaks = tuple(dict.fromkeys(begin // every for begin in breaks_of(recording.time)))
     effective = mass / max(float(np.median(arm**2)), 1e-12)
     return MotionRun(
         recording.name, joint, cylinder, bool(turning), time, position, velocity, inertial, bias, tilt, passive, drive,
         pushed, arm, gauge, levers, float(np.sqrt(variance)), still, breaks, effective,
-        external is not None, damped=-damping * move[1] if damping > 0.0 else None, every=every,
+        external is not None, damped=-damping * as_smooth(time, move.velocity) if damping > 0.0 else None, every=every,
     )  # fmt: skip

@@ -119,7 +119,7 @@ class MotionProblem:
         run, sensors = self.runs[index], setting.sensors
         resisted = np.empty(len(run.time))
         resistance_along(setting.cylinder[0], run.time, run.position, run.velocity, run.gauge, resisted)
-        resisted = as_smooth(run.time, resisted)  # as the measured forces are: a reversal is a step on neither side
+        resisted = as_smooth(run.time, run.arm * resisted)  # as the measured forces are: a reversal is a step on neither side
         mass = sensors.get("payload_mass", 1.0)
         moved = (
             run.inertial
@@ -127,7 +127,7 @@ class MotionProblem:
             + sensors.get("zero", 0.0) * run.tilt
         )
         passive = run.passive if run.damped is None else run.passive + (sensors.get("damping", 1.0) - 1.0) * run.damped
-        found = mass * moved - passive - run.drive - run.external + run.arm * resisted - sensors.get("offset", 0.0)
+        found = mass * moved - passive - run.drive - run.external + resisted - sensors.get("offset", 0.0)
         for column, lever in run.levers.items():
             found = found + lever * sensors.get(f"{column}.bias", 0.0)
         for name, answer in run.unsure.items():
@@ -160,7 +160,8 @@ def _layout(run: MotionRun, usable: NDArray[np.bool_]) -> tuple[NDArray[np.int64
     step = float(np.median(np.diff(time)))
     size = max(1, int(round(GROUP / step)))
     edge = max(2, int(round(0.5 * smoothing(time) / step)))
-    moving = binary_erosion(np.abs(run.velocity) > run.still, iterations=edge)
+    turned = np.diff(np.signbit(run.velocity), prepend=run.velocity[0] < 0.0)  # between two samples that both move
+    moving = binary_erosion((np.abs(run.velocity) > run.still) & ~turned, iterations=edge)
     good = usable & moving & np.isfinite(run.inertial + run.drive + run.external)
     for begin in run.breaks:
         good[max(0, begin - edge) : begin + edge] = False

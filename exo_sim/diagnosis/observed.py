@@ -8,17 +8,14 @@ from dataclasses import dataclass, field, replace
 import mujoco
 import numpy as np
 from numpy.typing import NDArray
-from scipy.ndimage import gaussian_filter1d
-from scipy.signal import savgol_coeffs, savgol_filter
 
+from exo_sim.diagnosis.filters import POSITION_SMOOTHING, smoothed, white_noise
 from exo_sim.machine.linkage import Linkage, moment_row
 from exo_sim.recording.table import Recording
 from exo_sim.rig import Rig
 
 Array = NDArray[np.float64]
 
-#: Position is smoothed over this time: a mass on gas does not move faster, sensors jitter faster [s].
-POSITION_SMOOTHING = 0.015
 #: Where the clock jumps by more than this many usual steps no prediction runs across.
 JUMP = 20.0
 #: ... nor across a hole in a channel that is longer than this [s].
@@ -119,100 +116,6 @@ def gaps_of(time: Array, *channels: Array | None) -> tuple[int, ...]:
             if end - begin >= least:
                 edges |= {int(begin), int(end)}
     return tuple(sorted(edge for edge in edges if edge < len(time)))
-
-
-def smooth_window(time: Array, seconds: float = POSITION_SMOOTHING) -> int:
-    """Return an odd number of samples that spans about `seconds`, at least 5."""
-    usual = float(np.median(np.diff(time)))
-    return max(5, 2 * int(round(0.5 * seconds / usual)) + 1)
-
-
-def smoothed(time: Array, values: Array, seconds: float = POSITION_SMOOTHING) -> tuple[Array, Array, Array]:
-    """Return values, first and second derivative by local cubics, shape (n,) each; missing samples are bridged."""
-    if not np.isfinite(values).any():
-        return values, values, values
-    filled, grid, even, usual = _evenly(time, values)
-    window = min(smooth_window(time, seconds), 2 * ((len(grid) - 1) // 2) + 1)
-    if window < 5:
-        return filled, np.gradient(filled, time), np.zeros_like(filled)
-    out = [savgol_filter(grid, window, 3, deriv=d, delta=usual, mode="interp") for d in range(3)]
-    return _back(time, even, out[0]), _back(time, even, out[1]), _back(time, even, out[2])
-
-
-def led(time: Array, values: Array, seconds: float) -> tuple[Array, Array, Array]:
-    """Return values, first and second derivative, shape (n,) each, all behind the very same filter: a Gaussian of `seconds`' width.
-
-    What a balance of forces needs: derivatives of the smoothed signal, so that nothing but the same smoothing stands on its two sides.
-    """
-    if not np.isfinite(values).any():
-        return values, values, values
-    _, grid, even, usual = _evenly(time, values)
-    quiet = _gaussian(grid, seconds, usual)
-    rate = np.gradient(quiet, usual)
-    # differences of the smoothed signal: a cut-off derivative kernel would answer a constant
-    bend = np.zeros_like(quiet)
-    bend[1:-1] = (quiet[2:] - 2.0 * quiet[1:-1] + quiet[:-2]) / usual**2
-    return _back(time, even, quiet), _back(time, even, rate), _back(time, even, bend)
-
-
-def quieted(time: Array, values: Array, seconds: float) -> Array:
-    """Return the values alone of what `led` returns, shape (n,)."""
-    if not np.isfinite(values).any():
-        return values
-    _, grid, even, usual = _evenly(time, values)
-    return _back(time, even, _gaussian(grid, seconds, usual))
-
-
-def _gaussian(grid: Array, seconds: float, usual: float) -> Array:
-    return gaussian_filter1d(grid, min(gaussian_width(seconds) / usual, 0.02 * len(grid)), mode="nearest")
-
-
-def _evenly(time: Array, values: Array) -> tuple[Array, Array, Array | None, float]:
-    """Return values with gaps bridged, the same on an even clock, that clock (None where it is the own one), and its step [s]."""
-    bad = ~np.isfinite(values)
-    filled = np.interp(time, time[~bad], values[~bad]) if bad.any() else values
-    usual = float(np.median(np.diff(time)))
-    even = np.arange(time[0], time[-1] + 0.5 * usual, usual)
-    if len(even) == len(time) and np.allclose(even, time, atol=0.02 * usual):
-        return filled, filled, None, usual
-    return filled, np.interp(even, time, filled), even, usual
-
-
-def _back(time: Array, even: Array | None, values: Array) -> Array:
-    return values if even is None else np.interp(time, even, values)
-
-
-def gaussian_width(seconds: float) -> float:
-    """Return the standard deviation [s] of the Gaussian that smooths over about `seconds`."""
-    return seconds / 4.0
-
-
-def left_of_noise(order: int, seconds: float, step: float) -> float:
-    """Return what `led` leaves of white noise of size 1 in a derivative of this order."""
-    s = gaussian_width(seconds)
-    power = (1.0 / (2.0 * s), 1.0 / (4.0 * s**3), 3.0 / (8.0 * s**5))[order] / np.sqrt(np.pi)
-    return float(np.sqrt(step * power))
-
-
-def white_noise(values: Array | None) -> float:
-    """Return the standard deviation of a channel's white noise, from its fourth differences (robust, blind to smooth signals)."""
-    if values is None:
-        return 0.0
-    good = values[np.isfinite(values)]
-    if good.size < 20:
-        return 0.0
-    fourth = np.diff(good, 4) / np.sqrt(70.0)
-    spread = 1.4826 * float(np.median(np.abs(fourth - np.median(fourth))))
-    if spread > 0.0:
-        return spread
-    steps = np.abs(np.diff(good))
-    steps = steps[steps > 0.0]
-    return float(steps.min()) / np.sqrt(12.0) if steps.size else 0.0
-
-
-def start_filter(points: int) -> Array:
-    """Return weights that estimate a value at the start of `points` samples by a local parabola."""
-    return savgol_coeffs(points, 2, pos=0, use="dot")
 
 
 def joint_run(recording: Recording, joint: str, seconds: float = POSITION_SMOOTHING) -> JointRun | None:

@@ -11,7 +11,8 @@ import mujoco
 import numpy as np
 from numpy.typing import NDArray
 
-from exo_sim.diagnosis.observed import breaks_of, smoothed, start_filter
+from exo_sim.diagnosis.filters import smoothed, start_filter
+from exo_sim.diagnosis.observed import breaks_of
 from exo_sim.machine.linkage import Linkage, moment_row
 from exo_sim.recording.table import Recording
 from exo_sim.rig import Rig

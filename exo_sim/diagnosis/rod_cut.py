@@ -7,8 +7,9 @@ from __future__ import annotations
 
 import numpy as np
 
+from exo_sim.diagnosis.filters import left_of_noise, moved, quieted, restored, white_noise
 from exo_sim.diagnosis.motion_cut import MotionRun, smoothing
-from exo_sim.diagnosis.observed import CylinderRun, led, left_of_noise, white_noise
+from exo_sim.diagnosis.observed import CylinderRun
 from exo_sim.rig import Rig
 
 
@@ -28,21 +29,22 @@ def rod_run(run: CylinderRun, rig: Rig) -> MotionRun | None:
     seconds = smoothing(time)
     keep = left_of_noise(0, seconds, step)
     atmosphere = rig.environment.pressure
-    position, velocity, _ = led(time, run.length, seconds)
-    measured = led(time, run.force, seconds)[0]
-    gauge, levers = np.zeros((n, 2)), {}
+    rod = moved(time, run.length, seconds)
+    measured = quieted(time, run.force, seconds)
+    gauge, drive, levers = np.zeros((n, 2)), np.zeros(n), {}
     variance = (white_noise(run.force) * keep) ** 2
     for side, (values, area) in enumerate(((p_1, c.area_1), (p_2, -c.area_2))):
         if values is None or (side == 1 and c.single_acting):
             continue
-        gauge[:, side] = led(time, values, seconds)[0] - atmosphere
+        smooth = quieted(time, values, seconds)
+        drive += area * (smooth - atmosphere)
+        gauge[:, side] = restored(time, smooth, seconds) - atmosphere
         levers[f"{run.cylinder}.pressure_{side + 1}"] = np.full(n, area)
         variance += (area * white_noise(values) * keep) ** 2
     levers[f"{run.cylinder}.force"] = np.full(n, -1.0)
-    shake = white_noise(run.length) * left_of_noise(1, seconds, step)
     nothing = np.zeros(n)
     return MotionRun(
-        run.recording, run.cylinder, run.cylinder, False, time, position, velocity, measured, measured, nothing, nothing,
-        gauge[:, 0] * c.area_1 - gauge[:, 1] * c.area_2, nothing, np.ones(n), gauge, levers, float(np.sqrt(variance)),
-        max(4.0 * shake, 0.01 * float(np.nanstd(velocity))), run.breaks, 0.0, False, weighs=False,
+        run.recording, run.cylinder, run.cylinder, False, time, rod.position, rod.velocity, measured, measured, nothing, nothing,
+        drive, nothing, np.ones(n), gauge, levers, float(np.sqrt(variance)),
+        max(4.0 * rod.shake, 0.01 * float(np.nanstd(rod.velocity))), run.breaks, 0.0, False, weighs=False,
     )  # fmt: skip

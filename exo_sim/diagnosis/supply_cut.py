@@ -12,7 +12,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from exo_sim.diagnosis.observed import white_noise
+from exo_sim.diagnosis.filters import white_noise
 from exo_sim.diagnosis.quantity import Candidate, Quantity, Setting
 from exo_sim.diagnosis.split import Split
 from exo_sim.physics import chamber

@@ -25,7 +25,7 @@ def decay(values: dict[Quantity, float]) -> np.ndarray:
 @pytest.mark.parametrize("carried", [False, True])
 def test_it_finds_the_minimum(carried: bool) -> None:
     start = {A: 1.0, B: 0.3}
-    known = dict(zip((A, B), differences(decay, (A, B), start, decay(start), None).T, strict=True)) if carried else None
+    known = dict(zip((A, B), differences(decay, (A, B), start, decay(start)).T, strict=True)) if carried else None
     found = fit(decay, (A, B), start, most=40, tolerance=1e-9, known=known)
     assert found.values[A] == pytest.approx(2.0, rel=1e-3)
     assert found.values[B] == pytest.approx(0.7, rel=1e-3)
@@ -34,7 +34,7 @@ def test_it_finds_the_minimum(carried: bool) -> None:
 def test_a_carried_jacobian_costs_fewer_predictions() -> None:
     counts = []
     start = {A: 1.8, B: 0.6}
-    for known in (None, dict(zip((A, B), differences(decay, (A, B), start, decay(start), None).T, strict=True))):
+    for known in (None, dict(zip((A, B), differences(decay, (A, B), start, decay(start)).T, strict=True))):
         calls = []
         fit(lambda v, calls=calls: calls.append(1) or decay(v), (A, B), start, most=20, known=known)  # type: ignore[misc, func-returns-value]
         counts.append(len(calls))

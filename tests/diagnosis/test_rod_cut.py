@@ -12,8 +12,9 @@ from hypothesis import given
 from hypothesis import strategies as st
 from scipy.special import erf
 
+from exo_sim.diagnosis.filters import led
 from exo_sim.diagnosis.motion_cut import SMOOTHING, MotionRun, as_smooth
-from exo_sim.diagnosis.observed import CylinderRun, led
+from exo_sim.diagnosis.observed import CylinderRun
 from exo_sim.diagnosis.rod_cut import rod_run
 from exo_sim.rig import Rig
 

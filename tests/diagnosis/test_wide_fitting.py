@@ -66,7 +66,7 @@ def test_it_goes_as_far_as_it_may_where_far_is_right() -> None:
 
 def test_its_columns_are_in_the_logarithm() -> None:
     start = {T: 0.2}
-    column = differences(decay, (T,), start, decay(start), None)[:, 0]
+    column = differences(decay, (T,), start, decay(start))[:, 0]
     exact = 50.0 * np.exp(-AT / 0.2) * AT / 0.2  # d exp(-t/T) / d log T
     np.testing.assert_allclose(column, exact, atol=0.03 * exact.max())
 
@@ -81,13 +81,13 @@ def test_it_keeps_to_the_bounds_of_a_wide_number() -> None:
 def test_a_stale_jacobian_still_ends_at_the_minimum(kind: str) -> None:
     quantities = (SIZE, R)
     start = {SIZE: 1.0, R: 0.5}
-    true = differences(both, quantities, start, both(start), None)
+    true = differences(both, quantities, start, both(start))
     elsewhere = {SIZE: -5.0, R: 20.0}
     columns = {
         "turned round": -true,
         "nothing": 0.0 * true,
         "noise": 30.0 * np.random.default_rng(4).standard_normal(true.shape),
-        "of elsewhere": differences(both, quantities, elsewhere, both(elsewhere), None),
+        "of elsewhere": differences(both, quantities, elsewhere, both(elsewhere)),
         "exchanged": true[:, ::-1],
         "far too small": 1e-3 * true,
         "far too large": 1e3 * true,
@@ -96,7 +96,7 @@ def test_a_stale_jacobian_still_ends_at_the_minimum(kind: str) -> None:
     found = fit(both, quantities, start, most=40, tolerance=1e-6, known=known, exact=True)
     assert found.values[SIZE] == pytest.approx(2.0, rel=5e-3)
     assert found.values[R] == pytest.approx(1.0 / TRUE, rel=5e-3)
-    at_end = differences(both, quantities, found.values, found.residual, None)
+    at_end = differences(both, quantities, found.values, found.residual)
     np.testing.assert_allclose(found.jacobian, at_end, atol=1e-9)
 
 

@@ -19,7 +19,8 @@ EFFECT = Effect(
     needs=("position",),
     mistaken_for=("line_restriction", "unknown"),
     experiment="turn the cushion needle, or stop short of the end",
-    convention="length is counted from the piston's ends of travel, X = 0 and X = stroke; both cushions are alike.",
+    convention="length is counted from the piston's ends of travel, X = 0 and X = stroke; both cushions are alike. "
+    "Needle and valve lie behind each other: 1/C^3 adds up (ISO 6358-3).",
     signature="a pressure spike tied to position; the start from the end is not slowed",
     asked=Asked(jerky=True, starts_by_reach=tuple((reach, area) for reach in (0.02, 0.06, 0.12, 0.25) for area in (0.03, 0.15))),
 )
@@ -27,5 +28,11 @@ EFFECT = Effect(
 
 @kernel
 def outlet(p, area: float, from_end: float) -> float:
-    """Return the area left to gas that leaves a chamber whose piston is `from_end` metres from its end [m^2]."""
-    return min(area, p.area) if from_end < p.length else area
+    """Return the area left to gas that leaves a chamber whose piston is `from_end` metres from its end [m^2].
+
+    Two restrictions of one critical ratio behind each other are one of 1/C^3 = 1/C_1^3 + 1/C_2^3 (ISO 6358-3:2014).
+    """
+    if from_end >= p.length:
+        return area
+    narrow, wide = min(area, p.area), max(area, p.area)
+    return narrow * (1.0 + (narrow / wide) ** 3) ** (-1.0 / 3.0) if narrow > 0.0 else 0.0

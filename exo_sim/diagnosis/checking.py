@@ -19,6 +19,8 @@ FELT = 0.3
 
 #: Where the proof is missed by so many times what the fit leaves, something acts there that has not been found.
 UNMET = 8.0
+#: ... and by so many where it is missed by more than any healthy machine's is.
+UNMET_AND_SICK = 4.0
 
 #: How often a case is examined without what its check did not bear out.
 MOST_DOUBTS = 4
@@ -38,15 +40,17 @@ def unmet(examined: Examined) -> list[Finding]:
     """Return a finding for every balance of which the proof shows something that the rest of the time never met."""
     found = []
     for one in examined.judged:
-        ratio, odds = examined.proof.missed.get((one.cut, one.where), (0.0, 0.0))
-        if ratio > UNMET and has_filled_in(one):
+        missed = examined.proof.missed.get((one.cut, one.where))
+        if missed is None or missed.ratio <= (UNMET_AND_SICK if missed.sick else UNMET):
+            continue
+        if has_filled_in(one):
             leave_open(one, examined.case)
-        elif ratio > UNMET and not one.nameless:
+        elif not one.nameless:
             says = (
-                f"In the time kept back the {one.balance} of {one.where} is missed {ratio:.0f} times as much as in the rest: "
+                f"In the time kept back the {one.balance} of {one.where} is missed {missed.ratio:.0f} times as much as in the rest: "
                 "something acts there that the rest never met; record more of it."
             )
-            found.append(Finding("unknown", one.where, "unknown", says, {}, odds, 0.0))
+            found.append(Finding("unknown", one.where, "unknown", says, {}, missed.log10_odds, 0.0))
     return found
 
 

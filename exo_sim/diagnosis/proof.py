@@ -31,6 +31,21 @@ LEAST_DROP, PLAIN_ODDS = 0.15, 25.0
 MOST_RISE, GREAT_ODDS = 0.1, 100.0
 
 
+@dataclass(frozen=True)
+class Missed:
+    """By how much one balance is missed on held-out time.
+
+    Attributes:
+        ratio: Error in units of what the fit leaves, or of the noise.
+        log10_odds: That it is more than noise.
+        sick: Whether it is more than any healthy machine's.
+    """
+
+    ratio: float
+    log10_odds: float
+    sick: bool
+
+
 @dataclass
 class Proof:
     """Errors on held-out time.
@@ -41,7 +56,7 @@ class Proof:
         series: What a report draws.
         held_out, held_out_recordings: Which time was kept.
         felt: By the keys of `drops`, how much predictions change with it [units of the noise].
-        missed: By cut and place, the error in those units, and the odds (log10) that it is more than noise.
+        missed: By cut and place.
         surprise: The largest error of a balance, in units of what the fit leaves of it, or of the noise.
     """
 
@@ -51,7 +66,7 @@ class Proof:
     held_out: tuple[tuple[float, float], ...] = ()
     held_out_recordings: tuple[str, ...] = ()
     felt: dict[str, float] = field(default_factory=dict)
-    missed: dict[tuple[str, str], tuple[float, float]] = field(default_factory=dict)
+    missed: dict[tuple[str, str], Missed] = field(default_factory=dict)
     surprise: float = 0.0
 
 
@@ -211,7 +226,8 @@ def _drops(
     whole = normalised(residual)
     ratio = finite(whole / max(normalised(one.trial.fit.residual), 1.0))
     alike = max(correlation_time(residual, kept.blocks), 1.0)
-    proof.missed[one.cut, one.where] = ratio, 0.5 * kept.size / alike * math.log10(max(whole, 1.0) ** 2)
+    odds = 0.5 * kept.size / alike * math.log10(max(whole, 1.0) ** 2)
+    proof.missed[one.cut, one.where] = Missed(ratio, odds, whole > kept.sick)
     proof.surprise = max(proof.surprise, ratio)
     told = {(finding.name, finding.where) for finding in one.findings}
     for candidate in (candidate for candidate in one.named if (candidate.effect, candidate.where) in told):

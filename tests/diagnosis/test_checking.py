@@ -11,7 +11,7 @@ from exo_sim.diagnosis import checking
 from exo_sim.diagnosis.cases import Case
 from exo_sim.diagnosis.examining import Doubts, Examined
 from exo_sim.diagnosis.judging import Judged
-from exo_sim.diagnosis.proof import Proof
+from exo_sim.diagnosis.proof import Missed, Proof
 from exo_sim.diagnosis.result import Finding, SignalFit
 from exo_sim.diagnosis.split import Split
 
@@ -79,9 +79,12 @@ def test_a_check_in_which_nothing_could_be_compared_never_wins() -> None:
     assert examined(judged(), None).surprise == 0.0
 
 
-@pytest.mark.parametrize(("ratio", "nameless", "count"), [(2.0, False, 0), (12.0, False, 1), (12.0, True, 0)])
-def test_what_only_the_proof_shows_is_said(ratio: float, nameless: bool, count: int) -> None:
-    missed = proof({}, missed={("gas", "piston"): (ratio, 40.0)})
+@pytest.mark.parametrize(
+    ("ratio", "sick", "nameless", "count"),
+    [(2.0, True, False, 0), (6.0, False, False, 0), (6.0, True, False, 1), (12.0, False, False, 1), (12.0, True, True, 0)],
+)
+def test_what_only_the_proof_shows_is_said(ratio: float, sick: bool, nameless: bool, count: int) -> None:
+    missed = proof({}, missed={("gas", "piston"): Missed(ratio, 40.0, sick)})
     found = checking.unmet(examined(judged(nameless=nameless), None, last=missed))
     assert len(found) == count
-    assert all(finding.kind == "unknown" and "12 times" in finding.says and finding.log10_odds == 40.0 for finding in found)
+    assert all(finding.kind == "unknown" and f"{ratio:.0f} times" in finding.says and finding.log10_odds == 40.0 for finding in found)

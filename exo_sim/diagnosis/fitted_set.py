@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, field
 from typing import Protocol
 
@@ -28,6 +28,15 @@ class Problem(Protocol):
     def sick(self) -> float: ...
 
     def residual(self, values: dict[Quantity, float], fixed: Sequence[tuple[Quantity, float]] = ()) -> Array: ...
+
+
+#: Names a set of candidates whatever their order.
+SetKey = frozenset[tuple[str, str, str]]
+
+
+def key_of(chosen: Iterable[Candidate]) -> SetKey:
+    """Return what names a set of candidates."""
+    return frozenset(candidate.key for candidate in chosen)
 
 
 @dataclass

@@ -12,7 +12,7 @@ from collections.abc import Callable, Sequence
 import numpy as np
 from numpy.typing import NDArray
 
-from exo_sim.diagnosis.fitted_set import Found, Problem, Trial, sizeable
+from exo_sim.diagnosis.fitted_set import Found, Problem, SetKey, Trial, key_of, sizeable
 from exo_sim.diagnosis.fitting import FEWEST_ROWS, Fit
 from exo_sim.diagnosis.intervals import spreads
 from exo_sim.diagnosis.quantity import Candidate, Quantity, standing
@@ -66,7 +66,7 @@ class Search:
         self.library, self.most, self.cheap, self.material = tuple(library), most, cheap, material
         self._say = progress or (lambda words: None)
         self._whole: Trial | None = None
-        self._screened: dict[frozenset[tuple[str, str, str]], list[tuple[float, Candidate]]] = {}
+        self._screened: dict[SetKey, list[tuple[float, Candidate]]] = {}
 
     # -- weighing ---------------------------------------------------------------------------------------------------
 
@@ -96,7 +96,7 @@ class Search:
 
     def screen(self, now: Trial) -> list[tuple[float, Candidate]]:
         """Return the candidates that are not in a trial by how much of its error their signatures could explain, best first."""
-        key = frozenset(candidate.key for candidate in now.chosen)
+        key = key_of(now.chosen)
         if key not in self._screened:
             self._screened[key] = screen(self.sets.problem, now, self.library, self.sets.workers)
         return self._screened[key]
@@ -157,10 +157,10 @@ class Search:
     def _grown(self, beam: Sequence[Trial]) -> list[Trial]:
         """Return every accepted set that has one candidate more than one of these."""
         asked = [(now, candidate) for now in beam for candidate in self._finalists(self._promising(now))]
-        grown: dict[frozenset[tuple[str, str, str]], Trial] = {}
+        grown: dict[SetKey, Trial] = {}
         for (now, candidate), trial in zip(asked, self.sets.try_sets([((*now.chosen, one), now) for now, one in asked]), strict=True):
             if self.accepts(now, trial) and sizeable(candidate, trial):
-                grown[frozenset(c.key for c in trial.chosen)] = trial
+                grown[key_of(trial.chosen)] = trial
         return list(grown.values())
 
     def _promising(self, now: Trial) -> list[tuple[float, Candidate]]:

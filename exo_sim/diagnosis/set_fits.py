@@ -7,7 +7,7 @@ from collections.abc import Callable, Sequence
 import numpy as np
 from numpy.typing import NDArray
 
-from exo_sim.diagnosis.fitted_set import Problem, Trial
+from exo_sim.diagnosis.fitted_set import Problem, SetKey, Trial, key_of
 from exo_sim.diagnosis.fitting import Fit, fit
 from exo_sim.diagnosis.quantity import Candidate, Quantity
 from exo_sim.diagnosis.weighing import correlation_time, loss
@@ -33,14 +33,14 @@ class SetFits:
 
     def __init__(self, problem: Problem, nuisances: Sequence[Quantity], workers: Workers = ALONE, cheap: bool = False):
         self.problem, self.nuisances, self.workers, self.cheap = problem, tuple(nuisances), workers, cheap
-        self._fitted: dict[frozenset[tuple[str, str, str]], Trial] = {}
+        self._fitted: dict[SetKey, Trial] = {}
 
     def try_set(self, chosen: Sequence[Candidate], near: Trial | None = None, again: bool = False) -> Trial:
         """Fit the believed numbers and these candidates together, from a trial near by and typical values where it has none.
 
         With `again` a set that was fitted before is fitted from here as well, and the better one kept.
         """
-        key = frozenset(candidate.key for candidate in chosen)
+        key = key_of(chosen)
         before = self._fitted.get(key)
         if before is not None and not again:
             return before
@@ -73,9 +73,9 @@ class SetFits:
 
     def try_sets(self, asked: Sequence[tuple[Sequence[Candidate], Trial]], again: bool = False) -> list[Trial]:
         """Fit several sets side by side, each from the trial near by; a set that is asked for twice is fitted for the first who asks."""
-        first = {frozenset(candidate.key for candidate in chosen): (chosen, near) for chosen, near in reversed(asked)}
+        first = {key_of(chosen): (chosen, near) for chosen, near in reversed(asked)}
         fitted = dict(zip(first, self.workers.fits(lambda one: self.try_set(one[0], one[1], again), list(first.values())), strict=True))
-        return [fitted[frozenset(candidate.key for candidate in chosen)] for chosen, _ in asked]
+        return [fitted[key_of(chosen)] for chosen, _ in asked]
 
     def polished(self, trial: Trial) -> Trial:
         """Return a trial fitted to the end: its numbers are going to be told."""
@@ -87,7 +87,7 @@ class SetFits:
         known = dict(zip(trial.fit.quantities, trial.fit.jacobian.T, strict=True))
         done = fit(residual, quantities, trial.fit.values, self.workers, most=12, tolerance=1e-6, spell=spell, known=known, exact=True)
         better = Trial(trial.chosen, done)
-        self._fitted[frozenset(candidate.key for candidate in trial.chosen)] = better
+        self._fitted[key_of(trial.chosen)] = better
         return better
 
     def _residual_of(self, chosen: Sequence[Candidate]) -> Callable[[dict[Quantity, float]], Array]:

@@ -70,7 +70,7 @@ def filled_in(case: Case, gas: Sequence[Judged], parts: Split) -> None:
         whole = GasProblem(case.cylinders[one.where], setting_of(one, one.trial), parts, held_out=True)
         for index, feed in enumerate(whole.feeds):
             side = _lacking(case, feed.run)
-            if side is None or any(not run.unsure for run in case.joints.get(joint, ())):
+            if side is None or any(not run.filled_in for run in case.joints.get(joint, ())):
                 continue
             run = _Unmeasured(case, one, whole, index, side).balance()
             if run is None:
@@ -117,6 +117,7 @@ class _Unmeasured:
         other = normalised(missed[self._shown(self.table.time)])
         return replace(
             run,
+            filled_in=True,
             unsure={name: change for name, change in unsure.items() if float(np.max(np.abs(change))) > least},
             leaks=leaks,
             noise=float(np.hypot(run.noise, other * np.sqrt(np.mean(lever**2)))),

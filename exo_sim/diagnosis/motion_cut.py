@@ -58,7 +58,8 @@ class MotionRun:
         effective_mass: Mass that the piston feels [kg]; 0 where that plays no part.
         external_recorded: Whether `external` was measured.
         weighs: Whether a mass enters the balance.
-        unsure: How `drive` answers one standard deviation of each number that a pressure hangs on which was not measured.
+        filled_in: Whether a pressure in it was not measured, and what the gas predicts stands in its place.
+        unsure: How `drive` answers one standard deviation of each number that such a pressure hangs on.
         every: Of how many samples of the recording one was kept.
         leaks: How `drive` answers the parameters of a leak from that chamber, per unit of each.
     """
@@ -87,6 +88,7 @@ class MotionRun:
     weighs: bool = True
     damped: Array | None = None
     every: int = 1
+    filled_in: bool = False
     unsure: dict[str, Array] = field(default_factory=dict)
     leaks: dict[str, Array] = field(default_factory=dict)
 

@@ -90,7 +90,7 @@ class MotionProblem:
     @property
     def filled_in(self) -> bool:
         """Whether a pressure in it was not measured."""
-        return any(run.unsure for run in self.runs)
+        return any(run.filled_in for run in self.runs)
 
     @property
     def material(self) -> float:

@@ -13,10 +13,11 @@ import numpy as np
 from numpy.typing import NDArray
 
 from exo_sim.diagnosis.cases import Case
+from exo_sim.diagnosis.filters import restored
 from exo_sim.diagnosis.gas_cut import behind_hose
 from exo_sim.diagnosis.gas_problem import GasProblem
 from exo_sim.diagnosis.judging import Judged
-from exo_sim.diagnosis.motion_cut import MotionRun, smooth_on_clock
+from exo_sim.diagnosis.motion_cut import MotionRun, smooth_on_clock, smoothing
 from exo_sim.diagnosis.split import Split
 from exo_sim.diagnosis.verdict import setting_of
 
@@ -76,8 +77,8 @@ def _changed(run: MotionRun, changes: Mapping[tuple[str, str], tuple[Array, Arra
         smooth = smooth_on_clock(run, time, change)
         drive = drive + lever * smooth
         if run.cylinder is not None and column.startswith(f"{run.cylinder}.pressure_"):
-            side = int(column[-1]) - 1
-            gauge = gauge + np.column_stack([smooth if s == side else np.zeros_like(smooth) for s in range(2)])
+            side, full = int(column[-1]) - 1, restored(run.time, smooth, smoothing(run.time))
+            gauge = gauge + np.column_stack([full if s == side else np.zeros_like(full) for s in range(2)])
     return run if drive is run.drive else replace(run, drive=drive, gauge=gauge)
 
 

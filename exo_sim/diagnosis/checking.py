@@ -9,7 +9,7 @@ from exo_sim.diagnosis.examining import Doubts, Examined, Progress, examine, has
 from exo_sim.diagnosis.proof import doubtful
 from exo_sim.diagnosis.result import Finding
 from exo_sim.diagnosis.split import Split, split
-from exo_sim.diagnosis.workers import Workers
+from exo_sim.diagnosis.threads import Threads
 
 #: Where the check is missed by so many times what the fit leaves, it shows something that the fit never met.
 SURPRISE = 3.0
@@ -26,14 +26,14 @@ UNMET_AND_SICK = 4.0
 MOST_DOUBTS = 4
 
 
-def examined_and_checked(case: Case, workers: Workers, say: Progress) -> Examined:
+def examined_and_checked(case: Case, threads: Threads, say: Progress) -> Examined:
     """Examine a case with its end kept back, or with its beginning where the check shows what the fit never met and that is met better."""
     times = [(table.name, table.time) for table in case.recordings]
-    found = _checked(case, split(times), workers, say)
+    found = _checked(case, split(times), threads, say)
     if found.surprise <= SURPRISE:
         return found
     say("the check shows what the fit never met: the beginning is kept back instead")
-    return min(found, _checked(case, split(times, head=True), workers, say), key=lambda one: one.surprise)
+    return min(found, _checked(case, split(times, head=True), threads, say), key=lambda one: one.surprise)
 
 
 def unmet(examined: Examined) -> list[Finding]:
@@ -54,11 +54,11 @@ def unmet(examined: Examined) -> list[Finding]:
     return found
 
 
-def _checked(gathered: Case, parts: Split, workers: Workers, say: Progress) -> Examined:
+def _checked(gathered: Case, parts: Split, threads: Threads, say: Progress) -> Examined:
     """Examine a case, and again without the names that its check does not bear out."""
     doubted: Doubts = {}
     for _ in range(MOST_DOUBTS):
-        examined = examine(gathered.copy(), parts, doubted, workers, say)
+        examined = examine(gathered.copy(), parts, doubted, threads, say)
         new = _doubts(examined)
         if not new:
             return examined

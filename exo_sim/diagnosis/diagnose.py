@@ -13,8 +13,8 @@ from exo_sim.diagnosis.examining import Doubts, Progress
 from exo_sim.diagnosis.judging import Judged, calibration_findings
 from exo_sim.diagnosis.result import Diagnosis, Finding, Located, Rejected
 from exo_sim.diagnosis.rewriting import improved_text
+from exo_sim.diagnosis.threads import Threads
 from exo_sim.diagnosis.verdict import located, next_experiment, open_questions, unexplained, verdict_of
-from exo_sim.diagnosis.workers import Workers
 
 
 def diagnose(
@@ -44,8 +44,8 @@ def diagnose(
     say = progress or (lambda words: None)
     say("reading")
     gathered = gather(recordings, rig, column_map)
-    with Workers(jobs or os.cpu_count() or 1) as workers:
-        examined = examined_and_checked(gathered, workers, say)
+    with Threads(jobs or os.cpu_count() or 1) as threads:
+        examined = examined_and_checked(gathered, threads, say)
     case, judged, nameless, proof = examined.case, examined.judged, examined.nameless, examined.proof
     findings = _findings(judged, case, proof.drops)
     findings += [replace(found.finding, held_out_error_drop=proof.drops.get(found.finding.where, 0.0)) for found in nameless]

@@ -23,8 +23,8 @@ from exo_sim.diagnosis.quantity import Candidate, Setting
 from exo_sim.diagnosis.result import OpenQuestion
 from exo_sim.diagnosis.search import Search
 from exo_sim.diagnosis.split import Split
+from exo_sim.diagnosis.threads import Threads
 from exo_sim.diagnosis.verdict import Unnamed, setting_of, unknown_findings
-from exo_sim.diagnosis.workers import Workers
 from exo_sim.physics.effects.declaration import declared
 from exo_sim.physics.records import CYLINDER
 from exo_sim.rig import assembly
@@ -62,12 +62,12 @@ class Examined:
         return self.check.surprise if self.check.signals else math.inf
 
 
-def examine(case: Case, parts: Split, doubted: Doubts, workers: Workers, say: Progress) -> Examined:
+def examine(case: Case, parts: Split, doubted: Doubts, threads: Threads, say: Progress) -> Examined:
     """Search and judge every cut of the plant on one division of the time, and hold what comes out against what was kept back."""
-    gas = _gas(case, parts, doubted, workers, say)
+    gas = _gas(case, parts, doubted, threads, say)
     filled_in(case, gas, parts)
     put_right(case, carried_over(case, gas, parts))
-    judged = _shared_once([*gas, *_supply(case, parts, gas, doubted, workers, say), *_motion(case, parts, doubted, workers, say)])
+    judged = _shared_once([*gas, *_supply(case, parts, gas, doubted, threads, say), *_motion(case, parts, doubted, threads, say)])
     nameless = unknown_findings(_nameable(judged, case))
     say("proving on time kept back")
     check = prove(judged, case, parts.checking(), nameless) if parts.check else None
@@ -84,7 +84,7 @@ def _told(say: Progress, part: str) -> Progress:
     return lambda words: say(f"{part}: {words}")
 
 
-def _gas(case: Case, parts: Split, doubted: Doubts, workers: Workers, say: Progress) -> list[Judged]:
+def _gas(case: Case, parts: Split, doubted: Doubts, threads: Threads, say: Progress) -> list[Judged]:
     found = []
     for name in list(case.cylinders):
         runs = case.cylinders[name] = [begun_by_forces(case, run) for run in case.cylinders[name]]
@@ -104,12 +104,12 @@ def _gas(case: Case, parts: Split, doubted: Doubts, workers: Workers, say: Progr
         nuisances = library.believed(setting, name, commanded, sides, still) + library.known_effects(setting, name)
         questions = library.candidates(setting, runs, name, joint)
         if problem.size >= FEWEST_ROWS:
-            problem = problem.either_law(nuisances, workers)
+            problem = problem.either_law(nuisances, threads)
         search = Search(
             problem,
             nuisances,
             _asked(questions, doubted),
-            workers,
+            threads,
             _told(say, name),
             cheap=sum(len(run.time) for run in runs) < FEW_SAMPLES,
             material=problem.material,
@@ -118,7 +118,7 @@ def _gas(case: Case, parts: Split, doubted: Doubts, workers: Workers, say: Progr
     return found
 
 
-def _supply(case: Case, parts: Split, gas: Sequence[Judged], doubted: Doubts, workers: Workers, say: Progress) -> list[Judged]:
+def _supply(case: Case, parts: Split, gas: Sequence[Judged], doubted: Doubts, threads: Threads, say: Progress) -> list[Judged]:
     """Judge the measured supply by what all cylinders together drew from it; nothing where one of them is not known."""
     if len(gas) < len(case.rig.cylinders) or any(one.empty for one in gas):
         return []
@@ -144,7 +144,7 @@ def _supply(case: Case, parts: Split, gas: Sequence[Judged], doubted: Doubts, wo
         problem,
         supply_cut.believed(setting),
         _asked(supply_cut.candidates(setting), doubted),
-        workers,
+        threads,
         _told(say, "supply"),
         cheap=True,
         material=problem.material,
@@ -152,7 +152,7 @@ def _supply(case: Case, parts: Split, gas: Sequence[Judged], doubted: Doubts, wo
     return [judge("supply", "supply", problem, search.sets, search.run(), partial(pattern_left, problem))]
 
 
-def _motion(case: Case, parts: Split, doubted: Doubts, workers: Workers, say: Progress) -> list[Judged]:
+def _motion(case: Case, parts: Split, doubted: Doubts, threads: Threads, say: Progress) -> list[Judged]:
     found = []
     for joint, runs in case.joints.items():
         cylinder = runs[0].cylinder
@@ -171,7 +171,7 @@ def _motion(case: Case, parts: Split, doubted: Doubts, workers: Workers, say: Pr
             problem,
             nuisances,
             _asked(questions, doubted),
-            workers,
+            threads,
             _told(say, joint),
             cheap=True,
             material=problem.material,

@@ -41,14 +41,15 @@ class Moved:
     shake: float
 
 
-def moved(time: Array, values: Array, seconds: float) -> Moved:
+def moved(time: Array, values: Array, seconds: float, jitter: float | None = None) -> Moved:
     """Return how something moved.
 
     Args:
         time, values: Clock [s] and measured position, shape (n,).
         seconds: Width of the filter of the balance [s].
+        jitter: Standard deviation of the position's white noise; taken from it where absent.
     """
-    jitter, step = white_noise(values), float(np.median(np.diff(time)))
+    jitter, step = white_noise(values) if jitter is None else jitter, float(np.median(np.diff(time)))
     position, velocity, acceleration = led(time, values, seconds)
     width = seconds
     if 4.0 * jitter * left_of_noise(1, QUICKER * seconds, step, RESTORED) < QUIET * float(np.nanstd(velocity)):
@@ -85,10 +86,12 @@ def led(time: Array, values: Array, seconds: float) -> tuple[Array, Array, Array
         return values, values, values
     _, grid, even, usual = _evenly(time, values)
     quiet = _gaussian(grid, seconds, usual)
-    rate = np.gradient(quiet, usual)
     # differences of the smoothed signal: a cut-off derivative kernel would answer a constant
-    bend = np.zeros_like(quiet)
+    rate, bend = np.gradient(quiet, usual), np.zeros_like(quiet)
     bend[1:-1] = (quiet[2:] - 2.0 * quiet[1:-1] + quiet[:-2]) / usual**2
+    if len(quiet) > 4:  # of fourth order: on a slow clock the second takes more than the filter
+        rate[2:-2] = (8.0 * (quiet[3:-1] - quiet[1:-3]) - (quiet[4:] - quiet[:-4])) / (12.0 * usual)
+        bend[2:-2] = (16.0 * (quiet[3:-1] + quiet[1:-3]) - (quiet[4:] + quiet[:-4]) - 30.0 * quiet[2:-2]) / (12.0 * usual**2)
     return _back(time, even, quiet), _back(time, even, rate), _back(time, even, bend)
 
 
@@ -114,7 +117,7 @@ def gaussian_width(seconds: float) -> float:
 
 
 def left_of_noise(order: int, seconds: float, step: float, passed: Mapping[int, float] = LED) -> float:
-    """Return what a filter leaves of white noise of size 1 in a derivative of this order."""
+    """Return what a filter leaves of white noise of size 1 in a derivative of this order, on a clock that is finer than the filter."""
     s = gaussian_width(seconds)
     power = (1.0 / (2.0 * s), 1.0 / (4.0 * s**3), 3.0 / (8.0 * s**5))[order] / np.sqrt(np.pi)
     both = sum(a * b * (0.5 * (j + k)) ** -(order + 0.5) for j, a in passed.items() for k, b in passed.items())

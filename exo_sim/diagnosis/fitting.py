@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from exo_sim.diagnosis.quantity import Quantity
-from exo_sim.diagnosis.workers import ALONE, Workers
+from exo_sim.diagnosis.threads import ALONE, Threads
 
 Array = NDArray[np.float64]
 
@@ -71,7 +71,7 @@ def differences(
     quantities: Sequence[Quantity],
     values: dict[Quantity, float],
     base: Array,
-    workers: Workers = ALONE,
+    threads: Threads = ALONE,
 ) -> Array:
     """Return the Jacobian by one-sided differences in coordinates, shape (n, p)."""
 
@@ -89,7 +89,7 @@ def differences(
         column = (moved - base) / apart
         return column if np.isfinite(column).all() else np.zeros_like(base)
 
-    columns = workers.predictions(column, quantities)
+    columns = threads.predictions(column, quantities)
     return np.column_stack(columns) if columns else np.zeros((base.size, 0))
 
 
@@ -97,7 +97,7 @@ def fit(
     residual: Residual,
     quantities: Sequence[Quantity],
     start: dict[Quantity, float],
-    workers: Workers = ALONE,
+    threads: Threads = ALONE,
     most: int = 8,
     tolerance: float = 2e-3,
     spell: float = 1.0,
@@ -113,7 +113,7 @@ def fit(
         residual: Values to a whitened residual, shape (n,).
         quantities: What is free, p of them.
         start: Where to begin.
-        workers: Threads for the finite differences.
+        threads: Threads for the finite differences.
         most: The most iterations.
         tolerance: Stop when the cost falls by less than this share.
         spell: How many neighbouring rows say the same.
@@ -130,7 +130,7 @@ def fit(
         return Fit(quantities, values, r, np.zeros((r.size, len(quantities))), float(rows @ rows), row_jac)
     missing = [q for q in quantities if known is None or q not in known]
     jac = np.zeros((r.size, len(quantities)))
-    for j, column in zip([quantities.index(q) for q in missing], differences(residual, missing, values, r, workers).T, strict=True):
+    for j, column in zip([quantities.index(q) for q in missing], differences(residual, missing, values, r, threads).T, strict=True):
         jac[:, j] = column
     for j, q in enumerate(quantities):
         if known is not None and q in known:
@@ -158,7 +158,7 @@ def fit(
         if not improved:
             if fresh:
                 break
-            jac, fresh, damping = differences(residual, quantities, values, r, workers), True, 1e-4
+            jac, fresh, damping = differences(residual, quantities, values, r, threads), True, 1e-4
             continue
         gain = (cost - new_cost) / max(cost, 1e-300)
         taken = np.array([q.coordinate(trial[q]) - q.coordinate(values[q]) for q in quantities])
@@ -168,13 +168,13 @@ def fit(
         if gain < tolerance:
             if fresh or float(r @ r) < NEAR_NOISE * r.size:
                 break
-            jac, fresh, damping = differences(residual, quantities, values, r, workers), True, 1e-4
+            jac, fresh, damping = differences(residual, quantities, values, r, threads), True, 1e-4
         elif known is None:
-            jac = differences(residual, quantities, values, r, workers)
+            jac = differences(residual, quantities, values, r, threads)
         else:
             jac, fresh = jac + np.outer(surprise, taken) / max(float(taken @ taken), 1e-300), False
     if exact and not fresh:
-        jac = differences(residual, quantities, values, r, workers)
+        jac = differences(residual, quantities, values, r, threads)
     return Fit(quantities, values, r, jac, float(rows @ rows), row_jac, weight)
 
 

@@ -203,11 +203,12 @@ class GasInputs:
 
     def command_after(self, delay: float) -> Array:
         """Return the command as it reaches the valve `delay` seconds late."""
-        if delay not in self._delayed:
+        found = self._delayed.get(delay)
+        if found is None:
             if len(self._delayed) > max(2, MOST_KEPT // len(self.time)):
                 self._delayed.clear()
-            self._delayed[delay] = late_command(self.time, self.command, delay)
-        return self._delayed[delay]
+            found = self._delayed[delay] = late_command(self.time, self.command, delay)
+        return found
 
 
 def inputs(run: CylinderRun, world: NDArray[np.void], seconds: float) -> GasInputs:

@@ -15,7 +15,7 @@ from exo_sim.diagnosis.gas_cut import GasInputs, GasPrediction, inputs, run_gas
 from exo_sim.diagnosis.observed import CylinderRun
 from exo_sim.diagnosis.quantity import Quantity, Setting
 from exo_sim.diagnosis.split import Split
-from exo_sim.diagnosis.workers import ALONE, Workers
+from exo_sim.diagnosis.threads import ALONE, Threads
 from exo_sim.physics.gas import critical_ratio
 
 Array = NDArray[np.float64]
@@ -213,7 +213,7 @@ class GasProblem:
             answers.append(sides)
         return answers
 
-    def either_law(self, nuisances: Sequence[Quantity], workers: Workers = ALONE) -> GasProblem:
+    def either_law(self, nuisances: Sequence[Quantity], threads: Threads = ALONE) -> GasProblem:
         """Return the problem under the form of the paper's flow law that fits better: the nozzle, or the ellipse that approximates it.
 
         The two differ by at most 0.152 % of choked flow; a healthy valve may follow either, and neither is a finding.
@@ -225,9 +225,9 @@ class GasProblem:
         rival = copy(self)
         rival.setting = other
         start = {q: q.prior[0] if q.prior else q.neutral for q in nuisances}
-        own = fit(self.residual, nuisances, start, workers, most=4)
+        own = fit(self.residual, nuisances, start, threads, most=4)
         known = dict(zip(own.quantities, own.jacobian.T, strict=True))
-        costs = own.sse, fit(rival.residual, nuisances, own.values, workers, most=4, known=known).sse
+        costs = own.sse, fit(rival.residual, nuisances, own.values, threads, most=4, known=known).sse
         return rival if costs[1] < costs[0] else self
 
     def residual(self, values: dict[Quantity, float], fixed: Sequence[tuple[Quantity, float]] = ()) -> Array:

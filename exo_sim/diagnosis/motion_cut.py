@@ -1,8 +1,8 @@
 """The motion cut: measured motion and measured pressures go in; the force that is missing in their balance comes out.
 
 Inverse dynamics of the MJCF give the force that the motion took, the pressures and the outside force what was there. Both pass one
-filter, so that acceleration needs no more differentiation than the filter bears. What is no linear function of the motion is asked at
-positions and velocities with what the filter took put back, and filtered then.
+filter, so that acceleration needs no more differentiation than the filter bears. Friction, gravity and centrifugal forces are asked at
+positions and velocities with what the filter took put back, and filtered then; levers and masses are taken for constant over the filter.
 """
 
 from __future__ import annotations

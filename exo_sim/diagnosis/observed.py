@@ -39,6 +39,7 @@ class CylinderRun:
         noise: Sensor noise of each pressure [Pa].
         breaks: Indices at which a new stretch begins.
         begun: Pressure at the first sample of a chamber that was not measured, by the balance of forces [Pa]; NaN where unknown.
+        jitter: Standard deviation of the white noise that `length` had before it was smoothed [m].
     """
 
     recording: str
@@ -56,6 +57,7 @@ class CylinderRun:
     noise: tuple[float, float]
     breaks: tuple[int, ...]
     begun: tuple[float, float] = (math.nan, math.nan)
+    jitter: float = 0.0
 
     @property
     def rests(self) -> bool:
@@ -139,15 +141,18 @@ def joint_run(recording: Recording, joint: str, seconds: float = POSITION_SMOOTH
 
 def lengths(
     recording: Recording, rig: Rig, model: mujoco.MjModel, links: tuple[Linkage, ...]
-) -> dict[str, tuple[Array, Array]]:
-    """Return X and dX/dt of every cylinder whose joints were recorded, through MuJoCo's kinematics, shape (n,) each."""
+) -> dict[str, tuple[Array, Array, float]]:
+    """Return X and dX/dt of every cylinder whose joints were recorded, shape (n,) each, and what noise X had before it was smoothed.
+
+    Through MuJoCo's kinematics.
+    """
     moves = {}
     for joint in range(model.njnt):
         name = model.joint(joint).name
         run = joint_run(recording, name)
         if run is not None:
             moves[joint] = run
-    found: dict[str, tuple[Array, Array]] = {}
+    found: dict[str, tuple[Array, Array, float]] = {}
     data = mujoco.MjData(model)
     time = recording.time
     for link in links:
@@ -158,7 +163,7 @@ def lengths(
         run = moves[joint]
         if model.actuator_trntype[link.actuator] == int(mujoco.mjtTrn.mjTRN_JOINT):
             gear = float(model.actuator_gear[link.actuator, 0])
-            found[link.cylinder] = gear * run.position - cylinder.retracted_length, gear * run.velocity
+            found[link.cylinder] = gear * run.position - cylinder.retracted_length, gear * run.velocity, abs(gear) * run.noise
             continue
         # a tendon across one joint: its length is a smooth function of that angle, tabulated finely
         low, high = float(np.nanmin(run.position)), float(np.nanmax(run.position))
@@ -171,8 +176,9 @@ def lengths(
             table[k] = data.actuator_length[link.actuator]
             arms[k] = moment_row(model, data, link.actuator)[link.dof]
         length = np.interp(run.position, angles, table) - cylinder.retracted_length
-        found[link.cylinder] = length, np.interp(run.position, angles, arms) * run.velocity
-    assert all(len(x) == len(time) for x, _ in found.values())
+        arm = np.interp(run.position, angles, arms)
+        found[link.cylinder] = length, arm * run.velocity, float(np.median(np.abs(arm))) * run.noise
+    assert all(len(x) == len(time) for x, _, _ in found.values())
     return found
 
 
@@ -187,7 +193,7 @@ def cylinder_runs(
         if p_1 is None and p_2 is None:
             continue
         command = recording.get(f"{name}.valve_command")
-        length, speed = known.get(name, (None, None))
+        length, speed, jitter = known.get(name, (None, None, 0.0))
         held = np.zeros_like(recording.time) if command is None else np.clip(_held(command), -1.0, 1.0)
         runs.append(
             CylinderRun(
@@ -205,6 +211,7 @@ def cylinder_runs(
                 command is not None,
                 (white_noise(p_1), white_noise(p_2)),
                 gaps_of(recording.time, p_1, p_2, _position(recording, name, links)),
+                jitter=jitter,
             )  # fmt: skip
         )
     return runs

@@ -13,6 +13,7 @@ from exo_sim.diagnosis.fitted_set import Trial
 from exo_sim.diagnosis.gas_problem import GasProblem
 from exo_sim.diagnosis.intervals import normalised
 from exo_sim.diagnosis.judging import Judged, finite
+from exo_sim.diagnosis.motion_cut import as_smooth
 from exo_sim.diagnosis.motion_problem import MotionProblem
 from exo_sim.diagnosis.quantity import Setting
 from exo_sim.diagnosis.result import Series, SignalFit
@@ -173,7 +174,7 @@ def _motion(one: Judged, case: Case, parts: Split, curve: Unnamed | None, proof:
                     "pressure_difference": run.gauge[:, 0] - run.gauge[:, 1],
                 }
             if best.variable in values:
-                after = after - run.arm * (hats(values[best.variable], best.at) @ best.values)
+                after = after - as_smooth(run.time, run.arm * (hats(values[best.variable], best.at) @ best.values))
         needed = run.inertial - run.passive
         quiet = np.where(np.abs(run.velocity) > run.still, 1.0, np.nan)
         series.append(

@@ -29,7 +29,7 @@ def rod_run(run: CylinderRun, rig: Rig) -> MotionRun | None:
     seconds = smoothing(time)
     keep = left_of_noise(0, seconds, step)
     atmosphere = rig.environment.pressure
-    rod = moved(time, run.length, seconds)
+    rod = moved(time, run.length, seconds, run.jitter)
     measured = quieted(time, run.force, seconds)
     gauge, drive, levers = np.zeros((n, 2)), np.zeros(n), {}
     variance = (white_noise(run.force) * keep) ** 2

@@ -11,13 +11,13 @@ from numpy.typing import NDArray
 from exo_sim.diagnosis.fitted_set import Problem, Trial
 from exo_sim.diagnosis.fitting import prior_terms
 from exo_sim.diagnosis.quantity import Candidate, Quantity
-from exo_sim.diagnosis.workers import ALONE, Workers
+from exo_sim.diagnosis.threads import ALONE, Threads
 
 Array = NDArray[np.float64]
 
 
 def screen(
-    problem: Problem, now: Trial, questions: Sequence[Candidate], workers: Workers = ALONE
+    problem: Problem, now: Trial, questions: Sequence[Candidate], threads: Threads = ALONE
 ) -> list[tuple[float, Candidate]]:
     """Return the candidates that are not in a trial by how much of its error their signatures could explain, best first."""
     base = now.fit.residual
@@ -62,7 +62,7 @@ def screen(
         return best, candidate
 
     open_questions = [c for c in questions if (c.effect, c.where) not in now.keys and now.bears(c)]
-    scored = workers.predictions(score, open_questions)
+    scored = threads.predictions(score, open_questions)
     return sorted(scored, key=lambda pair: -pair[0])
 
 

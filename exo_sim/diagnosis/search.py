@@ -18,8 +18,8 @@ from exo_sim.diagnosis.intervals import spreads
 from exo_sim.diagnosis.quantity import Candidate, Quantity, standing
 from exo_sim.diagnosis.screening import screen
 from exo_sim.diagnosis.set_fits import SetFits
+from exo_sim.diagnosis.threads import ALONE, Threads
 from exo_sim.diagnosis.weighing import CLEAN, Weighing, loss, passes, promises, weigh
-from exo_sim.diagnosis.workers import ALONE, Workers
 
 Array = NDArray[np.float64]
 
@@ -44,10 +44,10 @@ class Search:
         problem: The cut.
         nuisances: Believed numbers, refitted in every comparison.
         library: The questions.
-        workers: Threads; what is found does not depend on how many.
+        threads: Threads; what is found does not depend on how many.
         progress: Told in a few words what is going on.
         most: The most findings.
-        cheap: Whether predictions cost little: then every candidate is fitted whole, from scratch, and in plainer ones' place.
+        cheap: Whether predictions cost little: then all that are promising are fitted, from scratch, and in plainer ones' place.
         material: Drop of the root-mean-square error, in units of the noise, below which nothing is a finding.
     """
 
@@ -56,13 +56,13 @@ class Search:
         problem: Problem,
         nuisances: Sequence[Quantity],
         library: Sequence[Candidate],
-        workers: Workers = ALONE,
+        threads: Threads = ALONE,
         progress: Callable[[str], None] | None = None,
         most: int = 5,
         cheap: bool = False,
         material: float = 0.0,
     ):
-        self.sets = SetFits(problem, nuisances, workers, cheap)
+        self.sets = SetFits(problem, nuisances, threads, cheap)
         self.library, self.most, self.cheap, self.material = tuple(library), most, cheap, material
         self._say = progress or (lambda words: None)
         self._whole: Trial | None = None
@@ -98,7 +98,7 @@ class Search:
         """Return the candidates that are not in a trial by how much of its error their signatures could explain, best first."""
         key = key_of(now.chosen)
         if key not in self._screened:
-            self._screened[key] = screen(self.sets.problem, now, self.library, self.sets.workers)
+            self._screened[key] = screen(self.sets.problem, now, self.library, self.sets.threads)
         return self._screened[key]
 
     # -- the search --------------------------------------------------------------------------------------------------
@@ -164,7 +164,7 @@ class Search:
         return list(grown.values())
 
     def _promising(self, now: Trial) -> list[tuple[float, Candidate]]:
-        """Return the screened candidates that could pass the gates, best first."""
+        """Return the screened candidates that promise enough to be fitted, best first."""
         return [(score, candidate) for score, candidate in self.screen(now) if promises(score, now.fit, self.material)]
 
     def _finalists(self, ranked: list[tuple[float, Candidate]], count: int = FINALISTS) -> list[Candidate]:
@@ -301,7 +301,8 @@ class Search:
             if promises(promised[one.key], end.fit, self.material):
                 asked.append((None, one, end))
             else:
-                found.runners_up.append((one, promised[one.key] / end.fit.sse))
+                left = end.fit.sse - self.sets.problem.size  # beyond the noise
+                found.runners_up.append((one, min(promised[one.key] / left, 1.0) if left > 0.0 else 0.0))
         trials = self.sets.try_sets([((*near.chosen, more), near) for _, more, near in asked])
         for (taken, more, near), trial in zip(asked, trials, strict=True):
             if taken is None:
@@ -311,4 +312,5 @@ class Search:
                 found.rivals[taken.key].append((more, worse))
         for by_worse in found.rivals.values():
             by_worse.sort(key=lambda pair: pair[1])
+        found.runners_up.sort(key=lambda pair: -pair[1])
         return found

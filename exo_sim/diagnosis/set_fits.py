@@ -10,8 +10,8 @@ from numpy.typing import NDArray
 from exo_sim.diagnosis.fitted_set import Problem, SetKey, Trial, key_of
 from exo_sim.diagnosis.fitting import Fit, fit
 from exo_sim.diagnosis.quantity import Candidate, Quantity
+from exo_sim.diagnosis.threads import ALONE, Threads
 from exo_sim.diagnosis.weighing import correlation_time, loss
-from exo_sim.diagnosis.workers import ALONE, Workers
 
 Array = NDArray[np.float64]
 
@@ -27,12 +27,12 @@ class SetFits:
     Args:
         problem: The cut.
         nuisances: Believed numbers, refitted with every set.
-        workers: Threads; what comes out does not depend on how many.
+        threads: Threads; what comes out does not depend on how many.
         cheap: Whether predictions cost little: then every fit begins from several starts and is done from scratch.
     """
 
-    def __init__(self, problem: Problem, nuisances: Sequence[Quantity], workers: Workers = ALONE, cheap: bool = False):
-        self.problem, self.nuisances, self.workers, self.cheap = problem, tuple(nuisances), workers, cheap
+    def __init__(self, problem: Problem, nuisances: Sequence[Quantity], threads: Threads = ALONE, cheap: bool = False):
+        self.problem, self.nuisances, self.threads, self.cheap = problem, tuple(nuisances), threads, cheap
         self._fitted: dict[SetKey, Trial] = {}
 
     def try_set(self, chosen: Sequence[Candidate], near: Trial | None = None, again: bool = False) -> Trial:
@@ -60,11 +60,11 @@ class SetFits:
         spell = min(self.correlation_time(errors[order[0]]), LONGEST_SPELL)
         if self.cheap:
             begins = [options[i] for i in order[:CHEAP_STARTS]]
-            tried = [fit(residual, quantities, begin, self.workers, most=24, tolerance=1e-5, spell=spell) for begin in begins]
+            tried = [fit(residual, quantities, begin, self.threads, most=24, tolerance=1e-5, spell=spell) for begin in begins]
             done = min(tried, key=lambda one: one.sse + one.weight * one.penalty)
         else:
             known = dict(zip(near.fit.quantities, near.fit.jacobian.T, strict=True)) if near else None
-            done = fit(residual, quantities, options[order[0]], self.workers, most=12, spell=spell, known=known)
+            done = fit(residual, quantities, options[order[0]], self.threads, most=12, spell=spell, known=known)
         trial = Trial(tuple(chosen), done)
         if before is not None and self.loses(before, trial) <= 0.0:
             return before
@@ -74,7 +74,7 @@ class SetFits:
     def try_sets(self, asked: Sequence[tuple[Sequence[Candidate], Trial]], again: bool = False) -> list[Trial]:
         """Fit several sets side by side, each from the trial near by; a set that is asked for twice is fitted for the first who asks."""
         first = {key_of(chosen): (chosen, near) for chosen, near in reversed(asked)}
-        fitted = dict(zip(first, self.workers.fits(lambda one: self.try_set(one[0], one[1], again), list(first.values())), strict=True))
+        fitted = dict(zip(first, self.threads.fits(lambda one: self.try_set(one[0], one[1], again), list(first.values())), strict=True))
         return [fitted[key_of(chosen)] for chosen, _ in asked]
 
     def polished(self, trial: Trial) -> Trial:
@@ -85,7 +85,7 @@ class SetFits:
         spell = min(self.correlation_time(trial.fit.residual), LONGEST_SPELL)
         residual = self._residual_of(trial.chosen)
         known = dict(zip(trial.fit.quantities, trial.fit.jacobian.T, strict=True))
-        done = fit(residual, quantities, trial.fit.values, self.workers, most=12, tolerance=1e-6, spell=spell, known=known, exact=True)
+        done = fit(residual, quantities, trial.fit.values, self.threads, most=12, tolerance=1e-6, spell=spell, known=known, exact=True)
         better = Trial(trial.chosen, done)
         self._fitted[key_of(trial.chosen)] = better
         return better

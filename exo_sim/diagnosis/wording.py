@@ -41,9 +41,9 @@ def rejected(candidate: Candidate, instead_of: Candidate, worse: float) -> str:
 def no_gain(candidate: Candidate, share: float) -> str:
     """Say why something was not added."""
     if share <= 0.01:
-        return "adding it explains nothing of what is left"
+        return "it explains nothing of what is left"
     if share < 0.5:
-        return f"adding it explains only {100 * share:.0f} % of what is left, no more than a healthy machine shows"
+        return f"it explains only {100 * share:.0f} % of what is left, no more than a healthy machine shows"
     return "what is left is as small as a healthy machine's, and adding it does not lower it steadily"
 
 

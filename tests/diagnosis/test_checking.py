@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 import math
+from dataclasses import replace
+from types import SimpleNamespace
 from typing import Any
 
 import pytest
@@ -11,6 +13,7 @@ from exo_sim.diagnosis import checking
 from exo_sim.diagnosis.cases import Case
 from exo_sim.diagnosis.examining import Doubts, Examined
 from exo_sim.diagnosis.judging import Judged
+from exo_sim.diagnosis.motion_problem import MotionProblem
 from exo_sim.diagnosis.proof import Missed, Proof
 from exo_sim.diagnosis.result import Finding, SignalFit
 from exo_sim.diagnosis.split import Split
@@ -88,3 +91,13 @@ def test_what_only_the_proof_shows_is_said(ratio: float, sick: bool, nameless: b
     found = checking.unmet(examined(judged(nameless=nameless), None, last=missed))
     assert len(found) == count
     assert all(finding.kind == "unknown" and f"{ratio:.0f} times" in finding.says and finding.log10_odds == 40.0 for finding in found)
+
+
+def test_what_an_unmeasured_chamber_may_do_is_left_open() -> None:
+    one = judged(cut="motion")
+    one.problem = MotionProblem.__new__(MotionProblem)
+    one.problem.runs = [SimpleNamespace(filled_in=True)]  # type: ignore[list-item]
+    said = examined(one, None, last=proof({}, missed={("motion", "piston"): Missed(12.0, 40.0, True)}))
+    case = replace(said, case=SimpleNamespace(open=[]))  # type: ignore[arg-type]
+    assert checking.unmet(case) == []
+    assert one.unclosed and len(case.case.open) == 1

@@ -35,6 +35,24 @@ def test_what_is_left_of_white_noise(order: int, name: str) -> None:
     assert np.std(left[INSIDE]) == pytest.approx(said, rel=0.03)
 
 
+@pytest.mark.parametrize("step", [1e-3, 5e-3, 10e-3, 20e-3])
+def test_a_slow_clock_takes_little_from_a_velocity(step: float) -> None:
+    time = np.arange(3000) * step
+    seconds, turn = max(SECONDS, 6.0 * step), 2.0 * np.pi * min(5.0, 0.03 / step)
+    velocity = moved(time, np.sin(turn * time), seconds, jitter=0.0).velocity[INSIDE] / turn
+    np.testing.assert_allclose(velocity, np.cos(turn * time)[INSIDE], atol=2e-3)
+
+
+def test_gaps_and_rest_are_no_trouble() -> None:
+    position = np.sin(2.0 * np.pi * TIME)
+    position[3000:3010] = np.nan
+    found = moved(TIME, position, SECONDS)
+    assert np.isfinite(found.velocity).all()
+    np.testing.assert_allclose(found.velocity[INSIDE], 2.0 * np.pi * np.cos(2.0 * np.pi * TIME)[INSIDE], atol=0.02)
+    still = moved(TIME, np.full(TIME.size, 0.3), SECONDS)
+    assert np.all(still.velocity == 0.0) and still.shake == 0.0
+
+
 @pytest.mark.parametrize("frequency", [1.0, 3.0, 5.0])
 def test_drag_of_a_measured_motion_is_the_drag_that_acted(frequency: float) -> None:
     turn = 2.0 * np.pi * frequency

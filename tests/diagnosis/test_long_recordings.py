@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import benches
 import numpy as np
 import pytest
@@ -84,3 +86,10 @@ def test_a_prediction_of_nothing_but_pressures_is_the_same(rig: Rig, table: Reco
     assert plain.drawn.size == plain.inside.size == plain.temperature.size == 0
     measured = np.column_stack([table["piston.pressure_1"], table["piston.pressure_2"]])
     np.testing.assert_array_equal(gas.errors(setting)[0], measured[: len(whole.pressure)] - whole.pressure)
+
+
+def test_around_a_reversal_nothing_is_compared(rig: Rig, table: Recording) -> None:
+    run = balance(rig, table)
+    velocity = np.where(np.arange(len(run.time)) < 1500, 0.2, -0.2)  # no sample of it rests
+    group = problem(rig, replace(run, velocity=velocity))._groups[0]
+    assert np.all(group[1490:1510] == -1) and np.any(group[1400:1480] >= 0) and np.any(group[1520:1600] >= 0)

@@ -9,6 +9,7 @@ from exo_sim.diagnosis import library
 from exo_sim.diagnosis.fitting import Fit
 from exo_sim.diagnosis.quantity import Candidate, Quantity, Setting
 from exo_sim.diagnosis.search import Search, Trial
+from exo_sim.diagnosis.threads import Threads
 from exo_sim.physics.records import CYLINDER, WORLD
 
 AT = np.arange(400.0)
@@ -138,3 +139,20 @@ def test_a_base_that_became_needless_is_not_left_out_alone(monkeypatch: pytest.M
     monkeypatch.setitem(SHAPES, "slow", mixed)
     found = search(Waves(quick=5.0), cheap).run().end
     assert all(found.bears(c) for c in found.chosen)
+
+
+def test_a_set_asked_twice_is_fitted_for_the_first_who_asks() -> None:
+    one = search(Waves(slow=3.0, quick=2.0), cheap=False)
+    begun = one.sets.try_set(())
+    first, other, again = one.sets.try_sets([((BASE, OTHER), begun), ((BASE,), begun), ((OTHER, BASE), begun)])
+    assert first is again and first.chosen == (BASE, OTHER)
+    assert other.chosen == (BASE,)
+
+
+def test_threads_change_nothing() -> None:
+    library, ends = (BASE, ON_TOP, OTHER), []
+    for count in (1, 3):
+        with Threads(count) as threads:
+            ends.append(Search(Waves(slow=3.0, quick=2.0), (), library, threads).run().end)
+    assert ends[0].keys == ends[1].keys
+    assert list(ends[0].fit.values.values()) == list(ends[1].fit.values.values())

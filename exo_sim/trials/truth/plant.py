@@ -85,11 +85,17 @@ def valve_areas(u, p):
 
 
 @njit(cache=True, nogil=True)
-def in_series(a, b):
-    """Return one area that stands for two behind each other: 1/C^3 = 1/a^3 + 1/b^3, the rule for ISO 6358 parts."""
-    if a <= 0.0 or b <= 0.0:
-        return 0.0
-    return (a**-3 + b**-3) ** (-1.0 / 3.0)
+def through_both(a, b, p_up, t_up, p_down, t_down, ratio, zone, k, gas):
+    """Return the flow through two restrictions behind each other, by the pressure between them at which both pass the same."""
+    low, high = p_down, p_up
+    for _ in range(50):
+        middle = 0.5 * (low + high)
+        first = mass_flow(a, p_up, t_up, middle, t_up, ratio, zone, k, gas)
+        if first > mass_flow(b, middle, t_up, p_down, t_down, ratio, zone, k, gas):
+            low = middle
+        else:
+            high = middle
+    return mass_flow(a, p_up, t_up, 0.5 * (low + high), t_up, ratio, zone, k, gas)
 
 
 @njit(cache=True, nogil=True)
@@ -138,16 +144,16 @@ def rates(y, u, dry, t, p, out):
         s2 *= 1.0 - p.flow_force * abs(supply - end_2) / 1e6
         e1 *= 1.0 - p.flow_force * abs(end_1 - exhaust) / 1e6
         e2 *= 1.0 - p.flow_force * abs(end_2 - exhaust) / 1e6
-    if p.cushion_area > 0.0:
-        if x < p.cushion_length:
-            e1 = in_series(e1, p.cushion_area)
-        if p.stroke - x < p.cushion_length:
-            e2 = in_series(e2, p.cushion_area)
     b = p.choked_ratio
     in_1 = mass_flow(s1, supply, t_supply, end_1, end_t1, b, zone, k, gas)
     out_1 = mass_flow(e1, end_1, end_t1, exhaust, t_exhaust, b, zone, k, gas)
     in_2 = mass_flow(s2, supply, t_supply, end_2, end_t2, b, zone, k, gas)
     out_2 = mass_flow(e2, end_2, end_t2, exhaust, t_exhaust, b, zone, k, gas)
+    if p.cushion_area > 0.0:
+        if x < p.cushion_length and out_1 > 0.0:
+            out_1 = through_both(p.cushion_area, e1, end_1, end_t1, exhaust, t_exhaust, b, zone, k, gas)
+        if p.stroke - x < p.cushion_length and out_2 > 0.0:
+            out_2 = through_both(p.cushion_area, e2, end_2, end_t2, exhaust, t_exhaust, b, zone, k, gas)
     net_1 = in_1 - out_1
     net_2 = in_2 - out_2
     h_1 = cp * (in_1 * (t_supply if in_1 > 0 else end_t1) - out_1 * (end_t1 if out_1 > 0 else t_exhaust))

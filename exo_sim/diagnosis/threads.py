@@ -11,7 +11,7 @@ Item = TypeVar("Item")
 Outcome = TypeVar("Outcome")
 
 
-class Workers:
+class Threads:
     """As many threads as were asked for on each level; one means that everything runs where it is asked for.
 
     The levels have threads of their own: a fit that waits for its predictions never holds a thread that they need.
@@ -31,17 +31,17 @@ class Workers:
         """Return the outcome for every item, in their order; `work` asks for nothing."""
         return _spread(self._levels[1], work, items)
 
-    def __enter__(self) -> Workers:
+    def __enter__(self) -> Threads:
         return self
 
     def __exit__(self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None) -> None:
-        for level in self._levels:
+        for level in reversed(self._levels):  # fits that still run end with their predictions
             if level is not None:
                 level.shutdown(cancel_futures=True)
 
 
 #: Everything runs where it is asked for.
-ALONE = Workers()
+ALONE = Threads()
 
 
 def _spread(level: ThreadPoolExecutor | None, work: Callable[[Item], Outcome], items: Sequence[Item]) -> list[Outcome]:

@@ -6,14 +6,14 @@ import threading
 
 import pytest
 
-from exo_sim.diagnosis.workers import ALONE, Workers
+from exo_sim.diagnosis.threads import ALONE, Threads
 
 
 @pytest.mark.parametrize("count", [1, 2, 5])
 def test_outcomes_come_in_the_order_of_the_items(count: int) -> None:
-    with Workers(count) as workers:
-        assert workers.fits(lambda one: one**2, range(20)) == [one**2 for one in range(20)]
-        assert workers.predictions(lambda one: -one, range(20)) == [-one for one in range(20)]
+    with Threads(count) as threads:
+        assert threads.fits(lambda one: one**2, range(20)) == [one**2 for one in range(20)]
+        assert threads.predictions(lambda one: -one, range(20)) == [-one for one in range(20)]
 
 
 def test_fits_that_all_wait_for_predictions_end() -> None:
@@ -21,10 +21,10 @@ def test_fits_that_all_wait_for_predictions_end() -> None:
 
     def fit(one: int) -> int:
         gate.wait()  # both threads of this level are taken now
-        return sum(workers.predictions(lambda other: one + other, range(4)))
+        return sum(threads.predictions(lambda other: one + other, range(4)))
 
-    with Workers(2) as workers:
-        assert workers.fits(fit, range(4)) == [4 * one + 6 for one in range(4)]
+    with Threads(2) as threads:
+        assert threads.fits(fit, range(4)) == [4 * one + 6 for one in range(4)]
 
 
 def test_alone_works_in_the_thread_that_asks() -> None:
@@ -35,5 +35,5 @@ def test_an_error_comes_through() -> None:
     def fit(one: int) -> int:
         raise ZeroDivisionError(one)
 
-    with Workers(2) as workers, pytest.raises(ZeroDivisionError):
-        workers.fits(fit, range(4))
+    with Threads(2) as threads, pytest.raises(ZeroDivisionError):
+        threads.fits(fit, range(4))

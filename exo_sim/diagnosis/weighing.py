@@ -25,7 +25,8 @@ SHARE_OF_THE_REST = 0.5
 #: A finding of such odds (log10) that takes more than this share of an error is one however small the error is, if it is above the
 #: noise at all: residual variance in units of it.
 GREAT_ODDS, LARGER_SHARE, ABOVE_NOISE = 50.0, 0.5, 1.2
-#: By how many times a full fit may lower an error more than a signature, taken to be proportional, promised.
+#: By how many times a full fit may lower an error more than a signature, taken to be proportional, promised (of 68 that were accepted in
+#: 15 opened cases: 2.8 times at most).
 UNDERRATED = 10.0
 #: Gain in log-likelihood a row that a healthy machine's imperfect model shows: the material floor.
 HEALTHY_GAIN = 0.004

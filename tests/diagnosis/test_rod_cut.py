@@ -12,10 +12,13 @@ from hypothesis import given
 from hypothesis import strategies as st
 from scipy.special import erf
 
+from exo_sim.diagnosis import observed
 from exo_sim.diagnosis.filters import led
 from exo_sim.diagnosis.motion_cut import SMOOTHING, MotionRun, as_smooth
 from exo_sim.diagnosis.observed import CylinderRun
 from exo_sim.diagnosis.rod_cut import rod_run
+from exo_sim.machine.linkage import linkages
+from exo_sim.machine.load import load
 from exo_sim.rig import Rig
 
 N = 1200
@@ -117,3 +120,17 @@ def test_a_reversal_becomes_a_normal_distribution() -> None:
     step = np.where(TIME < 0.6, -1.0, 1.0)
     exact = erf((TIME - (0.6 - 0.5 * cylinder_runs.STEP)) / (np.sqrt(2.0) * width))
     np.testing.assert_allclose(as_smooth(TIME, step), exact, atol=2e-3)
+
+
+@pytest.mark.parametrize("noise", [1e-5, 1e-4])
+def test_a_rod_rests_within_what_its_own_sensor_shakes(rig: Rig, noise: float) -> None:
+    clean = benches.led(rig)
+    shaken = clean["slide.position"] + noise * np.random.default_rng(2).standard_normal(len(clean.time))
+    columns = {**clean.columns, "slide.position": shaken, "piston.force": np.zeros_like(clean.time)}
+    model = load(rig)
+    (run,) = observed.cylinder_runs(benches.recording(clean.time, columns), rig, model, linkages(rig, model))
+    assert run.jitter == pytest.approx(noise, rel=0.1)
+    one = rod_run(run, rig)
+    assert one is not None
+    error = one.velocity - 0.08 * np.pi * np.cos(2.0 * np.pi * clean.time)
+    assert one.still > 3.0 * np.std(error[INSIDE])

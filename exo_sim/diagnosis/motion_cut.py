@@ -280,14 +280,17 @@ def _run(
     def quiet(values: Array) -> Array:
         return _thinned(quieted(recording.time, values, seconds), every)
 
-    def full(values: Array) -> Array:
-        return _thinned(restored(recording.time, quieted(recording.time, values, seconds), seconds), every)
+    def gauge_of(values: Array | None) -> Array:
+        if values is None:
+            return np.zeros(n)
+        return _thinned(restored(recording.time, values, seconds), every) - atmosphere
 
     drive, gauge = np.zeros(n), np.zeros((n, 2))
     levers: dict[str, Array] = {}
     variance = (mass * move.jitter * left_of_noise(2, seconds, step)) ** 2
     arm = np.ones(n)
     cylinder: str | None = None
+    atmosphere = rig.environment.pressure
     position, velocity = move.position, move.velocity
     for k, link in enumerate(driven):
         c = rig.cylinders[link.cylinder]
@@ -295,8 +298,8 @@ def _run(
         lever = arms[:, index]
         cell = recording.get(f"{link.cylinder}.force")
         pressures = [recording.get(f"{link.cylinder}.pressure_{s}") for s in (1, 2)]
-        atmosphere = rig.environment.pressure
-        smooth = [None if p is None else quiet(p) for p in pressures]
+        behind = [None if p is None else quieted(recording.time, p, seconds) for p in pressures]
+        smooth = [None if p is None else _thinned(p, every) for p in behind]
         if cell is not None:  # what the piston loses is the rod's own balance
             drive += lever * quiet(cell)
             levers[f"{link.cylinder}.force"] = lever
@@ -311,7 +314,7 @@ def _run(
                     variance += float(np.mean((lever * area) ** 2)) * (white_noise(p) * keep) ** 2
         if k == 0 and len(driven) == 1 and cell is None:
             cylinder, arm = link.cylinder, lever
-            gauge = np.column_stack([np.zeros(n) if p is None else full(p) - atmosphere for p in pressures])
+            gauge = np.column_stack([gauge_of(p) for p in behind])
             position = lengths[:, index] - c.retracted_length
             velocity = lever * move.velocity
     pushed = np.zeros(n) if external is None else quiet(external)

@@ -122,10 +122,10 @@ def side_rates(world, c, p, t, from_end, a_supply, a_exhaust, p_s, t_s, p_e, t_e
     dy[base + EXHAUSTED_ENTHALPY] += h_vented
     if not hose:
         return drawn - vented, h_drawn - h_vented, vented, h_vented
-    w = line_restriction.flow(c.line_restriction, p_port, t_port, p, t, k, r)
-    if w < 0.0:
-        left = end_cushioning.outlet(c.end_cushioning, c.line_restriction.area, from_end)
-        w = gas.flow(left, p_port, t_port, p, t, k, r)
+    area = c.line_restriction.area
+    if p > p_port:
+        area = end_cushioning.outlet(c.end_cushioning, area, from_end)
+    w = gas.flow(area, p_port, t_port, p, t, k, r)
     h = w * cp * (t_port if w > 0.0 else t)
     dy[base + hose_m] = drawn - vented - w
     dy[base + hose_u] = h_drawn - h_vented - h

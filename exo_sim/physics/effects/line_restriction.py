@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from exo_sim.physics import gas
 from exo_sim.physics.compiled import kernel
 from exo_sim.physics.effects.declaration import Asked, Effect, Parameter
 
@@ -44,9 +43,3 @@ EFFECT = Effect(
 def present(p) -> bool:
     """Say whether there is a hose at all."""
     return p.area > 0.0
-
-
-@kernel
-def flow(p, p_hose: float, t_hose: float, p_gas: float, t_gas: float, k: float, r: float) -> float:
-    """Return the mass flow from the hose into the chamber [kg/s]."""
-    return gas.flow(p.area, p_hose, t_hose, p_gas, t_gas, k, r)

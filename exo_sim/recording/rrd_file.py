@@ -17,6 +17,7 @@ from numpy.typing import NDArray
 
 from exo_sim.outputs import replacing
 from exo_sim.recording import blueprint
+from exo_sim.recording.rrd_sink import written
 from exo_sim.recording.scene import Scene
 from exo_sim.recording.table import Recording
 
@@ -71,25 +72,23 @@ def write_rrd(
     all_lanes = {**gait_lanes(recording), **(lanes or {})}
     overlaid = {key: any(key in other for other in overlays.values()) for key in recording.columns}
     stream = rr.RecordingStream(APPLICATION, recording_id=_identity(recording), send_properties=False)
-    made = stream.memory_recording()  # rerun's own writing to files waits for ever once a disk is full
-    layout = blueprint.layout(recording, scene=scene, lanes=list(all_lanes), overlaid=overlaid)
-    stream.send_blueprint(layout, make_active=False, make_default=True)
-    stream.send_recording_name(recording.name)
-    if recording.metadata:
-        stream.send_property("exo_sim", rr.AnyValues(drop_untyped_nones=True, **recording.metadata))
-    on_top = max(["recorded", *overlays])  # the viewer draws in the order of names
-    _signals(stream, recording, "recorded" if overlays else "", overlaid, on_top)
-    for name, other in overlays.items():
-        _signals(stream, other, name, dict.fromkeys(other.columns, True), on_top)
-        _differences(stream, recording, other, name)
-    for name, lane in all_lanes.items():
-        _lane(stream, name, lane)
-    if scene is not None:
-        from exo_sim.recording.rrd_scene import draw
+    with replacing(path) as beside, written(stream, beside):
+        layout = blueprint.layout(recording, scene=scene, lanes=list(all_lanes), overlaid=overlaid)
+        stream.send_blueprint(layout, make_active=False, make_default=True)
+        stream.send_recording_name(recording.name)
+        if recording.metadata:
+            stream.send_property("exo_sim", rr.AnyValues(drop_untyped_nones=True, **recording.metadata))
+        on_top = max(["recorded", *overlays])  # the viewer draws in the order of names
+        _signals(stream, recording, "recorded" if overlays else "", overlaid, on_top)
+        for name, other in overlays.items():
+            _signals(stream, other, name, dict.fromkeys(other.columns, True), on_top)
+            _differences(stream, recording, other, name)
+        for name, lane in all_lanes.items():
+            _lane(stream, name, lane)
+        if scene is not None:
+            from exo_sim.recording.rrd_scene import draw
 
-        draw(stream, scene)
-    with replacing(path) as beside:
-        beside.write_bytes(made.drain_as_bytes())
+            draw(stream, scene)
 
 
 def gait_lanes(recording: Recording) -> dict[str, Lane]:

@@ -1,5 +1,6 @@
 """What is written comes back, in every format; tables are the same byte for byte."""
 
+from collections.abc import Iterator
 from dataclasses import replace
 from pathlib import Path
 
@@ -224,6 +225,23 @@ def test_a_recording_that_finds_no_room_is_one_error_and_leaves_nothing(tmp_path
     finally:
         resource.setrlimit(resource.RLIMIT_FSIZE, before)
     assert not list(tmp_path.iterdir())
+
+
+@pytest.mark.skipif(not Path("/dev/full").exists(), reason="needs /dev/full")
+def test_a_full_disk_is_said_and_nobody_waits() -> None:
+    with pytest.raises(OutputError, match='"/dev/full": the disk is full'):
+        write_rrd("/dev/full", walk(40000))
+
+
+def test_what_cannot_be_drawn_leaves_nothing(tmp_path: Path) -> None:
+    with pytest.raises(ValueError, match="no such lane"):
+        write_rrd(tmp_path / "walk.rrd", walk(), lanes={"heat": _Broken([(0.0, "here")])})
+    assert not list(tmp_path.iterdir())
+
+
+class _Broken(list[tuple[float, str]]):
+    def __iter__(self) -> Iterator[tuple[float, str]]:
+        raise ValueError("no such lane")
 
 
 @pytest.mark.parametrize(("names", "thin"), [(("before", "after"), "recorded"), (("simulated", "free_run"), "simulated")])

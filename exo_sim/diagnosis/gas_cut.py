@@ -7,10 +7,10 @@ from dataclasses import dataclass, field
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.ndimage import maximum_filter1d, minimum_filter1d
 
 from exo_sim.diagnosis.filters import start_filter
 from exo_sim.diagnosis.observed import CylinderRun
+from exo_sim.diagnosis.window_starts import cuts, unrest
 from exo_sim.physics import chamber, plant, state
 from exo_sim.physics.compiled import kernel
 from exo_sim.physics.pace import settling_rate
@@ -30,9 +30,6 @@ MOST_KEPT = 2_000_000
 
 #: Samples that estimate the pressure at the start of a window, and the longest time that they may span [s].
 START_SAMPLES, START_SECONDS = 15, 0.03
-
-#: How far a window's start may be moved to where the gas is quieter, in lengths of a window.
-QUIET_REACH = 0.25
 
 
 @kernel
@@ -134,26 +131,16 @@ class Windows:
 
 
 def windows(run: CylinderRun, seconds: float) -> Windows:
-    """Cut a run into windows of about `seconds` that no break of the clock lies in, each begun where the gas is quiet nearby.
-
-    Where gas flows, no sensor tells the state to begin with: a hose's two ends differ, and a sample's jitter is pressure.
-    """
+    """Cut a run into windows of about `seconds` that no break of the clock lies in, each begun where the gas is quiet nearby."""
     starts: list[int] = []
     stops: list[int] = []
     time = run.time
-    unrest = _unrest(run)
+    restless = unrest(run.pressure, len(time))
     edges = [*run.breaks, len(time)]
     for begin, end in zip(edges[:-1], edges[1:], strict=True):
-        span = time[end - 1] - time[begin] if end > begin else 0.0
-        count = max(1, int(round(span / seconds)))
-        cuts = np.searchsorted(time[begin:end], time[begin] + span * np.arange(count) / count) + begin
-        marks = [*(int(cut) for cut in cuts), end]
-        for w in range(1, count):
-            low = marks[w] - int(QUIET_REACH * (marks[w] - marks[w - 1]))
-            high = marks[w] + int(QUIET_REACH * (marks[w + 1] - marks[w]))
-            cuts[w] = low + int(np.argmin(unrest[low : high + 1]))
-        starts += [int(cut) for cut in cuts]
-        stops += [*(int(cut) for cut in cuts[1:]), end]
+        found = cuts(time, begin, end, seconds, restless)
+        starts += found
+        stops += [*found[1:], end]
     pressure = np.full((len(starts), 2), np.nan)
     points = min(START_SAMPLES, int(START_SECONDS / max(float(np.median(np.diff(time))), 1e-9)) + 1) if len(time) > 1 else 1
     for side, values in enumerate(run.pressure):
@@ -163,18 +150,6 @@ def windows(run: CylinderRun, seconds: float) -> Windows:
         for w, (begin, end) in enumerate(zip(starts, stops, strict=True)):
             pressure[w, side] = _start(values[begin:end], points)
     return Windows(np.array(starts), np.array(stops), pressure)
-
-
-def _unrest(run: CylinderRun) -> Array:
-    """Return by how much the measured pressures change around each sample [Pa], shape (n,)."""
-    total = np.zeros(len(run.time))
-    for values in run.pressure:
-        if values is not None:
-            hole = ~np.isfinite(values)
-            filled = np.where(hole, 0.0, values)
-            total += maximum_filter1d(filled, 2 * START_SAMPLES) - minimum_filter1d(filled, 2 * START_SAMPLES)
-            total[maximum_filter1d(hole, 2 * START_SAMPLES)] = np.inf
-    return total
 
 
 def _start(values: Array, points: int) -> float:

@@ -56,6 +56,7 @@ class Judged:
         trial: The model that is believed in the end.
         nameless: True where something is missing that has no name.
         findings, calibrations, rejected: For the report.
+        refitted: Believed numbers that a fit tells from what was believed, though no more than a data sheet allows.
         unclosed: True where what is left cannot be told from what an unmeasured chamber may do.
     """
 
@@ -71,6 +72,7 @@ class Judged:
     calibrations: list[tuple[Quantity, float, float]]
     rejected: list[Rejected]
     unclosed: bool = False
+    refitted: tuple[tuple[Quantity, float], ...] = ()
 
     @property
     def balance(self) -> str:
@@ -133,7 +135,10 @@ def judge(
     unique = [r for r in rejected if (r.name, r.where) not in {(f.name, f.where) for f in findings}]
     unique = [r for r in unique if not ((r.name, r.where) in seen or seen.add((r.name, r.where)))]  # type: ignore[func-returns-value]
     calibrations = [] if nameless else _calibrations(trial, spread)
-    return Judged(cut, where, problem, sets, found, named, trial, nameless, findings, calibrations, unique)
+    refitted = () if nameless else _refitted(trial, spread, {quantity for quantity, _, _ in calibrations})
+    return Judged(
+        cut, where, problem, sets, found, named, trial, nameless, findings, calibrations, unique, refitted=refitted
+    )
 
 
 def _with_twin(findings: list[Finding], cut: str) -> list[Finding]:
@@ -254,6 +259,16 @@ def _calibrations(trial: Trial, spread: dict[Quantity, float]) -> list[tuple[Qua
         if abs(factor - 1.0) > max(SURE * error, WORTH.get(quantity.effect, WORTH_OF_EFFECT)):
             found.append((quantity, factor, error))
     return found
+
+
+def _refitted(trial: Trial, spread: dict[Quantity, float], told: set[Quantity]) -> tuple[tuple[Quantity, float], ...]:
+    """Return believed numbers that are surely off, and not by so much that they are told: quantity and its standard error."""
+    told = told | {quantity for candidate in trial.chosen for quantity in candidate.quantities}
+    errors = {quantity: spread.get(quantity, math.inf) for quantity in trial.fit.values if quantity not in told and quantity.prior}
+    return tuple(
+        (quantity, error) for quantity, error in errors.items()
+        if quantity.prior and abs(trial.fit.values[quantity] - quantity.prior[0]) > SURE * error
+    )  # fmt: skip
 
 
 def calibration_findings(numbers: Sequence[tuple[Quantity, float, float]]) -> list[Finding]:

@@ -240,7 +240,8 @@ class _Simulation:
     def _feed(self, window: float, led: bool) -> Feed:
         recording, rig, pieces, time = self.recording, self.rig, self.pieces, self.recording.time
         n = sum(len(piece.time) for piece in pieces)
-        starts = fed.window_starts(pieces, window)
+        measured = [recording.get(f"{name}.pressure_{side}") for name in rig.cylinders for side in (1, 2)]
+        starts = fed.window_starts(pieces, window, time, measured)
         cylinders, half = list(rig.cylinders), 0.5 * self.dt
         command = np.zeros((n, len(cylinders)))
         pressure = np.full((len(starts), len(cylinders), 2), math.nan)
@@ -249,8 +250,7 @@ class _Simulation:
             if values is not None:
                 command[:, i] = np.clip(fed.held(pieces, time, values), -1.0, 1.0)
             for side in (1, 2):
-                measured = recording.get(f"{name}.pressure_{side}")
-                pressure[:, i, side - 1] = fed.start_pressures(pieces, starts, time, measured)
+                pressure[:, i, side - 1] = fed.start_pressures(pieces, starts, time, measured[2 * i + side - 1])
         external = [fed.between(pieces, time, recording.get(f"{name}.external_force"), 0.0) for name in self.names]
         model = self.model
         return Feed(

@@ -13,6 +13,7 @@ from numpy.typing import NDArray
 
 from exo_sim.diagnosis.filters import smoothed, start_filter
 from exo_sim.diagnosis.observed import breaks_of
+from exo_sim.diagnosis.window_starts import cuts, unrest
 from exo_sim.machine.linkage import Linkage, moment_row
 from exo_sim.recording.table import Recording
 from exo_sim.rig import Rig
@@ -60,13 +61,20 @@ def steps(time: Array, dt: float) -> list[Steps]:
     return found
 
 
-def window_starts(pieces: Sequence[Steps], seconds: float) -> NDArray[np.int64]:
-    """Return the steps at which windows of about `seconds` begin; a window never runs across a jump of the clock."""
+def window_starts(pieces: Sequence[Steps], seconds: float, time: Array, pressures: Sequence[Array | None]) -> NDArray[np.int64]:
+    """Return the steps at which windows of about `seconds` begin; a window never runs across a jump of the clock.
+
+    Args:
+        pieces: The steps.
+        seconds: Infinite for one window a stretch.
+        time: Of the samples, shape (n,).
+        pressures: What was measured: windows begin where it is quiet nearby, shape (n,) each.
+    """
     starts: list[int] = []
+    restless = unrest(pressures, len(time))
     for piece in pieces:
-        span = piece.time[-1] - piece.time[0]
-        count = max(1, round(span / seconds)) if math.isfinite(seconds) else 1
-        starts += [piece.offset + math.floor(len(piece.time) * i / count) for i in range(count)]
+        for cut in cuts(time, piece.first, piece.last, seconds, restless):
+            starts.append(piece.offset + int(np.searchsorted(piece.time, time[cut] - 1e-9)))
     return np.array(starts, dtype=np.int64)
 
 

@@ -1,4 +1,8 @@
-"""What was found, put into the rig file: effects switched on, believed numbers corrected, curves for what has no name."""
+"""What was found, put into the rig file: effects switched on, believed numbers corrected, curves for what has no name.
+
+Numbers that were refitted within what a data sheet allows, and what a healthy machine shows, are no findings, but the errors that are
+told are those with them: so the file holds them too, as far as a rig can.
+"""
 
 from __future__ import annotations
 
@@ -8,14 +12,18 @@ from pathlib import Path
 from exo_sim.diagnosis import wording
 from exo_sim.diagnosis.cases import Case
 from exo_sim.diagnosis.intervals import bounds, ends
-from exo_sim.diagnosis.judging import Judged, known
+from exo_sim.diagnosis.judging import MODEL_SHARE, Judged, known
 from exo_sim.diagnosis.quantity import Candidate, Quantity
-from exo_sim.diagnosis.result import Finding
+from exo_sim.diagnosis.result import Estimate, Finding
 from exo_sim.diagnosis.verdict import Unnamed
 from exo_sim.physics.effects.declaration import declared
 from exo_sim.physics.effects.unknown import ACTS, DEPENDS_ON
-from exo_sim.rig import Correction, EffectSetting, Rig, improved
+from exo_sim.rig import Correction, EffectSetting, JointFactors, Rig, improved
 from exo_sim.rig import Finding as Entry
+
+#: Numbers of the rig that every comparison refits.
+REFITTED = ("flow_capacity", "dead_volume", "payload_mass")
+_NO_FINDING = "No finding: a healthy machine shows as much; it is in the errors that were told."
 
 
 def improved_text(case: Case, judged: Sequence[Judged], nameless: Sequence[Unnamed], folder: Path) -> str:
@@ -25,6 +33,8 @@ def improved_text(case: Case, judged: Sequence[Judged], nameless: Sequence[Unnam
         told = {(finding.name, finding.where): finding for finding in one.findings}
         entries += [_entry(c, one, told[c.effect, c.where], case.rig) for c in one.named if (c.effect, c.where) in told]
         corrections += [_correction(case, *numbers) for numbers in one.calibrations if _is_the_rigs(case.rig, numbers[0])]
+        corrections += [made for quantity, error in one.refitted if (made := _refitted(case, one, quantity, error))]
+        entries += _healthy(case.rig, one)
     for found in case.sensors:
         if found.name in declared() and found.parameters and not found.where.endswith(".valve_command"):
             entries.append(_sensor_entry(found, case.rig))
@@ -63,6 +73,45 @@ def _entry(candidate: Candidate, judged: Judged, finding: Finding, rig: Rig) -> 
     return Entry(EffectSetting(candidate.effect, candidate.where, values, turning), intervals, wording.says(candidate.effect))
 
 
+def _healthy(rig: Rig, judged: Judged) -> list[Entry]:
+    """Return the entries of what was refitted and no number of the rig holds: zeros of sensors, and what a healthy machine shows."""
+    parts: dict[tuple[str, str], dict[Quantity, float]] = {}
+    for quantity, error in judged.refitted:
+        if quantity.effect == "sensor_zero":
+            parts.setdefault(("sensor_bias", quantity.where), {})[quantity] = error
+        elif known(quantity.effect) and rig.effect(quantity.effect, quantity.where) is None and quantity.prior and not quantity.prior[0]:
+            parts.setdefault((quantity.effect, quantity.where), {})[quantity] = error
+    entries = []
+    for (name, where), errors in parts.items():
+        values = judged.trial.fit.values
+        estimates = {
+            "value" if name == "sensor_bias" else q.parameter: Estimate(values[q], q.unit, *bounds(q, values[q], error))
+            for q, error in errors.items()
+        }
+        small = Finding(name, where, "calibration", _NO_FINDING, estimates, 0.0, 0.0)
+        if name == "sensor_bias":
+            entries.append(_sensor_entry(small, rig))
+        else:
+            intervals = {parameter: (e.low, e.high) for parameter, e in estimates.items()}
+            entries.append(Entry(EffectSetting(name, where, {p: e.value for p, e in estimates.items()}), intervals, _NO_FINDING))
+    return entries
+
+
+def _refitted(case: Case, judged: Judged, quantity: Quantity, error: float) -> Correction | None:
+    """Return the correction of a number that was refitted, or None where the rig holds no such number."""
+    value = judged.trial.fit.values[quantity]
+    if quantity.effect == "inertia":
+        if case.model.nv > 1:  # what the others take of it is in the same number
+            return None
+        believed = case.rig.joint_factors.get(quantity.where, JointFactors()).inertia
+        low, high = (end * believed for end in bounds(quantity, value, max(error, MODEL_SHARE)))
+        return Correction(("joints", quantity.where, "inertia_factor"), value * believed, "1", (low, high), believed)
+    if quantity.effect in REFITTED or (known(quantity.effect) and quantity.prior and quantity.prior[0]):
+        whole = quantity.prior[0] if quantity.prior and known(quantity.effect) else 1.0
+        return _correction(case, quantity, value / whole, error / abs(whole)) if _is_the_rigs(case.rig, quantity) else None
+    return None
+
+
 def _sensor_entry(finding: Finding, rig: Rig) -> Entry:
     """Return what the rig must say of a sensor: what it knew was taken off before anything was found, so both count."""
     known = rig.effect(finding.name, finding.where)
@@ -88,10 +137,10 @@ def _is_the_rigs(rig: Rig, quantity: Quantity) -> bool:
 def _correction(case: Case, quantity: Quantity, factor: float, error: float) -> Correction:
     if quantity.prior and known(quantity.effect):
         believed = quantity.prior[0]
-        low, high = ends(factor, error)
+        low, high = ends(factor, max(error, MODEL_SHARE))
         path = ("effects", quantity.effect, quantity.where, quantity.parameter)
         return Correction(path, believed * factor, quantity.unit, (believed * low, believed * high))
-    low, high = bounds(quantity, factor, error)
+    low, high = bounds(quantity, factor, max(error, MODEL_SHARE))
     if quantity.effect == "payload_mass":
         model = case.model
         body = int(model.jnt_bodyid[model.joint(quantity.where).id])
@@ -103,7 +152,7 @@ def _correction(case: Case, quantity: Quantity, factor: float, error: float) -> 
         key: tuple[str, ...] = ("bodies", model.body(body).name, "mass")
         return Correction(key, mass(factor), "kg", (mass(low), mass(high)), own)
     if quantity.effect == "joint_damping":
-        believed = case.rig.damping_factors.get(quantity.where, 1.0)
+        believed = case.rig.joint_factors.get(quantity.where, JointFactors()).damping
         low, factor, high = (max(number, 1e-3) * believed for number in (low, factor, high))
         return Correction(("joints", quantity.where, "damping_factor"), factor, "1", (low, high), believed)
     cylinder = case.rig.cylinders[quantity.where]

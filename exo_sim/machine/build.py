@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any
 
 from exo_sim.errors import ModelError, ScenarioError, nearest
 from exo_sim.machine.person import COORDINATES, REFERENCE_HEIGHT, SEGMENTS, Person
-from exo_sim.rig.schema import Ankle
+from exo_sim.rig.schema import Ankle, JointFactors
 
 if TYPE_CHECKING:
     import mujoco
@@ -23,7 +23,7 @@ def build(
     payload: float,
     ankle: Ankle,
     masses: Mapping[str, float] | None = None,
-    damping: Mapping[str, float] | None = None,
+    joints: Mapping[str, JointFactors] | None = None,
 ) -> mujoco.MjModel:
     """Read an MJCF of the kind of `assets/exo.xml` and fit it.
 
@@ -36,7 +36,7 @@ def build(
         payload: Mass on the back [kg], 0 to `PAYLOAD_LIMIT`.
         ankle: What the ankle does.
         masses: Of bodies that the rig knows better than the file [kg]; the payload's is `payload` all the same.
-        damping: Factors on the file's damping, by joint.
+        joints: Factors on the file's numbers of joints, by joint.
 
     Raises:
         ModelError: the file cannot be read, or lacks a joint or body that a worn machine needs.
@@ -44,7 +44,7 @@ def build(
     """
     import mujoco
 
-    from exo_sim.machine.load import damp
+    from exo_sim.machine.load import corrected
 
     if not 0.0 <= payload <= PAYLOAD_LIMIT:
         raise ScenarioError(f"payload {payload:g} kg: the frame carries 0 to {PAYLOAD_LIMIT:g} kg")
@@ -79,9 +79,9 @@ def build(
         index = bodies.index(name)
         model.body_inertia[index] *= mass / model.body_mass[index]
         model.body_mass[index] = mass
-    damp(model, damping or {}, str(path))
     if masses:
         mujoco.mj_setConst(model, mujoco.MjData(model))
+    corrected(model, joints or {}, str(path))
     return model
 
 

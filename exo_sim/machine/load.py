@@ -1,15 +1,16 @@
-"""From a rig to its MuJoCo model: the MJCF as it stands, with the masses, damping and attachment points that the rig knows better."""
+"""From a rig to its MuJoCo model: the MJCF as it stands, with the masses, joint numbers and attachment points that the rig knows better."""
 
 from __future__ import annotations
 
 from collections.abc import Mapping
 
 import mujoco
+import numpy as np
 
 from exo_sim.errors import ModelError, nearest
 from exo_sim.machine.attachment import attach
 from exo_sim.physics.effects.declaration import declared
-from exo_sim.rig import Rig
+from exo_sim.rig import JointFactors, Rig
 
 
 def spec(rig: Rig) -> mujoco.MjSpec:
@@ -53,22 +54,33 @@ def compiled(loaded: mujoco.MjSpec, rig: Rig) -> mujoco.MjModel:
         raise ModelError(f"{rig.model}: MuJoCo cannot compile it: {_one_line(error)}") from None
 
 
-def damp(model: mujoco.MjModel, factors: Mapping[str, float], told_by: str) -> None:
-    """Multiply the damping of joints.
+def corrected(model: mujoco.MjModel, joints: Mapping[str, JointFactors], told_by: str) -> None:
+    """Multiply what a model says of its joints.
+
+    What a joint accelerates is changed by an armature: it moves nothing's centre of mass, so that gravity stays.
 
     Args:
         model: Changed.
-        factors: By joint.
+        joints: Factors, by joint.
         told_by: What names the joints, for the error.
 
     Raises:
         ModelError: a joint that is not in the model.
     """
     names = [model.joint(i).name for i in range(model.njnt)]
-    for name, factor in factors.items():
+    if not joints:
+        return
+    data = mujoco.MjData(model)
+    mujoco.mj_forward(model, data)
+    inertia = np.zeros((model.nv, model.nv))
+    mujoco.mj_fullM(model, data, inertia)
+    for name, factors in joints.items():
         if name not in names:
             raise ModelError(f"{told_by}: joints.{name} is not a joint of the model{nearest(name, names)}")
-        model.dof_damping[model.joint(name).dofadr] *= factor
+        dofs = model.joint(name).dofadr
+        model.dof_damping[dofs] *= factors.damping
+        model.dof_armature[dofs] += (factors.inertia - 1.0) * np.diag(inertia)[dofs]
+    mujoco.mj_setConst(model, data)
 
 
 def check_effects(rig: Rig, model: mujoco.MjModel) -> None:
@@ -100,7 +112,7 @@ def load(rig: Rig) -> mujoco.MjModel:
         ModelError: as `spec`, `compiled` and `check_effects`.
     """
     model = compiled(spec(rig), rig)
-    damp(model, rig.damping_factors, str(rig.path))
+    corrected(model, rig.joint_factors, str(rig.path))
     check_effects(rig, model)
     attach(model, rig)
     return model

@@ -3,11 +3,12 @@
 from __future__ import annotations
 
 import tomllib
+from collections.abc import Iterator
 from pathlib import Path
 
 from exo_sim.errors import RigError
 from exo_sim.rig.effects import read_effects
-from exo_sim.rig.schema import Ankle, Attachment, Cylinder, Environment, Rig, Supply, Wearer
+from exo_sim.rig.schema import Ankle, Attachment, Cylinder, Environment, JointFactors, Rig, Supply, Wearer
 from exo_sim.rig.table import Table
 
 #: What stands at the top of a rig file. Told apart first: under a misspelt heading everything else looks missing.
@@ -65,24 +66,29 @@ def parse(text: str, path: Path) -> Rig:
                 f'"{driven[cylinder.actuator]}"; give each cylinder an actuator of its own'
             )
         driven[cylinder.actuator] = cylinder.name
-    masses = _numbers_of(table, "bodies", "mass", "kg")
-    factors = _numbers_of(table, "joints", "damping_factor", "1")
+    masses = {name: part.quantity("mass", "kg", above=0.0) for name, part in _parts_of(table, "bodies")}
+    factors = {name: _factors(part) for name, part in _parts_of(table, "joints")}
     supply = _supply(table, environment, needed=any(c.valve_area > 0.0 for c in cylinders.values()))
     wearer, ankle = _worn(table)
     effects = read_effects(table.table("effects", required=False), cylinders)
     return Rig(name, model, environment, supply, r, k, cylinders, effects, masses, factors, wearer, ankle, text, path)
 
 
-def _numbers_of(table: Table, group: str, key: str, unit: str) -> dict[str, float]:
-    """Return one positive number of every part of a group, e.g. the mass of each of `[bodies.NAME]`."""
+def _parts_of(table: Table, group: str) -> Iterator[tuple[str, Table]]:
+    """Yield name and table of every part of a group, e.g. of `[bodies.NAME]`; what is left in one when it was read is refused."""
     parts = table.table(group, required=False)
-    found: dict[str, float] = {}
     for name in parts.values if parts is not None else ():
         part = parts.table(name) if parts is not None else None
         assert part is not None
-        found[name] = part.quantity(key, unit, above=0.0)
+        yield name, part
         part.done()
-    return found
+
+
+def _factors(part: Table) -> JointFactors:
+    """Return the factors on a joint's numbers; there must be one."""
+    inertia = part.quantity("inertia_factor", "1", default=1.0, above=0.0)
+    damping = part.quantity("damping_factor", "1", default=1.0 if part.has("inertia_factor") else None, above=0.0)
+    return JointFactors(damping, inertia)
 
 
 def _environment(table: Table) -> Environment:

@@ -101,6 +101,19 @@ class Ankle:
 
 
 @dataclass(frozen=True)
+class JointFactors:
+    """What numbers that the MJCF says of a joint are multiplied with.
+
+    Attributes:
+        damping: On the joint's damping.
+        inertia: On what the joint has to accelerate where the MJCF draws it; gravity stays as it is.
+    """
+
+    damping: float = 1.0
+    inertia: float = 1.0
+
+
+@dataclass(frozen=True)
 class Rig:
     """One machine as its owner believes it to be.
 
@@ -113,7 +126,7 @@ class Rig:
         cylinders: By name, in the order of the file.
         effects: Physics beyond the paper.
         body_masses: Masses that replace the MJCF's, by body [kg].
-        damping_factors: What the MJCF's damping is multiplied with, by joint.
+        joint_factors: What numbers of the MJCF's joints are multiplied with, by joint.
         wearer, ankle: For machines that are worn.
         text: The file as it stands.
         path: Where it was read from; errors name it.
@@ -128,7 +141,7 @@ class Rig:
     cylinders: Mapping[str, Cylinder]
     effects: tuple[EffectSetting, ...] = ()
     body_masses: Mapping[str, float] = field(default_factory=dict)
-    damping_factors: Mapping[str, float] = field(default_factory=dict)
+    joint_factors: Mapping[str, JointFactors] = field(default_factory=dict)
     wearer: Wearer = Wearer()
     ankle: Ankle = Ankle()
     text: str = ""

@@ -58,7 +58,7 @@ class Simulation:
         scenario = scenarios.find(request.scenario)
         self.motion = scenarios.motion(request.scenario, self.person, request.speed)
         self.cycles = request.cycles if request.cycles is not None else scenario.cycles
-        self.model = build(rig.model, self.person, request.payload, rig.ankle, rig.body_masses, rig.damping_factors)
+        self.model = build(rig.model, self.person, request.payload, rig.ankle, rig.body_masses, rig.joint_factors)
         attach(self.model, rig)
         if request.step is not None:
             self.model.opt.timestep = request.step
@@ -88,7 +88,7 @@ class Simulation:
         if payload != self.request.payload:
             model = build(
                 self.rig.model, self.person, min(payload, PAYLOAD_LIMIT), self.rig.ankle, self.rig.body_masses,
-                self.rig.damping_factors,
+                self.rig.joint_factors,
             )
             carry(model, payload)
         dynamics = machine_dynamics.along(model, self.motion, self.person, self.straps)
@@ -279,7 +279,7 @@ def _check_step(rig: Rig, step: float) -> None:
 
 def _frame_mass(rig: Rig, person: Person) -> float:
     """Return the machine's mass without payload [kg]."""
-    model = build(rig.model, person, 0.0, rig.ankle, rig.body_masses, rig.damping_factors)
+    model = build(rig.model, person, 0.0, rig.ankle, rig.body_masses, rig.joint_factors)
     return float(model.body_subtreemass[model.body("torso").id])
 
 

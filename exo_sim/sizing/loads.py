@@ -91,7 +91,7 @@ def joint_loads(rig: Rig, condition: Condition) -> JointLoads:
         condition = replace(condition, payload=condition.payload + scenario.added.mass)
     person = Person(rig.wearer.height, rig.wearer.mass)
     motion = scenarios.motion(condition.scenario, person, condition.speed)
-    model = build(rig.model, person, min(condition.payload, PAYLOAD_LIMIT), rig.ankle, rig.body_masses, rig.damping_factors)
+    model = build(rig.model, person, min(condition.payload, PAYLOAD_LIMIT), rig.ankle, rig.body_masses, rig.joint_factors)
     if condition.payload > PAYLOAD_LIMIT:
         if scenario.added is None:
             raise ScenarioError(f"payload {condition.payload:g} kg: the frame carries 0 to {PAYLOAD_LIMIT:g} kg")

@@ -6,7 +6,6 @@ import json
 import os
 import resource
 import shlex
-import shutil
 import subprocess
 import sys
 import time
@@ -19,7 +18,7 @@ from exo_sim.outputs import replacing
 from exo_sim.progress import each
 from exo_sim.trials.cells import Plan, draw_plans
 from exo_sim.trials.seal import Ledger, digest_of, new_key, seal, write_key
-from exo_sim.trials.tool import command, environment, lay_out
+from exo_sim.trials.tool import bring_back, command, environment, lay_out
 
 if TYPE_CHECKING:
     from exo_sim.trials.cases import Case
@@ -246,9 +245,7 @@ def diagnose_one(folder: Path, name: str, entry: dict[str, Any], tool: str, time
         diagnosis = None
         if answer.exists():
             out.mkdir(parents=True, exist_ok=True)
-            for file in ("diagnosis.json", "improved.toml"):
-                if (answer.parent / file).exists():
-                    shutil.copy(answer.parent / file, out / file)
+            bring_back(answer.parent, out, folder / "cases" / name)
             diagnosis = digest_of(out / "diagnosis.json")
     return {
         "status": status,

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import os
+import re
 import shlex
 import shutil
 from collections.abc import Collection
@@ -14,6 +15,16 @@ def lay_out(case: Path, files: Collection[str], bare: Path) -> list[str]:
     for file in files:
         shutil.copy(case / file, bare)
     return sorted(file for file in files if file.startswith("recording"))
+
+
+def bring_back(answer: Path, out: Path, case: Path) -> None:
+    """Copy what a tool wrote; the improved rig finds its MJCF beside the case, no longer in the bare folder."""
+    shutil.copy(answer / "diagnosis.json", out)
+    improved = answer / "improved.toml"
+    if improved.exists():
+        there = Path(os.path.relpath(case, out)).as_posix()
+        text = re.sub(r'^(model\s*=\s*")\.\./', rf"\g<1>{there}/", improved.read_text(encoding="utf-8"), flags=re.MULTILINE)
+        (out / improved.name).write_text(text, encoding="utf-8")
 
 
 def command(tool: str, recordings: Collection[str]) -> list[str]:

@@ -8,8 +8,11 @@ from pathlib import Path
 
 import pytest
 
+from exo_sim import rig as rigs
 from exo_sim.diagnosis.diagnose import diagnose
+from exo_sim.diagnosis.replay import replay, rms
 from exo_sim.errors import RecordingError
+from exo_sim.recording import read
 from exo_sim.trials.cases import make_case, write_case
 
 PLANTED = [
@@ -89,6 +92,31 @@ def test_damping_believed_too_large_is_a_believed_number(tmp_path: Path) -> None
     (folder / "improved.toml").write_text(found.improved)
     again = diagnose(sorted(folder.glob("recording*.csv")), folder / "improved.toml", folder=folder)
     assert "joint_damping" not in {finding.name for finding in again.effects}
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("effects", [(), ("valve_deadband",)], ids=["nothing", "dead band"])
+def test_the_improved_rig_predicts_as_well_as_was_told(tmp_path: Path, effects: tuple[str, ...]) -> None:
+    """Also with numbers that are off by less than is worth a finding: what was refitted is in the file."""
+    folder = case_folder(tmp_path, effects)
+    text = (folder / "rig.toml").read_text()
+    for key, factor in (("area", 1.008), ("dead_volume_1", 0.98), ("dead_volume_2", 1.02)):
+        found = re.search(rf'(?m)^{key} *= "([\d.e+-]+)', text)
+        assert found
+        text = text.replace(found[0], f'{found[0][: found.start(1) - found.start()]}{factor * float(found[1]):.6g}', 1)
+    (folder / "rig.toml").write_text(text)
+    files = sorted(folder.glob("recording*.csv"))
+    answer = diagnose(files, folder / "rig.toml", folder=folder)
+    (folder / "improved.toml").write_text(answer.improved)
+    missed = {}
+    for name in ("rig.toml", "improved.toml"):
+        measured = read(files[-1]).recording
+        predicted = replay(measured, rigs.read(folder / name), motion="recorded").windowed
+        missed[name] = {key: rms(measured[key], predicted[key]) for key in answer.signals if key in predicted}
+    for key, error in missed["improved.toml"].items():
+        assert error < 1.2 * answer.signals[key].after
+        assert error < 0.5 * missed["rig.toml"][key]
+    assert missed["improved.toml"]
 
 
 @pytest.mark.slow

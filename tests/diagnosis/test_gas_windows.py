@@ -8,8 +8,9 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from exo_sim.diagnosis.gas_cut import QUIET_REACH, START_SAMPLES, windows
+from exo_sim.diagnosis.gas_cut import START_SAMPLES, windows
 from exo_sim.diagnosis.observed import CylinderRun
+from exo_sim.diagnosis.window_starts import QUIET_REACH, cuts
 
 N = 4000
 SECONDS = 0.5
@@ -92,3 +93,10 @@ def test_a_clock_that_changes_its_pace_is_covered_as_well(seconds: float) -> Non
     cut = windows(run, seconds)
     assert cut.starts[0] == 0 and cut.stops[-1] == 1000
     assert (np.diff(cut.starts) > 0).all()
+
+
+def test_where_all_is_equally_quiet_windows_are_even() -> None:
+    time = np.arange(1000) * 1e-3
+    assert cuts(time, 0, 1000, 0.25, np.zeros(1000)) == [0, 250, 500, 750]
+    assert cuts(time, 200, 1000, 0.4, np.zeros(1000)) == [200, 600]
+    assert cuts(time, 200, 1000, np.inf, np.zeros(1000)) == [200]

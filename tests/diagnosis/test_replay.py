@@ -104,9 +104,9 @@ def test_no_window_runs_across_a_jump_of_the_clock():
     time = np.concatenate([np.arange(1000) / 1000.0, 5.0 + np.arange(700) / 1000.0])
     pieces = steps(time, 1e-3)
     assert [len(piece.time) for piece in pieces] == [1000, 700]
-    starts = window_starts(pieces, 0.5)
+    starts = window_starts(pieces, 0.5, time, ())
     assert list(starts) == [0, 500, 1000]
-    assert list(window_starts(pieces, np.inf)) == [0, 1000]
+    assert list(window_starts(pieces, np.inf, time, ())) == [0, 1000]
 
 
 def test_a_held_command_keeps_its_mean_on_other_steps():

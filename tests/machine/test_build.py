@@ -11,7 +11,7 @@ from exo_sim.errors import ModelError, ScenarioError
 from exo_sim.machine.build import build
 from exo_sim.machine.linkage import check_strokes, moment_row
 from exo_sim.machine.person import COORDINATES, SEGMENTS, Person
-from exo_sim.rig import Ankle
+from exo_sim.rig import Ankle, JointFactors
 
 
 @pytest.fixture(scope="module")
@@ -44,13 +44,13 @@ def test_frame_and_payload_weigh_what_they_should(assets, payload):
 
 
 def test_a_rig_may_know_damping_better_than_the_file(assets):
-    plain, softer = (build(assets / "exo.xml", Person(), 34.0, Ankle(), damping=factors) for factors in (None, {"knee_l": 0.25}))
+    plain, softer = (build(assets / "exo.xml", Person(), 34.0, Ankle(), joints=factors) for factors in (None, {"knee_l": JointFactors(damping=0.25)}))
     knee = plain.joint("knee_l").dofadr[0]
     assert softer.dof_damping[knee] == 0.25 * plain.dof_damping[knee] > 0.0
     others = np.arange(plain.nv) != knee
     np.testing.assert_array_equal(softer.dof_damping[others], plain.dof_damping[others])
     with pytest.raises(ModelError, match=r"joints.kne_l.*did you mean .knee_l"):
-        build(assets / "exo.xml", Person(), 34.0, Ankle(), damping={"kne_l": 0.5})
+        build(assets / "exo.xml", Person(), 34.0, Ankle(), joints={"kne_l": JointFactors(0.5)})
 
 
 @pytest.mark.parametrize("height", [1.50, 1.70, 2.00])

@@ -7,7 +7,7 @@ from pathlib import Path
 
 import pytest
 
-from exo_sim.rig import Correction, EffectSetting, Finding, improved, parse, read
+from exo_sim.rig import Correction, EffectSetting, Finding, JointFactors, improved, parse, read
 
 EXTRA = """
 [effects.coulomb_friction.piston]   # measured in May
@@ -57,9 +57,12 @@ def test_a_damping_believed_too_large_is_written_as_a_factor(bench: Path) -> Non
     text = improved(read(bench), [], [damping], bench.parent)
     assert text.endswith("[joints.slide]\ndamping_factor = 0.713  # was 1.0; 95 %: 0.707 to 0.72\n")
     again = parse(text, bench)
-    assert again.damping_factors == {"slide": 0.713}
+    assert again.joint_factors == {"slide": JointFactors(damping=0.713)}
     twice = improved(again, [], [Correction(damping.key, 0.5, "1")], bench.parent)
-    assert parse(twice, bench).damping_factors == {"slide": 0.5}
+    inertia = Correction(("joints", "slide", "inertia_factor"), 1.01, "1")
+    assert parse(twice, bench).joint_factors == {"slide": JointFactors(damping=0.5)}
+    assert parse(improved(again, [], [inertia], bench.parent), bench).joint_factors == {"slide": JointFactors(0.713, 1.01)}
+    assert parse(improved(read(bench), [], [inertia], bench.parent), bench).joint_factors == {"slide": JointFactors(inertia=1.01)}
 
 
 def test_a_new_effect_is_a_new_table_at_the_end(bench: Path) -> None:

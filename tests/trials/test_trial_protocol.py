@@ -10,6 +10,8 @@ import pytest
 
 from exo_sim.cli import main
 from exo_sim.errors import TrialError
+from exo_sim.machine.load import load
+from exo_sim.rig import read
 from exo_sim.trials import protocol
 from exo_sim.trials.figures import clopper_pearson, figures, nine_of_ten
 from exo_sim.trials.judge import judge
@@ -23,6 +25,8 @@ given = {p.name for p in pathlib.Path(".").iterdir() if not p.name.startswith("r
 assert given in ({"rig.toml", "words", "bench.xml"}, {"rig.toml", "words", "leg.xml"}), given
 out.mkdir()
 (out / "diagnosis.json").write_text(json.dumps({"verdict": "consistent", "effects": []}))
+model = next(name for name in given if name.endswith(".xml"))
+(out / "improved.toml").write_text(pathlib.Path("rig.toml").read_text().replace(model, f"../{model}"))
 """
 
 
@@ -45,6 +49,14 @@ def trial(made, tmp_path):
 def done(trial):
     protocol.run(trial / "trial", f"{sys.executable} {trial / 'tool.py'}", quiet=True)
     return trial
+
+
+def test_an_improved_rig_can_be_read_where_the_trial_keeps_it(done):
+    found = sorted((done / "trial" / "run").glob("*/improved.toml"))
+    assert len(found) == 4
+    for path in found:
+        assert load(read(path)).njnt > 0
+        assert read(path).model.resolve().parent == (done / "trial" / "cases" / path.parent.name).resolve()
 
 
 def test_an_honest_trial_is_scored(done, capsys):

@@ -13,7 +13,6 @@ from exo_sim.diagnosis.observed import CylinderRun
 from exo_sim.diagnosis.window_starts import cuts, unrest
 from exo_sim.physics import chamber, plant, state
 from exo_sim.physics.compiled import kernel
-from exo_sim.physics.pace import settling_rate
 from exo_sim.physics.pneumatics import Pneumatics
 from exo_sim.physics.transmission import gives
 
@@ -22,8 +21,8 @@ Array = NDArray[np.float64]
 #: Steps as long as a sample, and few: a fit asks for thousands of runs, some of them with absurd machines.
 LONGEST_STEP, MOST_STEPS = 1e-3, 8.0
 
-#: ... and where the sensor sits behind a hose, no longer than this share of the time in which the hose settles.
-HOSE_SHARE = 0.07
+#: ... and where the sensor sits behind a hose, of which it shows every error, no longer than this [s].
+HOSE_STEP = 5e-4
 
 #: Samples of delayed commands that are kept for the next time.
 MOST_KEPT = 2_000_000
@@ -241,10 +240,8 @@ def run_gas(
     world, cylinder = world.copy(), cylinder.copy()
     usual = float(np.median(np.diff(feed.time)))
     world["longest_step"], world["most_steps"] = max(LONGEST_STEP, 0.5 * usual), MOST_STEPS
-    if behind_hose(cylinder):  # such a sensor shows every error of a step in the hose's small volume
-        hose = cylinder["line_restriction"][0]
-        settling = settling_rate(hose["area"], hose["volume"], world["k"][0], world["r"][0])
-        world["longest_step"] = min(world["longest_step"][0], max(HOSE_SHARE / settling, usual / MOST_STEPS))
+    if behind_hose(cylinder):
+        world["longest_step"] = min(world["longest_step"][0], max(HOSE_STEP, usual / MOST_STEPS))
     n = len(feed.time)
     length = feed.length
     if length_delay != 0.0:

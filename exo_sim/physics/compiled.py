@@ -1,7 +1,8 @@
 """How a kernel is compiled, and where its machine code is kept.
 
-numba's own cache does not notice a change in another file that a cached function calls, so the folder is named after the
-text of every file that holds a kernel, and after the versions that compile it: an edit is never met by stale code.
+numba's own cache does not notice a change in another file that a cached function calls or takes a number from, so the folder is
+named after the text of all physics and of every file elsewhere that holds a kernel, and after the versions that compile it: an edit
+is never met by stale code.
 """
 
 from __future__ import annotations
@@ -10,6 +11,7 @@ import contextlib
 import hashlib
 import os
 import platform
+import re
 import shutil
 from collections.abc import Callable
 from pathlib import Path
@@ -26,10 +28,12 @@ Function = TypeVar("Function", bound=Callable[..., Any])
 
 _PACKAGE = Path(__file__).resolve().parent.parent
 _KEPT = 4
+_COMPILED = re.compile(rb"kernel|intrinsic")
 
 
 def _sources() -> list[Path]:
-    return [path for path in sorted(_PACKAGE.rglob("*.py")) if b"kernel" in path.read_bytes()]
+    physics = Path(__file__).resolve().parent
+    return [path for path in sorted(_PACKAGE.rglob("*.py")) if physics in path.parents or _COMPILED.search(path.read_bytes())]
 
 
 def _key() -> str:

@@ -274,26 +274,26 @@ def integrate(world, cylinders, y, held, x0, x1, span, spool, h, stages, work, x
     for i in range(n):
         v[i] = (x1[i] - x0[i]) / span
         x[i] = x0[i]
-    start, first, before, last, rate = work[0], work[1], work[2], work[3], work[4]
+    change, first, before, there, rate = work[0], work[1], work[2], work[3], work[4]  # changes: they round less than what they change
     drawn = rates(world, cylinders, y, first, held, x, v, spool)
     a = COEFFICIENTS[stages, 1, 2] * h
     for q in range(y.size):
-        start[q] = y[q]
-        before[q] = y[q]
-        last[q] = y[q] + a * first[q]
+        before[q] = 0.0
+        change[q] = a * first[q]
+        there[q] = y[q] + change[q]
     for j in range(2, stages + 1):
         row = COEFFICIENTS[stages, j]
         for i in range(n):
             x[i] = x0[i] + v[i] * row[4] * h
-        rates(world, cylinders, last, rate, held, x, v, spool)
+        rates(world, cylinders, there, rate, held, x, v, spool)
         mu, nu, a, b = row[0], row[1], row[2] * h, row[3] * h
-        rest = 1.0 - mu - nu
         for q in range(y.size):
-            new = rest * start[q] + mu * last[q] + nu * before[q] + a * rate[q] + b * first[q]
-            before[q] = last[q]
-            last[q] = new
+            new = mu * change[q] + nu * before[q] + a * rate[q] + b * first[q]
+            before[q] = change[q]
+            change[q] = new
+            there[q] = y[q] + new
     for q in range(y.size):
-        y[q] = last[q]
+        y[q] = there[q]
     for i in range(n):
         x0[i] += v[i] * h
     return drawn

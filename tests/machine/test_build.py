@@ -44,7 +44,8 @@ def test_frame_and_payload_weigh_what_they_should(assets, payload):
 
 
 def test_a_rig_may_know_damping_better_than_the_file(assets):
-    plain, softer = (build(assets / "exo.xml", Person(), 34.0, Ankle(), joints=factors) for factors in (None, {"knee_l": JointFactors(damping=0.25)}))
+    known = (None, {"knee_l": JointFactors(damping=0.25)})
+    plain, softer = (build(assets / "exo.xml", Person(), 34.0, Ankle(), joints=factors) for factors in known)
     knee = plain.joint("knee_l").dofadr[0]
     assert softer.dof_damping[knee] == 0.25 * plain.dof_damping[knee] > 0.0
     others = np.arange(plain.nv) != knee

@@ -40,7 +40,7 @@ def test_an_inertia_factor_slows_a_pendulum_and_leaves_its_weight(inertia: float
 
 def test_a_joint_that_is_none_is_refused() -> None:
     model = mujoco.MjModel.from_xml_string(PENDULUM)
-    with pytest.raises(ModelError, match="rig.toml: joints.amr is not a joint of the model; did you mean .arm"):
+    with pytest.raises(ModelError, match=r"rig\.toml: joints\.amr is not a joint of the model; did you mean .arm"):
         corrected(model, {"amr": JointFactors(damping=0.5)}, "rig.toml")
 
 

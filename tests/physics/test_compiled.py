@@ -1,5 +1,6 @@
 """Machine code is kept between starts, and a disk that cannot hold it stops nobody."""
 
+import ast
 import errno
 import importlib.util
 import os
@@ -8,6 +9,8 @@ from types import ModuleType
 
 import pytest
 from numba.core.caching import FunctionCache
+
+from exo_sim.physics import compiled
 
 TEXT = """
 from exo_sim.physics.compiled import kernel
@@ -34,6 +37,19 @@ def test_a_second_start_finds_the_machine_code(tmp_path: Path) -> None:
         twice = fresh(tmp_path, "kept").twice
         assert twice(1.5) == 3.0
         assert sum(twice.stats.cache_hits.values()) == hits
+
+
+def test_no_number_that_is_compiled_in_comes_from_a_file_that_the_cache_does_not_watch() -> None:
+    """A constant that a kernel's file imports is in its machine code: an edit of it must not meet the old code."""
+    watched = set(compiled._sources())
+    package = compiled._PACKAGE
+    for path in [path for path in watched if "@kernel" in path.read_text() or "@inlined_kernel" in path.read_text()]:
+        for node in ast.walk(ast.parse(path.read_text())):
+            if isinstance(node, ast.ImportFrom) and (node.module or "").startswith("exo_sim."):
+                told = package.parent / (node.module or "").replace(".", "/")
+                numbers = [name.name for name in node.names if name.name.isupper()]
+                assert not numbers or told.with_suffix(".py") in watched or told / "__init__.py" in watched, (path, numbers)
+    assert {"integrator.py", "records.py", "state.py"} <= {path.name for path in watched}
 
 
 def test_a_full_disk_costs_only_the_keeping(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:

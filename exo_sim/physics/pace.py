@@ -79,33 +79,93 @@ def coupled_rate(one: float, other: float, product: float) -> float:
 
 
 @kernel
-def step_length(world, cylinders, y, held, x, end, spool, left: float, shortest: float) -> tuple[float, int]:
-    """Return how long the next step may be [s], from `shortest` to `left`, and how many stages keep it stable.
+def side_rate(world, c, y, hose_mass, hose_energy, p, t, v, p_other, v_other, leak, laminar, conductance, a_supply, p_s, t_s, a_exhaust,
+              p_e, span):  # fmt: skip
+    """Return how fast one chamber and its hose can settle within `span` seconds, and what they add to an accumulator's and a manifold's
+    rate [1/s].
 
-    Accuracy bounds the step by the volumes that are filling, emptying or being squeezed; stability, by the fastest rate of
-    all, asks for stages. A chamber and its hose are taken together; among the rest Gershgorin's circles bound it: a path
-    between two volumes counts with a / V and, scaled with the roots of the volumes, with a / sqrt(V V') for what the other answers.
+    A chamber and its hose are taken together. Among the rest Gershgorin's circles bound the fastest mode: a path between two volumes
+    counts with a / V and, scaled with the roots of the volumes, with a / sqrt(V V') for what the other answers.
 
     Args:
-        x, end: Piston positions now and when `left` is over, shape (n,).
+        y: Integrated state; `hose_mass` and `hose_energy` are the places of this side's hose in it.
+        p, t, v, p_other, v_other: State of this chamber, and of the other one.
+        leak, laminar, conductance: To the outside, of this side.
+        a_supply, p_s, t_s, a_exhaust, p_e: Of the valve's paths.
     """
-    n = len(cylinders)
-    shared = n * INTEGRATED
     k, r = world.k, world.r
-    p_s, t_s = supply_state(world, y, shared, held)
-    p_e, _ = exhaust_state(world, y, shared)
-    p_o = world.exhaust_pressure
-    tank, manifold = world.supply_droop.volume, world.exhaust_back_pressure.volume
-    span = min(left, world.longest_step if world.longest_step > 0.0 else LONGEST_STEP)
-    transient = 0.0
-    for i in range(n):
-        c = cylinders[i]
-        base = i * INTEGRATED
+    rate = path_rate(c.piston_leakage.area, p, p_other, v, span, k, r) * (1.0 + math.sqrt(v / v_other))
+    rate += path_rate(leak, p, world.atmosphere, v, span, k, r)
+    rate += slow_rate(world, c, laminar, conductance, p, p_other, v)
+    warmest = max(t, t_s)
+    through = share = 0.0
+    hose = line_restriction.present(c.line_restriction)
+    if hose:
+        inside, room = p, v
+        v = c.line_restriction.volume
+        p = chamber.pressure(y[hose_energy], v, k)
+        warmest = max(warmest, chamber.temperature(y[hose_energy], y[hose_mass], k, r))
+        through, share = path_rate(c.line_restriction.area, p, inside, v, span, k, r), v / room
+        rate += through * share
+    fed = path_rate(a_supply, p_s, p, v, span, k, r)
+    let_off = path_rate(a_exhaust, p, p_e, v, span, k, r)
+    valve = fed + let_off
+    drawn = vented = 0.0
+    if supply_droop.present(world.supply_droop):
+        answer = math.sqrt(v / world.supply_droop.volume)
+        drawn = fed * answer * (answer + 1.0)
+        valve += fed * answer
+    if exhaust_back_pressure.present(world.exhaust_back_pressure):
+        answer = math.sqrt(v / world.exhaust_back_pressure.volume)
+        vented = let_off * answer * (answer + 1.0)
+        valve += let_off * answer
+    rate = coupled_rate(rate, through + valve, through * through * share) if hose else rate + valve
+    return rate * math.sqrt(_WARMER * warmest / HOT), drawn, vented
+
+
+@kernel
+def fastest_rate(world, cylinders, y, p_s, t_s, p_e, x, spool, span):
+    """Return a bound on how fast anything can settle within `span` seconds [1/s]."""
+    k, r = world.k, world.r
+    supply, exhaust = world.supply_droop, world.exhaust_back_pressure
+    drawn = supply.conductance * k * r * HOT / supply.volume if supply_droop.present(supply) else 0.0
+    vented = path_rate(exhaust.area, p_e, world.exhaust_pressure, max(exhaust.volume, 1e-9), span, k, r)
+    fastest = 0.0
+    for i in range(len(cylinders)):
+        c, base = cylinders[i], i * INTEGRATED
+        v_1, v_2 = volumes(c, x[i])
+        p_1, p_2 = pressures(world, c, y, base, x[i])
+        t_1, t_2 = temperatures(world, y, base)
+        a_s1, a_1e, a_s2, a_2e = path_areas(c, spool[i])
+        leak, wall = c.external_leakage, c.wall_heat_transfer
+        rate, more, less = side_rate(
+            world, c, y, base + HOSE_MASS_1, base + HOSE_ENERGY_1, p_1, t_1, v_1, p_2, v_2,
+            leak.area_1, leak.laminar_1, wall.conductance_1, a_s1, p_s, t_s, a_1e, p_e, span,
+        )  # fmt: skip
+        fastest, drawn, vented = max(fastest, rate), drawn + more, vented + less
+        if c.single_acting > 0.0:
+            continue
+        rate, more, less = side_rate(
+            world, c, y, base + HOSE_MASS_2, base + HOSE_ENERGY_2, p_2, t_2, v_2, p_1, v_1,
+            leak.area_2, leak.laminar_2, wall.conductance_2, a_s2, p_s, t_s, a_2e, p_e, span,
+        )  # fmt: skip
+        fastest, drawn, vented = max(fastest, rate), drawn + more, vented + less
+    return max(fastest, drawn, vented)
+
+
+@kernel
+def fastest_change(world, cylinders, y, p_s, p_e, x, end, spool, left):
+    """Return how fast the volumes that are filling, emptying or being squeezed change their pressure [1/s]: accuracy asks for it."""
+    k, r = world.k, world.r
+    exhaust = world.exhaust_back_pressure
+    change = 0.0
+    for i in range(len(cylinders)):
+        c, base = cylinders[i], i * INTEGRATED
         v_1, v_2 = volumes(c, x[i])
         after_1, after_2 = volumes(c, end[i])
         squeezed_1 = abs(after_1 - v_1) / min(after_1, v_1)
         squeezed_2 = abs(after_2 - v_2) / min(after_2, v_2)
-        transient = max(transient, squeezed_1 / left, squeezed_2 / left)
+        change = max(change, squeezed_1 / left, squeezed_2 / left)
         p_1, p_2 = pressures(world, c, y, base, x[i])
         a_s1, a_1e, a_s2, a_2e = path_areas(c, spool[i])
         if line_restriction.present(c.line_restriction):
@@ -114,63 +174,27 @@ def step_length(world, cylinders, y, held, x, end, spool, left: float, shortest:
             p_2 = chamber.pressure(y[base + HOSE_ENERGY_2], v_2, k)
         fill_1 = transient_rate(a_s1, p_s, p_1, v_1, k, r) + transient_rate(a_1e, p_1, p_e, v_1, k, r)
         fill_2 = transient_rate(a_s2, p_s, p_2, v_2, k, r) + transient_rate(a_2e, p_2, p_e, v_2, k, r)
-        transient = max(transient, fill_1, 0.0 if c.single_acting > 0.0 else fill_2)
-    if exhaust_back_pressure.present(world.exhaust_back_pressure):
-        transient = max(transient, transient_rate(world.exhaust_back_pressure.area, p_e, p_o, manifold, k, r))
-    if transient * span > CHANGE:
-        span = max(CHANGE / transient, shortest)
-    drawn_rate = vented_rate = 0.0
-    if supply_droop.present(world.supply_droop):
-        drawn_rate = world.supply_droop.conductance * k * r * HOT / tank
-    fastest = 0.0
-    for i in range(n):
-        c = cylinders[i]
-        base = i * INTEGRATED
-        v_1, v_2 = volumes(c, x[i])
-        p_1, p_2 = pressures(world, c, y, base, x[i])
-        a_s1, a_1e, a_s2, a_2e = path_areas(c, spool[i])
-        t_1, t_2 = temperatures(world, y, base)
-        warmest = max(t_s, t_1, t_2)
-        across = c.piston_leakage.area
-        inner_1 = path_rate(across, p_1, p_2, v_1, span, k, r) * (1.0 + math.sqrt(v_1 / v_2))
-        inner_1 += path_rate(c.external_leakage.area_1, p_1, world.atmosphere, v_1, span, k, r)
-        inner_1 += slow_rate(world, c, c.external_leakage.laminar_1, c.wall_heat_transfer.conductance_1, p_1, p_2, v_1)
-        inner_2 = path_rate(across, p_1, p_2, v_2, span, k, r) * (1.0 + math.sqrt(v_2 / v_1))
-        inner_2 += path_rate(c.external_leakage.area_2, p_2, world.atmosphere, v_2, span, k, r)
-        inner_2 += slow_rate(world, c, c.external_leakage.laminar_2, c.wall_heat_transfer.conductance_2, p_2, p_1, v_2)
-        if line_restriction.present(c.line_restriction):
-            hose = c.line_restriction.volume
-            a = c.line_restriction.area
-            h_1 = chamber.pressure(y[base + HOSE_ENERGY_1], hose, k)
-            h_2 = chamber.pressure(y[base + HOSE_ENERGY_2], hose, k)
-            through_1, share_1 = path_rate(a, h_1, p_1, hose, span, k, r), hose / v_1
-            through_2, share_2 = path_rate(a, h_2, p_2, hose, span, k, r), hose / v_2
-            inner_1 += through_1 * share_1
-            inner_2 += through_2 * share_2
-            p_1, p_2, v_1, v_2 = h_1, h_2, hose, hose
-            t_1 = chamber.temperature(y[base + HOSE_ENERGY_1], y[base + HOSE_MASS_1], k, r)
-            t_2 = chamber.temperature(y[base + HOSE_ENERGY_2], y[base + HOSE_MASS_2], k, r)
-            warmest = max(warmest, t_1, t_2)
-        fed_1, fed_2 = path_rate(a_s1, p_s, p_1, v_1, span, k, r), path_rate(a_s2, p_s, p_2, v_2, span, k, r)
-        let_off_1, let_off_2 = path_rate(a_1e, p_1, p_e, v_1, span, k, r), path_rate(a_2e, p_2, p_e, v_2, span, k, r)
-        if tank > 0.0:
-            drawn_rate += fed_1 * (v_1 / tank + math.sqrt(v_1 / tank)) + fed_2 * (v_2 / tank + math.sqrt(v_2 / tank))
-            fed_1, fed_2 = fed_1 * (1.0 + math.sqrt(v_1 / tank)), fed_2 * (1.0 + math.sqrt(v_2 / tank))
-        if exhaust_back_pressure.present(world.exhaust_back_pressure):
-            vented_rate += let_off_1 * (v_1 / manifold + math.sqrt(v_1 / manifold))
-            vented_rate += let_off_2 * (v_2 / manifold + math.sqrt(v_2 / manifold))
-            let_off_1, let_off_2 = let_off_1 * (1.0 + math.sqrt(v_1 / manifold)), let_off_2 * (1.0 + math.sqrt(v_2 / manifold))
-        valve_1, valve_2 = fed_1 + let_off_1, fed_2 + let_off_2
-        if line_restriction.present(c.line_restriction):
-            inner_1 = coupled_rate(inner_1, through_1 + valve_1, through_1 * through_1 * share_1)
-            inner_2 = coupled_rate(inner_2, through_2 + valve_2, through_2 * through_2 * share_2)
-        else:
-            inner_1 += valve_1
-            inner_2 += valve_2
-        inner = max(inner_1, 0.0 if c.single_acting > 0.0 else inner_2)
-        fastest = max(fastest, inner * math.sqrt(_WARMER * warmest / HOT))
-    vented_rate += path_rate(world.exhaust_back_pressure.area, p_e, p_o, max(manifold, 1e-9), span, k, r)
-    fastest = max(fastest, drawn_rate, vented_rate)
+        change = max(change, fill_1, 0.0 if c.single_acting > 0.0 else fill_2)
+    if exhaust_back_pressure.present(exhaust):
+        change = max(change, transient_rate(exhaust.area, p_e, world.exhaust_pressure, exhaust.volume, k, r))
+    return change
+
+
+@kernel
+def step_length(world, cylinders, y, held, x, end, spool, left: float, shortest: float) -> tuple[float, int]:
+    """Return how long the next step may be [s], from `shortest` to `left`, and how many stages keep it stable.
+
+    Args:
+        x, end: Piston positions now and when `left` is over, shape (n,).
+    """
+    shared = len(cylinders) * INTEGRATED
+    p_s, t_s = supply_state(world, y, shared, held)
+    p_e, _ = exhaust_state(world, y, shared)
+    span = min(left, world.longest_step if world.longest_step > 0.0 else LONGEST_STEP)
+    change = fastest_change(world, cylinders, y, p_s, p_e, x, end, spool, left)
+    if change * span > CHANGE:
+        span = max(CHANGE / change, shortest)
+    fastest = fastest_rate(world, cylinders, y, p_s, t_s, p_e, x, spool, span)
     h = left / max(math.ceil(left / span - 1e-9), 1)
     if not fastest * h <= REACH[MOST_STAGES]:
         pieces = left * fastest / REACH[MOST_STAGES]

@@ -47,18 +47,20 @@ def command(
     from exo_sim.errors import OutputError
     from exo_sim.progress import Bar
     from exo_sim.recording import health, read, write_rrd
+    from exo_sim.simulation.sensors import seen_through
 
     path = out or Path(f"{recording.stem}_compared.rrd")
     if path.suffix.lower() != ".rrd":
         raise OutputError(f'cannot write "{path}": a recording for the viewer ends in .rrd')
     reading = read(recording, columns)
     machine = rigs.read(rig)
+    odd = [*reading.findings, *health.check(seen_through(reading.recording, machine)[0], facts_of(rig))]
+    recorded = health.without_faults(reading.recording, odd)
     with Bar(1.0, "simulating", "of it", quiet) as bar:
-        replay = replays.replay(reading.recording, machine, motion=motion, progress=bar.to)
-    signals = errors(reading.recording, replay)
+        replay = replays.replay(recorded, machine, motion=motion, progress=bar.to)
+    signals = errors(recorded, replay)
     overlays = {"simulated": replay.windowed.thinned(_MOST_SHOWN), "free_run": replay.free_run.thinned(_MOST_SHOWN)}
     write_rrd(path, reading.recording.thinned(_MOST_SHOWN), overlays=overlays)
-    odd = [*reading.findings, *health.check(reading.recording, facts_of(rig))]
     remarks = [*(finding.says for finding in odd if finding.severity != "info"), *replay.remarks]
     for words in remarks:
         printing.remark(f"exo-sim: {words}", quiet=quiet)

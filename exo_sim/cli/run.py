@@ -131,7 +131,7 @@ def _words(walk: Walk, data: dict[str, Any]) -> str:
              f"{1e3 * one['gas_kg_per_stride']:.2f}"]
             for name, one in data["cylinders"].items()
         ]  # fmt: skip
-        lines += [printing.table(rows, ["cylinder", "peak bar", "choked %", "gas g a cycle"]), ""]
+        lines += [printing.table(rows, ["cylinder", "peak bar", "paths choked %", "gas g a cycle"]), ""]
         books = data["books"]
         lines += [f"books: gas mass {books['gas_mass_residual']:.0e}, energy {books['gas_energy_residual']:.0e}"]
     return "\n".join([*lines, f"recording {data['recording']}, table {data['table']}"])

@@ -53,6 +53,8 @@ def command(scenarios: tuple[str, ...], payloads: tuple[float, ...], speeds: tup
 
     if jobs == 0:
         raise ScenarioError("--jobs 0: give a number of processes, or -1 for one a core")
+    if quick and out is not None:
+        raise ScenarioError("--quick writes no files: leave --out away, or --quick")
     machine = rigs.read(rig or default_rig())
     conditions = tuple(dict.fromkeys(Condition(*each) for each in product(scenarios, payloads, speeds)))
     loads = tuple(joint_loads(machine, condition) for condition in conditions)

@@ -17,7 +17,7 @@ from exo_sim.cli.frame import verb
 )
 @click.argument("recording", type=options.InputFile())
 @click.option("--columns", type=options.InputFile(), default=None, help="Column map (TOML) for foreign names.")
-@click.option("--at", type=float, default=None, metavar="SECONDS", help="Time to show in a picture.")
+@click.option("--at", type=float, default=None, metavar="SECONDS", help="Time to show in a picture; the middle when absent.")
 def command(
     recording: Path, columns: Path | None, at: float | None, out: Path | None, as_json: bool, quiet: bool
 ) -> None:
@@ -27,8 +27,8 @@ def command(
 
     if out is not None and out.suffix.lower() != ".png":
         raise OutputError(f'cannot write "{out}": a picture ends in .png')
-    if at is not None:
-        _check_moment(recording, columns, at)
+    if at is not None or out is not None:
+        at = _moment(recording, columns, at)
     with viewer.as_rrd(recording, columns, keep=out is None) as rrd:
         if out is None:
             viewer.open_window(rrd)
@@ -41,11 +41,14 @@ def command(
     printing.show({"schema": "exo-sim/view/1", **data}, words, as_json=as_json)
 
 
-def _check_moment(recording: Path, columns: Path | None, at: float) -> None:
-    """Refuse a moment that was not recorded; the viewer would show an empty scene."""
+def _moment(recording: Path, columns: Path | None, at: float | None) -> float:
+    """Return the moment to show, by itself the middle; refuse one that was not recorded: the viewer would show an empty scene."""
     from exo_sim.errors import RecordingError
     from exo_sim.recording import read
 
     time = read(recording, columns).recording.time
+    if at is None:
+        return float(0.5 * (time[0] + time[-1]))
     if not time[0] <= at <= time[-1]:
         raise RecordingError(f'--at {at:g}: "{recording}" goes from {time[0]:g} to {time[-1]:g} s')
+    return at

@@ -19,7 +19,7 @@ from exo_sim.diagnosis.shut_in import from_the_fall
 from exo_sim.errors import RecordingError, nearest
 from exo_sim.machine.linkage import Linkage, linkages
 from exo_sim.machine.load import load
-from exo_sim.recording.health import Facts, check
+from exo_sim.recording.health import Facts, blanked, check
 from exo_sim.recording.table import Recording
 from exo_sim.rig import Rig, read
 from exo_sim.simulation.sensors import seen_through
@@ -142,18 +142,15 @@ def _trusted(table: Recording, case: Case) -> Recording:
         case.remarks.append(finding.says)
         if finding.severity != "fault" or finding.column not in columns:
             continue
-        values = columns[finding.column].copy()
+        values = columns[finding.column]
         name, says = _FAULTS.get(finding.kind, ("sensor_fault", finding.says))
         parameters = {}
         if finding.kind == "gauge":
             values = values + rig.environment.pressure
             off = -rig.environment.pressure
             parameters = {"value": Estimate(off, "Pa", off - 2e3, off + 2e3)}
-        elif finding.rows:
-            for begin, end in finding.rows:
-                values[begin:end] = np.nan
         else:
-            values = np.full_like(values, np.nan)
+            values = blanked(values, finding)
         columns[finding.column] = values
         case.sensors.append(Finding(name, finding.column, "sensor", f"{says} {finding.says}", parameters, 10.0, 0.0))
     return replace(table, columns={key: values for key, values in columns.items() if np.isfinite(values).sum() > 10})

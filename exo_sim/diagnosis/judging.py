@@ -10,6 +10,7 @@ import numpy as np
 
 from exo_sim.diagnosis import wording
 from exo_sim.diagnosis.fitted_set import Found, Problem, Trial, sizeable
+from exo_sim.diagnosis.gas_problem import GasProblem
 from exo_sim.diagnosis.intervals import bounds, ends, spreads
 from exo_sim.diagnosis.quantity import Candidate, Quantity, standing
 from exo_sim.diagnosis.result import Estimate, Finding, Rejected
@@ -134,6 +135,7 @@ def judge(
     seen = set()
     unique = [r for r in rejected if (r.name, r.where) not in {(f.name, f.where) for f in findings}]
     unique = [r for r in unique if not ((r.name, r.where) in seen or seen.add((r.name, r.where)))]  # type: ignore[func-returns-value]
+    spread = {quantity: error for quantity, error in spread.items() if not _unseen(problem, quantity)}
     calibrations = [] if nameless else _calibrations(trial, spread)
     refitted = () if nameless else _refitted(trial, spread, {quantity for quantity, _, _ in calibrations})
     return Judged(
@@ -245,6 +247,14 @@ def _opened(candidate: Candidate, quantity: Quantity, low: float, high: float) -
         return low, high
     down, up = asked.open_by.get(quantity.parameter, (1.0, 1.0))
     return max(low * down, quantity.low), min(high * up, quantity.high)
+
+
+def _unseen(problem: Problem, quantity: Quantity) -> bool:
+    """Say whether a number is of a chamber whose pressure nobody recorded: it takes in whatever else is unknown there."""
+    if quantity.effect != "dead_volume" or not isinstance(problem, GasProblem):
+        return False
+    side = int(quantity.parameter[-1]) - 1
+    return all(run.pressure[side] is None for run in problem.runs)
 
 
 def _calibrations(trial: Trial, spread: dict[Quantity, float]) -> list[tuple[Quantity, float, float]]:

@@ -7,6 +7,7 @@ told are those with them: so the file holds them too, as far as a rig can.
 from __future__ import annotations
 
 from collections.abc import Sequence
+from dataclasses import replace
 from pathlib import Path
 
 from exo_sim.diagnosis import wording
@@ -24,6 +25,7 @@ from exo_sim.rig import Finding as Entry
 #: Numbers of the rig that every comparison refits.
 REFITTED = ("flow_capacity", "dead_volume", "payload_mass")
 _NO_FINDING = "No finding: a healthy machine shows as much; it is in the errors that were told."
+_REFITTED_NOTE = "refitted within what a data sheet allows, no finding"
 
 
 def improved_text(case: Case, judged: Sequence[Judged], nameless: Sequence[Unnamed], folder: Path) -> str:
@@ -104,11 +106,11 @@ def _refitted(case: Case, judged: Judged, quantity: Quantity, error: float) -> C
         if case.model.nv > 1:  # what the others take of it is in the same number
             return None
         believed = case.rig.joint_factors.get(quantity.where, JointFactors()).inertia
-        low, high = (end * believed for end in bounds(quantity, value, max(error, MODEL_SHARE)))
-        return Correction(("joints", quantity.where, "inertia_factor"), value * believed, "1", (low, high), believed)
+        return Correction(("joints", quantity.where, "inertia_factor"), value * believed, "1", None, believed, _REFITTED_NOTE)
     if quantity.effect in REFITTED or (known(quantity.effect) and quantity.prior and quantity.prior[0]):
         whole = quantity.prior[0] if quantity.prior and known(quantity.effect) else 1.0
-        return _correction(case, quantity, value / whole, error / abs(whole)) if _is_the_rigs(case.rig, quantity) else None
+        if _is_the_rigs(case.rig, quantity):
+            return replace(_correction(case, quantity, value / whole, error / abs(whole)), interval=None, note=_REFITTED_NOTE)
     return None
 
 

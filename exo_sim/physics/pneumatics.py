@@ -108,6 +108,8 @@ def step(world, cylinders, joints, vector, history, x0, x1, q0, q1, command, dt,
     size = history.shape[1] - 1
     for i in range(len(cylinders)):
         held = min(max(command[i], -1.0), 1.0)
+        if math.isnan(command[i]):  # a controller's mistake must show
+            vector[i * state.INTEGRATED + state.ENERGY_1] = vector[i * state.INTEGRATED + state.ENERGY_2] = command[i]
         if size > 1:
             newest = int(history[i, size] + 1.0) % size
             history[i, size] = newest

@@ -26,7 +26,7 @@ def take_picture(rrd: str | Path, png: str | Path, at: float | None = None, sett
     Args:
         rrd: The recording.
         png: Where to.
-        at: Seconds on the recording's clock to show; the beginning when None.
+        at: Seconds on the recording's clock to show; wherever the viewer stands when None.
         settle: Seconds to wait for the viewer to load and paint.
 
     Raises:

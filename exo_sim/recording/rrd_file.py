@@ -147,7 +147,8 @@ def _signals(stream: Any, recording: Recording, leaf: str, overlaid: Mapping[str
             if 2 * np.count_nonzero(told) < len(values):
                 times, shown = [clock(recording.time[told])], values[told]
         stream.send_columns(path, indexes=times, columns=rr.Scalars.columns(scalars=shown))
-        line = rr.SeriesLines(names=name, colors=[colour], widths=[width])
+        every = None if shown is values else rr.components.AggregationPolicy.Off  # an average of a few turns is none of them
+        line = rr.SeriesLines(names=name, colors=[colour], widths=[width], aggregation_policy=every)
         unit = values_of[recording.units[key]]
         if path == key:
             stream.log(path, line, unit, static=True)

@@ -71,7 +71,7 @@ def _finding(finding: Finding) -> dict[str, Any]:
 def _correction(finding: Finding) -> list[tuple[str, str, str, str]]:
     """Return (sentence, part, factor or value, interval) for each number that is off."""
     rows = []
-    for estimate, (_, value, span) in zip(finding.parameters.values(), diagnosis_words.numbers(finding), strict=True):
+    for estimate, (_, value, span) in zip(diagnosis_words.estimates(finding).values(), diagnosis_words.numbers(finding), strict=True):
         times = "× " if estimate.unit in ("", "1") else ""
         rows.append((finding.says, "" if finding.where in finding.says else finding.where, times + value, span))
     return rows or [(finding.says, finding.where, "", "")]

@@ -67,7 +67,7 @@ def _fit(diagnosis: Diagnosis) -> list[str]:
     width = max(map(len, diagnosis.signals))
     lines = [f"Error on held-out time ({diagnosis.measure})"]
     for name, fit in diagnosis.signals.items():
-        unit, size = amounts.shown_in(fit.unit, max((v for v in (fit.before, fit.after) if v == v), default=0.0))
+        unit, size = amounts.shown_in(fit.unit, max((v for v in (fit.before, fit.after, fit.noise) if v == v), default=0.0))
         before, after, noise = (amounts.digits(v / size) for v in (fit.before, fit.after, fit.noise))
         lines.append(f"  {name:{width}}  before {before:>8}  after {after:>8}  noise {noise:>8}  {unit}")
     return lines

@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Sequence
 
-from exo_sim.diagnosis.result import Diagnosis, Finding, SignalFit
+from exo_sim.diagnosis.result import Diagnosis, Estimate, Finding, SignalFit
 from exo_sim.report import amounts
 
 #: What a verdict is called on a page.
@@ -124,8 +124,15 @@ def numbers(finding: Finding) -> list[tuple[str, str, str]]:
     """Return (parameter, value, 95 % interval) of a finding, in readable units."""
     return [
         (name_of(name), *amounts.interval(estimate.value, estimate.low, estimate.high, estimate.unit))
-        for name, estimate in finding.parameters.items()
+        for name, estimate in estimates(finding).items()
     ]
+
+
+def estimates(finding: Finding) -> dict[str, Estimate]:
+    """Return the parameters of a finding that are worth reading: of one number not the same twice."""
+    told = finding.parameters
+    same = "factor" in told and len(told) == 2 and len({(e.value, e.low, e.high) for e in told.values()}) == 1
+    return {name: e for name, e in told.items() if not same or name != "factor"}
 
 
 def rivals(finding: Finding) -> list[tuple[str, float | None]]:

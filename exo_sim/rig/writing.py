@@ -49,6 +49,7 @@ class Correction:
         unit: The SI unit.
         interval: What holds it with 95 %, in SI.
         believed: The old number in SI, for the comment where the rig file does not hold it (a mass of the MJCF, a default).
+        note: What else the comment says.
     """
 
     key: tuple[str, ...]
@@ -56,6 +57,7 @@ class Correction:
     unit: str
     interval: tuple[float, float] | None = None
     believed: float | None = None
+    note: str = ""
 
 
 def improved(rig: Rig, effects: Sequence[Finding], corrections: Sequence[Correction], folder: Path) -> str:
@@ -130,6 +132,8 @@ def _correct(document: tomlkit.TOMLDocument, correction: Correction) -> None:
         notes.append(f"was {_quoted(_amount(correction.believed, unit, scale))}")
     if correction.interval is not None:
         notes.append(_interval(correction.interval, unit, scale))
+    if correction.note:
+        notes.append(correction.note)
     _replace(document, correction.key, _amount(correction.value, unit, scale), "; ".join(notes))
 
 

@@ -32,6 +32,15 @@ def test_json_is_that_of_the_contract(case, capsys):
     assert read(case / "run_compared.rrd").recording["piston.pressure_1"].shape == (1500,)
 
 
+def test_nothing_is_held_against_a_sensor_that_cannot_be_believed(case, capsys):
+    text = (case / "run.csv").read_text().replace("piston.pressure_1 [Pa]", "piston.pressure_1 [kPa]")
+    (case / "run.csv").write_text(text)
+    assert cli.main(["compare", "run.csv", "--rig", "rig.toml", "--json"]) == 0
+    out, err = capsys.readouterr()
+    assert set(json.loads(out)["signal"]) == {"piston.pressure_2", "slide.position"}
+    assert '"piston.pressure_1"' in err and "is the unit right?" in err
+
+
 def test_a_table_for_people(case, capsys):
     assert cli.main(["compare", "run.csv", "--rig", "rig.toml", "--out", "there/both.rrd", "--motion", "recorded"]) == 0
     out, err = capsys.readouterr()

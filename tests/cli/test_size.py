@@ -90,6 +90,7 @@ def test_json_and_files(sized, capsys):
         (["--trials", "0"], "range"),
         (["--scheduler", "nonsense", "--trials", "1"], "tcp://HOST:PORT"),
         (["--speed", "3"], "0.7 to 1.3"),
+        (["--quick"], "writes no files"),
     ],
 )
 def test_bad_input_is_one_line(arguments, words, capsys, tmp_path):

@@ -2,12 +2,30 @@
 
 from __future__ import annotations
 
+import cylinder_runs
+import numpy as np
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from exo_sim.diagnosis.judging import MODEL_SHARE, calibration_findings
+from exo_sim.diagnosis.gas_problem import GasProblem
+from exo_sim.diagnosis.judging import MODEL_SHARE, _unseen, calibration_findings
 from exo_sim.diagnosis.quantity import Quantity
+
+
+def gas(*sides: bool) -> GasProblem:
+    """Return the gas of a cylinder of which these chambers were recorded."""
+    steady = np.full(400, 3e5)
+    problem = object.__new__(GasProblem)
+    problem.runs = [cylinder_runs.run_of(*(steady if there else None for there in sides))]
+    return problem
+
+
+def test_no_dead_volume_is_told_of_a_chamber_that_nobody_recorded() -> None:
+    for seen in ((True, False), (False, True), (True, True)):
+        assert [_unseen(gas(*seen), volume(side)) for side in (1, 2)] == [not there for there in seen]
+    assert not _unseen(gas(True, False), number("flow_capacity", "piston", "valve_area"))
+
 
 FACTORS = st.floats(0.3, 3.0)
 ERRORS = st.floats(1e-4, 0.1)

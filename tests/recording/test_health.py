@@ -8,7 +8,7 @@ from hypothesis import example, given, settings
 from hypothesis import strategies as st
 
 from exo_sim.recording.finding import Finding
-from exo_sim.recording.health import Facts, check
+from exo_sim.recording.health import Facts, check, without_faults
 from exo_sim.recording.table import Recording
 
 ATMOSPHERE = 101325.0
@@ -159,6 +159,20 @@ def test_readings_that_cannot_be(key: str, change, kind: str) -> None:
     recording = bench(3)
     found = grave(altered(recording, key, change(recording[key])))
     assert [(f.column, f.kind) for f in found] == [(key, kind)]
+
+
+def test_what_a_sensor_cannot_have_seen_is_taken_out_and_nothing_else() -> None:
+    recording = bench(3)
+    stuck = Finding("piston.pressure_1", "stuck", "", ((100, 160),), severity="fault", use="set aside")
+    unit = Finding("piston.pressure_2", "unit", "", severity="fault", use="set aside")
+    noted = Finding("slide.position", "coarse", "", severity="warning", use="used")
+    kept = without_faults(recording, [stuck, unit, noted])
+    assert set(kept.columns) == set(recording.columns) - {"piston.pressure_2"}
+    hole = np.zeros(len(recording.time), bool)
+    hole[100:160] = True
+    np.testing.assert_array_equal(np.isnan(kept["piston.pressure_1"]), hole)
+    np.testing.assert_array_equal(kept["piston.pressure_1"][~hole], recording["piston.pressure_1"][~hole])
+    np.testing.assert_array_equal(kept["slide.position"], recording["slide.position"])
 
 
 def test_missing_samples_and_spikes() -> None:

@@ -7,7 +7,7 @@ import made_up_diagnoses as made_up
 import numpy as np
 import pytest
 
-from exo_sim.diagnosis.result import Diagnosis, SignalFit
+from exo_sim.diagnosis.result import Diagnosis, Estimate, Finding, SignalFit
 from exo_sim.report import diagnosis_picture, diagnosis_text, diagnosis_words
 from exo_sim.report.diagnosis_page import page
 
@@ -73,6 +73,19 @@ def test_the_page_says_everything_that_the_diagnosis_says():
         "exo-sim 0",
     ):
         assert said in words, said
+
+
+def test_one_number_is_not_told_twice():
+    def volume(*parts):
+        numbers = {"factor": Estimate(1.08, "1", 1.07, 1.09), **{f"dead_volume_{side}": e for side, e in parts}}
+        return Finding("dead_volume", "piston", "calibration", "It is larger than believed.", numbers, 9.0, 0.0)
+
+    alone = volume((1, Estimate(1.08, "1", 1.07, 1.09)))
+    both = volume((1, Estimate(1.06, "1", 1.05, 1.07)), (2, Estimate(1.1, "1", 1.09, 1.11)))
+    assert list(diagnosis_words.estimates(alone)) == ["dead_volume_1"]
+    assert list(diagnosis_words.estimates(both)) == ["factor", "dead_volume_1", "dead_volume_2"]
+    words, _ = read(page(made_up.whole(effects=(alone,)), made_up.RIG))
+    assert words.count("It is larger than believed.") == 1
 
 
 def test_the_same_diagnosis_gives_the_same_bytes():

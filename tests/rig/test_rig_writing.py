@@ -52,6 +52,12 @@ def test_a_corrected_number_stands_where_it_stood_in_its_own_unit(bench: Path) -
     assert again.body_masses == {"load": 10.53}
 
 
+def test_a_number_that_is_no_finding_says_so(bench: Path) -> None:
+    area = Correction(("cylinders", "piston", "valve", "area"), 4.97e-6, "m^2", note="refitted")
+    _, added = changed(read(bench).text, improved(read(bench), [], [area], bench.parent))
+    assert added == ['area = "4.97 mm^2"  # was "5 mm^2"; refitted']
+
+
 def test_a_damping_believed_too_large_is_written_as_a_factor(bench: Path) -> None:
     damping = Correction(("joints", "slide", "damping_factor"), 0.713, "1", (0.707, 0.72), believed=1.0)
     text = improved(read(bench), [], [damping], bench.parent)

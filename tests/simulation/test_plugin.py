@@ -141,6 +141,21 @@ def test_a_snapshot_brings_back_the_same_future_to_the_last_bit(bench: Path, ext
     assert (go(other_data, other, 200) == first).all()
 
 
+def test_a_command_beyond_the_end_is_the_end_and_none_at_all_shows(bench: Path) -> None:
+    seen = {}
+    for command in (1.0, 7.0, np.nan):
+        rig = read(bench)
+        model = load(rig)
+        data, plugin = mujoco.MjData(model), PneumaticPlugin(model, rig)
+        plugin.reset(data, 3e5, 3e5)
+        plugin.command[:] = command
+        for _ in range(3):
+            plugin.pneumatics.advance(plugin.lengths, plugin.lengths, plugin.command)
+        seen[command] = plugin.pressures().copy()
+    np.testing.assert_array_equal(seen[7.0], seen[1.0])
+    assert np.isnan(seen[np.nan]).all()
+
+
 def test_reset_forgets_everything(bench: Path) -> None:
     _, data, plugin = start(bench, EVERYTHING)
     first = go(data, plugin, 100)

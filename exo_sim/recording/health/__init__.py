@@ -2,13 +2,19 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
+from dataclasses import replace
+
+import numpy as np
+from numpy.typing import NDArray
+
 from exo_sim.recording.finding import Finding
 from exo_sim.recording.health import clock, consistency, freezing, plausibility, samples
 from exo_sim.recording.health.facts import Facts
 from exo_sim.recording.noise import floors
 from exo_sim.recording.table import Recording
 
-__all__ = ["Facts", "check"]
+__all__ = ["Facts", "blanked", "check", "without_faults"]
 
 
 def check(recording: Recording, facts: Facts | None = None) -> list[Finding]:
@@ -32,3 +38,20 @@ def check(recording: Recording, facts: Facts | None = None) -> list[Finding]:
     found += consistency.check(recording, noise, spoilt)
     order = {"fault": 0, "warning": 1, "info": 2}
     return sorted(found, key=lambda finding: order[finding.severity])
+
+
+def without_faults(recording: Recording, findings: Sequence[Finding]) -> Recording:
+    """Return a recording without what its sensors cannot have seen; a pressure that only counts from the atmosphere stays."""
+    columns = dict(recording.columns)
+    for finding in findings:
+        if finding.severity == "fault" and finding.kind != "gauge" and finding.column in columns:
+            columns[finding.column] = blanked(columns[finding.column], finding)
+    return replace(recording, columns={key: values for key, values in columns.items() if np.isfinite(values).any()})
+
+
+def blanked(values: NDArray[np.float64], finding: Finding) -> NDArray[np.float64]:
+    """Return a column with NaN where a finding says that it must not be believed: in some rows, or in all of them."""
+    kept = values.copy()
+    for begin, end in finding.rows or ((0, len(values)),):
+        kept[begin:end] = np.nan
+    return kept

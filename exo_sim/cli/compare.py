@@ -42,9 +42,9 @@ def command(
     one run from the first.
     """
     from exo_sim import rig as rigs
-    from exo_sim.cli.inspect import facts_of
     from exo_sim.diagnosis import replay as replays
     from exo_sim.errors import OutputError
+    from exo_sim.machine.load import load
     from exo_sim.progress import Bar
     from exo_sim.recording import health, read, write_rrd
     from exo_sim.simulation.sensors import seen_through
@@ -54,10 +54,11 @@ def command(
         raise OutputError(f'cannot write "{path}": a recording for the viewer ends in .rrd')
     reading = read(recording, columns)
     machine = rigs.read(rig)
-    odd = [*reading.findings, *health.check(seen_through(reading.recording, machine)[0], facts_of(rig))]
+    model = load(machine)
+    odd = [*reading.findings, *health.check(seen_through(reading.recording, machine)[0], health.Facts.of(machine, model))]
     recorded = health.without_faults(reading.recording, odd)
     with Bar(1.0, "simulating", "of it", quiet) as bar:
-        replay = replays.replay(recorded, machine, motion=motion, progress=bar.to)
+        replay = replays.replay(recorded, machine, model, motion=motion, progress=bar.to)
     signals = errors(recorded, replay)
     overlays = {"simulated": replay.windowed.thinned(_MOST_SHOWN), "free_run": replay.free_run.thinned(_MOST_SHOWN)}
     write_rrd(path, reading.recording.thinned(_MOST_SHOWN), overlays=overlays)

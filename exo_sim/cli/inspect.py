@@ -28,11 +28,11 @@ def command(
     """Show the signals, gait events, pressures, torques and gas used of RECORDING, a .csv, .parquet or .rrd file."""
     from exo_sim.recording import read, summary, summary_text
 
-    found = summary.summarise(read(recording, columns), facts_of(rig))
+    found = summary.summarise(read(recording, columns), _facts(rig))
     printing.show(summary.as_dict(found), summary_text.text(found), as_json=as_json, out=out)
 
 
-def facts_of(path: Path | None) -> Facts | None:
+def _facts(path: Path | None) -> Facts | None:
     """Return what a rig says that a sensor can be held against."""
     if path is None:
         return None
@@ -47,10 +47,4 @@ def facts_of(path: Path | None) -> Facts | None:
         model = mujoco.MjModel.from_xml_path(str(machine.model))
     except ValueError as error:
         raise ModelError(f'"{machine.model}": MuJoCo refuses it: {str(error).splitlines()[0]}') from None
-    ranges = {
-        model.joint(i).name: (float(model.jnt_range[i, 0]), float(model.jnt_range[i, 1]))
-        for i in range(model.njnt)
-        if model.jnt_limited[i]
-    }
-    supply = machine.supply.pressure if any(one.valve_area > 0.0 for one in machine.cylinders.values()) else None
-    return Facts(machine.environment.pressure, supply, ranges)
+    return Facts.of(machine, model)

@@ -127,16 +127,9 @@ def _belongs(table: Recording, path: Path, rig: Rig, model: mujoco.MjModel) -> N
 
 def _trusted(table: Recording, case: Case) -> Recording:
     """Return the recording without what its sensors cannot have seen; say what was taken out."""
-    rig, model = case.rig, case.model
-    ranges = {}
-    for j in range(model.njnt):
-        if model.jnt_limited[j]:
-            ranges[model.joint(j).name] = (float(model.jnt_range[j][0]), float(model.jnt_range[j][1]))
-    valves = any(cylinder.valve_area > 0.0 for cylinder in rig.cylinders.values())
-    supply = rig.supply.pressure if valves else None
-    facts = Facts(atmosphere=rig.environment.pressure, supply_pressure=supply, joint_range=ranges)
+    rig = case.rig
     columns = dict(table.columns)
-    for finding in check(table, facts):
+    for finding in check(table, Facts.of(rig, case.model)):
         if finding.severity == "info":
             continue
         case.remarks.append(finding.says)

@@ -60,6 +60,11 @@ class Trial:
         return tuple(c for c in self.chosen if c is not candidate)
 
     @property
+    def asked(self) -> set[Quantity]:
+        """The numbers of its candidates."""
+        return {quantity for candidate in self.chosen for quantity in candidate.quantities}
+
+    @property
     def numbers(self) -> int:
         """How many numbers its candidates have."""
         return sum(len(candidate.quantities) for candidate in self.chosen)

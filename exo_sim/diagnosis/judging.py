@@ -259,8 +259,7 @@ def _unseen(problem: Problem, quantity: Quantity) -> bool:
 
 def _calibrations(trial: Trial, spread: dict[Quantity, float]) -> list[tuple[Quantity, float, float]]:
     """Return believed numbers that are off: quantity, factor, its standard error."""
-    found = []
-    asked = {quantity for candidate in trial.chosen for quantity in candidate.quantities}
+    found, asked = [], trial.asked
     for quantity, value in trial.fit.values.items():
         whole = quantity.prior[0] if quantity.prior and quantity.effect in declared() else 1.0
         if whole == 0.0 or (quantity.effect not in WORTH and quantity.effect not in declared()) or quantity in asked:
@@ -273,12 +272,12 @@ def _calibrations(trial: Trial, spread: dict[Quantity, float]) -> list[tuple[Qua
 
 def _refitted(trial: Trial, spread: dict[Quantity, float], told: set[Quantity]) -> tuple[tuple[Quantity, float], ...]:
     """Return believed numbers that are surely off, and not by so much that they are told: quantity and its standard error."""
-    told = told | {quantity for candidate in trial.chosen for quantity in candidate.quantities}
-    errors = {quantity: spread.get(quantity, math.inf) for quantity in trial.fit.values if quantity not in told and quantity.prior}
-    return tuple(
-        (quantity, error) for quantity, error in errors.items()
-        if quantity.prior and abs(trial.fit.values[quantity] - quantity.prior[0]) > SURE * error
-    )  # fmt: skip
+    found, asked = [], trial.asked
+    for quantity, value in trial.fit.values.items():
+        error = spread.get(quantity, math.inf)
+        if quantity.prior and quantity not in told and quantity not in asked and abs(value - quantity.prior[0]) > SURE * error:
+            found.append((quantity, error))
+    return tuple(found)
 
 
 def calibration_findings(numbers: Sequence[tuple[Quantity, float, float]]) -> list[Finding]:

@@ -35,7 +35,7 @@ def improved_text(case: Case, judged: Sequence[Judged], nameless: Sequence[Unnam
         told = {(finding.name, finding.where): finding for finding in one.findings}
         entries += [_entry(c, one, told[c.effect, c.where], case.rig) for c in one.named if (c.effect, c.where) in told]
         corrections += [_correction(case, *numbers) for numbers in one.calibrations if _is_the_rigs(case.rig, numbers[0])]
-        corrections += [made for quantity, error in one.refitted if (made := _refitted(case, one, quantity, error))]
+        corrections += _refitted(case, one)
         entries += _healthy(case.rig, one)
     for found in case.sensors:
         if found.name in declared() and found.parameters and not found.where.endswith(".valve_command"):
@@ -99,19 +99,16 @@ def _healthy(rig: Rig, judged: Judged) -> list[Entry]:
     return entries
 
 
-def _refitted(case: Case, judged: Judged, quantity: Quantity, error: float) -> Correction | None:
-    """Return the correction of a number that was refitted, or None where the rig holds no such number."""
-    value = judged.trial.fit.values[quantity]
-    if quantity.effect == "inertia":
-        if case.model.nv > 1:  # what the others take of it is in the same number
-            return None
-        believed = case.rig.joint_factors.get(quantity.where, JointFactors()).inertia
-        return Correction(("joints", quantity.where, "inertia_factor"), value * believed, "1", None, believed, _REFITTED_NOTE)
-    if quantity.effect in REFITTED or (known(quantity.effect) and quantity.prior and quantity.prior[0]):
-        whole = quantity.prior[0] if quantity.prior and known(quantity.effect) else 1.0
-        if _is_the_rigs(case.rig, quantity):
-            return replace(_correction(case, quantity, value / whole, error / abs(whole)), interval=None, note=_REFITTED_NOTE)
-    return None
+def _refitted(case: Case, judged: Judged) -> list[Correction]:
+    """Return the corrections of numbers that were refitted, of those that the rig holds."""
+    values, found = judged.trial.fit.values, []
+    for quantity, error in judged.refitted:
+        alone = quantity.effect == "inertia" and case.model.nv == 1  # else what the others take of it is in the same number
+        whole = quantity.prior[0] if quantity.prior else 0.0
+        if whole and (alone or quantity.effect in REFITTED or (known(quantity.effect) and _is_the_rigs(case.rig, quantity))):
+            made = _correction(case, quantity, values[quantity] / whole, error / abs(whole))
+            found.append(replace(made, interval=None, note=_REFITTED_NOTE))
+    return found
 
 
 def _sensor_entry(finding: Finding, rig: Rig) -> Entry:
@@ -153,10 +150,11 @@ def _correction(case: Case, quantity: Quantity, factor: float, error: float) -> 
 
         key: tuple[str, ...] = ("bodies", model.body(body).name, "mass")
         return Correction(key, mass(factor), "kg", (mass(low), mass(high)), own)
-    if quantity.effect == "joint_damping":
-        believed = case.rig.joint_factors.get(quantity.where, JointFactors()).damping
+    if quantity.effect in ("joint_damping", "inertia"):
+        held = case.rig.joint_factors.get(quantity.where, JointFactors())
+        name, believed = ("inertia_factor", held.inertia) if quantity.effect == "inertia" else ("damping_factor", held.damping)
         low, factor, high = (max(number, 1e-3) * believed for number in (low, factor, high))
-        return Correction(("joints", quantity.where, "damping_factor"), factor, "1", (low, high), believed)
+        return Correction(("joints", quantity.where, name), factor, "1", (low, high), believed)
     cylinder = case.rig.cylinders[quantity.where]
     if quantity.parameter == "valve_area":
         key, believed, unit = ("cylinders", quantity.where, "valve", "area"), cylinder.valve_area, "m^2"

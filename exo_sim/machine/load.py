@@ -5,7 +5,6 @@ from __future__ import annotations
 from collections.abc import Mapping
 
 import mujoco
-import numpy as np
 
 from exo_sim.errors import ModelError, nearest
 from exo_sim.machine.attachment import attach
@@ -68,19 +67,14 @@ def corrected(model: mujoco.MjModel, joints: Mapping[str, JointFactors], told_by
         ModelError: a joint that is not in the model.
     """
     names = [model.joint(i).name for i in range(model.njnt)]
-    if not joints:
-        return
-    data = mujoco.MjData(model)
-    mujoco.mj_forward(model, data)
-    inertia = np.zeros((model.nv, model.nv))
-    mujoco.mj_fullM(model, data, inertia)
     for name, factors in joints.items():
         if name not in names:
             raise ModelError(f"{told_by}: joints.{name} is not a joint of the model{nearest(name, names)}")
         dofs = model.joint(name).dofadr
         model.dof_damping[dofs] *= factors.damping
-        model.dof_armature[dofs] += (factors.inertia - 1.0) * np.diag(inertia)[dofs]
-    mujoco.mj_setConst(model, data)
+        model.dof_armature[dofs] += (factors.inertia - 1.0) * model.dof_M0[dofs]
+    if joints:
+        mujoco.mj_setConst(model, mujoco.MjData(model))
 
 
 def check_effects(rig: Rig, model: mujoco.MjModel) -> None:

@@ -54,9 +54,9 @@ def _copy(out: int, file: int, failures: list[OSError]) -> None:
     view = memoryview(piece)
     with os.fdopen(out, "rb", buffering=0) as pipe:
         while count := pipe.readinto(piece):
+            at = 0
             try:
-                at = 0 if not failures else count
-                while at < count:
+                while at < count and not failures:
                     at += os.write(file, view[at:count])
             except OSError as error:
                 failures.append(error)

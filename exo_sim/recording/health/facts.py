@@ -4,6 +4,12 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass, field
+from typing import TYPE_CHECKING
+
+if TYPE_CHECKING:
+    import mujoco
+
+    from exo_sim.rig import Rig
 
 
 @dataclass(frozen=True)
@@ -19,3 +25,14 @@ class Facts:
     atmosphere: float = 101325.0
     supply_pressure: float | None = None
     joint_range: Mapping[str, tuple[float, float]] = field(default_factory=dict)
+
+    @classmethod
+    def of(cls, rig: Rig, model: mujoco.MjModel) -> Facts:
+        """Return what a rig and its model say; a supply counts only where a valve could let it in."""
+        ranges = {
+            model.joint(i).name: (float(model.jnt_range[i, 0]), float(model.jnt_range[i, 1]))
+            for i in range(model.njnt)
+            if model.jnt_limited[i]
+        }
+        supply = rig.supply.pressure if any(one.valve_area > 0.0 for one in rig.cylinders.values()) else None
+        return cls(rig.environment.pressure, supply, ranges)

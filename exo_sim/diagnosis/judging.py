@@ -15,6 +15,7 @@ from exo_sim.diagnosis.intervals import bounds, ends, spreads
 from exo_sim.diagnosis.quantity import Candidate, Quantity, standing
 from exo_sim.diagnosis.result import Estimate, Finding, Rejected
 from exo_sim.diagnosis.set_fits import SetFits
+from exo_sim.diagnosis.tremor import trembles
 from exo_sim.physics.effects.declaration import declared
 
 #: What each cut holds against each other.
@@ -41,6 +42,8 @@ SURE, WORTH = 3.0, {"flow_capacity": 0.01, "dead_volume": 0.03, "payload_mass": 
 WORTH_OF_EFFECT = 0.1
 #: Two ways in which a supply that nobody measured gives way.
 _SUPPLIES = ("supply_droop", "supply_regulator")
+#: The hose that is declared delays and does not ring: it is not named where its like does.
+_HOSE = "line_restriction"
 #: Ratio that stands for the paper's own nozzle.
 _NOZZLE = (0.508, 0.548)
 
@@ -122,7 +125,9 @@ def judge(
             for c in asked
             if c.key in found.weighings
         ]
-        kept = standing([c for c in named if _stands_alone(found, c)])
+        rings = _rings(sets, end)
+        apart = [] if cut == "gas" and _is_hopeless(sets, end) else [c for c in named if _stands_alone(found, c)]
+        kept = standing([c for c in apart if not (c.effect == _HOSE and rings)])
         if not kept:
             trial = sets.as_believed()
         elif kept != named:
@@ -190,12 +195,14 @@ def _is_nameless(
 ) -> bool:
     """Say whether too much is left of what there was without names, or believed numbers are bent too far, for the names to be believed."""
     start, end, n = begun.fit, trial.fit, sets.problem.size
+    if all(c.effect == _HOSE for c in named) and _rings(sets, trial):
+        return True
     left = end.sse / n
     if left < LEFT_OVER or math.sqrt(left) < sets.problem.sick:
         return False
     if not named:
         return left > SICK and (sets.correlation_time(end.residual) > 2.0 or left > 3.0 * SICK)
-    if cut == "gas" and math.sqrt(left) > HOPELESS * sets.problem.sick:
+    if cut == "gas" and _is_hopeless(sets, trial):
         return True
     explained = (start.sse - end.sse) / max(start.sse - n, 1e-9)
     if explained < EXPLAINED and (explained < HALFWAY or pattern(trial) > PATTERN):
@@ -203,6 +210,14 @@ def _is_nameless(
     believed = [q for q in end.quantities if q.prior is not None and q.effect != "offset"]
     bent = any(abs(end.values[q] - q.prior[0]) > STRAINED * q.prior[1] for q in believed if q.prior)
     return bent and left > SICK
+
+
+def _is_hopeless(sets: SetFits, trial: Trial) -> bool:
+    return math.sqrt(trial.fit.sse / sets.problem.size) > HOPELESS * sets.problem.sick
+
+
+def _rings(sets: SetFits, trial: Trial) -> bool:
+    return isinstance(sets.problem, GasProblem) and trembles(sets.problem, trial)
 
 
 def _stands_alone(found: Found, candidate: Candidate) -> bool:

@@ -18,6 +18,7 @@ from exo_sim.diagnosis.nameless import Nameless, missing_flow, missing_force
 from exo_sim.diagnosis.quantity import Setting
 from exo_sim.diagnosis.result import Estimate, Finding, Located, NextExperiment, OpenQuestion, Unexplained
 from exo_sim.diagnosis.supply_cut import SupplyProblem
+from exo_sim.diagnosis.tremor import trembles
 
 
 @dataclass(frozen=True)
@@ -99,7 +100,7 @@ def unknown_findings(judged: Sequence[Judged]) -> list[Unnamed]:
     for one in judged:
         if not one.nameless:
             continue
-        setting, place = setting_of(one, one.trial), one.balance
+        setting, place, bursts = setting_of(one, one.trial), one.balance, False
         if isinstance(one.problem, MotionProblem):
             lacking = missing_force(one.problem, setting)
         elif isinstance(one.problem, SupplyProblem):
@@ -110,10 +111,12 @@ def unknown_findings(judged: Sequence[Judged]) -> list[Unnamed]:
             side = int(loud[0].where[-1]) - 1
             lacking = missing_flow(one.problem, setting, side)
             place = f"{one.balance} of chamber {side + 1}"
+            bursts = trembles(one.problem, one.trial)
         best = lacking.best
         variables = (_column(one, best.variable),) if best else ()
         says = f"Something without a name acts in the {place} of {one.where}"
         says += f"; it follows {variables[0]}." if variables else "; it follows none of the recorded signals closely."
+        says += " It comes in fast bursts, as a pressure that rings does." if bursts else ""
         curve = None
         parameters = {"size": Estimate(lacking.size, lacking.unit, 0.0, 2.0 * lacking.size)}
         if best:

@@ -1,7 +1,7 @@
 """What is known of the pressure in a chamber once the gas has been judged: a sensor's faults and a hose between taken off.
 
 The balance of forces is made of these pressures; left uncorrected, a late sensor or one behind a hose looks like friction. Where it is
-the position that comes late, pressures are made as late as it is.
+the position that comes late, pressures are made as late as it is. Where the transmission gives, friction is asked where the piston is.
 """
 
 from __future__ import annotations
@@ -20,6 +20,7 @@ from exo_sim.diagnosis.judging import Judged
 from exo_sim.diagnosis.motion_cut import MotionRun, smooth_on_clock, smoothing
 from exo_sim.diagnosis.split import Split
 from exo_sim.diagnosis.verdict import setting_of
+from exo_sim.physics.transmission import gives, stiffness
 
 Array = NDArray[np.float64]
 
@@ -31,10 +32,16 @@ def carried_over(case: Case, gas: Sequence[Judged], parts: Split) -> dict[str, l
     """Return the runs of the motion cut, by joint, with every correction that a judged cylinder's gas asks for."""
     changes: dict[tuple[str, str], tuple[Array, Array]] = {}
     late: dict[str, float] = {}
+    soft: dict[str, float] = {}
     for one in gas:
-        if one.empty or one.nameless or not one.named:
+        if one.empty or one.nameless:
             continue
-        whole = GasProblem(case.cylinders[one.where], setting_of(one, one.trial), parts, held_out=True)
+        setting = setting_of(one, one.trial)
+        if gives(setting.cylinder[0]):
+            soft[one.where] = float(stiffness(setting.cylinder[0]))
+        if not one.named and not behind_hose(setting.cylinder):
+            continue
+        whole = GasProblem(case.cylinders[one.where], setting, parts, held_out=True)
         named = {q.parameter for candidate in one.named if candidate.kind == "sensor" for q in candidate.quantities}
         if "position.delay" in named:
             seconds = whole.setting.sensors["position.delay"]
@@ -46,7 +53,10 @@ def carried_over(case: Case, gas: Sequence[Judged], parts: Split) -> dict[str, l
                     change = _change(whole, index, side, measured, named)
                     if np.nanmax(np.abs(change)) > LEAST:
                         changes[feed.run.recording, f"{one.where}.pressure_{side + 1}"] = feed.time, change
-    return {joint: [_late(_changed(run, changes), late.get(joint, 0.0)) for run in runs] for joint, runs in case.joints.items()}
+    return {
+        joint: [_at_piston(_late(_changed(run, changes), late.get(joint, 0.0)), soft) for run in runs]
+        for joint, runs in case.joints.items()
+    }
 
 
 def _change(whole: GasProblem, index: int, side: int, measured: Array, named: set[str]) -> Array:
@@ -80,6 +90,16 @@ def _changed(run: MotionRun, changes: Mapping[tuple[str, str], tuple[Array, Arra
             side, full = int(column[-1]) - 1, restored(run.time, smooth, smoothing(run.time))
             gauge = gauge + np.column_stack([full if s == side else np.zeros_like(full) for s in range(2)])
     return run if drive is run.drive else replace(run, drive=drive, gauge=gauge)
+
+
+def _at_piston(run: MotionRun, soft: Mapping[str, float]) -> MotionRun:
+    """Return a run whose motion is that of its piston, which is ahead of the joint by what the transmission gives."""
+    spring = soft.get(run.cylinder or "")
+    if spring is None:
+        return run
+    carried = (run.inertial - run.passive - run.external) / np.where(np.abs(run.arm) > 1e-6, run.arm, 1.0)
+    ahead = restored(run.time, carried, smoothing(run.time)) / spring
+    return replace(run, position=run.position + ahead, velocity=run.velocity + np.gradient(ahead, run.time))
 
 
 def _late(run: MotionRun, seconds: float) -> MotionRun:

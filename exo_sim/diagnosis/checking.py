@@ -58,7 +58,7 @@ def _checked(gathered: Case, parts: Split, threads: Threads, say: Progress) -> E
     """Examine a case, and again without the names that its check does not bear out."""
     doubted: Doubts = {}
     for _ in range(MOST_DOUBTS):
-        examined = examine(gathered.copy(), parts, doubted, threads, say)
+        examined = examine(gathered, parts, doubted, threads, say)
         new = _doubts(examined)
         if not new:
             return examined

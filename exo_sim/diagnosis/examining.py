@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import partial
 
@@ -19,7 +19,7 @@ from exo_sim.diagnosis.judging import Judged, judge
 from exo_sim.diagnosis.motion_problem import MotionProblem
 from exo_sim.diagnosis.nameless import pattern_left
 from exo_sim.diagnosis.proof import Proof, prove
-from exo_sim.diagnosis.quantity import Candidate, Setting
+from exo_sim.diagnosis.quantity import Candidate, Quantity, Setting
 from exo_sim.diagnosis.result import OpenQuestion
 from exo_sim.diagnosis.search import Search
 from exo_sim.diagnosis.split import Split
@@ -27,6 +27,7 @@ from exo_sim.diagnosis.threads import Threads
 from exo_sim.diagnosis.verdict import Unnamed, setting_of, unknown_findings
 from exo_sim.physics.effects.declaration import declared
 from exo_sim.physics.records import CYLINDER
+from exo_sim.physics.transmission import gives
 from exo_sim.rig import assembly
 
 #: A valve command whose opposite leaves less than this share of the squared error is wired the wrong way round.
@@ -41,6 +42,8 @@ _LEVERS = {"N": -1, "N s/m": -2, "N s^2/m^2": -3, "N/m": -2, "m": 1, "m/s": 1}
 Progress = Callable[[str], None]
 #: Effect and place that the check does not bear out, and why.
 Doubts = dict[tuple[str, str], str]
+#: By cylinder, numbers of what resists its piston.
+Felt = Mapping[str, Sequence[tuple[Quantity, float]]]
 
 
 @dataclass
@@ -62,16 +65,43 @@ class Examined:
         return self.check.surprise if self.check.signals else math.inf
 
 
-def examine(case: Case, parts: Split, doubted: Doubts, threads: Threads, say: Progress) -> Examined:
-    """Search and judge every cut of the plant on one division of the time, and hold what comes out against what was kept back."""
-    gas = _gas(case, parts, doubted, threads, say)
-    filled_in(case, gas, parts)
-    put_right(case, carried_over(case, gas, parts))
-    judged = _shared_once([*gas, *_supply(case, parts, gas, doubted, threads, say), *_motion(case, parts, doubted, threads, say)])
+def examine(gathered: Case, parts: Split, doubted: Doubts, threads: Threads, say: Progress) -> Examined:
+    """Search and judge every cut of the plant on one division of the time, and hold what comes out against what was kept back.
+
+    Where a transmission gives, the piston's friction decides where the piston is, and so how large the chambers are: then the gas is
+    judged once more, with the friction that the balance of forces found.
+    """
+    case = gathered.copy()
+    judged = _cut(case, parts, doubted, {}, threads, say)
+    felt = _felt(judged)
+    if felt:
+        say("judging the gas once more, with the friction of its piston")
+        case = gathered.copy()
+        judged = _cut(case, parts, doubted, felt, threads, say)
     nameless = unknown_findings(_nameable(judged, case))
     say("proving on time kept back")
     check = prove(judged, case, parts.checking(), nameless) if parts.check else None
     return Examined(case, judged, nameless, prove(judged, case, parts, nameless), check, doubted)
+
+
+def _cut(case: Case, parts: Split, doubted: Doubts, felt: Felt, threads: Threads, say: Progress) -> list[Judged]:
+    """Search and judge the gas, the supply and the forces, in this order; the case's pressures are put right in between."""
+    gas = _gas(case, parts, doubted, felt, threads, say)
+    filled_in(case, gas, parts)
+    put_right(case, carried_over(case, gas, parts))
+    return _shared_once([*gas, *_supply(case, parts, gas, doubted, threads, say), *_motion(case, parts, doubted, threads, say)])
+
+
+def _felt(judged: Sequence[Judged]) -> dict[str, list[tuple[Quantity, float]]]:
+    """Return, by cylinder, what resists a piston behind a transmission that gives, where a balance of forces found any of it."""
+    soft = {one.where for one in judged if isinstance(one.problem, GasProblem) and gives(setting_of(one, one.found.end).cylinder[0])}
+    found = {}
+    for one in judged:
+        if one.cut == "motion" and one.where in soft and not one.nameless and any(c.kind == "missing_physics" for c in one.named):
+            fixed = [pair for candidate in one.trial.chosen for pair in candidate.fixed]
+            numbers = [*one.trial.fit.values.items(), *fixed]
+            found[one.where] = [(quantity, value) for quantity, value in numbers if quantity.target == "cylinder"]
+    return found
 
 
 def _asked(questions: Sequence[Candidate], doubted: Doubts) -> tuple[Candidate, ...]:
@@ -84,7 +114,7 @@ def _told(say: Progress, part: str) -> Progress:
     return lambda words: say(f"{part}: {words}")
 
 
-def _gas(case: Case, parts: Split, doubted: Doubts, threads: Threads, say: Progress) -> list[Judged]:
+def _gas(case: Case, parts: Split, doubted: Doubts, felt: Felt, threads: Threads, say: Progress) -> list[Judged]:
     found = []
     for name in list(case.cylinders):
         runs = case.cylinders[name] = [begun_by_forces(case, run) for run in case.cylinders[name]]
@@ -93,6 +123,8 @@ def _gas(case: Case, parts: Split, doubted: Doubts, threads: Threads, say: Progr
         drives = {link.cylinder: link.joint for link in case.links}
         believed = Setting(assembly.world(case.rig), assembly.cylinders(case.rig, drives)[index : index + 1])
         setting = library.without_what_was_measured(believed, runs)
+        for quantity, value in felt.get(name, ()):
+            quantity.put(setting, value)
         problem = GasProblem(runs, setting, parts)
         turned = GasProblem([replace(run, command=-run.command) for run in runs], setting, parts)
         if problem.size >= FEWEST_ROWS and np.sum(turned.residual({}) ** 2) < TURNED * np.sum(problem.residual({}) ** 2):

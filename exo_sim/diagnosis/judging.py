@@ -34,6 +34,8 @@ MODEL_SHARE = 0.0015
 SICK = 5.0
 #: ... and an error that is left of so many times what is no healthy machine's bears no name, whatever share was explained.
 HOPELESS = 3.0
+#: Odds (log10) beyond which a finding stands however vague its number.
+PLAIN_ODDS = 30.0
 #: A believed number that had to move by more than this many of its own spreads speaks for something missing.
 STRAINED = 3.5
 #: A believed number is corrected where it is off by this many standard errors, and by this share.
@@ -136,7 +138,7 @@ def judge(
     tau = sets.correlation_time(trial.fit.residual)
     spread = spreads(problem, trial.fit, tau)
     findings = [_finding(c, trial, spread, found) for c in named]
-    findings = _with_twin(findings, cut)
+    findings = _with_twin(findings, cut, _is_offset_bent(trial))
     seen = set()
     unique = [r for r in rejected if (r.name, r.where) not in {(f.name, f.where) for f in findings}]
     unique = [r for r in unique if not ((r.name, r.where) in seen or seen.add((r.name, r.where)))]  # type: ignore[func-returns-value]
@@ -148,16 +150,24 @@ def judge(
     )
 
 
-def _with_twin(findings: list[Finding], cut: str) -> list[Finding]:
-    """Name what would look the same: asymmetric friction for a force sensor's offset beside Coulomb friction; for one, the other supply."""
+def _is_offset_bent(trial: Trial) -> bool:
+    """Say whether a balance of forces was closed by a constant force that its sensors hardly leave room for."""
+    return any(abs(trial.fit.values[q] - q.prior[0]) > SURE * q.prior[1] for q in trial.fit.values if q.effect == "offset" and q.prior)
+
+
+def _with_twin(findings: list[Finding], cut: str, bent: bool) -> list[Finding]:
+    """Name what would look the same: for one supply the other; asymmetric friction for Coulomb friction beside a constant force.
+
+    The constant force is a force sensor's offset that was found, or, where `bent`, what closed the balance.
+    """
     if cut == "gas":  # an unmeasured tank behind a feed, and a regulator that lags: the same first order between flow and pressure
         return [_beside(f, *(name for name in _SUPPLIES if name != f.name)) if f.name in _SUPPLIES else f for f in findings]
     if cut != "motion" or not any(f.name == "coulomb_friction" for f in findings):
         return findings
     twins = [f for f in findings if f.name == "sensor_bias" and f.where.endswith(".external_force")]
-    return [
-        replace(f, ambiguous_with=(*f.ambiguous_with, "asymmetric_friction")) if f in twins else f for f in findings
-    ]
+    if bent:
+        twins += [f for f in findings if f.name == "coulomb_friction"]
+    return [_beside(f, "asymmetric_friction") if f in twins else f for f in findings]
 
 
 def _beside(finding: Finding, twin: str) -> Finding:
@@ -172,7 +182,7 @@ def _firm(sets: SetFits, found: Found, named: tuple[Candidate, ...]) -> tuple[Tr
     trial = found.end
     while named:
         spread = spreads(sets.problem, trial.fit, sets.correlation_time(trial.fit.residual))
-        firm = standing([c for c in named if _takes_most(found, c) and sizeable(c, trial, spread)])
+        firm = standing([c for c in named if _takes_most(found, c) and sizeable(c, trial, None if _is_plain(found, c) else spread)])
         if firm == named:
             break
         trial, named = sets.polished(sets.try_set(firm, trial)), firm
@@ -182,6 +192,12 @@ def _firm(sets: SetFits, found: Found, named: tuple[Candidate, ...]) -> tuple[Tr
 def _takes_most(found: Found, candidate: Candidate) -> bool:
     weighing = found.weighings.get(candidate.key)
     return weighing is None or weighing.share > LARGER_PART
+
+
+def _is_plain(found: Found, candidate: Candidate) -> bool:
+    """Say whether the odds leave no doubt: what makes its number vague is then only that believed ones could stand in for it."""
+    weighing = found.weighings.get(candidate.key)
+    return weighing is not None and weighing.log10_odds > PLAIN_ODDS
 
 
 def _is_nozzle(candidate: Candidate, trial: Trial) -> bool:
@@ -223,7 +239,7 @@ def _rings(sets: SetFits, trial: Trial) -> bool:
 def _stands_alone(found: Found, candidate: Candidate) -> bool:
     """Say whether a finding is beyond doubt although something else is left."""
     weighing = found.weighings.get(candidate.key)
-    return weighing is not None and weighing.share > 0.9 and weighing.log10_odds > 30.0 and weighing.steady > 3.0
+    return weighing is not None and weighing.share > 0.9 and weighing.log10_odds > PLAIN_ODDS and weighing.steady > 3.0
 
 
 def _finding(candidate: Candidate, trial: Trial, spread: dict[Quantity, float], found: Found) -> Finding:

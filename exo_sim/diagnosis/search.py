@@ -33,6 +33,8 @@ FINALISTS = 4
 BEAM = 3
 #: A finding stands if one of its numbers is this many standard errors from neutral.
 CERTAIN = 2.5
+#: ... or if the log-likelihood without it is lower by more than this: then its number is vague only beside believed ones.
+PLAIN = 30.0
 #: How often rivals may take a finding's place in the end.
 MOST_TURNS = 2
 
@@ -242,7 +244,10 @@ class Search:
             if len(standing(others)) < len(others):
                 continue
             if len(candidate.quantities) == 1:
-                return self.sets.try_set(others, now)
+                trial = self.sets.try_set(others, now)
+                if self.sets.loses(trial, now) < PLAIN:
+                    return trial
+                continue
             forms = [c for c in self.library if (c.effect, c.where) == (candidate.effect, candidate.where)
                      and {q.parameter for q in c.quantities} < {q.parameter for q in candidate.quantities}
                      and clear <= {q.parameter for q in c.quantities}]  # fmt: skip

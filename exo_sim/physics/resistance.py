@@ -78,7 +78,7 @@ def dry_force(c, z: float, v: float, level: float) -> float:
         return 0.0
     stiffness = bristle_stiffness(c, level)
     if c.presliding.stiffness > 0.0:
-        damping = c.presliding.damping
+        damping = presliding.damping(c.presliding, v, c.turning)
         if c.effective_mass > 0.0 and c.step > 0.0:
             damping = min(damping, c.effective_mass / c.step)
         return stiffness * z + damping * (v - stiffness * abs(v) * z / level)

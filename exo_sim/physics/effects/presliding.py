@@ -40,7 +40,8 @@ EFFECT = Effect(
     convention=(
         "LuGre with the levels of Coulomb, asymmetric, pressure-dependent and Stribeck friction at the same "
         "part; alone it does nothing. A contact stiffer than the time step resolves is softened to what it "
-        "does."
+        "does. Damping fades as exp(-(v/v_d)^2), v_d = 0.02 m/s or 0.2 rad/s: what slides is not damped, and the contact stays "
+        "passive (Astrom and Canudas de Wit 2008)."
     ),
     signature="reversals turn round over 0.05-0.3 mm instead of at once",
     asked=Asked(
@@ -48,6 +49,18 @@ EFFECT = Effect(
         open_by={"stiffness": (0.82, 1.0)},  # damping of the bristles, which no fit tells from it, adds to it
     ),
 )
+
+#: Speeds about which the damping of the contact fades: of a piston [m/s], of a joint [rad/s].
+FADING, FADING_ANGLE = 0.02, 0.2
+
+
+@kernel
+def damping(p, v: float, turning: float) -> float:
+    """Return the damping of the contact at speed v [N s/m or N m s/rad]."""
+    if p.damping <= 0.0:
+        return 0.0
+    fading = FADING_ANGLE if turning > 0.0 else FADING
+    return p.damping * math.exp(-((v / fading) ** 2))
 
 
 @kernel

@@ -16,6 +16,8 @@ from exo_sim.signals import SHARED_PARTS
 
 #: A number that is never zero and whose typical range is wider than this is fitted by its logarithm.
 WIDE = 4.0
+#: What is in series with a valve and so many times as wide holds nothing up, and only takes long to predict.
+WIDEST = 20.0
 #: Zero of a good pressure sensor, one standard deviation [Pa].
 ZERO_SPREAD = 500.0
 #: Seconds by which filters and cards of a good laboratory may be apart.
@@ -261,8 +263,11 @@ def _quantity(effect: Effect, parameter: Parameter, where: str, target: str, set
     low, high = parameter.typical
     scale = abs(_typical(parameter, 0.5)) or 0.5 * (high - low)
     neutral = 0.528 if effect.name == "critical_ratio" else 0.0  # the nozzle's own
+    most, valve = parameter.high, float(setting.cylinder["valve_area"][0])
+    if parameter.name == "area" and effect.asked.starts_by_valve and valve > 0.0:
+        most = min(most, WIDEST * valve)
     return Quantity(
-        effect.name, where, parameter.name, parameter.unit, target, scale, parameter.low, parameter.high, neutral=neutral,
+        effect.name, where, parameter.name, parameter.unit, target, scale, parameter.low, most, neutral=neutral,
         rough=effect.asked.jerky, least=_least(effect, parameter, setting), wide=parameter.low > 0.0 and high > WIDE * low,
     )  # fmt: skip
 

@@ -35,6 +35,8 @@ BEAM = 3
 CERTAIN = 2.5
 #: ... or if the log-likelihood without it is lower by more than this: then its number is vague only beside believed ones.
 PLAIN = 30.0
+#: Beyond so many times what no healthy machine leaves, names are sought on only while each halves the error.
+IN_VAIN = 15.0
 #: How often rivals may take a finding's place in the end.
 MOST_TURNS = 2
 
@@ -123,8 +125,10 @@ class Search:
             tidied = next((trial for trial in map(self._tidied, ordered) if trial.chosen), None)
             if tidied is None or (best.chosen and self.sets.loses(tidied, best) >= 0.0):
                 break
-            best = tidied
+            before, best = best, tidied
             self._say(f"{len(best.chosen)} found, {best.chosen[-1].effect.replace('_', ' ')} last")
+            if self._is_in_vain(before, best):
+                break
             beam = [best]
             if not self._clean(best):
                 beam += [trial for trial in self._ranked(grown) if trial.keys not in (best.keys, leader.keys)][: BEAM - 1]
@@ -136,6 +140,12 @@ class Search:
                 break
             found = self._judged(start, self._settled(self.sets.polished(self._pruned(better))))
         return found
+
+    def _is_in_vain(self, before: Trial, now: Trial) -> bool:
+        """Say whether a second or later name helped little against an error that no name stands beside: another machine's recording."""
+        left = math.sqrt(now.fit.sse / self.sets.problem.size)
+        lowered = math.sqrt(before.fit.sse / self.sets.problem.size) - left
+        return len(now.chosen) > 1 and left > IN_VAIN * self.sets.problem.sick and lowered < left
 
     def _tidied(self, trial: Trial) -> Trial:
         """Return a set in its plainest form, without what does not stand beside the rest."""

@@ -14,6 +14,7 @@ from exo_sim.diagnosis.replay import replay, rms
 from exo_sim.errors import RecordingError
 from exo_sim.recording import read
 from exo_sim.trials.cases import make_case, write_case
+from exo_sim.trials.told import told_rig
 
 PLANTED = [
     ("piston_leakage", "piston", "area"),
@@ -47,6 +48,29 @@ def test_it_and_nothing_else_is_named(tmp_path: Path, effect: str, where: str, p
     (folder / "improved.toml").write_text(found.improved)
     again = diagnose(sorted(folder.glob("recording*.csv")), folder / "improved.toml", folder=folder)
     assert not [finding for finding in again.effects if finding.kind != "calibration"]
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("friction", ["viscous_friction", "coulomb_friction"])
+def test_a_soft_transmission_and_the_friction_behind_it_are_told_apart(tmp_path: Path, friction: str) -> None:
+    """Friction holds the piston back against the mount, so the chambers' volumes hang on both."""
+    folder = case_folder(tmp_path, ("transmission_compliance", friction))
+    found = diagnose(sorted(folder.glob("recording*.csv")), folder / "rig.toml", folder=folder)
+    hidden = {one["name"]: one["parameters"] for one in json.loads((folder / "truth.json").read_text())["hidden"]}
+    named = {one.name: one.parameters for one in found.effects if one.kind != "calibration"}
+    assert named.keys() == hidden.keys()
+    stiffness = hidden["transmission_compliance"]["stiffness"]["value"]
+    assert named["transmission_compliance"]["stiffness"].value == pytest.approx(stiffness, rel=0.06)
+
+
+@pytest.mark.slow
+def test_a_rig_that_knows_its_hose_needs_nothing_more(tmp_path: Path) -> None:
+    """What the hose keeps from the sensor is put right before forces are judged, whoever knew of it."""
+    folder = case_folder(tmp_path, ("line_restriction:valve_end", "viscous_friction"))
+    hidden = json.loads((folder / "truth.json").read_text())["hidden"]
+    (folder / "told.toml").write_text(told_rig((folder / "rig.toml").read_text(), hidden))
+    found = diagnose(sorted(folder.glob("recording*.csv")), folder / "told.toml", folder=folder)
+    assert found.verdict in ("consistent", "calibration")
 
 
 @pytest.mark.slow

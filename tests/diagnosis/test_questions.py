@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import cylinder_runs
 import numpy as np
 import pytest
 
@@ -156,3 +157,21 @@ def test_threads_change_nothing() -> None:
             ends.append(Search(Waves(slow=3.0, quick=2.0), (), library, threads).run().end)
     assert ends[0].keys == ends[1].keys
     assert list(ends[0].fit.values.values()) == list(ends[1].fit.values.values())
+
+
+@pytest.mark.parametrize(("sick", "names"), [(1e9, 3), (1e-3, 2)], ids=["a machine's own", "another machine's"])
+def test_names_are_sought_on_beside_a_hopeless_error_only_while_each_halves_it(sick: float, names: int) -> None:
+    problem = Waves(slow=5.0, quick=4.0, quicker=3.0)
+    problem.sick = sick
+    found = search(problem, cheap=True, library=(BASE, OTHER, candidate("third", "quick"))).run()
+    assert len(found.end.chosen) == names
+
+
+def test_what_is_in_series_with_the_valve_is_not_sought_much_wider_than_it() -> None:
+    setting = Setting(np.zeros(1, WORLD), np.zeros(1, CYLINDER))
+    setting.cylinder["valve_area"], setting.cylinder["area_1"], setting.cylinder["stroke"] = 2e-6, 8e-4, 0.2
+    level = np.full(50, 3e5)
+    run = cylinder_runs.run_of(level, level, command=np.linspace(-0.2, 0.2, 50), commanded=True)
+    asked = library.candidates(setting, [run], "piston", "slide")
+    areas = [q for c in asked if c.effect == "line_restriction" for q in c.quantities if q.parameter == "area"]
+    assert areas and all(q.high == pytest.approx(library.WIDEST * 2e-6) for q in areas)

@@ -535,6 +535,15 @@ def stuck_contact_is_a_spring_of_its_stiffness() -> None:
     assert found[-1, 0] == pytest.approx(-15.0 / 2e4 * math.log(1 - 0.1), rel=5e-3)
 
 
+@limit_of("presliding")
+def a_contact_that_slides_is_not_damped() -> None:
+    """Turning round at speed takes no more than the dry level, however damped the contact is while it sticks."""
+    joint = contact(coulomb_friction={"force": 15.0}, presliding={"stiffness": 2e4, "damping": 400.0})[0]
+    for v in (0.1, 0.3, 1.0):
+        assert abs(dry_force(joint, -15.0 / 2e4, v, 15.0)) <= 15.0 * (1.0 + 1e-6)
+    assert dry_force(joint, 0.0, 1e-4, 15.0) == pytest.approx(400.0 * 1e-4, rel=1e-3)
+
+
 @limit_of("pressure_dependent_friction")
 def level_is_the_area_times_both_gauge_pressures() -> None:
     c = paper_cylinder(0.032, 0.012, 0.1, 5e-6)

@@ -15,7 +15,7 @@ from exo_sim.diagnosis.chamber_pressure import carried_over
 from exo_sim.diagnosis.filled_in import begun_by_forces, filled_in
 from exo_sim.diagnosis.fitting import FEWEST_ROWS
 from exo_sim.diagnosis.gas_problem import GasProblem
-from exo_sim.diagnosis.judging import Judged, judge
+from exo_sim.diagnosis.judging import AS_GOOD, Judged, judge
 from exo_sim.diagnosis.motion_problem import MotionProblem
 from exo_sim.diagnosis.nameless import pattern_left
 from exo_sim.diagnosis.proof import Proof, prove
@@ -199,16 +199,16 @@ def _motion(case: Case, parts: Split, doubted: Doubts, threads: Threads, say: Pr
         problem = MotionProblem(runs, setting, parts)
         nuisances = motion_problem.overdamped(problem, motion_problem.believed(runs, setting, where))
         questions = motion_problem.candidates(runs, problem.setting, where)
-        search = Search(
-            problem,
-            nuisances,
-            _asked(questions, doubted),
-            threads,
-            _told(say, joint),
-            cheap=True,
-            material=problem.material,
-        )
-        found.append(judge("motion", where, problem, search.sets, search.run(), partial(pattern_left, problem)))
+        asked = _asked(questions, doubted)
+        search = Search(problem, nuisances, asked, threads, _told(say, joint), cheap=True, material=problem.material)
+        outcome = search.run()
+        freed = motion_problem.damping_freed(problem, nuisances)
+        if freed and any(one.effect in motion_problem.LIKE_LESS_DAMPING for one in outcome.end.chosen):
+            other = Search(problem, freed, asked, threads, _told(say, joint), cheap=True, material=problem.material)
+            plainer = other.run()
+            if plainer.end.numbers < outcome.end.numbers and other.sets.loses(plainer.end, outcome.end) < AS_GOOD:
+                search, outcome = other, plainer
+        found.append(judge("motion", where, problem, search.sets, outcome, partial(pattern_left, problem)))
     return found
 
 

@@ -32,6 +32,8 @@ KNOWN_SPREAD = 0.2
 DAMPING_SPREAD = 0.3
 #: Damping is plainly too large where less than this share of it is left, and then no more than this of the squared error.
 LEAST_DAMPED, LEAST_LEFT = 0.9, 0.8
+#: What looks like less damping than believed: friction that falls as the speed grows.
+LIKE_LESS_DAMPING = ("stribeck_friction",)
 #: An effect that lowers the error by less than this share of the stall force is not worth a name.
 MATERIAL_SHARE = 2e-4
 #: What a good pressure sensor's zero may be off by [Pa]: a constant force that no recording can call friction.
@@ -250,17 +252,25 @@ def overdamped(problem: MotionProblem, nuisances: tuple[Quantity, ...]) -> tuple
 
     Only then: damping that is free to move would hide viscous friction, which is the same with the opposite sign.
     """
-    run = problem.runs[0]
-    if run.damped is None or problem.size < FEWEST_ROWS:
+    more = damping_freed(problem, nuisances)
+    if not more:
         return nuisances
-    damping = Quantity("joint_damping", run.joint, "damping", "1", "sensor", 0.1, 0.0, 1.0, (1.0, DAMPING_SPREAD), neutral=1.0)
+    damping = more[-1]
     fits = []
-    for quantities in (nuisances, (*nuisances, damping)):
+    for quantities in (nuisances, more):
         start = {q: q.prior[0] if q.prior else q.neutral for q in quantities}
         fits.append(fit(problem.residual, quantities, start, most=8))
     plain, freed = fits
     plainly = freed.values[damping] < LEAST_DAMPED and freed.sse < LEAST_LEFT * plain.sse
-    return (*nuisances, damping) if plainly else nuisances
+    return more if plainly else nuisances
+
+
+def damping_freed(problem: MotionProblem, nuisances: tuple[Quantity, ...]) -> tuple[Quantity, ...]:
+    """Return the believed numbers with the joint's damping among them, none where there is none or it is among them already."""
+    run = problem.runs[0]
+    if run.damped is None or problem.size < FEWEST_ROWS or any(q.effect == "joint_damping" for q in nuisances):
+        return ()
+    return (*nuisances, Quantity("joint_damping", run.joint, "damping", "1", "sensor", 0.1, 0.0, 1.0, (1.0, DAMPING_SPREAD), neutral=1.0))
 
 
 def candidates(runs: Sequence[MotionRun], setting: Setting, where: str) -> tuple[Candidate, ...]:

@@ -119,6 +119,18 @@ def test_damping_believed_too_large_is_a_believed_number(tmp_path: Path) -> None
 
 
 @pytest.mark.slow
+def test_too_much_damping_behind_a_soft_contact_is_not_friction_that_falls_with_speed(tmp_path: Path) -> None:
+    known = ("coulomb_friction",)
+    write_case(make_case("case", effects=("presliding",), seed=11, size=1.0, known=known), tmp_path, "csv")
+    model = tmp_path / "bench.xml"
+    model.write_text(re.sub(r'damping="([\d.e+-]+)"', lambda found: f'damping="{1.2 * float(found[1])}"', model.read_text()))
+    rig = tmp_path / "rig.toml"
+    rig.write_text(re.sub(r'(force *= ")([\d.e+-]+)', lambda found: f"{found[1]}{0.8 * float(found[2])}", rig.read_text()))
+    found = diagnose(sorted(tmp_path.glob("recording*.csv")), rig, folder=tmp_path)
+    assert [finding.name for finding in found.effects if finding.kind != "calibration"] == ["presliding"]
+
+
+@pytest.mark.slow
 @pytest.mark.parametrize("effects", [(), ("valve_deadband",)], ids=["nothing", "dead band"])
 def test_the_improved_rig_predicts_as_well_as_was_told(tmp_path: Path, effects: tuple[str, ...]) -> None:
     """Also with numbers that are off by less than is worth a finding: what was refitted is in the file."""

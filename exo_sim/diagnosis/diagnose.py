@@ -7,10 +7,11 @@ from collections.abc import Sequence
 from dataclasses import replace
 from pathlib import Path
 
+from exo_sim.diagnosis.calibrations import calibration_findings
 from exo_sim.diagnosis.cases import Case, gather
 from exo_sim.diagnosis.checking import examined_and_checked, unmet
 from exo_sim.diagnosis.examining import Doubts, Progress
-from exo_sim.diagnosis.judging import Judged, calibration_findings
+from exo_sim.diagnosis.judging import Judged
 from exo_sim.diagnosis.result import Diagnosis, Finding, Located, Rejected
 from exo_sim.diagnosis.rewriting import improved_text
 from exo_sim.diagnosis.threads import Threads

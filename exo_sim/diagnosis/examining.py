@@ -9,7 +9,7 @@ from functools import partial
 
 import numpy as np
 
-from exo_sim.diagnosis import library, motion_problem, supply_cut
+from exo_sim.diagnosis import library, motion_library, supply_cut
 from exo_sim.diagnosis.cases import Case, put_right, turned_round
 from exo_sim.diagnosis.chamber_pressure import carried_over
 from exo_sim.diagnosis.filled_in import begun_by_forces, filled_in
@@ -98,8 +98,7 @@ def _felt(judged: Sequence[Judged]) -> dict[str, list[tuple[Quantity, float]]]:
     found = {}
     for one in judged:
         if one.cut == "motion" and one.where in soft and not one.nameless and any(c.kind == "missing_physics" for c in one.named):
-            fixed = [pair for candidate in one.trial.chosen for pair in candidate.fixed]
-            numbers = [*one.trial.fit.values.items(), *fixed]
+            numbers = [*one.trial.fit.values.items(), *one.trial.fixed]
             found[one.where] = [(quantity, value) for quantity, value in numbers if quantity.target == "cylinder"]
     return found
 
@@ -197,14 +196,14 @@ def _motion(case: Case, parts: Split, doubted: Doubts, threads: Threads, say: Pr
         where = cylinder or joint
         setting = Setting(assembly.world(case.rig), record)
         problem = MotionProblem(runs, setting, parts)
-        nuisances = motion_problem.overdamped(problem, motion_problem.believed(runs, setting, where))
-        questions = motion_problem.candidates(runs, problem.setting, where)
-        asked = _asked(questions, doubted)
-        search = Search(problem, nuisances, asked, threads, _told(say, joint), cheap=True, material=problem.material)
+        nuisances = motion_library.overdamped(problem, motion_library.believed(runs, setting, where))
+        asked = _asked(motion_library.candidates(runs, problem.setting, where), doubted)
+        sought = partial(Search, library=asked, threads=threads, progress=_told(say, joint), cheap=True, material=problem.material)
+        search = sought(problem, nuisances)
         outcome = search.run()
-        freed = motion_problem.damping_freed(problem, nuisances)
-        if freed and any(one.effect in motion_problem.LIKE_LESS_DAMPING for one in outcome.end.chosen):
-            other = Search(problem, freed, asked, threads, _told(say, joint), cheap=True, material=problem.material)
+        freed = motion_library.damping_freed(problem, nuisances)
+        if freed and any(one.effect in motion_library.LIKE_LESS_DAMPING for one in outcome.end.chosen):
+            other = sought(problem, freed)
             plainer = other.run()
             if plainer.end.numbers < outcome.end.numbers and other.sets.loses(plainer.end, outcome.end) < AS_GOOD:
                 search, outcome = other, plainer

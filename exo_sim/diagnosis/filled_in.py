@@ -201,9 +201,8 @@ def _moved(one: Judged) -> Iterator[tuple[str, Setting]]:
     """Yield every number that the judged gas hangs on, by name, with the machine that has it off by one standard deviation."""
     assert isinstance(one.problem, GasProblem)
     spread = spreads(one.problem, one.trial.fit, one.sets.correlation_time(one.trial.fit.residual))
-    fixed = [pair for candidate in one.trial.chosen for pair in candidate.fixed]
     for quantity, value in one.trial.fit.values.items():
         step = spread.get(quantity, 0.0)
         moved = value + step if value + step <= quantity.high else max(value - step, quantity.low)
         if quantity.target != "sensor" and moved != value:
-            yield " ".join(quantity.key), one.problem.apply({**one.trial.fit.values, quantity: moved}, fixed)
+            yield " ".join(quantity.key), one.problem.apply({**one.trial.fit.values, quantity: moved}, one.trial.fixed)

@@ -65,6 +65,11 @@ class Trial:
         return {quantity for candidate in self.chosen for quantity in candidate.quantities}
 
     @property
+    def fixed(self) -> list[tuple[Quantity, float]]:
+        """What the forms of its candidates pin to a value."""
+        return [pair for candidate in self.chosen for pair in candidate.fixed]
+
+    @property
     def numbers(self) -> int:
         """How many numbers its candidates have."""
         return sum(len(candidate.quantities) for candidate in self.chosen)

@@ -9,9 +9,10 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from exo_sim.diagnosis import wording
+from exo_sim.diagnosis.calibrations import MODEL_SHARE, SURE, calibrated, refitted_besides, unseen
 from exo_sim.diagnosis.fitted_set import Found, Problem, Trial, sizeable
 from exo_sim.diagnosis.gas_problem import GasProblem
-from exo_sim.diagnosis.intervals import bounds, ends, spreads
+from exo_sim.diagnosis.intervals import bounds, spreads
 from exo_sim.diagnosis.quantity import Candidate, Quantity, standing
 from exo_sim.diagnosis.result import Estimate, Finding, Rejected
 from exo_sim.diagnosis.set_fits import SetFits
@@ -28,8 +29,6 @@ LEFT_OVER, EXPLAINED = 1.8, 0.90
 HALFWAY, PATTERN = 0.8, 0.25
 #: Where more is left than the noise, a finding takes more than this share of what was there without it: else it is one shape of many.
 LARGER_PART = 0.7
-#: No equation describes a machine, nor a sensor its pressure, to better than this share (one standard deviation).
-MODEL_SHARE = 0.0015
 #: Without any finding a residual variance beyond this is no healthy machine's.
 SICK = 5.0
 #: ... and an error that is left of so many times what is no healthy machine's bears no name, whatever share was explained.
@@ -38,10 +37,6 @@ HOPELESS = 3.0
 PLAIN_ODDS = 30.0
 #: A believed number that had to move by more than this many of its own spreads speaks for something missing.
 STRAINED = 3.5
-#: A believed number is corrected where it is off by this many standard errors, and by this share.
-SURE, WORTH = 3.0, {"flow_capacity": 0.01, "dead_volume": 0.03, "payload_mass": 0.005, "joint_damping": 0.15}
-#: ... and a number of an effect that the rig has on already, by this one.
-WORTH_OF_EFFECT = 0.1
 #: Two ways in which a supply that nobody measured gives way.
 _SUPPLIES = ("supply_droop", "supply_regulator")
 #: The hose that is declared delays and does not ring: it is not named where its like does.
@@ -127,9 +122,8 @@ def judge(
             for c in asked
             if c.key in found.weighings
         ]
-        rings = _rings(sets, end)
-        apart = [] if cut == "gas" and _is_hopeless(sets, end) else [c for c in named if _stands_alone(found, c)]
-        kept = standing([c for c in apart if not (c.effect == _HOSE and rings)])
+        apart = [] if _is_hopeless(cut, sets, end) else [c for c in named if _stands_alone(found, c)]
+        kept = standing([c for c in apart if c.effect != _HOSE or not _rings(sets, end)])
         if not kept:
             trial = sets.as_believed()
         elif kept != named:
@@ -142,9 +136,9 @@ def judge(
     seen = set()
     unique = [r for r in rejected if (r.name, r.where) not in {(f.name, f.where) for f in findings}]
     unique = [r for r in unique if not ((r.name, r.where) in seen or seen.add((r.name, r.where)))]  # type: ignore[func-returns-value]
-    spread = {quantity: error for quantity, error in spread.items() if not _unseen(problem, quantity)}
-    calibrations = [] if nameless else _calibrations(trial, spread)
-    refitted = () if nameless else _refitted(trial, spread, {quantity for quantity, _, _ in calibrations})
+    spread = {quantity: error for quantity, error in spread.items() if not unseen(problem, quantity)}
+    calibrations = [] if nameless else calibrated(trial, spread)
+    refitted = () if nameless else refitted_besides(trial, spread, {quantity for quantity, _, _ in calibrations})
     return Judged(
         cut, where, problem, sets, found, named, trial, nameless, findings, calibrations, unique, refitted=refitted
     )
@@ -218,7 +212,7 @@ def _is_nameless(
         return False
     if not named:
         return left > SICK and (sets.correlation_time(end.residual) > 2.0 or left > 3.0 * SICK)
-    if cut == "gas" and _is_hopeless(sets, trial):
+    if _is_hopeless(cut, sets, trial):
         return True
     explained = (start.sse - end.sse) / max(start.sse - n, 1e-9)
     if explained < EXPLAINED and (explained < HALFWAY or pattern(trial) > PATTERN):
@@ -228,8 +222,8 @@ def _is_nameless(
     return bent and left > SICK
 
 
-def _is_hopeless(sets: SetFits, trial: Trial) -> bool:
-    return math.sqrt(trial.fit.sse / sets.problem.size) > HOPELESS * sets.problem.sick
+def _is_hopeless(cut: str, sets: SetFits, trial: Trial) -> bool:
+    return cut == "gas" and math.sqrt(trial.fit.sse / sets.problem.size) > HOPELESS * sets.problem.sick
 
 
 def _rings(sets: SetFits, trial: Trial) -> bool:
@@ -239,7 +233,7 @@ def _rings(sets: SetFits, trial: Trial) -> bool:
 def _stands_alone(found: Found, candidate: Candidate) -> bool:
     """Say whether a finding is beyond doubt although something else is left."""
     weighing = found.weighings.get(candidate.key)
-    return weighing is not None and weighing.share > 0.9 and weighing.log10_odds > PLAIN_ODDS and weighing.steady > 3.0
+    return weighing is not None and _is_plain(found, candidate) and weighing.share > 0.9 and weighing.steady > 3.0
 
 
 def _finding(candidate: Candidate, trial: Trial, spread: dict[Quantity, float], found: Found) -> Finding:
@@ -278,75 +272,6 @@ def _opened(candidate: Candidate, quantity: Quantity, low: float, high: float) -
         return low, high
     down, up = asked.open_by.get(quantity.parameter, (1.0, 1.0))
     return max(low * down, quantity.low), min(high * up, quantity.high)
-
-
-def _unseen(problem: Problem, quantity: Quantity) -> bool:
-    """Say whether a number is of a chamber whose pressure nobody recorded: it takes in whatever else is unknown there."""
-    if quantity.effect != "dead_volume" or not isinstance(problem, GasProblem):
-        return False
-    side = int(quantity.parameter[-1]) - 1
-    return all(run.pressure[side] is None for run in problem.runs)
-
-
-def _calibrations(trial: Trial, spread: dict[Quantity, float]) -> list[tuple[Quantity, float, float]]:
-    """Return believed numbers that are off: quantity, factor, its standard error."""
-    found, asked = [], trial.asked
-    for quantity, value in trial.fit.values.items():
-        whole = quantity.prior[0] if quantity.prior and quantity.effect in declared() else 1.0
-        if whole == 0.0 or (quantity.effect not in WORTH and quantity.effect not in declared()) or quantity in asked:
-            continue
-        factor, error = value / whole, spread.get(quantity, math.inf) / abs(whole)
-        if abs(factor - 1.0) > max(SURE * error, WORTH.get(quantity.effect, WORTH_OF_EFFECT)):
-            found.append((quantity, factor, error))
-    return found
-
-
-def _refitted(trial: Trial, spread: dict[Quantity, float], told: set[Quantity]) -> tuple[tuple[Quantity, float], ...]:
-    """Return believed numbers that are surely off, and not by so much that they are told: quantity and its standard error."""
-    found, asked = [], trial.asked
-    for quantity, value in trial.fit.values.items():
-        error = spread.get(quantity, math.inf)
-        if quantity.prior and quantity not in told and quantity not in asked and abs(value - quantity.prior[0]) > SURE * error:
-            found.append((quantity, error))
-    return tuple(found)
-
-
-def calibration_findings(numbers: Sequence[tuple[Quantity, float, float]]) -> list[Finding]:
-    """Return a finding for every believed number that is off; the two dead volumes of a cylinder are one.
-
-    Args:
-        numbers: Quantity, factor, its standard error.
-    """
-    kinds: dict[tuple[str, str], list[tuple[Quantity, float, float]]] = {}
-    for quantity, factor, error in numbers:
-        kinds.setdefault((quantity.effect, quantity.where), []).append((quantity, factor, error))
-    return [_calibration(name, where, parts) for (name, where), parts in kinds.items()]
-
-
-def _calibration(name: str, where: str, parts: Sequence[tuple[Quantity, float, float]]) -> Finding:
-    weights = [1.0 / max(error, 1e-9) ** 2 for _, _, error in parts]
-    mean = sum(w * factor for w, (_, factor, _) in zip(weights, parts, strict=True)) / sum(weights)
-    apart = max(abs(factor - mean) for _, factor, _ in parts)
-    spread = max(math.sqrt(1.0 / sum(weights)), apart, MODEL_SHARE)
-    low, high = ends(mean, spread) if known(name) else bounds(parts[0][0], mean, spread)
-    parameters = {"factor": Estimate(mean, "1", low, high)}
-    if name == "dead_volume":
-        for quantity, factor, error in parts:
-            parameters[quantity.parameter] = Estimate(factor, "1", *bounds(quantity, factor, max(error, MODEL_SHARE)))
-    if known(name):
-        parameters = {
-            q.parameter: Estimate(factor * q.prior[0], q.unit, *sorted(q.prior[0] * end for end in ends(factor, max(error, MODEL_SHARE))))
-            for q, factor, error in parts
-            if q.prior
-        }
-    odds = sum(((factor - 1.0) / max(error, 1e-12)) ** 2 for _, factor, error in parts) / (2.0 * math.log(10.0))
-    says = " ".join(wording.calibration(name, quantity.parameter, factor) for quantity, factor, _ in parts)
-    return Finding(name, where, "calibration", says, parameters, odds, 0.0)
-
-
-def known(effect: str) -> bool:
-    """Say whether a name is one of the declared effects."""
-    return effect in declared()
 
 
 def finite(value: float) -> float:

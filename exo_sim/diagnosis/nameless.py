@@ -48,7 +48,7 @@ def pattern_left(problem: GasProblem | MotionProblem | SupplyProblem, trial: Tri
     """Return the largest share of what a trial leaves that follows one signal."""
     if isinstance(problem, SupplyProblem):
         return 0.0
-    setting = problem.apply(trial.fit.values, [pair for candidate in trial.chosen for pair in candidate.fixed])
+    setting = problem.apply(trial.fit.values, trial.fixed)
     if isinstance(problem, MotionProblem):
         left = [missing_force(problem, setting)]
     else:

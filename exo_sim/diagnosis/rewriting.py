@@ -11,9 +11,10 @@ from dataclasses import replace
 from pathlib import Path
 
 from exo_sim.diagnosis import wording
+from exo_sim.diagnosis.calibrations import MODEL_SHARE, known
 from exo_sim.diagnosis.cases import Case
 from exo_sim.diagnosis.intervals import bounds, ends
-from exo_sim.diagnosis.judging import MODEL_SHARE, Judged, known
+from exo_sim.diagnosis.judging import Judged
 from exo_sim.diagnosis.quantity import Candidate, Quantity
 from exo_sim.diagnosis.result import Estimate, Finding
 from exo_sim.diagnosis.verdict import Unnamed

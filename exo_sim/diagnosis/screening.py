@@ -21,7 +21,7 @@ def screen(
 ) -> list[tuple[float, Candidate]]:
     """Return the candidates that are not in a trial by how much of its error their signatures could explain, best first."""
     base = now.fit.residual
-    fixed_now = [pair for candidate in now.chosen for pair in candidate.fixed]
+    fixed_now = now.fixed
     prior_rows, prior_jac = prior_terms(now.fit.quantities, now.fit.values)
     strength = math.sqrt(now.fit.weight)
     whole = np.vstack([now.fit.jacobian, strength * prior_jac])

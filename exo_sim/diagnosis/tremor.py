@@ -20,7 +20,7 @@ TREMBLING = 1.3
 
 def trembles(problem: GasProblem, trial: Trial) -> bool:
     """Say whether what is fast in a pressure's error comes in bursts, louder than what its sensor does at other times."""
-    setting = problem.apply(trial.fit.values, [pair for candidate in trial.chosen for pair in candidate.fixed])
+    setting = problem.apply(trial.fit.values, trial.fixed)
     return any(tremor(fast, noise) > TREMBLING for fast, noise in problem.fast_errors(setting))
 
 

@@ -32,10 +32,9 @@ class Unnamed:
 
 def setting_of(judged: Judged, trial: Trial) -> Setting:
     """Return the machine as a trial has it."""
-    fixed = [pair for candidate in trial.chosen for pair in candidate.fixed]
     problem = judged.problem
     assert isinstance(problem, GasProblem | MotionProblem | SupplyProblem)
-    return problem.apply(trial.fit.values, fixed)
+    return problem.apply(trial.fit.values, trial.fixed)
 
 
 def traces(judged: Judged, trial: Trial) -> list[Trace]:

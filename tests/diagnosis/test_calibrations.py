@@ -8,8 +8,8 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
+from exo_sim.diagnosis.calibrations import MODEL_SHARE, calibration_findings, unseen
 from exo_sim.diagnosis.gas_problem import GasProblem
-from exo_sim.diagnosis.judging import MODEL_SHARE, _unseen, calibration_findings
 from exo_sim.diagnosis.quantity import Quantity
 
 
@@ -23,8 +23,8 @@ def gas(*sides: bool) -> GasProblem:
 
 def test_no_dead_volume_is_told_of_a_chamber_that_nobody_recorded() -> None:
     for seen in ((True, False), (False, True), (True, True)):
-        assert [_unseen(gas(*seen), volume(side)) for side in (1, 2)] == [not there for there in seen]
-    assert not _unseen(gas(True, False), number("flow_capacity", "piston", "valve_area"))
+        assert [unseen(gas(*seen), volume(side)) for side in (1, 2)] == [not there for there in seen]
+    assert not unseen(gas(True, False), number("flow_capacity", "piston", "valve_area"))
 
 
 FACTORS = st.floats(0.3, 3.0)

@@ -8,6 +8,7 @@ import click
 
 from exo_sim.cli import options, printing
 from exo_sim.cli.frame import group, verb
+from exo_sim.errors import TrialError
 
 command = group("Draw truths and seal them, diagnose them blind, open the seals and count.", "trial")
 _FOLDER = click.argument("folder", type=click.Path(path_type=Path, file_okay=False))
@@ -22,21 +23,27 @@ _JOBS = click.option(
     out="Folder of the trial.",
     seed=True,
 )
-@click.option("--cases", type=click.IntRange(1), default=40, show_default=True, help="How many cases.")
+@click.option("--cases", type=click.IntRange(1), default=None, help="How many cases, drawn by chance.  [default: 40]")
+@click.option("--every", type=click.IntRange(1), default=None, metavar="DRAWS",
+              help="Instead: every effect at ten detection limits, so many times each; on a bench, on a bench whose believed "
+              "numbers hide it, and on a walking leg.")
 @click.option("--duration", type=options.Quantity("s", low=4.0, high=3600.0), default="24 s", show_default=True,
               help="Length of a recording.")
 @click.option("--key", type=click.Path(path_type=Path, dir_okay=False), default=None,
               help="Where the key goes that opens the seals, once; OUT.key when absent. Keep it from who diagnoses.")
 @_JOBS
-def make(cases: int, duration: float, key: Path | None, jobs: int, out: Path | None, as_json: bool, quiet: bool,
+def make(cases: int | None, every: int | None, duration: float, key: Path | None, jobs: int, out: Path | None, as_json: bool, quiet: bool,
          seed: int) -> None:  # fmt: skip
     """Draw cases as users would have them, with their truth sealed."""
-    from exo_sim.trials import protocol
+    from exo_sim.trials import cells, protocol
     from exo_sim.trials.seal import digest_of
 
+    if cases is not None and every is not None:
+        raise TrialError("--cases and --every exclude each other: cases are drawn by chance, or every effect is")
+    plans = cells.draw_plans(cases or 40, seed) if every is None else cells.every_plan(every, seed)
     folder = out or Path("trial")
     key = key or folder.with_name(folder.name + ".key")
-    manifest = protocol.make(folder, cases, seed, key, duration, jobs, quiet=quiet)
+    manifest = protocol.make(folder, plans, key, duration, jobs, quiet=quiet)
     note = digest_of(folder / protocol.MANIFEST)
     printing.show(
         {"schema": "exo-sim/trial/1", "folder": folder, "cases": manifest["count"], "key": key, "manifest": note},
@@ -83,7 +90,7 @@ def run(folder: Path, tool: str | None, timeout: float, scheduler: str | None, j
 def score(folder: Path, key: Path | None, head: str | None, told: bool, jobs: int, out: Path | None, as_json: bool,
           quiet: bool) -> None:  # fmt: skip
     """Open the seals of FOLDER, check them and count."""
-    from exo_sim.trials.page import percent
+    from exo_sim.trials.page import named_from, percent
     from exo_sim.trials.score import score as open_and_count
 
     result = open_and_count(folder, key or folder.with_name(folder.name + ".key"), head, told, jobs, quiet)
@@ -99,9 +106,7 @@ def score(folder: Path, key: Path | None, head: str | None, told: bool, jobs: in
         if isinstance(entry, dict) and {"share", "low", "high"} <= set(entry)
     ]
     text = printing.table(rows, ("figure", "share", "95 % bounds", "cases"))
-    nine = figures["detection"]["size_named_in_nine_of_ten"]
-    reached = "not reached" if nine is None else f"{nine:.2g} limits"
-    text += f"\nsize named in nine of ten: {reached}; page: {folder / 'score.html'}"
+    text += f"\nsize in limits named in nine of ten: {named_from(figures)}; page: {folder / 'score.html'}"
     printing.show(
         {"schema": result["schema"], "figures": figures, "head": result["head"]}, text, as_json=as_json, out=out
     )

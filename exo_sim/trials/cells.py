@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import hashlib
+from collections.abc import Sequence
 from dataclasses import dataclass, field
 
 import numpy as np
@@ -47,6 +48,10 @@ EXCLUSIVE = (
     {"supply_droop", "supply_regulator"},
     {"line_restriction", "ringing_hose"},
 )
+
+
+#: Cell, effects, sizes, settings, and whether it is concealed.
+_Draft = tuple[str, tuple[str, ...], tuple[float, ...], dict[str, object], bool]
 
 
 @dataclass(frozen=True)
@@ -106,7 +111,7 @@ def draw_plans(count: int, seed: int) -> list[Plan]:
     named = LISTED + CALIBRATIONS + SENSORS
     ladder = [(key, times) for times in LADDER for key in LISTED]
     rng.shuffle(ladder)  # type: ignore[arg-type]
-    drafts: list[tuple[str, tuple[str, ...], tuple[float, ...], dict[str, object], bool]] = []
+    drafts: list[_Draft] = []
     for cell, number in zip(SHARES, counts):
         for i in range(number):
             settings = _instruments(rng)
@@ -148,6 +153,27 @@ def draw_plans(count: int, seed: int) -> list[Plan]:
                 if i % 6 != 5:
                     keys, times = (LEG[i % len(LEG)],), (10.0,)
             drafts.append((cell, keys, times, settings, cell == "concealed"))
+    return _shuffled(drafts, rng)
+
+
+def every_plan(draws: int, seed: int) -> list[Plan]:
+    """Return the plans of a trial that hides each effect alone at ten limits: on a bench, on a bench whose believed numbers
+    are tuned to hide it, and on a walking leg.
+
+    Args:
+        draws: How often each.
+        seed: Chance.
+    """
+    rng = np.random.default_rng([seed, 6])
+    drafts: list[_Draft] = []
+    for _ in range(draws):
+        drafts += [("single", (key,), (10.0,), _instruments(rng), False) for key in LISTED]
+        drafts += [("concealed", (key,), (10.0,), _instruments(rng), True) for key in LISTED]
+        drafts += [("leg", (key,), (10.0,), {}, False) for key in LEG]
+    return _shuffled(drafts, rng)
+
+
+def _shuffled(drafts: Sequence[_Draft], rng: np.random.Generator) -> list[Plan]:
     order = rng.permutation(len(drafts))
     seeds = rng.integers(1, 2**31, len(drafts))
     plans = []

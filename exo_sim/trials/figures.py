@@ -125,13 +125,13 @@ def _detection(singles: Sequence[Mark]) -> dict[str, Any]:
 def nine_of_ten(singles: Sequence[Mark]) -> float | None:
     """Return the size in limits at which a logistic curve through the singles passes 0.9.
 
-    None where nine of ten is never reached, or there are too few cases to say.
+    None where nine of ten is never reached, or there are too few cases or sizes to say.
     """
     from scipy.optimize import minimize
 
     x = np.log([max(mark.sizes[0][0], 1e-6) for mark in singles])
     y = np.array([mark.found[0] for mark in singles], float)
-    if len(x) < 8 or y.mean() < 0.05:
+    if len(x) < 8 or np.ptp(x) < 0.1 or y.mean() < 0.05:
         return None
 
     def loss(p: np.ndarray) -> float:

@@ -67,6 +67,15 @@ _SHARES = (
 )
 
 
+def named_from(figures: Mapping[str, Any]) -> str:
+    """Return the size from which nine of ten are named, as people read it."""
+    detection = figures["detection"]
+    if len(detection["curve"]) < 2:
+        return "one size only"
+    nine = detection["size_named_in_nine_of_ten"]
+    return "not reached" if nine is None else f"{nine:.2g}"
+
+
 def percent(value: float | None) -> str:
     """Return a share as text."""
     return "-" if value is None else f"{100 * value:.1f} %"
@@ -104,11 +113,10 @@ def _numbers(f: Mapping[str, Any]) -> list[tuple[str, str]]:
             return "-"
         return f"{entry['median'] * scale:.3g}{unit} ({entry['p10'] * scale:.3g} to {entry['p90'] * scale:.3g})"
 
-    nine = f["detection"]["size_named_in_nine_of_ten"]
     probability = f["mean_probability_on_truth"]
     peak = f["peak_bytes"]
     return [
-        ("smallest size named in nine of ten, in limits", "not reached" if nine is None else f"{nine:.2g}"),
+        ("smallest size named in nine of ten, in limits", named_from(f)),
         ("mean probability on the truth", "-" if probability is None else f"{probability:.2f}"),
         ("parameter error, median (10 to 90 %)", of(f["parameters"]["relative_error"], 100, " %")),
         ("held-out error over noise", of(f["held_out_error_over_noise"])),

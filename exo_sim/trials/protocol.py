@@ -16,7 +16,7 @@ from typing import TYPE_CHECKING, Any
 from exo_sim.errors import TrialError
 from exo_sim.outputs import replacing
 from exo_sim.progress import each
-from exo_sim.trials.cells import Plan, draw_plans
+from exo_sim.trials.cells import Plan
 from exo_sim.trials.seal import Ledger, digest_of, new_key, seal, write_key
 from exo_sim.trials.tool import bring_back, command, environment, lay_out
 
@@ -30,20 +30,18 @@ OWN_TOOL = f"{shlex.quote(sys.executable)} -m exo_sim diagnose --quiet"
 
 def make(
     folder: Path,
-    count: int,
-    seed: int,
+    plans: Sequence[Plan],
     key_file: Path,
     duration: float = 24.0,
     jobs: int = 1,
     fmt: str = "parquet",
     quiet: bool = False,
 ) -> dict[str, Any]:
-    """Draw, write and seal a trial.
+    """Write and seal a trial.
 
     Args:
         folder: Where; must not hold a trial yet.
-        count: How many cases.
-        seed: Chance: the same seed gives the same cases (not the same nonces and keys).
+        plans: Its cases, at least one; the same plans give the same cases (not the same nonces and keys).
         key_file: Where the key goes that opens the seals.
         duration: Length of a recording [s].
         jobs: Processes.
@@ -51,18 +49,15 @@ def make(
         quiet: No progress.
 
     Raises:
-        TrialError: the folder holds a trial, or the count is not positive.
+        TrialError: the folder holds a trial, or the key's file exists.
     """
-    if count < 1:
-        raise TrialError(f"--cases {count}: at least one")
     if (folder / MANIFEST).exists():
         raise TrialError(f"{folder} holds a trial already; name another folder")
     if key_file.exists():
         raise TrialError(f"{key_file} exists; a key is never written over, name another file with --key")
     key = new_key()
-    plans = draw_plans(count, seed)
     cases = _spread(lambda plan: make_one(plan, folder, key, duration, fmt), plans, jobs, "making", quiet)
-    manifest = {"schema": "exo-sim/trial/1", "count": count, "duration": duration, "cases": dict(cases)}
+    manifest = {"schema": "exo-sim/trial/1", "count": len(plans), "duration": duration, "cases": dict(cases)}
     write_key(key_file, key)
     with replacing(folder / MANIFEST) as beside:
         beside.write_text(json.dumps(manifest, indent=1) + "\n")

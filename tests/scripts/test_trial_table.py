@@ -8,6 +8,7 @@ import sys
 from pathlib import Path
 
 from exo_sim.trials import protocol
+from exo_sim.trials.cells import draw_plans
 from exo_sim.trials.score import score
 
 
@@ -18,7 +19,7 @@ def table(repository: Path, *arguments: str) -> subprocess.CompletedProcess[str]
 
 def test_two_tools_on_the_same_cases(repository: Path, tmp_path: Path) -> None:
     folder, key = tmp_path / "trial", tmp_path / "trial.key"
-    protocol.make(folder, 6, 5, key, duration=4.0, quiet=True)
+    protocol.make(folder, draw_plans(6, 5), key, duration=4.0, quiet=True)
     protocol.run(folder, f"{sys.executable} -m exo_sim.trials.rivals nothing", quiet=True)
     found = score(folder, key)["figures"]
     said = table(repository, f"blind={folder}", f"again={folder}")

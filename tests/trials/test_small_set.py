@@ -8,6 +8,7 @@ from pathlib import Path
 import pytest
 
 from exo_sim.trials import protocol
+from exo_sim.trials.cells import draw_plans
 from exo_sim.trials.score import score
 
 CASES, SEED, SECONDS = 16, 20, 10.0
@@ -16,7 +17,7 @@ CASES, SEED, SECONDS = 16, 20, 10.0
 @pytest.mark.slow
 def test_a_small_sealed_set(tmp_path: Path) -> None:
     folder, key = tmp_path / "trial", tmp_path / "trial.key"
-    protocol.make(folder, CASES, SEED, key, duration=SECONDS, jobs=1, quiet=True)
+    protocol.make(folder, draw_plans(CASES, SEED), key, duration=SECONDS, jobs=1, quiet=True)
     done = protocol.run(folder, f"{protocol.OWN_TOOL} --jobs 1", jobs=os.cpu_count() or 1, quiet=True)
     assert done["verdicts"] == CASES
     figures = score(folder, key, done["head"])["figures"]

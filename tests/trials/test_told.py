@@ -13,6 +13,7 @@ from exo_sim.cli import main
 from exo_sim.rig import read
 from exo_sim.trials import protocol, told
 from exo_sim.trials.cases import make_case, truth_of, write_case
+from exo_sim.trials.cells import draw_plans
 from exo_sim.trials.effects import LISTED
 
 TOOL = """
@@ -42,7 +43,7 @@ def test_a_rig_can_be_told_every_listed_effect(key: str, tmp_path: Path) -> None
 
 def test_the_blind_error_is_held_against_the_told_one(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     folder, key = tmp_path / "trial", tmp_path / "trial.key"
-    protocol.make(folder, 8, 3, key, duration=4.0, quiet=True)
+    protocol.make(folder, draw_plans(8, 3), key, duration=4.0, quiet=True)
     (tmp_path / "tool.py").write_text(TOOL)
     tool = f"{sys.executable} {tmp_path / 'tool.py'}"
     protocol.run(folder, tool, quiet=True)

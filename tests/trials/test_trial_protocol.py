@@ -13,6 +13,7 @@ from exo_sim.errors import TrialError
 from exo_sim.machine.load import load
 from exo_sim.rig import read
 from exo_sim.trials import protocol
+from exo_sim.trials.cells import draw_plans
 from exo_sim.trials.figures import clopper_pearson, figures, nine_of_ten
 from exo_sim.trials.judge import judge
 from exo_sim.trials.score import score
@@ -33,7 +34,7 @@ model = next(name for name in given if name.endswith(".xml"))
 @pytest.fixture(scope="module")
 def made(tmp_path_factory):
     root = tmp_path_factory.mktemp("trial")
-    protocol.make(root / "trial", 4, 11, root / "key", duration=4.0, quiet=True)
+    protocol.make(root / "trial", draw_plans(4, 11), root / "key", duration=4.0, quiet=True)
     (root / "tool.py").write_text(TOOL)
     return root
 
@@ -183,7 +184,7 @@ def test_bad_input_is_one_line(tmp_path, capsys):
         open_with(tmp_path / "key", START, 0)
     write_key(tmp_path / "key", new_key())
     with pytest.raises(TrialError, match="never written over"):
-        protocol.make(tmp_path / "t", 1, 0, tmp_path / "key", quiet=True)
+        protocol.make(tmp_path / "t", draw_plans(1, 0), tmp_path / "key", quiet=True)
 
 
 def test_a_forged_signature_is_found_out(tmp_path):
@@ -298,7 +299,7 @@ def test_a_scheduler_gives_the_same_verdicts(trial, tmp_path):
 
 def test_the_same_seed_makes_the_same_cases(tmp_path):
     one, two = (
-        protocol.make(tmp_path / name, 3, 5, tmp_path / f"{name}.key", duration=4.0, jobs=jobs, quiet=True)
+        protocol.make(tmp_path / name, draw_plans(3, 5), tmp_path / f"{name}.key", duration=4.0, jobs=jobs, quiet=True)
         for name, jobs in (("a", 1), ("b", 2))
     )
     assert [entry["files"] for entry in one["cases"].values()] == [entry["files"] for entry in two["cases"].values()]

@@ -7,7 +7,7 @@ import pytest
 
 from exo_sim.errors import TrialError
 from exo_sim.trials.cases import make_case, write_case
-from exo_sim.trials.cells import EXCLUSIVE, SHARES, draw_plans
+from exo_sim.trials.cells import EXCLUSIVE, LEG, SHARES, draw_plans, every_plan
 from exo_sim.trials.effects import EFFECTS, LISTED, OUTSIDE, find, plant
 from exo_sim.trials.limit import NEEDED, concealed, distance, ideal_limit, limit, reference_limits
 from exo_sim.trials.truth.instruments import Instrument, measure
@@ -146,3 +146,12 @@ def test_mix_covers_every_cell_and_never_hides_what_excludes_itself():
         assert len(names) == len(plan.effects)
         assert all(len(names & group) < 2 for group in EXCLUSIVE)
     assert json.dumps([vars(p) for p in plans]) == json.dumps([vars(p) for p in draw_plans(400, 3)])
+
+
+def test_every_effect_comes_as_often_as_asked_at_ten_limits():
+    plans = every_plan(2, 3)
+    for cell, keys in {"single": LISTED, "concealed": LISTED, "leg": LEG}.items():
+        assert sorted(plan.effects[0] for plan in plans if plan.cell == cell) == sorted(2 * list(keys))
+    assert all(plan.times == (10.0,) and plan.conceal == (plan.cell == "concealed") for plan in plans)
+    assert len({plan.seed for plan in plans}) == len({plan.name for plan in plans}) == len(plans)
+    assert [plan.seed for plan in every_plan(2, 4)] != [plan.seed for plan in plans]

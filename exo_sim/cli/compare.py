@@ -46,8 +46,7 @@ def command(
     from exo_sim.errors import OutputError
     from exo_sim.machine.load import load
     from exo_sim.progress import Bar
-    from exo_sim.recording import health, read, write_rrd
-    from exo_sim.simulation.sensors import seen_through
+    from exo_sim.recording import read, write_rrd
 
     path = out or Path(f"{recording.stem}_compared.rrd")
     if path.suffix.lower() != ".rrd":
@@ -55,14 +54,13 @@ def command(
     reading = read(recording, columns)
     machine = rigs.read(rig)
     model = load(machine)
-    odd = [*reading.findings, *health.check(seen_through(reading.recording, machine)[0], health.Facts.of(machine, model))]
-    recorded = health.without_faults(reading.recording, odd)
+    recorded, odd = replays.usable(reading.recording, machine, model)
     with Bar(1.0, "simulating", "of it", quiet) as bar:
         replay = replays.replay(recorded, machine, model, motion=motion, progress=bar.to)
     signals = errors(recorded, replay)
     overlays = {"simulated": replay.windowed.thinned(_MOST_SHOWN), "free_run": replay.free_run.thinned(_MOST_SHOWN)}
     write_rrd(path, reading.recording.thinned(_MOST_SHOWN), overlays=overlays)
-    remarks = [*(finding.says for finding in odd if finding.severity != "info"), *replay.remarks]
+    remarks = [*(finding.says for finding in [*reading.findings, *odd] if finding.severity != "info"), *replay.remarks]
     for words in remarks:
         printing.remark(f"exo-sim: {words}", quiet=quiet)
     data = {

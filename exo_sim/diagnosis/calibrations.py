@@ -17,6 +17,8 @@ from exo_sim.physics.effects.declaration import declared
 MODEL_SHARE = 0.0015
 #: A believed number is corrected where it is off by this many standard errors, and by this share.
 SURE, WORTH = 3.0, {"flow_capacity": 0.01, "dead_volume": 0.03, "payload_mass": 0.005, "joint_damping": 0.15}
+#: ... and one that the rig holds, beside what was found, by this many: they were fitted together and hold together.
+SURE_BESIDE = 1.0
 #: ... and a number of an effect that the rig has on already, by this one.
 WORTH_OF_EFFECT = 0.1
 
@@ -43,11 +45,13 @@ def calibrated(trial: Trial, spread: dict[Quantity, float]) -> list[tuple[Quanti
 
 
 def refitted_besides(trial: Trial, spread: dict[Quantity, float], told: set[Quantity]) -> tuple[tuple[Quantity, float], ...]:
-    """Return believed numbers that are surely off, and not by so much that they are told: quantity and its standard error."""
+    """Return believed numbers that are off, and not by so much that they are told: quantity and its standard error."""
     found, asked = [], trial.asked
     for quantity, value in trial.fit.values.items():
-        error = spread.get(quantity, math.inf)
-        if quantity.prior and quantity not in told and quantity not in asked and abs(value - quantity.prior[0]) > SURE * error:
+        if not quantity.prior or quantity in told or quantity in asked:
+            continue
+        error, believed = spread.get(quantity, math.inf), quantity.prior[0]
+        if abs(value - believed) > (SURE_BESIDE if trial.chosen and believed else SURE) * error:
             found.append((quantity, error))
     return tuple(found)
 

@@ -54,6 +54,7 @@ class Case:
         remarks: Plain sentences about clocks and sensors.
         open: Questions that cannot be judged.
         led: Joints that somebody led or held unmeasured.
+        as_read: The recordings as they were handed in.
     """
 
     rig: Rig
@@ -66,6 +67,7 @@ class Case:
     remarks: list[str] = field(default_factory=list)
     open: list[OpenQuestion] = field(default_factory=list)
     led: set[str] = field(default_factory=set)
+    as_read: list[Recording] = field(default_factory=list)
 
     def copy(self) -> Case:
         """Return a case that may be sorted anew without touching this one."""
@@ -102,6 +104,7 @@ def gather(paths: Sequence[Path], rig_path: Path, column_map: Path | None = None
         table = replace(reading.recording, name=name)
         _belongs(table, path, rig, model)
         case.remarks += [finding.says for finding in reading.findings if finding.severity != "info"]
+        case.as_read.append(table)
         table, mended = seen_through(table, rig)
         case.remarks += [f"{table.name}: {column} was put right by what the rig says of its sensor" for column in mended]
         case.recordings.append(_trusted(table, case))

@@ -37,19 +37,25 @@ def examined_and_checked(case: Case, threads: Threads, say: Progress) -> Examine
 
 
 def unmet(examined: Examined) -> list[Finding]:
-    """Return a finding for every balance of which the proof shows something that the rest of the time never met."""
+    """Return a finding for every balance of which the proof shows something that the rest of the time never met.
+
+    So it is also where a fit looks healthy and both check and proof are missed by more than any healthy machine's balance is.
+    """
     found = []
     for one in examined.judged:
         missed = examined.proof.missed.get((one.cut, one.where))
-        if missed is None or missed.ratio <= (UNMET_AND_SICK if missed.sick else UNMET):
+        if missed is None:
+            continue
+        checked = examined.check.missed.get((one.cut, one.where)) if examined.check else None
+        surprising = missed.ratio > (UNMET_AND_SICK if missed.sick else UNMET)
+        if not surprising and not (missed.newly_sick and checked is not None and checked.newly_sick):
             continue
         if has_filled_in(one):
             leave_open(one, examined.case)
         elif not one.nameless:
-            says = (
-                f"In the time kept back the {one.balance} of {one.where} is missed {missed.ratio:.0f} times as much as in the rest: "
-                "something acts there that the rest never met; record more of it."
-            )
+            often = f"{missed.ratio:.0f} times as much as in the rest" if surprising else "by more than any healthy machine's is"
+            what = "something acts there that the rest never met" if surprising else "what holds of the rest does not hold there"
+            says = f"In the time kept back the {one.balance} of {one.where} is missed {often}: {what}; record more of it."
             found.append(Finding("unknown", one.where, "unknown", says, {}, missed.log10_odds, 0.0))
     return found
 

@@ -11,11 +11,13 @@ from exo_sim.diagnosis.calibrations import calibration_findings
 from exo_sim.diagnosis.cases import Case, gather
 from exo_sim.diagnosis.checking import examined_and_checked, unmet
 from exo_sim.diagnosis.examining import Doubts, Progress
+from exo_sim.diagnosis.free_run import free_runs
 from exo_sim.diagnosis.judging import Judged
 from exo_sim.diagnosis.result import Diagnosis, Finding, Located, Rejected
 from exo_sim.diagnosis.rewriting import improved_text
 from exo_sim.diagnosis.threads import Threads
 from exo_sim.diagnosis.verdict import located, next_experiment, open_questions, unexplained, verdict_of
+from exo_sim.rig import parse
 
 
 def diagnose(
@@ -53,6 +55,8 @@ def diagnose(
     findings += unmet(examined)
     say("writing the rig anew")
     text = improved_text(case, judged, nameless, folder or rig.parent)
+    say("running it")
+    improved = parse(improved_text(case, judged, nameless, rig.parent), rig)
     return Diagnosis(
         verdict=verdict_of(findings, judged, case),
         recordings=tuple(table.name for table in case.recordings),
@@ -61,6 +65,7 @@ def diagnose(
         effects=tuple(findings),
         rejected=_rejections(judged, findings, examined.doubted),
         signals=proof.signals,
+        free_run=free_runs(case, improved, examined.parts.spans),
         held_out=proof.held_out,
         held_out_recordings=proof.held_out_recordings,
         unexplained=unexplained(judged, nameless),

@@ -22,6 +22,7 @@ from exo_sim.diagnosis.proof import Proof, prove
 from exo_sim.diagnosis.quantity import Candidate, Quantity, Setting
 from exo_sim.diagnosis.result import OpenQuestion
 from exo_sim.diagnosis.search import Search
+from exo_sim.diagnosis.set_fits import SetFits
 from exo_sim.diagnosis.split import Split
 from exo_sim.diagnosis.threads import Threads
 from exo_sim.diagnosis.verdict import Unnamed, setting_of, unknown_findings
@@ -35,6 +36,9 @@ TURNED = 0.1
 
 #: So few samples cost little to predict: every question is then fitted whole.
 FEW_SAMPLES = 5000
+
+#: Damping believed too large is plain beside what was found where less of it gains so much (log-likelihood).
+PLAINLY_LESS = 20.0
 
 #: How a joint's number becomes its piston's: with which power of the lever between them.
 _LEVERS = {"N": -1, "N s/m": -2, "N s^2/m^2": -3, "N/m": -2, "m": 1, "m/s": 1}
@@ -51,6 +55,7 @@ class Examined:
     """What came out of one division of the time; `check` is what the time between fit and proof says of it, None where there is none."""
 
     case: Case
+    parts: Split
     judged: list[Judged]
     nameless: list[Unnamed]
     proof: Proof
@@ -81,7 +86,7 @@ def examine(gathered: Case, parts: Split, doubted: Doubts, threads: Threads, say
     nameless = unknown_findings(_nameable(judged, case))
     say("proving on time kept back")
     check = prove(judged, case, parts.checking(), nameless) if parts.check else None
-    return Examined(case, judged, nameless, prove(judged, case, parts, nameless), check, doubted)
+    return Examined(case, parts, judged, nameless, prove(judged, case, parts, nameless), check, doubted)
 
 
 def _cut(case: Case, parts: Split, doubted: Doubts, felt: Felt, threads: Threads, say: Progress) -> list[Judged]:
@@ -201,12 +206,19 @@ def _motion(case: Case, parts: Split, doubted: Doubts, threads: Threads, say: Pr
         sought = partial(Search, library=asked, threads=threads, progress=_told(say, joint), cheap=True, material=problem.material)
         search = sought(problem, nuisances)
         outcome = search.run()
-        freed = motion_library.damping_freed(problem, nuisances)
-        if freed and any(one.effect in motion_library.LIKE_LESS_DAMPING for one in outcome.end.chosen):
-            other = sought(problem, freed)
-            plainer = other.run()
-            if plainer.end.numbers < outcome.end.numbers and other.sets.loses(plainer.end, outcome.end) < AS_GOOD:
-                search, outcome = other, plainer
+        freed = motion_library.damping_freed(problem, nuisances) if outcome.end.chosen else ()
+        if freed:
+            named = {one.effect for one in outcome.end.chosen}
+            less = SetFits(problem, freed, threads, cheap=True)
+            plainly = motion_library.LIKE_DAMPING not in named and (
+                less.loses(less.try_set(outcome.end.chosen, outcome.end), outcome.end) < -PLAINLY_LESS
+            )
+            if plainly or named & set(motion_library.LIKE_LESS_DAMPING):
+                other = sought(problem, freed)
+                anew = other.run()
+                fewer = anew.end.numbers < outcome.end.numbers
+                if other.sets.loses(anew.end, outcome.end) < (AS_GOOD if fewer else -PLAINLY_LESS):
+                    search, outcome = other, anew
         found.append(judge("motion", where, problem, search.sets, outcome, partial(pattern_left, problem)))
     return found
 

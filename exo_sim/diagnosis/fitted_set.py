@@ -85,6 +85,7 @@ class Found:
         weighings: By candidate key: what dropping it would cost.
         rivals: By candidate key: what would take its place and how much worse that fits (log-likelihood, numbers paid for).
         runners_up: Candidates that were considered at the end and not accepted, with the share of what is left that they explain.
+        whole: By candidate key, of one whose numbers are parts of one thing and of which some were left out: fitted with all of them.
     """
 
     start: Trial
@@ -92,6 +93,7 @@ class Found:
     weighings: dict[tuple[str, str, str], Weighing] = field(default_factory=dict)
     rivals: dict[tuple[str, str, str], list[tuple[Candidate, float]]] = field(default_factory=dict)
     runners_up: list[tuple[Candidate, float]] = field(default_factory=list)
+    whole: dict[tuple[str, str, str], Trial] = field(default_factory=dict)
 
 
 def sizeable(candidate: Candidate, trial: Trial, spread: Mapping[Quantity, float] | None = None) -> bool:

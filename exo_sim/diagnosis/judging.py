@@ -38,7 +38,7 @@ PLAIN_ODDS = 30.0
 #: A believed number that had to move by more than this many of its own spreads speaks for something missing.
 STRAINED = 3.5
 #: Two ways in which a supply that nobody measured gives way.
-_SUPPLIES = ("supply_droop", "supply_regulator")
+_TANK, _REGULATOR = _SUPPLIES = ("supply_droop", "supply_regulator")
 #: The hose that is declared delays and does not ring: it is not named where its like does.
 _HOSE = "line_restriction"
 #: Ratio that stands for the paper's own nozzle.
@@ -131,7 +131,7 @@ def judge(
         named = kept
     tau = sets.correlation_time(trial.fit.residual)
     spread = spreads(problem, trial.fit, tau)
-    findings = [_finding(c, trial, spread, found) for c in named]
+    findings = [_with_parts(_finding(c, trial, spread, found), found.whole.get(c.key), sets) for c in named]
     findings = _with_twin(findings, cut, _is_offset_bent(trial))
     seen = set()
     unique = [r for r in rejected if (r.name, r.where) not in {(f.name, f.where) for f in findings}]
@@ -156,6 +156,8 @@ def _with_twin(findings: list[Finding], cut: str, bent: bool) -> list[Finding]:
     """
     if cut == "gas":  # an unmeasured tank behind a feed, and a regulator that lags: the same first order between flow and pressure
         return [_beside(f, *(name for name in _SUPPLIES if name != f.name)) if f.name in _SUPPLIES else f for f in findings]
+    if cut == "supply":  # measured as well, where the tank's gas keeps its temperature; only hysteresis is a regulator's own
+        return [_beside(f, _TANK) if f.name == _REGULATOR and "hysteresis" not in f.parameters else f for f in findings]
     if cut != "motion" or not any(f.name == "coulomb_friction" for f in findings):
         return findings
     twins = [f for f in findings if f.name == "sensor_bias" and f.where.endswith(".external_force")]
@@ -263,6 +265,20 @@ def _finding(candidate: Candidate, trial: Trial, spread: dict[Quantity, float], 
         weighing.log10_odds if weighing else 0.0, 0.0, tuple(dict.fromkeys(r.effect for r, _ in rivals)),
         {name: weight / total for name, weight in weights.items()} if rivals else {},
     )  # fmt: skip
+
+
+def _with_parts(finding: Finding, whole: Trial | None, sets: SetFits) -> Finding:
+    """Return a finding whose intervals hold what its numbers are where those that were left out of it take their part."""
+    if whole is None:
+        return finding
+    spread = spreads(sets.problem, whole.fit, sets.correlation_time(whole.fit.residual))
+    parameters = dict(finding.parameters)
+    for quantity, value in whole.fit.values.items():
+        told = parameters.get(quantity.parameter)
+        if told is not None and (quantity.effect, quantity.where) == (finding.name, finding.where) and quantity in whole.asked:
+            low, high = bounds(quantity, value, spread.get(quantity, 0.0))
+            parameters[quantity.parameter] = replace(told, low=min(told.low, low), high=max(told.high, high))
+    return replace(finding, parameters=parameters)
 
 
 def _opened(candidate: Candidate, quantity: Quantity, low: float, high: float) -> tuple[float, float]:

@@ -19,6 +19,8 @@ KNOWN_SPREAD = 0.2
 DAMPING_SPREAD = 0.3
 #: Damping is plainly too large where less than this share of it is left, and then no more than this of the squared error.
 LEAST_DAMPED, LEAST_LEFT = 0.9, 0.8
+#: What is the same as more damping, seen from the balance of forces.
+LIKE_DAMPING = "viscous_friction"
 #: What looks like less damping than believed: friction that falls as the speed grows.
 LIKE_LESS_DAMPING = ("stribeck_friction",)
 #: What a good pressure sensor's zero may be off by [Pa]: a constant force that no recording can call friction.

@@ -40,11 +40,13 @@ class Missed:
         ratio: Error in units of what the fit leaves, or of the noise.
         log10_odds: That it is more than noise.
         sick: Whether it is more than any healthy machine's.
+        newly_sick: Whether it is, and that of the fit is not.
     """
 
     ratio: float
     log10_odds: float
     sick: bool
+    newly_sick: bool = False
 
 
 @dataclass
@@ -225,11 +227,12 @@ def _drops(
         return
     residual = _residual(kept, found)
     whole = normalised(residual)
-    ratio = finite(whole / max(normalised(one.trial.fit.residual), 1.0))
+    fitted = normalised(one.trial.fit.residual)
     alike = max(correlation_time(residual, kept.blocks), 1.0)
     odds = 0.5 * kept.size / alike * math.log10(max(whole, 1.0) ** 2)
-    proof.missed[one.cut, one.where] = Missed(ratio, odds, whole > kept.sick)
-    proof.surprise = max(proof.surprise, ratio)
+    missed = Missed(finite(whole / max(fitted, 1.0)), odds, whole > kept.sick, whole > kept.sick > fitted)
+    proof.missed[one.cut, one.where] = missed
+    proof.surprise = max(proof.surprise, missed.ratio)
     told = {(finding.name, finding.where) for finding in one.findings}
     for candidate in (candidate for candidate in one.named if (candidate.effect, candidate.where) in told):
         rest = tuple(c for c in one.trial.chosen if c.key != candidate.key)

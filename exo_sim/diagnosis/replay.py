@@ -16,6 +16,7 @@ from exo_sim.errors import RecordingError, nearest
 from exo_sim.machine.linkage import moment_row
 from exo_sim.machine.load import load
 from exo_sim.physics import state
+from exo_sim.recording import health
 from exo_sim.recording.table import Recording
 from exo_sim.rig import Rig
 from exo_sim.signals import SHARED_PARTS
@@ -83,6 +84,12 @@ def check_belongs(recording: Recording, rig: Rig, model: mujoco.MjModel) -> tupl
     return tuple(f'"{part}" is no part of the rig; its columns were not used' for part in strange)
 
 
+def usable(recording: Recording, rig: Rig, model: mujoco.MjModel) -> tuple[Recording, list[health.Finding]]:
+    """Return a recording without what its sensors cannot have seen, as this rig knows them, and what was noticed."""
+    odd = list(health.check(seen_through(recording, rig)[0], health.Facts.of(rig, model)))
+    return health.without_faults(recording, odd), odd
+
+
 def replay(
     recording: Recording, rig: Rig, model: mujoco.MjModel | None = None, *, motion: str = "auto", window: float = WINDOW,
     progress: Callable[[float], None] | None = None,
@@ -108,6 +115,30 @@ def replay(
     """
     model = load(rig) if model is None else model
     remarks = list(check_belongs(recording, rig, model))
+    simulation, led, wanted = _ready(recording, rig, model, motion)
+    remarks += [f"motion of {name} is led as recorded: {why}" for name, why in led.items()]
+    remarks += simulation.assumed()
+    told = progress or (lambda share: None)
+    windowed = simulation.run(window, bool(led), lambda share: told(0.5 * share))
+    free = simulation.run(math.inf, bool(led), lambda share: told(0.5 + 0.5 * share))
+    shown = [_shown(recording, rig, {key: values[key] for key in wanted}) for values in (windowed, free)]
+    return Replay(shown[0], shown[1], led, tuple(remarks))
+
+
+def free_run(recording: Recording, rig: Rig, model: mujoco.MjModel, *, motion: str = "auto") -> tuple[Recording, bool]:
+    """Simulate what was recorded in one run from the first measured state; return it, and whether the motion was led.
+
+    Args, raises: as `replay`.
+    """
+    simulation, led, wanted = _ready(recording, rig, model, motion)
+    values = simulation.run(math.inf, bool(led), lambda share: None)
+    return _shown(recording, rig, {key: values[key] for key in wanted}), bool(led)
+
+
+def _ready(
+    recording: Recording, rig: Rig, model: mujoco.MjModel, motion: str
+) -> tuple[_Simulation, dict[str, str], list[str]]:
+    """Return the simulation, the joints that are led and why, and the columns to be predicted."""
     simulation = _Simulation(seen_through(recording, rig)[0], rig, model)
     led = simulation.led(motion)
     keys = simulation.predictable(bool(led))
@@ -117,13 +148,7 @@ def replay(
             f'"{recording.name}": nothing in it can be predicted; it needs the position of a joint, and a pressure, a valve command '
             "or an outside force"
         )
-    remarks += [f"motion of {name} is led as recorded: {why}" for name, why in led.items()]
-    remarks += simulation.assumed()
-    told = progress or (lambda share: None)
-    windowed = simulation.run(window, bool(led), lambda share: told(0.5 * share))
-    free = simulation.run(math.inf, bool(led), lambda share: told(0.5 + 0.5 * share))
-    shown = [_shown(recording, rig, {key: values[key] for key in wanted}) for values in (windowed, free)]
-    return Replay(shown[0], shown[1], led, tuple(remarks))
+    return simulation, led, wanted
 
 
 def rms(recorded: Array, predicted: Array) -> float:

@@ -126,7 +126,7 @@ class NextExperiment:
 
 @dataclass(frozen=True)
 class SignalFit:
-    """Held-out error of one signal before and after, beside the sensor's noise."""
+    """Held-out error of one signal before and after, beside the sensor's noise; NaN where a simulation was lost."""
 
     unit: str
     before: float
@@ -164,6 +164,7 @@ class Diagnosis:
     Attributes:
         recordings: Names of the recordings.
         rig: Name of the rig.
+        free_run: Errors of `improved.toml` and of the rig as believed, simulated in one run, by column.
         held_out: Spans of the (first held-out) recording that took no part; whole recordings are named in `held_out_recordings`.
         sensor_remarks: Plain sentences about clocks and sensors: what was used, repaired or set aside.
         improved: Text of `improved.toml`.
@@ -176,6 +177,7 @@ class Diagnosis:
     effects: tuple[Finding, ...] = ()
     rejected: tuple[Rejected, ...] = ()
     signals: Mapping[str, SignalFit] = field(default_factory=dict)
+    free_run: Mapping[str, SignalFit] = field(default_factory=dict)
     held_out: tuple[tuple[float, float], ...] = ()
     held_out_recordings: tuple[str, ...] = ()
     unexplained: tuple[Unexplained, ...] = ()
@@ -215,12 +217,11 @@ class Diagnosis:
             "effects": [finding.as_dict() for finding in self.effects],
             "rejected": [{"name": r.name, "where": r.where, "why": r.why} for r in self.rejected],
             "fit": {
-                "signal": {
-                    name: {"unit": s.unit, "before": s.before, "after": s.after, "noise": s.noise} for name, s in self.signals.items()
-                },
+                "signal": {name: vars(signal) for name, signal in self.signals.items()},
                 "held_out": [list(span) for span in self.held_out],
                 "held_out_recordings": list(self.held_out_recordings),
                 "measure": self.measure,
+                "free_run": {name: vars(signal) for name, signal in self.free_run.items()},
             },
             "unexplained": [
                 {"where": u.where, "depends_on": list(u.depends_on), "share": round(u.share, 4)} for u in self.unexplained

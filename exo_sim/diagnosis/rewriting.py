@@ -25,6 +25,8 @@ from exo_sim.rig import Finding as Entry
 
 #: Numbers of the rig that every comparison refits.
 REFITTED = ("flow_capacity", "dead_volume", "payload_mass")
+#: Less than this share of what adds up to one thing is not written.
+LEAST_PART = 0.05
 _NO_FINDING = "No finding: a healthy machine shows as much; it is in the errors that were told."
 _REFITTED_NOTE = "refitted within what a data sheet allows, no finding"
 
@@ -71,9 +73,19 @@ def _entry(candidate: Candidate, judged: Judged, finding: Finding, rig: Rig) -> 
         return _sensor_entry(finding, rig)
     values = {quantity.parameter: judged.trial.fit.values[quantity] for quantity in candidate.quantities}
     values |= {quantity.parameter: value for quantity, value in candidate.fixed}
+    values = {**_healthy_part(candidate, judged), **values}
     turning = any("rad" in quantity.unit or quantity.unit == "N*m" for quantity in candidate.quantities)
     intervals = {name: (e.low, e.high) for name, e in finding.parameters.items()}
     return Entry(EffectSetting(candidate.effect, candidate.where, values, turning), intervals, wording.says(candidate.effect))
+
+
+def _healthy_part(candidate: Candidate, judged: Judged) -> dict[str, float]:
+    """Return the other numbers of what adds up to one thing: what a healthy machine has of them was taken off before the rest was told."""
+    if not candidate.adds_up:
+        return {}
+    own = {q: value for q, value in judged.trial.fit.values.items() if (q.effect, q.where) == (candidate.effect, candidate.where)}
+    least = LEAST_PART * sum(own.values())
+    return {q.parameter: value for q, value in own.items() if q not in candidate.quantities and value > least}
 
 
 def _healthy(rig: Rig, judged: Judged) -> list[Entry]:

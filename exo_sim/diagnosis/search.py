@@ -236,6 +236,11 @@ class Search:
         Numbers that are vague only because they stand in for each other stay.
         """
         while now.chosen:
+            if not all(sizeable(c, now) for c in now.chosen):  # the last touch to the numbers made one healthy
+                fewer = self._pruned(now)
+                if fewer is not now:
+                    now = self.sets.polished(fewer)
+                    continue
             spread = spreads(self.sets.problem, now.fit, self.sets.correlation_time(now.fit.residual))
             vague = {q for c in now.chosen for q in c.quantities if abs(now.fit.values[q] - q.neutral) < CERTAIN * spread.get(q, 0.0)}
             plainer = self._without(now, vague)
@@ -311,6 +316,11 @@ class Search:
             found.rivals[candidate.key] = []
             rivals = self._finalists(self.screen(without), 4)
             asked += [(candidate, r, without) for r in rivals if (r.effect, r.where) != (candidate.effect, candidate.where)]
+        for candidate in (c for c in end.chosen if c.adds_up):
+            forms = [c for c in self.library if (c.effect, c.where) == (candidate.effect, candidate.where)]
+            fullest = max(forms, key=lambda form: len(form.quantities), default=candidate)
+            if len(fullest.quantities) > len(candidate.quantities):
+                found.whole[candidate.key] = self.sets.try_set((*end.others(candidate), fullest), end)
         promised = {one.key: score for score, one in self.screen(end)}
         for one in self._finalists(self.screen(end), 3):
             if promises(promised[one.key], end.fit, self.material):

@@ -17,6 +17,9 @@ Array = NDArray[np.float64]
 
 #: From how many of its starts a candidate is fitted where that costs little.
 CHEAP_STARTS = 3
+#: Errors that come in spells longer than this, in rows, hold the believed numbers back; where these, set free, leave no more than this
+#: share of what was missing, it was they that were off, and not something else in spells.
+HELD_BACK, LEFT_OF_SPELL = 3.0, 0.01
 #: The longest spell of equal errors that a fit is told of, in rows.
 LONGEST_SPELL = 60.0
 
@@ -62,6 +65,10 @@ class SetFits:
             begins = [options[i] for i in order[:CHEAP_STARTS]]
             tried = [fit(residual, quantities, begin, self.threads, most=24, tolerance=1e-5, spell=spell) for begin in begins]
             done = min(tried, key=lambda one: one.sse + one.weight * one.penalty)
+            missing = done.sse - self.problem.size
+            if spell > HELD_BACK and missing > self.problem.size:
+                free = fit(residual, quantities, options[order[0]], self.threads, most=24, tolerance=1e-5)
+                done = free if free.sse - self.problem.size < LEFT_OF_SPELL * missing else done
         else:
             known = dict(zip(near.fit.quantities, near.fit.jacobian.T, strict=True)) if near else None
             done = fit(residual, quantities, options[order[0]], self.threads, most=12, spell=spell, known=known)

@@ -42,6 +42,7 @@ def page(diagnosis: Diagnosis, rig_text: str, rig_name: str = "rig.toml") -> str
         pictures=[(name, diagnosis_picture.overview(diagnosis, name, signals)) for name, signals in pictures],
         not_drawn=len({s.recording for s in diagnosis.series}) - len(pictures),
         fits=[_fit(name, fit) for name, fit in diagnosis.signals.items()],
+        runs=[_fit(name, run) for name, run in diagnosis.free_run.items()],
         kept_back=diagnosis_words.kept_back(diagnosis),
         located=[_located(place) for place in diagnosis.located],
         diff=_diff(rig_text, diagnosis.improved, rig_name),

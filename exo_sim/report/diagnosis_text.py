@@ -5,7 +5,7 @@ from __future__ import annotations
 import textwrap
 from collections.abc import Sequence
 
-from exo_sim.diagnosis.result import Diagnosis
+from exo_sim.diagnosis.result import Diagnosis, SignalFit
 from exo_sim.report import amounts, diagnosis_words
 
 WIDTH = 110
@@ -64,13 +64,19 @@ def _findings(diagnosis: Diagnosis) -> list[str]:
 def _fit(diagnosis: Diagnosis) -> list[str]:
     if not diagnosis.signals:
         return []
-    width = max(map(len, diagnosis.signals))
+    width = max(map(len, [*diagnosis.signals, *diagnosis.free_run]))
     lines = [f"Error on held-out time ({diagnosis.measure})"]
-    for name, fit in diagnosis.signals.items():
-        unit, size = amounts.shown_in(fit.unit, max((v for v in (fit.before, fit.after, fit.noise) if v == v), default=0.0))
-        before, after, noise = (amounts.digits(v / size) for v in (fit.before, fit.after, fit.noise))
-        lines.append(f"  {name:{width}}  before {before:>8}  after {after:>8}  noise {noise:>8}  {unit}")
+    lines += [_row(name, width, fit) for name, fit in diagnosis.signals.items()]
+    if diagnosis.free_run:
+        lines.append("... and of improved.toml in one run from the first measured state")
+        lines += [_row(name, width, run) for name, run in diagnosis.free_run.items()]
     return lines
+
+
+def _row(name: str, width: int, fit: SignalFit) -> str:
+    unit, size = amounts.shown_in(fit.unit, max((v for v in (fit.before, fit.after, fit.noise) if v == v), default=0.0))
+    before, after, noise = (amounts.digits(v / size) for v in (fit.before, fit.after, fit.noise))
+    return f"  {name:{width}}  before {before:>8}  after {after:>8}  noise {noise:>8}  {unit}"
 
 
 def _located(diagnosis: Diagnosis) -> list[str]:

@@ -74,12 +74,13 @@ def judge(truth: Mapping[str, Any], diagnosis: Mapping[str, Any] | None) -> Mark
         truth: What `cases.truth_of` wrote, with the cell and the sizes in limits.
         diagnosis: The content of diagnosis.json; None where the tool gave none.
     """
-    hidden = [_Target(entry, truth.get("actual", {})) for entry in truth["hidden"]]
+    damping = _damping(truth)
+    hidden = [_Target(entry, truth.get("actual", {}), damping.missing) for entry in truth["hidden"]]
     answered = isinstance(diagnosis, Mapping) and isinstance(diagnosis.get("effects"), list)
     report: Mapping[str, Any] = diagnosis if answered and diagnosis is not None else {}
     given = [entry for entry in report.get("effects", []) if isinstance(entry, Mapping) and entry.get("name")]
     targets = {target.name for target in hidden}
-    spare = {"viscous_friction"} if _damping_is_off(truth) else set()
+    spare = {"viscous_friction"} if damping.is_missing else set()
     given = [
         entry
         for entry in given
@@ -135,7 +136,7 @@ def judge(truth: Mapping[str, Any], diagnosis: Mapping[str, Any] | None) -> Mark
 class _Target:
     """One hidden effect as the judge sees it."""
 
-    def __init__(self, entry: Mapping[str, Any], actual: Mapping[str, float]) -> None:
+    def __init__(self, entry: Mapping[str, Any], actual: Mapping[str, float], damping: float = 0.0) -> None:
         self.name = "unknown" if entry["kind"] == "outside" else str(entry["name"])
         self.true_name = str(entry["name"])
         self.names = {self.name, *entry.get("also", ())} if entry["kind"] == "sensor" else {self.name}
@@ -148,6 +149,8 @@ class _Target:
             self.values = {"factor": float(actual[self.true_name])}
             if f"{self.true_name}_value" in actual:
                 self.values["value"] = float(actual[f"{self.true_name}_value"])
+        if self.true_name == "viscous_friction" and "coefficient" in self.values:
+            self.values["coefficient"] += damping  # a damper and viscous friction are one number
         if self.kind == "outside":
             self.values = {}
 
@@ -190,10 +193,27 @@ class _Target:
         return out
 
 
-def _damping_is_off(truth: Mapping[str, Any]) -> bool:
-    """Say whether the owner's damping was bent below the true one: then viscous friction is missing in truth, named or not."""
-    believed, built = ((truth.get(key) or {}).get("damping") for key in ("believed", "bench"))
-    return bool(believed is not None and built and believed / built < 0.95)
+@dataclass(frozen=True)
+class _Damping:
+    """The damper that was built against the one that its owner believes in [N s/m]."""
+
+    built: float
+    believed: float
+
+    @property
+    def missing(self) -> float:
+        """What viscous friction has to make up for; below zero where the owner believes in too much."""
+        return self.built - self.believed
+
+    @property
+    def is_missing(self) -> bool:
+        """Whether the owner's was bent below the true one: then viscous friction is missing in truth, hidden or not."""
+        return self.built > 0.0 and self.believed / self.built < 0.95
+
+
+def _damping(truth: Mapping[str, Any]) -> _Damping:
+    believed, built = (float((truth.get(key) or {}).get("damping") or 0.0) for key in ("believed", "bench"))
+    return _Damping(built, believed)
 
 
 def _elsewhere(entry: Mapping[str, Any], hidden: Sequence[_Target]) -> bool:

@@ -192,6 +192,8 @@ def _bars(axes: Axes, x: list[float], entries: list[Mapping[str, Any]]) -> None:
 def _detection(axes: Axes, curve: list[Mapping[str, Any]]) -> None:
     _bars(axes, [entry["size_in_limits"] for entry in curve], curve)
     axes.set_xscale("log")
+    if len(curve) == 1:
+        axes.set_xlim(0.5, 2.0 * curve[0]["size_in_limits"])
     axes.axvline(1.0, color="#999", linestyle=":")
     axes.axhline(90, color="#999", linestyle=":")
     axes.set_xlabel("size [limits]")

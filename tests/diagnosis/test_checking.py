@@ -32,7 +32,7 @@ def proof(drops: dict[tuple[str, str], float], felt: float = 1.0, **more: Any) -
 
 
 def examined(one: Judged, check: Proof | None, doubted: Doubts | None = None, last: Proof | None = None) -> Examined:
-    return Examined(None, [one], [], last or proof({}), check, doubted or {})  # type: ignore[arg-type]
+    return Examined(None, Split({}), [one], [], last or proof({}), check, doubted or {})  # type: ignore[arg-type]
 
 
 def rounds(monkeypatch: pytest.MonkeyPatch, answers: list[tuple[tuple[str, str], ...]], check: Proof) -> tuple[Examined, list[Doubts]]:
@@ -91,6 +91,17 @@ def test_what_only_the_proof_shows_is_said(ratio: float, sick: bool, nameless: b
     found = checking.unmet(examined(judged(nameless=nameless), None, last=missed))
     assert len(found) == count
     assert all(finding.kind == "unknown" and f"{ratio:.0f} times" in finding.says and finding.log10_odds == 40.0 for finding in found)
+
+
+@pytest.mark.parametrize(("check", "last", "count"), [(True, True, 1), (False, True, 0), (True, False, 0)])
+def test_a_fit_that_looks_healthy_does_not_hold_where_check_and_proof_are_sick(check: bool, last: bool, count: int) -> None:
+    def missed(sick: bool) -> Proof:
+        return proof({}, missed={("gas", "piston"): Missed(1.4, 13.0, sick, sick)})
+
+    found = checking.unmet(examined(judged(), missed(check), last=missed(last)))
+    assert [finding.kind for finding in found] == ["unknown"] * count
+    assert all("by more than any healthy machine" in finding.says for finding in found)
+    assert checking.unmet(examined(judged(), None, last=missed(True))) == []
 
 
 def test_what_an_unmeasured_chamber_may_do_is_left_open() -> None:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 import re
+from dataclasses import replace
 from pathlib import Path
 
 import pytest
@@ -14,6 +15,7 @@ from exo_sim.diagnosis.replay import replay, rms
 from exo_sim.errors import RecordingError
 from exo_sim.recording import read
 from exo_sim.trials.cases import make_case, write_case
+from exo_sim.trials.leg_cases import make_leg_case
 from exo_sim.trials.told import told_rig
 
 PLANTED = [
@@ -128,6 +130,68 @@ def test_too_much_damping_behind_a_soft_contact_is_not_friction_that_falls_with_
     rig.write_text(re.sub(r'(force *= ")([\d.e+-]+)', lambda found: f"{found[1]}{0.8 * float(found[2])}", rig.read_text()))
     found = diagnose(sorted(tmp_path.glob("recording*.csv")), rig, folder=tmp_path)
     assert [finding.name for finding in found.effects if finding.kind != "calibration"] == ["presliding"]
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("factor", [0.75, 1.3])
+def test_a_payload_far_from_the_one_believed_is_a_believed_number(tmp_path: Path, factor: float) -> None:
+    """An upright axis: its weight is missed all the time, as something that acts in one long spell would be."""
+    case = next(c for c in (make_case("case", (), seed, known="none", duration=12.0) for seed in range(40)) if c.bench.upright)
+    write_case(replace(case, believed=replace(case.believed, mass=case.believed.mass / factor)), tmp_path, "csv", open_truth=True)
+    found = diagnose(sorted(tmp_path.glob("recording*.csv")), tmp_path / "rig.toml", folder=tmp_path)
+    numbers = {finding.name: finding for finding in found.effects}
+    assert all(finding.kind == "calibration" for finding in found.effects)
+    true = case.machine["load_mass"] / (case.believed.mass / factor)
+    assert numbers["payload_mass"].parameters["factor"].value == pytest.approx(true, rel=0.01)
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize(("effect", "parameter"), [("quadratic_drag", "coefficient"), ("coulomb_friction", "force")])
+def test_damping_believed_too_large_does_not_bend_what_was_found(tmp_path: Path, effect: str, parameter: str) -> None:
+    case = make_case("case", (effect,), 11, 0.5, known="none", duration=12.0)
+    write_case(replace(case, believed=replace(case.believed, damping=1.35 * case.believed.damping)), tmp_path, "csv", open_truth=True)
+    found = diagnose(sorted(tmp_path.glob("recording*.csv")), tmp_path / "rig.toml", folder=tmp_path)
+    (named,) = [finding for finding in found.effects if finding.kind != "calibration"]
+    (hidden,) = case.hidden
+    assert named.name == effect
+    assert named.parameters[parameter].value == pytest.approx(hidden.parameters[parameter], rel=0.05)
+    (damping,) = [finding for finding in found.effects if finding.name == "joint_damping"]
+    assert damping.parameters["factor"].value == pytest.approx(1.0 / 1.35, rel=0.05)
+
+
+@pytest.mark.slow
+def test_parts_of_a_lag_that_are_not_told_apart_are_inside_the_interval(tmp_path: Path) -> None:
+    """On a walking leg the command is smooth: dead time and time constant do the same."""
+    case = make_leg_case("case", ("valve_lag:delay",), 1430767612, 0.97, duration=12.0)
+    write_case(case, tmp_path, "parquet", open_truth=True)
+    found = diagnose([tmp_path / "recording.parquet"], tmp_path / "rig.toml", folder=tmp_path)
+    (named,) = [finding for finding in found.effects if finding.kind != "calibration"]
+    (hidden,) = case.hidden
+    assert named.name == "valve_lag"
+    for name, estimate in named.parameters.items():
+        assert estimate.low <= hidden.parameters[name] <= estimate.high
+    (tmp_path / "improved.toml").write_text(found.improved)
+    setting = next(effect for effect in rigs.read(tmp_path / "improved.toml").effects if effect.name == "valve_lag")
+    assert sum(setting.parameters.values()) == pytest.approx(sum(hidden.parameters.values()), rel=0.05)
+
+
+@pytest.mark.slow
+def test_a_tank_that_keeps_its_temperature_is_a_regulator_without_hysteresis(tmp_path: Path) -> None:
+    """The truth's tank is isothermal, ours adiabatic: where that shows, the regulator fits better and the tank stands beside it."""
+    case = make_case("case", ("supply_droop",), 2035664264, 0.9645, duration=12.0, pressure_noise=400.0, bits=14, rate=500.0)
+    write_case(case, tmp_path, "parquet", open_truth=True)
+    found = diagnose([tmp_path / "recording.parquet"], tmp_path / "rig.toml", folder=tmp_path)
+    (named,) = [finding for finding in found.effects if finding.kind != "calibration"]
+    assert (named.name, named.ambiguous_with) == ("supply_regulator", ("supply_droop",))
+
+
+@pytest.mark.slow
+def test_friction_that_fades_while_it_is_recorded_is_not_taken_for_healthy(tmp_path: Path) -> None:
+    case = make_case("case", ("warming_grease",), 1070968357, 1.0, duration=12.0)
+    write_case(case, tmp_path, "parquet", open_truth=True)
+    found = diagnose([tmp_path / "recording.parquet"], tmp_path / "rig.toml", folder=tmp_path)
+    assert found.verdict == "mismatch"
+    assert [finding.name for finding in found.effects if finding.kind != "calibration"] == ["unknown"]
 
 
 @pytest.mark.slow

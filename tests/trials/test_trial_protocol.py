@@ -250,6 +250,16 @@ def test_calibrations_are_no_false_alarm_and_unknown_is_right_outside_the_list()
     assert off.exact and off.parameters[0][:2] == (0.0, True)
 
 
+def test_viscous_friction_and_a_damper_that_was_believed_wrong_are_one_number():
+    bent = truth("viscous_friction", coefficient=18.0) | {"bench": {"damping": 32.0}, "believed": {"damping": 45.0}}
+    both = {"value": 5.5, "low": 4.5, "high": 6.5, "unit": "N s/m"}
+    mark = judge(bent, verdict(finding("viscous_friction", coefficient=both)))
+    assert mark.exact and mark.parameters[0][:2] == (pytest.approx(0.1), True)
+    spare = truth(cell="nothing") | {"bench": {"damping": 32.0}, "believed": {"damping": 28.0}}
+    assert not judge(spare, verdict(finding("viscous_friction"))).named
+    assert judge(truth(cell="nothing"), verdict(finding("viscous_friction"))).named
+
+
 def test_no_answer_is_no_hit_and_cannot_tell_counts_only_where_likelihood_agrees():
     assert not judge(truth(cell="nothing"), None).exact
     assert judge(truth("backlash", distance=1.0), verdict(kind="undetermined")).undetermined_right

@@ -13,6 +13,7 @@ from exo_sim.diagnosis import library, motion_library, supply_cut
 from exo_sim.diagnosis.cases import Case, put_right, turned_round
 from exo_sim.diagnosis.chamber_pressure import carried_over
 from exo_sim.diagnosis.filled_in import begun_by_forces, filled_in
+from exo_sim.diagnosis.fitted_set import Trial
 from exo_sim.diagnosis.fitting import FEWEST_ROWS
 from exo_sim.diagnosis.gas_problem import GasProblem
 from exo_sim.diagnosis.judging import AS_GOOD, Judged, judge
@@ -36,6 +37,9 @@ TURNED = 0.1
 
 #: So few samples cost little to predict: every question is then fitted whole.
 FEW_SAMPLES = 5000
+
+#: Names of a transmission that gives.
+SOFT = ("backlash", "transmission_compliance")
 
 #: Damping believed too large is plain beside what was found where less of it gains so much (log-likelihood).
 PLAINLY_LESS = 20.0
@@ -73,13 +77,13 @@ class Examined:
 def examine(gathered: Case, parts: Split, doubted: Doubts, threads: Threads, say: Progress) -> Examined:
     """Search and judge every cut of the plant on one division of the time, and hold what comes out against what was kept back.
 
-    Where a transmission gives, the piston's friction decides where the piston is, and so how large the chambers are: then the gas is
-    judged once more, with the friction that the balance of forces found.
+    Where a transmission gives, the piston's friction decides where the piston is, and so how large the chambers are: as soon as that
+    is found the forces are asked, and the gas is judged once more with the friction that their balance found.
     """
     case = gathered.copy()
-    judged = _cut(case, parts, doubted, {}, threads, say)
+    judged = _cut(case, parts, doubted, None, threads, say)
     felt = _felt(judged)
-    if felt:
+    if felt or any(not one.empty and one.found.halted for one in judged):
         say("judging the gas once more, with the friction of its piston")
         case = gathered.copy()
         judged = _cut(case, parts, doubted, felt, threads, say)
@@ -89,8 +93,11 @@ def examine(gathered: Case, parts: Split, doubted: Doubts, threads: Threads, say
     return Examined(case, parts, judged, nameless, prove(judged, case, parts, nameless), check, doubted)
 
 
-def _cut(case: Case, parts: Split, doubted: Doubts, felt: Felt, threads: Threads, say: Progress) -> list[Judged]:
-    """Search and judge the gas, the supply and the forces, in this order; the case's pressures are put right in between."""
+def _cut(case: Case, parts: Split, doubted: Doubts, felt: Felt | None, threads: Threads, say: Progress) -> list[Judged]:
+    """Search and judge the gas, the supply and the forces, in this order; the case's pressures are put right in between.
+
+    Without `felt` the search of the gas ends at a transmission that gives where there are forces to ask.
+    """
     gas = _gas(case, parts, doubted, felt, threads, say)
     filled_in(case, gas, parts)
     put_right(case, carried_over(case, gas, parts))
@@ -118,7 +125,7 @@ def _told(say: Progress, part: str) -> Progress:
     return lambda words: say(f"{part}: {words}")
 
 
-def _gas(case: Case, parts: Split, doubted: Doubts, felt: Felt, threads: Threads, say: Progress) -> list[Judged]:
+def _gas(case: Case, parts: Split, doubted: Doubts, felt: Felt | None, threads: Threads, say: Progress) -> list[Judged]:
     found = []
     for name in list(case.cylinders):
         runs = case.cylinders[name] = [begun_by_forces(case, run) for run in case.cylinders[name]]
@@ -127,7 +134,7 @@ def _gas(case: Case, parts: Split, doubted: Doubts, felt: Felt, threads: Threads
         drives = {link.cylinder: link.joint for link in case.links}
         believed = Setting(assembly.world(case.rig), assembly.cylinders(case.rig, drives)[index : index + 1])
         setting = library.without_what_was_measured(believed, runs)
-        for quantity, value in felt.get(name, ()):
+        for quantity, value in (felt or {}).get(name, ()):
             quantity.put(setting, value)
         problem = GasProblem(runs, setting, parts)
         turned = GasProblem([replace(run, command=-run.command) for run in runs], setting, parts)
@@ -149,9 +156,14 @@ def _gas(case: Case, parts: Split, doubted: Doubts, felt: Felt, threads: Threads
             _told(say, name),
             cheap=sum(len(run.time) for run in runs) < FEW_SAMPLES,
             material=problem.material,
+            until=_softens if felt is None and joint in case.joints else None,
         )
         found.append(judge("gas", name, problem, search.sets, search.run(), partial(pattern_left, problem)))
     return found
+
+
+def _softens(trial: Trial) -> bool:
+    return any(candidate.effect in SOFT for candidate in trial.chosen)
 
 
 def _supply(case: Case, parts: Split, gas: Sequence[Judged], doubted: Doubts, threads: Threads, say: Progress) -> list[Judged]:
@@ -240,7 +252,7 @@ def _nameable(judged: list[Judged], case: Case) -> list[Judged]:
 
     The balance takes the one for rigid; of the other nobody knows what the unmeasured chamber does.
     """
-    soft = {f.where for one in judged for f in one.findings if f.name in ("backlash", "transmission_compliance")}
+    soft = {f.where for one in judged for f in one.findings if f.name in SOFT}
     for one in judged:
         if one.cut != "motion" or not one.nameless:
             continue

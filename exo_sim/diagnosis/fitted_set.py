@@ -85,6 +85,7 @@ class Found:
         weighings: By candidate key: what dropping it would cost.
         rivals: By candidate key: what would take its place and how much worse that fits (log-likelihood, numbers paid for).
         runners_up: Candidates that were considered at the end and not accepted, with the share of what is left that they explain.
+        halted: Whether it ended before everything was explained, because it was asked to.
         whole: By candidate key, of one whose numbers are parts of one thing and of which some were left out: fitted with all of them.
     """
 
@@ -94,6 +95,7 @@ class Found:
     rivals: dict[tuple[str, str, str], list[tuple[Candidate, float]]] = field(default_factory=dict)
     runners_up: list[tuple[Candidate, float]] = field(default_factory=list)
     whole: dict[tuple[str, str, str], Trial] = field(default_factory=dict)
+    halted: bool = False
 
 
 def sizeable(candidate: Candidate, trial: Trial, spread: Mapping[Quantity, float] | None = None) -> bool:
@@ -108,5 +110,5 @@ def sizeable(candidate: Candidate, trial: Trial, spread: Mapping[Quantity, float
     asked = [q for q in candidate.quantities if q.least > 0.0]
     if candidate.adds_up:  # with what a healthy machine has of it, where the candidate does not stand for that
         parts = {q.field: q for q in (*values, *candidate.quantities) if (q.effect, q.where) == (candidate.effect, candidate.where)}
-        return sum(abs(values[q] - q.neutral) for q in parts.values()) > max(q.least for q in asked)
+        return sum(abs(values[q] - q.neutral) for q in parts.values()) > max((q.least for q in asked), default=0.0)
     return not asked or any(abs(values[q] - q.neutral) - 2.0 * spread.get(q, 0.0) > q.least for q in asked)

@@ -53,6 +53,7 @@ class Search:
         most: The most findings.
         cheap: Whether predictions cost little: then all that are promising are fitted, from scratch, and in plainer ones' place.
         material: Drop of the root-mean-square error, in units of the noise, below which nothing is a finding.
+        until: Says of a set that explains not everything whether to look no further.
     """
 
     def __init__(
@@ -65,10 +66,12 @@ class Search:
         most: int = 5,
         cheap: bool = False,
         material: float = 0.0,
+        until: Callable[[Trial], bool] | None = None,
     ):
         self.sets = SetFits(problem, nuisances, threads, cheap)
         self.library, self.most, self.cheap, self.material = tuple(library), most, cheap, material
         self._say = progress or (lambda words: None)
+        self._until = until or (lambda trial: False)
         self._whole: Trial | None = None
         self._screened: dict[SetKey, list[tuple[float, Candidate]]] = {}
 
@@ -114,7 +117,7 @@ class Search:
             start = Trial((), Fit((), {}, np.zeros(0), np.zeros((0, 0))))
             return Found(start, start)
         start = best = self._whole = self.sets.polished(self.sets.try_set(()))
-        beam = [start]
+        beam, halted = [start], False
         for _ in range(self.most):
             self._say(f"screening {len(self.library)} questions")
             grown = self._grown(beam)
@@ -127,13 +130,16 @@ class Search:
                 break
             before, best = best, tidied
             self._say(f"{len(best.chosen)} found, {best.chosen[-1].effect.replace('_', ' ')} last")
+            if halted := not self._clean(best) and self._until(best):
+                break
             if self._is_in_vain(before, best):
                 break
             beam = [best]
             if not self._clean(best):
                 beam += [trial for trial in self._ranked(grown) if trial.keys not in (best.keys, leader.keys)][: BEAM - 1]
-        end = self._settled(self.sets.polished(self._pruned(best)))
-        found = self._judged(start, end)
+        if halted:
+            return Found(start, self.sets.polished(best), halted=True)
+        found = self._judged(start, self._settled(self.sets.polished(self._pruned(best))))
         for _ in range(MOST_TURNS):
             better = self._overtaken(found)
             if better is None:

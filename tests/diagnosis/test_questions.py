@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import cylinder_runs
 import numpy as np
 import pytest
@@ -165,6 +167,46 @@ def test_names_are_sought_on_beside_a_hopeless_error_only_while_each_halves_it(s
     problem.sick = sick
     found = search(problem, cheap=True, library=(BASE, OTHER, candidate("third", "quick"))).run()
     assert len(found.end.chosen) == names
+
+
+@pytest.mark.parametrize(("sizes", "halted", "names"), [({"slow": 9.0, "quick": 4.0}, True, {"base"}), ({"slow": 9.0}, False, {"base"})])
+def test_a_search_ends_where_it_is_asked_to_unless_everything_is_explained(sizes: dict[str, float], halted: bool, names: set[str]) -> None:
+    library = (BASE, ON_TOP, OTHER)
+    found = Search(Waves(**sizes), (), library, until=lambda one: any(c.effect == "base" for c in one.chosen)).run()
+    assert found.halted is halted and {c.effect for c in found.end.chosen} == names
+
+
+class Weight(Waves):
+    """An error that is there all the time: a believed number far off, or something else that acts in one long spell."""
+
+    def __init__(self, level: float, wave: float = 0.0):
+        super().__init__(slow=wave)
+        self._error = self._error - level
+
+    def residual(self, values: dict[Quantity, float], fixed: object = ()) -> np.ndarray:
+        return super().residual({q: v for q, v in values.items() if q is not MASS}, fixed) + 100.0 * (values.get(MASS, 1.0) - 1.0)
+
+
+MASS = Quantity("mass", "piston", "mass", "1", "sensor", 0.02, 0.2, 5.0, (1.0, 0.05), neutral=1.0)
+
+
+def test_a_believed_number_that_alone_explains_an_unchanging_error_is_not_held_back() -> None:
+    one = Search(Weight(35.0), (MASS,), (BASE, OTHER), cheap=True).sets.try_set(())
+    assert one.fit.values[MASS] == pytest.approx(1.35, abs=0.005)
+
+
+def test_beside_something_else_it_is_held_back() -> None:
+    """A wave of thirty cannot be the mass; the mass must not follow its mean."""
+    one = Search(Weight(0.0, wave=30.0), (MASS,), (BASE, OTHER), cheap=True)
+    alone = float(np.mean(one.sets.problem.residual({MASS: 1.0}))) / -100.0
+    assert abs(one.sets.try_set(()).fit.values[MASS] - 1.0) < 0.7 * abs(alone)
+
+
+def test_of_what_adds_up_to_one_thing_the_whole_is_fitted_beside_a_part() -> None:
+    part, whole = (replace(candidate("lag", *waves), adds_up=True) for waves in (("slow",), ("slow", "quick")))
+    found = search(Waves(slow=5.0), True, (part, whole, OTHER)).run()
+    assert [c.form for c in found.end.chosen] == ["slow"]
+    assert {q.parameter for q in found.whole[part.key].asked} == {"slow", "quick"}
 
 
 def test_what_is_in_series_with_the_valve_is_not_sought_much_wider_than_it() -> None:

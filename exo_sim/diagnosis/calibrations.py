@@ -17,10 +17,10 @@ from exo_sim.physics.effects.declaration import declared
 MODEL_SHARE = 0.0015
 #: A believed number is corrected where it is off by this many standard errors, and by this share.
 SURE, WORTH = 3.0, {"flow_capacity": 0.01, "dead_volume": 0.03, "payload_mass": 0.005, "joint_damping": 0.15}
-#: ... and one that the rig holds, beside what was found, by this many: they were fitted together and hold together.
-SURE_BESIDE = 1.0
 #: ... and a number of an effect that the rig has on already, by this one.
 WORTH_OF_EFFECT = 0.1
+#: A number that a fit moved by less than this share was not touched.
+TOUCHED = 1e-3
 
 
 def unseen(problem: Problem, quantity: Quantity) -> bool:
@@ -44,14 +44,21 @@ def calibrated(trial: Trial, spread: dict[Quantity, float]) -> list[tuple[Quanti
     return found
 
 
-def refitted_besides(trial: Trial, spread: dict[Quantity, float], told: set[Quantity]) -> tuple[tuple[Quantity, float], ...]:
-    """Return believed numbers that are off, and not by so much that they are told: quantity and its standard error."""
+def refitted_besides(
+    trial: Trial, spread: dict[Quantity, float], told: set[Quantity], named: bool
+) -> tuple[tuple[Quantity, float], ...]:
+    """Return believed numbers that the improved rig should hold as fitted, and that are no finding: quantity and its standard error.
+
+    Those that are surely off; and where something was `named`, all that the rig holds, for what was found was fitted with them.
+    """
     found, asked = [], trial.asked
     for quantity, value in trial.fit.values.items():
-        if not quantity.prior or quantity in told or quantity in asked:
+        error = spread.get(quantity, math.inf)
+        if not quantity.prior or quantity in told or quantity in asked or not math.isfinite(error):
             continue
-        error, believed = spread.get(quantity, math.inf), quantity.prior[0]
-        if abs(value - believed) > (SURE_BESIDE if trial.chosen and believed else SURE) * error:
+        believed = quantity.prior[0]
+        beside = named and believed != 0.0 and abs(value - believed) > TOUCHED * abs(believed)
+        if beside or abs(value - believed) > SURE * error:
             found.append((quantity, error))
     return tuple(found)
 

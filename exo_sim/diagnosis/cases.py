@@ -41,6 +41,9 @@ _FAULTS = {
 }
 
 
+_WRONG_SIGN = Estimate(-1.0, "1", -1.0, -1.0)
+
+
 @dataclass
 class Case:
     """Everything that was handed in, sorted.
@@ -233,10 +236,15 @@ def turned_round(cylinder: str) -> Finding:
         f"{cylinder}.valve_command",
         "sensor",
         says,
-        {"factor": Estimate(-1.0, "1", -1.0, -1.0)},
+        {"factor": _WRONG_SIGN},
         100.0,
         0.9,
     )
+
+
+def is_turned_round(finding: Finding) -> bool:
+    """Say whether a finding is of a valve command with the wrong sign."""
+    return finding.where.endswith(".valve_command") and finding.parameters.get("factor") == _WRONG_SIGN
 
 
 def _no_gas(run: CylinderRun, rig: Rig, rate: float) -> str:

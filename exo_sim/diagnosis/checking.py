@@ -22,6 +22,9 @@ UNMET = 8.0
 #: ... and by so many where it is missed by more than any healthy machine's is.
 UNMET_AND_SICK = 4.0
 
+#: A fit that looks healthy is not believed where the check is sick, and the proof by so many times the most that a healthy machine leaves.
+CLEARLY_SICK = 1.25
+
 #: How often a case is examined without what its check did not bear out.
 MOST_DOUBTS = 4
 
@@ -39,7 +42,8 @@ def examined_and_checked(case: Case, threads: Threads, say: Progress) -> Examine
 def unmet(examined: Examined) -> list[Finding]:
     """Return a finding for every balance of which the proof shows something that the rest of the time never met.
 
-    So it is also where a fit looks healthy and both check and proof are missed by more than any healthy machine's balance is.
+    So it is also where the fit of a lone recording looks healthy, and check and proof are missed by more than any healthy machine's
+    balance is.
     """
     found = []
     for one in examined.judged:
@@ -48,7 +52,8 @@ def unmet(examined: Examined) -> list[Finding]:
             continue
         checked = examined.check.missed.get((one.cut, one.where)) if examined.check else None
         surprising = missed.ratio > (UNMET_AND_SICK if missed.sick else UNMET)
-        if not surprising and not (missed.newly_sick and checked is not None and checked.newly_sick):
+        lasting = checked is not None and checked.newly_sick and missed.newly_sick and missed.excess > CLEARLY_SICK
+        if not surprising and not lasting:
             continue
         if has_filled_in(one):
             leave_open(one, examined.case)

@@ -17,7 +17,6 @@ from exo_sim.diagnosis.result import Diagnosis, Finding, Located, Rejected
 from exo_sim.diagnosis.rewriting import improved_text
 from exo_sim.diagnosis.threads import Threads
 from exo_sim.diagnosis.verdict import located, next_experiment, open_questions, unexplained, verdict_of
-from exo_sim.rig import parse
 
 
 def diagnose(
@@ -56,7 +55,7 @@ def diagnose(
     say("writing the rig anew")
     text = improved_text(case, judged, nameless, folder or rig.parent)
     say("running it")
-    improved = parse(improved_text(case, judged, nameless, rig.parent), rig)
+    runs = free_runs(case, improved_text(case, judged, nameless, rig.parent), examined.parts.spans)
     return Diagnosis(
         verdict=verdict_of(findings, judged, case),
         recordings=tuple(table.name for table in case.recordings),
@@ -65,7 +64,7 @@ def diagnose(
         effects=tuple(findings),
         rejected=_rejections(judged, findings, examined.doubted),
         signals=proof.signals,
-        free_run=free_runs(case, improved, examined.parts.spans),
+        free_run=runs,
         held_out=proof.held_out,
         held_out_recordings=proof.held_out_recordings,
         unexplained=unexplained(judged, nameless),

@@ -84,7 +84,7 @@ def examine(gathered: Case, parts: Split, doubted: Doubts, threads: Threads, say
     judged = _cut(case, parts, doubted, None, threads, say)
     felt = _felt(judged)
     if felt or any(not one.empty and one.found.halted for one in judged):
-        say("judging the gas once more, with the friction of its piston")
+        say("judging the gas once more, knowing what its forces say")
         case = gathered.copy()
         judged = _cut(case, parts, doubted, felt, threads, say)
     nameless = unknown_findings(_nameable(judged, case))
@@ -228,8 +228,8 @@ def _motion(case: Case, parts: Split, doubted: Doubts, threads: Threads, say: Pr
             if plainly or named & set(motion_library.LIKE_LESS_DAMPING):
                 other = sought(problem, freed)
                 anew = other.run()
-                fewer = anew.end.numbers < outcome.end.numbers
-                if other.sets.loses(anew.end, outcome.end) < (AS_GOOD if fewer else -PLAINLY_LESS):
+                more = anew.end.numbers - outcome.end.numbers
+                if more <= 0 and other.sets.loses(anew.end, outcome.end) < (AS_GOOD if more < 0 else -PLAINLY_LESS):
                     search, outcome = other, anew
         found.append(judge("motion", where, problem, search.sets, outcome, partial(pattern_left, problem)))
     return found

@@ -3,10 +3,13 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Sequence
+from dataclasses import replace
 
 import numpy as np
+from numpy.typing import NDArray
 
-from exo_sim.diagnosis.cases import Case
+from exo_sim.diagnosis.cases import Case, is_turned_round
 from exo_sim.diagnosis.replay import free_run, usable
 from exo_sim.diagnosis.result import SignalFit
 from exo_sim.diagnosis.split import Spans, Split
@@ -14,33 +17,44 @@ from exo_sim.errors import ExoSimError
 from exo_sim.machine.load import load
 from exo_sim.recording import noise
 from exo_sim.recording.table import Recording
-from exo_sim.rig import Rig
+from exo_sim.rig import Rig, parse
+
+Array = NDArray[np.float64]
 
 #: No recordings that are longer than this together are simulated once more [s]: `compare` does it where it is asked to.
 LONGEST = 600.0
 
 
-def free_runs(case: Case, improved: Rig, spans: Spans) -> dict[str, SignalFit]:
-    """Return, by column, the errors on the time kept back of one run that never meets a measured state again.
+def free_runs(case: Case, improved: str, spans: Spans) -> dict[str, SignalFit]:
+    """Return, by column, the errors on the time kept back of one run that is not set right by any measurement on its way.
 
-    Where the motion was led from outside by forces that nobody measured it is imposed in both runs, and only pressures are predicted.
-    Empty where nothing can be predicted, or the recordings are long.
+    Where the clock jumps it begins anew. Where the motion was led from outside by forces that nobody measured it is imposed in both
+    runs, and only pressures are predicted. A valve command with the wrong sign is turned round, for a rig cannot say that. Empty where
+    something would have to be assumed, or the recordings are long.
 
     Args:
         case: The recordings, and the rig as believed.
-        improved: The rig with what was found.
+        improved: Text of the rig with what was found, as it would stand beside the rig.
         spans: The time kept back, by recording.
     """
-    kept = [table for table in case.as_read if table.name in spans]
+    kept = [_judged_part(table, case) for table in case.as_read if table.name in spans]
     if sum(table.duration for table in kept) > LONGEST:
         return {}
     total: dict[str, _Sums] = {}
     for table in kept:
         try:
-            _add(total, table, case.rig, improved, spans)
+            _add(total, table, case.rig, parse(improved, case.rig.path), spans)
         except ExoSimError:  # nothing that can be predicted: what is missing has been said already
             continue
     return {key: sums.result() for key, sums in total.items() if sums.count}
+
+
+def _judged_part(table: Recording, case: Case) -> Recording:
+    """Return a recording from where its gas is judged, its valve commands with the sign that they were found to have."""
+    begun = [run.time[0] for runs in case.cylinders.values() for run in runs if run.recording == table.name]
+    table = table.span(max(begun, default=-math.inf), math.inf)
+    wrong = {finding.where for finding in case.sensors if is_turned_round(finding)}
+    return replace(table, columns={key: -values if key in wrong else values for key, values in table.columns.items()})
 
 
 class _Sums:
@@ -48,6 +62,12 @@ class _Sums:
 
     def __init__(self, unit: str) -> None:
         self.unit, self.count, self.squares, self.noise = unit, 0, np.zeros(2), 0.0
+
+    def add(self, recorded: Array, runs: Sequence[Array]) -> None:
+        """Count errors of shape (n,) before and after; what a lost simulation leaves is not finite, and so is the sum then."""
+        with np.errstate(over="ignore", invalid="ignore"):
+            self.squares += [float(np.sum((run - recorded) ** 2)) for run in runs]
+        self.count += len(recorded)
 
     def result(self) -> SignalFit:
         before, after = np.sqrt(np.where(np.isfinite(self.squares), self.squares, math.nan) / self.count)
@@ -57,22 +77,17 @@ class _Sums:
 def _add(total: dict[str, _Sums], table: Recording, believed: Rig, improved: Rig, spans: Spans) -> None:
     model = load(improved)
     recorded, _ = usable(table, improved, model)
-    after, led = free_run(recorded, improved, model)
+    after = free_run(recorded, improved, model)
+    if after is None:
+        return
     plain = load(believed)
-    before, _ = free_run(usable(table, believed, plain)[0], believed, plain, motion="recorded" if led else "predicted")
-    mask = Split(spans).held_out(table.name, table.time)
-    for key in after.columns:
+    before = free_run(usable(table, believed, plain)[0], believed, plain, motion="recorded" if after.led else "predicted")
+    if before is None:
+        return
+    mask = Split(spans).held_out(table.name, table.time) & after.simulated
+    for key in (key for key in after.predicted.columns if key in before.predicted):
         there = mask & np.isfinite(recorded[key])
-        if key not in before.columns or not there.any():
-            continue
-        sums = total.setdefault(key, _Sums(table.units[key]))
-        errors = [_squares(run, recorded, key, there) for run in (before, after)]
-        sums.squares += errors
-        sums.count += int(np.count_nonzero(there))
-        sums.noise = max(sums.noise, noise.floor(recorded[key], recorded.time).std)
-
-
-def _squares(run: Recording, recorded: Recording, key: str, there: np.ndarray) -> float:
-    """Return the sum of squared errors; not finite where the simulation was lost."""
-    with np.errstate(over="ignore", invalid="ignore"):
-        return float(np.sum((run[key][there] - recorded[key][there]) ** 2))
+        if there.any():
+            sums = total.setdefault(key, _Sums(table.units[key]))
+            sums.add(recorded[key][there], [run.predicted[key][there] for run in (before, after)])
+            sums.noise = max(sums.noise, noise.floor(recorded[key], recorded.time).std)

@@ -57,7 +57,7 @@ class Judged:
         trial: The model that is believed in the end.
         nameless: True where something is missing that has no name.
         findings, calibrations, rejected: For the report.
-        refitted: Believed numbers that a fit tells from what was believed, though no more than a data sheet allows.
+        refitted: Believed numbers that a fit moved, though by no more than a data sheet allows, as far as the improved rig should say so.
         unclosed: True where what is left cannot be told from what an unmeasured chamber may do.
     """
 
@@ -98,6 +98,8 @@ def judge(
     end = found.end
     if end.fit.residual.size == 0:
         return Judged(cut, where, problem, sets, found, (), end, False, [], [], [])
+    if found.halted:  # what was found so far is what the other cuts go on with; it is judged when everything has been sought
+        return Judged(cut, where, problem, sets, found, end.chosen, end, False, [], [], [])
     named = tuple(c for c in end.chosen if not _is_nozzle(c, end))
     nameless = _is_nameless(cut, found.start, end, named, sets, pattern)
     asked = named
@@ -134,11 +136,12 @@ def judge(
     findings = [_with_parts(_finding(c, trial, spread, found), found.whole.get(c.key), sets) for c in named]
     findings = _with_twin(findings, cut, _is_offset_bent(trial))
     seen = set()
-    unique = [r for r in rejected if (r.name, r.where) not in {(f.name, f.where) for f in findings}]
+    standing_beside = {(name, f.where) for f in findings for name in (f.name, *f.ambiguous_with)}
+    unique = [r for r in rejected if (r.name, r.where) not in standing_beside]
     unique = [r for r in unique if not ((r.name, r.where) in seen or seen.add((r.name, r.where)))]  # type: ignore[func-returns-value]
     spread = {quantity: error for quantity, error in spread.items() if not unseen(problem, quantity)}
     calibrations = [] if nameless else calibrated(trial, spread)
-    refitted = () if nameless else refitted_besides(trial, spread, {quantity for quantity, _, _ in calibrations})
+    refitted = () if nameless else refitted_besides(trial, spread, {quantity for quantity, _, _ in calibrations}, bool(named))
     return Judged(
         cut, where, problem, sets, found, named, trial, nameless, findings, calibrations, unique, refitted=refitted
     )

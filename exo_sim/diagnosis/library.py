@@ -173,9 +173,9 @@ def _within_reach(effect: Effect, form: tuple[str, ...], setting: Setting, runs:
 
 def _measured_away(effect: Effect, runs: Sequence[CylinderRun]) -> bool:
     """Say whether a measured supply or exhaust already holds what the effect would explain."""
-    if effect.name in ("supply_droop", "supply_regulator"):
+    if effect.places[0] == "supply":
         return all(run.supply is not None for run in runs)
-    return effect.name == "exhaust_back_pressure" and all(run.exhaust is not None for run in runs)
+    return effect.places[0] == "exhaust" and all(run.exhaust is not None for run in runs)
 
 
 def _place(effect: Effect, cylinder: str) -> tuple[str, str]:

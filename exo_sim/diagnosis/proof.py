@@ -41,12 +41,14 @@ class Missed:
         log10_odds: That it is more than noise.
         sick: Whether it is more than any healthy machine's.
         newly_sick: Whether it is, and that of the fit is not.
+        excess: The error in units of the largest that a healthy machine leaves.
     """
 
     ratio: float
     log10_odds: float
     sick: bool
     newly_sick: bool = False
+    excess: float = 0.0
 
 
 @dataclass
@@ -230,7 +232,7 @@ def _drops(
     fitted = normalised(one.trial.fit.residual)
     alike = max(correlation_time(residual, kept.blocks), 1.0)
     odds = 0.5 * kept.size / alike * math.log10(max(whole, 1.0) ** 2)
-    missed = Missed(finite(whole / max(fitted, 1.0)), odds, whole > kept.sick, whole > kept.sick > fitted)
+    missed = Missed(finite(whole / max(fitted, 1.0)), odds, whole > kept.sick, whole > kept.sick > fitted, finite(whole / kept.sick))
     proof.missed[one.cut, one.where] = missed
     proof.surprise = max(proof.surprise, missed.ratio)
     told = {(finding.name, finding.where) for finding in one.findings}

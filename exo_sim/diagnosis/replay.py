@@ -16,6 +16,7 @@ from exo_sim.errors import RecordingError, nearest
 from exo_sim.machine.linkage import moment_row
 from exo_sim.machine.load import load
 from exo_sim.physics import state
+from exo_sim.physics.effects.declaration import declared
 from exo_sim.recording import health
 from exo_sim.recording.table import Recording
 from exo_sim.rig import Rig
@@ -125,14 +126,39 @@ def replay(
     return Replay(shown[0], shown[1], led, tuple(remarks))
 
 
-def free_run(recording: Recording, rig: Rig, model: mujoco.MjModel, *, motion: str = "auto") -> tuple[Recording, bool]:
-    """Simulate what was recorded in one run from the first measured state; return it, and whether the motion was led.
+@dataclass(frozen=True)
+class FreeRun:
+    """One run from the first measured state.
 
-    Args, raises: as `replay`.
+    Attributes:
+        predicted: As `Replay.free_run`.
+        simulated: Which samples it holds; not those of stretches between two jumps of the clock that are too short, shape (n,).
+        led: Whether motion was imposed as recorded.
+    """
+
+    predicted: Recording
+    simulated: NDArray[np.bool_]
+    led: bool
+
+
+def free_run(recording: Recording, rig: Rig, model: mujoco.MjModel, *, motion: str = "auto") -> FreeRun | None:
+    """Simulate what was recorded in one run; None where something that it hangs on was not recorded and would have to be assumed.
+
+    Args:
+        recording, rig, model, motion: As for `replay`.
+
+    Raises:
+        RecordingError, ModelError: as `replay`.
     """
     simulation, led, wanted = _ready(recording, rig, model, motion)
+    begun = [f"{c.name}.pressure_{side}" for c in rig.cylinders.values() for side in ((1,) if c.single_acting else (1, 2))]
+    if simulation.assumed() or any(key not in recording for key in begun):
+        return None
     values = simulation.run(math.inf, bool(led), lambda share: None)
-    return _shown(recording, rig, {key: values[key] for key in wanted}), bool(led)
+    simulated = np.zeros(len(recording.time), dtype=bool)
+    for piece in simulation.pieces:
+        simulated[piece.first : piece.last] = True
+    return FreeRun(_shown(recording, rig, {key: values[key] for key in wanted}), simulated, bool(led))
 
 
 def _ready(
@@ -300,6 +326,9 @@ class _Simulation:
         data.qvel[feed.dof_at] = feed.velocity[0]
         gas.world["supply_pressure"], gas.world["supply_temperature"] = feed.supply[0], feed.supply_temperature[0]
         gas.world["exhaust_pressure"] = feed.exhaust[0]
+        for effect in declared().values():  # a measured supply or exhaust holds already what they do to it
+            if effect.places[0] in ("supply", "exhaust") and f"{effect.places[0]}.pressure" in self.recording:
+                gas.world[effect.name] = np.zeros(1, gas.world[effect.name].dtype)
         first = np.where(np.isfinite(feed.pressure[0]), feed.pressure[0], self.rig.environment.pressure)
         plugin.reset(data, first[:, 0].copy(), first[:, 1].copy())
         plugin.command[:] = feed.command[0]

@@ -326,7 +326,9 @@ class Search:
             forms = [c for c in self.library if (c.effect, c.where) == (candidate.effect, candidate.where)]
             fullest = max(forms, key=lambda form: len(form.quantities), default=candidate)
             if len(fullest.quantities) > len(candidate.quantities):
-                found.whole[candidate.key] = self.sets.try_set((*end.others(candidate), fullest), end)
+                whole = self.sets.polished(self.sets.try_set((*end.others(candidate), fullest), end, again=True))
+                if self.sets.loses(whole, end) <= 0.0:
+                    found.whole[candidate.key] = whole
         promised = {one.key: score for score, one in self.screen(end)}
         for one in self._finalists(self.screen(end), 3):
             if promises(promised[one.key], end.fit, self.material):

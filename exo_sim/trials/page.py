@@ -71,7 +71,7 @@ def named_from(figures: Mapping[str, Any]) -> str:
     """Return the size from which nine of ten are named, as people read it."""
     detection = figures["detection"]
     if len(detection["curve"]) < 2:
-        return "one size only"
+        return "one size only" if detection["curve"] else "-"
     nine = detection["size_named_in_nine_of_ten"]
     return "not reached" if nine is None else f"{nine:.2g}"
 

@@ -8,7 +8,9 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from exo_sim.diagnosis.calibrations import MODEL_SHARE, calibration_findings, unseen
+from exo_sim.diagnosis.calibrations import MODEL_SHARE, SURE, calibration_findings, refitted_besides, unseen
+from exo_sim.diagnosis.fitted_set import Trial
+from exo_sim.diagnosis.fitting import Fit
 from exo_sim.diagnosis.gas_problem import GasProblem
 from exo_sim.diagnosis.quantity import Quantity
 
@@ -65,6 +67,25 @@ def test_two_that_agree_are_surer_than_one(factor: float, error: float) -> None:
         assert interval.value == pytest.approx(factor)
         assert (interval.high - interval.low) == pytest.approx(2.0 * 1.959964 * max(spread, MODEL_SHARE), rel=1e-5)
     assert both.log10_odds == pytest.approx(2.0 * alone.log10_odds)
+
+
+def test_beside_what_was_found_all_that_the_rig_holds_is_written_as_fitted() -> None:
+    """Area and dead volumes were fitted together; a zero that the rig does not hold must be surely off, and so must all where nothing
+    was found.
+    """
+    zero = Quantity("sensor_zero", "piston.pressure_1", "pressure_1.bias", "Pa", "sensor", 500.0, -1e5, 1e5, (0.0, 500.0))
+    untouched = number("payload_mass", "slide", "payload_mass")
+    values = {number("flow_capacity", "piston", "valve_area"): 1.012, volume(1): 0.992, volume(2): 1.2, zero: 400.0, untouched: 1.0005}
+    trial = Trial((), Fit((), values, np.zeros(0), np.zeros((0, 0))))
+    spread = {q: 0.01 for q in values} | {zero: 0.9 * 400.0 / SURE * 1.2, volume(2): float("inf")}
+
+    def written(named: bool) -> list[str]:
+        return [q.parameter for q, _ in refitted_besides(trial, spread, set(), named)]
+
+    assert written(named=True) == ["valve_area", "dead_volume_1"]
+    assert written(named=False) == []
+    spread |= {zero: 400.0 / SURE * 0.9, volume(1): 0.008 / SURE * 0.9}
+    assert written(named=False) == ["dead_volume_1", "pressure_1.bias"]
 
 
 def test_cylinders_and_kinds_stay_apart() -> None:

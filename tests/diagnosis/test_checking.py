@@ -95,13 +95,14 @@ def test_what_only_the_proof_shows_is_said(ratio: float, sick: bool, nameless: b
 
 @pytest.mark.parametrize(("check", "last", "count"), [(True, True, 1), (False, True, 0), (True, False, 0)])
 def test_a_fit_that_looks_healthy_does_not_hold_where_check_and_proof_are_sick(check: bool, last: bool, count: int) -> None:
-    def missed(sick: bool) -> Proof:
-        return proof({}, missed={("gas", "piston"): Missed(1.4, 13.0, sick, sick)})
+    def missed(sick: bool, excess: float = 1.3) -> Proof:
+        return proof({}, missed={("gas", "piston"): Missed(1.4, 13.0, sick, sick, excess)})
 
     found = checking.unmet(examined(judged(), missed(check), last=missed(last)))
     assert [finding.kind for finding in found] == ["unknown"] * count
     assert all("by more than any healthy machine" in finding.says for finding in found)
     assert checking.unmet(examined(judged(), None, last=missed(True))) == []
+    assert checking.unmet(examined(judged(), missed(True), last=missed(True, 1.05))) == []
 
 
 def test_what_an_unmeasured_chamber_may_do_is_left_open() -> None:

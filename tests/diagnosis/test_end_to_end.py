@@ -183,6 +183,7 @@ def test_a_tank_that_keeps_its_temperature_is_a_regulator_without_hysteresis(tmp
     found = diagnose([tmp_path / "recording.parquet"], tmp_path / "rig.toml", folder=tmp_path)
     (named,) = [finding for finding in found.effects if finding.kind != "calibration"]
     assert (named.name, named.ambiguous_with) == ("supply_regulator", ("supply_droop",))
+    assert "supply_droop" not in {one.name for one in found.rejected}
 
 
 @pytest.mark.slow

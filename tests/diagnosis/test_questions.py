@@ -10,6 +10,7 @@ import pytest
 
 from exo_sim.diagnosis import library
 from exo_sim.diagnosis.fitting import Fit
+from exo_sim.diagnosis.judging import judge
 from exo_sim.diagnosis.quantity import Candidate, Quantity, Setting
 from exo_sim.diagnosis.search import Search, Trial
 from exo_sim.diagnosis.threads import Threads
@@ -174,6 +175,17 @@ def test_a_search_ends_where_it_is_asked_to_unless_everything_is_explained(sizes
     library = (BASE, ON_TOP, OTHER)
     found = Search(Waves(**sizes), (), library, until=lambda one: any(c.effect == "base" for c in one.chosen)).run()
     assert found.halted is halted and {c.effect for c in found.end.chosen} == names
+
+
+def test_what_a_halted_search_found_is_what_the_other_cuts_go_on_with() -> None:
+    """However much it leaves unexplained: it is judged when everything has been sought."""
+    problem = Waves(slow=9.0, quick=4.0)
+    problem.sick = 1e-3
+    one = Search(problem, (), (BASE, ON_TOP, OTHER), until=lambda trial: True)
+    found = one.run()
+    assert found.halted
+    judged = judge("gas", "piston", one.sets.problem, one.sets, found, lambda trial: 1.0)  # type: ignore[arg-type]
+    assert (judged.named, judged.trial, judged.nameless, judged.findings) == (found.end.chosen, found.end, False, [])
 
 
 class Weight(Waves):

@@ -32,7 +32,7 @@ LARGER_PART = 0.7
 #: Without any finding a residual variance beyond this is no healthy machine's.
 SICK = 5.0
 #: ... and an error that is left of so many times what is no healthy machine's bears no name, whatever share was explained.
-HOPELESS = 3.0
+HOPELESS = 2.0
 #: Odds (log10) beyond which a finding stands however vague its number.
 PLAIN_ODDS = 30.0
 #: A believed number that had to move by more than this many of its own spreads speaks for something missing.

@@ -93,7 +93,7 @@ def figures(
 
 
 def _cell(marks: Sequence[Mark]) -> dict[str, Any]:
-    if marks and not marks[0].hidden:
+    if marks and not any(mark.hidden for mark in marks):
         return {"right": share(not m.named for m in marks), "false_alarms": share(m.false_alarm for m in marks)}
     return {
         "exact_set": share(mark.exact for mark in marks),

@@ -260,6 +260,16 @@ def test_viscous_friction_and_a_damper_that_was_believed_wrong_are_one_number():
     assert judge(truth(cell="nothing"), verdict(finding("viscous_friction"))).named
 
 
+@pytest.mark.parametrize("first", ["clean", "hidden"])
+def test_a_cell_that_holds_clean_machines_too_is_counted_by_its_names_whichever_comes_first(first):
+    clean = judge(truth(cell="leg"), verdict(kind="consistent"))
+    hit = judge(truth("piston_leakage", cell="leg"), verdict(finding("piston_leakage")))
+    miss = judge(truth("valve_lag", cell="leg"), verdict(finding("piston_leakage")))
+    cell = figures([clean, hit, miss] if first == "clean" else [hit, miss, clean])["cells"]["leg"]
+    assert (cell["exact_set"]["hits"], cell["exact_set"]["of"]) == (2, 3)
+    assert set(figures([clean])["cells"]["leg"]) == {"right", "false_alarms"}
+
+
 def test_no_answer_is_no_hit_and_cannot_tell_counts_only_where_likelihood_agrees():
     assert not judge(truth(cell="nothing"), None).exact
     assert judge(truth("backlash", distance=1.0), verdict(kind="undetermined")).undetermined_right

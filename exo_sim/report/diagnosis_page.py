@@ -28,7 +28,7 @@ def page(diagnosis: Diagnosis, rig_text: str, rig_name: str = "rig.toml") -> str
     import jinja2
 
     environment = jinja2.Environment(autoescape=True, trim_blocks=True, lstrip_blocks=True, undefined=jinja2.StrictUndefined)
-    environment.filters.update(share=amounts.share, name_of=diagnosis_words.name_of)
+    environment.filters.update(share=amounts.share, name_of=diagnosis_words.name_of, joined=diagnosis_words.joined)
     template = environment.from_string((_HERE / "diagnosis.html").read_text(encoding="utf-8"))
     pictures = diagnosis_picture.drawn(diagnosis)
     return template.render(

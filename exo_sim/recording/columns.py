@@ -59,10 +59,9 @@ def signal_of(name: str) -> signals.Signal:
     """
     part, _, signal_name = name.rpartition(".")
     if not part or not signal_name:
-        known = [signal.name for signal in signals.TABLE if signal.measured]
+        known = sorted({signal.name for signal in signals.TABLE if signal.measured})
         raise RecordingError(
-            f'column "{name}" is not of the form "<part>.<signal> [<unit>]"{nearest(name, known)} '
-            "Name it so, or hand in a column map"
+            f'column "{name}" is not of the form "<part>.<signal> [<unit>]": name it so, or hand in a column map{nearest(name, known)}'
         )
     if part in signals.SHARED_PARTS:
         known = list(signals.names(part))

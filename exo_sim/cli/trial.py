@@ -11,6 +11,7 @@ from exo_sim.cli.frame import group, verb
 from exo_sim.errors import TrialError
 
 command = group("Draw truths and seal them, diagnose them blind, open the seals and count.", "trial")
+_CASES = 40
 _FOLDER = click.argument("folder", type=click.Path(path_type=Path, file_okay=False))
 _JOBS = click.option(
     "--jobs", type=click.IntRange(-1), default=-1, show_default=True, help="Cases at a time; -1: all cores."
@@ -23,7 +24,7 @@ _JOBS = click.option(
     out="Folder of the trial.",
     seed=True,
 )
-@click.option("--cases", type=click.IntRange(1), default=None, help="How many cases, drawn by chance.  [default: 40]")
+@click.option("--cases", type=click.IntRange(1), default=None, help=f"How many cases, drawn by chance.  [default: {_CASES}]")
 @click.option("--every", type=click.IntRange(1), default=None, metavar="DRAWS",
               help="Instead: every effect at ten detection limits, so many times each; on a bench, on a bench whose believed "
               "numbers hide it, and on a walking leg.")
@@ -40,7 +41,7 @@ def make(cases: int | None, every: int | None, duration: float, key: Path | None
 
     if cases is not None and every is not None:
         raise TrialError("--cases and --every exclude each other: cases are drawn by chance, or every effect is")
-    plans = cells.draw_plans(cases or 40, seed) if every is None else cells.every_plan(every, seed)
+    plans = cells.draw_plans(cases or _CASES, seed) if every is None else cells.every_plan(every, seed)
     folder = out or Path("trial")
     key = key or folder.with_name(folder.name + ".key")
     manifest = protocol.make(folder, plans, key, duration, jobs, quiet=quiet)

@@ -51,8 +51,8 @@ def unmet(examined: Examined) -> list[Finding]:
         if missed is None:
             continue
         checked = examined.check.missed.get((one.cut, one.where)) if examined.check else None
-        surprising = missed.ratio > (UNMET_AND_SICK if missed.sick else UNMET)
-        lasting = checked is not None and checked.newly_sick and missed.newly_sick and missed.excess > CLEARLY_SICK
+        surprising = missed.ratio > (UNMET_AND_SICK if missed.is_sick() else UNMET)
+        lasting = checked is not None and checked.is_newly_sick() and missed.is_newly_sick(CLEARLY_SICK)
         if not surprising and not lasting:
             continue
         if has_filled_in(one):

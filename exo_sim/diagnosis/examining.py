@@ -13,7 +13,7 @@ from exo_sim.diagnosis import library, motion_library, supply_cut
 from exo_sim.diagnosis.cases import Case, put_right, turned_round
 from exo_sim.diagnosis.chamber_pressure import carried_over
 from exo_sim.diagnosis.filled_in import begun_by_forces, filled_in
-from exo_sim.diagnosis.fitted_set import Trial
+from exo_sim.diagnosis.fitted_set import Found, Trial
 from exo_sim.diagnosis.fitting import FEWEST_ROWS
 from exo_sim.diagnosis.gas_problem import GasProblem
 from exo_sim.diagnosis.judging import AS_GOOD, Judged, judge
@@ -218,21 +218,26 @@ def _motion(case: Case, parts: Split, doubted: Doubts, threads: Threads, say: Pr
         sought = partial(Search, library=asked, threads=threads, progress=_told(say, joint), cheap=True, material=problem.material)
         search = sought(problem, nuisances)
         outcome = search.run()
-        freed = motion_library.damping_freed(problem, nuisances) if outcome.end.chosen else ()
-        if freed:
-            named = {one.effect for one in outcome.end.chosen}
-            less = SetFits(problem, freed, threads, cheap=True)
-            plainly = motion_library.LIKE_DAMPING not in named and (
-                less.loses(less.try_set(outcome.end.chosen, outcome.end), outcome.end) < -PLAINLY_LESS
-            )
-            if plainly or named & set(motion_library.LIKE_LESS_DAMPING):
-                other = sought(problem, freed)
-                anew = other.run()
-                more = anew.end.numbers - outcome.end.numbers
-                if more <= 0 and other.sets.loses(anew.end, outcome.end) < (AS_GOOD if more < 0 else -PLAINLY_LESS):
-                    search, outcome = other, anew
+        freed = motion_library.damping_freed(problem, nuisances)
+        if freed and _may_be_damping(outcome, SetFits(problem, freed, threads, cheap=True)):
+            other = sought(problem, freed)
+            anew = other.run()
+            more = anew.end.numbers - outcome.end.numbers
+            if more <= 0 and other.sets.loses(anew.end, outcome.end) < (AS_GOOD if more < 0 else -PLAINLY_LESS):
+                search, outcome = other, anew
         found.append(judge("motion", where, problem, search.sets, outcome, partial(pattern_left, problem)))
     return found
+
+
+def _may_be_damping(outcome: Found, freed: SetFits) -> bool:
+    """Say whether less damping than believed may stand behind what was found: it looks like that, or less of it gains plainly."""
+    chosen = outcome.end.chosen
+    named = {one.effect for one in chosen}
+    if named & set(motion_library.LIKE_LESS_DAMPING):
+        return True
+    if not chosen or motion_library.LIKE_DAMPING in named:
+        return False
+    return freed.loses(freed.try_set(chosen, outcome.end), outcome.end) < -PLAINLY_LESS
 
 
 def has_filled_in(one: Judged) -> bool:

@@ -4,13 +4,14 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
+from contextlib import suppress
 from dataclasses import replace
 
 import numpy as np
 from numpy.typing import NDArray
 
 from exo_sim.diagnosis.cases import Case, is_turned_round
-from exo_sim.diagnosis.replay import free_run, usable
+from exo_sim.diagnosis.replay import FreeRun, free_run, usable
 from exo_sim.diagnosis.result import SignalFit
 from exo_sim.diagnosis.split import Spans, Split
 from exo_sim.errors import ExoSimError
@@ -41,12 +42,19 @@ def free_runs(case: Case, improved: str, spans: Spans) -> dict[str, SignalFit]:
     if sum(table.duration for table in kept) > LONGEST:
         return {}
     total: dict[str, _Sums] = {}
-    for table in kept:
-        try:
-            _add(total, table, case.rig, parse(improved, case.rig.path), spans)
-        except ExoSimError:  # nothing that can be predicted: what is missing has been said already
-            continue
+    with suppress(ExoSimError):  # nothing that can be predicted: what is missing has been said already
+        believed, found = _Machine(case.rig), _Machine(parse(improved, case.rig.path))
+        for table in kept:
+            with suppress(ExoSimError):
+                _add(total, table, believed, found, Split(spans).held_out(table.name, table.time))
     return {key: sums.result() for key, sums in total.items() if sums.count}
+
+
+class _Machine:
+    """A rig with its model."""
+
+    def __init__(self, rig: Rig) -> None:
+        self.rig, self.model = rig, load(rig)
 
 
 def _judged_part(table: Recording, case: Case) -> Recording:
@@ -74,20 +82,23 @@ class _Sums:
         return SignalFit(self.unit, float(before), float(after), self.noise)
 
 
-def _add(total: dict[str, _Sums], table: Recording, believed: Rig, improved: Rig, spans: Spans) -> None:
-    model = load(improved)
-    recorded, _ = usable(table, improved, model)
-    after = free_run(recorded, improved, model)
+def _add(total: dict[str, _Sums], table: Recording, believed: _Machine, improved: _Machine, mask: NDArray[np.bool_]) -> None:
+    recorded, after = _run(table, improved, "auto")
     if after is None:
         return
-    plain = load(believed)
-    before = free_run(usable(table, believed, plain)[0], believed, plain, motion="recorded" if after.led else "predicted")
+    _, before = _run(table, believed, "recorded" if after.led else "predicted")
     if before is None:
         return
-    mask = Split(spans).held_out(table.name, table.time) & after.simulated
+    mask = mask & after.simulated
     for key in (key for key in after.predicted.columns if key in before.predicted):
         there = mask & np.isfinite(recorded[key])
         if there.any():
             sums = total.setdefault(key, _Sums(table.units[key]))
             sums.add(recorded[key][there], [run.predicted[key][there] for run in (before, after)])
             sums.noise = max(sums.noise, noise.floor(recorded[key], recorded.time).std)
+
+
+def _run(table: Recording, machine: _Machine, motion: str) -> tuple[Recording, FreeRun | None]:
+    """Return what a rig lets one believe of a recording, and its run."""
+    recorded, _ = usable(table, machine.rig, machine.model)
+    return recorded, free_run(recorded, machine.rig, machine.model, motion=motion)

@@ -4,10 +4,11 @@ from __future__ import annotations
 
 import itertools
 import math
-from collections.abc import Sequence
+from collections.abc import Collection, Sequence
 from dataclasses import replace
 
 import numpy as np
+from numpy.typing import NDArray
 
 from exo_sim.diagnosis.observed import CylinderRun
 from exo_sim.diagnosis.quantity import SPREADS, Candidate, Quantity, Setting
@@ -113,10 +114,20 @@ def known_effects(setting: Setting, cylinder: str) -> tuple[Quantity, ...]:
 def without_what_was_measured(setting: Setting, runs: Sequence[CylinderRun]) -> Setting:
     """Return a setting whose supply and exhaust are what was measured there, whatever the rig knows of how they come about."""
     measured = setting.copy()
-    for effect in declared().values():
-        if _measured_away(effect, runs):
-            measured.world[effect.name] = np.zeros(1, measured.world[effect.name].dtype)
+    switch_off(measured.world, _measured(runs))
     return measured
+
+
+def switch_off(world: NDArray[np.void], places: Collection[str]) -> None:
+    """Switch off what acts at these shared parts, in the place: where its pressure was measured, that holds already what they do.
+
+    Args:
+        world: Record WORLD, shape (1,).
+        places: Of "supply" and "exhaust".
+    """
+    for effect in declared().values():
+        if effect.places[0] in places:
+            world[effect.name] = np.zeros(1, world[effect.name].dtype)
 
 
 def candidates(setting: Setting, runs: list[CylinderRun], cylinder: str, joint: str) -> tuple[Candidate, ...]:
@@ -124,9 +135,10 @@ def candidates(setting: Setting, runs: list[CylinderRun], cylinder: str, joint: 
     valve = float(setting.cylinder["valve_area"][0]) > 0.0
     commanded = valve and any(run.commanded for run in runs)
     moves = any(run.length is not None and float(run.length.max() - run.length.min()) > 1e-4 for run in runs)
+    measured = _measured(runs)
     found: list[Candidate] = []
     for effect in declared().values():
-        if effect.cut != "gas" or _measured_away(effect, runs):
+        if effect.cut != "gas" or effect.places[0] in measured:
             continue
         if "valve_command" in effect.needs and not commanded:
             continue
@@ -171,11 +183,9 @@ def _within_reach(effect: Effect, form: tuple[str, ...], setting: Setting, runs:
     )
 
 
-def _measured_away(effect: Effect, runs: Sequence[CylinderRun]) -> bool:
-    """Say whether a measured supply or exhaust already holds what the effect would explain."""
-    if effect.places[0] == "supply":
-        return all(run.supply is not None for run in runs)
-    return effect.places[0] == "exhaust" and all(run.exhaust is not None for run in runs)
+def _measured(runs: Sequence[CylinderRun]) -> set[str]:
+    """Return the shared parts whose pressure every run holds."""
+    return {place for place in ("supply", "exhaust") if all(getattr(run, place) is not None for run in runs)}
 
 
 def _place(effect: Effect, cylinder: str) -> tuple[str, str]:

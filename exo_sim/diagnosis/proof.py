@@ -37,18 +37,29 @@ class Missed:
     """By how much one balance is missed on held-out time.
 
     Attributes:
-        ratio: Error in units of what the fit leaves, or of the noise.
+        error: Of the balance, in units of the noise.
+        fitted: What the fit leaves of it, in the same units.
+        most: The largest that a healthy machine's is.
         log10_odds: That it is more than noise.
-        sick: Whether it is more than any healthy machine's.
-        newly_sick: Whether it is, and that of the fit is not.
-        excess: The error in units of the largest that a healthy machine leaves.
     """
 
-    ratio: float
+    error: float
+    fitted: float
+    most: float
     log10_odds: float
-    sick: bool
-    newly_sick: bool = False
-    excess: float = 0.0
+
+    @property
+    def ratio(self) -> float:
+        """The error in units of what the fit leaves, or of the noise; 0 where it is no number."""
+        return finite(self.error / max(self.fitted, 1.0))
+
+    def is_sick(self, times: float = 1.0) -> bool:
+        """Say whether the error is more than so many times any healthy machine's."""
+        return self.error > times * self.most
+
+    def is_newly_sick(self, times: float = 1.0) -> bool:
+        """Say whether it is, and that of the fit is not."""
+        return self.is_sick(times) and self.fitted < self.most
 
 
 @dataclass
@@ -229,10 +240,9 @@ def _drops(
         return
     residual = _residual(kept, found)
     whole = normalised(residual)
-    fitted = normalised(one.trial.fit.residual)
     alike = max(correlation_time(residual, kept.blocks), 1.0)
     odds = 0.5 * kept.size / alike * math.log10(max(whole, 1.0) ** 2)
-    missed = Missed(finite(whole / max(fitted, 1.0)), odds, whole > kept.sick, whole > kept.sick > fitted, finite(whole / kept.sick))
+    missed = Missed(whole, normalised(one.trial.fit.residual), kept.sick, odds)
     proof.missed[one.cut, one.where] = missed
     proof.surprise = max(proof.surprise, missed.ratio)
     told = {(finding.name, finding.where) for finding in one.findings}

@@ -11,12 +11,12 @@ import numpy as np
 from numpy.typing import NDArray
 
 from exo_sim.diagnosis import replay_inputs as fed
+from exo_sim.diagnosis.library import switch_off
 from exo_sim.diagnosis.replay_loop import Feed, Machine, run
 from exo_sim.errors import RecordingError, nearest
 from exo_sim.machine.linkage import moment_row
 from exo_sim.machine.load import load
 from exo_sim.physics import state
-from exo_sim.physics.effects.declaration import declared
 from exo_sim.recording import health
 from exo_sim.recording.table import Recording
 from exo_sim.rig import Rig
@@ -326,9 +326,7 @@ class _Simulation:
         data.qvel[feed.dof_at] = feed.velocity[0]
         gas.world["supply_pressure"], gas.world["supply_temperature"] = feed.supply[0], feed.supply_temperature[0]
         gas.world["exhaust_pressure"] = feed.exhaust[0]
-        for effect in declared().values():  # a measured supply or exhaust holds already what they do to it
-            if effect.places[0] in ("supply", "exhaust") and f"{effect.places[0]}.pressure" in self.recording:
-                gas.world[effect.name] = np.zeros(1, gas.world[effect.name].dtype)
+        switch_off(gas.world, [place for place in ("supply", "exhaust") if f"{place}.pressure" in self.recording])
         first = np.where(np.isfinite(feed.pressure[0]), feed.pressure[0], self.rig.environment.pressure)
         plugin.reset(data, first[:, 0].copy(), first[:, 1].copy())
         plugin.command[:] = feed.command[0]

@@ -133,6 +133,11 @@ class SignalFit:
     after: float
     noise: float
 
+    @property
+    def largest(self) -> float:
+        """The largest of the three that is known and not zero; 1 where none is."""
+        return max((value for value in (self.before, self.after, self.noise) if value > 0.0), default=1.0)
+
 
 @dataclass(frozen=True)
 class Series:

@@ -117,7 +117,7 @@ class Search:
             start = Trial((), Fit((), {}, np.zeros(0), np.zeros((0, 0))))
             return Found(start, start)
         start = best = self._whole = self.sets.polished(self.sets.try_set(()))
-        beam, halted = [start], False
+        beam = [start]
         for _ in range(self.most):
             self._say(f"screening {len(self.library)} questions")
             grown = self._grown(beam)
@@ -130,15 +130,13 @@ class Search:
                 break
             before, best = best, tidied
             self._say(f"{len(best.chosen)} found, {best.chosen[-1].effect.replace('_', ' ')} last")
-            if halted := not self._clean(best) and self._until(best):
-                break
+            if not self._clean(best) and self._until(best):
+                return Found(start, self.sets.polished(best), halted=True)
             if self._is_in_vain(before, best):
                 break
             beam = [best]
             if not self._clean(best):
                 beam += [trial for trial in self._ranked(grown) if trial.keys not in (best.keys, leader.keys)][: BEAM - 1]
-        if halted:
-            return Found(start, self.sets.polished(best), halted=True)
         found = self._judged(start, self._settled(self.sets.polished(self._pruned(best))))
         for _ in range(MOST_TURNS):
             better = self._overtaken(found)
@@ -312,6 +310,15 @@ class Search:
         whole = self._whole.fit.sse
         return whole - one.fit.sse > 0.999 * (whole - other.fit.sse) or self.sets.loses(one, other) < NO_WORSE
 
+    def _with_all_parts(self, candidate: Candidate, now: Trial) -> Trial | None:
+        """Return a set with all numbers of a finding in it; None where they are in it, or do not fit better."""
+        forms = [c for c in self.library if (c.effect, c.where) == (candidate.effect, candidate.where)]
+        fullest = max(forms, key=lambda form: len(form.quantities), default=candidate)
+        if len(fullest.quantities) <= len(candidate.quantities):
+            return None
+        whole = self.sets.polished(self.sets.try_set((*now.others(candidate), fullest), now, again=True))
+        return whole if self.sets.loses(whole, now) <= 0.0 else None
+
     def _judged(self, start: Trial, end: Trial) -> Found:
         """Weigh each finding against leaving it out and against what could take its place."""
         found = Found(start, end)
@@ -323,12 +330,9 @@ class Search:
             rivals = self._finalists(self.screen(without), 4)
             asked += [(candidate, r, without) for r in rivals if (r.effect, r.where) != (candidate.effect, candidate.where)]
         for candidate in (c for c in end.chosen if c.adds_up):
-            forms = [c for c in self.library if (c.effect, c.where) == (candidate.effect, candidate.where)]
-            fullest = max(forms, key=lambda form: len(form.quantities), default=candidate)
-            if len(fullest.quantities) > len(candidate.quantities):
-                whole = self.sets.polished(self.sets.try_set((*end.others(candidate), fullest), end, again=True))
-                if self.sets.loses(whole, end) <= 0.0:
-                    found.whole[candidate.key] = whole
+            whole = self._with_all_parts(candidate, end)
+            if whole is not None:
+                found.whole[candidate.key] = whole
         promised = {one.key: score for score, one in self.screen(end)}
         for one in self._finalists(self.screen(end), 3):
             if promises(promised[one.key], end.fit, self.material):

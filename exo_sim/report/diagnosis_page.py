@@ -80,13 +80,11 @@ def _correction(finding: Finding) -> list[tuple[str, str, str, str]]:
 
 def _fit(name: str, fit: SignalFit) -> dict[str, Any]:
     """Return one row of the proof: numbers in one unit, and how long their bars are against the largest."""
-    known = [v for v in (fit.before, fit.after, fit.noise) if v == v]
-    largest = max(known, default=1.0) or 1.0
-    unit, size = amounts.shown_in(fit.unit, largest)
+    unit, size = amounts.shown_in(fit.unit, fit.largest)
     row: dict[str, Any] = {"name": name, "unit": unit}
     for key, value in (("before", fit.before), ("after", fit.after), ("noise", fit.noise)):
         row[key] = amounts.digits(value / size)
-        row[f"{key}_share"] = f"{100 * value / largest:.1f}" if value == value else "0"
+        row[f"{key}_share"] = f"{100 * value / fit.largest:.1f}" if value == value else "0"
     return row
 
 

@@ -74,13 +74,13 @@ def judge(truth: Mapping[str, Any], diagnosis: Mapping[str, Any] | None) -> Mark
         truth: What `cases.truth_of` wrote, with the cell and the sizes in limits.
         diagnosis: The content of diagnosis.json; None where the tool gave none.
     """
-    damping = _damping(truth)
-    hidden = [_Target(entry, truth.get("actual", {}), damping.missing) for entry in truth["hidden"]]
+    built, believed = _dampers(truth)
+    hidden = [_Target(entry, truth.get("actual", {}), built - believed) for entry in truth["hidden"]]
     answered = isinstance(diagnosis, Mapping) and isinstance(diagnosis.get("effects"), list)
     report: Mapping[str, Any] = diagnosis if answered and diagnosis is not None else {}
     given = [entry for entry in report.get("effects", []) if isinstance(entry, Mapping) and entry.get("name")]
     targets = {target.name for target in hidden}
-    spare = {"viscous_friction"} if damping.is_missing else set()
+    spare = {"viscous_friction"} if believed < 0.95 * built else set()  # missing in truth, hidden or not
     given = [
         entry
         for entry in given
@@ -193,27 +193,10 @@ class _Target:
         return out
 
 
-@dataclass(frozen=True)
-class _Damping:
-    """The damper that was built against the one that its owner believes in [N s/m]."""
-
-    built: float
-    believed: float
-
-    @property
-    def missing(self) -> float:
-        """What viscous friction has to make up for; below zero where the owner believes in too much."""
-        return self.built - self.believed
-
-    @property
-    def is_missing(self) -> bool:
-        """Whether the owner's was bent below the true one: then viscous friction is missing in truth, hidden or not."""
-        return self.built > 0.0 and self.believed / self.built < 0.95
-
-
-def _damping(truth: Mapping[str, Any]) -> _Damping:
-    believed, built = (float((truth.get(key) or {}).get("damping") or 0.0) for key in ("believed", "bench"))
-    return _Damping(built, believed)
+def _dampers(truth: Mapping[str, Any]) -> tuple[float, float]:
+    """Return the damping that was built and the one that its owner believes in [N s/m]; zeros where there is no damper."""
+    built, believed = (float((truth.get(key) or {}).get("damping") or 0.0) for key in ("bench", "believed"))
+    return built, believed
 
 
 def _elsewhere(entry: Mapping[str, Any], hidden: Sequence[_Target]) -> bool:

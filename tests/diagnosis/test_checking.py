@@ -87,7 +87,7 @@ def test_a_check_in_which_nothing_could_be_compared_never_wins() -> None:
     [(2.0, True, False, 0), (6.0, False, False, 0), (6.0, True, False, 1), (12.0, False, False, 1), (12.0, True, True, 0)],
 )
 def test_what_only_the_proof_shows_is_said(ratio: float, sick: bool, nameless: bool, count: int) -> None:
-    missed = proof({}, missed={("gas", "piston"): Missed(ratio, 40.0, sick)})
+    missed = proof({}, missed={("gas", "piston"): Missed(ratio, 1.0, ratio / (2.0 if sick else 0.5), 40.0)})
     found = checking.unmet(examined(judged(nameless=nameless), None, last=missed))
     assert len(found) == count
     assert all(finding.kind == "unknown" and f"{ratio:.0f} times" in finding.says and finding.log10_odds == 40.0 for finding in found)
@@ -96,7 +96,7 @@ def test_what_only_the_proof_shows_is_said(ratio: float, sick: bool, nameless: b
 @pytest.mark.parametrize(("check", "last", "count"), [(True, True, 1), (False, True, 0), (True, False, 0)])
 def test_a_fit_that_looks_healthy_does_not_hold_where_check_and_proof_are_sick(check: bool, last: bool, count: int) -> None:
     def missed(sick: bool, excess: float = 1.3) -> Proof:
-        return proof({}, missed={("gas", "piston"): Missed(1.4, 13.0, sick, sick, excess)})
+        return proof({}, missed={("gas", "piston"): Missed(5.0 * (excess if sick else 0.9), 4.5, 5.0, 13.0)})
 
     found = checking.unmet(examined(judged(), missed(check), last=missed(last)))
     assert [finding.kind for finding in found] == ["unknown"] * count
@@ -109,7 +109,7 @@ def test_what_an_unmeasured_chamber_may_do_is_left_open() -> None:
     one = judged(cut="motion")
     one.problem = MotionProblem.__new__(MotionProblem)
     one.problem.runs = [SimpleNamespace(filled_in=True)]  # type: ignore[list-item]
-    said = examined(one, None, last=proof({}, missed={("motion", "piston"): Missed(12.0, 40.0, True)}))
+    said = examined(one, None, last=proof({}, missed={("motion", "piston"): Missed(12.0, 1.0, 6.0, 40.0)}))
     case = replace(said, case=SimpleNamespace(open=[]))  # type: ignore[arg-type]
     assert checking.unmet(case) == []
     assert one.unclosed and len(case.case.open) == 1

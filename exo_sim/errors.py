@@ -6,7 +6,14 @@ One tree. A message is one line: the file, the key or column, the value, and wha
 from __future__ import annotations
 
 import difflib
+import re
 from collections.abc import Iterable
+
+#: The longest line that an error becomes, in characters.
+LONGEST_LINE = 1000
+#: Longer names are not searched for a nearest one, nor among more than so many: that takes the product of all lengths.
+_LONGEST_NAME, _MOST_NAMES = 100, 2000
+_UNPRINTABLE = re.compile("[\x00-\x08\x0b-\x1f\x7f-\x9f\u061c\u200e\u200f\u2028-\u202e\u2066-\u2069\ud800-\udfff]")
 
 
 class ExoSimError(Exception):
@@ -52,7 +59,25 @@ class Diverged(ExoSimError):
 def nearest(name: str, choices: Iterable[str]) -> str:
     """Return `; did you mean "a" or "b"?` for a misspelt name, else `; there is: a, b, c`, or "" with no choices."""
     known = sorted(choices)
-    close = difflib.get_close_matches(name, known, n=3, cutoff=0.6)
+    few = [choice for choice in known if len(choice) <= _LONGEST_NAME][:_MOST_NAMES]
+    close = difflib.get_close_matches(name, few, n=3, cutoff=0.6) if len(name) <= _LONGEST_NAME else []
     if close:
         return "; did you mean " + " or ".join(f'"{match}"' for match in close) + "?"
     return "; there is: " + ", ".join(known) if known else ""
+
+
+def printable(text: str) -> str:
+    """Return text as a terminal may have it: what steers one, turns the direction of writing or is no character becomes an escape.
+
+    Every escape is one that JSON has too.
+    """
+    return _UNPRINTABLE.sub(lambda found: f"\\u{ord(found.group()):04x}", text)
+
+
+def one_line(text: str, most: int = LONGEST_LINE) -> str:
+    """Return text as one printable line of at most `most` characters; of a longer one begin and end stay."""
+    line = printable(" ".join(text.split()))
+    if len(line) <= most:
+        return line
+    head = (3 * most) // 4
+    return f"{line[:head]} ... {line[len(line) - (most - head - 5):]}"

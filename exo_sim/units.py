@@ -7,7 +7,8 @@ import re
 from functools import cache
 from typing import TYPE_CHECKING
 
-from exo_sim.errors import UnitError
+from exo_sim.errors import UnitError, one_line
+from exo_sim.unit_text import powers
 
 if TYPE_CHECKING:
     import pint
@@ -26,6 +27,11 @@ SI_UNITS = {
     "angle": "rad",
     "number": "1",
 }
+
+#: Longest text of a quantity and of a unit, in characters; longer ones are refused unread.
+LONGEST, LONGEST_UNIT = 120, 60
+#: Magnitudes in SI that no machine comes near: squares and cubes of what lies between are numbers, too.
+SMALLEST, LARGEST = 1e-50, 1e30
 
 _GAUGE = re.compile(r"\b(psig|barg|bar\s*\(g\)|bar\s+gauge|kpag|mpag|pag)(?![a-z])|\bgauge\b", re.IGNORECASE)
 _QUANTITY = re.compile(r"^\s*([-+]?(?:\d+\.?\d*|\.\d+)(?:[eE][-+]?\d+)?)\s*(.*?)\s*$")
@@ -52,6 +58,8 @@ def scale_and_offset(unit: str, si_unit: str) -> tuple[float, float]:
     """
     import pint
 
+    if len(unit) > LONGEST_UNIT:
+        raise UnitError(f'unit "{unit[:20]}..." has {len(unit)} characters; write it like "{si_unit}"')
     if is_gauge(unit):
         raise UnitError(f'unit "{unit}" is gauge; pressures are absolute: add the atmosphere and write "Pa" or "bar"')
     if unit in ("", "1") or si_unit == "1":
@@ -61,9 +69,10 @@ def scale_and_offset(unit: str, si_unit: str) -> tuple[float, float]:
             return 0.01, 0.0
         raise UnitError(f'unit "{unit or "(none)"}" cannot be converted to "{si_unit}"')
     registry = _registry()
+    plain = " * ".join(name if power == 1 else f"{name} ** {power}" for name, power in powers(unit).items())
     try:
-        zero = registry.Quantity(0.0, unit).to(si_unit).magnitude
-        one = registry.Quantity(1.0, unit).to(si_unit).magnitude
+        zero = registry.Quantity(0.0, plain).to(si_unit).magnitude
+        one = registry.Quantity(1.0, plain).to(si_unit).magnitude
     except pint.UndefinedUnitError:
         raise UnitError(f'unknown unit "{unit}"; write it like "{si_unit}"') from None
     except pint.DimensionalityError:
@@ -78,11 +87,13 @@ def split(text: str) -> tuple[float, str]:
     """Return number and unit of a quantity's text.
 
     Raises:
-        UnitError: it does not begin with a number.
+        UnitError: it does not begin with a number, or is too long to be a quantity.
     """
+    if len(text) > LONGEST:
+        raise UnitError(f'"{text[:20]}..." has {len(text)} characters; write a number and a unit, like "1 m"')
     match = _QUANTITY.match(text)
     if match is None:
-        raise UnitError(f'"{text}" is not a quantity; write a number and a unit, like "1 m"')
+        raise UnitError(f'"{one_line(text)}" is not a quantity; write a number and a unit, like "1 m"')
     return float(match.group(1)), match.group(2)
 
 
@@ -94,25 +105,27 @@ def parse(text: object, si_unit: str) -> float:
         si_unit: The SI unit wanted, e.g. "m^2" or "W/K".
 
     Raises:
-        UnitError: no number, no unit, not finite, or a unit that cannot be `si_unit`.
+        UnitError: no number, no unit, not finite, of a magnitude that no machine has, or a unit that cannot be `si_unit`.
     """
-    if isinstance(text, bool):
-        raise UnitError(f'{text} is not a quantity; write it like "1 {si_unit}"')
-    if isinstance(text, int | float):
-        if si_unit != "1":
-            raise UnitError(f'{text} has no unit; write it in quotes with one, like "{text} {si_unit}"')
-        value, unit = float(text), "1"
-    else:
-        match = _QUANTITY.match(str(text))
-        if match is None:
-            raise UnitError(f'"{text}" is not a quantity; write a number and a unit, like "1 {si_unit}"')
-        value, unit = float(match.group(1)), match.group(2)
+    if isinstance(text, bool) or not isinstance(text, int | float | str):
+        shown = str(text) if isinstance(text, bool) else f"a {type(text).__name__}"
+        raise UnitError(f'{shown} is not a quantity; write it like "1 {si_unit}"')
+    if isinstance(text, str):
+        value, unit = split(text)
         if not unit and si_unit != "1":
             raise UnitError(f'"{text}" has no unit; write it with one, like "{text} {si_unit}"')
+    elif isinstance(text, int) and abs(text) > LARGEST:
+        raise UnitError("an integer of so many digits is more than any machine has; is it right?")
+    elif si_unit != "1":
+        raise UnitError(f'{text} has no unit; write it in quotes with one, like "{text} {si_unit}"')
+    else:
+        value, unit = float(text), "1"
     scale, offset = scale_and_offset(unit, si_unit)
     si = value * scale + offset
     if not math.isfinite(si):
         raise UnitError(f'"{text}" is not finite')
+    if abs(si) > LARGEST or 0.0 < abs(si) < SMALLEST:
+        raise UnitError(f'"{text}" is {"more" if abs(si) > 1.0 else "less"} than any machine has; is it right?')
     return float(f"{si:.15g}")
 
 

@@ -6,7 +6,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from exo_sim import units
+from exo_sim import unit_text, units
 from exo_sim.errors import UnitError
 
 
@@ -45,6 +45,25 @@ def test_text_is_read_as_si(text: object, si_unit: str, value: float) -> None:
         (True, "m", "not a quantity"),
         ("1e999 m", "m", "not finite"),
         ("3 kg", "1", "cannot be converted"),
+        ("1e300 m", "m", "more than any machine has"),
+        ("-1e31 m", "m", "more than any machine has"),
+        ("1e-300 m", "m", "less than any machine has"),
+        (10**400, "1", "an integer of so many digits"),
+        (["1 m"], "m", "a list is not a quantity"),
+        (None, "m", "a NoneType is not a quantity"),
+        ("1" * 5000 + " m", "m", "5002 characters"),
+        ("1 " + "m" * 100, "m", "unit .* has 100 characters"),
+        ("\n" * 50 + "x", "m", "not a quantity"),
+        ("32 10**10**10", "m", "cannot read the unit"),
+        ("32 m**10**10", "m", "cannot read the unit"),
+        ("32 (m**9)**9", "m", "a power of more than 9"),
+        ("32 m**999999999", "m", "cannot read the unit"),
+        ("32 m + m", "m", "cannot read the unit"),
+        ("32 2 m", "m", "cannot read the unit"),
+        ("32 __import__('os')", "m", "cannot read the unit"),
+        ("32 ((((m", "m", "a bracket is not closed"),
+        ("32 m)", "m", "a bracket is closed that was not opened"),
+        ("32 m/", "m", "a name is missing"),
     ],
 )
 def test_what_cannot_be_read_is_one_line_that_says_why(text: object, si_unit: str, says: str) -> None:
@@ -53,6 +72,52 @@ def test_what_cannot_be_read_is_one_line_that_says_why(text: object, si_unit: st
     assert "\n" not in str(caught.value)
 
 
-@given(st.floats(allow_nan=False, allow_infinity=False, width=32), st.sampled_from([*units.SI_UNITS.values(), "W/K"]))
+MAGNITUDES = st.floats(1e-45, 1e29)
+
+
+@given(st.just(0.0) | MAGNITUDES | MAGNITUDES.map(lambda size: -size), st.sampled_from([*units.SI_UNITS.values(), "W/K"]))
 def test_what_is_written_is_read_back(value: float, si_unit: str) -> None:
     assert units.parse(units.write(value, si_unit), si_unit) == pytest.approx(value, rel=1e-14, abs=0.0)
+
+
+@pytest.mark.parametrize(
+    ("text", "powers"),
+    [
+        ("m", {"m": 1}),
+        ("J/(kg K)", {"J": 1, "kg": -1, "K": -1}),
+        ("J / kg / K", {"J": 1, "kg": -1, "K": -1}),
+        ("J/kg K", {"J": 1, "kg": -1, "K": 1}),
+        ("N*m", {"N": 1, "m": 1}),
+        ("N·m", {"N": 1, "m": 1}),
+        ("m²", {"m": 2}),
+        ("m s⁻²", {"m": 1, "s": -2}),
+        ("kg m^2 / s**3", {"kg": 1, "m": 2, "s": -3}),
+        ("1/(m/s)^2", {"m": -2, "s": 2}),
+        ("1/s", {"s": -1}),
+        ("m/m", {"m": 0}),
+    ],
+)
+def test_a_unit_is_a_product_of_powers(text: str, powers: dict[str, int]) -> None:
+    assert unit_text.powers(text) == powers
+
+
+@pytest.mark.parametrize(
+    ("text", "si_unit", "scale"), [("N·m", "N*m", 1.0), ("kg m² / s²", "N*m", 1.0), ("mm²", "m^2", 1e-6), ("1/K", "1/K", 1.0)]
+)
+def test_units_as_people_write_them(text: str, si_unit: str, scale: float) -> None:
+    assert units.scale_and_offset(text, si_unit) == (scale, 0.0)
+
+
+UNIT_PIECES = st.sampled_from(
+    ["m", "kg", "bar", "**", "^", "*", "/", "(", ")", "1", "10", "9", " ", "²", "⁻", "degC", "e", ".", "-", "\n", "%", "é"]
+)  # fmt: skip
+
+
+@given(st.lists(UNIT_PIECES, max_size=30).map("".join), st.sampled_from(["m", "Pa", "1", "J/(kg K)"]))
+def test_whatever_is_written_as_a_unit_is_read_or_refused_in_one_line(unit: str, si_unit: str) -> None:
+    try:
+        scale, offset = units.scale_and_offset(unit, si_unit)
+    except UnitError as error:
+        assert len(str(error)) < 400
+    else:
+        assert math.isfinite(scale) and math.isfinite(offset)

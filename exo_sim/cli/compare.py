@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -11,8 +12,8 @@ from exo_sim.cli import options, printing
 from exo_sim.cli.frame import verb
 
 if TYPE_CHECKING:
-    from exo_sim.diagnosis.replay import Replay
     from exo_sim.recording import Recording
+    from exo_sim.simulation.replay import Replay
 
 #: Samples of a recording that the viewer is given; errors count all of them.
 _MOST_SHOWN = 400_000
@@ -42,33 +43,45 @@ def command(
     one run from the first.
     """
     from exo_sim import rig as rigs
-    from exo_sim.diagnosis import replay as replays
-    from exo_sim.errors import OutputError
+    from exo_sim.conventions import settle
+    from exo_sim.errors import Diverged, OutputError
     from exo_sim.machine.load import load
+    from exo_sim.outputs import check_writable
     from exo_sim.progress import Bar
     from exo_sim.recording import read, write_rrd
+    from exo_sim.simulation import replay as replays
 
     path = out or Path(f"{recording.stem}_compared.rrd")
     if path.suffix.lower() != ".rrd":
         raise OutputError(f'cannot write "{path}": a recording for the viewer ends in .rrd')
+    check_writable(path.parent)
     reading = read(recording, columns)
     machine = rigs.read(rig)
     model = load(machine)
-    recorded, odd = replays.usable(reading.recording, machine, model)
+    replays.check_belongs(reading.recording, machine, model)
+    settled = settle(reading.recording, machine, model)
+    recorded, odd = replays.usable(settled.recording, machine, model)
     with Bar(1.0, "simulating", "of it", quiet) as bar:
         replay = replays.replay(recorded, machine, model, motion=motion, progress=bar.to)
     signals = errors(recorded, replay)
+    if lost := [key for key, one in signals.items() if not math.isfinite(one["windowed_rms"])]:
+        raise Diverged(
+            f'"{recording}": within {replays.WINDOW:g} s of measured states the simulation left all bounds, first of {lost[0]}; look '
+            f"at the numbers of {rig} and its MJCF with exo-sim inspect --rig, or try a shorter timestep"
+        )
     overlays = {"simulated": replay.windowed.thinned(_MOST_SHOWN), "free_run": replay.free_run.thinned(_MOST_SHOWN)}
-    write_rrd(path, reading.recording.thinned(_MOST_SHOWN), overlays=overlays)
-    remarks = [*(finding.says for finding in [*reading.findings, *odd] if finding.severity != "info"), *replay.remarks]
+    write_rrd(path, settled.recording.thinned(_MOST_SHOWN), overlays=overlays)
+    asked = [check.says for check in settled.checks]
+    remarks = [*asked, *(finding.says for finding in [*reading.findings, *odd] if finding.severity != "info"), *replay.remarks]
     for words in remarks:
         printing.remark(f"exo-sim: {words}", quiet=quiet)
     data = {
         "schema": "exo-sim/compare/1",
         "measure": replay.measure,
         "signal": signals,
-        "motion": "recorded" if replay.led else "predicted",
+        "motion": "recorded" if replay.imposed else "predicted",
         "remarks": remarks,
+        "checks": [check.as_dict() for check in settled.checks],
         "recording": recording,
         "rig": rig,
         "comparison": path,
@@ -78,8 +91,8 @@ def command(
 
 def errors(recording: Recording, replay: Replay) -> dict[str, dict[str, Any]]:
     """Return, for each predicted signal, the errors of both predictions and the sensor's noise."""
-    from exo_sim.diagnosis.replay import rms
     from exo_sim.recording import noise
+    from exo_sim.simulation.replay import rms
 
     return {
         key: {

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import math
+import time
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -11,7 +13,7 @@ from exo_sim.cli import options, printing
 from exo_sim.cli.frame import verb
 
 if TYPE_CHECKING:
-    from exo_sim.diagnosis.result import Diagnosis
+    from exo_sim.diagnosis.findings import Diagnosis
 
 #: What is written, and what it holds.
 FILES = {
@@ -31,34 +33,37 @@ FILES = {
 @click.argument("recordings", type=options.InputFile(), nargs=-1, required=True, metavar="RECORDING...")
 @click.option("--rig", type=options.InputFile(), required=True, help="The machine as it is believed to be.")
 @click.option("--columns", type=options.InputFile(), default=None, help="Column map (TOML) for foreign names.")
+@click.option("--budget", type=options.Quantity("s", low=1.0), default=None, help="Time after which the best answer so far comes.")
 @click.option("--jobs", type=click.IntRange(1, 1024), default=None, help="Threads; all cores when absent. No answer depends on it.")
 def command(
-    recordings: tuple[Path, ...], rig: Path, columns: Path | None, jobs: int | None, out: Path | None, as_json: bool,
-    quiet: bool, seed: int,
+    recordings: tuple[Path, ...], rig: Path, columns: Path | None, budget: float | None, jobs: int | None, out: Path | None,
+    as_json: bool, quiet: bool, seed: int,
 ) -> int:  # fmt: skip
     """Hold one or more RECORDINGS of one machine against its rig.
 
     Exit status: 0 where they agree, at most after believed numbers were corrected; 3 where physics is missing or a sensor
     is at fault; 4 where the recordings cannot tell; 2 for unusable input.
     """
-    from exo_sim.diagnosis.diagnose import diagnose
-    from exo_sim.errors import OutputError
+    from exo_sim.diagnosis.pipeline.diagnose import diagnose
+    from exo_sim.outputs import check_writable
     from exo_sim.progress import Stages
 
+    begun = time.monotonic()
     folder = out or Path("diagnosis")
-    if folder.exists() and not folder.is_dir():
-        raise OutputError(f'cannot write into "{folder}": it is a file; name a folder with --out')
+    check_writable(folder)
     _refuse_own_rig(folder, rig)
     with Stages(quiet) as stages:
         diagnosis = diagnose(
-            list(recordings), rig, column_map=columns, seed=seed, jobs=jobs, progress=stages.say, folder=folder
-        )
+            list(recordings), rig, column_map=columns, seed=seed, jobs=jobs, progress=stages.say, folder=folder,
+            budget=math.inf if budget is None else budget,
+        )  # fmt: skip
         stages.say("writing")
         write(folder, diagnosis, list(recordings), rig, columns)
     from exo_sim.report import diagnosis_text
 
     lines = [f"{folder / name}: {what}" for name, what in FILES.values()]
-    data = diagnosis.as_dict() | {"files": {key: folder / name for key, (name, _) in FILES.items()}}
+    spent = {"time_s": round(time.monotonic() - begun, 3)}
+    data = diagnosis.as_dict() | spent | {"files": {key: folder / name for key, (name, _) in FILES.items()}}
     printing.show(data, diagnosis_text.text(diagnosis, lines), as_json=as_json)
     return diagnosis.exit_status
 
@@ -81,9 +86,9 @@ def write(folder: Path, diagnosis: Diagnosis, recordings: list[Path], rig: Path,
         "report": page(diagnosis, rig.read_text(encoding="utf-8"), rig.name),
         "diagnosis": printing.json_text(diagnosis.as_dict()) + "\n",
     }
-    tables = [
+    tables = diagnosis.tables or tuple(
         replace(read(path, columns).recording, name=name) for path, name in zip(recordings, diagnosis.recordings, strict=True)
-    ]
+    )
     write_comparison(folder / FILES["comparison"][0], diagnosis, tables)
     for key, text in texts.items():
         with replacing(folder / FILES[key][0]) as beside:

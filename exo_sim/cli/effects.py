@@ -16,7 +16,7 @@ from exo_sim.cli.frame import verb
 def command(name: str | None, out: Path | None, as_json: bool, quiet: bool) -> None:
     """List the effects with one line each, or print the page of the effect NAME: numbers, signature, rig text."""
     from exo_sim.errors import RigError, nearest
-    from exo_sim.physics.effects.declaration import declared
+    from exo_sim.physics.declaration import declared
     from exo_sim.rig import pages
     from exo_sim.rig.effects import CALIBRATIONS
 

@@ -3,41 +3,42 @@
 from __future__ import annotations
 
 import errno
-import os
-import sys
 import traceback
 
 import click
 from click.exceptions import Exit
 
-from exo_sim.errors import ExoSimError, nearest
+from exo_sim.cli.streams import say
+from exo_sim.errors import ExoSimError, nearest, one_line
 
 INTERRUPTED = 130
 BROKEN_PIPE = 141  # as a process that SIGPIPE ends
 OUR_FAULT = 70  # EX_SOFTWARE of sysexits.h
 
 
-def report(error: BaseException, debug: bool = False) -> int:
+def report(error: BaseException, debug: bool = False, interrupted: bool = False) -> int:
     """Print what went wrong as one line on stderr and return the exit status.
 
     Args:
         error: What ended the verb. An interrupt may carry a sentence on what was kept.
         debug: Show the traceback first.
+        interrupted: Ctrl-C came before it: what would be a fault of ours is then what a library made of that.
     """
     if isinstance(error, Exit):
         return error.exit_code
     if isinstance(error, SystemExit):
         return error.code if isinstance(error.code, int) else int(error.code is not None)
     if isinstance(error, click.exceptions.NoArgsIsHelpError):
-        print(error.format_message(), file=sys.stderr)
+        say(error.format_message())
         return 2
     if isinstance(error, BrokenPipeError):
-        _silence_stdout()
         return BROKEN_PIPE
     if debug and not isinstance(error, click.ClickException):
-        traceback.print_exception(error, file=sys.stderr)
+        say("".join(traceback.format_exception(error)).rstrip("\n"))
     line, status = _line_and_status(error)
-    print(f"exo-sim: {' '.join(line.split())}", file=sys.stderr)
+    if interrupted and status == OUR_FAULT:
+        line, status = _line_and_status(KeyboardInterrupt())
+    say(f"exo-sim: {one_line(line)}")
     return status
 
 
@@ -82,10 +83,3 @@ def _system(error: OSError) -> str:
         return f"{name}no such file or folder"
     return f"{name}{error.strerror or error}"
 
-
-def _silence_stdout() -> None:
-    """Keep the interpreter from flushing to a reader that has gone."""
-    try:
-        os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
-    except (OSError, ValueError):
-        sys.stdout = open(os.devnull, "w")  # noqa: PTH123, SIM115

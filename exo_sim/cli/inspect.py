@@ -2,16 +2,13 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from pathlib import Path
-from typing import TYPE_CHECKING
 
 import click
 
 from exo_sim.cli import options, printing
 from exo_sim.cli.frame import verb
-
-if TYPE_CHECKING:
-    from exo_sim.recording.health import Facts
 
 
 @verb(
@@ -28,23 +25,18 @@ def command(
     """Show the signals, gait events, pressures, torques and gas used of RECORDING, a .csv, .parquet or .rrd file."""
     from exo_sim.recording import read, summary, summary_text
 
-    found = summary.summarise(read(recording, columns), _facts(rig))
+    reading = read(recording, columns)
+    if rig is None:
+        found = summary.summarise(reading)
+    else:
+        from exo_sim import conventions
+        from exo_sim import rig as rigs
+        from exo_sim.machine.load import load
+        from exo_sim.recording.health import Facts
+
+        machine = rigs.read(rig)
+        model = load(machine)
+        settled = conventions.asked(reading.recording, machine, model)
+        asked = (*conventions.findings(settled), *reading.findings)
+        found = summary.summarise(replace(reading, recording=settled.recording, findings=asked), Facts.of(machine, model))
     printing.show(summary.as_dict(found), summary_text.text(found), as_json=as_json, out=out)
-
-
-def _facts(path: Path | None) -> Facts | None:
-    """Return what a rig says that a sensor can be held against."""
-    if path is None:
-        return None
-    import mujoco
-
-    from exo_sim import rig as rigs
-    from exo_sim.errors import ModelError
-    from exo_sim.recording.health import Facts
-
-    machine = rigs.read(path)
-    try:
-        model = mujoco.MjModel.from_xml_path(str(machine.model))
-    except ValueError as error:
-        raise ModelError(f'"{machine.model}": MuJoCo refuses it: {str(error).splitlines()[0]}') from None
-    return Facts.of(machine, model)

@@ -9,10 +9,13 @@ from collections.abc import Sequence
 from pathlib import Path
 from typing import Any
 
+from exo_sim.cli import streams
+from exo_sim.errors import printable
+
 
 def json_text(data: Any) -> str:
     """Return JSON of plain values, paths, NumPy numbers and arrays; NaN and infinities become null."""
-    return json.dumps(_plain(data), indent=1, ensure_ascii=False, allow_nan=False)
+    return printable(json.dumps(_plain(data), indent=1, ensure_ascii=False, allow_nan=False))
 
 
 def show(data: dict[str, Any], text: str, *, as_json: bool, out: Path | None = None) -> None:
@@ -21,9 +24,9 @@ def show(data: dict[str, Any], text: str, *, as_json: bool, out: Path | None = N
     Raises:
         OutputError: `out` cannot be written.
     """
-    shown = json_text(data) if as_json else text.rstrip("\n")
+    shown = json_text(data) if as_json else printable(text.rstrip("\n"))
     if out is None:
-        print(shown)
+        print(shown if streams.holds_unicode(sys.stdout) else _in_ascii(shown))
         return
     from exo_sim.outputs import replacing
 
@@ -34,7 +37,7 @@ def show(data: dict[str, Any], text: str, *, as_json: bool, out: Path | None = N
 def remark(text: str, *, quiet: bool = False) -> None:
     """Say something to a person, on stderr."""
     if not quiet:
-        print(text, file=sys.stderr)
+        streams.say(text)
 
 
 def table(rows: Sequence[Sequence[object]], header: Sequence[str] = ()) -> str:
@@ -46,6 +49,11 @@ def table(rows: Sequence[Sequence[object]], header: Sequence[str] = ()) -> str:
     fill = [str.rjust if rows and all(_numeric(str(row[i])) for row in rows) else str.ljust for i in range(len(widths))]
     lines = ["  ".join(put(cell, width) for put, cell, width in zip(fill, row, widths)) for row in cells]
     return "\n".join(line.rstrip() for line in lines)
+
+
+def _in_ascii(text: str) -> str:
+    """Return text with escapes, which JSON reads back, for every other character than ASCII's."""
+    return "".join(each if each.isascii() else json.dumps(each)[1:-1] for each in text)
 
 
 def _numeric(text: str) -> bool:

@@ -3,15 +3,12 @@
 from __future__ import annotations
 
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import click
 
 from exo_sim.cli import options, printing
 from exo_sim.cli.frame import verb
-
-if TYPE_CHECKING:
-    from exo_sim.simulation.walk import Walk
 
 
 @verb(
@@ -59,9 +56,8 @@ def command(scenario: str, payload: float, speed: float, strides: int | None, as
 
     from exo_sim import rig as rigs
     from exo_sim.errors import OutputError
-    from exo_sim.recording.rrd_file import write_rrd
-    from exo_sim.recording.table_file import write_table
-    from exo_sim.simulation import record, summary
+    from exo_sim.outputs import check_writable
+    from exo_sim.simulation import kept
     from exo_sim.simulation.coupled import Simulation
     from exo_sim.simulation.walk import Request, default_rig
 
@@ -71,39 +67,34 @@ def command(scenario: str, payload: float, speed: float, strides: int | None, as
     request = Request(
         scenario, payload=payload, speed=speed, cycles=strides, assist=assist, controller=controller, law=demand
     )
+    machine = rigs.read(rig or default_rig())
     gc.freeze()  # what was imported stays: it need not be gone through again and again
     begun = time.perf_counter()
-    simulation = Simulation(rigs.read(rig or default_rig()), request)
+    check_writable(path.parent)
+    simulation = Simulation(machine, request)
     gc.freeze()  # and so does what was prepared
     prepared = time.perf_counter()
     for words in simulation.remarks:
         printing.remark(f"exo-sim: {words}", quiet=quiet)
-    walk = simulation.run(quiet=quiet)
-    if len(walk.time) < 2:
-        raise KeyboardInterrupt("nothing was simulated yet")
-    table = record.recording(walk, path.stem, seed)
     beside = path.with_suffix(".parquet")
-    write_rrd(path, table, scene=record.scene(walk))  # the larger one first: where the disk is full, neither is left
-    write_table(beside, table)
-    wall = time.perf_counter() - prepared
-    data = summary.summarise(walk)
+    numbers, interrupted = kept.run(simulation, path, beside, seed, quiet)
     data = {
-        "schema": data.pop("schema"),
-        "scenario": data.pop("scenario"),
-        "simulated_s": data.pop("simulated_s"),
-        "wall_s": wall,
+        "schema": numbers.pop("schema"),
+        "scenario": numbers.pop("scenario"),
+        "simulated_s": numbers.pop("simulated_s"),
+        "wall_s": time.perf_counter() - prepared,
         "prepared_s": prepared - begun,
         "recording": path,
         "table": beside,
-        **data,
+        **numbers,
         **({"remarks": list(simulation.remarks)} if simulation.remarks else {}),
     }
-    printing.show(data, _words(walk, data), as_json=as_json)
-    if walk.interrupted:
+    printing.show(data, _words(data), as_json=as_json)
+    if interrupted:
         raise KeyboardInterrupt(f"{data['simulated_s']:.2f} s were simulated and are in {path} and {beside}")
 
 
-def _words(walk: Walk, data: dict[str, Any]) -> str:
+def _words(data: dict[str, Any]) -> str:
     """Return the result as a short report."""
     straps, wearer = data["strap_load_n"], data["wearer"]
     carried = data["mean_ground_force_n"] + straps["vertical_mean"]

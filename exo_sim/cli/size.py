@@ -70,14 +70,16 @@ def command(scenarios: tuple[str, ...], payloads: tuple[float, ...], speeds: tup
         }
         printing.show(told.by_hand_numbers(example, joints), told.by_hand_words(example, joints), as_json=as_json)
         return
-    from exo_sim.outputs import replacing
+    from exo_sim.outputs import alone_in, check_writable, replacing
     from exo_sim.report.sizing_page import page
     from exo_sim.sizing.workers import Workers
 
     folder = out or Path("sized")
-    with Workers(jobs, scheduler) as workers:
-        found = size(machine, conditions, space, trials, seed, workers, folder, quiet,
-                     lambda words: printing.remark(words, quiet=quiet))  # fmt: skip
-    with replacing(folder / "report.html") as beside:
-        beside.write_text(page(found), encoding="utf-8")
+    check_writable(folder)
+    with alone_in(folder, "size"):
+        with Workers(jobs, scheduler) as workers:
+            found = size(machine, conditions, space, trials, seed, workers, folder, quiet,
+                         lambda words: printing.remark(words, quiet=quiet))  # fmt: skip
+        with replacing(folder / "report.html") as beside:
+            beside.write_text(page(found), encoding="utf-8")
     printing.show(told.numbers(found, folder), told.words(found, folder), as_json=as_json)

@@ -2,13 +2,12 @@
 
 from __future__ import annotations
 
-import math
 from dataclasses import dataclass
 
 import numpy as np
 
 from exo_sim.physics.compiled import kernel
-from exo_sim.physics.gas import flow
+from exo_sim.physics.gas import choked_flow, flow
 
 CONTROLLERS = ("model", "pi")
 OFF, PI, MODEL = 0, 1, 2
@@ -59,11 +58,10 @@ def invert(
     wanted: float, v: float, p_1: float, t_1: float, p_2: float, t_2: float, v_1: float, v_2: float, area_1: float,
     area_2: float, valve_area: float, p_s: float, t_s: float, p_e: float, t_e: float, k: float, r: float,
 ) -> float:  # fmt: skip
-    """Return the opening for which the rod force changes at a wanted rate (corrected equation 34, each chamber by
-    itself).
+    """Return the opening for which the rod force changes at a wanted rate (corrected equation 34, each chamber by itself).
 
     dF/dt = A1 dP1/dt - A2 dP2/dt with dPi/dt = k/Vi (R T mdot - Pi dVi/dt). The valve's gain is the flow of its two
-    open paths at     full command, choked or not as they stand.
+    open paths at full command, choked or not as they stand.
 
     Args:
         wanted: Rate of the rod force [N/s].
@@ -94,7 +92,8 @@ def _least_gain(
     area_1: float, v_1: float, area_2: float, v_2: float, valve_area: float, p_s: float, t_s: float, k: float, r: float
 ) -> float:
     """Return a twentieth of the gain with both paths choked from the supply: below it, more opening would not help."""
-    return 0.05 * k * math.sqrt(r * t_s) * 0.6847 * valve_area * p_s * (area_1 / v_1 + area_2 / v_2)
+    choked = choked_flow(valve_area, p_s, t_s, k, r)
+    return 0.05 * k * r * t_s * choked * (area_1 / v_1 + area_2 / v_2)
 
 
 @kernel

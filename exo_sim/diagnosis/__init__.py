@@ -1,1 +1,1 @@
-"""What did the simulation leave out? Cut the plant at the measured signals, locate, name, model, prove."""
+"""What does the simulation leave out? Cut the plant at the measured signals, locate, name, model, validate."""

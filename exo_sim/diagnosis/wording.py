@@ -1,24 +1,24 @@
-"""Sentences for people: what was found, why a rival was put aside, what to record next."""
+"""Sentences for people: what was found, why a rival was rejected, what to record next."""
 
 from __future__ import annotations
 
-from exo_sim.diagnosis.quantity import Candidate
-from exo_sim.physics.effects.declaration import declared
+from exo_sim.diagnosis.estimation.candidate import Candidate
+from exo_sim.physics.declaration import declared
 
 
 def name_of(effect: str) -> str:
-    """Return an effect's name as words."""
+    """Return an effect's name in words."""
     return effect.replace("_", " ")
 
 
 def says(effect: str) -> str:
-    """Return the plain sentence of a declared effect, or one made of its name."""
+    """Return the sentence that an effect declares, or one made of its name."""
     found = declared().get(effect)
     return found.says if found else f"{name_of(effect).capitalize()}."
 
 
 def calibration(name: str, parameter: str, factor: float) -> str:
-    """Say how a believed number is off."""
+    """Return how a believed number is off."""
     part = {
         "valve_area": "valve area",
         "dead_volume_1": "dead volume of chamber 1",
@@ -32,14 +32,14 @@ def calibration(name: str, parameter: str, factor: float) -> str:
 
 
 def rejected(candidate: Candidate, instead_of: Candidate, worse: float) -> str:
-    """Say why a rival lost."""
+    """Return why a rival was rejected."""
     if candidate.effect == instead_of.effect:
         return f"in the form {candidate.form} it fits worse (log-likelihood {worse:.1f} lower)"
     return f"in place of {name_of(instead_of.effect)} it fits worse (log-likelihood {worse:.1f} lower)"
 
 
 def no_gain(candidate: Candidate, share: float) -> str:
-    """Say why something was not added."""
+    """Return why a candidate was not added."""
     if share <= 0.01:
         return "it explains nothing of what is left"
     if share < 0.5:
@@ -48,7 +48,7 @@ def no_gain(candidate: Candidate, share: float) -> str:
 
 
 def experiment(first: str, second: str) -> str:
-    """Return what to do to tell two effects apart, from what they declare: the one that is mistaken for fewer others says it best."""
+    """Return the experiment that separates two effects: that of the one that is mistaken for fewer others."""
     known = [effect for name, effect in declared().items() if name in (first, second)]
     if known:
         return min(known, key=lambda effect: (len(effect.mistaken_for), effect.name != first)).experiment

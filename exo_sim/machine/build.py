@@ -44,16 +44,12 @@ def build(
     """
     import mujoco
 
+    from exo_sim.machine import mjcf
     from exo_sim.machine.load import corrected
 
     if not 0.0 <= payload <= PAYLOAD_LIMIT:
         raise ScenarioError(f"payload {payload:g} kg: the frame carries 0 to {PAYLOAD_LIMIT:g} kg")
-    if not path.is_file():
-        raise ModelError(f'{path}: no such file; "model" in the rig names the MJCF relative to the rig file')
-    try:
-        spec = mujoco.MjSpec.from_file(str(path))
-    except (ValueError, mujoco.FatalError) as error:
-        raise ModelError(f"{path}: MuJoCo cannot read it: {' '.join(str(error).split())}") from None
+    spec = mjcf.read_spec(path)
     _require(spec, path)
     if person.height != REFERENCE_HEIGHT:
         _stretch(spec, person)
@@ -66,10 +62,7 @@ def build(
     for side in "lr":
         joint = spec.joint(f"ankle_{side}")
         joint.stiffness[0] = ankle.stiffness if ankle.mode == "sprung" else 0.0
-    try:
-        model = spec.compile()
-    except (ValueError, mujoco.FatalError) as error:
-        raise ModelError(f"{path}: MuJoCo cannot compile it: {' '.join(str(error).split())}") from None
+    model = mjcf.compiled(spec, path)
     for name, mass in (masses or {}).items():
         if name == "payload":
             continue
@@ -100,6 +93,11 @@ def _require(spec: Any, path: Path) -> None:
     """Check that the parts of a worn machine are there."""
     joints = ("torso_x", "torso_z", *COORDINATES[2:])
     present = [joint.name for joint in spec.joints]
+    if not set(joints) & set(present):
+        raise ModelError(
+            f"{path}: carries no person: walking and sizing need a worn machine, with joints {joints[0]}, {joints[1]}, {joints[2]}"
+            " and so on as in assets/exo.xml; inspect, compare and diagnose take any machine"
+        )
     for name in joints:
         if name not in present:
             raise ModelError(f'{path}: a worn machine needs a joint "{name}"{nearest(name, present)}')

@@ -9,10 +9,13 @@ import numpy as np
 from numpy.typing import NDArray
 
 from exo_sim.errors import ModelError, RigError, nearest
-from exo_sim.rig import Rig
+from exo_sim.machine import mujoco_words  # noqa: F401 - its warnings are ours from here on
+from exo_sim.rig import Cylinder, Rig
 
 #: How far a piston may be asked beyond its stroke before the rig is refused [m].
 STROKE_TOLERANCE = 1e-3
+#: Share of its largest force that a cylinder's motor must let through.
+_CLIPS = 0.98
 
 
 @dataclass(frozen=True)
@@ -48,6 +51,7 @@ def linkages(rig: Rig, model: mujoco.MjModel) -> tuple[Linkage, ...]:
             raise ModelError(f"{key}: no such actuator in {rig.model.name}{nearest(cylinder.actuator, names)}")
         index = names.index(cylinder.actuator)
         _check_motor(model, index, key)
+        _check_reach(rig, model, cylinder, index, key)
         dof = _driven_dof(model, index, key)
         joint = int(model.dof_jntid[dof])
         turning = model.jnt_type[joint] == mujoco.mjtJoint.mjJNT_HINGE
@@ -63,6 +67,28 @@ def _check_motor(model: mujoco.MjModel, index: int, key: str) -> None:
     kind = (int(model.actuator_gaintype[index]), int(model.actuator_biastype[index]), int(model.actuator_dyntype[index]))
     if kind != plain or model.actuator_gainprm[index, 0] != 1.0:
         raise ModelError(f"{key}: is not a <motor> of gain 1; a cylinder writes its force in newtons into ctrl")
+
+
+def _check_reach(rig: Rig, model: mujoco.MjModel, cylinder: Cylinder, index: int, key: str) -> None:
+    """Refuse a motor that would cut off what the cylinder exerts: MuJoCo clips in silence."""
+    over = max(rig.supply.pressure - rig.environment.pressure, 0.0) if cylinder.valve_area > 0.0 else 0.0
+    low, high = (0.0 if cylinder.single_acting else -over * cylinder.area_2), over * cylinder.area_1
+    gear = abs(float(model.actuator_gear[index, 0])) or 1.0
+    moved = int(model.actuator_trnid[index, 0])
+    on_joint = int(model.actuator_trntype[index]) == int(mujoco.mjtTrn.mjTRN_JOINT)
+    held = (
+        ("ctrlrange", model.actuator_ctrllimited[index], model.actuator_ctrlrange[index]),
+        ("forcerange", model.actuator_forcelimited[index], model.actuator_forcerange[index]),
+        ("actuatorfrcrange", model.jnt_actfrclimited[moved], model.jnt_actfrcrange[moved] / gear)
+        if on_joint
+        else ("actuatorfrcrange", model.tendon_actfrclimited[moved], model.tendon_actfrcrange[moved] / gear),
+    )
+    for name, limited, (least, most) in held:
+        if limited and (least > _CLIPS * low or most < _CLIPS * high):
+            raise ModelError(
+                f"{key}: {name} in {rig.model.name} cuts its force to {least:g} to {most:g} N, but the cylinder exerts {low:.0f} to "
+                f"{high:.0f} N; take {name} out of the MJCF, or widen it"
+            )
 
 
 def _driven_dof(model: mujoco.MjModel, index: int, key: str) -> int:

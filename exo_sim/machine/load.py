@@ -7,8 +7,9 @@ from collections.abc import Mapping
 import mujoco
 
 from exo_sim.errors import ModelError, nearest
+from exo_sim.machine import mjcf
 from exo_sim.machine.attachment import attach
-from exo_sim.physics.effects.declaration import declared
+from exo_sim.physics.declaration import declared
 from exo_sim.rig import JointFactors, Rig
 
 
@@ -18,10 +19,7 @@ def spec(rig: Rig) -> mujoco.MjSpec:
     Raises:
         ModelError: MuJoCo refuses the file, or a body is not in it.
     """
-    try:
-        loaded = mujoco.MjSpec.from_file(str(rig.model))
-    except (ValueError, RuntimeError) as error:
-        raise ModelError(f"{rig.model}: MuJoCo cannot read it: {_one_line(error)}") from None
+    loaded = mjcf.read_spec(rig.model)
     if rig.body_masses:
         before = compiled(loaded, rig)
         for name, mass in rig.body_masses.items():
@@ -45,12 +43,9 @@ def compiled(loaded: mujoco.MjSpec, rig: Rig) -> mujoco.MjModel:
     """Compile a specification.
 
     Raises:
-        ModelError: MuJoCo refuses it.
+        ModelError: MuJoCo refuses it, or it holds numbers that no machine has.
     """
-    try:
-        return loaded.compile()
-    except (ValueError, RuntimeError) as error:
-        raise ModelError(f"{rig.model}: MuJoCo cannot compile it: {_one_line(error)}") from None
+    return mjcf.compiled(loaded, rig.model)
 
 
 def corrected(model: mujoco.MjModel, joints: Mapping[str, JointFactors], told_by: str) -> None:
@@ -111,6 +106,3 @@ def load(rig: Rig) -> mujoco.MjModel:
     attach(model, rig)
     return model
 
-
-def _one_line(error: Exception) -> str:
-    return " ".join(str(error).split())

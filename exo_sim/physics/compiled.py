@@ -1,18 +1,16 @@
 """How a kernel is compiled, and where its machine code is kept.
 
 numba's own cache does not notice a change in another file that a cached function calls or takes a number from, so the folder is
-named after the text of all physics and of every file elsewhere that holds a kernel, and after the versions that compile it: an edit
-is never met by stale code.
+named after the text of all physics, of every file elsewhere that holds a kernel and of effects outside the package, and after the
+versions that compile it: an edit is never met by stale code.
 """
 
 from __future__ import annotations
 
 import contextlib
 import hashlib
-import os
 import platform
 import re
-import shutil
 from collections.abc import Callable
 from pathlib import Path
 from typing import Any, TypeVar
@@ -24,16 +22,18 @@ from numba.core import cgutils, config
 from numba.core.caching import FunctionCache
 from numba.extending import intrinsic
 
+from exo_sim.physics import kept_code, outside
+
 Function = TypeVar("Function", bound=Callable[..., Any])
 
 _PACKAGE = Path(__file__).resolve().parent.parent
-_KEPT = 4
 _COMPILED = re.compile(rb"kernel|intrinsic")
 
 
 def _sources() -> list[Path]:
     physics = Path(__file__).resolve().parent
-    return [path for path in sorted(_PACKAGE.rglob("*.py")) if physics in path.parents or _COMPILED.search(path.read_bytes())]
+    own = [path for path in sorted(_PACKAGE.rglob("*.py")) if physics in path.parents or _COMPILED.search(path.read_bytes())]
+    return own + outside.files()
 
 
 def _key() -> str:
@@ -45,25 +45,8 @@ def _key() -> str:
     return digest.hexdigest()[:16]
 
 
-def _folder() -> Path:
-    root = os.environ.get("EXO_SIM_CACHE") or os.environ.get("XDG_CACHE_HOME") or str(Path.home() / ".cache")
-    return Path(root) / "exo-sim"
-
-
-def _settle() -> None:
-    """Point numba at this source's own folder and drop the oldest of the others."""
-    folder = _folder() / _key()
-    try:
-        folder.mkdir(parents=True, exist_ok=True)
-        os.utime(folder)
-        for old in sorted(_folder().iterdir(), key=lambda path: path.stat().st_mtime)[:-_KEPT]:
-            shutil.rmtree(old, ignore_errors=True)
-    except OSError:
-        return  # a read-only home: numba then compiles anew at each start
-    config.CACHE_DIR = str(folder)  # type: ignore[attr-defined]
-
-
-_settle()
+if (_folder := kept_code.folder(_key())) is not None:
+    config.CACHE_DIR = str(_folder)  # type: ignore[attr-defined]
 
 
 def kernel(function: Function) -> Function:
@@ -78,7 +61,8 @@ def inlined_kernel(function: Function) -> Function:
 
 def _compiled(function: Function, forceinline: bool = False) -> Function:
     compiled: Any = numba.njit(nogil=True, error_model="numpy", forceinline=forceinline)(function)
-    compiled._cache = _Kept(function)  # what `cache=True` does, with our kind of cache
+    if _folder is not None:
+        compiled._cache = _Kept(function)  # what `cache=True` does, with our kind of cache
     return compiled  # type: ignore[no-any-return]
 
 

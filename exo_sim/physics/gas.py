@@ -59,6 +59,12 @@ def flow_factor(ratio: float, k: float) -> float:
 
 
 @kernel
+def choked_flow(area: float, pressure: float, temperature: float, k: float, r: float) -> float:
+    """Return the choked mass flow [kg/s]; arguments as of `mass_flow`."""
+    return critical_flow_factor(k) * math.sqrt(k / (r * temperature)) * pressure * area
+
+
+@kernel
 def mass_flow(area: float, pressure: float, temperature: float, pressure_down: float, k: float, r: float) -> float:
     """Return the mass flow from a stagnant upstream gas [kg/s] (equation 27).
 

@@ -9,6 +9,8 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
+from exo_sim.physics.compiled import kernel
+
 #: The most stages in one step; beyond that the step is divided.
 MOST_STAGES = 20
 
@@ -65,3 +67,12 @@ REACH = np.zeros(MOST_STAGES + 1)
 for _stages in range(2, MOST_STAGES + 1):
     COEFFICIENTS[_stages, : _stages + 1] = coefficients(_stages)
     REACH[_stages] = stable_reach(_stages)
+
+
+@kernel
+def enough_stages(reach: float) -> int:
+    """Return how many stages are stable up to h * lambda = `reach`; never more than there are."""
+    stages = 2
+    while stages < MOST_STAGES and REACH[stages] < reach:
+        stages += 1
+    return stages

@@ -4,11 +4,13 @@ from __future__ import annotations
 
 from exo_sim.physics import chamber, cylinder, valve
 from exo_sim.physics.compiled import kernel
+from exo_sim.physics.conditions import Chamber, Reservoir
 from exo_sim.physics.effects import (
     exhaust_back_pressure,
     line_restriction,
     supply_droop,
     supply_regulator,
+    valve_edges,
     valve_null_leakage,
 )
 from exo_sim.physics.state import (
@@ -22,6 +24,8 @@ from exo_sim.physics.state import (
     MASS_2,
     SUPPLY_ENERGY,
     SUPPLY_MASS,
+    WALL_1,
+    WALL_2,
 )
 
 #: What is left of a chamber whose rig gives it no dead volume, the piston at its end [m^3].
@@ -58,6 +62,21 @@ def pressures(world, c, y, base: int, x: float) -> tuple[float, float]:
 
 
 @kernel
+def chambers(world, c, y, base: int, x: float, v: float):
+    """Return both chambers of a cylinder whose piston is at x and moves at v, as two `Chamber`."""
+    v_1, v_2 = volumes(c, x)
+    k, r = world.k, world.r
+    p_1 = chamber.pressure(y[base + ENERGY_1], v_1, k)
+    t_1 = chamber.temperature(y[base + ENERGY_1], y[base + MASS_1], k, r)
+    p_2, t_2 = world.atmosphere, world.ambient
+    if c.single_acting == 0.0:
+        p_2 = chamber.pressure(y[base + ENERGY_2], v_2, k)
+        t_2 = chamber.temperature(y[base + ENERGY_2], y[base + MASS_2], k, r)
+    one = Chamber(1, p_1, t_1, v_1, y[base + WALL_1], c.area_1, x, v, x, v)
+    return one, Chamber(2, p_2, t_2, v_2, y[base + WALL_2], c.area_2, c.stroke - x, -v, x, v)
+
+
+@kernel
 def sensed_pressures(world, c, y, base: int, x: float) -> tuple[float, float]:
     """Return the absolute pressures where the sensors sit [Pa]: in the chambers, or at the valve's end of the hoses."""
     if line_restriction.present(c.line_restriction) and c.line_restriction.sensor > 0.0:
@@ -77,26 +96,36 @@ def temperatures(world, y, base: int) -> tuple[float, float]:
 
 
 @kernel
-def supply_state(world, y, shared: int, held: float) -> tuple[float, float]:
-    """Return pressure and temperature upstream of every valve: an accumulator's, a regulator's, or the rig's constant."""
+def supply_state(world, y, shared: int, held: float):
+    """Return the `Reservoir` upstream of every valve: an accumulator, what a regulator gives, or the rig's constants."""
     if supply_droop.present(world.supply_droop):
         p = chamber.pressure(y[shared + SUPPLY_ENERGY], world.supply_droop.volume, world.k)
-        return p, chamber.temperature(y[shared + SUPPLY_ENERGY], y[shared + SUPPLY_MASS], world.k, world.r)
-    return supply_regulator.pressure(world.supply_regulator, world.supply_pressure, held), world.supply_temperature
+        return Reservoir(p, chamber.temperature(y[shared + SUPPLY_ENERGY], y[shared + SUPPLY_MASS], world.k, world.r))
+    p = supply_regulator.pressure(world.supply_regulator, world.supply_pressure, held)
+    return Reservoir(p, world.supply_temperature)
 
 
 @kernel
-def exhaust_state(world, y, shared: int) -> tuple[float, float]:
-    """Return pressure and temperature downstream of every valve: the manifold's, or what the exhaust opens into."""
+def exhaust_state(world, y, shared: int):
+    """Return the `Reservoir` downstream of every valve: the manifold, or what the exhaust opens into."""
     if exhaust_back_pressure.present(world.exhaust_back_pressure):
         p = chamber.pressure(y[shared + EXHAUST_ENERGY], world.exhaust_back_pressure.volume, world.k)
-        return p, chamber.temperature(y[shared + EXHAUST_ENERGY], y[shared + EXHAUST_MASS], world.k, world.r)
-    return world.exhaust_pressure, world.ambient
+        return Reservoir(p, chamber.temperature(y[shared + EXHAUST_ENERGY], y[shared + EXHAUST_MASS], world.k, world.r))
+    return Reservoir(world.exhaust_pressure, world.ambient)
 
 
 @kernel
 def path_areas(c, opening: float) -> tuple[float, float, float, float]:
     """Return the areas of supply->1, 1->exhaust, supply->2, 2->exhaust [m^2]; a vented cylinder has both exhausts open."""
+    if c.vented == 0.0 and valve_edges.present(c.valve_edges):
+        closed = valve_null_leakage.closed_area(c.valve_null_leakage)
+        return valve_edges.path_areas(c.valve_edges, opening, c.valve_deadband.width, c.valve_area, closed)
+    return plain_path_areas(c, opening)
+
+
+@kernel
+def plain_path_areas(c, opening: float) -> tuple[float, float, float, float]:
+    """Return the same for four edges that are alike."""
     if c.vented > 0.0:
         return 0.0, c.valve_area, 0.0, c.valve_area
     return valve.path_areas(opening, c.valve_area, valve_null_leakage.closed_area(c.valve_null_leakage))

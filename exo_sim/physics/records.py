@@ -5,9 +5,12 @@ The fields of an effect are those of its declaration: a new file in `effects/` a
 
 from __future__ import annotations
 
-import numpy as np
+from collections.abc import Collection
 
-from exo_sim.physics.effects.declaration import Effect, declared
+import numpy as np
+from numpy.typing import NDArray
+
+from exo_sim.physics.declaration import Effect, declared
 
 
 def _fields(place: str) -> list[tuple[str, np.dtype]]:
@@ -64,3 +67,15 @@ WORLD = np.dtype(
     ],
     align=True,
 )
+
+
+def switch_off(world: NDArray[np.void], places: Collection[str]) -> None:
+    """Switch off the effects of shared parts, in place: a pressure measured there contains what they do already.
+
+    Args:
+        world: Record WORLD, shape (1,).
+        places: Of "supply" and "exhaust".
+    """
+    for effect in declared().values():
+        if effect.places[0] in places:
+            world[effect.name] = np.zeros(1, world[effect.name].dtype)

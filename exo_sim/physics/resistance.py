@@ -8,17 +8,18 @@ from __future__ import annotations
 
 import math
 
-from exo_sim.physics.compiled import kernel
-from exo_sim.physics.effects import (
-    asymmetric_friction,
-    coulomb_friction,
-    presliding,
-    pressure_dependent_friction,
-    quadratic_drag,
-    return_spring,
-    stribeck_friction,
-    viscous_friction,
+from exo_sim.physics.balances import (
+    joint_damping,
+    joint_dry_friction,
+    joint_spring_force,
+    joint_with_excess,
+    piston_damping,
+    piston_dry_friction,
+    piston_spring_force,
+    piston_with_excess,
 )
+from exo_sim.physics.compiled import kernel
+from exo_sim.physics.effects import friction_smoothing, presliding
 
 #: How far a stuck piston (m) or joint (rad) gives before it slides where no presliding is declared.
 STUCK_TRAVEL = 1e-5
@@ -29,22 +30,22 @@ STUCK_TIME = 2e-3
 
 
 @kernel
-def dry_level(c, v: float, z: float, gauge_1: float, gauge_2: float) -> float:
-    """Return the dry friction that a piston moving at v, its contact bent by z, meets [N]."""
-    level = coulomb_friction.level(c.coulomb_friction)
-    level += asymmetric_friction.level(c.asymmetric_friction, z if z != 0.0 else v)
-    level += pressure_dependent_friction.level(c.pressure_dependent_friction, gauge_1, gauge_2)
-    level += stribeck_friction.excess(c.stribeck_friction, level, v)
-    return level
+def sharp_level(c, motion):
+    """Return the dry friction that a piston in this `Motion` meets [N], as if nothing smoothed it."""
+    return piston_with_excess(c, piston_dry_friction(c, motion), motion)
 
 
 @kernel
-def joint_dry_level(j, v: float, z: float) -> float:
-    """Return the dry friction that a joint moving at v, its contact bent by z, meets [N or N m]."""
-    level = coulomb_friction.level(j.coulomb_friction)
-    level += asymmetric_friction.level(j.asymmetric_friction, z if z != 0.0 else v)
-    level += stribeck_friction.excess(j.stribeck_friction, level, v)
-    return level
+def dry_level(c, motion):
+    """Return the dry friction that a piston in this `Motion` meets [N]."""
+    return friction_smoothing.smoothed(c.friction_smoothing, sharp_level(c, motion), motion.v)
+
+
+@kernel
+def joint_dry_level(j, motion):
+    """Return the dry friction that a joint in this `Motion` meets [N or N m]."""
+    level = joint_with_excess(j, joint_dry_friction(j, motion), motion)
+    return friction_smoothing.smoothed(j.friction_smoothing, level, motion.v)
 
 
 @kernel
@@ -89,24 +90,29 @@ def dry_force(c, z: float, v: float, level: float) -> float:
 
 
 @kernel
-def steady_force(c, x: float, v: float) -> float:
-    """Return what resists besides dry friction [N or N m]: viscous, quadratic, spring."""
-    force = viscous_friction.force(c.viscous_friction, v)
-    force += quadratic_drag.force(c.quadratic_drag, v)
-    if c.effective_mass > 0.0 and c.step > 0.0:  # more than this would not slow the part within a step but throw it back
-        most = 0.5 * c.effective_mass / c.step * abs(v)
+def _damped(part, v: float, damping: float) -> float:
+    """Return the force of a damping at speed v: more than this would not slow the part within a step but throw it back [N or N m]."""
+    force = damping * v
+    if part.effective_mass > 0.0 and part.step > 0.0:
+        most = 0.5 * part.effective_mass / part.step * abs(v)
         force = min(max(force, -most), most)
-    force += return_spring.force(c.return_spring, x)
     return force
 
 
 @kernel
-def piston_resistance(c, z: float, x: float, v: float, gauge_1: float, gauge_2: float) -> float:
-    """Return the force that a piston at x, moving at v, meets [N], against +v."""
-    return dry_force(c, z, v, dry_level(c, v, z, gauge_1, gauge_2)) + steady_force(c, x, v)
+def steady_force(c, motion):
+    """Return what resists a piston besides dry friction [N]: damping, springs."""
+    return _damped(c, motion.v, piston_damping(c, motion)) + piston_spring_force(c, motion)
 
 
 @kernel
-def joint_resistance(j, z: float, q: float, qd: float) -> float:
-    """Return the generalised force that a joint meets [N or N m], against +qd."""
-    return dry_force(j, z, qd, joint_dry_level(j, qd, z)) + steady_force(j, q, qd)
+def piston_resistance(c, motion):
+    """Return the force that a piston in this `Motion` meets [N], against +v."""
+    return dry_force(c, motion.bristle, motion.v, dry_level(c, motion)) + steady_force(c, motion)
+
+
+@kernel
+def joint_resistance(j, motion):
+    """Return the generalised force that a joint in this `Motion` meets [N or N m], against +v."""
+    steady = _damped(j, motion.v, joint_damping(j, motion)) + joint_spring_force(j, motion)
+    return dry_force(j, motion.bristle, motion.v, joint_dry_level(j, motion)) + steady

@@ -12,6 +12,7 @@ WALL_1, WALL_2 = 8, 9
 DRAWN, EXHAUSTED, LEAKED = 10, 11, 12
 DRAWN_ENTHALPY, EXHAUSTED_ENTHALPY, LEAKED_ENTHALPY = 13, 14, 15
 HEAT, WORK = 16, 17
+CONTENTS = 8  # the first so many, chambers before hoses, are what volumes hold: never below zero
 INTEGRATED = 18
 
 # Integrated, shared: accumulator, exhaust manifold, and the books of what fed and left them.
@@ -24,9 +25,10 @@ SHARED = 8
 SPOOL, PLAY, BRISTLE, PISTON, PISTON_SPEED = 0, 1, 2, 3, 4
 REMEMBERED = 5
 
-# Remembered, shared: flow that the regulator feels, and the flow its diaphragm holds.
-FELT, HELD = 0, 1
-SHARED_REMEMBERED = 2
+# Remembered, shared: flow that the regulator feels, and the flow its diaphragm holds; how fast the gas turned out to be where a step
+# was too coarse for it.
+FELT, HELD, FASTER = 0, 1, 2
+SHARED_REMEMBERED = 3
 
 
 def integrated_size(cylinders: int) -> int:

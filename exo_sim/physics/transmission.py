@@ -5,12 +5,17 @@ The piston is taken as massless: gas force less what resists it equals what the 
 
 from __future__ import annotations
 
+from exo_sim.physics.balances import piston_damping, piston_spring_force
 from exo_sim.physics.compiled import kernel
-from exo_sim.physics.effects import backlash, return_spring, transmission_compliance, unknown
-from exo_sim.physics.resistance import bristle_stiffness, dry_level
+from exo_sim.physics.conditions import Motion
+from exo_sim.physics.effects import backlash, friction_smoothing, transmission_compliance, unknown
+from exo_sim.physics.resistance import bristle_stiffness, sharp_level
 
 #: How far beyond its ends a piston behind a soft mount may be pushed [m]: there it rests on the end cap.
 END_GIVE = 1e-3
+
+#: Over how far the slope of a spring's force is taken [m].
+NEARBY = 1e-6
 
 
 @kernel
@@ -63,18 +68,22 @@ def piston_at(
     """
     spring = stiffness(c)
     low, high = min(x, 0.0) - END_GIVE, max(x, c.stroke) + END_GIVE
-    level = dry_level(c, speed, z, p_1 - world.atmosphere, p_2 - world.atmosphere)
+    g_1, g_2 = p_1 - world.atmosphere, p_2 - world.atmosphere
+    before = Motion(from_x, speed, z, g_1, g_2)
+    level = sharp_level(c, before)
+    smoothed = 0.0
+    if friction_smoothing.present(c.friction_smoothing):  # then there is nothing that sticks
+        smoothed, level = level, 0.0
     grip = bristle_stiffness(c, level) if level > 0.0 else 0.0
     v_1 = c.dead_volume_1 + c.area_1 * from_x
     v_2 = c.dead_volume_2 + c.area_2 * (c.stroke - from_x)
     steady = world.atmosphere * (c.area_1 - c.area_2) - unknown.acting(c.unknown, 0, from_x, speed, p_1, p_2)
-    thick = c.viscous_friction.coefficient + c.quadratic_drag.coefficient * abs(speed)
+    thick = piston_damping(c, before)
     if span > 0.0:
         thick /= span
     else:
-        steady += thick * speed
-        thick = 0.0
-    soft = c.return_spring.stiffness
+        steady += thick * speed + friction_smoothing.creep(c.friction_smoothing, smoothed, speed)[0]
+        thick = smoothed = 0.0
     piston = from_x
     for _ in range(20):
         n_1 = max(v_1 + c.area_1 * (piston - from_x), 0.01 * v_1)
@@ -85,13 +94,18 @@ def piston_at(
         slope = spring if play(c, piston - x) != 0.0 else 0.0
         if abs(drag) < level:
             slope += grip
-        drag = min(max(drag, -level), level) + thick * (piston - from_x) + return_spring.force(c.return_spring, piston)
+        spring_force = piston_spring_force(c, Motion(piston, speed, z, g_1, g_2))
+        drag = min(max(drag, -level), level) + thick * (piston - from_x) + spring_force
+        if smoothed > 0.0:
+            creep, steep = friction_smoothing.creep(c.friction_smoothing, smoothed, (piston - from_x) / span)
+            drag += creep
+            slope += steep / span
         force = q_1 * c.area_1 - q_2 * c.area_2 - steady - drag - carried(c, piston, x)
         if force > 0.0:
             low = piston
         else:
             high = piston
-        slope += thick + soft
+        slope += thick + max((piston_spring_force(c, Motion(piston + NEARBY, speed, z, g_1, g_2)) - spring_force) / NEARBY, 0.0)
         slope += world.k * (q_1 * c.area_1**2 / n_1 + (q_2 * c.area_2**2 / n_2 if c.single_acting == 0.0 else 0.0))
         new = piston + force / slope
         if not low <= new <= high:

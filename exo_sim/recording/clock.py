@@ -11,6 +11,8 @@ from exo_sim.recording.finding import MOST_SPANS, Finding
 #: A clock that jumps back so far that more than this share of the rows would be lost is taken for two recordings in one
 #: file, and the longest is kept.
 MOST_LOST = 0.1
+#: A step this small, relative to the usual one, is none.
+STANDSTILL = 1e-6
 
 
 def in_order(name: str, time: NDArray[np.float64]) -> tuple[NDArray[np.intp] | slice, list[Finding], tuple[float, ...]]:
@@ -38,7 +40,7 @@ def in_order(name: str, time: NDArray[np.float64]) -> tuple[NDArray[np.intp] | s
         says = f'"time" has no number in {_rows(count)}, first row {first + 1}; they were dropped'
         findings.append(Finding("time", "clock", says, severity="warning", use="repaired"))
     steps = np.diff(time[rows])
-    if len(steps) and (steps > 0).all():
+    if len(steps) and (steps > _least(steps)).all():
         return (slice(None) if not missing.any() else rows), findings, ()
     if len(steps) and (steps <= 0).all() and (steps < 0).mean() > 0.5:
         rows, steps = rows[::-1], -steps[::-1]
@@ -53,7 +55,7 @@ def _increasing(
 ) -> tuple[NDArray[np.intp], tuple[float, ...]]:
     clock = time[rows]
     latest = np.maximum.accumulate(clock)
-    later = np.concatenate(([True], clock[1:] > latest[:-1]))
+    later = np.concatenate(([True], clock[1:] - latest[:-1] > _least(np.abs(steps))))
     back = np.flatnonzero(steps < 0)
     if not len(back):
         if not later.all():
@@ -80,10 +82,16 @@ def _increasing(
     )
     findings.append(Finding("time", "clock", says, times=times, severity="warning", use="set aside"))
     clock, rows = clock[piece], rows[piece]
-    later = np.concatenate(([True], np.diff(clock) > 0))
+    later = np.concatenate(([True], np.diff(clock) > _least(np.diff(clock))))
     if not later.all():
         _say_repeated(clock, rows, ~later, findings)
     return rows[later], ()
+
+
+def _least(steps: NDArray[np.float64]) -> float:
+    """Return the step from which a clock moves on [s]: less is rounding, of which no speed can be had."""
+    forward = steps[steps > 0]
+    return STANDSTILL * float(np.median(forward)) if len(forward) else 0.0
 
 
 def _say_repeated(

@@ -16,12 +16,13 @@ A TOML file::
 
 from __future__ import annotations
 
-import tomllib
 from collections.abc import Mapping
 from dataclasses import dataclass, field
 from pathlib import Path
 
+from exo_sim import units
 from exo_sim.errors import RecordingError, UnitError, nearest
+from exo_sim.inputs import text_of, toml
 from exo_sim.recording import columns
 from exo_sim.recording.columns import Column
 
@@ -51,11 +52,13 @@ def read_column_map(path: str | Path) -> ColumnMap:
     """
     path = Path(path)
     try:
-        tables = tomllib.loads(path.read_text(encoding="utf-8"))
+        tables = toml(text_of(path))
     except FileNotFoundError:
         raise RecordingError(f'column map "{path}": there is no such file') from None
-    except (OSError, UnicodeDecodeError, tomllib.TOMLDecodeError) as error:
-        raise RecordingError(f'column map "{path}": cannot be read as TOML: {str(error).splitlines()[0]}') from None
+    except OSError as error:
+        raise RecordingError(f'column map "{path}": cannot be read: {error.strerror or error}') from None
+    except ValueError as error:
+        raise RecordingError(f'column map "{path}": {error}') from None
     _known(path, "table", tables, ("file", "columns"))
     options = tables.get("file", {})
     entries = tables.get("columns")
@@ -85,10 +88,7 @@ def _entry(path: Path, name: str, entry: object) -> Column:
     if isinstance(entry, dict):
         _known(path, f'key of "{name}"', entry, ("column", "scale", "offset"))
         heading = entry.get("column")
-        try:
-            scale, offset = float(entry.get("scale", 1.0)), float(entry.get("offset", 0.0))
-        except (TypeError, ValueError):
-            raise RecordingError(f"{where}: scale and offset must be numbers") from None
+        scale, offset = (_factor(where, key, entry.get(key, usual)) for key, usual in (("scale", 1.0), ("offset", 0.0)))
     if not isinstance(heading, str):
         raise RecordingError(f'{where}: write the column it is, like "piston.pressure_1 [bar]"')
     try:
@@ -96,3 +96,10 @@ def _entry(path: Path, name: str, entry: object) -> Column:
     except (RecordingError, UnitError) as error:
         raise type(error)(f"{where}: {error}") from None
     return Column(name, column.key, column.unit, scale * column.scale, offset * column.scale + column.offset)
+
+
+def _factor(where: str, key: str, value: object) -> float:
+    if isinstance(value, bool) or not isinstance(value, int | float) or not abs(value) < units.LARGEST or (key == "scale" and value == 0):
+        shown = f"{value!r}"[:40]
+        raise RecordingError(f"{where}: {key} = {shown}: scale and offset must be numbers of less than {units.LARGEST:g}, the scale not 0")
+    return float(value)

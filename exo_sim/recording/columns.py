@@ -13,6 +13,8 @@ from exo_sim import signals, units
 from exo_sim.errors import RecordingError, UnitError, nearest
 
 TIME = "time"
+#: Longest heading that is read, in characters.
+LONGEST = 300
 _HEADING = re.compile(r"^\s*(?P<name>[^\[\]]*?)\s*(?:\[(?P<unit>[^\[\]]*)\])?\s*$")
 _SPELLINGS = {"°": "deg", "°C": "degC", "Nm": "N*m", "N m": "N*m", "N·m": "N*m", "-": "1", "": "1"}
 
@@ -44,6 +46,8 @@ def split(heading: str) -> tuple[str, str | None]:
     Raises:
         RecordingError: brackets that do not make sense.
     """
+    if len(heading) > LONGEST:
+        raise RecordingError(f'the column name "{heading[:40]}..." has {len(heading)} characters; at most {LONGEST} are read')
     match = _HEADING.match(heading)
     if match is None:
         raise RecordingError(f'cannot read the column name "{heading}"; write it like "piston.pressure_1 [Pa]"')

@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
+import codecs
 import csv
+import re
 from collections.abc import Iterator
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -23,6 +25,12 @@ _MISSING = ["", "nan", "NaN", "NAN", "-nan", "NA", "N/A", "null", "NULL", "None"
 #: Lines with another number of cells are dropped and said, up to this share of the rows; beyond it the file is refused.
 _MOST_TORN = 0.01
 _SAMPLE = 1 << 18
+_MOST_COLUMNS = 5000
+_UTF8 = "utf-8"
+#: What ends a line for the parser of the rows; other characters that some programs take for line ends are part of a cell.
+_LINE_END = re.compile(r"\r\n|\n|\r")
+#: Those: tabulators and form feeds of old printers, separators, and the line ends of Unicode.
+_NO_LINE_END = re.compile("[\x0b\x0c\x1c-\x1e\x85\u2028\u2029]")
 
 
 def read_csv(path: Path, column_map: ColumnMap | None = None) -> RawTable:
@@ -31,15 +39,20 @@ def read_csv(path: Path, column_map: ColumnMap | None = None) -> RawTable:
     Raises:
         RecordingError: not text, no heading, no rows, decimal commas, too many torn lines, or what `select` refuses.
     """
-    sample = _sample(path)
+    sample, encoding = _sample(path)
     if not sample.strip():
         raise RecordingError(f'"{path}": the file is empty')
-    lines = sample.splitlines()
+    lines = _LINE_END.split(sample)
+    if not lines[-1]:
+        lines.pop()
     skipped = next((i for i, line in enumerate(lines) if line.strip() and not line.lstrip().startswith("#")), None)
     if skipped is None:
         raise RecordingError(f'"{path}": there are only comments in it; the first other line must name the columns')
+    if skipped == len(lines) - 1 and (found := _NO_LINE_END.search(lines[skipped])):
+        end = f"U+{ord(found[0]):04X}"
+        raise RecordingError(f'"{path}": there is a heading and no row below it: {end} ends no line; end each with a line feed')
     delimiter = (column_map.delimiter if column_map else None) or max(_DELIMITERS, key=lines[skipped].count)
-    headings = [cell.strip() for cell in next(csv.reader([lines[skipped]], delimiter=delimiter))]
+    headings = _headings(path, lines[skipped], skipped, delimiter)
     if column_map and not column_map.header:
         headings = [str(number) for number in range(1, len(headings) + 1)]
         skipped -= 1
@@ -51,17 +64,40 @@ def read_csv(path: Path, column_map: ColumnMap | None = None) -> RawTable:
     selection = select(str(path), headings, column_map)
     selection.refuse_if_too_long(str(path), _rows(path, sample, lines, skipped))
     _refuse_decimal_comma(path, lines[skipped + 1 :], delimiter, len(headings))
-    return _Parse(path, headings, skipped + 1, delimiter, selection).table()
+    if encoding != _UTF8:
+        says = f'"{path.name}" is not UTF-8 text; it was read as {encoding}, in which every byte is a character'
+        selection.findings.append(Finding(path.name, "encoding", says, severity="info", use="repaired"))
+    return _Parse(path, headings, skipped + 1, delimiter, selection, encoding).table()
 
 
-def _sample(path: Path) -> str:
+def _sample(path: Path) -> tuple[str, str]:
+    """Return the beginning of a file and what encoding the whole of it is in."""
+    decoder, encoding = codecs.getincrementaldecoder(_UTF8)(), _UTF8
     with path.open("rb") as file:
-        raw = file.read(_SAMPLE)
+        raw = piece = file.read(_SAMPLE)
+        try:
+            while piece:
+                decoder.decode(piece)
+                piece = file.read(1 << 24)
+            decoder.decode(b"", final=True)
+        except UnicodeDecodeError:
+            encoding = "latin-1"
     if raw[:2] in (b"\xff\xfe", b"\xfe\xff"):
         raise RecordingError(f'"{path}": it is UTF-16 text; save it as UTF-8')
     if b"\0" in raw:
         raise RecordingError(f'"{path}": it is not text; name it by its kind: .csv, .parquet or .rrd')
-    return raw.decode("utf-8-sig", errors="replace")
+    text = raw.decode(encoding, errors="ignore")  # of UTF-8, the sample may end within a character
+    return text.removeprefix("\ufeff"), encoding
+
+
+def _headings(path: Path, line: str, skipped: int, delimiter: str) -> list[str]:
+    try:
+        headings = [cell.strip() for cell in next(csv.reader([line], delimiter=delimiter))]
+    except csv.Error as error:
+        raise RecordingError(f'"{path}": line {skipped + 1} cannot be read as column names: {error}') from None
+    if len(headings) > _MOST_COLUMNS:
+        raise RecordingError(f'"{path}": {len(headings)} columns; at most {_MOST_COLUMNS} are read: hand in those that matter')
+    return headings
 
 
 def _rows(path: Path, sample: str, lines: list[str], skipped: int) -> float:
@@ -96,8 +132,11 @@ def _refuse_decimal_comma(path: Path, body: list[str], delimiter: str, width: in
 class _Parse:
     """One pass over the file, block by block, into one array a column."""
 
-    def __init__(self, path: Path, headings: list[str], skip: int, delimiter: str, selection: Selection) -> None:
+    def __init__(
+        self, path: Path, headings: list[str], skip: int, delimiter: str, selection: Selection, encoding: str
+    ) -> None:
         self.path, self.headings, self.skip, self.delimiter, self.selection = path, headings, skip, delimiter, selection
+        self.encoding = encoding
         self.torn: list[tuple[int, str]] = []
         self.words: dict[str, tuple[int, int, str]] = {}  # column: how many, first row, first word
 
@@ -135,16 +174,18 @@ class _Parse:
         from pyarrow import csv as arrow
 
         try:
-            yield from arrow.open_csv(
-                self.path,
-                read_options=arrow.ReadOptions(
-                    use_threads=False, column_names=self.headings, skip_rows=self.skip, block_size=1 << 22
-                ),
-                parse_options=arrow.ParseOptions(delimiter=self.delimiter, invalid_row_handler=self._on_torn),
-                convert_options=arrow.ConvertOptions(
-                    column_types=dict.fromkeys(sources, type_), include_columns=sources, null_values=_MISSING
-                ),
-            )
+            with self.path.open("rb") as file:  # opened here: a name may be none that Arrow can take
+                yield from arrow.open_csv(
+                    file,
+                    read_options=arrow.ReadOptions(
+                        use_threads=False, column_names=self.headings, skip_rows=self.skip, block_size=1 << 22,
+                        encoding=self.encoding,
+                    ),
+                    parse_options=arrow.ParseOptions(delimiter=self.delimiter, invalid_row_handler=self._on_torn),
+                    convert_options=arrow.ConvertOptions(
+                        column_types=dict.fromkeys(sources, type_), include_columns=sources, null_values=_MISSING
+                    ),
+                )  # fmt: skip
         except pa.ArrowInvalid as error:
             if "Empty CSV" in str(error):
                 raise RecordingError(f'"{self.path}": there is a heading and no row below it') from None

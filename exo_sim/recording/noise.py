@@ -58,8 +58,16 @@ def floor(values: NDArray[np.float64], time: NDArray[np.float64]) -> Noise:
         time: Seconds, shape (n,), strictly increasing; only samples at about the usual interval are compared.
     """
     values, time = _thinned(values, time)
-    step = quantum(values)
     present = np.isfinite(values)
+    # near 1, so that squares are numbers; a power of two, so that no bit is lost
+    power = int(np.frexp(np.abs(values[present]).max(initial=0.0))[1])
+    found = _floor(np.ldexp(values, -power), time, present)
+    std, white, correlated, step = (float(np.ldexp(each, power)) for each in (found.std, found.white, found.correlated, found.step))
+    return Noise(std, white, correlated, found.correlation_time, step, found.signal_share)
+
+
+def _floor(values: NDArray[np.float64], time: NDArray[np.float64], present: NDArray[np.bool_]) -> Noise:
+    step = quantum(values)
     if present.sum() < 8:
         return Noise(step / np.sqrt(12.0), 0.0, 0.0, 0.0, step, 0.0)
     interval = float(np.median(np.diff(time)))
@@ -182,6 +190,7 @@ def _parts(strides: NDArray[np.float64], variances: NDArray[np.float64]) -> tupl
     """Return the white and correlated variance, the correlation of neighbours, and the signal's share of V(1)."""
     from scipy.optimize import nnls
 
+    variances = np.maximum(variances, 1e-9 * variances.max())  # every other sample alike: of some strides nothing is left
     white = np.full_like(strides, 20.0)
     signal = strides**6
     best: tuple[float, tuple[float, float, float, float]] | None = None

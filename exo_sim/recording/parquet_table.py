@@ -7,7 +7,7 @@ from pathlib import Path
 import numpy as np
 from numpy.typing import NDArray
 
-from exo_sim.errors import RecordingError
+from exo_sim.errors import RecordingError, printable
 from exo_sim.recording.column_map import ColumnMap
 from exo_sim.recording.columns import Column
 from exo_sim.recording.selection import RawTable, select
@@ -25,7 +25,8 @@ def read_parquet(path: Path, column_map: ColumnMap | None = None) -> RawTable:
     from pyarrow import parquet
 
     try:
-        file = parquet.ParquetFile(path)
+        name_is_text = printable(path.name) == path.name
+        file = parquet.ParquetFile(path if name_is_text else path.open("rb"))
     except (pa.ArrowException, OSError) as error:
         raise RecordingError(
             f'"{path}": not a whole Parquet file ({_first_line(error)}): '
@@ -39,7 +40,7 @@ def read_parquet(path: Path, column_map: ColumnMap | None = None) -> RawTable:
         selection.refuse_if_too_long(str(path), rows)
         values = {column.key: _numbers(path, file, column) for column in selection.columns}
         text = file.schema_arrow.metadata or {}
-    metadata = {key.decode(): value.decode(errors="replace") for key, value in text.items() if key not in _NOT_OURS}
+    metadata = {key.decode(errors="replace"): value.decode(errors="replace") for key, value in text.items() if key not in _NOT_OURS}
     units = {column.key: column.unit for column in selection.columns}
     return RawTable(values.pop(selection.columns[0].key), values, units, list(selection.findings), metadata)
 

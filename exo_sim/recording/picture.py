@@ -77,11 +77,14 @@ def _quiet_surroundings() -> Iterator[Path]:
 
 
 def _on_loopback(folder: Path) -> str | None:
-    """Return a starter for the viewer that listens to this machine only; rerun's own way in has no word for that."""
+    """Return a starter for the viewer that listens to this machine only and keeps to itself where in it it failed.
+
+    Rerun's own way in has no word for either.
+    """
     if os.name != "posix":
         return None
     starter = folder / "viewer"
-    words = f'unset RERUN_APP_ONLY\nexec {shlex.quote(sys.executable)} -m rerun --bind 127.0.0.1 "$@"'
+    words = f'unset RERUN_APP_ONLY\nexec {shlex.quote(sys.executable)} -m rerun --bind 127.0.0.1 "$@" 2>/dev/null'
     starter.write_text(f"#!/bin/sh\n{words}\n", encoding="utf-8")
     starter.chmod(0o700)
     return str(starter)

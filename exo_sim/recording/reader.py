@@ -8,15 +8,19 @@ from pathlib import Path
 
 import numpy as np
 
-from exo_sim.errors import RecordingError
+from exo_sim.errors import RecordingError, printable
+from exo_sim.inputs import check_regular
 from exo_sim.recording import clock
 from exo_sim.recording.column_map import ColumnMap, read_column_map
 from exo_sim.recording.finding import Finding
 from exo_sim.recording.selection import RawTable
 from exo_sim.recording.table import Recording
+from exo_sim.units import LARGEST, SMALLEST
 
 #: Fewer samples than this say nothing.
 FEWEST_SAMPLES = 10
+#: Seconds from row to row between which a clock is one.
+SHORTEST, LONGEST = 1e-8, 1e6
 
 
 @dataclass(frozen=True)
@@ -48,11 +52,13 @@ def read(path: str | Path, column_map: str | Path | None = None) -> Reading:
     path = Path(path)
     if not path.exists():
         raise RecordingError(f'"{path}": there is no such recording')
-    if path.is_dir():
-        raise RecordingError(f'"{path}" is a folder; name the recording in it')
     foreign = read_column_map(column_map) if column_map is not None else None
     try:
-        if path.is_file() and not path.stat().st_size:
+        check_regular(path)
+    except ValueError as error:
+        raise RecordingError(f'"{path}": {error}') from None
+    try:
+        if not path.stat().st_size:
             raise RecordingError(f'"{path}": the file is empty')
         return tidy(path, _reader(path)(path, foreign))
     except OSError as error:
@@ -90,15 +96,21 @@ def tidy(path: Path, raw: RawTable) -> Reading:
     time = raw.time[kept]
     if len(time) < FEWEST_SAMPLES:
         raise RecordingError(f'"{path}": {len(time)} usable rows; at least {FEWEST_SAMPLES} are needed')
+    usual = float(np.median(np.diff(time)))
+    if not SHORTEST < usual < LONGEST:
+        raise RecordingError(f'"{path}": the clock steps by {usual:.3g} s from row to row; is the unit of "time" right?')
     columns = {}
     for key in list(raw.values):
         values = raw.values.pop(key)[kept]
-        infinite = np.isinf(values)
+        infinite = np.abs(values) > LARGEST
         if infinite.any():
             values = np.where(infinite, np.nan, values)
             count, first = int(infinite.sum()), int(np.argmax(infinite))
-            says = f'"{key}" is infinite in {count} rows, first row {first + 1}; taken as missing'
+            says = f'"{key}" is infinite, or more than any sensor reads, in {count} rows, first row {first + 1}; taken as missing'
             findings.append(Finding(key, "infinite", says, severity="warning", use="repaired"))
+        minute = (np.abs(values) < SMALLEST) & (values != 0.0)
+        if minute.any():  # squares of such would be nothing, and their quotients no number
+            values = np.where(minute, 0.0, values)
         if np.isnan(values).all():
             says = f'"{key}" holds no number in any of its {len(values)} rows; it was set aside'
             findings.append(Finding(key, "empty", says, severity="fault", use="set aside"))
@@ -107,4 +119,4 @@ def tidy(path: Path, raw: RawTable) -> Reading:
     if not columns:
         raise RecordingError(f'"{path}": no column beside the time holds a number; {len(time)} rows of nothing')
     units = {key: raw.units[key] for key in columns}
-    return Reading(Recording(path.stem, time, columns, units, raw.metadata), tuple(findings), breaks)
+    return Reading(Recording(printable(path.stem), time, columns, units, raw.metadata), tuple(findings), breaks)

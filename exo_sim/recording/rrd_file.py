@@ -8,9 +8,10 @@ from clock and chance. The table beside it (`write_table`) is the same byte for 
 from __future__ import annotations
 
 import hashlib
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
+from contextlib import ExitStack, contextmanager
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -18,11 +19,9 @@ from numpy.typing import NDArray
 from exo_sim.outputs import replacing
 from exo_sim.recording import blueprint
 from exo_sim.recording.rrd_sink import written
+from exo_sim.recording.rrd_timeline import clock
 from exo_sim.recording.scene import Scene
 from exo_sim.recording.table import Recording
-
-if TYPE_CHECKING:
-    import rerun as rr
 
 Lane = Sequence[tuple[float, str]]
 
@@ -37,6 +36,7 @@ _COLOURS = {
 _PALETTE = (
     (90, 170, 255), (255, 140, 60), (80, 200, 120), (230, 90, 100), (180, 130, 240), (240, 200, 70), (120, 220, 220)
 )  # fmt: skip
+_STANCES = ("stance", "swing")
 _LANE_COLOURS = {
     "stance": (110, 150, 90),
     "swing": (70, 80, 100),
@@ -66,29 +66,119 @@ def write_rrd(
     Raises:
         OutputError: the file cannot be written.
     """
-    import rerun as rr
+    with replacing(path) as beside, writing_rrd(beside, overlays=overlays, lanes=lanes) as pieces:
+        pieces.add(recording, scene)
 
-    overlays = overlays or {}
-    all_lanes = {**gait_lanes(recording), **(lanes or {})}
-    overlaid = {key: any(key in other for other in overlays.values()) for key in recording.columns}
-    stream = rr.RecordingStream(APPLICATION, recording_id=_identity(recording), send_properties=False)
-    with replacing(path) as beside, written(stream, beside):
-        layout = blueprint.layout(recording, scene=scene, lanes=list(all_lanes), overlaid=overlaid)
+
+@contextmanager
+def writing_rrd(
+    path: Path, overlays: Mapping[str, Recording] | None = None, lanes: Mapping[str, Lane] | None = None, footer: bool = True
+) -> Iterator[RrdPieces]:
+    """Give what writes a recording into `path` piece by piece, straight; after each piece all of it is in the file.
+
+    Args:
+        path: Where to.
+        overlays, lanes: As in `write_rrd`.
+        footer: End the file with a list of its contents, which takes memory for every piece; a viewer opens it quicker.
+
+    Raises:
+        OSError: the file cannot be written.
+    """
+    with ExitStack() as stack:
+        yield RrdPieces(path, stack, overlays or {}, lanes or {}, footer)
+
+
+class RrdPieces:
+    """Writes a recording into an .rrd; `writing_rrd` gives one. What the first piece holds sets columns, name and layout."""
+
+    def __init__(
+        self, path: Path, stack: ExitStack, overlays: Mapping[str, Recording], lanes: Mapping[str, Lane], footer: bool
+    ) -> None:
+        self._path, self._stack, self._footer = path, stack, footer
+        self._overlays, self._lanes = overlays, lanes
+        self._stream: Any = None
+        self._drawing: Any = None
+        self._stances: dict[str, str] = {}
+        self._unaveraged: set[str] = set()
+
+    def add(self, recording: Recording, scene: Scene | None = None) -> None:
+        """Write the next piece: the columns of the first, at later times."""
+        first = self._stream is None
+        if first:
+            self._begin(recording, scene)
+        self._signals(recording, "recorded" if self._overlays else "", first)
+        for name, lane in gait_lanes(recording).items():
+            self._gait(name, lane, first)
+        if self._drawing is not None and scene is not None:
+            self._drawing.add(scene)
+        self._stream.flush()
+
+    def _begin(self, recording: Recording, scene: Scene | None) -> None:
+        import rerun as rr
+
+        self._stream = stream = rr.RecordingStream(APPLICATION, recording_id=_identity(recording), send_properties=False)
+        self._stack.enter_context(written(stream, self._path, self._footer))
+        names = list({**gait_lanes(recording), **self._lanes})
+        self._overlaid = {key: any(key in other for other in self._overlays.values()) for key in recording.columns}
+        layout = blueprint.layout(recording, scene=scene, lanes=names, overlaid=self._overlaid)
         stream.send_blueprint(layout, make_active=False, make_default=True)
         stream.send_recording_name(recording.name)
         if recording.metadata:
             stream.send_property("exo_sim", rr.AnyValues(drop_untyped_nones=True, **recording.metadata))
-        on_top = max(["recorded", *overlays])  # the viewer draws in the order of names
-        _signals(stream, recording, "recorded" if overlays else "", overlaid, on_top)
-        for name, other in overlays.items():
-            _signals(stream, other, name, dict.fromkeys(other.columns, True), on_top)
+        for name, other in self._overlays.items():
+            self._signals(other, name, True)
             _differences(stream, recording, other, name)
-        for name, lane in all_lanes.items():
-            _lane(stream, name, lane)
+        for name, lane in self._lanes.items():
+            _lane(stream, name, lane, tuple(dict.fromkeys(label for _, label in lane)))
         if scene is not None:
-            from exo_sim.recording.rrd_scene import draw
+            from exo_sim.recording.rrd_scene import Drawing
 
-            draw(stream, scene)
+            self._drawing = Drawing(stream)
+
+    def _signals(self, recording: Recording, leaf: str, first: bool) -> None:
+        import rerun as rr
+
+        index = [clock(recording.time)]
+        place = blueprint.places(recording) if first else {}
+        on_top = max(["recorded", *self._overlays])  # the viewer draws in the order of names
+        values_of = {unit: rr.AnyValues(unit=unit) for unit in set(recording.units.values())}
+        for number, (key, values) in enumerate(recording.columns.items()):
+            below = leaf and (self._overlaid.get(key) or leaf != "recorded")
+            path = f"{key}/{leaf}" if below else key
+            times, shown = index, values
+            if number:  # the first one holds the clock
+                told = turns(values)
+                if 2 * np.count_nonzero(told) < len(values):
+                    times, shown = [clock(recording.time[told])], values[told]
+            self._stream.send_columns(path, indexes=times, columns=rr.Scalars.columns(scalars=shown))
+            unaveraged = shown is not values  # an average of a few turns is none of them
+            if unaveraged and not first and path not in self._unaveraged:
+                self._stream.log(path, rr.SeriesLines.from_fields(aggregation_policy=rr.components.AggregationPolicy.Off), static=True)
+            if unaveraged:
+                self._unaveraged.add(path)
+            if not first:
+                continue
+            every = rr.components.AggregationPolicy.Off if unaveraged else None
+            name, width = blueprint.words(key, recording.units[key]), 1.5
+            colour: tuple[int, ...] = _PALETTE[place.get(key, 0) % len(_PALETTE)]
+            if below:
+                name, colour = leaf, _COLOURS.get(leaf, colour)
+                width = 1.2 if leaf == on_top else 4.0  # thin, so that the others show behind it
+            line = rr.SeriesLines(names=name, colors=[colour], widths=[width], aggregation_policy=every)
+            unit = values_of[recording.units[key]]
+            if below:
+                self._stream.log(path, line, static=True)
+                self._stream.log(key, unit, static=True)
+            else:
+                self._stream.log(path, line, unit, static=True)
+
+    def _gait(self, name: str, lane: Lane, first: bool) -> None:
+        """Log when a foot begins to stand or swing; what it did before goes on."""
+        if self._stances.get(name) == lane[0][1]:
+            lane = lane[1:]
+        if lane:
+            self._stances[name] = lane[-1][1]
+        _lane(self._stream, name, lane, _STANCES if first else ())
 
 
 def gait_lanes(recording: Recording) -> dict[str, Lane]:
@@ -115,46 +205,11 @@ def _identity(recording: Recording) -> str:
     return digest.hexdigest()[:32]
 
 
-def clock(times: NDArray[np.float64]) -> rr.TimeColumn:
-    """Return seconds as rerun's timeline `time`."""
-    import rerun as rr
-
-    return rr.TimeColumn("time", duration=np.rint(times * 1e9).astype("timedelta64[ns]"))
-
-
 def turns(values: NDArray[np.float64]) -> NDArray[np.bool_]:
     """Return which samples a line needs, shape (n,): all but those between two that are equal to them."""
     needed = np.ones(len(values), dtype=bool)
     needed[1:-1] = (values[1:-1] != values[:-2]) | (values[1:-1] != values[2:])
     return needed
-
-
-def _signals(stream: Any, recording: Recording, leaf: str, overlaid: Mapping[str, bool], on_top: str) -> None:
-    import rerun as rr
-
-    index = [clock(recording.time)]
-    place = blueprint.places(recording)
-    values_of = {unit: rr.AnyValues(unit=unit) for unit in set(recording.units.values())}
-    for number, (key, values) in enumerate(recording.columns.items()):
-        path, width, name = key, 1.5, blueprint.words(key, recording.units[key])
-        colour: tuple[int, ...] = _PALETTE[place.get(key, 0) % len(_PALETTE)]
-        if leaf and overlaid.get(key):
-            path, name, colour = f"{key}/{leaf}", leaf, _COLOURS.get(leaf, colour)
-            width = 1.2 if leaf == on_top else 4.0  # thin, so that the others show behind it
-        times, shown = index, values
-        if number:  # the first one holds the clock
-            told = turns(values)
-            if 2 * np.count_nonzero(told) < len(values):
-                times, shown = [clock(recording.time[told])], values[told]
-        stream.send_columns(path, indexes=times, columns=rr.Scalars.columns(scalars=shown))
-        every = None if shown is values else rr.components.AggregationPolicy.Off  # an average of a few turns is none of them
-        line = rr.SeriesLines(names=name, colors=[colour], widths=[width], aggregation_policy=every)
-        unit = values_of[recording.units[key]]
-        if path == key:
-            stream.log(path, line, unit, static=True)
-        else:
-            stream.log(path, line, static=True)
-            stream.log(key, unit, static=True)
 
 
 def _differences(stream: Any, recording: Recording, other: Recording, name: str) -> None:
@@ -175,22 +230,22 @@ def _differences(stream: Any, recording: Recording, other: Recording, name: str)
         stream.log(path, looks, static=True)
 
 
-def _lane(stream: Any, name: str, lane: Lane) -> None:
+def _lane(stream: Any, name: str, lane: Lane, looks: Sequence[str]) -> None:
+    """Log a lane; first how its labels look, where any are given."""
     import rerun as rr
 
-    if not lane:
-        return
     path = f"{blueprint.LANES}/{name.replace(' ', '_')}"
-    labels = list(dict.fromkeys(label or "-" for _, label in lane))
-    colours = [
-        _LANE_COLOURS.get("" if label == "-" else label, _PALETTE[i % len(_PALETTE)]) for i, label in enumerate(labels)
-    ]
-    shown = ["" if label == "-" else label for label in labels]
-    visible = [label != "-" for label in labels]
-    looks = rr.StateConfiguration(values=labels, labels=shown, colors=colours, visible=visible)
-    stream.log(path, looks, static=True)
-    stream.send_columns(
-        path,
-        indexes=[clock(np.array([time for time, _ in lane]))],
-        columns=rr.StateChange.columns(state=[label or "-" for _, label in lane]),
-    )
+    if looks:
+        labels = [label or "-" for label in looks]
+        colours = [
+            _LANE_COLOURS.get("" if label == "-" else label, _PALETTE[i % len(_PALETTE)]) for i, label in enumerate(labels)
+        ]
+        shown = ["" if label == "-" else label for label in labels]
+        visible = [label != "-" for label in labels]
+        stream.log(path, rr.StateConfiguration(values=labels, labels=shown, colors=colours, visible=visible), static=True)
+    if lane:
+        stream.send_columns(
+            path,
+            indexes=[clock(np.array([time for time, _ in lane]))],
+            columns=rr.StateChange.columns(state=[label or "-" for _, label in lane]),
+        )

@@ -8,37 +8,52 @@ import numpy as np
 from numpy.typing import NDArray
 
 from exo_sim.recording.blueprint import SCENE, body_path, safe
+from exo_sim.recording.rrd_timeline import clock
 from exo_sim.recording.scene import Arrows, DrawnCylinder, Scene, Shape
 
 _BARREL = (70, 130, 190, 255)
 _ROD = (215, 215, 220, 255)
 
 
-def draw(stream: Any, scene: Scene) -> None:
-    """Log a scene to a rerun recording stream."""
-    import rerun as rr
+class Drawing:
+    """A scene in a rerun recording stream, added piece by piece."""
 
-    from exo_sim.recording.rrd_file import clock
+    def __init__(self, stream: Any) -> None:
+        self._stream = stream
+        self._begun = False
+        self._rests: dict[str, NDArray[np.float64]] = {}
 
-    index = [clock(scene.times)]
-    stream.log(SCENE, rr.ViewCoordinates.RIGHT_HAND_Z_UP, static=True)
-    drawn = {shape.body for shape in scene.shapes}
-    for body in sorted(drawn):
-        turned = np.roll(scene.quaternions[:, body], -1, axis=-1)  # rerun wants w last
-        still = np.ptp(scene.positions[:, body], axis=0).max() == 0.0 and np.ptp(turned, axis=0).max() == 0.0
-        path = body_path(scene.bodies[body])
-        if still:
-            place = rr.Transform3D(translation=scene.positions[0, body], quaternion=rr.Quaternion(xyzw=turned[0]))
-            stream.log(path, place, static=True)
-            continue
-        moved = rr.Transform3D.columns(translation=scene.positions[:, body], quaternion=turned)
-        stream.send_columns(path, indexes=index, columns=moved)
-    for shape in scene.shapes:
-        stream.log(f"{body_path(scene.bodies[shape.body])}/{safe(shape.name)}", _archetype(shape), static=True)
-    for cylinder in scene.cylinders:
-        _cylinder(stream, index, cylinder)
-    for arrows in scene.arrows:
-        _arrows(stream, index, arrows)
+    def add(self, scene: Scene) -> None:
+        """Log a scene, or the next piece of it: the same bodies, cylinders and arrows at later times."""
+        import rerun as rr
+
+        stream, first, index = self._stream, not self._begun, [clock(scene.times)]
+        self._begun = True
+        if first:
+            stream.log(SCENE, rr.ViewCoordinates.RIGHT_HAND_Z_UP, static=True)
+            for shape in scene.shapes:
+                stream.log(f"{body_path(scene.bodies[shape.body])}/{safe(shape.name)}", _archetype(shape), static=True)
+        for body in sorted({shape.body for shape in scene.shapes}):
+            self._move(body_path(scene.bodies[body]), scene.times, scene.positions[:, body], scene.quaternions[:, body])
+        for cylinder in scene.cylinders:
+            _cylinder(stream, index, cylinder, first)
+        for arrows in scene.arrows:
+            _arrows(stream, index, arrows, first)
+
+    def _move(
+        self, path: str, times: NDArray[np.float64], positions: NDArray[np.float64], quaternions: NDArray[np.float64]
+    ) -> None:
+        """Log where a body goes; of one that rests, where it rests, once."""
+        import rerun as rr
+
+        poses = np.concatenate([positions, np.roll(quaternions, -1, axis=-1)], axis=1)  # rerun wants w last
+        if np.ptp(poses, axis=0).max() == 0.0:
+            if path in self._rests and np.array_equal(self._rests[path], poses[0]):
+                return
+            times, poses = times[:1], poses[:1]
+        self._rests[path] = poses[-1]
+        moved = rr.Transform3D.columns(translation=poses[:, :3], quaternion=poses[:, 3:])
+        self._stream.send_columns(path, indexes=[clock(times)], columns=moved)
 
 
 def _archetype(shape: Shape) -> Any:
@@ -75,7 +90,7 @@ def _axis(quaternion: NDArray[np.float64]) -> NDArray[np.float64]:
     return np.array([2.0 * (x * z + w * y), 2.0 * (y * z - w * x), 1.0 - 2.0 * (x * x + y * y)])
 
 
-def _cylinder(stream: Any, index: list[Any], cylinder: DrawnCylinder) -> None:
+def _cylinder(stream: Any, index: list[Any], cylinder: DrawnCylinder, first: bool) -> None:
     way = cylinder.end - cylinder.cap
     length = np.linalg.norm(way, axis=1)
     along = way / np.maximum(length, 1e-9)[:, None]
@@ -90,10 +105,11 @@ def _cylinder(stream: Any, index: list[Any], cylinder: DrawnCylinder) -> None:
         cylinder.cap + along * barrel[:, None] / 2,
         barrel,
         turned,
-        cylinder.bore,
+        cylinder.bore if first else None,
         _BARREL,
     )
-    _tube(stream, index, f"{base}/rod", cylinder.end - along * rod[:, None] / 2, rod, turned, cylinder.rod, _ROD)
+    rods = cylinder.rod if first else None
+    _tube(stream, index, f"{base}/rod", cylinder.end - along * rod[:, None] / 2, rod, turned, rods, _ROD)
 
 
 def _tube(
@@ -103,13 +119,14 @@ def _tube(
     centres: NDArray[np.float64],
     lengths: NDArray[np.float64],
     turned: NDArray[np.float64],
-    diameter: float,
+    diameter: float | None,
     colour: tuple[int, int, int, int],
 ) -> None:
     import rerun as rr
 
-    look = rr.Cylinders3D.from_fields(radii=[diameter / 2], colors=[colour], fill_mode=rr.components.FillMode.Solid)
-    stream.log(path, look, static=True)
+    if diameter is not None:
+        look = rr.Cylinders3D.from_fields(radii=[diameter / 2], colors=[colour], fill_mode=rr.components.FillMode.Solid)
+        stream.log(path, look, static=True)
     stream.send_columns(
         path, indexes=index, columns=rr.Cylinders3D.columns(lengths=lengths, centers=centres, quaternions=turned)
     )
@@ -124,12 +141,13 @@ def _turning_z_to(along: NDArray[np.float64]) -> NDArray[np.float64]:
     return quaternion / np.linalg.norm(quaternion, axis=1, keepdims=True)
 
 
-def _arrows(stream: Any, index: list[Any], arrows: Arrows) -> None:
+def _arrows(stream: Any, index: list[Any], arrows: Arrows, first: bool) -> None:
     import rerun as rr
 
     path = f"{SCENE}/forces/{safe(arrows.name)}"
     colour = [round(255 * part) for part in arrows.rgba]
-    stream.log(path, rr.Arrows3D.from_fields(colors=[colour], radii=[0.008]), static=True)
+    if first:
+        stream.log(path, rr.Arrows3D.from_fields(colors=[colour], radii=[0.008]), static=True)
     stream.send_columns(
         path,
         indexes=index,

@@ -20,8 +20,13 @@ _PIECE = 1 << 20
 
 
 @contextmanager
-def written(stream: rr.RecordingStream, path: Path) -> Iterator[None]:
-    """Write what the block logs to a stream into a file. The stream takes nothing after it.
+def written(stream: rr.RecordingStream, path: Path, footer: bool = True) -> Iterator[None]:
+    """Write what the block logs to a stream into a file; it takes nothing after that.
+
+    Args:
+        stream: What is logged to.
+        path: Where to.
+        footer: End the file with a list of its contents.
 
     Raises:
         OSError: the file cannot be written.
@@ -38,7 +43,7 @@ def written(stream: rr.RecordingStream, path: Path) -> Iterator[None]:
         _widen(into)
         copying.start()
         try:
-            stream.save(f"/dev/fd/{into}")
+            stream.save(f"/dev/fd/{into}", write_footer=footer)
             yield
         finally:
             stream.disconnect()

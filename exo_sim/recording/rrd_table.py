@@ -18,6 +18,7 @@ from exo_sim.recording import columns
 from exo_sim.recording.column_map import ColumnMap
 from exo_sim.recording.columns import Column
 from exo_sim.recording.finding import Finding
+from exo_sim.recording.rrd_messages import is_unfinished, whole_messages
 from exo_sim.recording.selection import RawTable, Selection, select
 
 if TYPE_CHECKING:
@@ -51,6 +52,9 @@ def read_rrd(path: Path, column_map: ColumnMap | None = None) -> RawTable:
     headings = {_heading(name, units, column_map): name for name in entities}
     selection = select(str(path), [f"{columns.TIME} [s]", *headings], column_map and _with_time(column_map))
     findings = list(selection.findings)
+    if is_unfinished(path):
+        says = f'"{path.name}" was still being written; what is in it so far was read'
+        findings.append(Finding(path.name, "unfinished", says, severity="warning", use="used"))
     findings += [_guessed(column) for column in selection.columns[1:] if _is_guessed(column, headings, units)]
     clock = _clock(path, entities)
     series = {}
@@ -77,10 +81,9 @@ def _chunks(path: Path) -> Iterator[Any]:
     from rerun.chunk import RrdReader
 
     try:
-        with warnings.catch_warnings():
+        with warnings.catch_warnings(), whole_messages(path) as readable:
             warnings.simplefilter("ignore")  # what is wrong is said in our line
-            stream = RrdReader(str(path)).stream()
-        yield from stream
+            yield from RrdReader(str(readable)).stream()
     except RecordingError:
         raise
     except Exception as error:  # rerun raises bare exceptions of many kinds

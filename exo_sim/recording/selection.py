@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections import Counter
 from collections.abc import Sequence
 from dataclasses import dataclass, field
 
@@ -48,12 +49,11 @@ def select(name: str, headings: Sequence[str], column_map: ColumnMap | None = No
             are not there.
     """
     name_of_file = f'"{name}"'
-    doubled = sorted({heading for heading in headings if headings.count(heading) > 1 and heading.strip()})
-    if doubled:
-        count = headings.count(doubled[0])
-        raise RecordingError(f'{name_of_file}: column "{doubled[0]}" is there {count} times; rename or remove one')
+    counts = Counter(heading for heading in headings if heading.strip())
+    if doubled := sorted(heading for heading, count in counts.items() if count > 1):
+        raise RecordingError(f'{name_of_file}: column "{doubled[0]}" is there {counts[doubled[0]]} times; rename or remove one')
     mapped = dict(column_map.columns) if column_map else {}
-    absent = [source for source in mapped if source not in headings]
+    absent = [source for source in mapped if source not in counts]
     if absent and column_map:
         there = ", ".join(f'"{heading}"' for heading in list(headings)[:8])
         asked = f'column "{absent[0]}" of column map "{column_map.path}"'

@@ -57,6 +57,11 @@ class Recording:
             self.metadata,
         )
 
+    def followed_by(self, other: Recording) -> Recording:
+        """Return this and a later piece of it as one recording."""
+        columns = {key: np.concatenate([values, other.columns[key]]) for key, values in self.columns.items()}
+        return Recording(self.name, np.concatenate([self.time, other.time]), columns, self.units, self.metadata)
+
     def thinned(self, most: int) -> Recording:
         """Return every n-th sample, n as small as leaves no more than `most`; the recording itself where it is short enough."""
         every = -(-len(self.time) // most)

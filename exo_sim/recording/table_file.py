@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator
+from contextlib import ExitStack, contextmanager
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -12,6 +14,7 @@ from exo_sim.recording.table import Recording
 
 if TYPE_CHECKING:
     import pyarrow as pa
+    from pyarrow import parquet
 
 _ROW_GROUP = 1 << 18
 
@@ -30,15 +33,44 @@ def write_table(path: str | Path, recording: Recording) -> None:
         raise OutputError(f'cannot write "{path}": a table ends in .parquet or .csv')
     with replacing(path) as beside:
         if ending == ".parquet":
-            from pyarrow import parquet
-
-            parquet.write_table(
-                _table(recording), beside, compression="lz4", use_dictionary=False, use_byte_stream_split=True, row_group_size=_ROW_GROUP
-            )
+            with writing_parquet(beside) as pieces:
+                pieces.add(recording)
         else:
             from pyarrow import csv
 
             csv.write_csv(_table(recording), beside)
+
+
+@contextmanager
+def writing_parquet(path: Path) -> Iterator[ParquetPieces]:
+    """Give what writes a recording into `path` piece by piece, straight.
+
+    Raises:
+        OSError: the file cannot be written.
+    """
+    with ExitStack() as stack:
+        yield ParquetPieces(path, stack)
+
+
+class ParquetPieces:
+    """Writes a recording into a Parquet file; `writing_parquet` gives one. What the first piece holds sets columns and metadata."""
+
+    def __init__(self, path: Path, stack: ExitStack) -> None:
+        self._path, self._stack = path, stack
+        self._writer: parquet.ParquetWriter | None = None
+
+    def add(self, recording: Recording) -> None:
+        """Write the next piece: the columns of the first, at later times."""
+        table = _table(recording)
+        if self._writer is None:
+            from pyarrow import parquet
+
+            self._writer = self._stack.enter_context(
+                parquet.ParquetWriter(
+                    self._path, table.schema, compression="lz4", use_dictionary=False, use_byte_stream_split=True
+                )
+            )
+        self._writer.write_table(table, row_group_size=_ROW_GROUP)
 
 
 def _table(recording: Recording) -> pa.Table:

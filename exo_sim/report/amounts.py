@@ -100,17 +100,6 @@ def share(value: float) -> str:
     return f"{100 * value:.0f} %"
 
 
-def odds(log10_odds: float) -> str:
-    """Return odds in words: "30 to 1", "10⁵⁷ to 1", "1 to 4"."""
-    if not math.isfinite(log10_odds):
-        return "–" if log10_odds != math.inf else "beyond all doubt"
-    size = abs(log10_odds)
-    if size > 100.0:
-        return f"over {'10¹⁰⁰ to 1' if log10_odds > 0.0 else '1 to 10¹⁰⁰'}"
-    number = digits(10.0**size, 1 if size >= 1 else 2) if size < 4 else f"10{str(round(size)).translate(_SUPERSCRIPT)}"
-    return f"{number} to 1" if log10_odds >= 0.0 else f"1 to {number}"
-
-
 def _moment(time: float) -> str:
     return f"{time:.2f}".rstrip("0").rstrip(".")
 

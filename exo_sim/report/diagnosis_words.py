@@ -5,7 +5,8 @@ from __future__ import annotations
 import math
 from collections.abc import Sequence
 
-from exo_sim.diagnosis.result import Diagnosis, Estimate, Finding, SignalFit
+from exo_sim.diagnosis.findings import Diagnosis, Estimate, Finding, SignalFit
+from exo_sim.diagnosis.policy.judgement import MOST_CONFIDENT
 from exo_sim.report import amounts
 
 #: What a verdict is called on a page.
@@ -111,10 +112,10 @@ def worst_signal(diagnosis: Diagnosis) -> tuple[str, SignalFit] | None:
 
 
 def evidence(finding: Finding) -> str:
-    """Return odds and held-out gain of a finding as a phrase, empty where there is neither."""
+    """Return probability and held-out gain of a finding as a phrase, empty where there is neither."""
     words = []
     if finding.log10_odds:
-        words.append(f"odds {amounts.odds(finding.log10_odds)}")
+        words.append(f"probability {100.0 * finding.confidence:.0f} %{' at least' if finding.confidence >= MOST_CONFIDENT else ''}")
     if finding.held_out_error_drop > 0.0:
         words.append(f"held-out error {amounts.share(finding.held_out_error_drop)} lower with it")
     return "; ".join(words)

@@ -80,7 +80,9 @@ def pneumatics(
         joint_names: Joints whose own friction, spring or drag is to be carried along.
         drives: Joint that each cylinder drives; what gives or plays in that joint's drive is felt by the cylinder.
     """
-    return Pneumatics(world(rig), cylinders(rig, drives), joints(rig, joint_names), dt)
+    return Pneumatics(
+        world(rig), cylinders(rig, drives), joints(rig, joint_names), dt, names=tuple(rig.cylinders), source=str(rig.path)
+    )
 
 
 def _switch_on(record: np.void, effect: EffectSetting) -> None:

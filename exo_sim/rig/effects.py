@@ -7,7 +7,7 @@ from typing import Any
 
 from exo_sim import signals, units
 from exo_sim.errors import RigError, UnitError, nearest
-from exo_sim.physics.effects.declaration import Effect, Parameter, declared
+from exo_sim.physics.declaration import Effect, Parameter, declared
 from exo_sim.rig.schema import Cylinder, EffectSetting
 from exo_sim.rig.table import Table
 

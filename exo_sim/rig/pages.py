@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 from typing import Any
 
-from exo_sim.physics.effects.declaration import Effect, Parameter, declared
+from exo_sim.physics.declaration import Effect, Parameter, declared
 from exo_sim.rig.schema import EffectSetting
 from exo_sim.rig.writing import Finding, table_text
 
@@ -93,6 +93,7 @@ def facts(effect: Effect) -> list[tuple[str, str]]:
         ("mistaken for", ", ".join(effect.mistaken_for)),
         ("tell apart by", effect.experiment),
         ("meaning", effect.convention),
+        ("valid where", effect.valid),
         ("only with", effect.requires),
         ("instead of", ", ".join(name for name, _ in effect.absorbs)),
     ]
@@ -103,6 +104,7 @@ def data(effect: Effect) -> dict[str, Any]:
     """Return the declaration as plain values."""
     return {
         "name": effect.name,
+        "family": effect.family,
         "places": list(effect.places),
         "question": effect.question,
         "says": effect.says,
@@ -119,5 +121,6 @@ def data(effect: Effect) -> dict[str, Any]:
         "mistaken_for": list(effect.mistaken_for),
         "experiment": effect.experiment,
         "convention": effect.convention,
+        "valid": effect.valid,
         "example": example(effect),
     }  # fmt: skip

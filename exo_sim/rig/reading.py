@@ -2,13 +2,13 @@
 
 from __future__ import annotations
 
-import tomllib
 from collections.abc import Iterator
 from pathlib import Path
 
 from exo_sim.errors import RigError
+from exo_sim.inputs import text_of, toml
 from exo_sim.rig.effects import read_effects
-from exo_sim.rig.schema import Ankle, Attachment, Cylinder, Environment, JointFactors, Rig, Supply, Wearer
+from exo_sim.rig.schema import LARGEST_HEAT_CAPACITY_RATIO, Ankle, Attachment, Cylinder, Environment, JointFactors, Rig, Supply, Wearer
 from exo_sim.rig.table import Table
 
 #: What stands at the top of a rig file. Told apart first: under a misspelt heading everything else looks missing.
@@ -26,31 +26,33 @@ def read(path: str | Path) -> Rig:
     """
     path = Path(path)
     try:
-        text = path.read_text(encoding="utf-8")
+        text = text_of(path)
     except FileNotFoundError:
         raise RigError(f"{path}: no such rig file") from None
-    except (OSError, UnicodeDecodeError) as error:
-        raise RigError(f"{path}: cannot be read as text: {error}") from None
+    except OSError as error:
+        raise RigError(f"{path}: cannot be read: {error.strerror or error}") from None
+    except ValueError as error:
+        raise RigError(f"{path}: {error}") from None
     return parse(text, path)
 
 
 def parse(text: str, path: Path) -> Rig:
     """Read a rig from its text; `path` is where its MJCF is looked for, and what errors name."""
     try:
-        table = Table(path, "", tomllib.loads(text))
-    except tomllib.TOMLDecodeError as error:
-        raise RigError(f"{path}: is not TOML: {str(error)[0].lower()}{str(error)[1:]}") from None
+        table = Table(path, "", toml(text))
+    except ValueError as error:
+        raise RigError(f"{path}: {error}") from None
     table.only(SECTIONS)
     name = table.text("name", default=path.stem)
     model = path.parent / table.text("model")
-    if not model.is_file():
+    if not _is_file(model):
         raise RigError(f'{path}: model = "{table.values["model"]}": no such MJCF file beside the rig')
     environment = _environment(table)
     gas = table.table("gas", required=False)
     r, k = 287.05, 1.4
     if gas:
-        r = gas.quantity("specific_gas_constant", "J/(kg K)", default=r, above=0.0)
-        k = gas.quantity("heat_capacity_ratio", "1", default=k, above=1.0)
+        r = gas.quantity("specific_gas_constant", "J/(kg K)", default=r, above=0.0, most=1e4)
+        k = gas.quantity("heat_capacity_ratio", "1", default=k, above=1.0, most=LARGEST_HEAT_CAPACITY_RATIO)
         gas.done()
     cylinders = {}
     if (group := table.table("cylinders", required=False)) is not None:
@@ -66,12 +68,19 @@ def parse(text: str, path: Path) -> Rig:
                 f'"{driven[cylinder.actuator]}"; give each cylinder an actuator of its own'
             )
         driven[cylinder.actuator] = cylinder.name
-    masses = {name: part.quantity("mass", "kg", above=0.0) for name, part in _parts_of(table, "bodies")}
+    masses = {name: part.quantity("mass", "kg", above=0.0, most=1e6) for name, part in _parts_of(table, "bodies")}
     factors = {name: _factors(part) for name, part in _parts_of(table, "joints")}
     supply = _supply(table, environment, needed=any(c.valve_area > 0.0 for c in cylinders.values()))
     wearer, ankle = _worn(table)
     effects = read_effects(table.table("effects", required=False), cylinders)
     return Rig(name, model, environment, supply, r, k, cylinders, effects, masses, factors, wearer, ankle, text, path)
+
+
+def _is_file(path: Path) -> bool:
+    try:
+        return path.is_file()
+    except (OSError, ValueError):  # a name that no file can have
+        return False
 
 
 def _parts_of(table: Table, group: str) -> Iterator[tuple[str, Table]]:
@@ -86,8 +95,8 @@ def _parts_of(table: Table, group: str) -> Iterator[tuple[str, Table]]:
 
 def _factors(part: Table) -> JointFactors:
     """Return the factors on a joint's numbers; there must be one."""
-    inertia = part.quantity("inertia_factor", "1", default=1.0, above=0.0)
-    damping = part.quantity("damping_factor", "1", default=1.0 if part.has("inertia_factor") else None, above=0.0)
+    inertia = part.quantity("inertia_factor", "1", default=1.0, above=0.0, most=1e6)
+    damping = part.quantity("damping_factor", "1", default=1.0 if part.has("inertia_factor") else None, above=0.0, most=1e6)
     return JointFactors(damping, inertia)
 
 
@@ -96,8 +105,8 @@ def _environment(table: Table) -> Environment:
     if part is None:
         return Environment()
     found = Environment(
-        part.quantity("pressure", "Pa", default=101325.0, above=0.0),
-        part.quantity("temperature", "K", default=293.15, above=0.0),
+        part.quantity("pressure", "Pa", default=101325.0, above=0.0, most=1e7),
+        part.quantity("temperature", "K", default=293.15, above=0.0, most=2000.0),
     )
     part.done()
     return found
@@ -108,8 +117,8 @@ def _supply(table: Table, environment: Environment, needed: bool) -> Supply:
     if part is None:
         return Supply(environment.pressure, environment.temperature)
     found = Supply(
-        part.quantity("pressure", "Pa", above=0.0),
-        part.quantity("temperature", "K", default=environment.temperature, above=0.0),
+        part.quantity("pressure", "Pa", above=0.0, most=1e9),
+        part.quantity("temperature", "K", default=environment.temperature, above=0.0, most=2000.0),
     )
     part.done()
     if found.pressure < environment.pressure:
@@ -120,7 +129,7 @@ def _supply(table: Table, environment: Environment, needed: bool) -> Supply:
 
 
 def _cylinder(name: str, part: Table) -> Cylinder:
-    bore = part.quantity("bore", "m", above=0.0)
+    bore = part.quantity("bore", "m", above=0.0, most=10.0)
     rod = part.quantity("rod", "m", default=0.0, at_least=0.0)
     if rod >= bore:
         raise part.fail("rod", f"must be thinner than the bore ({bore:g} m)")
@@ -136,10 +145,10 @@ def _cylinder(name: str, part: Table) -> Cylinder:
         part.text("actuator"),
         bore,
         rod,
-        part.quantity("stroke", "m", above=0.0),
-        part.quantity("retracted_length", "m", default=0.0),
-        part.quantity("dead_volume_1", "m^3", default=0.0, at_least=0.0),
-        part.quantity("dead_volume_2", "m^3", default=0.0, at_least=0.0),
+        part.quantity("stroke", "m", above=0.0, most=100.0),
+        part.quantity("retracted_length", "m", default=0.0, at_least=-1000.0, most=1000.0),
+        part.quantity("dead_volume_1", "m^3", default=0.0, at_least=0.0, most=1e4),
+        part.quantity("dead_volume_2", "m^3", default=0.0, at_least=0.0, most=1e4),
         part.text("acting", default="double", choices=("double", "single")) == "single",
         area,
         _attachment(part.table("attachment", required=False)),
@@ -160,14 +169,15 @@ def _worn(table: Table) -> tuple[Wearer, Ankle]:
     wearer, ankle = Wearer(), Ankle()
     if (part := table.table("wearer", required=False)) is not None:
         wearer = Wearer(
-            part.quantity("height", "m", wearer.height, above=0.5), part.quantity("mass", "kg", wearer.mass, above=10.0)
+            part.quantity("height", "m", wearer.height, above=0.5, most=3.0),
+            part.quantity("mass", "kg", wearer.mass, above=10.0, most=500.0),
         )
         part.done()
     if (part := table.table("ankle", required=False)) is not None:
         ankle = Ankle(
             part.text("mode", ankle.mode, ANKLE_MODES),
-            part.quantity("stiffness", "N*m/rad", ankle.stiffness, at_least=0.0),
-            part.quantity("torque", "N*m", ankle.torque, at_least=0.0),
+            part.quantity("stiffness", "N*m/rad", ankle.stiffness, at_least=0.0, most=1e6),
+            part.quantity("torque", "N*m", ankle.torque, at_least=0.0, most=1e5),
         )
         part.done()
     return wearer, ankle

@@ -7,6 +7,9 @@ from collections.abc import Mapping
 from dataclasses import dataclass, field
 from pathlib import Path
 
+#: cp/cv of no gas is more: that of one atom is 5/3.
+LARGEST_HEAT_CAPACITY_RATIO = 2.0
+
 
 @dataclass(frozen=True)
 class Environment:

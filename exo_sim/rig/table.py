@@ -69,8 +69,9 @@ class Table:
         default: float | None = None,
         above: float | None = None,
         at_least: float | None = None,
+        most: float | None = None,
     ) -> float:
-        """Return a quantity in SI, checked against its lower bound."""
+        """Return a quantity in SI, checked against its bounds."""
         if not self.has(key):
             if default is None:
                 raise RigError(
@@ -85,6 +86,8 @@ class Table:
             raise self.fail(key, f"must be more than {_amount(above, si_unit)}")
         if at_least is not None and not value >= at_least:
             raise self.fail(key, f"must not be less than {_amount(at_least, si_unit)}")
+        if most is not None and not value <= most:
+            raise self.fail(key, f"is more than any machine of this kind has: at most {_amount(most, si_unit)}")
         return value
 
     def quantities(self, key: str, si_unit: str, names: tuple[str, str]) -> tuple[float, float]:

@@ -17,7 +17,7 @@ import tomlkit
 from tomlkit.items import InlineTable, Item, SingleKey
 
 from exo_sim import signals, units
-from exo_sim.physics.effects.declaration import Effect, Parameter, declared
+from exo_sim.physics.declaration import Effect, Parameter, declared
 from exo_sim.rig.schema import EffectSetting, Rig
 
 #: Units in which small numbers are read more easily, and below which SI number.

@@ -1,132 +1,114 @@
-"""One compiled call a step, on arrays that stay where they are: handing over twenty takes longer than the gas does."""
+"""One compiled call a step, on arrays that stay where they are: handing over forty takes longer than the gas does."""
 
 from __future__ import annotations
 
 from collections.abc import Callable
-from typing import TYPE_CHECKING, Any
+from typing import Any, NamedTuple
 
+import numba
 import numpy as np
 from llvmlite import ir
-from numba import carray, types
+from numba import types
 from numba.extending import intrinsic
+from numba.np.arrayobj import make_array, populate_array
+from numpy.typing import NDArray
 
 from exo_sim.physics.compiled import kernel
 from exo_sim.physics.records import CYLINDER, JOINT, WORLD
-from exo_sim.simulation.coupling import advance_gas, compute_forces, moment_arm
-from exo_sim.simulation.native import address, call, read_time
+from exo_sim.simulation.coupling import coupled_step
+from exo_sim.simulation.views import Mechanics, Plant
 
-if TYPE_CHECKING:
-    import mujoco
-
-    from exo_sim.simulation.plugin import PneumaticPlugin
-
-#: Order of the arrays, then of the sizes, then of MuJoCo's own, in the table.
-_ARRAYS = (
-    WORLD_AT, CYLINDERS, JOINTS, VECTOR, HISTORY, ACTUATORS, RETRACTED, LENGTH, VELOCITY, DOFS, ADDRESSES, QPOS, QVEL,
-    CTRL, APPLIED, X, X1, V, FORCE, Q, Q1, QD, OWN, FELT, COMMAND, WORK, SCRATCH, DT, CLOCK, DRIVEN, MOMENT, COUNTS,
-    STARTS, COLUMNS,
-) = range(34)  # fmt: skip
-_SIZES = N, M, STATES, RING, INTEGRATED, NU, NQ, NV, MOMENTS, TURNING = range(34, 44)
-_MUJOCO = STEP1, STEP2, GET_STATE, MODEL, DATA = range(44, 49)
-_LENGTH_OF_TABLE = 49
+_RECORDS = {"world": WORLD, "cylinders": CYLINDER, "joints": JOINT}
+_NUMBERS = {"Array": np.float64, "Table": np.float64, "Index": np.int64, "ShortIndex": np.int32}
 
 
-class BoundArrays:
-    """Addresses of what one plug-in and one MjData work on; it keeps both alive.
+def _example(kind: type) -> Any:
+    """Return a value of a record of views, for its type alone."""
+    values: list[Any] = []
+    for name, annotation in kind.__annotations__.items():
+        said = annotation.__forward_arg__
+        shape = (1, 1) if said == "Table" else (1,)
+        values.append(0 if said == "int" else np.zeros(shape, _RECORDS.get(name, _NUMBERS.get(said))))
+    return kind(*values)
+
+
+_MECHANICS, _PLANT = numba.typeof(_example(Mechanics)), numba.typeof(_example(Plant))
+
+
+def _table(views: NamedTuple) -> NDArray[np.int64]:
+    """Return a record of views as numbers: an integer as it is, an array as its address and shape."""
+    numbers: list[int] = []
+    for view in views:
+        if isinstance(view, np.ndarray):
+            assert view.flags.c_contiguous
+            numbers += [view.ctypes.data, *view.shape]
+        else:
+            numbers.append(view)
+    return np.array(numbers, dtype=np.int64)
+
+
+def _reader(kind: Any) -> Any:
+    """Return the intrinsic that reads a record of views from such a table: no reference is counted for its arrays."""
+
+    def read(typingctx: Any, place: Any) -> Any:
+        def generate(context: Any, builder: Any, signature: Any, arguments: Any) -> Any:
+            word = ir.IntType(64)
+            table = builder.inttoptr(arguments[0], word.as_pointer())
+            at = 0
+
+            def number() -> Any:
+                nonlocal at
+                at += 1
+                return builder.load(builder.gep(table, [ir.Constant(word, at - 1)]))
+
+            record = context.get_constant_undef(kind)
+            for field, member in enumerate(kind.types):
+                if not isinstance(member, types.Array):
+                    record = builder.insert_value(record, number(), field)
+                    continue
+                array = make_array(member)(context, builder)
+                address, shape = number(), [number() for _ in range(member.ndim)]
+                itemsize = ir.Constant(word, context.get_abi_sizeof(context.get_data_type(member.dtype)))
+                strides = [itemsize]
+                for length in reversed(shape[1:]):
+                    strides.insert(0, builder.mul(strides[0], length))
+                populate_array(
+                    array, data=builder.inttoptr(address, array.data.type), shape=shape, strides=strides, itemsize=itemsize, meminfo=None
+                )
+                record = builder.insert_value(record, array._getvalue(), field)
+            return record
+
+        return kind(types.int64), generate
+
+    return intrinsic(read)
+
+
+_mechanics_at, _plant_at = _reader(_MECHANICS), _reader(_PLANT)
+
+
+class Bound:
+    """What one plug-in and one MjData work on, by address; it keeps both alive.
 
     Attributes:
-        data: That MjData.
-        place: Address of the table, for `take_step`.
+        places: Addresses of both tables, for `take_step`.
     """
 
-    def __init__(self, plugin: PneumaticPlugin, data: mujoco.MjData):
-        gas, model = plugin.pneumatics, plugin.model
-        arrays = [
-            gas.world, gas.cylinders, gas.joints, gas.vector, gas.history, plugin._actuators, plugin._retracted,
-            data.actuator_length, data.actuator_velocity, plugin._dofs, plugin._addresses, data.qpos, data.qvel,
-            data.ctrl, data.qfrc_applied, plugin._x, plugin._x1, plugin._v, plugin._force, plugin._q, plugin._q1,
-            plugin._qd, plugin._own, plugin._felt, plugin.command, gas._work, gas._scratch, np.array([plugin.dt]),
-            plugin._clock, plugin._driven, data.actuator_moment, data.moment_rownnz, data.moment_rowadr,
-            data.moment_colind,
-        ]  # fmt: skip
-        assert all(array.flags.c_contiguous for array in arrays)
-        n, ring = gas.history.shape
-        sizes = [n, len(gas.joints), gas.vector.size, ring, gas._work.shape[1], model.nu, model.nq, model.nv]
-        sizes += [data.actuator_moment.size, int(plugin._turning)]
-        own = [address("mj_step1"), address("mj_step2"), address("mj_getState"), model._address, data._address]
-        self.data, self._arrays = data, arrays
-        self._table = np.array([array.ctypes.data for array in arrays] + sizes + own, dtype=np.int64)
-        self.place = self._table.ctypes.data
-
-
-def _to_pointer(typingctx: Any, address: Any) -> Any:
-    """Turn an address into a pointer that `carray` takes."""
-
-    def generate(context: Any, builder: Any, signature: Any, arguments: Any) -> Any:
-        return builder.inttoptr(arguments[0], ir.IntType(8).as_pointer())
-
-    return types.voidptr(types.int64), generate
-
-
-_pointer: Any = intrinsic(_to_pointer)
+    def __init__(self, mechanics: Mechanics, plant: Plant, *kept: object):
+        self._kept = (mechanics, plant, *kept)
+        assert numba.typeof(mechanics) == _MECHANICS and numba.typeof(plant) == _PLANT
+        self._tables = _table(mechanics), _table(plant)
+        self.places = int(self._tables[0].ctypes.data), int(self._tables[1].ctypes.data)
 
 
 @kernel
-def _numbers(at, which, count):
-    return carray(_pointer(at[which]), (count,), np.float64)
+def take_step(mechanics, plant):
+    """Take one coupled step on what the tables at two addresses name; return what became of the gas."""
+    return coupled_step(_mechanics_at(mechanics), _plant_at(plant))
 
 
-@kernel
-def _indices(at, which, count):
-    return carray(_pointer(at[which]), (count,), np.int64)
-
-
-@kernel
-def _short_indices(at, which, count):
-    return carray(_pointer(at[which]), (count,), np.int32)
-
-
-@kernel
-def take_step(place):
-    """Take one coupled step on what the table at `place` names: `PneumaticPlugin.step`, compiled."""
-    at = carray(_pointer(place), (_LENGTH_OF_TABLE,), np.int64)
-    n, m = at[N], at[M]
-    world = carray(_pointer(at[WORLD_AT]), (1,), WORLD)[0]
-    cylinders = carray(_pointer(at[CYLINDERS]), (n,), CYLINDER)
-    joints = carray(_pointer(at[JOINTS]), (m,), JOINT)
-    vector = _numbers(at, VECTOR, at[STATES])
-    actuators, retracted = _indices(at, ACTUATORS, n), _numbers(at, RETRACTED, n)
-    length, velocity = _numbers(at, LENGTH, at[NU]), _numbers(at, VELOCITY, at[NU])
-    dofs, addresses = _indices(at, DOFS, m), _indices(at, ADDRESSES, m)
-    qpos, qvel = _numbers(at, QPOS, at[NQ]), _numbers(at, QVEL, at[NV])
-    x, q = _numbers(at, X, n), _numbers(at, Q, m)
-    clock, dt = _numbers(at, CLOCK, 2), _numbers(at, DT, 1)[0]
-    call(at[STEP1], at[MODEL], at[DATA])
-    read_time(at[GET_STATE], at[MODEL], at[DATA], at[CLOCK] + 8)
-    if clock[1] > clock[0] + 0.5 * dt:
-        advance_gas(
-            world, cylinders, joints, vector, carray(_pointer(at[HISTORY]), (n, at[RING]), np.float64), actuators,
-            retracted, length, addresses, qpos, _numbers(at, COMMAND, n), dt, x, _numbers(at, X1, n), q,
-            _numbers(at, Q1, m), carray(_pointer(at[WORK]), (5, at[INTEGRATED]), np.float64),
-            carray(_pointer(at[SCRATCH]), (6, n), np.float64),
-        )  # fmt: skip
-        clock[0] = clock[1]
-    if at[TURNING]:
-        driven, moment = _indices(at, DRIVEN, n), _numbers(at, MOMENT, at[MOMENTS])
-        counts, starts = _short_indices(at, COUNTS, at[NU]), _short_indices(at, STARTS, at[NU])
-        columns = _short_indices(at, COLUMNS, at[MOMENTS])
-        for i in range(n):
-            cylinders[i].arm = moment_arm(actuators[i], driven[i], moment, counts, starts, columns)
-    compute_forces(
-        world, cylinders, joints, vector, actuators, retracted, length, velocity, dofs, addresses, qpos, qvel,
-        _numbers(at, CTRL, at[NU]), _numbers(at, APPLIED, at[NV]), x, _numbers(at, V, n), _numbers(at, FORCE, n), q,
-        _numbers(at, QD, m), _numbers(at, OWN, m), _numbers(at, FELT, m),
-    )  # fmt: skip
-    call(at[STEP2], at[MODEL], at[DATA])
-
-
-def straight(function: Callable[[int], None]) -> Callable[[int], None]:
-    """Return the compiled code of a kernel of one address, without the dispatcher that would ask each time of what type it is."""
+def straight(function: Callable[..., int]) -> Callable[..., int]:
+    """Return the compiled code of a kernel of two addresses, without the dispatcher that would ask each time of what type they are."""
     dispatcher: Any = function
-    dispatcher.compile((types.int64,))
-    return dispatcher.overloads[(types.int64,)].entry_point  # type: ignore[no-any-return]
+    arguments = (types.int64, types.int64)
+    dispatcher.compile(arguments)
+    return dispatcher.overloads[arguments].entry_point  # type: ignore[no-any-return]

@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
 
 import mujoco
 import numpy as np
@@ -32,6 +34,8 @@ from exo_sim.simulation.rehearsal import learn_from
 from exo_sim.simulation.walk import Request, Walk, layout
 
 _CHUNK = 250
+#: Rows of a piece of a long run, and whole cycles in it at the least: those that a summary leaves out, and one more.
+MOST_ROWS, FEWEST_CYCLES = 1 << 14, 3
 #: A rehearsal leaves out so many cycles or so much time [s] at its start, and looks at so much time after that [s].
 _SETTLING, _SETTLING_TIME, _LOOKED_AT = 2, 2.0, 1.5
 #: How far the machine may leave its wearer before the run counts as a fall [rad, m].
@@ -161,30 +165,65 @@ class Simulation:
         self.plugin.reset(data, atmosphere, atmosphere)
 
     def run(self, quiet: bool = True) -> Walk:
-        """Simulate; Ctrl-C ends the run early and leaves what was done.
+        """Simulate, and return all of it.
 
         Raises:
             Diverged: numbers that mean nothing any more, a warning of MuJoCo, or a fall.
         """
-        total = math.ceil(self.cycles * self.motion.period / self.dt - 1e-9) + 1
-        gas = not self.request.ideal
-        keys = layout(self.rig, self.straps, gas)
-        log = np.empty((total, 1 + len(keys)))
-        addresses, settings, world, wearer, drives, gas_state = wire(self)
-        done, interrupted = 0, False
-        duration = total * self.dt
-        with warnings_counted(), progress.Bar(duration, self.request.scenario, unit="s", quiet=quiet) as bar:
-            try:
-                while done < total:
-                    count = min(_CHUNK, total - done)
-                    rows = log[done : done + count]
-                    loop.run(done, count, addresses, settings, world, wearer, drives, gas_state, rows)
-                    self._check(log, done, done + count)
+        (walk,) = self.pieces(quiet, most=None)
+        return walk
+
+    def pieces(
+        self, quiet: bool = True, most: int | None = MOST_ROWS, stop: Callable[[], bool] = lambda: False
+    ) -> Iterator[Walk]:
+        """Simulate, and give pieces of whole cycles as they are done: no more than one of them is in memory here.
+
+        Args:
+            quiet: No progress.
+            most: Rows of a piece, where that leaves it `FEWEST_CYCLES` or more; None for all in one.
+            stop: Asked between steps; once it says True, what was done since the last piece is the last one.
+
+        Raises:
+            Diverged: as `run`.
+        """
+        total = self.rows
+        per_cycle = self.motion.period / self.dt
+        cycles = self.cycles if most is None else max(FEWEST_CYCLES, int(most / per_cycle))
+        keys = layout(self.rig, self.straps, not self.request.ideal)
+        wired = wire(self)
+        begun = done = 0
+        interrupted = False
+        with self._payload_put_back(), progress.Bar(total * self.dt, self.request.scenario, unit="s", quiet=quiet) as bar:
+            while done < total and not interrupted:
+                end = round((round(begun / per_cycle) + cycles) * per_cycle)
+                if total - end <= per_cycle + 1:  # what is left would not make a piece of its own
+                    end = total
+                log = np.empty((end - begun, 1 + len(keys)))
+                while done < end and not interrupted:
+                    count = min(_CHUNK, end - done)
+                    rows = log[done - begun : done - begun + count]
+                    with warnings_counted():
+                        self.plugin.check(loop.run(done, count, *wired, rows))
+                    self._check(rows, done, done + count)
                     done += count
                     bar.to(done * self.dt)
-            except KeyboardInterrupt:
-                interrupted = True
-        return self._result(log[:done], keys, interrupted)
+                    interrupted = stop() and done < total
+                yield self._result(log[: done - begun], keys, begun, interrupted)
+                begun = done
+
+    @property
+    def rows(self) -> int:
+        """How many rows a whole run has."""
+        return math.ceil(self.cycles * self.motion.period / self.dt - 1e-9) + 1
+
+    @contextmanager
+    def _payload_put_back(self) -> Iterator[None]:
+        """Put the payload back to what it was at the start, for the next run."""
+        try:
+            yield
+        finally:
+            if self.added:
+                carry(self.model, self.request.payload)
 
     @property
     def added_at(self) -> float:
@@ -193,9 +232,8 @@ class Simulation:
         usual = scenarios.find(self.request.scenario).cycles
         return self.added.at * self.motion.period * self.cycles / usual
 
-    def _check(self, log: NDArray[np.float64], start: int, stop: int) -> None:
+    def _check(self, rows: NDArray[np.float64], start: int, stop: int) -> None:
         """Refuse what cannot be: warnings of MuJoCo, numbers that are none, a machine that left its wearer."""
-        rows = log[start:stop]
         when = f"at {start * self.dt:.3f} to {stop * self.dt:.3f} s"
         advice = "try a shorter timestep in the MJCF, a smaller payload, or --assist vented to find the cause"
         if self.data.warning.number.any():
@@ -211,14 +249,14 @@ class Simulation:
         if far.max() > _FALLEN_DISTANCE or np.abs(rows[:, 3] - wanted[:, 2]).max() > _FALLEN_PITCH:
             raise Diverged(f"{self.request.scenario}: the machine falls away from its wearer {when}; {advice}")
 
-    def _result(self, log: NDArray[np.float64], keys: list[tuple[str, str]], interrupted: bool) -> Walk:
+    def _result(self, log: NDArray[np.float64], keys: list[tuple[str, str]], first: int, interrupted: bool) -> Walk:
         table = _turned(log[:, 1:])
         columns = {key: table[i] for i, (key, _) in enumerate(keys)}
         units = dict(keys)
         wrench = np.stack([columns.pop(key) for key, _ in keys if key.startswith("wearer.")], axis=1)
         units = {key: unit for key, unit in units.items() if key in columns}
         n = len(log)
-        time = np.asarray(np.arange(n) * self.dt, dtype=np.float64)
+        time = np.asarray(np.arange(first, first + n) * self.dt, dtype=np.float64)
         poses = loop.person_along(time, self.motion, self.person)
         payload = np.full(n, self.request.payload)
         if self.added:
@@ -226,9 +264,6 @@ class Simulation:
             payload += self.added.mass * np.clip((time - at) / self.added.over, 0.0, 1.0)
         gravity = float(-self.model.opt.gravity[2])
         frame = self._frame
-        if self.added:
-            body = int(self.model.geom("payload").bodyid[0])
-            carry(self.model, self.request.payload, body)
         return Walk(
             request=self.request,
             rig=self.rig,
@@ -246,6 +281,7 @@ class Simulation:
             step=self.dt,
             interrupted=interrupted,
             model=self.model,
+            first=first,
         )
 
 

@@ -3,56 +3,94 @@
 from __future__ import annotations
 
 from exo_sim.physics.compiled import inlined_kernel, kernel
-from exo_sim.physics.pneumatics import joint_forces, rod_forces, step
+from exo_sim.physics.forces import joint_forces, rod_forces
+from exo_sim.physics.plant import FOLLOWED, step
+from exo_sim.simulation.native import call, read_time
+from exo_sim.simulation.views import GAS_TIME, MUJOCO_TIME, STEP
 
 
 @kernel
-def moment_arm(actuator, dof, moment, counts, starts, dofs):
+def moment_arm(actuator, dof, mechanics):
     """Return dlength/dq of one actuator for one degree of freedom from MuJoCo's sparse rows; 0 where it has none."""
     arm = 0.0
-    for j in range(starts[actuator], starts[actuator] + counts[actuator]):
-        if dofs[j] == dof:
-            arm = moment[j]
+    start = mechanics.moment_rowadr[actuator]
+    for j in range(start, start + mechanics.moment_rownnz[actuator]):
+        if mechanics.moment_colind[j] == dof:
+            arm = mechanics.actuator_moment[j]
     return arm
 
 
 @inlined_kernel
-def compute_forces(
-    world, cylinders, joints, vector, actuators, retracted, length, velocity, dofs, addresses, qpos, qvel,
-    ctrl, applied, x, v, force, q, qd, own, felt,
-):  # fmt: skip
-    """Write the rod forces into `ctrl` and what the joints' own friction adds into `applied`.
-
-    `felt` keeps what was added last, so that forces from others in `applied` stay.
-    """
-    for i in range(len(cylinders)):
-        x[i] = length[actuators[i]] - retracted[i]
-        v[i] = velocity[actuators[i]]
-    rod_forces(world, cylinders, vector, x, v, force)
-    for i in range(len(cylinders)):
-        ctrl[actuators[i]] = force[i]
-    if len(joints) > 0:
-        for i in range(len(joints)):
-            q[i] = qpos[addresses[i]]
-            qd[i] = qvel[dofs[i]]
-        joint_forces(joints, vector[vector.size - len(joints) :], q, qd, own)
-        for i in range(len(joints)):
-            applied[dofs[i]] += own[i] - felt[i]
-            felt[i] = own[i]
+def freshen_levers(mechanics, plant):
+    """Tell each cylinder its lever at the joint that it drives."""
+    for i in range(len(plant.cylinders)):
+        plant.cylinders[i].arm = moment_arm(plant.actuators[i], plant.driven[i], mechanics)
 
 
 @inlined_kernel
-def advance_gas(
-    world, cylinders, joints, vector, history, actuators, retracted, length, addresses, qpos, command, dt,
-    x, x1, q, q1, work, scratch,
-):  # fmt: skip
-    """Move the gas on over the step that MuJoCo has just taken; x and q become where it ended."""
-    for i in range(len(cylinders)):
-        x1[i] = length[actuators[i]] - retracted[i]
-    for i in range(len(joints)):
-        q1[i] = qpos[addresses[i]]
-    step(world, cylinders, joints, vector, history, x, x1, q, q1, command, dt, work, scratch)
-    for i in range(len(cylinders)):
-        x[i] = x1[i]
-    for i in range(len(joints)):
-        q[i] = q1[i]
+def compute_forces(mechanics, plant):
+    """Write the rod forces into MuJoCo's `ctrl` and what the joints' own friction adds into its applied forces.
+
+    `felt` keeps what was added last, so that forces from others in `qfrc_applied` stay.
+    """
+    for i in range(len(plant.cylinders)):
+        plant.x[i] = mechanics.actuator_length[plant.actuators[i]] - plant.retracted[i]
+        plant.v[i] = mechanics.actuator_velocity[plant.actuators[i]]
+    rod_forces(plant.world[0], plant.cylinders, plant.vector, plant.x, plant.v, plant.force)
+    for i in range(len(plant.cylinders)):
+        mechanics.ctrl[plant.actuators[i]] = plant.force[i]
+    m = len(plant.joints)
+    if m > 0:
+        for i in range(m):
+            plant.q[i] = mechanics.qpos[plant.addresses[i]]
+            plant.qd[i] = mechanics.qvel[plant.dofs[i]]
+        joint_forces(plant.joints, plant.vector[plant.vector.size - m :], plant.q, plant.qd, plant.own)
+        for i in range(m):
+            mechanics.qfrc_applied[plant.dofs[i]] += plant.own[i] - plant.felt[i]
+            plant.felt[i] = plant.own[i]
+
+
+@inlined_kernel
+def advance_gas(mechanics, plant):
+    """Move the gas on over the step that MuJoCo has just taken, under `command`; return what became of it (`physics.plant.step`).
+
+    x and q become where it ended; where it was refused they stay.
+    """
+    for i in range(len(plant.cylinders)):
+        plant.x1[i] = mechanics.actuator_length[plant.actuators[i]] - plant.retracted[i]
+    for i in range(len(plant.joints)):
+        plant.q1[i] = mechanics.qpos[plant.addresses[i]]
+    became = step(
+        plant.world[0], plant.cylinders, plant.joints, plant.vector, plant.history, plant.x, plant.x1, plant.q, plant.q1, plant.command,
+        plant.clock[STEP], plant.work, plant.scratch,
+    )  # fmt: skip
+    if became == FOLLOWED:
+        for i in range(len(plant.cylinders)):
+            plant.x[i] = plant.x1[i]
+        for i in range(len(plant.joints)):
+            plant.q[i] = plant.q1[i]
+    return became
+
+
+@inlined_kernel
+def catch_up(mechanics, plant):
+    """Bring the gas up to MuJoCo's clock; do nothing where it is there already. Return what became of it."""
+    read_time(mechanics.get_state, mechanics.model, mechanics.data, plant.clock.ctypes.data + 8 * MUJOCO_TIME)
+    became = FOLLOWED
+    if plant.clock[MUJOCO_TIME] > plant.clock[GAS_TIME] + 0.5 * plant.clock[STEP]:
+        became = advance_gas(mechanics, plant)
+        plant.clock[GAS_TIME] = plant.clock[MUJOCO_TIME]
+    return became
+
+
+@inlined_kernel
+def coupled_step(mechanics, plant):
+    """Take one coupled step; return what became of the gas. Where it was refused, MuJoCo's step is left half done."""
+    call(mechanics.step1, mechanics.model, mechanics.data)
+    became = catch_up(mechanics, plant)
+    if became == FOLLOWED:
+        if plant.turning[0] != 0:
+            freshen_levers(mechanics, plant)
+        compute_forces(mechanics, plant)
+        call(mechanics.step2, mechanics.model, mechanics.data)
+    return became

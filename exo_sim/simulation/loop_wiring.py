@@ -9,8 +9,7 @@ import numpy as np
 from exo_sim.control.valve_control import controller_code
 from exo_sim.errors import ModelError
 from exo_sim.machine.person import SEGMENTS
-from exo_sim.simulation import loop
-from exo_sim.simulation.native import address
+from exo_sim.simulation import loop, views
 
 if TYPE_CHECKING:
     from exo_sim.simulation.coupled import Simulation
@@ -19,16 +18,13 @@ if TYPE_CHECKING:
 RAMP = 0.5
 
 
-def wire(
-    it: Simulation,
-) -> tuple[loop.Addresses, loop.Settings, loop.World, loop.Wearer, loop.Drives, loop.Gas]:
+def wire(it: Simulation) -> tuple[loop.Settings, views.Mechanics, views.Plant, loop.Bodies, loop.Wearer, loop.Drives]:
     """Return the arguments of `loop.run`: views into MuJoCo's and the gas's own arrays, and what the loop remembers.
 
     Raises:
         ModelError: the MJCF lacks a motor for a powered ankle, or the person's bodies are not as they must be.
     """
-    model, data, plugin, gas = it.model, it.data, it.plugin, it.plugin.pneumatics
-    n = len(plugin.links)
+    model, data, n = it.model, it.data, len(it.plugin.links)
     position, slope = it.motion.tables()
     names = [model.actuator(i).name for i in range(model.nu)]
     powered = it.rig.ankle.mode == "powered" and it.request.assist == "on"
@@ -54,16 +50,14 @@ def wire(
         raise ModelError(f"{it.rig.model}: the person's bodies must be mocap, in the order {', '.join(SEGMENTS)}")
     straps = it.straps
     return (
-        loop.Addresses(address("mj_step1"), address("mj_step2"), model._address, data._address),
         loop.Settings(
             numbers, loop.IDEAL if it.request.ideal else loop.GAS, code, model.body("torso").id, payload_body
         ),
-        loop.World(
-            data.qpos, data.qvel, data.xpos, data.xmat, data.xipos, data.cvel, data.subtree_com,
-            data.mocap_pos, data.mocap_quat, data.ctrl, data.xfrc_applied, data.qfrc_applied,
-            data.actuator_length, data.actuator_velocity, data.actuator_moment, data.moment_rownnz,
-            data.moment_rowadr, data.moment_colind, data.sensordata, model.body_mass, model.body_inertia,
-            model.body_subtreemass,
+        views.mechanics(model, data),
+        it.plugin.plant,
+        loop.Bodies(
+            data.xpos, data.xmat, data.xipos, data.cvel, data.subtree_com, data.mocap_pos, data.mocap_quat, data.xfrc_applied,
+            data.sensordata, model.body_mass, model.body_inertia, model.body_subtreemass,
         ),
         loop.Wearer(
             position, slope, it.person.lengths(), model.body_pos[person_body, 1].copy(), it.demand,
@@ -71,15 +65,5 @@ def wire(
             straps.damping, np.zeros(9), np.zeros(9), np.zeros((7, 6)), np.zeros((len(straps.names), 2)),
             np.zeros((7, 3)), np.zeros(6), np.zeros(6), np.zeros(2),
         ),
-        loop.Drives(
-            plugin._actuators, np.array([link.dof for link in plugin.links], dtype=np.int64),
-            np.array(ankles, dtype=np.int64), plugin._retracted, plugin.command, np.zeros(n), np.zeros(n),
-            np.zeros(n),
-            np.zeros(n), np.zeros(n),
-        ),
-        loop.Gas(
-            gas.world, gas.cylinders, gas.joints, gas.vector, gas.history, plugin._x, plugin._x1, plugin._v,
-            plugin._force, plugin._q, plugin._q1, plugin._qd, plugin._own, plugin._felt, plugin._dofs,
-            plugin._addresses, gas._work, gas._scratch,
-        ),
+        loop.Drives(np.array(ankles, dtype=np.int64), np.zeros(n), np.zeros(n), np.zeros(n), np.zeros(n)),
     )  # fmt: skip

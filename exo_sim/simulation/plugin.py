@@ -2,18 +2,23 @@
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass
 
 import mujoco
 import numpy as np
 from numpy.typing import NDArray
 
-from exo_sim.errors import ModelError, nearest
+from exo_sim.errors import ModelError, RigError, nearest
+from exo_sim.machine import mjcf
 from exo_sim.machine.linkage import linkages, moment_row
-from exo_sim.physics.pneumatics import Books
+from exo_sim.physics.books import Books
+from exo_sim.physics.plant import FOLLOWED
 from exo_sim.rig import Rig, assembly
-from exo_sim.simulation.bound_arrays import BoundArrays, straight, take_step
-from exo_sim.simulation.coupling import advance_gas, compute_forces
+from exo_sim.rig.schema import LARGEST_HEAT_CAPACITY_RATIO
+from exo_sim.simulation import views
+from exo_sim.simulation.bound_arrays import Bound, straight, take_step
+from exo_sim.simulation.coupling import advance_gas, compute_forces, freshen_levers
 
 _CONTACT = ["effective_mass", "turning"]
 _CONTACT_OF_CYLINDER = [*_CONTACT, "arm"]
@@ -64,11 +69,18 @@ class PneumaticPlugin:
         rig: The machine whose cylinders drive it.
 
     Raises:
-        ModelError: the model lacks an actuator or joint of the rig.
+        ModelError: the model lacks an actuator or joint of the rig, or holds numbers that no machine has.
+        RigError: a gas that cannot be.
     """
 
     def __init__(self, model: mujoco.MjModel, rig: Rig):
         self.model, self.rig = model, rig
+        mjcf.check(model, rig.model)
+        if not 1.0 < rig.heat_capacity_ratio <= LARGEST_HEAT_CAPACITY_RATIO or not 0.0 < rig.specific_gas_constant < math.inf:
+            raise RigError(
+                f"{rig.path}: no gas has heat_capacity_ratio = {rig.heat_capacity_ratio:g} and specific_gas_constant = "
+                f"{rig.specific_gas_constant:g} J/(kg K)"
+            )
         self.links = linkages(rig, model)
         names = assembly.joints_with_effects(rig)
         known = [model.joint(i).name for i in range(model.njnt)]
@@ -79,21 +91,19 @@ class PneumaticPlugin:
         self.dt = float(model.opt.timestep)
         drives = {link.cylinder: link.joint for link in self.links}
         self.pneumatics = assembly.pneumatics(rig, self.dt, names, drives)
-        self._command = np.zeros(len(self.links))
-        n, m = len(self.links), len(names)
-        self._actuators = np.array([link.actuator for link in self.links], dtype=np.int64)
-        self._retracted = np.array([rig.cylinders[link.cylinder].retracted_length for link in self.links])
         ids = [model.joint(name).id for name in names]
-        self._addresses = np.array([model.jnt_qposadr[i] for i in ids], dtype=np.int64)
-        self._dofs = np.array([model.jnt_dofadr[i] for i in ids], dtype=np.int64)
-        self._x, self._x1, self._v, self._force = np.zeros((4, n))
-        self._q, self._q1, self._qd, self._own, self._felt = np.zeros((5, m))
-        self._driven = np.array([link.dof for link in self.links], dtype=np.int64)
-        self._clock = np.zeros(2)  # how far the gas has come; what MuJoCo's clock said last
-        self._turning = any(effect.turning for effect in rig.effects)
-        self._bound: BoundArrays | None = None
+        self.plant = views.plant(
+            self.pneumatics,
+            actuators=np.array([link.actuator for link in self.links], dtype=np.int64),
+            driven=np.array([link.dof for link in self.links], dtype=np.int64),
+            retracted=np.array([rig.cylinders[link.cylinder].retracted_length for link in self.links]),
+            dofs=np.array([model.jnt_dofadr[i] for i in ids], dtype=np.int64),
+            addresses=np.array([model.jnt_qposadr[i] for i in ids], dtype=np.int64),
+            turning=any(effect.turning for effect in rig.effects),
+        )
         self._stepped: mujoco.MjData | None = None  # what `step` was last called with, and the call for it
-        self._place, self._take_step = 0, take_step
+        self._bound: Bound | None = None
+        self._places, self._take_step = (0, 0), take_step
 
     def __getstate__(self) -> dict[str, object]:
         return {**self.__dict__, "_bound": None, "_stepped": None, "_take_step": None}  # a copy's arrays are elsewhere
@@ -108,30 +118,30 @@ class PneumaticPlugin:
         self.rig = rig
         self.pneumatics.world[:], self.pneumatics.cylinders[:] = other.world, other.cylinders
         self.pneumatics.joints[:] = other.joints
-        self._retracted[:] = [rig.cylinders[link.cylinder].retracted_length for link in self.links]
+        self.plant.retracted[:] = [rig.cylinders[link.cylinder].retracted_length for link in self.links]
 
     @property
     def command(self) -> NDArray[np.float64]:
         """Valve commands, -1 to 1, one a cylinder in the rig's order, shape (n,). Set it before `advance`."""
-        return self._command
+        return self.plant.command
 
     @command.setter
     def command(self, value: NDArray[np.float64]) -> None:
-        self._command[:] = value
+        self.plant.command[:] = value
 
     @property
     def force(self) -> NDArray[np.float64]:
         """Rod forces of the last `compute`, shape (n,) [N]; + pushes out."""
-        return self._force
+        return self.plant.force
 
     @property
     def lengths(self) -> NDArray[np.float64]:
         """Piston positions X as the joints have them, shape (n,) [m]."""
-        return self._x
+        return self.plant.x
 
     def pressures(self) -> NDArray[np.float64]:
         """Return both chamber pressures of each cylinder, shape (n, 2) [Pa]."""
-        return self.pneumatics.pressures(self._x)
+        return self.pneumatics.pressures(self.plant.x)
 
     def books(self) -> Books:
         """Return what passed through since `reset`, and what the books cannot account for."""
@@ -143,19 +153,36 @@ class PneumaticPlugin:
         pressure_1: NDArray[np.float64] | float | None = None,
         pressure_2: NDArray[np.float64] | float | None = None,
     ) -> None:
-        """Fill the chambers with gas at rest, at the atmosphere unless pressures [Pa] are given, for the positions in `data`."""
-        mujoco.mj_forward(self.model, data)
-        self._x[:] = data.actuator_length[self._actuators] - self._retracted
-        self._q[:] = data.qpos[self._addresses]
-        self._felt[:] = 0.0
-        self.command[:] = 0.0
+        """Fill the chambers with gas at rest, at the atmosphere unless pressures [Pa] are given, for the positions in `data`.
+
+        Raises:
+            ModelError: `data` is of another model, or a pressure is none: absolute ones are above 0.
+        """
+        self._check_data(data)
         atmosphere = self.rig.environment.pressure
-        p_1 = atmosphere if pressure_1 is None else pressure_1
-        p_2 = atmosphere if pressure_2 is None else pressure_2
+        p_1 = self._pressure("pressure_1", atmosphere if pressure_1 is None else pressure_1)
+        p_2 = self._pressure("pressure_2", atmosphere if pressure_2 is None else pressure_2)
+        mujoco.mj_forward(self.model, data)
+        plant = self.plant
+        plant.x[:] = data.actuator_length[plant.actuators] - plant.retracted
+        plant.q[:] = data.qpos[plant.addresses]
+        plant.felt[:] = plant.command[:] = 0.0
         self._masses(data)
-        self.pneumatics.fill(self._x, p_1, p_2)
-        self.pneumatics.settle_transmission(self._x)
-        self._clock[0] = data.time
+        self.pneumatics.fill(plant.x, p_1, p_2)
+        self.pneumatics.settle_transmission(plant.x)
+        plant.clock[views.GAS_TIME] = data.time
+
+    def _pressure(self, name: str, value: NDArray[np.float64] | float) -> NDArray[np.float64]:
+        """Return a pressure for each cylinder, shape (n,); what it may be is asked where the chambers are filled."""
+        try:
+            return np.broadcast_to(np.asarray(value, dtype=np.float64), (len(self.links),))
+        except (TypeError, ValueError):
+            raise ModelError(f"{name}: give one pressure in Pa, or one for each of {len(self.links)} cylinders") from None
+
+    def _check_data(self, data: mujoco.MjData) -> None:
+        """Refuse the state of another model: its arrays have other lengths or other meanings."""
+        if data.signature != self.model.signature:
+            raise ModelError("the MjData belongs to another model than the one that the plug-in was made for")
 
     def _masses(self, data: mujoco.MjData) -> None:
         """Tell each dry contact what mass it holds: the inverse of J M^-1 J'."""
@@ -163,7 +190,7 @@ class PneumaticPlugin:
             row = moment_row(self.model, data, link.actuator)
             self.pneumatics.cylinders[i]["arm"] = row[link.dof]
             self.pneumatics.cylinders[i]["effective_mass"] = 1.0 / max(self._mobility(data, row), 1e-12)
-        for i, dof in enumerate(self._dofs):
+        for i, dof in enumerate(self.plant.dofs):
             unit = np.zeros(self.model.nv)
             unit[dof] = 1.0
             self.pneumatics.joints[i]["effective_mass"] = 1.0 / max(self._mobility(data, unit), 1e-12)
@@ -177,64 +204,75 @@ class PneumaticPlugin:
 
     def compute(self, data: mujoco.MjData) -> None:
         """Write the rod forces into `data.ctrl`, and the friction of joints into `data.qfrc_applied`."""
-        if self._turning:
-            for i, link in enumerate(self.links):
-                self.pneumatics.cylinders[i]["arm"] = moment_row(self.model, data, link.actuator)[link.dof]
-        gas = self.pneumatics
-        compute_forces(
-            gas.world[0], gas.cylinders, gas.joints, gas.vector, self._actuators, self._retracted,
-            data.actuator_length, data.actuator_velocity, self._dofs, self._addresses, data.qpos, data.qvel,
-            data.ctrl, data.qfrc_applied, self._x, self._v, self._force, self._q, self._qd, self._own, self._felt,
-        )  # fmt: skip
+        self._check_data(data)
+        mechanics = views.mechanics(self.model, data)
+        if self.plant.turning[0]:
+            freshen_levers(mechanics, self.plant)
+        compute_forces(mechanics, self.plant)
 
     def advance(self, data: mujoco.MjData) -> None:
         """Bring the gas up to `data.time` under the `command` held since: call it after `mj_step1`, which freshens the lengths.
 
         Does nothing where the gas is there already.
+
+        Raises:
+            ModelError: `data` is of another model, a command is no number, or the gas is too fast to be followed.
         """
-        if data.time <= self._clock[0] + 0.5 * self.dt:
+        if data.time <= self.plant.clock[views.GAS_TIME] + 0.5 * self.dt:
             return
-        gas = self.pneumatics
-        advance_gas(
-            gas.world[0], gas.cylinders, gas.joints, gas.vector, gas.history, self._actuators, self._retracted,
-            data.actuator_length, self._addresses, data.qpos, self.command, self.dt,
-            self._x, self._x1, self._q, self._q1, gas._work, gas._scratch,
-        )  # fmt: skip
-        self._clock[0] = data.time
+        self._check_data(data)
+        self.check(advance_gas(views.mechanics(self.model, data), self.plant))
+        self.plant.clock[views.GAS_TIME] = data.time
 
     def step(self, data: mujoco.MjData) -> None:
         """Bring the gas up to now, write the forces, and let MuJoCo take one step under them: one compiled call.
 
         An error that MuJoCo itself calls fatal ends the process here; in the long form it is raised.
+
+        Raises:
+            ModelError: as `advance`, or `data` is of another model.
         """
         if data is not self._stepped:
-            self._bound = BoundArrays(self, data)
-            self._stepped, self._place, self._take_step = data, self._bound.place, straight(take_step)
-        self._take_step(self._place)
+            self._check_data(data)
+            self._bound = Bound(views.mechanics(self.model, data), self.plant, self.model, data)
+            self._stepped, self._places, self._take_step = data, self._bound.places, straight(take_step)
+        became = self._take_step(*self._places)
+        if became:
+            self.check(became)
+
+    def check(self, became: int) -> None:
+        """Raise what is wrong where a step of the gas became anything but `FOLLOWED`.
+
+        Raises:
+            ModelError: as `advance`.
+        """
+        if became != FOLLOWED:
+            plant = self.plant
+            raise self.pneumatics.refused(became, plant.x, plant.x1, plant.command)
 
     def snapshot(self, data: mujoco.MjData) -> Snapshot:
         """Return MuJoCo's state and the gas's together."""
         kind = mujoco.mjtState.mjSTATE_INTEGRATION
         physics = np.zeros(mujoco.mj_stateSize(self.model, kind))
         mujoco.mj_getState(self.model, data, physics, kind)
-        gas = self.pneumatics
+        gas, plant = self.pneumatics, self.plant
         return Snapshot(
-            physics, gas.vector.copy(), gas.history.copy(), self._x.copy(), np.concatenate([self._q, self._felt]), gas._start.copy(),
+            physics, gas.vector.copy(), gas.history.copy(), plant.x.copy(), np.concatenate([plant.q, plant.felt]), gas._start.copy(),
             (gas.cylinders[_CONTACT_OF_CYLINDER].copy(), gas.joints[_CONTACT].copy()),
-            float(self._clock[0]),
+            float(plant.clock[views.GAS_TIME]),
         )
 
     def restore(self, data: mujoco.MjData, snapshot: Snapshot) -> None:
         """Put both states back; what follows is what followed then, to the last bit."""
         mujoco.mj_setState(self.model, data, snapshot.physics, mujoco.mjtState.mjSTATE_INTEGRATION)
-        gas = self.pneumatics
+        gas, plant = self.pneumatics, self.plant
         gas.vector[:], gas.history[:], gas._start[:] = snapshot.gas, snapshot.history, snapshot.start
         for name in _CONTACT_OF_CYLINDER:
             gas.cylinders[name] = snapshot.contacts[0][name]
         for name in _CONTACT:
             gas.joints[name] = snapshot.contacts[1][name]
-        self._x[:] = snapshot.lengths
-        self._clock[0] = snapshot.time
+        plant.x[:] = snapshot.lengths
+        plant.clock[views.GAS_TIME] = snapshot.time
         m = len(self.joint_names)
-        self._q[:], self._felt[:] = snapshot.positions[:m], snapshot.positions[m:]
+        plant.q[:], plant.felt[:] = snapshot.positions[:m], snapshot.positions[m:]
         mujoco.mj_forward(self.model, data)

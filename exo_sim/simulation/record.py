@@ -29,6 +29,11 @@ def recording(walk: Walk, name: str, seed: int = 0) -> Recording:
         name: What to call it.
         seed: Travels with it; a walk has no chance in it.
     """
+    return observe(as_it_was(walk, name, seed), walk.rig)
+
+
+def as_it_was(walk: Walk, name: str, seed: int = 0) -> Recording:
+    """Return the same as it was, before any sensor."""
     columns, units = dict(walk.columns), dict(walk.units)
     for joint, values in zip(JOINTS, wearer_moments(walk).T):
         columns[f"{joint}.wearer_moment"], units[f"{joint}.wearer_moment"] = np.ascontiguousarray(values), "N*m"
@@ -45,14 +50,14 @@ def recording(walk: Walk, name: str, seed: int = 0) -> Recording:
         "exo-sim": __version__,
         **{package: metadata.version(package) for package in ("mujoco", "numpy", "numba")},
     }
-    return observe(Recording(name, walk.time, columns, units, notes), walk.rig)
+    return Recording(name, walk.time, columns, units, notes)
 
 
 def scene(walk: Walk) -> Scene:
-    """Return bodies, cylinders and ground forces at `FRAME_RATE`."""
+    """Return bodies, cylinders and ground forces at `FRAME_RATE`; the frames of a run's pieces are those of the run."""
     model = walk.model
     every = max(1, round(1.0 / (FRAME_RATE * walk.step)))
-    rows = np.arange(0, len(walk.time), every)
+    rows = np.arange(-walk.first % every, len(walk.time), every)
     data = mujoco.MjData(model)
     columns = walk.columns
     qpos = np.stack([columns[f"{model.joint(i).name}.position"][rows] for i in range(model.njnt)], axis=1)

@@ -1,4 +1,4 @@
-"""What a run comes to: the numbers of the `run` JSON."""
+"""What a run comes to: the numbers of the `run` JSON, also of one that comes piece by piece."""
 
 from __future__ import annotations
 
@@ -9,6 +9,8 @@ from numpy.typing import NDArray
 
 from exo_sim.gait.motion import SAMPLES
 from exo_sim.machine.wearer import backpack_wrench, extra_moments
+from exo_sim.physics.pneumatics import Books
+from exo_sim.simulation.reduction import Change, Mean, Peak, Rms, joined, values
 from exo_sim.simulation.walk import JOINTS, Walk
 
 #: Cycles at the start that are left out, where enough others remain.
@@ -16,13 +18,52 @@ SETTLING = 2
 
 
 def span(walk: Walk) -> slice:
-    """Return the rows that count: whole cycles, the first two left out where at least one other remains."""
+    """Return the rows that count: whole cycles, the first two of the run left out where at least one other remains.
+
+    A later piece of a run begins with a whole cycle, and its first piece, where others follow, holds more than it leaves out.
+    """
     per_cycle = walk.motion.period / walk.step
-    whole = int((len(walk.time) - 1) / per_cycle + 1e-6)
+    end = walk.first + len(walk.time)
+    whole = int((end + 0.5) / per_cycle + 1e-9)
     if whole < 1:
         return slice(0, len(walk.time))
-    first = min(SETTLING, whole - 1)
-    return slice(round(first * per_cycle), round(whole * per_cycle))
+    first = max(walk.first, round(min(SETTLING, whole - 1) * per_cycle))
+    return slice(first - walk.first, min(round(whole * per_cycle), end) - walk.first)
+
+
+class Summary:
+    """Takes in a run piece by piece."""
+
+    def __init__(self) -> None:
+        self._measured: dict[str, Any] | None = None
+        self._scenario, self._simulated = "", 0.0
+        self._books: Books | None = None
+
+    def add(self, walk: Walk) -> None:
+        """Take in the next piece."""
+        self._scenario, self._books = walk.request.scenario, walk.books
+        self._simulated = float((walk.first + len(walk.time)) * walk.step)
+        rows = span(walk)
+        if rows.stop > rows.start:
+            measured = measure(walk, rows)
+            self._measured = measured if self._measured is None else joined(self._measured, measured)
+
+    def numbers(self) -> dict[str, Any]:
+        """Return the numbers over whole cycles, without file names and wall time."""
+        out = {"schema": "exo-sim/run/1", "scenario": self._scenario, "simulated_s": self._simulated, **values(self._measured or {})}
+        if self._books is not None:
+            out["books"] = {
+                "gas_mass_residual": self._books.mass_residual,
+                "gas_energy_residual": self._books.energy_residual,
+            }
+        return out
+
+
+def summarise(walk: Walk) -> dict[str, Any]:
+    """Return the numbers of a whole run over whole cycles, without file names and wall time."""
+    summary = Summary()
+    summary.add(walk)
+    return summary.numbers()
 
 
 def _along(walk: Walk, table: NDArray[np.float64]) -> NDArray[np.float64]:
@@ -57,45 +98,34 @@ def _on_feet(walk: Walk) -> NDArray[np.float64]:
     return _along(walk, walk.motion.support[:, None])
 
 
-def _rms(values: NDArray[np.float64]) -> float:
-    return float(np.sqrt(np.mean(np.square(values))))
-
-
-def summarise(walk: Walk) -> dict[str, Any]:
-    """Return the numbers of a run over whole cycles, without file names and wall time."""
-    if len(walk.time) < 2:
-        return {"scenario": walk.request.scenario, "simulated_s": 0.0}
-    rows, column = span(walk), walk.columns
-    part = {key: values[rows] for key, values in column.items()}
+def measure(walk: Walk, rows: slice) -> dict[str, Any]:
+    """Return what some rows of a walk come to, as reductions in the places of the JSON's numbers."""
+    part = {key: column[rows] for key, column in walk.columns.items()}
     torso = [name for name in walk.straps.names if name.startswith("torso")]
     up = {name: part[f"{name}.strap_force_z"] for name in walk.straps.names}
     ahead = {name: part[f"{name}.strap_force_x"] for name in walk.straps.names}
     torso_up = np.sum([up[name] for name in torso], axis=0)
     extra, backpack = wearer_moments(walk)[rows], backpack_moments(walk)[rows]
     moments = {
-        title: {name: _rms(table[:, [k, k + 3]]) for k, name in enumerate(("hip", "knee", "ankle"))}
+        title: {name: Rms.of(table[:, [k, k + 3]]) for k, name in enumerate(("hip", "knee", "ankle"))}
         for title, table in (("extra_moment_rms_nm", extra), ("backpack_moment_rms_nm", backpack))
     }
-    ground = part["foot_l.ground_force_z"] + part["foot_r.ground_force_z"]
     out: dict[str, Any] = {
-        "schema": "exo-sim/run/1",
-        "scenario": walk.request.scenario,
-        "simulated_s": float(len(walk.time) * walk.step),
-        "supported_weight_n": float(np.mean(walk.weight[rows])),
-        "mean_ground_force_n": float(np.mean(ground)),
+        "supported_weight_n": Mean.of(walk.weight[rows]),
+        "mean_ground_force_n": Mean.of(part["foot_l.ground_force_z"] + part["foot_r.ground_force_z"]),
         "strap_load_n": {
-            "vertical_mean": float(np.mean(np.sum(list(up.values()), axis=0))),
-            "torso_vertical_mean": float(np.mean(torso_up)),
-            "torso_rms": _rms(torso_up),
-            "torso_peak": float(np.abs(torso_up).max()),
-            "torso_forward_rms": _rms(np.sum([ahead[name] for name in torso], axis=0)),
+            "vertical_mean": Mean.of(np.sum(list(up.values()), axis=0)),
+            "torso_vertical_mean": Mean.of(torso_up),
+            "torso_rms": Rms.of(torso_up),
+            "torso_peak": Peak.of(np.abs(torso_up)),
+            "torso_forward_rms": Rms.of(np.sum([ahead[name] for name in torso], axis=0)),
         },
         "wearer": moments,
         "joints": {
             name: {
-                "torque_peak_nm": float(np.abs(part[f"{name}.torque"]).max()),
-                "torque_rms_nm": _rms(part[f"{name}.torque"]),
-                "torque_error_rms_nm": _rms(part[f"{name}.torque"] - part[f"{name}.torque_demanded"]),
+                "torque_peak_nm": Peak.of(np.abs(part[f"{name}.torque"])),
+                "torque_rms_nm": Rms.of(part[f"{name}.torque"]),
+                "torque_error_rms_nm": Rms.of(part[f"{name}.torque"] - part[f"{name}.torque_demanded"]),
             }
             for name in JOINTS
         },
@@ -104,14 +134,10 @@ def summarise(walk: Walk) -> dict[str, Any]:
         cycles = (rows.stop - rows.start) * walk.step / walk.motion.period
         out["cylinders"] = {
             name: {
-                "pressure_peak_pa": float(max(part[f"{name}.pressure_1"].max(), part[f"{name}.pressure_2"].max())),
-                "choked_share": float(np.mean(part[f"{name}.choked"]) / 2),
-                "gas_kg_per_stride": float(part[f"{name}.gas_used"][-1] - part[f"{name}.gas_used"][0]) / cycles,
+                "pressure_peak_pa": Peak.of([part[f"{name}.pressure_1"].max(), part[f"{name}.pressure_2"].max()]),
+                "choked_share": Mean.of(part[f"{name}.choked"] / 2),
+                "gas_kg_per_stride": Change(float(part[f"{name}.gas_used"][0]), float(part[f"{name}.gas_used"][-1]), cycles),
             }
             for name in walk.rig.cylinders
-        }
-        out["books"] = {
-            "gas_mass_residual": walk.books.mass_residual,
-            "gas_energy_residual": walk.books.energy_residual,
         }
     return out

@@ -71,7 +71,7 @@ class Request:
 
 @dataclass(frozen=True)
 class Walk:
-    """What was simulated.
+    """What was simulated, or a piece of it.
 
     Attributes:
         request: What was asked for.
@@ -88,8 +88,9 @@ class Walk:
         payload: On the back at each row [kg], shape (n,).
         books: Of the gas, or None where there is none.
         step: Of the simulation [s].
-        interrupted: True where Ctrl-C ended it early.
+        interrupted: True where it was stopped early.
         model: The MuJoCo model, for drawing.
+        first: Which row of the whole run the first one is.
     """
 
     request: Request
@@ -108,6 +109,7 @@ class Walk:
     step: float
     interrupted: bool
     model: mujoco.MjModel
+    first: int = 0
 
 
 def layout(rig: Rig, straps: StrapSet, gas: bool) -> list[tuple[str, str]]:

@@ -13,6 +13,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from exo_sim.physics.compiled import kernel
+from exo_sim.physics.conditions import Motion
 from exo_sim.physics.gas import flow
 from exo_sim.physics.resistance import dry_level, steady_force
 
@@ -70,9 +71,10 @@ def driving_force(world, c, x, v, opening):
             p_1 = steady_pressure(c.area_1 * v, c.valve_area, n_1, t_1, t_e, most, world.k, world.r)
             p_2 = steady_pressure(-c.area_2 * v, c.valve_area, n_2, t_2, t_e, most, world.k, world.r)
     force = p_1 * c.area_1 - p_2 * c.area_2 - world.atmosphere * (c.area_1 - c.area_2)
-    level = dry_level(c, v, 0.0, p_1 - world.atmosphere, p_2 - world.atmosphere)
+    motion = Motion(x, v, 0.0, p_1 - world.atmosphere, p_2 - world.atmosphere)
+    level = dry_level(c, motion)
     way = opening if v == 0.0 else (1.0 if v > 0.0 else -1.0)  # at rest friction is against the way it is about to go
-    return force - way * level - steady_force(c, x, v)
+    return force - way * level - steady_force(c, motion)
 
 
 @kernel

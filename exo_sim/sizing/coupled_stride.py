@@ -93,9 +93,9 @@ class CoupledStride:
         sim = self._simulation
         cycles = max(_SETTLED, math.ceil(_SETTLED_TIME / sim.motion.period))
         count = round(cycles * sim.motion.period / self.dt)
-        addresses, settings, world, wearer, drives, gas = self._wired
         log = np.empty((count, 1 + len(layout(sim.rig, sim.straps, False))))
-        loop.run(0, count, addresses, settings._replace(kind=loop.IDEAL), world, wearer, drives, gas, log)
+        settings, mechanics, plant, bodies, wearer, drives = self._wired
+        loop.run(0, count, settings._replace(kind=loop.IDEAL), mechanics, plant, bodies, wearer, drives, log)
         kind = mujoco.mjtState.mjSTATE_INTEGRATION
         state = np.empty(mujoco.mj_stateSize(sim.model, kind))
         mujoco.mj_getState(sim.model, sim.data, state, kind)
@@ -108,23 +108,22 @@ class CoupledStride:
             rig: The owner's machine with a design's cylinders (`design.fitted`).
         """
         sim = self._simulation
-        addresses, settings, world, wearer, drives, gas = self._wired
         attach(sim.model, rig, sim.plugin.links, sim.data)
         mujoco.mj_resetData(sim.model, sim.data)
         mujoco.mj_setState(sim.model, sim.data, self._start, mujoco.mjtState.mjSTATE_INTEGRATION)
         sim.plugin.refit(rig)
         sim.plugin.pneumatics.world["longest_step"] = self.dt  # accuracy to a few parts in ten thousand is enough here
-        self._fill(rig, drives)
-        loop.run(self._first, len(self._log), addresses, settings, world, wearer, drives, gas, self._log)
+        self._fill(rig)
+        loop.run(self._first, len(self._log), *self._wired, self._log)
         return self._judged()
 
-    def _fill(self, rig: Rig, drives: loop.Drives) -> None:
+    def _fill(self, rig: Rig) -> None:
         """Fill the chambers so that the rods start with the forces wanted of them, half way between exhaust and supply."""
         sim, data = self._simulation, self._simulation.data
         mujoco.mj_forward(sim.model, data)
         at = (self._first * self.dt / sim.motion.period) % 1.0
         wanted = sim.demand[round(at * SAMPLES) % SAMPLES]
-        p_s, p_e = rig.supply.pressure, rig.environment.pressure
+        p_s, p_e, drives = rig.supply.pressure, rig.environment.pressure, self._wired[-1]
         middle = 0.5 * (p_s + p_e)
         pressures = np.empty((2, len(sim.plugin.links)))
         for i, link in enumerate(sim.plugin.links):

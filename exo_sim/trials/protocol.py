@@ -3,39 +3,42 @@
 from __future__ import annotations
 
 import json
-import os
-import resource
+import re
 import shlex
-import subprocess
 import sys
-import time
 from collections.abc import Callable, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from exo_sim.errors import TrialError
-from exo_sim.outputs import replacing
+from exo_sim.outputs import alone_in, replacing
 from exo_sim.progress import each
 from exo_sim.trials.cells import Plan
-from exo_sim.trials.seal import Ledger, digest_of, new_key, seal, write_key
-from exo_sim.trials.tool import bring_back, command, environment, lay_out
+from exo_sim.trials.json_file import read_json
+from exo_sim.trials.ledger import Ledger
+from exo_sim.trials.seal import digest_of, new_key, seal, write_key
+from exo_sim.trials.tool import bring_back, command, lay_out, run_tool
 
 if TYPE_CHECKING:
     from exo_sim.trials.cases import Case
 
 MANIFEST = "manifest.json"
+#: Makes and seals the case of a plan, given the trial's folder, the key, seconds and the format; returns its entry of the manifest.
+Maker = Callable[[Any, Path, str, float, str], tuple[str, dict[str, Any]]]
 #: What runs when no other tool is named; the recordings, `--rig` and `--out` follow.
 OWN_TOOL = f"{shlex.quote(sys.executable)} -m exo_sim diagnose --quiet"
 
 
 def make(
     folder: Path,
-    plans: Sequence[Plan],
+    plans: Sequence[Any],
     key_file: Path,
     duration: float = 24.0,
     jobs: int = 1,
     fmt: str = "parquet",
     quiet: bool = False,
+    truth: str = "own",
+    one: Maker | None = None,
 ) -> dict[str, Any]:
     """Write and seal a trial.
 
@@ -47,6 +50,8 @@ def make(
         jobs: Processes.
         fmt: "parquet" or "csv".
         quiet: No progress.
+        truth: Of whose making: which figures are drawn when the seals are opened.
+        one: Makes and seals the case of one plan; `make_one` when absent.
 
     Raises:
         TrialError: the folder holds a trial, or the key's file exists.
@@ -56,9 +61,10 @@ def make(
     if key_file.exists():
         raise TrialError(f"{key_file} exists; a key is never written over, name another file with --key")
     key = new_key()
-    cases = _spread(lambda plan: make_one(plan, folder, key, duration, fmt), plans, jobs, "making", quiet)
-    manifest = {"schema": "exo-sim/trial/1", "count": len(plans), "duration": duration, "cases": dict(cases)}
-    write_key(key_file, key)
+    maker = one or make_one
+    cases = _spread(lambda plan: maker(plan, folder, key, duration, fmt), plans, jobs, "making", quiet)
+    manifest = {"schema": "exo-sim/trial/1", "truth": truth, "count": len(plans), "duration": duration, "cases": dict(cases)}
+    write_key(key_file, key, manifest)
     with replacing(folder / MANIFEST) as beside:
         beside.write_text(json.dumps(manifest, indent=1) + "\n")
     return manifest
@@ -103,7 +109,7 @@ def make_one(plan: Plan, folder: Path, key: str, duration: float, fmt: str = "pa
         "flow_capacity_value": case.machine["valve_area"],
         "payload_mass_value": case.machine["load_mass"],
     }
-    return _seal_one(plan, folder, [where / "rig.toml", where / "bench.xml", *paths], truth, key)
+    return seal_case(plan.name, plan.cell, folder, [where / "rig.toml", where / "bench.xml", *paths], truth, key)
 
 
 def _make_leg(
@@ -121,37 +127,59 @@ def _make_leg(
     truth["actual"] = actual(case)
     for entry, one, s in zip(truth["hidden"], plan.effects, size):
         entry |= {"times_limit": s / limit(one), "distance": distance(case)}
-    return _seal_one(plan, folder, [where / "rig.toml", where / "leg.xml", *paths], truth, key)
+    return seal_case(plan.name, plan.cell, folder, [where / "rig.toml", where / "leg.xml", *paths], truth, key)
 
 
-def _seal_one(
-    plan: Plan, folder: Path, written: Sequence[Path], truth: dict[str, Any], key: str
+def seal_case(
+    name: str, cell: str, folder: Path, written: Sequence[Path], truth: dict[str, Any], key: str
 ) -> tuple[str, dict[str, Any]]:
-    """Seal a truth; return the case's entry of the manifest."""
-    truth["cell"] = plan.cell
+    """Seal the truth of a case whose files are written; return its entry of the manifest."""
+    truth["cell"] = cell
     stored, commitment = seal(truth, key)
-    sealed = folder / "sealed" / f"{plan.name}.sealed"
+    sealed = folder / "sealed" / f"{name}.sealed"
     with replacing(sealed) as beside:
         beside.write_bytes(stored)
     files = {path.name: digest_of(path) for path in written}
-    return plan.name, {"files": files, "commitment": commitment, "sealed": digest_of(sealed)}
+    return name, {"files": files, "commitment": commitment, "sealed": digest_of(sealed)}
 
 
 def read_manifest(folder: Path) -> dict[str, Any]:
     """Return the manifest of a trial.
 
     Raises:
-        TrialError: there is none.
+        TrialError: there is none, or it is not as `make` wrote it.
     """
+    path = folder / MANIFEST
     try:
-        manifest = json.loads((folder / MANIFEST).read_text())
-    except FileNotFoundError:
+        manifest = read_json(path)
+    except (FileNotFoundError, NotADirectoryError):
         raise TrialError(f"{folder} holds no trial ({MANIFEST} is missing); make one with trial make") from None
-    except (json.JSONDecodeError, UnicodeDecodeError):
-        raise TrialError(f"{folder / MANIFEST}: not JSON; the manifest was altered") from None
-    if not isinstance(manifest, dict) or "cases" not in manifest:
-        raise TrialError(f"{folder / MANIFEST}: not the manifest of a trial")
+    except ValueError:
+        raise TrialError(f"{path}: not JSON; the manifest was altered") from None
+    cases = manifest.get("cases") if isinstance(manifest, dict) else None
+    if not isinstance(cases, dict):
+        raise TrialError(f"{path}: not the manifest of a trial")
+    if not cases:
+        raise TrialError(f"{path}: it names no case; the manifest was altered")
+    for name, entry in cases.items():
+        if not (_is_plain(name) and isinstance(entry, dict) and _is_entry(entry)):
+            raise TrialError(f'{path}: the entry of case "{name}" is not as it was made; the manifest was altered')
     return manifest
+
+
+def _is_entry(entry: dict[str, Any]) -> bool:
+    files = entry.get("files")
+    return (
+        isinstance(files, dict)
+        and "rig.toml" in files
+        and all(_is_plain(file) and isinstance(expected, str) for file, expected in files.items())
+        and all(isinstance(entry.get(key), str) for key in ("commitment", "sealed"))
+    )
+
+
+def _is_plain(name: str) -> bool:
+    """Say whether a name is that of a file in its folder and nothing else: no path, not hidden."""
+    return re.fullmatch(r"[A-Za-z0-9_][A-Za-z0-9_.-]{0,99}", name) is not None
 
 
 def check_inputs(folder: Path, manifest: dict[str, Any]) -> None:
@@ -167,7 +195,7 @@ def check_inputs(folder: Path, manifest: dict[str, Any]) -> None:
 
 
 def _same(path: Path, expected: str) -> None:
-    if not path.exists():
+    if not path.is_file():
         raise TrialError(f"{path} is missing; the trial is not complete")
     if digest_of(path) != expected:
         raise TrialError(f"{path} was altered after the trial was made")
@@ -192,13 +220,21 @@ def run(folder: Path, tool: str = OWN_TOOL, jobs: int = 1, scheduler: str | None
 
     Raises:
         TrialError: an input was altered, the ledger is closed or broken.
+        OutputError: another process diagnoses this trial, or its folder cannot be written.
     """
     manifest = read_manifest(folder)
     check_inputs(folder, manifest)
+    with alone_in(folder, "trial"):
+        return _run(folder, manifest, tool, jobs, scheduler, timeout, quiet)
+
+
+def _run(
+    folder: Path, manifest: dict[str, Any], tool: str, jobs: int, scheduler: str | None, timeout: float, quiet: bool
+) -> dict[str, Any]:
     ledger = ledger_of(folder)
     names = sorted(manifest["cases"])
-    done = [record["case"] for record in ledger.records()]
-    todo = [name for name in names if name not in set(done)]
+    done = {record["case"] for record in ledger.checked()}
+    todo = [name for name in names if name not in done]
 
     def work(name: str) -> tuple[str, dict[str, Any]]:
         return name, diagnose_one(folder, name, manifest["cases"][name], tool, timeout)
@@ -218,53 +254,19 @@ def diagnose_one(folder: Path, name: str, entry: dict[str, Any], tool: str, time
     import tempfile
 
     out = folder / "run" / name
-    with tempfile.TemporaryDirectory(prefix="case_") as bare:
-        line = command(tool, lay_out(folder / "cases" / name, entry["files"], Path(bare)))
-        with (Path(bare) / "words").open("w+") as words_file:
-            start = time.monotonic()
-            try:
-                process = subprocess.Popen(
-                    line,
-                    cwd=bare,
-                    stdin=subprocess.DEVNULL,
-                    stdout=subprocess.DEVNULL,
-                    stderr=words_file,
-                    env=environment(),
-                )
-            except OSError as error:
-                raise TrialError(f'cannot run "{line[0]}": {error.strerror}') from None
-            status, used = _wait(process, timeout)
-            words_file.seek(0)
-            words = words_file.read().strip()[-500:]
-        answer = Path(bare) / "out" / "diagnosis.json"
-        diagnosis = None
-        if answer.exists():
-            out.mkdir(parents=True, exist_ok=True)
-            bring_back(answer.parent, out, folder / "cases" / name)
-            diagnosis = digest_of(out / "diagnosis.json")
+    with tempfile.TemporaryDirectory(prefix="case_", ignore_cleanup_errors=True) as bare:
+        ran = run_tool(command(tool, lay_out(folder / "cases" / name, entry["files"], Path(bare))), Path(bare), timeout)
+        answered = bring_back(Path(bare) / "out", out, folder / "cases" / name)
+    improved = out / "improved.toml"
     return {
-        "status": status,
-        "words": words if diagnosis is None else "",
-        "diagnosis": diagnosis,
-        "wall_s": round(time.monotonic() - start, 2),
-        "cpu_s": round(used.ru_utime + used.ru_stime, 2),
-        "peak_bytes": used.ru_maxrss * 1024,
+        "status": ran.status,
+        "words": "" if answered else ran.words,
+        "diagnosis": digest_of(out / "diagnosis.json") if answered else None,
+        "improved": digest_of(improved) if answered and improved.exists() else None,
+        "wall_s": ran.wall_s,
+        "cpu_s": ran.cpu_s,
+        "peak_bytes": ran.peak_bytes,
     }
-
-
-def _wait(process: subprocess.Popen[bytes], timeout: float) -> tuple[int, resource.struct_rusage]:
-    """Wait for a process; return its exit status (-1 where it had to be stopped) and what it used."""
-    deadline = time.monotonic() + timeout
-    stopped = False
-    while True:
-        pid, status, used = os.wait4(process.pid, os.WNOHANG)
-        if pid:
-            process.returncode = os.waitstatus_to_exitcode(status)
-            return (-1 if stopped else process.returncode), used
-        if time.monotonic() > deadline and not stopped:
-            process.kill()
-            stopped = True
-        time.sleep(0.02)
 
 
 def _spread(work: Callable[[Any], Any], items: Sequence[Any], jobs: int, words: str, quiet: bool) -> list[Any]:

@@ -2,15 +2,14 @@
 
 from __future__ import annotations
 
-import json
-import subprocess
 import tempfile
 from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
 from exo_sim.progress import each
-from exo_sim.trials.tool import command, environment, lay_out
+from exo_sim.trials.answer import read_answer
+from exo_sim.trials.tool import STOPPED, command, lay_out, run_tool
 
 #: Seconds that a tool that was told may take for a case.
 TIMEOUT = 600.0
@@ -84,15 +83,10 @@ def held_out_errors(diagnosis: Mapping[str, Any]) -> dict[str, float]:
 
 
 def _one(case: Path, files: Sequence[str], truth: Mapping[str, Any], tool: str) -> dict[str, Any]:
-    with tempfile.TemporaryDirectory(prefix="told_") as bare:
-        recordings = lay_out(case, files, Path(bare))
-        rig = Path(bare) / "rig.toml"
-        rig.write_text(told_rig(rig.read_text(), truth["hidden"]))
-        try:
-            subprocess.run(
-                command(tool, recordings),
-                cwd=bare, stdin=subprocess.DEVNULL, capture_output=True, env=environment(), check=False, timeout=TIMEOUT,
-            )  # fmt: skip
-            return dict(json.loads((Path(bare) / "out" / "diagnosis.json").read_text()))
-        except (subprocess.TimeoutExpired, FileNotFoundError, ValueError):
-            return {}
+    with tempfile.TemporaryDirectory(prefix="told_", ignore_cleanup_errors=True) as name:
+        bare = Path(name)
+        recordings = lay_out(case, files, bare)
+        rig = bare / "rig.toml"
+        rig.write_text(told_rig(rig.read_text(encoding="utf-8"), truth["hidden"]), encoding="utf-8")
+        ran = run_tool(command(tool, recordings), bare, TIMEOUT)
+        return (read_answer(bare / "out" / "diagnosis.json") if ran.status != STOPPED else None) or {}

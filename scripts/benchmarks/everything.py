@@ -8,7 +8,7 @@ from benchmarks.figure import Asked, Figure, Said
 from benchmarks.walking_machine import ROOT, Machine, quickest
 from exo_sim import rig
 from exo_sim.machine.load import load
-from exo_sim.physics.effects.declaration import Effect, Parameter, declared
+from exo_sim.physics.declaration import Effect, Parameter, declared
 from exo_sim.rig import Rig
 
 #: A curve has no typical value: a leak that follows the place of the piston.
@@ -43,8 +43,8 @@ def _table(effect: Effect, where: str, turning: bool = False) -> str:
 def everything_on(machine: Rig) -> str:
     """Return the text of every effect that the simulator has, with typical values, at every part that can have it.
 
-    What another effect at the same part says already goes to a joint of its own name. The sensors' effects are left out: they act
-    on a recording, not on a step.
+    What another effect at the same part says already goes to a joint of its own name, or is left out. So are the sensors' effects: they
+    act on a recording, not on a step.
     """
     effects = [effect for effect in declared().values() if effect.places != ("column",)]
     absorbed = {name for effect in effects for name, _ in effect.absorbs}
@@ -57,7 +57,7 @@ def everything_on(machine: Rig) -> str:
             text += "".join(_table(effect, name) for name in machine.cylinders)
         elif "joint" in effect.places:
             text += "".join(_table(effect, name, turning) for name, turning in joints.items())
-        else:
+        elif "cylinder" not in effect.places:
             text += _table(effect, effect.places[0])
     return text
 

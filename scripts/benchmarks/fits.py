@@ -12,10 +12,10 @@ from numpy.typing import NDArray
 
 from benchmarks.plain_cylinder import PlainCylinder
 from benchmarks.task import LEAK, NAMES, Task, Trail
-from exo_sim.diagnosis.fitting import fit
-from exo_sim.diagnosis.gas_problem import GasProblem
-from exo_sim.diagnosis.quantity import Quantity
-from exo_sim.diagnosis.split import Split
+from exo_sim.diagnosis.data.split import Split
+from exo_sim.diagnosis.estimation.least_squares import fit
+from exo_sim.diagnosis.estimation.parameters import FreeParameter
+from exo_sim.diagnosis.subsystems.gas.model import GasModel
 from exo_sim.simulation.plugin import PneumaticPlugin
 
 Array = NDArray[np.float64]
@@ -25,25 +25,25 @@ UNIT = 100.0
 
 
 def ours(task: Task) -> Trail:
-    """Fit as the search of the diagnosis does, on one core; the problem is made anew, which belongs to the time."""
+    """Fit as the search of the diagnosis does, on one core; the model is made anew, which belongs to the time."""
     path = Trail()
-    problem = GasProblem([task.run], task.setting, Split({}), window=task.problem.feeds[0].time[-1] * 2.0)
+    model = GasModel([task.run], task.plant, Split({}), window=task.model.inputs[0].time[-1] * 2.0)
 
-    def numbers(values: dict[Quantity, float]) -> Array:
-        return np.array([values[q] for q in task.quantities]) / [1.0, 1.0, 1.0, LEAK]
+    def numbers(values: dict[FreeParameter, float]) -> Array:
+        return np.array([values[q] for q in task.parameters]) / [1.0, 1.0, 1.0, LEAK]
 
-    def residual(values: dict[Quantity, float]) -> Array:
+    def residual(values: dict[FreeParameter, float]) -> Array:
         path.note(numbers(values))
-        return problem.residual(values)
+        return model.residual(values)
 
-    start = dict(zip(task.quantities, task.start * [1.0, 1.0, 1.0, LEAK], strict=True))
-    path.end(numbers(fit(residual, task.quantities, start, most=24, tolerance=1e-5).values))
+    start = dict(zip(task.parameters, task.start * [1.0, 1.0, 1.0, LEAK], strict=True))
+    path.end(numbers(fit(residual, task.parameters, start, max_iterations=24, tolerance=1e-5).values))
     return path
 
 
 def plain_cylinder(task: Task) -> PlainCylinder:
     """Return the plain simulation of the machine as believed."""
-    world, cylinder = task.setting.world[0], task.setting.cylinder[0]
+    world, cylinder = task.plant.world[0], task.plant.cylinder[0]
     return PlainCylinder(
         *(float(world[key]) for key in ("k", "r", "supply_pressure", "exhaust_pressure", "supply_temperature")),
         *(float(cylinder[key]) for key in ("area_1", "area_2", "stroke")),
@@ -52,7 +52,7 @@ def plain_cylinder(task: Task) -> PlainCylinder:
 
 def plain_pressures(task: Task, machine: PlainCylinder, numbers: Array) -> Array:
     """Return what the plain simulation predicts with these numbers, shape (n, 2) [Pa]."""
-    cylinder, run = task.setting.cylinder[0], task.run
+    cylinder, run = task.plant.cylinder[0], task.run
     believed = np.array([float(cylinder[key]) for key in NAMES[:3]])
     valve, dead_1, dead_2 = (believed * numbers[:3]).tolist()
     assert run.length is not None

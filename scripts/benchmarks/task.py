@@ -13,12 +13,13 @@ import numpy as np
 from numpy.typing import NDArray
 
 from benchmarks import recordings
-from exo_sim.diagnosis import library
-from exo_sim.diagnosis.cases import gather
-from exo_sim.diagnosis.gas_problem import GasProblem
-from exo_sim.diagnosis.observed import CylinderRun
-from exo_sim.diagnosis.quantity import Quantity, Setting
-from exo_sim.diagnosis.split import Split
+from exo_sim.diagnosis.data.cylinder_run import CylinderRun
+from exo_sim.diagnosis.data.split import Split
+from exo_sim.diagnosis.estimation.parameters import FreeParameter, PlantParameters
+from exo_sim.diagnosis.pipeline.reading import gather
+from exo_sim.diagnosis.subsystems.gas.candidates import candidates
+from exo_sim.diagnosis.subsystems.gas.model import GasModel
+from exo_sim.diagnosis.subsystems.gas.nuisances import nuisance_parameters
 from exo_sim.rig import Rig, assembly
 
 Array = NDArray[np.float64]
@@ -36,21 +37,21 @@ class Task:
 
     Attributes:
         rig, spec: The machine as believed, and its MuJoCo model.
-        setting: Its records.
+        plant: Its records.
         run: Command, piston position and both pressures at every sample, as the diagnosis prepares them.
         first: Both pressures at the first sample, from the samples near it [Pa].
-        quantities: The four numbers as the diagnosis has them; their bounds are everybody's.
-        problem: The diagnosis's own problem, the recording one window; it is also what judges everybody's numbers.
+        parameters: The four numbers as the diagnosis has them; their bounds are everybody's.
+        model: The diagnosis's own model, the recording one window; it is also what judges everybody's numbers.
         start: Where everybody begins, in the order of `NAMES`: as believed, and the leak as the search begins with it.
     """
 
     rig: Rig
     spec: mujoco.MjSpec
-    setting: Setting
+    plant: PlantParameters
     run: CylinderRun
     first: Array
-    quantities: tuple[Quantity, ...]
-    problem: GasProblem
+    parameters: tuple[FreeParameter, ...]
+    model: GasModel
     start: Array
     low: Array = field(default_factory=lambda: np.array([0.2, 0.2, 0.2, 0.0]))
     high: Array = field(default_factory=lambda: np.array([5.0, 5.0, 5.0, 20.0]))
@@ -64,8 +65,8 @@ class Task:
 
     def error(self, numbers: Array) -> float:
         """Return the root-mean-square error of both pressures over the recording with these numbers [Pa]."""
-        values = dict(zip(self.quantities, (*numbers[:3], numbers[3] * LEAK), strict=True))
-        (errors,) = self.problem.errors(self.problem.apply(values))
+        values = dict(zip(self.parameters, (*numbers[:3], numbers[3] * LEAK), strict=True))
+        (errors,) = self.model.errors(self.model.apply(values))
         return float(np.sqrt(np.mean(errors**2)))
 
 
@@ -97,11 +98,11 @@ def task() -> Task:
         case = gather([path], rig_path)
         ((name, (run,)),) = case.cylinders.items()
         spec = mujoco.MjSpec.from_file(str(case.rig.model))
-        setting = Setting(assembly.world(case.rig), assembly.cylinders(case.rig))
-        believed = {q.parameter: q for q in library.believed(setting, name, True, (1, 2))}
+        plant = PlantParameters(assembly.world(case.rig), assembly.cylinders(case.rig))
+        believed = {q.parameter: q for q in nuisance_parameters(plant, name, True, (1, 2))}
         joint = case.links[0].joint
-        leak = next(c for c in library.candidates(setting, [run], name, joint) if (c.effect, c.form) == (CONCEALED, "area"))
-    quantities = (*(replace(believed[key], prior=None) for key in NAMES[:3]), *leak.quantities)
-    problem = GasProblem([run], setting, Split({}), window=2.0 * SECONDS)
+        leak = next(c for c in candidates(plant, [run], name, joint) if (c.effect, c.form) == (CONCEALED, "area"))
+    parameters = (*(replace(believed[key], prior=None) for key in NAMES[:3]), *leak.parameters)
+    model = GasModel([run], plant, Split({}), window=2.0 * SECONDS)
     start = np.array([1.0, 1.0, 1.0, leak.starts[0][0] / LEAK])
-    return Task(case.rig, spec, setting, run, problem.feeds[0].windows.pressure[0], quantities, problem, start)
+    return Task(case.rig, spec, plant, run, model.inputs[0].windows.pressure[0], parameters, model, start)

@@ -11,30 +11,29 @@ import mujoco.rollout
 import numba
 import numpy as np
 
+from exo_sim.physics.compiled import borrow
 from exo_sim.rig import Rig
 from exo_sim.simulation.coupling import advance_gas, compute_forces
-from exo_sim.simulation.native import address, call
+from exo_sim.simulation.native import call
 from exo_sim.simulation.plugin import PneumaticPlugin
+from exo_sim.simulation.views import mechanics
 
 ROOT = Path(__file__).resolve().parents[2]
 STEPS, REPEATS = 4000, 9
 
 
 @numba.njit(nogil=True)
-def compiled_loop(commands, command, step1, step2, model, data, world, cylinders, joints, vector, history, actuators,
-                  retracted, length, velocity, dofs, addresses, qpos, qvel, ctrl, applied, dt, x, x1, v, force, q, q1,
-                  qd, own, felt, work, scratch):  # fmt: skip
+def compiled_loop(commands, mechanics, plant):
     """Take one coupled step a row of `commands`."""
+    mechanics, plant = borrow(mechanics), borrow(plant)
     for i in range(len(commands)):
-        call(step1, model, data)
+        call(mechanics.step1, mechanics.model, mechanics.data)
         if i > 0:
-            advance_gas(world, cylinders, joints, vector, history, actuators, retracted, length, addresses, qpos,
-                        command, dt, x, x1, q, q1, work, scratch)  # fmt: skip
-        for j in range(command.size):
-            command[j] = commands[i, j]
-        compute_forces(world, cylinders, joints, vector, actuators, retracted, length, velocity, dofs, addresses, qpos,
-                       qvel, ctrl, applied, x, v, force, q, qd, own, felt)  # fmt: skip
-        call(step2, model, data)
+            advance_gas(mechanics, plant)
+        for j in range(plant.command.size):
+            plant.command[j] = commands[i, j]
+        compute_forces(mechanics, plant)
+        call(mechanics.step2, mechanics.model, mechanics.data)
 
 
 class Machine:
@@ -102,16 +101,9 @@ class Machine:
     def compiled(self) -> float:
         """Return seconds of coupled steps, the loop compiled."""
         self.start()
-        p, gas, data = self.plugin, self.plugin.pneumatics, self.data
-        words = (
-            self.commands, p.command, address("mj_step1"), address("mj_step2"), self.model._address, data._address,
-            gas.world[0], gas.cylinders, gas.joints, gas.vector, gas.history, p._actuators, p._retracted,
-            data.actuator_length, data.actuator_velocity, p._dofs, p._addresses, data.qpos, data.qvel, data.ctrl,
-            data.qfrc_applied, p.dt, p._x, p._x1, p._v, p._force, p._q, p._q1, p._qd, p._own, p._felt, gas._work,
-            gas._scratch,
-        )  # fmt: skip
+        data, seen = self.data, mechanics(self.model, self.data)
         begun = time.perf_counter()
-        compiled_loop(*words)
+        compiled_loop(self.commands, seen, self.plugin.plant)
         taken = time.perf_counter() - begun
         assert np.array_equal(data.qpos, self.end), "the compiled path is another one"
         return taken

@@ -8,7 +8,7 @@ from pathlib import Path
 import pytest
 
 from exo_sim import cli
-from exo_sim.diagnosis.result import Diagnosis
+from exo_sim.diagnosis.findings import Diagnosis, Verdict
 from exo_sim.recording import Recording, read, write_table
 
 sys.path.insert(0, str(Path(__file__).parents[1] / "report"))
@@ -32,7 +32,7 @@ def answered(tmp_path, monkeypatch):
             options["progress"]("at it")
             return diagnosis
 
-        monkeypatch.setattr("exo_sim.diagnosis.diagnose.diagnose", diagnose)
+        monkeypatch.setattr("exo_sim.diagnosis.pipeline.diagnose.diagnose", diagnose)
         return asked
 
     return answer
@@ -40,7 +40,7 @@ def answered(tmp_path, monkeypatch):
 
 @pytest.mark.parametrize(("verdict", "status"), [("consistent", 0), ("calibration", 0), ("mismatch", 3), ("undetermined", 4)])
 def test_the_exit_status_is_the_verdict(answered, capsys, verdict, status):
-    answered(Diagnosis(verdict, ("monday",), "bench", improved=made_up.RIG))
+    answered(Diagnosis(Verdict(verdict), ("monday",), "bench", improved=made_up.RIG))
     assert cli.main(["diagnose", "monday.parquet", "--rig", "rig.toml", "--out", "found"]) == status
     assert verdict.upper() in capsys.readouterr().out
 
@@ -52,7 +52,8 @@ def test_it_writes_page_rig_comparison_and_json(answered, capsys, tmp_path):
     assert data["schema"] == "exo-sim/diagnosis/1" and data["effects"][0]["name"] == "piston_leakage"
     folder = tmp_path / "found"
     assert {path.name for path in folder.iterdir()} == {"report.html", "improved.toml", "comparison.rrd", "diagnosis.json"}
-    assert json.loads((folder / "diagnosis.json").read_text()) == {k: v for k, v in data.items() if k != "files"}
+    assert json.loads((folder / "diagnosis.json").read_text()) == {k: v for k, v in data.items() if k not in ("files", "time_s")}
+    assert data["time_s"] >= 0.0
     assert (folder / "improved.toml").read_text() == made_up.whole().improved
     assert "Gas leaks past the piston." in (folder / "report.html").read_text()
     assert "piston.pressure_1" in read(folder / "comparison.rrd").recording
@@ -89,3 +90,19 @@ def test_the_folder_may_not_be_a_file(answered, capsys):
     answered(made_up.whole())
     assert cli.main(["diagnose", "monday.parquet", "--rig", "rig.toml", "--out", "rig.toml"]) == 2
     assert "name a folder" in capsys.readouterr().err
+
+
+def test_a_budget_is_handed_on_and_the_answer_says_that_it_ended_the_search(answered, capsys):
+    asked = answered(replace(made_up.whole(), stopped=True))
+    assert cli.main(["diagnose", "monday.parquet", "--rig", "rig.toml", "--out", "found", "--json", "--budget", "2 min"]) == 3
+    assert json.loads(capsys.readouterr().out)["stopped"] is True
+    assert asked[0][1]["budget"] == 120.0
+    assert cli.main(["diagnose", "monday.parquet", "--rig", "rig.toml", "--out", "found", "--budget", "soon"]) == 2
+    assert "soon" in capsys.readouterr().err
+
+
+def test_without_a_budget_nothing_ends_early(answered, capsys):
+    asked = answered(made_up.whole())
+    cli.main(["diagnose", "monday.parquet", "--rig", "rig.toml", "--out", "found", "--json"])
+    assert "stopped" not in json.loads(capsys.readouterr().out)
+    assert asked[0][1]["budget"] == float("inf")

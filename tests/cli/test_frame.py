@@ -3,7 +3,6 @@ from __future__ import annotations
 import json
 import subprocess
 import sys
-import time
 from collections.abc import Iterator
 from pathlib import Path
 
@@ -154,25 +153,8 @@ def test_listing_the_verbs_imports_nothing_heavy() -> None:
     assert "exo-sim VERB" in done.stdout
 
 
-def test_help_is_quick() -> None:
-    def seconds() -> float:
-        start = time.perf_counter()
-        subprocess.run([sys.executable, "-m", "exo_sim", "--help"], check=True, capture_output=True)
-        return time.perf_counter() - start
-
-    assert min(seconds() for _ in range(3)) < 0.5
-
-
 def test_a_reader_that_leaves_makes_no_noise() -> None:
     command = f'"{sys.executable}" -m exo_sim --help | true; exit ${{PIPESTATUS[0]}}'
     done = subprocess.run(["bash", "-c", command], capture_output=True, text=True, check=False)
     assert done.stderr == ""
     assert done.returncode in (0, failures.BROKEN_PIPE)  # 0 where the pipe had taken the text before its reader left
-
-
-@pytest.mark.skipif(not Path("/dev/full").exists(), reason="needs /dev/full")
-def test_a_full_disk_behind_stdout_is_one_line() -> None:
-    command = f'"{sys.executable}" -m exo_sim --help > /dev/full'
-    done = subprocess.run(["bash", "-c", command], capture_output=True, text=True, check=False)
-    assert done.returncode == 2
-    assert done.stderr == "exo-sim: the disk is full; free some space or write elsewhere with --out\n"

@@ -6,6 +6,7 @@ import pytest
 
 from exo_sim import rig as rigs
 from exo_sim.cli import main
+from exo_sim.outputs import alone_in
 
 
 def test_by_hand_gives_the_papers_number(capsys):
@@ -97,6 +98,14 @@ def test_bad_input_is_one_line(arguments, words, capsys, tmp_path):
     assert main(["size", *arguments, "--out", str(tmp_path / "out")]) == 2
     err = capsys.readouterr().err
     assert words in err and err.count("\n") == 1
+
+
+def test_two_in_one_folder_do_not_score_twice(capsys, tmp_path):
+    with alone_in(tmp_path, "size"):
+        assert main(["size", "--trials", "1", "--jobs", "1", "--out", str(tmp_path)]) == 2
+    err = capsys.readouterr().err
+    assert "another size is at work" in err and err.count("\n") == 1
+    assert not list(tmp_path.iterdir())
 
 
 def test_a_file_where_the_folder_should_be_is_one_line(capsys, tmp_path):

@@ -6,7 +6,7 @@ from typing import Any
 
 import numpy as np
 
-from exo_sim.diagnosis.observed import CylinderRun
+from exo_sim.diagnosis.data.cylinder_run import CylinderRun
 
 STEP = 1e-3
 

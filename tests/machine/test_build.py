@@ -107,8 +107,12 @@ def test_what_cannot_be_is_one_line(assets, tmp_path):
     broken.write_text("<mujoco><worldbody><body></mujoco>")
     with pytest.raises(ModelError, match="cannot read"):
         build(broken, Person(), 0.0, Ankle())
-    with pytest.raises(ModelError, match='joint "torso_x"'):
+    with pytest.raises(ModelError, match=r"bench\.xml: carries no person: walking and sizing need a worn machine"):
         build(assets / "bench.xml", Person(), 0.0, Ankle())
+    renamed = tmp_path / "renamed.xml"
+    renamed.write_text((assets / "exo.xml").read_text().replace('"torso_x"', '"trunk_x"'))
+    with pytest.raises(ModelError, match='joint "torso_x"'):
+        build(renamed, Person(), 0.0, Ankle())
     assert len(COORDINATES) == 9
 
 

@@ -14,10 +14,12 @@ from stepping import drive, hold, tank
 
 from exo_sim.physics import gas as nozzle
 from exo_sim.physics import plant, state
-from exo_sim.physics.effects import end_cushioning, external_leakage, sensor_bias, sensor_delay, sensor_scale, unknown
-from exo_sim.physics.pneumatics import Pneumatics, joint_forces, paper_cylinder, paper_world
+from exo_sim.physics.conditions import Chamber, Motion
+from exo_sim.physics.effects import end_cushioning, external_leakage, line_restriction, sensor_bias, sensor_delay, sensor_scale, unknown
+from exo_sim.physics.forces import joint_forces
+from exo_sim.physics.pneumatics import Pneumatics, paper_cylinder, paper_world
 from exo_sim.physics.records import JOINT
-from exo_sim.physics.resistance import dry_force, dry_level, joint_dry_level, move_bristle, steady_force
+from exo_sim.physics.resistance import dry_force, dry_level, joint_dry_level, joint_resistance, move_bristle
 
 K, R, PA = 1.4, 287.05, 101325.0
 CV, CP = R / (K - 1), K * R / (K - 1)
@@ -54,7 +56,7 @@ def slide(
     for i in range(round(seconds / dt)):
         joint_forces(joint, bristle, np.array([q]), np.array([v]), force)
         v += dt * (force[0] + load(i * dt, q)) / mass
-        level = joint_dry_level(joint[0], v, bristle[0])
+        level = joint_dry_level(joint[0], Motion(q, v, bristle[0], 0.0, 0.0))
         bristle[0] = move_bristle(joint[0], bristle[0], v, level, dt)
         q += dt * v
         out.append((q, v))
@@ -185,12 +187,13 @@ def empties_exponentially_in_501_seconds() -> None:
 
 @limit_of("external_leakage")
 def porous_path_obeys_its_law_in_both_directions() -> None:
-    p = paper_cylinder(0.032, 0.012, 0.1, 5e-6)["external_leakage"][0]
+    p, world = paper_cylinder(0.032, 0.012, 0.1, 5e-6)["external_leakage"][0], paper_world()[0]
     p["laminar_1"], p["inertial"] = 2.3e-17, 4e18
     for pressure in (8.6e5, 3e5, 1.02e5, 5e4):
-        w = external_leakage.flow(p, 1, pressure, 293.15, PA, 293.15, K, R)
+        here = Chamber(1, pressure, 293.15, 1e-4, 293.15, 8e-4, 0.05, 0.0, 0.05, 0.0)
+        w = external_leakage.outward(p, here, here, world)
         assert w / 2.3e-17 + 4e18 * w * abs(w) == pytest.approx(pressure**2 - PA**2, rel=1e-12)
-        assert external_leakage.flow(p, 2, pressure, 293.15, PA, 293.15, K, R) == 0.0
+        assert external_leakage.outward(p, here._replace(side=2), here, world) == 0.0
 
 
 @limit_of("valve_null_leakage")
@@ -284,6 +287,18 @@ def spool_moves_at_its_rate_and_no_faster() -> None:
     assert gas.memory[0, state.SPOOL] == pytest.approx(0.4, rel=1e-12)
     hold(gas, 1.0, 0.03)
     assert gas.memory[0, state.SPOOL] == 1.0
+
+
+@limit_of("line_restriction")
+def a_hose_of_a_low_ratio_passes_the_ellipse() -> None:
+    """ISO 6358 at 0.8 with b = 0.3: sqrt(1 - (0.5/0.7)^2) of choked flow; choked flow is the nozzle's."""
+    hose = paper_cylinder(0.032, 0.012, 0.1, 5e-6)["line_restriction"][0].copy()
+    hose["ratio"] = 0.3
+    choked = nozzle.flow(1e-6, 5e5, 293.0, 1e5, 293.0, K, 287.05)
+    assert line_restriction.flow(hose, 1e-6, 5e5, 293.0, 1e5, 293.0, K, 287.05) == pytest.approx(choked, rel=1e-12)
+    expected = choked * math.sqrt(1.0 - (0.5 / 0.7) ** 2)
+    assert line_restriction.flow(hose, 1e-6, 5e5, 293.0, 4e5, 293.0, K, 287.05) == pytest.approx(expected, rel=1e-12)
+    assert line_restriction.flow(hose, 1e-6, 4e5, 293.0, 5e5, 293.0, K, 287.05) == pytest.approx(-expected, rel=1e-12)
 
 
 @limit_of("line_restriction")
@@ -506,10 +521,10 @@ LUGRE_TABLE = ((1e-4, 25.003750003), (1e-3, 25.015031224), (0.01, 23.188007831),
 def steady_resistance(joint: NDArray[np.void], v: float) -> float:
     """Return what a joint meets after sliding at v for long [N]."""
     j, z = joint[0], 0.0
-    level = joint_dry_level(j, v, z)
+    level = joint_dry_level(j, Motion(0.0, v, z, 0.0, 0.0))
     for _ in range(200):
         z = move_bristle(j, z, v, level, 1e-3 / abs(v) * 1e-1)
-    return dry_force(j, z, v, level) + steady_force(j, 0.0, v)
+    return joint_resistance(j, Motion(0.0, v, z, 0.0, 0.0))
 
 
 @limit_of("stribeck_friction")
@@ -548,8 +563,8 @@ def a_contact_that_slides_is_not_damped() -> None:
 def level_is_the_area_times_both_gauge_pressures() -> None:
     c = paper_cylinder(0.032, 0.012, 0.1, 5e-6)
     c["pressure_dependent_friction"]["coefficient"] = 2e-5
-    assert dry_level(c[0], 0.1, 0.0, 4e5, 1e5) == pytest.approx(10.0)
-    assert dry_level(c[0], 0.1, 0.0, -5e4, 1e5) == pytest.approx(2.0)
+    assert dry_level(c[0], Motion(0.0, 0.1, 0.0, 4e5, 1e5)) == pytest.approx(10.0)
+    assert dry_level(c[0], Motion(0.0, 0.1, 0.0, -5e4, 1e5)) == pytest.approx(2.0)
     gas = bench(dead=1.0)
     gas.cylinders["pressure_dependent_friction"]["coefficient"] = 2e-5
     gas.fill(np.array([0.05]), 5e5, 2e5)

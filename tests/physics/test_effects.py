@@ -6,13 +6,16 @@ import math
 from collections.abc import Callable, Mapping
 from pathlib import Path
 
+import limits_of_friction  # noqa: F401  (enters its limits)
+import limits_of_valves  # noqa: F401
 import numpy as np
 import pytest
 from effect_limits import LIMITS, contact, slide
 from numpy.typing import NDArray
 
 from exo_sim import signals
-from exo_sim.physics.effects.declaration import Effect, Parameter, declared
+from exo_sim.physics import state
+from exo_sim.physics.declaration import FAMILIES, Effect, Parameter, declared
 from exo_sim.physics.nodes import exhaust_state, supply_state
 from exo_sim.physics.pneumatics import Pneumatics, paper_cylinder, paper_world
 from exo_sim.physics.records import CYLINDER, JOINT
@@ -23,12 +26,15 @@ FRICTION = [name for name in NAMES if declared()[name].cut == "motion" and name 
 
 #: What takes the strength out of an effect whose other numbers stay as they are. Without an entry: all its numbers are zero.
 OFF: Mapping[str, Mapping[str, float]] = {
+    "critical_ratio": {"ratio": 0.0},
     "end_cushioning": {"length": 0.0},
     "exhaust_back_pressure": {"area": 0.0},
     "external_leakage": {"area_1": 0.0, "area_2": 0.0, "laminar_1": 0.0, "laminar_2": 0.0},
     "line_restriction": {"area": 0.0},
+    "friction_smoothing": {},  # nothing dry to be smoothed
     "presliding": {},  # nothing dry to be elastic
     "return_spring": {"stiffness": 0.0},
+    "pressure_dependent_friction": {"coefficient": 0.0, "difference": 0.0},
     "stribeck_friction": {"breakaway": 0.0},
     "supply_droop": {"volume": 0.0},
     "supply_regulator": {"droop": 0.0},
@@ -39,6 +45,7 @@ OFF: Mapping[str, Mapping[str, float]] = {
 #: What must be on for an effect to have something to act upon.
 ALONGSIDE: Mapping[str, Mapping[str, Mapping[str, float]]] = {
     "moving_wall_temperature": {"wall_heat_transfer": {"conductance": 1.0}},
+    "friction_smoothing": {"coulomb_friction": {"force": 20.0}},
     "presliding": {"coulomb_friction": {"force": 20.0}},
 }
 
@@ -78,7 +85,7 @@ def run(settings: Mapping[str, Mapping[str, float]]) -> dict[str, NDArray[np.flo
             gas.advance(x[i - 1 : i], x[i : i + 1], command[i - 1 : i])
         v = np.array([(x[i] - x[i - 1]) / 1e-3 if i else 0.0])
         shared = gas.vector[len(gas.integrated[0]) :]
-        held = shared[8 + 5 + 1]
+        held = shared[state.SHARED + state.REMEMBERED + state.HELD]
         out["pressure_1"][i], out["pressure_2"][i] = gas.pressures(x[i : i + 1])[0]
         out["force"][i] = gas.forces(x[i : i + 1], v)[0]
         out["supply.pressure"][i] = supply_state(gas.world[0], gas.vector, len(gas.integrated[0]), held)[0]
@@ -113,6 +120,7 @@ def test_declaration_is_complete(name: str) -> None:
     calibrations = {"flow_capacity", "dead_volume", "payload_mass"}
     assert effect.question.endswith("?") and effect.says.endswith(".")
     assert effect.signature and effect.experiment and effect.parameters
+    assert effect.family in FAMILIES and effect.valid.endswith(".")
     assert set(effect.reveals) | set(effect.needs) <= known
     assert set(effect.mistaken_for) <= set(NAMES) | calibrations
     assert effect.requires in ("", *NAMES)

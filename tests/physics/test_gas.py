@@ -7,7 +7,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from exo_sim.physics import gas
-from exo_sim.physics.effects.declaration import declared
+from exo_sim.physics.declaration import declared
 from exo_sim.physics.records import CYLINDER
 
 K, R = 1.4, 287.05

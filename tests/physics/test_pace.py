@@ -61,7 +61,7 @@ def test_the_stages_of_a_step_reach_the_fastest_mode(
     gas.vector[state.HOSE_MASS_1] /= warm
     gas.world["longest_step"] = span
     size, at = state.integrated_size(1), np.array([x])
-    h, stages = step_length(gas.world[0], gas.cylinders, gas.vector[:size], 0.0, at, at, np.array([opening]), 1e-3, 1e-7)
+    h, stages = step_length(gas.world[0], gas.cylinders, gas.vector[:size], 0.0, at, at, np.array([opening]), 1e-3, 1e-7, 0.0)
     assert h * fastest_mode(gas, x, opening) <= 1.02 * REACH[stages]
 
 

@@ -205,6 +205,7 @@ def test_a_column_map(tmp_path: Path) -> None:
         ('[columns]\n"a" = "p.presure_1 [Pa]"\n', "pressure_1"),
         ('[columns]\n"a" = "p.pressure_1 [psig]"\n', "gauge"),
         ('[columns]\n"a" = { column = "p.pressure_1 [Pa]", scale = "x" }\n', "must be numbers"),
+        ('[columns]\n"a" = { column = "p.pressure_1 [Pa]", scale = 1e300 }\n', r"numbers of less than 1e\+30"),
         ('[columns]\n"a" = { colum = "p.pressure_1 [Pa]" }\n', "did you mean"),
         ('[columns]\n"nowhere" = "time [s]"\n', 'column "nowhere"'),
         ('[file]\ndelimiter = ";;"\n[columns]\n"time [s]" = "time [s]"\n', "one character"),

@@ -270,7 +270,7 @@ def test_the_overlay_that_the_viewer_draws_last_is_thin(tmp_path: Path, names: t
     widths = {}
     for chunk in RrdReader(str(tmp_path / "a.rrd")).stream():
         batch = chunk.to_record_batch()
-        if "SeriesLines:widths" in batch.schema.names and "/p.pressure_1/" in chunk.entity_path.replace("\\", ""):
+        if "SeriesLines:widths" in batch.schema.names and chunk.entity_path.replace("\\", "").startswith("/p.pressure_1/"):
             widths[chunk.entity_path.rsplit("/", 1)[-1]] = batch.column("SeriesLines:widths")[0].as_py()[0]
     drawn = {name: width for name, width in widths.items() if name in ("recorded", *names)}
     assert set(drawn) == {"recorded", *names}

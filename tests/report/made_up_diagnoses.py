@@ -4,10 +4,11 @@ from __future__ import annotations
 
 import numpy as np
 
-from exo_sim.diagnosis.result import (
+from exo_sim.diagnosis.findings import (
     Diagnosis,
     Estimate,
     Finding,
+    Kind,
     Located,
     NextExperiment,
     OpenQuestion,
@@ -15,26 +16,27 @@ from exo_sim.diagnosis.result import (
     Series,
     SignalFit,
     Unexplained,
+    Verdict,
 )
 
 RIG = 'name = "bench"\nmodel = "bench.xml"\n\n[cylinders.piston.valve]\narea = "5 mm^2"\n'
 LEAK = Finding(
-    "piston_leakage", "piston", "missing_physics", "Gas leaks past the piston.", {"area": Estimate(3e-8, "m^2", 2.9e-8, 3.1e-8)},
+    "piston_leakage", "piston", Kind.MISSING_PHYSICS, "Gas leaks past the piston.", {"area": Estimate(3e-8, "m^2", 2.9e-8, 3.1e-8)},
     57.0, 0.97, ("external_leakage",), {"piston_leakage": 0.8, "external_leakage": 0.2},
 )  # fmt: skip
 AREA = Finding(
-    "flow_capacity", "piston", "calibration", "The valve area is 2.0 % larger than believed.",
+    "flow_capacity", "piston", Kind.CALIBRATION, "The valve area is 2.0 % larger than believed.",
     {"factor": Estimate(1.02, "1", 1.018, 1.022)},
     12.0, 0.0,
 )  # fmt: skip
 NAMELESS = Finding(
-    "unknown", "piston", "unknown", "Something without a name acts here.", {"size": Estimate(4.0, "N", 0.0, 8.0)}, 9.0, 0.6,
+    "unknown", "piston", Kind.UNKNOWN, "Something without a name acts here.", {"size": Estimate(4.0, "N", 0.0, 8.0)}, 9.0, 0.6,
     depends_on=("slide.position",),
     curve={"acts": "force", "variable": "position", "unit": "N", "at": [0.0, 0.05, 0.1], "values": [0.0, 4.0, 1.0],
            "band": [0.5, 0.5, 0.5], "explains": 0.8},
 )  # fmt: skip
 LATE = Finding(
-    "sensor_delay", "slide.position", "sensor", "The channel is late.", {"seconds": Estimate(8e-3, "s", 7.8e-3, 8.2e-3)}, 30.0, 0.4
+    "sensor_delay", "slide.position", Kind.SENSOR, "The channel is late.", {"seconds": Estimate(8e-3, "s", 7.8e-3, 8.2e-3)}, 30.0, 0.4
 )
 
 
@@ -53,7 +55,7 @@ def series(recording: str = "monday", seconds: float = 6.0) -> tuple[Series, ...
 def whole(**changes: object) -> Diagnosis:
     """Return a diagnosis with every field filled."""
     fields: dict = {
-        "verdict": "mismatch",
+        "verdict": Verdict.MISMATCH,
         "recordings": ("monday",),
         "rig": "bench",
         "located": (

@@ -7,7 +7,7 @@ import made_up_diagnoses as made_up
 import numpy as np
 import pytest
 
-from exo_sim.diagnosis.result import Diagnosis, Estimate, Finding, SignalFit
+from exo_sim.diagnosis.findings import Diagnosis, Estimate, Finding, Kind, SignalFit, Verdict
 from exo_sim.report import diagnosis_picture, diagnosis_text, diagnosis_words
 from exo_sim.report.diagnosis_page import page
 
@@ -53,7 +53,7 @@ def test_the_page_says_everything_that_the_diagnosis_says():
         "Gas leaks past the piston.",
         "0.0300 mm²",
         "0.0290 to 0.0310 mm²",
-        "10⁵⁷ to 1",
+        "probability 95 % at least",
         "97 % lower",
         "piston leakage 80 %",
         "external leakage 20 %",
@@ -78,7 +78,7 @@ def test_the_page_says_everything_that_the_diagnosis_says():
 def test_one_number_is_not_told_twice():
     def volume(*parts):
         numbers = {"factor": Estimate(1.08, "1", 1.07, 1.09), **{f"dead_volume_{side}": e for side, e in parts}}
-        return Finding("dead_volume", "piston", "calibration", "It is larger than believed.", numbers, 9.0, 0.0)
+        return Finding("dead_volume", "piston", Kind.CALIBRATION, "It is larger than believed.", numbers, 9.0, 0.0)
 
     alone = volume((1, Estimate(1.08, "1", 1.07, 1.09)))
     both = volume((1, Estimate(1.06, "1", 1.05, 1.07)), (2, Estimate(1.1, "1", 1.09, 1.11)))
@@ -102,7 +102,7 @@ def test_the_same_diagnosis_gives_the_same_bytes():
 )
 def test_a_page_of_little_is_a_page_all_the_same(verdict, sentence):
     effects = (made_up.AREA,) if verdict == "calibration" else ()
-    diagnosis = Diagnosis(verdict, ("monday",), "bench", effects=effects)
+    diagnosis = Diagnosis(Verdict(verdict), ("monday",), "bench", effects=effects)
     words, _ = read(page(diagnosis, made_up.RIG))
     assert sentence in words
     for heading in ("Proof", "Before and after", "put aside", "What changes"):

@@ -7,7 +7,7 @@ from pathlib import Path
 import pytest
 
 from exo_sim.cli import main
-from exo_sim.physics.effects.declaration import declared
+from exo_sim.physics.declaration import declared
 from exo_sim.rig import pages, parse
 
 NAMES = sorted(declared())

@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 from numpy.typing import NDArray
 
-from exo_sim.errors import RigError
+from exo_sim.errors import ModelError, RigError
 from exo_sim.machine.load import load
 from exo_sim.recording.table import Recording
 from exo_sim.rig import parse, read
@@ -141,9 +141,9 @@ def test_a_snapshot_brings_back_the_same_future_to_the_last_bit(bench: Path, ext
     assert (go(other_data, other, 200) == first).all()
 
 
-def test_a_command_beyond_the_end_is_the_end_and_none_at_all_shows(bench: Path) -> None:
+def test_a_command_beyond_the_end_is_the_end(bench: Path) -> None:
     seen = {}
-    for command in (1.0, 7.0, np.nan):
+    for command in (1.0, 7.0):
         rig = read(bench)
         model = load(rig)
         data, plugin = mujoco.MjData(model), PneumaticPlugin(model, rig)
@@ -153,7 +153,48 @@ def test_a_command_beyond_the_end_is_the_end_and_none_at_all_shows(bench: Path) 
             plugin.pneumatics.advance(plugin.lengths, plugin.lengths, plugin.command)
         seen[command] = plugin.pressures().copy()
     np.testing.assert_array_equal(seen[7.0], seen[1.0])
-    assert np.isnan(seen[np.nan]).all()
+
+
+@pytest.mark.parametrize("short", [True, False])
+def test_a_command_that_is_no_number_is_refused(bench: Path, short: bool) -> None:
+    _, data, plugin = start(bench)
+    plugin.command[:] = np.nan
+    with pytest.raises(ModelError, match=r"cylinder piston: its valve command is nan: a controller must give a number from -1 to 1"):
+        for _ in range(3):
+            if short:
+                plugin.step(data)
+                plugin.command[:] = np.nan
+            else:
+                mujoco.mj_step1(plugin.model, data)
+                plugin.advance(data)
+                plugin.compute(data)
+                mujoco.mj_step2(plugin.model, data)
+    assert np.isfinite(plugin.pressures()).all()
+
+
+@pytest.mark.parametrize(
+    ("p_1", "p_2", "said"), [(np.nan, 3e5, "pressure_1 = nan"), (3e5, 0.0, "pressure_2 = 0"), (3e5, np.inf, "pressure_2 = inf")]
+)
+def test_chambers_are_not_filled_with_nothing(bench: Path, p_1: float, p_2: float, said: str) -> None:
+    _, data, plugin = start(bench)
+    before = plugin.pneumatics.vector.copy()
+    with pytest.raises(ModelError, match=f"bench.toml: cylinder piston: {said} Pa at the start"):
+        plugin.reset(data, p_1, p_2)
+    np.testing.assert_array_equal(plugin.pneumatics.vector, before)
+
+
+def test_a_gas_too_fast_for_its_step_is_refused_by_name(bench: Path) -> None:
+    _, data, plugin = start(bench)
+    plugin.pneumatics.cylinders["dead_volume_1"] = 1e-9
+    plugin.pneumatics.cylinders["wall_heat_transfer"]["conductance"] = 1e3
+    plugin.pneumatics.world["most_steps"] = 4.0
+    data.qpos[0] = 0.0
+    plugin.reset(data, 3e5, 3e5)
+    with pytest.raises(ModelError, match=r"bench.toml: cylinder piston: chamber 1, .* less wall_heat_transfer"):
+        for _ in range(20):
+            data.qpos[0] = data.qvel[0] = 0.0
+            plugin.step(data)
+            plugin.command[:] = 0.5
 
 
 def test_reset_forgets_everything(bench: Path) -> None:
@@ -181,12 +222,12 @@ def test_forces_of_others_on_a_joint_with_friction_stay(bench: Path) -> None:
     data.qvel[0] = 0.2
     for _ in range(50):
         plugin.step(data)
-    felt = plugin._felt[0]
+    felt = plugin.plant.felt[0]
     assert data.qfrc_applied[0] == pytest.approx(7.0 + felt, abs=1e-9)
     assert felt != 0.0
     data.qfrc_applied[0] += 3.0
     plugin.step(data)
-    assert data.qfrc_applied[0] == pytest.approx(10.0 + plugin._felt[0], abs=1e-9)
+    assert data.qfrc_applied[0] == pytest.approx(10.0 + plugin.plant.felt[0], abs=1e-9)
 
 
 def test_joint_friction_is_the_friction_of_its_joint(bench: Path) -> None:
@@ -312,13 +353,13 @@ def test_a_stuck_load_stays_where_it_is_for_a_minute(bench: Path, where: str, st
     plugin.reset(data)
     at = []
     for i in range(round(60.0 / step)):
-        data.qfrc_applied[0] = 18.0 * min(1.0, i * step) + plugin._felt.sum()
+        data.qfrc_applied[0] = 18.0 * min(1.0, i * step) + plugin.plant.felt.sum()
         plugin.step(data)
         at.append(data.qpos[0])
     assert np.ptp(at[len(at) // 20 :]) < 1e-8
     assert abs(at[-1] - 0.08) < 2e-4
     for _ in range(round(1.0 / step)):
-        data.qfrc_applied[0] = 22.0 + plugin._felt.sum()
+        data.qfrc_applied[0] = 22.0 + plugin.plant.felt.sum()
         plugin.step(data)
     assert data.qpos[0] > 0.1
 

@@ -157,18 +157,25 @@ def test_added_payload_hangs_on_the_frame(exo):
     assert walk.model.body("payload").mass[0] == pytest.approx(20.0)
 
 
-def test_an_interrupt_leaves_what_was_simulated(exo, monkeypatch):
+@pytest.mark.parametrize("law", ["least_load", "inverse_dynamics"])
+def test_an_interrupt_is_an_interrupt_while_rehearsing_and_while_running(exo, monkeypatch, law):
+    """It must not teach the demand a walk that was cut short."""
     real, calls = loop.run, []
 
     def interrupted(first, count, *rest):
         if len(calls) == 5:
             raise KeyboardInterrupt
         calls.append(first)
-        real(first, count, *rest)
+        return real(first, count, *rest)
 
-    simulation = Simulation(exo, Request("level_walk", assist="vented"))
     monkeypatch.setattr(loop, "run", interrupted)
-    walk = simulation.run()
+    with pytest.raises(KeyboardInterrupt):
+        simulate(exo, Request("level_walk", law=law))
+    assert len(calls) == 5
+
+
+def test_a_walk_that_was_stopped_is_as_good_as_it_goes(exo):
+    (walk,) = Simulation(exo, Request("level_walk", assist="vented")).pieces(stop=iter([False] * 4 + [True]).__next__)
     assert walk.interrupted
     assert len(walk.time) == 5 * coupled._CHUNK
     table = record.recording(walk, "cut")

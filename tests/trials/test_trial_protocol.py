@@ -16,8 +16,9 @@ from exo_sim.trials import protocol
 from exo_sim.trials.cells import draw_plans
 from exo_sim.trials.figures import clopper_pearson, figures, nine_of_ten
 from exo_sim.trials.judge import judge
+from exo_sim.trials.ledger import START, Ledger
 from exo_sim.trials.score import score
-from exo_sim.trials.seal import START, Ledger, new_key, open_with, seal, unseal, write_key
+from exo_sim.trials.seal import new_key, open_with, seal, unseal, write_key
 
 TOOL = """
 import json, pathlib, sys
@@ -90,7 +91,7 @@ def test_scoring_before_the_last_verdict_is_refused_and_keeps_the_key(trial):
 
 
 def test_opening_early_is_found_out(trial):
-    open_with(trial / "key", START, 0)
+    open_with(trial / "key", protocol.read_manifest(trial / "trial"), START, 0, lambda key: None)
     protocol.run(trial / "trial", f"{sys.executable} {trial / 'tool.py'}", quiet=True)
     with pytest.raises(TrialError, match="opened early, after 0 verdicts"):
         score(trial / "trial", trial / "key")
@@ -181,8 +182,8 @@ def test_bad_input_is_one_line(tmp_path, capsys):
     assert capsys.readouterr().err.count("\n") == 1
     (tmp_path / "key").write_text("{")
     with pytest.raises(TrialError, match="not a key"):
-        open_with(tmp_path / "key", START, 0)
-    write_key(tmp_path / "key", new_key())
+        open_with(tmp_path / "key", {}, START, 0, lambda key: None)
+    write_key(tmp_path / "key", new_key(), {})
     with pytest.raises(TrialError, match="never written over"):
         protocol.make(tmp_path / "t", draw_plans(1, 0), tmp_path / "key", quiet=True)
 

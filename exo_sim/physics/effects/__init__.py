@@ -1,4 +1,5 @@
-"""The physics that the paper leaves out: one file each, which declares the effect and holds its one small function.
+"""The physics that the paper leaves out: one file each, which declares the effect and holds its small functions.
 
-The line that calls the function stands in `exo_sim/physics/plant.py`, at the physical place where the effect acts.
+What adds up in a balance enters itself there (`exo_sim/physics/terms.py`); what takes another law's place is called by name where it
+acts, in `rates.py`, `nodes.py`, `plant.py`, `resistance.py` or `transmission.py`.
 """

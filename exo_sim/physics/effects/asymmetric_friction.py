@@ -2,12 +2,14 @@
 
 from __future__ import annotations
 
-from exo_sim.physics.compiled import kernel
-from exo_sim.physics.effects.declaration import Effect, Parameter
+from exo_sim.physics.asked import Sense, Twins
+from exo_sim.physics.declaration import Asked, Effect, Parameter
+from exo_sim.physics.terms import DRY_FRICTION
 
 EFFECT = Effect(
     name="asymmetric_friction",
     places=("cylinder", "joint"),
+    family="friction",
     question="Does the outward stroke meet another friction than the inward one?",
     says="Dry friction differs between the two directions.",
     parameters=(
@@ -27,11 +29,15 @@ EFFECT = Effect(
         "forward and backward are the whole dry friction of each direction: this effect takes the place of "
         "coulomb_friction. Forward is towards larger position (outwards)."
     ),
+    valid="the seals rub at levels that do not change with speed, pressure, place or time at rest.",
     signature="the loop of force against position is not centred on the load",
+    # at a joint that moves, Coulomb friction beside a constant torque says the same in simpler words
+    asked=Asked(sense=Sense(places=("cylinder",)), twins=Twins(beside_constant="coulomb_friction")),
 )
 
 
-@kernel
-def level(p, direction: float) -> float:
-    """Return the dry friction that a motion, or a push at rest, in this direction meets [N or N m]."""
+@DRY_FRICTION.of(EFFECT)
+def level(p, motion):
+    """Return the dry friction that a motion, or a push at rest, meets in its direction [N or N m]."""
+    direction = motion.bristle if motion.bristle != 0.0 else motion.v
     return p.forward if direction > 0.0 else p.backward

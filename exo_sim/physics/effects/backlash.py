@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
+from exo_sim.physics.asked import Sense
 from exo_sim.physics.compiled import kernel
-from exo_sim.physics.effects.declaration import Asked, Effect, Parameter
+from exo_sim.physics.declaration import Asked, Effect, Parameter
 
 #: Stiffness of the contact on either side of the gap where no compliance is declared [N/m].
 CONTACT_STIFFNESS = 1e6
@@ -11,6 +12,7 @@ CONTACT_STIFFNESS = 1e6
 EFFECT = Effect(
     name="backlash",
     places=("cylinder", "joint"),
+    family="transmission",
     question="Is there a stretch of motion that carries no force when the load reverses?",
     says="There is free play between piston and joint.",
     parameters=(
@@ -33,8 +35,11 @@ EFFECT = Effect(
         "gap is the whole play from one contact to the other, at the rod [m], or at the joint where it is "
         "given for one."
     ),
+    valid="one gap between two stiff contacts with nothing of weight between them; the knock itself lasts a few time steps.",
     signature="a flat stretch at every reversal of load, with a knock at its end",
-    asked=Asked(jerky=True, starts=((2e-4,), (5e-4,), (1e-3,)), least={"gap": 4e-5}),
+    asked=Asked(
+        jerky=True, starts=((2e-4,), (5e-4,), (1e-3,)), least={"gap": 4e-5}, sense=Sense(moving=True, known_at_joint="drive_gap")
+    ),
 )
 
 

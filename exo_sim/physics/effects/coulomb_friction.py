@@ -2,12 +2,13 @@
 
 from __future__ import annotations
 
-from exo_sim.physics.compiled import kernel
-from exo_sim.physics.effects.declaration import Effect, Parameter
+from exo_sim.physics.declaration import Asked, Effect, Parameter
+from exo_sim.physics.terms import DRY_FRICTION
 
 EFFECT = Effect(
     name="coulomb_friction",
     places=("cylinder", "joint"),
+    family="friction",
     question="Does force differ by a constant between the two directions of slow motion?",
     says="Dry friction of constant size resists motion.",
     parameters=(Parameter("force", "N", 0.0, 1e5, (1.0, 60.0), "4-40 N for 16-50 mm bores", angular_unit="N*m"),),
@@ -19,11 +20,13 @@ EFFECT = Effect(
         "force is one direction's; the loop between both directions is twice as high. On a turning joint the "
         "key may be written torque."
     ),
+    valid="the seals rub at one level, whatever speed, pressure, place, direction or time at rest.",
     signature="pressure difference against position is a loop of constant height; the piston sticks at reversals",
+    asked=Asked(resists=1.0, prevalence=0.6),
 )
 
 
-@kernel
-def level(p) -> float:
+@DRY_FRICTION.of(EFFECT)
+def level(p, motion):
     """Return the dry friction [N or N m]."""
     return p.force

@@ -2,12 +2,14 @@
 
 from __future__ import annotations
 
+from exo_sim.physics.asked import Sense
 from exo_sim.physics.compiled import kernel
-from exo_sim.physics.effects.declaration import Asked, Effect, Parameter
+from exo_sim.physics.declaration import Asked, Effect, Parameter
 
 EFFECT = Effect(
     name="end_cushioning",
     places=("cylinder",),
+    family="cushion",
     question="Does pressure rise sharply in the shrinking chamber at one fixed distance from the end?",
     says="End cushions throttle the flow near the ends of the stroke.",
     parameters=(
@@ -21,11 +23,16 @@ EFFECT = Effect(
     experiment="turn the cushion needle, or stop short of the end",
     convention="length is counted from the piston's ends of travel, X = 0 and X = stroke; both cushions are alike. "
     "The needle and the valve, or the hose, lie behind each other: 1/C^3 adds up.",
+    valid=(
+        "the cushion seal closes at once at its length and leaks nothing; where flow is not choked it lets up to 12 % too much "
+        "pass."
+    ),
     signature="a pressure spike tied to position; the start from the end is not slowed",
     asked=Asked(
         jerky=True,
         starts_by_reach=tuple((reach, area) for reach in (0.02, 0.06, 0.12, 0.25) for area in (0.03, 0.15)),
         open_by={"area": (0.95, 1.05)},
+        sense=Sense(moving=True),
     ),
 )
 

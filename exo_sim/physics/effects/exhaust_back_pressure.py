@@ -3,12 +3,14 @@
 from __future__ import annotations
 
 from exo_sim.physics import gas
+from exo_sim.physics.asked import Sense
 from exo_sim.physics.compiled import kernel
-from exo_sim.physics.effects.declaration import Asked, Effect, Parameter
+from exo_sim.physics.declaration import Asked, Effect, Parameter
 
 EFFECT = Effect(
     name="exhaust_back_pressure",
     places=("exhaust",),
+    family="exhaust",
     question="Does a venting chamber stop above the atmosphere while gas flows, and does another cylinder's vent lift it?",
     says="The exhaust builds up pressure while gas leaves.",
     parameters=(
@@ -24,8 +26,16 @@ EFFECT = Effect(
     mistaken_for=("critical_ratio", "line_restriction", "sensor_bias"),
     experiment="take the silencer off, or record the exhaust pressure",
     convention="one manifold for all cylinders; area is that of the way out of it.",
+    valid=(
+        "the manifold is short (a metre takes sound 3 ms), mixed and without heat from its wall, and the silencer throttles "
+        "like a nozzle; a porous one falls below that towards equal pressures."
+    ),
     signature="the floor of a venting chamber rises with the flow and is gone at rest",
-    asked=Asked(forms=(("area",),), starts_by_valve=((3.0,), (1.0,), (0.5,), (0.25,), (0.12,), (0.06,), (0.03,))),
+    asked=Asked(
+        forms=(("area",),),
+        starts_by_valve=((3.0,), (1.0,), (0.5,), (0.25,), (0.12,), (0.06,), (0.03,)),
+        sense=Sense(commanded=True),
+    ),
 )
 
 

@@ -5,8 +5,9 @@ from __future__ import annotations
 import math
 
 from exo_sim.physics import gas
-from exo_sim.physics.compiled import kernel
-from exo_sim.physics.effects.declaration import Asked, Effect, Parameter
+from exo_sim.physics.declaration import Asked, Effect, Parameter
+from exo_sim.physics.settling import laminar_rate, path_rate
+from exo_sim.physics.terms import OUTWARD_FLOW
 
 _ORIFICE = "C = 1e-13..1e-11 m^3/(s Pa), gland to bad fitting"
 _POROUS = "printed cylinders, Zillen (PMC10907517), and worn glands"
@@ -14,6 +15,7 @@ _POROUS = "printed cylinders, Zillen (PMC10907517), and worn glands"
 EFFECT = Effect(
     name="external_leakage",
     places=("cylinder",),
+    family="leak",
     question="With every path closed, does a chamber lose gas that the other does not gain?",
     says="Gas leaks from the cylinder to the atmosphere.",
     parameters=(
@@ -29,6 +31,7 @@ EFFECT = Effect(
     mistaken_for=("piston_leakage", "valve_null_leakage", "wall_heat_transfer", "sensor_bias"),
     experiment="close every path at equal pressures and hold longer than five thermal time constants",
     convention="inertial belongs to both porous paths: p^2 - p_atm^2 = w/laminar + inertial w^2.",
+    valid="the path neither opens nor closes with pressure; an area is a sharp-edged nozzle, laminar and inertial a porous path.",
     signature="one chamber falls towards the atmosphere and never rests above it; the other does not rise",
     asked=Asked(
         proportional=True,
@@ -50,17 +53,26 @@ EFFECT = Effect(
 )
 
 
-@kernel
-def flow(p, chamber: int, p_gas: float, t_gas: float, p_atm: float, t_atm: float, k: float, r: float) -> float:
-    """Return the mass flow from chamber 1 or 2 to the atmosphere [kg/s].
+@OUTWARD_FLOW.of(EFFECT)
+def outward(p, here, there, world):
+    """Return the mass flow from a chamber to the atmosphere [kg/s].
 
     An orifice, and a porous path after Forchheimer, p^2 - p_atm^2 = w/a + b w^2, signed.
     """
-    area = p.area_1 if chamber == 1 else p.area_2
-    laminar = p.laminar_1 if chamber == 1 else p.laminar_2
-    leaked = gas.flow(area, p_gas, t_gas, p_atm, t_atm, k, r)
+    area = p.area_1 if here.side == 1 else p.area_2
+    laminar = p.laminar_1 if here.side == 1 else p.laminar_2
+    leaked = gas.flow(area, here.p, here.t, world.atmosphere, world.ambient, world.k, world.r)
     if laminar > 0.0:
-        drop = p_gas * p_gas - p_atm * p_atm
+        drop = here.p * here.p - world.atmosphere * world.atmosphere
         resistance = 1.0 / laminar
         leaked += 2.0 * drop / (resistance + math.sqrt(resistance * resistance + 4.0 * p.inertial * abs(drop)))
     return leaked
+
+
+@OUTWARD_FLOW.settling(EFFECT)
+def settling(p, here, there, span, world):
+    """Return a bound on how fast a chamber settles through both paths [1/s]; inertia only slows it."""
+    area = p.area_1 if here.side == 1 else p.area_2
+    laminar = p.laminar_1 if here.side == 1 else p.laminar_2
+    orifice = path_rate(area, here.p, world.atmosphere, here.volume, span, world.k, world.r)
+    return orifice + laminar_rate(laminar, here.p, here.volume, world.k, world.r)

@@ -3,11 +3,12 @@
 from __future__ import annotations
 
 from exo_sim.physics.compiled import kernel
-from exo_sim.physics.effects.declaration import Effect, Parameter
+from exo_sim.physics.declaration import Effect, Parameter
 
 EFFECT = Effect(
     name="moving_wall_temperature",
     places=("cylinder",),
+    family="wall",
     question="Does the heat exchange fade while the cylinder works, as if the wall came to meet the gas?",
     says="The cylinder wall itself warms and cools.",
     parameters=(
@@ -22,6 +23,10 @@ EFFECT = Effect(
     convention=(
         "heat_capacity and outside_conductance are one chamber's; both chambers are alike. The outside is the"
         " environment of the rig."
+    ),
+    valid=(
+        "the wall has one temperature throughout (thin aluminium, not plastic), and both chambers' walls do not warm each "
+        "other."
     ),
     signature="the plateau after a fill drifts; the loop of a driven sealed piston shrinks over minutes",
 )

@@ -2,13 +2,18 @@
 
 from __future__ import annotations
 
+import math
+
 from exo_sim.physics import gas
-from exo_sim.physics.compiled import kernel
-from exo_sim.physics.effects.declaration import Asked, Effect, Parameter
+from exo_sim.physics.asked import Sense
+from exo_sim.physics.declaration import Asked, Effect, Parameter
+from exo_sim.physics.settling import laminar_rate, path_rate
+from exo_sim.physics.terms import ACROSS_FLOW
 
 EFFECT = Effect(
     name="piston_leakage",
     places=("cylinder",),
+    family="leak",
     question="With every path closed, does one chamber lose what the other gains?",
     says="Gas leaks past the piston from the fuller chamber to the other.",
     parameters=(
@@ -34,12 +39,28 @@ EFFECT = Effect(
         "+ or - is by pressure; area is an orifice, laminar a gap: w = laminar (p1^2 - p2^2). In a single-"
         "acting cylinder chamber 2 is the atmosphere."
     ),
+    valid=(
+        "the path neither opens nor closes with pressure, place or direction; an area is a sharp-edged nozzle, laminar a gap "
+        "without inertia."
+    ),
     signature="closed chambers converge; nothing happens at equal pressures",
-    asked=Asked(proportional=True, leaks=1.0, forms=(("area",), ("laminar",))),
+    # where chamber 2 is the atmosphere it is an external one
+    asked=Asked(proportional=True, leaks=1.0, forms=(("area",), ("laminar",)), sense=Sense(two_chambers=True)),
 )
 
 
-@kernel
-def flow(p, p_1: float, t_1: float, p_2: float, t_2: float, k: float, r: float) -> float:
+@ACROSS_FLOW.of(EFFECT)
+def across(p, one, two, world):
     """Return the mass flow from chamber 1 to 2 [kg/s]: an orifice, a laminar gap w = a (p1^2 - p2^2), or both."""
-    return gas.flow(p.area, p_1, t_1, p_2, t_2, k, r) + p.laminar * (p_1 * p_1 - p_2 * p_2)
+    return gas.flow(p.area, one.p, one.t, two.p, two.t, world.k, world.r) + p.laminar * (one.p * one.p - two.p * two.p)
+
+
+@ACROSS_FLOW.settling(EFFECT)
+def settling(p, here, there, span, world):
+    """Return a bound on how fast a chamber settles through both paths [1/s].
+
+    Gershgorin's: scaled with the roots of the volumes, the other chamber answers with a / sqrt(V V').
+    """
+    orifice = path_rate(p.area, here.p, there.p, here.volume, span, world.k, world.r)
+    gap = laminar_rate(p.laminar, max(here.p, there.p), here.volume, world.k, world.r)
+    return (orifice + gap) * (1.0 + math.sqrt(here.volume / there.volume))

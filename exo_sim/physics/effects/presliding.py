@@ -5,11 +5,12 @@ from __future__ import annotations
 import math
 
 from exo_sim.physics.compiled import kernel
-from exo_sim.physics.effects.declaration import Asked, Effect, Parameter
+from exo_sim.physics.declaration import Asked, Effect, Parameter
 
 EFFECT = Effect(
     name="presliding",
     places=("cylinder", "joint"),
+    family="friction",
     question="Does a stuck piston move elastically before it breaks away?",
     says="The stuck contact is elastic before it slides (LuGre).",
     parameters=(
@@ -43,9 +44,13 @@ EFFECT = Effect(
         "does. Damping fades as exp(-(v/v_d)^2), v_d = 0.02 m/s or 0.2 rad/s: what slides is not damped, and the contact stays "
         "passive (Astrom and Canudas de Wit 2008)."
     ),
+    valid="travel before breakaway is short against the stroke and carries no memory of turning points but the last.",
     signature="reversals turn round over 0.05-0.3 mm instead of at once",
     asked=Asked(
         forms=(("stiffness",),),
+        starts=((1e5,), (2e4,)),
+        scale=5e4,
+        every_contact="stiffness",
         open_by={"stiffness": (0.82, 1.0)},  # damping of the bristles, which no fit tells from it, adds to it
     ),
 )

@@ -2,12 +2,13 @@
 
 from __future__ import annotations
 
-from exo_sim.physics.compiled import kernel
-from exo_sim.physics.effects.declaration import Effect, Parameter
+from exo_sim.physics.declaration import Asked, Effect, Parameter
+from exo_sim.physics.terms import DAMPING
 
 EFFECT = Effect(
     name="quadratic_drag",
     places=("cylinder", "joint"),
+    family="friction",
     question="Does resistance grow with the square of speed?",
     says="Drag grows with the square of speed.",
     parameters=(
@@ -19,11 +20,13 @@ EFFECT = Effect(
     reveals=("position", "force"),
     mistaken_for=("viscous_friction", "coulomb_friction"),
     experiment="constant speeds, three of them; free swings from two heights",
+    valid="what resists is a turbulent flow around the part, of one density.",
     signature="fast motion loses more than slow motion foretells",
+    asked=Asked(prevalence=0.08),
 )
 
 
-@kernel
-def force(p, v: float) -> float:
-    """Return the force against the motion, along +v [N or N m]."""
-    return p.coefficient * abs(v) * v
+@DAMPING.of(EFFECT)
+def damping(p, motion):
+    """Return the resistance for each unit of speed [N s/m or N m s/rad]."""
+    return p.coefficient * abs(motion.v)

@@ -2,12 +2,21 @@
 
 from __future__ import annotations
 
-from exo_sim.physics.compiled import kernel
-from exo_sim.physics.effects.declaration import Asked, Effect, Parameter
+from exo_sim.physics.asked import Occurred, Starts
+from exo_sim.physics.declaration import Asked, Effect, Parameter
+from exo_sim.physics.terms import SPRING_FORCE
+
+
+def _starts(seen: Occurred) -> Starts:
+    """Return values to begin with; stiffness times rest is one number, so that a bad start for one of them traps the other."""
+    sizes, rests = (0.2, 1.0), (-4.0, -1.5, 0.0, 1.5, 4.0)
+    return tuple((s * seen.force / seen.travel, seen.middle + r * seen.travel) for s in sizes for r in rests)
+
 
 EFFECT = Effect(
     name="return_spring",
     places=("cylinder", "joint"),
+    family="spring",
     question="Does the force needed to hold still grow with position?",
     says="A spring acts between the moving parts.",
     parameters=(
@@ -32,12 +41,13 @@ EFFECT = Effect(
         "on a cylinder, rest is a piston position X from the far left end; on a joint it is the joint's "
         "coordinate. + stiffness pulls towards rest."
     ),
+    valid="the spring is straight in force over travel, without mass, and never goes solid or loose.",
     signature="balance of forces drifts in proportion to position",
-    asked=Asked(forms=(("stiffness", "rest"),)),
+    asked=Asked(forms=(("stiffness", "rest"),), starts_by_motion=_starts, resists=1.0),
 )
 
 
-@kernel
-def force(p, x: float) -> float:
+@SPRING_FORCE.of(EFFECT)
+def force(p, motion):
     """Return the spring's force towards smaller x [N or N m]."""
-    return p.stiffness * (x - p.rest)
+    return p.stiffness * (motion.x - p.rest)

@@ -5,11 +5,12 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
-from exo_sim.physics.effects.declaration import Effect, Parameter
+from exo_sim.physics.declaration import Effect, Parameter
 
 EFFECT = Effect(
     name="sensor_bias",
     places=("column",),
+    family="sensor",
     question="Is one channel off by the same amount at rest and at work?",
     says="The sensor reads too much or too little by a constant.",
     parameters=(Parameter("value", "column", -1e9, 1e9, (-5e3, 5e3), "0.25-1 % of full scale"),),
@@ -18,6 +19,7 @@ EFFECT = Effect(
     mistaken_for=("asymmetric_friction", "valve_offset", "external_leakage"),
     experiment="vent both chambers and read the sensor against the barometer",
     convention="reading = factor x truth + bias, of the same column, after its delay.",
+    valid="the offset stays over the recording.",
     signature="the same error at every level and speed",
 )
 

@@ -5,11 +5,12 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
-from exo_sim.physics.effects.declaration import Effect, Parameter
+from exo_sim.physics.declaration import Effect, Parameter
 
 EFFECT = Effect(
     name="sensor_delay",
     places=("column",),
+    family="sensor",
     question="Is every event of one channel late by the same time, even of a sealed piston?",
     says="The channel is late.",
     parameters=(Parameter("seconds", "s", -0.1, 0.1, (5e-4, 2e-2), "sensor lag 0.5-5 ms, skew between cards 1-20 ms"),),
@@ -18,6 +19,7 @@ EFFECT = Effect(
     mistaken_for=("valve_lag", "wall_heat_transfer"),
     experiment="move a sealed piston by hand: its pressure must lead",
     convention="+ is late: the sensor shows the truth of that many seconds before.",
+    valid="every frequency is late by the same time; a filter is that only well below its corner.",
     signature="the same delay in all events of one channel",
 )
 

@@ -5,11 +5,12 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
-from exo_sim.physics.effects.declaration import Effect, Parameter
+from exo_sim.physics.declaration import Effect, Parameter
 
 EFFECT = Effect(
     name="sensor_scale",
     places=("column",),
+    family="sensor",
     question="Is one channel off in proportion to what it reads?",
     says="The sensor's gain is off.",
     parameters=(
@@ -28,6 +29,7 @@ EFFECT = Effect(
     mistaken_for=("payload_mass", "flow_capacity", "dead_volume"),
     experiment="read the sensor against a reference at two levels",
     convention="reading = factor x truth + bias, of the same column, after its delay.",
+    valid="the sensor is straight over its range.",
     signature="an error in proportion to the reading",
 )
 

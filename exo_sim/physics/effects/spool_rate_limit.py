@@ -3,11 +3,12 @@
 from __future__ import annotations
 
 from exo_sim.physics.compiled import kernel
-from exo_sim.physics.effects.declaration import Asked, Effect, Parameter
+from exo_sim.physics.declaration import Asked, Effect, Parameter
 
 EFFECT = Effect(
     name="spool_rate_limit",
     places=("cylinder",),
+    family="valve",
     question="Do large steps of the command take longer than small ones?",
     says="The valve's spool moves no faster than a limit.",
     parameters=(Parameter("rate", "1/s", 0.1, 1e5, (20.0, 500.0), "full travel in 2-50 ms"),),
@@ -18,6 +19,7 @@ EFFECT = Effect(
     mistaken_for=("valve_lag",),
     experiment="lock the rod and step the command by a tenth and by the whole: the time grows with the step",
     convention="full travel from closed to open is 1.",
+    valid="the limit is the same both ways and at every supply pressure.",
     signature="opening grows as a ramp after a large step; small signals are untouched",
     asked=Asked(jerky=True, starts=((60.0,), (20.0,), (8.0,), (4.0,), (2.0,))),
 )

@@ -4,12 +4,21 @@ from __future__ import annotations
 
 import math
 
-from exo_sim.physics.compiled import kernel
-from exo_sim.physics.effects.declaration import Asked, Effect, Parameter
+from exo_sim.physics.asked import Occurred, Starts, Twins
+from exo_sim.physics.declaration import Asked, Effect, Parameter
+from exo_sim.physics.terms import DRY_EXCESS
+
+
+def _starts(seen: Occurred) -> Starts:
+    """Return values to begin with: a little and much above what slides, at low and middling speeds."""
+    levels, speeds = ((1.4, 0.1), (2.0, 0.4)), (0.05, 0.25)
+    return tuple((b * seen.base + c * seen.force, w * seen.speed, 2.0) for b, c in levels for w in speeds)
+
 
 EFFECT = Effect(
     name="stribeck_friction",
     places=("cylinder", "joint"),
+    family="friction",
     question="Does it take more force to start than to keep going slowly?",
     says="Friction is higher at rest and falls as motion starts.",
     parameters=(
@@ -23,6 +32,7 @@ EFFECT = Effect(
             angular_unit="N*m",
         ),
         Parameter("velocity", "m/s", 1e-4, 10.0, (5e-3, 0.1), "5-100 mm/s", angular_unit="rad/s"),
+        Parameter("exponent", "1", 0.5, 2.0, (0.5, 2.0), "0.5-1 to 2 (Armstrong-Helouvry, Dupont, Canudas de Wit 1994)", required=False),
     ),
     cut="motion",
     reveals=("position", "force"),
@@ -30,17 +40,26 @@ EFFECT = Effect(
     experiment="slow triangles at three speeds between 1 and 100 mm/s",
     convention=(
         "breakaway is the whole force at rest, not what it has more than Coulomb's; the excess falls as "
-        "exp(-(v/velocity)^2)."
+        "exp(-(v/velocity)^exponent), with an exponent of 2 where none is given."
     ),
+    valid="friction follows speed at once: no film that builds up, no time at rest that makes it stronger.",
     signature="the piston jumps when it starts; friction falls over the first centimetres a second",
-    asked=Asked(on_top_of="coulomb_friction"),
+    asked=Asked(
+        forms=(("breakaway", "velocity", "exponent"),),
+        starts_by_motion=_starts,
+        within_speeds=("velocity",),
+        on_top_of="coulomb_friction",
+        prevalence=0.3,
+        twins=Twins(damping=-1),  # friction that falls with speed
+    ),
 )
 
 
-@kernel
-def excess(p, level: float, v: float) -> float:
+@DRY_EXCESS.of(EFFECT)
+def excess(p, level, motion):
     """Return what is added to the other dry friction at this speed; `breakaway` is the whole force at rest [N or N m]."""
     if p.breakaway <= level:
         return 0.0
-    ratio = v / p.velocity
-    return (p.breakaway - level) * math.exp(-ratio * ratio)
+    ratio = motion.v / p.velocity
+    fallen = ratio * ratio if p.exponent <= 0.0 else abs(ratio) ** p.exponent
+    return (p.breakaway - level) * math.exp(-fallen)

@@ -2,12 +2,14 @@
 
 from __future__ import annotations
 
+from exo_sim.physics.asked import Sense, Twins
 from exo_sim.physics.compiled import kernel
-from exo_sim.physics.effects.declaration import Asked, Effect, Parameter
+from exo_sim.physics.declaration import Asked, Effect, Parameter
 
 EFFECT = Effect(
     name="supply_droop",
     places=("supply",),
+    family="supply",
     question="Does the supply fall with every stroke and recover at rest?",
     says="The supply pressure sags when gas is drawn.",
     parameters=(
@@ -19,11 +21,18 @@ EFFECT = Effect(
     mistaken_for=("supply_regulator", "critical_ratio", "valve_null_leakage"),
     experiment="record the supply pressure; work for ten seconds and wait for thirty",
     convention="one accumulator for all cylinders; its feed has a check valve.",
+    valid=(
+        "gas in the accumulator is mixed and takes no heat from its wall: right over seconds; over minutes the tank looks up to "
+        "k times as large."
+    ),
     signature="supply dips in phase with the strokes and recovers slowly",
     asked=Asked(
         starts=((2e-3, 1e-7), (5e-4, 2e-8)),
         # a tank that takes heat from its walls looks larger, up to k times, and is fed warmer
         open_by={"volume": (1.0 / 1.4, 1.0), "conductance": (0.97, 1.025)},
+        logarithmic=True,
+        sense=Sense(commanded=True),
+        twins=Twins(unmeasured=("supply_regulator",)),  # a tank behind a feed is the same first order between flow and pressure
     ),
 )
 

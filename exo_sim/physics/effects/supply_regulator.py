@@ -4,12 +4,14 @@ from __future__ import annotations
 
 import math
 
+from exo_sim.physics.asked import Sense, Twins
 from exo_sim.physics.compiled import kernel
-from exo_sim.physics.effects.declaration import Asked, Effect, Parameter
+from exo_sim.physics.declaration import Asked, Effect, Parameter
 
 EFFECT = Effect(
     name="supply_regulator",
     places=("supply",),
+    family="supply",
     question="Is the supply lower the more gas flows, with no memory of how much was used?",
     says="The regulator lets the supply pressure droop with flow.",
     parameters=(
@@ -22,12 +24,19 @@ EFFECT = Effect(
     mistaken_for=("supply_droop", "critical_ratio"),
     experiment="record the supply pressure under two constant flows",
     convention="hysteresis is the whole width in pressure; with supply_droop the regulator feeds the accumulator.",
+    valid=(
+        "droop goes with flow in a straight line. Back-flow raises the pressure above its set point (no relief), and the "
+        "inlet's pressure has no influence."
+    ),
     signature="supply falls at once with flow and returns at once",
     asked=Asked(
         jerky=True,
         forms=(("droop", "time_constant"), ("droop", "time_constant", "hysteresis")),
         # the diaphragm may stick before the lag or behind it: peaks of flow that a lag has cut off first need less of it
         open_by={"droop": (1.0, 1.04), "time_constant": (0.9, 1.1), "hysteresis": (0.9, 1.8)},
+        sense=Sense(commanded=True),
+        # a tank whose gas keeps its temperature is a regulator with lag; only hysteresis is a regulator's own
+        twins=Twins(unmeasured=("supply_droop",), measured=("supply_droop",), unless="hysteresis"),
     ),
 )
 

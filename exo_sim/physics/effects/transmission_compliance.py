@@ -2,12 +2,14 @@
 
 from __future__ import annotations
 
+from exo_sim.physics.asked import Sense
 from exo_sim.physics.compiled import kernel
-from exo_sim.physics.effects.declaration import Asked, Effect, Parameter
+from exo_sim.physics.declaration import Asked, Effect, Parameter
 
 EFFECT = Effect(
     name="transmission_compliance",
     places=("cylinder", "joint"),
+    family="transmission",
     question="Does the joint lag the piston in proportion to the force between them?",
     says="The transmission between piston and joint is elastic.",
     parameters=(
@@ -30,9 +32,11 @@ EFFECT = Effect(
         "on a cylinder, stiffness along the rod; on a joint, of its drive. Both together are in series. "
         "Position is recorded on the joint's side."
     ),
+    valid="what gives has neither mass nor damping, and the piston weighs little against what it moves.",
     signature="chambers behave as if larger under load; a second resonance",
     asked=Asked(
         starts=((3e5,), (3e4,)),
+        sense=Sense(moving=True, known_at_joint="drive_stiffness"),
         open_by={"stiffness": (0.96, 1.01)},  # mass and damping between piston and joint stiffen it where it moves fast
     ),
 )

@@ -6,7 +6,9 @@ from collections.abc import Mapping
 from itertools import pairwise
 
 from exo_sim.physics.compiled import kernel
-from exo_sim.physics.effects.declaration import Effect, Parameter
+from exo_sim.physics.declaration import Effect, Parameter
+from exo_sim.physics.settling import HOT
+from exo_sim.physics.terms import OUTWARD_FLOW
 
 #: The most knots that a curve may have.
 KNOTS = 16
@@ -33,6 +35,7 @@ def _check(place: str, numbers: Mapping[str, float], curves: Mapping[str, tuple[
 EFFECT = Effect(
     name="unknown",
     places=("cylinder", "joint"),
+    family="unknown",
     question="Is a force or a flow missing that follows one signal and fits no effect of this list?",
     says="Something without a name acts; a curve describes it.",
     parameters=(
@@ -57,6 +60,7 @@ EFFECT = Effect(
         "environment's temperature. Position is the piston's X, or the joint's coordinate. Beyond its ends "
         "the curve keeps its last value."
     ),
+    valid="the signal stays within the curve's ends, and nothing else of the machine's state matters.",
     signature="what is left unexplained is a function of one signal",
 )  # fmt: skip
 
@@ -93,3 +97,22 @@ def acting(p, on: int, x: float, v: float, p_1: float, p_2: float) -> float:
     if p.depends_on == 3.0:
         return curve(p, p_2)
     return curve(p, p_1 - p_2)
+
+
+@OUTWARD_FLOW.of(EFFECT)
+def outward(p, here, there, world):
+    """Return the flow from a chamber to the surroundings [kg/s]: the curve's with the sign turned."""
+    p_1, p_2 = (here.p, there.p) if here.side == 1 else (there.p, here.p)
+    return -acting(p, here.side, here.x, here.v, p_1, p_2)
+
+
+@OUTWARD_FLOW.settling(EFFECT)
+def settling(p, here, there, span, world):
+    """Return how fast a chamber settles by the steepest stretch of a curve that depends on its own pressure [1/s]."""
+    if not present(p) or int(p.acts) == 0 or p.depends_on < 2.0:
+        return 0.0
+    steepest = 0.0
+    for i in range(1, KNOTS):
+        if p.at[i] > p.at[i - 1]:
+            steepest = max(steepest, abs(p.values[i] - p.values[i - 1]) / (p.at[i] - p.at[i - 1]))
+    return steepest * world.k * world.r * HOT / here.volume

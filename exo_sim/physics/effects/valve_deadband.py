@@ -3,11 +3,12 @@
 from __future__ import annotations
 
 from exo_sim.physics.compiled import kernel
-from exo_sim.physics.effects.declaration import Asked, Effect, Parameter
+from exo_sim.physics.declaration import Asked, Effect, Parameter
 
 EFFECT = Effect(
     name="valve_deadband",
     places=("cylinder",),
+    family="valve",
     question="Do small commands of either sign move no gas?",
     says="The valve does not open until the command exceeds a dead-band.",
     parameters=(
@@ -23,6 +24,7 @@ EFFECT = Effect(
         "width is counted from zero to either side; full opening stays at full command: opening = (|u| - "
         "width)/(1 - width)."
     ),
+    valid="overlap is the same on both sides, flow beyond it goes with the command, and supply and exhaust edges open together.",
     signature="the command crosses zero without an answer in pressure; flow starts at the width",
     asked=Asked(jerky=True, starts=((0.01,), (0.025,), (0.05,), (0.1,)), healthy={"width": (1e-3, 2.5e-3)}),
 )

@@ -3,11 +3,12 @@
 from __future__ import annotations
 
 from exo_sim.physics.compiled import kernel
-from exo_sim.physics.effects.declaration import Asked, Effect, Parameter
+from exo_sim.physics.declaration import Asked, Effect, Parameter
 
 EFFECT = Effect(
     name="valve_hysteresis",
     places=("cylinder",),
+    family="valve",
     question="Does the same command give another flow on the way up than on the way down, at any rate?",
     says="The valve has hysteresis.",
     parameters=(
@@ -20,6 +21,7 @@ EFFECT = Effect(
     mistaken_for=("valve_deadband", "valve_lag", "backlash"),
     experiment="lock the rod and loop the command slowly between different turning points",
     convention="width is that of the whole loop, in units of command, from -1 to 1.",
+    valid="the loop has one width at every command and rate, turning points leave no trace (play, not Preisach).",
     signature="flow against command is a loop of constant width, whatever the rate",
     asked=Asked(jerky=True, starts=((0.005,), (0.012,), (0.025,), (0.05,), (0.1,)), least={"width": 0.0025}),
 )

@@ -5,11 +5,12 @@ from __future__ import annotations
 import math
 
 from exo_sim.physics.compiled import kernel
-from exo_sim.physics.effects.declaration import Asked, Effect, Parameter
+from exo_sim.physics.declaration import Asked, Effect, Parameter
 
 EFFECT = Effect(
     name="valve_lag",
     places=("cylinder",),
+    family="valve",
     question="Does the pressure answer the command late, by the same time at every size of step?",
     says="The valve follows its command with a lag.",
     parameters=(
@@ -29,6 +30,7 @@ EFFECT = Effect(
         "the command first waits for the delay, then the spool follows it in first order; a rate limit comes "
         "after that."
     ),
+    valid="steps up and down and of every size take as long; no overshoot: a spool on a spring shows one above its own frequency.",
     signature="onset of dP/dt rounded and late, in proportion to nothing but time",
     asked=Asked(
         # a good proportional valve answers at about 100 Hz

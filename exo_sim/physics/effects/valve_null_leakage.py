@@ -2,12 +2,14 @@
 
 from __future__ import annotations
 
+from exo_sim.physics.asked import Sense
 from exo_sim.physics.compiled import kernel
-from exo_sim.physics.effects.declaration import Asked, Effect, Parameter
+from exo_sim.physics.declaration import Asked, Effect, Parameter
 
 EFFECT = Effect(
     name="valve_null_leakage",
     places=("cylinder",),
+    family="valve",
     question="With the command at zero, do both chambers drift to one level between supply and exhaust?",
     says="The closed paths of the valve leak.",
     parameters=(
@@ -19,8 +21,9 @@ EFFECT = Effect(
     mistaken_for=("piston_leakage", "external_leakage", "valve_offset"),
     experiment="hold at zero command at two supply pressures: the level that the chambers reach scales with the supply",
     convention="each of the four paths leaks through this area, whatever it is open besides.",
+    valid="all four closed paths leak alike and through nozzles; overlap or underlap of single edges is not told apart.",
     signature="at null both pressures go to 0.75-0.85 of the supply; the supply is used at rest",
-    asked=Asked(proportional=True, leaks=0.75),
+    asked=Asked(proportional=True, leaks=0.75, sense=Sense(commanded=True)),
 )
 
 

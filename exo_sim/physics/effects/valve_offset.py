@@ -3,11 +3,12 @@
 from __future__ import annotations
 
 from exo_sim.physics.compiled import kernel
-from exo_sim.physics.effects.declaration import Asked, Effect, Parameter
+from exo_sim.physics.declaration import Asked, Effect, Parameter
 
 EFFECT = Effect(
     name="valve_offset",
     places=("cylinder",),
+    family="valve",
     question="Does the valve pass gas at zero command, and less one way than the other?",
     says="The valve's zero is shifted.",
     parameters=(
@@ -22,6 +23,7 @@ EFFECT = Effect(
     mistaken_for=("valve_null_leakage", "sensor_bias"),
     experiment="lock the rod, command plus and minus the same small value",
     convention="shift is added to the spool after lag and hysteresis and before the dead-band.",
+    valid="the shift stays over the recording: no drift with warmth or supply pressure.",
     signature="one chamber fills and the other vents at zero command",
     asked=Asked(proportional=True, starts=((0.01,), (-0.01,)), healthy={"shift": (5e-4, 1e-3)}),
 )

@@ -2,12 +2,14 @@
 
 from __future__ import annotations
 
-from exo_sim.physics.compiled import kernel
-from exo_sim.physics.effects.declaration import Effect, Parameter
+from exo_sim.physics.asked import Twins
+from exo_sim.physics.declaration import Asked, Effect, Parameter
+from exo_sim.physics.terms import DAMPING
 
 EFFECT = Effect(
     name="viscous_friction",
     places=("cylinder", "joint"),
+    family="friction",
     question="Does resistance grow in proportion to speed?",
     says="Viscous friction resists motion.",
     parameters=(
@@ -19,11 +21,16 @@ EFFECT = Effect(
     reveals=("position", "force"),
     mistaken_for=("quadratic_drag", "pressure_dependent_friction", "stribeck_friction", "wall_heat_transfer"),
     experiment="constant speeds, three of them",
+    valid=(
+        "the film between seal and barrel is full and its viscosity stays: resistance in proportion to speed, at one "
+        "temperature."
+    ),
     signature="the pressure difference at constant speed grows in proportion",
+    asked=Asked(prevalence=0.5, twins=Twins(damping=1)),
 )
 
 
-@kernel
-def force(p, v: float) -> float:
-    """Return the force against the motion, along +v [N or N m]."""
-    return p.coefficient * v
+@DAMPING.of(EFFECT)
+def damping(p, motion):
+    """Return the resistance for each unit of speed [N s/m or N m s/rad]."""
+    return p.coefficient

@@ -1,0 +1,69 @@
+"""In which conventions a recording was evidently written: units, zeros, signs and order of its columns, held against the rig.
+
+Asked before any physics. What can be told beyond doubt is put right and said; what cannot be computed at all is refused and says what to
+correct. A healthy recording, and one of a machine that leaks, rubs or sticks, passes without a word.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import mujoco
+
+from exo_sim.conventions import positions, pressures, signs
+from exo_sim.conventions.check import Check
+from exo_sim.conventions.machine import Machine
+from exo_sim.errors import RecordingError
+from exo_sim.recording.finding import Finding
+from exo_sim.recording.table import Recording
+from exo_sim.rig import Rig
+
+__all__ = ["Check", "Settled", "findings", "settle"]
+
+
+@dataclass(frozen=True)
+class Settled:
+    """A recording as it was evidently meant.
+
+    Attributes:
+        recording: With what was put right.
+        checks: What was asked, put right or refused, in the order in which it was.
+    """
+
+    recording: Recording
+    checks: tuple[Check, ...]
+
+
+def settle(recording: Recording, rig: Rig, model: mujoco.MjModel) -> Settled:
+    """Hold a recording's conventions against its rig.
+
+    Raises:
+        RecordingError: nothing sensible can be computed; the line says what to correct.
+        ModelError: the model lacks a part of the rig.
+    """
+    settled = asked(recording, rig, model)
+    for check in settled.checks:
+        if check.refused:
+            raise RecordingError(f'"{recording.name}": {check.says}')
+    return settled
+
+
+def asked(recording: Recording, rig: Rig, model: mujoco.MjModel) -> Settled:
+    """As `settle`, but refuses nothing: for those who want to hear all that is wrong."""
+    machine, checks = Machine.of(rig, model), []
+    for step in (pressures.in_pascal, pressures.absolute, positions.in_place, signs.in_order):
+        recording, found = step(recording, machine)
+        checks += found
+        if any(check.refused for check in found):
+            break
+    return Settled(recording, tuple(checks))
+
+
+def findings(settled: Settled) -> list[Finding]:
+    """Return checks as what `inspect` lists."""
+    return [
+        Finding(check.columns[0], check.what, check.says, severity="fault", use="used")
+        if check.refused
+        else Finding(check.columns[0], check.what, check.says, severity="warning", use="repaired")
+        for check in settled.checks
+    ]

@@ -1,0 +1,33 @@
+"""What was asked of a recording before any physics, and what was put right on the way."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Any
+
+
+@dataclass(frozen=True)
+class Check:
+    """One question to whoever recorded.
+
+    Attributes:
+        what: One word or two for machines: "gauge", "unit", "swapped chambers", "turned valve", "stroke", "sign".
+        columns: Which columns it is about.
+        says: The question, and what was done or must be done, in one plain sentence.
+        refused: True where nothing sensible can be computed until it is answered.
+    """
+
+    what: str
+    columns: tuple[str, ...]
+    says: str
+    refused: bool = False
+
+    def as_dict(self) -> dict[str, Any]:
+        """Return what `diagnosis.json` lists under `checks`."""
+        return {"what": self.what, "columns": list(self.columns), "says": self.says}
+
+
+def named(columns: tuple[str, ...]) -> str:
+    """Return columns as they are named in a sentence."""
+    *others, last = (f'"{column}"' for column in columns)
+    return f"{', '.join(others)} and {last}" if others else last

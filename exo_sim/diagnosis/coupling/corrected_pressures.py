@@ -1,0 +1,156 @@
+"""Pressures in the chambers as the judged gas knows them: sensor faults and a hose between sensor and chamber are taken off.
+
+The balances of forces are made of these pressures; uncorrected, a late sensor or one behind a hose looks like friction. Where it is the
+position that comes late, pressures are delayed alike. Where the transmission gives, friction is evaluated at the piston.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import replace
+
+import numpy as np
+from numpy.typing import NDArray
+
+from exo_sim.diagnosis.data import open_questions
+from exo_sim.diagnosis.data.machine_data import MachineData
+from exo_sim.diagnosis.data.motion_run import MotionRun
+from exo_sim.diagnosis.data.split import Split
+from exo_sim.diagnosis.findings import Kind
+from exo_sim.diagnosis.selection.subsystem_result import SubsystemResult
+from exo_sim.diagnosis.subsystems.gas.model import GasModel
+from exo_sim.diagnosis.subsystems.gas.prediction import behind_hose
+from exo_sim.diagnosis.subsystems.motion.smoothing import smoothed_on_clock, smoothing_width
+from exo_sim.physics.transmission import gives, stiffness
+from exo_sim.recording.filters import restored
+from exo_sim.simulation.replay.external_drive import external_power
+
+Array = NDArray[np.float64]
+
+#: By recording and column, clock [s] and change of the pressure [Pa], shape (n,) each.
+Changes = Mapping[tuple[str, str], tuple[Array, Array]]
+#: Smaller corrections than this are left out [Pa].
+LEAST = 50.0
+
+
+def with_corrected_pressures(data: MachineData, gas: Sequence[SubsystemResult[GasModel]], split: Split) -> MachineData:
+    """Return the data with corrected balances; a joint that then proves to be driven from outside becomes an open question."""
+    joints, open_, driven = {}, list(data.open_questions), set(data.externally_driven)
+    for joint, runs in corrected_balances(data, gas, split).items():
+        kept = []
+        for run, before in zip(runs, data.joints[joint], strict=True):
+            unsure = run is not before and run.inertia.has_mass and not run.external_recorded
+            why = _external_power(run) if unsure else ""
+            if why:
+                driven.add(run.joint)
+                open_.append(open_questions.of_balance(run.joint, run.recording, why))
+            else:
+                kept.append(run)
+        if kept:
+            joints[joint] = tuple(kept)
+    return replace(data, joints=joints, open_questions=tuple(open_), externally_driven=frozenset(driven))
+
+
+def _external_power(run: MotionRun) -> str:
+    speed = run.kinematics.velocity / np.where(np.abs(run.drive.arm) > 1e-6, run.drive.arm, 1.0)
+    return external_power(run.time, run.demand, run.drive.force, speed)
+
+
+def corrected_balances(
+    data: MachineData, gas: Sequence[SubsystemResult[GasModel]], split: Split
+) -> dict[str, tuple[MotionRun, ...]]:
+    """Return the balances of forces, by joint, with every correction that a cylinder's gas asks for."""
+    changes: dict[tuple[str, str], tuple[Array, Array]] = {}
+    late: dict[str, float] = {}
+    springs: dict[str, float] = {}
+    for one in gas:
+        if one.is_empty or one.has_unknown:
+            continue
+        plant = one.final_plant
+        if gives(plant.cylinder[0]):
+            springs[one.where] = float(stiffness(plant.cylinder[0]))
+        if not one.named and not behind_hose(plant.cylinder):
+            continue
+        whole = one.model.over_whole_runs(plant, split)
+        faults = {q.parameter for candidate in one.named if candidate.kind is Kind.SENSOR for q in candidate.parameters}
+        if "position.delay" in faults:
+            seconds = plant.sensors["position.delay"]
+            late |= {data.joint_of(one.where): seconds, f"rod of {one.where}": seconds}
+        for index, given in enumerate(whole.inputs):
+            for side in range(2):
+                measured = given.run.pressure[side]
+                if measured is not None:
+                    change = _change(whole, index, side, measured, faults)
+                    if np.nanmax(np.abs(change)) > LEAST:
+                        changes[given.run.recording, f"{one.where}.pressure_{side + 1}"] = given.time, change
+    return {
+        joint: tuple(_at_piston(_delayed(_changed(run, changes), late.get(joint, 0.0)), springs) for run in runs)
+        for joint, runs in data.joints.items()
+    }
+
+
+def _change(whole: GasModel, index: int, side: int, measured: Array, faults: set[str]) -> Array:
+    """Return pressure in the chamber less what was measured, shape (n,) [Pa]."""
+    plant, time = whole.nominal, whole.inputs[index].time
+
+    def fault(kind: str, none: float) -> float:
+        name = f"pressure_{side + 1}.{kind}"
+        return plant.sensors.get(name, none) if name in faults else none
+
+    true = (measured - fault("bias", 0.0)) / fault("scale", 1.0)
+    late = fault("delay", 0.0)
+    if late != 0.0:
+        good = np.isfinite(true)
+        true = np.interp(time + late, time[good], true[good])
+    if behind_hose(plant.cylinder):
+        shown = whole.predict(plant, index)
+        true = true + shown.inside[:, side] - shown.pressure[:, side]
+    return true - measured
+
+
+def _changed(run: MotionRun, changes: Changes) -> MotionRun:
+    force, gauge, signals = run.drive.force, run.drive.gauge, dict(run.drive.signals)
+    for column, lever in run.drive.levers.items():
+        time, change = changes.get((run.recording, column), (run.time, None))
+        if change is None or time[0] > run.time[0]:  # a run that was cut short says nothing of what came before
+            continue
+        smooth = smoothed_on_clock(run, time, change)
+        force = force + lever * smooth
+        if column in signals:
+            signals[column] = signals[column] + smooth
+        if run.cylinder is not None and column.startswith(f"{run.cylinder}.pressure_"):
+            side, full = int(column[-1]) - 1, restored(run.time, smooth, smoothing_width(run.time))
+            gauge = gauge + np.column_stack([full if s == side else np.zeros_like(full) for s in range(2)])
+    return run if force is run.drive.force else replace(run, drive=replace(run.drive, force=force, gauge=gauge, signals=signals))
+
+
+def _at_piston(run: MotionRun, springs: Mapping[str, float]) -> MotionRun:
+    """Return a run whose motion is that of its piston, which is ahead of the joint by the deflection of the transmission."""
+    spring = springs.get(run.cylinder or "")
+    if spring is None:
+        return run
+    carried = (run.demand - run.external) / np.where(np.abs(run.drive.arm) > 1e-6, run.drive.arm, 1.0)
+    ahead = restored(run.time, carried, smoothing_width(run.time)) / spring
+    path = run.kinematics
+    there = replace(path, position=path.position + ahead, velocity=path.velocity + np.gradient(ahead, run.time))
+    return replace(run, kinematics=there)
+
+
+def _delayed(run: MotionRun, seconds: float) -> MotionRun:
+    """Return a run whose forces are delayed as its position is."""
+    if seconds == 0.0:
+        return run
+
+    def then(values: Array) -> Array:
+        return np.interp(run.time - seconds, run.time, values)
+
+    drive, inertia, imputed = run.drive, run.inertia, run.imputed
+    gauge = np.column_stack([then(drive.gauge[:, side]) for side in range(2)])
+    signals = {column: then(values) for column, values in drive.signals.items()}
+    drive = replace(drive, force=then(drive.force), gauge=gauge, signals=signals)
+    if imputed is not None:
+        uncertain, leaks = ({name: then(change) for name, change in one.items()} for one in (imputed.uncertain, imputed.leaks))
+        imputed = replace(imputed, uncertain=uncertain, leaks=leaks)
+    if not inertia.has_mass:  # a rod's cell is measured too
+        inertia = replace(inertia, force=then(inertia.force), bias=then(inertia.bias))
+    return replace(run, drive=drive, inertia=inertia, external=then(run.external), imputed=imputed)

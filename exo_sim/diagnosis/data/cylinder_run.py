@@ -1,0 +1,153 @@
+"""The signals of one cylinder in one recording, on the recording's clock."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass, replace
+
+import mujoco
+import numpy as np
+from numpy.typing import NDArray
+
+from exo_sim.machine.linkage import Linkage, moment_row
+from exo_sim.recording.filters import forward_filled, smoothed, white_noise
+from exo_sim.recording.table import Recording
+from exo_sim.recording.windows import stretch_starts
+from exo_sim.rig import Rig
+
+Array = NDArray[np.float64]
+
+
+@dataclass(frozen=True)
+class CylinderRun:
+    """One cylinder in one recording; every array has shape (n,), NaN where a sample is missing.
+
+    Attributes:
+        time: [s].
+        command: Valve command, -1 to 1; zero where none was recorded.
+        length: Piston position X as the joint has it [m], smoothed; None where no position was recorded.
+        speed: Its rate [m/s].
+        pressure: Measured chamber pressures [Pa], each or None.
+        supply, exhaust: Measured, or None: then the rig's constants.
+        supply_temperature: Measured, or None.
+        force: Load cell on the rod [N], or None.
+        commanded: Whether a valve command was recorded.
+        noise: Standard deviation of the white noise of each pressure [Pa].
+        breaks: Indices at which a new stretch begins.
+        initial: Pressure at the first sample of a chamber that was not measured, from the balance of forces [Pa]; NaN where unknown.
+        position_noise: Standard deviation of the white noise of `length` before it was smoothed [m].
+    """
+
+    recording: str
+    cylinder: str
+    time: Array
+    command: Array
+    length: Array | None
+    speed: Array | None
+    pressure: tuple[Array | None, Array | None]
+    supply: Array | None
+    exhaust: Array | None
+    supply_temperature: Array | None
+    force: Array | None
+    commanded: bool
+    noise: tuple[float, float]
+    breaks: tuple[int, ...]
+    initial: tuple[float, float] = (math.nan, math.nan)
+    position_noise: float = 0.0
+
+    @property
+    def at_rest(self) -> bool:
+        """Whether neither the valve nor the piston ever moves: the gas then changes slowly."""
+        return float(np.ptp(self.command)) < 1e-3 and (self.length is None or float(np.ptp(self.length)) < 1e-4)
+
+    def until(self, stop: int) -> CylinderRun:
+        """Return the first `stop` samples as a run of their own."""
+        return self.part(0, stop)
+
+    def part(self, start: int, stop: int) -> CylinderRun:
+        """Return the samples from `start` to before `stop` as a run of their own."""
+
+        def cut(values: Array | None) -> Array | None:
+            return None if values is None else values[start:stop]
+
+        return replace(
+            self, time=self.time[start:stop], command=self.command[start:stop], length=cut(self.length), speed=cut(self.speed),
+            pressure=(cut(self.pressure[0]), cut(self.pressure[1])), supply=cut(self.supply), exhaust=cut(self.exhaust),
+            supply_temperature=cut(self.supply_temperature), force=cut(self.force),
+            breaks=(0, *(b - start for b in self.breaks if start < b < stop)),
+            initial=self.initial if start == 0 else (math.nan, math.nan),
+        )  # fmt: skip
+
+
+def lengths(
+    recording: Recording, rig: Rig, model: mujoco.MjModel, links: tuple[Linkage, ...]
+) -> dict[str, tuple[Array, Array, float]]:
+    """Return X and dX/dt of every cylinder whose joint was recorded, shape (n,) each, by MuJoCo's kinematics.
+
+    The third value is the standard deviation of the white noise that X had before it was smoothed [m].
+    """
+    found: dict[str, tuple[Array, Array, float]] = {}
+    data = mujoco.MjData(model)
+    for link in links:
+        joint = int(model.dof_jntid[link.dof])
+        raw = recording.get(f"{model.joint(joint).name}.position")
+        if raw is None or np.isfinite(raw).sum() < 5:
+            continue
+        position, velocity, _ = smoothed(recording.time, raw)
+        noise, retracted = white_noise(raw), rig.cylinders[link.cylinder].retracted_length
+        if model.actuator_trntype[link.actuator] == int(mujoco.mjtTrn.mjTRN_JOINT):
+            gear = float(model.actuator_gear[link.actuator, 0])
+            found[link.cylinder] = gear * position - retracted, gear * velocity, abs(gear) * noise
+            continue
+        # a tendon across one joint: its length is a smooth function of that angle, tabulated finely
+        low, high = float(np.nanmin(position)), float(np.nanmax(position))
+        angles = np.linspace(low - 1e-6, high + 1e-6, 401)
+        table, arms = np.empty(401), np.empty(401)
+        for k, angle in enumerate(angles):
+            data.qpos[:] = model.qpos0
+            data.qpos[model.jnt_qposadr[joint]] = angle
+            mujoco.mj_forward(model, data)
+            table[k] = data.actuator_length[link.actuator]
+            arms[k] = moment_row(model, data, link.actuator)[link.dof]
+        length = np.interp(position, angles, table) - retracted
+        arm = np.interp(position, angles, arms)
+        found[link.cylinder] = length, arm * velocity, float(np.median(np.abs(arm))) * noise
+    return found
+
+
+def cylinder_runs(
+    recording: Recording, rig: Rig, model: mujoco.MjModel, links: tuple[Linkage, ...]
+) -> list[CylinderRun]:
+    """Return one run for every cylinder of the rig of which the recording holds a pressure."""
+    known = lengths(recording, rig, model, links)
+    runs = []
+    for name in rig.cylinders:
+        p_1, p_2 = recording.get(f"{name}.pressure_1"), recording.get(f"{name}.pressure_2")
+        if p_1 is None and p_2 is None:
+            continue
+        command = recording.get(f"{name}.valve_command")
+        length, speed, position_noise = known.get(name, (None, None, 0.0))
+        held = np.zeros_like(recording.time) if command is None else np.clip(forward_filled(command), -1.0, 1.0)
+        runs.append(
+            CylinderRun(
+                recording=recording.name, cylinder=name, time=recording.time, command=held, length=length, speed=speed,
+                pressure=(p_1, p_2), supply=_bridged(recording, "supply.pressure"), exhaust=_bridged(recording, "exhaust.pressure"),
+                supply_temperature=_bridged(recording, "supply.temperature"), force=recording.get(f"{name}.force"),
+                commanded=command is not None, noise=(white_noise(p_1), white_noise(p_2)),
+                breaks=stretch_starts(recording.time, p_1, p_2, _position(recording, name, links)), position_noise=position_noise,
+            )  # fmt: skip
+        )
+    return runs
+
+
+def _position(recording: Recording, cylinder: str, links: tuple[Linkage, ...]) -> Array | None:
+    joint = next((link.joint for link in links if link.cylinder == cylinder), "")
+    return recording.get(f"{joint}.position")
+
+
+def _bridged(recording: Recording, key: str) -> Array | None:
+    """Return a slow channel with missing samples interpolated and its noise smoothed, or None."""
+    values = recording.get(key)
+    if values is None or np.isfinite(values).sum() < 5:
+        return None
+    return smoothed(recording.time, values, 0.02)[0]

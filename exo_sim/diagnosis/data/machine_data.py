@@ -1,0 +1,55 @@
+"""One machine with all its recordings, sorted by the balances that can be judged."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+
+import mujoco
+
+from exo_sim.conventions import Check
+from exo_sim.diagnosis.data.cylinder_run import CylinderRun
+from exo_sim.diagnosis.data.motion_run import MotionRun
+from exo_sim.diagnosis.findings import Finding, OpenQuestion
+from exo_sim.machine.linkage import Linkage
+from exo_sim.recording.table import Recording
+from exo_sim.rig import Rig
+
+
+@dataclass(frozen=True)
+class MachineData:
+    """The rig as its owner believes it, and what the recordings hold. A stage that learns more returns a new one.
+
+    Attributes:
+        rig, model, links: The machine.
+        as_read: The recordings as they were handed in, in the conventions of the format.
+        recordings: The same without what their sensors cannot have seen.
+        cylinders: By cylinder, the runs whose gas can be judged.
+        joints: The balances of forces that can be judged, by joint, or by "rod of CYLINDER" along a rod with a load cell.
+        sensors: Faults of sensors that were found before any physics was asked.
+        remarks: Plain sentences about clocks and sensors.
+        open_questions: What cannot be judged, and why.
+        externally_driven: Joints that somebody moved or held by forces that were not measured.
+        checks: What was asked of the recordings, and put right, before any physics.
+    """
+
+    rig: Rig
+    model: mujoco.MjModel
+    links: tuple[Linkage, ...]
+    as_read: tuple[Recording, ...]
+    recordings: tuple[Recording, ...]
+    cylinders: Mapping[str, tuple[CylinderRun, ...]]
+    joints: Mapping[str, tuple[MotionRun, ...]]
+    sensors: tuple[Finding, ...] = ()
+    remarks: tuple[str, ...] = ()
+    open_questions: tuple[OpenQuestion, ...] = ()
+    externally_driven: frozenset[str] = frozenset()
+    checks: tuple[Check, ...] = ()
+
+    def joint_of(self, cylinder: str) -> str:
+        """Return the joint that a cylinder drives."""
+        return next(link.joint for link in self.links if link.cylinder == cylinder)
+
+    def table(self, name: str) -> Recording:
+        """Return a recording by its name."""
+        return next(table for table in self.recordings if table.name == name)

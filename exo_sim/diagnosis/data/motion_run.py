@@ -1,0 +1,139 @@
+"""The balance of forces of one joint, or along one rod, in one recording: its terms, all behind the same smoothing filter.
+
+    inertia - passive - drive - external + resistance = 0
+
+in newtons, or newton metres at a turning joint; every array has shape (n,) unless said otherwise.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+
+import numpy as np
+from numpy.typing import NDArray
+
+Array = NDArray[np.float64]
+
+
+@dataclass(frozen=True)
+class Kinematics:
+    """Motion at the place where friction acts: that of the piston where one cylinder drives the joint, else the joint's.
+
+    Attributes:
+        position, velocity: There.
+        still: Below this speed the sign of the velocity is not known.
+    """
+
+    position: Array
+    velocity: Array
+    still: float
+
+
+@dataclass(frozen=True)
+class Inertia:
+    """What mass and gravity ask by the MJCF; along a rod, where no mass enters, the measured force of the load cell.
+
+    Attributes:
+        force: Mass times acceleration, gravity and centrifugal forces.
+        bias: The part of `force` that does not go with acceleration.
+        tilt: Derivative of `bias` with respect to the position's zero [1/rad or 1/m].
+        effective_mass: Mass that the piston feels [kg]; 0 where it plays no part.
+        has_mass: Whether a mass enters the balance.
+    """
+
+    force: Array
+    bias: Array
+    tilt: Array
+    effective_mass: float
+    has_mass: bool = True
+
+
+@dataclass(frozen=True)
+class Passive:
+    """What springs and dampers of the MJCF exert: `force` together, `damping` the damper alone, None where there is none."""
+
+    force: Array
+    damping: Array | None = None
+
+
+@dataclass(frozen=True)
+class Drive:
+    """The force of the cylinders, from measured pressures or a load cell.
+
+    Attributes:
+        force: At the joint.
+        cylinder: The one cylinder whose piston feels the friction, or None.
+        arm: Its lever dX/dq; 1 without one.
+        gauge: Its pressures above the atmosphere, shape (n, 2); zero without one.
+        levers: Derivative of `force` with respect to each column that it was made from [N/Pa, N m/Pa, ...].
+        signals: Of those columns whose scale shows in the balance, what they measured, smoothed alike [Pa above the atmosphere, N ...].
+    """
+
+    force: Array
+    cylinder: str | None
+    arm: Array
+    gauge: Array
+    levers: Mapping[str, Array]
+    signals: Mapping[str, Array] = field(default_factory=dict)
+
+
+@dataclass(frozen=True)
+class Imputed:
+    """What the drive owes to a pressure that nobody measured and that the gas model predicts instead.
+
+    Attributes:
+        uncertain: Response of the drive to one standard deviation of each number that the predicted pressure depends on.
+        leaks: Response of the drive to each parameter of a leak from that chamber, per unit of it.
+    """
+
+    uncertain: Mapping[str, Array] = field(default_factory=dict)
+    leaks: Mapping[str, Array] = field(default_factory=dict)
+
+
+@dataclass(frozen=True)
+class MotionRun:
+    """The balance of forces in one recording.
+
+    Attributes:
+        recording, joint: Names; of a balance along a rod, the cylinder's in place of the joint's.
+        turning: Whether the joint is a hinge.
+        time: [s].
+        breaks: Indices at which a new stretch begins.
+        every: Of how many samples of the recording one was kept.
+        kinematics, inertia, passive, drive: The terms.
+        external: Measured generalised force from outside; zero where none was recorded.
+        external_recorded: Whether it was.
+        noise: Standard deviation that sensor noise leaves in one smoothed sample of the balance.
+        imputed: Set where a pressure of the drive was not measured but predicted.
+    """
+
+    recording: str
+    joint: str
+    turning: bool
+    time: Array
+    breaks: tuple[int, ...]
+    kinematics: Kinematics
+    inertia: Inertia
+    passive: Passive
+    drive: Drive
+    external: Array
+    noise: float
+    external_recorded: bool = False
+    every: int = 1
+    imputed: Imputed | None = None
+
+    @property
+    def cylinder(self) -> str | None:
+        """The one cylinder whose piston feels the friction, or None."""
+        return self.drive.cylinder
+
+    @property
+    def demand(self) -> Array:
+        """Force that the motion takes and the MJCF's own springs and dampers do not supply."""
+        return self.inertia.force - self.passive.force
+
+    @property
+    def effort(self) -> float:
+        """Size of the forces that act: standard deviation of those that drive the motion and of those that it takes."""
+        return float(np.std(self.drive.force + self.external)) + float(np.std(self.inertia.force))

@@ -1,0 +1,66 @@
+"""The division of time: training data to choose and fit on, validation data to refute with, test data to report on."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field
+
+import numpy as np
+from numpy.typing import NDArray
+
+from exo_sim.diagnosis.policy.validation import HELD_OUT_SHARE
+
+#: By recording, spans (start, stop) of its time [s].
+Spans = Mapping[str, tuple[tuple[float, float], ...]]
+
+
+@dataclass(frozen=True)
+class Split:
+    """Spans of each recording that no parameter is fitted to; the rest is training data.
+
+    Attributes:
+        test: For the reported errors; it takes no part in choosing either.
+        validation: May refute an effect, or speak for another division of the time; never for an effect.
+    """
+
+    test: Spans
+    validation: Spans = field(default_factory=dict)
+
+    def in_test(self, recording: str, time: NDArray[np.float64]) -> NDArray[np.bool_]:
+        """Return which samples are test data, shape (n,)."""
+        return _inside(self.test, recording, time)
+
+    def in_training(self, recording: str, time: NDArray[np.float64]) -> NDArray[np.bool_]:
+        """Return which samples are training data, shape (n,)."""
+        return ~(self.in_test(recording, time) | _inside(self.validation, recording, time))
+
+    def validation_as_test(self) -> Split:
+        """Return the split with validation and test exchanged, the training data the same."""
+        return Split(self.validation, self.test)
+
+
+def _inside(spans: Spans, recording: str, time: NDArray[np.float64]) -> NDArray[np.bool_]:
+    inside = np.zeros(len(time), dtype=bool)
+    for start, stop in spans.get(recording, ()):
+        inside |= (time >= start) & (time <= stop)
+    return inside
+
+
+def split(times: Sequence[tuple[str, NDArray[np.float64]]], head: bool = False) -> Split:
+    """Hold out whole recordings where there are several (a quarter of them, at least one, the last), else a part of the only one.
+
+    The last 15 % of a lone recording are for the test, the 15 % before them for validation; several recordings have no validation.
+
+    Args:
+        times: Name and clock of every recording.
+        head: Hold out the beginning of a lone recording instead, the test first.
+    """
+    if len(times) > 1:
+        count = max(1, len(times) // 4)
+        return Split({name: ((float(time[0]), float(time[-1])),) for name, time in times[-count:]})
+    name, time = times[0]
+    start, stop = float(time[0]), float(time[-1])
+    half = 0.5 * HELD_OUT_SHARE * (stop - start)
+    if head:
+        return Split({name: ((start, start + half),)}, {name: ((start + half, start + 2.0 * half),)})
+    return Split({name: ((stop - half, stop),)}, {name: ((stop - 2.0 * half, stop - half),)})

@@ -1,0 +1,73 @@
+"""Candidates: effects in one of their forms, each a set of free parameters that may be added to a model."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Collection, Sequence
+from dataclasses import dataclass
+
+from exo_sim.diagnosis.estimation.parameters import FreeParameter
+from exo_sim.diagnosis.findings import Kind
+
+#: Identifies a candidate: effect, place, form.
+CandidateKey = tuple[str, str, str]
+
+
+@dataclass(frozen=True)
+class Candidate:
+    """One effect in one of its forms.
+
+    Attributes:
+        effect: Its name.
+        where: The part.
+        form: Names of the parameters that are free in this form, joined by "+".
+        parameters: Those parameters.
+        starts: Sets of initial values, in the order of `parameters`.
+        kind: What it would be as a finding.
+        fixed: Parameters that this form holds at a value.
+        proportional: Whether its signature may be scaled up or down until it stands out of the noise.
+        prerequisite: Effect without which it makes no sense and which must be in the model too, or "".
+        additive: Whether its parameters are parts of one quantity, so that their sum says how large it is.
+        prevalence: Share of machines that have it, before any data.
+        is_law: Whether it is how a law is written, not physics that is missing: in the model and in the improved rig, but no finding.
+    """
+
+    effect: str
+    where: str
+    form: str
+    parameters: tuple[FreeParameter, ...]
+    starts: tuple[tuple[float, ...], ...]
+    kind: Kind = Kind.MISSING_PHYSICS
+    fixed: tuple[tuple[FreeParameter, float], ...] = ()
+    proportional: bool = True
+    prerequisite: str = ""
+    additive: bool = False
+    prevalence: float = 0.1
+    is_law: bool = False
+
+    @property
+    def key(self) -> CandidateKey:
+        """What identifies it."""
+        return self.effect, self.where, self.form
+
+    @property
+    def at(self) -> tuple[str, str]:
+        """Effect and place, whatever the form."""
+        return self.effect, self.where
+
+    @property
+    def prior_log_odds(self) -> float:
+        """Logarithm of the odds that a machine has it, before any data; nothing for or against a law."""
+        return 0.0 if self.is_law else math.log(self.prevalence / (1.0 - self.prevalence))
+
+    @property
+    def label(self) -> str:
+        """Effect, place and form in one word."""
+        return f"{self.effect}@{self.where}[{self.form}]"
+
+
+def drop_orphans(candidates: Sequence[Candidate], standing: Collection[str] = ()) -> tuple[Candidate, ...]:
+    """Return the candidates whose prerequisite is among them or standing, repeatedly until none is without."""
+    effects = {candidate.effect for candidate in candidates} | set(standing)
+    kept = tuple(candidate for candidate in candidates if not candidate.prerequisite or candidate.prerequisite in effects)
+    return kept if len(kept) == len(candidates) else drop_orphans(kept, standing)

@@ -1,0 +1,218 @@
+"""Bounded least squares with priors: a damped Gauss-Newton method on finite differences that bear nonsmooth predictions."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass, field
+
+import numpy as np
+from numpy.typing import NDArray
+
+from exo_sim.diagnosis.estimation.parameters import FreeParameter
+from exo_sim.diagnosis.estimation.threads import SERIAL, Threads
+
+Array = NDArray[np.float64]
+
+#: Fewer rows than this are not fitted.
+FEWEST_ROWS = 30
+#: A fit whose mean square residual is below this, in units of the noise, is not differenced anew before it ends.
+NEAR_NOISE = 2.0
+#: Largest step in the logarithm of a parameter.
+LARGEST_LOG_STEP = 1.2
+#: Residual that replaces one that is not finite, in units of the noise.
+WORST = 1e4
+#: Values of the free parameters to a whitened residual, shape (n,).
+Residual = Callable[[dict[FreeParameter, float]], Array]
+
+
+@dataclass(frozen=True)
+class Fit:
+    """A least-squares fit.
+
+    Attributes:
+        parameters: What was free, p of them.
+        values: Where it ended.
+        residual: Whitened residual there, shape (n,).
+        jacobian: d residual / d coordinate of each parameter, shape (n, p).
+        penalty: Sum of squares of the priors' residuals.
+        prior_jacobian: Jacobian of the priors' residuals, shape (m, p).
+        prior_weight: Weight of the priors' squares against the residual's.
+    """
+
+    parameters: tuple[FreeParameter, ...]
+    values: dict[FreeParameter, float]
+    residual: Array
+    jacobian: Array
+    penalty: float = 0.0
+    prior_jacobian: Array = field(default_factory=lambda: np.zeros((0, 0)))
+    prior_weight: float = 1.0
+
+    @property
+    def sse(self) -> float:
+        """Sum of squares of the residual, priors left out."""
+        return float(self.residual @ self.residual)
+
+    @property
+    def columns(self) -> dict[FreeParameter, Array]:
+        """Columns of the Jacobian by parameter, shape (n,) each."""
+        return dict(zip(self.parameters, self.jacobian.T, strict=True))
+
+
+def prior_terms(parameters: Sequence[FreeParameter], values: Mapping[FreeParameter, float]) -> tuple[Array, Array]:
+    """Return the residuals of the priors, shape (m,), and their Jacobian in coordinates, shape (m, p)."""
+    rows, jac = [], []
+    for j, parameter in enumerate(parameters):
+        if parameter.prior is not None:
+            mean, spread = parameter.prior
+            rows.append((values[parameter] - mean) / spread)
+            row = np.zeros(len(parameters))
+            row[j] = parameter.slope(values[parameter]) / spread
+            jac.append(row)
+    return np.array(rows), np.array(jac).reshape(len(rows), len(parameters))
+
+
+def differences(
+    residual: Residual,
+    parameters: Sequence[FreeParameter],
+    values: dict[FreeParameter, float],
+    base: Array,
+    threads: Threads = SERIAL,
+) -> Array:
+    """Return the Jacobian by one-sided differences in coordinates, shape (n, p)."""
+
+    def column(parameter: FreeParameter) -> Array:
+        share = 0.1 if parameter.nonsmooth else 0.02
+        if parameter.logarithmic:
+            step = share * max(values[parameter], 1e-12 * parameter.scale)
+        else:
+            step = share * max(parameter.scale, abs(values[parameter] - parameter.neutral))
+        if values[parameter] + step > parameter.high:
+            step = -step
+        there = values[parameter] + step
+        changed = residual({**values, parameter: there})
+        apart = parameter.coordinate(there) - parameter.coordinate(values[parameter])
+        column = (changed - base) / apart
+        return column if np.isfinite(column).all() else np.zeros_like(base)
+
+    columns = threads.predictions(column, parameters)
+    return np.column_stack(columns) if columns else np.zeros((base.size, 0))
+
+
+def fit(
+    residual: Residual,
+    parameters: Sequence[FreeParameter],
+    start: Mapping[FreeParameter, float],
+    threads: Threads = SERIAL,
+    max_iterations: int = 8,
+    tolerance: float = 2e-3,
+    correlation_length: float = 1.0,
+    known_columns: Mapping[FreeParameter, Array] | None = None,
+    exact_jacobian: bool = False,
+) -> Fit:
+    """Minimise r'r + w z'z inside the bounds, r the whitened residual, z that of the priors.
+
+    The weight w of the priors is the correlation length times max(r'r / n, 1): while a model misses more than the noise its residuals
+    are counted in units of what it misses, and correlated neighbours count once. Without it the first wrong model would drive every
+    nuisance parameter to its bound.
+
+    Args:
+        residual: Values to a whitened residual, shape (n,).
+        parameters: What is free, p of them.
+        start: Initial values.
+        threads: Threads for the finite differences.
+        max_iterations: Largest number of Gauss-Newton steps.
+        tolerance: Stop when the cost falls by less than this share.
+        correlation_length: Of the residual, in rows.
+        known_columns: Columns of the Jacobian near the start, by parameter; the Jacobian is then updated by Broyden's formula instead
+            of being differenced at every step.
+        exact_jacobian: Whether the Jacobian is differenced anew where the fit ends.
+    """
+    parameters = tuple(parameters)
+    values = {q: float(np.clip(start[q], q.low, q.high)) for q in parameters}
+    r = residual(values)
+    rows, row_jac = prior_terms(parameters, values)
+    if not parameters or not np.isfinite(r).all():
+        r = np.where(np.isfinite(r), r, WORST)
+        return Fit(parameters, values, r, np.zeros((r.size, len(parameters))), float(rows @ rows), row_jac)
+    missing = [q for q in parameters if known_columns is None or q not in known_columns]
+    jac = np.zeros((r.size, len(parameters)))
+    for j, column in zip([parameters.index(q) for q in missing], differences(residual, missing, values, r, threads).T, strict=True):
+        jac[:, j] = column
+    for j, q in enumerate(parameters):
+        if known_columns is not None and q in known_columns:
+            jac[:, j] = known_columns[q]
+    fresh = known_columns is None
+    damping = 1e-4
+    weight = 1.0
+    for _ in range(max_iterations):
+        weight = correlation_length * max(float(r @ r) / max(r.size, 1), 1.0)
+        cost = float(r @ r + weight * (rows @ rows))
+        whole = np.vstack([jac, math.sqrt(weight) * row_jac])
+        gradient = whole.T @ np.concatenate([r, math.sqrt(weight) * rows])
+        normal = whole.T @ whole
+        improved = False
+        for attempt in range(5):
+            step = _bounded_step(normal, gradient, damping, parameters, values, LARGEST_LOG_STEP / 3.0**attempt)
+            tried = {q: q.value(q.coordinate(values[q]) + float(s)) for q, s in zip(parameters, step, strict=True)}
+            new = residual(tried)
+            new_rows, _ = prior_terms(parameters, tried)
+            new_cost = float(new @ new + weight * (new_rows @ new_rows))
+            if np.isfinite(new_cost) and new_cost < cost:
+                improved = True
+                break
+            damping = max(damping * 10.0, 1e-3)
+        if not improved:
+            if fresh:
+                break
+            jac, fresh, damping = differences(residual, parameters, values, r, threads), True, 1e-4
+            continue
+        gain = (cost - new_cost) / max(cost, 1e-300)
+        taken = np.array([q.coordinate(tried[q]) - q.coordinate(values[q]) for q in parameters])
+        nonlinearity = new - r - jac @ taken
+        values, r, rows = tried, new, new_rows
+        damping = max(damping * 0.2, 1e-6)
+        if gain < tolerance:
+            if fresh or float(r @ r) < NEAR_NOISE * r.size:
+                break
+            jac, fresh, damping = differences(residual, parameters, values, r, threads), True, 1e-4
+        elif known_columns is None:
+            jac = differences(residual, parameters, values, r, threads)
+        else:
+            jac, fresh = jac + np.outer(nonlinearity, taken) / max(float(taken @ taken), 1e-300), False
+    if exact_jacobian and not fresh:
+        jac = differences(residual, parameters, values, r, threads)
+    return Fit(parameters, values, r, jac, float(rows @ rows), row_jac, weight)
+
+
+def _bounded_step(
+    normal: Array,
+    gradient: Array,
+    damping: float,
+    parameters: Sequence[FreeParameter],
+    values: Mapping[FreeParameter, float],
+    largest: float,
+) -> Array:
+    """Return a damped Newton step in coordinates; parameters that would leave their bounds stop there and the rest is solved anew.
+
+    No logarithm changes by more than `largest`.
+    """
+    p = len(parameters)
+    free = np.ones(p, dtype=bool)
+    step = np.zeros(p)
+    low = np.array([q.coordinate(q.low) - q.coordinate(values[q]) for q in parameters])
+    high = np.array([q.coordinate(q.high) - q.coordinate(values[q]) for q in parameters])
+    logs = np.array([q.logarithmic for q in parameters])
+    low, high = np.where(logs, np.maximum(low, -largest), low), np.where(logs, np.minimum(high, largest), high)
+    damped = normal + damping * np.diag(np.diag(normal) + 1e-12)
+    for _ in range(p + 1):
+        if not free.any():
+            break
+        right = -gradient[free] - damped[np.ix_(free, ~free)] @ step[~free]
+        step[free] = np.linalg.lstsq(damped[np.ix_(free, free)], right, rcond=None)[0]
+        out = free & ((step < low - 1e-12) | (step > high + 1e-12))
+        if not out.any():
+            break
+        step[out] = np.clip(step[out], low[out], high[out])
+        free &= ~out
+    return np.clip(step, low, high)

@@ -1,0 +1,73 @@
+"""A family of effects that are linear in their sizes: what a subsystem's residual owes to each, all of them side by side."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from exo_sim.diagnosis.estimation.candidate import Candidate
+from exo_sim.diagnosis.estimation.parameters import FreeParameter
+
+Array = NDArray[np.float64]
+
+
+@dataclass(frozen=True)
+class Term:
+    """One way in which an effect may be present.
+
+    Attributes:
+        candidate: The effect.
+        columns: What it adds to the target for each of its sizes, shape (n, k).
+        spread: Standard deviation of each size where the effect is present, shape (k,).
+        one_sided: Which of its sizes cannot be negative, k of them.
+        parameters: Its parameters, from its sizes, shape (k,), and from the parameters of the terms before it.
+        group: Terms of one group exclude each other: laws of one effect, or effects of which one is the richer form.
+        alternatives: How many terms share the prior probability of the effect.
+    """
+
+    candidate: Candidate
+    columns: Array
+    spread: Array
+    one_sided: tuple[bool, ...]
+    parameters: Callable[[Array, Mapping[FreeParameter, float]], dict[FreeParameter, float]]
+    group: str
+    alternatives: int = 1
+
+
+@dataclass(frozen=True)
+class Bend:
+    """The family at one value of a parameter that bends every term of it.
+
+        target = background + terms that are present + discrepancy + noise
+
+    Attributes:
+        candidate: The effect that bends; None where nothing is bent.
+        values: Its parameters.
+        target: What the machine as believed lacks, in units of the noise of a row, shape (n,).
+        background: What the nuisance parameters add to the target, for each standard deviation of their prior, shape (n, p).
+        terms: What may be present.
+        alternatives: How many bends share the prior probability of the effect.
+    """
+
+    candidate: Candidate | None
+    values: Mapping[FreeParameter, float]
+    target: Array
+    background: Array
+    terms: tuple[Term, ...]
+    alternatives: int = 1
+
+
+@dataclass(frozen=True)
+class LinearFamily:
+    """A subsystem as a linear model.
+
+    Attributes:
+        nuisances: Nuisance parameters, p of them, each with a prior.
+        bends: Nothing bent first.
+    """
+
+    nuisances: tuple[FreeParameter, ...]
+    bends: tuple[Bend, ...]

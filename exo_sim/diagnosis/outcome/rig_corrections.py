@@ -1,0 +1,68 @@
+"""Believed numbers that a fit changed, as corrections of the rig file."""
+
+from __future__ import annotations
+
+from exo_sim.diagnosis.data.machine_data import MachineData
+from exo_sim.diagnosis.estimation.parameters import FreeParameter
+from exo_sim.diagnosis.estimation.uncertainty import bounded_interval, interval
+from exo_sim.diagnosis.policy.calibration import MODEL_SHARE
+from exo_sim.diagnosis.selection.calibration import Deviation, is_declared
+from exo_sim.diagnosis.selection.subsystem_result import SubsystemResult
+from exo_sim.diagnosis.subsystem_model import SubsystemModel
+from exo_sim.rig import Correction, JointFactors, Rig
+
+#: Numbers of the rig that every comparison refits.
+REFITTED = ("flow_capacity", "dead_volume", "payload_mass")
+REFIT_NOTE = "refitted within what a data sheet allows, no finding"
+
+
+def corrections(data: MachineData, result: SubsystemResult[SubsystemModel]) -> list[Correction]:
+    """Return the corrections of what is reported as off, then of what was only refitted, as far as the rig holds these numbers."""
+    found = [_correction(data, one) for one in result.deviations if _is_the_rigs(data.rig, one.parameter)]
+    values = result.final.fit.values
+    for parameter, error in result.refitted:
+        alone = parameter.effect == "inertia" and data.model.nv == 1  # else it also holds what the other joints take of it
+        whole = parameter.prior[0] if parameter.prior else 0.0
+        held = parameter.effect in REFITTED or (is_declared(parameter.effect) and _is_the_rigs(data.rig, parameter))
+        if whole and (alone or held):
+            made = _correction(data, Deviation(parameter, values[parameter] / whole, error / abs(whole)))
+            found.append(Correction(made.key, made.value, made.unit, None, made.believed, REFIT_NOTE))
+    return found
+
+
+def _is_the_rigs(rig: Rig, parameter: FreeParameter) -> bool:
+    """Return whether the rig file holds the number where it was judged; what a joint shares with its piston it does not."""
+    return not is_declared(parameter.effect) or rig.effect(parameter.effect, parameter.where) is not None
+
+
+def _correction(data: MachineData, off: Deviation) -> Correction:
+    parameter, factor, error = off.parameter, off.factor, max(off.error, MODEL_SHARE)
+    if parameter.prior and is_declared(parameter.effect):
+        believed = parameter.prior[0]
+        low, high = interval(factor, error)
+        path = ("effects", parameter.effect, parameter.where, parameter.parameter)
+        return Correction(path, believed * factor, parameter.unit, (believed * low, believed * high))
+    low, high = bounded_interval(parameter, factor, error)
+    if parameter.effect == "payload_mass":
+        return _mass(data, parameter, factor, (low, high))
+    if parameter.effect in ("joint_damping", "inertia"):
+        held = data.rig.joint_factors.get(parameter.where, JointFactors())
+        name, believed = ("inertia_factor", held.inertia) if parameter.effect == "inertia" else ("damping_factor", held.damping)
+        low, factor, high = (max(number, 1e-3) * believed for number in (low, factor, high))
+        return Correction(("joints", parameter.where, name), factor, "1", (low, high), believed)
+    cylinder = data.rig.cylinders[parameter.where]
+    if parameter.parameter == "valve_area":
+        key, believed, unit = ("cylinders", parameter.where, "valve", "area"), cylinder.valve_area, "m^2"
+        return Correction(key, believed * factor, unit, (believed * low, believed * high), believed)
+    believed = getattr(cylinder, parameter.parameter)
+    place = ("cylinders", parameter.where, parameter.parameter)
+    return Correction(place, believed * factor, "m^3", (believed * low, believed * high), believed)
+
+
+def _mass(data: MachineData, parameter: FreeParameter, factor: float, ends: tuple[float, float]) -> Correction:
+    """Return the mass of a joint's own body, given the factor on all that it moves."""
+    model = data.model
+    body = int(model.jnt_bodyid[model.joint(parameter.where).id])
+    whole, own = float(model.body_subtreemass[body]), float(model.body_mass[body])
+    value, low, high = (max(share * whole - (whole - own), 1e-6) for share in (factor, *ends))
+    return Correction(("bodies", model.body(body).name, "mass"), value, "kg", (low, high), own)

@@ -1,0 +1,167 @@
+"""The improved rig: effects switched on, believed numbers corrected, curves for unknown effects.
+
+Nuisance parameters that were refitted within what a data sheet allows, and imperfections that a healthy machine shows, are no findings,
+but the reported errors are those with them: the file holds them too, as far as a rig can.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Collection, Iterable, Sequence
+from dataclasses import dataclass, replace
+from pathlib import Path
+
+from exo_sim.diagnosis import wording
+from exo_sim.diagnosis.data.machine_data import MachineData
+from exo_sim.diagnosis.estimation.candidate import Candidate
+from exo_sim.diagnosis.estimation.parameters import FreeParameter
+from exo_sim.diagnosis.estimation.uncertainty import bounded_interval, interval
+from exo_sim.diagnosis.findings import Estimate, Finding, Kind, Subsystem
+from exo_sim.diagnosis.outcome.rig_corrections import REFIT_NOTE, corrections
+from exo_sim.diagnosis.policy.calibration import LEAST_PART
+from exo_sim.diagnosis.selection.calibration import is_declared
+from exo_sim.diagnosis.selection.subsystem_result import SubsystemResult
+from exo_sim.diagnosis.selection.unknown_effect import UnknownEffect
+from exo_sim.diagnosis.subsystem_model import SubsystemModel
+from exo_sim.physics.effects import sensor_bias, sensor_scale
+from exo_sim.physics.effects.unknown import ACTS, DEPENDS_ON
+from exo_sim.physics.effects.unknown import EFFECT as UNKNOWN
+from exo_sim.rig import Correction, EffectSetting, Rig, improved
+from exo_sim.rig import Finding as Entry
+
+_NO_FINDING = "No finding: a healthy machine shows as much; it is in the errors that were told."
+
+Result = SubsystemResult[SubsystemModel]
+
+
+@dataclass(frozen=True)
+class RigUpdate:
+    """What changes in a rig: effects, and corrections of believed numbers."""
+
+    rig: Rig
+    entries: tuple[Entry, ...]
+    corrections: tuple[Correction, ...]
+
+    def variants(self) -> tuple[RigUpdate, ...]:
+        """Return the update, then what is left of it without curves, without what is no finding as well, and nothing of it."""
+        smooth = tuple(entry for entry in self.entries if entry.setting.name != UNKNOWN.name)
+        found = tuple(entry for entry in smooth if entry.says != _NO_FINDING)
+        told = tuple(one for one in self.corrections if one.note != REFIT_NOTE)
+        fewer = replace(self, entries=smooth), replace(self, entries=found, corrections=told), replace(self, entries=(), corrections=())
+        kept: list[RigUpdate] = [self]
+        for one in fewer:
+            if (one.entries, one.corrections) != (kept[-1].entries, kept[-1].corrections):
+                kept.append(one)
+        return tuple(kept)
+
+    def text(self, folder: Path) -> str:
+        """Return the text of `improved.toml` for a folder."""
+        return improved(self.rig, list(self.entries), list(self.corrections), folder)
+
+
+def rig_update(data: MachineData, results: Sequence[Result], unknown: Sequence[UnknownEffect]) -> RigUpdate:
+    """Return what was found as an update of the rig."""
+    gas = {one.where for one in results if one.model.kind is Subsystem.GAS and not one.is_empty}
+    entries: list[Entry] = []
+    corrected: list[Correction] = []
+    for one in results:
+        reported = {(finding.name, finding.where): finding for finding in one.findings}
+        entries += [_entry(c, one, reported[c.at], data.rig) for c in one.named if c.at in reported]
+        corrected += corrections(data, one)
+        entries += _healthy(data.rig, one, gas)
+    for found in data.sensors:
+        if is_declared(found.name) and found.parameters and not found.where.endswith(".valve_command"):
+            entries.append(_sensor_entry(found, data.rig))
+    entries += _curves(data.rig, unknown)
+    once = {(entry.setting.name, entry.setting.where): entry for entry in reversed(entries)}  # a part holds an effect once
+    return RigUpdate(data.rig, tuple(reversed(once.values())), tuple(corrected))
+
+
+def _entry(candidate: Candidate, result: Result, finding: Finding, rig: Rig) -> Entry:
+    if candidate.kind is Kind.SENSOR:
+        return _sensor_entry(finding, rig)
+    values = {parameter.parameter: result.final.fit.values[parameter] for parameter in candidate.parameters}
+    values |= {parameter.parameter: value for parameter, value in candidate.fixed}
+    values = {**_healthy_part(candidate, result), **values}
+    turning = any("rad" in parameter.unit or parameter.unit == "N*m" for parameter in candidate.parameters)
+    intervals = {name: (e.low, e.high) for name, e in finding.parameters.items()}
+    return Entry(EffectSetting(candidate.effect, candidate.where, values, turning), intervals, wording.says(candidate.effect))
+
+
+def _healthy_part(candidate: Candidate, result: Result) -> dict[str, float]:
+    """Return the other parameters of an additive effect: what a healthy machine has of them was fitted as a nuisance."""
+    if not candidate.additive:
+        return {}
+    own = {q: value for q, value in result.final.fit.values.items() if (q.effect, q.where) == candidate.at}
+    least = LEAST_PART * sum(own.values())
+    return {q.parameter: value for q, value in own.items() if q not in candidate.parameters and value > least}
+
+
+def _healthy(rig: Rig, result: Result, gas: Collection[str]) -> list[Entry]:
+    """Return the entries of what was refitted and no number of the rig holds: zeros of sensors, imperfections of healthy machines.
+
+    A pressure of a cylinder whose `gas` was judged is the gas's to calibrate, not the forces'.
+    """
+    parts: dict[tuple[str, str], dict[FreeParameter, float]] = {}
+    entries = []
+    for parameter, error in result.refitted:
+        by_force = result.model.as_sensor_error(parameter, result.final.fit.values[parameter])
+        if by_force is not None:
+            column = by_force[0]
+            if not ("pressure" in column and column.split(".")[0] in gas):
+                entries.append(_sensor_error(*by_force, error, rig))
+        elif parameter.effect == "sensor_zero":
+            parts.setdefault((sensor_bias.EFFECT.name, parameter.where), {})[parameter] = error
+        elif is_declared(parameter.effect) and rig.effect(*parameter.key[:2]) is None and parameter.prior and not parameter.prior[0]:
+            parts.setdefault((parameter.effect, parameter.where), {})[parameter] = error
+    for (name, where), errors in parts.items():
+        values = result.final.fit.values
+        estimates = {
+            "value" if name == sensor_bias.EFFECT.name else q.parameter: Estimate(values[q], q.unit, *bounded_interval(q, values[q], error))
+            for q, error in errors.items()
+        }
+        if name == sensor_bias.EFFECT.name:
+            entries.append(_sensor_entry(Finding(name, where, Kind.CALIBRATION, _NO_FINDING, estimates, 0.0, 0.0), rig))
+        else:
+            intervals = {parameter: (e.low, e.high) for parameter, e in estimates.items()}
+            entries.append(Entry(EffectSetting(name, where, {p: e.value for p, e in estimates.items()}), intervals, _NO_FINDING))
+    return entries
+
+
+def _sensor_error(column: str, name: str, parameter: str, value: float, error: float, rig: Rig) -> Entry:
+    """Return an error of a sensor that was fitted as a nuisance parameter."""
+    unit = "1" if name == sensor_scale.EFFECT.name else "Pa" if "pressure" in column else "N"
+    estimate = Estimate(value, unit, *interval(value, error))
+    return _sensor_entry(Finding(name, column, Kind.CALIBRATION, _NO_FINDING, {parameter: estimate}, 0.0, 0.0), rig)
+
+
+def _sensor_entry(finding: Finding, rig: Rig) -> Entry:
+    """Return what the rig must say of a sensor: what it knew was taken off before anything was found, so both count."""
+    known = rig.effect(finding.name, finding.where)
+    scale = rig.effect(sensor_scale.EFFECT.name, finding.where)
+    turning = any("rad" in e.unit or e.unit == "N*m" for e in finding.parameters.values())
+
+    def both(name: str, found: float) -> float:
+        before = known.parameters.get(name, 0.0) if known else 0.0
+        if finding.name == sensor_scale.EFFECT.name:
+            return (before or 1.0) * found
+        return before + found * (scale.parameters["factor"] if scale and finding.name == sensor_bias.EFFECT.name else 1.0)
+
+    values = {name: both(name, e.value) for name, e in finding.parameters.items()}
+    intervals = {name: (both(name, e.low), both(name, e.high)) for name, e in finding.parameters.items()}
+    return Entry(EffectSetting(finding.name, finding.where, values, turning), intervals, finding.says)
+
+
+def _curves(rig: Rig, unknown: Iterable[UnknownEffect]) -> list[Entry]:
+    """Return the entries of unknown effects whose curve the simulator can follow."""
+    entries = []
+    for effect in unknown:
+        best, acts, where = effect.discrepancy.best, effect.discrepancy.acts, effect.result.where
+        if best is None or best.variable not in DEPENDS_ON:
+            continue
+        numbers = {"acts": float(ACTS.index(acts)), "depends_on": float(DEPENDS_ON.index(best.variable))}
+        gauge = best.variable in ("pressure_1", "pressure_2") and acts == "force"
+        shift = rig.environment.pressure if gauge else 0.0
+        curves = {"at": tuple(float(v) + shift for v in best.at), "values": tuple(float(v) for v in best.values)}
+        turning = effect.discrepancy.unit == "N*m" and where not in rig.cylinders
+        entries.append(Entry(EffectSetting(UNKNOWN.name, where, numbers, turning, curves), {}, effect.finding.says))
+    return entries

@@ -1,0 +1,42 @@
+"""The improved rig as far as it wins: run free over the time kept back it may not be worse than the rig that was handed in."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping
+from pathlib import Path
+
+from exo_sim.diagnosis.data.machine_data import MachineData
+from exo_sim.diagnosis.data.split import Split
+from exo_sim.diagnosis.findings import SignalFit
+from exo_sim.diagnosis.outcome.rig_update import RigUpdate
+from exo_sim.diagnosis.policy.validation import MOST_WORSE
+from exo_sim.diagnosis.validation.free_run import free_runs
+
+
+def accepted(data: MachineData, update: RigUpdate, folder: Path, split: Split) -> tuple[RigUpdate, dict[str, SignalFit], bool]:
+    """Return as much of an update as wins run free, its errors, and whether something of it was left out.
+
+    Args:
+        data: The recordings, and the rig as believed.
+        update: What was found.
+        folder: Of the rig as believed.
+        split: Its test time counts.
+    """
+    variants = update.variants()
+    for one in variants:
+        runs = free_runs(data, one.text(folder), split)
+        if not is_worse(runs):
+            break
+    return one, runs, one is not update
+
+
+def is_worse(runs: Mapping[str, SignalFit]) -> bool:
+    """Return whether the errors of a free run rose, over its signals together; also where a run with the update diverges."""
+    logs = []
+    for fit in runs.values():
+        if math.isfinite(fit.before) and fit.before > 0.0:
+            if not math.isfinite(fit.after):
+                return True
+            logs.append(math.log(max(fit.after, 1e-300) / fit.before))
+    return bool(logs) and sum(logs) / len(logs) > math.log1p(MOST_WORSE)

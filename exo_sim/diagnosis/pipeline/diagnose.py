@@ -1,0 +1,113 @@
+"""The diagnosis from end to end: read, examine until nothing changes, and report."""
+
+from __future__ import annotations
+
+import math
+import os
+from collections.abc import Sequence
+from dataclasses import replace
+from pathlib import Path
+
+from exo_sim.diagnosis.estimation.budget import Budget
+from exo_sim.diagnosis.estimation.threads import Threads
+from exo_sim.diagnosis.findings import Diagnosis, Finding, Kind, Rejected
+from exo_sim.diagnosis.outcome.localisation import located, unexplained
+from exo_sim.diagnosis.outcome.rig_update import rig_update
+from exo_sim.diagnosis.outcome.verdict import distinct, next_experiment, verdict_of
+from exo_sim.diagnosis.pipeline.acceptance import accepted
+from exo_sim.diagnosis.pipeline.plan import Examination, Progress
+from exo_sim.diagnosis.pipeline.reading import gather
+from exo_sim.diagnosis.pipeline.rounds import examine_until_stable, with_test_findings
+from exo_sim.diagnosis.selection.calibration import calibration_findings
+
+_STOPPED = "the time that was given was up before everything had been sought: this is the best answer until then"
+_CUT = "improved.toml holds less than what was found: with all of it a free run over the time kept back is worse than as believed"
+
+#: Rejected candidates that are listed at most.
+MOST_REJECTED = 20
+
+
+def diagnose(
+    recordings: Sequence[Path],
+    rig: Path,
+    *,
+    column_map: Path | None = None,
+    seed: int = 0,
+    jobs: int | None = None,
+    progress: Progress | None = None,
+    folder: Path | None = None,
+    budget: float = math.inf,
+) -> Diagnosis:
+    """Hold recordings of one machine against its rig and say what the rig leaves out.
+
+    Args:
+        recordings: Files of the contract; several are one case with shared parameters.
+        rig: The rig as its owner believes it to be.
+        column_map: Names of foreign columns.
+        seed: Kept for the contract: nothing here is drawn by chance.
+        jobs: Threads; every core when absent. The answer does not depend on it.
+        progress: Called with a few words on what is going on.
+        folder: Where `improved.toml` will be, so that it finds its MJCF.
+        budget: Time after which nothing more is sought and the best answer so far comes [s]; what was begun is ended, so it takes longer
+            by some seconds. An answer that it ended early depends on the machine's speed.
+
+    Raises:
+        RecordingError, RigError, ModelError: one line each.
+    """
+    report, allowed = progress or (lambda words: None), Budget(budget)
+    report("reading")
+    data = gather(recordings, rig, column_map)
+    with Threads(jobs or os.cpu_count() or 1) as threads:
+        stable = examine_until_stable(data, threads, report, allowed)
+    found, in_the_test = with_test_findings(stable)
+    findings = [*_findings(found), *in_the_test]
+    data, results, test, split = found.data, found.results, found.test, found.plan.split
+    report("writing the rig anew")
+    update = rig_update(data, results.all, found.unknown)
+    report("running it")
+    update, runs, is_cut = accepted(data, update, rig.parent, split)
+    remarks = (*data.remarks, *([_CUT] if is_cut else []), *([_STOPPED] if allowed.stopped else []))
+    judged = {one.model.kind for one in results.all if not one.is_empty and not one.is_unresolved}
+    questions = distinct(data.open_questions)
+    return Diagnosis(
+        verdict=verdict_of(findings, judged, data),
+        recordings=tuple(table.name for table in data.recordings),
+        rig=data.rig.name,
+        located=located([one for one in results.all if one.findings or one.has_unknown]),
+        effects=tuple(findings),
+        rejected=_rejected(found, findings),
+        signals=test.signals,
+        free_run=runs,
+        held_out=next(iter(split.test.values()), ()),
+        held_out_recordings=tuple(split.test) if len(data.recordings) > 1 else (),
+        unexplained=unexplained(results.all, found.unknown),
+        next_experiment=next_experiment(findings, questions),
+        open_questions=questions,
+        sensor_remarks=tuple(dict.fromkeys(remarks)),
+        checks=tuple(check.as_dict() for check in data.checks),
+        series=test.series,
+        improved=update.text(folder or rig.parent),
+        tables=data.as_read,
+        stopped=allowed.stopped,
+    )
+
+
+def _findings(found: Examination) -> list[Finding]:
+    """Return the findings of sensors and subsystems by kind and odds, then the unknown effects."""
+    drops, results = found.test.drops, found.results.all
+    findings = list({(f.name, f.where): f for f in reversed(found.data.sensors)}.values())[::-1]  # of several recordings, once
+    for one in results:
+        findings += [replace(f, held_out_error_drop=drops.get(f"{f.name}@{f.where}", 0.0)) for f in one.findings]
+    for one in results:
+        findings += calibration_findings(one.deviations)
+    findings.sort(key=lambda f: (list(Kind).index(f.kind), -f.log10_odds))
+    unknown = (effect.finding for effect in found.unknown)
+    return [*findings, *(replace(finding, held_out_error_drop=drops.get(finding.where, 0.0)) for finding in unknown)]
+
+
+def _rejected(found: Examination, findings: Sequence[Finding]) -> tuple[Rejected, ...]:
+    """Return what was refuted by validation and what was rejected before, without what stands as a finding."""
+    taken = {(f.name, f.where) for f in findings}
+    refuted = [Rejected(name, where, why) for (name, where), why in found.plan.refuted.items()]
+    rejected = [*refuted, *(r for one in found.results.all for r in one.rejected)]
+    return tuple(r for r in rejected if (r.name, r.where) not in taken)[:MOST_REJECTED]

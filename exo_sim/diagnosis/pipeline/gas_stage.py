@@ -1,0 +1,77 @@
+"""The gas of every cylinder, searched and judged."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import replace
+
+import numpy as np
+
+from exo_sim.diagnosis.coupling.imputed_pressure import with_initial_pressure
+from exo_sim.diagnosis.coupling.piston_friction import softens
+from exo_sim.diagnosis.data.command_sign import reversed_command
+from exo_sim.diagnosis.data.cylinder_run import CylinderRun
+from exo_sim.diagnosis.data.machine_data import MachineData
+from exo_sim.diagnosis.estimation.least_squares import FEWEST_ROWS
+from exo_sim.diagnosis.estimation.parameters import PlantParameters
+from exo_sim.diagnosis.estimation.threads import Threads
+from exo_sim.diagnosis.pipeline.plan import Plan, Progress
+from exo_sim.diagnosis.policy.recordings import REVERSED
+from exo_sim.diagnosis.selection.decision import decide
+from exo_sim.diagnosis.selection.search import Search
+from exo_sim.diagnosis.selection.subsystem_result import SubsystemResult
+from exo_sim.diagnosis.subsystems.gas.candidates import candidates
+from exo_sim.diagnosis.subsystems.gas.model import GasModel
+from exo_sim.diagnosis.subsystems.gas.nuisances import known_effects, nuisance_parameters, with_measured_supply
+from exo_sim.rig import assembly
+
+#: Predictions of fewer samples than this cost little: every candidate is then fitted.
+FEW_SAMPLES = 2000
+
+
+def examine_gas(
+    data: MachineData, plan: Plan, threads: Threads, report: Progress
+) -> tuple[MachineData, tuple[SubsystemResult[GasModel], ...]]:
+    """Return the result of every cylinder's gas, and the data with initial pressures and signs of valve commands as found.
+
+    While the plan does not know the friction of pistons, a search ends at a transmission that gives if there are forces to ask.
+    """
+    found = []
+    for name in data.cylinders:
+        runs = [with_initial_pressure(data, run) for run in data.cylinders[name]]
+        plant = _believed(data, plan, name, runs)
+        model = GasModel(runs, plant, plan.split)
+        opposite = GasModel([replace(run, command=-run.command) for run in runs], plant, plan.split)
+        if model.size >= FEWEST_ROWS and np.sum(opposite.residual({}) ** 2) < REVERSED * np.sum(model.residual({}) ** 2):
+            model = opposite
+            data = replace(data, sensors=(*data.sensors, reversed_command(name)))
+        data = replace(data, cylinders={**data.cylinders, name: model.all_runs})
+        commanded = any(run.commanded for run in runs)
+        sides = [side for side in (1, 2) if any(run.pressure[side - 1] is not None for run in runs)]
+        at_rest = all(run.at_rest for run in runs)
+        moves = any(run.length is not None and float(np.ptp(run.length)) > 1e-4 for run in runs)
+        nuisances = nuisance_parameters(plant, name, commanded, sides, at_rest, moves) + known_effects(plant, name)
+        joint = data.joint_of(name)
+        asked = plan.asked(candidates(plant, runs, name, joint))
+        if model.size >= FEWEST_ROWS:
+            model = model.with_better_flow_law(nuisances, threads)
+        search = Search(
+            model, nuisances, asked, threads, _naming(report, name), cheap=sum(len(run.time) for run in runs) < FEW_SAMPLES,
+            practical_significance=model.practical_significance,
+            until=softens if plan.friction is None and joint in data.joints else None, is_spent=plan.budget.is_spent,
+        )  # fmt: skip
+        found.append(decide(name, model, search.fits, search.run()))
+    return data, tuple(found)
+
+
+def _believed(data: MachineData, plan: Plan, cylinder: str, runs: Sequence[CylinderRun]) -> PlantParameters:
+    """Return the plant as believed, without what was measured, with the friction that the plan knows."""
+    index = list(data.rig.cylinders).index(cylinder)
+    drives = {link.cylinder: link.joint for link in data.links}
+    believed = PlantParameters(assembly.world(data.rig), assembly.cylinders(data.rig, drives)[index : index + 1])
+    return with_measured_supply(believed, runs).with_values((plan.friction or {}).get(cylinder, ()))
+
+
+def _naming(report: Progress, part: str) -> Progress:
+    """Return a progress that names the part it speaks of."""
+    return lambda words: report(f"{part}: {words}")

@@ -1,0 +1,95 @@
+"""The balance of forces of every joint and rod, searched and judged."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+import numpy as np
+from numpy.typing import NDArray
+
+from exo_sim.diagnosis.data.machine_data import MachineData
+from exo_sim.diagnosis.data.motion_run import MotionRun
+from exo_sim.diagnosis.discrepancy.basis import joined
+from exo_sim.diagnosis.estimation.least_squares import FEWEST_ROWS
+from exo_sim.diagnosis.estimation.linear_family import LinearFamily
+from exo_sim.diagnosis.estimation.parameters import FreeParameter, PlantParameters
+from exo_sim.diagnosis.estimation.threads import Threads
+from exo_sim.diagnosis.pipeline.plan import Plan, Progress
+from exo_sim.diagnosis.policy.judgement import AS_GOOD, PLAINLY_LESS_DAMPING
+from exo_sim.diagnosis.selection.decision import decide
+from exo_sim.diagnosis.selection.family_search import FamilySearch
+from exo_sim.diagnosis.selection.fitted_model import SearchResult
+from exo_sim.diagnosis.selection.model_fits import ModelFits
+from exo_sim.diagnosis.selection.subsystem_result import SubsystemResult
+from exo_sim.diagnosis.subsystems.motion.candidates import candidates
+from exo_sim.diagnosis.subsystems.motion.family import motion_family
+from exo_sim.diagnosis.subsystems.motion.model import MotionModel
+from exo_sim.diagnosis.subsystems.motion.nuisances import nuisance_parameters, with_damping, with_damping_if_too_large
+from exo_sim.physics.declaration import asked_of, declared
+from exo_sim.physics.records import CYLINDER
+from exo_sim.rig import assembly
+
+#: A joint's number becomes its piston's with this power of the lever between them, by unit.
+_LEVER_POWERS = {"N": -1, "N s/m": -2, "N s^2/m^2": -3, "N/m": -2, "m": 1, "m/s": 1}
+
+
+def examine_motion(data: MachineData, plan: Plan, threads: Threads, report: Progress) -> tuple[SubsystemResult[MotionModel], ...]:
+    """Return the result of every balance of forces."""
+    return tuple(_examined(data, name, runs, plan, threads, report) for name, runs in data.joints.items())
+
+
+def _examined(
+    data: MachineData, name: str, runs: Sequence[MotionRun], plan: Plan, threads: Threads, report: Progress
+) -> SubsystemResult[MotionModel]:
+    model = MotionModel(runs, _believed(data, name, runs), plan.split)
+    nuisances = with_damping_if_too_large(model, nuisance_parameters(runs, model.nominal, model.where))
+    asked = plan.asked(candidates(runs, model.nominal, model.where))
+    report(f"{name}: weighing {len(asked)} effects side by side")
+
+    def search(nuisances: Sequence[FreeParameter]) -> tuple[ModelFits, SearchResult]:
+        fits = ModelFits(model, nuisances, threads, cheap=True)
+        if model.size < FEWEST_ROWS:
+            return fits, FamilySearch(fits, LinearFamily((), ()), joined((), 0)).run()
+        standing = [one.name for one in declared().values() if one.cut == "motion" and model.nominal.is_on(one)]
+        return fits, FamilySearch(fits, motion_family(model, nuisances, asked), model.discrepancy_basis(), standing).run()
+
+    held, outcome = search(nuisances)
+    freed = with_damping(model, nuisances)
+    if freed and _may_be_damping(outcome, ModelFits(model, freed, threads, cheap=True)):
+        other, rival = search(freed)
+        more = rival.final.parameter_count - outcome.final.parameter_count
+        if more <= 0 and other.deficit(rival.final, outcome.final) < (AS_GOOD if more < 0 else -PLAINLY_LESS_DAMPING):
+            return decide(name, model, other, rival)
+    return decide(name, model, held, outcome)
+
+
+def _may_be_damping(outcome: SearchResult, freed: ModelFits) -> bool:
+    """Return whether damping believed too large may explain what was found: it looks like that, or less of it gains plainly."""
+    chosen = outcome.final.candidates
+    looks_like = {asked_of(one.effect).twins.damping for one in chosen}
+    if -1 in looks_like:
+        return True
+    if not chosen or 1 in looks_like:
+        return False
+    return freed.deficit(freed.fit(chosen, outcome.final), outcome.final) < -PLAINLY_LESS_DAMPING
+
+
+def _believed(data: MachineData, name: str, runs: Sequence[MotionRun]) -> PlantParameters:
+    """Return the plant as believed; what the rig says of the joint's own friction and springs is added to its piston's."""
+    cylinder = runs[0].cylinder
+    if cylinder is None:
+        record, arm = np.zeros(1, CYLINDER), 1.0
+    else:
+        index = list(data.rig.cylinders).index(cylinder)
+        record, arm = assembly.cylinders(data.rig)[index : index + 1], float(np.median(np.abs(runs[0].drive.arm)))
+    _add_joint_effects(data, name, record, arm)
+    return PlantParameters(assembly.world(data.rig), record)
+
+
+def _add_joint_effects(data: MachineData, joint: str, record: NDArray[np.void], arm: float) -> None:
+    """Add the effects of a joint to the record of its piston, which feels them through its lever `arm` [m/rad, or 1]."""
+    for effect in data.rig.effects:
+        if effect.where == joint and effect.name in (record.dtype.names or ()):
+            for name, value in effect.parameters.items():
+                unit = declared()[effect.name].parameter(name).unit
+                record[effect.name][name] += value * arm ** _LEVER_POWERS.get(unit, 0)

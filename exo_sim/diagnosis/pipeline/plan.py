@@ -1,0 +1,102 @@
+"""The plan of one round of a diagnosis, and its result."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterable, Mapping, Sequence
+from dataclasses import dataclass, field, replace
+from typing import TypeVar
+
+from exo_sim.diagnosis.coupling.piston_friction import Friction
+from exo_sim.diagnosis.data.machine_data import MachineData
+from exo_sim.diagnosis.data.split import Split
+from exo_sim.diagnosis.estimation.budget import Budget
+from exo_sim.diagnosis.estimation.candidate import Candidate
+from exo_sim.diagnosis.findings import Finding
+from exo_sim.diagnosis.selection.subsystem_result import SubsystemResult
+from exo_sim.diagnosis.selection.unknown_effect import UnknownEffect
+from exo_sim.diagnosis.subsystem_model import SubsystemModel
+from exo_sim.diagnosis.subsystems.gas.model import GasModel
+from exo_sim.diagnosis.subsystems.motion.model import MotionModel
+from exo_sim.diagnosis.subsystems.supply.model import SupplyModel
+from exo_sim.diagnosis.validation.held_out import HeldOutErrors
+
+#: Called with a few words on what is going on.
+Progress = Callable[[str], None]
+#: Effect and place that validation refuted, and why.
+Refuted = Mapping[tuple[str, str], str]
+
+
+@dataclass(frozen=True)
+class Plan:
+    """The plan of a round.
+
+    Attributes:
+        split: The division of time.
+        refuted: Effects that are not sought again.
+        friction: Of pistons behind a transmission that gives; None while the forces have not been asked.
+        refutations: How often effects were refuted on this division of time.
+        budget: The time that all of it may take.
+    """
+
+    split: Split
+    refuted: Refuted = field(default_factory=dict)
+    friction: Friction | None = None
+    refutations: int = 0
+    budget: Budget = field(default_factory=Budget)
+
+    def asked(self, candidates: Iterable[Candidate]) -> tuple[Candidate, ...]:
+        """Return the candidates that have not been refuted."""
+        return tuple(candidate for candidate in candidates if candidate.at not in self.refuted)
+
+
+Model = TypeVar("Model", bound=SubsystemModel)
+#: Whether a finding of a result is to be kept.
+Keep = Callable[[SubsystemResult[SubsystemModel], Finding], bool]
+
+
+def _keeping(results: Sequence[SubsystemResult[Model]], keep: Keep) -> tuple[SubsystemResult[Model], ...]:
+    return tuple(replace(one, findings=tuple(finding for finding in one.findings if keep(one, finding))) for one in results)
+
+
+@dataclass(frozen=True)
+class Results:
+    """The results of all subsystems."""
+
+    gas: tuple[SubsystemResult[GasModel], ...] = ()
+    supply: tuple[SubsystemResult[SupplyModel], ...] = ()
+    motion: tuple[SubsystemResult[MotionModel], ...] = ()
+
+    @property
+    def all(self) -> tuple[SubsystemResult[SubsystemModel], ...]:
+        """All of them: gas, supply, motion."""
+        return (*self.gas, *self.supply, *self.motion)
+
+    def keeping(self, keep: Keep) -> Results:
+        """Return the results with those findings that are to be kept."""
+        return Results(_keeping(self.gas, keep), _keeping(self.supply, keep), _keeping(self.motion, keep))
+
+
+@dataclass(frozen=True)
+class Examination:
+    """What comes out of a round.
+
+    Attributes:
+        data: The data, with what the subsystems changed in each other's.
+        plan: The plan that it followed.
+        results: Of all subsystems.
+        unknown: Unknown effects.
+        test: Errors on the test time.
+        validation: Errors on the validation time; None where there is none.
+    """
+
+    data: MachineData
+    plan: Plan
+    results: Results
+    unknown: tuple[UnknownEffect, ...] = ()
+    test: HeldOutErrors = field(default_factory=HeldOutErrors)
+    validation: HeldOutErrors | None = None
+
+    @property
+    def validation_ratio(self) -> float:
+        """How much larger the validation error is than what the fit leaves; 0 without validation."""
+        return self.validation.ratio if self.validation is not None else 0.0

@@ -1,0 +1,116 @@
+"""Recordings and rig, read and put side by side; samples that a sensor cannot have seen are taken out."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import replace
+from pathlib import Path
+
+import mujoco
+import numpy as np
+
+from exo_sim import conventions
+from exo_sim import recording as recordings
+from exo_sim.diagnosis.data.machine_data import MachineData
+from exo_sim.diagnosis.findings import Estimate, Finding, Kind
+from exo_sim.diagnosis.pipeline.sorting import sort
+from exo_sim.errors import RecordingError, nearest
+from exo_sim.machine.linkage import linkages
+from exo_sim.machine.load import load
+from exo_sim.physics.effects import sensor_bias, sensor_scale
+from exo_sim.recording.health import Facts, blanked, check
+from exo_sim.recording.table import Recording
+from exo_sim.rig import Rig, read
+from exo_sim.simulation.sensors import seen_through
+
+#: By kind of fault, the name of the finding and what it says.
+_FAULTS = {
+    "stuck": ("sensor_stuck", "The sensor is stuck for part of the time."),
+    "clipped": ("sensor_clipped", "The sensor runs into the end of its range."),
+    "gauge": (sensor_bias.EFFECT.name, "The sensor reads gauge pressure where absolute was promised."),
+    "unit": (sensor_scale.EFFECT.name, "The column cannot be in the unit that its header names."),
+    "range": (sensor_scale.EFFECT.name, "The column leaves the range that its quantity can have."),
+    "inconsistent": (sensor_scale.EFFECT.name, "The velocity is not the rate of the position."),
+    "constant": ("sensor_stuck", "The sensor shows one value while the machine moves."),
+}
+
+
+def gather(paths: Sequence[Path], rig_path: Path, column_map: Path | None = None) -> MachineData:
+    """Read recordings and rig.
+
+    Raises:
+        RecordingError, RigError, ModelError: one line each; nothing usable, or columns of another machine.
+    """
+    rig = read(rig_path)
+    model = load(rig)
+    as_read: list[Recording] = []
+    cleaned: list[Recording] = []
+    sensors: list[Finding] = []
+    remarks: list[str] = []
+    checks: list[conventions.Check] = []
+    for path in paths:
+        reading = recordings.read(path, column_map)
+        _check_belongs(reading.recording, path, rig, model)
+        settled = conventions.settle(reading.recording, rig, model)
+        name = reading.recording.name
+        while name in {table.name for table in as_read}:
+            name += "'"
+        table = replace(settled.recording, name=name)
+        checks += [check for check in settled.checks if check not in checks]
+        remarks += [check.says for check in settled.checks]
+        remarks += [finding.says for finding in reading.findings if finding.severity != "info"]
+        as_read.append(table)
+        table, corrected = seen_through(table, rig)
+        remarks += [f"{table.name}: {column} was put right by what the rig says of its sensor" for column in corrected]
+        table, faults, says = _trusted(table, rig, model)
+        cleaned.append(table)
+        sensors += faults
+        remarks += says
+    links = linkages(rig, model)
+    return sort(
+        MachineData(
+            rig, model, links, tuple(as_read), tuple(cleaned), {}, {}, tuple(sensors), tuple(remarks), checks=tuple(checks)
+        )
+    )
+
+
+def _check_belongs(table: Recording, path: Path, rig: Rig, model: mujoco.MjModel) -> None:
+    known = {*rig.cylinders, *(model.joint(j).name for j in range(model.njnt))}
+    parts = [part for part in table.parts() if part in known]
+    if not parts:
+        others = [part for part in table.parts() if part not in ("supply", "exhaust", "gait")]
+        asked = others[0] if others else "any part"
+        raise RecordingError(
+            f'"{path}": no column belongs to {rig.path}: "{asked}" is none of its parts{nearest(asked, known)}'
+        )
+    silent = [name for name in rig.cylinders if name not in table.parts()]
+    if rig.cylinders and len(silent) == len(rig.cylinders) and not any(k.endswith(".position") for k in table.columns):
+        raise RecordingError(
+            f'"{path}": never mentions a cylinder of {rig.path} ({", ".join(silent)}): is it another machine\'s?'
+        )
+
+
+def _trusted(table: Recording, rig: Rig, model: mujoco.MjModel) -> tuple[Recording, list[Finding], list[str]]:
+    """Return the recording without what its sensors cannot have seen, a finding for every fault, and what was noticed."""
+    columns = dict(table.columns)
+    faults: list[Finding] = []
+    says: list[str] = []
+    for noticed in check(table, Facts.of(rig, model)):
+        if noticed.severity == "info":
+            continue
+        says.append(noticed.says)
+        if noticed.severity != "fault" or noticed.column not in columns:
+            continue
+        values = columns[noticed.column]
+        name, what = _FAULTS.get(noticed.kind, ("sensor_fault", noticed.says))
+        parameters = {}
+        if noticed.kind == "gauge":
+            values = values + rig.environment.pressure
+            off = -rig.environment.pressure
+            parameters = {"value": Estimate(off, "Pa", off - 2e3, off + 2e3)}
+        else:
+            values = blanked(values, noticed)
+        columns[noticed.column] = values
+        faults.append(Finding(name, noticed.column, Kind.SENSOR, f"{what} {noticed.says}", parameters, 10.0, 0.0))
+    kept = {key: values for key, values in columns.items() if np.isfinite(values).sum() > 10}
+    return replace(table, columns=kept), faults, says

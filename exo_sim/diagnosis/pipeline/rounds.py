@@ -1,0 +1,119 @@
+"""Rounds until nothing changes: what a round finds may revise the plan of the next.
+
+The revisions, in this order:
+
+1. Forces were found to resist a piston behind a transmission that gives: the gas is examined once more with them.
+2. Validation refutes effects: they are not sought again, and the friction is found anew.
+3. The validation error is much larger than what the fit leaves: the time that was fitted lacks something, and the beginning of the
+   recording is held out instead of its end. The division with the smaller ratio of the two errors counts.
+
+No round is repeated: the first revision happens once for every set of refuted effects, the second at most `MOST_REFUTATIONS` times for
+a division of time, the third once.
+"""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+from exo_sim.diagnosis.data.machine_data import MachineData
+from exo_sim.diagnosis.data.split import split
+from exo_sim.diagnosis.estimation.budget import Budget
+from exo_sim.diagnosis.estimation.threads import Threads
+from exo_sim.diagnosis.findings import Finding, Kind
+from exo_sim.diagnosis.pipeline.examine import examine, friction_to_add, left_open, validated
+from exo_sim.diagnosis.pipeline.plan import Examination, Plan, Progress, Refuted
+from exo_sim.diagnosis.policy import validation as policy
+from exo_sim.diagnosis.selection.subsystem_result import SubsystemResult
+from exo_sim.diagnosis.subsystem_model import SubsystemModel
+from exo_sim.diagnosis.validation.held_out import is_refuted
+from exo_sim.physics.effects.unknown import EFFECT as UNKNOWN
+
+#: How often effects are refuted on one division of time.
+MOST_REFUTATIONS = 4
+#: Bound of the loop: two divisions of time, so many refutations each, with and without the friction of pistons.
+MOST_ROUNDS = 2 * MOST_REFUTATIONS * 2
+
+
+def examine_until_stable(data: MachineData, threads: Threads, report: Progress, budget: Budget | None = None) -> Examination:
+    """Return the examination that no revision changes any more, or the last one within the budget; without one there is no end."""
+    budget = budget or Budget()
+    times = [(table.name, table.time) for table in data.recordings]
+    plan, stable = Plan(split(times), budget=budget), list[Examination]()
+    for _ in range(MOST_ROUNDS):
+        found = examine(data, plan, threads, report)
+        friction = friction_to_add(found) if plan.friction is None else None
+        if friction is not None:
+            report("examining the gas once more with the friction of its piston")
+            plan = replace(plan, friction=friction)
+            continue
+        report("validating on time held out")
+        found = validated(found)
+        refuted = newly_refuted(found)
+        if refuted:
+            refutations = plan.refutations + 1
+            plan = replace(plan, refuted={**plan.refuted, **refuted}, friction=None, refutations=refutations)
+            if refutations < MOST_REFUTATIONS and not budget.is_spent():
+                continue
+            found = _without_refuted(replace(found, plan=plan))
+        stable.append(found)
+        if len(stable) > 1 or found.validation_ratio <= policy.LACKING_RATIO or budget.is_spent():
+            break
+        report("the validation time shows what the fit never met: the beginning is held out instead")
+        plan = Plan(split(times, head=True), budget=budget)
+    return min(stable, key=lambda one: one.validation_ratio)
+
+
+def newly_refuted(examination: Examination) -> Refuted:
+    """Return the findings that validation refutes, and why."""
+    if examination.validation is None:
+        return {}
+    found = {}
+    for finding in (finding for one in examination.results.all for finding in one.findings):
+        key = f"{finding.name}@{finding.where}"
+        drop = examination.validation.drops.get(key)
+        influence = examination.validation.influence.get(key, 0.0)
+        if drop is not None and influence > policy.LEAST_INFLUENCE and is_refuted(drop, finding.log10_odds):
+            says = "does not fall" if drop <= 0.0 else f"falls by no more than {100 * drop:.0f} %"
+            found[finding.name, finding.where] = f"on time that no number was fitted to, the error {says} with it"
+    return found
+
+
+def _without_refuted(examination: Examination) -> Examination:
+    """Return an examination without the findings that were refuted and found again."""
+    refuted = examination.plan.refuted
+    results = examination.results.keeping(lambda one, finding: (finding.name, finding.where) not in refuted)
+    return replace(examination, results=results)
+
+
+def with_test_findings(examination: Examination) -> tuple[Examination, list[Finding]]:
+    """Return a finding for every balance whose test time shows something that the rest of the time never met.
+
+    So it is also where the fit of a lone recording looks healthy, and validation and test exceed the discrepancy bound. Where a pressure
+    of the balance was imputed, that is an open question of the examination instead.
+    """
+    found = []
+    for balance in examination.results.motion:
+        if balance.model.has_imputed_pressure and _in_the_test(examination, balance):
+            examination = left_open(examination, balance)
+    unresolved = {one.key for one in examination.results.motion if one.is_unresolved}
+    for one in examination.results.all:
+        says = _in_the_test(examination, one)
+        if says and not one.has_unknown and one.key not in unresolved:
+            error = examination.test.balances[one.key]
+            found.append(Finding(UNKNOWN.name, one.where, Kind.UNKNOWN, says, {}, error.log10_odds, 0.0))
+    return examination, found
+
+
+def _in_the_test(examination: Examination, one: SubsystemResult[SubsystemModel]) -> str:
+    """Return what the test time shows of a balance that the rest did not, in words, or ""."""
+    test = examination.test.balances.get(one.key)
+    if test is None:
+        return ""
+    validation = examination.validation.balances.get(one.key) if examination.validation else None
+    ratio = test.ratio > (policy.TEST_RATIO_BEYOND_BOUND if test.exceeds_bound() else policy.TEST_RATIO)
+    lasting = validation is not None and validation.newly_exceeds_bound() and test.newly_exceeds_bound(policy.CLEARLY_BEYOND)
+    if not ratio and not lasting:
+        return ""
+    often = f"{test.ratio:.0f} times as much as in the rest" if ratio else "by more than any healthy machine's is"
+    what = "something acts there that the rest never met" if ratio else "what holds of the rest does not hold there"
+    return f"In the time kept back the {one.model.balance} of {one.where} is missed {often}: {what}; record more of it."

@@ -1,0 +1,94 @@
+"""Which balances of a machine can be judged by its recordings, and which questions stay open."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+
+from exo_sim.diagnosis.data import open_questions
+from exo_sim.diagnosis.data.cylinder_run import CylinderRun, cylinder_runs
+from exo_sim.diagnosis.data.decay_onset import from_decay_onset
+from exo_sim.diagnosis.data.machine_data import MachineData
+from exo_sim.diagnosis.data.motion_run import MotionRun
+from exo_sim.diagnosis.policy.recordings import FEWEST_A_SECOND, FEWEST_FOR_EVENTS, QUIET
+from exo_sim.diagnosis.subsystems.motion.inverse_dynamics import motion_runs
+from exo_sim.diagnosis.subsystems.motion.load_cell import rod_run
+from exo_sim.rig import Rig
+from exo_sim.simulation.replay.external_drive import externally_driven
+
+#: Two columns that differ by less than this share of what they vary show the same.
+SAME = 0.01
+
+def sort(data: MachineData) -> MachineData:
+    """Return the data with every balance that can be judged, and the questions that cannot."""
+    cylinders: dict[str, tuple[CylinderRun, ...]] = {}
+    joints: dict[str, tuple[MotionRun, ...]] = {}
+    remarks, open_, driven = list(data.remarks), list(data.open_questions), set(data.externally_driven)
+    judged_once = False
+    for table in data.recordings:
+        rate = 1.0 / max(float(np.median(np.diff(table.time))), 1e-9)
+        for whole in cylinder_runs(table, data.rig, data.model, data.links):
+            run = from_decay_onset(whole) if whole.at_rest else whole
+            if run is not whole:
+                held = f"{run.time[0] - whole.time[0]:.3g} s"
+                remarks.append(f"{table.name}: {run.cylinder} is held under pressure for its first {held}; judged from its fall on")
+            why = _why_no_gas(run, data.rig, rate)
+            if why:
+                open_.append(open_questions.of_gas(run.cylinder, table.name, why))
+            else:
+                cylinders[run.cylinder] = (*cylinders.get(run.cylinder, ()), run)
+                judged_once = True
+            rod = rod_run(run, data.rig) if rate >= FEWEST_A_SECOND else None
+            if rod is not None:
+                joints[f"rod of {run.cylinder}"] = (*joints.get(f"rod of {run.cylinder}", ()), rod)
+        for name in data.rig.cylinders:
+            if name not in cylinders and f"{name}.pressure_1" not in table and f"{name}.pressure_2" not in table:
+                open_.append(open_questions.of_gas(name, table.name, "no pressure of it was recorded"))
+        if rate < FEWEST_A_SECOND:
+            continue
+        runs, reasons = motion_runs(table, data.rig, data.model, data.links)
+        outside = externally_driven(table, data.rig, data.model, data.links) if runs else {}
+        reasons += [(joint, why) for joint, why in outside.items() if joint in {motion.joint for motion in runs}]
+        driven |= set(outside)
+        for motion in (motion for motion in runs if motion.joint not in outside):
+            joints[motion.joint] = (*joints.get(motion.joint, ()), motion)
+            judged_once = True
+        open_ += [open_questions.of_balance(joint, table.name, why) for joint, why in reasons]
+    if not judged_once:
+        remarks.append("nothing in these recordings can be held against the rig")
+    return replace(
+        data, cylinders=cylinders, joints=joints, remarks=tuple(remarks), open_questions=tuple(open_),
+        externally_driven=frozenset(driven),
+    )  # fmt: skip
+
+
+def _why_no_gas(run: CylinderRun, rig: Rig, rate: float) -> str:
+    """Return why the gas of a run cannot be judged, or ""; `rate` in samples a second."""
+    if run.length is None:
+        return "the position of its joint was not recorded, so its volumes are not known"
+    if rate < FEWEST_A_SECOND:
+        return f"{rate:.3g} samples a second do not show what the gas does"
+    still = float(np.ptp(run.length)) < 1e-4 and float(np.ptp(run.command)) < 1e-3
+    if rate < FEWEST_FOR_EVENTS and not still:
+        return f"{rate:.3g} samples a second do not show what a valve or a moving piston does to the gas"
+    swings = [float(np.nanstd(p)) / max(noise, 1.0) for p, noise in zip(run.pressure, run.noise) if p is not None]
+    if max(swings, default=0.0) < QUIET:
+        return "its pressures hardly change"
+    if _open_to_supply(run):
+        return "its pressure is the supply's own: the line between them is open throughout"
+    if not run.commanded and rig.cylinders[run.cylinder].valve_area > 0.0:
+        return "its valve command was not recorded"
+    if not run.commanded and run.supply is not None:
+        return "its valve command was not recorded"
+    return ""
+
+
+def _open_to_supply(run: CylinderRun) -> bool:
+    """Return whether every pressure of a run is the supply's, the same sensor given twice or a line that is never closed."""
+    if run.supply is None:
+        return False
+    measured = [(p, noise) for p, noise in zip(run.pressure, run.noise, strict=True) if p is not None]
+    return bool(measured) and all(
+        float(np.nanstd(p - run.supply)) < max(SAME * float(np.nanstd(p)), 2.0 * noise) for p, noise in measured
+    )

@@ -1,0 +1,19 @@
+"""When a believed number is off."""
+
+from __future__ import annotations
+
+from exo_sim.diagnosis.policy.number import Number
+
+SURE = Number(3.0, "standard errors, or prior standard deviations", "a number so far from what was believed is off (probability 0.3 %)")
+MODEL_SHARE = Number(
+    0.0015, "share, one standard deviation", "no equation describes a machine, nor a sensor its pressure, to better than this"
+)
+WORTH = {
+    "flow_capacity": Number(0.01, "share", "a valve's area is corrected from here on"),
+    "dead_volume": Number(0.03, "share", "a dead volume is corrected from here on"),
+    "payload_mass": Number(0.005, "share", "a mass is corrected from here on"),
+    "joint_damping": Number(0.15, "share", "a joint's damping is corrected from here on"),
+}
+WORTH_OF_EFFECT = Number(0.1, "share", "the same for a parameter of an effect that the rig has on already")
+MOVED = Number(1e-3, "share", "a parameter that a fit moved by less did not move")
+LEAST_PART = Number(0.05, "share of an additive effect", "a smaller part of it is not written into the improved rig")

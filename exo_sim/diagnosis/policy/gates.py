@@ -1,0 +1,73 @@
+"""When a candidate is accepted into a model, and when a search goes on."""
+
+from __future__ import annotations
+
+from exo_sim.diagnosis.policy.number import Number
+
+LEAST_ODDS = Number(
+    2.0, "log10 of odds",
+    "a candidate is accepted above these odds, decisive on the scale of Jeffreys (1961), after the price of its parameters and of the "
+    "number of candidates",
+)  # fmt: skip
+LEAST_SHARE = Number(
+    0.10, "share of the explainable squared error",
+    "a candidate explains at least so much of what is missing: no correction for correlation stops an effect that mends the shape of "
+    "another's law a little",
+)  # fmt: skip
+MOSTLY_EXPLAINED = Number(
+    0.9, "share of the explainable squared error",
+    "above this the rest of a real machine has no particular shape, and every candidate fits a little of it",
+)  # fmt: skip
+SHARE_OF_THE_REST = Number(
+    0.5, "share of the explainable squared error", "what a candidate then explains of the rest, unless it reaches the noise"
+)
+BESIDE_DISCREPANCY = Number(
+    20.0, "log10 of odds",
+    "beside a process that stands for noise and for what the model still misses, an effect counts from here on, however small its share",
+    "learn makes A and D of whole machines",
+)  # fmt: skip
+CLEAN = Number(
+    1.8, "residual variance in units of the noise",
+    "below this nothing is left to explain",
+)  # fmt: skip
+STEADY_GAIN = Number(2.0, "mean gain over blocks in units of its standard error", "a gain that one block alone brings is no effect")
+STEADY_SHARE = Number(0.2, "share of the explainable squared error", "above this a candidate need not gain in every block")
+HEALTHY_GAIN = Number(
+    0.004, "log-likelihood a row, all rows counted as independent", "what the imperfect model of a healthy machine gains by a candidate"
+)
+BEYOND_DOUBT_ODDS = Number(
+    50.0, "log10 of odds",
+    "beyond doubt a candidate counts although it lowers the error by less than is practically significant: above this ...",
+)  # fmt: skip
+BEYOND_DOUBT_SHARE = Number(0.5, "share of the explainable squared error", "... with the larger share of the error ...")
+BEYOND_DOUBT_VARIANCE = Number(1.2, "residual variance in units of the noise", "... of an error that is above the noise at all")
+UNDERRATED = Number(
+    10.0, "ratio of drops in squared error",
+    "a candidate is not fitted if so many times what its linear signature promises could not be accepted",
+    "68 accepted candidates in 15 opened cases: a fit gained at most 2.8 times what was promised",
+)  # fmt: skip
+NEARLY_AS_MUCH = Number(
+    0.93, "share of what the best model explains", "a model with fewer parameters that explains so much is grown in its place"
+)
+AS_MUCH = Number(0.999, "share of what the richer model explains", "a simpler form that explains so much is as good")
+NO_WORSE = Number(
+    12.0, "log-likelihood",
+    "a simpler form whose log-likelihood is lower by less is as good",
+)  # fmt: skip
+SWAP_GAIN = Number(2.0, "log-likelihood", "a swap raises the log-likelihood by so much, and by as much again for each parameter more")
+CERTAIN = Number(2.5, "standard errors", "a finding has a parameter that is so far from neutral (two-sided error 1.2 %) ...")
+VAGUE_LOSS = Number(
+    30.0, "log-likelihood",
+    "... or the model without it is worse by so much: its parameter is then vague only because nuisance parameters stand in for it",
+)  # fmt: skip
+HOPELESS_SEARCH = Number(
+    15.0, "root mean square residual in units of the discrepancy bound", "above this each further effect must halve the error, or the "
+    "search ends: no name helps another machine's recording",
+)  # fmt: skip
+HELD_BACK = Number(
+    3.0, "rows of correlation", "above this the weight of the priors may hold nuisance parameters back: the fit is repeated without it"
+)
+LEFT_WHEN_FREE = Number(
+    0.01, "share of what was missing", "the repeated fit counts if it leaves no more: then it was a nuisance parameter that was off"
+)
+LONGEST_CORRELATION = Number(60.0, "rows", "the largest weight of the priors")

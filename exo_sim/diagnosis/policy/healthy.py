@@ -1,0 +1,52 @@
+"""What healthy machines show: errors that their models leave, and imperfections that are no findings."""
+
+from __future__ import annotations
+
+from exo_sim.diagnosis.policy.number import Number
+
+# -- gas ------------------------------------------------------------------------------------------------------------------------
+GAS_FLOOR = Number(60.0, "Pa", "what the smoothed position and the windows' starts leave of a prediction at least")
+GAS_FLOOR_SHARE = Number(1.5e-4, "share of the pressure's range", "what sensors and the model of a healthy machine leave of it")
+GAS_SIGNIFICANT = Number(1e-4, "share of the pressure", "a smaller drop of the error is not practically significant: sensors drift as much")
+GAS_BOUND = Number(
+    22.0,
+    "units of what is practically significant",
+    "discrepancy bound of the gas",
+    "128 healthy benches with oddities: three left 16 to 20",
+)
+BURSTS = Number(
+    1.6, "level of the lively stretches over the median",
+    "errors inside a row that are livelier come in bursts: a pressure rings",
+    "208 healthy benches: two above 1.2 (1.32 and 1.41, quiet sensors); ringing hoses at ten limits of detection: 2.8 to 5.3",
+)  # fmt: skip
+SKEW = Number(1e-3, "s", "delay between two pressures of one card: their filters")
+CARD_SKEW = Number(2.5e-3, "s", "delay between the cards of pressures and position: anti-alias filters of 100 to 300 Hz take 0.5 to 1.6 ms")
+ZEROS = Number(4.0, "prior standard deviations of a zero", "a pressure sensor's bias is a finding from here on")
+SCALE = Number(0.003, "share", "a sensor's scale is a finding from here on")
+FILM = Number(2.0, "W/(m^2 K)", "heat transfer coefficient that no gas at rest goes below, on the wall of the whole cylinder")
+LEAK_AREA = Number(1.8e-5, "m^2 per m^3 of swept volume", "a leak that takes minutes to empty a cylinder by half")
+LEAK_LAMINAR = Number(1.8e-13, "kg/(s Pa^2) per m^3 of swept volume", "the same of a laminar gap")
+
+# -- forces ---------------------------------------------------------------------------------------------------------------------
+FORCE_FLOOR_SHARE = Number(0.008, "share of the forces that act", "what the model of a healthy machine leaves of a balance of forces")
+FORCE_SIGNIFICANT = Number(2e-4, "share of the stall force", "a smaller drop of the error is not practically significant")
+FORCE_BOUND_SHARE = Number(0.03, "share of the forces that act", "discrepancy bound of a balance of forces: this ...")
+FORCE_BOUND_STALL = Number(0.003, "share of the stall force", "... or, where it is larger, this")
+FRICTION_PLACE = Number(
+    0.06, "share of the friction", "how much friction depends on the place along the stroke in a healthy machine",
+    "learnt on real cylinders (O-ring bench, pulled seals, KDN drive) and on the makes A to D of whole machines",
+)  # fmt: skip
+FRICTION_SPEED = Number(0.04, "share of the friction", "how much its law of speed is wrong there", "as the former")
+FRICTION_TIME = Number(0.04, "share of the friction", "how much it drifts within a recording", "as the former")
+FORCE_UNEXPLAINED = Number(5e-4, "share of the forces that act", "what of each is to be added for their sake", "as the former")
+DRY_FRICTION = Number(0.002, "share of the stall force", "Coulomb friction is a finding from here on")
+SPRING = Number(0.02, "share of the stall force over the whole stroke", "a return spring is a finding from here on")
+CELL_ZERO = Number(0.02, "share of the forces that act", "a force sensor's bias is a finding from here on: zeros drift by 1 to 2 %")
+STIFF_CONTACT = Number(8e5, "N/m", "stiffness before sliding of the dry contact that any seal shows")
+STIFF_TRAVEL = Number(2e-5, "m", "of a contact that slides at a high level of friction, its travel before sliding")
+SOFT_CONTACT = Number(2.5e5, "N/m", "only a dry contact softer than this is a finding")
+
+# -- supply ---------------------------------------------------------------------------------------------------------------------
+SUPPLY_FLOOR_SHARE = Number(2e-4, "share of the pressure", "what sensors and the flow model of a healthy machine leave")
+SUPPLY_SIGNIFICANT = Number(2e-3, "share of the pressure", "a supply that strays by less concerns nobody")
+SUPPLY_BOUND = Number(10.0, "units of what is practically significant", "discrepancy bound of the supply")

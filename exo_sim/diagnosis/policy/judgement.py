@@ -1,0 +1,52 @@
+"""What stands as a finding, what is unknown, and what looks alike."""
+
+from __future__ import annotations
+
+from exo_sim.diagnosis.policy.number import Number
+
+AS_GOOD = Number(
+    3.0, "log-likelihood, parameters paid for",
+    "a rival that is worse by less explains the recording as well: a Bayes factor of 20, the usual bound of strong evidence",
+)  # fmt: skip
+MOST_CONFIDENT = Number(
+    0.95, "probability", "no finding is called more probable, however great its odds: laws that nobody has thought of are in none of them",
+    "names that were right on whole machines of an independent truth: 56 of 60",
+)  # fmt: skip
+PROBABLE = Number(
+    0.75, "probability", "an effect of the most probable subset is named from here on, alone or as one of those that exclude each other"
+)
+ALIKE = Number(0.1, "share", "numbers of a richer form that differ by less are one number: friction of two directions, of any seal")
+EXPLAINED = Number(0.90, "share of the explainable squared error", "names stand if they explain so much, although something is left")
+HALFWAY = Number(0.8, "share of the explainable squared error", "between this and the former they stand if what is left has no pattern")
+PATTERN = Number(0.25, "share of variance in cross-validation", "one signal that predicts more of what is left is a pattern")
+LARGER_PART = Number(
+    0.7, "share of what is missing without it", "where something is left in a gas, each finding explains so much: no two valves are alike"
+)
+PLAINLY_MORE = Number(
+    3.0, "discrepancy bounds", "a balance of forces that is missed by more has something unknown in it, whether it follows a signal or not"
+)
+UNKNOWN_VARIANCE = Number(
+    5.0, "residual variance in units of the noise", "without any finding more than this is unknown if it is correlated; three times "
+    "as much always",
+)  # fmt: skip
+UNKNOWN_CORRELATION = Number(2.0, "rows of correlation", "residuals are correlated above this; white ones are a noisy sensor's")
+HOPELESS_GAS = Number(
+    2.0, "root mean square residual in units of the discrepancy bound", "a gas with more left bears no name, whatever share was explained"
+)
+PLAIN_ODDS = Number(
+    30.0, "log10 of odds", "above these a finding need not exceed a healthy machine's by two standard errors: only nuisance parameters "
+    "that could stand in for it make it vague",
+)  # fmt: skip
+ALONE_SHARE = Number(0.9, "share of what is missing without it", "beside something unknown a finding stands with this, the former, and ...")
+ALONE_STEADY = Number(3.0, "mean gain over blocks in units of its standard error", "... so steady a gain")
+STRAINED = Number(
+    3.5, "prior standard deviations", "a nuisance parameter that is further from its mean (probability 0.05 %) speaks for something missing"
+)
+NOZZLE_LOW = Number(0.508, "critical pressure ratio", "between this and the next the ISO ellipse stands for the paper's nozzle (0.528)")
+NOZZLE_HIGH = Number(0.548, "critical pressure ratio", "see the former; the two laws differ by 0.15 % of choked flow at most")
+LEAST_CURVE = Number(0.2, "share of variance in cross-validation", "a curve that predicts less does not describe an unknown effect")
+PLAINLY_LESS_DAMPING = Number(
+    20.0, "log-likelihood", "damping believed too large takes the place of what was found where less of it gains so much"
+)
+LEAST_DAMPED = Number(0.9, "share of the believed damping", "damping is free from the start where no more of it is left by a fit ...")
+LEAST_LEFT = Number(0.8, "share of the squared error", "... and this much of the error: free damping hides viscous friction else")

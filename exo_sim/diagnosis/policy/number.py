@@ -1,0 +1,25 @@
+"""A number with its unit, its derivation and the experiment that set it."""
+
+from __future__ import annotations
+
+#: What is said where nobody wrote down an experiment.
+ASSERTED = "asserted; no experiment is on record"
+
+
+class Number(float):
+    """A number that decides.
+
+    Attributes:
+        unit: What it counts.
+        why: What it decides, and why it is about so large.
+        set_by: The experiment that set it.
+    """
+
+    unit: str
+    why: str
+    set_by: str
+
+    def __new__(cls, value: float, unit: str = "", why: str = "", set_by: str = ASSERTED) -> Number:
+        number = super().__new__(cls, value)
+        number.unit, number.why, number.set_by = unit, why, set_by
+        return number

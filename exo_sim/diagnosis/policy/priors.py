@@ -1,0 +1,25 @@
+"""How far believed numbers may be off: one standard deviation each."""
+
+from __future__ import annotations
+
+from exo_sim.diagnosis.policy.number import Number
+
+VALVE_AREA = Number(0.10, "share", "what a data sheet allows of a valve's area, and what tuning has done to it")
+DEAD_VOLUME = Number(0.15, "share", "the same of a dead volume")
+PRESSURE_ZERO = Number(500.0, "Pa", "zero of a good pressure sensor")
+FORCE_OF_ZEROS = Number(1200.0, "Pa", "zeros of pressure sensors, as a constant force that no recording can tell from one-sided friction")
+KNOWN_GAS = Number(0.1, "share", "parameters of effects on the gas that the rig has on already: an owner's numbers are estimates")
+KNOWN_FORCE = Number(0.5, "share", "the same of friction and springs: seals wear, and friction in a rig is rarely measured")
+REST_HEAT = Number(2.0, "W/K", "heat that walls take from a gas at rest")
+HEALTHY_DRY = Number(0.001, "share of the stall force", "dry friction of a healthy cylinder")
+FORCE_SCALE = Number(
+    0.012, "share", "scale of a pressure sensor, a piston's area or a load cell, as forces feel it: data sheets say 0.5 to 2 %"
+)
+CARD_SKEW = Number(1e-3, "s", "delay of forces behind the position: filters and cards of one instrument differ by 0.5 to 1.6 ms")
+MASS = Number(0.05, "share", "mass that a joint moves")
+INERTIA = Number(0.05, "share", "inertia of a joint")
+ANGLE_ZERO = Number(0.01, "rad or m", "zero of a position sensor, as far as gravity feels it")
+DAMPING = Number(0.3, "share", "damping of a joint below what its owner believes: a data sheet knows little of it")
+SET_PRESSURE = Number(0.02, "share", "set pressure of a regulator")
+INITIAL_PRESSURE = Number(1.0, "units of the sensor's noise", "initial pressure of a window, estimated from a few samples")
+UNMEASURED_INITIAL = Number(1e4, "Pa", "initial pressure of a chamber that nobody measured, after the balance of forces told it")

@@ -1,0 +1,19 @@
+"""What a recording must hold to be judged, and what is listed of it."""
+
+from __future__ import annotations
+
+from exo_sim.diagnosis.policy.number import Number
+
+FEWEST_A_SECOND = Number(8.0, "samples a second", "fewer do not show what gas does")
+FEWEST_FOR_EVENTS = Number(25.0, "samples a second", "fewer do not show what a valve or a moving piston does to it")
+QUIET = Number(3.0, "standard deviation in units of the noise", "a pressure that varies less says nothing")
+CLEAR_FALL = Number(100.0, "fall in units of the noise", "a smaller fall of pressure does not show its onset")
+HELD_OPEN = Number(
+    0.1, "share of the time in which half of the fall is gone",
+    "the supply was still open where the first hundredth of the fall took longer: a leak is fastest at first, and needs a fiftieth",
+)  # fmt: skip
+REVERSED = Number(0.1, "share of the squared error", "a valve command has the wrong sign where its opposite leaves less")
+LISTED_SHARE = Number(0.02, "share of the squared error above the noise", "a balance with less is not listed as a place of the mismatch")
+EXPLAINED_VARIANCE = Number(1.2, "residual variance in units of the noise", "what counts as explained in the end")
+LISTED_REST = Number(0.01, "share of what there was to explain", "a smaller rest is not listed as unexplained")
+LOUD = Number(3.0, "units of the noise", "a span of time is listed where the error exceeds this")

@@ -1,0 +1,33 @@
+"""What held-out time may refute, and what it adds."""
+
+from __future__ import annotations
+
+from exo_sim.diagnosis.policy.number import Number
+
+HELD_OUT_SHARE = Number(
+    0.3, "share of a lone recording", "no parameter is fitted to it: one half is for validation, the other for the test"
+)
+LEAST_DROP = Number(0.15, "share of the validation error", "a finding that lowers the error by less is refuted ...")
+REFUTABLE_ODDS = Number(25.0, "log10 of odds", "... unless its odds exceed these")
+MOST_RISE = Number(0.1, "share of the validation error", "a finding that raises the error by more is refuted ...")
+REFUTABLE_RISE_ODDS = Number(100.0, "log10 of odds", "... unless its odds exceed these")
+LEAST_INFLUENCE = Number(
+    0.3, "units of the noise", "a finding that changes predictions of the validation time by less was not tested there"
+)
+LACKING_RATIO = Number(
+    3.0, "validation error in units of what the fit leaves",
+    "above this the training time lacks something that acts later, and the other end of the recording is held out",
+)  # fmt: skip
+TEST_RATIO = Number(
+    8.0, "test error in units of what the fit leaves", "above this something acts in the test time that was never found ..."
+)
+TEST_RATIO_BEYOND_BOUND = Number(
+    4.0, "test error in units of what the fit leaves", "... and above this if it exceeds the discrepancy bound"
+)
+CLEARLY_BEYOND = Number(
+    1.25, "test error in units of the discrepancy bound",
+    "a fit within the bound is rejected if validation exceeds the bound and the test exceeds so many times the bound",
+)  # fmt: skip
+MOST_WORSE = Number(
+    0.002, "share of the error", "the improved rig is written only as far as its free run is not worse than this: rounding, no more"
+)

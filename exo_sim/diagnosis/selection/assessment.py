@@ -1,0 +1,64 @@
+"""What is said of a finished search: the evidence for each finding, its rivals, and the candidates that were left."""
+
+from __future__ import annotations
+
+from exo_sim.diagnosis.estimation.candidate import Candidate, CandidateKey
+from exo_sim.diagnosis.policy import gates
+from exo_sim.diagnosis.selection.comparisons import Comparisons
+from exo_sim.diagnosis.selection.fitted_model import LARGE, FittedModel, SearchResult
+from exo_sim.diagnosis.selection.model_fits import ModelFits
+from exo_sim.diagnosis.selection.proposals import Proposals
+
+#: Runners-up that are fitted.
+RUNNERS_UP = 3
+
+
+def assess(final: FittedModel, fits: ModelFits, comparisons: Comparisons, proposals: Proposals) -> SearchResult:
+    """Compare each finding with leaving it out and with what could take its place."""
+    evidence, rivals, complete = {}, {}, {}
+    asked: list[tuple[Candidate | None, Candidate, FittedModel]] = []
+    bare = fits.fit_all([(final.without(candidate), final) for candidate in final.candidates])
+    for candidate, without in zip(final.candidates, bare, strict=True):
+        evidence[candidate.key] = comparisons.evidence(without, final)
+        asked += [(candidate, rival, without) for rival in _rivals(candidate, without, final, proposals)]
+    for candidate in (c for c in final.candidates if c.additive):
+        whole = _with_all_parameters(candidate, final, fits, proposals)
+        if whole is not None:
+            complete[candidate.key] = whole
+    promised = {one.key: score for score, one in proposals.scored(final)}
+    runners_up: list[tuple[Candidate, float]] = []
+    for one in proposals.alternatives(final, RUNNERS_UP):
+        if proposals.promise_enough(promised[one.key], final):
+            asked.append((None, one, final))
+        else:
+            left = final.fit.sse - fits.model.size  # beyond the noise
+            runners_up.append((one, min(promised[one.key] / left, 1.0) if left > 0.0 else 0.0))
+    models = fits.fit_all([((*near.candidates, more), near) for _, more, near in asked])
+    by_finding: dict[CandidateKey, list[tuple[Candidate, float]]] = {candidate.key: [] for candidate in final.candidates}
+    for (taken, more, near), model in zip(asked, models, strict=True):
+        if taken is None:
+            runners_up.append((more, comparisons.evidence(near, model).share))
+        else:
+            worse = fits.deficit(model, final) + comparisons.price((model, final)) * (model.parameter_count - final.parameter_count)
+            by_finding[taken.key].append((more, worse))
+    rivals = {key: tuple(sorted(found, key=lambda pair: pair[1])) for key, found in by_finding.items()}
+    runners_up.sort(key=lambda pair: -pair[1])
+    return SearchResult(comparisons.baseline, final, evidence, rivals, tuple(runners_up), complete)
+
+
+def _rivals(candidate: Candidate, without: FittedModel, final: FittedModel, proposals: Proposals) -> list[Candidate]:
+    """Return what could take a finding's place; in a large model only what promises that it might, for each is a fit of all of it."""
+    rivals = [rival for rival in proposals.alternatives(without) if rival.at != candidate.at]
+    if len(final.candidates) < LARGE:
+        return rivals
+    promised = {one.key: score for score, one in proposals.scored(without)}
+    return [rival for rival in rivals if gates.UNDERRATED * promised[rival.key] > without.fit.sse - final.fit.sse]
+
+
+def _with_all_parameters(candidate: Candidate, now: FittedModel, fits: ModelFits, proposals: Proposals) -> FittedModel | None:
+    """Return a model with all parameters of a finding; None where they are in it already, or do not fit better."""
+    fullest = proposals.fullest(candidate)
+    if len(fullest.parameters) <= len(candidate.parameters):
+        return None
+    whole = fits.refined(fits.fit((*now.without(candidate), fullest), now, again=True))
+    return whole if fits.deficit(whole, now) <= 0.0 else None

@@ -1,0 +1,95 @@
+"""Nuisance parameters that a fit found to be off: which are reported as calibrations, which are only refitted, and in what words."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Collection, Mapping, Sequence
+from dataclasses import dataclass
+
+from exo_sim.diagnosis import wording
+from exo_sim.diagnosis.estimation.parameters import FreeParameter
+from exo_sim.diagnosis.estimation.uncertainty import bounded_interval, interval
+from exo_sim.diagnosis.findings import Estimate, Finding, Kind
+from exo_sim.diagnosis.policy import calibration
+from exo_sim.diagnosis.selection.fitted_model import FittedModel
+from exo_sim.physics.declaration import declared
+
+
+@dataclass(frozen=True)
+class Deviation:
+    """A believed number that is off: by which factor, and its standard error."""
+
+    parameter: FreeParameter
+    factor: float
+    error: float
+
+
+def deviations(model: FittedModel, errors: Mapping[FreeParameter, float]) -> tuple[Deviation, ...]:
+    """Return the believed numbers that are surely off, and by enough to be worth correcting; `errors` are standard errors."""
+    found, effects = [], model.effect_parameters
+    for parameter, value in model.fit.values.items():
+        whole = parameter.prior[0] if parameter.prior and parameter.effect in declared() else 1.0
+        if whole == 0.0 or (parameter.effect not in calibration.WORTH and parameter.effect not in declared()) or parameter in effects:
+            continue
+        factor, error = value / whole, errors.get(parameter, math.inf) / abs(whole)
+        if abs(factor - 1.0) > max(calibration.SURE * error, calibration.WORTH.get(parameter.effect, calibration.WORTH_OF_EFFECT)):
+            found.append(Deviation(parameter, factor, error))
+    return tuple(found)
+
+
+def refitted_besides(
+    model: FittedModel, errors: Mapping[FreeParameter, float], reported: Collection[FreeParameter], named: bool
+) -> tuple[tuple[FreeParameter, float], ...]:
+    """Return nuisance parameters that the improved rig should hold as fitted and that are no finding, with their standard errors.
+
+    Those that are surely off; and where something was `named`, all that the rig holds, for what was found was fitted with them.
+    """
+    found, effects = [], model.effect_parameters
+    for parameter, value in model.fit.values.items():
+        error = errors.get(parameter, math.inf)
+        if not parameter.prior or parameter in reported or parameter in effects or not math.isfinite(error):
+            continue
+        believed = parameter.prior[0]
+        beside = named and believed != 0.0 and abs(value - believed) > calibration.MOVED * abs(believed)
+        if beside or abs(value - believed) > calibration.SURE * error:
+            found.append((parameter, error))
+    return tuple(found)
+
+
+def calibration_findings(found: Sequence[Deviation]) -> list[Finding]:
+    """Return a finding for every believed number that is off; the two dead volumes of a cylinder are one finding."""
+    kinds: dict[tuple[str, str], list[Deviation]] = {}
+    for one in found:
+        kinds.setdefault((one.parameter.effect, one.parameter.where), []).append(one)
+    return [_calibration(name, where, parts) for (name, where), parts in kinds.items()]
+
+
+def _calibration(name: str, where: str, parts: Sequence[Deviation]) -> Finding:
+    weights = [1.0 / max(one.error, 1e-9) ** 2 for one in parts]
+    mean = sum(w * one.factor for w, one in zip(weights, parts, strict=True)) / sum(weights)
+    apart = max(abs(one.factor - mean) for one in parts)
+    spread = max(math.sqrt(1.0 / sum(weights)), apart, calibration.MODEL_SHARE)
+    low, high = interval(mean, spread) if is_declared(name) else bounded_interval(parts[0].parameter, mean, spread)
+    estimates = {"factor": Estimate(mean, "1", low, high)}
+    if name == "dead_volume":
+        for one in parts:
+            ends = bounded_interval(one.parameter, one.factor, max(one.error, calibration.MODEL_SHARE))
+            estimates[one.parameter.parameter] = Estimate(one.factor, "1", *ends)
+    if is_declared(name):
+        estimates = {
+            q.parameter: Estimate(
+                one.factor * q.prior[0],
+                q.unit,
+                *sorted(q.prior[0] * end for end in interval(one.factor, max(one.error, calibration.MODEL_SHARE))),
+            )
+            for one in parts
+            if (q := one.parameter).prior
+        }
+    odds = sum(((one.factor - 1.0) / max(one.error, 1e-12)) ** 2 for one in parts) / (2.0 * math.log(10.0))
+    says = " ".join(wording.calibration(name, one.parameter.parameter, one.factor) for one in parts)
+    return Finding(name, where, Kind.CALIBRATION, says, estimates, odds, 0.0)
+
+
+def is_declared(effect: str) -> bool:
+    """Return whether a name is one of the declared effects."""
+    return effect in declared()

@@ -1,0 +1,271 @@
+"""From the search over one subsystem to its result: what is named, with which intervals and rivals, and whether something is unknown."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping, Sequence
+from dataclasses import replace
+from typing import Generic, TypeVar
+
+from exo_sim.diagnosis import wording
+from exo_sim.diagnosis.estimation.candidate import Candidate, drop_orphans
+from exo_sim.diagnosis.estimation.parameters import FreeParameter, Target
+from exo_sim.diagnosis.estimation.uncertainty import bounded_interval
+from exo_sim.diagnosis.findings import Estimate, Finding, Rejected
+from exo_sim.diagnosis.policy import judgement
+from exo_sim.diagnosis.policy.calibration import MODEL_SHARE
+from exo_sim.diagnosis.policy.gates import BESIDE_DISCREPANCY, CLEAN
+from exo_sim.diagnosis.selection.calibration import deviations, is_declared, refitted_besides
+from exo_sim.diagnosis.selection.fitted_model import FittedModel, SearchResult, exceeds_healthy_limit, is_more_than_healthy
+from exo_sim.diagnosis.selection.model_fits import ModelFits
+from exo_sim.diagnosis.selection.subsystem_result import SubsystemResult
+from exo_sim.diagnosis.subsystem_model import SubsystemModel
+from exo_sim.physics.declaration import asked_of
+
+Model = TypeVar("Model", bound=SubsystemModel)
+
+#: How a parameter of a sensor is called in a finding.
+_SENSOR_PARAMETERS = {"bias": "value", "scale": "factor", "delay": "seconds"}
+
+
+def decide(name: str, model: Model, fits: ModelFits, search: SearchResult) -> SubsystemResult[Model]:
+    """Return the result of a finished search; of an interrupted one, what other subsystems need to go on.
+
+    Args:
+        name: What identifies the subsystem among those of its kind.
+        model, fits, search: What was searched, and what was found.
+    """
+    return _Decision(model, fits, search).result(name)
+
+
+class _Decision(Generic[Model]):
+    """The judgement of one search."""
+
+    def __init__(self, model: Model, fits: ModelFits, search: SearchResult):
+        self.model, self.fits, self.search = model, fits, search
+
+    def result(self, name: str) -> SubsystemResult[Model]:
+        search, end = self.search, self.search.final
+        result = SubsystemResult(name, self.model, self.fits, search, end)
+        if end.fit.residual.size == 0:
+            return result
+        if search.interrupted:
+            return replace(result, named=end.candidates)
+        accepted = tuple(c for c in end.candidates if not _is_nozzle(c, end))
+        final, named, unknown = self._standing(accepted)
+        alone = unknown and not self.model.names_stand_beside_unknown
+        rejected = self._rejected(accepted, alone)
+        if alone:
+            final, named = self._beyond_doubt(final, named)
+        errors = self._errors(final)
+        told = tuple(c for c in named if _is_told(c, final))
+        laws = {q for c in named if c not in told for q in c.parameters}
+        named = told
+        findings = [self._with_all_parts(self._finding(c, final, errors), c) for c in named]
+        twins = self.model.indistinguishable(findings, final.fit)
+        findings = [_ambiguous_with(f, twins.get((f.name, f.where), ())) for f in findings]
+        observed = {parameter: error for parameter, error in errors.items() if self.model.is_observed(parameter)}
+        off = () if alone else deviations(final, observed)
+        refitted = () if alone else refitted_besides(final, observed, {one.parameter for one in off}, bool(named))
+        refitted += tuple((q, errors[q]) for q in errors if q in laws)
+        return replace(
+            result, final=final, named=named, has_unknown=unknown, findings=tuple(findings), deviations=off,
+            rejected=_without_repetition(rejected, findings), refitted=refitted,
+        )  # fmt: skip
+
+    def _errors(self, final: FittedModel) -> dict[FreeParameter, float]:
+        """Return the standard errors of a model's parameters: those of its fit, or where they are larger those of the search."""
+        searched = self.search.errors
+        return {q: max(error, searched.get(q, 0.0)) for q, error in self.fits.standard_errors(final).items()}
+
+    def _standing(self, accepted: tuple[Candidate, ...]) -> tuple[FittedModel, tuple[Candidate, ...], bool]:
+        """Return the model and the findings that stand in it, and whether something is unknown beside them."""
+        end = self.search.final
+        unknown = self._is_unknown(end, accepted)
+        if not self.model.demands_larger_part or unknown or end.fit.sse <= CLEAN * self.model.size:
+            return end, accepted, unknown
+        final, named = self._with_larger_part(accepted)
+        return final, named, named != accepted and self._is_unknown(final, named)
+
+    def _rejected(self, accepted: Sequence[Candidate], unknown: bool) -> list[Rejected]:
+        search = self.search
+        found = [
+            Rejected(*rival.at, wording.rejected(rival, c, worse))
+            for c in accepted
+            for rival, worse in search.rivals.get(c.key, [])
+            if worse > judgement.AS_GOOD
+        ]
+        found += [Rejected(*c.at, wording.no_gain(c, share)) for c, share in search.runners_up]
+        if unknown:
+            found += [
+                Rejected(*c.at, f"explains only {100 * search.evidence[c.key].share:.0f} % and leaves the rest as it was")
+                for c in accepted
+                if c.key in search.evidence
+            ]
+        return found
+
+    def _beyond_doubt(self, final: FittedModel, named: tuple[Candidate, ...]) -> tuple[FittedModel, tuple[Candidate, ...]]:
+        """Return the findings that stand beside an unknown effect, and the model with nothing but them."""
+        end = self.search.final
+        apart = [] if self._is_hopeless(end) else [c for c in named if self._stands_alone(c)]
+        kept = drop_orphans([c for c in apart if asked_of(c.effect).sense.bursts or not self._has_bursts(end)])
+        if not kept:
+            return self.fits.nominal(), kept
+        return (final if kept == named else self.fits.fit(kept, end)), kept
+
+    def _with_larger_part(self, named: tuple[Candidate, ...]) -> tuple[FittedModel, tuple[Candidate, ...]]:
+        """Return the findings that explain the larger part and surely exceed what a healthy machine shows, and the model with them."""
+        final = self.search.final
+        while named:
+            errors = self.fits.standard_errors(final)
+            firm = drop_orphans(
+                [
+                    c for c in named
+                    if self._takes_larger_part(c) and is_more_than_healthy(c, final, None if self._is_plain(c) else errors)
+                ]
+            )  # fmt: skip
+            if firm == named:
+                break
+            final, named = self.fits.refined(self.fits.fit(firm, final)), firm
+        return final, named
+
+    def _takes_larger_part(self, candidate: Candidate) -> bool:
+        evidence = self.search.evidence.get(candidate.key)
+        if evidence is None or evidence.beside_discrepancy > BESIDE_DISCREPANCY:
+            return True
+        return evidence.share > judgement.LARGER_PART
+
+    def _is_plain(self, candidate: Candidate) -> bool:
+        """Return whether the odds leave no doubt: a parameter is then vague only because nuisance parameters could stand in for it."""
+        evidence = self.search.evidence.get(candidate.key)
+        return evidence is not None and evidence.log10_odds > judgement.PLAIN_ODDS
+
+    def _stands_alone(self, candidate: Candidate) -> bool:
+        """Return whether a finding is beyond doubt although something else is left."""
+        evidence = self.search.evidence.get(candidate.key)
+        if evidence is None or not self._is_plain(candidate):
+            return False
+        return evidence.share > judgement.ALONE_SHARE and evidence.steady > judgement.ALONE_STEADY
+
+    def _is_unknown(self, final: FittedModel, named: Sequence[Candidate]) -> bool:
+        """Return whether too much is left for the names to be believed, or nuisance parameters are strained too far."""
+        start, end, n = self.search.baseline.fit, final.fit, self.model.size
+        if all(not asked_of(c.effect).sense.bursts for c in named) and self._has_bursts(final):
+            return True
+        left = end.sse / n
+        if left < CLEAN or math.sqrt(left) < self.model.discrepancy_bound:
+            return False
+        if not named:
+            correlated = self.fits.correlation_time(end.residual) > judgement.UNKNOWN_CORRELATION
+            return left > judgement.UNKNOWN_VARIANCE and (correlated or left > 3.0 * judgement.UNKNOWN_VARIANCE)
+        if self._is_hopeless(final):
+            return True
+        if self.model.names_stand_beside_unknown:
+            return math.sqrt(left) > judgement.PLAINLY_MORE * self.model.discrepancy_bound or self._pattern(final) > judgement.PATTERN
+        explained = (start.sse - end.sse) / max(start.sse - n, 1e-9)
+        if explained < judgement.EXPLAINED and (explained < judgement.HALFWAY or self._pattern(final) > judgement.PATTERN):
+            return True
+        priors = [(q, q.prior) for q in end.parameters if q.prior is not None and q.effect != "offset"]
+        strained = any(abs(end.values[q] - mean) > judgement.STRAINED * spread for q, (mean, spread) in priors)
+        return strained and left > judgement.UNKNOWN_VARIANCE
+
+    def _is_hopeless(self, final: FittedModel) -> bool:
+        return math.sqrt(final.fit.sse / self.model.size) > self.model.hopeless_ratio * self.model.discrepancy_bound
+
+    def _has_bursts(self, final: FittedModel) -> bool:
+        return self.model.has_bursts(self.model.apply(final.fit.values, final.fixed))
+
+    def _pattern(self, final: FittedModel) -> float:
+        """Return the largest share of what is left that one signal predicts."""
+        left = self.model.discrepancies(self.model.apply(final.fit.values, final.fixed))
+        return max((one.pattern for one in left), default=0.0)
+
+    def _finding(self, candidate: Candidate, final: FittedModel, errors: Mapping[FreeParameter, float]) -> Finding:
+        estimates = {}
+        for parameter in candidate.parameters:
+            value = final.fit.values[parameter]
+            low, high = bounded_interval(parameter, value, max(errors.get(parameter, 0.0), MODEL_SHARE * abs(value)))
+            if is_declared(candidate.effect):
+                low, high = _widened_by_law(candidate, parameter, low, high)
+            estimates[_called(parameter)] = Estimate(value, parameter.unit, low, high)
+        evidence = self.search.evidence.get(candidate.key)
+        rivals = [
+            (rival, worse)
+            for rival, worse in self.search.rivals.get(candidate.key, [])
+            if worse <= judgement.AS_GOOD and rival.effect != candidate.effect
+        ]
+        weights = {candidate.effect: 1.0, **{r.effect: math.exp(-max(worse, 0.0)) for r, worse in reversed(rivals)}}
+        total = sum(weights.values())
+        return Finding(
+            candidate.effect, candidate.where, candidate.kind, wording.says(candidate.effect), estimates,
+            evidence.log10_odds if evidence else 0.0, 0.0, tuple(dict.fromkeys(r.effect for r, _ in rivals)),
+            {name: weight / total for name, weight in weights.items()} if rivals else {},
+            probability=self.search.probabilities.get(candidate.at),
+        )  # fmt: skip
+
+    def _with_all_parts(self, finding: Finding, candidate: Candidate) -> Finding:
+        """Return a finding whose intervals also cover its parameters in the model that has all parameters of the effect."""
+        whole = self.search.complete.get(candidate.key)
+        if whole is None:
+            return finding
+        errors = self.fits.standard_errors(whole)
+        estimates = dict(finding.parameters)
+        for parameter, value in whole.fit.values.items():
+            own = estimates.get(parameter.parameter)
+            at = (parameter.effect, parameter.where)
+            if own is not None and at == (finding.name, finding.where) and parameter in whole.effect_parameters:
+                low, high = bounded_interval(parameter, value, errors.get(parameter, 0.0))
+                estimates[parameter.parameter] = replace(own, low=min(own.low, low), high=max(own.high, high))
+        return replace(finding, parameters=estimates)
+
+
+def _called(parameter: FreeParameter) -> str:
+    """Return how a parameter is called in a finding."""
+    if parameter.target is not Target.SENSOR:
+        return parameter.parameter
+    name = parameter.parameter.rsplit(".", 1)[-1]
+    return _SENSOR_PARAMETERS.get(name, name)
+
+
+def _is_told(candidate: Candidate, model: FittedModel) -> bool:
+    """Return whether a candidate is a finding: not a law within what healthy machines show, nor what only bears such a law."""
+    bears = any(c.is_law and c.prerequisite == candidate.effect for c in model.candidates)
+    if not candidate.is_law:
+        return not bears or exceeds_healthy_limit(candidate, model)
+    return any(q.healthy_limit > 0.0 for q in candidate.parameters) and exceeds_healthy_limit(candidate, model)
+
+
+def _is_nozzle(candidate: Candidate, model: FittedModel) -> bool:
+    if not asked_of(candidate.effect).every_law:
+        return False
+    return judgement.NOZZLE_LOW < model.fit.values[candidate.parameters[0]] < judgement.NOZZLE_HIGH
+
+
+def _widened_by_law(candidate: Candidate, parameter: FreeParameter, low: float, high: float) -> tuple[float, float]:
+    """Return the ends of an interval widened by what the law itself leaves open; a form with more of the law leaves less open."""
+    asked = asked_of(candidate.effect)
+    if asked.closed_by and asked.closed_by in {q.parameter for q in candidate.parameters}:
+        return low, high
+    down, up = asked.open_by.get(parameter.parameter, (1.0, 1.0))
+    return max(low * down, parameter.low), min(high * up, parameter.high)
+
+
+def _ambiguous_with(finding: Finding, twins: Sequence[str]) -> Finding:
+    """Return a finding that names its twins beside its rivals, all equally probable."""
+    for twin in twins:
+        if twin not in finding.ambiguous_with:
+            names = (finding.name, *finding.ambiguous_with, twin)
+            finding = replace(
+                finding, ambiguous_with=(*finding.ambiguous_with, twin), probabilities=dict.fromkeys(names, 1.0 / len(names))
+            )
+    return finding
+
+
+def _without_repetition(rejected: Sequence[Rejected], findings: Sequence[Finding]) -> tuple[Rejected, ...]:
+    """Return each rejected candidate once, and none that a finding names."""
+    named = {(name, f.where) for f in findings for name in (f.name, *f.ambiguous_with)}
+    first: dict[tuple[str, str], Rejected] = {}
+    for one in rejected:
+        if (one.name, one.where) not in named:
+            first.setdefault((one.name, one.where), one)
+    return tuple(first.values())

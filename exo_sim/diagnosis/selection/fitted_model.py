@@ -1,0 +1,129 @@
+"""A set of candidates with its fit, and the result of a search."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Mapping, Sequence
+from dataclasses import dataclass, field
+from typing import Protocol
+
+import numpy as np
+from numpy.typing import NDArray
+
+from exo_sim.diagnosis.estimation.candidate import Candidate, CandidateKey
+from exo_sim.diagnosis.estimation.least_squares import Fit
+from exo_sim.diagnosis.estimation.parameters import FreeParameter
+from exo_sim.diagnosis.selection.evidence import Evidence
+
+Array = NDArray[np.float64]
+
+
+class LeastSquaresModel(Protocol):
+    """What a search needs of a subsystem's model; see `subsystem_model.SubsystemModel`."""
+
+    @property
+    def blocks(self) -> NDArray[np.int64]: ...
+
+    @property
+    def size(self) -> int: ...
+
+    @property
+    def discrepancy_bound(self) -> float: ...
+
+    def residual(self, values: dict[FreeParameter, float], fixed: Sequence[tuple[FreeParameter, float]] = ()) -> Array: ...
+
+
+#: From so many candidates on a model is large: what is fitted beside it is fitted once, and only where it promises something.
+LARGE = 4
+#: Identifies a set of candidates whatever their order.
+SetKey = frozenset[CandidateKey]
+
+
+def key_of(candidates: Iterable[Candidate]) -> SetKey:
+    """Return what identifies a set of candidates."""
+    return frozenset(candidate.key for candidate in candidates)
+
+
+@dataclass(frozen=True)
+class FittedModel:
+    """A set of candidates, fitted together with the nuisance parameters."""
+
+    candidates: tuple[Candidate, ...]
+    fit: Fit
+
+    @property
+    def named(self) -> set[tuple[str, str]]:
+        """Effects and places that are in it."""
+        return {candidate.at for candidate in self.candidates}
+
+    def meets_prerequisite(self, candidate: Candidate) -> bool:
+        """Return whether the effect that a candidate comes on top of is in it."""
+        return not candidate.prerequisite or any(c.effect == candidate.prerequisite for c in self.candidates)
+
+    def without(self, candidate: Candidate) -> tuple[Candidate, ...]:
+        """Return all of its candidates but one."""
+        return tuple(c for c in self.candidates if c is not candidate)
+
+    @property
+    def effect_parameters(self) -> set[FreeParameter]:
+        """The free parameters of its candidates."""
+        return {parameter for candidate in self.candidates for parameter in candidate.parameters}
+
+    @property
+    def fixed(self) -> list[tuple[FreeParameter, float]]:
+        """Parameters that the forms of its candidates hold at a value."""
+        return [pair for candidate in self.candidates for pair in candidate.fixed]
+
+    @property
+    def parameter_count(self) -> int:
+        """Number of its candidates' free parameters."""
+        return sum(len(candidate.parameters) for candidate in self.candidates)
+
+
+@dataclass(frozen=True)
+class SearchResult:
+    """What a search ended with.
+
+    Attributes:
+        baseline: The nuisance parameters alone.
+        final: With everything that was accepted.
+        evidence: For each accepted candidate against leaving it out.
+        rivals: By accepted candidate: candidates for its place, and by how much their log-likelihood is lower, parameters paid for.
+        runners_up: Candidates that were not accepted in the end, with the share of what is left that they explain.
+        complete: By accepted candidate that is additive and of which a simpler form was taken: the model with all of its parameters.
+        probabilities: Of effects being present, by effect and place, where subsets of them were weighed.
+        errors: Standard deviations of parameters that also count what every model of a machine gets wrong.
+        interrupted: Whether it ended before everything was explained, because it was asked to.
+    """
+
+    baseline: FittedModel
+    final: FittedModel
+    evidence: Mapping[CandidateKey, Evidence] = field(default_factory=dict)
+    rivals: Mapping[CandidateKey, Sequence[tuple[Candidate, float]]] = field(default_factory=dict)
+    runners_up: Sequence[tuple[Candidate, float]] = ()
+    complete: Mapping[CandidateKey, FittedModel] = field(default_factory=dict)
+    probabilities: Mapping[tuple[str, str], float] = field(default_factory=dict)
+    errors: Mapping[FreeParameter, float] = field(default_factory=dict)
+    interrupted: bool = False
+
+
+def is_more_than_healthy(candidate: Candidate, model: FittedModel, errors: Mapping[FreeParameter, float] | None = None) -> bool:
+    """Return whether a candidate may stand in a model: how a law is written may, whatever it says; arguments as `exceeds_healthy_limit`."""
+    return candidate.is_law or exceeds_healthy_limit(candidate, model, errors)
+
+
+def exceeds_healthy_limit(
+    candidate: Candidate, model: FittedModel, errors: Mapping[FreeParameter, float] | None = None
+) -> bool:
+    """Return whether any parameter of a candidate is further from neutral than in a healthy machine (practical significance).
+
+    Args:
+        candidate: One of the model's.
+        model: Its values.
+        errors: Standard errors; with them a parameter counts only if it is further out by two of its own.
+    """
+    values, errors = model.fit.values, errors or {}
+    limited = [q for q in candidate.parameters if q.healthy_limit > 0.0]
+    if candidate.additive:  # with what a healthy machine has of it, where the candidate does not stand for that
+        parts = {q.slot: q for q in (*values, *candidate.parameters) if (q.effect, q.where) == candidate.at}
+        return sum(abs(values[q] - q.neutral) for q in parts.values()) > max((q.healthy_limit for q in limited), default=0.0)
+    return not limited or any(abs(values[q] - q.neutral) - 2.0 * errors.get(q, 0.0) > q.healthy_limit for q in limited)

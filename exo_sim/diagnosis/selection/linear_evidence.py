@@ -1,0 +1,132 @@
+"""Evidence for every subset of a linear family, in closed form.
+
+With y the target, N the background, T the columns of the terms that are present and D those of the discrepancy,
+
+    y = N u + T a + D w + e,   u ~ N(0, I),   a_j ~ N(0, s_j^2),   w_j ~ N(0, h_k(j)^2),   e ~ N(0, tau sigma^2 I),
+
+tau the correlation time of the residual in rows, which keeps slow errors from counting as often as there are rows. The evidence of a
+subset needs one Cholesky factor. The amplitudes h have half-normal priors about what a healthy machine shows; they and sigma are
+estimated by maximising the evidence (empirical Bayes). A size of one sign has a half-normal prior, and no evidence on the other side.
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.linalg import cho_solve, cholesky, solve_triangular
+
+from exo_sim.diagnosis.discrepancy.basis import DiscrepancyBasis
+from exo_sim.diagnosis.estimation.linear_family import Bend
+
+Array = NDArray[np.float64]
+#: Indices of the terms that are present.
+Subset = tuple[int, ...]
+
+#: Factors by which standard deviations are varied when they are estimated.
+_FACTORS = (0.3, 0.6, 0.85, 1.2, 1.7, 3.0)
+#: The least standard deviation of the noise, in units of the sensors': floors are rounded up.
+LEAST_NOISE = 0.3
+#: The least and the greatest amplitude of a discrepancy, as a share of a healthy machine's: what is more is no imperfection of a law.
+LEAST_AMPLITUDE, MOST_AMPLITUDE = 1e-2, 3.0
+
+
+@dataclass(frozen=True)
+class Spreads:
+    """What is estimated by maximising the evidence: the noise of a row, and the amplitude of each kind of discrepancy."""
+
+    noise: float
+    amplitudes: tuple[float, ...]
+
+
+@dataclass(frozen=True)
+class Posterior:
+    """The posterior of one subset.
+
+    Attributes:
+        log_evidence: Natural logarithm of the evidence; minus infinity where a size has a sign that it cannot have.
+        background: Posterior mean of the nuisance parameters, in prior standard deviations, shape (p,).
+        sizes: Posterior mean of the sizes of its terms, shape (m,).
+        errors: Their posterior standard deviations, shape (m,).
+        discrepancy: Posterior mean of the discrepancy's weights, shape (d,).
+        left: Target less everything, shape (n,); only where it was asked for.
+    """
+
+    log_evidence: float
+    background: Array
+    sizes: Array
+    errors: Array
+    discrepancy: Array
+    left: Array
+
+
+class LinearEvidence:
+    """The evidence for the subsets of one bend of a family.
+
+    Args:
+        bend: The family, bent.
+        basis: Of the discrepancy.
+    """
+
+    def __init__(self, bend: Bend, basis: DiscrepancyBasis):
+        self.bend, self.basis = bend, basis
+        self._design = np.hstack([bend.background, basis.columns, *(term.columns for term in bend.terms)])
+        self._gram, self._moment = self._design.T @ self._design, self._design.T @ bend.target
+        self._square = float(bend.target @ bend.target)
+        first = bend.background.shape[1] + basis.columns.shape[1]
+        self._always = np.arange(first)
+        self._columns = []
+        for term in bend.terms:
+            self._columns.append(np.arange(first, first + term.columns.shape[1]))
+            first += term.columns.shape[1]
+
+    def posterior(self, subset: Subset, spreads: Spreads, correlation_time: float, whole: bool = False) -> Posterior:
+        """Return the posterior of a subset; with `whole`, what is left of the target as well."""
+        p, d = self.bend.background.shape[1], self.basis.columns.shape[1]
+        index = np.concatenate([self._always, *(self._columns[j] for j in subset)]).astype(np.int64)
+        amplitudes = np.array(spreads.amplitudes)
+        scale = np.concatenate([
+            np.ones(p), amplitudes[self.basis.kinds] if d else np.zeros(0), *(self.bend.terms[j].spread for j in subset)
+        ])  # fmt: skip
+        weight = 1.0 / (spreads.noise**2 * correlation_time)
+        normal = self._gram[np.ix_(index, index)] * (weight * np.outer(scale, scale))
+        normal[np.diag_indices_from(normal)] += 1.0
+        factor = cholesky(normal, lower=True, overwrite_a=True, check_finite=False)
+        half = solve_triangular(factor, self._moment[index] * (weight * scale), lower=True, check_finite=False)
+        evidence = -self.bend.target.size / correlation_time * math.log(spreads.noise) - 0.5 * weight * self._square
+        evidence += 0.5 * float(half @ half) - float(np.log(np.diag(factor)).sum())
+        evidence -= 0.5 * float(np.sum((amplitudes / self.basis.healthy) ** 2))
+        found = solve_triangular(factor.T, half, lower=False, check_finite=False) * scale
+        sizes = found[p + d :]
+        signed = [one for j in subset for one in self.bend.terms[j].one_sided]
+        evidence += math.log(2.0) * sum(signed)
+        if any(yes and size < 0.0 for yes, size in zip(signed, sizes, strict=True)):
+            evidence = -math.inf
+        errors, left = np.zeros(0), np.zeros(0)
+        if whole:
+            inverse = cho_solve((factor, True), np.eye(len(index)))
+            errors = np.sqrt(np.diag(inverse))[p + d :] * scale[p + d :]
+            left = self.bend.target - self._design[:, index] @ found
+        return Posterior(evidence, found[:p], sizes, errors, found[p : p + d], left)
+
+    def estimated(self, subset: Subset, spreads: Spreads, correlation_time: float, sweeps: int = 2) -> tuple[float, Spreads]:
+        """Return the evidence of a subset at the spreads that maximise it, and these."""
+        best, at = self.posterior(subset, spreads, correlation_time).log_evidence, spreads
+        for _ in range(sweeps):
+            for which in range(1 + len(at.amplitudes)):
+                for factor in _FACTORS:
+                    tried = self._varied(at, which, factor)
+                    evidence = self.posterior(subset, tried, correlation_time).log_evidence
+                    if evidence > best:
+                        best, at = evidence, tried
+        return best, at
+
+    def _varied(self, spreads: Spreads, which: int, factor: float) -> Spreads:
+        if which == 0:
+            return Spreads(max(spreads.noise * factor, LEAST_NOISE), spreads.amplitudes)
+        amplitudes = list(spreads.amplitudes)
+        healthy = float(self.basis.healthy[which - 1])
+        amplitudes[which - 1] = min(max(amplitudes[which - 1] * factor, LEAST_AMPLITUDE * healthy), MOST_AMPLITUDE * healthy)
+        return Spreads(spreads.noise, tuple(amplitudes))

@@ -1,0 +1,142 @@
+"""The score test: each candidate's signature, projected clear of the fitted parameters, against what is left of the error."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+
+import numpy as np
+from numpy.typing import NDArray
+
+from exo_sim.diagnosis.estimation.candidate import Candidate
+from exo_sim.diagnosis.estimation.least_squares import prior_terms
+from exo_sim.diagnosis.estimation.parameters import FreeParameter
+from exo_sim.diagnosis.estimation.threads import SERIAL, Threads
+from exo_sim.diagnosis.selection.fitted_model import FittedModel, LeastSquaresModel
+
+Array = NDArray[np.float64]
+
+
+def scores(
+    model: LeastSquaresModel, now: FittedModel, candidates: Sequence[Candidate], threads: Threads = SERIAL
+) -> list[tuple[float, Candidate]]:
+    """Return the candidates that are not in a fitted model with the drop in squared error that their signature promises, best first."""
+    base = now.fit.residual
+    fixed_now = now.fixed
+    prior_rows, prior_jac = prior_terms(now.fit.parameters, now.fit.values)
+    strength = math.sqrt(now.fit.prior_weight)
+    whole = np.vstack([now.fit.jacobian, strength * prior_jac])
+    raw = np.concatenate([base, strength * prior_rows])
+    values = now.fit.values
+    loose = [j for j, q in enumerate(now.fit.parameters) if q.low < values[q] < q.high]
+    cleared: dict[tuple[int, ...], tuple[Array, Array]] = {}
+
+    def clear_of(candidate: Candidate) -> tuple[Array, Array]:
+        """Return a basis of what the fitted parameters explain, those left out that the candidate stands for, and the error beyond it."""
+        slots = {q.slot for q in candidate.parameters}
+        columns = tuple(j for j in loose if now.fit.parameters[j].slot not in slots)
+        if columns not in cleared:
+            basis = np.linalg.qr(whole[:, columns])[0] if columns else np.zeros((whole.shape[0], 0))
+            cleared[columns] = basis, raw - basis @ (basis.T @ raw)
+        return cleared[columns]
+
+    level = math.sqrt(float(base @ base) / max(base.size, 1))
+
+    def score(candidate: Candidate) -> tuple[float, Candidate]:
+        best = 0.0
+        basis, target = clear_of(candidate)
+        if candidate.is_law:
+            return _promise_of_law(model, candidate, now, fixed_now, level, basis, target), candidate
+        for start in candidate.starts:
+            found = signature(model, candidate, start, now, fixed_now, base, level)
+            if found is None:
+                continue
+            change, _ = found
+            clear = np.concatenate([change, np.zeros(len(prior_rows))])
+            clear -= basis @ (basis.T @ clear)
+            power = float(clear @ clear)
+            pull = -float(clear @ target)
+            if power <= 1e-12 * float(change @ change) or power == 0.0:
+                continue
+            taken = {q.slot for q in now.fit.parameters}
+            one_sided = all(q.low >= q.neutral and q.slot not in taken for q in candidate.parameters)
+            if pull <= 0.0 and one_sided:
+                continue
+            best = max(best, pull * pull / power)
+        return best, candidate
+
+    left = [c for c in candidates if c.at not in now.named and now.meets_prerequisite(c)]
+    scored = threads.predictions(score, left)
+    return sorted(scored, key=lambda pair: -pair[0])
+
+
+def law_signatures(
+    model: LeastSquaresModel, candidate: Candidate, now: FittedModel, fixed_now: Sequence[tuple[FreeParameter, float]]
+) -> Array:
+    """Return the change of the residual by one standard deviation of each parameter of a law, shape (n, p)."""
+    columns = []
+    for q in candidate.parameters:
+        there = {p: p.start + (spread_of(q) if p is q else 0.0) for p in candidate.parameters}
+        columns.append(model.residual({**now.fit.values, **there}, [*fixed_now, *candidate.fixed]) - now.fit.residual)
+    return np.column_stack(columns)
+
+
+def spread_of(parameter: FreeParameter) -> float:
+    """Return what is known of a parameter before any data: a standard deviation, or its scale."""
+    return parameter.prior[1] if parameter.prior else parameter.scale
+
+
+def _promise_of_law(
+    model: LeastSquaresModel, candidate: Candidate, now: FittedModel, fixed_now: list[tuple[FreeParameter, float]], level: float,
+    basis: Array, target: Array,
+) -> float:  # fmt: skip
+    """Return the drop in squared error that a law promises which may bend in all of its parameters at once, as far as is known of them."""
+    columns = law_signatures(model, candidate, now, fixed_now)
+    if not np.isfinite(columns).all():
+        return 0.0
+    clear = np.vstack([columns, np.zeros((len(target) - len(columns), columns.shape[1]))])
+    clear -= basis @ (basis.T @ clear)
+    normal = clear.T @ clear + max(level, 1.0) ** 2 * np.eye(clear.shape[1])
+    pull = clear.T @ target
+    return float(pull @ np.linalg.solve(normal, pull))
+
+
+def signature(
+    model: LeastSquaresModel,
+    candidate: Candidate,
+    start: tuple[float, ...],
+    now: FittedModel,
+    fixed_now: Sequence[tuple[FreeParameter, float]],
+    base: Array,
+    level: float,
+) -> tuple[Array, dict[FreeParameter, float]] | None:
+    """Return the change of the residual when a candidate is put in at a size that stands out of the noise but does not swamp it.
+
+    With the change comes the size; None where the prediction is not finite.
+
+    Args:
+        model: The subsystem.
+        candidate: What is put in ...
+        start: ... at this size, or in proportion.
+        now: The fitted model that it is put into.
+        fixed_now: What that holds at a value.
+        base: Its residual, shape (n,).
+        level: Root mean square of that.
+    """
+    size = 1.0
+    for _ in range(4 if candidate.proportional else 1):
+        values = {
+            q: float(np.clip(q.neutral + size * (v - q.neutral), q.low, q.high))
+            for q, v in zip(candidate.parameters, start, strict=True)
+        }
+        change = model.residual({**now.fit.values, **values}, [*fixed_now, *candidate.fixed]) - base
+        if not np.isfinite(change).all():
+            return None
+        strength = math.sqrt(float(change @ change) / change.size)
+        if strength > 10.0 * level and size > 1e-3:
+            size *= 0.2
+        elif strength < 0.02 * level and size < 50.0:
+            size *= 10.0
+        else:
+            break
+    return change, values

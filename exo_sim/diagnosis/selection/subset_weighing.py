@@ -1,0 +1,205 @@
+"""The subsets of a linear family, weighed against each other: which effects are present, none of which has to be found first.
+
+Which terms are present is climbed to from both ends, from none and from all of them, by changing one or two at a time. The subsets that
+come near the best are weighed once more with the noise and the discrepancy estimated for each of them.
+"""
+
+from __future__ import annotations
+
+import itertools
+import math
+from collections.abc import Collection, Iterator, Sequence
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from exo_sim.diagnosis.discrepancy.basis import DiscrepancyBasis
+from exo_sim.diagnosis.estimation.candidate import Candidate
+from exo_sim.diagnosis.estimation.correlation import correlation_time
+from exo_sim.diagnosis.estimation.linear_family import LinearFamily, Term
+from exo_sim.diagnosis.selection.linear_evidence import LinearEvidence, Posterior, Spreads, Subset
+
+#: Subsets that a climb meets and that are weighed with spreads of their own.
+FINALISTS = 25
+#: How often the climb is repeated with the spreads of the best subset.
+MOST_ROUNDS = 4
+
+At = tuple[str, str]
+
+
+@dataclass(frozen=True)
+class Weighed:
+    """A subset of one bend, the logarithm of its probability up to a constant, and the spreads at which it was weighed."""
+
+    bend: int
+    subset: Subset
+    score: float
+    spreads: Spreads
+
+
+class SubsetWeighing:
+    """The weighing of the subsets of one family.
+
+    Args:
+        family: The family.
+        basis: Of its discrepancy.
+        blocks: Block of time of each row.
+        standing: Effects that the machine as believed has anyhow.
+    """
+
+    def __init__(self, family: LinearFamily, basis: DiscrepancyBasis, blocks: NDArray[np.int64], standing: Sequence[str] = ()):
+        self.family, self.standing = family, frozenset(standing)
+        self._evidence = [LinearEvidence(bend, basis) for bend in family.bends]
+        self._basis, self._blocks = basis, blocks
+        self._correlation = 1.0
+
+    def posterior(self, weighed: Weighed, more: Subset = ()) -> Posterior:
+        """Return the posterior of a subset, with more terms in it where they are given, and what it leaves."""
+        subset = tuple(sorted((*weighed.subset, *more)))
+        return self._evidence[weighed.bend].posterior(subset, weighed.spreads, self._correlation, whole=True)
+
+    def terms(self, weighed: Weighed) -> list[Term]:
+        """Return the terms of a subset."""
+        return [self.family.bends[weighed.bend].terms[j] for j in weighed.subset]
+
+    def candidates(self, weighed: Weighed) -> tuple[Candidate, ...]:
+        """Return the effects of a subset, each once."""
+        bent = self.family.bends[weighed.bend].candidate
+        found = [term.candidate for term in self.terms(weighed)] + ([bent] if bent is not None else [])
+        return tuple({candidate.at: candidate for candidate in found}.values())
+
+    def probabilities(self, finalists: Sequence[Weighed]) -> dict[At, float]:
+        """Return the probability of each effect being present, over the subsets that were weighed to the end."""
+        every = {candidate.at for one in finalists for candidate in self.candidates(one)}
+        return {at: self.probability_of_any(finalists, {at}) for at in sorted(every)}
+
+    def probability_of_any(self, finalists: Sequence[Weighed], effects: Collection[At]) -> float:
+        """Return the probability that any of these effects is present, over the subsets that were weighed to the end."""
+        scores = np.array([one.score for one in finalists])
+        weights = np.exp(scores - scores.max())
+        present = [any(candidate.at in effects for candidate in self.candidates(one)) for one in finalists]
+        return float(weights[present].sum() / weights.sum())
+
+    def finalists(self) -> list[Weighed]:
+        """Return the most probable subsets, best first."""
+        target = self.family.bends[0].target
+        centred = target - target.mean()
+        amplitudes = tuple(0.5 * float(scale) for scale in self._basis.healthy)
+        spreads = Spreads(max(0.3 * float(np.sqrt(np.mean(centred**2))), 1.0), amplitudes)
+        everything = self._everything()
+        plain = self._evidence[0]
+        for _ in range(2):
+            _, spreads = plain.estimated(everything, spreads, self._correlation, sweeps=3)
+            left = plain.posterior(everything, spreads, self._correlation, whole=True).left
+            self._correlation = correlation_time(left, self._blocks)
+        found: dict[tuple[int, Subset], Weighed] = {}
+        for start in ((), everything):
+            self._weigh_around(0, start, spreads, found)
+        best = max(found.values(), key=lambda one: one.score)
+        for _ in range(MOST_ROUNDS):
+            self._weigh_around(best.bend, best.subset, best.spreads, found)
+            best = max(found.values(), key=lambda one: one.score)
+            for at in [candidate.at for candidate in self.candidates(best)]:
+                self._weigh_without(at, best, found)
+            better = max(found.values(), key=lambda one: one.score)
+            if better is best:
+                break
+            best = better
+        return sorted(found.values(), key=lambda one: -one.score)
+
+    def _weigh_around(self, bend: int, start: Subset, spreads: Spreads, found: dict[tuple[int, Subset], Weighed]) -> None:
+        """Weigh the best subsets that a climb meets, in this bend of the family and from its top in the others."""
+        weighed: dict[tuple[int, Subset], float] = {}
+        top = self._climbed(bend, start, spreads, weighed, pairs=True)
+        for other in range(len(self.family.bends)):
+            if other != bend:
+                self._climbed(other, top, spreads, weighed, pairs=False)
+        for key in sorted(weighed, key=lambda key: -weighed[key])[:FINALISTS]:
+            self._weigh(key, spreads, found)
+
+    def _weigh_without(self, at: At, best: Weighed, found: dict[tuple[int, Subset], Weighed]) -> None:
+        """Weigh the best subset that lacks an effect of the best one."""
+        bent = self.family.bends[best.bend].candidate
+        bend = 0 if bent is not None and bent.at == at else best.bend
+        start = tuple(j for j in best.subset if self._at(best.bend, j) != at)
+        key = bend, self._climbed(bend, start, best.spreads, {}, pairs=False, lacking=at)
+        self._weigh(key, best.spreads, found)
+
+    def _weigh(self, key: tuple[int, Subset], spreads: Spreads, found: dict[tuple[int, Subset], Weighed]) -> None:
+        """Weigh a subset with spreads of its own, estimated from these; what it had before stays where it is better."""
+        evidence, own = self._evidence[key[0]].estimated(key[1], spreads, self._correlation)
+        score = evidence + self._log_prior(*key)
+        if key not in found or score > found[key].score:
+            found[key] = Weighed(*key, score, own)
+
+    def _everything(self) -> Subset:
+        """Return one term of every group: the one that lowers the target's square most beside the background."""
+        plain = self._evidence[0]
+        spreads = Spreads(1.0, tuple(float(scale) for scale in self._basis.healthy))
+        chosen: list[int] = []
+        for members in self._groups(0).values():
+            chosen.append(max(members, key=lambda j: plain.posterior((j,), spreads, 1.0).log_evidence))
+        return tuple(sorted(chosen))
+
+    def _climbed(
+        self, bend: int, start: Subset, spreads: Spreads, weighed: dict[tuple[int, Subset], float], pairs: bool, lacking: At | None = None
+    ) -> Subset:
+        """Climb to a subset that no change of one group, or of two with `pairs`, makes more probable; none has the effect `lacking`."""
+
+        def score(subset: Subset) -> float:
+            key = bend, subset
+            if key not in weighed:
+                prior = self._log_prior(bend, subset)
+                found = self._evidence[bend].posterior(subset, spreads, self._correlation).log_evidence if prior > -math.inf else 0.0
+                weighed[key] = found + prior
+            return weighed[key]
+
+        now = start
+        score(now)
+        while True:
+            best = max(self._changed(bend, now, pairs, lacking), key=score, default=now)
+            if score(best) <= score(now) + 1e-9:
+                return now
+            now = best
+
+    def _changed(self, bend: int, subset: Subset, pairs: bool, lacking: At | None) -> Iterator[Subset]:
+        """Return every subset in which one group, or two of them, have another term or none."""
+        groups = self._groups(bend)
+        options: dict[str, list[tuple[int, ...]]] = {
+            name: [(), *((j,) for j in members if self._at(bend, j) != lacking)] for name, members in groups.items()
+        }
+        for name, choices in options.items():
+            rest = tuple(j for j in subset if j not in groups[name])
+            for choice in choices:
+                yield tuple(sorted((*rest, *choice)))
+        if pairs:
+            for (one, first), (other, second) in itertools.combinations(options.items(), 2):
+                rest = tuple(j for j in subset if j not in groups[one] and j not in groups[other])
+                for choice, more in itertools.product(first, second):
+                    yield tuple(sorted((*rest, *choice, *more)))
+
+    def _groups(self, bend: int) -> dict[str, list[int]]:
+        found: dict[str, list[int]] = {}
+        for j, term in enumerate(self.family.bends[bend].terms):
+            found.setdefault(term.group, []).append(j)
+        return found
+
+    def _log_prior(self, bend: int, subset: Subset) -> float:
+        """Return the logarithm of the prior odds of a subset; minus infinity where an effect lacks what it comes on top of."""
+        chosen = self.family.bends[bend]
+        terms = [chosen.terms[j] for j in subset]
+        groups = {term.group for term in terms}
+        total = 0.0
+        asked = [(term.candidate, term.alternatives) for term in terms]
+        if chosen.candidate is not None:
+            asked.append((chosen.candidate, chosen.alternatives))
+        for candidate, alternatives in asked:
+            base = candidate.prerequisite
+            if base and base not in self.standing and not any(t.group in groups and t.candidate.effect == base for t in chosen.terms):
+                return -math.inf
+            total += math.log(candidate.prevalence / (1.0 - candidate.prevalence)) - math.log(alternatives)
+        return total
+
+    def _at(self, bend: int, term: int) -> At:
+        return self.family.bends[bend].terms[term].candidate.at

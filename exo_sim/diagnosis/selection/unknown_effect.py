@@ -1,0 +1,58 @@
+"""Something is missing that no candidate explains: the finding of an unknown effect, and the curve that describes it."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+
+from exo_sim.diagnosis.discrepancy.curve import Curve
+from exo_sim.diagnosis.discrepancy.signal import Discrepancy
+from exo_sim.diagnosis.findings import Estimate, Finding, Kind
+from exo_sim.diagnosis.selection.subsystem_result import SubsystemResult
+from exo_sim.diagnosis.subsystem_model import SubsystemModel
+from exo_sim.physics.effects.unknown import EFFECT as UNKNOWN
+
+
+@dataclass(frozen=True)
+class UnknownEffect:
+    """An unknown effect: its finding, what it stands for, and the subsystem's result that it comes from."""
+
+    finding: Finding
+    discrepancy: Discrepancy
+    result: SubsystemResult[SubsystemModel]
+
+
+def unknown_effects(results: Sequence[SubsystemResult[SubsystemModel]]) -> tuple[UnknownEffect, ...]:
+    """Return the unknown effect of every subsystem in which something is missing that no candidate explains."""
+    return tuple(_unknown_effect(one) for one in results if one.has_unknown)
+
+
+def effect_of(unknown: Sequence[UnknownEffect], result: SubsystemResult[SubsystemModel]) -> UnknownEffect | None:
+    """Return the unknown effect of a subsystem's result, or None."""
+    return next((effect for effect in unknown if effect.result.key == result.key), None)
+
+
+def _unknown_effect(result: SubsystemResult[SubsystemModel]) -> UnknownEffect:
+    model = result.model
+    missing = model.main_discrepancy(result.final_plant)
+    best = missing.best
+    variables = (model.column(best.variable),) if best else ()
+    says = f"Something without a name acts in the {missing.place} of {result.where}"
+    says += f"; it follows {variables[0]}." if variables else "; it follows none of the recorded signals closely."
+    says += " It comes in fast bursts, as a pressure that rings does." if missing.bursts else ""
+    size = {"size": Estimate(missing.size, missing.unit, 0.0, 2.0 * missing.size)}
+    n, fit = model.size, result.final.fit
+    odds = 0.5 * n / max(result.fits.correlation_time(fit.residual), 1.0) * np.log(max(fit.sse / n, 1.0)) / np.log(10.0)
+    curve = _as_dict(missing, best) if best else None
+    finding = Finding(UNKNOWN.name, result.where, Kind.UNKNOWN, says, size, float(odds), 0.0, depends_on=variables, curve=curve)
+    return UnknownEffect(finding, missing, result)
+
+
+def _as_dict(missing: Discrepancy, curve: Curve) -> dict[str, Any]:
+    return {
+        "acts": missing.acts, "variable": curve.variable, "at": [float(v) for v in curve.at], "unit": missing.unit,
+        "values": [float(v) for v in curve.values], "band": [float(v) for v in curve.band], "explains": round(curve.explains, 3),
+    }  # fmt: skip

@@ -1,0 +1,179 @@
+"""Candidates for a cylinder's gas: every declared effect in each of its forms, and the sensor faults that imitate one."""
+
+from __future__ import annotations
+
+import itertools
+import math
+from collections.abc import Sequence
+from dataclasses import replace
+
+import numpy as np
+
+from exo_sim.diagnosis.data.cylinder_run import CylinderRun
+from exo_sim.diagnosis.estimation.candidate import Candidate
+from exo_sim.diagnosis.estimation.parameters import FreeParameter, PlantParameters, Target
+from exo_sim.diagnosis.estimation.sensor_error import sensor_error
+from exo_sim.diagnosis.policy import healthy, priors
+from exo_sim.diagnosis.subsystems.gas.nuisances import contained_effects
+from exo_sim.diagnosis.subsystems.gas.place import measured_places, place_of
+from exo_sim.diagnosis.subsystems.healthy_leak import BY_UNIT, swept_volume
+from exo_sim.physics.declaration import Effect, Parameter, declared
+from exo_sim.physics.effects import sensor_bias, sensor_delay, sensor_scale
+
+#: A parameter that is never zero and whose typical range spans more than this factor is fitted by its logarithm.
+LOGARITHMIC = 4.0
+#: Largest area in series with a valve, in units of the valve's: wider ones restrict nothing and only take long to predict.
+WIDEST = 20.0
+
+
+def candidates(plant: PlantParameters, runs: Sequence[CylinderRun], cylinder: str, joint: str) -> tuple[Candidate, ...]:
+    """Return every candidate that these recordings of one cylinder can show, in the order of their names."""
+    valve = float(plant.cylinder["valve_area"][0]) > 0.0
+    commanded = valve and any(run.commanded for run in runs)
+    moves = any(run.length is not None and float(run.length.max() - run.length.min()) > 1e-4 for run in runs)
+    measured, contained = measured_places(runs), contained_effects(plant)
+    single = float(plant.cylinder["single_acting"][0]) > 0.0
+    found: list[Candidate] = []
+    for effect in declared().values():
+        sense = effect.asked.sense
+        if effect.cut != "gas" or effect.asked.held_back or effect.name in contained or effect.places[0] in measured:
+            continue
+        if not commanded and (sense.commanded or "valve_command" in effect.needs):
+            continue
+        if (sense.moving and not moves) or (sense.two_chambers and single):
+            continue
+        if plant.is_on(effect) and not effect.asked.though_on:
+            continue
+        if sense.known_at_joint and float(plant.cylinder[sense.known_at_joint][0]) > 0.0:
+            continue
+        for form in effect.asked.forms or (tuple(p.name for p in effect.parameters if not p.choices),):
+            if single and any(name.endswith("_2") for name in form):
+                continue
+            made = _of_form(effect, cylinder, form, plant)
+            if effect.asked.starts_by_reach:
+                made = [replace(one, starts=_starts_within_reach(effect, form, plant, runs)) for one in made]
+            found += made
+    found += _sensor_faults(runs, cylinder, joint, moves)
+    return tuple(found)
+
+
+def _starts_within_reach(
+    effect: Effect, form: tuple[str, ...], plant: PlantParameters, runs: Sequence[CylinderRun]
+) -> tuple[tuple[float, ...], ...]:
+    """Return initial values of what lies at fixed distances from the ends of the stroke, where the piston comes that near."""
+    stroke, valve = float(plant.cylinder["stroke"][0]), float(plant.cylinder["valve_area"][0])
+    paths = [run.length for run in runs if run.length is not None]
+    nearest = max(min(min(float(np.nanmin(x)), stroke - float(np.nanmax(x))) for x in paths), 0.0)
+    shift, size = {"length": nearest}, {"length": 0.5 * stroke, "area": valve}
+    return tuple(
+        tuple(shift.get(name, 0.0) + value * size[name] for name, value in zip(form, values, strict=True))
+        for values in effect.asked.starts_by_reach
+    )
+
+
+def _of_form(effect: Effect, cylinder: str, form: tuple[str, ...], plant: PlantParameters) -> list[Candidate]:
+    """Return the candidates of one form: one, or one for each word of a choice (where the sensor sits)."""
+    where, target = place_of(effect, cylinder)
+    parameters = tuple(_free(effect, effect.parameter(name), where, target, plant) for name in form)
+    if "inertial" in form or effect.asked.logarithmic:
+        parameters = tuple(replace(parameter, logarithmic=True) for parameter in parameters)
+    valve = float(plant.cylinder["valve_area"][0])
+    porous = "inertial" in form
+    if porous:  # where both terms of the path's law take half of the drop from 5 bar
+        starts = tuple((*(a for _ in form[:-1]), 2.0 / (a * a * 2.5e11)) for a in (1e-16, 1e-17, 1e-18))
+    elif effect.asked.starts:
+        starts = effect.asked.starts
+    elif effect.asked.starts_by_valve and valve > 0.0:
+        starts = tuple(
+            tuple(value * (valve if name == "area" else 1.0) for name, value in zip(form, values, strict=False))
+            for values in effect.asked.starts_by_valve
+        )
+    else:
+        low = tuple(_typical(effect.parameter(name), 0.25) for name in form)
+        high = tuple(_typical(effect.parameter(name), 0.75) for name in form)
+        starts = (low, high)
+    held = tuple(
+        (_free(effect, p, where, target, plant), p.default) for p in effect.parameters if p.default and p.name not in form and not p.choices
+    )
+    beneath = effect.requires or effect.asked.on_top_of
+    one = Candidate(
+        effect.name,
+        where,
+        "+".join(form),
+        parameters,
+        starts,
+        fixed=held,
+        proportional=effect.asked.proportional and not porous,
+        prerequisite=beneath if beneath and not plant.is_on(declared()[beneath]) else "",
+        additive=effect.asked.adds_up,
+        is_law=effect.asked.is_law,
+    )
+    choices = [parameter for parameter in effect.parameters if parameter.choices]
+    if not choices:
+        return [one]
+    return [
+        replace(
+            one,
+            form=one.form + "".join(f",{p.name}={p.choices[c]}" for p, c in zip(choices, chosen, strict=True)),
+            fixed=(
+                *held,
+                *((_free(effect, p, where, target, plant), float(c)) for p, c in zip(choices, chosen, strict=True)),
+            ),
+        )
+        for chosen in itertools.product(*(range(len(p.choices)) for p in choices))
+    ]
+
+
+def _typical(parameter: Parameter, share: float) -> float:
+    low, high = parameter.typical
+    return low * (high / low) ** share if low > 0.0 else low + share * (high - low)
+
+
+def _healthy_limit(effect: Effect, parameter: Parameter, plant: PlantParameters) -> float:
+    """Return how much of a parameter a healthy machine has at most."""
+    c = plant.cylinder[0]
+    if effect.asked.leaks and parameter.unit in BY_UNIT:
+        return effect.asked.leaks * BY_UNIT[parameter.unit] * swept_volume(plant)
+    if effect.asked.wall_heat:
+        bore = math.sqrt(4.0 * float(c["area_1"]) / math.pi)
+        return effect.asked.wall_heat * healthy.FILM * math.pi * bore * (float(c["stroke"]) + 0.5 * bore)
+    return effect.asked.smallest(parameter.name)
+
+
+def _free(effect: Effect, parameter: Parameter, where: str, target: Target, plant: PlantParameters) -> FreeParameter:
+    low, high = parameter.typical
+    scale = effect.asked.known.get(parameter.name, (0.0, 0.0))[1] or abs(_typical(parameter, 0.5)) or 0.5 * (high - low)
+    most, valve = parameter.high, float(plant.cylinder["valve_area"][0])
+    if parameter.name == "area" and effect.asked.starts_by_valve and valve > 0.0:
+        most = min(most, WIDEST * valve)
+    return FreeParameter(
+        effect.name, where, parameter.name, parameter.unit, target, scale, parameter.low, most, effect.asked.known.get(parameter.name),
+        neutral=effect.asked.neutral.get(parameter.name, 0.0),
+        nonsmooth=effect.asked.jerky, healthy_limit=_healthy_limit(effect, parameter, plant),
+        logarithmic=parameter.low > 0.0 and high > LOGARITHMIC * low,
+    )  # fmt: skip
+
+
+def _sensor_faults(runs: Sequence[CylinderRun], cylinder: str, joint: str, moves: bool) -> list[Candidate]:
+    found = []
+    for side in (1, 2):
+        if all(run.pressure[side - 1] is None for run in runs):
+            continue
+        column, signal = f"{cylinder}.pressure_{side}", f"pressure_{side}"
+        limit = healthy.ZEROS * priors.PRESSURE_ZERO
+        found.append(sensor_error(sensor_bias.EFFECT, column, f"{signal}.bias", "Pa", 2e3, (-1.2e5, 1.2e5), limit))
+        found += [_scale(column, signal), _delay(column, signal)]
+    if moves:
+        column = f"{joint}.position"
+        found += [_delay(column, "position"), _scale(column, "position")]
+    return found
+
+
+def _scale(column: str, signal: str) -> Candidate:
+    return sensor_error(sensor_scale.EFFECT, column, f"{signal}.scale", "1", 0.02, (0.8, 1.25), healthy.SCALE, neutral=1.0)
+
+
+def _delay(column: str, signal: str) -> Candidate:
+    """Return a delay; of pressures beside each other less is a finding than of the position beside both, which other cards take."""
+    limit = healthy.CARD_SKEW if signal == "position" else healthy.SKEW
+    return sensor_error(sensor_delay.EFFECT, column, f"{signal}.delay", "s", 2e-3, (-0.05, 0.05), limit)

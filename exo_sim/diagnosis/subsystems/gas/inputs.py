@@ -1,0 +1,118 @@
+"""Inputs of a gas prediction: a run cut into windows, what was not recorded filled with the rig's constants."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass, field
+
+import numpy as np
+from numpy.typing import NDArray
+
+from exo_sim.diagnosis.data.cylinder_run import CylinderRun
+from exo_sim.recording.filters import start_weights
+from exo_sim.recording.windows import local_range, window_starts
+
+Array = NDArray[np.float64]
+
+#: Delayed commands are cached up to so many samples.
+MOST_KEPT = 2_000_000
+#: Samples that estimate the pressure at the start of a window, and the longest time that they may span [s].
+START_SAMPLES, START_SECONDS = 15, 0.03
+
+
+@dataclass(frozen=True)
+class Windows:
+    """Where predictions start and end.
+
+    Attributes:
+        starts, stops: First sample of each window and the one behind its last, shape (w,).
+        pressure: Initial pressures, shape (w, 2): as measured; of a chamber that was not measured `CylinderRun.initial` at the very
+            first, else NaN.
+    """
+
+    starts: NDArray[np.int64]
+    stops: NDArray[np.int64]
+    pressure: Array
+
+
+@dataclass(frozen=True)
+class GasInputs:
+    """Inputs of one run, shape (n,) each; supply and exhaust are the rig's constants where they were not recorded."""
+
+    run: CylinderRun
+    time: Array
+    command: Array
+    length: Array
+    supply: Array
+    exhaust: Array
+    supply_temperature: Array
+    windows: Windows
+    _delayed: dict[float, Array] = field(default_factory=dict)
+
+    def command_after(self, delay: float) -> Array:
+        """Return the command as it reaches the valve `delay` seconds late, shape (n,)."""
+        found = self._delayed.get(delay)
+        if found is None:
+            if len(self._delayed) > max(2, MOST_KEPT // len(self.time)):
+                self._delayed.clear()
+            found = self._delayed[delay] = late_command(self.time, self.command, delay)
+        return found
+
+
+def inputs(run: CylinderRun, world: NDArray[np.void], seconds: float) -> GasInputs:
+    """Return the inputs of a run for windows of about `seconds`; `world` is the record of shape (1,) with the constants."""
+    n = len(run.time)
+    assert run.length is not None
+    record = world[0]
+
+    def constant(values: Array | None, name: str) -> Array:
+        return np.full(n, float(record[name])) if values is None else values
+
+    return GasInputs(
+        run, run.time, run.command, run.length, supply=constant(run.supply, "supply_pressure"),
+        exhaust=constant(run.exhaust, "exhaust_pressure"),
+        supply_temperature=constant(run.supply_temperature, "supply_temperature"), windows=windows(run, seconds),
+    )  # fmt: skip
+
+
+def windows(run: CylinderRun, seconds: float) -> Windows:
+    """Cut a run into windows of about `seconds` that contain no break, each started where the pressures are quiet nearby."""
+    starts: list[int] = []
+    stops: list[int] = []
+    time = run.time
+    restless = local_range(run.pressure, len(time))
+    edges = [*run.breaks, len(time)]
+    for begin, end in zip(edges[:-1], edges[1:], strict=True):
+        found = window_starts(time, begin, end, seconds, restless)
+        starts += found
+        stops += [*found[1:], end]
+    pressure = np.full((len(starts), 2), np.nan)
+    points = min(START_SAMPLES, int(START_SECONDS / max(float(np.median(np.diff(time))), 1e-9)) + 1) if len(time) > 1 else 1
+    for side, values in enumerate(run.pressure):
+        if values is None:
+            pressure[0, side] = run.initial[side]
+            continue
+        for w, (begin, end) in enumerate(zip(starts, stops, strict=True)):
+            pressure[w, side] = _start(values[begin:end], points)
+    return Windows(np.array(starts), np.array(stops), pressure)
+
+
+def _start(values: Array, points: int) -> float:
+    good = np.isfinite(values)
+    if not good.any():
+        return math.nan
+    points = min(points, len(values))
+    if points < 5 or not good[:points].all():
+        return float(values[int(np.argmax(good))])
+    return float(start_weights(points) @ values[:points])
+
+
+def late_command(time: Array, command: Array, delay: float) -> Array:
+    """Return the mean over each step of a held command that arrives `delay` seconds late, shape (n,)."""
+    if delay == 0.0:
+        return command
+    total = np.concatenate([[0.0], np.cumsum(command[:-1] * np.diff(time))])
+    edges = np.append(time, 2 * time[-1] - time[-2]) - delay
+    passed = np.interp(edges, time, total)
+    passed += np.minimum(edges - time[0], 0.0) * command[0] + np.maximum(edges - time[-1], 0.0) * command[-1]
+    return np.diff(passed) / np.diff(edges)

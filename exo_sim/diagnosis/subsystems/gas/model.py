@@ -1,0 +1,280 @@
+"""The gas of one cylinder as a least-squares problem: whitened pressure errors over windows."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping, Sequence
+from copy import copy
+from dataclasses import replace
+
+import numpy as np
+from numpy.typing import NDArray
+
+from exo_sim.diagnosis.data.cylinder_run import CylinderRun
+from exo_sim.diagnosis.data.split import Split
+from exo_sim.diagnosis.discrepancy.curve import Curve
+from exo_sim.diagnosis.discrepancy.signal import Discrepancy
+from exo_sim.diagnosis.discrepancy.trace import Trace
+from exo_sim.diagnosis.estimation.least_squares import Fit, fit
+from exo_sim.diagnosis.estimation.parameters import FreeParameter, PlantParameters
+from exo_sim.diagnosis.estimation.threads import SERIAL, Threads
+from exo_sim.diagnosis.findings import Finding, Series, Subsystem
+from exo_sim.diagnosis.policy import healthy, judgement, priors
+from exo_sim.diagnosis.subsystem_model import Comparison, SubsystemModel
+from exo_sim.diagnosis.subsystems.gas.bursts import burst_ratio
+from exo_sim.diagnosis.subsystems.gas.inputs import GasInputs, inputs
+from exo_sim.diagnosis.subsystems.gas.missing_flow import missing_flow
+from exo_sim.diagnosis.subsystems.gas.prediction import GasPrediction, run_gas
+from exo_sim.diagnosis.subsystems.gas.regimes import regimes
+from exo_sim.diagnosis.subsystems.gas.rows import rows_of
+from exo_sim.physics.declaration import asked_of
+from exo_sim.physics.effects import critical_ratio as flow_law
+from exo_sim.physics.effects import unknown
+from exo_sim.physics.effects.unknown import ACTS, DEPENDS_ON, KNOTS
+from exo_sim.physics.gas import critical_ratio
+
+Array = NDArray[np.float64]
+
+#: Length of a window [s]. Short windows hide slow effects: a fifth to a third of the heat transfer at 0.4 s.
+WINDOW = 1.2
+#: Length of the windows over which reported errors are predicted [s].
+REPORTED_WINDOW = 0.5
+#: Fewest samples of a window.
+FEWEST_SAMPLES = 150
+#: A recording at rest is cut into no more windows than this.
+REST_WINDOWS = 5
+#: Errors are averaged over this time [s] ...
+GROUP = 0.005
+#: ... and in proportion longer where the recordings are longer than this together [s], which bounds the number of rows.
+LONG = 100.0
+#: Step in the initial pressure for its sensitivity [Pa].
+START_STEP = 500.0
+
+
+class GasModel(SubsystemModel):
+    """The gas of one cylinder, any number of runs.
+
+    The initial pressures of the windows, which noisy sensors tell only roughly, are marginalised.
+
+    Args:
+        runs: The runs, each with a position and at least one pressure.
+        nominal: The plant as believed.
+        split: Which time may be used.
+        window: Length of a window [s].
+        on_test: Whether the rows are those of the test time; predictions then cover the whole runs.
+    """
+
+    kind = Subsystem.GAS
+    balance = "energy balance"
+    hopeless_ratio = judgement.HOPELESS_GAS
+    demands_larger_part = True  # no two valves are alike
+    unit = "Pa"
+
+    def __init__(
+        self, runs: Sequence[CylinderRun], nominal: PlantParameters, split: Split, window: float | None = None, on_test: bool = False
+    ):
+        if window is None:
+            window = max(WINDOW, FEWEST_SAMPLES * max(float(np.median(np.diff(run.time))) for run in runs))
+            if all(run.at_rest for run in runs):
+                window = max(window, max(float(np.ptp(run.time)) for run in runs) / REST_WINDOWS)
+        self.where, self.nominal, self.split, self.all_runs = runs[0].cylinder, nominal, split, tuple(runs)
+        group = GROUP * max(1.0, sum(float(np.ptp(run.time)) for run in runs) / LONG)
+        self.runs = list(runs) if on_test else [run for run in (_training_part(run, split) for run in runs) if run is not None]
+        self.inputs: list[GasInputs] = [inputs(run, nominal.world, window) for run in self.runs]
+        self._rows = [[rows_of(one, side, split, group, on_test) for side in range(2)] for one in self.inputs]
+        self.blocks = self._blocks()
+        self._responses: list[list[Array]] | None = None
+
+    def _blocks(self) -> NDArray[np.int64]:
+        blocks, offset = [], 0
+        for run in self._rows:
+            for rows in run:
+                blocks.append(rows.window + offset)
+            offset += 1 + max((int(rows.window.max()) for rows in run if rows.window.size), default=0)
+        return np.concatenate(blocks) if blocks else np.zeros(0, int)
+
+    @property
+    def practical_significance(self) -> float:
+        levels = [float(np.nanmean(p)) for run in self.runs for p in run.pressure if p is not None]
+        scales = [float(np.median(rows.scale)) for run in self._rows for rows in run if rows.count.size]
+        return healthy.GAS_SIGNIFICANT * max(levels, default=0.0) / max(scales, default=1.0)
+
+    @property
+    def discrepancy_bound(self) -> float:
+        return healthy.GAS_BOUND * self.practical_significance
+
+    def predict(self, plant: PlantParameters, index: int, shift: float = 0.0, whole: bool = True) -> GasPrediction:
+        """Predict what the sensors of one run would show; without `whole` nothing but that. `shift` as in `run_gas`."""
+        sensors = plant.sensors
+        given = self.inputs[index]
+        length_scale = sensors.get("position.scale", 1.0)
+        offset = (sensors.get("pressure_1.bias", 0.0), sensors.get("pressure_2.bias", 0.0))
+        scale = np.array([sensors.get("pressure_1.scale", 1.0), sensors.get("pressure_2.scale", 1.0)])
+        plain = length_scale == 1.0 and (scale == 1.0).all()
+        if not plain:
+            given = _without_gains(given, length_scale, scale, np.array(offset))
+        out = run_gas(given, plant.world, plant.cylinder, shift, sensors.get("position.delay", 0.0), offset, whole)
+        pressure = out.pressure
+        pressure *= scale
+        pressure += np.array(offset)
+        for side in range(2):
+            late = sensors.get(f"pressure_{side + 1}.delay", 0.0)
+            if late != 0.0:
+                pressure[:, side] = np.interp(given.time - late, given.time, pressure[:, side])
+        return GasPrediction(pressure, out.inside, out.drawn, out.temperature)
+
+    def errors(self, plant: PlantParameters) -> list[Array]:
+        """Return measured less predicted pressure of every run, shape (n, 2) [Pa]; NaN where nothing was measured."""
+        found = []
+        for index, given in enumerate(self.inputs):
+            pressure = self.predict(plant, index, whole=False).pressure
+            for side, measured in enumerate(given.run.pressure):
+                np.subtract(math.nan if measured is None else measured, pressure[:, side], out=pressure[:, side])
+            found.append(pressure)
+        return found
+
+    def residual_of(self, plant: PlantParameters) -> Array:
+        if self._responses is None:
+            self._responses = self._initial_responses()
+        pieces = []
+        for index, errors in enumerate(self.errors(plant)):
+            for side in range(2):
+                rows = self._rows[index][side]
+                if rows.count.size:
+                    pieces.append(rows.marginalised(rows.means(errors[:, side]) / rows.scale, self._responses[index][side]))
+        return np.concatenate(pieces) if pieces else np.zeros(0)
+
+    def _initial_responses(self) -> list[list[Array]]:
+        """Return the response of each row to one standard deviation of its window's initial pressure."""
+        responses = []
+        for index, given in enumerate(self.inputs):
+            change = self.predict(self.nominal, index, START_STEP, whole=False).pressure
+            change -= self.predict(self.nominal, index, whole=False).pressure
+            sides = []
+            for side in range(2):
+                rows = self._rows[index][side]
+                spread = priors.INITIAL_PRESSURE * max(given.run.noise[side], healthy.GAS_FLOOR)
+                sides.append(
+                    rows.means(change[:, side]) / rows.scale * (spread / START_STEP) if rows.count.size else np.zeros(0)
+                )
+            responses.append(sides)
+        return responses
+
+    def with_better_flow_law(self, nuisances: Sequence[FreeParameter], threads: Threads = SERIAL) -> GasModel:
+        """Return the model under the form of the paper's flow law that fits better: the nozzle, or the ellipse that approximates it.
+
+        The two differ by at most 0.152 % of choked flow; a healthy valve may follow either, and neither is a finding.
+        """
+        if float(self.nominal.cylinder[flow_law.EFFECT.name]["ratio"][0]) > 0.0:
+            return self
+        rival = copy(self)
+        rival.nominal = self.nominal.copy()
+        rival.nominal.cylinder[flow_law.EFFECT.name]["ratio"] = critical_ratio(float(self.nominal.world["k"][0]))
+        own = fit(self.residual, nuisances, {q: q.start for q in nuisances}, threads, max_iterations=4)
+        other = fit(rival.residual, nuisances, own.values, threads, max_iterations=4, known_columns=own.columns)
+        return rival if other.sse < own.sse else self
+
+    def over_whole_runs(self, plant: PlantParameters, split: Split) -> GasModel:
+        """Return the model that predicts the whole runs, of this plant; its rows are those of the test time."""
+        return GasModel(self.all_runs, plant, split, on_test=True)
+
+    def on_test_time(self, split: Split) -> GasModel:
+        return GasModel(self.all_runs, self.nominal, split, REPORTED_WINDOW, on_test=True)
+
+    def compared(self, before: PlantParameters, after: PlantParameters, curve: Curve | None = None) -> list[Comparison]:
+        pressures = [[self.predict(plant, i, whole=False).pressure for i in range(len(self.runs))] for plant in (before, after)]
+        found = []
+        for side in range(2):
+            for index, run in enumerate(self.runs):
+                measured = run.pressure[side]
+                if measured is None:
+                    continue
+                mask = self.split.in_test(run.recording, run.time)
+                first, second = (predicted[index][:, side] for predicted in pressures)
+                column = f"{self.where}.pressure_{side + 1}"
+                series = Series(run.recording, column, self.unit, run.time, measured, first, second, run.noise[side])
+                found.append(Comparison(series, (measured - first)[mask], (measured - second)[mask]))
+        return found
+
+    def traces(self, plant: PlantParameters) -> list[Trace]:
+        found = []
+        k = float(plant.world["k"][0])
+        for given, errors in zip(self.inputs, self.errors(plant), strict=True):
+            run = given.run
+            for side in range(2):
+                if run.pressure[side] is None:
+                    continue
+                noise = float(np.hypot(run.noise[side], healthy.GAS_FLOOR))
+                where = f"{self.where}/chamber_{side + 1}"
+                found.append(
+                    Trace(where, self.balance, self.unit, run.recording, given.time, errors[:, side], noise, regimes(given, side, k))
+                )
+        return found
+
+    def discrepancies(self, plant: PlantParameters) -> tuple[Discrepancy, ...]:
+        sides = {side for run in self._rows for side, rows in enumerate(run) if rows.count.size}
+        return tuple(self._missing(plant, side) for side in sorted(sides))
+
+    def main_discrepancy(self, plant: PlantParameters) -> Discrepancy:
+        loudest = max(self.traces(plant), key=lambda trace: trace.excess)
+        return replace(self._missing(plant, int(loudest.where[-1]) - 1), bursts=self.has_bursts(plant))
+
+    def _missing(self, plant: PlantParameters, side: int) -> Discrepancy:
+        predictions = [(given, self.predict(plant, index)) for index, given in enumerate(self.inputs)]
+        return missing_flow(predictions, plant, self.split, side, f"{self.balance} of chamber {side + 1}")
+
+    def has_bursts(self, plant: PlantParameters) -> bool:
+        return any(burst_ratio(fast, noise) > healthy.BURSTS for fast, noise in self._fast_errors(plant))
+
+    def _fast_errors(self, plant: PlantParameters) -> list[tuple[Array, float]]:
+        """Return the errors of each pressure less the means of their rows [Pa], shape (n,), and its noise [Pa].
+
+        A pressure whose rows are single samples has none.
+        """
+        found = []
+        for index, errors in enumerate(self.errors(plant)):
+            for side, noise in enumerate(self.inputs[index].run.noise):
+                rows = self._rows[index][side]
+                if rows.count.size and float(np.median(rows.count)) > 2.0:
+                    keep = rows.group >= 0
+                    found.append((errors[keep, side] - rows.means(errors[:, side])[rows.group[keep]], noise))
+        return found
+
+    def column(self, variable: str) -> str:
+        return variable if variable == "time" else f"{self.where}.{variable}"
+
+    def is_observed(self, parameter: FreeParameter) -> bool:
+        if parameter.effect != "dead_volume":
+            return True
+        side = int(parameter.parameter[-1]) - 1
+        return any(run.pressure[side] is not None for run in self.runs)
+
+    def indistinguishable(self, findings: Sequence[Finding], fit: Fit) -> Mapping[tuple[str, str], tuple[str, ...]]:
+        """Declared twins of what the gas feels and nobody measured: a supply's."""
+        twins = {(f.name, f.where): asked_of(f.name).twins.unmeasured for f in findings}
+        return {key: names for key, names in twins.items() if names}
+
+    def with_unknown(self, plant: PlantParameters, discrepancy: Discrepancy) -> PlantParameters:
+        best = discrepancy.best
+        if best is None or best.variable not in DEPENDS_ON:
+            return plant
+        changed = plant.copy()
+        record = changed.cylinder[unknown.EFFECT.name]
+        record["acts"], record["depends_on"] = ACTS.index(discrepancy.acts), DEPENDS_ON.index(best.variable)
+        count = len(best.at)
+        tail = best.at[-1] + 1e-6 * (1.0 + np.arange(KNOTS - count)) * max(abs(best.at[-1]), 1.0)
+        record["at"][0] = np.concatenate([best.at, tail])
+        record["values"][0] = np.concatenate([best.values, np.full(KNOTS - count, best.values[-1])])
+        return changed
+
+
+def _training_part(run: CylinderRun, split: Split) -> CylinderRun | None:
+    """Return a run up to the end of its training time, for nothing later is predicted; None where it has none."""
+    usable = np.flatnonzero(split.in_training(run.recording, run.time))
+    return run.until(int(usable[-1]) + 1) if usable.size > 20 else None
+
+
+def _without_gains(given: GasInputs, length_scale: float, scale: Array, offset: Array) -> GasInputs:
+    """Return the inputs with the gains of the sensors taken off."""
+    pressure = (given.windows.pressure - offset) / scale + offset
+    return replace(given, length=given.length / length_scale, windows=replace(given.windows, pressure=pressure))

@@ -1,0 +1,107 @@
+"""Nuisance parameters of the gas: what a data sheet leaves open and what every healthy machine shows, free in every fit."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+from exo_sim.diagnosis.data.cylinder_run import CylinderRun
+from exo_sim.diagnosis.estimation.parameters import FreeParameter, PlantParameters, Target
+from exo_sim.diagnosis.policy import healthy, priors
+from exo_sim.diagnosis.subsystems.gas.place import measured_places, place_of
+from exo_sim.physics.declaration import declared
+from exo_sim.physics.records import switch_off
+
+
+def nuisance_parameters(
+    plant: PlantParameters, cylinder: str, commanded: bool, sides: Sequence[int], at_rest: bool = False, moves: bool = False
+) -> tuple[FreeParameter, ...]:
+    """Return the nuisance parameters of a cylinder's gas.
+
+    They are factors on valve area and dead volumes, the zeros of the pressure sensors, and the imperfections of a healthy valve. A gas
+    at rest also loses heat to its walls, in every machine: where nothing else happens that is no finding.
+
+    Args:
+        plant: The machine as believed.
+        cylinder: Its name.
+        commanded: Whether a valve command was recorded; without one the valve has no free parameter.
+        sides: Chambers whose pressure was recorded, of 1 and 2.
+        at_rest: Whether neither valve nor piston ever moves.
+        moves: Whether the piston moves: then the card of its position may be late.
+    """
+    factors = tuple(
+        FreeParameter(effect, cylinder, name, "1", Target.FACTOR, 0.1, 0.05, 10.0, (1.0, spread), neutral=1.0)
+        for effect, name, spread in (
+            ("flow_capacity", "valve_area", priors.VALVE_AREA),
+            ("dead_volume", "dead_volume_1", priors.DEAD_VOLUME),
+            ("dead_volume", "dead_volume_2", priors.DEAD_VOLUME),
+        )
+        if commanded or name != "valve_area"
+    )
+    zeros = tuple(
+        FreeParameter(
+            "sensor_zero", f"{cylinder}.pressure_{side}", f"pressure_{side}.bias", "Pa", Target.SENSOR, priors.PRESSURE_ZERO, -1e4, 1e4,
+            (0.0, priors.PRESSURE_ZERO),
+        )  # fmt: skip
+        for side in sides
+    )
+    if moves:
+        skew, most = priors.CARD_SKEW, healthy.CARD_SKEW
+        zeros += (FreeParameter("card_delay", cylinder, "position.delay", "s", Target.SENSOR, skew, -most, most, (0.0, skew)),)
+    for effect in declared().values() if at_rest else ():
+        if effect.asked.wall_heat and not plant.is_on(effect):
+            name, heat = effect.parameters[0].name, priors.REST_HEAT
+            zeros += (FreeParameter(effect.name, cylinder, name, "W/K", Target.CYLINDER, heat, 0.0, 20.0 * heat, (0.0, heat)),)
+    return (*factors, *zeros, *_valve_imperfections(plant, cylinder)) if commanded else (*factors, *zeros)
+
+
+def _valve_imperfections(plant: PlantParameters, cylinder: str) -> tuple[FreeParameter, ...]:
+    """Return what a healthy valve shows of the effects that the rig does not have on already, in this form or a richer one."""
+    found = []
+    contained = contained_effects(plant)
+    for effect in declared().values():
+        if effect.name in contained:
+            continue
+        for name, (spread, most) in effect.asked.healthy.items():
+            parameter = effect.parameter(name)
+            if not plant.is_on(effect):
+                low = 0.0 if parameter.low >= 0.0 else -most
+                found.append(
+                    FreeParameter(
+                        effect.name, cylinder, name, parameter.unit, Target.CYLINDER, spread, low, most, (0.0, spread),
+                        nonsmooth=effect.asked.jerky,
+                    )  # fmt: skip
+                )
+    return tuple(found)
+
+
+def contained_effects(plant: PlantParameters) -> set[str]:
+    """Return the effects of which the rig has a richer form on, that says all that they say."""
+    return {name for effect in declared().values() if effect.absorbs and plant.is_on(effect) for name, _ in effect.absorbs}
+
+
+def known_effects(plant: PlantParameters, cylinder: str) -> tuple[FreeParameter, ...]:
+    """Return the parameters of effects that the rig has on already: an owner's numbers are estimates."""
+    found = []
+    for effect in declared().values():
+        if effect.cut != "gas" or effect.asked.though_on:
+            continue
+        where, target = place_of(effect, cylinder)
+        record = plant.world if target is Target.WORLD else plant.cylinder
+        for parameter in effect.parameters:
+            value = float(record[effect.name][parameter.name][0])
+            if value != 0.0 and not parameter.choices:
+                spread = priors.KNOWN_GAS * abs(value)
+                found.append(
+                    FreeParameter(
+                        effect.name, where, parameter.name, parameter.unit, target, spread, parameter.low, parameter.high,
+                        (value, spread), nonsmooth=effect.asked.jerky,
+                    )  # fmt: skip
+                )
+    return tuple(found)
+
+
+def with_measured_supply(plant: PlantParameters, runs: Sequence[CylinderRun]) -> PlantParameters:
+    """Return a plant without the effects of supply and exhaust where these were measured: the measured pressure contains them."""
+    measured = plant.copy()
+    switch_off(measured.world, measured_places(runs))
+    return measured

@@ -1,0 +1,164 @@
+"""Predicted chamber pressures of one cylinder under measured command, supply and piston motion, window by window."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from exo_sim.diagnosis.subsystems.gas.inputs import GasInputs
+from exo_sim.physics import chamber, plant, state
+from exo_sim.physics.compiled import kernel
+from exo_sim.physics.effects import line_restriction, valve_lag
+from exo_sim.physics.pneumatics import Pneumatics
+from exo_sim.physics.transmission import gives
+
+Array = NDArray[np.float64]
+
+#: A fit may try a bias larger than a reading, but no window starts with less gas than this [Pa].
+LEAST_START = 100.0
+#: Longest step [s] and most steps a sample: a fit asks for thousands of predictions, some of them of absurd machines ...
+LONGEST_STEP, MOST_STEPS = 1e-3, 8.0
+#: ... and the longest step where the sensor sits behind a hose, whose small volume shows every error of integration [s].
+HOSE_STEP = 5e-4
+
+
+@kernel
+def predict(
+    world, cylinders, vector, time, command, length, supply, exhaust, supply_temperature, starts, start_pressure,
+    work, scratch, out, inside, drawn, warmth,
+):  # fmt: skip
+    """Run one cylinder through a recording, its pressures set to the measured ones at the start of every window.
+
+    A chamber's temperature is carried from window to window, for no sensor measures it.
+
+    Args:
+        world, cylinders: Records, shape (1,) each; the world's supply and exhaust are overwritten at every sample.
+        vector: State of one cylinder, filled.
+        time, command, length, supply, exhaust, supply_temperature: Inputs, shape (n,).
+        starts: Index of each window's first sample, increasing, shape (w,).
+        start_pressure: Measured pressures there, shape (w, 2); NaN keeps the prediction.
+        out: Predicted pressures where the sensors sit, shape (n, 2).
+        inside: Predicted pressures in the chambers, shape (n, 2); this and the next two may be empty, then they are left out.
+        drawn: Mass flow from the supply over the step that follows each sample [kg/s], shape (n,).
+        warmth: Predicted gas temperatures, shape (n, 2).
+    """
+    whole = drawn.size > 0
+    n = time.size
+    c = cylinders[0]
+    k = world[0].k
+    memory = state.INTEGRATED + state.SHARED
+    window = 0
+    x0, x1, u = np.empty(1), np.empty(1), np.empty(1)
+    hose = c.line_restriction.area > 0.0
+    at_valve = hose and c.line_restriction.sensor > 0.5
+    for i in range(n):
+        world[0].supply_pressure = supply[i]
+        world[0].exhaust_pressure = exhaust[i]
+        world[0].supply_temperature = supply_temperature[i]
+        here = vector[memory + state.PISTON] if gives(c) else length[i]
+        if window < starts.size and starts[window] == i:
+            v_1, v_2 = plant.volumes(c, here)
+            for side in range(2):
+                target = start_pressure[window, side]
+                if math.isnan(target) or (side == 1 and c.single_acting > 0.0):
+                    continue
+                mass, energy = 2 * side, 2 * side + 1
+                hose_mass, hose_energy = state.HOSE_MASS_1 + 2 * side, state.HOSE_MASS_1 + 2 * side + 1
+                volume = v_1 if side == 0 else v_2
+                p = chamber.pressure(vector[energy], volume, k)
+                seen = p
+                if at_valve:
+                    seen = chamber.pressure(vector[hose_energy], c.line_restriction.volume, k)
+                factor = max(p + target - seen, 1000.0) / p
+                vector[mass] *= factor
+                vector[energy] *= factor
+                if hose:
+                    q = chamber.pressure(vector[hose_energy], c.line_restriction.volume, k)
+                    factor = max(q + target - seen, 1000.0) / q
+                    vector[hose_mass] *= factor
+                    vector[hose_energy] *= factor
+            window += 1
+        p_1, p_2 = plant.pressures(world[0], c, vector, 0, here)
+        if whole:
+            t_1, t_2 = plant.temperatures(world[0], vector, 0)
+            warmth[i, 0], warmth[i, 1] = t_1, t_2
+            inside[i, 0], inside[i, 1] = p_1, p_2
+        if at_valve:
+            out[i, 0] = chamber.pressure(vector[state.HOSE_ENERGY_1], c.line_restriction.volume, k)
+            out[i, 1] = chamber.pressure(vector[state.HOSE_ENERGY_2], c.line_restriction.volume, k)
+        else:
+            out[i, 0], out[i, 1] = p_1, p_2
+        if i + 1 < n:
+            dt = time[i + 1] - time[i]
+            before = vector[state.DRAWN]
+            if dt < 0.5:
+                x0[0], x1[0], u[0] = length[i], length[i + 1], command[i]
+                plant.advance(world[0], cylinders, vector, x0, x1, u, dt, work, scratch)
+            if whole:
+                drawn[i] = (vector[state.DRAWN] - before) / dt
+
+
+@dataclass(frozen=True)
+class GasPrediction:
+    """What is predicted of one run.
+
+    Attributes:
+        pressure: Where the sensors sit, shape (n, 2) [Pa].
+        inside: In the chambers, shape (n, 2) [Pa].
+        drawn: Flow from the supply, shape (n,) [kg/s].
+        temperature: Of the gas, shape (n, 2) [K].
+    """
+
+    pressure: Array
+    inside: Array
+    drawn: Array
+    temperature: Array
+
+
+def behind_hose(cylinder: NDArray[np.void]) -> bool:
+    """Return whether a hose lies between a cylinder, record of shape (1,), and its pressure sensors."""
+    hose = cylinder[line_restriction.EFFECT.name][0]
+    return bool(hose["area"] > 0.0 and hose["sensor"] > 0.5)
+
+
+def run_gas(
+    feed: GasInputs, world: NDArray[np.void], cylinder: NDArray[np.void], shift: float = 0.0, length_delay: float = 0.0,
+    offset: tuple[float, float] = (0.0, 0.0), whole: bool = True,
+) -> GasPrediction:  # fmt: skip
+    """Predict the pressures of one run.
+
+    Args:
+        feed: Inputs.
+        world, cylinder: Records, shape (1,) each; not changed.
+        shift: Added to the pressures at the start of every window [Pa], for their sensitivity.
+        length_delay: Delay of the position sensor [s].
+        offset: Subtracted from the measured start pressures [Pa]: bias of the sensors.
+        whole: Whether more than the pressures at the sensors is wanted; else the rest of the prediction is empty.
+    """
+    world, cylinder = world.copy(), cylinder.copy()
+    usual = float(np.median(np.diff(feed.time)))
+    world["longest_step"], world["most_steps"] = max(LONGEST_STEP, 0.5 * usual), MOST_STEPS
+    if behind_hose(cylinder):
+        world["longest_step"] = min(world["longest_step"][0], max(HOSE_STEP, usual / MOST_STEPS))
+    n = len(feed.time)
+    length = feed.length
+    if length_delay != 0.0:
+        length = np.interp(feed.time + length_delay, feed.time, length)
+    gas = Pneumatics(world, cylinder, dt=1.0)
+    start = np.maximum(feed.windows.pressure + shift - np.array(offset), LEAST_START)
+    first = np.where(np.isfinite(start[0]), start[0], world["atmosphere"][0])
+    world["supply_pressure"], world["exhaust_pressure"] = feed.supply[0], feed.exhaust[0]
+    gas.fill(length[:1], first[:1], first[1:])
+    if bool(gives(cylinder[0])):
+        gas.settle_transmission(length[:1])
+    rest = n if whole else 0
+    out, inside, drawn, warmth = np.empty((n, 2)), np.empty((rest, 2)), np.zeros(rest), np.empty((rest, 2))
+    gas.memory[0, state.SPOOL] = gas.memory[0, state.PLAY] = feed.command[0]
+    predict(
+        world, cylinder, gas.vector, feed.time, feed.command_after(float(cylinder[valve_lag.EFFECT.name]["delay"][0])), length, feed.supply,
+        feed.exhaust, feed.supply_temperature, feed.windows.starts, start, gas._work, gas._scratch, out, inside, drawn, warmth,
+    )  # fmt: skip
+    return GasPrediction(out, inside, drawn, warmth)

@@ -1,0 +1,87 @@
+"""Rows of a gas residual: means over short groups of samples, the unknown initial pressure of each window marginalised."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from exo_sim.diagnosis.data.split import Split
+from exo_sim.diagnosis.policy import healthy
+from exo_sim.diagnosis.subsystems.gas.inputs import GasInputs
+
+Array = NDArray[np.float64]
+
+
+@dataclass(frozen=True)
+class Rows:
+    """How the samples of one chamber in one run become rows.
+
+    Attributes:
+        group: Row of each sample, -1 where it is not compared, shape (n,).
+        window: Window of each row, shape (m,).
+        count: Samples of each row, shape (m,).
+        scale: Standard deviation that noise and floor leave in each row [Pa], shape (m,).
+    """
+
+    group: NDArray[np.int64]
+    window: NDArray[np.int64]
+    count: Array
+    scale: Array
+
+    def means(self, values: Array) -> Array:
+        """Return the mean of each row of values at the samples, shape (m,)."""
+        keep = self.group >= 0
+        return np.bincount(self.group[keep], weights=values[keep], minlength=len(self.count)) / self.count
+
+    def marginalised(self, errors: Array, response: Array) -> Array:
+        """Return whitened errors whose squares are the likelihood with each window's initial pressure integrated out, shape (m,).
+
+        With s the response of a window's rows to one prior standard deviation of its initial pressure, the covariance of the errors is
+        I + s s'; its inverse square root is applied.
+
+        Args:
+            errors, response: Whitened, shape (m,) each.
+        """
+        count = int(self.window.max()) + 1
+        strength = np.bincount(self.window, weights=response * response, minlength=count)
+        overlap = np.bincount(self.window, weights=response * errors, minlength=count)
+        with np.errstate(divide="ignore", invalid="ignore"):
+            factor = np.where(strength > 0.0, (1.0 - 1.0 / np.sqrt(1.0 + strength)) / strength, 0.0)
+        return errors - (factor * overlap)[self.window] * response
+
+
+def rows_of(inputs: GasInputs, side: int, split: Split, seconds: float, on_test: bool) -> Rows:
+    """Return the rows of one chamber.
+
+    Args:
+        inputs: The run.
+        side: 0 or 1.
+        split: Which time may be used.
+        seconds: Length of a group.
+        on_test: Whether the rows are those of the test time, else of the training time.
+    """
+    time = inputs.time
+    n = len(time)
+    values = inputs.run.pressure[side]
+    group = np.full(n, -1)
+    if values is None:
+        return Rows(group, np.zeros(0, int), np.zeros(0), np.zeros(0))
+    good = np.isfinite(values)
+    usable = split.in_test(inputs.run.recording, time) if on_test else split.in_training(inputs.run.recording, time)
+    size = max(1, int(round(seconds / float(np.median(np.diff(time))))))
+    window_of: list[int] = []
+    counts: list[int] = []
+    for w, (begin, end) in enumerate(zip(inputs.windows.starts, inputs.windows.stops, strict=True)):
+        for first in range(begin, end, size):
+            chosen = np.arange(first, min(first + size, end))
+            chosen = chosen[good[chosen] & usable[chosen]]
+            if chosen.size:
+                group[chosen] = len(counts)
+                counts.append(chosen.size)
+                window_of.append(w)
+    count = np.array(counts, dtype=float)
+    noise = inputs.run.noise[side]
+    floor = max(healthy.GAS_FLOOR, healthy.GAS_FLOOR_SHARE * float(np.ptp(values[good])) if good.any() else 0.0)
+    return Rows(group, np.array(window_of, dtype=int), count, np.sqrt(noise**2 / np.maximum(count, 1.0) + floor**2))

@@ -1,0 +1,123 @@
+"""Candidates for a balance of forces: every declared effect on motion, a leak of a chamber that nobody measured, and sensor offsets."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+import numpy as np
+
+from exo_sim.diagnosis.data.motion_run import MotionRun
+from exo_sim.diagnosis.estimation.candidate import Candidate
+from exo_sim.diagnosis.estimation.parameters import FreeParameter, PlantParameters, Target
+from exo_sim.diagnosis.estimation.sensor_error import sensor_error
+from exo_sim.diagnosis.policy import healthy, priors
+from exo_sim.diagnosis.subsystems.healthy_leak import OUTWARD, external_leaks
+from exo_sim.diagnosis.subsystems.motion.model import stall_force
+from exo_sim.physics.asked import Occurred
+from exo_sim.physics.declaration import Effect, declared
+from exo_sim.physics.effects import friction_smoothing, presliding, sensor_bias
+
+
+def candidates(runs: Sequence[MotionRun], plant: PlantParameters, where: str) -> tuple[Candidate, ...]:
+    """Return every candidate that the balance of this joint or rod can show.
+
+    Args:
+        runs: The balances.
+        plant: The machine as believed.
+        where: The cylinder or joint that what resists belongs to.
+    """
+    run = runs[0]
+    turning = run.turning and run.cylinder is None
+    position, velocity = run.kinematics.position, run.kinematics.velocity
+    force = max(float(np.std(run.drive.force + run.external)), 0.1 * float(np.std(run.inertia.force)), 1e-6)
+    speed = max(float(np.nanstd(velocity)), 1e-6)
+    travel = max(float(np.nanstd(position)), 1e-6)
+    stall = stall_force(run, plant) / max(float(np.median(np.abs(run.drive.arm))), 1e-9)
+    stroke = max(float(plant.cylinder["stroke"][0]), 1e-3)
+    resistance = {"N": healthy.DRY_FRICTION * stall, "N/m": healthy.SPRING * stall / stroke}  # of a healthy machine
+    pressure = max(float(np.mean(np.abs(run.drive.gauge).sum(1))), 1.0)
+    # a tenth of the forces that act, spread over the speeds, travels and pressures that occurred
+    moving = np.abs(velocity[np.abs(velocity) > run.kinematics.still])
+    slowest, fastest = np.percentile(moving, [1.0, 99.0]).tolist() if moving.size else (0.0, np.inf)
+    sizes = {
+        "N": 0.1 * force, "N s/m": 0.1 * force / speed, "N s^2/m^2": 0.1 * force / speed**2, "N/m": 0.1 * force / travel,
+        "m": float(np.nanmean(position)), "m^2": 0.1 * force / pressure, "m/s": 0.1 * speed,
+    }  # fmt: skip
+    found: list[Candidate] = []
+    for effect in declared().values():
+        place, asked = "cylinder" if run.cylinder is not None else "joint", effect.asked
+        if effect.cut != "motion" or asked.held_back:
+            continue
+        if place not in (asked.sense.places or effect.places) or effect.name not in (plant.cylinder.dtype.names or ()):
+            continue
+        if plant.is_on(effect) and not asked.though_on:
+            continue
+        for form in asked.forms or (tuple(p.name for p in effect.parameters),):
+            parameters, start = [], []
+            for name in form:
+                parameter = effect.parameter(name)
+                size = sizes.get(parameter.unit, 1.0)
+                low, high = parameter.low, parameter.high
+                if name in asked.within_speeds:
+                    low = min(max(low, 0.5 * slowest), high)
+                    high = max(min(high, 0.25 * fastest), low)
+                if name == asked.every_contact and not run.turning:
+                    high = healthy.SOFT_CONTACT
+                parameters.append(
+                    FreeParameter(
+                        effect.name,
+                        where,
+                        name,
+                        parameter.unit_at(turning),
+                        Target.CYLINDER,
+                        asked.scale or abs(size) or 1.0,
+                        low,
+                        high,
+                        healthy_limit=asked.resists * resistance.get(parameter.unit, 0.0),
+                    )  # fmt: skip
+                )
+                start.append(size)
+            starts = asked.starts or (tuple(start),)
+            if asked.starts_by_motion is not None:
+                starts = asked.starts_by_motion(Occurred(force, speed, travel, float(np.nanmean(position)), _believed_base(effect, plant)))
+            found.append(
+                Candidate(effect.name, where, "+".join(form), tuple(parameters), starts,
+                          prerequisite=_missing_prerequisite(effect, plant), prevalence=asked.prevalence)
+            )  # fmt: skip
+    found += _contact_laws(plant, where, turning, run.cylinder is None)
+    for name in run.imputed.leaks if run.imputed is not None else ():
+        trace, leak = external_leaks(plant)[name], OUTWARD.parameter(name)
+        hole = FreeParameter(OUTWARD.name, where, name, leak.unit, Target.CYLINDER, 10.0 * trace, 0.0, leak.high, healthy_limit=trace)
+        found.append(Candidate(OUTWARD.name, where, name, (hole,), ((10.0 * trace,),), proportional=True))
+    for column, lever in run.drive.levers.items() if run.imputed is None else ():  # an imputed chamber may do what a bias does
+        unit = "Pa" if "pressure" in column else ("N*m" if run.turning else "N")
+        level = 0.02 * force / max(float(np.median(np.abs(lever))), 1e-12)
+        limit = healthy.ZEROS * priors.PRESSURE_ZERO if unit == "Pa" else healthy.CELL_ZERO * force
+        found.append(sensor_error(sensor_bias.EFFECT, column, f"{column}.bias", unit, level, (-1e7, 1e7), limit))
+    return tuple(found)
+
+
+def _contact_laws(plant: PlantParameters, where: str, turning: bool, at_joint: bool) -> list[Candidate]:
+    """Return the other way in which dry friction may be written near rest: it builds up with speed instead of with travel."""
+    effect = friction_smoothing.EFFECT
+    stiffness = float(plant.cylinder[presliding.EFFECT.name]["stiffness"][0])
+    if plant.is_on(effect) or 0.0 < stiffness < healthy.STIFF_CONTACT:
+        return []
+    velocity = effect.parameter("velocity")
+    parameter = FreeParameter(
+        effect.name, where, "velocity", velocity.unit_at(turning and at_joint), Target.CYLINDER, 1e-3, velocity.low, velocity.high,
+        (0.0, velocity.typical[1]),
+    )  # fmt: skip
+    return [Candidate(effect.name, where, "velocity", (parameter,), ((1e-3,),), proportional=False, is_law=True)]
+
+
+def _believed_base(effect: Effect, plant: PlantParameters) -> float:
+    """Return the believed size of what an effect comes on top of; 0 where it comes on top of nothing."""
+    base = effect.asked.on_top_of
+    return float(plant.cylinder[base][declared()[base].parameters[0].name][0]) if base else 0.0
+
+
+def _missing_prerequisite(effect: Effect, plant: PlantParameters) -> str:
+    """Return the effect that this one comes on top of, "" where it needs none or the rig has it."""
+    base = effect.asked.on_top_of
+    return "" if not base or plant.is_on(declared()[base]) else base

@@ -1,0 +1,242 @@
+"""What resists a motion as one linear family: dry friction and its features, damping, springs, and what sensors add.
+
+Every law is linear in its size about a contact that slides at a level which is known beforehand; where a law also has a shape (the speed
+of Stribeck's dip) there is a term for each of a few. How soon the contact slides bends all of them.
+"""
+
+from __future__ import annotations
+
+import itertools
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import replace
+from functools import partial
+
+import numpy as np
+from numpy.typing import NDArray
+
+from exo_sim.diagnosis.estimation.candidate import Candidate
+from exo_sim.diagnosis.estimation.linear_family import Bend, LinearFamily, Term
+from exo_sim.diagnosis.estimation.parameters import FreeParameter, Target
+from exo_sim.diagnosis.findings import Kind
+from exo_sim.diagnosis.subsystems.motion.model import MotionModel
+from exo_sim.physics.declaration import declared
+from exo_sim.physics.effects import (
+    coulomb_friction,
+    friction_smoothing,
+    presliding,
+    pressure_dependent_friction,
+    return_spring,
+    stribeck_friction,
+)
+
+Array = NDArray[np.float64]
+Values = Mapping[FreeParameter, float]
+
+#: Speeds of Stribeck's dip that are tried, between these shares of the least and the greatest speed that occurred; its exponents.
+DIPS, DIP_LOW, DIP_HIGH = 11, 0.7, 0.2
+EXPONENTS = (0.6, 1.0, 2.0)
+#: Softnesses of the dry contact that are tried: travel before a piston slides [m], or a joint [rad].
+PISTON_STIFFNESS = (2e5, 1e5, 5e4, 2.5e4, 1.2e4, 6e3)
+JOINT_TRAVEL = (2e-3, 5e-3, 1e-2, 3e-2)
+#: Speeds at which friction has built up that are tried, between these shares of the least and the greatest speed that occurred.
+CREEPS, CREEP_LOW, CREEP_HIGH = 5, 0.7, 0.05
+#: Effects that say how a contact begins to slide: they bend every law of dry friction.
+_BENDING = (presliding.EFFECT.name, friction_smoothing.EFFECT.name)
+#: Dry laws are differenced by this share of the level of friction.
+STEP = 0.3
+#: The size that an effect may have: so much of what is missing, but at least this share of the forces that act.
+LEAST_SIZE = 0.02
+
+
+def motion_family(model: MotionModel, nuisances: Sequence[FreeParameter], candidates: Sequence[Candidate]) -> LinearFamily:
+    """Return the family of a balance of forces.
+
+    Args:
+        model: The balance.
+        nuisances: Its nuisance parameters; those that are a candidate's number are left to the candidate.
+        candidates: What may be present.
+    """
+    asked = {q.slot for candidate in candidates for q in candidate.parameters}
+    free = tuple(q for q in nuisances if q.prior is not None and q.slot not in asked)
+    return _Builder(model, free, candidates).family()
+
+
+class _Builder:
+    """The family of one balance."""
+
+    def __init__(self, model: MotionModel, nuisances: tuple[FreeParameter, ...], candidates: Sequence[Candidate]):
+        self.model, self.nuisances, self.candidates = model, nuisances, candidates
+        self.run = model.runs[0]
+        lacking = model.residual({})
+        missing = float(np.std(lacking * model.scale)) if lacking.size else 0.0
+        arm = max(float(np.median(np.abs(self.run.drive.arm))), 1e-9)
+        known = float(model.nominal.cylinder[coulomb_friction.EFFECT.name]["force"][0])
+        self.level = max(known, 0.5 * missing / arm, 1e-9)
+        effort = max(run.effort for run in model.runs)
+        self.size = max(missing, LEAST_SIZE * effort) / float(np.median(model.scale)) if model.scale.size else 1.0
+        speed = np.abs(np.concatenate([run.kinematics.velocity for run in model.runs]))
+        moving = speed[speed > self.run.kinematics.still]
+        self.slowest = float(np.percentile(moving, 1.0)) if moving.size else 1e-6
+        self.fastest = float(np.percentile(moving, 99.0)) if moving.size else 1.0
+        self.position = float(np.mean(np.concatenate([run.kinematics.position for run in model.runs])))
+        self.travel = max(float(np.std(np.concatenate([run.kinematics.position for run in model.runs]))), 1e-9)
+        gauge = np.concatenate([np.maximum(run.drive.gauge, 0.0).sum(axis=1) for run in model.runs])
+        self.pressure = float(np.mean(gauge))
+        both = np.concatenate([run.drive.gauge for run in model.runs])
+        self.two_pressures = bool((np.ptp(both, axis=0) > 0.03 * self.pressure).all())
+        self.has_pressure = self.pressure > 0.0 and float(np.std(gauge)) > 0.03 * self.pressure
+        self._level = FreeParameter(coulomb_friction.EFFECT.name, model.where, "force", "N", Target.CYLINDER, 1.0, 0.0, 1e9)
+
+    def family(self) -> LinearFamily:
+        bends = [self._bend(None, {})]
+        for candidate in self.candidates:
+            if candidate.effect in _BENDING:
+                (parameter,) = candidate.parameters
+                tried = [value for value in self._bending(candidate.effect) if parameter.low < value < parameter.high]
+                bends += [self._bend(candidate, {parameter: value}, len(tried)) for value in tried]
+        return LinearFamily(self.nuisances, tuple(bends))
+
+    def _bending(self, effect: str) -> list[float]:
+        """Return the values at which an effect on the contact is tried."""
+        if effect == friction_smoothing.EFFECT.name:
+            return list(np.geomspace(CREEP_LOW * self.slowest, max(CREEP_HIGH * self.fastest, 1.01 * CREEP_LOW * self.slowest), CREEPS))
+        turning = self.run.turning and self.run.cylinder is None
+        return [self.level / travel for travel in JOINT_TRAVEL] if turning else list(PISTON_STIFFNESS)
+
+    def _bend(self, candidate: Candidate | None, values: dict[FreeParameter, float], alternatives: int = 1) -> Bend:
+        residual = partial(self.model.residual, fixed=tuple(values.items()))
+        nominal = residual({})
+        columns = []
+        for q in self.nuisances:
+            mean, spread = q.prior or (0.0, 1.0)
+            columns.append(residual({q: mean + spread}) - nominal)
+        background = np.column_stack(columns) if columns else np.zeros((nominal.size, 0))
+        terms = [term for one in self.candidates for term in self._terms(one, residual)]
+        # a term that hangs on others' numbers comes behind them
+        terms.sort(key=lambda term: term.candidate.effect == stribeck_friction.EFFECT.name)
+        return Bend(candidate, values, -nominal, background, tuple(terms), alternatives)
+
+    def _terms(self, candidate: Candidate, residual: Callable[[dict[FreeParameter, float]], Array]) -> list[Term]:
+        if candidate.effect in _BENDING:
+            return []
+        if candidate.effect == stribeck_friction.EFFECT.name:
+            return self._dips(candidate, residual)
+        if candidate.effect == return_spring.EFFECT.name:
+            return self._spring(candidate, residual)
+        if candidate.effect == pressure_dependent_friction.EFFECT.name:
+            return self._of_pressure(candidate, residual)
+        return self._in_proportion(candidate, residual)
+
+    def _of_pressure(self, candidate: Candidate, residual: Callable[[dict[FreeParameter, float]], Array]) -> list[Term]:
+        """Return one form of friction that grows with pressure, where pressure varies; of two that are the same here the first."""
+        forms = [one for one in self.candidates if one.effect == candidate.effect]
+        if not self.has_pressure or (candidate is not forms[0] and not self.two_pressures):
+            return []
+        alternatives = len(forms) if self.two_pressures else 1
+        return [replace(term, alternatives=alternatives) for term in self._in_proportion(candidate, residual)]
+
+    def _about(self, residual: Callable[[dict[FreeParameter, float]], Array]) -> tuple[dict[FreeParameter, float], Array]:
+        """Return the parameters about which terms are formed, a contact that slides, and the residual there."""
+        about = {self._level: self.level}
+        return about, residual(about)
+
+    def _in_proportion(self, candidate: Candidate, residual: Callable[[dict[FreeParameter, float]], Array]) -> list[Term]:
+        about, base = self._about(residual)
+        columns = []
+        for q in candidate.parameters:
+            step = self._step(q)
+            changed = {**about, q: self.level + step} if q.slot == self._level.slot else {**about, q: q.neutral + step}
+            if q.slot == self._level.slot:
+                changed.pop(self._level)
+            columns.append((residual(changed) - base) / step)
+        if not all(_shows(column) for column in columns):
+            return []
+        one_sided = tuple(q.low >= q.neutral for q in candidate.parameters)
+
+        def parameters(sizes: Array, before: Values) -> dict[FreeParameter, float]:
+            return {q: q.neutral + float(size) for q, size in zip(candidate.parameters, sizes, strict=True)}
+
+        group = candidate.kind.value if candidate.kind is Kind.SENSOR else self._group(candidate)
+        return [Term(candidate, np.column_stack(columns), self._spread(columns), one_sided, parameters, group)]
+
+    @staticmethod
+    def _group(candidate: Candidate) -> str:
+        """Return the group of an effect: that of the effect of which it is the richer form."""
+        effect = declared().get(candidate.effect)
+        absorbed = [name for name, _ in effect.absorbs] if effect else []
+        return absorbed[0] if absorbed else candidate.effect
+
+    def _step(self, parameter: FreeParameter) -> float:
+        """Return by how much a parameter is changed to see what it does: enough for a share of the level of friction."""
+        force = STEP * self.level
+        speed = float(self.fastest)
+        steps = {
+            "N": force, "N*m": force, "N s/m": force / speed, "N*m*s/rad": force / speed, "N s^2/m^2": force / speed**2,
+            "N*m*s^2/rad^2": force / speed**2, "m^2": force / max(self.pressure, 1.0),
+        }  # fmt: skip
+        return steps.get(parameter.unit, parameter.scale) if parameter.effect in declared() else parameter.scale
+
+    def _spread(self, columns: Sequence[Array]) -> Array:
+        """Return the standard deviation of sizes with which each column would make up all that is missing."""
+        return np.array([self.size / float(np.sqrt(np.mean(column**2))) for column in columns])
+
+    def _dips(self, candidate: Candidate, residual: Callable[[dict[FreeParameter, float]], Array]) -> list[Term]:
+        """Return Stribeck's excess over the level of dry friction, at several speeds of its dip."""
+        about, base = self._about(residual)
+        breakaway, velocity, exponent = (
+            next(q for q in candidate.parameters if q.parameter == name) for name in ("breakaway", "velocity", "exponent")
+        )
+        step = STEP * self.level
+        found = []
+        speeds = np.geomspace(DIP_LOW * self.slowest, max(DIP_HIGH * self.fastest, 1.01 * DIP_LOW * self.slowest), DIPS)
+        for speed, power in itertools.product(map(float, speeds), EXPONENTS):
+            shape = {velocity: speed, exponent: power}
+            column = (residual({**about, breakaway: self.level + step, **shape}) - base) / step
+            if not _shows(column):
+                continue
+
+            def parameters(sizes: Array, before: Values, shape: Values = shape) -> dict[FreeParameter, float]:
+                return {breakaway: self._level_of(before) + max(float(sizes[0]), 0.0), **shape}
+
+            found.append((column, parameters))
+        return [
+            Term(candidate, column[:, None], self._spread([column]), (True,), parameters, candidate.effect, len(found))
+            for column, parameters in found
+        ]
+
+    def _level_of(self, values: Values) -> float:
+        """Return the level of dry friction that slides, at the pressures that are usual."""
+        level, parts = 0.0, {q.key[::2]: value for q, value in values.items()}
+        names = coulomb_friction.EFFECT.name, pressure_dependent_friction.EFFECT.name
+        record = self.model.nominal.cylinder
+        level += parts.get((names[0], "force"), float(record[names[0]]["force"][0]))
+        level += parts.get((names[1], "coefficient"), float(record[names[1]]["coefficient"][0])) * self.pressure
+        richer = [value for (effect, name), value in parts.items() if effect in _richer_than(names[0])]
+        return level + (sum(richer) / len(richer) if richer else 0.0)
+
+    def _spring(self, candidate: Candidate, residual: Callable[[dict[FreeParameter, float]], Array]) -> list[Term]:
+        """Return a spring as what goes with position, and the constant that its rest adds."""
+        stiffness, rest = (next(q for q in candidate.parameters if q.parameter == name) for name in ("stiffness", "rest"))
+        about, base = self._about(residual)
+        step = STEP * self.level / self.travel
+        sloped = residual({**about, stiffness: step, rest: self.position})
+        shifted = residual({**about, stiffness: step, rest: self.position - self.travel})
+        columns = [(sloped - base) / step, (shifted - sloped) / (step * self.travel)]
+        if not all(_shows(column) for column in columns):
+            return []
+
+        def parameters(sizes: Array, before: Values) -> dict[FreeParameter, float]:
+            slope = max(float(sizes[0]), 1e-9 * step)
+            return {stiffness: slope, rest: self.position - float(sizes[1]) / slope}
+
+        return [Term(candidate, np.column_stack(columns), self._spread(columns), (True, False), parameters, candidate.effect)]
+
+
+def _richer_than(name: str) -> set[str]:
+    """Return the effects that are richer forms of one."""
+    return {effect.name for effect in declared().values() if any(absorbed == name for absorbed, _ in effect.absorbs)}
+
+
+def _shows(column: Array) -> bool:
+    """Return whether a column is finite and not nil."""
+    return bool(column.size) and bool(np.isfinite(column).all()) and float(np.abs(column).max()) > 0.0

@@ -1,0 +1,253 @@
+"""Balances of forces of the joints: measured motion and pressures go in, the terms of the balance come out.
+
+Inverse dynamics of the MJCF give the force that the motion took, the pressures and the outside force the force that drove it. Both pass
+one filter, so that the acceleration is differentiated no more than that filter allows. Friction, gravity and centrifugal forces are
+evaluated at restored positions and velocities and filtered then; levers and masses count as constant over the filter's width.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+from functools import partial
+
+import mujoco
+import numpy as np
+from numpy.typing import NDArray
+
+from exo_sim.diagnosis.data.motion_run import Drive, Inertia, Kinematics, MotionRun, Passive
+from exo_sim.diagnosis.subsystems.motion.smoothing import smoothed_alike, smoothing_width, stride, thinned
+from exo_sim.machine.linkage import Linkage, moment_row
+from exo_sim.recording.filters import SmoothedMotion, gaussian_smoothed, noise_gain, restored, smoothed_motion, white_noise
+from exo_sim.recording.table import Recording
+from exo_sim.recording.windows import clock_breaks
+from exo_sim.rig import Rig
+
+Array = NDArray[np.float64]
+
+#: A small error in a position's zero, for its sensitivity [rad or m].
+TILT = 1e-3
+
+
+def motion_runs(
+    recording: Recording, rig: Rig, model: mujoco.MjModel, links: tuple[Linkage, ...]
+) -> tuple[list[MotionRun], list[tuple[str, str]]]:
+    """Return the balance of every joint that can be judged, and (joint, reason) for those that cannot.
+
+    Every joint of the model must have been recorded: a joint whose motion is unknown may carry any force.
+    """
+    names = [model.joint(j).name for j in range(model.njnt)]
+    plain = [
+        int(kind) in (int(mujoco.mjtJoint.mjJNT_SLIDE), int(mujoco.mjtJoint.mjJNT_HINGE)) for kind in model.jnt_type
+    ]
+    missing = [name for name, ok in zip(names, plain, strict=True) if not ok or f"{name}.position" not in recording]
+    if missing:
+        why = f"the position of {', '.join(missing[:3])}{' and others' if len(missing) > 3 else ''} was not recorded"
+        return [], [(name, why) for name in names if name not in missing] or [(name, why) for name in names]
+    if why := _unmeasured_contact(recording, model):
+        return [], [(name, why) for name in names]
+    time = recording.time
+    seconds, every = smoothing_width(time), stride(time)
+    moves = [_motion(time, recording[f"{name}.position"], seconds, every) for name in names]
+    thin = thinned(time, every)
+    n = len(thin)
+    q, qd, qdd = np.zeros((n, model.nq)), np.zeros((n, model.nv)), np.zeros((n, model.nv))
+    for j, move in enumerate(moves):
+        q[:, model.jnt_qposadr[j]], qd[:, model.jnt_dofadr[j]] = move.position, move.velocity
+        qdd[:, model.jnt_dofadr[j]] = move.acceleration
+    dynamics = _inverse(model, thin, (q, qd, qdd), links)
+    runs, reasons = [], []
+    for j, name in enumerate(names):
+        driven = [link for link in links if link.joint == name]
+        reason = _why_not(recording, rig, driven, f"{name}.external_force" in recording)
+        if reason:
+            reasons.append((name, reason))
+        else:
+            runs.append(_run(recording, rig, model, j, driven, moves[j], dynamics))
+    return runs, reasons
+
+
+def _motion(time: Array, position: Array, seconds: float, every: int) -> SmoothedMotion:
+    """Return how a joint moved, at every so many samples."""
+    whole = smoothed_motion(time, position, seconds)
+    position, velocity, acceleration = (thinned(one, every) for one in (whole.position, whole.velocity, whole.acceleration))
+    return replace(whole, position=position, velocity=velocity, acceleration=acceleration)
+
+
+def _unmeasured_contact(recording: Recording, model: mujoco.MjModel) -> str:
+    """Return what else pushes the machine than the recorded forces at its joints, or "": then no balance of it closes."""
+    pushed = sorted({key.split(".")[0] for key in recording.columns if "ground_force" in key or "strap_force" in key})
+    if pushed:
+        return f"forces on {', '.join(pushed[:2])} act at points that were not recorded"
+    touching = (model.geom_contype != 0) & (model.geom_bodyid != 0)
+    if touching.any() and model.nv > model.nu + 1:
+        return "the machine touches the ground, and ground forces were not recorded"
+    return ""
+
+
+def _why_not(recording: Recording, rig: Rig, driven: Sequence[Linkage], external: bool) -> str:
+    """Return why the balance of a joint that these cylinders drive cannot be judged, or ""."""
+    for link in driven:
+        if f"{link.cylinder}.force" in recording:
+            continue
+        sides = ("pressure_1",) if rig.cylinders[link.cylinder].single_acting else ("pressure_1", "pressure_2")
+        lacking = [s for s in sides if f"{link.cylinder}.{s}" not in recording]
+        if lacking:
+            return f"{link.cylinder}.{lacking[0]} was not recorded"
+        if f"{link.cylinder}.valve_command" not in recording and not external:
+            return f"nothing that was recorded drives {link.cylinder}: what moved it from outside is not known"
+    return ""
+
+
+@dataclass(frozen=True)
+class _Dynamics:
+    """Inverse dynamics of all joints.
+
+    Attributes:
+        inertial, bias, passive: Generalised forces, smoothed alike, shape (n, nv).
+        tilt: Derivative of `bias` with respect to the positions' zeros, smoothed, shape (n, nv).
+        arms: dX/dq of each link's own degree of freedom, shape (n, links).
+        lengths: Of the links' actuators, shape (n, links).
+        mass: Diagonal of the mass matrix at the end, shape (nv,).
+    """
+
+    inertial: Array
+    bias: Array
+    passive: Array
+    tilt: Array
+    arms: Array
+    lengths: Array
+    mass: Array
+
+
+def _inverse(model: mujoco.MjModel, time: Array, motion: tuple[Array, Array, Array], links: tuple[Linkage, ...]) -> _Dynamics:
+    """Return the inverse dynamics along a motion: positions, velocities and accelerations, shape (n, nq) and (n, nv) twice."""
+    data = mujoco.MjData(model)
+    q, qd, qdd = motion
+    n = len(q)
+    free = model.opt.disableflags
+    model.opt.disableflags |= int(mujoco.mjtDisableBit.mjDSBL_CONSTRAINT)
+    inertial, raw, passive = np.zeros((3, n, model.nv))
+    arms, lengths = np.zeros((n, len(links))), np.zeros((n, len(links)))
+    simple = all(model.actuator_trntype[link.actuator] == int(mujoco.mjtTrn.mjTRN_JOINT) for link in links)
+    try:
+        for i in range(n):
+            data.qpos[:], data.qvel[:], data.qacc[:] = q[i], qd[i], qdd[i]
+            mujoco.mj_inverse(model, data)
+            inertial[i], passive[i] = data.qfrc_inverse + data.qfrc_passive, data.qfrc_passive
+            raw[i] = data.qfrc_bias
+            if not simple or i == 0:
+                for k, link in enumerate(links):
+                    arms[i, k] = moment_row(model, data, link.actuator)[link.dof]
+            lengths[i] = data.actuator_length[[link.actuator for link in links]]
+    finally:
+        model.opt.disableflags = free
+    if simple and n:
+        arms[:] = arms[0]
+    full = np.zeros((model.nv, model.nv))
+    mujoco.mj_fullM(model, data, full)
+    tilted = _gravity(model, q + TILT) - _gravity(model, q) if model.nq == model.nv else np.zeros_like(raw)
+    bias, passive, tilted = (np.apply_along_axis(partial(smoothed_alike, time), 0, one) for one in (raw, passive, tilted))
+    inertial += bias - raw  # its acceleration is smoothed already
+    return _Dynamics(inertial, bias, passive, tilted, arms, lengths, np.diag(full).copy())
+
+
+def _gravity(model: mujoco.MjModel, q: Array) -> Array:
+    """Return the generalised force that gravity asks at every position, shape (n, nv); zero for a machine on rails."""
+    if all(int(kind) == int(mujoco.mjtJoint.mjJNT_SLIDE) for kind in model.jnt_type):
+        return np.zeros((len(q), model.nv))
+    data = mujoco.MjData(model)
+    found = np.zeros((len(q), model.nv))
+    for i, position in enumerate(q):
+        data.qpos[:] = position
+        mujoco.mj_kinematics(model, data)
+        mujoco.mj_comPos(model, data)
+        mujoco.mj_crb(model, data)
+        mujoco.mj_rne(model, data, 0, found[i])
+    return found
+
+
+def _drive(
+    recording: Recording, rig: Rig, driven: Sequence[Linkage], dynamics: _Dynamics, move: SmoothedMotion, variance: float
+) -> tuple[Drive, Array, Array, float]:
+    """Return the drive, position and velocity where friction acts, and the balance's variance with that of the drive added."""
+    time, seconds, every = recording.time, smoothing_width(recording.time), stride(recording.time)
+    n = len(dynamics.arms)
+    keep = noise_gain(0, seconds, float(np.median(np.diff(time))))
+    atmosphere = rig.environment.pressure
+
+    def gauge_of(smooth: Array | None) -> Array:
+        return np.zeros(n) if smooth is None else thinned(restored(time, smooth, seconds), every) - atmosphere
+
+    force, gauge, arm = np.zeros(n), np.zeros((n, 2)), np.ones(n)
+    levers: dict[str, Array] = {}
+    signals: dict[str, Array] = {}
+    cylinder: str | None = None
+    position, velocity = move.position, move.velocity
+    for link in driven:
+        c = rig.cylinders[link.cylinder]
+        index = list(rig.cylinders).index(link.cylinder)
+        lever = dynamics.arms[:, index]
+        cell = recording.get(f"{link.cylinder}.force")
+        pressures = [recording.get(f"{link.cylinder}.pressure_{s}") for s in (1, 2)]
+        behind = [None if p is None else gaussian_smoothed(time, p, seconds) for p in pressures]
+        smooth = [None if p is None else thinned(p, every) for p in behind]
+        if cell is not None:  # what the piston loses is in the balance along its rod
+            signals[f"{link.cylinder}.force"] = thinned(gaussian_smoothed(time, cell, seconds), every)
+            force += lever * signals[f"{link.cylinder}.force"]
+            levers[f"{link.cylinder}.force"] = lever
+            variance += float(np.mean(lever**2)) * (white_noise(cell) * keep) ** 2
+        else:
+            p_1 = smooth[0] if smooth[0] is not None else np.full(n, atmosphere)
+            p_2 = np.full(n, atmosphere) if c.single_acting or smooth[1] is None else smooth[1]
+            force += lever * (p_1 * c.area_1 - p_2 * c.area_2 - atmosphere * (c.area_1 - c.area_2))
+            for s, (p, filtered, area) in enumerate(zip(pressures, smooth, (c.area_1, -c.area_2), strict=True)):
+                if p is not None and filtered is not None:
+                    levers[f"{link.cylinder}.pressure_{s + 1}"] = lever * area
+                    signals[f"{link.cylinder}.pressure_{s + 1}"] = filtered - atmosphere
+                    variance += float(np.mean((lever * area) ** 2)) * (white_noise(p) * keep) ** 2
+        if len(driven) == 1 and cell is None:
+            cylinder, arm = link.cylinder, lever
+            gauge = np.column_stack([gauge_of(p) for p in behind])
+            position = dynamics.lengths[:, index] - c.retracted_length
+            velocity = lever * move.velocity
+    return Drive(force, cylinder, arm, gauge, levers, signals), position, velocity, variance
+
+
+def _run(
+    recording: Recording, rig: Rig, model: mujoco.MjModel, joint: int, driven: Sequence[Linkage], move: SmoothedMotion,
+    dynamics: _Dynamics,
+) -> MotionRun:  # fmt: skip
+    name, dof = model.joint(joint).name, int(model.jnt_dofadr[joint])
+    seconds, every, step = smoothing_width(recording.time), stride(recording.time), float(np.median(np.diff(recording.time)))
+    time = thinned(recording.time, every)
+    mass = dynamics.mass[dof]
+    external = recording.get(f"{name}.external_force")
+    variance = (mass * move.position_noise * noise_gain(2, seconds, step)) ** 2
+    drive, position, velocity, variance = _drive(recording, rig, driven, dynamics, move, variance)
+    pushed = np.zeros(len(time)) if external is None else thinned(gaussian_smoothed(recording.time, external, seconds), every)
+    if external is not None:
+        column = f"{name}.external_force"
+        drive = replace(drive, levers={**drive.levers, column: np.ones(len(time))}, signals={**drive.signals, column: pushed})
+        variance += (white_noise(external) * noise_gain(0, seconds, step)) ** 2
+    damping = float(model.dof_damping[dof].max())
+    return MotionRun(
+        recording=recording.name,
+        joint=name,
+        turning=bool(model.jnt_type[joint] == int(mujoco.mjtJoint.mjJNT_HINGE)),
+        time=time,
+        breaks=tuple(dict.fromkeys(begin // every for begin in clock_breaks(recording.time))),
+        kinematics=Kinematics(
+            position, velocity, max(4.0 * move.velocity_noise * float(np.median(np.abs(drive.arm))), 0.01 * float(np.nanstd(velocity)))
+        ),
+        inertia=Inertia(
+            dynamics.inertial[:, dof], dynamics.bias[:, dof], dynamics.tilt[:, dof] / TILT,
+            effective_mass=mass / max(float(np.median(drive.arm**2)), 1e-12),
+        ),
+        passive=Passive(dynamics.passive[:, dof], -damping * smoothed_alike(time, move.velocity) if damping > 0.0 else None),
+        drive=drive,
+        external=pushed,
+        noise=float(np.sqrt(variance)),
+        external_recorded=external is not None,
+        every=every,
+    )  # fmt: skip

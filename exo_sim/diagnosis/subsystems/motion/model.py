@@ -1,0 +1,233 @@
+"""The balance of forces of one joint, or along one rod, as a least-squares problem: the whitened force that is missing."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+
+import numpy as np
+from numpy.typing import NDArray
+
+from exo_sim.diagnosis.data.motion_run import MotionRun
+from exo_sim.diagnosis.data.split import Split
+from exo_sim.diagnosis.discrepancy.basis import DiscrepancyBasis
+from exo_sim.diagnosis.discrepancy.curve import Curve, fit_curves
+from exo_sim.diagnosis.discrepancy.signal import Discrepancy
+from exo_sim.diagnosis.discrepancy.trace import Trace
+from exo_sim.diagnosis.estimation.least_squares import Fit
+from exo_sim.diagnosis.estimation.parameters import FreeParameter, PlantParameters
+from exo_sim.diagnosis.findings import Finding, Series, Subsystem
+from exo_sim.diagnosis.policy import healthy
+from exo_sim.diagnosis.policy.calibration import SURE
+from exo_sim.diagnosis.subsystem_model import Comparison, SubsystemModel
+from exo_sim.diagnosis.subsystems.healthy_leak import OUTWARD
+from exo_sim.diagnosis.subsystems.motion.discrepancy_basis import friction_discrepancy
+from exo_sim.diagnosis.subsystems.motion.regimes import regimes
+from exo_sim.diagnosis.subsystems.motion.resistance import resistance_along
+from exo_sim.diagnosis.subsystems.motion.rows import rows_of
+from exo_sim.diagnosis.subsystems.motion.smoothing import smoothed_alike
+from exo_sim.physics.declaration import declared
+from exo_sim.physics.effects import presliding, sensor_bias, sensor_scale
+
+Array = NDArray[np.float64]
+
+
+class MotionModel(SubsystemModel):
+    """The balance of one joint or rod, any number of runs.
+
+    Args:
+        runs: The balances.
+        nominal: The machine as believed; its cylinder record holds what resists the motion.
+        split: Which time may be used.
+        on_test: Whether the rows are those of the test time.
+    """
+
+    kind = Subsystem.MOTION
+    balance = "force balance"
+    names_stand_beside_unknown = True
+    plant_holds_curves = False
+
+    def __init__(self, runs: Sequence[MotionRun], nominal: PlantParameters, split: Split, on_test: bool = False):
+        first = runs[0]
+        self.where, self.runs, self.nominal = first.cylinder or first.joint, tuple(runs), nominal.copy()
+        self.nominal.cylinder["effective_mass"] = first.inertia.effective_mass
+        self.nominal.cylinder["turning"] = float(first.turning and first.cylinder is None)
+        self.unit = "N*m" if first.turning else "N"
+        masks = [(split.in_test if on_test else split.in_training)(run.recording, run.time) for run in self.runs]
+        self._rows = [rows_of(run, usable) for run, usable in zip(self.runs, masks, strict=True)]
+        blocks, offset = [], 0
+        for rows in self._rows:
+            blocks.append(rows.block + offset)
+            offset += int(rows.block.max()) + 1 if rows.block.size else 0
+        self.blocks: NDArray[np.int64] = np.concatenate(blocks) if blocks else np.zeros(0, int)
+        self.scale = np.concatenate([rows.scale for rows in self._rows]) if self._rows else np.zeros(0)
+        contact = self.nominal.cylinder[presliding.EFFECT.name]
+        if not first.turning and float(contact["stiffness"][0]) == 0.0:
+            contact["stiffness"] = self._stiff_contact()
+
+    def _stiff_contact(self) -> float:
+        """Return the stiffness of a dry contact that slides at once, whatever the level of its friction [N/m]."""
+        missing = self.residual({}) * self.scale
+        arm = max(float(np.median(np.abs(self.runs[0].drive.arm))), 1e-9)
+        level = 0.5 * float(np.std(missing)) / arm if missing.size else 0.0
+        return max(float(healthy.STIFF_CONTACT), level / healthy.STIFF_TRAVEL)
+
+    @property
+    def has_imputed_pressure(self) -> bool:
+        """Whether a pressure in it was not measured."""
+        return any(run.imputed is not None for run in self.runs)
+
+    @property
+    def practical_significance(self) -> float:
+        floor = healthy.FORCE_SIGNIFICANT * stall_force(self.runs[0], self.nominal)
+        return floor / float(np.median(self.scale)) if self.scale.size else 0.0
+
+    @property
+    def discrepancy_bound(self) -> float:
+        force = max((run.effort for run in self.runs), default=0.0)
+        floor = max(healthy.FORCE_BOUND_SHARE * force, healthy.FORCE_BOUND_STALL * stall_force(self.runs[0], self.nominal))
+        return floor / float(np.median(self.scale)) if self.scale.size else 0.0
+
+    def missing(self, plant: PlantParameters, index: int) -> Array:
+        """Return the force that the balance of a run lacks at every sample [N or N m], shape (n,)."""
+        run, sensors = self.runs[index], plant.sensors
+        path, inertia, passive = run.kinematics, run.inertia, run.passive
+        resisted = np.empty(len(run.time))
+        resistance_along(plant.cylinder[0], run.time, path.position, path.velocity, run.drive.gauge, resisted)
+        resisted = smoothed_alike(run.time, run.drive.arm * resisted)  # as the measured forces are: neither side steps at a reversal
+        mass = sensors.get("payload_mass", 1.0)
+        moved = (
+            inertia.force
+            + (sensors.get("inertia", 1.0) - 1.0) * (inertia.force - inertia.bias)
+            + sensors.get("zero", 0.0) * inertia.tilt
+        )
+        exerted = passive.force if passive.damping is None else passive.force + (sensors.get("damping", 1.0) - 1.0) * passive.damping
+        found = mass * moved - exerted - run.drive.force - run.external + resisted - sensors.get("offset", 0.0)
+        for column, lever in run.drive.levers.items():
+            found = found + lever * sensors.get(f"{column}.bias", 0.0)
+        for column, signal in run.drive.signals.items():
+            scale = sensors.get(f"{column}.scale", 1.0)
+            if scale != 1.0:
+                found = found + run.drive.levers[column] * signal * (1.0 - 1.0 / scale)
+        late = sensors.get("drive.delay", 0.0)
+        if late != 0.0:
+            found = found - late * np.gradient(run.drive.force + run.external, run.time)
+        if run.imputed is not None:
+            for name, response in run.imputed.uncertain.items():
+                found = found - response * sensors.get(name, 0.0)
+            for name, response in run.imputed.leaks.items():
+                found = found - response * float(plant.cylinder[OUTWARD.name][name][0])
+        return found
+
+    def residual_of(self, plant: PlantParameters) -> Array:
+        pieces = []
+        for index, rows in enumerate(self._rows):
+            if rows.compared.any():
+                pieces.append(rows.means(self.missing(plant, index)))
+        return np.concatenate(pieces) / self.scale if pieces else np.zeros(0)
+
+    def on_test_time(self, split: Split) -> MotionModel:
+        return MotionModel(self.runs, self.nominal, split, on_test=True)
+
+    def discrepancy_basis(self) -> DiscrepancyBasis:
+        """Return what every model of friction gets wrong, as columns for the rows of the residual."""
+        at = {
+            name: np.concatenate([rows.means(values(run)) for run, rows in zip(self.runs, self._rows, strict=True)])
+            for name, values in (
+                ("position", lambda run: run.kinematics.position),
+                ("velocity", lambda run: run.kinematics.velocity),
+                ("time", lambda run: run.time - run.time[0]),
+            )
+        }
+        recording = np.concatenate([np.full(rows.block.size, index) for index, rows in enumerate(self._rows)])
+        target = self.residual({})
+        typical = float(np.median(self.scale)) if self.scale.size else 1.0
+        friction = float(np.std(target)) if target.size else 0.0
+        effort = max((run.effort for run in self.runs), default=0.0) / typical
+        return friction_discrepancy(
+            at["position"], at["velocity"], at["time"], recording, typical / self.scale, friction, effort
+        )
+
+    def compared(self, before: PlantParameters, after: PlantParameters, curve: Curve | None = None) -> list[Comparison]:
+        found = []
+        for index, run in enumerate(self.runs):
+            first, second = self.missing(before, index), self.missing(after, index)
+            variables = _variables(run)
+            if curve is not None and curve.variable in variables:
+                second = second - smoothed_alike(run.time, run.drive.arm * curve(variables[curve.variable]))
+            moving = np.where(np.abs(run.kinematics.velocity) > run.kinematics.still, 1.0, np.nan)
+            noise = float(np.median(self.scale)) if self.scale.size else run.noise
+            balance = (run.demand * moving, (run.demand - first) * moving, (run.demand - second) * moving)
+            series = Series(run.recording, f"{self.where}.force_balance", self.unit, run.time, *balance, noise)
+            compared = self._rows[index].compared
+            found.append(Comparison(series, first[compared], second[compared]))
+        return found
+
+    def traces(self, plant: PlantParameters) -> list[Trace]:
+        found = []
+        for index, run in enumerate(self.runs):
+            error = np.where(self._rows[index].compared, self.missing(plant, index), np.nan)
+            noise = float(np.median(self.scale)) if self.scale.size else 1.0
+            ways = regimes(run.kinematics.velocity, run.time)
+            found.append(Trace(self.where, self.balance, self.unit, run.recording, run.time, error, noise, ways))
+        return found
+
+    def discrepancies(self, plant: PlantParameters) -> tuple[Discrepancy, ...]:
+        """Return the force that the balance lacks at the piston, positive along its motion's positive direction."""
+        variables: dict[str, list[Array]] = {}
+        forces: list[Array] = []
+        for index, (run, rows) in enumerate(zip(self.runs, self._rows, strict=True)):
+            for name, values in _variables(run).items():
+                variables.setdefault(name, []).append(rows.means(values))
+            arm = run.drive.arm
+            forces.append(rows.means(self.missing(plant, index) / np.where(np.abs(arm) > 1e-6, arm, 1.0)))
+        force = np.concatenate(forces)
+        curves = fit_curves({name: np.concatenate(values) for name, values in variables.items()}, force, self.blocks)
+        return (Discrepancy("force", self.unit, self.balance, curves, float(np.sqrt(np.mean(force**2)))),)
+
+    def column(self, variable: str) -> str:
+        if variable in ("position", "velocity"):
+            return f"{self.runs[0].joint}.{variable}"
+        return variable if variable == "time" else f"{self.where}.{variable}"
+
+    def as_sensor_error(self, parameter: FreeParameter, value: float) -> tuple[str, str, str, float] | None:
+        """A gain is a column's scale; a constant force is the bias of what measures force, else of a pressure."""
+        if parameter.effect == "sensor_gain":
+            return parameter.where, sensor_scale.EFFECT.name, "factor", value
+        if parameter.effect != "offset":
+            return None
+        drive = self.runs[0].drive
+        columns = sorted(drive.levers, key=lambda column: ("external_force" not in column, "pressure" in column, column))
+        if not columns:
+            return None
+        return columns[0], sensor_bias.EFFECT.name, "value", -value / float(np.median(drive.levers[columns[0]]))
+
+    def indistinguishable(self, findings: Sequence[Finding], fit: Fit) -> Mapping[tuple[str, str], tuple[str, ...]]:
+        """Some friction is another one beside a constant force: a force sensor's bias, or what closed the balance."""
+        names = {finding.name for finding in findings}
+        twins = {one.name: one.asked.twins.beside_constant for one in declared().values() if one.asked.twins.beside_constant in names}
+        if not twins:
+            return {}
+        offsets = [q for q in fit.values if q.effect == "offset"]
+        bent = any(abs(fit.values[q] - q.prior[0]) > SURE * q.prior[1] for q in offsets if q.prior)
+        return {
+            (f.name, f.where): tuple(name for name, base in twins.items() if base == f.name or f.name == sensor_bias.EFFECT.name)
+            for f in findings
+            if (f.name == sensor_bias.EFFECT.name and f.where.endswith(".external_force")) or (bent and f.name in twins.values())
+        }
+
+
+def _variables(run: MotionRun) -> dict[str, Array]:
+    """Return what a missing force may depend on, shape (n,) each."""
+    found = {"position": run.kinematics.position, "velocity": run.kinematics.velocity, "time": run.time - run.time[0]}
+    if run.cylinder is not None:
+        first, second = run.drive.gauge[:, 0], run.drive.gauge[:, 1]
+        found |= {"pressure_1": first, "pressure_2": second, "pressure_difference": first - second}
+    return found
+
+
+def stall_force(run: MotionRun, plant: PlantParameters) -> float:
+    """Return what the cylinder of a balance can push at most [N, N m at the joint]; 0 without a cylinder."""
+    if run.cylinder is None:
+        return 0.0
+    gauge = float(plant.world["supply_pressure"][0] - plant.world["atmosphere"][0])
+    return max(gauge, 0.0) * float(plant.cylinder["area_1"][0]) * float(np.median(np.abs(run.drive.arm)))

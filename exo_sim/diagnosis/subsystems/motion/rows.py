@@ -1,0 +1,75 @@
+"""Rows of a balance of forces: means over short groups of samples that move."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.ndimage import binary_erosion
+
+from exo_sim.diagnosis.data.motion_run import MotionRun
+from exo_sim.diagnosis.policy import healthy
+from exo_sim.diagnosis.subsystems.motion.smoothing import smoothing_width
+
+Array = NDArray[np.float64]
+
+#: Balances are averaged over this time before they are compared [s].
+GROUP = 0.02
+#: Length of a block of time [s].
+BLOCK = 1.0
+
+@dataclass(frozen=True)
+class Rows:
+    """How the samples of one run become rows.
+
+    Attributes:
+        group: Row of each sample, -1 where it is not compared, shape (n,).
+        block: Block of time of each row, shape (m,).
+        scale: Standard deviation that noise and floor leave in each row, shape (m,).
+    """
+
+    group: NDArray[np.int64]
+    block: NDArray[np.int64]
+    scale: Array
+
+    @property
+    def compared(self) -> NDArray[np.bool_]:
+        """Which samples are compared, shape (n,)."""
+        return self.group >= 0
+
+    def means(self, values: Array) -> Array:
+        """Return the mean of each row of values at the samples, shape (m,)."""
+        keep = self.compared
+        return np.bincount(self.group[keep], weights=values[keep]) / np.bincount(self.group[keep])
+
+
+def rows_of(run: MotionRun, usable: NDArray[np.bool_]) -> Rows:
+    """Return the rows of one run; samples at rest, where dry friction takes any value up to its level, are not compared.
+
+    Args:
+        run: The balance.
+        usable: Which samples may be used, shape (n,).
+    """
+    time, velocity = run.time, run.kinematics.velocity
+    step = float(np.median(np.diff(time)))
+    size = max(1, int(round(GROUP / step)))
+    edge = max(2, int(round(0.5 * smoothing_width(time) / step)))
+    turned = np.diff(np.signbit(velocity), prepend=velocity[0] < 0.0)  # between two samples that both move
+    moving = binary_erosion((np.abs(velocity) > run.kinematics.still) & ~turned, iterations=edge)
+    good = usable & moving & np.isfinite(run.inertia.force + run.drive.force + run.external)
+    for begin in run.breaks:
+        good[max(0, begin - edge) : begin + edge] = False
+    good[-edge:] = False
+    group = np.full(len(time), -1)
+    blocks: list[int] = []
+    for first in range(0, len(time), size):
+        chosen = np.arange(first, min(first + size, len(time)))
+        if good[chosen].all():
+            group[chosen] = len(blocks)
+            blocks.append(int((time[first] - time[0]) / BLOCK))
+    # neighbouring samples share the smoothing window: averaging a group of them gains little
+    per_row = max(1.0, run.every * GROUP / max(step, 1e-9))
+    scale = np.hypot(run.noise, healthy.FORCE_FLOOR_SHARE * run.effort) if blocks else 0.0
+    reduced = max(scale, 1e-9) * np.sqrt(min(1.0, 3.0 / per_row) if per_row > 3 else 1.0)
+    return Rows(group, np.array(blocks, dtype=int), np.full(len(blocks), reduced))

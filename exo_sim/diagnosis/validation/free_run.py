@@ -1,0 +1,109 @@
+"""Errors of one free run: the improved rig, and the rig as believed, simulated from the first measured state to the end."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from contextlib import suppress
+from dataclasses import replace
+
+import mujoco
+import numpy as np
+from numpy.typing import NDArray
+
+from exo_sim.diagnosis.data.command_sign import is_reversed_command
+from exo_sim.diagnosis.data.machine_data import MachineData
+from exo_sim.diagnosis.data.split import Split
+from exo_sim.diagnosis.findings import SignalFit
+from exo_sim.errors import ExoSimError
+from exo_sim.machine.load import load
+from exo_sim.recording import noise
+from exo_sim.recording.table import Recording
+from exo_sim.rig import Rig, parse
+from exo_sim.simulation.replay import FreeRun, free_run, usable
+
+Array = NDArray[np.float64]
+
+#: Recordings longer than this together are not simulated once more [s]: `compare` does it where it is asked to.
+LONGEST = 600.0
+
+
+def free_runs(data: MachineData, improved: str, split: Split) -> dict[str, SignalFit]:
+    """Return, by column, the errors on the test time of one run that no measurement corrects on its way.
+
+    Where the clock jumps the run begins anew. Where a joint was driven by forces that nobody measured, motion is imposed in both runs
+    and only pressures are predicted. A valve command with the wrong sign is reversed, for a rig cannot say that. Empty where something
+    would have to be assumed, or the recordings are long.
+
+    Args:
+        data: The recordings, and the rig as believed.
+        improved: Text of the rig with what was found, as it would stand beside the rig.
+        split: Its test time counts.
+    """
+    tables = [_judged_part(table, data) for table in data.as_read if table.name in split.test]
+    if sum(table.duration for table in tables) > LONGEST:
+        return {}
+    total: dict[str, _Sums] = {}
+    with suppress(ExoSimError):  # nothing that can be predicted: what is missing has been said already
+        believed, found = _Machine(data.rig), _Machine(parse(improved, data.rig.path))
+        for table in tables:
+            with suppress(ExoSimError):
+                _add(total, table, believed, found, split.in_test(table.name, table.time))
+    return {key: sums.result() for key, sums in total.items() if sums.count}
+
+
+class _Machine:
+    """A rig with its model."""
+
+    def __init__(self, rig: Rig) -> None:
+        self.rig: Rig = rig
+        self.model: mujoco.MjModel = load(rig)
+
+
+def _judged_part(table: Recording, data: MachineData) -> Recording:
+    """Return a recording from where its gas is judged, its valve commands with the sign that they were found to have."""
+    starts = [run.time[0] for runs in data.cylinders.values() for run in runs if run.recording == table.name]
+    table = table.span(max(starts, default=-math.inf), math.inf)
+    wrong = {finding.where for finding in data.sensors if is_reversed_command(finding)}
+    return replace(table, columns={key: -values if key in wrong else values for key, values in table.columns.items()})
+
+
+class _Sums:
+    """Squared errors of one column before and after, summed over any number of recordings."""
+
+    def __init__(self, unit: str) -> None:
+        self.unit, self.count, self.squares, self.noise = unit, 0, np.zeros(2), 0.0
+
+    def add(self, recorded: Array, runs: Sequence[Array]) -> None:
+        """Count errors of shape (n,) before and after; the sum is not finite where a simulation diverged."""
+        with np.errstate(over="ignore", invalid="ignore"):
+            self.squares += [float(np.sum((run - recorded) ** 2)) for run in runs]
+        self.count += len(recorded)
+
+    def result(self) -> SignalFit:
+        """Return the root mean square errors."""
+        before, after = np.sqrt(np.where(np.isfinite(self.squares), self.squares, math.nan) / self.count)
+        return SignalFit(self.unit, float(before), float(after), self.noise)
+
+
+def _add(total: dict[str, _Sums], table: Recording, believed: _Machine, improved: _Machine, mask: NDArray[np.bool_]) -> None:
+    """Add the errors of one recording, whose samples `mask` count."""
+    recorded, after = _run(table, improved, "auto")
+    if after is None:
+        return
+    _, before = _run(table, believed, "recorded" if after.imposed else "predicted")
+    if before is None:
+        return
+    mask = mask & after.simulated
+    for key in (key for key in after.predicted.columns if key in before.predicted):
+        there = mask & np.isfinite(recorded[key])
+        if there.any():
+            sums = total.setdefault(key, _Sums(table.units[key]))
+            sums.add(recorded[key][there], [run.predicted[key][there] for run in (before, after)])
+            sums.noise = max(sums.noise, noise.floor(recorded[key], recorded.time).std)
+
+
+def _run(table: Recording, machine: _Machine, motion: str) -> tuple[Recording, FreeRun | None]:
+    """Return what a rig's sensors let one believe of a recording, and its run."""
+    recorded, _ = usable(table, machine.rig, machine.model)
+    return recorded, free_run(recorded, machine.rig, machine.model, motion=motion)

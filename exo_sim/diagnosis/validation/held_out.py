@@ -1,0 +1,163 @@
+"""Errors on held-out time, before and after, and what each finding is worth there."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field
+
+import numpy as np
+from numpy.typing import NDArray
+
+from exo_sim.diagnosis.data.split import Spans, Split
+from exo_sim.diagnosis.estimation.correlation import correlation_time, rms
+from exo_sim.diagnosis.estimation.parameters import PlantParameters
+from exo_sim.diagnosis.findings import Series, SignalFit, Subsystem
+from exo_sim.diagnosis.policy import validation
+from exo_sim.diagnosis.selection.subsystem_result import SubsystemResult
+from exo_sim.diagnosis.selection.unknown_effect import UnknownEffect, effect_of
+from exo_sim.diagnosis.subsystem_model import Comparison, SubsystemModel
+
+Array = NDArray[np.float64]
+
+
+@dataclass(frozen=True)
+class BalanceError:
+    """The error of one balance on held-out time, in units of the noise.
+
+    Attributes:
+        error: Root mean square there.
+        fitted: What the fit leaves on the training data.
+        bound: Largest error of a healthy machine.
+        log10_odds: That it is more than noise.
+    """
+
+    error: float
+    fitted: float
+    bound: float
+    log10_odds: float
+
+    @property
+    def ratio(self) -> float:
+        """The error in units of what the fit leaves, or of the noise where that is larger; 0 where it is not a number."""
+        return _finite(self.error / max(self.fitted, 1.0))
+
+    def exceeds_bound(self, times: float = 1.0) -> bool:
+        """Return whether the error is more than so many times that of any healthy machine."""
+        return self.error > times * self.bound
+
+    def newly_exceeds_bound(self, times: float = 1.0) -> bool:
+        """Return whether it is, while that of the fit is within the bound."""
+        return self.exceeds_bound(times) and self.fitted < self.bound
+
+
+@dataclass(frozen=True)
+class HeldOutErrors:
+    """Errors on held-out time.
+
+    Attributes:
+        signals: By column, before and after.
+        drops: By `effect@where` (by place for an unknown effect), the share by which the error falls with it.
+        influence: By the keys of `drops`, how much predictions change with it [units of the noise].
+        balances: By subsystem and name.
+        series: For the report.
+        spans: The held-out time, by recording.
+    """
+
+    signals: Mapping[str, SignalFit] = field(default_factory=dict)
+    drops: Mapping[str, float] = field(default_factory=dict)
+    influence: Mapping[str, float] = field(default_factory=dict)
+    balances: Mapping[tuple[Subsystem, str], BalanceError] = field(default_factory=dict)
+    series: tuple[Series, ...] = ()
+    spans: Spans = field(default_factory=dict)
+
+    @property
+    def ratio(self) -> float:
+        """The largest ratio of a balance; infinite where no signal could be compared."""
+        return max((one.ratio for one in self.balances.values()), default=0.0) if self.signals else math.inf
+
+
+def held_out_errors(
+    results: Sequence[SubsystemResult[SubsystemModel]], unknown: Sequence[UnknownEffect], split: Split
+) -> HeldOutErrors:
+    """Predict the test time of a split with the machine as believed and as it was found to be."""
+    signals: dict[str, SignalFit] = {}
+    drops: dict[str, float] = {}
+    influence: dict[str, float] = {}
+    balances: dict[tuple[Subsystem, str], BalanceError] = {}
+    series: list[Series] = []
+    for one in results:
+        if one.is_empty:
+            continue
+        effect = effect_of(unknown, one)
+        model = one.model.on_test_time(split)
+        found = model.with_unknown(one.final_plant, effect.discrepancy) if effect else one.final_plant
+        compared = model.compared(one.model.nominal, found, effect.discrepancy.best if effect else None)
+        series += [each.series for each in compared]
+        own = _signals(compared)
+        signals |= own
+        if model.size == 0:
+            continue
+        residual = model.residual_of(found)
+        error = rms(residual)
+        rows = model.size / max(correlation_time(residual, model.blocks), 1.0)
+        odds = 0.5 * rows * math.log10(max(error, 1.0) ** 2)
+        balances[one.key] = BalanceError(error, rms(one.final.fit.residual), model.discrepancy_bound, odds)
+        for key, without in _left_out(one):
+            other = model.residual_of(without)
+            lacking = rms(other)
+            drops[key] = _finite(1.0 - error / lacking) if lacking > 0.0 else 0.0
+            influence[key] = _finite(rms(other - residual))
+        if effect is not None:
+            drops[one.where] = _drop_with_unknown(model, one, error, own)
+    return HeldOutErrors(signals, drops, influence, balances, tuple(series), split.test)
+
+
+def is_refuted(drop: float, log10_odds: float) -> bool:
+    """Return whether validation speaks against a finding: the error hardly falls with it, and its odds are not great."""
+    useless = drop < validation.LEAST_DROP and log10_odds < validation.REFUTABLE_ODDS
+    harmful = drop < -validation.MOST_RISE and log10_odds < validation.REFUTABLE_RISE_ODDS
+    return useless or harmful
+
+
+def _signals(compared: Sequence[Comparison]) -> dict[str, SignalFit]:
+    """Return the errors of each signal over all recordings."""
+    by_signal: dict[str, list[Comparison]] = {}
+    for one in compared:
+        by_signal.setdefault(one.series.signal, []).append(one)
+    return {
+        key: SignalFit(
+            parts[0].series.unit,
+            _finite(rms(np.concatenate([one.error_before for one in parts]))),
+            _finite(rms(np.concatenate([one.error_after for one in parts]))),
+            max(one.series.noise for one in parts),
+        )
+        for key, parts in by_signal.items()
+        if any(one.error_before.size for one in parts)
+    }
+
+
+def _left_out(one: SubsystemResult[SubsystemModel]) -> list[tuple[str, PlantParameters]]:
+    """Return, for each finding, its key and the plant that is refitted without it."""
+    reported = {(finding.name, finding.where) for finding in one.findings}
+    found = []
+    for candidate in (candidate for candidate in one.named if candidate.at in reported):
+        rest = tuple(c for c in one.final.candidates if c.key != candidate.key)
+        found.append((f"{candidate.effect}@{candidate.where}", one.plant_of(one.fits.fit(rest, one.final))))
+    return found
+
+
+def _drop_with_unknown(
+    model: SubsystemModel, one: SubsystemResult[SubsystemModel], error: float, signals: Mapping[str, SignalFit]
+) -> float:
+    """Return the share by which the error falls with an unknown effect; from the signal where no plant can hold its curve."""
+    if model.plant_holds_curves:
+        plain = rms(model.residual_of(one.final_plant))
+        return _finite(1.0 - error / plain) if plain > 0.0 else 0.0
+    first = next(iter(signals.values()))
+    return _finite(1.0 - first.after / first.before) if first.before > 0.0 else 0.0
+
+
+def _finite(value: float) -> float:
+    """Return the value, or 0 where it is not a number."""
+    return float(value) if np.isfinite(value) else 0.0

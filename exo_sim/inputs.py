@@ -1,0 +1,70 @@
+"""Reading what people hand in, as text and as TOML: whatever it is, one sentence says what is wrong with it."""
+
+from __future__ import annotations
+
+import stat
+import tomllib
+from pathlib import Path
+from typing import Any
+
+#: Bytes of a text beyond which it is refused.
+MOST_TEXT = 20_000_000
+
+
+def check_regular(path: Path) -> None:
+    """Refuse what is no regular file: a device or pipe may never end, and cannot be read twice.
+
+    Raises:
+        FileNotFoundError: there is no such file.
+        ValueError: it is a folder, a device or a pipe; the message says which.
+    """
+    kind = path.stat().st_mode
+    if not stat.S_ISREG(kind):
+        what = "a folder" if stat.S_ISDIR(kind) else "a pipe" if stat.S_ISFIFO(kind) else "a device"
+        raise ValueError(f"cannot be read: it is {what}, not a file; save it to a file and name that")
+
+
+def bytes_of(path: Path) -> bytes:
+    """Return what a file holds.
+
+    Raises:
+        FileNotFoundError: there is no such file.
+        ValueError: it is no regular file; the message says what it is.
+        OSError: it cannot be read.
+    """
+    check_regular(path)
+    return path.read_bytes()
+
+
+def text_of(path: Path) -> str:
+    """Return what a text file holds.
+
+    Raises:
+        FileNotFoundError: there is no such file.
+        ValueError: it is no regular file, too large, or not UTF-8; the message says which.
+        OSError: it cannot be read.
+    """
+    check_regular(path)
+    size = path.stat().st_size
+    if size > MOST_TEXT:
+        raise ValueError(f"has {size / 1e6:.0f} MB, more than a text of its kind has ({MOST_TEXT / 1e6:.0f} MB)")
+    try:
+        return path.read_text(encoding="utf-8")
+    except UnicodeDecodeError as error:
+        raise ValueError(f"cannot be read as text: it is not UTF-8, byte {error.start} is {error.object[error.start]:#04x}") from None
+
+
+def toml(text: str) -> dict[str, Any]:
+    """Return what a TOML text holds.
+
+    Raises:
+        ValueError: it is not TOML, is nested too deeply, or has a number that is too long; the message says which.
+    """
+    try:
+        return tomllib.loads(text)
+    except RecursionError:
+        raise ValueError("is nested too deeply") from None
+    except tomllib.TOMLDecodeError as error:
+        raise ValueError(f"is not TOML: {str(error)[0].lower()}{str(error)[1:]}") from None
+    except ValueError:  # Python's bound on digits
+        raise ValueError("holds a number of too many digits") from None

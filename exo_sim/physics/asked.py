@@ -1,0 +1,151 @@
+"""How a diagnosis puts the question of an effect to a recording: what its declaration says of that."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass, field
+
+Starts = tuple[tuple[float, ...], ...]
+
+
+@dataclass(frozen=True)
+class Occurred:
+    """What a recording shows of a motion, for values to begin with that are in proportion to it.
+
+    Attributes:
+        force: Spread of the forces that act [N or N m].
+        speed, travel: Spread of velocity and position [m/s or rad/s, m or rad].
+        middle: Mean position [m or rad].
+        base: Believed size of the effect that this one comes on top of, its first parameter; 0 where it comes on top of none.
+    """
+
+    force: float
+    speed: float
+    travel: float
+    middle: float
+    base: float
+
+
+@dataclass(frozen=True)
+class Sense:
+    """Where the question makes sense.
+
+    Attributes:
+        commanded: True where only the gas of a valve whose command was recorded shows it.
+        moving: True where only the gas of a piston that moves shows it.
+        two_chambers: True where it lies between two chambers of gas: a single-acting cylinder has none.
+        places: Of its places those where it is asked; all of them where empty.
+        known_at_joint: Number of a cylinder's record that holds the same of its joint: where the rig has it there, it is not asked.
+        bursts: False where its law passes no fast bursts: beside a pressure that rings it is not named.
+    """
+
+    commanded: bool = False
+    moving: bool = False
+    two_chambers: bool = False
+    places: tuple[str, ...] = ()
+    known_at_joint: str = ""
+    bursts: bool = True
+
+
+@dataclass(frozen=True)
+class Twins:
+    """Effects that do the same to all that was recorded, so that nobody can tell them apart by it.
+
+    Attributes:
+        unmeasured: Those that are the same where the pressure at their place was not recorded ...
+        measured: ... and where it was.
+        unless: A parameter that none of `measured` has: where it was fitted, they are told apart.
+        beside_constant: Effect that is the same as this one where a constant force, or a force sensor's bias, acts beside it.
+        damping: 1 where it looks like more damping of a joint than was believed, -1 like less; 0 where neither.
+    """
+
+    unmeasured: tuple[str, ...] = ()
+    measured: tuple[str, ...] = ()
+    unless: str = ""
+    beside_constant: str = ""
+    damping: int = 0
+
+
+@dataclass(frozen=True)
+class Asked:
+    """How the question is put to a recording.
+
+    Attributes:
+        forms: Which parameters are free together; one form with all of them where empty.
+        starts: Values to begin with where the range is wide or the answer not in proportion; else a low and a high typical one.
+        starts_by_valve: As `starts`, areas in units of the valve's.
+        starts_by_reach: As `starts_by_valve`, lengths in units of half the stroke and counted from where the piston comes nearest to
+            an end.
+        starts_by_motion: For an effect on motion, as `starts` from what occurred.
+        within_speeds: Parameters that are speeds at which the law bends: a bend far from the speeds that occurred does not show.
+        scale: Typical size of its parameters where neither its ranges nor the motion say it; 0 where they do.
+        logarithmic: Whether its parameters span decades and are never zero: a fit moves their logarithms.
+        neutral: Values at which it does nothing, where that is not zero.
+        proportional: Whether it is linear in its parameters from zero on: a signature may then be scaled until it shows.
+        jerky: Whether its answer is in jerks: play, dead zones, limits.
+        healthy: What a healthy machine shows of a parameter as well: one standard deviation, and the most. A fit may move it up
+            to there; only what is larger is a finding.
+        least: Parameters of which less than this is no finding.
+        adds_up: Whether its parameters are parts of one thing: then their sum is held against `least`.
+        leaks: For a leak, its share of what empties a healthy cylinder in some minutes; 0 where it is none.
+        wall_heat: For heat into the wall, its share of what a film of still gas passes in every cylinder; 0 where it is none.
+        resists: For what resists a piston, its share of the dry friction and the stiffness that a healthy one has; 0 where it does not.
+        every_contact: Stiffness that every dry contact has: the diagnosis gives the machine a healthy one, asks all the same, and only
+            one that is softer is a finding; "" where it is none.
+        every_law: True where every machine follows some form of this law: the diagnosis chooses a healthy one, and asks all the same.
+        on_top_of: Effect that must be there for it to be asked.
+        held_back: True where no diagnosis puts the question; a rig may have the effect all the same.
+        open_by: Factors on the ends of a parameter's interval, for what the model itself leaves open ...
+        closed_by: ... unless this parameter was fitted as well.
+        prevalence: Share of machines that have it, before any data.
+        known: What is known of parameters before any data: mean and standard deviation.
+        is_law: Whether it only says how a law is written, in every machine: then it is no finding, but it goes into an improved rig.
+        sense: Where the question makes sense.
+        twins: What cannot be told from it.
+    """
+
+    forms: tuple[tuple[str, ...], ...] = ()
+    starts: Starts = ()
+    starts_by_valve: Starts = ()
+    starts_by_reach: Starts = ()
+    starts_by_motion: Callable[[Occurred], Starts] | None = None
+    within_speeds: tuple[str, ...] = ()
+    scale: float = 0.0
+    logarithmic: bool = False
+    neutral: Mapping[str, float] = field(default_factory=dict)
+    proportional: bool = False
+    jerky: bool = False
+    healthy: Mapping[str, tuple[float, float]] = field(default_factory=dict)
+    least: Mapping[str, float] = field(default_factory=dict)
+    adds_up: bool = False
+    leaks: float = 0.0
+    wall_heat: float = 0.0
+    resists: float = 0.0
+    every_contact: str = ""
+    every_law: bool = False
+    on_top_of: str = ""
+    held_back: bool = False
+    open_by: Mapping[str, tuple[float, float]] = field(default_factory=dict)
+    closed_by: str = ""
+    prevalence: float = 0.1
+    known: Mapping[str, tuple[float, float]] = field(default_factory=dict)
+    is_law: bool = False
+    sense: Sense = Sense()
+    twins: Twins = Twins()
+
+    @property
+    def parameters(self) -> dict[str, set[str]]:
+        """Names of parameters that this speaks of, by the field in which it does."""
+        lists = {"forms": {name for form in self.forms for name in form}, "within_speeds": set(self.within_speeds)}
+        tables = {key: set(getattr(self, key)) for key in ("neutral", "healthy", "least", "open_by", "known")}
+        single = {key: {getattr(self, key)} - {""} for key in ("every_contact", "closed_by")}
+        return lists | tables | single | {"twins.unless": {self.twins.unless} - {""}}
+
+    @property
+    def though_on(self) -> bool:
+        """Whether it is asked though the machine has it: then it is the diagnosis that gave it what every machine has."""
+        return self.every_law or bool(self.every_contact)
+
+    def smallest(self, parameter: str) -> float:
+        """Return what less of a parameter is no finding."""
+        return self.least.get(parameter, self.healthy.get(parameter, (0.0, 0.0))[1])

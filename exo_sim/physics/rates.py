@@ -1,0 +1,229 @@
+"""The balances of mass and energy: what every volume gains and loses in a second.
+
+The same lines are compiled twice: as they stand, and for a cylinder to whose gas nothing is added, without what is then zero.
+"""
+
+from __future__ import annotations
+
+from exo_sim.physics import chamber, gas
+from exo_sim.physics.balances import across_flow, heat_flow, outward_flow
+from exo_sim.physics.compiled import kernel
+from exo_sim.physics.conditions import Reservoir
+from exo_sim.physics.effects import (
+    critical_ratio,
+    end_cushioning,
+    exhaust_back_pressure,
+    line_restriction,
+    moving_wall_temperature,
+    supply_droop,
+    supply_regulator,
+)
+from exo_sim.physics.nodes import chambers, exhaust_state, path_areas, plain_path_areas, supply_state
+from exo_sim.physics.plain import plain
+from exo_sim.physics.state import (
+    DRAWN,
+    DRAWN_ENTHALPY,
+    ENERGY_1,
+    ENERGY_2,
+    EXHAUST_ENERGY,
+    EXHAUST_MASS,
+    EXHAUSTED,
+    EXHAUSTED_ENTHALPY,
+    FED,
+    FED_ENTHALPY,
+    HEAT,
+    HOSE_ENERGY_1,
+    HOSE_ENERGY_2,
+    HOSE_MASS_1,
+    HOSE_MASS_2,
+    INTEGRATED,
+    LEAKED,
+    LEAKED_ENTHALPY,
+    MASS_1,
+    MASS_2,
+    RELEASED,
+    RELEASED_ENTHALPY,
+    SHARED,
+    SUPPLY_ENERGY,
+    SUPPLY_MASS,
+    WALL_1,
+    WALL_2,
+    WORK,
+)
+from exo_sim.physics.terms import Function, within
+
+
+@within
+def _lose(here, w, ambient, k, r, dy, base, mass, energy):
+    """Take a flow to the surroundings [kg/s] from a chamber and enter it in the books."""
+    if w == 0.0:
+        return
+    h = chamber.enthalpy_flow(w, here.t, ambient, k, r)
+    dy[base + mass] -= w
+    dy[base + energy] -= h
+    dy[base + LEAKED] += w
+    dy[base + LEAKED_ENTHALPY] += h
+
+
+@within
+def _warm_and_push(world, c, here, dy, base, energy, wall):
+    """Give a chamber the heat from its wall and take from it the work on the piston."""
+    heat = heat_flow(c, here, world)
+    work = here.p * here.area * here.speed
+    dy[base + wall] = moving_wall_temperature.wall_rate(c.moving_wall_temperature, heat, here.wall, world.ambient)
+    dy[base + energy] += heat
+    dy[base + energy] -= work
+    dy[base + HEAT] += heat
+    dy[base + WORK] += work
+
+
+def _through_valve(added: bool) -> Function:
+    """Return the kernel of what a valve does to one chamber, with or without what may stand between them."""
+
+    @within
+    def directly(c, here, a_supply, a_exhaust, supply, exhaust, k, r):
+        if added:
+            drawn = critical_ratio.flow(c.critical_ratio, a_supply, supply.p, supply.t, here.p, here.t, k, r)
+            vented = critical_ratio.flow(c.critical_ratio, a_exhaust, here.p, here.t, exhaust.p, exhaust.t, k, r)
+        else:
+            drawn = gas.flow(a_supply, supply.p, supply.t, here.p, here.t, k, r)
+            vented = gas.flow(a_exhaust, here.p, here.t, exhaust.p, exhaust.t, k, r)
+        h_drawn = chamber.enthalpy_flow(drawn, supply.t, here.t, k, r)
+        return drawn, h_drawn, vented, chamber.enthalpy_flow(vented, here.t, exhaust.t, k, r)
+
+    @within
+    def flows(c, here, a_supply, a_exhaust, supply, exhaust, k, r, y, dy, hose_mass, hose_energy):
+        """Return mass and enthalpy flow into the chamber, and those drawn from the supply and let into the exhaust."""
+        if not added or not line_restriction.present(c.line_restriction):
+            if added and here.p > exhaust.p:
+                a_exhaust = end_cushioning.outlet(c.end_cushioning, a_exhaust, here.depth)
+            if added and here.p > supply.p:
+                a_supply = end_cushioning.outlet(c.end_cushioning, a_supply, here.depth)
+            drawn, h_drawn, vented, h_vented = directly(c, here, a_supply, a_exhaust, supply, exhaust, k, r)
+            return drawn - vented, h_drawn - h_vented, drawn, h_drawn, vented, h_vented
+        p_port = chamber.pressure(y[hose_energy], c.line_restriction.volume, k)
+        port = Reservoir(p_port, chamber.temperature(y[hose_energy], y[hose_mass], k, r))
+        drawn, h_drawn, vented, h_vented = directly(c, port, a_supply, a_exhaust, supply, exhaust, k, r)
+        area = c.line_restriction.area
+        if here.p > port.p:
+            area = end_cushioning.outlet(c.end_cushioning, area, here.depth)
+        w = line_restriction.flow(c.line_restriction, area, port.p, port.t, here.p, here.t, k, r)
+        h = chamber.enthalpy_flow(w, port.t, here.t, k, r)
+        dy[hose_mass] = drawn - vented - w
+        dy[hose_energy] = h_drawn - h_vented - h
+        return w, h, drawn, h_drawn, vented, h_vented
+
+    return flows
+
+
+def _of_cylinder(added: bool) -> Function:
+    """Return the kernel of one cylinder's rates, with or without what effects add."""
+    through_valve = _through_valve(added)
+    areas = path_areas if added else plain_path_areas
+
+    @within
+    def rates_of(world, c, y, dy, base, x, v, opening, supply, exhaust):
+        for j in range(INTEGRATED):
+            dy[base + j] = 0.0
+        k, r, ambient = world.k, world.r, world.ambient
+        one, two = chambers(world, c, y, base, x, v)
+        a_s1, a_1e, a_s2, a_2e = areas(c, opening)
+        w, h, drawn, h_drawn, vented, h_vented = through_valve(
+            c, one, a_s1, a_1e, supply, exhaust, k, r, y, dy, base + HOSE_MASS_1, base + HOSE_ENERGY_1
+        )
+        dy[base + MASS_1] = w
+        dy[base + ENERGY_1] = h
+        across = 0.0
+        if added:
+            _lose(one, outward_flow(c, one, two, world), ambient, k, r, dy, base, MASS_1, ENERGY_1)
+            _warm_and_push(world, c, one, dy, base, ENERGY_1, WALL_1)
+            across = across_flow(c, one, two, world)
+            if c.single_acting > 0.0:
+                _lose(one, across, ambient, k, r, dy, base, MASS_1, ENERGY_1)
+        else:
+            dy[base + ENERGY_1] -= one.p * one.area * one.speed
+        if not added or c.single_acting == 0.0:
+            w, h, drawn_2, h_drawn_2, vented_2, h_vented_2 = through_valve(
+                c, two, a_s2, a_2e, supply, exhaust, k, r, y, dy, base + HOSE_MASS_2, base + HOSE_ENERGY_2
+            )
+            drawn, h_drawn, vented, h_vented = drawn + drawn_2, h_drawn + h_drawn_2, vented + vented_2, h_vented + h_vented_2
+            dy[base + MASS_2] = w
+            dy[base + ENERGY_2] = h
+            if added:
+                _lose(two, outward_flow(c, two, one, world), ambient, k, r, dy, base, MASS_2, ENERGY_2)
+                h_across = chamber.enthalpy_flow(across, one.t, two.t, k, r)
+                dy[base + MASS_1] -= across
+                dy[base + ENERGY_1] -= h_across
+                dy[base + MASS_2] += across
+                dy[base + ENERGY_2] += h_across
+                _warm_and_push(world, c, two, dy, base, ENERGY_2, WALL_2)
+            else:
+                dy[base + ENERGY_2] -= two.p * two.area * two.speed
+                dy[base + WORK] = one.p * one.area * one.speed + two.p * two.area * two.speed
+        dy[base + DRAWN] = drawn
+        dy[base + DRAWN_ENTHALPY] = h_drawn
+        dy[base + EXHAUSTED] = vented
+        dy[base + EXHAUSTED_ENTHALPY] = h_vented
+        return drawn, h_drawn, vented, h_vented
+
+    return rates_of
+
+
+_rates_with_effects, _rates_of_plain_cylinder = _of_cylinder(True), _of_cylinder(False)
+
+
+@kernel
+def cylinder_rates(world, c, y, dy, base, x, v, opening, supply, exhaust):
+    """Write d/dt of one cylinder's integrated state; return its flows from the supply and into the exhaust, with enthalpies.
+
+    Args:
+        y, dy: Integrated state and its rate; the cylinder's part begins at `base`.
+        x, v: Position and speed of the piston.
+        opening: Relative opening of the valve, dead-band and offset already applied.
+        supply, exhaust: `Reservoir` upstream and downstream of the valve.
+    """
+    if plain(c):
+        return _rates_of_plain_cylinder(world, c, y, dy, base, x, v, opening, supply, exhaust)
+    return _rates_with_effects(world, c, y, dy, base, x, v, opening, supply, exhaust)
+
+
+@kernel
+def rates(world, cylinders, y, dy, held, x, v, spool):
+    """Write d/dt of the integrated state; return the mass flow drawn from the supply [kg/s].
+
+    Args:
+        y, dy: Integrated state and its rate, shape (integrated_size,).
+        held: The flow that the regulator's diaphragm holds [kg/s].
+        x, v: Piston positions and speeds, shape (n,).
+        spool: Relative openings, dead-band and offset already applied, shape (n,).
+    """
+    n = len(cylinders)
+    shared = n * INTEGRATED
+    supply, exhaust = supply_state(world, y, shared, held), exhaust_state(world, y, shared)
+    drawn = h_drawn = vented = h_vented = 0.0
+    for i in range(n):
+        w, h, e, he = cylinder_rates(world, cylinders[i], y, dy, i * INTEGRATED, x[i], v[i], spool[i], supply, exhaust)
+        drawn += w
+        h_drawn += h
+        vented += e
+        h_vented += he
+    for j in range(SHARED):
+        dy[shared + j] = 0.0
+    k, r = world.k, world.r
+    if supply_droop.present(world.supply_droop):
+        p_source = supply_regulator.pressure(world.supply_regulator, world.supply_pressure, held)
+        fed = supply_droop.feed(world.supply_droop, p_source, supply.p)
+        dy[shared + FED] = fed
+        dy[shared + FED_ENTHALPY] = chamber.enthalpy_flow(fed, world.supply_temperature, supply.t, k, r)
+        dy[shared + SUPPLY_MASS] = fed - drawn
+        dy[shared + SUPPLY_ENERGY] = dy[shared + FED_ENTHALPY] - h_drawn
+        drawn = fed
+    if exhaust_back_pressure.present(world.exhaust_back_pressure):
+        out = exhaust_back_pressure.flow(
+            world.exhaust_back_pressure, exhaust.p, exhaust.t, world.exhaust_pressure, world.ambient, k, r
+        )
+        dy[shared + RELEASED] = out
+        dy[shared + RELEASED_ENTHALPY] = chamber.enthalpy_flow(out, exhaust.t, world.ambient, k, r)
+        dy[shared + EXHAUST_MASS] = vented - out
+        dy[shared + EXHAUST_ENERGY] = h_vented - dy[shared + RELEASED_ENTHALPY]
+    return drawn

@@ -1,0 +1,180 @@
+"""Filters of measured signals, their derivatives, and what they leave of white noise."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from types import MappingProxyType
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.ndimage import gaussian_filter1d
+from scipy.signal import savgol_coeffs, savgol_filter
+
+Array = NDArray[np.float64]
+
+#: Positions are smoothed over this time [s]: a mass on gas moves more slowly, sensor noise is faster.
+POSITION_SMOOTHING = 0.015
+#: A velocity passes a filter of this share of the width if its noise is low enough ...
+QUICKER = 0.5
+#: ... that is, if four standard deviations of the noise behind that filter are at most this share of the velocity's own spread.
+QUIET = 0.05
+#: A filter as weights of powers of one Gaussian: `gaussian_derivatives` alone, and followed by `restored`.
+SMOOTHED, RESTORED = MappingProxyType({1: 1.0}), MappingProxyType({1: 2.0, 2: -1.0})
+
+
+@dataclass(frozen=True)
+class SmoothedMotion:
+    """Motion estimated from a measured position.
+
+    Attributes:
+        position, velocity: Smoothed and restored (see `restored`), shape (n,).
+        acceleration: Smoothed only, by the filter that the forces of a balance pass too, shape (n,).
+        position_noise: Standard deviation of the white noise of the measured position.
+        velocity_noise: Standard deviation of the noise left in `velocity`.
+    """
+
+    position: Array
+    velocity: Array
+    acceleration: Array
+    position_noise: float
+    velocity_noise: float
+
+
+def smoothed_motion(time: Array, values: Array, seconds: float, noise: float | None = None) -> SmoothedMotion:
+    """Return position, velocity and acceleration of a measured position.
+
+    Args:
+        time, values: Clock [s] and measured position, shape (n,).
+        seconds: Width of the filter [s].
+        noise: Standard deviation of the position's white noise; estimated where absent.
+    """
+    noise, step = white_noise(values) if noise is None else noise, float(np.median(np.diff(time)))
+    position, velocity, acceleration = gaussian_derivatives(time, values, seconds)
+    width = seconds
+    if 4.0 * noise * noise_gain(1, QUICKER * seconds, step, RESTORED) < QUIET * float(np.nanstd(velocity)):
+        width = QUICKER * seconds
+        position, velocity, _ = gaussian_derivatives(time, values, width)
+    left = noise * noise_gain(1, width, step, RESTORED)
+    return SmoothedMotion(restored(time, position, width), restored(time, velocity, width), acceleration, noise, left)
+
+
+def smooth_window(time: Array, seconds: float = POSITION_SMOOTHING) -> int:
+    """Return an odd number of samples that spans about `seconds`, at least 5."""
+    usual = float(np.median(np.diff(time)))
+    return max(5, 2 * int(round(0.5 * seconds / usual)) + 1)
+
+
+def smoothed(time: Array, values: Array, seconds: float = POSITION_SMOOTHING) -> tuple[Array, Array, Array]:
+    """Return values, first and second derivative by local cubics, shape (n,) each; missing samples are bridged."""
+    if not np.isfinite(values).any():
+        return values, values, values
+    filled, grid, even, usual = _evenly(time, values)
+    window = min(smooth_window(time, seconds), 2 * ((len(grid) - 1) // 2) + 1)
+    if window < 5:
+        return filled, np.gradient(filled, time), np.zeros_like(filled)
+    out = [savgol_filter(grid, window, 3, deriv=d, delta=usual, mode="interp") for d in range(3)]
+    return _back(time, even, out[0]), _back(time, even, out[1]), _back(time, even, out[2])
+
+
+def gaussian_derivatives(time: Array, values: Array, seconds: float) -> tuple[Array, Array, Array]:
+    """Return values, first and second derivative, shape (n,) each, all smoothed by the same Gaussian of `seconds`' width.
+
+    The derivatives are those of the smoothed signal: both sides of a balance of forces then carry exactly the same smoothing.
+    """
+    if not np.isfinite(values).any():
+        return values, values, values
+    _, grid, even, usual = _evenly(time, values)
+    quiet = _gaussian(grid, seconds, usual)
+    # differences of the smoothed signal: a cut-off derivative kernel would answer a constant
+    rate, bend = np.gradient(quiet, usual), np.zeros_like(quiet)
+    bend[1:-1] = (quiet[2:] - 2.0 * quiet[1:-1] + quiet[:-2]) / usual**2
+    if len(quiet) > 4:  # of fourth order: on a slow clock the second takes more than the filter
+        rate[2:-2] = (8.0 * (quiet[3:-1] - quiet[1:-3]) - (quiet[4:] - quiet[:-4])) / (12.0 * usual)
+        bend[2:-2] = (16.0 * (quiet[3:-1] + quiet[1:-3]) - (quiet[4:] + quiet[:-4]) - 30.0 * quiet[2:-2]) / (12.0 * usual**2)
+    return _back(time, even, quiet), _back(time, even, rate), _back(time, even, bend)
+
+
+def gaussian_smoothed(time: Array, values: Array, seconds: float) -> Array:
+    """Return the smoothed values that `gaussian_derivatives` returns, shape (n,)."""
+    if not np.isfinite(values).any():
+        return values
+    _, grid, even, usual = _evenly(time, values)
+    return _back(time, even, _gaussian(grid, seconds, usual))
+
+
+def restored(time: Array, smooth: Array, seconds: float) -> Array:
+    """Return a smoothed signal with the filter's attenuation corrected to first order, shape (n,): 2 s - G s (Tukey's twicing).
+
+    A Gaussian lowers the peaks of a velocity, and its square (drag) and the cosine of an angle (gravity) amplify that error.
+    """
+    return 2.0 * smooth - gaussian_smoothed(time, smooth, seconds)
+
+
+def gaussian_width(seconds: float) -> float:
+    """Return the standard deviation [s] of the Gaussian that smooths over about `seconds`."""
+    return seconds / 4.0
+
+
+def noise_gain(order: int, seconds: float, step: float, passed: Mapping[int, float] = SMOOTHED) -> float:
+    """Return the standard deviation that a filter leaves of white noise of size 1 in a derivative of this order.
+
+    Args:
+        order: Of the derivative, 0 to 2.
+        seconds: Width of the filter [s].
+        step: Sample interval [s], short against the filter.
+        passed: The filter as weights of powers of one Gaussian.
+    """
+    s = gaussian_width(seconds)
+    power = (1.0 / (2.0 * s), 1.0 / (4.0 * s**3), 3.0 / (8.0 * s**5))[order] / np.sqrt(np.pi)
+    both = sum(a * b * (0.5 * (j + k)) ** -(order + 0.5) for j, a in passed.items() for k, b in passed.items())
+    return float(np.sqrt(step * power * both))
+
+
+def white_noise(values: Array | None) -> float:
+    """Return the standard deviation of a channel's white noise, from the median of its fourth differences (smooth signals vanish there)."""
+    if values is None:
+        return 0.0
+    good = values[np.isfinite(values)]
+    if good.size < 20:
+        return 0.0
+    fourth = np.diff(good, 4) / np.sqrt(70.0)
+    spread = 1.4826 * float(np.median(np.abs(fourth - np.median(fourth))))
+    if spread > 0.0:
+        return spread
+    steps = np.abs(np.diff(good))
+    steps = steps[steps > 0.0]
+    return float(steps.min()) / np.sqrt(12.0) if steps.size else 0.0
+
+
+def start_weights(points: int) -> Array:
+    """Return weights that estimate a value at the start of `points` samples by a local parabola."""
+    return savgol_coeffs(points, 2, pos=0, use="dot")
+
+
+def forward_filled(values: Array) -> Array:
+    """Return values with each missing sample replaced by the last one before it, by zero where there is none, shape (n,)."""
+    good = np.isfinite(values)
+    if good.all():
+        return values
+    index = np.maximum.accumulate(np.where(good, np.arange(len(values)), -1))
+    return np.where(index >= 0, values[np.maximum(index, 0)], 0.0)
+
+
+def _gaussian(grid: Array, seconds: float, usual: float) -> Array:
+    return gaussian_filter1d(grid, min(gaussian_width(seconds) / usual, 0.02 * len(grid)), mode="nearest")
+
+
+def _evenly(time: Array, values: Array) -> tuple[Array, Array, Array | None, float]:
+    """Return values with gaps interpolated, the same on an even clock, that clock (None if it is the given one), and its step [s]."""
+    bad = ~np.isfinite(values)
+    filled = np.interp(time, time[~bad], values[~bad]) if bad.any() else values
+    usual = float(np.median(np.diff(time)))
+    even = np.arange(time[0], time[-1] + 0.5 * usual, usual)
+    if len(even) == len(time) and np.allclose(even, time, atol=0.02 * usual):
+        return filled, filled, None, usual
+    return filled, np.interp(even, time, filled), even, usual
+
+
+def _back(time: Array, even: Array | None, values: Array) -> Array:
+    return values if even is None else np.interp(time, even, values)

@@ -1,0 +1,143 @@
+"""Joints that a person or a test machine drove by forces that nobody measured, found from the power those forces put in."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+import mujoco
+import numpy as np
+from numpy.typing import NDArray
+
+from exo_sim.machine.linkage import Linkage, moment_row
+from exo_sim.recording.filters import smoothed
+from exo_sim.recording.table import Recording
+from exo_sim.rig import Rig
+from exo_sim.simulation.replay.inputs import has_samples, recorded_joints
+
+Array = NDArray[np.float64]
+
+#: A joint that moves less than this [m, rad] over a whole recording is held by something.
+STILL = 1e-4
+#: A joint is driven from outside where an unknown force puts in more than this share of the power that is exchanged.
+DRIVEN_SHARE = 0.12
+#: Powers are compared on motion smoothed over this time [s], averaged over blocks of this length [s], on at most so many samples.
+POWER_SMOOTHING, POWER_BLOCK, MOST_SAMPLES = 0.06, 0.1, 4000
+#: Delays of the pressures' card that are tried [s]: the one with the smallest unknown power counts.
+CARD_DELAYS = (-0.04, -0.02, -0.01, 0.0, 0.01, 0.02, 0.04)
+
+
+def externally_driven(recording: Recording, rig: Rig, model: mujoco.MjModel, links: Sequence[Linkage]) -> dict[str, str]:
+    """Return the joints that were driven or held by forces that nobody measured, and why.
+
+    Friction and drag only dissipate. So where inverse dynamics, measured pressures and the measured outside force leave an unknown
+    force that supplies much power, a person or a test machine was at work. A joint whose pressures were not measured counts as free.
+    """
+    joints = recorded_joints(recording, model)
+    if len(joints) < model.njnt:
+        missing = [model.joint(j).name for j in range(model.njnt) if j not in joints]
+        why = f"the position of {', '.join(missing[:3])}{' and others' if len(missing) > 3 else ''} was not recorded"
+        return {model.joint(j).name: why for j in joints}
+    found = {}
+    balance = _power_shares(recording, rig, model, links, joints)
+    for j in joints:
+        name = model.joint(j).name
+        if has_samples(recording, f"{name}.external_force"):
+            continue
+        if float(np.ptp(recording[f"{name}.position"][np.isfinite(recording[f"{name}.position"])])) < STILL:
+            found[name] = "it never moves, so something holds it"
+        elif name in balance and balance[name] > DRIVEN_SHARE:
+            found[name] = _in_words(balance[name])
+    return found
+
+
+def external_power(time: Array, needed: Array, drive: Array, velocity: Array) -> str:
+    """Return in words how much power unmeasured forces put into a joint's motion, or "" where it is too little to count.
+
+    Args:
+        time: Even clock, shape (n,).
+        needed, drive: Force that the motion took and known driving force [N m, or N], shape (n,).
+        velocity: Of the joint, shape (n,).
+    """
+    block = max(1, round(POWER_BLOCK / float(np.median(np.diff(time)))))
+    share = _power_share(needed, drive, velocity, block)
+    return _in_words(share) if share > DRIVEN_SHARE else ""
+
+
+def _in_words(share: float) -> str:
+    return f"unmeasured forces put in {100 * share:.0f} % of the power that its motion took"
+
+
+def _power_shares(
+    recording: Recording, rig: Rig, model: mujoco.MjModel, links: Sequence[Linkage], joints: list[int]
+) -> dict[str, float]:
+    """Return, for each joint whose drive is known, the power that unknown forces put in as a share of what was known."""
+    time = recording.time
+    every = max(1, len(time) // MOST_SAMPLES)
+    usual = float(np.median(np.diff(time)))
+    moves = [
+        smoothed(time, recording[f"{model.joint(j).name}.position"], max(POWER_SMOOTHING, 5 * usual)) for j in joints
+    ]
+    pick = np.arange(0, len(time), every)
+    q, qd, qdd = np.zeros((len(pick), model.nq)), np.zeros((len(pick), model.nv)), np.zeros((len(pick), model.nv))
+    for j, (position, velocity, acceleration) in zip(joints, moves, strict=True):
+        q[:, model.jnt_qposadr[j]], qd[:, model.jnt_dofadr[j]] = position[pick], velocity[pick]
+        qdd[:, model.jnt_dofadr[j]] = acceleration[pick]
+    drive, known = _drive(recording, rig, links, pick)
+    needed, gas = np.zeros((len(pick), model.nv)), np.zeros((len(pick), model.nv))
+    data = mujoco.MjData(model)
+    for i in range(len(pick)):
+        data.qpos[:], data.qvel[:], data.qacc[:] = q[i], qd[i], qdd[i]
+        mujoco.mj_inverse(model, data)
+        needed[i] = data.qfrc_inverse
+        for link in links:
+            gas[i] += moment_row(model, data, link.actuator) * drive[link.cylinder][i]
+    block = max(1, round(POWER_BLOCK / (usual * every)))
+    shares = {}
+    for j in joints:
+        name, dof = model.joint(j).name, int(model.jnt_dofadr[j])
+        if any(link.dof == dof and link.cylinder not in known for link in links):
+            continue
+        shares[name] = min(
+            _power_share(needed[:, dof], np.interp(time[pick] - late, time[pick], gas[:, dof]), qd[:, dof], block)
+            for late in CARD_DELAYS
+        )
+    return shares
+
+
+def _power_share(needed: Array, drive: Array, velocity: Array, block: int) -> float:
+    """Return the power that an unknown force supplies as a share of all power; a constant force (a gauge sensor's) does not count."""
+    missing = needed - drive
+    unknown = _blocks((missing - missing.mean()) * velocity, block)
+    worked = np.maximum(np.abs(_blocks(drive * velocity, block)), np.abs(_blocks(needed * velocity, block))).sum()
+    return float(np.maximum(unknown, 0.0).sum() / worked) if worked > 0.0 else 0.0
+
+
+def _drive(
+    recording: Recording, rig: Rig, links: Sequence[Linkage], pick: NDArray[np.int64]
+) -> tuple[dict[str, Array], set[str]]:
+    """Return the force of each cylinder from measured pressures, shape (picked,), and of which it is known."""
+    forces, known = {}, set()
+    atmosphere = rig.environment.pressure
+    for link in links:
+        c = rig.cylinders[link.cylinder]
+        p_1 = _filled(recording, f"{c.name}.pressure_1", pick)
+        p_2 = np.full(len(pick), atmosphere) if c.single_acting else _filled(recording, f"{c.name}.pressure_2", pick)
+        if p_1 is None or p_2 is None:
+            forces[c.name] = np.zeros(len(pick))
+            continue
+        known.add(c.name)
+        forces[c.name] = p_1 * c.area_1 - p_2 * c.area_2 - atmosphere * (c.area_1 - c.area_2)
+    return forces, known
+
+
+def _filled(recording: Recording, key: str, pick: NDArray[np.int64]) -> Array | None:
+    if not has_samples(recording, key):
+        return None
+    values = recording[key]
+    good = np.isfinite(values)
+    return np.interp(recording.time[pick], recording.time[good], values[good])
+
+
+def _blocks(values: Array, size: int) -> Array:
+    whole = len(values) // size * size
+    return values[:whole].reshape(-1, size).mean(axis=1)

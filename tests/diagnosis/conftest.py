@@ -1,0 +1,1 @@
+"""Makes the small models beside this file importable from the rooms below."""

@@ -1,0 +1,63 @@
+"""Least squares: finds the minimum, keeps to bounds, and a wrong model does not bend believed numbers."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+from exo_sim.diagnosis.estimation.least_squares import differences, fit
+from exo_sim.diagnosis.estimation.parameters import FreeParameter, Target
+
+AT = np.linspace(0.0, 4.0, 400)
+
+
+def quantity(name: str, low: float = -10.0, high: float = 10.0, prior: tuple[float, float] | None = None) -> FreeParameter:
+    return FreeParameter("effect", "piston", name, "1", Target.SENSOR, 1.0, low, high, prior)
+
+
+A, B = quantity("a"), quantity("b")
+
+
+def decay(values: dict[FreeParameter, float]) -> np.ndarray:
+    return 50.0 * (values[A] * np.exp(-values[B] * AT) - 2.0 * np.exp(-0.7 * AT))
+
+
+@pytest.mark.parametrize("carried", [False, True])
+def test_it_finds_the_minimum(carried: bool) -> None:
+    start = {A: 1.0, B: 0.3}
+    known = dict(zip((A, B), differences(decay, (A, B), start, decay(start)).T, strict=True)) if carried else None
+    found = fit(decay, (A, B), start, max_iterations=40, tolerance=1e-9, known_columns=known)
+    assert found.values[A] == pytest.approx(2.0, rel=1e-3)
+    assert found.values[B] == pytest.approx(0.7, rel=1e-3)
+
+
+def test_a_carried_jacobian_costs_fewer_predictions() -> None:
+    counts = []
+    start = {A: 1.8, B: 0.6}
+    for known in (None, dict(zip((A, B), differences(decay, (A, B), start, decay(start)).T, strict=True))):
+        calls = []
+        fit(lambda v, calls=calls: calls.append(1) or decay(v), (A, B), start, max_iterations=20, known_columns=known)  # type: ignore[misc, func-returns-value]
+        counts.append(len(calls))
+    assert counts[1] < counts[0]
+
+
+def test_it_keeps_to_bounds() -> None:
+    bounded = quantity("b", 0.0, 0.5)
+    found = fit(lambda v: 50.0 * (2.0 * np.exp(-v[bounded] * AT) - 2.0 * np.exp(-0.7 * AT)), (bounded,), {bounded: 0.1})
+    assert found.values[bounded] == pytest.approx(0.5)
+
+
+def test_an_error_that_is_not_theirs_does_not_bend_believed_numbers() -> None:
+    believed = quantity("factor", prior=(1.0, 0.1))
+    spell = 40.0
+    wrong = 200.0 * np.sin(AT)  # something is missing that a factor can hide a little of
+    residual = lambda v: 30.0 * (v[believed] - 1.0) * AT + wrong  # noqa: E731
+    free = fit(residual, (believed,), {believed: 1.0}, correlation_length=1.0)
+    held = fit(residual, (believed,), {believed: 1.0}, correlation_length=spell)
+    assert abs(held.values[believed] - 1.0) < 0.1
+    assert abs(held.values[believed] - 1.0) < abs(free.values[believed] - 1.0)
+
+
+def test_no_number_is_the_worst() -> None:
+    found = fit(lambda v: np.full(5, np.nan), (A,), {A: 1.0})
+    assert np.isfinite(found.residual).all() and found.sse > 1e8

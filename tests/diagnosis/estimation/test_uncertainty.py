@@ -1,0 +1,65 @@
+"""Standard errors against closed forms: white residuals, correlated ones, priors."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+from exo_sim.diagnosis.estimation.least_squares import Fit, fit
+from exo_sim.diagnosis.estimation.parameters import FreeParameter, Target
+from exo_sim.diagnosis.estimation.uncertainty import bounded_interval, interval, standard_errors
+
+N = 4000
+MEAN = FreeParameter("effect", "piston", "mean", "1", Target.SENSOR, 1.0, -10.0, 10.0)
+HELD = FreeParameter("effect", "piston", "mean", "1", Target.SENSOR, 1.0, -10.0, 10.0, (0.0, 1e-3))
+
+
+class Rows:
+    """Rows in blocks of 40."""
+
+    blocks = np.arange(N) // 40
+    size = N
+
+
+def fitted(noise: np.ndarray, parameter: FreeParameter = MEAN) -> Fit:
+    return fit(lambda values: noise + values[parameter], (parameter,), {parameter: 0.0}, tolerance=1e-9)
+
+
+def error(noise: np.ndarray, correlation: float = 1.0, parameter: FreeParameter = MEAN) -> float:
+    return standard_errors(Rows(), fitted(noise, parameter), correlation)[parameter]
+
+
+def test_the_mean_of_white_noise_is_known_to_its_root() -> None:
+    noise = np.random.default_rng(1).standard_normal(N)
+    assert error(noise) == pytest.approx(1.0 / np.sqrt(N), rel=0.1)
+
+
+def test_correlated_rows_count_as_fewer() -> None:
+    """Blocks that share one error each: as many independent rows as there are blocks, found by the clustered sandwich alone."""
+    shared = np.repeat(np.random.default_rng(2).standard_normal(N // 40), 40)
+    assert error(shared) == pytest.approx(1.0 / np.sqrt(N / 40), rel=0.15)
+    assert error(np.random.default_rng(1).standard_normal(N), 40.0) == pytest.approx(1.0 / np.sqrt(N / 40), rel=0.1)
+
+
+def test_a_prior_bounds_the_error() -> None:
+    noise = np.random.default_rng(1).standard_normal(N)
+    assert error(noise, 400.0, HELD) < 1.05e-3
+
+
+def test_intervals_cover_nineteen_of_twenty() -> None:
+    rng, covered = np.random.default_rng(3), 0
+    for _ in range(200):
+        noise = rng.standard_normal(N)
+        found = fitted(noise)
+        low, high = interval(found.values[MEAN], standard_errors(Rows(), found, 1.0)[MEAN])
+        covered += low < 0.0 < high
+    assert 0.9 <= covered / 200 <= 0.99
+
+
+def test_an_interval_stays_inside_the_bounds() -> None:
+    assert bounded_interval(MEAN, 9.5, 1.0)[1] == 10.0
+    assert interval(9.5, 1.0)[1] == pytest.approx(9.5 + 1.959964)
+
+
+def test_nothing_fitted_has_no_error() -> None:
+    assert standard_errors(Rows(), Fit((), {}, np.zeros(N), np.zeros((N, 0))), 1.0) == {}

@@ -1,0 +1,194 @@
+"""Rounds: what validation may refute, what revises the plan of the next round, and what the test time alone shows."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from dataclasses import replace
+from typing import Any
+
+import benches
+import numpy as np
+import pytest
+
+from exo_sim.diagnosis.data.cylinder_run import cylinder_runs
+from exo_sim.diagnosis.data.machine_data import MachineData
+from exo_sim.diagnosis.data.motion_run import Imputed
+from exo_sim.diagnosis.data.split import Split
+from exo_sim.diagnosis.estimation.candidate import Candidate
+from exo_sim.diagnosis.estimation.least_squares import Fit
+from exo_sim.diagnosis.estimation.parameters import FreeParameter, PlantParameters, Target
+from exo_sim.diagnosis.estimation.threads import SERIAL
+from exo_sim.diagnosis.findings import Finding, Kind, SignalFit, Subsystem
+from exo_sim.diagnosis.pipeline import rounds
+from exo_sim.diagnosis.pipeline.plan import Examination, Plan, Results
+from exo_sim.diagnosis.policy.validation import LACKING_RATIO
+from exo_sim.diagnosis.selection.fitted_model import FittedModel, SearchResult
+from exo_sim.diagnosis.selection.model_fits import ModelFits
+from exo_sim.diagnosis.selection.subsystem_result import SubsystemResult
+from exo_sim.diagnosis.subsystems.gas.model import GasModel
+from exo_sim.diagnosis.subsystems.motion.inverse_dynamics import motion_runs
+from exo_sim.diagnosis.subsystems.motion.model import MotionModel
+from exo_sim.diagnosis.validation.held_out import BalanceError, HeldOutErrors
+from exo_sim.machine.linkage import linkages
+from exo_sim.machine.load import load
+from exo_sim.recording import Recording
+from exo_sim.rig import Rig, assembly
+
+LEAK, SPRING = ("piston_leakage", "piston"), ("return_spring", "piston")
+GAS, MOTION = (Subsystem.GAS, "piston"), (Subsystem.MOTION, "slide")
+At = tuple[str, str]
+
+
+@pytest.fixture(scope="module")
+def rig(tmp_path_factory: pytest.TempPathFactory) -> Rig:
+    return benches.bench(tmp_path_factory.mktemp("rounds"))
+
+
+@pytest.fixture(scope="module")
+def data(rig: Rig) -> MachineData:
+    """A second of a piston that is led to and fro."""
+    table: Recording = benches.led(rig, 1.0)
+    model = load(rig)
+    links = linkages(rig, model)
+    cylinders = {"piston": tuple(cylinder_runs(table, rig, model, links))}
+    joints = {"slide": tuple(motion_runs(table, rig, model, links)[0])}
+    return MachineData(rig, model, links, (table,), (table,), cylinders, joints)
+
+
+def plant_of(rig: Rig) -> PlantParameters:
+    return PlantParameters(assembly.world(rig), assembly.cylinders(rig))
+
+
+def gas_of(data: MachineData, *names: At, **more: Any) -> SubsystemResult[GasModel]:
+    """Return a result of the gas with these findings."""
+    model = GasModel(data.cylinders["piston"], plant_of(data.rig), Split({}))
+    final = FittedModel((), Fit((), {}, np.zeros(model.size), np.zeros((model.size, 0))))
+    findings = tuple(Finding(name, where, Kind.MISSING_PHYSICS, "", {}, 12.0, 0.0) for name, where in names)
+    return SubsystemResult("piston", model, ModelFits(model, ()), SearchResult(final, final), final, findings=findings, **more)
+
+
+def errors(drops: dict[At, float] | None = None, influence: float = 1.0, **more: Any) -> HeldOutErrors:
+    keys = {f"{name}@{where}": drop for (name, where), drop in (drops or {}).items()}
+    return HeldOutErrors({"piston.pressure_1": SignalFit("Pa", 2.0, 1.0, 1.0)}, keys, dict.fromkeys(keys, influence), **more)
+
+
+def examination(
+    data: MachineData, plan: Plan, gas: SubsystemResult[GasModel], validation: HeldOutErrors | None, test: HeldOutErrors | None = None
+) -> Examination:
+    return Examination(data, plan, Results((gas,)), (), test or errors(), validation)
+
+
+def stable(
+    monkeypatch: pytest.MonkeyPatch, data: MachineData, answers: Sequence[tuple[At, ...]], validation: HeldOutErrors | None, **more: Any
+) -> tuple[Examination, list[Plan]]:
+    """Return the examination that stands in the end when the rounds answer so, and the plan of every round."""
+    plans: list[Plan] = []
+
+    def examine(data: MachineData, plan: Plan, *rest: Any) -> Examination:
+        plans.append(plan)
+        return examination(data, plan, gas_of(data, *answers[min(len(plans), len(answers)) - 1], **more), validation)
+
+    monkeypatch.setattr(rounds, "examine", examine)
+    monkeypatch.setattr(rounds, "validated", lambda found: found)
+    return rounds.examine_until_stable(data, SERIAL, print), plans
+
+
+def names(found: Examination) -> list[str]:
+    return [finding.name for one in found.results.all for finding in one.findings]
+
+
+def test_a_finding_that_validation_supports_stands(monkeypatch: pytest.MonkeyPatch, data: MachineData) -> None:
+    end, plans = stable(monkeypatch, data, [(LEAK,)], errors({LEAK: 0.6}))
+    assert names(end) == ["piston_leakage"] and [plan.refuted for plan in plans] == [{}]
+
+
+def test_a_refuted_effect_is_not_sought_again(monkeypatch: pytest.MonkeyPatch, data: MachineData) -> None:
+    end, plans = stable(monkeypatch, data, [(LEAK, SPRING), (LEAK,)], errors({LEAK: 0.6, SPRING: 0.01}))
+    assert [set(plan.refuted) for plan in plans] == [set(), {SPRING}]
+    assert names(end) == ["piston_leakage"]
+    assert "no more than 1 %" in end.plan.refuted[SPRING]
+    parameter = FreeParameter(*SPRING, "stiffness", "N/m", Target.CYLINDER, 1.0, 0.0, 1.0)
+    candidates = [Candidate(*at, "form", (parameter,), ((1.0,),)) for at in (LEAK, SPRING)]
+    assert [candidate.at for candidate in end.plan.asked(candidates)] == [LEAK]
+
+
+def test_in_the_last_round_refuted_effects_are_taken_back(monkeypatch: pytest.MonkeyPatch, data: MachineData) -> None:
+    found = [((f"effect_{i}", "piston"),) for i in range(rounds.MOST_REFUTATIONS)]
+    end, plans = stable(monkeypatch, data, found, errors({at: -0.3 for (at,) in found}))
+    assert len(plans) == rounds.MOST_REFUTATIONS and names(end) == []
+    assert len(end.plan.refuted) == rounds.MOST_REFUTATIONS
+
+
+@pytest.mark.parametrize(
+    "validation", [None, errors({}), errors({SPRING: 0.0}, influence=0.1)], ids=["no validation", "not compared", "no influence"]
+)
+def test_what_was_not_tested_is_not_refuted(
+    monkeypatch: pytest.MonkeyPatch, data: MachineData, validation: HeldOutErrors | None
+) -> None:
+    end, plans = stable(monkeypatch, data, [(SPRING,)], validation)
+    assert names(end) == ["return_spring"] and len(plans) == 1
+
+
+def test_the_beginning_is_held_out_once_where_validation_shows_something_new(
+    monkeypatch: pytest.MonkeyPatch, data: MachineData
+) -> None:
+    worse = errors(balances={GAS: BalanceError(2.0 * LACKING_RATIO, 1.0, 9.0, 1.0)})
+    end, plans = stable(monkeypatch, data, [(LEAK,)], worse)
+    (tail,), (head,) = (plan.split.test["bench"] for plan in plans)
+    assert tail[1] == pytest.approx(0.999) and head[0] == 0.0
+    assert end.plan is plans[0]  # no better, so the first counts
+
+
+def test_gas_is_examined_once_more_with_the_friction_of_its_piston(monkeypatch: pytest.MonkeyPatch, data: MachineData) -> None:
+    friction = {"piston": [(FreeParameter("coulomb_friction", "piston", "force", "N", Target.CYLINDER, 1.0, 0.0, 9.0), 5.0)]}
+    monkeypatch.setattr(rounds, "friction_to_add", lambda found: friction)
+    _, plans = stable(monkeypatch, data, [(LEAK,)], errors({LEAK: 0.6}))
+    assert [plan.friction for plan in plans] == [None, friction]
+    _, plans = stable(monkeypatch, data, [(SPRING,), (SPRING,), ()], errors({SPRING: 0.0}))
+    assert [(len(plan.refuted), plan.friction) for plan in plans] == [(0, None), (0, friction), (1, None), (1, friction)]
+
+
+def test_validation_in_which_nothing_could_be_compared_never_wins(data: MachineData) -> None:
+    assert examination(data, Plan(Split({})), gas_of(data), HeldOutErrors()).validation_ratio == math.inf
+    assert examination(data, Plan(Split({})), gas_of(data), None).validation_ratio == 0.0
+
+
+@pytest.mark.parametrize(
+    ("ratio", "beyond", "unknown", "count"),
+    [(2.0, True, False, 0), (6.0, False, False, 0), (6.0, True, False, 1), (12.0, False, False, 1), (12.0, True, True, 0)],
+)
+def test_what_only_the_test_time_shows_is_said(data: MachineData, ratio: float, beyond: bool, unknown: bool, count: int) -> None:
+    test = errors(balances={GAS: BalanceError(ratio, 1.0, ratio / (2.0 if beyond else 0.5), 40.0)})
+    _, found = rounds.with_test_findings(examination(data, Plan(Split({})), gas_of(data, has_unknown=unknown), None, test))
+    assert len(found) == count
+    assert all(one.kind is Kind.UNKNOWN and f"{ratio:.0f} times" in one.says and one.log10_odds == 40.0 for one in found)
+
+
+@pytest.mark.parametrize(("validation", "test", "count"), [(True, True, 1), (False, True, 0), (True, False, 0)])
+def test_a_good_fit_is_rejected_where_validation_and_test_exceed_the_bound(
+    data: MachineData, validation: bool, test: bool, count: int
+) -> None:
+    def missed(beyond: bool, excess: float = 1.3) -> HeldOutErrors:
+        return errors(balances={GAS: BalanceError(5.0 * (excess if beyond else 0.9), 4.5, 5.0, 13.0)})
+
+    def found(validation: HeldOutErrors | None, test: HeldOutErrors) -> list[Finding]:
+        return rounds.with_test_findings(examination(data, Plan(Split({})), gas_of(data), validation, test))[1]
+
+    unknown = found(missed(validation), missed(test))
+    assert [finding.kind for finding in unknown] == [Kind.UNKNOWN] * count
+    assert all("by more than any healthy machine" in finding.says for finding in unknown)
+    assert found(None, missed(True)) == []
+    assert found(missed(True), missed(True, 1.05)) == []
+
+
+def test_what_an_unmeasured_chamber_may_do_is_an_open_question(data: MachineData) -> None:
+    runs = [replace(run, imputed=Imputed()) for run in data.joints["slide"]]
+    model = MotionModel(runs, plant_of(data.rig), Split({}))
+    final = FittedModel((), Fit((), {}, np.zeros(model.size), np.zeros((model.size, 0))))
+    one = SubsystemResult("slide", model, ModelFits(model, ()), SearchResult(final, final), final)
+    test = errors(balances={MOTION: BalanceError(12.0, 1.0, 6.0, 40.0)})
+    before = Examination(data, Plan(Split({})), Results(motion=(one,)), (), test)
+    after, found = rounds.with_test_findings(before)
+    assert found == [] and after.results.motion[0].is_unresolved and len(after.data.open_questions) == 1
+    assert not before.results.motion[0].is_unresolved and before.data.open_questions == ()

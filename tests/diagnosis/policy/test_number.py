@@ -1,0 +1,34 @@
+"""Every number that decides says what it counts, why it is so large, and what set it."""
+
+from __future__ import annotations
+
+import importlib
+import pickle
+import pkgutil
+from collections.abc import Iterator
+
+import pytest
+
+from exo_sim.diagnosis import policy
+from exo_sim.diagnosis.policy.number import Number
+
+
+def numbers() -> Iterator[tuple[str, object]]:
+    for module in pkgutil.iter_modules(policy.__path__):
+        names = vars(importlib.import_module(f"{policy.__name__}.{module.name}"))
+        for name, value in names.items():
+            if name.isupper() and name != "ASSERTED":
+                yield from value.items() if isinstance(value, dict) else ((f"{module.name}.{name}", value),)
+
+
+@pytest.mark.parametrize(("name", "value"), list(numbers()))
+def test_it_has_a_unit_a_derivation_and_an_origin(name: str, value: object) -> None:
+    assert isinstance(value, Number), name
+    assert value.unit and value.why and value.set_by
+
+
+def test_it_is_a_number_like_any_other() -> None:
+    one = Number(2.5, "standard errors", "so far from neutral")
+    assert one * 2 == 5.0 and hash(one) == hash(2.5) and str(one) == "2.5"
+    again = pickle.loads(pickle.dumps(one))
+    assert again == one and again.why == one.why

@@ -1,0 +1,109 @@
+"""Believed numbers that are off become findings: the two dead volumes of one cylinder are one, of two cylinders two."""
+
+from __future__ import annotations
+
+import cylinder_runs
+import numpy as np
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from exo_sim.diagnosis.data.split import Split
+from exo_sim.diagnosis.estimation.least_squares import Fit
+from exo_sim.diagnosis.estimation.parameters import FreeParameter, PlantParameters, Target
+from exo_sim.diagnosis.policy.calibration import MODEL_SHARE, SURE
+from exo_sim.diagnosis.selection.calibration import Deviation, calibration_findings, refitted_besides
+from exo_sim.diagnosis.selection.fitted_model import FittedModel
+from exo_sim.diagnosis.subsystems.gas.model import GasModel
+from exo_sim.physics.records import CYLINDER, WORLD
+
+
+def gas(*sides: bool) -> GasModel:
+    """Return the gas of a cylinder of which these chambers were recorded."""
+    steady = np.full(400, 3e5)
+    run = cylinder_runs.run_of(*(steady if there else None for there in sides))
+    return GasModel([run], PlantParameters(np.zeros(1, WORLD), np.zeros(1, CYLINDER)), Split({}))
+
+
+def test_the_dead_volume_of_a_chamber_that_nobody_recorded_is_not_observed() -> None:
+    for seen in ((True, False), (False, True), (True, True)):
+        assert [gas(*seen).is_observed(volume(side)) for side in (1, 2)] == list(seen)
+    assert gas(True, False).is_observed(number("flow_capacity", "piston", "valve_area"))
+
+
+FACTORS = st.floats(0.3, 3.0)
+ERRORS = st.floats(1e-4, 0.1)
+
+
+def number(effect: str, where: str, field: str) -> FreeParameter:
+    return FreeParameter(effect, where, field, "1", Target.FACTOR, 0.1, 0.05, 10.0, (1.0, 0.15), neutral=1.0)
+
+
+def volume(side: int, where: str = "piston") -> FreeParameter:
+    return number("dead_volume", where, f"dead_volume_{side}")
+
+
+@given(one=FACTORS, other=FACTORS, error=ERRORS, doubt=ERRORS)
+def test_two_dead_volumes_are_one_finding_between_them(one: float, other: float, error: float, doubt: float) -> None:
+    (found,) = calibration_findings([Deviation(volume(1), one, error), Deviation(volume(2), other, doubt)])
+    assert (found.name, found.where, found.kind) == ("dead_volume", "piston", "calibration")
+    factor = found.parameters["factor"]
+    low, high = min(one, other), max(one, other)
+    assert low - 1e-12 <= factor.value <= high + 1e-12
+    assert factor.low <= low + 1e-12 and high - 1e-12 <= factor.high
+    assert (found.parameters["dead_volume_1"].value, found.parameters["dead_volume_2"].value) == (one, other)
+
+
+@given(one=FACTORS, other=FACTORS, error=ERRORS)
+def test_the_surer_of_the_two_counts_more(one: float, other: float, error: float) -> None:
+    (found,) = calibration_findings([Deviation(volume(1), one, error), Deviation(volume(2), other, 3.0 * error)])
+    assert found.parameters["factor"].value == pytest.approx(0.9 * one + 0.1 * other)
+
+
+@given(factor=st.floats(0.5, 2.0), error=ERRORS)
+def test_two_that_agree_are_surer_than_one(factor: float, error: float) -> None:
+    (alone,) = calibration_findings([Deviation(volume(1), factor, error)])
+    (both,) = calibration_findings([Deviation(volume(1), factor, error), Deviation(volume(2), factor, error)])
+    for found, spread in ((alone, error), (both, error / 2.0**0.5)):
+        interval = found.parameters["factor"]
+        assert interval.value == pytest.approx(factor)
+        assert (interval.high - interval.low) == pytest.approx(2.0 * 1.959964 * max(spread, MODEL_SHARE), rel=1e-5)
+    assert both.log10_odds == pytest.approx(2.0 * alone.log10_odds)
+
+
+def test_beside_what_was_found_all_that_the_rig_holds_is_written_as_fitted() -> None:
+    """Area and dead volumes were fitted together; a zero that the rig does not hold must be surely off, and so must all where nothing
+    was found.
+    """
+    zero = FreeParameter("sensor_zero", "piston.pressure_1", "pressure_1.bias", "Pa", Target.SENSOR, 500.0, -1e5, 1e5, (0.0, 500.0))
+    untouched = number("payload_mass", "slide", "payload_mass")
+    values = {number("flow_capacity", "piston", "valve_area"): 1.012, volume(1): 0.992, volume(2): 1.2, zero: 400.0, untouched: 1.0005}
+    trial = FittedModel((), Fit((), values, np.zeros(0), np.zeros((0, 0))))
+    spread = {q: 0.01 for q in values} | {zero: 0.9 * 400.0 / SURE * 1.2, volume(2): float("inf")}
+
+    def written(named: bool) -> list[str]:
+        return [q.parameter for q, _ in refitted_besides(trial, spread, set(), named)]
+
+    assert written(named=True) == ["valve_area", "dead_volume_1"]
+    assert written(named=False) == []
+    spread |= {zero: 400.0 / SURE * 0.9, volume(1): 0.008 / SURE * 0.9}
+    assert written(named=False) == ["dead_volume_1", "pressure_1.bias"]
+
+
+def test_cylinders_and_kinds_stay_apart() -> None:
+    numbers = [
+        Deviation(volume(1, "hip"), 1.3, 0.01),
+        Deviation(volume(1, "knee"), 0.7, 0.01),
+        Deviation(number("flow_capacity", "hip", "valve_area"), 0.9, 0.01),
+        Deviation(volume(2, "hip"), 1.2, 0.01),
+    ]
+    found = {(one.name, one.where): one.parameters for one in calibration_findings(numbers)}
+    assert set(found) == {("dead_volume", "hip"), ("dead_volume", "knee"), ("flow_capacity", "hip")}
+    assert found["dead_volume", "hip"]["factor"].value == pytest.approx(1.25)
+    assert found["dead_volume", "knee"]["factor"].value == 0.7
+    assert set(found["dead_volume", "knee"]) == {"factor", "dead_volume_1"}
+    assert set(found["flow_capacity", "hip"]) == {"factor"}
+
+
+def test_nothing_off_is_no_finding() -> None:
+    assert calibration_findings([]) == []

@@ -1,0 +1,64 @@
+"""From a search to a result: what is named with which interval, its rivals, and when something is unknown."""
+
+from __future__ import annotations
+
+import pytest
+import waves
+
+from exo_sim.diagnosis.selection.decision import decide
+from exo_sim.diagnosis.selection.search import Search
+from exo_sim.diagnosis.selection.subsystem_result import SubsystemResult
+
+
+def decided(model: waves.Waves, *candidates: waves.Candidate, cheap: bool = True) -> SubsystemResult[waves.Waves]:
+    search = Search(model, (), candidates, cheap=cheap)
+    return decide("piston", model, search.fits, search.run())
+
+
+def test_what_is_there_is_named_with_an_interval_that_holds_it() -> None:
+    result = decided(waves.Waves(slow=3.0), waves.BASE, waves.OTHER)
+    (finding,) = result.findings
+    (estimate,) = finding.parameters.values()
+    assert (finding.name, finding.where, result.has_unknown) == ("base", "piston", False)
+    assert estimate.low < 3.0 < estimate.high and estimate.high - estimate.low < 1.0
+    assert finding.log10_odds > 20.0 and finding.ambiguous_with == ()
+
+
+def test_of_two_names_for_the_same_wave_both_are_told_with_their_probabilities() -> None:
+    result = decided(waves.Waves(slow=3.0), waves.BASE, waves.candidate("twin", "slow"))
+    (finding,) = result.findings
+    assert {finding.name, *finding.ambiguous_with} == {"base", "twin"}
+    assert list(finding.probabilities.values()) == pytest.approx([0.5, 0.5], abs=0.01)
+
+
+def test_a_rejected_candidate_is_listed_once_and_no_finding_is() -> None:
+    result = decided(waves.Waves(slow=3.0), waves.BASE, waves.OTHER)
+    assert [(one.name, one.where) for one in result.rejected] == [("other", "piston")]
+
+
+@pytest.mark.parametrize(("bound", "unknown"), [(1.5, True), (1e9, False)])
+def test_more_than_a_healthy_machine_leaves_is_unknown(bound: float, unknown: bool) -> None:
+    result = decided(waves.Waves(bound, slow=6.0, quick=6.0), waves.candidate("nothing", "level"))
+    assert result.has_unknown is unknown and result.findings == ()
+
+
+def test_beside_something_unknown_only_what_is_beyond_doubt_is_named() -> None:
+    plain = decided(waves.Waves(1.5, slow=9.5, quick=4.0), waves.BASE)
+    assert plain.has_unknown and plain.named == () and plain.final.candidates == ()
+    assert any("explains only" in one.why for one in plain.rejected)
+
+
+def test_an_interrupted_search_is_not_judged_but_handed_on() -> None:
+    """However much it leaves unexplained: the other subsystems go on with what was found so far."""
+    model = waves.Waves(1e-3, slow=9.0, quick=4.0)
+    search = Search(model, (), (waves.BASE, waves.ON_TOP, waves.OTHER), until=lambda fitted: True)
+    found = search.run()
+    assert found.interrupted
+    result = decide("piston", model, search.fits, found)
+    assert (result.named, result.final, result.has_unknown, result.findings) == (found.final.candidates, found.final, False, ())
+
+
+def test_too_few_rows_give_an_empty_result() -> None:
+    model = waves.Waves(slow=3.0)
+    model.blocks = model.blocks[:20]
+    assert decided(model, waves.BASE).is_empty

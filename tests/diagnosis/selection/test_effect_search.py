@@ -1,0 +1,145 @@
+"""The search: what comes on top of another effect waits for it; models grow, are pruned, and stop where they should."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from waves import AT, BASE, ON_TOP, OTHER, SHAPES, Waves, candidate
+
+from exo_sim.diagnosis.estimation.candidate import Candidate
+from exo_sim.diagnosis.estimation.least_squares import Fit
+from exo_sim.diagnosis.estimation.parameters import FreeParameter, PlantParameters, Target
+from exo_sim.diagnosis.estimation.threads import Threads
+from exo_sim.diagnosis.selection.comparisons import Comparisons
+from exo_sim.diagnosis.selection.fitted_model import FittedModel
+from exo_sim.diagnosis.selection.search import Search, _Growth
+
+
+def model(*chosen: Candidate) -> FittedModel:
+    return FittedModel(chosen, Fit((), {}, np.zeros(0), np.zeros((0, 0))))
+
+
+def search(waves: Waves, cheap: bool, candidates: tuple[Candidate, ...] = (BASE, ON_TOP, OTHER)) -> Search:
+    return Search(waves, (), candidates, cheap=cheap)
+
+
+def test_only_what_stands_on_its_own_or_on_what_is_there_is_borne() -> None:
+    assert model().meets_prerequisite(BASE) and model().meets_prerequisite(OTHER)
+    assert not model().meets_prerequisite(ON_TOP)
+    assert not model(OTHER).meets_prerequisite(ON_TOP)
+    assert model(BASE).meets_prerequisite(ON_TOP) and model(OTHER, BASE).meets_prerequisite(ON_TOP)
+
+
+def test_a_screen_leaves_out_what_is_not_borne() -> None:
+    one = search(Waves(quick=5.0), cheap=False)
+    assert {found.effect for _, found in one.proposals.scored(one.fits.fit(()))} == {"base", "other"}
+    ranked = one.proposals.scored(one.fits.fit((BASE,)))
+    assert [found.effect for _, found in ranked] == ["on_top", "other"]
+    assert ranked[0][0] > 100.0 * max(ranked[1][0], 1.0)
+
+
+@pytest.mark.parametrize("cheap", [False, True])
+def test_both_are_found_where_both_are_there(cheap: bool) -> None:
+    found = search(Waves(slow=3.0, quick=2.0), cheap).run().final
+    assert {c.effect for c in found.candidates} == {"base", "on_top"}
+    for c, size in ((BASE, 3.0), (ON_TOP, 2.0)):
+        assert found.fit.values[c.parameters[0]] == pytest.approx(size, abs=0.3)
+
+
+@pytest.mark.parametrize("cheap", [False, True])
+def test_what_comes_on_top_is_never_named_alone(cheap: bool) -> None:
+    found = search(Waves(quick=5.0), cheap).run().final
+    assert all(found.meets_prerequisite(c) for c in found.candidates)
+
+
+def test_a_fuller_question_is_not_put_plainer_by_what_is_not_borne() -> None:
+    fuller = candidate("other", "quick", "quicker")
+    found = search(Waves(quick=5.0), True, (BASE, ON_TOP, fuller)).run().final
+    assert [c.effect for c in found.candidates] == ["other"]
+    assert found.fit.values[fuller.parameters[0]] == pytest.approx(5.0, abs=0.3)
+
+
+def test_pruning_keeps_what_another_stands_on() -> None:
+    one = search(Waves(quick=5.0), cheap=False)
+    comparisons = Comparisons(one.fits, one.fits.fit(()), 3, 0.0)
+    growth = _Growth(one.fits, comparisons, one.proposals, print, lambda model: False)
+    kept = growth._pruned(one.fits.fit((BASE, ON_TOP)))
+    assert {c.effect for c in kept.candidates} == {"base", "on_top"}
+    assert growth._pruned(one.fits.fit((BASE, OTHER))).candidates == ()
+
+
+@pytest.mark.parametrize("cheap", [False, True])
+@pytest.mark.parametrize("share", [0.95, 0.8])
+def test_a_base_that_became_needless_is_not_left_out_alone(monkeypatch: pytest.MonkeyPatch, cheap: bool, share: float) -> None:
+    mixed = share * SHAPES["quick"] + np.sqrt(1.0 - share**2) * np.sin(AT / 3.0)
+    monkeypatch.setitem(SHAPES, "slow", mixed)
+    found = search(Waves(quick=5.0), cheap).run().final
+    assert all(found.meets_prerequisite(c) for c in found.candidates)
+
+
+def test_a_set_asked_twice_is_fitted_for_the_first_who_asks() -> None:
+    one = search(Waves(slow=3.0, quick=2.0), cheap=False)
+    begun = one.fits.fit(())
+    first, other, again = one.fits.fit_all([((BASE, OTHER), begun), ((BASE,), begun), ((OTHER, BASE), begun)])
+    assert first is again and first.candidates == (BASE, OTHER)
+    assert other.candidates == (BASE,)
+
+
+def test_threads_change_nothing() -> None:
+    library, ends = (BASE, ON_TOP, OTHER), []
+    for count in (1, 3):
+        with Threads(count) as threads:
+            ends.append(Search(Waves(slow=3.0, quick=2.0), (), library, threads).run().final)
+    assert ends[0].named == ends[1].named
+    assert list(ends[0].fit.values.values()) == list(ends[1].fit.values.values())
+
+
+@pytest.mark.parametrize(("bound", "names"), [(1e9, 3), (1e-3, 2)], ids=["a machine's own", "another machine's"])
+def test_names_are_sought_on_beside_a_hopeless_error_only_while_each_halves_it(bound: float, names: int) -> None:
+    shapes = {**SHAPES, "hum": np.sign(np.sin(AT / 1.7))}  # what no name explains
+    waves = Waves(bound, shapes, slow=5.0, quick=4.0, quicker=3.0, hum=1.5)
+    found = search(waves, True, (BASE, OTHER, candidate("third", "quick"))).run()
+    assert len(found.final.candidates) == names
+
+
+@pytest.mark.parametrize(("sizes", "interrupted"), [({"slow": 9.0, "quick": 4.0}, True), ({"slow": 9.0}, False)])
+def test_a_search_ends_where_it_is_asked_to_unless_everything_is_explained(sizes: dict[str, float], interrupted: bool) -> None:
+    library = (BASE, ON_TOP, OTHER)
+    found = Search(Waves(**sizes), (), library, until=lambda one: any(c.effect == "base" for c in one.candidates)).run()
+    assert found.interrupted is interrupted and {c.effect for c in found.final.candidates} == {"base"}
+
+
+class Weight(Waves):
+    """An error that is there all the time: a believed number far off, or something else that acts in one long spell."""
+
+    def __init__(self, level: float, wave: float = 0.0):
+        super().__init__(slow=wave)
+        self._error = self._error - level
+
+    def residual_of(self, plant: PlantParameters) -> np.ndarray:
+        waves = {name: value for name, value in plant.sensors.items() if name != "mass"}
+        return super().residual_of(replace(plant, sensors=waves)) + 100.0 * (plant.sensors.get("mass", 1.0) - 1.0)
+
+
+MASS = FreeParameter("mass", "piston", "mass", "1", Target.SENSOR, 0.02, 0.2, 5.0, (1.0, 0.05), neutral=1.0)
+
+
+def test_a_believed_number_that_alone_explains_an_unchanging_error_is_not_held_back() -> None:
+    one = Search(Weight(35.0), (MASS,), (BASE, OTHER), cheap=True).fits.fit(())
+    assert one.fit.values[MASS] == pytest.approx(1.35, abs=0.005)
+
+
+def test_beside_something_else_it_is_held_back() -> None:
+    """A wave of thirty cannot be the mass; the mass must not follow its mean."""
+    one = Search(Weight(0.0, wave=30.0), (MASS,), (BASE, OTHER), cheap=True)
+    alone = float(np.mean(one.fits.model.residual({MASS: 1.0}))) / -100.0
+    assert abs(one.fits.fit(()).fit.values[MASS] - 1.0) < 0.7 * abs(alone)
+
+
+def test_of_what_adds_up_to_one_thing_the_whole_is_fitted_beside_a_part() -> None:
+    part, whole = (replace(candidate("lag", *waves), additive=True) for waves in (("slow",), ("slow", "quick")))
+    found = search(Waves(slow=5.0), True, (part, whole, OTHER)).run()
+    assert [c.form for c in found.final.candidates] == ["slow"]
+    assert {q.parameter for q in found.complete[part.key].effect_parameters} == {"lag.slow", "lag.quick"}

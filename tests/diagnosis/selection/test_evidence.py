@@ -1,0 +1,92 @@
+"""Evidence: correlated errors count once; less than the noise is no gain."""
+
+from __future__ import annotations
+
+import numpy as np
+from hypothesis import given
+from hypothesis import strategies as st
+
+from exo_sim.diagnosis.estimation.least_squares import Fit
+from exo_sim.diagnosis.policy.gates import BEYOND_DOUBT_ODDS, BEYOND_DOUBT_SHARE, UNDERRATED
+from exo_sim.diagnosis.selection.evidence import compare, could_be_accepted, is_accepted, misfit, negative_log_likelihood
+
+BLOCKS = np.repeat(np.arange(20), 200)
+
+
+class Rows:
+    def __init__(self, blocks: np.ndarray):
+        self.blocks = blocks
+        self.size = blocks.size
+
+
+def fit_of(residual: np.ndarray, penalty: float = 0.0) -> Fit:
+    return Fit((), {}, residual, np.zeros((residual.size, 0)), penalty)
+
+
+@given(st.floats(1e-3, 1e3), st.floats(1e-3, 1e3))
+def test_misfit_grows_with_the_variance(one: float, other: float) -> None:
+    assert (misfit(one) <= misfit(other)) == (one <= other)
+
+
+def test_less_than_the_noise_is_hardly_a_gain() -> None:
+    rng = np.random.default_rng(2)
+    quiet = 0.2 * rng.standard_normal(BLOCKS.size)
+    assert negative_log_likelihood(fit_of(quiet), 1000.0) - negative_log_likelihood(fit_of(0.5 * quiet), 1000.0) < 0.5 * 1000.0 * 0.04
+
+
+def test_a_false_effect_does_not_pass_and_a_true_one_does() -> None:
+    rng = np.random.default_rng(3)
+    noise = rng.standard_normal(BLOCKS.size)
+    start = fit_of(noise + 3.0 * np.sin(np.arange(BLOCKS.size) / 7.0))
+    true, false = fit_of(noise), fit_of(0.999 * start.residual)
+    rows = Rows(BLOCKS)
+    assert is_accepted(compare(rows, start, true, 1, 30), start, start, true, 0.0)
+    assert not is_accepted(compare(rows, start, false, 1, 30), start, start, false, 0.0)
+
+
+def test_a_small_error_is_a_finding_only_beyond_doubt() -> None:
+    rng = np.random.default_rng(3)
+    noise, wave = rng.standard_normal(BLOCKS.size), np.sin(np.arange(BLOCKS.size) / 7.0)
+    rows, true = Rows(BLOCKS), fit_of(noise)
+    for size, plain in ((3.0, True), (0.35, False)):
+        start = fit_of(noise + size * wave)
+        weighing = compare(rows, start, true, 1, 30)
+        assert (weighing.log10_odds > BEYOND_DOUBT_ODDS) == plain
+        assert is_accepted(weighing, start, start, true, 0.0)
+        assert is_accepted(weighing, start, start, true, 10.0) == plain
+
+
+def test_below_the_noise_nothing_is_beyond_doubt() -> None:
+    rng = np.random.default_rng(3)
+    quiet = 0.5 * rng.standard_normal(60 * BLOCKS.size)
+    rows = Rows(np.arange(quiet.size) // 50)
+    start, less = fit_of(quiet + 0.25 * np.sin(np.arange(quiet.size) / 7.0)), fit_of(quiet)
+    weighing = compare(rows, start, less, 1, 30)
+    assert weighing.log10_odds > BEYOND_DOUBT_ODDS and weighing.share == 1.0
+    assert not is_accepted(weighing, start, start, less, 10.0)
+
+
+def test_great_odds_for_a_small_share_are_not_beyond_doubt() -> None:
+    rng = np.random.default_rng(3)
+    noise, wave = rng.standard_normal(60 * BLOCKS.size), np.sin(np.arange(60 * BLOCKS.size) / 7.0)
+    rows = Rows(np.arange(noise.size) // 50)
+    start, less = fit_of(noise + 3.0 * wave), fit_of(noise + 2.5 * wave)
+    weighing = compare(rows, start, less, 1, 30)
+    assert weighing.share < BEYOND_DOUBT_SHARE
+    assert not is_accepted(weighing, start, start, less, 10.0)
+
+
+@given(st.floats(0.3, 100.0), st.floats(0.0, 1.0), st.floats(0.0, 3.0))
+def test_whatever_passes_was_promised(variance: float, kept: float, material: float) -> None:
+    noise = np.random.default_rng(3).standard_normal(BLOCKS.size)
+    start = fit_of(np.sqrt(variance) * noise)
+    end = fit_of(np.sqrt(kept * variance) * noise)
+    fallen = start.sse - end.sse
+    if is_accepted(compare(Rows(BLOCKS), start, end, 1, 30), start, start, end, material):
+        assert could_be_accepted(1.001 * fallen / UNDERRATED, start, material)
+
+
+def test_at_the_noise_nothing_small_is_promised() -> None:
+    noise = fit_of(np.random.default_rng(3).standard_normal(BLOCKS.size))
+    assert not could_be_accepted(20.0, noise, 0.3)
+    assert could_be_accepted(0.5 * noise.sse, noise, 0.3)

@@ -1,0 +1,104 @@
+"""The search over a linear family of waves: everything at once, from both ends."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import replace
+
+import numpy as np
+import pytest
+import waves
+
+from exo_sim.diagnosis.discrepancy.basis import joined
+from exo_sim.diagnosis.estimation.candidate import Candidate
+from exo_sim.diagnosis.estimation.linear_family import Bend, LinearFamily, Term
+from exo_sim.diagnosis.estimation.parameters import FreeParameter
+from exo_sim.diagnosis.selection.family_search import FamilySearch
+from exo_sim.diagnosis.selection.fitted_model import SearchResult
+from exo_sim.diagnosis.selection.model_fits import ModelFits
+
+Array = np.ndarray
+#: Two waves that hide each other: each alone explains next to nothing of their difference.
+TWINS = {"one": np.sin(waves.AT / 20.0), "two": np.sin(waves.AT / 20.0) + 0.15 * np.sin(waves.AT / 7.0), **waves.SHAPES}
+
+
+def term(model: waves.Waves, candidate: Candidate, group: str = "", one_sided: bool = False) -> Term:
+    """Return an effect's waves as a term: what a size of it cancels."""
+    columns = [model.shapes[q.parameter.split(".")[-1]] for q in candidate.parameters]
+
+    def parameters(sizes: Array, before: Mapping[FreeParameter, float]) -> dict[FreeParameter, float]:
+        return dict(zip(candidate.parameters, map(float, sizes), strict=True))
+
+    spread = np.full(len(columns), 4.0)
+    return Term(candidate, np.column_stack(columns), spread, (one_sided,) * len(columns), parameters, group or candidate.effect)
+
+
+def searched(model: waves.Waves, *terms: Term, bends: tuple[Bend, ...] = ()) -> SearchResult:
+    target = -model.residual({})
+    plain = Bend(None, {}, target, np.zeros((target.size, 0)), terms)
+    return FamilySearch(ModelFits(model, (), cheap=True), LinearFamily((), (plain, *bends)), joined([], target.size)).run()
+
+
+def test_waves_that_hide_each_other_are_both_found() -> None:
+    """Their sum is 0.75 of the noise, and neither alone lowers the error by half of that."""
+    model = waves.Waves(shapes=TWINS, one=-5.0, two=5.0)
+    one, two = waves.candidate("first", "one"), waves.candidate("second", "two")
+    found = searched(model, term(model, one), term(model, two), term(model, waves.OTHER))
+    assert found.final.named == {one.at, two.at}
+    for candidate, size in ((one, -5.0), (two, 5.0)):
+        assert found.final.fit.values[candidate.parameters[0]] == pytest.approx(size, abs=1.2)
+        assert found.probabilities[candidate.at] > 0.95
+    assert found.probabilities[waves.OTHER.at] < 0.2
+
+
+def test_probabilities_of_names_for_the_same_wave_add_up() -> None:
+    model = waves.Waves(slow=3.0)
+    twin = waves.candidate("twin", "slow")
+    found = searched(model, term(model, waves.BASE), term(model, twin))
+    assert sum(found.probabilities.values()) == pytest.approx(1.0, abs=0.05)
+    (candidate,) = found.final.candidates
+    ((rival, worse),) = found.rivals[candidate.key]
+    assert {candidate.effect, rival.effect} == {"base", "twin"} and worse == pytest.approx(0.0, abs=1e-6)
+
+
+def test_what_comes_on_top_needs_its_base_or_a_richer_form_of_it() -> None:
+    model = waves.Waves(quick=5.0)
+    alone = searched(model, term(model, waves.BASE), term(model, waves.ON_TOP))
+    assert alone.final.named in (set(), {waves.BASE.at, waves.ON_TOP.at})
+    both = waves.Waves(slow=2.0, quick=5.0)
+    richer = waves.candidate("richer", "slow", "level")
+    terms = [term(both, waves.BASE, "base"), term(both, richer, "base"), term(both, waves.ON_TOP)]
+    assert searched(both, *terms).final.named == {waves.BASE.at, waves.ON_TOP.at}
+
+
+def test_a_wave_of_the_wrong_sign_is_no_effect_of_one_sign() -> None:
+    model = waves.Waves(slow=-3.0)
+    assert searched(model, term(model, waves.BASE, one_sided=True)).final.candidates == ()
+    assert searched(model, term(model, waves.BASE)).final.named == {waves.BASE.at}
+
+
+def test_noise_bears_no_name() -> None:
+    model = waves.Waves()
+    found = searched(model, term(model, waves.BASE), term(model, waves.OTHER), term(model, waves.candidate("flat", "level")))
+    assert found.final.candidates == () and max(found.probabilities.values(), default=0.0) < 0.5
+
+
+def test_a_bend_is_named_where_the_family_needs_it() -> None:
+    """The family looks as it does with the bend's parameter at 4; nothing else makes up for the quick wave."""
+    model = waves.Waves(slow=3.0, quick=4.0)
+    bending = waves.candidate("bending", "quick")
+    (parameter,) = bending.parameters
+    plain = term(model, waves.BASE)
+    residual = model.residual({parameter: 4.0})
+    bend = Bend(bending, {parameter: 4.0}, -residual, np.zeros((residual.size, 0)), (plain,))
+    found = searched(model, plain, bends=(bend,))
+    assert found.final.named == {waves.BASE.at, bending.at}
+    assert found.final.fit.values[parameter] == pytest.approx(4.0, abs=0.3)
+
+
+def test_what_a_healthy_machine_has_as_well_is_left_to_the_nuisance_parameters() -> None:
+    model = waves.Waves(slow=0.5)
+    (size,) = waves.BASE.parameters
+    for limit, named in ((0.1, {waves.BASE.at}), (2.0, set())):
+        limited = replace(waves.BASE, parameters=(replace(size, healthy_limit=limit),))
+        assert searched(model, term(model, limited)).final.named == named

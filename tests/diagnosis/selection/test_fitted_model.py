@@ -1,0 +1,33 @@
+"""A fitted set of candidates: prerequisites, and what exceeds a healthy machine."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+from exo_sim.diagnosis.estimation.candidate import Candidate
+from exo_sim.diagnosis.estimation.least_squares import Fit
+from exo_sim.diagnosis.estimation.parameters import FreeParameter, Target
+from exo_sim.diagnosis.selection.fitted_model import FittedModel, exceeds_healthy_limit
+
+
+@pytest.mark.parametrize(
+    ("asked", "healthy", "large"),
+    [
+        ({"time_constant": 0.002, "delay": 0.0}, 0.0, False),
+        ({"time_constant": 0.002, "delay": 0.002}, 0.0, True),
+        ({"time_constant": 0.002}, 0.002, True),
+        ({"time_constant": 0.002, "delay": 0.0}, 0.002, False),  # the fitted delay stands in the healthy one's place
+    ],
+)
+def test_parts_of_one_thing_are_held_against_the_limit_together(asked: dict[str, float], healthy: float, large: bool) -> None:
+    """A valve that is late by 3 ms is healthy, however that is shared between waiting and following."""
+
+    def number(name: str, prior: tuple[float, float] | None = None) -> FreeParameter:
+        return FreeParameter("valve_lag", "piston", name, "s", Target.CYLINDER, 1e-3, 0.0, 0.1, prior, healthy_limit=0.0 if prior else 3e-3)
+
+    parameters = tuple(number(name) for name in asked)
+    candidate = Candidate("valve_lag", "piston", "+".join(asked), parameters, (tuple(asked.values()),), additive=True)
+    values = {number("delay", (0.0, 1e-3)): healthy, **dict(zip(parameters, asked.values(), strict=True))}
+    model = FittedModel((candidate,), Fit(tuple(values), values, np.zeros(4), np.zeros((4, len(values)))))
+    assert exceeds_healthy_limit(candidate, model) is large

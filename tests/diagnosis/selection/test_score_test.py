@@ -1,0 +1,43 @@
+"""The score test promises what a fit then gains, where the model is linear."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import pytest
+import waves
+
+from exo_sim.diagnosis.selection.model_fits import ModelFits
+from exo_sim.diagnosis.selection.score_test import scores
+
+
+@pytest.mark.parametrize("size", [0.5, 3.0, -3.0])
+def test_a_linear_signature_promises_exactly_what_the_fit_gains(size: float) -> None:
+    model = waves.Waves(slow=size)
+    fits = ModelFits(model, (), cheap=True)
+    now, then = fits.fit(()), fits.fit((waves.BASE,))
+    ((promised, found),) = scores(model, now, (waves.BASE,))
+    assert found is waves.BASE
+    assert promised == pytest.approx(now.fit.sse - then.fit.sse, rel=1e-6)
+
+
+def test_what_a_fitted_parameter_explains_is_not_promised_again() -> None:
+    model = waves.Waves(slow=3.0)
+    now = ModelFits(model, (), cheap=True).fit((waves.BASE,))
+    ((promised, _),) = scores(model, now, (waves.candidate("twin", "slow"),))
+    assert promised == pytest.approx(0.0, abs=1e-6)
+
+
+def test_an_effect_of_the_wrong_sign_promises_nothing() -> None:
+    model = waves.Waves(slow=-3.0)
+    one_sided = waves.candidate("leak", "slow")
+    one_sided = replace(one_sided, parameters=(waves.parameter("leak", "slow", low=0.0),))
+    assert [promised for promised, _ in scores(model, ModelFits(model, (), cheap=True).fit(()), (one_sided,))] == [0.0]
+
+
+def test_candidates_in_the_model_and_those_without_prerequisite_are_left_out() -> None:
+    model = waves.Waves(quick=5.0)
+    fits = ModelFits(model, ())
+    every = (waves.BASE, waves.ON_TOP, waves.OTHER)
+    assert {c.effect for _, c in scores(model, fits.fit(()), every)} == {"base", "other"}
+    assert [c.effect for _, c in scores(model, fits.fit((waves.BASE,)), every)] == ["on_top", "other"]

@@ -1,0 +1,51 @@
+"""The gas as a least-squares problem: predictions, errors and rows."""
+
+from __future__ import annotations
+
+import benches
+import numpy as np
+import pytest
+
+from exo_sim.diagnosis.data.cylinder_run import cylinder_runs
+from exo_sim.diagnosis.data.split import Split
+from exo_sim.diagnosis.estimation.parameters import PlantParameters
+from exo_sim.diagnosis.subsystems.gas.model import GasModel
+from exo_sim.machine.linkage import linkages
+from exo_sim.machine.load import load
+from exo_sim.recording import Recording
+from exo_sim.rig import Rig, assembly
+
+PARTS = Split({})
+
+
+@pytest.fixture(scope="module")
+def rig(tmp_path_factory: pytest.TempPathFactory) -> Rig:
+    return benches.bench(tmp_path_factory.mktemp("gas"))
+
+
+@pytest.fixture(scope="module")
+def table(rig: Rig) -> Recording:
+    return benches.led(rig, 3.0)
+
+
+def test_a_prediction_of_nothing_but_pressures_is_the_same(rig: Rig, table: Recording) -> None:
+    model = load(rig)
+    plant = PlantParameters(assembly.world(rig), assembly.cylinders(rig))
+    gas = GasModel(cylinder_runs(table, rig, model, linkages(rig, model)), plant, PARTS)
+    whole, plain = gas.predict(plant, 0), gas.predict(plant, 0, whole=False)
+    np.testing.assert_array_equal(plain.pressure, whole.pressure)
+    assert plain.drawn.size == plain.inside.size == plain.temperature.size == 0
+    measured = np.column_stack([table["piston.pressure_1"], table["piston.pressure_2"]])
+    np.testing.assert_array_equal(gas.errors(plant)[0], measured[: len(whole.pressure)] - whole.pressure)
+
+
+def test_a_bias_larger_than_a_reading_is_tried_and_no_refusal(rig: Rig, table: Recording) -> None:
+    """A chamber begins at the atmosphere, and a fit may ask what a sensor would say that reads 1.2 bar too much."""
+    model = load(rig)
+    plant = PlantParameters(assembly.world(rig), assembly.cylinders(rig))
+    columns = {name: values.copy() for name, values in table.columns.items()}
+    columns["piston.pressure_1"][:] = 101325.0
+    low = Recording(table.name, table.time, columns, table.units)
+    gas = GasModel(cylinder_runs(low, rig, model, linkages(rig, model)), plant, PARTS)
+    biased = PlantParameters(plant.world, plant.cylinder, {"pressure_1.bias": 1.2e5})
+    assert np.isfinite(gas.predict(biased, 0).pressure).all()

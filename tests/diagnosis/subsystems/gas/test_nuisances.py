@@ -1,0 +1,49 @@
+"""Nuisance parameters of the gas: what every healthy machine shows is free in every fit, and no finding."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+from exo_sim.diagnosis.estimation.parameters import FreeParameter, PlantParameters
+from exo_sim.diagnosis.subsystems.gas.nuisances import known_effects, nuisance_parameters
+from exo_sim.physics.records import CYLINDER, WORLD
+
+
+def plant(conductance: float = 0.0) -> PlantParameters:
+    cylinder = np.zeros(1, CYLINDER)
+    cylinder["wall_heat_transfer"]["conductance"] = conductance
+    return PlantParameters(np.zeros(1, WORLD), cylinder)
+
+
+def free(one: PlantParameters, rests: bool, commanded: bool = False) -> dict[tuple[str, str], FreeParameter]:
+    return {(q.effect, q.parameter): q for q in nuisance_parameters(one, "piston", commanded, (1, 2), rests)}
+
+
+HEAT = ("wall_heat_transfer", "conductance")
+
+
+@pytest.mark.parametrize("commanded", [False, True])
+def test_gas_at_rest_may_warm_at_its_walls(commanded: bool) -> None:
+    heat = free(plant(), rests=True, commanded=commanded)[HEAT]
+    assert heat.low == 0.0 < heat.high and heat.prior is not None and heat.prior[0] == heat.neutral == 0.0
+    one = plant()
+    one = one.with_values([(heat, 1.5)])
+    assert one.cylinder["wall_heat_transfer"]["conductance"][0] == 1.5
+
+
+def test_gas_that_works_has_no_such_excuse() -> None:
+    assert HEAT not in free(plant(), rests=False)
+
+
+def test_walls_that_the_rig_knows_are_not_asked_twice() -> None:
+    assert HEAT not in free(plant(0.7), rests=True)
+    assert HEAT in {(q.effect, q.parameter) for q in known_effects(plant(0.7), "piston")}
+
+
+def test_a_valve_that_nobody_commanded_has_no_free_parameter() -> None:
+    names = {effect for effect, _ in free(plant(), rests=True)}
+    assert names == {"dead_volume", "sensor_zero", "wall_heat_transfer"}
+    assert {"flow_capacity", "valve_offset", "valve_deadband", "valve_lag"} <= {
+        effect for effect, _ in free(plant(), rests=False, commanded=True)
+    }

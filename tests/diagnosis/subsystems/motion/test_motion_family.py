@@ -1,0 +1,97 @@
+"""The family of what resists a motion: each law is named with its numbers, over decades of size, beside the others."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import motion_runs
+import numpy as np
+import pytest
+from motion_runs import ACCELERATION, MASS, POSITION, TIME, VELOCITY
+
+from exo_sim.diagnosis.data.split import Split
+from exo_sim.diagnosis.selection.family_search import FamilySearch
+from exo_sim.diagnosis.selection.fitted_model import SearchResult
+from exo_sim.diagnosis.selection.model_fits import ModelFits
+from exo_sim.diagnosis.subsystems.motion.candidates import candidates
+from exo_sim.diagnosis.subsystems.motion.family import motion_family
+from exo_sim.diagnosis.subsystems.motion.model import MotionModel
+from exo_sim.diagnosis.subsystems.motion.nuisances import nuisance_parameters
+from exo_sim.diagnosis.subsystems.motion.smoothing import smoothed_alike
+
+SIGN = np.sign(VELOCITY)
+
+
+def searched(model: MotionModel) -> SearchResult:
+    nuisances = nuisance_parameters(model.runs, model.nominal, model.where)
+    family = motion_family(model, nuisances, candidates(model.runs, model.nominal, model.where))
+    return FamilySearch(ModelFits(model, nuisances, cheap=True), family, model.discrepancy_basis()).run()
+
+
+def lost(**sizes: float) -> np.ndarray:
+    """Return the force that is lost to friction and springs of these sizes."""
+    laws = {
+        "viscous": VELOCITY, "coulomb": smoothed_alike(TIME, SIGN), "quadratic": VELOCITY * np.abs(VELOCITY), "spring": POSITION - 0.01,
+        "stribeck": smoothed_alike(TIME, SIGN * np.exp(-((VELOCITY / 0.06) ** 2))),
+    }  # fmt: skip
+    return sum((size * laws[name] for name, size in sizes.items()), np.zeros(TIME.size))
+
+
+def named(found: SearchResult) -> dict[str, float]:
+    """Return the effects of the final model with their first parameter."""
+    return {c.effect: found.final.fit.values[c.parameters[0]] for c in found.final.candidates if not c.is_law}
+
+
+@pytest.mark.parametrize(
+    ("effect", "sizes", "value"),
+    [
+        ("viscous_friction", {"viscous": 30.0}, 30.0),
+        ("coulomb_friction", {"coulomb": 6.0}, 6.0),
+        ("quadratic_drag", {"quadratic": 120.0}, 120.0),
+        ("return_spring", {"spring": 90.0}, 90.0),
+    ],
+)
+def test_one_law_is_named_with_its_number(effect: str, sizes: dict[str, float], value: float) -> None:
+    found = named(searched(MotionModel([motion_runs.balance(lost(**sizes), 0.3)], motion_runs.plant(), Split({}))))
+    assert set(found) == {effect} and found[effect] == pytest.approx(value, rel=0.05)
+
+
+@pytest.mark.parametrize("times", [0.2, 1.0, 20.0])
+def test_dry_friction_with_a_dip_and_viscous_friction_are_found_together_over_two_decades(times: float) -> None:
+    sizes = {"coulomb": 12.0 * times, "stribeck": 9.0 * times, "viscous": 60.0 * times}
+    found = named(searched(MotionModel([motion_runs.balance(lost(**sizes), 0.1 * times)], motion_runs.plant(), Split({}))))
+    assert set(found) == {"coulomb_friction", "stribeck_friction", "viscous_friction"}
+    assert found["coulomb_friction"] == pytest.approx(12.0 * times, rel=0.05)
+    assert found["viscous_friction"] == pytest.approx(60.0 * times, rel=0.05)
+    assert found["stribeck_friction"] == pytest.approx(21.0 * times, rel=0.15)
+
+
+def test_a_frictionless_balance_bears_no_name() -> None:
+    found = searched(MotionModel([motion_runs.balance(np.zeros(TIME.size), 0.3)], motion_runs.plant(), Split({})))
+    assert named(found) == {}
+
+
+def test_scale_and_delay_of_what_measures_the_force_are_no_friction() -> None:
+    """Pressures drive; the force from outside reads 2 % too much and both come 1 ms late."""
+    driving = MASS * ACCELERATION + lost(viscous=30.0) + 40.0 * np.sin(1.7 * TIME)
+    outside = -40.0 * np.sin(1.7 * TIME)
+    late = [np.interp(TIME - 1e-3, TIME, values) for values in (driving, 1.02 * outside)]
+    run = motion_runs.balance(np.zeros(TIME.size), 0.3)
+    ones = np.ones(TIME.size)
+    drive = replace(
+        run.drive, force=late[0], levers={"piston.force": ones, "slide.external_force": ones},
+        signals={"piston.force": late[0], "slide.external_force": late[1]},
+    )  # fmt: skip
+    noise = 0.1 * np.random.default_rng(2).standard_normal(TIME.size)
+    found = searched(MotionModel([replace(run, drive=drive, external=late[1] + noise)], motion_runs.plant(), Split({})))
+    assert named(found) == pytest.approx({"viscous_friction": 30.0}, rel=0.05)
+    values = {q.parameter: value for q, value in found.final.fit.values.items()}
+    assert values["drive.delay"] == pytest.approx(1e-3, abs=2e-4)
+
+
+def test_friction_that_builds_up_with_speed_is_a_law_and_no_finding() -> None:
+    creeping = smoothed_alike(TIME, 8.0 * np.tanh(VELOCITY / 0.02))
+    found = searched(MotionModel([motion_runs.balance(creeping, 0.05)], motion_runs.plant(), Split({})))
+    assert named(found) == pytest.approx({"coulomb_friction": 8.0}, rel=0.05)
+    (law,) = (c for c in found.final.candidates if c.is_law)
+    assert found.final.fit.values[law.parameters[0]] == pytest.approx(0.02, rel=0.3)

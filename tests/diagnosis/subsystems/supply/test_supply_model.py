@@ -1,0 +1,93 @@
+"""The supply: closed forms of tank and regulator, and which of the two sagged."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+import pytest
+
+from exo_sim.diagnosis.data.split import split
+from exo_sim.diagnosis.estimation.parameters import PlantParameters
+from exo_sim.diagnosis.selection.fitted_model import FittedModel
+from exo_sim.diagnosis.selection.search import Search
+from exo_sim.diagnosis.subsystems.supply.candidates import candidates, nuisance_parameters
+from exo_sim.diagnosis.subsystems.supply.model import SupplyModel, supply_run
+from exo_sim.diagnosis.subsystems.supply.prediction import follow_supply
+from exo_sim.physics.records import CYLINDER, WORLD
+
+TIME = np.arange(0.0, 12.0, 1e-3)
+DRAWN = 2e-3 * (np.sin(2.0 * TIME) > 0.3) * (0.4 + 0.6 * (np.sin(0.7 * TIME) > 0.0))
+SUPPLY, WARM, K, R = 7e5, 293.15, 1.4, 287.0
+
+
+def setting(**effects: dict[str, float]) -> PlantParameters:
+    world = np.zeros(1, WORLD)
+    world["supply_pressure"], world["supply_temperature"], world["k"], world["r"] = SUPPLY, WARM, K, R
+    for effect, numbers in effects.items():
+        for name, value in numbers.items():
+            world[effect][name] = value
+    return PlantParameters(world, np.zeros(1, CYLINDER))
+
+
+def problem(pressure: np.ndarray, drawn: np.ndarray = DRAWN) -> SupplyModel:
+    parts = split([("recording", TIME)])
+    return SupplyModel([supply_run("recording", TIME, pressure, drawn)], setting(), parts)
+
+
+def found_in(model: SupplyModel) -> FittedModel:
+    asked = candidates(model.nominal)
+    significant = model.practical_significance
+    return Search(model, nuisance_parameters(model.nominal), asked, cheap=True, practical_significance=significant).run().final
+
+
+def supplied(machine: PlantParameters, drawn: np.ndarray = DRAWN) -> np.ndarray:
+    out = np.empty(TIME.size)
+    follow_supply(machine.world, TIME, drawn, 0.0, out)
+    return out
+
+
+def test_a_tank_without_feed_empties_along_the_adiabat() -> None:
+    volume = 5e-3
+    pressure = supplied(setting(supply_droop={"volume": volume, "conductance": 0.0}))
+    mass = SUPPLY * volume / (R * WARM)
+    left = mass - float(np.sum(DRAWN[:-1]) * 1e-3)
+    assert pressure[-1] == pytest.approx(SUPPLY * (left / mass) ** K, rel=2e-3)
+
+
+def test_a_fed_tank_settles_where_the_feed_is_what_is_drawn() -> None:
+    steady = np.full(TIME.size, 1e-3)
+    pressure = supplied(setting(supply_droop={"volume": 1e-3, "conductance": 2e-8}), steady)
+    assert pressure[-1] == pytest.approx(SUPPLY - 1e-3 / 2e-8, rel=1e-3)
+
+
+def test_a_regulator_droops_with_its_time_constant() -> None:
+    steady = np.full(TIME.size, 1e-3)
+    pressure = supplied(setting(supply_regulator={"droop": 3e7, "time_constant": 0.1}), steady)
+    assert pressure[-1] == pytest.approx(SUPPLY - 3e4, rel=1e-6)
+    assert pressure[100] == pytest.approx(SUPPLY - 3e4 * (1.0 - math.exp(-1.0)), rel=1e-4)
+
+
+@pytest.mark.parametrize(
+    ("effect", "numbers"),
+    [
+        ("supply_droop", {"volume": 2e-3, "conductance": 4e-8}),
+        ("supply_regulator", {"droop": 4e7, "time_constant": 0.08}),
+    ],
+    ids=["droop", "regulator"],
+)
+def test_what_sagged_is_named(effect: str, numbers: dict[str, float]) -> None:
+    noise = np.random.default_rng(5).normal(0.0, 250.0, TIME.size)
+    one = problem(supplied(setting(**{effect: numbers})) + noise)
+    found = found_in(one)
+    assert [candidate.effect for candidate in found.candidates] == [effect]
+    for quantity, value in found.fit.values.items():
+        if quantity.parameter in numbers:
+            assert value == pytest.approx(numbers[quantity.parameter], rel=0.05)
+
+
+def test_a_steady_supply_has_nothing_to_name() -> None:
+    noise = np.random.default_rng(6).normal(0.0, 250.0, TIME.size)
+    one = problem(np.full(TIME.size, 1.004 * SUPPLY) + noise)
+    found = found_in(one)
+    assert not found.candidates

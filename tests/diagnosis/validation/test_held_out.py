@@ -1,0 +1,69 @@
+"""Errors on held-out time: before and after, what each finding is worth, and what validation refutes."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+import pytest
+import waves
+
+from exo_sim.diagnosis.data.split import Split
+from exo_sim.diagnosis.findings import Subsystem
+from exo_sim.diagnosis.selection.decision import decide
+from exo_sim.diagnosis.selection.search import Search
+from exo_sim.diagnosis.selection.subsystem_result import SubsystemResult
+from exo_sim.diagnosis.selection.unknown_effect import unknown_effects
+from exo_sim.diagnosis.validation.held_out import BalanceError, HeldOutErrors, held_out_errors, is_refuted
+
+SPLIT = Split({"recording": ((0.0, 400.0),)})
+
+
+def result(model: waves.Waves, *candidates: waves.Candidate) -> SubsystemResult[waves.Waves]:
+    search = Search(model, (), candidates, cheap=True)
+    return decide("piston", model, search.fits, search.run())
+
+
+def test_a_true_finding_takes_the_error_down_to_the_noise() -> None:
+    errors = held_out_errors([result(waves.Waves(slow=3.0), waves.BASE)], (), SPLIT)
+    signal = errors.signals["piston.pressure_1"]
+    size = math.sqrt(1.0 + 9.0 * float(np.mean(waves.SHAPES["slow"] ** 2)))
+    assert signal.before == pytest.approx(size, rel=0.05) and signal.after == pytest.approx(1.0, rel=0.06)
+    assert errors.drops["base@piston"] == pytest.approx(1.0 - signal.after / signal.before, rel=1e-6)
+    assert errors.influence["base@piston"] == pytest.approx(math.sqrt(size**2 - 1.0), rel=0.05)
+    assert errors.balances[Subsystem.GAS, "piston"].ratio == pytest.approx(1.0, abs=0.05)
+    assert errors.spans == SPLIT.test
+
+
+def test_each_of_two_findings_is_worth_what_is_lost_without_it() -> None:
+    errors = held_out_errors([result(waves.Waves(slow=3.0, quicker=0.6), waves.BASE, waves.OTHER)], (), SPLIT)
+    assert errors.drops["base@piston"] > 0.5 > errors.drops["other@piston"] > 0.03
+
+
+def test_an_unknown_effect_that_no_curve_describes_lowers_nothing() -> None:
+    one = result(waves.Waves(1.5, slow=6.0, quick=6.0), waves.candidate("nothing", "level"))
+    unknown = unknown_effects([one])
+    errors = held_out_errors([one], unknown, SPLIT)
+    assert errors.drops == {"piston": 0.0}
+    assert errors.balances[Subsystem.GAS, "piston"].log10_odds > 3.0
+
+
+def test_where_nothing_was_compared_the_ratio_is_infinite() -> None:
+    assert HeldOutErrors().ratio == math.inf
+    assert held_out_errors([], (), SPLIT).signals == {}
+
+
+def test_an_error_counts_against_the_fit_and_the_bound() -> None:
+    one = BalanceError(error=6.0, fitted=2.0, bound=5.0, log10_odds=9.0)
+    assert one.ratio == 3.0 and one.exceeds_bound() and not one.exceeds_bound(1.25) and one.newly_exceeds_bound()
+    assert not BalanceError(6.0, 5.5, 5.0, 9.0).newly_exceeds_bound()
+    assert BalanceError(0.9, 0.3, 5.0, 0.0).ratio == 0.9  # less than the noise is no better a fit
+    assert BalanceError(math.nan, 1.0, 5.0, 0.0).ratio == 0.0
+
+
+@pytest.mark.parametrize(
+    ("drop", "odds", "refuted"),
+    [(0.5, 4.0, False), (0.03, 8.0, True), (-0.6, 24.0, True), (-0.6, 60.0, True), (0.02, 160.0, False), (0.14, 60.0, False)],
+)
+def test_a_finding_stands_where_validation_or_great_odds_support_it(drop: float, odds: float, refuted: bool) -> None:
+    assert is_refuted(drop, odds) is refuted

@@ -1,0 +1,105 @@
+"""What the plug-in is handed and cannot be: refused in one line, with nothing changed."""
+
+from __future__ import annotations
+
+import copy
+import dataclasses
+from pathlib import Path
+
+import mujoco
+import numpy as np
+import pytest
+
+from exo_sim.errors import ExoSimError, ModelError, RigError
+from exo_sim.machine.load import load
+from exo_sim.rig import Rig, read
+from exo_sim.simulation.plugin import PneumaticPlugin
+
+
+@pytest.fixture
+def bench(repository: Path) -> Rig:
+    return read(repository / "assets" / "bench.toml")
+
+
+@pytest.mark.parametrize("pressure", [np.nan, np.inf, 0.0, -1e5, [3e5, 3e5], "high"])
+def test_pressures_that_cannot_be(bench: Rig, pressure: object) -> None:
+    model = load(bench)
+    data, plugin = mujoco.MjData(model), PneumaticPlugin(model, bench)
+    plugin.reset(data, 3e5, 3e5)
+    before = plugin.pressures()
+    for place in (1, 2):
+        given = {f"pressure_{place}": pressure}
+        with pytest.raises(ModelError, match=f"pressure_{place}") as caught:
+            plugin.reset(data, **given)
+        assert "\n" not in str(caught.value)
+    assert np.array_equal(plugin.pressures(), before)
+
+
+def test_a_command_that_is_no_number(bench: Rig) -> None:
+    model = load(bench)
+    data, plugin = mujoco.MjData(model), PneumaticPlugin(model, bench)
+    plugin.reset(data, 3e5, 3e5)
+    plugin.step(data)
+    before = data.time
+    plugin.command[:] = np.nan
+    with pytest.raises(ModelError, match="command"):
+        plugin.step(data)
+    assert data.time == before
+    plugin.command[:] = 1e9  # more than fully open is fully open
+    plugin.step(data)
+    assert np.isfinite(plugin.pressures()).all()
+
+
+NO_GASES: list[dict[str, float]] = [
+    *({"heat_capacity_ratio": value} for value in (1e6, 1.0, np.nan)),
+    *({"specific_gas_constant": value} for value in (0.0, np.nan, np.inf)),
+]
+
+
+@pytest.mark.parametrize("change", NO_GASES)
+def test_a_gas_that_cannot_be(bench: Rig, change: dict[str, float]) -> None:
+    with pytest.raises(RigError, match="no gas has"):
+        PneumaticPlugin(load(bench), dataclasses.replace(bench, **change))  # type: ignore[arg-type]
+
+
+def test_the_state_of_another_model(bench: Rig, repository: Path) -> None:
+    model = load(bench)
+    plugin = PneumaticPlugin(model, bench)
+    other = mujoco.MjData(mujoco.MjModel.from_xml_path(str(repository / "assets" / "exo.xml")))
+    for step in (plugin.reset, plugin.step):
+        with pytest.raises(ModelError, match="another model"):
+            step(other)
+    data = mujoco.MjData(model)
+    plugin.reset(data)
+    plugin.step(data)
+    plugin.step(copy.deepcopy(data))  # a copy is of the same model
+
+
+def test_a_thousand_resets_leave_nothing_behind(bench: Rig) -> None:
+    """Memory stays where it was, and each run is the same to the bit."""
+    import tracemalloc
+
+    model = load(bench)
+    data, plugin = mujoco.MjData(model), PneumaticPlugin(model, bench)
+
+    def once() -> bytes:
+        mujoco.mj_resetData(model, data)
+        plugin.reset(data, 3e5, 3.3e5)
+        plugin.command[:] = 0.5
+        for _ in range(5):
+            plugin.step(data)
+        return plugin.pressures().tobytes()
+
+    first = once()
+    tracemalloc.start()
+    for _ in range(50):
+        assert once() == first
+    used = tracemalloc.get_traced_memory()[0]
+    for _ in range(950):
+        assert once() == first
+    assert tracemalloc.get_traced_memory()[0] < used + 20_000
+    tracemalloc.stop()
+
+
+def test_every_refusal_is_one_of_ours() -> None:
+    assert issubclass(ModelError, ExoSimError) and issubclass(RigError, ExoSimError)

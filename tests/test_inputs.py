@@ -1,0 +1,68 @@
+"""Whatever is handed in as a text or as TOML, it is read or refused in a sentence; nothing hangs and nothing is computed."""
+
+from __future__ import annotations
+
+import os
+from pathlib import Path
+
+import pytest
+
+from exo_sim.errors import ExoSimError, RecordingError, RigError
+from exo_sim.inputs import MOST_TEXT, check_regular, text_of, toml
+from exo_sim.recording.column_map import read_column_map
+from exo_sim.rig import read
+
+NESTED = "[" * 5000 + "]" * 5000
+BAD_TOML = [f"a = {NESTED}", "a = " + "9" * 5000, "a = ", "a = 1\na = 2", "\x00", "a = 1e", "[a", "a = 9999-99-99", "= 1"]
+
+
+@pytest.mark.parametrize("text", BAD_TOML)
+def test_what_is_no_toml_is_one_sentence(text: str, tmp_path: Path) -> None:
+    with pytest.raises(ValueError, match=r"TOML|nested|too many digits") as caught:
+        toml(text)
+    assert "\n" not in str(caught.value)
+    path = tmp_path / "file.toml"
+    path.write_text(text)
+    with pytest.raises(RigError):
+        read(path)
+    with pytest.raises(RecordingError):
+        read_column_map(path)
+
+
+def test_devices_pipes_and_folders_are_refused_unread(tmp_path: Path) -> None:
+    os.mkfifo(tmp_path / "pipe")
+    for path in (tmp_path / "pipe", tmp_path, Path("/dev/zero")):
+        for reading in (check_regular, text_of):
+            with pytest.raises(ValueError, match="not a file; save it to a file"):
+                reading(path)
+        for reader in (read, read_column_map):
+            with pytest.raises(ExoSimError, match="not a file"):
+                reader(path)
+
+
+def test_a_text_that_is_too_large_is_refused_unread(tmp_path: Path) -> None:
+    path = tmp_path / "large.toml"
+    with path.open("wb") as file:
+        file.truncate(MOST_TEXT + 1)
+    with pytest.raises(ValueError, match="more than a text"):
+        text_of(path)
+
+
+def test_bytes_that_are_no_text_are_named(tmp_path: Path) -> None:
+    (tmp_path / "a.toml").write_bytes(b'name = "\xff"')
+    with pytest.raises(ValueError, match="byte 8 is 0xff"):
+        text_of(tmp_path / "a.toml")
+
+
+@pytest.mark.parametrize("model", ["/dev/zero", "a\\u0000b", "x" * 5000, "."])
+def test_a_model_that_is_no_file_is_one_line(tmp_path: Path, model: str) -> None:
+    (tmp_path / "rig.toml").write_text(f'model = "{model}"\n')
+    with pytest.raises(RigError, match="no such MJCF file"):
+        read(tmp_path / "rig.toml")
+
+
+@pytest.mark.parametrize("scale", ["1" + "0" * 400, "nan", "inf", "0", "true", "1e300"])
+def test_a_scale_that_is_no_factor_is_refused(tmp_path: Path, scale: str) -> None:
+    (tmp_path / "map.toml").write_text(f'[columns]\n"a" = {{ column = "p.pressure_1 [Pa]", scale = {scale} }}\n')
+    with pytest.raises(RecordingError, match="scale and offset must be numbers"):
+        read_column_map(tmp_path / "map.toml")

@@ -1,0 +1,179 @@
+"""OpenSim storage files: `.mot` and `.sto`, a header, the word `endheader`, one line of labels and rows of numbers.
+
+The format is the one of OpenSim 3 and 4 (OpenSim documentation, "Storage (.sto) Files" and "Motion (.mot) Files"): header lines are
+`key=value` or, in files of SIMM, `key value`; `inDegrees=yes` says that rotations are in degrees, translations are in metres all the same.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from pathlib import Path
+
+import numpy as np
+from numpy.typing import NDArray
+
+from exo_sim.errors import RecordingError, nearest
+from exo_sim.inputs import check_regular
+
+#: Lines within which a header must end, and bytes beyond which a file is refused.
+_MOST_HEADER, _MOST_BYTES = 500, 500_000_000
+#: How labels of coordinates end that are lengths and no angles.
+TRANSLATIONS = ("_tx", "_ty", "_tz")
+
+
+@dataclass(frozen=True)
+class OpenSimTable:
+    """What a `.mot` or `.sto` file holds, numbers as they are written.
+
+    Attributes:
+        path: The file.
+        name: First line of the header: what the file calls itself.
+        time: Seconds, shape (n,).
+        columns: Label to numbers, shape (n,), in the order of the file; the time is not among them.
+        in_degrees: Whether rotations are in degrees. The header says so; a file that does not say is in radian, as OpenSim takes it.
+        header: Keys of the header in lower case, to their text.
+    """
+
+    path: Path
+    name: str
+    time: NDArray[np.float64]
+    columns: Mapping[str, NDArray[np.float64]]
+    in_degrees: bool
+    header: Mapping[str, str]
+
+    def angle(self, label: str) -> NDArray[np.float64]:
+        """Return a rotation, or its rate, in radian.
+
+        Raises:
+            RecordingError: there is no column of this label.
+        """
+        values = self._of(label)
+        return np.deg2rad(values) if self.in_degrees else values
+
+    def coordinate(self, label: str) -> NDArray[np.float64]:
+        """Return a coordinate in SI: metres where the label ends in `_tx`, `_ty` or `_tz`, else radian.
+
+        Raises:
+            RecordingError: there is no column of this label.
+        """
+        return self._of(label) if is_translation(label) else self.angle(label)
+
+    def _of(self, label: str) -> NDArray[np.float64]:
+        if label not in self.columns:
+            raise RecordingError(f'"{self.path}": there is no column "{label}"{nearest(label, self.columns)}')
+        return self.columns[label]
+
+
+def is_translation(label: str) -> bool:
+    """Return True where the label of a coordinate says that it is a length: `pelvis_tx`, `/jointset/ground_pelvis/pelvis_ty/value`."""
+    parts = label.strip("/").split("/")
+    coordinate = parts[-2] if len(parts) > 1 and parts[-1] in ("value", "speed") else parts[-1]
+    return coordinate.endswith(TRANSLATIONS)
+
+
+def read_storage(path: str | Path) -> OpenSimTable:
+    """Read a `.mot` or `.sto` file whole.
+
+    Raises:
+        RecordingError: the file is missing, not text, has no header, no time, no rows, labels twice, or rows that do not fit; the message
+            names file, line and what to do.
+    """
+    path = Path(path)
+    lines = _lines(path)
+    end = next((i for i, line in enumerate(lines[:_MOST_HEADER]) if line.strip().lower() == "endheader"), None)
+    if end is None:
+        raise RecordingError(f'"{path}": no line "endheader" in the first {_MOST_HEADER}; is it a .mot or .sto file of OpenSim?')
+    header = _header(lines[:end])
+    kind = header.get("datatype", "double")
+    if kind.lower() != "double":
+        raise RecordingError(f'"{path}": its cells are {kind}; write one number a cell (DataType=double)')
+    at = next((i for i in range(end + 1, len(lines)) if lines[i].strip()), None)
+    if at is None:
+        raise RecordingError(f'"{path}": no line of labels below "endheader": cut off while copying?')
+    labels = _labels(path, lines[at], at + 1)
+    time, *values = _rows(path, lines, at + 1, labels).T.copy()
+    degrees = header.get("indegrees", "no").lower()
+    if degrees not in ("yes", "no"):
+        raise RecordingError(f'"{path}": inDegrees={degrees}; write inDegrees=yes or inDegrees=no')
+    name = lines[0].strip() if end and "=" not in lines[0] else path.stem
+    return OpenSimTable(path, name, time, dict(zip(labels[1:], values)), degrees == "yes", header)
+
+
+def _lines(path: Path) -> list[str]:
+    try:
+        check_regular(path)
+        if path.stat().st_size > _MOST_BYTES:
+            raise RecordingError(f'"{path}": more than {_MOST_BYTES / 1e6:.0f} MB; cut it into pieces')
+        raw = path.read_bytes()
+    except FileNotFoundError:
+        raise RecordingError(f'"{path}": there is no such file') from None
+    except ValueError as error:
+        raise RecordingError(f'"{path}": {error}') from None
+    except OSError as error:
+        raise RecordingError(f'"{path}": {error.strerror or error}; it cannot be read') from None
+    if b"\0" in raw:
+        raise RecordingError(f'"{path}": it is not text; is it a .mot or .sto file of OpenSim?')
+    try:
+        text = raw.decode("utf-8-sig")
+    except UnicodeDecodeError:
+        text = raw.decode("latin-1")
+    return text.replace("\r\n", "\n").replace("\r", "\n").split("\n")
+
+
+def _header(lines: list[str]) -> dict[str, str]:
+    header = {}
+    for line in lines[1:] if lines and "=" not in lines[0] else lines:
+        key, equals, value = line.strip().partition("=")
+        if not equals:
+            key, _, value = line.strip().partition(" ")
+        if key:
+            header[key.strip().lower()] = value.strip()
+    return header
+
+
+def _labels(path: Path, line: str, number: int) -> list[str]:
+    labels = [cell.strip() for cell in line.rstrip("\t").split("\t")] if "\t" in line else line.split()
+    if labels[0].lower() != "time":
+        raise RecordingError(f'"{path}": line {number} begins "{labels[0][:40]}"; the first column must be "time"')
+    seen: set[str] = set()
+    for label in labels:
+        if not label or label in seen:
+            what = f'the label "{label[:40]}" stands there twice' if label else "a column has no label"
+            raise RecordingError(f'"{path}": line {number}: {what}; give each column a name of its own')
+        seen.add(label)
+    if len(labels) < 2:
+        raise RecordingError(f'"{path}": line {number}: there is no column beside the time')
+    return labels
+
+
+def _rows(path: Path, lines: list[str], first: int, labels: list[str]) -> NDArray[np.float64]:
+    """Return the numbers below the labels, shape (n, columns)."""
+    rows = []
+    width = len(labels)
+    last = max((i for i in range(first, len(lines)) if lines[i].strip()), default=first - 1)
+    for i in range(first, last + 1):
+        line = lines[i]
+        cells = line.split()
+        if not cells:
+            continue
+        if len(cells) != width and "\t" in line:  # an empty cell between two tabulators is a missing sample
+            cells = [cell.strip() or "nan" for cell in line.rstrip("\n").split("\t")][:width]
+        if len(cells) != width:
+            raise RecordingError(f'"{path}": line {i + 1} has {len(cells)} numbers under {width} labels: cut off while copying?')
+        try:
+            rows.append([float(cell) for cell in cells])
+        except ValueError:
+            word = next(cell for cell in cells if not _is_number(cell))
+            raise RecordingError(f'"{path}": line {i + 1} holds "{word[:40]}" where a number must stand') from None
+    if not rows:
+        raise RecordingError(f'"{path}": there are labels and no row below them')
+    return np.array(rows)
+
+
+def _is_number(cell: str) -> bool:
+    try:
+        float(cell)
+    except ValueError:
+        return False
+    return True

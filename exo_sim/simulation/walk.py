@@ -135,5 +135,5 @@ def layout(rig: Rig, straps: StrapSet, gas: bool) -> list[tuple[str, str]]:
 
 
 def default_rig() -> Path:
-    """Return the rig of the machine that comes with the package's checkout."""
-    return Path(__file__).resolve().parents[2] / "assets" / "exo.toml"
+    """Return the rig of the worn machine that comes with the package."""
+    return Path(__file__).resolve().parents[1] / "assets" / "exo.toml"

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from exo_sim.diagnosis.estimation.candidate import Candidate
+from exo_sim.diagnosis.policy.judgement import NOTHING_EXPLAINED
 from exo_sim.physics.declaration import declared
 
 
@@ -40,7 +41,7 @@ def rejected(candidate: Candidate, instead_of: Candidate, worse: float) -> str:
 
 def no_gain(candidate: Candidate, share: float) -> str:
     """Return why a candidate was not added."""
-    if share <= 0.01:
+    if share <= NOTHING_EXPLAINED:
         return "it explains nothing of what is left"
     if share < 0.5:
         return f"it explains only {100 * share:.0f} % of what is left, no more than a healthy machine shows"

@@ -17,6 +17,7 @@ from exo_sim.diagnosis.data.machine_data import MachineData
 from exo_sim.diagnosis.data.motion_run import MotionRun
 from exo_sim.diagnosis.data.split import Split
 from exo_sim.diagnosis.findings import Kind
+from exo_sim.diagnosis.policy.recordings import CORRECTED_PRESSURE
 from exo_sim.diagnosis.selection.subsystem_result import SubsystemResult
 from exo_sim.diagnosis.subsystems.gas.model import GasModel
 from exo_sim.diagnosis.subsystems.gas.prediction import behind_hose
@@ -29,8 +30,6 @@ Array = NDArray[np.float64]
 
 #: By recording and column, clock [s] and change of the pressure [Pa], shape (n,) each.
 Changes = Mapping[tuple[str, str], tuple[Array, Array]]
-#: Smaller corrections than this are left out [Pa].
-LEAST = 50.0
 
 
 def with_corrected_pressures(data: MachineData, gas: Sequence[SubsystemResult[GasModel]], split: Split) -> MachineData:
@@ -81,7 +80,7 @@ def corrected_balances(
                 measured = given.run.pressure[side]
                 if measured is not None:
                     change = _change(whole, index, side, measured, faults)
-                    if np.nanmax(np.abs(change)) > LEAST:
+                    if np.nanmax(np.abs(change)) > CORRECTED_PRESSURE:
                         changes[given.run.recording, f"{one.where}.pressure_{side + 1}"] = given.time, change
     return {
         joint: tuple(_at_piston(_delayed(_changed(run, changes), late.get(joint, 0.0)), springs) for run in runs)

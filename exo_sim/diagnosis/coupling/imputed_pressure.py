@@ -24,6 +24,7 @@ from exo_sim.diagnosis.data.split import Split
 from exo_sim.diagnosis.estimation.correlation import rms
 from exo_sim.diagnosis.estimation.parameters import PlantParameters, Target
 from exo_sim.diagnosis.policy import priors
+from exo_sim.diagnosis.policy.recordings import UNCERTAIN_PRESSURE
 from exo_sim.diagnosis.selection.subsystem_result import SubsystemResult
 from exo_sim.diagnosis.subsystems.gas.model import GasModel
 from exo_sim.diagnosis.subsystems.healthy_leak import OUTWARD, external_leaks
@@ -40,8 +41,6 @@ START_TOLERANCE = 500.0
 #: The balance of the first seconds tells the initial pressure of an unmeasured chamber [s]; of a whole recording that is held out, its
 #: beginning may be used for that.
 SOON, BEGINNING = 0.05, 1.0
-#: An uncertainty that changes the pressure by less than this is left out [Pa].
-LEAST = 20.0
 
 
 def with_initial_pressure(data: MachineData, run: CylinderRun) -> CylinderRun:
@@ -119,7 +118,7 @@ class _Unmeasured:
 
         uncertain = {f"start of {run.recording}": response(self._pressure(plant, initial + priors.UNMEASURED_INITIAL))}
         uncertain |= {name: response(self._pressure(changed, initial)) for name, changed in _one_off(self.result)}
-        least = LEAST * float(np.median(np.abs(lever)))
+        least = UNCERTAIN_PRESSURE * float(np.median(np.abs(lever)))
         leaks = {name: response(self._pressure(leaky, initial)) / size for name, size, leaky in self._with_leaks(plant)}
         if not all(np.isfinite(change).all() for change in (pressure, *uncertain.values(), *leaks.values())):
             return None

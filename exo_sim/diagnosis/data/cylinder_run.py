@@ -9,6 +9,7 @@ import mujoco
 import numpy as np
 from numpy.typing import NDArray
 
+from exo_sim.diagnosis.policy.recordings import STILL_COMMAND, STILL_LENGTH
 from exo_sim.machine.linkage import Linkage, moment_row
 from exo_sim.recording.filters import forward_filled, smoothed, white_noise
 from exo_sim.recording.table import Recording
@@ -58,7 +59,12 @@ class CylinderRun:
     @property
     def at_rest(self) -> bool:
         """Whether neither the valve nor the piston ever moves: the gas then changes slowly."""
-        return float(np.ptp(self.command)) < 1e-3 and (self.length is None or float(np.ptp(self.length)) < 1e-4)
+        return float(np.ptp(self.command)) < STILL_COMMAND and (self.length is None or float(np.ptp(self.length)) < STILL_LENGTH)
+
+    @property
+    def moves(self) -> bool:
+        """Whether the piston moves, as far as its position was recorded."""
+        return self.length is not None and float(np.ptp(self.length)) > STILL_LENGTH
 
     def until(self, stop: int) -> CylinderRun:
         """Return the first `stop` samples as a run of their own."""

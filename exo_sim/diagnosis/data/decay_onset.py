@@ -5,12 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from exo_sim.diagnosis.data.cylinder_run import CylinderRun
-from exo_sim.diagnosis.policy.recordings import CLEAR_FALL, HELD_OPEN
-
-#: Shares of the fall whose times are compared.
-FIRST, HALF = 0.01, 0.5
-#: Samples from which the first and the last level are read: what was held for less than twice as many cannot be told from the fall itself.
-LEVEL = 5
+from exo_sim.diagnosis.policy.recordings import CLEAR_FALL, FALL_BEGINS, FALL_LEVEL, HELD_OPEN
 
 
 def from_decay_onset(run: CylinderRun) -> CylinderRun:
@@ -24,13 +19,13 @@ def from_decay_onset(run: CylinderRun) -> CylinderRun:
         if values is None or np.isfinite(values).sum() < 20:
             continue
         filled = np.interp(run.time, run.time[np.isfinite(values)], values[np.isfinite(values)])
-        first = float(np.median(filled[:LEVEL]))
-        fall = first - float(np.median(filled[-LEVEL:]))
+        first = float(np.median(filled[:FALL_LEVEL]))
+        fall = first - float(np.median(filled[-FALL_LEVEL:]))
         if fall < CLEAR_FALL * max(noise, 1.0):
             continue
         above = first - filled
-        left = int(np.flatnonzero(above < FIRST * fall)[-1]) + 1
-        half = int(np.argmax(above > HALF * fall))
-        if left > 2 * LEVEL and run.time[left - 1] - run.time[0] > HELD_OPEN * (run.time[half] - run.time[0]) and left < half:
+        left = int(np.flatnonzero(above < FALL_BEGINS * fall)[-1]) + 1
+        half = int(np.argmax(above > 0.5 * fall))
+        if left > 2 * FALL_LEVEL and run.time[left - 1] - run.time[0] > HELD_OPEN * (run.time[half] - run.time[0]) and left < half:
             start = max(start, left)
     return run.part(start, len(run.time)) if start else run

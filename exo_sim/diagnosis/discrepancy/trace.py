@@ -8,12 +8,14 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from exo_sim.diagnosis.policy import regimes
+from exo_sim.diagnosis.policy.budgets import MOST_SPANS
 from exo_sim.diagnosis.policy.recordings import LOUD
 
 Array = NDArray[np.float64]
 
-#: Spans are found by averaging over this window [s]; so many are listed at most.
-SPAN, MOST_SPANS = 0.25, 6
+#: Spans are found by averaging over this window [s].
+SPAN = 0.25
 
 
 @dataclass(frozen=True)
@@ -50,7 +52,7 @@ class Trace:
         time, error = self.time, np.nan_to_num(self.error)
         size = max(1, int(round(SPAN / max(float(np.median(np.diff(time))), 1e-9))))
         mean = np.convolve((error / self.noise) ** 2, np.ones(size) / size, mode="same")
-        level = max(LOUD**2, 0.3 * float(np.percentile(mean, 98)))
+        level = max(LOUD**2, regimes.LOUDEST * float(np.percentile(mean, 98)))
         loud = mean > level
         edges = np.flatnonzero(np.diff(np.concatenate([[0], loud.astype(int), [0]])))
         spans = [(int(a), int(b)) for a, b in zip(edges[::2], edges[1::2], strict=True)]
@@ -62,22 +64,23 @@ class Trace:
         """Return the regime whose error is largest for the time spent in it; "throughout" where none stands out."""
         good = np.isfinite(self.error)
         whole = float(np.mean((self.error[good] / self.noise) ** 2)) if good.any() else 0.0
-        best, name = 1.3, "throughout"
+        best, name = float(regimes.STANDS_OUT), "throughout"
         for regime, holds in self.regimes.items():
             here = good & holds
-            if here.sum() < max(20, 0.03 * good.sum()):
+            if here.sum() < max(regimes.FEWEST_IN_IT, regimes.LEAST_TIME * good.sum()):
                 continue
             power = float(np.mean((self.error[here] / self.noise) ** 2))
             share = power * here.sum() / max(whole * good.sum(), 1e-12)
-            if whole > 0.0 and share > 0.4 and power / whole > best:
+            if whole > 0.0 and share > regimes.MOST_OF_IT and power / whole > best:
                 best, name = power / whole, regime
         return name
 
 
 def near_reversal(time: Array, signal: Array) -> NDArray[np.bool_]:
-    """Return which samples lie within 20 ms before and 50 ms after a change of sign, shape (n,)."""
+    """Return which samples lie just before and after a change of sign, shape (n,)."""
     crossing = np.flatnonzero(np.diff(np.sign(signal)) != 0)
     near = np.zeros(len(time), dtype=bool)
     for index in crossing:
-        near[np.searchsorted(time, time[index] - 0.02) : np.searchsorted(time, time[index] + 0.05)] = True
+        begin, end = time[index] - regimes.BEFORE_REVERSAL, time[index] + regimes.AFTER_REVERSAL
+        near[np.searchsorted(time, begin) : np.searchsorted(time, end)] = True
     return near

@@ -8,6 +8,7 @@ from dataclasses import dataclass
 
 from exo_sim.diagnosis.estimation.parameters import FreeParameter
 from exo_sim.diagnosis.findings import Kind
+from exo_sim.diagnosis.policy.priors import PREVALENCE
 
 #: Identifies a candidate: effect, place, form.
 CandidateKey = tuple[str, str, str]
@@ -42,7 +43,7 @@ class Candidate:
     proportional: bool = True
     prerequisite: str = ""
     additive: bool = False
-    prevalence: float = 0.1
+    prevalence: float = PREVALENCE
     is_law: bool = False
 
     @property

@@ -14,13 +14,13 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.signal import lfilter
 
+from exo_sim.diagnosis.policy.priors import LEAST_INNOVATION
+
 Array = NDArray[np.float64]
 
 #: Autoregressive and moving-average coefficients that are tried.
 _PHI = (0.0, 0.3, 0.5, 0.7, 0.8, 0.9, 0.95, 0.975, 0.99)
 _THETA = (0.0, 0.2, 0.4, 0.6, 0.7, 0.8, 0.85, 0.9, 0.95)
-#: The least standard deviation of an innovation, in units of the noise of a row.
-LEAST_INNOVATION = 0.7
 
 
 @dataclass(frozen=True)

@@ -18,13 +18,11 @@ from exo_sim.diagnosis.pipeline.acceptance import accepted
 from exo_sim.diagnosis.pipeline.plan import Examination, Progress
 from exo_sim.diagnosis.pipeline.reading import gather
 from exo_sim.diagnosis.pipeline.rounds import examine_until_stable, with_test_findings
+from exo_sim.diagnosis.policy.budgets import MOST_REJECTED
 from exo_sim.diagnosis.selection.calibration import calibration_findings
 
 _STOPPED = "the time that was given was up before everything had been sought: this is the best answer until then"
 _CUT = "improved.toml holds less than what was found: with all of it a free run over the time kept back is worse than as believed"
-
-#: Rejected candidates that are listed at most.
-MOST_REJECTED = 20
 
 
 def diagnose(

@@ -16,6 +16,7 @@ from exo_sim.diagnosis.estimation.least_squares import FEWEST_ROWS
 from exo_sim.diagnosis.estimation.parameters import PlantParameters
 from exo_sim.diagnosis.estimation.threads import Threads
 from exo_sim.diagnosis.pipeline.plan import Plan, Progress
+from exo_sim.diagnosis.policy.budgets import FEW_SAMPLES
 from exo_sim.diagnosis.policy.recordings import REVERSED
 from exo_sim.diagnosis.selection.decision import decide
 from exo_sim.diagnosis.selection.search import Search
@@ -24,9 +25,6 @@ from exo_sim.diagnosis.subsystems.gas.candidates import candidates
 from exo_sim.diagnosis.subsystems.gas.model import GasModel
 from exo_sim.diagnosis.subsystems.gas.nuisances import known_effects, nuisance_parameters, with_measured_supply
 from exo_sim.rig import assembly
-
-#: Predictions of fewer samples than this cost little: every candidate is then fitted.
-FEW_SAMPLES = 2000
 
 
 def examine_gas(
@@ -49,7 +47,7 @@ def examine_gas(
         commanded = any(run.commanded for run in runs)
         sides = [side for side in (1, 2) if any(run.pressure[side - 1] is not None for run in runs)]
         at_rest = all(run.at_rest for run in runs)
-        moves = any(run.length is not None and float(np.ptp(run.length)) > 1e-4 for run in runs)
+        moves = any(run.moves for run in runs)
         nuisances = nuisance_parameters(plant, name, commanded, sides, at_rest, moves) + known_effects(plant, name)
         joint = data.joint_of(name)
         asked = plan.asked(candidates(plant, runs, name, joint))

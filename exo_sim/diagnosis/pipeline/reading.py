@@ -14,6 +14,7 @@ from exo_sim import recording as recordings
 from exo_sim.diagnosis.data.machine_data import MachineData
 from exo_sim.diagnosis.findings import Estimate, Finding, Kind
 from exo_sim.diagnosis.pipeline.sorting import sort
+from exo_sim.diagnosis.policy.judgement import GAUGE_ERROR, OBVIOUS_FAULT
 from exo_sim.errors import RecordingError, nearest
 from exo_sim.machine.linkage import linkages
 from exo_sim.machine.load import load
@@ -107,10 +108,10 @@ def _trusted(table: Recording, rig: Rig, model: mujoco.MjModel) -> tuple[Recordi
         if noticed.kind == "gauge":
             values = values + rig.environment.pressure
             off = -rig.environment.pressure
-            parameters = {"value": Estimate(off, "Pa", off - 2e3, off + 2e3)}
+            parameters = {"value": Estimate(off, "Pa", off - GAUGE_ERROR, off + GAUGE_ERROR)}
         else:
             values = blanked(values, noticed)
         columns[noticed.column] = values
-        faults.append(Finding(name, noticed.column, Kind.SENSOR, f"{what} {noticed.says}", parameters, 10.0, 0.0))
+        faults.append(Finding(name, noticed.column, Kind.SENSOR, f"{what} {noticed.says}", parameters, OBVIOUS_FAULT, 0.0))
     kept = {key: values for key, values in columns.items() if np.isfinite(values).sum() > 10}
     return replace(table, columns=kept), faults, says

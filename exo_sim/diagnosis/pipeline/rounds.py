@@ -23,15 +23,11 @@ from exo_sim.diagnosis.findings import Finding, Kind
 from exo_sim.diagnosis.pipeline.examine import examine, friction_to_add, left_open, validated
 from exo_sim.diagnosis.pipeline.plan import Examination, Plan, Progress, Refuted
 from exo_sim.diagnosis.policy import validation as policy
+from exo_sim.diagnosis.policy.budgets import MOST_REFUTATIONS, MOST_ROUNDS
 from exo_sim.diagnosis.selection.subsystem_result import SubsystemResult
 from exo_sim.diagnosis.subsystem_model import SubsystemModel
 from exo_sim.diagnosis.validation.held_out import is_refuted
 from exo_sim.physics.effects.unknown import EFFECT as UNKNOWN
-
-#: How often effects are refuted on one division of time.
-MOST_REFUTATIONS = 4
-#: Bound of the loop: two divisions of time, so many refutations each, with and without the friction of pistons.
-MOST_ROUNDS = 2 * MOST_REFUTATIONS * 2
 
 
 def examine_until_stable(data: MachineData, threads: Threads, report: Progress, budget: Budget | None = None) -> Examination:

@@ -11,14 +11,12 @@ from exo_sim.diagnosis.data.cylinder_run import CylinderRun, cylinder_runs
 from exo_sim.diagnosis.data.decay_onset import from_decay_onset
 from exo_sim.diagnosis.data.machine_data import MachineData
 from exo_sim.diagnosis.data.motion_run import MotionRun
-from exo_sim.diagnosis.policy.recordings import FEWEST_A_SECOND, FEWEST_FOR_EVENTS, QUIET
+from exo_sim.diagnosis.policy.recordings import FEWEST_A_SECOND, FEWEST_FOR_EVENTS, QUIET, SAME_SIGNAL
 from exo_sim.diagnosis.subsystems.motion.inverse_dynamics import motion_runs
 from exo_sim.diagnosis.subsystems.motion.load_cell import rod_run
 from exo_sim.rig import Rig
 from exo_sim.simulation.replay.external_drive import externally_driven
 
-#: Two columns that differ by less than this share of what they vary show the same.
-SAME = 0.01
 
 def sort(data: MachineData) -> MachineData:
     """Return the data with every balance that can be judged, and the questions that cannot."""
@@ -69,8 +67,7 @@ def _why_no_gas(run: CylinderRun, rig: Rig, rate: float) -> str:
         return "the position of its joint was not recorded, so its volumes are not known"
     if rate < FEWEST_A_SECOND:
         return f"{rate:.3g} samples a second do not show what the gas does"
-    still = float(np.ptp(run.length)) < 1e-4 and float(np.ptp(run.command)) < 1e-3
-    if rate < FEWEST_FOR_EVENTS and not still:
+    if rate < FEWEST_FOR_EVENTS and not run.at_rest:
         return f"{rate:.3g} samples a second do not show what a valve or a moving piston does to the gas"
     swings = [float(np.nanstd(p)) / max(noise, 1.0) for p, noise in zip(run.pressure, run.noise) if p is not None]
     if max(swings, default=0.0) < QUIET:
@@ -90,5 +87,5 @@ def _open_to_supply(run: CylinderRun) -> bool:
         return False
     measured = [(p, noise) for p, noise in zip(run.pressure, run.noise, strict=True) if p is not None]
     return bool(measured) and all(
-        float(np.nanstd(p - run.supply)) < max(SAME * float(np.nanstd(p)), 2.0 * noise) for p, noise in measured
+        float(np.nanstd(p - run.supply)) < max(SAME_SIGNAL * float(np.nanstd(p)), 2.0 * noise) for p, noise in measured
     )

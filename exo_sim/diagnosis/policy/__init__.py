@@ -1,4 +1,5 @@
 """Every number that decides, by the stage where it does: what it is, why it is so large, and the experiment that set it.
 
-Budgets (how many candidates are fitted), widths of filters and other numerics are no decisions; they stand where they are used.
+Budgets count among them: what is not fitted is not found. Steps, tolerances, grids, widths of windows and of filters are numerics
+and stand where they are used.
 """

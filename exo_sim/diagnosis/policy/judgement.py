@@ -26,9 +26,9 @@ PLAINLY_MORE = Number(
     3.0, "discrepancy bounds", "a balance of forces that is missed by more has something unknown in it, whether it follows a signal or not"
 )
 UNKNOWN_VARIANCE = Number(
-    5.0, "residual variance in units of the noise", "without any finding more than this is unknown if it is correlated; three times "
-    "as much always",
-)  # fmt: skip
+    5.0, "residual variance in units of the noise", "without any finding more than this is unknown if it is correlated"
+)
+UNKNOWN_WHITE = Number(15.0, "residual variance in units of the noise", "and more than this always")
 UNKNOWN_CORRELATION = Number(2.0, "rows of correlation", "residuals are correlated above this; white ones are a noisy sensor's")
 HOPELESS_GAS = Number(
     2.0, "root mean square residual in units of the discrepancy bound", "a gas with more left bears no name, whatever share was explained"
@@ -50,3 +50,7 @@ PLAINLY_LESS_DAMPING = Number(
 )
 LEAST_DAMPED = Number(0.9, "share of the believed damping", "damping is free from the start where no more of it is left by a fit ...")
 LEAST_LEFT = Number(0.8, "share of the squared error", "... and this much of the error: free damping hides viscous friction else")
+NIL = Number(1e-3, "share of its usual size", "an effect of which a fit left less is none")
+OBVIOUS_FAULT = Number(10.0, "log10 of odds", "of a sensor's fault that its column shows by itself, without any model")
+GAUGE_ERROR = Number(2000.0, "Pa", "how far the air pressure of the day is from the rig's: half the interval of a gauge sensor's bias")
+NOTHING_EXPLAINED = Number(0.01, "share of what is left", "a rejected candidate that explains less is said to explain nothing")

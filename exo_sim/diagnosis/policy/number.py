@@ -23,3 +23,16 @@ class Number(float):
         number = super().__new__(cls, value)
         number.unit, number.why, number.set_by = unit, why, set_by
         return number
+
+
+class Count(int):
+    """A whole number that decides; its attributes are those of `Number`."""
+
+    unit: str
+    why: str
+    set_by: str
+
+    def __new__(cls, value: int, unit: str = "", why: str = "", set_by: str = ASSERTED) -> Count:
+        count = super().__new__(cls, value)
+        count.unit, count.why, count.set_by = unit, why, set_by
+        return count

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from exo_sim.diagnosis.policy.number import Number
 
+PREVALENCE = Number(0.1, "share of machines", "that have an effect which does not say itself how common it is")
 VALVE_AREA = Number(0.10, "share", "what a data sheet allows of a valve's area, and what tuning has done to it")
 DEAD_VOLUME = Number(0.15, "share", "the same of a dead volume")
 PRESSURE_ZERO = Number(500.0, "Pa", "zero of a good pressure sensor")
@@ -23,3 +24,13 @@ DAMPING = Number(0.3, "share", "damping of a joint below what its owner believes
 SET_PRESSURE = Number(0.02, "share", "set pressure of a regulator")
 INITIAL_PRESSURE = Number(1.0, "units of the sensor's noise", "initial pressure of a window, estimated from a few samples")
 UNMEASURED_INITIAL = Number(1e4, "Pa", "initial pressure of a chamber that nobody measured, after the balance of forces told it")
+SENSOR_BIAS_REACH = Number(1.2e5, "Pa", "largest bias of a pressure sensor that is asked for: an atmosphere and something")
+SENSOR_SCALE_LEAST = Number(0.8, "factor", "between this and the next the scale of a sensor is looked for")
+SENSOR_SCALE_MOST = Number(1.25, "factor", "see the former")
+SENSOR_DELAY_REACH = Number(0.05, "s", "largest delay of a sensor that is asked for")
+LEAST_NOISE = Number(0.3, "units of the sensors' noise", "least standard deviation of the noise of a linear family: floors are rounded up")
+LEAST_INNOVATION = Number(0.7, "units of the noise of a row", "least standard deviation of an innovation of the error process")
+LEAST_AMPLITUDE = Number(1e-2, "share of a healthy machine's", "least amplitude of a discrepancy ...")
+MOST_AMPLITUDE = Number(3.0, "share of a healthy machine's", "... and the greatest: what is more is no imperfection of a law")
+SIGN_SLACK = Number(0.5, "standard deviations", "amplitudes of effects of one sign may be below zero by so much ...")
+WRONG_SIGN = Number(5.0, "log-evidence", "... and what is further below costs this besides")

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from exo_sim.diagnosis.policy.number import Number
+from exo_sim.diagnosis.policy.number import Count, Number
 
 FEWEST_A_SECOND = Number(8.0, "samples a second", "fewer do not show what gas does")
 FEWEST_FOR_EVENTS = Number(25.0, "samples a second", "fewer do not show what a valve or a moving piston does to it")
@@ -12,8 +12,21 @@ HELD_OPEN = Number(
     0.1, "share of the time in which half of the fall is gone",
     "the supply was still open where the first hundredth of the fall took longer: a leak is fastest at first, and needs a fiftieth",
 )  # fmt: skip
+FALL_BEGINS = Number(0.01, "share of the fall", "of which the time is compared with that of half the fall")
+FALL_LEVEL = Count(
+    5, "samples",
+    "the first and the last level of a fall are read from; what was held for less than twice as many cannot be told from the fall itself",
+)  # fmt: skip
+STILL_LENGTH = Number(1e-4, "m", "a piston whose length varies by less does not move")
+STILL_COMMAND = Number(1e-3, "valve command", "a valve whose command varies by less is not moved")
+STILL_NOISE = Number(4.0, "standard deviations of the velocity's noise", "a rod or joint that is slower than this is at rest ...")
+STILL_SHARE = Number(0.01, "standard deviation of its velocity", "... and one that is slower than this")
+SAME_SIGNAL = Number(0.01, "share of what it varies", "a pressure that differs by less from the supply's is the supply's own")
+VARIED_PRESSURE = Number(0.03, "share of the mean gauge pressure", "one that varies by less tells nothing of friction that it causes")
 REVERSED = Number(0.1, "share of the squared error", "a valve command has the wrong sign where its opposite leaves less")
 LISTED_SHARE = Number(0.02, "share of the squared error above the noise", "a balance with less is not listed as a place of the mismatch")
 EXPLAINED_VARIANCE = Number(1.2, "residual variance in units of the noise", "what counts as explained in the end")
 LISTED_REST = Number(0.01, "share of what there was to explain", "a smaller rest is not listed as unexplained")
 LOUD = Number(3.0, "units of the noise", "a span of time is listed where the error exceeds this")
+CORRECTED_PRESSURE = Number(50.0, "Pa", "a pressure whose sensor is off by less is not corrected for the balance of forces")
+UNCERTAIN_PRESSURE = Number(20.0, "Pa", "what changes an imputed pressure by less is no uncertainty of it")

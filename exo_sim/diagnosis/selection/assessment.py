@@ -4,13 +4,11 @@ from __future__ import annotations
 
 from exo_sim.diagnosis.estimation.candidate import Candidate, CandidateKey
 from exo_sim.diagnosis.policy import gates
+from exo_sim.diagnosis.policy.budgets import LARGE, RUNNERS_UP
 from exo_sim.diagnosis.selection.comparisons import Comparisons
-from exo_sim.diagnosis.selection.fitted_model import LARGE, FittedModel, SearchResult
+from exo_sim.diagnosis.selection.fitted_model import FittedModel, SearchResult
 from exo_sim.diagnosis.selection.model_fits import ModelFits
 from exo_sim.diagnosis.selection.proposals import Proposals
-
-#: Runners-up that are fitted.
-RUNNERS_UP = 3
 
 
 def assess(final: FittedModel, fits: ModelFits, comparisons: Comparisons, proposals: Proposals) -> SearchResult:

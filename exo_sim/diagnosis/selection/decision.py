@@ -157,7 +157,7 @@ class _Decision(Generic[Model]):
             return False
         if not named:
             correlated = self.fits.correlation_time(end.residual) > judgement.UNKNOWN_CORRELATION
-            return left > judgement.UNKNOWN_VARIANCE and (correlated or left > 3.0 * judgement.UNKNOWN_VARIANCE)
+            return left > judgement.UNKNOWN_VARIANCE and (correlated or left > judgement.UNKNOWN_WHITE)
         if self._is_hopeless(final):
             return True
         if self.model.names_stand_beside_unknown:

@@ -17,6 +17,8 @@ from exo_sim.diagnosis.estimation.least_squares import FEWEST_ROWS, Fit
 from exo_sim.diagnosis.estimation.linear_family import LinearFamily
 from exo_sim.diagnosis.estimation.parameters import FreeParameter
 from exo_sim.diagnosis.policy import judgement
+from exo_sim.diagnosis.policy.budgets import RUNNERS_UP
+from exo_sim.diagnosis.policy.judgement import NIL
 from exo_sim.diagnosis.selection.comparisons import Comparisons
 from exo_sim.diagnosis.selection.evidence import Evidence
 from exo_sim.diagnosis.selection.fitted_model import FittedModel, SearchResult, exceeds_healthy_limit
@@ -25,10 +27,6 @@ from exo_sim.diagnosis.selection.model_fits import ModelFits
 from exo_sim.diagnosis.selection.subset_weighing import At, SubsetWeighing, Weighed
 from exo_sim.physics.declaration import declared
 
-#: Effects that were put aside and are listed.
-RUNNERS_UP = 3
-#: Less than this share of its usual size is nothing.
-NIL = 1e-3
 
 class FamilySearch:
     """A search over one family.

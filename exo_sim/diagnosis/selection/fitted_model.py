@@ -32,8 +32,6 @@ class LeastSquaresModel(Protocol):
     def residual(self, values: dict[FreeParameter, float], fixed: Sequence[tuple[FreeParameter, float]] = ()) -> Array: ...
 
 
-#: From so many candidates on a model is large: what is fitted beside it is fitted once, and only where it promises something.
-LARGE = 4
 #: Identifies a set of candidates whatever their order.
 SetKey = frozenset[CandidateKey]
 

@@ -26,17 +26,13 @@ from exo_sim.diagnosis.estimation.noise_model import noise_model
 from exo_sim.diagnosis.estimation.parameters import FreeParameter
 from exo_sim.diagnosis.estimation.threads import SERIAL, Threads
 from exo_sim.diagnosis.findings import Kind
+from exo_sim.diagnosis.policy.budgets import ADAPTED
+from exo_sim.diagnosis.policy.priors import SIGN_SLACK, WRONG_SIGN
 from exo_sim.diagnosis.selection.fitted_model import FittedModel, LeastSquaresModel
 from exo_sim.diagnosis.selection.score_test import law_signatures, signature, spread_of
 
 Array = NDArray[np.float64]
 
-#: How often the error process is estimated anew from what the best subset leaves.
-ADAPTED = 2
-#: Amplitudes of effects of one sign may be below zero by so many standard deviations.
-SIGN_SLACK = 0.5
-#: Further below, an effect costs this log-evidence besides.
-WRONG_SIGN = 5.0
 #: Amplitude, in units of the signature's size, that a linear answer is followed to at most.
 FURTHEST = 4.0
 #: Amplitude from which a fit begins at least: at nil some effects do not answer.

@@ -20,6 +20,7 @@ from scipy.linalg import cho_solve, cholesky, solve_triangular
 
 from exo_sim.diagnosis.discrepancy.basis import DiscrepancyBasis
 from exo_sim.diagnosis.estimation.linear_family import Bend
+from exo_sim.diagnosis.policy.priors import LEAST_AMPLITUDE, LEAST_NOISE, MOST_AMPLITUDE
 
 Array = NDArray[np.float64]
 #: Indices of the terms that are present.
@@ -27,10 +28,6 @@ Subset = tuple[int, ...]
 
 #: Factors by which standard deviations are varied when they are estimated.
 _FACTORS = (0.3, 0.6, 0.85, 1.2, 1.7, 3.0)
-#: The least standard deviation of the noise, in units of the sensors': floors are rounded up.
-LEAST_NOISE = 0.3
-#: The least and the greatest amplitude of a discrepancy, as a share of a healthy machine's: what is more is no imperfection of a law.
-LEAST_AMPLITUDE, MOST_AMPLITUDE = 1e-2, 3.0
 
 
 @dataclass(frozen=True)

@@ -14,13 +14,12 @@ from exo_sim.diagnosis.estimation.parameters import FreeParameter
 from exo_sim.diagnosis.estimation.threads import SERIAL, Threads
 from exo_sim.diagnosis.estimation.uncertainty import standard_errors
 from exo_sim.diagnosis.policy import gates
+from exo_sim.diagnosis.policy.budgets import CHEAP_STARTS
 from exo_sim.diagnosis.selection.evidence import negative_log_likelihood
 from exo_sim.diagnosis.selection.fitted_model import FittedModel, LeastSquaresModel, SetKey, key_of
 
 Array = NDArray[np.float64]
 
-#: From how many of its starts a candidate is fitted where predictions are cheap.
-CHEAP_STARTS = 3
 
 class ModelFits:
     """Fits of sets of candidates to one subsystem.

@@ -6,15 +6,11 @@ from collections.abc import Sequence
 
 from exo_sim.diagnosis.estimation.candidate import Candidate
 from exo_sim.diagnosis.estimation.parameters import FreeParameter
+from exo_sim.diagnosis.policy.budgets import FINALISTS, FORMS_OF_ONE
 from exo_sim.diagnosis.selection.evidence import could_be_accepted
 from exo_sim.diagnosis.selection.fitted_model import FittedModel, SetKey, key_of
 from exo_sim.diagnosis.selection.model_fits import ModelFits
 from exo_sim.diagnosis.selection.score_test import scores
-
-#: How many of the scored candidates are fitted.
-FINALISTS = 4
-#: How many forms of one effect may be among them.
-FORMS_OF_ONE = 2
 
 
 class Proposals:

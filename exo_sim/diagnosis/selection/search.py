@@ -17,10 +17,10 @@ from exo_sim.diagnosis.estimation.least_squares import FEWEST_ROWS, Fit
 from exo_sim.diagnosis.estimation.parameters import FreeParameter
 from exo_sim.diagnosis.estimation.threads import SERIAL, Threads
 from exo_sim.diagnosis.policy import gates
+from exo_sim.diagnosis.policy.budgets import BEAM, LARGE, MOST_FINDINGS, MOST_JOINT, MOST_SWAPS, STRAY, WORTH_A_ROUND
 from exo_sim.diagnosis.selection.assessment import assess
 from exo_sim.diagnosis.selection.comparisons import Comparisons
 from exo_sim.diagnosis.selection.fitted_model import (
-    LARGE,
     FittedModel,
     LeastSquaresModel,
     SearchResult,
@@ -32,18 +32,6 @@ from exo_sim.diagnosis.selection.joint_proposal import Proposal, joint_proposals
 from exo_sim.diagnosis.selection.joint_pruning import jointly_pruned
 from exo_sim.diagnosis.selection.model_fits import ModelFits
 from exo_sim.diagnosis.selection.proposals import Proposals
-
-#: Sets that are grown side by side while none reaches the noise.
-BEAM = 3
-#: How often a rival may take a finding's place in the end.
-MOST_SWAPS = 2
-#: The most findings of one search.
-MOST_FINDINGS = 5
-#: A search that does not reach the noise with its first effect asks for all of them together; the most rounds of that, each of which must
-#: lower the squared error by this share.
-MOST_JOINT, WORTH_A_ROUND = 3, 0.1
-#: Effects are left out of a proposal until its squared error, before any fit, is no more than so many times that of the model.
-STRAY = 10.0
 
 
 class Search:

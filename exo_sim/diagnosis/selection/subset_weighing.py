@@ -18,12 +18,8 @@ from exo_sim.diagnosis.discrepancy.basis import DiscrepancyBasis
 from exo_sim.diagnosis.estimation.candidate import Candidate
 from exo_sim.diagnosis.estimation.correlation import correlation_time
 from exo_sim.diagnosis.estimation.linear_family import LinearFamily, Term
+from exo_sim.diagnosis.policy.budgets import FAMILY_FINALISTS, MOST_CLIMBS
 from exo_sim.diagnosis.selection.linear_evidence import LinearEvidence, Posterior, Spreads, Subset
-
-#: Subsets that a climb meets and that are weighed with spreads of their own.
-FINALISTS = 25
-#: How often the climb is repeated with the spreads of the best subset.
-MOST_ROUNDS = 4
 
 At = tuple[str, str]
 
@@ -97,7 +93,7 @@ class SubsetWeighing:
         for start in ((), everything):
             self._weigh_around(0, start, spreads, found)
         best = max(found.values(), key=lambda one: one.score)
-        for _ in range(MOST_ROUNDS):
+        for _ in range(MOST_CLIMBS):
             self._weigh_around(best.bend, best.subset, best.spreads, found)
             best = max(found.values(), key=lambda one: one.score)
             for at in [candidate.at for candidate in self.candidates(best)]:
@@ -115,7 +111,7 @@ class SubsetWeighing:
         for other in range(len(self.family.bends)):
             if other != bend:
                 self._climbed(other, top, spreads, weighed, pairs=False)
-        for key in sorted(weighed, key=lambda key: -weighed[key])[:FINALISTS]:
+        for key in sorted(weighed, key=lambda key: -weighed[key])[:FAMILY_FINALISTS]:
             self._weigh(key, spreads, found)
 
     def _weigh_without(self, at: At, best: Weighed, found: dict[tuple[int, Subset], Weighed]) -> None:

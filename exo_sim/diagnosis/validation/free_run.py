@@ -15,6 +15,7 @@ from exo_sim.diagnosis.data.command_sign import is_reversed_command
 from exo_sim.diagnosis.data.machine_data import MachineData
 from exo_sim.diagnosis.data.split import Split
 from exo_sim.diagnosis.findings import SignalFit
+from exo_sim.diagnosis.policy.budgets import LONGEST_FREE_RUN
 from exo_sim.errors import ExoSimError
 from exo_sim.machine.load import load
 from exo_sim.recording import noise
@@ -23,9 +24,6 @@ from exo_sim.rig import Rig, parse
 from exo_sim.simulation.replay import FreeRun, free_run, usable
 
 Array = NDArray[np.float64]
-
-#: Recordings longer than this together are not simulated once more [s]: `compare` does it where it is asked to.
-LONGEST = 600.0
 
 
 def free_runs(data: MachineData, improved: str, split: Split) -> dict[str, SignalFit]:
@@ -41,7 +39,7 @@ def free_runs(data: MachineData, improved: str, split: Split) -> dict[str, Signa
         split: Its test time counts.
     """
     tables = [_judged_part(table, data) for table in data.as_read if table.name in split.test]
-    if sum(table.duration for table in tables) > LONGEST:
+    if sum(table.duration for table in tables) > LONGEST_FREE_RUN:
         return {}
     total: dict[str, _Sums] = {}
     with suppress(ExoSimError):  # nothing that can be predicted: what is missing has been said already

@@ -10,7 +10,7 @@ import mujoco
 import numpy as np
 import pytest
 
-from exo_sim.diagnosis.coupling.corrected_pressures import LEAST, corrected_balances
+from exo_sim.diagnosis.coupling.corrected_pressures import corrected_balances
 from exo_sim.diagnosis.data.cylinder_run import cylinder_runs
 from exo_sim.diagnosis.data.machine_data import MachineData
 from exo_sim.diagnosis.data.motion_run import MotionRun
@@ -18,6 +18,7 @@ from exo_sim.diagnosis.data.split import Split
 from exo_sim.diagnosis.estimation.candidate import Candidate
 from exo_sim.diagnosis.estimation.least_squares import Fit
 from exo_sim.diagnosis.estimation.parameters import PlantParameters
+from exo_sim.diagnosis.policy.recordings import CORRECTED_PRESSURE
 from exo_sim.diagnosis.selection.fitted_model import FittedModel, SearchResult
 from exo_sim.diagnosis.selection.model_fits import ModelFits
 from exo_sim.diagnosis.selection.subsystem_result import SubsystemResult
@@ -130,7 +131,7 @@ def test_without_a_fault_nothing_changes(rig: Rig, truth: Recording, why: str) -
         "nothing judged": [],
         "nothing named": [judged(case, "sensor_scale", 1.06, named=())],
         "no name": [judged(case, "sensor_scale", 1.06, has_unknown=True)],
-        "hardly a fault": [judged(case, "sensor_bias", 0.9 * LEAST)],
+        "hardly a fault": [judged(case, "sensor_bias", 0.9 * CORRECTED_PRESSURE)],
     }[why]
     after = corrected_balances(case, gas, PARTS)
     assert after.keys() == case.joints.keys()

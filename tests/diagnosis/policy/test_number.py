@@ -10,7 +10,7 @@ from collections.abc import Iterator
 import pytest
 
 from exo_sim.diagnosis import policy
-from exo_sim.diagnosis.policy.number import Number
+from exo_sim.diagnosis.policy.number import Count, Number
 
 
 def numbers() -> Iterator[tuple[str, object]]:
@@ -23,7 +23,7 @@ def numbers() -> Iterator[tuple[str, object]]:
 
 @pytest.mark.parametrize(("name", "value"), list(numbers()))
 def test_it_has_a_unit_a_derivation_and_an_origin(name: str, value: object) -> None:
-    assert isinstance(value, Number), name
+    assert isinstance(value, (Number, Count)), name
     assert value.unit and value.why and value.set_by
 
 
@@ -32,3 +32,10 @@ def test_it_is_a_number_like_any_other() -> None:
     assert one * 2 == 5.0 and hash(one) == hash(2.5) and str(one) == "2.5"
     again = pickle.loads(pickle.dumps(one))
     assert again == one and again.why == one.why
+
+
+def test_a_count_is_whole() -> None:
+    three = Count(3, "sets", "grown side by side")
+    assert list(range(three)) == [0, 1, 2] and three == 3 and hash(three) == hash(3)
+    again = pickle.loads(pickle.dumps(three))
+    assert again == three and again.unit == "sets"

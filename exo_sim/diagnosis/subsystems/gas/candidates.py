@@ -30,7 +30,7 @@ def candidates(plant: PlantParameters, runs: Sequence[CylinderRun], cylinder: st
     """Return every candidate that these recordings of one cylinder can show, in the order of their names."""
     valve = float(plant.cylinder["valve_area"][0]) > 0.0
     commanded = valve and any(run.commanded for run in runs)
-    moves = any(run.length is not None and float(run.length.max() - run.length.min()) > 1e-4 for run in runs)
+    moves = any(run.moves for run in runs)
     measured, contained = measured_places(runs), contained_effects(plant)
     single = float(plant.cylinder["single_acting"][0]) > 0.0
     found: list[Candidate] = []
@@ -160,8 +160,8 @@ def _sensor_faults(runs: Sequence[CylinderRun], cylinder: str, joint: str, moves
         if all(run.pressure[side - 1] is None for run in runs):
             continue
         column, signal = f"{cylinder}.pressure_{side}", f"pressure_{side}"
-        limit = healthy.ZEROS * priors.PRESSURE_ZERO
-        found.append(sensor_error(sensor_bias.EFFECT, column, f"{signal}.bias", "Pa", 2e3, (-1.2e5, 1.2e5), limit))
+        limit, reach = healthy.ZEROS * priors.PRESSURE_ZERO, priors.SENSOR_BIAS_REACH
+        found.append(sensor_error(sensor_bias.EFFECT, column, f"{signal}.bias", "Pa", 2e3, (-reach, reach), limit))
         found += [_scale(column, signal), _delay(column, signal)]
     if moves:
         column = f"{joint}.position"
@@ -170,10 +170,12 @@ def _sensor_faults(runs: Sequence[CylinderRun], cylinder: str, joint: str, moves
 
 
 def _scale(column: str, signal: str) -> Candidate:
-    return sensor_error(sensor_scale.EFFECT, column, f"{signal}.scale", "1", 0.02, (0.8, 1.25), healthy.SCALE, neutral=1.0)
+    reach = (priors.SENSOR_SCALE_LEAST, priors.SENSOR_SCALE_MOST)
+    return sensor_error(sensor_scale.EFFECT, column, f"{signal}.scale", "1", 0.02, reach, healthy.SCALE, neutral=1.0)
 
 
 def _delay(column: str, signal: str) -> Candidate:
     """Return a delay; of pressures beside each other less is a finding than of the position beside both, which other cards take."""
     limit = healthy.CARD_SKEW if signal == "position" else healthy.SKEW
-    return sensor_error(sensor_delay.EFFECT, column, f"{signal}.delay", "s", 2e-3, (-0.05, 0.05), limit)
+    reach = (-priors.SENSOR_DELAY_REACH, priors.SENSOR_DELAY_REACH)
+    return sensor_error(sensor_delay.EFFECT, column, f"{signal}.delay", "s", 2e-3, reach, limit)

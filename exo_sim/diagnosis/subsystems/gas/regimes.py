@@ -6,11 +6,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from exo_sim.diagnosis.discrepancy.trace import near_reversal
+from exo_sim.diagnosis.policy.regimes import AT_REST, AT_REST_SHARE, CLOSED, SMALL_COMMAND
 from exo_sim.diagnosis.subsystems.gas.inputs import GasInputs
 from exo_sim.physics.gas import critical_ratio
-
-#: A valve that is commanded less than this is closed.
-CLOSED = 0.01
 
 
 def regimes(inputs: GasInputs, side: int, k: float) -> dict[str, NDArray[np.bool_]]:
@@ -28,7 +26,7 @@ def regimes(inputs: GasInputs, side: int, k: float) -> dict[str, NDArray[np.bool
         above = pressure > supply
     speed = np.zeros(len(run.time)) if run.speed is None else run.speed
     moving = (
-        np.abs(speed) > max(0.005, 0.05 * float(np.nanmax(np.abs(speed))))
+        np.abs(speed) > max(AT_REST, AT_REST_SHARE * float(np.nanmax(np.abs(speed))))
         if run.speed is not None
         else np.zeros(len(speed), bool)
     )
@@ -43,7 +41,7 @@ def regimes(inputs: GasInputs, side: int, k: float) -> dict[str, NDArray[np.bool
         "venting, choked": venting & choked_out,
         "venting, subsonic": venting & ~choked_out,
         "venting": venting,
-        "small commands": closed | (np.abs(command) < 0.05),
+        "small commands": closed | (np.abs(command) < SMALL_COMMAND),
         "piston moving": moving,
         "piston at rest": ~moving,
         "command near zero crossing": near_reversal(run.time, run.command),

@@ -18,6 +18,7 @@ from exo_sim.diagnosis.estimation.candidate import Candidate
 from exo_sim.diagnosis.estimation.linear_family import Bend, LinearFamily, Term
 from exo_sim.diagnosis.estimation.parameters import FreeParameter, Target
 from exo_sim.diagnosis.findings import Kind
+from exo_sim.diagnosis.policy.recordings import VARIED_PRESSURE
 from exo_sim.diagnosis.subsystems.motion.model import MotionModel
 from exo_sim.physics.declaration import declared
 from exo_sim.physics.effects import (
@@ -83,8 +84,8 @@ class _Builder:
         gauge = np.concatenate([np.maximum(run.drive.gauge, 0.0).sum(axis=1) for run in model.runs])
         self.pressure = float(np.mean(gauge))
         both = np.concatenate([run.drive.gauge for run in model.runs])
-        self.two_pressures = bool((np.ptp(both, axis=0) > 0.03 * self.pressure).all())
-        self.has_pressure = self.pressure > 0.0 and float(np.std(gauge)) > 0.03 * self.pressure
+        self.two_pressures = bool((np.ptp(both, axis=0) > VARIED_PRESSURE * self.pressure).all())
+        self.has_pressure = self.pressure > 0.0 and float(np.std(gauge)) > VARIED_PRESSURE * self.pressure
         self._level = FreeParameter(coulomb_friction.EFFECT.name, model.where, "force", "N", Target.CYLINDER, 1.0, 0.0, 1e9)
 
     def family(self) -> LinearFamily:

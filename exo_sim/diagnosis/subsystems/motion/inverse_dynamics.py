@@ -16,6 +16,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from exo_sim.diagnosis.data.motion_run import Drive, Inertia, Kinematics, MotionRun, Passive
+from exo_sim.diagnosis.policy.recordings import STILL_NOISE, STILL_SHARE
 from exo_sim.diagnosis.subsystems.motion.smoothing import smoothed_alike, smoothing_width, stride, thinned
 from exo_sim.machine.linkage import Linkage, moment_row
 from exo_sim.recording.filters import SmoothedMotion, gaussian_smoothed, noise_gain, restored, smoothed_motion, white_noise
@@ -238,7 +239,8 @@ def _run(
         time=time,
         breaks=tuple(dict.fromkeys(begin // every for begin in clock_breaks(recording.time))),
         kinematics=Kinematics(
-            position, velocity, max(4.0 * move.velocity_noise * float(np.median(np.abs(drive.arm))), 0.01 * float(np.nanstd(velocity)))
+            position, velocity,
+            max(STILL_NOISE * move.velocity_noise * float(np.median(np.abs(drive.arm))), STILL_SHARE * float(np.nanstd(velocity))),
         ),
         inertia=Inertia(
             dynamics.inertial[:, dof], dynamics.bias[:, dof], dynamics.tilt[:, dof] / TILT,

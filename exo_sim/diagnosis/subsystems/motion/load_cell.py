@@ -9,6 +9,7 @@ import numpy as np
 
 from exo_sim.diagnosis.data.cylinder_run import CylinderRun
 from exo_sim.diagnosis.data.motion_run import Drive, Inertia, Kinematics, MotionRun, Passive
+from exo_sim.diagnosis.policy.recordings import STILL_NOISE, STILL_SHARE
 from exo_sim.diagnosis.subsystems.motion.smoothing import smoothing_width
 from exo_sim.recording.filters import gaussian_smoothed, noise_gain, restored, smoothed_motion, white_noise
 from exo_sim.rig import Rig
@@ -46,7 +47,7 @@ def rod_run(run: CylinderRun, rig: Rig) -> MotionRun | None:
     levers[f"{run.cylinder}.force"] = np.full(n, -1.0)
     signals[f"{run.cylinder}.force"] = measured
     nothing = np.zeros(n)
-    still = max(4.0 * rod.velocity_noise, 0.01 * float(np.nanstd(rod.velocity)))
+    still = max(STILL_NOISE * rod.velocity_noise, STILL_SHARE * float(np.nanstd(rod.velocity)))
     return MotionRun(
         recording=run.recording,
         joint=run.cylinder,

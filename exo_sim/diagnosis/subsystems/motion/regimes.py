@@ -6,14 +6,15 @@ import numpy as np
 from numpy.typing import NDArray
 
 from exo_sim.diagnosis.discrepancy.trace import near_reversal
+from exo_sim.diagnosis.policy.regimes import FAST, SLOW
 
 Array = NDArray[np.float64]
 
 
 def regimes(velocity: Array, time: Array) -> dict[str, NDArray[np.bool_]]:
     """Return the regimes by name, shape (n,) each."""
-    fast = np.abs(velocity) > np.percentile(np.abs(velocity), 75)
-    slow = np.abs(velocity) < np.percentile(np.abs(velocity), 40)
+    fast = np.abs(velocity) > np.percentile(np.abs(velocity), FAST)
+    slow = np.abs(velocity) < np.percentile(np.abs(velocity), SLOW)
     return {
         "moving out": velocity > 0.0,
         "moving in": velocity < 0.0,

@@ -16,6 +16,7 @@ from exo_sim.diagnosis.estimation.least_squares import Fit
 from exo_sim.diagnosis.estimation.parameters import PlantParameters
 from exo_sim.diagnosis.findings import Finding, Series, Subsystem
 from exo_sim.diagnosis.policy import healthy
+from exo_sim.diagnosis.policy.regimes import DRAWING
 from exo_sim.diagnosis.subsystem_model import Comparison, SubsystemModel
 from exo_sim.diagnosis.subsystems.supply.prediction import follow_supply
 from exo_sim.physics.declaration import asked_of
@@ -119,7 +120,7 @@ class SupplyModel(SubsystemModel):
         for index, (run, group) in enumerate(zip(self.runs, self._groups, strict=True)):
             error = np.where(group >= 0, run.pressure - self.predict(plant, index), np.nan)
             noise = float(np.median(self.scale)) if self.scale.size else 1.0
-            little = 0.2 * float(run.drawn.max())
+            little = DRAWING * float(run.drawn.max())
             regimes = {"drawing": run.drawn > little, "resting": run.drawn <= little}
             found.append(Trace(self.where, self.balance, self.unit, run.recording, run.time, error, noise, regimes))
         return found

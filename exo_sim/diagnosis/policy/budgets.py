@@ -1,0 +1,38 @@
+"""How much is tried: what lies beyond is neither fitted nor found."""
+
+from __future__ import annotations
+
+from exo_sim.diagnosis.policy.number import Count, Number
+
+# -- one search -----------------------------------------------------------------------------------------------------------------
+MOST_FINDINGS = Count(5, "findings", "of one search that adds effects one after the other: a sixth would be fitted to what five leave")
+BEAM = Count(3, "sets", "are grown side by side while none reaches the noise: the right pair need not hold the best single effect")
+MOST_SWAPS = Count(2, "swaps", "a rival may so often take a finding's place in the end")
+MOST_JOINT = Count(3, "rounds", "of asking for all effects together, where the first does not reach the noise")
+WORTH_A_ROUND = Number(0.1, "share of the squared error", "each of those rounds lowers it by so much, or is the last")
+STRAY = Number(
+    10.0, "squared error before any fit, in units of the model's", "effects are left out of a joint proposal until it is below this: "
+    "a fit that begins further away does not arrive",
+)  # fmt: skip
+LARGE = Count(4, "candidates", "from here on what is fitted beside a model is fitted once, and only where it promises something")
+FINALISTS = Count(4, "candidates", "of the largest score are fitted in one step of a search")
+FORMS_OF_ONE = Count(2, "forms", "of one effect among them")
+CHEAP_STARTS = Count(3, "starts", "of one candidate's fit, where predictions cost little")
+FEW_SAMPLES = Count(2000, "samples", "predictions of fewer cost little: every candidate is then fitted, whatever its score")
+ADAPTED = Count(2, "times", "the error process is estimated anew from what the best subset leaves")
+RUNNERS_UP = Count(3, "candidates", "that were put aside are fitted once more, and listed")
+
+# -- a linear family ------------------------------------------------------------------------------------------------------------
+FAMILY_FINALISTS = Count(25, "subsets", "that a climb meets are weighed with spreads of their own")
+MOST_CLIMBS = Count(4, "climbs", "each with the spreads of the best subset before it")
+
+# -- a diagnosis ----------------------------------------------------------------------------------------------------------------
+MOST_REFUTATIONS = Count(4, "times", "effects are refuted on one division of time")
+MOST_ROUNDS = Count(
+    2 * MOST_REFUTATIONS * 2, "rounds", "two divisions of time, so many refutations each, with and without the friction of pistons"
+)
+LONGEST_FREE_RUN = Number(
+    600.0, "s", "recordings that are longer together are not simulated once more: `compare` does it where it is asked to"
+)
+MOST_REJECTED = Count(20, "candidates", "that were rejected are listed at most")
+MOST_SPANS = Count(6, "spans of time", "are listed of one balance at most")

@@ -1,3 +1,43 @@
-"""A pneumatic exoskeleton in MuJoCo, held against real recordings."""
+"""A pneumatic exoskeleton in MuJoCo, held against real recordings: `import exo_sim as exo`.
 
-__version__ = "0.1.0"
+What stands in `exo_sim.api` is found here too, imported when it is first used; `__init__.pyi` says the same to editors and type checkers.
+"""
+
+from __future__ import annotations
+
+from typing import Any
+
+__version__ = "0.2.0"
+
+#: Name to the module of `exo_sim.api` that holds it.
+_API = {
+    "Comparison": "comparing",
+    "Diagnosis": "diagnosing",
+    "ExoSimError": "errors",
+    "Inspection": "inspecting",
+    "Recording": "recording",
+    "Rig": "rig",
+    "Run": "simulating",
+    "Sizing": "sizing",
+    "compare": "comparing",
+    "diagnose": "diagnosing",
+    "effects": "effects",
+    "inspect": "inspecting",
+    "scenarios": "simulating",
+    "simulate": "simulating",
+    "size": "sizing",
+}
+
+
+def __getattr__(name: str) -> Any:
+    if name not in _API:
+        raise AttributeError(f"module {__name__!r} has no attribute {name!r}")
+    from importlib import import_module
+
+    value = getattr(import_module(f"{__name__}.api.{_API[name]}"), name)
+    globals()[name] = value
+    return value
+
+
+def __dir__() -> list[str]:
+    return sorted([*_API, "__version__"])

@@ -2,21 +2,12 @@
 
 from __future__ import annotations
 
-import math
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
 
 import click
 
 from exo_sim.cli import options, printing
 from exo_sim.cli.frame import verb
-
-if TYPE_CHECKING:
-    from exo_sim.recording import Recording
-    from exo_sim.simulation.replay import Replay
-
-#: Samples of a recording that the viewer is given; errors count all of them.
-_MOST_SHOWN = 400_000
 
 
 @verb(
@@ -42,84 +33,16 @@ def command(
     Every measured pressure and position is predicted twice: over windows of 0.5 s, each from the measured state, and in
     one run from the first.
     """
-    from exo_sim import rig as rigs
-    from exo_sim.conventions import settle
-    from exo_sim.errors import Diverged, OutputError
-    from exo_sim.machine.load import load
+    from exo_sim.api.comparing import check_target, compare
     from exo_sim.outputs import check_writable
     from exo_sim.progress import Bar
-    from exo_sim.recording import read, write_rrd
-    from exo_sim.simulation import replay as replays
 
-    path = out or Path(f"{recording.stem}_compared.rrd")
-    if path.suffix.lower() != ".rrd":
-        raise OutputError(f'cannot write "{path}": a recording for the viewer ends in .rrd')
+    path = check_target(out or f"{recording.stem}_compared.rrd")
     check_writable(path.parent)
-    reading = read(recording, columns)
-    machine = rigs.read(rig)
-    model = load(machine)
-    replays.check_belongs(reading.recording, machine, model)
-    settled = settle(reading.recording, machine, model)
-    recorded, odd = replays.usable(settled.recording, machine, model)
     with Bar(1.0, "simulating", "of it", quiet) as bar:
-        replay = replays.replay(recorded, machine, model, motion=motion, progress=bar.to)
-    signals = errors(recorded, replay)
-    if lost := [key for key, one in signals.items() if not math.isfinite(one["windowed_rms"])]:
-        raise Diverged(
-            f'"{recording}": within {replays.WINDOW:g} s of measured states the simulation left all bounds, first of {lost[0]}; look '
-            f"at the numbers of {rig} and its MJCF with exo-sim inspect --rig, or try a shorter timestep"
-        )
-    overlays = {"simulated": replay.windowed.thinned(_MOST_SHOWN), "free_run": replay.free_run.thinned(_MOST_SHOWN)}
-    write_rrd(path, settled.recording.thinned(_MOST_SHOWN), overlays=overlays)
-    asked = [check.says for check in settled.checks]
-    remarks = [*asked, *(finding.says for finding in [*reading.findings, *odd] if finding.severity != "info"), *replay.remarks]
-    for words in remarks:
+        found = compare(recording, rig, motion=motion, columns=columns, progress=bar.to)
+    found.save(path)
+    for words in found.remarks:
         printing.remark(f"exo-sim: {words}", quiet=quiet)
-    data = {
-        "schema": "exo-sim/compare/1",
-        "measure": replay.measure,
-        "signal": signals,
-        "motion": "recorded" if replay.imposed else "predicted",
-        "remarks": remarks,
-        "checks": [check.as_dict() for check in settled.checks],
-        "recording": recording,
-        "rig": rig,
-        "comparison": path,
-    }
-    printing.show(data, _words(data), as_json=as_json)
-
-
-def errors(recording: Recording, replay: Replay) -> dict[str, dict[str, Any]]:
-    """Return, for each predicted signal, the errors of both predictions and the sensor's noise."""
-    from exo_sim.recording import noise
-    from exo_sim.simulation.replay import rms
-
-    return {
-        key: {
-            "unit": recording.units[key],
-            "windowed_rms": rms(recording[key], replay.windowed[key]),
-            "free_run_rms": rms(recording[key], replay.free_run[key]),
-            "noise": noise.floor(recording[key], recording.time).std,
-        }
-        for key in replay.windowed.columns
-    }
-
-
-def _words(data: dict[str, Any]) -> str:
-    rows = [
-        [key, s["unit"], _number(s["windowed_rms"]), _number(s["free_run_rms"]), _number(s["noise"])]
-        for key, s in data["signal"].items()
-    ]
-    return "\n".join(
-        [
-            printing.table(rows, ["signal", "unit", "0.5 s windows", "free run", "noise"]),
-            "",
-            f"{data['measure']}.",
-            *(["A dash: the simulation left all bounds before the recording's end."] if any("-" in row for row in rows) else []),
-            f"recorded and simulated: {data['comparison']} (exo-sim view {data['comparison']})",
-        ]
-    )
-
-
-def _number(value: float) -> str:
-    return f"{value:.4g}" if value == value else "-"
+    data = {**found.summary, "recording": recording, "rig": rig, "comparison": path}
+    printing.show(data, f"{found}\nrecorded and simulated: {path} (exo-sim view {path})", as_json=as_json)

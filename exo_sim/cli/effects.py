@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import textwrap
 from pathlib import Path
 
 import click
@@ -31,18 +30,4 @@ def command(name: str | None, out: Path | None, as_json: bool, quiet: bool) -> N
     if name not in known:
         raise RigError(f'there is no effect "{name}"{nearest(name, known)}')
     effect = known[name]
-    header = ["parameter", "unit", "typical", "bounds", "source"]
-    text = "\n\n".join(
-        [
-            f"{effect.name}: {effect.says}",
-            effect.question,
-            "\n".join(
-                textwrap.fill(f"{heading:15}{sentence}", 110, subsequent_indent=" " * 15)
-                for heading, sentence in pages.facts(effect)
-            ),
-            printing.table(pages.rows(effect), header),
-            "In a rig file:",
-            "\n".join(f"    {line}" if line else "" for line in pages.example(effect).splitlines()),
-        ]
-    )
-    printing.show({"schema": "exo-sim/effects/1", "effect": pages.data(effect)}, text, as_json=as_json, out=out)
+    printing.show({"schema": "exo-sim/effects/1", "effect": pages.data(effect)}, pages.text(effect), as_json=as_json, out=out)

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from dataclasses import replace
 from pathlib import Path
 
 import click
@@ -23,20 +22,7 @@ def command(
     recording: Path, rig: Path | None, columns: Path | None, out: Path | None, as_json: bool, quiet: bool
 ) -> None:
     """Show the signals, gait events, pressures, torques and gas used of RECORDING, a .csv, .parquet or .rrd file."""
-    from exo_sim.recording import read, summary, summary_text
+    from exo_sim.api.inspecting import inspect
 
-    reading = read(recording, columns)
-    if rig is None:
-        found = summary.summarise(reading)
-    else:
-        from exo_sim import conventions
-        from exo_sim import rig as rigs
-        from exo_sim.machine.load import load
-        from exo_sim.recording.health import Facts
-
-        machine = rigs.read(rig)
-        model = load(machine)
-        settled = conventions.asked(reading.recording, machine, model)
-        asked = (*conventions.findings(settled), *reading.findings)
-        found = summary.summarise(replace(reading, recording=settled.recording, findings=asked), Facts.of(machine, model))
-    printing.show(summary.as_dict(found), summary_text.text(found), as_json=as_json, out=out)
+    found = inspect(recording, rig, columns=columns)
+    printing.show(found.summary, str(found), as_json=as_json, out=out)

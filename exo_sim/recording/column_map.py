@@ -19,6 +19,7 @@ from __future__ import annotations
 from collections.abc import Mapping
 from dataclasses import dataclass, field
 from pathlib import Path
+from typing import Any
 
 from exo_sim import units
 from exo_sim.errors import RecordingError, UnitError, nearest
@@ -59,6 +60,15 @@ def read_column_map(path: str | Path) -> ColumnMap:
         raise RecordingError(f'column map "{path}": cannot be read: {error.strerror or error}') from None
     except ValueError as error:
         raise RecordingError(f'column map "{path}": {error}') from None
+    return column_map_of(tables, path)
+
+
+def column_map_of(tables: Mapping[str, Any], path: Path) -> ColumnMap:
+    """Return the column map that the tables of a TOML file, or of the same form, hold; `path` is what errors name.
+
+    Raises:
+        RecordingError: as `read_column_map`.
+    """
     _known(path, "table", tables, ("file", "columns"))
     options = tables.get("file", {})
     entries = tables.get("columns")

@@ -38,12 +38,12 @@ class Reading:
     breaks: tuple[float, ...] = ()
 
 
-def read(path: str | Path, column_map: str | Path | None = None) -> Reading:
+def read(path: str | Path, column_map: str | Path | ColumnMap | None = None) -> Reading:
     """Read a recording.
 
     Args:
         path: A `.csv` (also `.tsv`, `.txt`), `.parquet` or `.rrd` file of the contract.
-        column_map: A TOML file that names foreign columns (`recording.column_map`).
+        column_map: A TOML file that names foreign columns (`recording.column_map`), or what one holds.
 
     Raises:
         RecordingError: the file is missing, empty, cut off, too long for memory, has no time or no signals, or fewer
@@ -52,7 +52,7 @@ def read(path: str | Path, column_map: str | Path | None = None) -> Reading:
     path = Path(path)
     if not path.exists():
         raise RecordingError(f'"{path}": there is no such recording')
-    foreign = read_column_map(column_map) if column_map is not None else None
+    foreign = read_column_map(column_map) if isinstance(column_map, str | Path) else column_map
     try:
         check_regular(path)
     except ValueError as error:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 
 import numpy as np
 from numpy.typing import NDArray
@@ -49,18 +49,12 @@ class Recording:
     def span(self, start: float, stop: float) -> Recording:
         """Return the samples with start <= time < stop, as a recording of its own."""
         keep = slice(*np.searchsorted(self.time, (start, stop)))
-        return Recording(
-            self.name,
-            self.time[keep],
-            {key: values[keep] for key, values in self.columns.items()},
-            self.units,
-            self.metadata,
-        )
+        return replace(self, time=self.time[keep], columns={key: values[keep] for key, values in self.columns.items()})
 
     def followed_by(self, other: Recording) -> Recording:
         """Return this and a later piece of it as one recording."""
         columns = {key: np.concatenate([values, other.columns[key]]) for key, values in self.columns.items()}
-        return Recording(self.name, np.concatenate([self.time, other.time]), columns, self.units, self.metadata)
+        return replace(self, time=np.concatenate([self.time, other.time]), columns=columns)
 
     def thinned(self, most: int) -> Recording:
         """Return every n-th sample, n as small as leaves no more than `most`; the recording itself where it is short enough."""
@@ -68,4 +62,4 @@ class Recording:
         if every <= 1:
             return self
         columns = {key: values[::every] for key, values in self.columns.items()}
-        return Recording(self.name, self.time[::every], columns, self.units, self.metadata)
+        return replace(self, time=self.time[::every], columns=columns)

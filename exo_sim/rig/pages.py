@@ -3,9 +3,11 @@
 from __future__ import annotations
 
 import math
+import textwrap
 from typing import Any
 
 from exo_sim.physics.declaration import Effect, Parameter, declared
+from exo_sim.plain_text import table
 from exo_sim.rig.schema import EffectSetting
 from exo_sim.rig.writing import Finding, table_text
 
@@ -98,6 +100,16 @@ def facts(effect: Effect) -> list[tuple[str, str]]:
         ("instead of", ", ".join(name for name, _ in effect.absorbs)),
     ]
     return [(heading, text) for heading, text in found if text]
+
+
+def text(effect: Effect) -> str:
+    """Return the page as plain text."""
+    told = [textwrap.fill(f"{heading:15}{sentence}", 110, subsequent_indent=" " * 15) for heading, sentence in facts(effect)]
+    lines = [f"    {line}" if line else "" for line in example(effect).splitlines()]
+    numbers = table(rows(effect), ["parameter", "unit", "typical", "bounds", "source"])
+    return "\n\n".join(
+        [f"{effect.name}: {effect.says}", effect.question, "\n".join(told), numbers, "In a rig file:", "\n".join(lines)]
+    )
 
 
 def data(effect: Effect) -> dict[str, Any]:

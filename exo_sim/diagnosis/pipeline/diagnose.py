@@ -20,16 +20,19 @@ from exo_sim.diagnosis.pipeline.reading import gather
 from exo_sim.diagnosis.pipeline.rounds import examine_until_stable, with_test_findings
 from exo_sim.diagnosis.policy.budgets import MOST_REJECTED
 from exo_sim.diagnosis.selection.calibration import calibration_findings
+from exo_sim.recording.column_map import ColumnMap
+from exo_sim.recording.reader import Reading
+from exo_sim.rig import Rig
 
 _STOPPED = "the time that was given was up before everything had been sought: this is the best answer until then"
 _CUT = "improved.toml holds less than what was found: with all of it a free run over the time kept back is worse than as believed"
 
 
 def diagnose(
-    recordings: Sequence[Path],
-    rig: Path,
+    recordings: Sequence[Path | Reading],
+    rig: Path | Rig,
     *,
-    column_map: Path | None = None,
+    column_map: Path | ColumnMap | None = None,
     seed: int = 0,
     jobs: int | None = None,
     progress: Progress | None = None,
@@ -39,7 +42,7 @@ def diagnose(
     """Hold recordings of one machine against its rig and say what the rig leaves out.
 
     Args:
-        recordings: Files of the contract; several are one case with shared parameters.
+        recordings: Files of the contract, or what was read of them; several are one case with shared parameters.
         rig: The rig as its owner believes it to be.
         column_map: Names of foreign columns.
         seed: Kept for the contract: nothing here is drawn by chance.
@@ -63,7 +66,8 @@ def diagnose(
     report("writing the rig anew")
     update = rig_update(data, results.all, found.unknown)
     report("running it")
-    update, runs, is_cut = accepted(data, update, rig.parent, split)
+    beside = data.rig.path.parent
+    update, runs, is_cut = accepted(data, update, beside, split)
     remarks = (*data.remarks, *([_CUT] if is_cut else []), *([_STOPPED] if allowed.stopped else []))
     judged = {one.model.kind for one in results.all if not one.is_empty and not one.is_unresolved}
     questions = distinct(data.open_questions)
@@ -84,7 +88,7 @@ def diagnose(
         sensor_remarks=tuple(dict.fromkeys(remarks)),
         checks=tuple(check.as_dict() for check in data.checks),
         series=test.series,
-        improved=update.text(folder or rig.parent),
+        improved=update.text(folder or beside),
         tables=data.as_read,
         stopped=allowed.stopped,
     )

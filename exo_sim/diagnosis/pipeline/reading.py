@@ -19,7 +19,9 @@ from exo_sim.errors import RecordingError, nearest
 from exo_sim.machine.linkage import linkages
 from exo_sim.machine.load import load
 from exo_sim.physics.effects import sensor_bias, sensor_scale
+from exo_sim.recording.column_map import ColumnMap
 from exo_sim.recording.health import Facts, blanked, check
+from exo_sim.recording.reader import Reading
 from exo_sim.recording.table import Recording
 from exo_sim.rig import Rig, read
 from exo_sim.simulation.sensors import seen_through
@@ -36,22 +38,22 @@ _FAULTS = {
 }
 
 
-def gather(paths: Sequence[Path], rig_path: Path, column_map: Path | None = None) -> MachineData:
-    """Read recordings and rig.
+def gather(handed_in: Sequence[Path | Reading], rig: Path | Rig, column_map: Path | ColumnMap | None = None) -> MachineData:
+    """Read recordings and rig, those of them that are not in memory yet.
 
     Raises:
         RecordingError, RigError, ModelError: one line each; nothing usable, or columns of another machine.
     """
-    rig = read(rig_path)
+    rig = rig if isinstance(rig, Rig) else read(rig)
     model = load(rig)
     as_read: list[Recording] = []
     cleaned: list[Recording] = []
     sensors: list[Finding] = []
     remarks: list[str] = []
     checks: list[conventions.Check] = []
-    for path in paths:
-        reading = recordings.read(path, column_map)
-        _check_belongs(reading.recording, path, rig, model)
+    for one in handed_in:
+        reading = one if isinstance(one, Reading) else recordings.read(one, column_map)
+        _check_belongs(reading.recording, reading.recording.name if isinstance(one, Reading) else one, rig, model)
         settled = conventions.settle(reading.recording, rig, model)
         name = reading.recording.name
         while name in {table.name for table in as_read}:
@@ -75,7 +77,7 @@ def gather(paths: Sequence[Path], rig_path: Path, column_map: Path | None = None
     )
 
 
-def _check_belongs(table: Recording, path: Path, rig: Rig, model: mujoco.MjModel) -> None:
+def _check_belongs(table: Recording, path: Path | str, rig: Rig, model: mujoco.MjModel) -> None:
     known = {*rig.cylinders, *(model.joint(j).name for j in range(model.njnt))}
     parts = [part for part in table.parts() if part in known]
     if not parts:

@@ -1,0 +1,137 @@
+"""`exo.size`: actuators against joint loads."""
+
+from __future__ import annotations
+
+import os
+import shutil
+import tempfile
+from collections.abc import Sequence
+from dataclasses import dataclass, field
+from itertools import product
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+from exo_sim.api.arguments import Quantity, RigLike, quantity, rig_of
+from exo_sim.api.notebook import html_table
+from exo_sim.api.rig import Rig
+from exo_sim.errors import ScenarioError
+from exo_sim.sizing import told
+from exo_sim.sizing.study import Sizing as Study
+
+if TYPE_CHECKING:
+    from exo_sim.api.picture import Picture
+
+
+@dataclass(frozen=True, repr=False)
+class Sizing:
+    """The result of a search for actuators.
+
+    Attributes:
+        study: All of it (`exo_sim.sizing.study.Sizing`).
+        folder: Where `sized.toml`, `report.html` and the journal of the search are.
+        chosen: The rig with the recommended design.
+    """
+
+    study: Study
+    folder: Path
+    chosen: Rig
+    _temporary: tempfile.TemporaryDirectory[str] | None = field(default=None)
+
+    @property
+    def front(self) -> list[dict[str, Any]]:
+        """Return the designs to choose from, none better than another in all: bores, supply, margin, gas, mass, torque error."""
+        return self.summary["pareto"]
+
+    @property
+    def summary(self) -> dict[str, Any]:
+        """Return what `exo-sim size --json` prints."""
+        return told.numbers(self.study, self.folder)
+
+    def save(self, folder: str | os.PathLike[str]) -> Path:
+        """Write what the command writes (`sized.toml`, `report.html`, `sized.rrd`, the journal) into a folder.
+
+        Raises:
+            OutputError: it cannot be written.
+        """
+        from exo_sim.outputs import replacing
+
+        place = Path(folder)
+        self.chosen.save(place / "sized.toml")
+        for source in sorted(self.folder.iterdir()):
+            if source.is_file() and source.name != "sized.toml" and source.parent.resolve() != place.resolve():
+                with replacing(place / source.name) as beside:
+                    shutil.copyfile(source, beside)
+        return place
+
+    def plot(self) -> Picture:
+        """Draw the front: gas drawn against the mass of the cylinders, the recommended design marked."""
+        from exo_sim.api.picture import Picture
+
+        figure = Picture(figsize=(6.0, 4.0), layout="constrained")
+        axes = figure.subplots()
+        front, best = self.front, self.summary["recommended"]
+        axes.plot([one["actuator_mass_kg"] for one in front], [1e3 * one["gas_kg_per_stride"] for one in front], "o", ms=4, label="front")
+        axes.plot(best["actuator_mass_kg"], 1e3 * best["gas_kg_per_stride"], "*", ms=14, label="recommended")
+        axes.set(xlabel="mass of the cylinders [kg]", ylabel="gas a cycle [g]")
+        axes.legend()
+        return figure
+
+    def __str__(self) -> str:
+        return told.words(self.study, self.folder)
+
+    def __repr__(self) -> str:
+        return f"<exo.Sizing of {self.chosen.name}: {len(self.front)} designs on the front>"
+
+    def _repr_html_(self) -> str:
+        keys = ("bore_mm", "supply_pa", "torque_margin", "gas_kg_per_stride", "actuator_mass_kg", "torque_error_rms_nm")
+        return html_table([[str(one[key]) for key in keys] for one in self.front], keys, f"sizing of {self.chosen.name}")
+
+
+def size(
+    rig: RigLike | None = None, *, scenarios: str | Sequence[str] = "level_walk", payloads: Quantity | Sequence[Quantity] = 34.0,
+    speeds: float | Sequence[float] = 1.0, trials: int = 800, reach: Quantity = 0.04, pressure_limit: Quantity | None = None,
+    jobs: int = -1, scheduler: str | None = None, seed: int = 0, out: str | os.PathLike[str] | None = None, quiet: bool = True,
+) -> Sizing:  # fmt: skip
+    """Search bores, rods, strokes, attachment points, valves and supply against the joint loads of what the machine must do.
+
+    Args:
+        rig: A path or `exo.Rig` of a worn machine, with what a diagnosis found of it; the one of the package when None.
+        scenarios, payloads, speeds: One or several each; every combination must be carried.
+        trials: Designs to look at.
+        reach: How far an attachment point may move: metres, or text.
+        pressure_limit: Largest pressure of supply and chambers, absolute: pascal, or text; when None, 10 bar above the atmosphere.
+        jobs: Processes; -1 is one a core.
+        scheduler: Address of a Dask scheduler.
+        seed: Where chance starts.
+        out: Folder, which keeps finished designs: the same call goes on where it was interrupted. A temporary one when None.
+        quiet: No progress.
+
+    Raises:
+        ScenarioError, RigError, ModelError: it cannot be carried out, or no design carries the loads.
+    """
+    from exo_sim.outputs import alone_in, replacing
+    from exo_sim.report.sizing_page import page
+    from exo_sim.sizing.loads import Condition
+    from exo_sim.sizing.study import size as search
+    from exo_sim.sizing.study import space_of
+    from exo_sim.sizing.workers import Workers
+
+    if jobs == 0:
+        raise ScenarioError("jobs = 0: give a number of processes, or -1 for one a core")
+    machine = rig_of(rig)
+    masses = [quantity(one, "kg", "payload", low=0.0) for one in _several(payloads)]
+    conditions = tuple(dict.fromkeys(Condition(*each) for each in product(_several(scenarios), masses, _several(speeds))))
+    limit = None if pressure_limit is None else quantity(pressure_limit, "Pa", "pressure_limit", low=0.0)
+    space = space_of(machine, quantity(reach, "m", "reach", 0.0, 0.2), limit)
+    temporary = tempfile.TemporaryDirectory(prefix="exo-sim-size-") if out is None else None
+    folder = Path(temporary.name if temporary else out or "")
+    with alone_in(folder, "size"):
+        with Workers(jobs, scheduler) as workers:
+            study = search(machine, conditions, space, trials, seed, workers, folder, quiet)
+        with replacing(folder / "report.html") as beside:
+            beside.write_text(page(study), encoding="utf-8")
+    return Sizing(study, folder, Rig.load(folder / "sized.toml"), temporary)
+
+
+def _several(values: Any) -> list[Any]:
+    return [values] if isinstance(values, int | float | str) else list(values)

@@ -1,0 +1,171 @@
+"""`import exo_sim as exo`: objects in, objects out; what the command says, said by the same functions."""
+
+from __future__ import annotations
+
+import json
+import subprocess
+import sys
+from pathlib import Path
+
+import benches
+import numpy as np
+import pytest
+
+import exo_sim as exo
+from exo_sim import cli
+
+
+@pytest.fixture(scope="module")
+def bench(tmp_path_factory: pytest.TempPathFactory) -> tuple[exo.Rig, exo.Recording]:
+    """A bench and a recording of it, in memory."""
+    rig = benches.bench(tmp_path_factory.mktemp("bench"))
+    return exo.Rig.load(rig.path), exo.Recording.of(benches.recorded(rig, 1.5))
+
+
+def test_importing_loads_nothing_heavy() -> None:
+    heavy = ("numpy", "mujoco", "numba", "pyarrow", "rerun", "matplotlib", "pandas", "click", "pint")
+    code = f"import sys, exo_sim as exo; dir(exo); print([name for name in {heavy} if name in sys.modules])"
+    assert subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True).stdout.strip() == "[]"
+
+
+def test_the_stub_names_what_is_there() -> None:
+    """Editors and type checkers read the stub; it must not drift from the module."""
+    stub = (Path(exo.__file__).parent / "__init__.pyi").read_text()
+    named = {line.rsplit(" as ", 1)[1] for line in stub.splitlines() if " as " in line}
+    assert named == set(exo._API)
+    for name in named:
+        assert getattr(exo, name) is not None
+    with pytest.raises(AttributeError):
+        exo.nothing  # noqa: B018
+
+
+def test_a_rig_goes_out_and_comes_back(tmp_path: Path, bench: tuple[exo.Rig, exo.Recording]) -> None:
+    rig, _ = bench
+    saved = exo.Rig.load(rig.save(tmp_path / "deep" / "down" / "rig.toml"))
+    assert saved.cylinders == rig.cylinders and saved.model.resolve() == rig.model.resolve()
+    assert saved.mujoco_model().nq == rig.mujoco_model().nq
+    other = rig.changed({"supply.pressure": "6 bar", "effects.piston_leakage.piston.area": "0.03 mm^2", "name": "other"})
+    assert (other.supply.pressure, other.name) == (6e5, "other") and rig.supply.pressure != 6e5
+    assert other.effect("piston_leakage", "piston").parameters["area"] == pytest.approx(3e-8)
+    assert not other.changed({"effects": None}).effects
+    for words in (str(other), repr(other), other._repr_html_()):
+        assert "other" in words
+
+
+def test_a_rig_whose_text_is_no_longer_true_is_not_saved(tmp_path: Path) -> None:
+    from dataclasses import replace
+
+    with pytest.raises(exo.ExoSimError, match=r"rig\.changed"):
+        replace(exo.Rig.included("bench"), heat_capacity_ratio=1.3).save(tmp_path / "rig.toml")
+
+
+@pytest.mark.parametrize("call, says", [
+    (lambda: exo.Rig.load("absent.toml"), "no such rig"),
+    (lambda: exo.Rig.included("benhc"), 'did you mean "bench"'),
+    (lambda: exo.Rig.included("bench").changed({"supply.pressure": "6 barg"}), "gauge"),
+    (lambda: exo.Rig.included("bench").changed({"supply.presure": "6 bar"}), "presure"),
+    (lambda: exo.Rig.included("bench").changed({"name.first": "x"}), "holds a value"),
+    (lambda: exo.Rig.included("bench").changed({"gas.colour": None}), "no such key"),
+    (lambda: exo.Recording.load("absent.csv"), "no such recording"),
+    (lambda: exo.Recording.from_columns({"time [s]": range(20), "p.pressure_1 [Pa]": range(19)}), "shape"),
+    (lambda: exo.Recording.from_columns({"time [s]": range(20), "p.pressure_1 [Pa]": ["x"] * 20}), "no number"),
+    (lambda: exo.Recording.from_columns({"p.pressure_1 [Pa]": range(20)}), "time"),
+    (lambda: exo.Recording("r", np.arange(3.0), {"p.pressure_1": np.arange(3.0)}, {}), "no unit"),
+    (lambda: exo.effects["wall_heat"], 'did you mean "wall_heat_transfer"'),
+    (lambda: exo.simulate(payload="34 m"), "payload"),
+    (lambda: exo.simulate(payload=-1.0), "payload"),
+    (lambda: exo.simulate(scenario="level_wlak"), 'did you mean "level_walk"'),
+    (lambda: exo.simulate(rig=3), "a rig is a path"),
+    (lambda: exo.compare(3, exo.Rig.included("bench")), "a recording is a path"),
+    (lambda: exo.diagnose([], exo.Rig.included("bench")), "no recording"),
+    (lambda: exo.size(jobs=0), "jobs"),
+])  # fmt: skip
+def test_errors_are_one_line_that_says_what_to_do(call, says: str) -> None:
+    with pytest.raises(exo.ExoSimError, match=says) as caught:
+        call()
+    assert "\n" not in str(caught.value)
+
+
+def test_tables_in_memory_become_recordings_and_back(bench: tuple[exo.Rig, exo.Recording]) -> None:
+    pandas = pytest.importorskip("pandas")
+    _, recording = bench
+    frame = recording.to_pandas()
+    assert frame.index.name == "time [s]" and "piston.pressure_1 [Pa]" in frame
+    again = exo.Recording.from_pandas(frame, name="mine")
+    assert again.name == "mine" and again.units == recording.units
+    np.testing.assert_array_equal(again["piston.pressure_1"], recording["piston.pressure_1"])
+    foreign = pandas.DataFrame({"t": 1e3 * recording.time, "P1": recording["piston.pressure_1"] / 1e5 - 1.01325})
+    columns = {"t": "time [ms]", "P1": {"column": "piston.pressure_1 [bar]", "offset": 1.01325}}
+    mapped = exo.Recording.from_pandas(foreign, columns=columns)
+    np.testing.assert_allclose(mapped["piston.pressure_1"], recording["piston.pressure_1"])
+    np.testing.assert_allclose(mapped.time, recording.time)
+
+
+def test_xarray_knows_units(bench: tuple[exo.Rig, exo.Recording]) -> None:
+    pytest.importorskip("xarray")
+    data = bench[1].to_xarray()
+    assert data["piston.pressure_1"].attrs["units"] == "Pa" and data.sizes["time"] == len(bench[1])
+
+
+@pytest.mark.parametrize("ending", [".csv", ".parquet"])
+def test_a_recording_goes_out_and_comes_back(tmp_path: Path, bench: tuple[exo.Rig, exo.Recording], ending: str) -> None:
+    _, recording = bench
+    again = exo.Recording.load(recording.save(tmp_path / f"r{ending}"))
+    assert isinstance(again.span(0.1, 0.2), exo.Recording)
+    for key in recording.columns:
+        np.testing.assert_array_equal(again[key], recording[key])
+
+
+def test_a_comparison_says_what_the_command_says(
+    tmp_path: Path, bench: tuple[exo.Rig, exo.Recording], capsys: pytest.CaptureFixture[str]
+) -> None:
+    rig, recording = bench
+    found = exo.compare(recording, rig)
+    recording.save(tmp_path / "recorded.parquet")
+    words = ["compare", str(tmp_path / "recorded.parquet"), "--rig", str(rig.path), "--out", str(tmp_path / "c.rrd"), "--json"]
+    assert cli.main([*words, "--quiet"]) == 0
+    told = json.loads(capsys.readouterr().out)
+    assert {key: told[key] for key in found.summary} == json.loads(json.dumps(found.summary))
+    assert "piston.pressure_1" in str(found) and "piston.pressure_1" in found._repr_html_()
+    assert found.plot()._repr_png_().startswith(b"\x89PNG")
+
+
+def test_text_in_a_notebook_is_escaped(bench: tuple[exo.Rig, exo.Recording]) -> None:
+    rig, recording = bench
+    assert "<script>" not in rig.changed({"name": "<script>"})._repr_html_()
+    assert "<td>piston.pressure_1</td>" in recording._repr_html_()
+
+
+@pytest.mark.slow
+def test_a_recording_in_memory_is_diagnosed_and_the_better_rig_is_a_rig(tmp_path: Path) -> None:
+    """What leaks is found without a file in between; the improved rig runs, saves and loads."""
+    leaky = benches.bench(tmp_path, '\n[effects.piston_leakage.piston]\narea = "0.05 mm^2"\n')
+    recording = exo.Recording.of(benches.recorded(leaky, 6.0))
+    believed = exo.Rig.load(leaky.path).changed({"effects": None})
+    found = exo.diagnose(recording, believed, budget="60 s")
+    assert found.verdict == "mismatch" and [one.name for one in found.findings] == ["piston_leakage"]
+    assert found.rig.effect("piston_leakage", "piston").parameters["area"] == pytest.approx(5e-8, rel=0.05)
+    assert all(one.after < one.before for key, one in found.fit.items() if "pressure" in key)
+    better, worse = exo.compare(recording, found.rig), exo.compare(recording, believed)
+    key = "piston.pressure_1"
+    assert better.signals[key]["windowed_rms"] < 0.5 * worse.signals[key]["windowed_rms"]
+    folder = found.save(tmp_path / "elsewhere" / "found")
+    assert {path.name for path in folder.iterdir()} == {"report.html", "improved.toml", "comparison.rrd", "diagnosis.json"}
+    saved = exo.Rig.load(folder / "improved.toml")
+    assert saved.effects == found.rig.effects and saved.mujoco_model().nq == believed.mujoco_model().nq
+    assert "piston leakage" in str(found) and "leakage" in found._repr_html_()
+    assert found.plot()._repr_png_().startswith(b"\x89PNG")
+
+
+@pytest.mark.slow
+def test_a_walk_in_memory_is_the_walk_of_the_command(tmp_path: Path) -> None:
+    ran = exo.simulate(payload="20 kg", strides=2)
+    written = exo.simulate(payload=20.0, strides=2, out=tmp_path / "walk.rrd")
+    assert ran.summary.keys() == written.summary.keys()
+    assert ran.summary["joints"] == written.summary["joints"]
+    np.testing.assert_array_equal(ran.recording["knee_r.torque"], written.recording["knee_r.torque"])
+    ran.save(tmp_path / "again.rrd")
+    assert exo.Recording.load(tmp_path / "again.rrd")["knee_r.position"].shape == ran.recording.time.shape
+    written.save(tmp_path / "copy.rrd")
+    assert (tmp_path / "copy.parquet").read_bytes() == (tmp_path / "walk.parquet").read_bytes()
+    assert "knee_r" in str(ran) and ran.plot()._repr_png_()

@@ -3,25 +3,31 @@
 from __future__ import annotations
 
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import click
 
 from exo_sim.cli import options, printing
 from exo_sim.cli.frame import verb
 
+if TYPE_CHECKING:
+    from exo_sim.gait.scenario import Scenario
+
 
 @verb(
     'exo-sim run level_walk --payload "34 kg"',
+    'exo-sim run --gait walk.mot --ground forces.mot --speed "1.2 m/s" --out mine.rrd',
     'exo-sim run squat --payload "20 kg" --strides 3 --assist vented --out squat.rrd --json',
     out="Recording for the viewer (.rrd); the table goes beside it as .parquet. SCENARIO.rrd when absent.",
     seed=True,
 )
-@click.argument("scenario")
+@click.argument("scenario", required=False)
+@click.option("--gait", type=options.InputFile(), default=None, help="Walk as in these joint angles: .mot, .sto, .c3d, or a recording.")
+@click.option("--ground", type=options.InputFile(), default=None, help="Ground forces of the same trial, beside --gait.")
 @click.option(
     "--payload", type=options.Quantity("kg", low=0.0), default="34 kg", show_default=True, help="On the back."
 )
-@click.option("--speed", type=float, default=1.0, show_default=True, help="Factor on the recorded cadence, 0.7 to 1.3.")
+@click.option("--speed", default="1.0", show_default=True, help='Factor on the recorded cadence, 0.7 to 1.3, or a speed like "1.3 m/s".')
 @click.option("--strides", type=click.IntRange(1, 10000), default=None, help="How many strides or repetitions.")
 @click.option(
     "--assist",
@@ -45,9 +51,10 @@ from exo_sim.cli.frame import verb
     help="Law by which joint torques are asked for.",
 )
 @click.option("--rig", type=options.InputFile(), default=None, help="The machine; the one in assets/ when absent.")
-def command(scenario: str, payload: float, speed: float, strides: int | None, assist: str, controller: str, demand: str,
-            rig: Path | None, out: Path | None, as_json: bool, quiet: bool, seed: int) -> None:  # fmt: skip
-    """Simulate SCENARIO headless; see `exo-sim scenarios` for what there is."""
+def command(scenario: str | None, gait: Path | None, ground: Path | None, payload: float, speed: str,
+            strides: int | None, assist: str, controller: str, demand: str, rig: Path | None, out: Path | None, as_json: bool,
+            quiet: bool, seed: int) -> None:  # fmt: skip
+    """Simulate SCENARIO headless: a name of `exo-sim scenarios`, or a scenario file (.toml) from anywhere; or a gait of your own."""
     import gc
     import time
 
@@ -61,11 +68,12 @@ def command(scenario: str, payload: float, speed: float, strides: int | None, as
     from exo_sim.simulation.coupled import Simulation
     from exo_sim.simulation.walk import Request, default_rig
 
-    path = out or Path(f"{scenario}.rrd")
+    name, given = _what(scenario, gait, ground)
+    path = out or Path(f"{name}.rrd")
     if path.suffix.lower() != ".rrd":
         raise OutputError(f'cannot write "{path}": a recording for the viewer ends in .rrd')
     request = Request(
-        scenario, payload=payload, speed=speed, cycles=strides, assist=assist, controller=controller, law=demand
+        name, payload=payload, speed=speed, cycles=strides, assist=assist, controller=controller, law=demand, given=given
     )
     machine = rigs.read(rig or default_rig())
     gc.freeze()  # what was imported stays: it need not be gone through again and again
@@ -92,6 +100,28 @@ def command(scenario: str, payload: float, speed: float, strides: int | None, as
     printing.show(data, _words(data), as_json=as_json)
     if interrupted:
         raise KeyboardInterrupt(f"{data['simulated_s']:.2f} s were simulated and are in {path} and {beside}")
+
+
+def _what(scenario: str | None, gait: Path | None, ground: Path | None) -> tuple[str, Scenario | None]:
+    """Return what the run is called, and the scenario where it is no built-in one.
+
+    Raises:
+        ScenarioError: neither or both were named, or the files cannot be read.
+    """
+    from exo_sim.errors import ScenarioError
+    from exo_sim.gait import own_gait, scenario_file
+
+    if gait is not None:
+        if scenario is not None:
+            raise ScenarioError(f'"{scenario}" and --gait {gait}: name one; a scenario file with a [gait] table holds more settings')
+        return gait.stem, own_gait.scenario(own_gait.GaitFile(gait, ground))
+    if ground is not None:
+        raise ScenarioError(f"--ground {ground}: name the gait that it belongs to with --gait")
+    if scenario is None:
+        raise ScenarioError("name a scenario (see `exo-sim scenarios`), a scenario file, or a gait of your own with --gait FILE")
+    if scenario.lower().endswith(".toml"):
+        return Path(scenario).stem, scenario_file.read(scenario)
+    return scenario, None
 
 
 def _words(data: dict[str, Any]) -> str:

@@ -7,7 +7,8 @@ import pkgutil
 from collections.abc import Callable
 from dataclasses import dataclass
 
-from exo_sim.errors import ScenarioError, nearest
+from exo_sim import units
+from exo_sim.errors import ScenarioError, UnitError, nearest
 from exo_sim.gait.motion import Motion
 from exo_sim.machine.person import Person
 
@@ -40,6 +41,7 @@ class Scenario:
         cycles: How many, unless told otherwise.
         gait: Name of the recorded gait that the angles can be held against, or None.
         added: Load put on while it runs, or None.
+        remarks: Plain sentences about what it was made of.
     """
 
     summary: str
@@ -48,6 +50,7 @@ class Scenario:
     cycles: int = 10
     gait: str | None = None
     added: AddedLoad | None = None
+    remarks: tuple[str, ...] = ()
 
 
 def names() -> tuple[str, ...]:
@@ -57,28 +60,60 @@ def names() -> tuple[str, ...]:
 
 
 def find(name: str) -> Scenario:
-    """Return the scenario of this name.
+    """Return the scenario of this name, or the one in a scenario file (`gait.scenario_file`).
 
     Raises:
-        ScenarioError: there is none; the nearest names are offered.
+        ScenarioError: there is none; the nearest names are offered. A file that cannot be one.
     """
+    if name.lower().endswith(".toml"):
+        return importlib.import_module("exo_sim.gait.scenario_file").read(name)
     if name not in names():
         raise ScenarioError(f'no scenario "{name}"{nearest(name, names())}')
     return importlib.import_module(f"exo_sim.gait.scenarios.{name}").SCENARIO
 
 
-def motion(name: str, person: Person, speed: float) -> Motion:
+def motion(scenario: str | Scenario, person: Person, speed: float | str) -> Motion:
     """Return a scenario's reference motion for one person at one cadence.
 
     Args:
-        name: Of the scenario.
+        scenario: The scenario or its name.
         person: Who does it.
-        speed: Factor on the recorded cadence, `SPEED_RANGE`.
+        speed: Factor on the recorded cadence within `SPEED_RANGE`, or the speed of walking like "1.3 m/s".
 
     Raises:
         ScenarioError: no such scenario, or a speed outside the range.
     """
+    found = find(scenario) if isinstance(scenario, str) else scenario
+    usual = found.motion(person)
+    return usual.at_cadence(cadence(usual, speed))
+
+
+def cadence(usual: Motion, speed: float | str) -> float:
+    """Return the factor on the recorded cadence that a speed is.
+
+    Args:
+        usual: The motion at the recorded cadence.
+        speed: The factor itself, also as text, or the speed of walking like "1.3 m/s": strides stay as long, their time changes.
+
+    Raises:
+        ScenarioError: it is no speed, outside `SPEED_RANGE`, or a speed in space of a motion that goes nowhere.
+    """
     low, high = SPEED_RANGE
-    if not low <= speed <= high:
-        raise ScenarioError(f"speed {speed:g} is outside {low:g} to {high:g} times the recorded cadence")
-    return find(name).motion(person).at_cadence(speed)
+    try:
+        factor = float(speed)
+    except ValueError:
+        pace = usual.advance / usual.period
+        try:
+            wanted = units.parse(speed, "m/s")
+        except UnitError as error:
+            raise ScenarioError(f'speed {error} (or write a factor on the recorded cadence, like "1.1")') from None
+        if pace < 0.05:
+            raise ScenarioError(f'speed "{speed}": this motion goes nowhere; write a factor on its cadence, {low:g} to {high:g}') from None
+        factor = wanted / pace
+        if not low <= factor <= high:
+            raise ScenarioError(
+                f'speed "{speed}" is {factor:.2g} times the recorded {pace:.2f} m/s; write {low * pace:.2f} to {high * pace:.2f} m/s'
+            ) from None
+    if not low <= factor <= high:
+        raise ScenarioError(f"speed {factor:g} is outside {low:g} to {high:g} times the recorded cadence")
+    return factor

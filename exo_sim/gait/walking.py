@@ -8,6 +8,7 @@ import numpy as np
 
 from exo_sim.gait import recorded
 from exo_sim.gait.motion import Motion, derivatives, phases, smooth
+from exo_sim.gait.recorded import RecordedGait
 from exo_sim.machine.person import Person
 
 #: How far the trunk leans forward over the recorded pelvis under a load on the back [rad].
@@ -19,14 +20,19 @@ ROLL = (0.06, 0.50)
 
 
 def walking(name: str, person: Person) -> Motion:
-    """Return a recorded gait as a reference motion; phase 0 is the heel strike of the right foot.
-
-    Left and right are alike, half a stride apart. Lengths grow with body height; the stride time does not.
+    """Return a recorded gait as a reference motion; see `walking_as`.
 
     Raises:
         ScenarioError: no gait of this name was recorded.
     """
-    gait = recorded.load(name)
+    return walking_as(recorded.load(name), person)
+
+
+def walking_as(gait: RecordedGait, person: Person) -> Motion:
+    """Return the figures of a gait as a reference motion; phase 0 is the heel strike of the right foot.
+
+    Left and right are alike, half a stride apart. Lengths grow with body height; the stride time does not.
+    """
     right = phases()
     left = (right + 0.5) % 1.0
     series = gait.motion

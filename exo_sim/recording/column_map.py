@@ -92,11 +92,21 @@ def _known(path: Path, what: str, table: Mapping[str, object], choices: tuple[st
 
 
 def _entry(path: Path, name: str, entry: object) -> Column:
-    where = f'column map "{path}", "{name}"'
+    return column_of(f'column map "{path}", "{name}"', name, entry)
+
+
+def column_of(where: str, name: str, entry: object) -> Column:
+    """Return the column that one line of a map says: a heading of the contract, or a table with `column`, `scale` and `offset`.
+
+    Raises:
+        RecordingError, UnitError: it is neither; `where` begins the message.
+    """
     scale, offset = 1.0, 0.0
     heading = entry
     if isinstance(entry, dict):
-        _known(path, f'key of "{name}"', entry, ("column", "scale", "offset"))
+        for key in entry:
+            if key not in ("column", "scale", "offset"):
+                raise RecordingError(f'{where}: unknown key "{key}"{nearest(key, ("column", "scale", "offset"))}')
         heading = entry.get("column")
         scale, offset = (_factor(where, key, entry.get(key, usual)) for key, usual in (("scale", 1.0), ("offset", 0.0)))
     if not isinstance(heading, str):

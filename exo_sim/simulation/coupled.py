@@ -59,8 +59,8 @@ class Simulation:
     def __init__(self, rig: Rig, request: Request):
         self.rig, self.request = rig, request
         self.person = Person(rig.wearer.height, rig.wearer.mass)
-        scenario = scenarios.find(request.scenario)
-        self.motion = scenarios.motion(request.scenario, self.person, request.speed)
+        scenario = request.found
+        self.motion = scenarios.motion(scenario, self.person, request.speed)
         self.cycles = request.cycles if request.cycles is not None else scenario.cycles
         self.model = build(rig.model, self.person, request.payload, rig.ankle, rig.body_masses, rig.joint_factors)
         attach(self.model, rig)
@@ -82,6 +82,7 @@ class Simulation:
         self.demand = self.demand_added = np.zeros((SAMPLES + 1, 6))
         self.demand = self._demands(request.payload)
         self.demand_added = self._demands(request.payload + self.added.mass) if self.added else self.demand
+        self.remarks = (*scenario.remarks, *self.remarks)
         self._reset()
 
     def _demands(self, payload: float) -> NDArray[np.float64]:
@@ -229,7 +230,7 @@ class Simulation:
     def added_at(self) -> float:
         """When the added load is put on [s]: the same share of the run as in the scenario's own length."""
         assert self.added is not None
-        usual = scenarios.find(self.request.scenario).cycles
+        usual = self.request.found.cycles
         return self.added.at * self.motion.period * self.cycles / usual
 
     def _check(self, rows: NDArray[np.float64], start: int, stop: int) -> None:

@@ -41,7 +41,7 @@ def as_it_was(walk: Walk, name: str, seed: int = 0) -> Recording:
     notes = {
         "scenario": request.scenario,
         "payload": f"{request.payload:g} kg",
-        "speed": f"{request.speed:g}",
+        "speed": request.speed if isinstance(request.speed, str) else f"{request.speed:g}",
         "assist": request.assist,
         "controller": request.controller,
         "demand": request.law,

@@ -14,6 +14,7 @@ from exo_sim.control.valve_control import CONTROLLERS, ValveGains
 from exo_sim.errors import ScenarioError, nearest
 from exo_sim.gait import scenario as scenarios
 from exo_sim.gait.motion import Motion
+from exo_sim.gait.scenario import Scenario
 from exo_sim.machine.person import COORDINATES, SEGMENTS, Person
 from exo_sim.machine.straps import StrapSet
 from exo_sim.physics.pneumatics import Books
@@ -30,7 +31,7 @@ class Request:
     Attributes:
         scenario: Its name.
         payload: On the back [kg].
-        speed: Factor on the recorded cadence.
+        speed: Factor on the recorded cadence, or the speed of walking like "1.3 m/s".
         cycles: How many strides or repetitions; None for the scenario's own number.
         assist: "on"; "off": valves closed, gas trapped; "vented": both chambers open to the atmosphere.
         controller: How valves get forces, one of `CONTROLLERS`.
@@ -39,6 +40,7 @@ class Request:
         gains: Of the valve controllers.
         ideal: Forces come as demanded, without gas.
         step: Of the simulation [s]; None for the MJCF's own.
+        given: The scenario itself, where it is not to be found by its name: `scenario` then is what to call it.
 
     Raises:
         ScenarioError: a name that does not exist or a number out of range.
@@ -46,7 +48,7 @@ class Request:
 
     scenario: str
     payload: float = 34.0
-    speed: float = 1.0
+    speed: float | str = 1.0
     cycles: int | None = None
     assist: str = "on"
     controller: str = "model"
@@ -55,9 +57,10 @@ class Request:
     gains: ValveGains = field(default_factory=ValveGains)
     ideal: bool = False
     step: float | None = None
+    given: Scenario | None = None
 
     def __post_init__(self) -> None:
-        scenarios.find(self.scenario)
+        _ = self.found
         for name, value, choices in (
             ("assist", self.assist, ASSIST),
             ("controller", self.controller, CONTROLLERS),
@@ -67,6 +70,11 @@ class Request:
                 raise ScenarioError(f'{name} "{value}"{nearest(value, choices)}')
         if self.cycles is not None and not 1 <= self.cycles <= 10000:
             raise ScenarioError(f"{self.cycles} cycles: ask for 1 to 10000")
+
+    @property
+    def found(self) -> Scenario:
+        """The scenario that was given or is called so."""
+        return self.given if self.given is not None else scenarios.find(self.scenario)
 
 
 @dataclass(frozen=True)

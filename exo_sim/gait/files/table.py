@@ -1,0 +1,61 @@
+"""Recordings of the contract and foreign tables (CSV, Parquet, .rrd): joint angles by column."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from pathlib import Path
+
+import numpy as np
+
+from exo_sim.errors import ScenarioError
+from exo_sim.gait.labels import assigned
+from exo_sim.gait.trial import GroundForce, Trial
+from exo_sim.recording import reader
+from exo_sim.recording.column_map import ColumnMap
+from exo_sim.recording.table import Recording
+
+
+def read_angles(path: Path, named: Mapping[str, str], columns: ColumnMap | None = None) -> tuple[Trial, GroundForce | None]:
+    """Read the angles of a trial, and the ground forces that stand beside them.
+
+    Raises:
+        RecordingError: the file cannot be read.
+        ScenarioError: an angle is missing or no angle.
+    """
+    recording = reader.read(path, columns).recording
+    places = {key.removesuffix(".position"): key for key in recording.columns if key.endswith(".position")}
+    given = {name: places.get(label, label) for name, label in named.items()}
+    found = assigned(places.values(), str(path), given)
+    for name, key in found.items():
+        wanted = "m" if name in ("pelvis_x", "pelvis_z") else "rad"
+        if recording.units[key] != wanted:
+            raise ScenarioError(f'{path}: "{key}" is in {recording.units[key]}; {name} must be in {wanted}')
+    angles = {name: np.asarray(recording[key]) for name, key in found.items()}
+    source = recording.metadata.get("source") or path.name
+    return Trial(path.stem, str(path), recording.time, angles, source=source), _ground(recording, str(path))
+
+
+def read_ground(path: Path) -> GroundForce:
+    """Read every column `<site>.ground_force_z`.
+
+    Raises:
+        RecordingError: the file cannot be read.
+        ScenarioError: it holds no vertical ground force.
+    """
+    found = _ground(reader.read(path).recording, str(path))
+    if found is None:
+        raise ScenarioError(f"{path}: no column <site>.ground_force_z [N], as in foot_l.ground_force_z [N]")
+    return found
+
+
+def _ground(recording: Recording, told_by: str) -> GroundForce | None:
+    up = {key: recording[key] for key in recording.columns if key.endswith(".ground_force_z")}
+    if not up:
+        return None
+    foot = {}
+    for key in up:
+        words = key.split(".")[0].lower().split("_")
+        sides = [side for side, names in (("l", {"l", "left"}), ("r", {"r", "right"})) if set(words) & names]
+        if len(sides) == 1:
+            foot[key] = sides[0]
+    return GroundForce(told_by, recording.time, up, foot)

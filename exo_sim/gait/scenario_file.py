@@ -1,0 +1,208 @@
+"""Scenario files: what somebody does in the machine, in a TOML file from anywhere.
+
+One of three things makes the motion::
+
+    summary = "my walk"              # optional, the line that lists show
+    strides = 10                     # optional, how many strides or repetitions
+
+    [gait]                           # walking with the mean stride of a recorded trial
+    file   = "walk.csv"              # .mot, .sto, .c3d, .csv, .parquet, .rrd; beside this file
+    ground = "forces.mot"            # optional: ground forces of the same trial
+    from   = "2 s"                   # optional: the part of the trial that counts
+    to     = "8 s"
+    knee_l = "L knee flex"           # optional: which column is which angle (hip, knee, ankle _l and _r; tilt, pelvis_x, pelvis_z)
+    [gait.columns]                   # optional, for tables: foreign name = contract name with unit, as in a column map
+    "L knee flex" = { column = "knee_l.position [deg]", scale = -1.0 }
+
+    like = "squat"                   # or: another scenario, with another length or an [added] load
+
+    [standing]                       # or: a motion with both feet flat on the ground, values evenly spaced over the cycle
+    period = "3 s"
+    knee   = ["-10 deg", "-90 deg"]  # flexion is negative
+    ankle  = ["7 deg", "25 deg"]
+    lean   = ["8 deg", "30 deg"]     # of the torso, forward
+
+    [added]                          # optional with any of them: mass put on the back on the way
+    mass = "20 kg"
+    at   = 5.0                       # in strides or repetitions
+    over = "0.3 s"
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import replace
+from functools import partial
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from exo_sim import units
+from exo_sim.errors import ExoSimError, ScenarioError, UnitError, nearest
+from exo_sim.gait import own_gait, scenario
+from exo_sim.gait.motion import SAMPLES, Motion
+from exo_sim.gait.scenario import AddedLoad, Scenario
+from exo_sim.gait.standing import on_both_feet
+from exo_sim.gait.trial import JOINTS, PELVIS
+from exo_sim.inputs import text_of, toml
+from exo_sim.machine.person import Person
+from exo_sim.recording.column_map import ColumnMap, column_of
+from exo_sim.recording.columns import Column
+
+_MAKERS = ("gait", "like", "standing")
+_ANGLES = (*JOINTS, *PELVIS)
+
+
+def read(path: str | Path) -> Scenario:
+    """Read a scenario file.
+
+    Raises:
+        ScenarioError: one line that names the file, the key, the value and what to do.
+    """
+    path = Path(path)
+    try:
+        values = toml(text_of(path))
+    except FileNotFoundError:
+        beside = [entry.name for entry in path.parent.glob("*.toml")] if path.parent.is_dir() else []
+        hint = nearest(path.name, beside)
+        raise ScenarioError(f'there is no scenario file "{path}"{hint if "mean" in hint else ""}') from None
+    except OSError as error:
+        raise ScenarioError(f"{path}: cannot be read: {error.strerror or error}") from None
+    except ValueError as error:
+        raise ScenarioError(f"{path}: {error}") from None
+    _only(path, "", values, ("summary", "strides", "added", *_MAKERS))
+    made_by = [key for key in _MAKERS if key in values]
+    if len(made_by) != 1:
+        raise ScenarioError(f"{path}: one of [gait], [standing] and like makes a scenario; there {_are(made_by)}")
+    made = {"gait": _gait, "like": _like, "standing": _standing}[made_by[0]](path, values[made_by[0]])
+    if "summary" in values:
+        made = replace(made, summary=_text(path, "summary", values["summary"]))
+    if "strides" in values:
+        strides = values["strides"]
+        if isinstance(strides, bool) or not isinstance(strides, int) or not 1 <= strides <= 10000:
+            raise ScenarioError(f"{path}: strides = {strides!r}: write a whole number from 1 to 10000")
+        made = replace(made, cycles=strides)
+    return replace(made, added=_added(path, values["added"])) if "added" in values else made
+
+
+def _are(keys: list[str]) -> str:
+    return f"are {' and '.join(keys)}" if keys else "is none of them"
+
+
+def _gait(path: Path, given: Any) -> Scenario:
+    table = _table(path, "gait", given)
+    _only(path, "gait", table, ("file", "ground", "from", "to", "columns", *_ANGLES))
+    if "file" not in table:
+        raise ScenarioError(f'{path}: gait.file is missing: name the file of joint angles, like file = "walk.mot"')
+    named = {name: _text(path, f"gait.{name}", table[name]) for name in _ANGLES if name in table}
+    columns, more = _columns(path, table.get("columns", {}))
+    file = own_gait.GaitFile(
+        path.parent / _text(path, "gait.file", table["file"]),
+        path.parent / _text(path, "gait.ground", table["ground"]) if "ground" in table else None,
+        {**more, **named},
+        columns,
+        _quantity(path, "gait.from", table["from"], "s") if "from" in table else -np.inf,
+        _quantity(path, "gait.to", table["to"], "s") if "to" in table else np.inf,
+    )
+    try:
+        return own_gait.scenario(file)
+    except ExoSimError as error:
+        raise type(error)(f"{path}: [gait]: {error}") from None
+
+
+def _columns(path: Path, given: Any) -> tuple[ColumnMap | None, dict[str, str]]:
+    """Return a map of foreign columns to the contract's, and angles whose label alone is told (`"L knee" = "knee_l"`)."""
+    table = _table(path, "gait.columns", given)
+    found: dict[str, Column] = {}
+    named: dict[str, str] = {}
+    for foreign, told in table.items():
+        if told in _ANGLES:
+            named[told] = foreign
+            continue
+        try:
+            found[foreign] = column_of(f'{path}: gait.columns."{foreign}"', foreign, told)
+        except ExoSimError as error:
+            raise ScenarioError(str(error)) from None
+    return (ColumnMap(path, found) if found else None), named
+
+
+def _like(path: Path, given: Any) -> Scenario:
+    name = _text(path, "like", given)
+    if name not in scenario.names():
+        raise ScenarioError(f'{path}: like = "{name}": no such scenario{nearest(name, scenario.names())}')
+    return scenario.find(name)
+
+
+def _standing(path: Path, given: Any) -> Scenario:
+    table = _table(path, "standing", given)
+    _only(path, "standing", table, ("period", "knee", "ankle", "lean"))
+    for key in ("period", "knee", "ankle", "lean"):
+        if key not in table:
+            raise ScenarioError(f"{path}: standing.{key} is missing; a motion on both feet has period, knee, ankle and lean")
+    period = _quantity(path, "standing.period", table["period"], "s")
+    if not 0.2 <= period <= 600.0:
+        raise ScenarioError(f"{path}: standing.period = {period:g} s: write 0.2 s to 600 s")
+    curves = {key: _curve(path, f"standing.{key}", table[key]) for key in ("knee", "ankle", "lean")}
+    if curves["knee"].max() > np.radians(5.0):
+        raise ScenarioError(f"{path}: standing.knee reaches {np.degrees(curves['knee'].max()):.0f} deg; flexion is negative")
+
+    return Scenario(f"standing motion of {path.name}", partial(_on_both_feet, period, curves), cycle="repetition", cycles=5)
+
+
+def _on_both_feet(period: float, curves: Mapping[str, NDArray[np.float64]], person: Person) -> Motion:
+    return on_both_feet(person, period, curves["knee"], curves["ankle"], curves["lean"])
+
+
+def _curve(path: Path, key: str, given: Any) -> NDArray[np.float64]:
+    """Return a periodic curve through evenly spaced values, smooth, without overshoot between two of them, shape (SAMPLES,)."""
+    values = np.array([_quantity(path, key, value, "rad") for value in (given if isinstance(given, list) else [given])])
+    if not 1 <= len(values) <= 100:
+        raise ScenarioError(f"{path}: {key} has {len(values)} values; write 1 to 100")
+    if np.abs(values).max() > np.radians(150.0):
+        raise ScenarioError(f"{path}: {key} reaches {np.degrees(np.abs(values).max()):.0f} deg, which no joint does")
+    at = np.arange(SAMPLES) / SAMPLES * len(values)
+    before = at.astype(int) % len(values)
+    share = at % 1.0
+    rise = share**4 * (35 - 84 * share + 70 * share**2 - 20 * share**3)
+    return np.asarray(values[before] + (values[(before + 1) % len(values)] - values[before]) * rise)
+
+
+def _added(path: Path, given: Any) -> AddedLoad:
+    table = _table(path, "added", given)
+    _only(path, "added", table, ("mass", "at", "over"))
+    if "mass" not in table:
+        raise ScenarioError(f'{path}: added.mass is missing, like mass = "20 kg"')
+    at = table.get("at", 5.0)
+    if isinstance(at, bool) or not isinstance(at, int | float) or not 0.0 <= at <= 10000.0:
+        raise ScenarioError(f"{path}: added.at = {at!r}: write after how many strides or repetitions, like 5.0")
+    mass, over = _quantity(path, "added.mass", table["mass"], "kg"), _quantity(path, "added.over", table.get("over", "0.3 s"), "s")
+    if not 0.0 < mass <= 100.0 or not 0.01 <= over <= 60.0:
+        raise ScenarioError(f"{path}: added: mass {mass:g} kg over {over:g} s; write up to 100 kg over 0.01 s to 60 s")
+    return AddedLoad(mass, float(at), over)
+
+
+def _table(path: Path, key: str, given: Any) -> Mapping[str, Any]:
+    if not isinstance(given, Mapping):
+        raise ScenarioError(f"{path}: {key} = {given!r} must be a table: write [{key}] above its keys")
+    return given
+
+
+def _text(path: Path, key: str, given: Any) -> str:
+    if not isinstance(given, str) or not given:
+        raise ScenarioError(f"{path}: {key} = {given!r} must be text in quotes")
+    return given
+
+
+def _quantity(path: Path, key: str, given: Any, unit: str) -> float:
+    try:
+        return units.parse(given, unit)
+    except UnitError as error:
+        raise ScenarioError(f"{path}: {key}: {error}") from None
+
+
+def _only(path: Path, key: str, table: Mapping[str, Any], known: tuple[str, ...]) -> None:
+    for each in table:
+        if each not in known:
+            raise ScenarioError(f"{path}: {key}{'.' if key else ''}{each} is not a key of a scenario{nearest(each, known)}")

@@ -12,7 +12,7 @@ from exo_sim.diagnosis.findings import Diagnosis, Verdict
 from exo_sim.recording import Recording, read, write_table
 
 sys.path.insert(0, str(Path(__file__).parents[1] / "report"))
-import made_up_diagnoses as made_up
+from report import made_up_diagnoses as made_up
 
 
 @pytest.fixture

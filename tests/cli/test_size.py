@@ -57,7 +57,8 @@ def test_json_and_files(sized, capsys):
     chosen = data["recommended"]
     rig = rigs.read(out / "sized.toml")
     assert rig.cylinders["knee_r"].bore == pytest.approx(chosen["bore_mm"]["knee"] * 1e-3)
-    assert rig.cylinders["hip_l"].attachment.base[0] == pytest.approx(chosen["attachment_mm"]["hip"]["from"][0] * 1e-3)
+    attachment = rig.cylinders["hip_l"].attachment
+    assert attachment is not None and attachment.base[0] == pytest.approx(chosen["attachment_mm"]["hip"]["from"][0] * 1e-3)
     assert rig.supply.pressure == pytest.approx(chosen["supply_pa"]) and rig.supply.pressure <= 1.101325e6
     assert {effect.name for effect in rig.effects} == {"coulomb_friction", "wall_heat_transfer"}
 

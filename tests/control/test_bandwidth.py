@@ -10,7 +10,7 @@ from exo_sim.control.valve_control import MODEL, PI
 
 def test_bandwidth_of_a_known_lag():
     frequency = np.geomspace(1, 100, 60)
-    assert bandwidth(frequency, 1 / (1 + 1j * frequency / 20.0)) == pytest.approx(20.0, rel=1e-2)
+    assert bandwidth(frequency, (1 / (1 + 1j * frequency / 20.0)).astype(complex)) == pytest.approx(20.0, rel=1e-2)
     delay = np.exp(-2j * np.pi * frequency * 0.01)
     assert bandwidth(frequency, delay) == pytest.approx(25.0, rel=1e-2)
     assert np.isnan(bandwidth(frequency, np.ones(60, dtype=complex)))

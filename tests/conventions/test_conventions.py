@@ -219,7 +219,9 @@ def test_inspect_compare_and_diagnose_say_it(machines: dict[str, Path], tmp_path
 
 
 @pytest.mark.parametrize("verb", ["compare", "diagnose"])
-def test_what_cannot_be_computed_is_one_line_and_status_2(machines: dict[str, Path], tmp_path: Path, verb: str, capsys) -> None:
+def test_what_cannot_be_computed_is_one_line_and_status_2(
+    machines: dict[str, Path], tmp_path: Path, verb: str, capsys: pytest.CaptureFixture[str]
+) -> None:
     folder = machines["bench_"]
     with_rig(folder, tmp_path, r"retracted_length\s*=.*", 'retracted_length = "900 mm"')
     (path,) = folder.glob("recording*")

@@ -13,7 +13,7 @@ from exo_sim.physics.records import CYLINDER, WORLD
 
 Array = NDArray[np.float64]
 
-TIME = np.arange(8000) * 1e-3
+TIME = np.arange(8000, dtype=float) * 1e-3
 MASS = 8.0
 POSITION = 0.05 * np.sin(3.0 * TIME) + 0.02 * np.sin(7.3 * TIME)
 VELOCITY = 0.15 * np.cos(3.0 * TIME) + 0.146 * np.cos(7.3 * TIME)

@@ -105,6 +105,7 @@ def test_a_table_is_looked_up_between_its_rows():
 def test_the_committed_figures_are_those_of_the_recordings(shared_data, repository, tmp_path):
     loader = importlib.machinery.SourceFileLoader("fit_gait", str(repository / "scripts" / "fit_gait"))
     spec = importlib.util.spec_from_loader("fit_gait", loader)
+    assert spec is not None
     script = importlib.util.module_from_spec(spec)
     loader.exec_module(script)
     for name, read in (("falisse", script.falisse), ("opensim", script.opensim)):

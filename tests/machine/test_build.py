@@ -15,7 +15,7 @@ from exo_sim.rig import Ankle, JointFactors
 
 
 @pytest.fixture(scope="module")
-def assets(repository) -> Path:
+def assets(repository: Path) -> Path:
     return repository / "assets"
 
 
@@ -75,7 +75,7 @@ def test_moment_arms_stay_positive_over_the_whole_range(assets):
     data = mujoco.MjData(model)
     for name in ("hip_l", "knee_l", "hip_r", "knee_r"):
         joint = model.joint(name)
-        for angle in np.linspace(*joint.range, 30):
+        for angle in np.linspace(joint.range[0], joint.range[1], 30):
             data.qpos[:] = model.qpos0
             data.qpos[joint.qposadr] = angle
             mujoco.mj_forward(model, data)

@@ -4,13 +4,13 @@ from __future__ import annotations
 
 import math
 from collections import namedtuple
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 
 import numpy as np
 import pytest
 from numpy.typing import NDArray
+from physics.stepping import drive, hold, tank
 from scipy.optimize import brentq
-from stepping import drive, hold, tank
 
 from exo_sim.physics import gas as nozzle
 from exo_sim.physics import plant, state
@@ -63,13 +63,17 @@ def slide(
     return np.array(out)
 
 
-def contact(**effects: dict[str, float]) -> NDArray[np.void]:
+def contact(**effects: Mapping[str, float]) -> NDArray[np.void]:
     """Return one joint with these effects on."""
     joint = np.zeros(1, JOINT)
     for name, numbers in effects.items():
         for key, value in numbers.items():
             joint[name][key] = value
     return joint
+
+
+def constant(force: float) -> Callable[[float, float], float]:
+    return lambda t, q: force
 
 
 def nothing(t: float, q: float) -> float:
@@ -465,7 +469,7 @@ def drag_on_the_piston_comes_through_the_mount() -> None:
         gas.cylinders["viscous_friction"]["coefficient"] = 200.0
         gas.cylinders["return_spring"]["stiffness"] = 500.0
         gas.fill(np.array([0.05]), PA, PA)
-        forces.append(drive(gas, 0.05 + 0.1 * 1e-3 * np.arange(200))[-1, 4])
+        forces.append(drive(gas, 0.05 + 0.1 * 1e-3 * np.arange(200, dtype=float))[-1, 4])
     assert forces[0] == pytest.approx(-20.0 - 500.0 * 0.0699, rel=0.01)
     assert forces[1] == pytest.approx(forces[0], rel=5e-3)
 
@@ -580,7 +584,7 @@ def each_direction_meets_its_own_friction() -> None:
         found = slide(joint.copy(), 10.0, v, nothing, 1.0, 1e-4)
         assert abs(found[-1, 0]) == pytest.approx(10.0 * 0.3**2 / (2 * force), rel=2e-3)
     for load, moves in ((15.0, False), (25.0, True), (-7.0, False), (-9.0, True)):
-        found = slide(joint.copy(), 10.0, 0.0, lambda t, q, load=load: load, 1.0, 1e-3)
+        found = slide(joint.copy(), 10.0, 0.0, constant(load), 1.0, 1e-3)
         assert bool(abs(found[-1, 0]) > 1e-3) is moves
 
 

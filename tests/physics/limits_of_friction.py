@@ -6,7 +6,7 @@ import math
 
 import numpy as np
 import pytest
-from effect_limits import LUGRE, contact, limit_of, nothing, slide, steady_resistance
+from physics.effect_limits import LUGRE, contact, limit_of, nothing, slide, steady_resistance
 
 from exo_sim.physics.conditions import Motion
 from exo_sim.physics.pneumatics import Pneumatics, paper_cylinder, paper_world

@@ -6,8 +6,8 @@ import math
 
 import numpy as np
 import pytest
-from effect_limits import PA, K, limit_of
-from stepping import hold, tank
+from physics.effect_limits import PA, K, limit_of
+from physics.stepping import hold, tank
 
 from exo_sim.physics import gas as nozzle
 from exo_sim.physics import nodes

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
-from stepping import drive, hold, tank
+from physics.stepping import drive, hold, tank
 
 from exo_sim.physics import plant, state
 from exo_sim.physics.cylinder import rod_force

@@ -5,13 +5,16 @@ from __future__ import annotations
 import math
 from collections.abc import Callable, Mapping
 from pathlib import Path
+from typing import Any
 
-import limits_of_friction  # noqa: F401  (enters its limits)
-import limits_of_valves  # noqa: F401
 import numpy as np
 import pytest
-from effect_limits import LIMITS, contact, slide
 from numpy.typing import NDArray
+from physics import (
+    limits_of_friction,  # noqa: F401  (enters its limits)
+    limits_of_valves,  # noqa: F401
+)
+from physics.effect_limits import LIMITS, contact, slide
 
 from exo_sim import signals
 from exo_sim.physics import state
@@ -60,7 +63,7 @@ def typical(parameter: Parameter) -> float | NDArray[np.float64]:
     return math.sqrt(low * high) if low > 0.0 else 0.5 * (low + high) or high
 
 
-def numbers(effect: Effect) -> dict[str, float | NDArray[np.float64]]:
+def numbers(effect: Effect) -> dict[str, Any]:
     """Return typical numbers for all that an effect declares."""
     return {parameter.name: typical(parameter) for parameter in effect.parameters}
 
@@ -70,7 +73,7 @@ def run(settings: Mapping[str, Mapping[str, float]]) -> dict[str, NDArray[np.flo
     world, cylinder = paper_world(), paper_cylinder(0.032, 0.012, 0.1, 3e-6, 4e-6, 4e-6)
     cylinder["effective_mass"] = 10.0
     for name, entries in settings.items():
-        where = cylinder if name in CYLINDER.names else world
+        where = cylinder if name in (CYLINDER.names or ()) else world
         for key, value in entries.items():
             where[name][key] = value
     gas = Pneumatics(world, cylinder, dt=1e-3)
@@ -239,7 +242,7 @@ def test_rig_text_round_trips(name: str, where: str, turning: bool, repository: 
     path = repository / "assets" / "bench.toml"
     effect = declared()[name]
     single = {p.name: float(f"{typical(p):.7g}") for p in effect.parameters if not p.most}
-    curves = {p.name: tuple(float(f"{v:.7g}") for v in typical(p)) for p in effect.parameters if p.most}
+    curves = {p.name: tuple(float(f"{v:.7g}") for v in np.atleast_1d(typical(p))) for p in effect.parameters if p.most}
     setting = EffectSetting(name, where, single, turning, curves)
     settings = [setting]
     if effect.requires:
@@ -253,4 +256,4 @@ def test_rig_text_round_trips(name: str, where: str, turning: bool, repository: 
 
 def test_a_joint_record_knows_every_effect_of_joints() -> None:
     for name, effect in declared().items():
-        assert (name in JOINT.names) == ("joint" in effect.places)
+        assert (name in (JOINT.names or ())) == ("joint" in effect.places)

@@ -5,8 +5,8 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 from numpy.typing import NDArray
+from physics.stepping import drive, free, hold, tank
 from scipy.integrate import solve_ivp
-from stepping import drive, free, hold, tank
 
 from exo_sim.physics import plant, state
 from exo_sim.physics.pneumatics import Pneumatics, paper_cylinder, paper_world
@@ -180,6 +180,6 @@ def test_a_cylinder_without_effects_takes_a_short_way_to_the_same_bits() -> None
         for i in range(1, len(path)):
             gas.advance(path[i - 1 : i], path[i : i + 1], np.array([np.sin(9 * time[i])]))
         ends.append(gas.vector.copy())
-    assert np.array_equal(*ends)
+    assert np.array_equal(ends[0], ends[1])
     assert ends[0][state.DRAWN] > 0.0
     assert ends[0][state.EXHAUSTED] > 0.0

@@ -7,8 +7,8 @@ from pathlib import Path
 import numpy as np
 import pytest
 from numpy.typing import NDArray
+from physics.stepping import hold, tank
 from scipy.optimize import least_squares
-from stepping import hold, tank
 
 from exo_sim.physics.pneumatics import Pneumatics, paper_cylinder, paper_world
 from exo_sim.recording.foreign.gas_spring import read_gas_spring

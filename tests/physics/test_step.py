@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 import pytest
@@ -119,7 +119,8 @@ def test_heat_that_declares_no_bound_is_bounded_by_its_slope() -> None:
 
 def test_a_declared_bound_is_used_and_an_undeclared_one_estimated() -> None:
     made = Term("made up", of_gas=True)
-    leak, flow = OUTWARD_FLOW._functions["external_leakage"]
+    functions: dict[str, tuple[Any, Any]] = {**OUTWARD_FLOW._functions}
+    leak, flow = functions["external_leakage"]
     made.of(leak)(flow.py_func)
     cylinder, world = paper_cylinder(0.032, 0.012, 0.1, 5e-6), paper_world()[0]
     cylinder["external_leakage"]["laminar_1"] = 1e-15

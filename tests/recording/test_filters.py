@@ -20,7 +20,7 @@ from exo_sim.recording.filters import (
 )
 
 STEP, SECONDS = 1e-3, 0.031
-TIME = np.arange(6000) * STEP
+TIME = np.arange(6000, dtype=float) * STEP
 INSIDE = slice(200, -200)
 
 
@@ -37,7 +37,7 @@ def test_what_the_filter_took_is_put_back_but_for_its_square(frequency: float) -
 @pytest.mark.parametrize("name", ["gaussian_derivatives", "restored"])
 def test_what_is_left_of_white_noise(order: int, name: str) -> None:
     noise = np.random.default_rng(5).standard_normal(400_000)
-    time = np.arange(noise.size) * STEP
+    time = np.arange(noise.size, dtype=float) * STEP
     left = gaussian_derivatives(time, noise, SECONDS)[order]
     if name == "restored":
         left = restored(time, left, SECONDS)
@@ -47,7 +47,7 @@ def test_what_is_left_of_white_noise(order: int, name: str) -> None:
 
 @pytest.mark.parametrize("step", [1e-3, 5e-3, 10e-3, 20e-3])
 def test_a_slow_clock_takes_little_from_a_velocity(step: float) -> None:
-    time = np.arange(3000) * step
+    time = np.arange(3000, dtype=float) * step
     seconds, turn = max(SECONDS, 6.0 * step), 2.0 * np.pi * min(5.0, 0.03 / step)
     velocity = smoothed_motion(time, np.sin(turn * time), seconds, noise=0.0).velocity[INSIDE] / turn
     np.testing.assert_allclose(velocity, np.cos(turn * time)[INSIDE], atol=2e-3)

@@ -1,5 +1,6 @@
 """Clean recordings raise nothing; every planted fault is told, by its name, on its column."""
 
+from collections.abc import Callable
 from functools import cache
 
 import numpy as np
@@ -129,7 +130,7 @@ def test_a_demand_at_its_limit_is_no_sensor_at_its_end() -> None:
 
 
 def test_a_clipped_sine_without_noise() -> None:
-    time = np.arange(5000) * 1e-3
+    time = np.arange(5000, dtype=float) * 1e-3
     values = np.minimum(3e5 + 2e5 * np.sin(2 * np.pi * time), 4e5)
     recording = Recording("r", time, {"p.pressure_1": values, "s.position": np.cos(time)}, {"p.pressure_1": "Pa"})
     assert [f.kind for f in grave(recording, None)] == ["clipped"]
@@ -155,7 +156,7 @@ def test_a_clipped_sine_without_noise() -> None:
         ("supply.temperature", lambda x: x * 0.0 + 5000.0, "range"),
     ],
 )
-def test_readings_that_cannot_be(key: str, change, kind: str) -> None:
+def test_readings_that_cannot_be(key: str, change: Callable[[np.ndarray], np.ndarray], kind: str) -> None:
     recording = bench(3)
     found = grave(altered(recording, key, change(recording[key])))
     assert [(f.column, f.kind) for f in found] == [(key, kind)]

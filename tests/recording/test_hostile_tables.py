@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 import os
+from collections.abc import Callable
 from pathlib import Path
 
 import numpy as np
@@ -91,12 +92,18 @@ def test_headings_without_end_are_refused(tmp_path: Path) -> None:
     assert "unknown column" in kinds(read(path))
 
 
+#: Numbers of rows to a series.
+Series = Callable[[np.ndarray], np.ndarray]
+
+
 @pytest.mark.parametrize("values", [
     lambda i: 1e300 * (-1.0) ** i, lambda i: 1e300 * np.sin(i), lambda i: 1e5 * (1 + i % 2), lambda i: 5e-324 * i,
     lambda i: 1e-300 * np.sin(i), lambda i: (-1.0) ** i * 1e29, lambda i: 0.0 * i, lambda i: np.where(i % 4 < 2, 1e5, 2e5),
 ])  # fmt: skip
 @pytest.mark.parametrize("clock", [lambda i: 0.01 * i, lambda i: 0.01 * (i - i % 2) + 1e-15 * (i % 2), lambda i: 1e-7 * 3.0 ** (i % 60)])
-def test_values_of_every_size_go_through_every_question(tmp_path: Path, values, clock, capsys) -> None:
+def test_values_of_every_size_go_through_every_question(
+    tmp_path: Path, values: Series, clock: Series, capsys: pytest.CaptureFixture[str]
+) -> None:
     i = np.arange(ROWS)
     keys = {"piston.pressure_1": "Pa", "slide.position": "m", "slide.velocity": "m/s"}
     with np.errstate(all="ignore"):
@@ -111,7 +118,8 @@ def test_values_of_every_size_go_through_every_question(tmp_path: Path, values, 
 
 @pytest.mark.parametrize("step", [5e-324, 1e-300, 1e300])
 def test_a_clock_of_no_size_is_refused(tmp_path: Path, step: float) -> None:
-    recording = Recording("r", step * np.arange(ROWS), {"piston.pressure_1": np.arange(ROWS) * 1.0}, {"piston.pressure_1": "Pa"})
+    rows = np.arange(ROWS, dtype=float)
+    recording = Recording("r", step * rows, {"piston.pressure_1": rows}, {"piston.pressure_1": "Pa"})
     write_table(tmp_path / "a.parquet", recording)
     with pytest.raises(RecordingError, match=r'the clock steps by|"time"'):
         read(tmp_path / "a.parquet")
@@ -121,7 +129,7 @@ def test_a_clock_of_no_size_is_refused(tmp_path: Path, step: float) -> None:
 @given(st.lists(st.floats(allow_nan=True, allow_infinity=False, width=64), min_size=20, max_size=80), st.integers(1, 4))
 def test_the_noise_of_anything_is_a_number(values: list[float], repeats: int) -> None:
     series = np.tile(np.clip(values, -1e30, 1e30), repeats)
-    found = noises.floor(series, np.arange(len(series)) * 1e-3)
+    found = noises.floor(series, np.arange(len(series), dtype=float) * 1e-3)
     assert np.isfinite([found.std, found.white, found.correlated, found.step]).all()
 
 

@@ -52,11 +52,11 @@ def test_quantisation_is_found_and_added(ratio: float, seed: int) -> None:
 
 
 def test_a_step_survives_a_change_of_unit() -> None:
-    counts = np.random.default_rng(0).integers(0, 4000, 5000)
+    counts = np.random.default_rng(0).integers(0, 4000, 5000).astype(float)
     assert noise.quantum(counts * 0.0254 * 0.01 + 1.7) == pytest.approx(0.000254)
     assert noise.quantum(np.random.default_rng(0).standard_normal(5000)) == 0.0
     assert noise.quantum(np.full(100, 3.0)) == 0.0
-    assert noise.quantum(np.arange(5000) * 4e-7) == 0.0
+    assert noise.quantum(np.arange(5000, dtype=float) * 4e-7) == 0.0
 
 
 def test_motion_without_noise_has_none_to_speak_of() -> None:
@@ -65,7 +65,7 @@ def test_motion_without_noise_has_none_to_speak_of() -> None:
 
 
 def test_too_slow_a_clock_is_admitted() -> None:
-    found = noise.floor(motion(1000, 0.1), np.arange(1000) * 0.1)
+    found = noise.floor(motion(1000, 0.1), np.arange(1000, dtype=float) * 0.1)
     assert found.signal_share > 0.9
 
 
@@ -88,7 +88,7 @@ def test_bandwidth_of_the_signal() -> None:
 
 
 def test_all_columns_at_once() -> None:
-    time = np.arange(5000) / RATE
+    time = np.arange(5000, dtype=float) / RATE
     values = motion(5000) + 250.0 * np.random.default_rng(0).standard_normal(5000)
     recording = Recording("r", time, {"p.pressure_1": values, "p.valve_command": np.zeros(5000)}, {})
     found = noise.floors(recording)

@@ -12,6 +12,7 @@ from pyarrow import parquet
 from exo_sim.errors import ExoSimError, RecordingError
 from exo_sim.recording import read, selection
 from exo_sim.recording.health import check
+from exo_sim.recording.reader import Reading
 
 HEADING = "time [s],piston.pressure_1 [Pa]\n"
 BODY = "".join(f"{i * 0.001:.3f},{100000 + i}\n" for i in range(20))
@@ -148,7 +149,7 @@ def test_what_is_odd_is_said_and_the_rest_used(tmp_path: Path) -> None:
     assert set(reading.recording.columns) == {"piston.pressure_1", "piston.force"}
 
 
-def clock(tmp_path: Path, times: np.ndarray) -> object:
+def clock(tmp_path: Path, times: np.ndarray) -> Reading:
     return read(file(tmp_path, HEADING + "".join(f"{t!r},{i}\n" for i, t in enumerate(times.tolist()))))
 
 

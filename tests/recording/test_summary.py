@@ -65,7 +65,7 @@ def test_chatter_is_not_a_step() -> None:
 
 def test_stance_alone_will_do() -> None:
     time = np.arange(3000) / 1000.0
-    columns = {"gait.stance_r": (np.sin(2 * np.pi * time) > 0) * 1.0}
+    columns = {"gait.stance_r": (np.sin(2 * np.pi * time) > 0).astype(float)}
     (foot,) = feet(Recording("r", time, columns, {"gait.stance_r": "1"}))
     assert foot.contacts == pytest.approx((0.001, 1.001, 2.001), abs=2e-3)
     assert foot.peak_force is None
@@ -94,7 +94,7 @@ def test_walking_a_long_way_is_not_millimetres() -> None:
     recording = walk()
     for way, kinds in ((1.3 * recording.time, []), (8.0 * np.sin(recording.time), ["unit"])):
         columns = {**recording.columns, "torso_x.position": way}
-        moved = Recording("r", recording.time, columns, recording.units | {"torso_x.position": "m"})
+        moved = Recording("r", recording.time, columns, {**recording.units, "torso_x.position": "m"})
         assert [finding.kind for finding in summary.summarise(Reading(moved, ())).findings] == kinds
 
 

@@ -6,7 +6,7 @@ import numpy as np
 
 from exo_sim.recording.windows import RANGE_SAMPLES, clock_breaks, local_range, stretch_starts, window_starts
 
-TIME = np.arange(1000) * 1e-3
+TIME = np.arange(1000, dtype=float) * 1e-3
 
 
 def test_a_jump_of_the_clock_begins_a_stretch() -> None:

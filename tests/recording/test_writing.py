@@ -14,6 +14,7 @@ from exo_sim.recording import Arrows, DrawnCylinder, Recording, Scene, Shape, re
 from exo_sim.recording.blueprint import tabs, words
 from exo_sim.recording.rrd_file import gait_lanes, turns
 from exo_sim.recording.rrd_scene import _turning_z_to
+from exo_sim.recording.scene import Kind
 
 UNITS = {
     "knee_r.valve_command": "1",
@@ -33,7 +34,7 @@ UNITS = {
 def walk(n: int = 500, seed: int = 0) -> Recording:
     rng = np.random.default_rng(seed)
     columns = {key: rng.standard_normal(n) for key in UNITS}
-    columns["gait.stance_r"] = (np.arange(n) % 100 < 60) * 1.0
+    columns["gait.stance_r"] = (np.arange(n) % 100 < 60).astype(float)
     columns["knee_r.force"][20:30] = np.nan
     metadata = {"rig": 'name = "exo"\n[supply]\npressure = "7 bar"\n', "scenario": "level_walk", "seed": "0"}
     return Recording("walk", np.arange(n) / 1000.0, columns, UNITS, metadata)
@@ -44,7 +45,7 @@ def scene(times: np.ndarray) -> Scene:
     line = np.stack((times, np.zeros(n), np.ones(n)), axis=1)
     turn = np.zeros((n, 2, 4))
     turn[..., 0] = 1.0
-    kinds = ("sphere", "capsule", "ellipsoid", "cylinder", "box")
+    kinds: tuple[Kind, ...] = ("sphere", "capsule", "ellipsoid", "cylinder", "box")
     shapes = [Shape(k, 1, k, np.full(3, 0.1), np.zeros(3), np.array([1.0, 0, 0, 0])) for k in kinds]
     return Scene(
         times,

@@ -1,5 +1,5 @@
-import made_up_diagnoses as made_up
 import numpy as np
+from report import made_up_diagnoses as made_up
 
 from exo_sim.recording import Recording, read
 from exo_sim.report.comparison import write_comparison

@@ -3,9 +3,9 @@ import math
 import re
 from dataclasses import replace
 
-import made_up_diagnoses as made_up
 import numpy as np
 import pytest
+from report import made_up_diagnoses as made_up
 
 from exo_sim.diagnosis.findings import Diagnosis, Estimate, Finding, Kind, SignalFit, Verdict
 from exo_sim.report import diagnosis_picture, diagnosis_text, diagnosis_words
@@ -17,7 +17,9 @@ class Reader(html.parser.HTMLParser):
 
     def __init__(self) -> None:
         super().__init__()
-        self.words, self.open, self.fetched = [], [], []
+        self.words: list[str] = []
+        self.open: list[str] = []
+        self.fetched: list[str] = []
 
     def handle_starttag(self, tag, attrs):
         if tag not in ("meta", "br", "link", "img"):

@@ -2,6 +2,7 @@ from __future__ import annotations
 
 from pathlib import Path
 
+import mujoco
 import numpy as np
 import pytest
 from matplotlib.image import imread
@@ -13,17 +14,17 @@ from exo_sim.report import picture
 
 
 @pytest.fixture(scope="module")
-def machine(repository: Path):
+def machine(repository: Path) -> rig.Rig:
     return rig.read(repository / "assets" / "exo.toml")
 
 
 @pytest.fixture(scope="module")
-def model(machine):
+def model(machine: rig.Rig) -> mujoco.MjModel:
     return build(machine.model, Person(), 34.0, machine.ankle)
 
 
 @pytest.fixture
-def columns(model) -> dict[str, np.ndarray]:
+def columns(model: mujoco.MjModel) -> dict[str, np.ndarray]:
     time = np.linspace(0.0, 3.0, 301)
     joints = {f"{model.joint(i).name}.position": np.zeros(301) for i in range(model.njnt)}
     joints["torso_z.position"] += 0.879
@@ -37,14 +38,14 @@ def test_a_stride_is_the_last_whole_cycle(columns: dict[str, np.ndarray]) -> Non
     assert picture.stride({"slide.position": np.zeros(8)}, 4) == [0, 1, 3, 5]
 
 
-def drawn(model, machine, columns, rows) -> np.ndarray:
+def drawn(model: mujoco.MjModel, machine: rig.Rig, columns: dict[str, np.ndarray], rows: list[int]) -> np.ndarray:
     try:
         return picture.moments(model, machine, columns, rows, size=(320, 120)).astype(int)
     except picture.NoRenderer as reason:
         pytest.skip(str(reason))
 
 
-def test_the_machine_is_drawn_where_it_is(model, machine, columns: dict[str, np.ndarray]) -> None:
+def test_the_machine_is_drawn_where_it_is(model: mujoco.MjModel, machine: rig.Rig, columns: dict[str, np.ndarray]) -> None:
     standing, striding = drawn(model, machine, columns, [0]), drawn(model, machine, columns, [25])
     assert standing.shape == (120, 320, 3)
     changed = np.abs(standing - striding).sum(axis=2) > 60
@@ -53,13 +54,13 @@ def test_the_machine_is_drawn_where_it_is(model, machine, columns: dict[str, np.
     assert 100 < left < right < 220  # only about the one moment, which is in the middle
 
 
-def test_more_moments_fill_more_of_the_picture(model, machine, columns: dict[str, np.ndarray]) -> None:
+def test_more_moments_fill_more_of_the_picture(model: mujoco.MjModel, machine: rig.Rig, columns: dict[str, np.ndarray]) -> None:
     one, three = drawn(model, machine, columns, [0]), drawn(model, machine, columns, [0, 10, 20])
     assert not np.array_equal(one, three)
 
 
 def test_without_a_renderer_it_is_a_plot(
-    model, machine, columns: dict[str, np.ndarray], tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+    model: mujoco.MjModel, machine: rig.Rig, columns: dict[str, np.ndarray], tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     def refuse(*arguments: object) -> None:
         raise picture.NoRenderer("no display")

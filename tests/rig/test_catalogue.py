@@ -6,7 +6,13 @@ import pytest
 
 from exo_sim import rig as rigs
 from exo_sim.errors import RigError
-from exo_sim.rig.catalogue import CATALOGUE, RATED_PRESSURE, estimated_mass, find
+from exo_sim.rig.catalogue import CATALOGUE, RATED_PRESSURE, CatalogueCylinder, estimated_mass, find
+
+
+def entry(bore: float) -> CatalogueCylinder:
+    found = find(bore)
+    assert found is not None
+    return found
 
 
 def test_bores_and_rods_of_the_standards():
@@ -24,25 +30,25 @@ def test_larger_is_heavier_and_longer():
 
 
 def test_the_shortest_stroke_that_covers_a_travel():
-    entry = find(0.040)
-    assert entry.stroke_for(0.100) == pytest.approx(0.100)
-    assert entry.stroke_for(0.1001) == pytest.approx(0.125)
-    assert entry.stroke_for(0.9) is None
+    of_40_mm = entry(0.040)
+    assert of_40_mm.stroke_for(0.100) == pytest.approx(0.100)
+    assert of_40_mm.stroke_for(0.1001) == pytest.approx(0.125)
+    assert of_40_mm.stroke_for(0.9) is None
 
 
 def test_euler_buckling_of_a_16_mm_rod():
     # pi^2 E I / L^2 = 6.54 kN at 1 m for 206 GPa; a fifth of it is allowed
     inertia = math.pi / 64 * 0.016**4
-    assert find(0.040).buckling_force(1.0) == pytest.approx(math.pi**2 * 2.06e11 * inertia / 5.0)
-    assert find(0.040).buckling_force(0.5) == pytest.approx(4 * find(0.040).buckling_force(1.0))
+    assert entry(0.040).buckling_force(1.0) == pytest.approx(math.pi**2 * 2.06e11 * inertia / 5.0)
+    assert entry(0.040).buckling_force(0.5) == pytest.approx(4 * entry(0.040).buckling_force(1.0))
 
 
 def test_mass_between_two_standard_bores(repository):
     cylinder = rigs.read(repository / "assets" / "exo.toml").cylinders["knee_l"]
     from dataclasses import replace
 
-    assert estimated_mass(cylinder) == pytest.approx(find(0.040).mass(cylinder.stroke))
+    assert estimated_mass(cylinder) == pytest.approx(entry(0.040).mass(cylinder.stroke))
     odd = estimated_mass(replace(cylinder, bore=0.045))
-    assert find(0.040).mass(cylinder.stroke) < odd < find(0.050).mass(cylinder.stroke)
+    assert entry(0.040).mass(cylinder.stroke) < odd < entry(0.050).mass(cylinder.stroke)
     with pytest.raises(RigError, match="outside the catalogue"):
         estimated_mass(replace(cylinder, bore=0.3))

@@ -118,7 +118,12 @@ def test_what_takes_too_long_is_interrupted_as_a_person_would(tmp_path, monkeypa
     from fuzzing import command, promises
 
     monkeypatch.setattr(command, "LONGEST", 0.05)
-    outcome = command.run(("x",), tmp_path, lambda words: time.sleep(30) or 0)
+
+    def sleeps(words: object) -> int:
+        time.sleep(30)
+        return 0
+
+    outcome = command.run(("x",), tmp_path, sleeps)
     assert outcome.interrupted and promises.broken(outcome, ("x",))[0].startswith("escaped: KeyboardInterrupt")
 
 

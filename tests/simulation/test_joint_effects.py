@@ -24,7 +24,7 @@ EFFECTS = {
 }
 
 
-@pytest.fixture(params=EFFECTS.values(), ids=EFFECTS.keys())
+@pytest.fixture(params=list(EFFECTS.values()), ids=list(EFFECTS))
 def machine(request: pytest.FixtureRequest, repository: Path, tmp_path: Path) -> rig.Rig:
     text = (repository / "assets" / "exo.toml").read_text()
     text = text.replace('"exo.xml"', f'"{(repository / "assets" / "exo.xml").as_posix()}"')

@@ -79,7 +79,7 @@ def test_few_cycles_leave_out_what_they_did(exo, cycles):
 @pytest.mark.parametrize("seconds", [0.03, -0.03])
 def test_late_and_early_sensors_look_beyond_a_piece(exo, seconds):
     rig = dataclasses.replace(exo, effects=(EffectSetting("sensor_delay", "a.force", {"seconds": seconds}),))
-    time = np.arange(1000) * 1e-3
+    time = np.arange(1000, dtype=float) * 1e-3
     signal_ = np.cumsum(np.random.default_rng(0).standard_normal(1000))
     recording = Recording("r", time, {"a.force": signal_, "b.force": -signal_}, {"a.force": "N", "b.force": "N"})
     observer, edges = Observer(rig), [0.0, 0.2, 0.3, 0.7, 2.0]
@@ -108,8 +108,8 @@ def test_files_written_in_pieces_hold_what_those_written_at_once_do(exo, tmp_pat
 
 
 def test_a_recording_of_many_pieces_has_no_list_of_contents_and_reads_the_same(exo, tmp_path, monkeypatch):
-    for name, long in (("short", 16), ("long", 0)):
-        monkeypatch.setattr(kept, "_LONG", long)
+    for name, most in (("short", 16), ("long", 0)):
+        monkeypatch.setattr(kept, "_LONG", most)
         kept.run(simulation(exo), tmp_path / f"{name}.rrd", tmp_path / f"{name}.parquet", most=100)
     short, long = (read(tmp_path / f"{name}.rrd") for name in ("short", "long"))
     assert short.findings == long.findings and list(short.recording.columns) == list(long.recording.columns)
@@ -166,7 +166,7 @@ def started(tmp_path, *options, until):
         if any(path.stat().st_size > 10_000_000 for path in tmp_path.glob(until)):
             break
         time.sleep(0.05)
-    assert process.poll() is None, process.stderr.read()
+    assert process.poll() is None, process.communicate()[1]
     return process
 
 

@@ -5,6 +5,7 @@ from __future__ import annotations
 import copy
 import dataclasses
 from pathlib import Path
+from typing import Any
 
 import mujoco
 import numpy as np
@@ -22,7 +23,7 @@ def bench(repository: Path) -> Rig:
 
 
 @pytest.mark.parametrize("pressure", [np.nan, np.inf, 0.0, -1e5, [3e5, 3e5], "high"])
-def test_pressures_that_cannot_be(bench: Rig, pressure: object) -> None:
+def test_pressures_that_cannot_be(bench: Rig, pressure: Any) -> None:
     model = load(bench)
     data, plugin = mujoco.MjData(model), PneumaticPlugin(model, bench)
     plugin.reset(data, 3e5, 3e5)

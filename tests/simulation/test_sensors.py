@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import replace
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -20,7 +21,7 @@ TRUTH = Recording("r", TIME, {COLUMN: 5e5 + 1e5 * np.sin(5.0 * TIME), "slide.pos
 
 
 @pytest.fixture(scope="module")
-def bench(repository) -> Rig:
+def bench(repository: Path) -> Rig:
     return rigs.read(repository / "assets" / "bench.toml")
 
 
@@ -29,7 +30,7 @@ def with_faults(rig: Rig, *settings: EffectSetting) -> Rig:
 
 
 @given(seconds=st.floats(-0.02, 0.02), factor=st.floats(0.8, 1.25), value=st.floats(-1e5, 1e5))
-def test_what_was_shown_gives_back_what_was_there(repository, seconds: float, factor: float, value: float) -> None:
+def test_what_was_shown_gives_back_what_was_there(repository: Path, seconds: float, factor: float, value: float) -> None:
     rig = with_faults(
         rigs.read(repository / "assets" / "bench.toml"),
         EffectSetting("sensor_bias", COLUMN, {"value": value}),

@@ -1,6 +1,7 @@
 """The coupled walk: weight, relief of the wearer, gas books, recorded angles; and how it ends when it cannot go on."""
 
 import dataclasses
+from typing import Any
 
 import mujoco
 import numpy as np
@@ -149,8 +150,8 @@ def test_tall_and_short_wearers_walk(exo):
 
 def test_added_payload_hangs_on_the_frame(exo):
     walk = simulate(exo, Request("payload_step", payload=20.0))
-    up = sum(walk.columns[f"foot_{side}.ground_force_z"] for side in "lr")
-    up = up + sum(walk.columns[f"{name}.strap_force_z"] for name in walk.straps.names)
+    held = [f"foot_{side}.ground_force_z" for side in "lr"] + [f"{name}.strap_force_z" for name in walk.straps.names]
+    up = np.sum([walk.columns[key] for key in held], axis=0)
     before, after = up[(walk.time > 3) & (walk.time < 4.9)], up[walk.time > 8.0]
     assert before.mean() == pytest.approx(40.0 * 9.81, rel=5e-3)
     assert after.mean() == pytest.approx(60.0 * 9.81, rel=5e-3)
@@ -160,7 +161,8 @@ def test_added_payload_hangs_on_the_frame(exo):
 @pytest.mark.parametrize("law", ["least_load", "inverse_dynamics"])
 def test_an_interrupt_is_an_interrupt_while_rehearsing_and_while_running(exo, monkeypatch, law):
     """It must not teach the demand a walk that was cut short."""
-    real, calls = loop.run, []
+    real = loop.run
+    calls: list[int] = []
 
     def interrupted(first, count, *rest):
         if len(calls) == 5:
@@ -199,13 +201,12 @@ def test_numbers_that_are_none_are_said_so(exo):
 
 
 def test_wrong_names_are_answered_with_the_nearest():
-    for field, value, hint in (
-        ("assist", "vent", "vented"),
-        ("controller", "modle", "model"),
-        ("law", "leastload", "least"),
-    ):
+    wrong: tuple[tuple[dict[str, Any], str], ...] = (
+        ({"assist": "vent"}, "vented"), ({"controller": "modle"}, "model"), ({"law": "leastload"}, "least"),
+    )  # fmt: skip
+    for words, hint in wrong:
         with pytest.raises(ScenarioError, match=hint):
-            Request("level_walk", **{field: value})
+            Request("level_walk", **words)
     with pytest.raises(ScenarioError, match="cycles"):
         Request("level_walk", cycles=0)
 

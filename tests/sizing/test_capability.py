@@ -19,6 +19,11 @@ def _record(rig, name="knee_l"):
     return assembly.world(rig)[0], assembly.cylinders(rig)[list(rig.cylinders).index(name)]
 
 
+def _force(rig, speed, command):
+    world, cylinder = _record(rig)
+    return driving_force(world, cylinder, 0.05, speed, command)
+
+
 def test_static_force_is_supply_on_piston_against_atmosphere(exo):
     world, c = _record(exo)
     p_s = exo.supply.pressure
@@ -53,12 +58,12 @@ def test_speed_costs_force_and_back_pressure_grows(exo):
 
 def test_a_larger_valve_loses_less(exo):
     small = replace(exo, cylinders={n: replace(c, valve_area=3e-6) for n, c in exo.cylinders.items()})
-    assert driving_force(*_record(small), 0.05, 0.4, 1.0) < driving_force(*_record(exo), 0.05, 0.4, 1.0)
+    assert _force(small, 0.4, 1.0) < _force(exo, 0.4, 1.0)
 
 
 def test_friction_of_the_rig_is_taken_off(exo):
     rough = replace(exo, effects=(EffectSetting("coulomb_friction", "knee_l", {"force": 50.0}),))
     for v, opening in ((0.0, 1.0), (0.2, 1.0), (0.2, -1.0), (-0.2, 1.0)):
-        loss = driving_force(*_record(exo), 0.05, v, opening) - driving_force(*_record(rough), 0.05, v, opening)
+        loss = _force(exo, v, opening) - _force(rough, v, opening)
         way = opening if v == 0.0 else np.sign(v)
         assert loss == pytest.approx(50.0 * way, abs=0.5)

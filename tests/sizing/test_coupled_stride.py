@@ -7,7 +7,9 @@ from exo_sim.sizing.coupled_stride import CoupledStride
 from exo_sim.sizing.design import fitted
 from exo_sim.sizing.screening import chosen_bores
 
-CHANGES = ({}, {"supply": 9e5, "hip.valve": 2e-5, "knee.above": 1.0}, {"hip.turn": 0.15, "knee.to": 0.08, "knee.valve": 6e-6})
+CHANGES: tuple[dict[str, float], ...] = (
+    {}, {"supply": 9e5, "hip.valve": 2e-5, "knee.above": 1.0}, {"hip.turn": 0.15, "knee.to": 0.08, "knee.valve": 6e-6},
+)  # fmt: skip
 
 
 @pytest.fixture(scope="module")

@@ -24,7 +24,7 @@ def test_closed_form_linkage_is_mujocos(exo, space):
     model = load(exo)
     data = mujoco.MjData(model)
     for kind in space.kinds:
-        for angle in np.linspace(*kind.range, 7):
+        for angle in np.linspace(kind.range[0], kind.range[1], 7):
             data.joint(kind.joints[1]).qpos[0] = angle
             mujoco.mj_forward(model, data)
             index = model.actuator(kind.cylinders[1]).id
@@ -38,7 +38,7 @@ def test_only_the_angle_between_the_ends_counts(exo, space):
     """Turning both ends together changes neither length nor arm, so three variables are enough."""
     kind = space.kinds[0]
     turned = [np.array([[np.cos(0.4), -np.sin(0.4)], [np.sin(0.4), np.cos(0.4)]]) @ end for end in (kind.own.base, kind.own.rod)]
-    angles = np.linspace(*kind.range, 9)
+    angles = np.linspace(kind.range[0], kind.range[1], 9)
     moved = rigs.Attachment(tuple(turned[0]), tuple(turned[1]))
     np.testing.assert_allclose(length_and_arm(kind.own, 0.0, angles), length_and_arm(moved, 0.0, angles), rtol=1e-12)
 
@@ -60,6 +60,7 @@ def test_sized_rig_reads_back_and_fits_its_machine(exo, space, loads, tmp_path):
         other = back.cylinders[name]
         for key in ("bore", "rod", "stroke", "retracted_length", "dead_volume_1", "dead_volume_2", "valve_area"):
             assert getattr(other, key) == pytest.approx(getattr(cylinder, key), rel=1e-6), key
+        assert other.attachment is not None and cylinder.attachment is not None
         assert other.attachment.base == pytest.approx(cylinder.attachment.base)
         assert other.attachment.rod == pytest.approx(cylinder.attachment.rod)
     check_strokes(back, load(back))

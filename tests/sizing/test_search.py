@@ -69,7 +69,8 @@ def test_two_processes_give_the_same_front(task, outcome):
 
 
 def test_killed_and_started_again_it_repeats_nothing(task, outcome, tmp_path, monkeypatch):
-    journal, scored = tmp_path / "search.journal", []
+    journal = tmp_path / "search.journal"
+    scored: list[object] = []
     whole = evaluation.Evaluator.score
 
     def counted(self, numbers, stop_at):

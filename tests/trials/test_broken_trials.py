@@ -9,6 +9,7 @@ import shutil
 import sys
 import time
 from pathlib import Path
+from typing import Any
 
 import pytest
 from hypothesis import given
@@ -281,7 +282,7 @@ def test_two_that_run_one_trial_do_not_meet(trial, capsys):
 
 
 def test_what_is_not_said_is_not_there():
-    said = [{"evidence": {"probability": 0.9}}, {"probability": 0.2}, {"probability": "x"}]
+    said: list[dict[str, Any]] = [{"evidence": {"probability": 0.9}}, {"probability": 0.2}, {"probability": "x"}]
     tidy = tidied({"effects": [{"name": "a", **one} for one in said]})
     assert tidy is not None
     assert [effect.get("probability") for effect in tidy["effects"]] == [None, 0.2, None]

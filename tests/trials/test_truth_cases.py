@@ -1,6 +1,7 @@
 from __future__ import annotations
 
 import json
+from typing import Any
 
 import numpy as np
 import pytest
@@ -12,7 +13,7 @@ from exo_sim.trials.effects import EFFECTS, LISTED, OUTSIDE, find, plant
 from exo_sim.trials.limit import NEEDED, concealed, distance, ideal_limit, limit, reference_limits
 from exo_sim.trials.truth.instruments import Instrument, measure
 
-SHORT = {"duration": 4.0, "known": ()}
+SHORT: dict[str, Any] = {"duration": 4.0, "known": ()}
 
 
 @pytest.mark.parametrize("key", list(EFFECTS))
@@ -102,7 +103,7 @@ def test_instrument_delay_bias_and_bits():
 
 
 def test_limit_is_where_the_likelihood_says():
-    settings = {"duration": 6.0, "known": (), "keep_states": True}
+    settings: dict[str, Any] = {"duration": 6.0, "known": (), "keep_states": True}
     assert distance(make_case("a", [], 4, **settings)) == 0.0
     smallest = ideal_limit("piston_leakage", 4, {"duration": 6.0, "known": ()})
     assert distance(make_case("a", ["piston_leakage"], 4, smallest, **settings)) == pytest.approx(NEEDED, rel=0.15)
@@ -117,7 +118,7 @@ def test_every_effect_has_a_reference_limit():
 
 
 def test_noise_raises_the_limit_in_proportion():
-    quiet = {"duration": 4.0, "known": (), "keep_states": True, "bits": 0}
+    quiet: dict[str, Any] = {"duration": 4.0, "known": (), "keep_states": True, "bits": 0}
     one = distance(make_case("a", ["valve_offset"], 4, 1e-3, **quiet))
     two = distance(make_case("a", ["valve_offset"], 4, 1e-3, **quiet, pressure_noise=500.0, position_noise=4e-5))
     assert two < 0.75 * one

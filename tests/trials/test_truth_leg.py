@@ -1,6 +1,7 @@
 from __future__ import annotations
 
 import tomllib
+from typing import Any
 
 import mujoco
 import numpy as np
@@ -11,7 +12,7 @@ from exo_sim.trials.cases import truth_of, write_case
 from exo_sim.trials.leg_cases import FORCE, GAS, make_leg_case
 from exo_sim.trials.truth.leg import JOINTS, length
 
-SHORT = {"duration": 12.0}
+SHORT: dict[str, Any] = {"duration": 12.0}
 
 
 @pytest.fixture(scope="module")

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from dataclasses import replace
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import pytest
@@ -15,7 +16,7 @@ from exo_sim.diagnosis.pipeline.reading import gather
 from exo_sim.trials.cases import make_case, write_case
 
 
-def folder_of(tmp_path: Path, effects: tuple[str, ...], seed: int, gone: int, **more: bool) -> Path:
+def folder_of(tmp_path: Path, effects: tuple[str, ...], seed: int, gone: int, **more: Any) -> Path:
     case = make_case("case", effects, seed, duration=8.0, missing=(f"piston.pressure_{gone}",), **more)
     write_case(case, tmp_path, "csv", open_truth=True)
     return tmp_path
@@ -93,7 +94,7 @@ def test_a_chamber_begins_between_nothing_and_what_the_machine_has(tmp_path: Pat
     run = replace(gathered.cylinders["piston"][0], supply=np.full(10, supply))
     low, high = _possible_range(gathered, run)
     assert 0.0 < low < gathered.rig.environment.pressure < high
-    assert high >= np.nanmax(run.pressure[0])
+    assert run.pressure[0] is not None and high >= np.nanmax(run.pressure[0])
 
 
 def test_a_recording_with_both_needs_no_forces(tmp_path: Path) -> None:

@@ -5,9 +5,9 @@ from __future__ import annotations
 import math
 from dataclasses import fields, replace
 
-import cylinder_runs
 import numpy as np
 import pytest
+from diagnosis import cylinder_runs
 from hypothesis import given
 from hypothesis import strategies as st
 

@@ -7,7 +7,7 @@ import pytest
 
 from exo_sim.diagnosis.discrepancy.trace import Trace, near_reversal
 
-TIME = np.arange(10_000) * 1e-3
+TIME = np.arange(10_000, dtype=float) * 1e-3
 NOISE = np.random.default_rng(5).standard_normal(TIME.size)
 
 

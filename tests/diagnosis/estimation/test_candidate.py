@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-import waves
+from diagnosis import waves
 
 from exo_sim.diagnosis.estimation.candidate import drop_orphans
 

@@ -35,7 +35,7 @@ def test_a_carried_jacobian_costs_fewer_predictions() -> None:
     counts = []
     start = {A: 1.8, B: 0.6}
     for known in (None, dict(zip((A, B), differences(decay, (A, B), start, decay(start)).T, strict=True))):
-        calls = []
+        calls: list[int] = []
         fit(lambda v, calls=calls: calls.append(1) or decay(v), (A, B), start, max_iterations=20, known_columns=known)  # type: ignore[misc, func-returns-value]
         counts.append(len(calls))
     assert counts[1] < counts[0]

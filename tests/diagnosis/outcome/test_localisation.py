@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import pytest
-import waves
+from diagnosis import waves
 
 from exo_sim.diagnosis.outcome.localisation import located, unexplained
 from exo_sim.diagnosis.selection.decision import decide

@@ -8,7 +8,7 @@ from pathlib import Path
 import benches
 import numpy as np
 import pytest
-import waves
+from diagnosis import waves
 
 from exo_sim.diagnosis.data.machine_data import MachineData
 from exo_sim.diagnosis.discrepancy.curve import Curve

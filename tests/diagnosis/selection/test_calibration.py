@@ -2,9 +2,9 @@
 
 from __future__ import annotations
 
-import cylinder_runs
 import numpy as np
 import pytest
+from diagnosis import cylinder_runs
 from hypothesis import given
 from hypothesis import strategies as st
 

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import pytest
-import waves
+from diagnosis import waves
 
 from exo_sim.diagnosis.selection.decision import decide
 from exo_sim.diagnosis.selection.search import Search

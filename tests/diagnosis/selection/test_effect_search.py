@@ -3,10 +3,11 @@
 from __future__ import annotations
 
 from dataclasses import replace
+from typing import Any
 
 import numpy as np
 import pytest
-from waves import AT, BASE, ON_TOP, OTHER, SHAPES, Waves, candidate
+from diagnosis.waves import AT, BASE, ON_TOP, OTHER, SHAPES, Waves, candidate
 
 from exo_sim.diagnosis.estimation.candidate import Candidate
 from exo_sim.diagnosis.estimation.least_squares import Fit
@@ -105,7 +106,7 @@ def test_names_are_sought_on_beside_a_hopeless_error_only_while_each_halves_it(b
 
 
 @pytest.mark.parametrize(("sizes", "interrupted"), [({"slow": 9.0, "quick": 4.0}, True), ({"slow": 9.0}, False)])
-def test_a_search_ends_where_it_is_asked_to_unless_everything_is_explained(sizes: dict[str, float], interrupted: bool) -> None:
+def test_a_search_ends_where_it_is_asked_to_unless_everything_is_explained(sizes: dict[str, Any], interrupted: bool) -> None:
     library = (BASE, ON_TOP, OTHER)
     found = Search(Waves(**sizes), (), library, until=lambda one: any(c.effect == "base" for c in one.candidates)).run()
     assert found.interrupted is interrupted and {c.effect for c in found.final.candidates} == {"base"}

@@ -6,7 +6,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-import waves
+from diagnosis import waves
 
 from exo_sim.diagnosis.findings import Kind
 from exo_sim.diagnosis.selection.joint_proposal import joint_proposals

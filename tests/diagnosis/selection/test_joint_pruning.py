@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-import waves
+from diagnosis import waves
 
 from exo_sim.diagnosis.selection.joint_pruning import jointly_pruned
 from exo_sim.diagnosis.selection.model_fits import ModelFits

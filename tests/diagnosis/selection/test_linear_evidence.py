@@ -6,7 +6,7 @@ import math
 
 import numpy as np
 import pytest
-import waves
+from diagnosis import waves
 from hypothesis import given, settings
 from hypothesis import strategies as st
 from scipy.stats import multivariate_normal

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import numpy as np
-import waves
+from diagnosis import waves
 
 from exo_sim.diagnosis.estimation.least_squares import Fit
 from exo_sim.diagnosis.findings import Kind

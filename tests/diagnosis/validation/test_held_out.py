@@ -6,7 +6,7 @@ import math
 
 import numpy as np
 import pytest
-import waves
+from diagnosis import waves
 
 from exo_sim.diagnosis.data.split import Split
 from exo_sim.diagnosis.findings import Subsystem

@@ -2,13 +2,15 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from pathlib import Path
 
 import numpy as np
 import pytest
+from numpy.typing import NDArray
 
 from exo_sim.recording import Recording
-from exo_sim.trials.real.balance import balance_error, outside_force, read_machine, rows
+from exo_sim.trials.real.balance import Machine, balance_error, outside_force, read_machine, rows
 from exo_sim.trials.real.case import Moving
 
 MODEL = """<mujoco><option gravity="0 0 -9.81"/><worldbody><body name="carriage">
@@ -27,13 +29,13 @@ AREA_1 = np.pi * 0.01**2
 AREA_2 = AREA_1 - np.pi * 0.005**2
 
 
-def machine_with(folder: Path, effects: str = "", acting: str = "double", axis: str = "1 0 0"):
+def machine_with(folder: Path, effects: str = "", acting: str = "double", axis: str = "1 0 0") -> Machine:
     (folder / "bench.xml").write_text(MODEL.format(axis=axis))
     (folder / "rig.toml").write_text(RIG.format(acting=acting) + effects)
     return read_machine(folder / "rig.toml")
 
 
-def swinging(force) -> Recording:
+def swinging(force: Callable[..., NDArray[np.float64]]) -> Recording:
     """A slide moved as a slow sine under 3 and 2 bar, with the outside force that `force(x, v, a)` demands."""
     time = np.arange(0, 20, 0.01)
     x, v, a = 0.05 * np.sin(time), 0.05 * np.cos(time), -0.05 * np.sin(time)
@@ -69,7 +71,7 @@ def test_each_law_is_the_contracts(tmp_path: Path, effect: str) -> None:
     assert balance_error(machine_with(tmp_path), (recording,), SLOW) > 0.5
 
 
-def _motion(recording: Recording):
+def _motion(recording: Recording) -> tuple[NDArray[np.float64], ...]:
     t = recording.time
     return 0.05 * np.sin(t), 0.05 * np.cos(t), -0.05 * np.sin(t)
 

@@ -8,7 +8,7 @@ import pytest
 
 from exo_sim.trials.real.case import Known, Name
 from exo_sim.trials.real.errors import ratio
-from exo_sim.trials.real.judge import judge
+from exo_sim.trials.real.judge import Mark, judge
 
 KNOWN = Known(
     must=(Name(("coulomb_friction", "asymmetric_friction"), ("piston", "slide")), Name(("pressure_dependent_friction",), ("piston",))),
@@ -23,7 +23,7 @@ def finding(name: str, where: str, **more: Any) -> dict[str, Any]:
     return {"name": name, "where": where, "kind": "missing_physics", **more}
 
 
-def marked(*effects: dict[str, Any], after: float | None = 1.0, before: float = 10.0, honest: float = 1.0):
+def marked(*effects: dict[str, Any], after: float | None = 1.0, before: float = 10.0, honest: float = 1.0) -> Mark:
     errors = None if after is None else {"force": after}
     return judge("seal", KNOWN, {"verdict": "mismatch", "effects": list(effects)}, {"force": before}, errors, {"force": honest})
 

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 import sys
+from typing import Any
 
 from exo_sim.trials.whole import fresh, runner, table
 from exo_sim.trials.whole.judge import judge
@@ -116,7 +117,7 @@ def test_the_runner_goes_on_and_never_shows_the_truth(tmp_path):
     compare = tmp_path / "compare.py"
     signal = {"ram.pressure_1": {"windowed_rms": 200.0, "free_run_rms": 300.0, "noise": 250.0}}
     compare.write_text(f"print({json.dumps(json.dumps({'signal': signal}))})\n")
-    settings = {"tool": f"{sys.executable} {tool}", "compare": f"{sys.executable} {compare}", "quiet": True}
+    settings: dict[str, Any] = {"tool": f"{sys.executable} {tool}", "compare": f"{sys.executable} {compare}", "quiet": True}
     assert runner.run(tmp_path / "cases", tmp_path / "out", only="c1", **settings) == 1
     assert runner.run(tmp_path / "cases", tmp_path / "out", **settings) == 1
     assert runner.run(tmp_path / "cases", tmp_path / "out", **settings) == 0

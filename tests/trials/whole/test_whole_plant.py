@@ -23,7 +23,10 @@ BENCH = {
 THROAT = (2 / 2.4) ** 3.5
 
 
-def run(m: Machine, seconds: float, command=0.0, p1=3e5, p2=3.4e5, x=0.05, v=0.0, dt=None, rate=1000) -> Run:
+def run(
+    m: Machine, seconds: float, command: float | np.ndarray = 0.0, p1: float = 3e5, p2: float = 3.4e5, x: float = 0.05, v: float = 0.0,
+    dt: float | None = None, rate: float = 1000,
+) -> Run:  # fmt: skip
     dt = dt or m.step()
     n = round(seconds * rate)
     record = m.packed()

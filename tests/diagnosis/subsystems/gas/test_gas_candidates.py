@@ -2,9 +2,9 @@
 
 from __future__ import annotations
 
-import cylinder_runs
 import numpy as np
 import pytest
+from diagnosis import cylinder_runs
 
 from exo_sim.diagnosis.estimation.parameters import PlantParameters
 from exo_sim.diagnosis.subsystems.gas.candidates import WIDEST, candidates

@@ -2,9 +2,9 @@
 
 from __future__ import annotations
 
-import cylinder_runs
 import numpy as np
 import pytest
+from diagnosis import cylinder_runs
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
@@ -96,7 +96,7 @@ def test_a_clock_that_changes_its_pace_is_covered_as_well(seconds: float) -> Non
 
 
 def test_where_all_is_equally_quiet_windows_are_even() -> None:
-    time = np.arange(1000) * 1e-3
+    time = np.arange(1000, dtype=float) * 1e-3
     assert window_starts(time, 0, 1000, 0.25, np.zeros(1000)) == [0, 250, 500, 750]
     assert window_starts(time, 200, 1000, 0.4, np.zeros(1000)) == [200, 600]
     assert window_starts(time, 200, 1000, np.inf, np.zeros(1000)) == [200]

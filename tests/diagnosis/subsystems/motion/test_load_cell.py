@@ -5,9 +5,9 @@ from __future__ import annotations
 from dataclasses import replace
 
 import benches
-import cylinder_runs
 import numpy as np
 import pytest
+from diagnosis import cylinder_runs
 from hypothesis import given
 from hypothesis import strategies as st
 from scipy.special import erf
@@ -23,7 +23,7 @@ from exo_sim.recording.filters import gaussian_derivatives
 from exo_sim.rig import Rig
 
 N = 1200
-TIME = np.arange(N) * cylinder_runs.STEP
+TIME = np.arange(N, dtype=float) * cylinder_runs.STEP
 INSIDE = slice(60, N - 60)  # beyond what the filter sees of the ends
 
 
@@ -111,7 +111,7 @@ def test_a_single_acting_cylinder_needs_one_pressure_only(rig: Rig) -> None:
 
 @given(seed=st.integers(0, 10**6), step=st.sampled_from([2e-4, 1e-3, 4e-3, 0.02]))
 def test_predictions_pass_the_very_filter_of_measurements(seed: int, step: float) -> None:
-    time = np.arange(2500) * step
+    time = np.arange(2500, dtype=float) * step
     values = np.cumsum(np.random.default_rng(seed).standard_normal(2500))
     np.testing.assert_allclose(smoothed_alike(time, values), gaussian_derivatives(time, values, max(SMOOTHING, 6.0 * step))[0], atol=1e-9)
 

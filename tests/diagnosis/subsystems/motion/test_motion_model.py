@@ -4,10 +4,10 @@ from __future__ import annotations
 
 from dataclasses import replace
 
-import motion_runs
 import numpy as np
 import pytest
-from motion_runs import ACCELERATION, MASS, POSITION, TIME, VELOCITY
+from diagnosis import motion_runs
+from diagnosis.motion_runs import ACCELERATION, MASS, POSITION, TIME, VELOCITY
 
 from exo_sim.diagnosis.data.motion_run import Imputed
 from exo_sim.diagnosis.data.split import Split, split

@@ -46,7 +46,7 @@ def problem(rig: Rig, run: MotionRun) -> MotionModel:
 
 def test_the_filter_still_spans_enough(monkeypatch: pytest.MonkeyPatch) -> None:
     for step in (2e-4, 1e-3, 4e-3, 2e-2):
-        clock = np.arange(5000) * step
+        clock = np.arange(5000, dtype=float) * step
         assert stride(clock) == 1
         monkeypatch.setattr(smoothing, "MOST_SAMPLES", 10)
         every = stride(clock)

@@ -66,7 +66,7 @@ def assert_same_gait(figures, tolerance=0.035):
 
 @pytest.mark.parametrize("degrees", [True, False])
 def test_an_opensim_motion_gives_back_the_stride_that_is_in_it(tmp_path, trial, degrees):
-    figures, remarks = own_gait.figures_of(GaitFile(write_mot(tmp_path / "walk.mot", *trial, degrees=degrees)))
+    figures, remarks = own_gait.figures_of(GaitFile(write_mot(tmp_path / "walk.mot", trial[0], trial[1], degrees=degrees)))
     assert_same_gait(figures)
     assert 0.55 < figures.stance_end < 0.72
     assert figures.stride == pytest.approx(recorded.load("falisse").stride, rel=0.1)
@@ -112,7 +112,7 @@ def scenario_of(figures):
 
 
 def test_a_label_is_told_in_the_gait_table(tmp_path, trial):
-    write_mot(tmp_path / "walk.mot", *trial, rename={"knee_angle_l": "coordinate7"})
+    write_mot(tmp_path / "walk.mot", trial[0], trial[1], rename={"knee_angle_l": "coordinate7"})
     with pytest.raises(ScenarioError, match=r"no column for knee_l .*\[gait\]"):
         own_gait.figures_of(GaitFile(tmp_path / "walk.mot"))
     (tmp_path / "mine.toml").write_text('[gait]\nfile = "walk.mot"\nknee_l = "coordinate7"\n')
@@ -221,6 +221,7 @@ def test_a_scenario_file_of_a_standing_motion(tmp_path):
     )
     found = scenario_file.read(tmp_path / "dip.toml")
     motion = found.motion(Person())
+    assert found.added is not None
     assert (found.summary, found.cycles, motion.period, found.added.mass) == ("dips", 2, 2.0, 5.0)
     assert np.degrees(motion.position[:, 4].min()) == pytest.approx(-60.0, abs=0.1)
 

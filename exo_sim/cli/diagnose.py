@@ -1,4 +1,4 @@
-"""Say what physics a rig leaves out: locate, name, model and prove it."""
+"""Find what physics a rig leaves out: locate, name, model and prove it."""
 
 from __future__ import annotations
 

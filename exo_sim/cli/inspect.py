@@ -1,4 +1,4 @@
-"""Say what is in a recording, and what looks wrong."""
+"""Show what is in a recording, and what looks wrong."""
 
 from __future__ import annotations
 

@@ -31,7 +31,7 @@ def show(data: dict[str, Any], text: str, *, as_json: bool, out: Path | None = N
 
 
 def remark(text: str, *, quiet: bool = False) -> None:
-    """Say something to a person, on stderr."""
+    """Print a line for a person, on stderr."""
     if not quiet:
         streams.say(text)
 

@@ -70,7 +70,7 @@ def leave() -> None:
 
 
 def holds_unicode(stream: TextIO) -> bool:
-    """Say whether a stream takes every character as it is."""
+    """Return whether a stream takes every character as it is."""
     return (getattr(stream, "encoding", None) or "").lower().replace("-", "") in ("utf8", "")
 
 

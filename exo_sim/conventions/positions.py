@@ -116,7 +116,7 @@ def _stand(position: Array, machine: Machine, link: Linkage) -> tuple[float, flo
 
 
 def _in_range(position: Array, machine: Machine, link: Linkage) -> bool:
-    """Say whether a joint stays about where it can, as far as that is known: half as far again, or a turn and a half either way."""
+    """Return whether a joint stays about where it can, as far as that is known: half as far again, or a turn and a half either way."""
     most = float(np.nanquantile(np.abs(position), 0.99))
     limits = machine.joint_range(link)
     if limits is None:
@@ -125,7 +125,7 @@ def _in_range(position: Array, machine: Machine, link: Linkage) -> bool:
 
 
 def _within(position: Array, limits: tuple[float, float]) -> bool:
-    """Say whether a joint stays in its range, or half that range beyond it."""
+    """Return whether a joint stays in its range, or half that range beyond it."""
     if not np.isfinite(position).any():
         return True
     low, high = (float(np.nanquantile(position, q)) for q in (0.01, 0.99))
@@ -173,7 +173,7 @@ def _converted(recording: Recording, key: str, unit: str, factor: float) -> tupl
 
 
 def is_rate_of(velocity: Array, position: Array, time: Array) -> bool:
-    """Say whether a velocity is that of a position as it stands: in the same unit."""
+    """Return whether a velocity is that of a position as it stands: in the same unit."""
     stride = max(1, len(time) // 2000)
     moved = np.diff(position[::stride])
     summed = np.concatenate(([0.0], np.cumsum(np.nan_to_num(0.5 * (velocity[1:] + velocity[:-1]) * np.diff(time)))))
@@ -185,7 +185,7 @@ def is_rate_of(velocity: Array, position: Array, time: Array) -> bool:
 
 
 def _refusal(position: Array, machine: Machine, link: Linkage, key: str) -> Check:
-    """Say that a piston is where none can be, and what would put it right."""
+    """Return the refusal of a piston that is where none can be, with what would put it right."""
     cylinder, rig = machine.cylinder(link), machine.rig
     piston = machine.piston(link, position)
     low, high = (float(np.nanquantile(piston, q)) for q in (0.01, 0.99))

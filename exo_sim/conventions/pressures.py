@@ -167,7 +167,7 @@ def _misfits(recording: Recording, machine: Machine, with_supply: bool) -> dict[
 
 
 def _kind(zero: float | None, common: float | None, supply_is_gauge: bool) -> str:
-    """Say from where a pressure counts whose balance holds best with `zero` atmospheres added, all pressures' with `common`."""
+    """Return from where a pressure counts whose balance holds best with `zero` atmospheres added, all pressures' with `common`."""
     if zero is None:
         return ""
     least = _GAUGE_BESIDE if supply_is_gauge else _GAUGE
@@ -177,7 +177,7 @@ def _kind(zero: float | None, common: float | None, supply_is_gauge: bool) -> st
 
 
 def _rests_at(values: Array, time: Array, machine: Machine) -> str:
-    """Say from where a pressure counts, as far as where it rests shows it: "gauge", "absolute" or ""."""
+    """Return from where a pressure counts, as far as where it rests shows it: "gauge", "absolute" or ""."""
     present = values[np.isfinite(values)]
     if not len(present):
         return ""
@@ -207,7 +207,7 @@ def _shared(recording: Recording, machine: Machine) -> tuple[str, ...]:
 
 
 def _above(recording: Recording, machine: Machine) -> bool:
-    """Say whether chambers stand above what is said to supply them by about the atmosphere."""
+    """Return whether chambers stand above what is said to supply them by about the atmosphere."""
     supply = recording.get("supply.pressure")
     chambers = chamber_columns(recording, machine)
     if supply is None:

@@ -90,7 +90,7 @@ def _with_clock(recording: Recording, unit: str) -> tuple[Recording, Check]:
 
 
 def _is_rate(recording: Recording, key: str) -> bool:
-    """Say whether a column is the rate of another as the clock stands, so that it was computed with the clock's unit."""
+    """Return whether a column is the rate of another as the clock stands, so that it was computed with the clock's unit."""
     part, _, signal = key.rpartition(".")
     position = recording.get(f"{part}.position")
     return signal == "velocity" and position is not None and is_rate_of(recording[key], position, recording.time)

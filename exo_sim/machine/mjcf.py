@@ -83,7 +83,7 @@ def check(model: mujoco.MjModel, path: Path) -> None:
 
 @contextmanager
 def _names_as_text(path: Path) -> Iterator[None]:
-    """Tell where MuJoCo hands on a name whose bytes are no text."""
+    """Raise a `ModelError` where MuJoCo hands on a name whose bytes are no text."""
     try:
         yield
     except UnicodeDecodeError as error:

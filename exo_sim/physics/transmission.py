@@ -20,7 +20,7 @@ NEARBY = 1e-6
 
 @kernel
 def gives(c) -> bool:
-    """Say whether the piston can be elsewhere than the joint has it."""
+    """Return whether the piston can be elsewhere than the joint has it."""
     if transmission_compliance.present(c.transmission_compliance) or c.backlash.gap > 0.0:
         return True
     return c.drive_stiffness > 0.0 or c.drive_gap > 0.0

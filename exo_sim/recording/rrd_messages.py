@@ -22,7 +22,7 @@ def unfinished(path: Path) -> Path:
 
 
 def is_unfinished(path: Path) -> bool:
-    """Say whether a file has the name of one that grows, or grew until its process was killed."""
+    """Return whether a file has the name of one that grows, or grew until its process was killed."""
     return _UNFINISHED.fullmatch(path.name) is not None
 
 

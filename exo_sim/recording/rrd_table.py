@@ -197,7 +197,7 @@ def _clock(path: Path, entities: dict[str, _Entity]) -> str:
 
 
 def _only_turns(time: NDArray[np.float64], times: NDArray[np.float64], numbers: NDArray[np.float64]) -> bool:
-    """Say whether what a signal lacks of a clock lies between samples that are equal: then nothing of it is lost."""
+    """Return whether what a signal lacks of a clock lies between samples that are equal: then nothing of it is lost."""
     if times[0] != time[0] or times[-1] != time[-1]:
         return False
     at = np.searchsorted(time, times)

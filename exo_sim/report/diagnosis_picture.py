@@ -99,7 +99,7 @@ def curve(finding: Finding) -> str:
 
 
 def concerns(place: Located, signal: str) -> bool:
-    """Say whether a located mismatch sits in the balance that predicts a signal."""
+    """Return whether a located mismatch sits in the balance that predicts a signal."""
     part, name = signal.rsplit(".", 1)
     where, _, node = place.where.partition("/")
     if node.startswith("chamber"):

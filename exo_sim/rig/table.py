@@ -36,7 +36,7 @@ class Table:
         return RigError(f"{self.path}: {self.name(key)}{value}: {what}")
 
     def has(self, key: str) -> bool:
-        """Say whether the key is there."""
+        """Return whether the key is there."""
         self._asked.add(key)
         return key in self.values
 

@@ -121,7 +121,7 @@ class Simulation:
         return out
 
     def _too_weak(self, payload: float, needed: NDArray[np.float64], reach: NDArray[np.float64]) -> tuple[str, ...]:
-        """Say which cylinders cannot hold what carrying the payload needs, shape (PHASES, 6), reach (PHASES, 6, 2)."""
+        """Return which cylinders cannot hold what carrying the payload needs, shape (PHASES, 6), reach (PHASES, 6, 2)."""
         short = []
         for link in self.plugin.links:
             torque, (low, high) = needed[:, link.dof - 3], reach[:, link.dof - 3].T

@@ -22,7 +22,7 @@ def moment_arm(actuator, dof, mechanics):
 
 @inlined_kernel
 def freshen_levers(mechanics, plant):
-    """Tell each cylinder its lever at the joint that it drives."""
+    """Set each cylinder's lever at the joint that it drives."""
     for i in range(len(plant.cylinders)):
         plant.cylinders[i].arm = moment_arm(plant.actuators[i], plant.driven[i], mechanics)
 

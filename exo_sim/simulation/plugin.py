@@ -185,7 +185,7 @@ class PneumaticPlugin:
             raise ModelError("the MjData belongs to another model than the one that the plug-in was made for")
 
     def _masses(self, data: mujoco.MjData) -> None:
-        """Tell each dry contact what mass it holds: the inverse of J M^-1 J'."""
+        """Set the mass that each dry contact holds: the inverse of J M^-1 J'."""
         for i, link in enumerate(self.links):
             row = moment_row(self.model, data, link.actuator)
             self.pneumatics.cylinders[i]["arm"] = row[link.dof]

@@ -195,7 +195,7 @@ def _ask(study: optuna.Study, distributions: dict[str, Any]) -> optuna.Trial:
 
 
 def _tell(study: optuna.Study, trial: optuna.Trial, score: Score, most_error: float | None = None) -> None:
-    """Tell a score; with a largest error as one of gas and mass alone, enough margin and tracking being constraints."""
+    """Hand a score to the study; with a largest error as one of gas and mass alone, enough margin and tracking being constraints."""
     narrow = most_error is not None
     for i, violation in enumerate(_narrow_violations(score, most_error) if narrow else score.violations):
         trial.set_constraint(str(i), violation)

@@ -200,7 +200,7 @@ def _dampers(truth: Mapping[str, Any]) -> tuple[float, float]:
 
 
 def _elsewhere(entry: Mapping[str, Any], hidden: Sequence[_Target]) -> bool:
-    """Say whether a believed number was corrected at another place than the hidden one: there it may be a little off as well."""
+    """Return whether a believed number was corrected at another place than the hidden one: there it may be a little off as well."""
     return _mere_calibration(entry) and not any(target.is_named_by(entry) for target in hidden)
 
 

@@ -178,7 +178,7 @@ def _is_entry(entry: dict[str, Any]) -> bool:
 
 
 def _is_plain(name: str) -> bool:
-    """Say whether a name is that of a file in its folder and nothing else: no path, not hidden."""
+    """Return whether a name is that of a file in its folder and nothing else: no path, not hidden."""
     return re.fullmatch(r"[A-Za-z0-9_][A-Za-z0-9_.-]{0,99}", name) is not None
 
 

@@ -31,7 +31,7 @@ def told_rig(rig: str, hidden: Sequence[Mapping[str, Any]]) -> str:
 
 
 def can_be_told(truth: Mapping[str, Any]) -> bool:
-    """Say whether all that is hidden is physics that a rig file can have."""
+    """Return whether all that is hidden is physics that a rig file can have."""
     return bool(truth["hidden"]) and all(entry["kind"] == "missing_physics" for entry in truth["hidden"])
 
 

@@ -79,7 +79,7 @@ def _files(outcome: Outcome) -> list[str]:
 
 
 def _is_input(name: str) -> bool:
-    """Say whether a verb never writes it: what a trial keeps grows with its verdicts."""
+    """Return whether a verb never writes it: what a trial keeps grows with its verdicts."""
     return not name.startswith(("trial", "undone"))
 
 

@@ -41,7 +41,7 @@ EFFECT = Effect(
 
 @kernel
 def present(p) -> bool:
-    """Say whether anything stands between the valves and the open exhaust."""
+    """Return whether anything stands between the valves and the open exhaust."""
     return p.area > 0.0
 
 

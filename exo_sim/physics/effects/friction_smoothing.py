@@ -35,7 +35,7 @@ EFFECT = Effect(
 
 @kernel
 def present(p) -> bool:
-    """Say whether dry friction is smoothed."""
+    """Return whether dry friction is smoothed."""
     return p.velocity > 0.0
 
 

@@ -61,7 +61,7 @@ EFFECT = Effect(
 
 @kernel
 def present(p) -> bool:
-    """Say whether there is a hose at all."""
+    """Return whether there is a hose at all."""
     return p.area > 0.0
 
 

@@ -39,7 +39,7 @@ EFFECT = Effect(
 
 @kernel
 def present(p) -> bool:
-    """Say whether the supply has a volume of its own."""
+    """Return whether the supply has a volume of its own."""
     return p.volume > 0.0
 
 

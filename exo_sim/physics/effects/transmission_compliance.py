@@ -44,5 +44,5 @@ EFFECT = Effect(
 
 @kernel
 def present(p) -> bool:
-    """Say whether the transmission gives at all."""
+    """Return whether the transmission gives at all."""
     return p.stiffness > 0.0

@@ -20,7 +20,7 @@ _SOURCE = "fitted to a recording"
 
 
 def _check(place: str, numbers: Mapping[str, float], curves: Mapping[str, tuple[float, ...]]) -> str:
-    """Say what is wrong with the curve, or ""."""
+    """Return what is wrong with the curve, or ""."""
     at, values = curves["at"], curves["values"]
     if len(at) != len(values):
         return f"at has {len(at)} entries and values {len(values)}: give one value for each"
@@ -67,7 +67,7 @@ EFFECT = Effect(
 
 @kernel
 def present(p) -> bool:
-    """Say whether there is a curve at all."""
+    """Return whether there is a curve at all."""
     return p.at[KNOTS - 1] > p.at[0]
 
 

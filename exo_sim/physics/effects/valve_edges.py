@@ -57,7 +57,7 @@ EFFECT = Effect(
 
 @kernel
 def present(p) -> bool:
-    """Say whether any edge differs from the paper's."""
+    """Return whether any edge differs from the paper's."""
     if p.overlap_supply_1 != 0.0 or p.overlap_exhaust_1 != 0.0 or p.overlap_supply_2 != 0.0 or p.overlap_exhaust_2 != 0.0:
         return True
     return p.excess_supply_1 != 0.0 or p.excess_exhaust_1 != 0.0 or p.excess_supply_2 != 0.0 or p.excess_exhaust_2 != 0.0

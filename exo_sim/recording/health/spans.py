@@ -28,7 +28,7 @@ def listed(
 
 
 def where(spans: Rows, time: NDArray[np.float64]) -> str:
-    """Say where the spans are: `in 3 spans, first rows 11-20 (0.010-0.019 s)`."""
+    """Return where the spans are: `in 3 spans, first rows 11-20 (0.010-0.019 s)`."""
     start, stop = int(spans[0][0]), int(spans[0][1])
     first = f"rows {start + 1}-{stop} ({time[start]:.6g}-{time[stop - 1]:.6g} s)"
     if stop == start + 1:

@@ -96,7 +96,7 @@ class Machine:
         return replace(self, values={**self.values, **changes})
 
     def is_default(self, name: str) -> bool:
-        """Say whether a field is as in the paper's machine."""
+        """Return whether a field is as in the paper's machine."""
         return self[name] == _DEFAULTS.get(name, 0.0)
 
     def packed(self) -> NDArray[np.void]:

@@ -148,7 +148,7 @@ def _worst(one: Mapping[str, Any]) -> float:
 
 
 def _names(one: Mapping[str, Any], entry: Mapping[str, Any]) -> bool:
-    """Say whether a finding names this effect, at its place or at a part of it."""
+    """Return whether a finding names this effect, at its place or at a part of it."""
     if entry["name"] != one["name"] and entry["name"] not in one["also"]:
         return False
     where = str(entry.get("where", ""))
@@ -160,7 +160,7 @@ def _calibration(entry: Mapping[str, Any]) -> bool:
 
 
 def _really(entry: Mapping[str, Any], columns: Mapping[str, Any]) -> bool:
-    """Say whether an instrument really has the fault that is reported, about as large."""
+    """Return whether an instrument really has the fault that is reported, about as large."""
     channel = columns.get(str(entry.get("where", "")).split(" ")[0])
     if channel is None:
         return False

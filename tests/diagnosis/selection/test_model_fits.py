@@ -1,0 +1,64 @@
+"""Fits of a linear subsystem: the values, errors and log-likelihoods of ordinary least squares, each set fitted once."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+from diagnosis.waves import AT, BASE, OTHER, SHAPES, Waves, parameter
+
+from exo_sim.diagnosis.selection.model_fits import ModelFits
+
+COLUMNS = np.stack([SHAPES["slow"], SHAPES["quicker"]], axis=1)
+
+
+def expected(model: Waves) -> np.ndarray:
+    """Return what ordinary least squares makes of the two waves, shape (2,)."""
+    return np.linalg.lstsq(COLUMNS, -model.residual_of(model.nominal), rcond=None)[0]
+
+
+@pytest.mark.parametrize("cheap", [False, True])
+def test_values_are_those_of_least_squares(cheap: bool) -> None:
+    model = Waves(slow=3.0, quicker=-2.0)
+    fits = ModelFits(model, (), cheap=cheap)
+    found = fits.refined(fits.fit((BASE, OTHER)))
+    values = [found.fit.values[q] for one in (BASE, OTHER) for q in one.parameters]
+    np.testing.assert_allclose(values, expected(model), rtol=1e-6)
+
+
+def test_standard_errors_are_about_those_of_least_squares_where_the_noise_is_white() -> None:
+    """Blocks of time stand for the correlation, so they may differ, but not by half."""
+    fits = ModelFits(Waves(slow=3.0, quicker=-2.0), ())
+    found = fits.refined(fits.fit((BASE, OTHER)))
+    white = np.sqrt(np.diag(np.linalg.inv(COLUMNS.T @ COLUMNS)))
+    errors = [fits.standard_errors(found)[q] for one in (BASE, OTHER) for q in one.parameters]
+    np.testing.assert_allclose(errors, white, rtol=0.5)
+
+
+def test_a_set_is_fitted_once_in_whatever_order() -> None:
+    fits = ModelFits(Waves(slow=3.0), ())
+    bare = fits.fit(())
+    assert fits.fit((BASE, OTHER), bare) is fits.fit((OTHER, BASE), bare)
+    both = fits.fit_all([((BASE, OTHER), bare), ((OTHER,), bare), ((OTHER, BASE), bare)])
+    assert both[0] is both[2] and both[1].candidates == (OTHER,)
+
+
+def test_a_worse_fit_does_not_replace_a_better_one() -> None:
+    fits = ModelFits(Waves(slow=3.0), ())
+    best = fits.refined(fits.fit((BASE,)))
+    assert fits.fit((BASE,), fits.fit(()), again=True).fit.sse <= best.fit.sse * (1.0 + 1e-9)
+
+
+def test_nuisance_parameters_come_along_and_priors_hold_them() -> None:
+    zero = parameter("zero", "level", prior=(0.0, 0.01))
+    free = parameter("zero", "level", prior=(0.0, 100.0))
+    model = Waves(level=1.0)
+    held, loose = (ModelFits(model, (q,)).fit(()).fit.values[q] for q in (zero, free))
+    assert abs(held) < 0.1 and loose == pytest.approx(1.0, abs=0.2)
+
+
+def test_a_deficit_is_a_difference_of_log_likelihoods() -> None:
+    fits = ModelFits(Waves(slow=3.0), ())
+    bare, full = fits.fit(()), fits.fit((BASE,))
+    assert fits.deficit(bare, full) == -fits.deficit(full, bare) > 0.0
+    assert fits.deficit(full, full) == 0.0
+    assert fits.effective_sample_size((bare, full)) == AT.size / fits.correlation_time(full.fit.residual)

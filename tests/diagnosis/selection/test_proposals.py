@@ -1,0 +1,57 @@
+"""What a search tries next: what the score test promises, and neither too much of one effect nor what does nothing."""
+
+from __future__ import annotations
+
+import pytest
+from diagnosis.waves import AT, BASE, OTHER, SHAPES, Waves, candidate
+
+from exo_sim.diagnosis.estimation.candidate import Candidate
+from exo_sim.diagnosis.policy.budgets import FORMS_OF_ONE
+from exo_sim.diagnosis.selection.fitted_model import FittedModel
+from exo_sim.diagnosis.selection.model_fits import ModelFits
+from exo_sim.diagnosis.selection.proposals import Proposals
+
+RICH, PLAIN = candidate("both", "slow", "quick"), candidate("both", "slow")
+
+
+def proposals(*candidates: Candidate, cheap: bool = False, **sizes: float) -> tuple[Proposals, FittedModel]:
+    fits = ModelFits(Waves(1e9, SHAPES, **sizes), (), cheap=cheap)
+    return Proposals(fits, candidates, 0.0), fits.fit(())
+
+
+def test_a_linear_candidate_promises_what_a_fit_of_it_gains() -> None:
+    found, bare = proposals(BASE, OTHER, slow=3.0, quicker=1.0)
+    promised = {one.effect: score for score, one in found.scored(bare)}
+    assert [one.effect for _, one in found.scored(bare)] == ["base", "other"]
+    for one in (BASE, OTHER):
+        gained = bare.fit.sse - found.fits.fit((one,), bare).fit.sse
+        assert promised[one.effect] == pytest.approx(gained, rel=0.02)
+
+
+def test_only_what_could_be_accepted_is_added_but_every_alternative_is_named() -> None:
+    found, bare = proposals(BASE, OTHER, slow=3.0)
+    assert [one.effect for one in found.additions(bare)] == ["base"]
+    assert [one.effect for one in found.alternatives(bare)] == ["base", "other"]
+    assert not found.promise_enough(0.001 * AT.size, bare)
+
+
+def test_few_forms_of_one_effect_are_fitted_at_a_time() -> None:
+    forms = [candidate("base", wave) for wave in ("slow", "quick", "quicker", "level")]
+    found, bare = proposals(*forms, OTHER, slow=3.0, quick=2.0, quicker=2.0, level=2.0)
+    picked = found.alternatives(bare, 4)
+    assert sum(one.effect == "base" for one in picked) == FORMS_OF_ONE and OTHER in picked
+
+
+def test_replacements_are_other_forms_whose_prerequisite_is_there() -> None:
+    orphan = candidate("both", "quicker", prerequisite="absent")
+    found, bare = proposals(RICH, PLAIN, OTHER, orphan, slow=3.0)
+    assert found.replacements(PLAIN, bare) == [RICH]
+
+
+def test_simpler_forms_have_fewer_parameters_and_those_that_are_kept() -> None:
+    bias = Candidate("both", "piston", "bias", RICH.parameters[1:], ((1.0,),))
+    slow = Candidate("both", "piston", "slow", RICH.parameters[:1], ((1.0,),))
+    found, bare = proposals(RICH, slow, bias, OTHER, slow=3.0)
+    assert found.simpler(RICH, bare, set()) == [slow, bias]
+    assert found.simpler(RICH, bare, {"both.quick"}) == [bias]
+    assert found.fullest(slow) == RICH and found.fullest(OTHER) == OTHER

@@ -44,6 +44,20 @@ class Choice(click.Choice[str]):
         return f'no "{value}"{nearest(str(value), self.choices)}'
 
 
+class ControllerName(click.ParamType):
+    """One of the built-in controllers, or FILE.py:NAME."""
+
+    name = "controller"
+
+    def convert(self, value: Any, param: click.Parameter | None, ctx: click.Context | None) -> str:
+        if value not in ("model", "pi") and ".py" not in value:
+            self.fail(f'no "{value}"{nearest(value, ("model", "pi"))}, or name a class of your own like mine.py:Impedance', param, ctx)
+        return str(value)
+
+    def get_metavar(self, param: click.Parameter, ctx: click.Context | None = None) -> str:
+        return "[model|pi|FILE.py:NAME]"
+
+
 class InputFile(click.Path):
     """A file that must be there; a misspelt one is answered with its nearest neighbours in the folder."""
 

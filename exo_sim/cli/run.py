@@ -17,6 +17,7 @@ if TYPE_CHECKING:
 @verb(
     'exo-sim run level_walk --payload "34 kg"',
     'exo-sim run --gait walk.mot --ground forces.mot --speed "1.2 m/s" --out mine.rrd',
+    'exo-sim run level_walk --controller mine.py:Impedance',
     'exo-sim run squat --payload "20 kg" --strides 3 --assist vented --out squat.rrd --json',
     out="Recording for the viewer (.rrd); the table goes beside it as .parquet. SCENARIO.rrd when absent.",
     seed=True,
@@ -38,10 +39,10 @@ if TYPE_CHECKING:
 )
 @click.option(
     "--controller",
-    type=options.Choice(["model", "pi"]),
+    type=options.ControllerName(),
     default="model",
     show_default=True,
-    help="How valves get forces: the gas equations inverted, or plain PI.",
+    help="How valves get forces: model (the gas equations inverted) or pi; or FILE.py:NAME, a class of your own.",
 )
 @click.option(
     "--demand",
@@ -62,6 +63,7 @@ def command(scenario: str | None, gait: Path | None, ground: Path | None, payloa
     import rerun  # noqa: F401
 
     from exo_sim import rig as rigs
+    from exo_sim.control import own
     from exo_sim.errors import OutputError
     from exo_sim.outputs import check_writable
     from exo_sim.simulation import kept
@@ -72,14 +74,16 @@ def command(scenario: str | None, gait: Path | None, ground: Path | None, payloa
     path = out or Path(f"{name}.rrd")
     if path.suffix.lower() != ".rrd":
         raise OutputError(f'cannot write "{path}": a recording for the viewer ends in .rrd')
+    brought = own.load(controller) if own.is_path(controller) else None
     request = Request(
-        name, payload=payload, speed=speed, cycles=strides, assist=assist, controller=controller, law=demand, given=given
-    )
+        name, payload=payload, speed=speed, cycles=strides, assist=assist, controller=controller, law=demand, given=given,
+        driven="valves" if brought is not None else "",
+    )  # fmt: skip
     machine = rigs.read(rig or default_rig())
     gc.freeze()  # what was imported stays: it need not be gone through again and again
     begun = time.perf_counter()
     check_writable(path.parent)
-    simulation = Simulation(machine, request)
+    simulation = Simulation(machine, request, brought, seed)
     gc.freeze()  # and so does what was prepared
     prepared = time.perf_counter()
     for words in simulation.remarks:

@@ -10,7 +10,7 @@ from exo_sim.physics.compiled import kernel
 from exo_sim.physics.gas import choked_flow, flow
 
 CONTROLLERS = ("model", "pi")
-OFF, PI, MODEL = 0, 1, 2
+OFF, PI, MODEL, GIVEN = 0, 1, 2, 3
 
 
 @dataclass(frozen=True)
@@ -105,7 +105,7 @@ def force_limits(area_1: float, area_2: float, p_s: float, p_e: float, atmospher
 
 def controller_code(name: str) -> int:
     """Return the number by which compiled code knows a controller."""
-    return {"off": OFF, "pi": PI, "model": MODEL}[name]
+    return {"off": OFF, "pi": PI, "model": MODEL, "given": GIVEN}[name]
 
 
 def largest_forces(area_1: np.ndarray, area_2: np.ndarray, p_s: float, p_e: float, atmosphere: float) -> np.ndarray:

@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 
 from exo_sim import progress
 from exo_sim.control import demand as law_of_demand
-from exo_sim.control import machine_dynamics
+from exo_sim.control import machine_dynamics, own
 from exo_sim.control.least_load import LeastLoad
 from exo_sim.control.valve_control import largest_forces
 from exo_sim.errors import Diverged, ModelError, ScenarioError
@@ -26,7 +26,7 @@ from exo_sim.machine.person import Person
 from exo_sim.machine.straps import fasten
 from exo_sim.rig import Rig
 from exo_sim.rig.valve_pace import longest_step
-from exo_sim.simulation import loop
+from exo_sim.simulation import driven, loop
 from exo_sim.simulation.loop_wiring import wire
 from exo_sim.simulation.native import warnings_counted
 from exo_sim.simulation.plugin import PneumaticPlugin
@@ -48,6 +48,8 @@ class Simulation:
     Args:
         rig: A worn machine; its wearer and ankle settings are used.
         request: What to simulate.
+        controller: Somebody's own, loaded by `control.own`; None for the built-in one that the request names.
+        seed: What such a controller is told.
 
     Attributes:
         remarks: Plain sentences, such as that the cylinders cannot carry the payload.
@@ -56,7 +58,7 @@ class Simulation:
         ModelError, RigError, ScenarioError: the machine cannot be built, or cannot do this.
     """
 
-    def __init__(self, rig: Rig, request: Request):
+    def __init__(self, rig: Rig, request: Request, controller: own.Controller | None = None, seed: int = 0):
         self.rig, self.request = rig, request
         self.person = Person(rig.wearer.height, rig.wearer.mass)
         scenario = request.found
@@ -83,11 +85,14 @@ class Simulation:
         self.demand = self._demands(request.payload)
         self.demand_added = self._demands(request.payload + self.added.mass) if self.added else self.demand
         self.remarks = (*scenario.remarks, *self.remarks)
+        self._asked = None
+        if controller is not None:
+            self._asked = own.Asked(controller, driven.context(self, controller, seed), request.controller)
         self._reset()
 
     def _demands(self, payload: float) -> NDArray[np.float64]:
         """Return the demand over the cycle for a payload, the first row repeated behind the last, (SAMPLES + 1, 6)."""
-        if self.request.assist != "on":
+        if self.request.assist != "on" or self.request.driven:
             return np.zeros((SAMPLES + 1, 6))
         model = self.model
         if payload != self.request.payload:
@@ -192,6 +197,9 @@ class Simulation:
         cycles = self.cycles if most is None else max(FEWEST_CYCLES, int(most / per_cycle))
         keys = layout(self.rig, self.straps, not self.request.ideal)
         wired = wire(self)
+        advance: driven.Advance = lambda first, count, rows: loop.run(first, count, *wired, rows)  # noqa: E731
+        if self._asked is not None:
+            advance = driven.asking(self, self._asked, wired)
         begun = done = 0
         interrupted = False
         with self._payload_put_back(), progress.Bar(total * self.dt, self.request.scenario, unit="s", quiet=quiet) as bar:
@@ -204,13 +212,15 @@ class Simulation:
                     count = min(_CHUNK, end - done)
                     rows = log[done - begun : done - begun + count]
                     with warnings_counted():
-                        self.plugin.check(loop.run(done, count, *wired, rows))
+                        self.plugin.check(advance(done, count, rows))
                     self._check(rows, done, done + count)
                     done += count
                     bar.to(done * self.dt)
                     interrupted = stop() and done < total
                 yield self._result(log[: done - begun], keys, begun, interrupted)
                 begun = done
+        if self._asked is not None:
+            self.remarks = (*self.remarks, *self._asked.remarks())
 
     @property
     def rows(self) -> int:

@@ -7,7 +7,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from exo_sim.control.valve_control import MODEL, PI, force_limits, invert, pi
+from exo_sim.control.valve_control import GIVEN, MODEL, PI, force_limits, invert, pi
 from exo_sim.gait.motion import Motion, look_up, reference
 from exo_sim.machine.person import Person, pose_bodies, segment_poses
 from exo_sim.machine.straps import pull
@@ -24,6 +24,8 @@ Array = NDArray[np.float64]
 Index = NDArray[np.int64]
 
 IDEAL, GAS = 0, 1
+#: Where the joint torques asked for come from: tables over the phase, or `Drives.torques`.
+TABLES, TORQUES = 0, 1
 #: Rows of `Settings.numbers`.
 PERIOD, ADVANCE, PREVIEW, RAMP, ADDED, ADDED_AT, ADDED_OVER, PAYLOAD, CLOSING, PROPORTIONAL, INTEGRAL, DT = range(12)
 
@@ -72,13 +74,15 @@ class Wearer(NamedTuple):
 
 
 class Drives(NamedTuple):
-    """Ankle motors, and what the controllers of the cylinders remember."""
+    """Ankle motors, what the controllers of the cylinders remember, and what a controller from outside commands or asks for."""
 
     ankles: Index
     wanted: Array
     before: Array
     integral: Array
     made: Array
+    commands: Array
+    torques: Array
 
 
 class Settings(NamedTuple):
@@ -87,6 +91,7 @@ class Settings(NamedTuple):
     numbers: Array
     kind: int
     controller: int
+    asked: int
     root: int
     payload_body: int
 
@@ -110,15 +115,19 @@ def _load_payload(fraction, settings, bodies):
 def _ask(cycles, time, fraction, settings, mechanics, plant, wearer, drives):
     """From the phase to the force wanted of each rod, within what its cylinder can hold, and the ankles' torque."""
     n = settings.numbers
-    ahead = cycles + n[PREVIEW] / n[PERIOD]
-    look_up(ahead, wearer.demand, wearer.torque)
-    if n[ADDED] > 0.0:
-        look_up(ahead, wearer.demand_added, wearer.other)
+    if settings.asked == TORQUES:
         for j in range(6):
-            wearer.torque[j] += fraction * (wearer.other[j] - wearer.torque[j])
-    if time < n[RAMP]:
-        for j in range(6):
-            wearer.torque[j] *= time / n[RAMP]
+            wearer.torque[j] = drives.torques[j]
+    else:
+        ahead = cycles + n[PREVIEW] / n[PERIOD]
+        look_up(ahead, wearer.demand, wearer.torque)
+        if n[ADDED] > 0.0:
+            look_up(ahead, wearer.demand_added, wearer.other)
+            for j in range(6):
+                wearer.torque[j] += fraction * (wearer.other[j] - wearer.torque[j])
+        if time < n[RAMP]:
+            for j in range(6):
+                wearer.torque[j] *= time / n[RAMP]
     for i in range(plant.actuators.size):
         dof = plant.driven[i]
         arm = moment_arm(plant.actuators[i], dof, mechanics)
@@ -158,6 +167,8 @@ def _open_valves(first, settings, mechanics, plant, drives):
                 w.supply_pressure, w.supply_temperature, w.exhaust_pressure, w.ambient, w.k, w.r,
             )  # fmt: skip
             plant.command[i] = min(max(opening, -1.0), 1.0)
+        elif settings.controller == GIVEN:
+            plant.command[i] = min(max(drives.commands[i], -1.0), 1.0)
         else:
             plant.command[i] = 0.0
 

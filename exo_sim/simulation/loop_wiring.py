@@ -6,13 +6,14 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from exo_sim.control.valve_control import controller_code
+from exo_sim.control.valve_control import CONTROLLERS, controller_code
 from exo_sim.errors import ModelError
 from exo_sim.machine.person import SEGMENTS
 from exo_sim.simulation import loop, views
 
 if TYPE_CHECKING:
     from exo_sim.simulation.coupled import Simulation
+    from exo_sim.simulation.walk import Request
 
 #: Time over which the demand grows from zero at the start [s].
 RAMP = 0.5
@@ -42,7 +43,8 @@ def wire(it: Simulation) -> tuple[loop.Settings, views.Mechanics, views.Plant, l
         numbers[loop.ADDED], numbers[loop.ADDED_OVER] = it.added.mass, it.added.over
         numbers[loop.ADDED_AT] = it.added_at
         numbers[loop.PAYLOAD] = model.body_mass[payload_body]
-    code = controller_code(it.request.controller if it.request.assist == "on" else "off")
+    code = controller_code(_valves(it.request))
+    asked = loop.TORQUES if it.request.driven == "torques" else loop.TABLES
     share = np.ascontiguousarray(np.concatenate([it.motion.share, it.motion.share[:1]]))
     person_body = [model.body(f"person_{segment}").id for segment in SEGMENTS]
     mocap = [int(model.body_mocapid[i]) for i in person_body]
@@ -51,7 +53,7 @@ def wire(it: Simulation) -> tuple[loop.Settings, views.Mechanics, views.Plant, l
     straps = it.straps
     return (
         loop.Settings(
-            numbers, loop.IDEAL if it.request.ideal else loop.GAS, code, model.body("torso").id, payload_body
+            numbers, loop.IDEAL if it.request.ideal else loop.GAS, code, asked, model.body("torso").id, payload_body
         ),
         views.mechanics(model, data),
         it.plugin.plant,
@@ -65,5 +67,14 @@ def wire(it: Simulation) -> tuple[loop.Settings, views.Mechanics, views.Plant, l
             straps.damping, np.zeros(9), np.zeros(9), np.zeros((7, 6)), np.zeros((len(straps.names), 2)),
             np.zeros((7, 3)), np.zeros(6), np.zeros(6), np.zeros(2),
         ),
-        loop.Drives(np.array(ankles, dtype=np.int64), np.zeros(n), np.zeros(n), np.zeros(n), np.zeros(n)),
+        loop.Drives(np.array(ankles, dtype=np.int64), np.zeros(n), np.zeros(n), np.zeros(n), np.zeros(n), np.zeros(n), np.zeros(6)),
     )  # fmt: skip
+
+
+def _valves(request: Request) -> str:
+    """Return which controller moves the valves."""
+    if request.assist != "on":
+        return "off"
+    if request.driven == "valves":
+        return "given"
+    return request.controller if request.controller in CONTROLLERS else "model"

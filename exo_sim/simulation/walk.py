@@ -21,6 +21,7 @@ from exo_sim.physics.pneumatics import Books
 from exo_sim.rig import Rig
 
 ASSIST = ("on", "off", "vented")
+DRIVEN = ("", "valves", "torques")
 JOINTS = COORDINATES[3:]
 
 
@@ -34,13 +35,14 @@ class Request:
         speed: Factor on the recorded cadence, or the speed of walking like "1.3 m/s".
         cycles: How many strides or repetitions; None for the scenario's own number.
         assist: "on"; "off": valves closed, gas trapped; "vented": both chambers open to the atmosphere.
-        controller: How valves get forces, one of `CONTROLLERS`.
+        controller: How valves get forces, one of `CONTROLLERS`; where commands come from outside, what to call whoever gives them.
         law: What is demanded, one of `control.demand.LAWS`.
         rehearsals: How often the least-load demand is bettered before the run.
         gains: Of the valve controllers.
         ideal: Forces come as demanded, without gas.
         step: Of the simulation [s]; None for the MJCF's own.
         given: The scenario itself, where it is not to be found by its name: `scenario` then is what to call it.
+        driven: What comes from outside, step by step: "valves" (their commands), "torques" (of the joints), or "" where nothing does.
 
     Raises:
         ScenarioError: a name that does not exist or a number out of range.
@@ -58,16 +60,20 @@ class Request:
     ideal: bool = False
     step: float | None = None
     given: Scenario | None = None
+    driven: str = ""
 
     def __post_init__(self) -> None:
         _ = self.found
         for name, value, choices in (
             ("assist", self.assist, ASSIST),
-            ("controller", self.controller, CONTROLLERS),
+            ("controller", self.controller, (*CONTROLLERS, *([self.controller] if self.driven else []))),
             ("law", self.law, law_of_demand.LAWS),
+            ("driven", self.driven, DRIVEN),
         ):
             if value not in choices:
                 raise ScenarioError(f'{name} "{value}"{nearest(value, choices)}')
+        if self.driven and self.assist != "on":
+            raise ScenarioError(f'assist "{self.assist}" holds the valves itself; a controller of your own needs assist "on"')
         if self.cycles is not None and not 1 <= self.cycles <= 10000:
             raise ScenarioError(f"{self.cycles} cycles: ask for 1 to 10000")
 

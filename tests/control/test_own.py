@@ -1,0 +1,112 @@
+"""Somebody's own controller: loading, what it may return, and what goes wrong in it, in one line each."""
+
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from exo_sim import rig as rigs
+from exo_sim.control import own
+from exo_sim.errors import ScenarioError
+
+
+@pytest.fixture(scope="module")
+def context(repository):
+    rig = rigs.read(repository / "exo_sim" / "assets" / "exo.toml")
+    joints = tuple(f"{joint}_{side}" for side in "lr" for joint in ("hip", "knee", "ankle"))
+    return own.Context(rig, tuple(rig.cylinders), joints, (), 0.002, 0.001, 1.0)
+
+
+def write(path: Path, body: str) -> Path:
+    path.write_text("class Mine:\n    def reset(self, context): pass\n    def act(self, observation):\n" + body)
+    return path
+
+
+def test_commands_by_name_or_in_the_order_of_the_cylinders(context):
+    assert context.cylinders == ("hip_l", "knee_l", "hip_r", "knee_r")
+    for returned in ({"knee_l": 0.5, "hip_r": -1}, {"knee_l.valve_command": 0.5, "hip_r": -1.0}, [0.0, 0.5, -1.0, 0.0]):
+        found = own.read(returned, context)
+        assert found.kind == own.VALVES
+        np.testing.assert_array_equal(found.values, [0.0, 0.5, -1.0, 0.0])
+    found = own.read({"knee_r.torque": 20.0, "ankle_l": 3.0}, context)
+    assert found.kind == own.TORQUES
+    np.testing.assert_array_equal(found.values, [0.0, 0.0, 3.0, 0.0, 20.0, 0.0])
+    assert own.read({}, context, own.TORQUES).kind == own.TORQUES
+
+
+@pytest.mark.parametrize(
+    ("returned", "hint"),
+    [
+        (None, "returned nothing"),
+        ({"kne_l": 0.5}, 'did you mean "knee_l"'),
+        ({"knee_l.torque": 5.0, "hip_l": 0.5}, "one kind"),
+        ({"knee_l": "much"}, "not a number"),
+        ({"knee_l": float("nan")}, "nan"),
+        ([0.1, 0.2], "2 numbers"),
+        (object(), "returned a object"),
+    ],
+)
+def test_what_is_no_command_is_said(context, returned, hint):
+    with pytest.raises(ScenarioError, match=hint):
+        own.read(returned, context)
+
+
+def test_a_file_is_loaded_with_or_without_the_name_of_the_class(tmp_path):
+    path = write(tmp_path / "mine.py", "        return {}\n")
+    assert own.load(f"{path}:Mine").act({}) == {}
+    assert own.load(str(path)).act({}) == {}
+    assert own.is_path("mine.py:Mine") and own.is_path("mine.py") and not own.is_path("model")
+
+
+@pytest.mark.parametrize(
+    ("text", "name", "hint"),
+    [
+        ("class Mine:\n    pass\n", "Mine", r"no method reset\(self, context\)"),
+        ("class Mine:\n    def reset(self, context): pass\n", "Mine", r"no method act\(self, observation\)"),
+        ("class Mine:\n    def reset(self, c): pass\n    def act(self, o): pass\n", "Min", 'did you mean "Mine"'),
+        ("import nothing_there\n", "Mine", r"mine\.py:1: ModuleNotFoundError"),
+        ("\nclass Mine(:\n", "Mine", r"mine\.py:2: SyntaxError"),
+        ("class Mine:\n    def __init__(self, a): pass\n    reset = act = __init__\n", "Mine", "while making"),
+    ],
+)
+def test_a_file_that_cannot_be_loaded_is_one_line(tmp_path, text, name, hint):
+    (tmp_path / "mine.py").write_text(text)
+    with pytest.raises(ScenarioError, match=hint) as error:
+        own.load(f"{tmp_path / 'mine.py'}:{name}")
+    assert "\n" not in str(error.value)
+    with pytest.raises(ScenarioError, match=r'did you mean "mine\.py"'):
+        own.load(f"{tmp_path / 'mines.py'}:Mine")
+
+
+def test_what_fails_inside_names_file_and_line(tmp_path, context):
+    asked = own.Asked(own.load(f"{write(tmp_path / 'mine.py', '        return 1 / 0' + chr(10))}:Mine"), context, "mine.py:Mine")
+    asked.reset()
+    with pytest.raises(ScenarioError, match=r"mine\.py:4: ZeroDivisionError: division by zero, in act of mine\.py:Mine at 0\.250 s"):
+        asked.act({"time": 0.25})
+
+
+def test_the_time_between_calls_is_whole_steps():
+    class Slow:
+        period = 0.01
+
+    assert own.period_of(Slow(), 0.001, "Slow") == 10
+    assert own.period_of(object(), 0.001, "it") == 2
+    for wrong in (0.0001, "10 ms", True, float("nan")):
+        Slow.period = wrong
+        with pytest.raises(ScenarioError, match="seconds between two calls"):
+            own.period_of(Slow(), 0.001, "Slow")
+
+
+def test_commands_that_look_like_torques_are_remarked_on(context):
+    class Strong:
+        def reset(self, context):
+            pass
+
+        def act(self, observation):
+            return {"knee_l": 30.0}
+
+    asked = own.Asked(Strong(), context)
+    asked.reset()
+    for i in range(12):
+        asked.act({"time": 0.001 * i})
+    assert "knee_l.torque" in asked.remarks()[0]

@@ -49,6 +49,7 @@ TABLE = (
     Signal("gas_used", "cylinder", ("kg",), "gas drawn from the supply", measured=False),
     Signal("torque", "joint", ("N", "N*m"), "torque of the actuators at the joint", measured=False),
     Signal("force_balance", "cylinder", ("N", "N*m"), "force that the motion took", measured=False),
+    Signal("position_demanded", "joint", ("m", "rad"), "position asked for", measured=False),
     Signal("torque_demanded", "joint", ("N", "N*m"), "torque demanded at the joint", measured=False),
     Signal("wearer_moment", "joint", ("N", "N*m"), "extra moment that the straps impose on the wearer", measured=False),
     Signal("phase", "gait", ("1",), "gait phase", measured=False),

@@ -13,11 +13,15 @@ from exo_sim.cli.frame import verb
 if TYPE_CHECKING:
     from exo_sim.gait.scenario import Scenario
 
+#: Endings of recordings, which hold a motion.
+MOTIONS = (".csv", ".tsv", ".txt", ".parquet", ".pq", ".rrd")
+
 
 @verb(
     'exo-sim run level_walk --payload "34 kg"',
     'exo-sim run --gait walk.mot --ground forces.mot --speed "1.2 m/s" --out mine.rrd',
     'exo-sim run level_walk --controller mine.py:Impedance',
+    "exo-sim run motion.csv --rig bench.toml",
     'exo-sim run squat --payload "20 kg" --strides 3 --assist vented --out squat.rrd --json',
     out="Recording for the viewer (.rrd); the table goes beside it as .parquet. SCENARIO.rrd when absent.",
     seed=True,
@@ -55,7 +59,10 @@ if TYPE_CHECKING:
 def command(scenario: str | None, gait: Path | None, ground: Path | None, payload: float, speed: str,
             strides: int | None, assist: str, controller: str, demand: str, rig: Path | None, out: Path | None, as_json: bool,
             quiet: bool, seed: int) -> None:  # fmt: skip
-    """Simulate SCENARIO headless: a name of `exo-sim scenarios`, or a scenario file (.toml) from anywhere; or a gait of your own."""
+    """Simulate SCENARIO headless: a name of `exo-sim scenarios`, a scenario file (.toml) from anywhere, or a gait of your own (--gait).
+
+    A machine that nobody wears follows a motion instead: SCENARIO is then a recording with the positions of its joints.
+    """
     import gc
     import time
 
@@ -63,13 +70,21 @@ def command(scenario: str | None, gait: Path | None, ground: Path | None, payloa
     import rerun  # noqa: F401
 
     from exo_sim import rig as rigs
+    from exo_sim.cli import run_motion
     from exo_sim.control import own
     from exo_sim.errors import OutputError
+    from exo_sim.machine.build import is_worn
     from exo_sim.outputs import check_writable
     from exo_sim.simulation import kept
     from exo_sim.simulation.coupled import Simulation
     from exo_sim.simulation.walk import Request, default_rig
 
+    machine = rigs.read(rig or default_rig())
+    if scenario is not None and gait is None and Path(scenario).suffix.lower() in MOTIONS and not is_worn(machine):
+        run_motion.command(machine, Path(scenario), controller, out, as_json, quiet, seed)
+        return
+    if scenario is not None and gait is None and Path(scenario).suffix.lower() in (*MOTIONS, ".mot", ".sto", ".c3d"):
+        gait, scenario = Path(scenario), None  # a person's motion
     name, given = _what(scenario, gait, ground)
     path = out or Path(f"{name}.rrd")
     if path.suffix.lower() != ".rrd":
@@ -79,7 +94,6 @@ def command(scenario: str | None, gait: Path | None, ground: Path | None, payloa
         name, payload=payload, speed=speed, cycles=strides, assist=assist, controller=controller, law=demand, given=given,
         driven="valves" if brought is not None else "",
     )  # fmt: skip
-    machine = rigs.read(rig or default_rig())
     gc.freeze()  # what was imported stays: it need not be gone through again and again
     begun = time.perf_counter()
     check_writable(path.parent)

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any
 
 from exo_sim.errors import ModelError, ScenarioError, nearest
 from exo_sim.machine.person import COORDINATES, REFERENCE_HEIGHT, SEGMENTS, Person
-from exo_sim.rig.schema import Ankle, JointFactors
+from exo_sim.rig.schema import Ankle, JointFactors, Rig
 
 if TYPE_CHECKING:
     import mujoco
@@ -76,6 +76,17 @@ def build(
         mujoco.mj_setConst(model, mujoco.MjData(model))
     corrected(model, joints or {}, str(path))
     return model
+
+
+def is_worn(rig: Rig) -> bool:
+    """Return whether a rig's machine carries a person: whether its MJCF has any of the joints that move a torso.
+
+    Raises:
+        ModelError: the MJCF cannot be read.
+    """
+    from exo_sim.machine import mjcf
+
+    return any(joint.name in ("torso_x", "torso_z", "torso_pitch") for joint in mjcf.read_spec(rig.model).joints)
 
 
 def carry(model: mujoco.MjModel, payload: float, body: int | None = None) -> None:

@@ -156,3 +156,18 @@ def check_strokes(rig: Rig, model: mujoco.MjModel) -> None:
                 f'{where}: stroke = {cylinder.stroke * 1e3:.1f} mm from {cylinder.retracted_length * 1e3:.1f} mm does not cover '
                 f'joint "{link.joint}", which asks for {min(lengths) * 1e3:.1f} to {max(lengths) * 1e3:.1f} mm'
             )
+
+
+def tendon_ends(model: mujoco.MjModel, actuator: str) -> tuple[int, int] | None:
+    """Return the first and the last site of the tendon that an actuator pulls on, or None where it has none."""
+    index = model.actuator(actuator).id
+    if model.actuator_trntype[index] != mujoco.mjtTrn.mjTRN_TENDON:
+        return None
+    tendon = int(model.actuator_trnid[index, 0])
+    start, count = int(model.tendon_adr[tendon]), int(model.tendon_num[tendon])
+    sites = [
+        int(model.wrap_objid[i])
+        for i in range(start, start + count)
+        if model.wrap_type[i] == mujoco.mjtWrap.mjWRAP_SITE
+    ]
+    return (sites[0], sites[-1]) if len(sites) > 1 else None

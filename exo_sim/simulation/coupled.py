@@ -60,6 +60,7 @@ class Simulation:
 
     def __init__(self, rig: Rig, request: Request, controller: own.Controller | None = None, seed: int = 0):
         self.rig, self.request = rig, request
+        self._asked: own.Asked | None = None
         self.person = Person(rig.wearer.height, rig.wearer.mass)
         scenario = request.found
         self.motion = scenarios.motion(scenario, self.person, request.speed)
@@ -85,7 +86,6 @@ class Simulation:
         self.demand = self._demands(request.payload)
         self.demand_added = self._demands(request.payload + self.added.mass) if self.added else self.demand
         self.remarks = (*scenario.remarks, *self.remarks)
-        self._asked = None
         if controller is not None:
             self._asked = own.Asked(controller, driven.context(self, controller, seed), request.controller)
         self._reset()

@@ -92,7 +92,8 @@ class Outside:
 
     def run(self, first: int, count: int, rows: Array) -> int:
         """Take steps under the commands; return what became of the gas."""
-        became: int = loop.run(first, count, *self._wired, rows)
+        arguments = (first, count, *self._wired, rows)
+        became: int = loop.run(*arguments)
         return became
 
     def observation(self, row: Array) -> dict[str, float]:

@@ -9,6 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from exo_sim import __version__
+from exo_sim.machine.linkage import tendon_ends
 from exo_sim.machine.person import SEGMENTS, pose_bodies
 from exo_sim.recording.scene import Arrows, DrawnCylinder, Scene, shapes_of_model
 from exo_sim.recording.table import Recording
@@ -62,7 +63,7 @@ def scene(walk: Walk) -> Scene:
     columns = walk.columns
     qpos = np.stack([columns[f"{model.joint(i).name}.position"][rows] for i in range(model.njnt)], axis=1)
     offset_y = np.array([model.body(f"person_{segment}").pos[1] for segment in SEGMENTS])
-    ends = {name: _ends(model, cylinder.actuator) for name, cylinder in walk.rig.cylinders.items()}
+    ends = {name: tendon_ends(model, cylinder.actuator) for name, cylinder in walk.rig.cylinders.items()}
     feet = [model.site(f"foot_{side}").id for side in "lr"]
     harness = [model.site(name).id for name in walk.straps.names]
     positions = np.empty((len(rows), model.nbody, 3))
@@ -105,21 +106,6 @@ def scene(walk: Walk) -> Scene:
         arrows=arrows,
         follow="torso",
     )
-
-
-def _ends(model: mujoco.MjModel, actuator: str) -> tuple[int, int] | None:
-    """Return the first and the last site of the tendon that an actuator pulls on, or None where it has none."""
-    index = model.actuator(actuator).id
-    if model.actuator_trntype[index] != mujoco.mjtTrn.mjTRN_TENDON:
-        return None
-    tendon = int(model.actuator_trnid[index, 0])
-    start, count = int(model.tendon_adr[tendon]), int(model.tendon_num[tendon])
-    sites = [
-        int(model.wrap_objid[i])
-        for i in range(start, start + count)
-        if model.wrap_type[i] == mujoco.mjtWrap.mjWRAP_SITE
-    ]
-    return (sites[0], sites[-1]) if len(sites) > 1 else None
 
 
 def _vectors(columns: dict[str, NDArray[np.float64]], key: str, rows: NDArray[np.int64]) -> NDArray[np.float64]:

@@ -1,0 +1,317 @@
+"""A machine that nobody wears follows a motion: any MJCF with cylinders, its gas, and a controller."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Iterator
+from dataclasses import dataclass, field
+
+import mujoco
+import numpy as np
+from numpy.typing import NDArray
+
+from exo_sim import progress
+from exo_sim.control import own
+from exo_sim.control.tracking import Tracking, TrackingGains
+from exo_sim.control.valve_control import CONTROLLERS, ValveGains, invert, largest_forces, pi
+from exo_sim.errors import Diverged, ModelError, ScenarioError, nearest
+from exo_sim.machine.load import load
+from exo_sim.physics import plant
+from exo_sim.physics.books import Books
+from exo_sim.physics.nodes import exhaust_state, supply_state
+from exo_sim.physics.state import DRAWN, HELD, INTEGRATED, REMEMBERED, SHARED
+from exo_sim.recording.table import Recording
+from exo_sim.rig import Rig
+from exo_sim.simulation.native import warnings_counted
+from exo_sim.simulation.plugin import PneumaticPlugin
+from exo_sim.simulation.wanted_motion import WantedMotion, check_reach, wanted
+
+Array = NDArray[np.float64]
+
+
+@dataclass(frozen=True)
+class MotionRun:
+    """What was simulated.
+
+    Attributes:
+        rig, model: The machine.
+        motion: What it was to do.
+        controller: What moved the valves, by name.
+        time: [s], shape (n,).
+        columns: `"<part>.<signal>"` to values in SI, shape (n,).
+        units: The same keys to SI units.
+        qpos: Positions of MuJoCo at each row, shape (n, nq).
+        books: Of the gas.
+        interrupted: Whether it was stopped early.
+    """
+
+    rig: Rig
+    model: mujoco.MjModel
+    motion: WantedMotion
+    controller: str
+    time: Array
+    columns: dict[str, Array]
+    units: dict[str, str]
+    qpos: Array
+    books: Books
+    interrupted: bool = False
+
+
+@dataclass(frozen=True)
+class _Signal:
+    key: str
+    unit: str
+
+
+@dataclass
+class _Valves:
+    """What the force loops of the valves remember."""
+
+    before: Array
+    integral: Array
+    gains: ValveGains = field(default_factory=ValveGains)
+
+
+class UnwornSimulation:
+    """A machine that nobody wears, and the motion that it is to follow.
+
+    Args:
+        rig: The machine; its MJCF has cylinders on joints or tendons, and needs no person.
+        recording: `<joint>.position` of every joint that a cylinder drives; `<joint>.external_force` where something acts on it.
+        controller: "model" or "pi" (how valves get the forces of computed torque), or somebody's own.
+        told_by: What to call it in messages and in the recording.
+        seed: What somebody's own controller is told.
+
+    Attributes:
+        remarks: Plain sentences on what happened.
+
+    Raises:
+        ModelError, RigError: the machine cannot be built, or has no cylinder.
+        RecordingError: the motion is none for this machine.
+        ScenarioError: no such controller.
+    """
+
+    def __init__(
+        self, rig: Rig, recording: Recording, controller: str | own.Controller = "model", told_by: str = "", seed: int = 0
+    ) -> None:
+        if not rig.cylinders:
+            raise ModelError(f"{rig.path}: no [cylinders.NAME]: nothing moves the machine")
+        if isinstance(controller, str) and controller not in CONTROLLERS:
+            raise ScenarioError(f'controller "{controller}"{nearest(controller, CONTROLLERS)}')
+        without = [c.name for c in rig.cylinders.values() if c.valve_area <= 0.0]
+        if without:
+            where = f"cylinders.{without[0]}"
+            raise ModelError(f"{rig.path}: {where} has no valve, so that no controller can move it; write [{where}.valve]")
+        self.rig, self.model = rig, load(rig)
+        self.data = mujoco.MjData(self.model)
+        self.plugin = PneumaticPlugin(self.model, rig)
+        self.dt = float(self.model.opt.timestep)
+        self.motion = wanted(recording, rig, self.model, self.plugin.links)
+        check_reach(rig, self.model, self.motion, self.plugin.links)
+        self.remarks: tuple[str, ...] = ()
+        self.controller_name = told_by or (controller if isinstance(controller, str) else type(controller).__name__)
+        dofs = np.array(sorted({link.dof for link in self.plugin.links}), dtype=np.int64)
+        names = [self.model.joint(int(self.model.dof_jntid[dof])).name for dof in dofs]
+        self._dofs, self._at = dofs, np.array([self.motion.joints.index(name) for name in names])
+        cylinders = self.plugin.pneumatics.cylinders
+        atmosphere = rig.environment.pressure
+        self._limits = largest_forces(cylinders["area_1"], cylinders["area_2"], rig.supply.pressure, atmosphere, atmosphere)
+        single = np.array([cylinder.single_acting for cylinder in rig.cylinders.values()])
+        if single.any():  # chamber 2 is open: it can only push
+            self._limits[single, 0], self._limits[single, 1] = 0.0, (rig.supply.pressure - atmosphere) * cylinders["area_1"][single]
+        actuators = np.array([link.actuator for link in self.plugin.links], dtype=np.int64)
+        self._tracking = Tracking(self.model, dofs, actuators, self._limits, TrackingGains())
+        self._external = [(int(self.model.joint(name).dofadr[0]), values) for name, values in self.motion.external.items()]
+        self._signals = self._layout()
+        self._valve_law = controller if isinstance(controller, str) else "model"
+        self._asked: own.Asked | None = None
+        if not isinstance(controller, str):
+            every = own.period_of(controller, self.dt, self.controller_name)
+            told = own.Context(
+                rig, tuple(rig.cylinders), tuple(names), tuple(each.key for each in self._signals), every * self.dt, self.dt,
+                float(self.motion.time[-1]), scenario=self.motion.name, seed=seed, reference=self.motion.at,
+            )  # fmt: skip
+            self._asked = own.Asked(controller, told, self.controller_name)
+        self.reset()
+
+    def _layout(self) -> list[_Signal]:
+        out = []
+        for j in range(self.model.njnt):
+            name = self.model.joint(j).name
+            if self.model.jnt_type[j] in (2, 3) and name:
+                unit = "rad" if self.model.jnt_type[j] == 3 else "m"
+                out += [_Signal(f"{name}.position", unit), _Signal(f"{name}.velocity", f"{unit}/s")]
+        for name in self.motion.joints:
+            turns = self.model.joint(name).type[0] == mujoco.mjtJoint.mjJNT_HINGE
+            out += [_Signal(f"{name}.position_demanded", "rad" if turns else "m"), _Signal(f"{name}.torque", "N*m" if turns else "N")]
+        for name in self.motion.external:
+            out.append(_Signal(f"{name}.external_force", "N*m" if self.model.joint(name).type[0] == mujoco.mjtJoint.mjJNT_HINGE else "N"))
+        for name in self.rig.cylinders:
+            out += [_Signal(f"{name}.{signal}", unit) for signal, unit in _OF_CYLINDER]
+        return [*out, _Signal("supply.pressure", "Pa"), _Signal("exhaust.pressure", "Pa")]
+
+    def reset(self) -> None:
+        """Put the machine at the start of its motion, moving with it, gas at rest at the atmosphere."""
+        model, data, motion = self.model, self.data, self.motion
+        mujoco.mj_resetData(model, data)
+        for j, name in enumerate(motion.joints):
+            joint = model.joint(name)
+            data.qpos[joint.qposadr[0]], data.qvel[joint.dofadr[0]] = motion.position[0, j], motion.velocity[0, j]
+        self.plugin.reset(data)
+        self._tracking.reset()
+        n = len(self.rig.cylinders)
+        self._valves = _Valves(np.zeros(n), np.zeros(n))
+        self._felt = np.zeros(len(self._external))
+        self._given: own.Commands | None = None
+        self._step = 0
+
+    @property
+    def rows(self) -> int:
+        """How many rows a whole run has."""
+        return len(self.motion.time)
+
+    def run(self, quiet: bool = True, stop: Callable[[], bool] = lambda: False) -> MotionRun:
+        """Simulate the whole motion.
+
+        Raises:
+            Diverged: numbers that mean nothing any more, or a warning of MuJoCo.
+            ScenarioError: somebody's own controller fails.
+        """
+        self.reset()
+        if self._asked is not None:
+            self._asked.reset()
+        log = np.empty((self.rows, len(self._signals)))
+        qpos = np.empty((self.rows, self.model.nq))
+        done = 0
+        every = max(1, round(self._asked.context.period / self.dt)) if self._asked is not None else 1
+        with progress.Bar(self.rows * self.dt, self.motion.name, unit="s", quiet=quiet) as bar, warnings_counted():
+            for k in self._steps():
+                if self._asked is not None and k > 0 and (k - 1) % every == 0:
+                    self._given = self._asked.act(self.observation(log[k - 1]))
+                self.advance(log[k], qpos[k])
+                done = k + 1
+                if done % 200 == 0:
+                    self._check(log[done - 200 : done])
+                    bar.to(done * self.dt)
+                    if stop():
+                        break
+        self._check(log[:done])
+        if self._asked is not None:
+            self.remarks = self._asked.remarks()
+        columns = {each.key: np.ascontiguousarray(log[:done, i]) for i, each in enumerate(self._signals)}
+        return MotionRun(
+            self.rig, self.model, self.motion, self.controller_name, self.motion.time[:done], columns,
+            {each.key: each.unit for each in self._signals}, qpos[:done], self.plugin.books(), done < self.rows,
+        )  # fmt: skip
+
+    def _steps(self) -> Iterator[int]:
+        return iter(range(self.rows))
+
+    def observation(self, row: Array) -> dict[str, float]:
+        """Return a row of the log by names, with "time" [s]."""
+        return {"time": (self._step - 1) * self.dt, **{each.key: value for each, value in zip(self._signals, row.tolist())}}
+
+    def command(self, commands: own.Commands | None) -> None:
+        """Let commands from outside count from the next step on; None gives the machine back to the built-in controller."""
+        self._given = commands
+
+    def advance(self, row: Array, qpos: Array) -> None:
+        """Take one step; what it began with goes into `row` and `qpos`."""
+        model, data, plugin, k = self.model, self.data, self.plugin, self._step
+        mujoco.mj_step1(model, data)
+        plugin.advance(data)
+        for i, (dof, values) in enumerate(self._external):
+            now = values[min(k, len(values) - 1)]
+            data.qfrc_applied[dof] += now - self._felt[i]
+            self._felt[i] = now
+        rods = self._wanted_rods(min(k, self.rows - 1))
+        if self._given is not None and self._given.kind == own.VALVES:
+            plugin.command[:] = np.clip(self._given.values, -1.0, 1.0)
+        elif self._given is None and self._asked is not None:
+            plugin.command[:] = 0.0
+        else:
+            self._open_valves(rods, first=k == 0)
+        qpos[:] = data.qpos
+        before = data.qvel.copy()
+        plugin.compute(data)
+        self._log(row, min(k, self.rows - 1), rods, before)
+        mujoco.mj_step2(model, data)
+        self._step += 1
+
+    def _wanted_rods(self, k: int) -> Array:
+        data, motion = self.data, self.motion
+        if self._given is not None:
+            if self._given.kind == own.VALVES:
+                return np.full(len(self._limits), math.nan)
+            force = self._given.values
+        else:
+            at = self._at
+            force = self._tracking.joint_force(data, motion.position[k, at], motion.velocity[k, at], motion.acceleration[k, at], self.dt)
+        return self._tracking.rod_forces(data, force)
+
+    def _open_valves(self, rods: Array, first: bool) -> None:
+        """Set the valves so that the rods come to make the forces wanted."""
+        plugin, held = self.plugin, self._valves
+        gas, x = plugin.pneumatics, plugin.lengths
+        pressures, temperatures, w = gas.sensed_pressures(x), gas.temperatures(), gas.world[0]
+        gains, dt = held.gains, self.dt
+        for i, c in enumerate(gas.cylinders):
+            (p_1, p_2), (t_1, t_2) = pressures[i], temperatures[i]
+            force = p_1 * c["area_1"] - p_2 * c["area_2"] - w["atmosphere"] * (c["area_1"] - c["area_2"])
+            error = rods[i] - force
+            if self._valve_law == "pi":
+                scale = (w["supply_pressure"] - w["atmosphere"]) * c["area_1"]
+                plugin.command[i], held.integral[i] = pi(error, scale, held.integral[i], gains.proportional, gains.integral, dt)
+                continue
+            rate = 0.0 if first else (rods[i] - held.before[i]) / dt
+            v_1, v_2 = plant.volumes(c, x[i])
+            opening = invert(
+                rate + error / gains.closing_time, self.data.actuator_velocity[plugin.links[i].actuator], p_1, t_1, p_2, t_2, v_1, v_2,
+                c["area_1"], c["area_2"], c["valve_area"], w["supply_pressure"], w["supply_temperature"], w["exhaust_pressure"],
+                w["ambient"], w["k"], w["r"],
+            )  # fmt: skip
+            plugin.command[i] = min(max(opening, -1.0), 1.0)
+        held.before[:] = rods
+
+    def _log(self, row: Array, k: int, rods: Array, velocity: Array) -> None:
+        model, data, plugin, motion = self.model, self.data, self.plugin, self.motion
+        gas, x = plugin.pneumatics, plugin.lengths
+        at = 0
+        for j in range(model.njnt):
+            if model.jnt_type[j] in (2, 3) and model.joint(j).name:
+                row[at], row[at + 1] = data.qpos[model.jnt_qposadr[j]], velocity[model.jnt_dofadr[j]]
+                at += 2
+        made = self._tracking.made(data, plugin.force)
+        for j, name in enumerate(motion.joints):
+            row[at], row[at + 1] = motion.position[k, j], made[model.joint(name).dofadr[0]]
+            at += 2
+        row[at : at + len(self._felt)] = self._felt
+        at += len(self._felt)
+        pressures, temperatures = gas.sensed_pressures(x), gas.temperatures()
+        for i in range(len(plugin.links)):
+            drawn = gas.vector[i * INTEGRATED + DRAWN]
+            asked = plugin.force[i] if math.isnan(rods[i]) else rods[i]
+            row[at : at + len(_OF_CYLINDER)] = (
+                plugin.command[i], *pressures[i], *temperatures[i], plugin.force[i], asked, x[i], drawn,
+            )  # fmt: skip
+            at += len(_OF_CYLINDER)
+        n = len(plugin.links)
+        shared = n * INTEGRATED
+        held = gas.vector[shared + SHARED + n * REMEMBERED + HELD]
+        row[at], row[at + 1] = supply_state(gas.world[0], gas.vector, shared, held)[0], exhaust_state(gas.world[0], gas.vector, shared)[0]
+
+    def _check(self, rows: Array) -> None:
+        when = f"by {self._step * self.dt:.3f} s"
+        advice = "try a shorter timestep in the MJCF, or a slower motion"
+        if self.data.warning.number.any():
+            kind = list(mujoco.mjtWarning.__members__)[int(np.argmax(self.data.warning.number > 0))]
+            raise Diverged(f"{self.motion.name}: MuJoCo warns of {kind} {when}; {advice}")
+        if not np.isfinite(rows).all():
+            key = self._signals[int(np.argmin(np.isfinite(rows).all(axis=0)))].key
+            raise Diverged(f"{self.motion.name}: {key} is not a number {when}; {advice}")
+
+
+_OF_CYLINDER = (
+    ("valve_command", "1"), ("pressure_1", "Pa"), ("pressure_2", "Pa"), ("temperature_1", "K"), ("temperature_2", "K"),
+    ("force", "N"), ("force_demanded", "N"), ("length", "m"), ("gas_used", "kg"),
+)  # fmt: skip

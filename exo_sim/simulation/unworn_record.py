@@ -1,0 +1,91 @@
+"""From a machine that followed a motion to what is written and printed: the table, the scene, the numbers."""
+
+from __future__ import annotations
+
+from importlib import metadata
+from typing import Any
+
+import mujoco
+import numpy as np
+
+from exo_sim import __version__
+from exo_sim.machine.linkage import tendon_ends
+from exo_sim.physics.gas import critical_ratio
+from exo_sim.recording.scene import DrawnCylinder, Scene, shapes_of_model
+from exo_sim.recording.table import Recording
+from exo_sim.simulation.sensors import observe
+from exo_sim.simulation.unworn import MotionRun
+
+#: Frames a second in the scene.
+FRAME_RATE = 50.0
+
+
+def recording(run: MotionRun, name: str, seed: int = 0) -> Recording:
+    """Return a run as a table with the contract's columns, as the rig's sensors show it."""
+    notes = {
+        "motion": run.motion.name, "controller": run.controller, "rig": run.rig.text, "seed": str(seed), "exo-sim": __version__,
+        **{package: metadata.version(package) for package in ("mujoco", "numpy", "numba")},
+    }  # fmt: skip
+    return observe(Recording(name, run.time, run.columns, run.units, notes), run.rig)
+
+
+def scene(run: MotionRun) -> Scene:
+    """Return the bodies and cylinders at `FRAME_RATE`."""
+    model = run.model
+    every = max(1, round(1.0 / (FRAME_RATE * model.opt.timestep)))
+    rows = np.arange(0, len(run.time), every)
+    data = mujoco.MjData(model)
+    positions, quaternions = np.empty((len(rows), model.nbody, 3)), np.empty((len(rows), model.nbody, 4))
+    sites = np.empty((len(rows), model.nsite, 3))
+    for i, row in enumerate(rows):
+        data.qpos[:] = run.qpos[row]
+        mujoco.mj_kinematics(model, data)
+        positions[i], quaternions[i], sites[i] = data.xpos, data.xquat, data.site_xpos
+    bodies, shapes = shapes_of_model(model)
+    cylinders = []
+    for name, cylinder in run.rig.cylinders.items():
+        ends = tendon_ends(model, cylinder.actuator)
+        if ends is not None:
+            base, rod = sites[:, ends[0]], sites[:, ends[1]]
+            cylinders.append(DrawnCylinder(name, base, rod, cylinder.retracted_length, cylinder.bore, max(cylinder.rod, 0.004)))
+    return Scene(run.time[rows], bodies, positions, quaternions, shapes, cylinders)
+
+
+def summarise(run: MotionRun) -> dict[str, Any]:
+    """Return the numbers of the `run` JSON that make sense without a wearer, without file names and wall time.
+
+    Of each joint: the error of its position, and the force that the cylinders made. The first tenth of the motion, 1 s at the most, in
+    which the chambers fill, is left out of errors and shares.
+    """
+    n = len(run.time)
+    first = min(int(0.1 * n), int(1.0 / run.model.opt.timestep))
+    columns = run.columns
+    joints = {}
+    for name in run.motion.joints:
+        error = columns[f"{name}.position"][first:] - columns[f"{name}.position_demanded"][first:]
+        made = columns[f"{name}.torque"][first:]
+        turns = run.units[f"{name}.position"] == "rad"
+        unit, force = ("rad", "torque") if turns else ("m", "force")
+        newton = "nm" if turns else "n"
+        joints[name] = {
+            f"position_error_rms_{unit}": float(np.sqrt(np.mean(error**2))), f"position_error_peak_{unit}": float(np.abs(error).max()),
+            f"{force}_peak_{newton}": float(np.abs(made).max()), f"{force}_rms_{newton}": float(np.sqrt(np.mean(made**2))),
+        }  # fmt: skip
+    critical = critical_ratio(run.rig.heat_capacity_ratio)
+    supply, exhaust = columns["supply.pressure"], columns["exhaust.pressure"]
+    cylinders = {}
+    for name in run.rig.cylinders:
+        u, p_1, p_2 = (columns[f"{name}.{signal}"] for signal in ("valve_command", "pressure_1", "pressure_2"))
+        filled, emptied = np.where(u > 0.0, p_1, p_2), np.where(u > 0.0, p_2, p_1)
+        choked = (u != 0.0) * ((filled < critical * supply).astype(float) + (exhaust < critical * emptied))
+        off = columns[f"{name}.force"][first:] - columns[f"{name}.force_demanded"][first:]
+        used = columns[f"{name}.gas_used"]
+        cylinders[name] = {
+            "pressure_peak_pa": float(max(p_1.max(), p_2.max())), "choked_share": float(np.mean(choked[first:] / 2)),
+            "force_error_rms_n": float(np.sqrt(np.mean(off**2))), "gas_kg": float(used[-1] - used[0]),
+        }  # fmt: skip
+    return {
+        "schema": "exo-sim/run/1", "scenario": run.motion.name, "simulated_s": float(n * run.model.opt.timestep), "joints": joints,
+        "cylinders": cylinders,
+        "books": {"gas_mass_residual": run.books.mass_residual, "gas_energy_residual": run.books.energy_residual},
+    }  # fmt: skip

@@ -1,10 +1,30 @@
-"""`python -m exo_sim VERB`."""
+"""`python -m exo_sim VERB`, and the command `exo-sim`."""
 
 from __future__ import annotations
 
+import signal
 import sys
 
-from exo_sim.cli import main
+
+def start() -> int:
+    """Run the verb of this process's command line and return its exit status.
+
+    Ctrl-C ends the process without a word while the program is loaded and while the interpreter shuts down: no handler of ours stands
+    there, and Python's would print a traceback. In a process that was started with interrupts ignored they stay so.
+    """
+    ours = signal.getsignal(signal.SIGINT) is signal.default_int_handler
+    if ours:
+        signal.signal(signal.SIGINT, signal.SIG_DFL)
+    from exo_sim.cli import main
+
+    if ours:
+        signal.signal(signal.SIGINT, signal.default_int_handler)
+    try:
+        return main()
+    finally:
+        if ours:
+            signal.signal(signal.SIGINT, signal.SIG_DFL)
+
 
 if __name__ == "__main__":
-    sys.exit(main())
+    sys.exit(start())

@@ -21,6 +21,7 @@ _API = {
     "Sizing": "sizing",
     "compare": "comparing",
     "diagnose": "diagnosing",
+    "doctor": "doctor",
     "effects": "effects",
     "inspect": "inspecting",
     "scenarios": "simulating",

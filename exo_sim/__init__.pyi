@@ -2,6 +2,7 @@ from exo_sim.api.comparing import Comparison as Comparison
 from exo_sim.api.comparing import compare as compare
 from exo_sim.api.diagnosing import Diagnosis as Diagnosis
 from exo_sim.api.diagnosing import diagnose as diagnose
+from exo_sim.api.doctor import doctor as doctor
 from exo_sim.api.effects import effects as effects
 from exo_sim.api.errors import ExoSimError as ExoSimError
 from exo_sim.api.inspecting import Inspection as Inspection

@@ -14,7 +14,7 @@ import exo_sim
 from exo_sim.errors import nearest
 
 #: The verbs in the order of the list; one is there as soon as its file is.
-VERBS = ("run", "scenarios", "inspect", "view", "compare", "diagnose", "effects", "size", "trial")
+VERBS = ("run", "scenarios", "inspect", "view", "compare", "diagnose", "effects", "size", "trial", "doctor")
 
 _FOLDER = Path(__file__).parent
 _NAMES = {"help_option_names": ["-h", "--help"], "max_content_width": 110}

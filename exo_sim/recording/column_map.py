@@ -5,6 +5,7 @@ A TOML file::
     [file]                       # optional, for CSV
     header = false               # the columns are then called "1", "2", ...
     delimiter = ";"
+    episode = 3                  # of a LeRobot file with several
 
     [columns]                    # foreign name = contract name, with the unit the foreign numbers are in
     "t(ms)"  = "time [ms]"
@@ -37,12 +38,14 @@ class ColumnMap:
         columns: Foreign name to where it goes.
         header: False where a CSV has no heading line; its columns are called "1", "2", ...
         delimiter: What stands between the numbers of a CSV; found out where it is None.
+        episode: Which episode of a file with several; None for the only one.
     """
 
     path: Path
     columns: Mapping[str, Column] = field(default_factory=dict)
     header: bool = True
     delimiter: str | None = None
+    episode: int | None = None
 
 
 def read_column_map(path: str | Path) -> ColumnMap:
@@ -76,13 +79,16 @@ def column_map_of(tables: Mapping[str, Any], path: Path) -> ColumnMap:
         raise RecordingError(f'column map "{path}": no [columns]; write lines like "P1" = "piston.pressure_1 [bar]"')
     if not isinstance(options, dict):
         raise RecordingError(f'column map "{path}": [file] must be a table')
-    _known(path, "key of [file]", options, ("header", "delimiter"))
+    _known(path, "key of [file]", options, ("header", "delimiter", "episode"))
     header, delimiter = options.get("header", True), options.get("delimiter")
     if not isinstance(header, bool):
         raise RecordingError(f'column map "{path}": header = {header!r}; write true or false')
     if delimiter is not None and (not isinstance(delimiter, str) or len(delimiter) != 1):
         raise RecordingError(f'column map "{path}": delimiter = {delimiter!r}; write one character, like ";"')
-    return ColumnMap(path, {name: _entry(path, name, entry) for name, entry in entries.items()}, header, delimiter)
+    episode = options.get("episode")
+    if episode is not None and (isinstance(episode, bool) or not isinstance(episode, int)):
+        raise RecordingError(f'column map "{path}": episode = {episode!r}; write a number, like 3')
+    return ColumnMap(path, {name: _entry(path, name, entry) for name, entry in entries.items()}, header, delimiter, episode)
 
 
 def _known(path: Path, what: str, table: Mapping[str, object], choices: tuple[str, ...]) -> None:

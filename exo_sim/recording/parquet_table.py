@@ -10,6 +10,7 @@ from numpy.typing import NDArray
 from exo_sim.errors import RecordingError, printable
 from exo_sim.recording.column_map import ColumnMap
 from exo_sim.recording.columns import Column
+from exo_sim.recording.lerobot_table import is_lerobot, read_lerobot
 from exo_sim.recording.selection import RawTable, select
 
 _NOT_OURS = (b"pandas", b"ARROW:schema")
@@ -33,6 +34,8 @@ def read_parquet(path: Path, column_map: ColumnMap | None = None) -> RawTable:
             "copied in part, or still being written? Copy it again"
         ) from None
     with file:
+        if is_lerobot(file.schema_arrow.names):
+            return read_lerobot(path, file, column_map)
         selection = select(str(path), list(file.schema_arrow.names), column_map)
         rows = file.metadata.num_rows
         if not rows:

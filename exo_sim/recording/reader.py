@@ -1,4 +1,4 @@
-"""Reading a recording from a file: CSV, Parquet or .rrd, to one table in SI and what was odd about it."""
+"""Reading a recording from a file, by its ending, to one table in SI and what was odd about it."""
 
 from __future__ import annotations
 
@@ -42,7 +42,7 @@ def read(path: str | Path, column_map: str | Path | ColumnMap | None = None) -> 
     """Read a recording.
 
     Args:
-        path: A `.csv` (also `.tsv`, `.txt`), `.parquet` or `.rrd` file of the contract.
+        path: A `.csv` (also `.tsv`, `.txt`), `.parquet` (also of a LeRobot data set), `.rrd`, `.mat`, `.mcap`, `.mot` or `.sto` file.
         column_map: A TOML file that names foreign columns (`recording.column_map`), or what one holds.
 
     Raises:
@@ -82,7 +82,20 @@ def _reader(path: Path) -> Callable[[Path, ColumnMap | None], RawTable]:
         from exo_sim.recording.rrd_table import read_rrd
 
         return read_rrd
-    raise RecordingError(f'"{path}": a recording ends in .csv, .parquet or .rrd, not in "{ending}"')
+    if ending in (".mot", ".sto"):
+        from exo_sim.recording.sto_table import read_sto
+
+        return read_sto
+    if ending == ".mat":
+        from exo_sim.recording.mat_table import read_mat
+
+        return read_mat
+    if ending == ".mcap":
+        from exo_sim.recording.mcap_table import read_mcap
+
+        return read_mcap
+    known = ".csv, .parquet, .rrd, .mat, .mcap, .mot or .sto"
+    raise RecordingError(f'"{path}": a recording ends in {known}, not in "{ending}"')
 
 
 def tidy(path: Path, raw: RawTable) -> Reading:

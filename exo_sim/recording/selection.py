@@ -73,13 +73,14 @@ def select(name: str, headings: Sequence[str], column_map: ColumnMap | None = No
             if column_map is None:
                 says = f"{error}; the column was set aside"
                 findings.append(Finding(heading, "unknown column", says, severity="warning", use="set aside"))
-    return Selection(_time_first(name_of_file, chosen, findings), findings)
+    return Selection(_time_first(name_of_file, chosen, findings, headings), findings)
 
 
-def _time_first(name: str, chosen: list[Column], findings: list[Finding]) -> tuple[Column, ...]:
+def _time_first(name: str, chosen: list[Column], findings: list[Finding], headings: Sequence[str]) -> tuple[Column, ...]:
     times = [column for column in chosen if column.key == columns.TIME]
     if not times:
-        raise RecordingError(f'{name}: there is no column "time [s]"; name the clock so, or hand in a column map')
+        there = ", ".join(f'"{heading[:60]}"' for heading in list(headings)[:8]) + (", ..." if len(headings) > 8 else "")
+        raise RecordingError(f'{name}: there is no column "time [s]"; name the clock so, or hand in a column map; there is: {there}')
     by_key: dict[str, Column] = {}
     for column in chosen:
         if column.key in by_key:

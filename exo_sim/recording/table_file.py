@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING
 from exo_sim.errors import OutputError
 from exo_sim.outputs import replacing
 from exo_sim.recording import columns
+from exo_sim.recording.sto_table import write_sto
 from exo_sim.recording.table import Recording
 
 if TYPE_CHECKING:
@@ -20,21 +21,23 @@ _ROW_GROUP = 1 << 18
 
 
 def write_table(path: str | Path, recording: Recording) -> None:
-    """Write a recording as `.parquet` or `.csv`, columns named as the contract has them, values in SI.
+    """Write a recording as `.parquet`, `.csv` or OpenSim's `.sto`, columns named as the contract has them, values in SI.
 
-    Parquet keeps every bit and the metadata (in the schema); CSV keeps every bit of the values.
+    Parquet keeps every bit and the metadata (in the schema); the others keep every bit of the values.
 
     Raises:
         OutputError: the ending is another, or the file cannot be written.
     """
     path = Path(path)
     ending = path.suffix.lower()
-    if ending not in (".parquet", ".csv"):
-        raise OutputError(f'cannot write "{path}": a table ends in .parquet or .csv')
+    if ending not in (".parquet", ".csv", ".sto"):
+        raise OutputError(f'cannot write "{path}": a table ends in .parquet or .csv, or in .sto')
     with replacing(path) as beside:
         if ending == ".parquet":
             with writing_parquet(beside) as pieces:
                 pieces.add(recording)
+        elif ending == ".sto":
+            write_sto(beside, recording)
         else:
             from pyarrow import csv
 

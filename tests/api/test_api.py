@@ -15,6 +15,7 @@ import pytest
 
 import exo_sim as exo
 from exo_sim import cli
+from exo_sim.trials.cases import make_case, write_case
 
 #: What no type checker would let through.
 NO_PATH: Any = 3
@@ -146,13 +147,15 @@ def test_text_in_a_notebook_is_escaped(bench: tuple[exo.Rig, exo.Recording]) -> 
 @pytest.mark.slow
 def test_a_recording_in_memory_is_diagnosed_and_the_better_rig_is_a_rig(tmp_path: Path) -> None:
     """What leaks is found without a file in between; the improved rig runs, saves and loads."""
-    leaky = benches.bench(tmp_path, '\n[effects.piston_leakage.piston]\narea = "0.05 mm^2"\n')
-    recording = exo.Recording.of(benches.recorded(leaky, 6.0))
-    believed = exo.Rig.load(leaky.path).changed({"effects": None})
-    found = exo.diagnose(recording, believed, budget="60 s")
-    assert found.verdict == "mismatch" and [one.name for one in found.findings] == ["piston_leakage"]
+    case = make_case("case", effects=("piston_leakage",), seed=11, size=1.0, known="none", duration=12.0)
+    write_case(case, tmp_path / "case", "csv", open_truth=True)
+    truth = json.loads((tmp_path / "case" / "truth.json").read_text())["hidden"][0]["parameters"]["area"]["value"]
+    frame = exo.Recording.load(tmp_path / "case" / "recording.csv").to_pandas()
+    recording, believed = exo.Recording.from_pandas(frame), exo.Rig.load(tmp_path / "case" / "rig.toml")
+    found = exo.diagnose(recording, believed)
+    assert found.verdict == "mismatch" and "piston_leakage" in [one.name for one in found.findings]
     leak = found.rig.effect("piston_leakage", "piston")
-    assert leak is not None and leak.parameters["area"] == pytest.approx(5e-8, rel=0.05)
+    assert leak is not None and leak.parameters["area"] == pytest.approx(truth, rel=0.05)
     assert all(one.after < one.before for key, one in found.fit.items() if "pressure" in key)
     better, worse = exo.compare(recording, found.rig), exo.compare(recording, believed)
     key = "piston.pressure_1"
@@ -177,3 +180,27 @@ def test_a_walk_in_memory_is_the_walk_of_the_command(tmp_path: Path) -> None:
     written.save(tmp_path / "copy.rrd")
     assert (tmp_path / "copy.parquet").read_bytes() == (tmp_path / "walk.parquet").read_bytes()
     assert "knee_r" in str(ran) and ran.plot()._repr_png_()
+
+
+def test_the_doctor_finds_what_is_there_and_says_what_is_not(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> None:
+    from importlib import metadata
+
+    found = {check.what: check for check in exo.doctor().checks}
+    assert found["numpy"].state == "ok" and found["numpy"].says == np.__version__
+    assert found["included machine"].state == "ok"
+
+    def absent(name: str) -> str:
+        if name in ("click", "pandas"):
+            raise metadata.PackageNotFoundError(name)
+        return "0.0.1" if name == "numpy" else "999.0"
+
+    monkeypatch.setattr(metadata, "version", absent)
+    monkeypatch.setattr(metadata, "requires", lambda name: ["click>=8.2", "numpy>=2.0", 'pandas>=2.2; extra == "notebook"'])
+    (tmp_path / "file").write_text("")
+    monkeypatch.setenv("EXO_SIM_CACHE", str(tmp_path / "file"))
+    ill = exo.doctor()
+    state = {check.what: (check.state, check.says) for check in ill.checks}
+    assert state["click"][0] == state["numpy"][0] == "fault" and ">=2.0" in state["numpy"][1]
+    assert state["pandas"][0] == "missing" and "exo-sim-pneumatic[notebook]" in state["pandas"][1]
+    assert state["compiled code"][0] == "missing" and "EXO_SIM_CACHE" in state["compiled code"][1]
+    assert ill.exit_status == 2 and not ill.summary["works"]

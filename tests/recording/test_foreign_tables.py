@@ -14,7 +14,7 @@ from exo_sim.recording import Recording, read, write_table
 from exo_sim.recording.column_map import column_map_of
 
 N = 200
-TIME = np.arange(N) * 0.01
+TIME = np.arange(N, dtype=np.float64) * 0.01
 PRESSURE = 2e5 + 1e4 * np.sin(TIME)
 ANGLE = 0.3 * np.cos(TIME)
 HEADINGS = ["time [s]", "piston.pressure_1 [bar]", "knee.position [deg]"]

@@ -5,23 +5,31 @@ from __future__ import annotations
 import os
 import shutil
 import time
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from functools import cached_property
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from exo_sim.api.arguments import Quantity, RigLike, quantity, rig_of
+from exo_sim.api.arguments import Quantity, RigLike, quantity, reading_of, rig_of
 from exo_sim.api.comparing import check_target
 from exo_sim.api.notebook import html_table
 from exo_sim.api.recording import Recording
 from exo_sim.api.rig import Rig
+from exo_sim.errors import RecordingError, ScenarioError
 from exo_sim.gait import scenario as scenario_files
+from exo_sim.outputs import check_writable
 from exo_sim.plain_text import table
+from exo_sim.recording import table as table_of
 
 if TYPE_CHECKING:
     from exo_sim.api.picture import Picture
+    from exo_sim.gait.scenario import Scenario
+    from exo_sim.simulation.unworn import MotionRun
     from exo_sim.simulation.walk import Walk
+
+#: Endings of recordings that a machine can follow.
+MOTIONS = (".csv", ".tsv", ".txt", ".parquet", ".pq", ".rrd")
 
 #: What `Run.plot` draws where it was recorded.
 _SHOWN = ("torque", "torque_demanded", "pressure_1", "pressure_2", "ground_force_z", "strap_force_z")
@@ -46,7 +54,7 @@ class Run:
     remarks: tuple[str, ...]
     path: Path | None
     interrupted: bool
-    _walk: Walk | None
+    _done: Walk | MotionRun | None
     _seed: int
 
     @property
@@ -57,12 +65,15 @@ class Run:
     @cached_property
     def recording(self) -> Recording:
         """Return every signal over time, as the rig's sensors show it."""
-        from exo_sim.simulation import record
+        from exo_sim.simulation import record, unworn_record
+        from exo_sim.simulation.walk import Walk
 
-        if self._walk is None:
+        if self._done is None:
             assert self.table is not None
             return Recording.load(self.table)
-        return Recording.of(record.recording(self._walk, self.scenario, self._seed))
+        if isinstance(self._done, Walk):
+            return Recording.of(record.recording(self._done, self.scenario, self._seed))
+        return Recording.of(unworn_record.recording(self._done, self.scenario, self._seed))
 
     def save(self, path: str | os.PathLike[str]) -> Path:
         """Write the run: `.rrd` for the viewer with the scene, and its table beside it as `.parquet`; or a table alone.
@@ -76,16 +87,20 @@ class Run:
         target = Path(path)
         if target.suffix.lower() != ".rrd":
             return self.recording.save(target)
-        if self._walk is None:
+        if self._done is None:
             assert self.path is not None and self.table is not None
             for source, goal in ((self.path, target), (self.table, target.with_suffix(".parquet"))):
                 _copied(source, goal)
             return target
-        from exo_sim.recording import write_rrd
-        from exo_sim.simulation import record
+        from exo_sim.outputs import replacing_all
+        from exo_sim.recording import write_rrd, write_table
+        from exo_sim.simulation import record, unworn_record
+        from exo_sim.simulation.walk import Walk
 
-        write_rrd(target, self.recording, scene=record.scene(self._walk))
-        self.recording.save(target.with_suffix(".parquet"))
+        scene = record.scene(self._done) if isinstance(self._done, Walk) else unworn_record.scene(self._done)
+        with replacing_all(target, target.with_suffix(".parquet")) as (rrd, parquet):
+            write_rrd(rrd, self.recording, scene=scene)
+            write_table(parquet, self.recording)
         return target
 
     def plot(self, signals: Sequence[str] | None = None) -> Picture:
@@ -122,54 +137,156 @@ class Run:
 
 
 def simulate(
-    rig: RigLike | None = None, scenario: str = "level_walk", *, payload: Quantity = 34.0, speed: float = 1.0,
-    strides: int | None = None, assist: str = "on", controller: str = "model", demand: str = "least_load", seed: int = 0,
-    out: str | os.PathLike[str] | None = None, quiet: bool = True,
+    rig: RigLike | None = None, scenario: str | os.PathLike[str] | Recording | None = None, *,
+    gait: str | os.PathLike[str] | None = None, ground: str | os.PathLike[str] | None = None, payload: Quantity = 34.0,
+    speed: float | str = 1.0, strides: int | None = None, assist: str = "on", controller: Any = "model", demand: str = "least_load",
+    seed: int = 0, out: str | os.PathLike[str] | bool = False, quiet: bool = True, tell: Callable[[str], None] = lambda words: None,
 ) -> Run:  # fmt: skip
-    """Simulate a person in the machine.
+    """Simulate a person in the machine, or a machine that nobody wears following a motion.
 
     Args:
-        rig: A path or `exo.Rig` of a worn machine; the one that comes with the package when None.
-        scenario: One of `exo.scenarios()`.
+        rig: A path or `exo.Rig`; the worn machine that comes with the package when None.
+        scenario: One of `exo.scenarios()`, or a scenario file (`.toml`); "level_walk" when neither it nor `gait` is given. For a machine
+            that nobody wears, a recording (path or `exo.Recording`) with the positions of its joints.
+        gait: Joint angles to walk by: `.mot`, `.sto`, `.c3d`, or a recording.
+        ground: Ground forces of the same trial.
         payload: On the back: kilograms, or text like "75 lb".
-        speed: Factor on the recorded cadence, 0.7 to 1.3.
+        speed: Factor on the recorded cadence, 0.7 to 1.3, or text like "1.3 m/s".
         strides: How many strides or repetitions; the scenario's own number when None.
         assist: "on"; "off": valves closed; "vented": both chambers open to the atmosphere.
-        controller: How valves get forces: "model" inverts the gas equations, "pi" is plain PI.
+        controller: How valves get forces: "model" inverts the gas equations, "pi" is plain PI; or a controller of your own, as an object
+            with `reset(context)` and `act(observation)`, or as "FILE.py:NAME".
         demand: Law by which joint torques are asked for: "least_load", "inverse_dynamics" or "virtual_support".
-        seed: Travels with the recording; a walk has no chance in it.
+        seed: Travels with the recording, and is told to a controller of your own.
         out: Where the recording for the viewer (`.rrd`) is written while it runs, with its table beside it; memory then does not grow
-            with length. None keeps the run in memory.
+            with length. True names it after what is done, in the folder that you are in; False keeps the run in memory.
         quiet: No progress.
+        tell: Takes remarks as soon as they are known.
 
     Raises:
-        ScenarioError, RigError, ModelError: it cannot be carried out; one line each.
+        ScenarioError, RecordingError, RigError, ModelError: it cannot be carried out; one line each.
         Diverged: the simulation left the range of numbers that mean anything, or the machine fell.
     """
+    from exo_sim.control import own
+    from exo_sim.machine.build import is_worn
     from exo_sim.simulation import kept
     from exo_sim.simulation.coupled import Simulation
     from exo_sim.simulation.summary import summarise
     from exo_sim.simulation.walk import Request
 
-    target = None if out is None else check_target(out)
+    mass, machine = quantity(payload, "kg", "payload", low=0.0), rig_of(rig)
+    if isinstance(controller, str):
+        brought, called = own.load(controller) if own.is_path(controller) else controller, controller
+    else:
+        brought = own.of(controller)
+        called = type(brought).__name__
+    if _is_motion(scenario) and not is_worn(machine):
+        return _follow(machine, scenario, brought, called, out, seed, quiet, tell)  # type: ignore[arg-type]
+    name, given = what_to_do(scenario, gait, ground)
+    target = _target(out, name)
+    mine = None if isinstance(brought, str) else brought
     request = Request(
-        scenario, payload=quantity(payload, "kg", "payload", low=0.0), speed=speed, cycles=strides, assist=assist,
-        controller=controller, law=demand,
+        name, payload=mass, speed=speed, cycles=strides, assist=assist, controller=called, law=demand, given=given,
+        driven="" if mine is None else "valves",
     )  # fmt: skip
-    machine = rig_of(rig)
+    if target is not None:
+        import pyarrow.parquet  # noqa: F401 - both now, so that their start is not taken for work
+        import rerun  # noqa: F401
     begun = time.perf_counter()
-    simulation = Simulation(machine, request)
+    if target is not None:
+        check_writable(target.parent)
+    simulation = Simulation(machine, request, mine, seed)
     prepared = time.perf_counter()
-    walk, interrupted = None, False
+    for words in simulation.remarks:
+        tell(words)
+    walk = None
     if target is None:
         walk = simulation.run(quiet)
         numbers, interrupted = summarise(walk), walk.interrupted
     else:
         numbers, interrupted = kept.run(simulation, target, target.with_suffix(".parquet"), seed, quiet)
+    summary = _summary(numbers, begun, prepared, simulation.remarks)
+    return Run(machine, name, summary, simulation.remarks, target, interrupted, walk, seed)
+
+
+def what_to_do(
+    scenario: str | os.PathLike[str] | Recording | None, gait: str | os.PathLike[str] | None, ground: str | os.PathLike[str] | None
+) -> tuple[str, Scenario | None]:
+    """Return what a run is called, and the scenario where it is no built-in one.
+
+    Raises:
+        ScenarioError: both a scenario and a gait were named, a ground without a gait, or the files cannot be read.
+    """
+    from exo_sim.gait import own_gait, scenario_file
+
+    if isinstance(scenario, table_of.Recording):
+        raise ScenarioError("a motion in memory is for machines that nobody wears; save a gait to a file and name it with gait")
+    if scenario is not None and gait is None and Path(scenario).suffix.lower() in (*MOTIONS, ".mot", ".sto", ".c3d"):
+        gait, scenario = scenario, None  # a person's motion
+    if gait is not None:
+        if scenario is not None:
+            raise ScenarioError(f'"{scenario}" and --gait {gait}: name one; a scenario file with a [gait] table holds more settings')
+        return Path(gait).stem, own_gait.scenario(own_gait.GaitFile(Path(gait), None if ground is None else Path(ground)))
+    if ground is not None:
+        raise ScenarioError(f"--ground {ground}: name the gait that it belongs to with --gait")
+    name = os.fspath(scenario) if scenario is not None else "level_walk"
+    if name.lower().endswith(".toml"):
+        return Path(name).stem, scenario_file.read(name)
+    return name, None
+
+
+def _target(out: str | os.PathLike[str] | bool, name: str) -> Path | None:
+    """Return where the recording for the viewer goes, or None."""
+    if out is False:
+        return None
+    return check_target(f"{name}.rrd" if out is True else out)
+
+
+def _is_motion(scenario: object) -> bool:
+    if isinstance(scenario, table_of.Recording):
+        return True
+    return isinstance(scenario, str | os.PathLike) and Path(scenario).suffix.lower() in MOTIONS
+
+
+def _follow(
+    rig: Rig, motion: str | os.PathLike[str] | Recording, controller: Any, called: str, out: str | os.PathLike[str] | bool, seed: int,
+    quiet: bool, tell: Callable[[str], None],
+) -> Run:  # fmt: skip
+    """Let a machine that nobody wears follow a motion."""
+    from exo_sim.simulation import unworn_record
+    from exo_sim.simulation.kept import interrupts_noted
+    from exo_sim.simulation.unworn import UnwornSimulation
+
+    target = _target(out, f"{motion.name if isinstance(motion, table_of.Recording) else Path(motion).stem}_{rig.name}")
+    if target is not None:
+        source = None if isinstance(motion, table_of.Recording) else Path(motion)
+        if source and source.exists() and any(p.exists() and p.samefile(source) for p in (target, target.with_suffix(".parquet"))):
+            raise RecordingError(f'"{source}" would be overwritten by the run; name another file with --out')
+        check_writable(target.parent)
+    begun = time.perf_counter()
+    reading = reading_of(motion)
+    for finding in reading.findings:
+        if finding.severity != "info":
+            tell(finding.says)
+    simulation = UnwornSimulation(rig, reading.recording, controller, called, seed)
+    prepared = time.perf_counter()
+    with interrupts_noted() as asked_to_stop:
+        done = simulation.run(quiet, asked_to_stop)
+    for words in simulation.remarks:
+        tell(words)
+    summary = _summary(unworn_record.summarise(done), begun, prepared, simulation.remarks)
+    name = reading.recording.name if target is None else target.stem
+    run = Run(rig, name, summary, simulation.remarks, target, done.interrupted, done, seed)
+    if target is not None:
+        run.save(target)
+        run.summary["wall_s"] = time.perf_counter() - prepared
+    return run
+
+
+def _summary(numbers: dict[str, Any], begun: float, prepared: float, remarks: tuple[str, ...]) -> dict[str, Any]:
     times = {"wall_s": time.perf_counter() - prepared, "prepared_s": prepared - begun}
     first = {key: numbers.pop(key) for key in ("schema", "scenario", "simulated_s")}
-    remarks = {"remarks": list(simulation.remarks)} if simulation.remarks else {}
-    return Run(machine, scenario, first | times | numbers | remarks, simulation.remarks, target, interrupted, walk, seed)
+    return first | times | numbers | ({"remarks": list(remarks)} if remarks else {})
 
 
 def scenarios() -> dict[str, str]:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import click
 
@@ -11,10 +11,9 @@ from exo_sim.cli import options, printing
 from exo_sim.cli.frame import verb
 
 if TYPE_CHECKING:
-    from exo_sim.gait.scenario import Scenario
+    pass
 
 #: Endings of recordings, which hold a motion.
-MOTIONS = (".csv", ".tsv", ".txt", ".parquet", ".pq", ".rrd")
 
 
 @verb(
@@ -64,82 +63,27 @@ def command(scenario: str | None, gait: Path | None, ground: Path | None, payloa
     A machine that nobody wears follows a motion instead: SCENARIO is then a recording with the positions of its joints.
     """
     import gc
-    import time
 
-    import pyarrow.parquet  # noqa: F401 - both now, so that their start is not taken for work
-    import rerun  # noqa: F401
-
-    from exo_sim import rig as rigs
-    from exo_sim.cli import run_motion
-    from exo_sim.control import own
-    from exo_sim.errors import OutputError
-    from exo_sim.machine.build import is_worn
-    from exo_sim.outputs import check_writable
-    from exo_sim.simulation import kept
-    from exo_sim.simulation.coupled import Simulation
-    from exo_sim.simulation.walk import Request, default_rig
-
-    machine = rigs.read(rig or default_rig())
-    if scenario is not None and gait is None and Path(scenario).suffix.lower() in MOTIONS and not is_worn(machine):
-        run_motion.command(machine, Path(scenario), controller, out, as_json, quiet, seed)
-        return
-    if scenario is not None and gait is None and Path(scenario).suffix.lower() in (*MOTIONS, ".mot", ".sto", ".c3d"):
-        gait, scenario = Path(scenario), None  # a person's motion
-    name, given = _what(scenario, gait, ground)
-    path = out or Path(f"{name}.rrd")
-    if path.suffix.lower() != ".rrd":
-        raise OutputError(f'cannot write "{path}": a recording for the viewer ends in .rrd')
-    brought = own.load(controller) if own.is_path(controller) else None
-    request = Request(
-        name, payload=payload, speed=speed, cycles=strides, assist=assist, controller=controller, law=demand, given=given,
-        driven="valves" if brought is not None else "",
-    )  # fmt: skip
-    gc.freeze()  # what was imported stays: it need not be gone through again and again
-    begun = time.perf_counter()
-    check_writable(path.parent)
-    simulation = Simulation(machine, request, brought, seed)
-    gc.freeze()  # and so does what was prepared
-    prepared = time.perf_counter()
-    for words in simulation.remarks:
-        printing.remark(f"exo-sim: {words}", quiet=quiet)
-    beside = path.with_suffix(".parquet")
-    numbers, interrupted = kept.run(simulation, path, beside, seed, quiet)
-    data = {
-        "schema": numbers.pop("schema"),
-        "scenario": numbers.pop("scenario"),
-        "simulated_s": numbers.pop("simulated_s"),
-        "wall_s": time.perf_counter() - prepared,
-        "prepared_s": prepared - begun,
-        "recording": path,
-        "table": beside,
-        **numbers,
-        **({"remarks": list(simulation.remarks)} if simulation.remarks else {}),
-    }
-    printing.show(data, _words(data), as_json=as_json)
-    if interrupted:
-        raise KeyboardInterrupt(f"{data['simulated_s']:.2f} s were simulated and are in {path} and {beside}")
-
-
-def _what(scenario: str | None, gait: Path | None, ground: Path | None) -> tuple[str, Scenario | None]:
-    """Return what the run is called, and the scenario where it is no built-in one.
-
-    Raises:
-        ScenarioError: neither or both were named, or the files cannot be read.
-    """
+    import exo_sim.simulation.kept  # noqa: F401 - now, so that it is frozen with the rest
+    from exo_sim.api.simulating import simulate
+    from exo_sim.cli.run_motion import motion_words
     from exo_sim.errors import ScenarioError
-    from exo_sim.gait import own_gait, scenario_file
 
-    if gait is not None:
-        if scenario is not None:
-            raise ScenarioError(f'"{scenario}" and --gait {gait}: name one; a scenario file with a [gait] table holds more settings')
-        return gait.stem, own_gait.scenario(own_gait.GaitFile(gait, ground))
-    if ground is not None:
-        raise ScenarioError(f"--ground {ground}: name the gait that it belongs to with --gait")
-    if scenario is None:
+    if scenario is None and gait is None:
+        if ground is not None:
+            raise ScenarioError(f"--ground {ground}: name the gait that it belongs to with --gait")
         raise ScenarioError("name a scenario (see `exo-sim scenarios`), a scenario file, or a gait of your own with --gait FILE")
-    if scenario.lower().endswith(".toml"):
-        return Path(scenario).stem, scenario_file.read(scenario)
-    return scenario, None
+    gc.freeze()  # what was imported stays: it need not be gone through again and again
+    done = simulate(
+        rig, scenario, gait=gait, ground=ground, payload=payload, speed=speed, strides=strides, assist=assist, controller=controller,
+        demand=demand, seed=seed, out=out or True, quiet=quiet, tell=lambda words: printing.remark(f"exo-sim: {words}", quiet=quiet),
+    )  # fmt: skip
+    numbers = dict(done.summary)
+    first = {key: numbers.pop(key) for key in ("schema", "scenario", "simulated_s", "wall_s", "prepared_s")}
+    data = {**first, "recording": done.path, "table": done.table, **numbers}
+    printing.show(data, (_words if "wearer" in data else motion_words)(data), as_json=as_json)
+    if done.interrupted:
+        raise KeyboardInterrupt(f"{data['simulated_s']:.2f} s were simulated and are in {done.path} and {done.table}")
 
 
 def _words(data: dict[str, Any]) -> str:

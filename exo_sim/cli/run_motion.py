@@ -1,59 +1,13 @@
-"""`exo-sim run MOTION --rig RIG`: a machine that nobody wears follows a recorded motion."""
+"""What `exo-sim run MOTION --rig RIG` prints: a machine that nobody wears follows a recorded motion."""
 
 from __future__ import annotations
 
-import time
-from pathlib import Path
 from typing import Any
 
 from exo_sim.cli import printing
-from exo_sim.control import own
-from exo_sim.errors import OutputError, RecordingError
-from exo_sim.outputs import check_writable, replacing_all
-from exo_sim.recording import reader, write_rrd, write_table
-from exo_sim.rig import Rig
-from exo_sim.simulation import unworn_record
-from exo_sim.simulation.kept import interrupts_noted
-from exo_sim.simulation.unworn import UnwornSimulation
 
 
-def command(rig: Rig, motion: Path, controller: str, out: Path | None, as_json: bool, quiet: bool, seed: int) -> None:
-    """Let a machine follow a motion, write what happened and print the numbers."""
-    path = out or Path(f"{motion.stem}_{rig.name}.rrd")
-    if path.suffix.lower() != ".rrd":
-        raise OutputError(f'cannot write "{path}": a recording for the viewer ends in .rrd')
-    beside = path.with_suffix(".parquet")
-    if motion.exists() and any(each.exists() and each.samefile(motion) for each in (path, beside)):
-        raise RecordingError(f'"{motion}" would be overwritten by the run; name another file with --out')
-    check_writable(path.parent)
-    begun = time.perf_counter()
-    reading = reader.read(motion)
-    for finding in reading.findings:
-        if finding.severity != "info":
-            printing.remark(f"exo-sim: {finding.says}", quiet=quiet)
-    brought: str | own.Controller = own.load(controller) if own.is_path(controller) else controller
-    simulation = UnwornSimulation(rig, reading.recording, brought, controller, seed)
-    prepared = time.perf_counter()
-    with interrupts_noted() as asked_to_stop:
-        run = simulation.run(quiet, asked_to_stop)
-    table = unworn_record.recording(run, path.stem, seed)
-    with replacing_all(path, beside) as (rrd, parquet):
-        write_rrd(rrd, table, scene=unworn_record.scene(run))
-        write_table(parquet, table)
-    numbers = unworn_record.summarise(run)
-    data: dict[str, Any] = {
-        **{key: numbers.pop(key) for key in ("schema", "scenario", "simulated_s")},
-        "wall_s": time.perf_counter() - prepared, "prepared_s": prepared - begun, "recording": path, "table": beside, **numbers,
-        **({"remarks": list(simulation.remarks)} if simulation.remarks else {}),
-    }  # fmt: skip
-    for words in simulation.remarks:
-        printing.remark(f"exo-sim: {words}", quiet=quiet)
-    printing.show(data, _words(data), as_json=as_json)
-    if run.interrupted:
-        raise KeyboardInterrupt(f"{data['simulated_s']:.2f} s were simulated and are in {path} and {beside}")
-
-
-def _words(data: dict[str, Any]) -> str:
+def motion_words(data: dict[str, Any]) -> str:
     """Return the result as a short report."""
     rows = []
     for name, one in data["joints"].items():

@@ -31,8 +31,10 @@ if TYPE_CHECKING:
 #: Endings of recordings that a machine can follow.
 MOTIONS = (".csv", ".tsv", ".txt", ".parquet", ".pq", ".rrd")
 
+#: What of a joint is printed.
+_JOINT = ("torque_peak_nm", "torque_error_rms_nm", "position_error_rms_rad", "position_error_rms_m", "force_peak_n")
 #: What `Run.plot` draws where it was recorded.
-_SHOWN = ("torque", "torque_demanded", "pressure_1", "pressure_2", "ground_force_z", "strap_force_z")
+_SHOWN = ("position", "torque", "torque_demanded", "pressure_1", "pressure_2", "ground_force_z", "strap_force_z")
 
 
 @dataclass(frozen=True, repr=False)
@@ -119,7 +121,8 @@ class Run:
         if straps:
             rows.append(["torso straps, up", f"{straps['torso_vertical_mean']:.0f} N mean, {straps['torso_rms']:.0f} N rms"])
         for name, one in self.summary.get("joints", {}).items():
-            rows.append([f"torque at {name}", f"{one['torque_peak_nm']:.0f} N m peak, {one['torque_error_rms_nm']:.1f} N m rms error"])
+            shown = [f"{key.replace('_', ' ')} {one[key]:.3g}" for key in _JOINT if key in one]
+            rows.append([name, ", ".join(shown)])
         for name, one in self.summary.get("cylinders", {}).items():
             gas = one.get("gas_kg_per_stride")
             drawn = "" if gas is None else f", {1e3 * gas:.2f} g gas a cycle"

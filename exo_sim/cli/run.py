@@ -10,9 +10,6 @@ import click
 from exo_sim.cli import options, printing
 from exo_sim.cli.frame import verb
 
-if TYPE_CHECKING:
-    pass
-
 #: Endings of recordings, which hold a motion.
 
 

@@ -204,3 +204,29 @@ def test_the_doctor_finds_what_is_there_and_says_what_is_not(monkeypatch: pytest
     assert state["pandas"][0] == "missing" and "exo-sim-pneumatic[notebook]" in state["pandas"][1]
     assert state["compiled code"][0] == "missing" and "EXO_SIM_CACHE" in state["compiled code"][1]
     assert ill.exit_status == 2 and not ill.summary["works"]
+
+
+def test_a_bench_follows_a_motion_in_memory(tmp_path: Path) -> None:
+    time = np.arange(0.0, 1.0, 0.01)
+    motion = exo.Recording.from_columns({"time [s]": time, "slide.position [mm]": 80.0 + 30.0 * np.sin(3.0 * time)}, name="swing")
+    ran = exo.simulate(exo.Rig.included("bench"), motion)
+    assert "slide" in str(ran) and ran.path is None
+    saved = exo.Recording.load(ran.save(tmp_path / "swing.rrd"))
+    assert np.abs(np.interp(time[50:], saved.time, saved["slide.position"]) - motion["slide.position"][50:]).max() < 5e-3
+
+
+class Open:
+    """A controller that opens every valve a little, now and then."""
+
+    def reset(self, context: Any) -> None:
+        self.cylinders = context.cylinders
+
+    def act(self, observation: dict[str, float]) -> dict[str, float]:
+        return dict.fromkeys(self.cylinders, 0.1 if observation["time"] % 0.2 < 0.1 else -0.1)
+
+
+def test_a_controller_of_ones_own_moves_the_bench() -> None:
+    time = np.arange(0.0, 0.5, 0.01)
+    motion = exo.Recording.from_columns({"time [s]": time, "slide.position [mm]": np.full(50, 80.0)}, name="hold")
+    ran = exo.simulate(exo.Rig.included("bench"), motion, controller=Open)
+    assert set(np.unique(np.round(ran.recording["piston.valve_command"], 6))) <= {-0.1, 0.0, 0.1}

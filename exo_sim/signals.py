@@ -11,7 +11,7 @@ class Signal:
 
     Attributes:
         name: The part of a column name behind the dot.
-        part: What stands before the dot: "cylinder", "joint", "site", "supply", "exhaust" or "gait".
+        part: What stands before the dot: "cylinder", "joint", "site", "supply", "exhaust", "gait" or "ledger".
         units: SI units it may have; more than one where a joint slides or turns.
         label: Words for a plot.
         measured: True where a real recording may hold it; False for what only a simulation knows.
@@ -52,13 +52,28 @@ TABLE = (
     Signal("position_demanded", "joint", ("m", "rad"), "position asked for", measured=False),
     Signal("torque_demanded", "joint", ("N", "N*m"), "torque demanded at the joint", measured=False),
     Signal("wearer_moment", "joint", ("N", "N*m"), "extra moment that the straps impose on the wearer", measured=False),
+    Signal("wearer_total_moment", "joint", ("N", "N*m"), "moment of the wearer, own body and straps", measured=False),
+    Signal("wearer_power", "joint", ("W",), "power of the wearer's joint", measured=False),
+    Signal("wearer_force_x", "site", ("N",), "ground force on the wearer, forward", measured=False),
+    Signal("wearer_force_z", "site", ("N",), "ground force on the wearer, up", measured=False),
+    Signal("wearer_pressure_centre", "site", ("m",), "centre of pressure ahead of the wearer's ankle", measured=False),
+    Signal("ground_power", "ledger", ("W",), "power of the ground on the machine", measured=False),
+    Signal("damping_power", "ledger", ("W",), "power of damping and friction of the machine's joints", measured=False),
+    Signal("spring_power", "ledger", ("W",), "power of the machine's springs", measured=False),
+    Signal("actuator_power", "ledger", ("W",), "power of cylinders and motors", measured=False),
+    Signal("torso_strap_power", "ledger", ("W",), "power of the torso straps on the machine", measured=False),
+    Signal("thigh_strap_power", "ledger", ("W",), "power of the thigh cuffs on the machine", measured=False),
+    Signal("shoe_strap_power", "ledger", ("W",), "power of the shoes on the machine", measured=False),
+    Signal("residual_force_x", "ledger", ("N",), "force that holds the wearer's pelvis, forward", measured=False),
+    Signal("residual_force_z", "ledger", ("N",), "force that holds the wearer's pelvis, up", measured=False),
+    Signal("residual_moment", "ledger", ("N*m",), "moment that holds the wearer's pelvis", measured=False),
     Signal("phase", "gait", ("1",), "gait phase", measured=False),
     Signal("stance_l", "gait", ("1",), "left foot on the ground", measured=False),
     Signal("stance_r", "gait", ("1",), "right foot on the ground", measured=False),
 )
 
 #: Parts of which there is only one, called by these names in every recording.
-SHARED_PARTS = ("supply", "exhaust", "gait")
+SHARED_PARTS = ("supply", "exhaust", "gait", "ledger")
 
 
 def find(part_kind: str, name: str) -> Signal | None:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 
@@ -100,6 +101,7 @@ def _words(data: dict[str, Any]) -> str:
     rows = [[f"extra moment at the wearer's {name}, N m rms", f"{extra[name]:.1f}", f"{backpack[name]:.1f}"]
             for name in extra]  # fmt: skip
     lines += [printing.table(rows, ["", "machine", "backpack"]), ""]
+    lines += [_ledger(data), ""] if "compared_with" in data else []
     joints = [
         [name, f"{one['torque_peak_nm']:.0f}", f"{one['torque_rms_nm']:.1f}", f"{one['torque_error_rms_nm']:.1f}"]
         for name, one in data["joints"].items()
@@ -115,3 +117,38 @@ def _words(data: dict[str, Any]) -> str:
         books = data["books"]
         lines += [f"books: gas mass {books['gas_mass_residual']:.0e}, energy {books['gas_energy_residual']:.0e}"]
     return "\n".join([*lines, f"recording {data['recording']}, table {data['table']}"])
+
+
+def _ledger(data: dict[str, Any]) -> str:
+    """Return what the wearer gives, alone, with the payload as a backpack and with the machine, and where the work goes."""
+    wearer, ledger, others = data["wearer"], data["ledger"], data["compared_with"]
+    cost, residual = wearer["metabolic_w"], wearer["pelvis_residual"]
+    columns = [
+        others["no_machine"], others["backpack"],
+        {**wearer, "metabolic_w": cost["value"], "metabolic_low_w": cost["low"], "metabolic_high_w": cost["high"],
+         "wearer_joints": ledger["wearer_joints"]},
+    ]  # fmt: skip
+
+    def row(words: str, value: Callable[[dict[str, Any]], str]) -> list[str]:
+        return [words, *(value(column) for column in columns)]
+
+    rows = [
+        row("metabolic power, estimated, W", lambda it: f"{it['metabolic_w']:.0f}"),
+        row("  bounds of the estimate, W", lambda it: f"{it['metabolic_low_w']:.0f}-{it['metabolic_high_w']:.0f}"),
+        row("trunk leans forward, deg", lambda it: f"{it['trunk_lean_deg']:.1f}"),
+    ]
+    for name in ("hip", "knee", "ankle"):
+        rows += [
+            row(f"{name}: moment, N m rms", lambda it, name=name: f"{it['moment_rms_nm'][name]:.0f}"),  # type: ignore[misc]
+            row(f"{name}: work, J a cycle", lambda it, name=name: "{:+.0f} {:+.0f}".format(*it["wearer_joints"][name])),  # type: ignore[misc]
+        ]
+    rows.append(row("foot below the ankle: work, J a cycle", lambda it: "{:+.0f} {:+.0f}".format(*it["wearer_joints"]["foot"])))
+    rows.append(row("residual at the pelvis, N m rms", lambda it: f"{it['pelvis_residual']['moment_rms_nm']:.1f}"))
+    straps = ", ".join(f"{name} {work:+.1f}" for name, work in ledger["straps"].items())
+    return "\n".join([
+        printing.table(rows, ["the wearer", "alone", "backpack", "machine"]),
+        f"forward push on the machine {wearer['forward_push_n']:.0f} N, power given to it {wearer['power_to_machine_w']:.0f} W; "
+        f"residual at the pelvis {residual['force_peak_n']:.0f} N and {residual['moment_peak_nm']:.0f} N m at most",
+        f"work, J a cycle: cylinders {ledger['cylinders'][0]:+.0f} {ledger['cylinders'][1]:+.0f}, straps {straps}, "
+        f"damping {ledger['machine_damping']:+.0f}, ground {ledger['ground']:+.0f}; closes to {ledger['closure']:+.2f}",
+    ])  # fmt: skip

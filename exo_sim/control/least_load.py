@@ -24,6 +24,8 @@ from numpy.typing import NDArray
 
 from exo_sim.control.machine_dynamics import PHASES, PICK, MachineDynamics
 from exo_sim.gait.motion import SAMPLES, Motion
+from exo_sim.gait.residual_reduction import body_loads
+from exo_sim.machine.footing import hold, joint_moments
 from exo_sim.machine.person import Person
 from exo_sim.machine.straps import StrapSet
 from exo_sim.machine.wearer import extra_moments
@@ -46,8 +48,12 @@ class Weights:
 
     Attributes:
         hip, knee, ankle: Weight of a newton metre in the wearer's joint.
+        own: Share of the moments of the wearer's own body that count with those of the straps: 0 asks for a machine that is not felt,
+            1 for one that makes the wearer's whole moments small.
+        moving: By how much more a moment counts while its joint turns, where it costs work [s/rad].
         torso: Of a newton on the torso straps, up or down [m].
         torso_ahead: Of a newton on the torso straps, forward or back [m].
+        push: Of a newton that all straps together push the machine ahead [m].
         effort: Of a newton metre demanded, steady.
         smoothness: Of a newton metre demanded, for each harmonic.
     """
@@ -55,14 +61,23 @@ class Weights:
     hip: float = 1.0
     knee: float = 1.0
     ankle: float = 0.7
+    own: float = 0.7
+    moving: float = 0.5
     torso: float = 0.5
     torso_ahead: float = 0.1
+    push: float = 0.3
     effort: float = 0.05
     smoothness: float = 0.05
 
-    def of_loads(self) -> NDArray[np.float64]:
-        """Return the weights of hip, knee, ankle on both sides, and of the torso straps ahead and up, shape (8,)."""
-        return np.array([self.hip, self.knee, self.ankle] * 2 + [self.torso_ahead, self.torso])
+    def of_loads(self, rate: NDArray[np.float64]) -> NDArray[np.float64]:
+        """Return what each load counts at each phase, shape (n, 9): hip, knee, ankle on both sides, torso straps ahead and up, push.
+
+        Args:
+            rate: Of the joints [rad/s], shape (n, 6).
+        """
+        joints = np.array([self.hip, self.knee, self.ankle] * 2) * np.hypot(1.0, self.moving * rate)
+        others = np.array([self.torso_ahead, self.torso, self.push])
+        return np.concatenate([joints, np.broadcast_to(others, (len(rate), 3))], axis=1)
 
 
 class LeastLoad:
@@ -91,7 +106,9 @@ class LeastLoad:
         self.weights = weights or Weights()
         self._driven = [0, 1, 3, 4] if ankle.mode != "powered" else [0, 1, 2, 3, 4, 5]
         self._support = motion.support
-        self._matters = np.maximum(motion.support[PICK], 1e-3)
+        rate = motion.slope[PICK, 3:] / motion.period
+        self._matters = np.maximum(motion.support[PICK], 1e-3)[:, None] * self.weights.of_loads(rate)
+        self._own = np.concatenate([self.weights.own * own_moments(motion, person), np.zeros((PHASES, 3))], axis=1)
         harmonic = np.concatenate([[0], np.repeat(np.arange(1, HARMONICS + 1), 2)])
         effort = np.tile(np.hypot(self.weights.effort, self.weights.smoothness * harmonic), len(self._driven))
         self._effort: NDArray[np.float64] = effort * float(np.sqrt(PHASES))
@@ -113,18 +130,17 @@ class LeastLoad:
         out[:, self._driven] = _basis(SAMPLES) @ coefficients.reshape(len(self._driven), -1).T
         return out * self._support[:, None]
 
-    def learn(self, moments: NDArray[np.float64], torso: NDArray[np.float64]) -> float:
+    def learn(self, moments: NDArray[np.float64], straps: NDArray[np.float64]) -> float:
         """Better the torques by what they did in a rehearsal.
 
         Args:
             moments: The wearer's extra moments at PHASES even phases of a cycle [N m], shape (PHASES, 6).
-            torso: Force of all torso straps, ahead and up, at the same phases [N], shape (PHASES, 2).
+            straps: Force of all torso straps, ahead and up, and of all straps ahead, at the same phases [N], shape (PHASES, 3).
 
         Returns:
             The cost that was reached; `torque(best=True)` belongs to the least of all.
         """
-        load = np.concatenate([moments, torso], axis=1) * self.weights.of_loads() * self._matters[:, None]
-        load = load.reshape(-1)
+        load = ((np.concatenate([moments, straps], axis=1) + self._own) * self._matters).reshape(-1)
         held = self._effort**2 * self._coefficients
         cost = float(load @ load + held @ self._coefficients)
         if cost < self._best[0]:
@@ -151,10 +167,8 @@ class LeastLoad:
         if ankle.mode == "sprung":
             for joint in _ANKLES:
                 spring[:, joint, joint] += ankle.stiffness
-        loads = (
-            np.concatenate([_wearer_map(dynamics, motion, person, straps), _torso(dynamics, straps)], axis=1)
-            * (self.weights.of_loads() * self._matters[:, None])[:, :, None]
-        )
+        loads = np.concatenate([_wearer_map(dynamics, motion, person, straps), _pulled(dynamics, straps)], axis=1)
+        loads *= self._matters[:, :, None]
         inputs = np.zeros((PHASES, 9, len(self._driven), 2 * HARMONICS + 1))
         for i, joint in enumerate(self._driven):
             inputs[:, 3 + joint, i] = _basis(PHASES) * self._support[PICK, None]
@@ -173,7 +187,7 @@ class LeastLoad:
             rate = np.tensordot(first, give, axes=1)
             force = -(stiffness[:, None] * (strap @ give) + damping[:, None] * (strap @ rate))
             load = (loads @ force).reshape(-1, give.shape[2])
-            self._effect, offset = load[:, :-1], load[:, -1]
+            self._effect, offset = load[:, :-1], load[:, -1] + (self._own * self._matters).reshape(-1)
             normal = self._effect.T @ self._effect + np.diag(self._effort**2)
             self._coefficients = np.linalg.solve(normal, -self._effect.T @ offset)
             all_of_it = np.append(self._coefficients, 1.0)
@@ -217,14 +231,23 @@ def _basis(count: int) -> NDArray[np.float64]:
     return np.stack(columns, axis=1)
 
 
-def _torso(dynamics: MachineDynamics, straps: StrapSet) -> NDArray[np.float64]:
-    """Return the force of all torso straps, ahead and up, for a unit force of each strap, shape (n, 2, 2 straps)."""
+def _pulled(dynamics: MachineDynamics, straps: StrapSet) -> NDArray[np.float64]:
+    """Return the force of all torso straps, ahead and up, and of all straps ahead, for a unit force of each, shape (n, 3, 2 straps)."""
     n = len(dynamics.strap)
-    out = np.zeros((n, 2, 2 * len(straps.names)))
+    out = np.zeros((n, 3, 2 * len(straps.names)))
     for i, name in enumerate(straps.names):
+        direction = dynamics.strap_direction[:, i].transpose(0, 2, 1)
         if name.startswith("torso"):
-            out[:, :, 2 * i : 2 * i + 2] = dynamics.strap_direction[:, i].transpose(0, 2, 1)
+            out[:, :2, 2 * i : 2 * i + 2] = direction
+        out[:, 2, 2 * i : 2 * i + 2] = direction[:, 0]
     return out
+
+
+def own_moments(motion: Motion, person: Person) -> NDArray[np.float64]:
+    """Return the moments of the wearer's own body along the motion [N m], shape (PHASES, 6)."""
+    poses, wrench = body_loads(motion, person, PICK)
+    ground = hold(poses, wrench, motion.share[PICK], motion.pressure_centre[PICK], motion.support[PICK], person)
+    return joint_moments(poses, wrench, ground.force, ground.place)
 
 
 def _wearer_map(dynamics: MachineDynamics, motion: Motion, person: Person, straps: StrapSet) -> NDArray[np.float64]:

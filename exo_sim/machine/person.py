@@ -155,6 +155,19 @@ def segment_poses(
 
 
 @kernel
+def _poses_along(q: NDArray[np.float64], v: NDArray[np.float64], lengths: NDArray[np.float64], out: NDArray[np.float64]) -> None:
+    for i in range(q.shape[0]):
+        segment_poses(q[i], v[i], lengths, out[i])
+
+
+def poses_along(q: NDArray[np.float64], v: NDArray[np.float64], person: Person) -> NDArray[np.float64]:
+    """Return `segment_poses` of many coordinates and rates, shape (n, 9) each: shape (n, 7, 6)."""
+    out = np.empty((len(q), len(SEGMENTS), 6))
+    _poses_along(np.ascontiguousarray(q), np.ascontiguousarray(v), person.lengths(), out)
+    return out
+
+
+@kernel
 def pose_bodies(
     poses: NDArray[np.float64],
     offset_y: NDArray[np.float64],

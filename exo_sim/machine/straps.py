@@ -121,6 +121,8 @@ def pull(
     damping: NDArray[np.float64],
     xfrc_applied: NDArray[np.float64],
     force: NDArray[np.float64],
+    motion: NDArray[np.float64],
+    power: NDArray[np.float64],
     wrench: NDArray[np.float64],
 ) -> None:
     """Compute every strap's force and apply it to the machine's bodies.
@@ -130,7 +132,9 @@ def pull(
         xpos, xmat, xipos, cvel, centre: MuJoCo's xpos, xmat, xipos, cvel and subtree_com of the machine's root body.
         body, local, segment, anchor, stiffness, damping: Of a `StrapSet`.
         xfrc_applied: MuJoCo's; overwritten for every body that a strap holds.
-        force: Written: force on the machine, x and z [N], shape (n, 2).
+        force: Force on the machine, x and z [N], shape (n, 2); that of the step before is read, that of now written.
+        motion: Velocity of the same points [m/s], shape (n, 2); the same.
+        power: Written: mean power of each strap on the machine over the step before [W], shape (n,).
         wrench: Written: force x, z [N] and moment about -y [N m] on each segment of the person about its origin, (7,
             3).
     """
@@ -153,7 +157,9 @@ def pull(
         across = stiffness[i, 0] * (cosine * ex + sine * ez) + damping[i, 0] * (cosine * evx + sine * evz)
         along = stiffness[i, 1] * (cosine * ez - sine * ex) + damping[i, 1] * (cosine * evz - sine * evx)
         fx, fz = cosine * across - sine * along, sine * across + cosine * along
+        power[i] = 0.5 * (force[i, 0] * (motion[i, 0] + pvx) + force[i, 1] * (motion[i, 1] + pvz))
         force[i, 0], force[i, 1] = fx, fz
+        motion[i, 0], motion[i, 1] = pvx, pvz
         xfrc_applied[b, 0] += fx
         xfrc_applied[b, 2] += fz
         xfrc_applied[b, 4] += (pz - xipos[b, 2]) * fx - (px - xipos[b, 0]) * fz

@@ -1,11 +1,7 @@
-"""What the straps do to the wearer: the moments that hip, knee and ankle must give in addition to those of walking
-alone.
+"""What straps or a backpack do to the wearer: the moments that hip, knee and ankle must give in addition to those of the own body.
 
-The wearer's motion is prescribed, so whatever wrench the straps impose must reach the ground through the wearer's own
-legs. In
-single support that determines every joint's extra moment. In double support the ground's answer is shared between the
-feet with
-the least weighted norm, the weight being the share of load that each foot carries in the gait.
+Whatever they impose must reach the ground through the wearer's own legs, as `machine/footing.py` says. Beside the weight of the body it
+is small, so that here it counts as linear: centres of pressure move, and reach no edge. `footing.hold` has the edges.
 """
 
 from __future__ import annotations
@@ -13,12 +9,9 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
+from exo_sim.machine.anthropometry import GRAVITY as GRAVITY
+from exo_sim.machine.footing import joint_moments, linear_ground, totals
 from exo_sim.machine.person import SEGMENTS
-
-#: A moment under a foot counts as much as the force that makes it on this arm [m].
-_FOOT_ARM = 0.1
-_LEAST_SHARE = 1e-3
-GRAVITY = 9.81
 
 
 def extra_moments(
@@ -41,43 +34,8 @@ def extra_moments(
         hip, knee, ankle of the left, then of the right leg [N m]; flexion, extension, dorsiflexion positive, shape
         (n, 6).
     """
-    origin = poses[:, :, :2]
-    about_pelvis = origin - origin[:, :1]
-    moment = wrench[:, :, 2] + about_pelvis[:, :, 0] * wrench[:, :, 1] - about_pelvis[:, :, 1] * wrench[:, :, 0]
-    total = np.stack([wrench[:, :, 0].sum(axis=1), wrench[:, :, 1].sum(axis=1), moment.sum(axis=1)], axis=1)
-
-    foot_rows = [SEGMENTS.index("foot_l"), SEGMENTS.index("foot_r")]
-    angle = poses[:, foot_rows, 2]
-    ahead, below = pressure_centre, -ankle_height
-    centre = about_pelvis[:, foot_rows] + np.stack(
-        [ahead * np.cos(angle) - below * np.sin(angle), ahead * np.sin(angle) + below * np.cos(angle)], axis=-1
-    )
-    # least weighted norm under the balance of x, z and moment about the pelvis; x and z share nothing but the moment
-    weight = np.maximum(share, _LEAST_SHARE)
-    lean, reach = (weight * centre[:, :, 1]).sum(axis=1), (weight * centre[:, :, 0]).sum(axis=1)
-    load = weight.sum(axis=1)
-    turn = (weight * ((centre**2).sum(axis=2) + _FOOT_ARM**2)).sum(axis=1)
-    spin = (total[:, 2] + (lean * total[:, 0] - reach * total[:, 1]) / load) / (turn - (lean**2 + reach**2) / load)
-    push, lift = (total[:, 0] + lean * spin) / load, (total[:, 1] - reach * spin) / load
-    n = len(poses)
-    ground = np.empty((n, 6))
-    for foot in range(2):
-        carries = weight[:, foot]
-        ground[:, 3 * foot] = -carries * (push - centre[:, foot, 1] * spin)
-        ground[:, 3 * foot + 1] = -carries * (lift + centre[:, foot, 0] * spin)
-        ground[:, 3 * foot + 2] = -carries * _FOOT_ARM**2 * spin
-
-    extra = np.empty((n, 6))
-    for leg in range(2):
-        force = ground[:, 3 * leg : 3 * leg + 2].copy()
-        about = ground[:, 3 * leg + 2] + centre[:, leg, 0] * force[:, 1] - centre[:, leg, 1] * force[:, 0]
-        for k in (2, 1, 0):
-            row = 1 + 3 * leg + k
-            force += wrench[:, row, :2]
-            about = about + moment[:, row]
-            joint = about_pelvis[:, row]
-            extra[:, 3 * leg + k] = -(about - joint[:, 0] * force[:, 1] + joint[:, 1] * force[:, 0])
-    return extra
+    force, place, moment = linear_ground(poses, totals(poses, wrench), share, pressure_centre, ankle_height)
+    return joint_moments(poses, wrench, force, place, moment)
 
 
 def backpack_wrench(

@@ -19,11 +19,12 @@ SCENE = "scene"
 LANES = "lanes"
 DIFFERENCE = "difference"
 
+_WORKING = ("ground", "damping", "spring", "actuator", "torso_strap", "thigh_strap", "shoe_strap")
 #: Plots of a tab, from top to bottom, and the signals in each.
 _PLOTS = (
     ("pressure, Pa", ("pressure_1", "pressure_2", "pressure")),
     ("rod force, N", ("force", "force_demanded")),
-    ("joint torque or force", ("torque", "torque_demanded", "wearer_moment", "external_force")),
+    ("joint torque or force", ("torque", "torque_demanded", "wearer_moment", "wearer_total_moment", "external_force")),
     ("valve command, choked paths", ("valve_command", "choked")),
     ("position", ("position", "length")),
     ("velocity", ("velocity",)),
@@ -31,12 +32,17 @@ _PLOTS = (
     ("gas drawn, kg", ("gas_used",)),
     ("ground force, N", ("ground_force_x", "ground_force_y", "ground_force_z")),
     ("strap force, N", ("strap_force_x", "strap_force_y", "strap_force_z")),
+    ("power of the wearer's joint, W", ("wearer_power",)),
+    ("ground force on the wearer, N", ("wearer_force_x", "wearer_force_z")),
+    ("centre of pressure, m", ("wearer_pressure_centre",)),
+    ("power on the machine, W", tuple(f"{name}_power" for name in _WORKING)),
+    ("residual at the pelvis", ("residual_force_x", "residual_force_z", "residual_moment")),
     ("gait phase", ("phase",)),
 )
 #: A tab of more plots than this has two columns.
 _MOST_ROWS = 4
 _OTHERS = "other joints"
-_SITES = {"ground_force": "ground", "strap_force": "straps"}
+_SITES = {"ground_force": "ground", "strap_force": "straps", "wearer_force": "wearer", "wearer_pressure": "wearer"}
 
 
 def tabs(recording: Recording) -> dict[str, list[str]]:
@@ -66,7 +72,7 @@ def tabs(recording: Recording) -> dict[str, list[str]]:
     for key, tab in tab_of.items():
         if columns.signal_of(key).part != "gait":
             gathered.setdefault(tab, []).append(key)
-    last = (_OTHERS, "ground", "straps", "supply")
+    last = (_OTHERS, "ground", "straps", "wearer", "ledger", "supply")
     return {tab: gathered[tab] for tab in sorted(gathered, key=lambda tab: tab in last and 1 + last.index(tab))}
 
 

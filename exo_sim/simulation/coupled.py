@@ -18,6 +18,7 @@ from exo_sim.control.valve_control import largest_forces
 from exo_sim.errors import Diverged, ModelError, ScenarioError
 from exo_sim.gait import scenario as scenarios
 from exo_sim.gait.motion import SAMPLES
+from exo_sim.gait.residual_reduction import worn
 from exo_sim.machine.attachment import attach
 from exo_sim.machine.build import PAYLOAD_LIMIT, build, carry
 from exo_sim.machine.linkage import check_strokes, moment_row
@@ -63,10 +64,11 @@ class Simulation:
         self._asked: own.Asked | None = None
         self.person = Person(rig.wearer.height, rig.wearer.mass)
         scenario = request.found
-        self.motion = scenarios.motion(scenario, self.person, request.speed)
+        self.plain = scenarios.motion(scenario, self.person, request.speed)
         self.cycles = request.cycles if request.cycles is not None else scenario.cycles
         self.model = build(rig.model, self.person, request.payload, rig.ankle, rig.body_masses, rig.joint_factors)
         attach(self.model, rig)
+        self.motion = worn(self.plain, self.person, self.model)
         if request.step is not None:
             self.model.opt.timestep = request.step
         self.added = scenario.added
@@ -280,6 +282,7 @@ class Simulation:
             rig=self.rig,
             person=self.person,
             motion=self.motion,
+            plain=self.plain,
             straps=self.straps,
             time=time,
             columns=columns,

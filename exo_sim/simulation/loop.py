@@ -45,6 +45,9 @@ class Bodies(NamedTuple):
     body_mass: Array
     body_inertia: Array
     body_subtreemass: Array
+    qfrc_constraint: Array
+    qfrc_passive: Array
+    dof_damping: Array
 
 
 class Wearer(NamedTuple):
@@ -67,6 +70,9 @@ class Wearer(NamedTuple):
     v: Array
     poses: Array
     force: Array
+    motion: Array
+    power: Array
+    group: Index
     wrench: Array
     torque: Array
     other: Array
@@ -182,6 +188,31 @@ def _log_motion(row, time, mechanics):
 
 
 @kernel
+def _log_powers(row, at, mechanics, plant, bodies, wearer):
+    """Write the mean power over the step of whatever works on the machine, in the order of `walk.POWERS`, a strap's over the step before.
+
+    A force that is held over a step does the work of the mean of both speeds; damping acts at the end of it (implicitfast).
+    """
+    for j in range(7):
+        row[at + j] = 0.0
+    for j in range(9):
+        after = mechanics.qvel[j]
+        before = row[10 + j]
+        mean = 0.5 * (before + after)
+        own = 0.0
+        for i in range(len(plant.joints)):
+            if plant.dofs[i] == j:
+                own = plant.own[i]
+        row[at] += bodies.qfrc_constraint[j] * mean
+        row[at + 1] += (own - bodies.dof_damping[j] * after) * mean
+        row[at + 2] += (bodies.qfrc_passive[j] + bodies.dof_damping[j] * before) * mean
+        if j >= 3:
+            row[at + 3] += row[16 + j] * mean
+    for i in range(wearer.body.size):
+        row[at + 4 + wearer.group[i]] += wearer.power[i]
+
+
+@kernel
 def _log(row, cycles, settings, mechanics, plant, bodies, wearer, drives):
     """Write the columns behind the motion, in the order of `walk.columns`; forces on the ground are there after MuJoCo's step."""
     at = 19
@@ -203,6 +234,8 @@ def _log(row, cycles, settings, mechanics, plant, bodies, wearer, drives):
     look_up(cycles, wearer.share, wearer.carried)
     row[at + 1], row[at + 2] = wearer.carried[0], wearer.carried[1]
     at += 3
+    _log_powers(row, at, mechanics, plant, bodies, wearer)
+    at += 7
     for s in range(7):
         for j in range(3):
             row[at] = wearer.wrench[s, j]
@@ -264,7 +297,7 @@ def run(first, count, settings, mechanics, plant, bodies, wearer, drives, log):
         pull(
             wearer.poses, bodies.xpos, bodies.xmat, bodies.xipos, bodies.cvel, bodies.subtree_com[settings.root],
             wearer.body, wearer.local, wearer.segment, wearer.anchor, wearer.stiffness, wearer.damping,
-            bodies.xfrc_applied, wearer.force, wearer.wrench,
+            bodies.xfrc_applied, wearer.force, wearer.motion, wearer.power, wearer.wrench,
         )  # fmt: skip
         _ask(cycles, time, fraction, settings, mechanics, plant, wearer, drives)
         if settings.kind == GAS:

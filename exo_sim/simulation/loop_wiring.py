@@ -4,12 +4,16 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
+import mujoco
 import numpy as np
+from numpy.typing import NDArray
 
 from exo_sim.control.valve_control import CONTROLLERS, controller_code
 from exo_sim.errors import ModelError
 from exo_sim.machine.person import SEGMENTS
+from exo_sim.machine.straps import StrapSet
 from exo_sim.simulation import loop, views
+from exo_sim.simulation.walk import STRAPPED
 
 if TYPE_CHECKING:
     from exo_sim.simulation.coupled import Simulation
@@ -17,6 +21,18 @@ if TYPE_CHECKING:
 
 #: Time over which the demand grows from zero at the start [s].
 RAMP = 0.5
+
+
+def groups(straps: StrapSet) -> NDArray[np.int64]:
+    """Return the place of each strap's part of the body in `walk.STRAPPED`, shape (n,)."""
+    parts = [SEGMENTS[int(s)].split("_")[0] for s in straps.segment]
+    return np.array([STRAPPED.index("shoe" if part == "foot" else part) for part in parts], dtype=np.int64)
+
+
+def _damping(model: mujoco.MjModel) -> NDArray[np.float64]:
+    """Return the linear damping of each degree of freedom, shape (9,)."""
+    damping = model.dof_damping
+    return np.ascontiguousarray(damping if damping.ndim == 1 else damping[:, 0])
 
 
 def wire(it: Simulation) -> tuple[loop.Settings, views.Mechanics, views.Plant, loop.Bodies, loop.Wearer, loop.Drives]:
@@ -60,11 +76,13 @@ def wire(it: Simulation) -> tuple[loop.Settings, views.Mechanics, views.Plant, l
         loop.Bodies(
             data.xpos, data.xmat, data.xipos, data.cvel, data.subtree_com, data.mocap_pos, data.mocap_quat, data.xfrc_applied,
             data.sensordata, model.body_mass, model.body_inertia, model.body_subtreemass,
+            data.qfrc_constraint, data.qfrc_passive, _damping(model),
         ),
         loop.Wearer(
             position, slope, it.person.lengths(), model.body_pos[person_body, 1].copy(), it.demand,
             it.demand_added, share, straps.body, straps.local, straps.segment, straps.anchor, straps.stiffness,
             straps.damping, np.zeros(9), np.zeros(9), np.zeros((7, 6)), np.zeros((len(straps.names), 2)),
+            np.zeros((len(straps.names), 2)), np.zeros(len(straps.names)), groups(straps),
             np.zeros((7, 3)), np.zeros(6), np.zeros(6), np.zeros(2),
         ),
         loop.Drives(np.array(ankles, dtype=np.int64), np.zeros(n), np.zeros(n), np.zeros(n), np.zeros(n), np.zeros(n), np.zeros(6)),

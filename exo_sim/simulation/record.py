@@ -14,8 +14,8 @@ from exo_sim.machine.person import SEGMENTS, pose_bodies
 from exo_sim.recording.scene import Arrows, DrawnCylinder, Scene, shapes_of_model
 from exo_sim.recording.table import Recording
 from exo_sim.simulation.sensors import observe
-from exo_sim.simulation.summary import wearer_moments
 from exo_sim.simulation.walk import JOINTS, Walk
+from exo_sim.simulation.wearer_load import by_straps, with_machine
 
 #: Frames a second in the scene.
 FRAME_RATE = 50.0
@@ -36,8 +36,21 @@ def recording(walk: Walk, name: str, seed: int = 0) -> Recording:
 def as_it_was(walk: Walk, name: str, seed: int = 0) -> Recording:
     """Return the same as it was, before any sensor."""
     columns, units = dict(walk.columns), dict(walk.units)
-    for joint, values in zip(JOINTS, wearer_moments(walk).T):
+    for joint, values in zip(JOINTS, by_straps(walk).T):
         columns[f"{joint}.wearer_moment"], units[f"{joint}.wearer_moment"] = np.ascontiguousarray(values), "N*m"
+    it = with_machine(walk)
+    for signal, unit, table in (("wearer_total_moment", "N*m", it.moments), ("wearer_power", "W", it.powers)):
+        for joint, values in zip(JOINTS, table.T):
+            columns[f"{joint}.{signal}"], units[f"{joint}.{signal}"] = np.ascontiguousarray(values), unit
+    for foot, side in enumerate("lr"):
+        name = f"foot_{side}"
+        for signal, unit, values in (
+            ("wearer_force_x", "N", it.ground.force[:, foot, 0]), ("wearer_force_z", "N", it.ground.force[:, foot, 1]),
+            ("wearer_pressure_centre", "m", it.ground.centre[:, foot]),
+        ):  # fmt: skip
+            columns[f"{name}.{signal}"], units[f"{name}.{signal}"] = np.ascontiguousarray(values), unit
+    for k, (signal, unit) in enumerate((("residual_force_x", "N"), ("residual_force_z", "N"), ("residual_moment", "N*m"))):
+        columns[f"ledger.{signal}"], units[f"ledger.{signal}"] = np.ascontiguousarray(it.ground.residual[:, k]), unit
     request = walk.request
     notes = {
         "scenario": request.scenario,

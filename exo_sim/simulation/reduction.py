@@ -88,6 +88,8 @@ def joined(earlier: Any, later: Any) -> Any:
     """Join two pieces of the same nested dictionaries of reductions; of what is no reduction, the later stands."""
     if isinstance(earlier, Mapping):
         return {key: joined(entry, later[key]) for key, entry in earlier.items()}
+    if isinstance(earlier, list):
+        return [joined(entry, other) for entry, other in zip(earlier, later)]
     return earlier.joined(later) if hasattr(earlier, "joined") else later
 
 
@@ -95,4 +97,6 @@ def values(reduced: Any) -> Any:
     """Return nested dictionaries with the number of each reduction in its place."""
     if isinstance(reduced, Mapping):
         return {key: values(entry) for key, entry in reduced.items()}
+    if isinstance(reduced, list):
+        return [values(entry) for entry in reduced]
     return reduced.value() if hasattr(reduced, "value") else reduced

@@ -7,8 +7,8 @@ from numpy.typing import NDArray
 
 from exo_sim.control.least_load import LeastLoad
 from exo_sim.control.machine_dynamics import PHASES
-from exo_sim.simulation.summary import wearer_moments
 from exo_sim.simulation.walk import Walk
+from exo_sim.simulation.wearer_load import by_straps
 
 
 def cycle_mean(walk: Walk, values: NDArray[np.float64], settling: float) -> NDArray[np.float64]:
@@ -31,13 +31,8 @@ def cycle_mean(walk: Walk, values: NDArray[np.float64], settling: float) -> NDAr
 
 def learn_from(plan: LeastLoad, walk: Walk, settling: float) -> float:
     """Better a plan by one rehearsal; return the cost it had."""
-    torso = np.sum(
-        [
-            [walk.columns[f"{name}.strap_force_{axis}"] for axis in "xz"]
-            for name in walk.straps.names
-            if name.startswith("torso")
-        ],
-        axis=0,
-    )
-    moments = cycle_mean(walk, wearer_moments(walk), settling)
-    return plan.learn(moments, cycle_mean(walk, torso.T, settling))
+    ahead, up = (np.stack([walk.columns[f"{name}.strap_force_{axis}"] for name in walk.straps.names]) for axis in "xz")
+    torso = [i for i, name in enumerate(walk.straps.names) if name.startswith("torso")]
+    straps = np.stack([ahead[torso].sum(axis=0), up[torso].sum(axis=0), ahead.sum(axis=0)], axis=1)
+    moments = cycle_mean(walk, by_straps(walk), settling)
+    return plan.learn(moments, cycle_mean(walk, straps, settling))

@@ -5,13 +5,12 @@ from __future__ import annotations
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
-from exo_sim.gait.motion import SAMPLES
-from exo_sim.machine.wearer import backpack_wrench, extra_moments
 from exo_sim.physics.pneumatics import Books
+from exo_sim.simulation import ledger
 from exo_sim.simulation.reduction import Change, Mean, Peak, Rms, joined, values
 from exo_sim.simulation.walk import JOINTS, Walk
+from exo_sim.simulation.wearer_load import alone, by_backpack, by_straps, with_machine, with_payload
 
 #: Cycles at the start that are left out, where enough others remain.
 SETTLING = 2
@@ -38,6 +37,8 @@ class Summary:
         self._measured: dict[str, Any] | None = None
         self._scenario, self._simulated = "", 0.0
         self._books: Books | None = None
+        self._walk: Walk | None = None
+        self._payload = Mean(0.0, 0)
 
     def add(self, walk: Walk) -> None:
         """Take in the next piece."""
@@ -46,17 +47,31 @@ class Summary:
         rows = span(walk)
         if rows.stop > rows.start:
             measured = measure(walk, rows)
+            self._payload = self._payload.joined(Mean.of(walk.payload[rows]))
+            self._walk = walk
             self._measured = measured if self._measured is None else joined(self._measured, measured)
 
     def numbers(self) -> dict[str, Any]:
         """Return the numbers over whole cycles, without file names and wall time."""
         out = {"schema": "exo-sim/run/1", "scenario": self._scenario, "simulated_s": self._simulated, **values(self._measured or {})}
+        if self._walk is not None:
+            self._conclude(out, self._walk)
         if self._books is not None:
             out["books"] = {
                 "gas_mass_residual": self._books.mass_residual,
                 "gas_energy_residual": self._books.energy_residual,
             }
         return out
+
+
+    def _conclude(self, out: dict[str, Any], walk: Walk) -> None:
+        """Add what follows from the numbers: the closure, the metabolic power, and the same wearer without the machine."""
+        out["ledger"] = ledger.closed(out["ledger"])
+        out["wearer"]["metabolic_w"] = ledger.cost_of(out["ledger"]["wearer_joints"], walk).as_json()
+        out["compared_with"] = {
+            "no_machine": ledger.compared(alone(walk), walk),
+            "backpack": ledger.compared(with_payload(walk, self._payload.value()), walk),
+        }
 
 
 def summarise(walk: Walk) -> dict[str, Any]:
@@ -66,38 +81,6 @@ def summarise(walk: Walk) -> dict[str, Any]:
     return summary.numbers()
 
 
-def _along(walk: Walk, table: NDArray[np.float64]) -> NDArray[np.float64]:
-    """Look a table of the motion up at every row, shape (n, m)."""
-    phase = (walk.time / walk.motion.period) % 1.0
-    grid = np.arange(SAMPLES + 1) / SAMPLES
-    closed = np.concatenate([table, table[:1]])
-    return np.stack([np.interp(phase, grid, column) for column in closed.T], axis=1)
-
-
-def wearer_moments(walk: Walk) -> NDArray[np.float64]:
-    """Return the extra moments that the straps ask of the wearer [N m], columns as `walk.JOINTS`, shape (n, 6)."""
-    share, centre = _along(walk, walk.motion.share), _along(walk, walk.motion.pressure_centre)
-    return extra_moments(walk.poses, walk.wrench, share, centre, walk.person.ankle_height) * _on_feet(walk)
-
-
-def backpack_moments(walk: Walk) -> NDArray[np.float64]:
-    """Return the extra moments that the same payload asks as a backpack [N m], shape (n, 6)."""
-    motion, model = walk.motion, walk.model
-    body = int(model.geom("payload").bodyid[0])
-    place = model.body_pos[body] + model.body_ipos[body]
-    inertia = float(model.body_inertia[body, 1] / model.body_mass[body])
-    position = _along(walk, np.concatenate([motion.position[:, :3], motion.slope[:, :3] / motion.period], axis=1))
-    acceleration = _along(walk, motion.curvature[:, :3] / motion.period**2)
-    wrench = backpack_wrench(position, acceleration, (float(place[0]), float(place[2])), walk.payload, inertia)
-    share, centre = _along(walk, motion.share), _along(walk, motion.pressure_centre)
-    return extra_moments(walk.poses, wrench, share, centre, walk.person.ankle_height) * _on_feet(walk)
-
-
-def _on_feet(walk: Walk) -> NDArray[np.float64]:
-    """Return how far the wearer stands on the feet, 0 where a seat carries, shape (n, 1)."""
-    return _along(walk, walk.motion.support[:, None])
-
-
 def measure(walk: Walk, rows: slice) -> dict[str, Any]:
     """Return what some rows of a walk come to, as reductions in the places of the JSON's numbers."""
     part = {key: column[rows] for key, column in walk.columns.items()}
@@ -105,7 +88,8 @@ def measure(walk: Walk, rows: slice) -> dict[str, Any]:
     up = {name: part[f"{name}.strap_force_z"] for name in walk.straps.names}
     ahead = {name: part[f"{name}.strap_force_x"] for name in walk.straps.names}
     torso_up = np.sum([up[name] for name in torso], axis=0)
-    extra, backpack = wearer_moments(walk)[rows], backpack_moments(walk)[rows]
+    it = with_machine(walk)
+    extra, backpack = by_straps(walk)[rows], by_backpack(walk)[rows]
     moments = {
         title: {name: Rms.of(table[:, [k, k + 3]]) for k, name in enumerate(("hip", "knee", "ankle"))}
         for title, table in (("extra_moment_rms_nm", extra), ("backpack_moment_rms_nm", backpack))
@@ -120,7 +104,8 @@ def measure(walk: Walk, rows: slice) -> dict[str, Any]:
             "torso_peak": Peak.of(np.abs(torso_up)),
             "torso_forward_rms": Rms.of(np.sum([ahead[name] for name in torso], axis=0)),
         },
-        "wearer": moments,
+        "wearer": {**moments, **ledger.wearer_numbers(walk, rows, it)},
+        "ledger": ledger.measure(walk, rows, it),
         "joints": {
             name: {
                 "torque_peak_nm": Peak.of(np.abs(part[f"{name}.torque"])),

@@ -23,6 +23,10 @@ from exo_sim.rig import Rig
 ASSIST = ("on", "off", "vented")
 DRIVEN = ("", "valves", "torques")
 JOINTS = COORDINATES[3:]
+#: Parts of the body that straps hold, in the order of the ledger.
+STRAPPED = ("torso", "thigh", "shoe")
+#: What works on the machine, as the loop logs it: ground, damping and friction, springs, cylinders and motors, straps.
+POWERS = ("ground", "damping", "spring", "actuator", *(f"{part}_strap" for part in STRAPPED))
 
 
 @dataclass(frozen=True)
@@ -91,7 +95,8 @@ class Walk:
         request: What was asked for.
         rig: The machine.
         person: Who wore it.
-        motion: The reference.
+        motion: What the wearer does: the reference, with trunk and pelvis as wearer and machine together need them.
+        plain: The reference as recorded or drawn.
         straps: Between them.
         time: [s], shape (n,).
         columns: `"<part>.<signal>"` to values in SI, shape (n,).
@@ -111,6 +116,7 @@ class Walk:
     rig: Rig
     person: Person
     motion: Motion
+    plain: Motion
     straps: StrapSet
     time: NDArray[np.float64]
     columns: dict[str, NDArray[np.float64]]
@@ -136,6 +142,7 @@ def layout(rig: Rig, straps: StrapSet, gas: bool) -> list[tuple[str, str]]:
     out += [(f"{name}.strap_force_{axis}", "N") for name in straps.names for axis in "xz"]
     out += [(f"foot_{side}.ground_force_{axis}", "N") for side in "lr" for axis in "xz"]
     out += [("gait.phase", "1"), ("gait.stance_l", "1"), ("gait.stance_r", "1")]
+    out += [(f"ledger.{name}_power", "W") for name in POWERS]
     out += [(f"wearer.{segment}_{axis}", "1") for segment in SEGMENTS for axis in ("x", "z", "moment")]
     for name in rig.cylinders:
         out += [(f"{name}.force_demanded", "N"), (f"{name}.force", "N"), (f"{name}.length", "m")]

@@ -17,6 +17,7 @@ from exo_sim.errors import ScenarioError
 from exo_sim.gait import recorded
 from exo_sim.gait import scenario as scenarios
 from exo_sim.gait.motion import phases
+from exo_sim.gait.residual_reduction import worn
 from exo_sim.machine.build import PAYLOAD_LIMIT, build, carry
 from exo_sim.machine.person import COORDINATES, Person
 from exo_sim.machine.straps import fasten
@@ -90,12 +91,12 @@ def joint_loads(rig: Rig, condition: Condition) -> JointLoads:
     if scenario.added is not None:
         condition = replace(condition, payload=condition.payload + scenario.added.mass)
     person = Person(rig.wearer.height, rig.wearer.mass)
-    motion = scenarios.motion(condition.scenario, person, condition.speed)
     model = build(rig.model, person, min(condition.payload, PAYLOAD_LIMIT), rig.ankle, rig.body_masses, rig.joint_factors)
     if condition.payload > PAYLOAD_LIMIT:
         if scenario.added is None:
             raise ScenarioError(f"payload {condition.payload:g} kg: the frame carries 0 to {PAYLOAD_LIMIT:g} kg")
         carry(model, condition.payload)
+    motion = worn(scenarios.motion(condition.scenario, person, condition.speed), person, model)
     straps = fasten(model, person)
     dynamics = machine_dynamics.along(model, motion, person, straps)
     # an ankle without bounds: what it needs, too, is part of the picture; hip and knee do not depend on it

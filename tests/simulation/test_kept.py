@@ -49,8 +49,11 @@ def assert_same(got, wanted):
         assert list(got) == list(wanted)
         for key in wanted:
             assert_same(got[key], wanted[key])
+    elif isinstance(wanted, list):
+        for one, other in zip(got, wanted, strict=True):
+            assert_same(one, other)
     else:
-        assert got == pytest.approx(wanted, rel=1e-9) if isinstance(wanted, float) else got == wanted
+        assert got == pytest.approx(wanted, rel=1e-9, abs=1e-9) if isinstance(wanted, float) else got == wanted
 
 
 def test_pieces_are_whole_cycles_and_the_same_to_the_bit(whole, pieces):

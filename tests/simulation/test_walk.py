@@ -10,14 +10,16 @@ import pytest
 from exo_sim import rig as rigs
 from exo_sim.errors import Diverged, ModelError, ScenarioError
 from exo_sim.gait import recorded, scenario
+from exo_sim.machine import footing
 from exo_sim.recording import Reading
 from exo_sim.recording import summary as inspected
 from exo_sim.rig import Ankle, Wearer
 from exo_sim.rig.schema import EffectSetting
-from exo_sim.simulation import coupled, loop, record
+from exo_sim.simulation import coupled, ledger, loop, record
 from exo_sim.simulation.coupled import Simulation, simulate
-from exo_sim.simulation.summary import span, summarise, wearer_moments
-from exo_sim.simulation.walk import JOINTS, Request
+from exo_sim.simulation.summary import span, summarise
+from exo_sim.simulation.walk import JOINTS, POWERS, Request
+from exo_sim.simulation.wearer_load import by_straps, with_machine
 
 
 @pytest.fixture(scope="module")
@@ -46,15 +48,53 @@ def test_ground_and_straps_carry_the_weight(on, vented):
         assert carried(summary) == pytest.approx(summary["supported_weight_n"], rel=5e-3)
 
 
-def test_assistance_relieves_torso_hip_and_knee(on, vented):
-    """The point of the machine: less than a quarter on the torso, less than half of a backpack's moments."""
+def test_assistance_relieves_the_wearer(on, vented):
+    """The point of the machine: less than a quarter on the torso, and a wearer who works less than with a backpack."""
     with_it, without = summarise(on), summarise(vented)
     for load in ("torso_vertical_mean", "torso_rms"):
         assert abs(with_it["strap_load_n"][load]) < 0.25 * without["strap_load_n"][load]
-    extra, backpack = with_it["wearer"]["extra_moment_rms_nm"], with_it["wearer"]["backpack_moment_rms_nm"]
-    assert extra["hip"] < 0.5 * backpack["hip"]
-    assert extra["knee"] < 0.5 * backpack["knee"]
-    assert without["wearer"]["extra_moment_rms_nm"]["hip"] > backpack["hip"]
+    wearer, others = with_it["wearer"], with_it["compared_with"]
+    assert wearer["metabolic_w"]["value"] < others["backpack"]["metabolic_w"] < without["wearer"]["metabolic_w"]["value"]
+    assert others["no_machine"]["metabolic_w"] < others["backpack"]["metabolic_w"]
+    assert abs(wearer["forward_push_n"]) < 20.0
+    for name in ("hip", "knee", "ankle"):
+        assert wearer["moment_rms_nm"][name] < 0.8 * others["backpack"]["moment_rms_nm"][name]
+    assert without["wearer"]["extra_moment_rms_nm"]["hip"] > without["wearer"]["backpack_moment_rms_nm"]["hip"]
+
+
+def test_the_ledger_closes_and_its_books_are_kept_apart(on, vented):
+    """All work adds up to what is stored, machine and wearer each for itself; the machine's is that of MuJoCo's own energies."""
+    for walk in (on, vented):
+        assert abs(summarise(walk)["ledger"]["closure"]) < 1.0
+        rows = span(walk)
+        done = sum(walk.columns[f"ledger.{name}_power"][rows] for name in POWERS).mean() * walk.motion.period
+        cycles = (rows.stop - rows.start) * walk.step / walk.motion.period
+        gained = ledger.machine_energy(walk, rows.stop) - ledger.machine_energy(walk, rows.start)
+        assert done == pytest.approx(gained / cycles, abs=1.0)
+        it = with_machine(walk)
+        joints = it.powers.sum(axis=1) + it.sole_powers.sum(axis=1) + ledger.strap_power(walk).sum(axis=1)
+        held = (it.ground.residual * walk.poses[:, 0, 3:6]).sum(axis=1)
+        assert (joints + held)[rows].mean() * walk.motion.period == pytest.approx(0.0, abs=0.2)
+
+
+def test_residuals_are_within_the_guideline_alone_and_with_a_backpack(on):
+    """OpenSim's: 25 N and 75 N m at most, 10 N and 50 N m rms; the machine's peak is a little beyond it."""
+    summary = summarise(on)
+    for column in (*summary["compared_with"].values(), summary["wearer"]):
+        residual = column["pelvis_residual"]
+        assert residual["force_peak_n"] < 25.0 and residual["force_rms_n"] < 10.0
+        assert residual["moment_rms_nm"] < 50.0
+    for column in summary["compared_with"].values():
+        assert column["pelvis_residual"]["moment_peak_nm"] < 75.0
+    assert summary["wearer"]["pelvis_residual"]["moment_peak_nm"] < 85.0
+
+
+def test_the_centre_of_pressure_is_under_the_soles_that_touch(on):
+    it = with_machine(on)
+    bounds = footing.soles(it.poses[:, footing.FEET, 2], on.person)
+    assert (it.ground.centre >= bounds[:, :, 0] - 1e-9).all() and (it.ground.centre <= bounds[:, :, 1] + 1e-9).all()
+    force = it.ground.force
+    assert (force[:, :, 1] >= -1e-9).all()
 
 
 def test_the_books_of_the_gas_close(on):
@@ -82,7 +122,7 @@ def test_wearer_stays_within_the_recorded_spread_and_the_machine_close(on):
     for name, angle in wearer.items():
         spread = np.maximum(gait.spread[name](phase), np.radians(0.8))
         assert np.max(np.abs(angle - gait.recorded[name](phase)) / spread) < 2.0, name
-        assert np.sqrt(np.mean((worn[name] - angle) ** 2)) < np.radians({"thigh": 3.5}.get(name, 5.5)), name
+        assert np.sqrt(np.mean((worn[name] - angle) ** 2)) < np.radians({"thigh": 4.0}.get(name, 6.5)), name
         assert np.max(np.abs(worn[name] - angle)) < np.radians(16.0), name
 
 
@@ -137,8 +177,9 @@ def test_ideal_forces_are_those_demanded(exo):
 
 def test_a_powered_ankle_relieves_the_ankle_too(exo):
     powered = dataclasses.replace(exo, ankle=Ankle("powered"))
-    extra = summarise(simulate(powered, Request("level_walk")))["wearer"]
-    assert extra["extra_moment_rms_nm"]["ankle"] < extra["backpack_moment_rms_nm"]["ankle"]
+    summary = summarise(simulate(powered, Request("level_walk")))
+    assert summary["wearer"]["moment_rms_nm"]["ankle"] < 0.7 * summary["compared_with"]["backpack"]["moment_rms_nm"]["ankle"]
+    assert summary["wearer"]["metabolic_w"]["value"] < summary["compared_with"]["no_machine"]["metabolic_w"]
 
 
 def test_tall_and_short_wearers_walk(exo):
@@ -181,7 +222,7 @@ def test_a_walk_that_was_stopped_is_as_good_as_it_goes(exo):
     assert walk.interrupted
     assert len(walk.time) == 5 * coupled._CHUNK
     table = record.recording(walk, "cut")
-    assert len(table.time) == len(walk.time) and np.isfinite(wearer_moments(walk)).all()
+    assert len(table.time) == len(walk.time) and np.isfinite(by_straps(walk)).all()
     assert len(record.scene(walk).times) > 10
 
 

@@ -1,0 +1,169 @@
+"""The wearer's motion made one that a body with mass can do: trunk and pelvis move so that soles on the ground can hold it.
+
+Recorded angles on a rigid chain break Newton's laws a little: the centre of pressure would have to leave the foot. As in residual
+reduction (Delp and others 2007, IEEE Transactions on Biomedical Engineering 54:1940) the trunk leans a little more or less along the
+cycle and the pelvis path is moved by millimetres, by damped Gauss-Newton steps, until the ground's force passes through the soles near
+where it is expected and aims at one point above the hips. The same is done for a body alone, with a backpack, and with the machine: it
+says how each leans.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+
+import mujoco
+import numpy as np
+from numpy.typing import NDArray
+
+from exo_sim.gait.motion import SAMPLES, Motion, derivatives
+from exo_sim.machine import anthropometry, footing
+from exo_sim.machine.person import Person, poses_along
+from exo_sim.machine.wearer import backpack_wrench
+
+#: Samples of a cycle that are looked at.
+_EVERY = 8
+#: Harmonics of the trunk and of the pelvis ahead, and of the pelvis up: those that both legs share in walking, the lowest in place.
+_WALKING, _IN_PLACE, _HEIGHT = (2, 4, 6), (1, 2), (4, 6, 8)
+#: What is thought little of: trunk leaning and swaying [rad], pelvis ahead and up [m], centre of pressure along the sole [m].
+_LEAN, _SWAY, _AHEAD, _UP, _CENTRE = np.radians(6.0), np.radians(3.0), 1.5e-3, 0.4e-3, 0.02
+#: A moment is felt as the weight on this lever [m]; a force off its aim as this share of the weight.
+_LEVER, _SHARE = 0.01, 0.007
+#: The centre of pressure may be expected so far ahead of the ball of the foot [m].
+_BEYOND_BALL = 0.03
+_STEPS, _DAMPING = 8, 1e-3
+
+Load = Callable[[Motion, slice], NDArray[np.float64]]
+
+
+@dataclass(frozen=True)
+class _Parameters:
+    """Names of the numbers that are looked for, and what each does."""
+
+    harmonics: tuple[int, ...]
+    heights: tuple[int, ...]
+
+    def scales(self) -> NDArray[np.float64]:
+        n = 2 * len(self.harmonics)
+        ahead = [_AHEAD] * n if self.heights else []
+        return np.array([_LEAN, _CENTRE, *[_SWAY] * n, *ahead, *[_UP] * (2 * len(self.heights))])
+
+    def applied(self, motion: Motion, person: Person, values: NDArray[np.float64]) -> Motion:
+        n = 2 * len(self.harmonics)
+        sway, rest = values[2 : 2 + n], values[2 + n :]
+        pitch = values[0] + _basis(self.harmonics) @ sway
+        position = motion.position.copy()
+        position[:, 2] += pitch
+        position[:, [3, 6]] -= pitch[:, None]
+        if self.heights:
+            position[:, 0] += _basis(self.harmonics) @ rest[:n]
+            position[:, 1] += _basis(self.heights) @ rest[n:]
+        slope, curvature = derivatives(position)
+        slope[:, 0] += motion.advance
+        front = person.toe + _BEYOND_BALL * person.scale
+        centre = np.clip(motion.pressure_centre + values[1], person.heel, front)
+        return Motion(
+            **{**motion.__dict__, "position": position, "slope": slope, "curvature": curvature, "pressure_centre": centre}
+        )
+
+
+def reduced(motion: Motion, person: Person, carried: Load | None = None) -> Motion:
+    """Return a motion whose ground force passes through the soles, as nearly as leaning can do it.
+
+    Args:
+        motion: As recorded or drawn.
+        person: Whose body; segments after `machine.anthropometry`.
+        carried: Gives, for a motion and some of its samples, the load on the wearer beside the own body, about the pelvis: x, z [N]
+            and about -y [N m], shape (n, 3).
+    """
+    parameters = _Parameters(_WALKING, _HEIGHT) if motion.advance else _Parameters(_IN_PLACE, ())
+    scales = parameters.scales()
+    values = np.zeros(len(scales))
+
+    def errors(at: NDArray[np.float64]) -> NDArray[np.float64]:
+        return np.concatenate([_off_balance(parameters.applied(motion, person, at), person, carried), at / scales])
+
+    left = errors(values)
+    for _ in range(_STEPS):
+        slopes = np.stack([(errors(values + step) - left) / scales[i] * 100 for i, step in enumerate(np.diag(scales / 100))], axis=1)
+        normal = slopes.T @ slopes
+        normal[np.diag_indices_from(normal)] *= 1.0 + _DAMPING
+        step, gone = -np.linalg.solve(normal, slopes.T @ left), 1.0
+        while gone > 0.05:
+            tried = errors(values + gone * step)
+            if tried @ tried < left @ left:
+                break
+            gone *= 0.5
+        else:
+            break
+        values, left = values + gone * step, tried
+    return parameters.applied(motion, person, values)
+
+
+def worn(motion: Motion, person: Person, model: mujoco.MjModel) -> Motion:
+    """Return the motion of a wearer with the machine, which has the same angles: `reduced` for all that wearer and machine weigh."""
+    data = mujoco.MjData(model)
+
+    def load(of: Motion, rows: slice) -> NDArray[np.float64]:
+        rate = 1.0 / of.period
+        out = np.empty((len(of.position[rows]), 3))
+        for i, (q, v, a) in enumerate(zip(of.position[rows], of.slope[rows], of.curvature[rows])):
+            data.qpos[:], data.qvel[:], data.qacc[:] = q, v * rate, a * rate**2
+            mujoco.mj_inverse(model, data)
+            out[i] = -data.qfrc_inverse[:3]
+        return out
+
+    flags = model.opt.disableflags
+    model.opt.disableflags = flags | mujoco.mjtDisableBit.mjDSBL_CONSTRAINT
+    try:
+        return reduced(motion, person, load)
+    finally:
+        model.opt.disableflags = flags
+
+
+def with_backpack(motion: Motion, person: Person, place: tuple[float, float], mass: float, inertia: float) -> Motion:
+    """Return the motion of a person with a backpack: mass [kg] with its centre at `place` from the hips [m], inertia a kilogram [m^2]."""
+
+    def load(of: Motion, rows: slice) -> NDArray[np.float64]:
+        position, acceleration = trunk(of)
+        wrench = backpack_wrench(position[rows], acceleration[rows], place, np.full(len(position[rows]), mass), inertia)
+        return wrench[:, 0]
+
+    return reduced(motion, person, load)
+
+
+def trunk(motion: Motion) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+    """Return pelvis and trunk with their rates, shape (SAMPLES, 6), and their accelerations, (SAMPLES, 3), for `backpack_wrench`."""
+    rate = 1.0 / motion.period
+    return np.concatenate([motion.position[:, :3], motion.slope[:, :3] * rate], axis=1), motion.curvature[:, :3] * rate**2
+
+
+def body_loads(motion: Motion, person: Person, rows: slice = slice(None)) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+    """Return the segments' poses along a cycle, shape (n, 7, 6), and their weight and inertia, shape (n, 7, 3)."""
+    rate = 1.0 / motion.period
+    poses = poses_along(motion.position[rows], motion.slope[rows] * rate, person)
+    acceleration = anthropometry.accelerations(motion.curvature[rows] * rate**2, poses, person)
+    return poses, anthropometry.body_wrench(poses, acceleration, person)
+
+
+def _off_balance(motion: Motion, person: Person, carried: Load | None) -> NDArray[np.float64]:
+    """Return how far moment and aim of the ground's force are from what is expected, in units of what is felt."""
+    rows = slice(0, SAMPLES, _EVERY)
+    poses, wrench = body_loads(motion, person, rows)
+    load = footing.totals(poses, wrench)
+    if carried is not None:
+        load = load + carried(motion, rows)
+    share, support = motion.share[rows], motion.support[rows]
+    off = footing.off_balance(poses, load, share, motion.pressure_centre[rows], person)
+    weight = -float(np.mean(load[:, 1]))
+    felt = support / np.sqrt(len(load))
+    out = [off[:, 0] * felt / (weight * _LEVER)]
+    if motion.advance:
+        jerky = np.fft.rfft(load[:, 1])[6:20] * 2 / len(load) / (weight * _SHARE)
+        out += [off[:, 1] * felt / (weight * _SHARE), jerky.real, jerky.imag]
+    return np.concatenate(out)
+
+
+def _basis(harmonics: tuple[int, ...]) -> NDArray[np.float64]:
+    phase = 2 * np.pi * np.arange(SAMPLES) / SAMPLES
+    return np.stack([wave(h * phase) for h in harmonics for wave in (np.cos, np.sin)], axis=1)

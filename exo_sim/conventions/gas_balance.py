@@ -74,10 +74,6 @@ class CylinderColumns:
         """Return what it is where the clock runs in another unit."""
         return replace(self, time=factor * self.time)
 
-    def with_position(self, factor: float) -> CylinderColumns:
-        """Return what it is where the position is in another unit."""
-        return replace(self, position=factor * self.position)
-
     def lifted(self, pressure: float) -> CylinderColumns:
         """Return what it is where the chambers' pressures are counted from `pressure`."""
         return replace(self, pressure=self.pressure + pressure)

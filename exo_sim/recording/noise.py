@@ -116,26 +116,6 @@ def quantum(values: NDArray[np.float64]) -> float:
     return step
 
 
-def signal_bandwidth(values: NDArray[np.float64], time: NDArray[np.float64]) -> float:
-    """Return the frequency in Hz above which nothing but noise can be seen.
-
-    It is the highest frequency at which the spectrum (Welch) stands a factor of four above its level in the upper third
-    of the band.
-    """
-    from scipy import signal
-
-    values, time = _thinned(values, time)
-    rate = 1.0 / float(np.median(np.diff(time)))
-    present = np.isfinite(values)
-    if present.sum() < 64:
-        return 0.5 * rate
-    filled = np.interp(time, time[present], values[present])
-    frequency, power = signal.welch(filled, rate, nperseg=min(1024, len(filled) // 2), detrend="linear")
-    level = float(np.median(power[frequency > rate / 3.0]))
-    above = np.flatnonzero(power > 4.0 * level)
-    return float(frequency[above[-1]]) if len(above) else 0.0
-
-
 def _thinned(values: NDArray[np.float64], time: NDArray[np.float64]) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
     """Take eight stretches spread over a long recording; the seams are gaps in the clock."""
     if len(values) <= _MOST_SAMPLES:

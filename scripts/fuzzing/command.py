@@ -63,9 +63,9 @@ def run(words: tuple[str, ...], folder: Path, verb: Callable[[list[str]], int]) 
     begun = time.monotonic()
     with _streams_themselves(folder.with_name(f"{folder.name}.below")) as below:
         sys.stdout, sys.stderr = printed
-        signal.setitimer(signal.ITIMER_PROF, PATIENCE)
-        signal.setitimer(signal.ITIMER_REAL, LONGEST)
         try:
+            signal.setitimer(signal.ITIMER_PROF, PATIENCE)
+            signal.setitimer(signal.ITIMER_REAL, LONGEST)
             outcome.status = verb(list(words))
         except BaseException as error:
             outcome.escaped = f"{type(error).__name__}: {error}"

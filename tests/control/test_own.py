@@ -1,6 +1,7 @@
 """Somebody's own controller: loading, what it may return, and what goes wrong in it, in one line each."""
 
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import pytest
@@ -87,7 +88,7 @@ def test_what_fails_inside_names_file_and_line(tmp_path, context):
 
 def test_the_time_between_calls_is_whole_steps():
     class Slow:
-        period = 0.01
+        period: Any = 0.01
 
     assert own.period_of(Slow(), 0.001, "Slow") == 10
     assert own.period_of(object(), 0.001, "it") == 2

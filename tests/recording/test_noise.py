@@ -80,13 +80,6 @@ def test_gaps_and_holes_do_not_count() -> None:
     assert found.std == pytest.approx(250.0, rel=0.1)
 
 
-def test_bandwidth_of_the_signal() -> None:
-    time = np.arange(20000) / RATE
-    rng = np.random.default_rng(0)
-    values = np.sin(2 * np.pi * 30.0 * time) + 0.05 * rng.standard_normal(20000)
-    assert noise.signal_bandwidth(values, time) == pytest.approx(30.0, abs=5.0)
-
-
 def test_all_columns_at_once() -> None:
     time = np.arange(5000, dtype=float) / RATE
     values = motion(5000) + 250.0 * np.random.default_rng(0).standard_normal(5000)

@@ -17,7 +17,7 @@ def test_outcomes_come_in_the_order_of_the_items(count: int) -> None:
 
 
 def test_fits_that_all_wait_for_predictions_end() -> None:
-    gate = threading.Barrier(2, timeout=20.0)
+    gate = threading.Barrier(2, timeout=300.0)
 
     def fit(one: int) -> int:
         gate.wait()  # both threads of this level are taken now

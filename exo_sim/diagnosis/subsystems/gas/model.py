@@ -227,7 +227,7 @@ class GasModel(SubsystemModel):
         return any(burst_ratio(fast, noise) > healthy.BURSTS for fast, noise in self._fast_errors(plant))
 
     def _fast_errors(self, plant: PlantParameters) -> list[tuple[Array, float]]:
-        """Return the errors of each pressure less the means of their rows [Pa], shape (n,), and its noise [Pa].
+        """Return the errors of each pressure less the means of their rows [Pa], shape (n,), and what noise and a prediction leave [Pa].
 
         A pressure whose rows are single samples has none.
         """
@@ -237,7 +237,7 @@ class GasModel(SubsystemModel):
                 rows = self._rows[index][side]
                 if rows.count.size and float(np.median(rows.count)) > 2.0:
                     keep = rows.group >= 0
-                    found.append((errors[keep, side] - rows.means(errors[:, side])[rows.group[keep]], noise))
+                    found.append((errors[keep, side] - rows.means(errors[:, side])[rows.group[keep]], max(noise, healthy.GAS_FLOOR)))
         return found
 
     def column(self, variable: str) -> str:

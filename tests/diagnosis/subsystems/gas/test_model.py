@@ -49,3 +49,17 @@ def test_a_bias_larger_than_a_reading_is_tried_and_no_refusal(rig: Rig, table: R
     gas = GasModel(cylinder_runs(low, rig, model, linkages(rig, model)), plant, PARTS)
     biased = PlantParameters(plant.world, plant.cylinder, {"pressure_1.bias": 1.2e5})
     assert np.isfinite(gas.predict(biased, 0).pressure).all()
+
+
+def test_what_a_prediction_leaves_of_a_recording_without_noise_does_not_ring(rig: Rig, table: Recording) -> None:
+    """A simulated recording has no noise; some pascal in bursts are then what the smoothed position leaves, and no hose."""
+    model = load(rig)
+    plant = PlantParameters(assembly.world(rig), assembly.cylinders(rig))
+
+    def rings(size: float) -> bool:
+        wave = size * np.sin(1500.0 * table.time) * (np.sin(6.0 * table.time) > 0.9)
+        columns = {**table.columns, "piston.pressure_1": table["piston.pressure_1"] + wave}
+        shaken = Recording(table.name, table.time, columns, table.units)
+        return GasModel(cylinder_runs(shaken, rig, model, linkages(rig, model)), plant, PARTS).has_bursts(plant)
+
+    assert not rings(0.0) and not rings(20.0) and rings(1000.0)

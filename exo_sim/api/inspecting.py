@@ -2,10 +2,12 @@
 
 from __future__ import annotations
 
+import textwrap
 from dataclasses import dataclass, replace
 from typing import Any
 
 from exo_sim.api.arguments import Columns, RecordingLike, RigLike, reading_of, rig_of
+from exo_sim.conventions.answerable import Question, questions
 from exo_sim.recording import summary, summary_text
 from exo_sim.recording.finding import Finding
 
@@ -17,10 +19,12 @@ class Inspection:
     Attributes:
         found: All of it, in numbers.
         summary: What `exo-sim inspect --json` prints.
+        questions: Every effect at every place of the machine, and what the recording lacks to answer it; empty without a rig.
     """
 
     found: summary.Summary
     summary: dict[str, Any]
+    questions: tuple[Question, ...] = ()
 
     @property
     def findings(self) -> tuple[Finding, ...]:
@@ -28,7 +32,25 @@ class Inspection:
         return self.found.findings
 
     def __str__(self) -> str:
-        return summary_text.text(self.found)
+        return summary_text.text(self.found) + (f"\n\n{self._asked()}" if self.questions else "")
+
+    def _asked(self) -> str:
+        """Return which questions can be asked, by place, and what the others lack."""
+        asked: dict[str, list[str]] = {}
+        lacking: dict[str, dict[str, None]] = {}
+        for one in self.questions:
+            if one.answerable:
+                asked.setdefault(one.where, []).append(one.effect)
+            for reason in one.missing:
+                lacking.setdefault(reason, {})[one.effect] = None
+        lines = ["Questions that a diagnosis of this recording can ask"]
+        lines += [textwrap.fill(f"  {place}: {', '.join(names)}", 110, subsequent_indent="    ") for place, names in asked.items()]
+        if not asked:
+            lines.append("  none")
+        if lacking:
+            lines.append("What is missing for others")
+            lines += [textwrap.fill(f"  {why}: for {', '.join(names)}", 110, subsequent_indent="    ") for why, names in lacking.items()]
+        return "\n".join(lines)
 
     def __repr__(self) -> str:
         return f"<exo.Inspection of {self.summary.get('name', 'a recording')}: {len(self.findings)} findings>"
@@ -58,4 +80,5 @@ def inspect(recording: RecordingLike, rig: RigLike | None = None, *, columns: Co
     settled = conventions.asked(reading.recording, machine, model)
     asked = (*conventions.findings(settled), *reading.findings)
     found = summary.summarise(replace(reading, recording=settled.recording, findings=asked), Facts.of(machine, model))
-    return Inspection(found, summary.as_dict(found))
+    asked_of = tuple(questions(settled.recording, machine, model))
+    return Inspection(found, summary.as_dict(found) | {"questions": [one.as_dict() for one in asked_of]}, asked_of)

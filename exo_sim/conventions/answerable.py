@@ -1,0 +1,131 @@
+"""Which questions a recording can answer at all: of every effect and place, what must be recorded for it and is not.
+
+Read from what each effect declares (`reveals`, `needs`, `asked.sense`). That a question can be asked does not say that its answer is large
+enough to show: that is for the diagnosis.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import Any
+
+import mujoco
+import numpy as np
+
+from exo_sim.machine.linkage import linkages
+from exo_sim.physics.declaration import Effect, declared
+from exo_sim.recording.table import Recording
+from exo_sim.rig import Rig
+
+#: Ranges below which a joint did not move [m or rad], and a valve was not opened [1].
+_STILL, _CLOSED = 1e-4, 0.01
+
+
+@dataclass(frozen=True)
+class Question:
+    """One effect at one place.
+
+    Attributes:
+        effect, where: As in `[effects.NAME.WHERE]`.
+        missing: What is not recorded, or did not happen, in words; empty where the question can be asked.
+    """
+
+    effect: str
+    where: str
+    missing: tuple[str, ...]
+
+    @property
+    def answerable(self) -> bool:
+        """Whether the recording can answer it at all."""
+        return not self.missing
+
+    def as_dict(self) -> dict[str, Any]:
+        """Return what `inspect --json` lists under `questions`."""
+        return {"effect": self.effect, "where": self.where, "answerable": self.answerable, "missing": list(self.missing)}
+
+
+def questions(recording: Recording, rig: Rig, model: mujoco.MjModel) -> list[Question]:
+    """Return every effect at every place of a machine, with what the recording lacks for it.
+
+    Raises:
+        ModelError: the model lacks a part of the rig.
+    """
+    joints = {link.cylinder: model.joint(int(model.dof_jntid[link.dof])).name for link in linkages(rig, model)}
+    found = []
+    for effect in declared().values():
+        if effect.cut in ("sensor", "any") or effect.asked.held_back:
+            continue
+        places = effect.asked.sense.places or effect.places
+        if "cylinder" in places:
+            found += [_at_cylinder(effect, name, joints.get(name, ""), recording, rig) for name in rig.cylinders]
+        if "joint" in places:
+            names = [model.joint(i).name for i in range(model.njnt)]
+            found += [_at_joint(effect, name, [c for c, j in joints.items() if j == name], recording) for name in names]
+        found += [_shared(effect, place, recording, rig) for place in places if place in ("supply", "exhaust")]
+    return found
+
+
+def _at_cylinder(effect: Effect, name: str, joint: str, recording: Recording, rig: Rig) -> Question:
+    cylinder, missing = rig.cylinders[name], []
+    keys = {"position": f"{joint}.position"}
+    if effect.needs_valve and cylinder.valve_area <= 0.0:
+        missing.append(f"{name} has no valve")
+    if effect.asked.sense.two_chambers and cylinder.single_acting:
+        missing.append(f"{name} has one chamber")
+    wanted = [keys.get(signal, f"{name}.{signal}") for signal in effect.needs]
+    if effect.cut == "gas":
+        wanted.append(keys["position"])
+        if cylinder.valve_area > 0.0:
+            wanted.append(f"{name}.valve_command")
+    shown = [signal if "." in signal else keys.get(signal, f"{name}.{signal}") for signal in effect.reveals]
+    missing += _lacking(recording, wanted, shown)
+    if effect.cut == "motion" and f"{name}.force" not in recording and not _driven(recording, joint, [name]):
+        missing.append(f"{name}.pressure_1, {name}.force or {joint}.external_force, one of them")
+    return Question(effect.name, name, (*dict.fromkeys(missing), *_happened(effect, recording, f"{name}.valve_command", keys["position"])))
+
+
+def _at_joint(effect: Effect, joint: str, cylinders: Sequence[str], recording: Recording) -> Question:
+    missing = _lacking(recording, [f"{joint}.position"], [])
+    if not _driven(recording, joint, cylinders):
+        drives = [f"{joint}.external_force", *(f"{name}.pressure_1" for name in cylinders)]
+        missing.append(" or ".join(drives))
+    return Question(effect.name, joint, (*dict.fromkeys(missing), *_happened(effect, recording, "", f"{joint}.position")))
+
+
+def _shared(effect: Effect, place: str, recording: Recording, rig: Rig) -> Question:
+    shown = [key for signal in effect.reveals for key in ([signal] if "." in signal else [f"{name}.{signal}" for name in rig.cylinders])]
+    missing = _lacking(recording, [], shown)
+    commands = [f"{name}.valve_command" for name in rig.cylinders]
+    if effect.asked.sense.commanded and not any(_range(recording, key) > _CLOSED for key in commands):
+        missing.append("a valve that opens, with its command recorded")
+    return Question(effect.name, place, tuple(missing))
+
+
+def _lacking(recording: Recording, wanted: Sequence[str], one_of: Sequence[str]) -> list[str]:
+    missing = [key for key in dict.fromkeys(wanted) if key not in recording]
+    if one_of and not any(key in recording for key in one_of):
+        missing.append(" or ".join(one_of))
+    return missing
+
+
+def _driven(recording: Recording, joint: str, cylinders: Sequence[str]) -> bool:
+    return f"{joint}.external_force" in recording or any(f"{name}.pressure_1" in recording for name in cylinders)
+
+
+def _happened(effect: Effect, recording: Recording, command: str, position: str) -> list[str]:
+    """Return what must have happened for the question to make sense, and did not."""
+    sense, lacking = effect.asked.sense, []
+    valve = effect.needs_valve or sense.commanded
+    if valve and command in recording and _range(recording, command) <= _CLOSED:
+        lacking.append("the valve never opens")
+    if (sense.moving or effect.cut == "motion") and position in recording and _range(recording, position) <= _STILL:
+        lacking.append(f"{position.rsplit('.', 1)[0]} never moves")
+    return lacking
+
+
+def _range(recording: Recording, key: str) -> float:
+    values = recording.get(key)
+    if values is None or not np.isfinite(values).any():
+        return 0.0
+    return float(np.nanmax(values) - np.nanmin(values)) if not key.endswith("valve_command") else float(np.nanmax(np.abs(values)))

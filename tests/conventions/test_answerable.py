@@ -1,0 +1,66 @@
+"""Which questions a recording can answer: what is not recorded, or did not happen, is said of every effect that needs it."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from pathlib import Path
+
+import benches
+import numpy as np
+import pytest
+
+from exo_sim.conventions.answerable import Question, questions
+from exo_sim.machine.load import load
+from exo_sim.recording import Recording
+from exo_sim.rig import Rig
+
+
+@pytest.fixture(scope="module")
+def bench(tmp_path_factory: pytest.TempPathFactory) -> tuple[Rig, Recording]:
+    rig = benches.bench(tmp_path_factory.mktemp("bench"))
+    return rig, benches.recorded(rig, 1.0)
+
+
+def asked(rig: Rig, recording: Recording) -> dict[tuple[str, str], Question]:
+    return {(one.effect, one.where): one for one in questions(recording, rig, load(rig))}
+
+
+def without(recording: Recording, *keys: str) -> Recording:
+    return replace(recording, columns={key: values for key, values in recording.columns.items() if key not in keys})
+
+
+def test_a_whole_recording_answers_all(bench: tuple[Rig, Recording]) -> None:
+    assert [one for one in asked(*bench).values() if not one.answerable] == []
+
+
+def test_without_pressures_only_what_the_command_and_position_need_not_is_left(bench: tuple[Rig, Recording]) -> None:
+    rig, recording = bench
+    found = asked(rig, without(recording, "piston.pressure_1", "piston.pressure_2"))
+    assert found["piston_leakage", "piston"].missing == ("piston.pressure_1 or piston.pressure_2",)
+    assert found["coulomb_friction", "slide"].missing == ("slide.external_force or piston.pressure_1",)
+    assert not found["supply_droop", "supply"].answerable
+
+
+def test_without_a_command_the_valve_is_not_asked(bench: tuple[Rig, Recording]) -> None:
+    rig, recording = bench
+    found = asked(rig, without(recording, "piston.valve_command"))
+    assert found["valve_deadband", "piston"].missing == ("piston.valve_command",)
+    assert found["coulomb_friction", "piston"].answerable
+
+
+def test_a_machine_that_stands_still_with_closed_valves_answers_little(bench: tuple[Rig, Recording]) -> None:
+    rig, recording = bench
+    n = len(recording.time)
+    still = {**recording.columns, "slide.position": np.full(n, 0.01), "piston.valve_command": np.zeros(n)}
+    found = asked(rig, replace(recording, columns=still))
+    assert found["viscous_friction", "slide"].missing == ("slide never moves",)
+    assert "the valve never opens" in found["valve_lag", "piston"].missing
+    assert found["piston_leakage", "piston"].answerable
+
+
+def test_a_rig_without_cylinders_asks_of_its_joints_alone(tmp_path: Path, bench: tuple[Rig, Recording]) -> None:
+    rig = benches.bench(tmp_path, cylinder=False)
+    recording = without(bench[1], "piston.pressure_1", "piston.pressure_2", "piston.valve_command")
+    found = asked(rig, recording)
+    assert found["coulomb_friction", "slide"].missing == ("slide.external_force",)
+    assert {where for _, where in found} <= {"slide", "supply", "exhaust"}

@@ -18,6 +18,7 @@ _API = {
     "Recording": "recording",
     "Rig": "rig",
     "Run": "simulating",
+    "Simulation": "stepping",
     "Sizing": "sizing",
     "compare": "comparing",
     "diagnose": "diagnosing",

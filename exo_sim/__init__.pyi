@@ -14,5 +14,6 @@ from exo_sim.api.simulating import scenarios as scenarios
 from exo_sim.api.simulating import simulate as simulate
 from exo_sim.api.sizing import Sizing as Sizing
 from exo_sim.api.sizing import size as size
+from exo_sim.api.stepping import Simulation as Simulation
 
 __version__: str

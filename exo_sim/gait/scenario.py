@@ -6,6 +6,7 @@ import importlib
 import pkgutil
 from collections.abc import Callable
 from dataclasses import dataclass
+from pathlib import Path
 
 from exo_sim import units
 from exo_sim.errors import ScenarioError, UnitError, nearest
@@ -60,13 +61,16 @@ def names() -> tuple[str, ...]:
 
 
 def find(name: str) -> Scenario:
-    """Return the scenario of this name, or the one in a scenario file (`gait.scenario_file`).
+    """Return the scenario of this name, the one in a scenario file (`gait.scenario_file`), or walking as in a gait file.
 
     Raises:
         ScenarioError: there is none; the nearest names are offered. A file that cannot be one.
     """
     if name.lower().endswith(".toml"):
         return importlib.import_module("exo_sim.gait.scenario_file").read(name)
+    if name.lower().endswith((".mot", ".sto", ".c3d")):
+        own_gait = importlib.import_module("exo_sim.gait.own_gait")
+        return own_gait.scenario(own_gait.GaitFile(Path(name)))
     if name not in names():
         raise ScenarioError(f'no scenario "{name}"{nearest(name, names())}')
     return importlib.import_module(f"exo_sim.gait.scenarios.{name}").SCENARIO

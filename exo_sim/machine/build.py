@@ -8,11 +8,14 @@ from typing import TYPE_CHECKING, Any
 
 from exo_sim.errors import ModelError, ScenarioError, nearest
 from exo_sim.machine.person import COORDINATES, REFERENCE_HEIGHT, SEGMENTS, Person
+from exo_sim.machine.straps import worn
 from exo_sim.rig.schema import Ankle, JointFactors, Rig
 
 if TYPE_CHECKING:
     import mujoco
 
+#: Geoms that a worn machine has: payload, floor, links that grow with the wearer, soles.
+_GEOMS = ("payload", "floor", *(f"{part}_{side}" for side in "lr" for part in ("thigh", "shank", "foot", "heel", "toe")))
 #: What the frame is built to carry [kg].
 PAYLOAD_LIMIT = 45.0
 
@@ -107,18 +110,22 @@ def _require(spec: Any, path: Path) -> None:
     if not set(joints) & set(present):
         raise ModelError(
             f"{path}: carries no person: walking and sizing need a worn machine, with joints {joints[0]}, {joints[1]}, {joints[2]}"
-            " and so on as in assets/exo.xml; inspect, compare and diagnose take any machine"
+            " and so on as in assets/exo.xml (docs/your_machine.md); `exo-sim run MOTION.csv --rig RIG` moves any machine along a recorded "
+            "motion; inspect, compare and diagnose take any"
         )
-    for name in joints:
-        if name not in present:
-            raise ModelError(f'{path}: a worn machine needs a joint "{name}"{nearest(name, present)}')
+    missing = {"joints": [name for name in joints if name not in present]}
+    missing["bodies"] = [name for name in (*SEGMENTS, *(f"person_{segment}" for segment in SEGMENTS)) if spec.body(name) is None]
+    missing["geoms"] = [name for name in _GEOMS if spec.geom(name) is None]
+    missing["sites"] = [name for name in (*(strap.site for strap in worn()), "foot_l", "foot_r") if spec.site(name) is None]
+    missing["contact sensors"] = [name for name in ("ground_l", "ground_r") if spec.sensor(name) is None]
+    said = "; ".join(f"the {kind} {', '.join(names)}" for kind, names in missing.items() if names)
+    if said:
+        lacking = [name for names in missing.values() for name in names]
+        close = nearest(lacking[0], [*present, *(body.name for body in spec.bodies), *(site.name for site in spec.sites)])
+        hint = close if "mean" in close else ""
+        raise ModelError(f"{path}: a worn machine needs {said}{hint} (docs/your_machine.md lists what one must contain)")
     if present != list(joints):
         raise ModelError(f"{path}: a worn machine has the joints {', '.join(joints)}, in this order and no others")
-    for name in (*SEGMENTS, *(f"person_{segment}" for segment in SEGMENTS)):
-        if spec.body(name) is None:
-            raise ModelError(f'{path}: a worn machine needs a body "{name}"')
-    if spec.geom("payload") is None:
-        raise ModelError(f'{path}: a worn machine needs a geom "payload"')
 
 
 def _stretch(spec: Any, person: Person) -> None:

@@ -262,6 +262,15 @@ class Simulation:
         if far.max() > _FALLEN_DISTANCE or np.abs(rows[:, 3] - wanted[:, 2]).max() > _FALLEN_PITCH:
             raise Diverged(f"{self.request.scenario}: the machine falls away from its wearer {when}; {advice}")
 
+    def sound(self, row: NDArray[np.float64], step: int) -> bool:
+        """Return whether one row of the log is of a machine that is on its wearer: a quick look, `_check` says what is wrong."""
+        if self.data.warning.number.any() or not np.isfinite(row).all():
+            return False
+        cycles = step * self.dt / self.motion.period
+        x, z, pitch = self.motion.position[int(cycles * SAMPLES) % SAMPLES, :3].tolist()
+        far = math.hypot(row[1] - x - self.motion.advance * cycles, row[2] - z)
+        return far < 0.9 * _FALLEN_DISTANCE and abs(row[3] - pitch) < 0.9 * _FALLEN_PITCH
+
     def _result(self, log: NDArray[np.float64], keys: list[tuple[str, str]], first: int, interrupted: bool) -> Walk:
         table = _turned(log[:, 1:])
         columns = {key: table[i] for i, (key, _) in enumerate(keys)}

@@ -145,13 +145,26 @@ class Stepper:
         self.outside = Outside(simulation)
         self._keys = layout(simulation.rig, simulation.straps, not simulation.request.ideal)
         self.rows: list[Array] = []
-        self.taken = 0
+        self.taken = self.first = 0
 
-    def reset(self) -> Array:
-        """Put everything back to the start and take the first step; return its row of the log."""
-        self.simulation._reset()
-        self.outside = Outside(self.simulation)
-        self.rows, self.taken = [], 0
+    def reset(self, start: float = 0.0) -> Array:
+        """Put everything back to the start and take the first step; return its row of the log.
+
+        Args:
+            start: Where in the cycle of the motion it begins, 0 to 1.
+        """
+        it = self.simulation
+        it._reset()
+        self.first = self.taken = round(start * it.motion.period / it.dt)
+        if self.first:
+            q, v = np.empty(9), np.empty(9)
+            position, slope = it.motion.tables()
+            reference(self.first * it.dt / it.motion.period, it.motion.period, it.motion.advance, position, slope, q, v)
+            it.data.qpos[:], it.data.qvel[:] = q, v
+            atmosphere = it.rig.environment.pressure
+            it.plugin.reset(it.data, atmosphere, atmosphere)
+        self.outside = Outside(it)
+        self.rows = []
         return self.steps(1)
 
     def steps(self, count: int) -> Array:
@@ -168,11 +181,21 @@ class Stepper:
                 self.simulation.plugin.check(became)
             except Exception as error:
                 raise Diverged(str(error)) from None
-        self.simulation._check(rows, self.taken, self.taken + count)
+        if not self.simulation.sound(rows[-1], self.taken + count - 1):
+            self.simulation._check(rows, self.taken, self.taken + count)
         self.rows.append(rows)
         self.taken += count
         return rows[-1]
 
     def walk(self) -> Walk:
         """Return what was simulated since `reset`."""
-        return self.simulation._result(np.concatenate(self.rows), self._keys, 0, self.taken < self.simulation.rows)
+        return self.as_walk(np.concatenate(self.rows), self.first)
+
+    def piece(self) -> Walk:
+        """Return what the last command did."""
+        rows = self.rows[-1]
+        return self.as_walk(rows, self.taken - len(rows))
+
+    def as_walk(self, rows: Array, first: int) -> Walk:
+        """Return rows of the log, the first of them that of a step, as a walk."""
+        return self.simulation._result(rows, self._keys, first, True)

@@ -113,12 +113,12 @@ def _require(spec: Any, path: Path) -> None:
             " and so on as in assets/exo.xml (docs/your_machine.md); `exo-sim run MOTION.csv --rig RIG` moves any machine along a recorded "
             "motion; inspect, compare and diagnose take any"
         )
-    missing = {"joints": [name for name in joints if name not in present]}
-    missing["bodies"] = [name for name in (*SEGMENTS, *(f"person_{segment}" for segment in SEGMENTS)) if spec.body(name) is None]
-    missing["geoms"] = [name for name in _GEOMS if spec.geom(name) is None]
-    missing["sites"] = [name for name in (*(strap.site for strap in worn()), "foot_l", "foot_r") if spec.site(name) is None]
-    missing["contact sensors"] = [name for name in ("ground_l", "ground_r") if spec.sensor(name) is None]
-    said = "; ".join(f"the {kind} {', '.join(names)}" for kind, names in missing.items() if names)
+    missing = {"joint": [name for name in joints if name not in present]}
+    missing["body"] = [name for name in (*SEGMENTS, *(f"person_{segment}" for segment in SEGMENTS)) if spec.body(name) is None]
+    missing["geom"] = [name for name in _GEOMS if spec.geom(name) is None]
+    missing["site"] = [name for name in (*(strap.site for strap in worn()), "foot_l", "foot_r") if spec.site(name) is None]
+    missing["contact sensor"] = [name for name in ("ground_l", "ground_r") if spec.sensor(name) is None]
+    said = "; ".join(f"a {kind} " + ", ".join(f'"{name}"' for name in names) for kind, names in missing.items() if names)
     if said:
         lacking = [name for names in missing.values() for name in names]
         close = nearest(lacking[0], [*present, *(body.name for body in spec.bodies), *(site.name for site in spec.sites)])

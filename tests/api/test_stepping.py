@@ -28,7 +28,7 @@ def test_a_class_an_object_and_a_file_are_the_same_controller(tmp_path):
     assert first[-1] == pytest.approx(15.0, abs=1.0)
     for run in runs[1:]:
         np.testing.assert_array_equal(run.recording["knee_l.torque"], first)
-    with pytest.raises(ScenarioError, match="no method act"):
+    with pytest.raises(ScenarioError, match="no method reset"):
         exo.simulate(scenario="stand", strides=1, controller=object())
 
 

@@ -26,8 +26,8 @@ from exo_sim.rig import Rig
 from exo_sim.simulation.coupled import Simulation
 from exo_sim.simulation.driven import Stepper
 from exo_sim.simulation.loop import person_along
-from exo_sim.simulation.summary import backpack_moments
 from exo_sim.simulation.walk import JOINTS, Request, Walk, default_rig, layout
+from exo_sim.simulation.wearer_load import by_backpack
 
 Array = NDArray[np.float64]
 
@@ -102,7 +102,7 @@ class Episode:
         self.random = np.random.default_rng(seed)
         self._backpack = 1.0
         self._row = self._stepper.reset()
-        self._backpack = float(np.sqrt(np.mean(backpack_moments(self._cycle()) ** 2)))
+        self._backpack = float(np.sqrt(np.mean(by_backpack(self._cycle()) ** 2)))
         self._backpack = max(self._backpack, _LEAST_LOAD)
         self.fallen = False
         self.steps = 0

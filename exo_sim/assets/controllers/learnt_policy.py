@@ -1,7 +1,7 @@
 """A learnt policy: torques of hip and knee over the gait phase, found by CMA-ES in `exo_sim.environments`.
 
-`scripts/learn_policy` learnt `learnt_policy.json`: mean, cosines and sines of each joint's torque over the phase of its own leg. Run it with
-`exo-sim run level_walk --controller learnt_policy.py:LearntPolicy`.
+`scripts/learn_policy` learnt `learnt_policy.json`: mean, cosines and sines of each joint's torque over the phase of its own leg.
+Run it with `exo-sim run level_walk --controller learnt_policy.py:LearntPolicy`.
 """
 
 from __future__ import annotations

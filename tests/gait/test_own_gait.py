@@ -241,14 +241,14 @@ def test_a_speed_is_a_factor_or_in_metres_a_second():
 
 def test_a_gait_file_is_walked(tmp_path, capsys, trial):
     path = write_mot(tmp_path / "mine.mot", *trial)
-    given = ["--strides", "2", "--assist", "vented", "--json", "--speed", "1.1 m/s", "--out", str(tmp_path / "w.rrd")]
+    given = ["--strides", "3", "--assist", "vented", "--json", "--speed", "1.1 m/s", "--out", str(tmp_path / "w.rrd")]
     assert main(["run", "--gait", str(path), *given]) == 0
     data = json.loads(capsys.readouterr().out)
     assert data["scenario"] == "mine" and any("strides" in words for words in data["remarks"])
     assert data["mean_ground_force_n"] + data["strap_load_n"]["vertical_mean"] == pytest.approx(data["supported_weight_n"], rel=5e-3)
-    # what was simulated is a gait file itself
+    # what was simulated is a gait file itself; the machine, vented, swings into step in its first stride
     again, _ = own_gait.figures_of(GaitFile(tmp_path / "w.parquet"))
-    assert again.period == pytest.approx(data["simulated_s"] / 2, rel=0.02)
+    assert again.period == pytest.approx(data["simulated_s"] / 3, rel=0.03)
 
 
 @pytest.mark.real_data

@@ -96,7 +96,9 @@ def size(
 
     Args:
         rig: A path or `exo.Rig` of a worn machine, with what a diagnosis found of it; the one of the package when None.
-        scenarios, payloads, speeds: One or several each; every combination must be carried.
+        scenarios: What the machine must do, one or several; every combination with payloads and speeds must be carried.
+        payloads: On the back, one or several: kilograms, or text.
+        speeds: Factors on the recorded cadence, one or several.
         trials: Designs to look at.
         reach: How far an attachment point may move: metres, or text.
         pressure_limit: Largest pressure of supply and chambers, absolute: pascal, or text; when None, 10 bar above the atmosphere.

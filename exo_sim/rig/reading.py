@@ -42,6 +42,16 @@ def parse(text: str, path: Path) -> Rig:
         table = Table(path, "", toml(text))
     except ValueError as error:
         raise RigError(f"{path}: {error}") from None
+    return parse_table(table, text)
+
+
+def parse_table(table: Table, text: str) -> Rig:
+    """Read a rig from the table that its text holds.
+
+    Raises:
+        RigError: as `read`.
+    """
+    path = table.path
     table.only(SECTIONS)
     name = table.text("name", default=path.stem)
     model = path.parent / table.text("model")

@@ -1,0 +1,82 @@
+"""What the documentation says runs: Python blocks as they stand, commands with options that exist, pages in step with the declarations."""
+
+from __future__ import annotations
+
+import re
+import runpy
+import shlex
+from pathlib import Path
+
+import click
+import pytest
+
+from exo_sim.cli import frame
+from exo_sim.rig import key_reference
+
+ROOT = Path(__file__).resolve().parents[1]
+#: Pages whose blocks run in a process of their own, or take files that are not there.
+ELSEWHERE = ("add_an_effect.md",)
+#: Pages whose Python shows calls with files that the reader has.
+WITH_FILES = ("recordings.md",)
+#: Pages whose Python takes more than a few seconds.
+SLOW = ("walk.md",)
+PAGES = sorted(path for path in (ROOT / "docs").glob("*.md") if path.name not in ELSEWHERE)
+
+
+def blocks(path: Path, language: str) -> list[str]:
+    return re.findall(rf"```{language}\n(.*?)```", path.read_text(encoding="utf-8"), re.DOTALL)
+
+
+@pytest.mark.parametrize("page", [
+    pytest.param(path, marks=[pytest.mark.slow] if path.name in SLOW else [], id=path.stem) for path in PAGES
+    if blocks(path, "python") and path.name not in WITH_FILES
+])  # fmt: skip
+def test_the_python_of_a_page_runs(page: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]) -> None:
+    monkeypatch.chdir(tmp_path)
+    for block in blocks(page, "python"):
+        exec(compile(block, page.name, "exec"), {"__name__": "__main__"})
+    assert capsys.readouterr().out
+
+
+@pytest.mark.parametrize("page", [pytest.param(path, id=path.stem) for path in PAGES])
+def test_the_commands_of_a_page_exist(page: Path) -> None:
+    lines = [shlex.split(line, comments=True) for block in blocks(page, "sh") for line in block.replace("\\\n", " ").splitlines()]
+    for words in lines:
+        while words and re.fullmatch(r"[A-Z_]+=\S*", words[0]):
+            words = words[1:]
+        if words[:1] != ["exo-sim"] or len(words) < 2:
+            continue
+        verb = frame.program.get_command(click.Context(frame.program), words[1])
+        assert verb is not None, words
+        rest = words[2:]
+        if isinstance(verb, click.Group):
+            inner = verb.get_command(click.Context(verb), rest[0])
+            assert inner is not None, words
+            verb, rest = inner, rest[1:]
+        verb.make_parser(click.Context(verb)).parse_args(rest)  # an option that is not there is refused
+
+
+def test_the_reference_of_the_rig_is_what_the_reader_asks_for() -> None:
+    found = runpy.run_path(str(ROOT / "scripts" / "document_rig"))["text"]()
+    assert found == (ROOT / "docs" / "rig_reference.md").read_text(encoding="utf-8"), "run scripts/document_rig"
+
+
+def test_every_key_has_a_meaning() -> None:
+    keys = {key.name: key for key in key_reference.every_key()}
+    assert keys.keys() == key_reference.MEANINGS.keys()
+    assert all(key.meaning for key in keys.values())
+    assert keys["cylinders.NAME.bore"].unit == "m" and keys["cylinders.NAME.bore"].default == "required"
+
+
+def test_the_site_builds_strictly_and_fetches_nothing(tmp_path: Path) -> None:
+    mkdocs = pytest.importorskip("mkdocs.commands.build")
+    pytest.importorskip("mkdocstrings")
+    from mkdocs.config import load_config
+
+    config = load_config(str(ROOT / "mkdocs.yml"), site_dir=str(tmp_path / "site"), strict=True)
+    mkdocs.build(config)
+    pages = list((tmp_path / "site").glob("*.html"))
+    assert len(pages) > 15 and "exo_sim.api.diagnosing.diagnose" in (tmp_path / "site" / "api.html").read_text()
+    for page in pages:
+        fetched = re.findall(r'<(?:script|link|img)[^>]*(?:src|href)="(https?://[^"]*)"', page.read_text(encoding="utf-8"))
+        assert not [url for url in fetched if not url.startswith("http://127.0.0.1")], page

@@ -115,6 +115,7 @@ def _words(data: dict[str, Any]) -> str:
         ]  # fmt: skip
         lines += [printing.table(rows, ["cylinder", "peak bar", "paths choked %", "gas g a cycle"]), ""]
         books = data["books"]
+        lines += [*(f"warning: {one}" for one in data.get("warnings", ())), *([""] if data.get("warnings") else [])]
         lines += [f"books: gas mass {books['gas_mass_residual']:.0e}, energy {books['gas_energy_residual']:.0e}"]
     return "\n".join([*lines, f"recording {data['recording']}, table {data['table']}"])
 

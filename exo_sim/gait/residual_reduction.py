@@ -11,6 +11,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass
+from functools import cache
 
 import mujoco
 import numpy as np
@@ -164,6 +165,7 @@ def _off_balance(motion: Motion, person: Person, carried: Load | None) -> NDArra
     return np.concatenate(out)
 
 
+@cache
 def _basis(harmonics: tuple[int, ...]) -> NDArray[np.float64]:
     phase = 2 * np.pi * np.arange(SAMPLES) / SAMPLES
     return np.stack([wave(h * phase) for h in harmonics for wave in (np.cos, np.sin)], axis=1)

@@ -15,7 +15,7 @@ from exo_sim.recording.scene import Arrows, DrawnCylinder, Scene, shapes_of_mode
 from exo_sim.recording.table import Recording
 from exo_sim.simulation.sensors import observe
 from exo_sim.simulation.walk import JOINTS, Walk
-from exo_sim.simulation.wearer_load import by_straps, with_machine
+from exo_sim.simulation.wearer_load import own, with_machine
 
 #: Frames a second in the scene.
 FRAME_RATE = 50.0
@@ -36,9 +36,9 @@ def recording(walk: Walk, name: str, seed: int = 0) -> Recording:
 def as_it_was(walk: Walk, name: str, seed: int = 0) -> Recording:
     """Return the same as it was, before any sensor."""
     columns, units = dict(walk.columns), dict(walk.units)
-    for joint, values in zip(JOINTS, by_straps(walk).T):
-        columns[f"{joint}.wearer_moment"], units[f"{joint}.wearer_moment"] = np.ascontiguousarray(values), "N*m"
     it = with_machine(walk)
+    for joint, values in zip(JOINTS, (it.moments - own(walk).moments).T):
+        columns[f"{joint}.wearer_moment"], units[f"{joint}.wearer_moment"] = np.ascontiguousarray(values), "N*m"
     for signal, unit, table in (("wearer_total_moment", "N*m", it.moments), ("wearer_power", "W", it.powers)):
         for joint, values in zip(JOINTS, table.T):
             columns[f"{joint}.{signal}"], units[f"{joint}.{signal}"] = np.ascontiguousarray(values), unit

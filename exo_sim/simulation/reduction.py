@@ -70,6 +70,23 @@ class Peak:
 
 
 @dataclass(frozen=True)
+class Least:
+    """The smallest value."""
+
+    least: float
+
+    @classmethod
+    def of(cls, values: ArrayLike) -> Self:
+        return cls(float(np.min(values)))
+
+    def joined(self, later: Self) -> Self:
+        return type(self)(min(self.least, later.least))
+
+    def value(self) -> float:
+        return self.least
+
+
+@dataclass(frozen=True)
 class Change:
     """By how much something that is counted up has changed, a cycle."""
 

@@ -8,10 +8,12 @@ import numpy as np
 
 from exo_sim.physics.pneumatics import Books
 from exo_sim.simulation import ledger
-from exo_sim.simulation.reduction import Change, Mean, Peak, Rms, joined, values
+from exo_sim.simulation.reduction import Change, Least, Mean, Peak, Rms, joined, values
 from exo_sim.simulation.walk import JOINTS, Walk
-from exo_sim.simulation.wearer_load import alone, by_backpack, by_straps, with_machine, with_payload
+from exo_sim.simulation.wearer_load import alone, own, with_machine, with_pack, with_payload
 
+#: What cylinders after ISO 15552 and ISO 6432 are rated for, 10 bar above the atmosphere [Pa], and where water freezes [K].
+RATED_PRESSURE, FREEZING = 11.0e5, 273.15
 #: Cycles at the start that are left out, where enough others remain.
 SETTLING = 2
 
@@ -56,6 +58,8 @@ class Summary:
         out = {"schema": "exo-sim/run/1", "scenario": self._scenario, "simulated_s": self._simulated, **values(self._measured or {})}
         if self._walk is not None:
             self._conclude(out, self._walk)
+        if told := warnings(out.get("cylinders", {})):
+            out["warnings"] = told
         if self._books is not None:
             out["books"] = {
                 "gas_mass_residual": self._books.mass_residual,
@@ -74,6 +78,22 @@ class Summary:
         }
 
 
+def warnings(cylinders: dict[str, Any]) -> list[str]:
+    """Return what cylinders bought from a shelf would not stand, of the numbers of each, as plain sentences."""
+    if not cylinders:
+        return []
+    told = []
+    name = max(cylinders, key=lambda one: float(cylinders[one]["pressure_peak_pa"]))
+    if (peak := cylinders[name]["pressure_peak_pa"]) > RATED_PRESSURE:
+        told.append(
+            f"{name} reaches {peak / 1e5:.1f} bar: cylinders after ISO 15552 and 6432 are rated for {RATED_PRESSURE / 1e5:.0f} bar absolute"
+        )
+    name = min(cylinders, key=lambda one: float(cylinders[one]["temperature_least_k"]))
+    if (least := cylinders[name]["temperature_least_k"]) < FREEZING:
+        told.append(f"gas in {name} gets as cold as {least:.0f} K: moist air leaves ice there; dry it, or heat the chamber")
+    return told
+
+
 def summarise(walk: Walk) -> dict[str, Any]:
     """Return the numbers of a whole run over whole cycles, without file names and wall time."""
     summary = Summary()
@@ -88,8 +108,8 @@ def measure(walk: Walk, rows: slice) -> dict[str, Any]:
     up = {name: part[f"{name}.strap_force_z"] for name in walk.straps.names}
     ahead = {name: part[f"{name}.strap_force_x"] for name in walk.straps.names}
     torso_up = np.sum([up[name] for name in torso], axis=0)
-    it = with_machine(walk)
-    extra, backpack = by_straps(walk)[rows], by_backpack(walk)[rows]
+    it, body = with_machine(walk), own(walk).moments[rows]
+    extra, backpack = it.moments[rows] - body, with_pack(walk).moments[rows] - body
     moments = {
         title: {name: Rms.of(table[:, [k, k + 3]]) for k, name in enumerate(("hip", "knee", "ankle"))}
         for title, table in (("extra_moment_rms_nm", extra), ("backpack_moment_rms_nm", backpack))
@@ -120,6 +140,7 @@ def measure(walk: Walk, rows: slice) -> dict[str, Any]:
         out["cylinders"] = {
             name: {
                 "pressure_peak_pa": Peak.of([part[f"{name}.pressure_1"].max(), part[f"{name}.pressure_2"].max()]),
+                "temperature_least_k": Least.of([part[f"{name}.temperature_{side}"].min() for side in (1, 2)]),
                 "choked_share": Mean.of(part[f"{name}.choked"] / 2),
                 "gas_kg_per_stride": Change(float(part[f"{name}.gas_used"][0]), float(part[f"{name}.gas_used"][-1]), cycles),
             }

@@ -83,17 +83,22 @@ def with_machine(walk: Walk) -> Held:
     return _on_rows(walk, walk.wrench)
 
 
+def own(walk: Walk) -> Held:
+    """Return what the wearer would give for the own body alone with this motion, at every row."""
+    return _on_rows(walk, 0.0)
+
+
 def by_straps(walk: Walk) -> NDArray[np.float64]:
     """Return the extra moments that the straps ask of the wearer [N m], columns as `walk.JOINTS`, shape (n, 6)."""
-    return with_machine(walk).moments - _on_rows(walk, 0.0).moments
+    return with_machine(walk).moments - own(walk).moments
 
 
-def by_backpack(walk: Walk) -> NDArray[np.float64]:
-    """Return the extra moments that the same payload asks as a backpack, with the same motion [N m], shape (n, 6)."""
+def with_pack(walk: Walk) -> Held:
+    """Return what the wearer would give with the same payload as a backpack and with this motion, at every row."""
     position, acceleration = (along(walk, table) for table in trunk(walk.motion))
     place, inertia = pack(walk)
     wrench = backpack_wrench(position, acceleration, place, walk.payload, inertia)
-    return _on_rows(walk, wrench).moments - _on_rows(walk, 0.0).moments
+    return _on_rows(walk, wrench)
 
 
 def alone(walk: Walk) -> Held:

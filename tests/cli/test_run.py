@@ -39,7 +39,11 @@ def test_run_prints_the_contracts_json_and_leaves_both_files(capsys, tmp_path):
     assert {"vertical_mean", "torso_vertical_mean", "torso_rms", "torso_peak"} <= set(data["strap_load_n"])
     assert set(data["wearer"]["extra_moment_rms_nm"]) == {"hip", "knee", "ankle"}
     assert {"torque_peak_nm", "torque_rms_nm", "torque_error_rms_nm"} == set(data["joints"]["knee_r"])
-    assert {"pressure_peak_pa", "choked_share", "gas_kg_per_stride"} == set(data["cylinders"]["knee_r"])
+    assert {"wearer_joints", "straps", "cylinders", "machine_damping", "ground", "residual", "closure"} <= set(data["ledger"])
+    added = {"moment_rms_nm", "forward_push_n", "power_to_machine_w", "metabolic_w", "pelvis_residual", "pressure_centre_outside_share"}
+    assert added <= set(data["wearer"]) and {"value", "low", "high", "model"} == set(data["wearer"]["metabolic_w"])
+    assert {"no_machine", "backpack"} == set(data["compared_with"])
+    assert {"pressure_peak_pa", "choked_share", "gas_kg_per_stride"} <= set(data["cylinders"]["knee_r"])
     assert out.is_file() and out.with_suffix(".parquet").is_file()
     for path in (out, out.with_suffix(".parquet")):
         table = reader.read(path).recording

@@ -17,7 +17,7 @@ from exo_sim.rig import Ankle, Wearer
 from exo_sim.rig.schema import EffectSetting
 from exo_sim.simulation import coupled, ledger, loop, record
 from exo_sim.simulation.coupled import Simulation, simulate
-from exo_sim.simulation.summary import span, summarise
+from exo_sim.simulation.summary import span, summarise, warnings
 from exo_sim.simulation.walk import JOINTS, POWERS, Request
 from exo_sim.simulation.wearer_load import by_straps, with_machine
 
@@ -264,6 +264,14 @@ def test_the_table_has_the_contracts_columns(on):
     assert np.ptp(table["supply.pressure"]) == 0.0 and table["supply.pressure"][0] == pytest.approx(18.25e5)
     assert np.all(table["exhaust.pressure"] == 101325.0)
     assert {f"{joint}.wearer_moment" for joint in JOINTS} <= set(table.columns)
+
+
+def test_what_no_cylinder_from_a_shelf_stands_is_said(on):
+    """The machine as it comes runs at 18.25 bar, twice what its cylinders are rated for, and its gas gets cold."""
+    pressure, cold = summarise(on)["warnings"]
+    assert "rated for 11 bar" in pressure and "ice" in cold
+    within = {"knee_r": {"pressure_peak_pa": 8e5, "temperature_least_k": 275.0}}
+    assert warnings(within) == warnings({}) == []
 
 
 def test_nothing_looks_wrong_in_a_good_walk(on):

@@ -142,6 +142,9 @@ class _Builder:
         return about, residual(about)
 
     def _in_proportion(self, candidate: Candidate, residual: Callable[[dict[FreeParameter, float]], Array]) -> list[Term]:
+        never_nil = [q for q in candidate.parameters if q.low > q.neutral]
+        if never_nil:
+            return self._shaped(candidate, never_nil, residual)
         about, base = self._about(residual)
         columns = []
         for q in candidate.parameters:
@@ -150,8 +153,9 @@ class _Builder:
             if q.slot == self._level.slot:
                 changed.pop(self._level)
             columns.append((residual(changed) - base) / step)
-        if not all(_shows(column) for column in columns):
-            return []
+        hidden = [q for q, column in zip(candidate.parameters, columns, strict=True) if not _shows(column)]
+        if hidden:
+            return self._shaped(candidate, hidden, residual)
         one_sided = tuple(q.low >= q.neutral for q in candidate.parameters)
 
         def parameters(sizes: Array, before: Values) -> dict[FreeParameter, float]:
@@ -159,6 +163,38 @@ class _Builder:
 
         group = candidate.kind.value if candidate.kind is Kind.SENSOR else self._group(candidate)
         return [Term(candidate, np.column_stack(columns), self._spread(columns), one_sided, parameters, group)]
+
+    def _shaped(
+        self, candidate: Candidate, hidden: Sequence[FreeParameter], residual: Callable[[dict[FreeParameter, float]], Array]
+    ) -> list[Term]:
+        """Return a term for each of a few shapes of a law; its shape are parameters that cannot be nil, or show nothing alone.
+
+        None where they show nothing beside a size either: then no motion of this recording asks for them.
+        """
+        sizes = [q for q in candidate.parameters if q not in hidden]
+        about, base = self._about(residual)
+        terms = []
+        for shape in itertools.product(*(self._shapes(q) for q in hidden)):
+            fixed = dict(zip(hidden, shape, strict=True))
+            columns = [(residual({**about, **fixed, q: q.neutral + self._step(q)}) - base) / self._step(q) for q in sizes]
+
+            def parameters(amplitudes: Array, before: Values, fixed: Values = fixed) -> dict[FreeParameter, float]:
+                return {**fixed, **{q: q.neutral + float(size) for q, size in zip(sizes, amplitudes, strict=True)}}
+
+            if columns and all(_shows(column) for column in columns):
+                one_sided = tuple(q.low >= q.neutral for q in sizes)
+                terms.append(Term(candidate, np.column_stack(columns), self._spread(columns), one_sided, parameters, candidate.effect))
+        differ = any(_shows(one.columns - terms[0].columns) for one in terms)
+        return [replace(term, alternatives=len(terms)) for term in terms] if differ else []
+
+    def _shapes(self, parameter: FreeParameter) -> list[float]:
+        """Return the values at which a shape is tried: speeds among those that occurred, else over its typical range."""
+        low, high = parameter.low, parameter.high
+        if parameter.unit in ("m/s", "rad/s"):
+            low, high = max(low, DIP_LOW * self.slowest), min(high, self.fastest)
+        elif parameter.effect in declared():
+            low, high = declared()[parameter.effect].parameter(parameter.parameter).typical
+        return list(np.geomspace(low, high, DIPS) if 0.0 < low < high else np.linspace(low, high, DIPS))
 
     @staticmethod
     def _group(candidate: Candidate) -> str:

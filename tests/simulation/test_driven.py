@@ -84,7 +84,7 @@ def test_stepping_by_hand_is_the_same_run(exo):
     np.testing.assert_array_equal(again, stepper.rows[0][0])
 
 
-@pytest.mark.parametrize("name", ["impedance.py:Impedance", "delayed_feedback.py:DelayedFeedback"])
+@pytest.mark.parametrize("name", ["impedance.py:Impedance", "delayed_feedback.py:DelayedFeedback", "learnt_policy.py:LearntPolicy"])
 def test_the_worked_controllers_walk(capsys, repository, tmp_path, name):
     file = repository / "exo_sim" / "assets" / "controllers" / name
     assert main(["run", "level_walk", "--strides", "3", "--controller", str(file), "--json", "--out", str(tmp_path / "w.rrd")]) == 0

@@ -101,6 +101,11 @@ def with_pack(walk: Walk) -> Held:
     return _on_rows(walk, wrench)
 
 
+def by_backpack(walk: Walk) -> NDArray[np.float64]:
+    """Return the extra moments that the same payload asks as a backpack, with the same motion [N m], shape (n, 6)."""
+    return with_pack(walk).moments - own(walk).moments
+
+
 def alone(walk: Walk) -> Held:
     """Return what the wearer gives without machine or load, along one cycle of the own motion."""
     motion = reduced(walk.plain, walk.person)

@@ -27,7 +27,8 @@ from exo_sim.simulation.coupled import Simulation
 from exo_sim.simulation.driven import Stepper
 from exo_sim.simulation.loop import person_along
 from exo_sim.simulation.walk import JOINTS, Request, Walk, default_rig, layout
-from exo_sim.simulation.wearer_load import by_backpack
+from exo_sim.simulation.wearer_load import own as own_body
+from exo_sim.simulation.wearer_load import with_pack
 
 Array = NDArray[np.float64]
 
@@ -102,7 +103,8 @@ class Episode:
         self.random = np.random.default_rng(seed)
         self._backpack = 1.0
         self._row = self._stepper.reset()
-        self._backpack = float(np.sqrt(np.mean(by_backpack(self._cycle()) ** 2)))
+        cycle = self._cycle()
+        self._backpack = float(np.sqrt(np.mean((with_pack(cycle).moments - own_body(cycle).moments) ** 2)))
         self._backpack = max(self._backpack, _LEAST_LOAD)
         self.fallen = False
         self.steps = 0

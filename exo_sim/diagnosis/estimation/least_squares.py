@@ -109,6 +109,7 @@ def fit(
     correlation_length: float = 1.0,
     known_columns: Mapping[FreeParameter, Array] | None = None,
     exact_jacobian: bool = False,
+    renewed: bool = True,
 ) -> Fit:
     """Minimise r'r + w z'z inside the bounds, r the whitened residual, z that of the priors.
 
@@ -127,6 +128,7 @@ def fit(
         known_columns: Columns of the Jacobian near the start, by parameter; the Jacobian is then updated by Broyden's formula instead
             of being differenced at every step.
         exact_jacobian: Whether the Jacobian is differenced anew where the fit ends.
+        renewed: Whether it is differenced anew where known columns lead no further; else the fit ends there.
     """
     parameters = tuple(parameters)
     values = {q: float(np.clip(start[q], q.low, q.high)) for q in parameters}
@@ -163,7 +165,7 @@ def fit(
                 break
             damping = max(damping * 10.0, 1e-3)
         if not improved:
-            if fresh:
+            if fresh or not renewed:
                 break
             jac, fresh, damping = differences(residual, parameters, values, r, threads), True, 1e-4
             continue
@@ -173,7 +175,7 @@ def fit(
         values, r, rows = tried, new, new_rows
         damping = max(damping * 0.2, 1e-6)
         if gain < tolerance:
-            if fresh or float(r @ r) < NEAR_NOISE * r.size:
+            if fresh or not renewed or float(r @ r) < NEAR_NOISE * r.size:
                 break
             jac, fresh, damping = differences(residual, parameters, values, r, threads), True, 1e-4
         elif known_columns is None:

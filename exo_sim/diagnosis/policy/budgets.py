@@ -14,6 +14,10 @@ STRAY = Number(
     10.0, "squared error before any fit, in units of the model's", "effects are left out of a joint proposal until it is below this: "
     "a fit that begins further away does not arrive",
 )  # fmt: skip
+MOST_EXTENSIONS = Count(3, "effects", "are added one by one to those that were proposed together")
+MOST_STEPS = Count(12, "Gauss-Newton steps", "of a fit")
+FIRST_LOOK = Count(3, "Gauss-Newton steps", "of a first look at a set that is most likely far off, with the derivatives of its neighbour")
+FIRST_LOOKED = Count(2, "sets", "of those that were looked at are fitted to the end, where only the best is wanted")
 LARGE = Count(4, "candidates", "from here on what is fitted beside a model is fitted once, and only where it promises something")
 FINALISTS = Count(4, "candidates", "of the largest score are fitted in one step of a search")
 FORMS_OF_ONE = Count(2, "forms", "of one effect among them")

@@ -31,7 +31,7 @@ def assess(final: FittedModel, fits: ModelFits, comparisons: Comparisons, propos
         else:
             left = final.fit.sse - fits.model.size  # beyond the noise
             runners_up.append((one, min(promised[one.key] / left, 1.0) if left > 0.0 else 0.0))
-    models = fits.fit_all([((*near.candidates, more), near) for _, more, near in asked])
+    models = fits.fit_near([((*near.candidates, more), near) for _, more, near in asked], final)
     by_finding: dict[CandidateKey, list[tuple[Candidate, float]]] = {candidate.key: [] for candidate in final.candidates}
     for (taken, more, near), model in zip(asked, models, strict=True):
         if taken is None:

@@ -14,7 +14,7 @@ from exo_sim.diagnosis.estimation.parameters import FreeParameter
 from exo_sim.diagnosis.estimation.threads import SERIAL, Threads
 from exo_sim.diagnosis.estimation.uncertainty import standard_errors
 from exo_sim.diagnosis.policy import gates
-from exo_sim.diagnosis.policy.budgets import CHEAP_STARTS
+from exo_sim.diagnosis.policy.budgets import CHEAP_STARTS, FIRST_LOOK, MOST_STEPS
 from exo_sim.diagnosis.selection.evidence import negative_log_likelihood
 from exo_sim.diagnosis.selection.fitted_model import FittedModel, LeastSquaresModel, SetKey, key_of
 
@@ -46,6 +46,49 @@ class ModelFits:
         before = self._fitted.get(key)
         if before is not None and not again:
             return before
+        parameters, options = self._starts(candidates, near)
+        residual = self._residual_of(candidates)
+        begin, length, order = self._best_start(residual, options)
+        if self.cheap:
+            done = self._fit_cheaply(residual, parameters, [options[i] for i in order], length)
+        else:
+            columns = near.fit.columns if near else None
+            done = fit(residual, parameters, begin, self.threads, MOST_STEPS, correlation_length=length, known_columns=columns)
+        fitted = FittedModel(tuple(candidates), done)
+        if before is not None and self.deficit(before, fitted) <= 0.0:
+            return before
+        self._fitted[key] = fitted
+        return fitted
+
+    def look(self, candidates: Sequence[Candidate], near: FittedModel) -> FittedModel:
+        """Return a model after its first steps from a similar one, with the derivatives of that: where a fit would about lead."""
+        before = self._fitted.get(key_of(candidates))
+        if before is not None or self.cheap:
+            return before or self.fit(candidates, near)
+        parameters, options = self._starts(candidates, near)
+        residual = self._residual_of(candidates)
+        begin, length, _ = self._best_start(residual, options)
+        done = fit(
+            residual, parameters, begin, self.threads, FIRST_LOOK, correlation_length=length, known_columns=near.fit.columns,
+            renewed=False,
+        )  # fmt: skip
+        return FittedModel(tuple(candidates), done)
+
+    def fit_near(self, asked: Sequence[tuple[Sequence[Candidate], FittedModel]], aim: FittedModel) -> list[FittedModel]:
+        """Fit sets that may explain as much as a model does: to the end only those that a first look leaves near it."""
+        looks = self.threads.fits(lambda one: self.look(one[0], one[1]), list(asked))
+        close = [one for one in looks if not self._is_far(one, aim)]
+        whole = dict(zip([id(one) for one in close], self.fit_all([(one.candidates, one) for one in close]), strict=True))
+        return [whole.get(id(one), one) for one in looks]
+
+    def _is_far(self, one: FittedModel, aim: FittedModel) -> bool:
+        """Return whether a model leaves so much more than another that the last steps of its fit cannot matter."""
+        return one.fit.sse > gates.FAR_FROM_RIVALLING * aim.fit.sse
+
+    def _starts(
+        self, candidates: Sequence[Candidate], near: FittedModel | None
+    ) -> tuple[tuple[FreeParameter, ...], list[dict[FreeParameter, float]]]:
+        """Return what is free, and the values from which a fit may begin."""
         start = near.fit.values if near else {}
         parameters = (*self.nuisances, *(q for candidate in candidates for q in candidate.parameters))
         begun = {q: start.get(q, q.start) for q in parameters}
@@ -56,22 +99,15 @@ class ModelFits:
         for candidate in candidates:
             if any(q not in start for q in candidate.parameters):
                 options = [{**o, **dict(zip(candidate.parameters, values, strict=True))} for o in options for values in candidate.starts]
-        residual = self._residual_of(candidates)
+        return parameters, options
+
+    def _best_start(
+        self, residual: Callable[[dict[FreeParameter, float]], Array], options: Sequence[dict[FreeParameter, float]]
+    ) -> tuple[dict[FreeParameter, float], float, list[int]]:
+        """Return the start that leaves least, the correlation length of what it leaves, and the order of all starts."""
         errors = [residual(option) for option in options]
-        order = np.argsort([float(e @ e) if np.isfinite(e).all() else np.inf for e in errors])
-        length = min(self.correlation_time(errors[order[0]]), gates.LONGEST_CORRELATION)
-        if self.cheap:
-            done = self._fit_cheaply(residual, parameters, [options[i] for i in order], length)
-        else:
-            columns = near.fit.columns if near else None
-            done = fit(
-                residual, parameters, options[order[0]], self.threads, max_iterations=12, correlation_length=length, known_columns=columns
-            )
-        fitted = FittedModel(tuple(candidates), done)
-        if before is not None and self.deficit(before, fitted) <= 0.0:
-            return before
-        self._fitted[key] = fitted
-        return fitted
+        order = [int(i) for i in np.argsort([float(e @ e) if np.isfinite(e).all() else np.inf for e in errors])]
+        return options[order[0]], min(self.correlation_time(errors[order[0]]), gates.LONGEST_CORRELATION), order
 
     def _fit_cheaply(
         self,

@@ -17,7 +17,17 @@ from exo_sim.diagnosis.estimation.least_squares import FEWEST_ROWS, Fit
 from exo_sim.diagnosis.estimation.parameters import FreeParameter
 from exo_sim.diagnosis.estimation.threads import SERIAL, Threads
 from exo_sim.diagnosis.policy import gates
-from exo_sim.diagnosis.policy.budgets import BEAM, LARGE, MOST_FINDINGS, MOST_JOINT, MOST_SWAPS, STRAY, WORTH_A_ROUND
+from exo_sim.diagnosis.policy.budgets import (
+    BEAM,
+    FIRST_LOOKED,
+    LARGE,
+    MOST_EXTENSIONS,
+    MOST_FINDINGS,
+    MOST_JOINT,
+    MOST_SWAPS,
+    STRAY,
+    WORTH_A_ROUND,
+)
 from exo_sim.diagnosis.selection.assessment import assess
 from exo_sim.diagnosis.selection.comparisons import Comparisons
 from exo_sim.diagnosis.selection.fitted_model import (
@@ -168,13 +178,39 @@ class _Growth:
             self._report(f"{len(best.candidates)} together, {math.sqrt(best.fit.sse / model.size):.1f} times the noise left")
             if self.comparisons.is_clean(best):
                 break
-        while best.candidates:
-            kept = jointly_pruned(model, best, threads)
-            if len(kept) == len(best.candidates):
+        return self._extended(self._jointly_pruned(best))
+
+    def _jointly_pruned(self, now: FittedModel) -> FittedModel:
+        """Return a model without what is not missed beside the rest."""
+        while now.candidates:
+            kept = jointly_pruned(self.fits.model, now, self.fits.threads)
+            if len(kept) == len(now.candidates):
                 break
-            best = self.fits.refined(self.fits.fit(kept, best))
-            self._report(f"{len(best.candidates)} worth their parameters")
-        return best
+            now = self.fits.refined(self.fits.fit(kept, now))
+            self._report(f"{len(now.candidates)} worth their parameters")
+        return now
+
+    def _extended(self, now: FittedModel) -> FittedModel:
+        """Return a model with what a whole fit finds beside it: an effect whose signature is not in proportion to its size is not
+        proposed with the others.
+        """
+        for _ in range(MOST_EXTENSIONS):
+            if self.comparisons.is_clean(now) or self._is_spent():
+                break
+            asked = self.proposals.additions(now)
+            self._report(f"{len(asked)} more to be fitted beside {len(now.candidates)}")
+            looks = [self.fits.look((*now.candidates, one), now) for one in asked]
+            close = self.comparisons.ranked(looks)[:FIRST_LOOKED] if looks else []
+            models = self.fits.fit_all([(model.candidates, model) for model in close])
+            shown = [
+                model for model in models
+                if is_more_than_healthy(model.candidates[-1], model)
+                and self.comparisons.evidence(now, model).beside_discrepancy > gates.BESIDE_DISCREPANCY
+            ]  # fmt: skip
+            if not shown:
+                break
+            now = self._jointly_pruned(self.fits.refined(self.comparisons.ranked(shown)[0]))
+        return now
 
     def _proposed(self, now: FittedModel, proposal: Proposal) -> FittedModel:
         """Return the fit of a model with what is proposed beside it, less what leads astray where it stands: sizes add up only nearly."""
@@ -227,7 +263,10 @@ class _Growth:
         worse, candidate, rival = min(by_loss, key=lambda one: one[0])
         if worse > -gates.SWAP_GAIN:
             return None
-        return self.fits.fit(drop_orphans(tuple(rival if c is candidate else c for c in found.final.candidates)))
+        now = found.final
+        sets = [drop_orphans((*now.without(candidate), rival)), (*now.candidates, rival)]
+        better = self.comparisons.ranked([now, *self.fits.fit_all([(one, now) for one in sets])])[0]
+        return None if better is now else better
 
     def _grown(self, beam: Sequence[FittedModel]) -> list[FittedModel]:
         """Return every accepted set that has one candidate more than one of these."""
@@ -271,12 +310,19 @@ class _Growth:
         while shrunk and now.candidates:
             shrunk = False
             apart = [c for c in now.candidates if len(drop_orphans(now.without(c))) == len(now.without(c))]
-            bare = self.fits.fit_all([(now.without(c), now) for c in apart], again=len(now.candidates) < LARGE)
+            bare = self._without_each(now, apart)
             for candidate, without in zip(apart, bare, strict=True):
                 if not self.comparisons.accepts(without, now, stands=True) or not is_more_than_healthy(candidate, now):
                     now, shrunk = without, True
                     break
         return now
+
+    def _without_each(self, now: FittedModel, apart: Sequence[Candidate]) -> list[FittedModel]:
+        """Return a model without each of these: of a large one a first look suffices where plainly more is left."""
+        asked = [(now.without(c), now) for c in apart]
+        if len(now.candidates) < LARGE:
+            return self.fits.fit_all(asked, again=True)
+        return self.fits.fit_near(asked, now)
 
     def _settled(self, now: FittedModel) -> FittedModel:
         """Leave out parameters, and whole findings, that the data do not distinguish from neutral.
@@ -323,7 +369,8 @@ class _Growth:
             best = now
             forms = self.proposals.replacements(candidate, now)
             sets = [tuple(form if c.key == candidate.key else c for c in now.candidates) for form in forms]
-            for form, model in zip(forms, self.fits.fit_all([(chosen, now) for chosen in sets]), strict=True):
+            fit_all = self.fits.fit_all if len(now.candidates) < LARGE else lambda asked: self.fits.fit_near(asked, best)  # noqa: B023
+            for form, model in zip(forms, fit_all([(chosen, now) for chosen in sets]), strict=True):
                 simpler = form.at == candidate.at and model.parameter_count < best.parameter_count
                 if self.comparisons.ranked((model, best))[0] is model or (simpler and self.comparisons.is_as_good(model, best)):
                     best = model

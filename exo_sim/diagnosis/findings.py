@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from enum import StrEnum
 from typing import Any
 
@@ -77,6 +77,7 @@ class Finding:
         probabilities: Of each name of that class, its own included; empty where there is no rival.
         depends_on: For "unknown": the variables that it depends on.
         curve: For "unknown": variable, knots, values, band; else None.
+        also: Other columns that have the same error: they share a card.
     """
 
     name: str
@@ -91,6 +92,11 @@ class Finding:
     depends_on: tuple[str, ...] = ()
     curve: Mapping[str, Any] | None = None
     probability: float | None = None
+    also: tuple[str, ...] = ()
+
+    def at_each_place(self) -> tuple[Finding, ...]:
+        """Return the finding at each of its places."""
+        return tuple(replace(self, where=place, also=()) for place in (self.where, *self.also))
 
     @property
     def confidence(self) -> float:

@@ -77,6 +77,7 @@ class Asked:
         starts_by_reach: As `starts_by_valve`, lengths in units of half the stroke and counted from where the piston comes nearest to
             an end.
         starts_by_motion: For an effect on motion, as `starts` from what occurred.
+        of_dead_volume: A parameter that owners count among both dead volumes: a fit may begin where it is taken off these.
         within_speeds: Parameters that are speeds at which the law bends: a bend far from the speeds that occurred does not show.
         scale: Typical size of its parameters where neither its ranges nor the motion say it; 0 where they do.
         logarithmic: Whether its parameters span decades and are never zero: a fit moves their logarithms.
@@ -109,6 +110,7 @@ class Asked:
     starts_by_valve: Starts = ()
     starts_by_reach: Starts = ()
     starts_by_motion: Callable[[Occurred], Starts] | None = None
+    of_dead_volume: str = ""
     within_speeds: tuple[str, ...] = ()
     scale: float = 0.0
     logarithmic: bool = False

@@ -16,6 +16,7 @@ from exo_sim.diagnosis.data import open_questions
 from exo_sim.diagnosis.data.machine_data import MachineData
 from exo_sim.diagnosis.data.motion_run import MotionRun
 from exo_sim.diagnosis.data.split import Split
+from exo_sim.diagnosis.estimation.parameters import CARD_OF_PRESSURES
 from exo_sim.diagnosis.findings import Kind
 from exo_sim.diagnosis.policy.recordings import CORRECTED_PRESSURE
 from exo_sim.diagnosis.selection.subsystem_result import SubsystemResult
@@ -97,7 +98,7 @@ def _change(whole: GasModel, index: int, side: int, measured: Array, faults: set
         return plant.sensors.get(name, none) if name in faults else none
 
     true = (measured - fault("bias", 0.0)) / fault("scale", 1.0)
-    late = fault("delay", 0.0)
+    late = fault("delay", 0.0) + (plant.sensors[CARD_OF_PRESSURES] if CARD_OF_PRESSURES in faults else 0.0)
     if late != 0.0:
         good = np.isfinite(true)
         true = np.interp(time + late, time[good], true[good])

@@ -3,13 +3,15 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Collection, Sequence
+from collections.abc import Collection, Mapping, Sequence
 from dataclasses import dataclass
 
 from exo_sim.diagnosis.estimation.parameters import FreeParameter
 from exo_sim.diagnosis.findings import Kind
 from exo_sim.diagnosis.policy.priors import PREVALENCE
 
+#: Identifies a free parameter: effect, place, name.
+ParameterKey = tuple[str, str, str]
 #: Identifies a candidate: effect, place, form.
 CandidateKey = tuple[str, str, str]
 
@@ -24,12 +26,14 @@ class Candidate:
         form: Names of the parameters that are free in this form, joined by "+".
         parameters: Those parameters.
         starts: Sets of initial values, in the order of `parameters`.
+        displaced: Nuisance parameters that may be smaller for it: of which parameter, key, and by how much a unit of that.
         kind: What it would be as a finding.
         fixed: Parameters that this form holds at a value.
         proportional: Whether its signature may be scaled up or down until it stands out of the noise.
         prerequisite: Effect without which it makes no sense and which must be in the model too, or "".
         additive: Whether its parameters are parts of one quantity, so that their sum says how large it is.
         prevalence: Share of machines that have it, before any data.
+        also: Other places that the same number is of: a card delays all of its columns.
         is_law: Whether it is how a law is written, not physics that is missing: in the model and in the improved rig, but no finding.
     """
 
@@ -38,12 +42,14 @@ class Candidate:
     form: str
     parameters: tuple[FreeParameter, ...]
     starts: tuple[tuple[float, ...], ...]
+    displaced: tuple[tuple[FreeParameter, ParameterKey, float], ...] = ()
     kind: Kind = Kind.MISSING_PHYSICS
     fixed: tuple[tuple[FreeParameter, float], ...] = ()
     proportional: bool = True
     prerequisite: str = ""
     additive: bool = False
     prevalence: float = PREVALENCE
+    also: tuple[str, ...] = ()
     is_law: bool = False
 
     @property
@@ -55,6 +61,11 @@ class Candidate:
     def at(self) -> tuple[str, str]:
         """Effect and place, whatever the form."""
         return self.effect, self.where
+
+    def beside(self, values: Mapping[FreeParameter, float]) -> dict[FreeParameter, float]:
+        """Return values of free parameters with what this candidate displaces taken off, inside their bounds."""
+        taken = {key: per_unit * values[own] for own, key, per_unit in self.displaced}
+        return {q: min(max(value - taken.get(q.key, 0.0), q.low), q.high) for q, value in values.items()}
 
     @property
     def prior_log_odds(self) -> float:

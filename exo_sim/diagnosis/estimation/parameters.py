@@ -12,6 +12,9 @@ from numpy.typing import NDArray
 
 from exo_sim.physics.declaration import Effect
 
+#: Delay of both pressures of a cylinder together.
+CARD_OF_PRESSURES = "pressures.delay"
+
 
 class Target(StrEnum):
     """Where the number of a free parameter is written: a shared record, a cylinder's, as a factor on the latter, or a sensor."""
@@ -29,6 +32,7 @@ class PlantParameters:
     Attributes:
         world, cylinder: Records of `physics.records`, shape (1,) each.
         sensors: E.g. `"position.delay"`, `"pressure_1.bias"`, `"pressure_2.scale"` to a number; absent means a perfect sensor.
+            `"pressures.delay"` comes on top of that of each pressure: they share a card.
     """
 
     world: NDArray[np.void]

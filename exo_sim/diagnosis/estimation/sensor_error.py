@@ -24,4 +24,4 @@ def sensor_error(
         neutral: Value of a perfect sensor.
     """
     free = FreeParameter(effect.name, column, name, unit, Target.SENSOR, scale, *bounds, neutral=neutral, healthy_limit=limit)
-    return Candidate(effect.name, column, effect.parameters[0].name, (free,), ((neutral + scale,),), Kind.SENSOR)
+    return Candidate(effect.name, column, effect.parameters[0].name, (free,), ((neutral + scale,),), kind=Kind.SENSOR)

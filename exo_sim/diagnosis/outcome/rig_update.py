@@ -65,7 +65,8 @@ def rig_update(data: MachineData, results: Sequence[Result], unknown: Sequence[U
     corrected: list[Correction] = []
     for one in results:
         reported = {(finding.name, finding.where): finding for finding in one.findings}
-        entries += [_entry(c, one, reported[c.at], data.rig) for c in one.named if c.at in reported]
+        for c in (candidate for candidate in one.named if candidate.at in reported):
+            entries += [_entry(c, one, finding, data.rig) for finding in reported[c.at].at_each_place()]
         corrected += corrections(data, one)
         entries += _healthy(data.rig, one, gas)
     for found in data.sensors:

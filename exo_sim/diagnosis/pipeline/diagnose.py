@@ -99,7 +99,8 @@ def _findings(found: Examination) -> list[Finding]:
     drops, results = found.test.drops, found.results.all
     findings = list({(f.name, f.where): f for f in reversed(found.data.sensors)}.values())[::-1]  # of several recordings, once
     for one in results:
-        findings += [replace(f, held_out_error_drop=drops.get(f"{f.name}@{f.where}", 0.0)) for f in one.findings]
+        for f in one.findings:
+            findings += replace(f, held_out_error_drop=drops.get(f"{f.name}@{f.where}", 0.0)).at_each_place()
     for one in results:
         findings += calibration_findings(one.deviations)
     findings.sort(key=lambda f: (list(Kind).index(f.kind), -f.log10_odds))

@@ -27,7 +27,11 @@ UNMEASURED_INITIAL = Number(1e4, "Pa", "initial pressure of a chamber that nobod
 SENSOR_BIAS_REACH = Number(1.2e5, "Pa", "largest bias of a pressure sensor that is asked for: an atmosphere and something")
 SENSOR_SCALE_LEAST = Number(0.8, "factor", "between this and the next the scale of a sensor is looked for")
 SENSOR_SCALE_MOST = Number(1.25, "factor", "see the former")
-SENSOR_DELAY_REACH = Number(0.05, "s", "largest delay of a sensor that is asked for")
+SENSOR_DELAY_REACH = Number(0.05, "s", "largest delay of a sensor that is asked for, of a quick card ...")
+SENSOR_DELAY_SAMPLES = Number(
+    25.0, "sample periods", "... and of a slow logger: it passes its values on some samples late",
+    "pressures of the MBARI spring come 0.23 to 0.35 s late at 50 Hz",
+)  # fmt: skip
 LEAST_NOISE = Number(0.3, "units of the sensors' noise", "least standard deviation of the noise of a linear family: floors are rounded up")
 LEAST_INNOVATION = Number(0.7, "units of the noise of a row", "least standard deviation of an innovation of the error process")
 LEAST_AMPLITUDE = Number(1e-2, "share of a healthy machine's", "least amplitude of a discrepancy ...")

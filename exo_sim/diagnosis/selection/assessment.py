@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from exo_sim.diagnosis.estimation.candidate import Candidate, CandidateKey
 from exo_sim.diagnosis.policy import gates
-from exo_sim.diagnosis.policy.budgets import LARGE, RUNNERS_UP
+from exo_sim.diagnosis.policy.budgets import FINALISTS, LARGE, RUNNERS_UP
 from exo_sim.diagnosis.selection.comparisons import Comparisons
 from exo_sim.diagnosis.selection.fitted_model import FittedModel, SearchResult
 from exo_sim.diagnosis.selection.model_fits import ModelFits
@@ -12,7 +12,7 @@ from exo_sim.diagnosis.selection.proposals import Proposals
 
 
 def assess(final: FittedModel, fits: ModelFits, comparisons: Comparisons, proposals: Proposals) -> SearchResult:
-    """Compare each finding with leaving it out and with what could take its place."""
+    """Compare each finding with leaving it out and with what could take its place; beside few findings also with one more."""
     evidence, rivals, complete = {}, {}, {}
     asked: list[tuple[Candidate | None, Candidate, FittedModel]] = []
     bare = fits.fit_all([(final.without(candidate), final) for candidate in final.candidates])
@@ -23,9 +23,10 @@ def assess(final: FittedModel, fits: ModelFits, comparisons: Comparisons, propos
         whole = _with_all_parameters(candidate, final, fits, proposals)
         if whole is not None:
             complete[candidate.key] = whole
-    promised = {one.key: score for score, one in proposals.scored(final)}
+    is_large = len(final.candidates) >= LARGE
+    promised = {} if is_large else {one.key: score for score, one in proposals.scored(final)}
     runners_up: list[tuple[Candidate, float]] = []
-    for one in proposals.alternatives(final, RUNNERS_UP):
+    for one in [] if is_large else proposals.alternatives(final, RUNNERS_UP):
         if proposals.promise_enough(promised[one.key], final):
             asked.append((None, one, final))
         else:
@@ -45,12 +46,14 @@ def assess(final: FittedModel, fits: ModelFits, comparisons: Comparisons, propos
 
 
 def _rivals(candidate: Candidate, without: FittedModel, final: FittedModel, proposals: Proposals) -> list[Candidate]:
-    """Return what could take a finding's place; in a large model only what promises that it might, for each is a fit of all of it."""
-    rivals = [rival for rival in proposals.alternatives(without) if rival.at != candidate.at]
+    """Return what could take a finding's place.
+
+    In a large model each is a fit of all of it: there only what is declared to look alike is asked, and fitted if it promises enough.
+    """
     if len(final.candidates) < LARGE:
-        return rivals
-    promised = {one.key: score for score, one in proposals.scored(without)}
-    return [rival for rival in rivals if gates.UNDERRATED * promised[rival.key] > without.fit.sse - final.fit.sse]
+        return [rival for rival in proposals.alternatives(without) if rival.at != candidate.at]
+    wanted = without.fit.sse - final.fit.sse
+    return [rival for promised, rival in proposals.rivals(candidate, without)[:FINALISTS] if gates.UNDERRATED * promised > wanted]
 
 
 def _with_all_parameters(candidate: Candidate, now: FittedModel, fits: ModelFits, proposals: Proposals) -> FittedModel | None:

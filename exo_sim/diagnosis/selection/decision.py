@@ -138,7 +138,7 @@ class _Decision(Generic[Model]):
     def _is_plain(self, candidate: Candidate) -> bool:
         """Return whether the odds leave no doubt: a parameter is then vague only because nuisance parameters could stand in for it."""
         evidence = self.search.evidence.get(candidate.key)
-        return evidence is not None and evidence.log10_odds > judgement.PLAIN_ODDS
+        return evidence is not None and max(evidence.log10_odds, evidence.beside_discrepancy) > judgement.PLAIN_ODDS
 
     def _stands_alone(self, candidate: Candidate) -> bool:
         """Return whether a finding is beyond doubt although something else is left."""
@@ -200,7 +200,7 @@ class _Decision(Generic[Model]):
             candidate.effect, candidate.where, candidate.kind, wording.says(candidate.effect), estimates,
             evidence.log10_odds if evidence else 0.0, 0.0, tuple(dict.fromkeys(r.effect for r, _ in rivals)),
             {name: weight / total for name, weight in weights.items()} if rivals else {},
-            probability=self.search.probabilities.get(candidate.at),
+            probability=self.search.probabilities.get(candidate.at), also=candidate.also,
         )  # fmt: skip
 
     def _with_all_parts(self, finding: Finding, candidate: Candidate) -> Finding:

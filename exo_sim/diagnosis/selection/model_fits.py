@@ -99,6 +99,7 @@ class ModelFits:
         for candidate in candidates:
             if any(q not in start for q in candidate.parameters):
                 options = [{**o, **dict(zip(candidate.parameters, values, strict=True))} for o in options for values in candidate.starts]
+                options += [candidate.beside(option) for option in options if candidate.displaced]
         return parameters, options
 
     def _best_start(

@@ -6,11 +6,12 @@ from collections.abc import Sequence
 
 from exo_sim.diagnosis.estimation.candidate import Candidate
 from exo_sim.diagnosis.estimation.parameters import FreeParameter
-from exo_sim.diagnosis.policy.budgets import FINALISTS, FORMS_OF_ONE
+from exo_sim.diagnosis.policy.budgets import FINALISTS, FORMS_OF_ONE, LARGE
 from exo_sim.diagnosis.selection.evidence import could_be_accepted
 from exo_sim.diagnosis.selection.fitted_model import FittedModel, SetKey, key_of
 from exo_sim.diagnosis.selection.model_fits import ModelFits
 from exo_sim.diagnosis.selection.score_test import scores
+from exo_sim.physics.declaration import declared
 
 
 class Proposals:
@@ -46,6 +47,16 @@ class Proposals:
         """Return the best scored candidates beside what a model has, whatever they promise."""
         return self._finalists(self.scored(now), count)
 
+    def rivals(self, candidate: Candidate, without: FittedModel) -> list[tuple[float, Candidate]]:
+        """Return what is declared to be mistaken for a candidate, or it for that, with the drop that each promises in its place."""
+        own = declared()[candidate.effect].mistaken_for
+
+        def is_like(one: Candidate) -> bool:
+            return one.at != candidate.at and (one.effect in own or candidate.effect in declared()[one.effect].mistaken_for)
+
+        like = [one for one in self.candidates if is_like(one)]
+        return scores(self.fits.model, without, like, self.fits.threads)
+
     def _finalists(self, scored: Sequence[tuple[float, Candidate]], count: int = FINALISTS) -> list[Candidate]:
         if self.fits.cheap:
             count = len(self.candidates)
@@ -58,13 +69,16 @@ class Proposals:
         return picked
 
     def replacements(self, candidate: Candidate, now: FittedModel) -> list[Candidate]:
-        """Return what may stand in a candidate's place: other forms of its effect; where fits are cheap, simpler effects too."""
-        forms = []
+        """Return what may stand in a candidate's place: other forms of its effect; where fits are cheap, simpler effects too.
+
+        Of a large model they are no richer: it was reached from proposals of every form.
+        """
+        forms, richer = [], 0 if len(now.candidates) >= LARGE else 2
         for form in self.candidates:
             more = len(form.parameters) - len(candidate.parameters)
             same = form.at == candidate.at
             simpler = self.fits.cheap and more < 0 and form.at not in now.named
-            if form.key != candidate.key and now.meets_prerequisite(form) and (simpler or (same and more <= 2)):
+            if form.key != candidate.key and now.meets_prerequisite(form) and (simpler or (same and more <= richer)):
                 forms.append(form)
         return forms
 

@@ -53,6 +53,7 @@ EFFECT = Effect(
     asked=Asked(
         forms=(("area", "volume"), ("area", "volume", "ratio")),
         starts_by_valve=((2.0, 5e-6, 0.36), (0.6, 1e-5, 0.36), (0.25, 5e-6, 0.36)),
+        of_dead_volume="volume",
         known={"ratio": (0.36, 0.08)},
         sense=Sense(bursts=False),  # it delays and does not ring
     ),

@@ -11,7 +11,7 @@ import numpy as np
 
 from exo_sim.diagnosis.data.cylinder_run import CylinderRun
 from exo_sim.diagnosis.estimation.candidate import Candidate
-from exo_sim.diagnosis.estimation.parameters import FreeParameter, PlantParameters, Target
+from exo_sim.diagnosis.estimation.parameters import CARD_OF_PRESSURES, FreeParameter, PlantParameters, Target
 from exo_sim.diagnosis.estimation.sensor_error import sensor_error
 from exo_sim.diagnosis.policy import healthy, priors
 from exo_sim.diagnosis.subsystems.gas.nuisances import contained_effects
@@ -96,12 +96,16 @@ def _of_form(effect: Effect, cylinder: str, form: tuple[str, ...], plant: PlantP
         (_free(effect, p, where, target, plant), p.default) for p in effect.parameters if p.default and p.name not in form and not p.choices
     )
     beneath = effect.requires or effect.asked.on_top_of
+    own = next((q for q in parameters if q.parameter == effect.asked.of_dead_volume), None)
+    dead = [f"dead_volume_{side}" for side in (1, 2)] if own is not None else []
+    displaced = tuple((own, ("dead_volume", cylinder, name), 1.0 / float(plant.cylinder[name][0])) for name in dead if own is not None)
     one = Candidate(
         effect.name,
         where,
         "+".join(form),
         parameters,
         starts,
+        displaced,
         fixed=held,
         proportional=effect.asked.proportional and not porous,
         prerequisite=beneath if beneath and not plant.is_on(declared()[beneath]) else "",
@@ -156,16 +160,20 @@ def _free(effect: Effect, parameter: Parameter, where: str, target: Target, plan
 
 def _sensor_faults(runs: Sequence[CylinderRun], cylinder: str, joint: str, moves: bool) -> list[Candidate]:
     found = []
+    period = max(float(np.median(np.diff(run.time))) for run in runs)
     for side in (1, 2):
         if all(run.pressure[side - 1] is None for run in runs):
             continue
         column, signal = f"{cylinder}.pressure_{side}", f"pressure_{side}"
         limit, reach = healthy.ZEROS * priors.PRESSURE_ZERO, priors.SENSOR_BIAS_REACH
         found.append(sensor_error(sensor_bias.EFFECT, column, f"{signal}.bias", "Pa", 2e3, (-reach, reach), limit))
-        found += [_scale(column, signal), _delay(column, signal)]
+        found += [_scale(column, signal), _delay(column, f"{signal}.delay", period, healthy.SKEW)]
+    if all(run.pressure[side] is not None for run in runs for side in range(2)):
+        card = _delay(f"{cylinder}.pressure_1", CARD_OF_PRESSURES, period, healthy.CARD_SKEW)
+        found.append(replace(card, form=f"{card.form},card", also=(f"{cylinder}.pressure_2",)))
     if moves:
         column = f"{joint}.position"
-        found += [_delay(column, "position"), _scale(column, "position")]
+        found += [_delay(column, "position.delay", period, healthy.CARD_SKEW), _scale(column, "position")]
     return found
 
 
@@ -174,8 +182,12 @@ def _scale(column: str, signal: str) -> Candidate:
     return sensor_error(sensor_scale.EFFECT, column, f"{signal}.scale", "1", 0.02, reach, healthy.SCALE, neutral=1.0)
 
 
-def _delay(column: str, signal: str) -> Candidate:
-    """Return a delay; of pressures beside each other less is a finding than of the position beside both, which other cards take."""
-    limit = healthy.CARD_SKEW if signal == "position" else healthy.SKEW
-    reach = (-priors.SENSOR_DELAY_REACH, priors.SENSOR_DELAY_REACH)
-    return sensor_error(sensor_delay.EFFECT, column, f"{signal}.delay", "s", 2e-3, reach, limit)
+def _delay(column: str, name: str, period: float, healthy_skew: float) -> Candidate:
+    """Return a delay; of pressures beside each other less is a finding than of cards beside each other.
+
+    A logger with this sample period [s] reads its channels one after the other: what is within a period is no finding, and many
+    periods may be. No sensor shows what is yet to come.
+    """
+    limit = max(healthy_skew, period)
+    reach = max(priors.SENSOR_DELAY_REACH, priors.SENSOR_DELAY_SAMPLES * period)
+    return sensor_error(sensor_delay.EFFECT, column, name, "s", max(2e-3, period), (-limit, reach), limit)

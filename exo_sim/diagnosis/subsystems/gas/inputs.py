@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 
 import numpy as np
 from numpy.typing import NDArray
@@ -87,7 +87,7 @@ def windows(run: CylinderRun, seconds: float) -> Windows:
         starts += found
         stops += [*found[1:], end]
     pressure = np.full((len(starts), 2), np.nan)
-    points = min(START_SAMPLES, int(START_SECONDS / max(float(np.median(np.diff(time))), 1e-9)) + 1) if len(time) > 1 else 1
+    points = _start_points(time)
     for side, values in enumerate(run.pressure):
         if values is None:
             pressure[0, side] = run.initial[side]
@@ -95,6 +95,29 @@ def windows(run: CylinderRun, seconds: float) -> Windows:
         for w, (begin, end) in enumerate(zip(starts, stops, strict=True)):
             pressure[w, side] = _start(values[begin:end], points)
     return Windows(np.array(starts), np.array(stops), pressure)
+
+
+def with_late_pressures(given: GasInputs, late: tuple[float, float]) -> GasInputs:
+    """Return inputs whose windows start from what the sensors of both pressures show `late` seconds after the start [s]."""
+    run, starts = given.run, given.windows.starts
+    points = _start_points(run.time)
+    pressure = given.windows.pressure.copy()
+    for side, (values, seconds) in enumerate(zip(run.pressure, late, strict=True)):
+        if values is None or seconds == 0.0:
+            continue
+        at = np.interp(run.time[starts] + seconds, run.time, np.arange(len(run.time)))
+        for w, (place, stop) in enumerate(zip(at, given.windows.stops, strict=True)):
+            first = int(place)
+            ends = [_start(values[i : max(stop, i + points)], points) for i in (first, min(first + 1, len(values) - 1))]
+            shown = ends[0] + (place - first) * (ends[1] - ends[0])
+            if math.isfinite(shown):
+                pressure[w, side] = shown
+    return replace(given, windows=replace(given.windows, pressure=pressure))
+
+
+def _start_points(time: Array) -> int:
+    """Return how many samples estimate the pressure at the start of a window."""
+    return min(START_SAMPLES, int(START_SECONDS / max(float(np.median(np.diff(time))), 1e-9)) + 1) if len(time) > 1 else 1
 
 
 def _start(values: Array, points: int) -> float:

@@ -16,13 +16,13 @@ from exo_sim.diagnosis.discrepancy.curve import Curve
 from exo_sim.diagnosis.discrepancy.signal import Discrepancy
 from exo_sim.diagnosis.discrepancy.trace import Trace
 from exo_sim.diagnosis.estimation.least_squares import Fit, fit
-from exo_sim.diagnosis.estimation.parameters import FreeParameter, PlantParameters
+from exo_sim.diagnosis.estimation.parameters import CARD_OF_PRESSURES, FreeParameter, PlantParameters
 from exo_sim.diagnosis.estimation.threads import SERIAL, Threads
 from exo_sim.diagnosis.findings import Finding, Series, Subsystem
 from exo_sim.diagnosis.policy import healthy, judgement, priors
 from exo_sim.diagnosis.subsystem_model import Comparison, SubsystemModel
 from exo_sim.diagnosis.subsystems.gas.bursts import burst_ratio
-from exo_sim.diagnosis.subsystems.gas.inputs import GasInputs, inputs
+from exo_sim.diagnosis.subsystems.gas.inputs import GasInputs, inputs, with_late_pressures
 from exo_sim.diagnosis.subsystems.gas.missing_flow import missing_flow
 from exo_sim.diagnosis.subsystems.gas.prediction import GasPrediction, run_gas
 from exo_sim.diagnosis.subsystems.gas.regimes import regimes
@@ -107,20 +107,23 @@ class GasModel(SubsystemModel):
         """Predict what the sensors of one run would show; without `whole` nothing but that. `shift` as in `run_gas`."""
         sensors = plant.sensors
         given = self.inputs[index]
+        late = (sensors.get("pressure_1.delay", 0.0), sensors.get("pressure_2.delay", 0.0))
+        if any(late):
+            given = with_late_pressures(given, late)
         length_scale = sensors.get("position.scale", 1.0)
         offset = (sensors.get("pressure_1.bias", 0.0), sensors.get("pressure_2.bias", 0.0))
         scale = np.array([sensors.get("pressure_1.scale", 1.0), sensors.get("pressure_2.scale", 1.0)])
         plain = length_scale == 1.0 and (scale == 1.0).all()
         if not plain:
             given = _without_gains(given, length_scale, scale, np.array(offset))
-        out = run_gas(given, plant.world, plant.cylinder, shift, sensors.get("position.delay", 0.0), offset, whole)
+        cards = (sensors.get("position.delay", 0.0), sensors.get(CARD_OF_PRESSURES, 0.0))
+        out = run_gas(given, plant.world, plant.cylinder, shift, cards[0], offset, whole, cards[1])
         pressure = out.pressure
         pressure *= scale
         pressure += np.array(offset)
         for side in range(2):
-            late = sensors.get(f"pressure_{side + 1}.delay", 0.0)
-            if late != 0.0:
-                pressure[:, side] = np.interp(given.time - late, given.time, pressure[:, side])
+            if late[side] != 0.0:
+                pressure[:, side] = np.interp(given.time - late[side], given.time, pressure[:, side])
         return GasPrediction(pressure, out.inside, out.drawn, out.temperature)
 
     def errors(self, plant: PlantParameters) -> list[Array]:
@@ -227,7 +230,8 @@ class GasModel(SubsystemModel):
         return any(burst_ratio(fast, noise) > healthy.BURSTS for fast, noise in self._fast_errors(plant))
 
     def _fast_errors(self, plant: PlantParameters) -> list[tuple[Array, float]]:
-        """Return the errors of each pressure less the means of their rows [Pa], shape (n,), and what noise and a prediction leave [Pa].
+        """Return what is too fast for the rows in the errors of each pressure [Pa], shape (n,), and what noise and a
+        prediction leave [Pa].
 
         A pressure whose rows are single samples has none.
         """
@@ -236,8 +240,7 @@ class GasModel(SubsystemModel):
             for side, noise in enumerate(self.inputs[index].run.noise):
                 rows = self._rows[index][side]
                 if rows.count.size and float(np.median(rows.count)) > 2.0:
-                    keep = rows.group >= 0
-                    found.append((errors[keep, side] - rows.means(errors[:, side])[rows.group[keep]], max(noise, healthy.GAS_FLOOR)))
+                    found.append((rows.beyond(errors[:, side]), max(noise, healthy.GAS_FLOOR)))
         return found
 
     def column(self, variable: str) -> str:

@@ -126,7 +126,7 @@ def behind_hose(cylinder: NDArray[np.void]) -> bool:
 
 def run_gas(
     feed: GasInputs, world: NDArray[np.void], cylinder: NDArray[np.void], shift: float = 0.0, length_delay: float = 0.0,
-    offset: tuple[float, float] = (0.0, 0.0), whole: bool = True,
+    offset: tuple[float, float] = (0.0, 0.0), whole: bool = True, card_delay: float = 0.0,
 ) -> GasPrediction:  # fmt: skip
     """Predict the pressures of one run.
 
@@ -136,6 +136,7 @@ def run_gas(
         shift: Added to the pressures at the start of every window [Pa], for their sensitivity.
         length_delay: Delay of the position sensor [s].
         offset: Subtracted from the measured start pressures [Pa]: bias of the sensors.
+        card_delay: Delay of the card of the pressures, on whose clock the prediction runs: motion and command come later by it [s].
         whole: Whether more than the pressures at the sensors is wanted; else the rest of the prediction is empty.
     """
     world, cylinder = world.copy(), cylinder.copy()
@@ -145,8 +146,8 @@ def run_gas(
         world["longest_step"] = min(world["longest_step"][0], max(HOSE_STEP, usual / MOST_STEPS))
     n = len(feed.time)
     length = feed.length
-    if length_delay != 0.0:
-        length = np.interp(feed.time + length_delay, feed.time, length)
+    if length_delay != card_delay:
+        length = np.interp(feed.time + length_delay - card_delay, feed.time, length)
     gas = Pneumatics(world, cylinder, dt=1.0)
     start = np.maximum(feed.windows.pressure + shift - np.array(offset), LEAST_START)
     first = np.where(np.isfinite(start[0]), start[0], world["atmosphere"][0])
@@ -158,7 +159,8 @@ def run_gas(
     out, inside, drawn, warmth = np.empty((n, 2)), np.empty((rest, 2)), np.zeros(rest), np.empty((rest, 2))
     gas.memory[0, state.SPOOL] = gas.memory[0, state.PLAY] = feed.command[0]
     predict(
-        world, cylinder, gas.vector, feed.time, feed.command_after(float(cylinder[valve_lag.EFFECT.name]["delay"][0])), length, feed.supply,
-        feed.exhaust, feed.supply_temperature, feed.windows.starts, start, gas._work, gas._scratch, out, inside, drawn, warmth,
+        world, cylinder, gas.vector, feed.time, feed.command_after(float(cylinder[valve_lag.EFFECT.name]["delay"][0]) + card_delay),
+        length, feed.supply, feed.exhaust, feed.supply_temperature, feed.windows.starts, start, gas._work, gas._scratch,
+        out, inside, drawn, warmth,
     )  # fmt: skip
     return GasPrediction(out, inside, drawn, warmth)

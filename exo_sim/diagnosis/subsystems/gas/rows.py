@@ -35,6 +35,22 @@ class Rows:
         keep = self.group >= 0
         return np.bincount(self.group[keep], weights=values[keep], minlength=len(self.count)) / self.count
 
+    def beyond(self, values: Array) -> Array:
+        """Return what rows cannot follow in values at the samples, shape (k,) for the k samples that are in a row.
+
+        It is what is left beside the means of the rows, or beside a line through the middles of neighbouring rows where that leaves less:
+        a slow error that is large in the rows changes inside them, too.
+        """
+        keep = self.group >= 0
+        group, count = self.group[keep], len(self.count)
+        means = self.means(values)
+        at = np.flatnonzero(keep).astype(float)
+        middles = np.bincount(group, weights=at, minlength=count) / self.count
+        stepped = values[keep] - means[group]
+        sloped = values[keep] - np.interp(at, middles, means)
+        squares = [np.bincount(group, weights=part * part, minlength=count) for part in (stepped, sloped)]
+        return np.where((squares[1] < squares[0])[group], sloped, stepped)
+
     def marginalised(self, errors: Array, response: Array) -> Array:
         """Return whitened errors whose squares are the likelihood with each window's initial pressure integrated out, shape (m,).
 

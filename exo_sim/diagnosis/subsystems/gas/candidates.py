@@ -97,8 +97,8 @@ def _of_form(effect: Effect, cylinder: str, form: tuple[str, ...], plant: PlantP
     )
     beneath = effect.requires or effect.asked.on_top_of
     own = next((q for q in parameters if q.parameter == effect.asked.of_dead_volume), None)
-    dead = [f"dead_volume_{side}" for side in (1, 2)] if own is not None else []
-    displaced = tuple((own, ("dead_volume", cylinder, name), 1.0 / float(plant.cylinder[name][0])) for name in dead if own is not None)
+    dead = {name: float(plant.cylinder[name][0]) for name in ("dead_volume_1", "dead_volume_2")}
+    displaced = tuple((own, ("dead_volume", cylinder, name), 1.0 / volume) for name, volume in dead.items() if own and volume > 0.0)
     one = Candidate(
         effect.name,
         where,

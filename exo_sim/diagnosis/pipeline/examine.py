@@ -10,7 +10,7 @@ from exo_sim.diagnosis.coupling.piston_friction import Friction, friction_behind
 from exo_sim.diagnosis.data import open_questions
 from exo_sim.diagnosis.data.machine_data import MachineData
 from exo_sim.diagnosis.estimation.threads import Threads
-from exo_sim.diagnosis.pipeline.gas_stage import examine_gas
+from exo_sim.diagnosis.pipeline.gas_stage import Searched, examine_gas
 from exo_sim.diagnosis.pipeline.motion_stage import examine_motion
 from exo_sim.diagnosis.pipeline.plan import Examination, Plan, Progress, Results
 from exo_sim.diagnosis.pipeline.supply_stage import examine_supply
@@ -20,9 +20,17 @@ from exo_sim.diagnosis.subsystems.motion.model import MotionModel
 from exo_sim.diagnosis.validation.held_out import held_out_errors
 
 
-def examine(data: MachineData, plan: Plan, threads: Threads, report: Progress) -> Examination:
-    """Search and judge the gas, then the supply that it draws from, then the forces, whose pressures the gas corrects."""
-    data, gas = examine_gas(data, plan, threads, report)
+def examine(data: MachineData, plan: Plan, threads: Threads, report: Progress, searched: Searched | None = None) -> Examination:
+    """Search and judge the gas, then the supply that it draws from, then the forces, whose pressures the gas corrects.
+
+    Args:
+        data: The recordings and the rig.
+        plan: What is asked, of which time.
+        threads: Threads.
+        report: Called with a few words on what is going on.
+        searched: What earlier rounds searched.
+    """
+    data, gas = examine_gas(data, plan, threads, report, searched)
     data = with_corrected_pressures(with_imputed_pressures(data, gas, plan.split), gas, plan.split)
     results = Results(gas, examine_supply(data, gas, plan, threads, report), examine_motion(data, plan, threads, report))
     return Examination(data, plan, _shared_once(results))

@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
-from dataclasses import replace
+from collections.abc import Hashable, Sequence
+from dataclasses import dataclass, field, replace
 
 import numpy as np
 
@@ -27,14 +27,29 @@ from exo_sim.diagnosis.subsystems.gas.nuisances import known_effects, nuisance_p
 from exo_sim.rig import assembly
 
 
+@dataclass(frozen=True)
+class Searched:
+    """Results of searches that are over: a round that asks the same of a cylinder's gas gets the same answer.
+
+    Attributes:
+        results: By cylinder, test time, candidates and friction of the piston.
+    """
+
+    results: dict[tuple[Hashable, ...], SubsystemResult[GasModel]] = field(default_factory=dict)
+
+
 def examine_gas(
-    data: MachineData, plan: Plan, threads: Threads, report: Progress
+    data: MachineData, plan: Plan, threads: Threads, report: Progress, searched: Searched | None = None
 ) -> tuple[MachineData, tuple[SubsystemResult[GasModel], ...]]:
     """Return the result of every cylinder's gas, and the data with initial pressures and signs of valve commands as found.
 
+    Args:
+        data, plan, threads, report: As in `examine`.
+        searched: What earlier rounds searched.
+
     While the plan does not know the friction of pistons, a search ends at a transmission that gives if there are forces to ask.
     """
-    found = []
+    found, done = [], (searched or Searched()).results
     for name in data.cylinders:
         runs = [with_initial_pressure(data, run) for run in data.cylinders[name]]
         plant = _believed(data, plan, name, runs)
@@ -51,6 +66,11 @@ def examine_gas(
         nuisances = nuisance_parameters(plant, name, commanded, sides, at_rest, moves) + known_effects(plant, name)
         joint = data.joint_of(name)
         asked = plan.asked(candidates(plant, runs, name, joint))
+        friction = None if plan.friction is None else tuple(plan.friction.get(name, ()))
+        key = (name, tuple(sorted(plan.split.test.items())), tuple(one.key for one in asked), friction)
+        if key in done:
+            found.append(done[key])
+            continue
         if model.size >= FEWEST_ROWS:
             model = model.with_better_flow_law(nuisances, threads)
         search = Search(
@@ -58,7 +78,8 @@ def examine_gas(
             practical_significance=model.practical_significance,
             until=softens if plan.friction is None and joint in data.joints else None, is_spent=plan.budget.is_spent,
         )  # fmt: skip
-        found.append(decide(name, model, search.fits, search.run()))
+        done[key] = decide(name, model, search.fits, search.run())
+        found.append(done[key])
     return data, tuple(found)
 
 

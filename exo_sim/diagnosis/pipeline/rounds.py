@@ -21,6 +21,7 @@ from exo_sim.diagnosis.estimation.budget import Budget
 from exo_sim.diagnosis.estimation.threads import Threads
 from exo_sim.diagnosis.findings import Finding, Kind
 from exo_sim.diagnosis.pipeline.examine import examine, friction_to_add, left_open, validated
+from exo_sim.diagnosis.pipeline.gas_stage import Searched
 from exo_sim.diagnosis.pipeline.plan import Examination, Plan, Progress, Refuted
 from exo_sim.diagnosis.policy import validation as policy
 from exo_sim.diagnosis.policy.budgets import MOST_REFUTATIONS, MOST_ROUNDS
@@ -34,9 +35,9 @@ def examine_until_stable(data: MachineData, threads: Threads, report: Progress, 
     """Return the examination that no revision changes any more, or the last one within the budget; without one there is no end."""
     budget = budget or Budget()
     times = [(table.name, table.time) for table in data.recordings]
-    plan, stable = Plan(split(times), budget=budget), list[Examination]()
+    plan, stable, searched = Plan(split(times), budget=budget), list[Examination](), Searched()
     for _ in range(MOST_ROUNDS):
-        found = examine(data, plan, threads, report)
+        found = examine(data, plan, threads, report, searched)
         friction = friction_to_add(found) if plan.friction is None else None
         if friction is not None:
             report("examining the gas once more with the friction of its piston")
@@ -60,17 +61,22 @@ def examine_until_stable(data: MachineData, threads: Threads, report: Progress, 
 
 
 def newly_refuted(examination: Examination) -> Refuted:
-    """Return the findings that validation refutes, and why."""
+    """Return of each balance the finding that validation refutes most plainly, and why."""
     if examination.validation is None:
         return {}
     found = {}
-    for finding in (finding for one in examination.results.all for finding in one.findings):
-        key = f"{finding.name}@{finding.where}"
-        drop = examination.validation.drops.get(key)
-        influence = examination.validation.influence.get(key, 0.0)
-        if drop is not None and influence > policy.LEAST_INFLUENCE and is_refuted(drop, finding.log10_odds):
+    for one in examination.results.all:
+        useless = []
+        for finding in one.findings:
+            key = f"{finding.name}@{finding.where}"
+            drop = examination.validation.drops.get(key)
+            influence = examination.validation.influence.get(key, 0.0)
+            together = one.model.names_stand_beside_unknown
+            if drop is not None and influence > policy.LEAST_INFLUENCE and is_refuted(drop, finding.log10_odds, together):
+                useless.append((drop, finding.name, finding.where))
+        for drop, name, where in sorted(useless)[:1]:  # without it the others may be worth more
             says = "does not fall" if drop <= 0.0 else f"falls by no more than {100 * drop:.0f} %"
-            found[finding.name, finding.where] = f"on time that no number was fitted to, the error {says} with it"
+            found[name, where] = f"on time that no number was fitted to, the error {says} with it"
     return found
 
 

@@ -31,7 +31,7 @@ FAMILY_FINALISTS = Count(25, "subsets", "that a climb meets are weighed with spr
 MOST_CLIMBS = Count(4, "climbs", "each with the spreads of the best subset before it")
 
 # -- a diagnosis ----------------------------------------------------------------------------------------------------------------
-MOST_REFUTATIONS = Count(4, "times", "effects are refuted on one division of time")
+MOST_REFUTATIONS = Count(6, "times", "effects are refuted on one division of time")
 MOST_ROUNDS = Count(
     2 * MOST_REFUTATIONS * 2, "rounds", "two divisions of time, so many refutations each, with and without the friction of pistons"
 )

@@ -44,6 +44,7 @@ STRAINED = Number(
 )
 NOZZLE_LOW = Number(0.508, "critical pressure ratio", "between this and the next the ISO ellipse stands for the paper's nozzle (0.528)")
 NOZZLE_HIGH = Number(0.548, "critical pressure ratio", "see the former; the two laws differ by 0.15 % of choked flow at most")
+AT_BOUND = Number(0.01, "share of the value", "a number that ended so near to a bound was not found: something else acts")
 LEAST_CURVE = Number(0.2, "share of variance in cross-validation", "a curve that predicts less does not describe an unknown effect")
 PLAINLY_LESS_DAMPING = Number(
     20.0, "log-likelihood", "damping believed too large takes the place of what was found where less of it gains so much"

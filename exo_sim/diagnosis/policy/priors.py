@@ -22,6 +22,9 @@ INERTIA = Number(0.05, "share", "inertia of a joint")
 ANGLE_ZERO = Number(0.01, "rad or m", "zero of a position sensor, as far as gravity feels it")
 DAMPING = Number(0.3, "share", "damping of a joint below what its owner believes: a data sheet knows little of it")
 SET_PRESSURE = Number(0.02, "share", "set pressure of a regulator")
+FARTHEST_SET_PRESSURE = Number(
+    0.08, "share", "a measured supply that differs by more from the rig's is another supply: an input, not a sagging one"
+)
 INITIAL_PRESSURE = Number(1.0, "units of the sensor's noise", "initial pressure of a window, estimated from a few samples")
 UNMEASURED_INITIAL = Number(1e4, "Pa", "initial pressure of a chamber that nobody measured, after the balance of forces told it")
 SENSOR_BIAS_REACH = Number(1.2e5, "Pa", "largest bias of a pressure sensor that is asked for: an atmosphere and something")

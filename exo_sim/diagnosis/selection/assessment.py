@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from exo_sim.diagnosis.estimation.candidate import Candidate, CandidateKey
+from exo_sim.diagnosis.estimation.candidate import Candidate, CandidateKey, drop_orphans
 from exo_sim.diagnosis.policy import gates
 from exo_sim.diagnosis.policy.budgets import FINALISTS, LARGE, RUNNERS_UP
 from exo_sim.diagnosis.selection.comparisons import Comparisons
@@ -15,7 +15,7 @@ def assess(final: FittedModel, fits: ModelFits, comparisons: Comparisons, propos
     """Compare each finding with leaving it out and with what could take its place; beside few findings also with one more."""
     evidence, rivals, complete = {}, {}, {}
     asked: list[tuple[Candidate | None, Candidate, FittedModel]] = []
-    bare = fits.fit_all([(final.without(candidate), final) for candidate in final.candidates])
+    bare = fits.fit_all([(drop_orphans(final.without(candidate)), final) for candidate in final.candidates])
     for candidate, without in zip(final.candidates, bare, strict=True):
         evidence[candidate.key] = comparisons.evidence(without, final)
         asked += [(candidate, rival, without) for rival in _rivals(candidate, without, final, proposals)]

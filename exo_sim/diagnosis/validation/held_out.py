@@ -10,6 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from exo_sim.diagnosis.data.split import Spans, Split
+from exo_sim.diagnosis.estimation.candidate import drop_orphans
 from exo_sim.diagnosis.estimation.correlation import correlation_time, rms
 from exo_sim.diagnosis.estimation.parameters import PlantParameters
 from exo_sim.diagnosis.findings import Series, SignalFit, Subsystem
@@ -113,9 +114,15 @@ def held_out_errors(
     return HeldOutErrors(signals, drops, influence, balances, tuple(series), split.test)
 
 
-def is_refuted(drop: float, log10_odds: float) -> bool:
-    """Return whether validation speaks against a finding: the error hardly falls with it, and its odds are not great."""
-    useless = drop < validation.LEAST_DROP and log10_odds < validation.REFUTABLE_ODDS
+def is_refuted(drop: float, log10_odds: float, together: bool = False) -> bool:
+    """Return whether validation speaks against a finding: the error hardly falls with it, and its odds are not great.
+
+    Args:
+        drop: The share by which the validation error falls with it.
+        log10_odds: Its odds.
+        together: Whether it was weighed beside all others at once: then others explain most of what it would explain alone.
+    """
+    useless = drop < (validation.LEAST_DROP_TOGETHER if together else validation.LEAST_DROP) and log10_odds < validation.REFUTABLE_ODDS
     harmful = drop < -validation.MOST_RISE and log10_odds < validation.REFUTABLE_RISE_ODDS
     return useless or harmful
 
@@ -138,11 +145,11 @@ def _signals(compared: Sequence[Comparison]) -> dict[str, SignalFit]:
 
 
 def _left_out(one: SubsystemResult[SubsystemModel]) -> list[tuple[str, PlantParameters]]:
-    """Return, for each finding, its key and the plant that is refitted without it."""
+    """Return, for each finding, its key and the plant that is refitted without it and what comes on top of it."""
     reported = {(finding.name, finding.where) for finding in one.findings}
     found = []
     for candidate in (candidate for candidate in one.named if candidate.at in reported):
-        rest = tuple(c for c in one.final.candidates if c.key != candidate.key)
+        rest = drop_orphans([c for c in one.final.candidates if c.key != candidate.key])
         found.append((f"{candidate.effect}@{candidate.where}", one.plant_of(one.fits.fit(rest, one.final))))
     return found
 

@@ -2,10 +2,15 @@
 
 from __future__ import annotations
 
+import numpy as np
 import pytest
 from diagnosis import waves
 
-from exo_sim.diagnosis.selection.decision import decide
+from exo_sim.diagnosis.estimation.candidate import Candidate
+from exo_sim.diagnosis.estimation.least_squares import Fit
+from exo_sim.diagnosis.estimation.parameters import FreeParameter, Target
+from exo_sim.diagnosis.selection.decision import decide, is_at_bound
+from exo_sim.diagnosis.selection.fitted_model import FittedModel
 from exo_sim.diagnosis.selection.search import Search
 from exo_sim.diagnosis.selection.subsystem_result import SubsystemResult
 
@@ -62,3 +67,16 @@ def test_too_few_rows_give_an_empty_result() -> None:
     model = waves.Waves(slow=3.0)
     model.blocks = model.blocks[:20]
     assert decided(model, waves.BASE).is_empty
+
+
+@pytest.mark.parametrize(("area", "at_bound"), [(1e-8, True), (1.005e-8, True), (3e-6, False), (1e-3, True)])
+def test_a_number_that_ended_at_a_bound_was_not_found(area: float, at_bound: bool) -> None:
+    one = FreeParameter("line_restriction", "piston", "area", "m^2", Target.CYLINDER, 1e-5, 1e-8, 1e-3, logarithmic=True)
+    hose = Candidate("line_restriction", "piston", "area", (one,), ((1e-5,),))
+    assert is_at_bound(hose, FittedModel((hose,), Fit((one,), {one: area}, np.zeros(3), np.zeros((3, 1))))) is at_bound
+
+
+def test_an_amount_that_ended_at_nothing_is_not_at_a_bound() -> None:
+    one = FreeParameter("piston_leakage", "piston", "area", "m^2", Target.CYLINDER, 1e-8, 0.0, 1e-4)
+    leak = Candidate("piston_leakage", "piston", "area", (one,), ((1e-8,),))
+    assert not is_at_bound(leak, FittedModel((leak,), Fit((one,), {one: 0.0}, np.zeros(3), np.zeros((3, 1)))))

@@ -67,3 +67,8 @@ def test_an_error_counts_against_the_fit_and_the_bound() -> None:
 )
 def test_a_finding_stands_where_validation_or_great_odds_support_it(drop: float, odds: float, refuted: bool) -> None:
     assert is_refuted(drop, odds) is refuted
+
+
+@pytest.mark.parametrize(("drop", "refuted"), [(0.11, False), (0.03, False), (0.01, True), (-0.05, True)])
+def test_less_is_asked_of_what_was_weighed_beside_all_others(drop: float, refuted: bool) -> None:
+    assert is_refuted(drop, 8.0, together=True) is refuted

@@ -19,3 +19,29 @@ def test_what_is_in_series_with_the_valve_is_not_sought_much_wider_than_it() -> 
     asked = candidates(plant, [run], "piston", "slide")
     areas = [q for c in asked if c.effect == "line_restriction" for q in c.parameters if q.parameter == "area"]
     assert areas and all(q.high == pytest.approx(WIDEST * 2e-6) for q in areas)
+
+
+@pytest.mark.parametrize(("period", "reach"), [(1e-3, 0.05), (0.02, 0.5)])
+def test_a_delay_is_sought_as_far_as_a_logger_with_this_clock_is_late_and_never_into_the_future(period: float, reach: float) -> None:
+    plant = PlantParameters(np.zeros(1, WORLD), np.zeros(1, CYLINDER))
+    level = np.full(50, 3e5)
+    run = cylinder_runs.run_of(level, level, time=np.arange(50) * period, length=np.linspace(0.05, 0.1, 50))
+    late = [c for c in candidates(plant, [run], "piston", "slide") if c.effect == "sensor_delay"]
+    assert [(c.where, c.also) for c in late] == [
+        ("piston.pressure_1", ()), ("piston.pressure_2", ()), ("piston.pressure_1", ("piston.pressure_2",)), ("slide.position", ()),
+    ]  # fmt: skip
+    for one in late:
+        (q,) = one.parameters
+        assert q.high == pytest.approx(reach)
+        assert -q.low == pytest.approx(q.healthy_limit)
+        assert q.healthy_limit >= 0.99 * period
+
+
+def test_a_hose_is_sought_where_it_is_a_part_of_the_dead_volumes_as_well() -> None:
+    plant = PlantParameters(np.zeros(1, WORLD), np.zeros(1, CYLINDER))
+    plant.cylinder["valve_area"], plant.cylinder["dead_volume_1"], plant.cylinder["dead_volume_2"] = 2e-6, 4e-5, 0.0
+    level = np.full(50, 3e5)
+    run = cylinder_runs.run_of(level, level, command=np.linspace(-0.2, 0.2, 50), commanded=True)
+    hose = next(c for c in candidates(plant, [run], "piston", "slide") if c.effect == "line_restriction")
+    ((own, key, per_unit),) = hose.displaced
+    assert own.parameter == "volume" and key == ("dead_volume", "piston", "dead_volume_1") and per_unit == pytest.approx(2.5e4)

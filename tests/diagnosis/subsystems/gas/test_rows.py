@@ -63,3 +63,11 @@ def test_time_that_is_held_out_has_rows_of_its_own() -> None:
 def test_a_chamber_that_was_not_measured_has_no_rows() -> None:
     rows = rows_of(given_run(), 1, Split({}), STEP, on_test=False)
     assert (rows.group == -1).all() and rows.count.size == 0
+
+
+def test_beyond_the_rows_is_what_rings_and_not_what_drifts() -> None:
+    rows = rows_of(given_run(), 0, Split({}), 5 * STEP, on_test=False)
+    slope = np.linspace(0.0, 1e4, N)
+    ringing = 50.0 * np.cos(np.pi * np.arange(N))
+    assert np.abs(rows.beyond(slope)[5:-5]).max() < 1e-6
+    assert np.std(rows.beyond(slope + ringing)) > 40.0

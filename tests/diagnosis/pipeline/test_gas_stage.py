@@ -1,0 +1,57 @@
+"""The stage of the gas: delays of slow loggers are found by whose card it is, and no search is run twice."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from pathlib import Path
+
+import benches
+import numpy as np
+import pytest
+
+from exo_sim.diagnosis.data.split import split
+from exo_sim.diagnosis.estimation.threads import SERIAL
+from exo_sim.diagnosis.pipeline.gas_stage import Searched, examine_gas
+from exo_sim.diagnosis.pipeline.plan import Plan
+from exo_sim.diagnosis.pipeline.reading import gather
+from exo_sim.recording import write_table
+
+#: A logger of 50 samples a second whose pressures come so late [s]; more than two sample periods, less than a quarter of a cycle.
+LATE, PERIOD = 0.18, 0.02
+
+
+def late_spring(folder: Path) -> Path:
+    """Write closed chambers on a slowly led piston, both pressures of which come late, and noise that a sensor has."""
+    rig = benches.bench(folder)
+    cylinder = rig.cylinders["piston"]
+    time = np.arange(3000) * PERIOD
+    shown = np.maximum(time - LATE, 0.0)
+
+    def position(at: np.ndarray) -> np.ndarray:
+        return 0.05 * np.sin(2.0 * np.pi * 0.4 * at) * np.sin(0.21 * at)
+
+    noise = np.random.default_rng(5).normal(0.0, 150.0, (2, len(time)))
+    volume = {
+        1: cylinder.dead_volume_1 + cylinder.area_1 * (position(shown) + 0.1),
+        2: cylinder.dead_volume_2 + cylinder.area_2 * (0.1 - position(shown)),
+    }
+    columns = {f"piston.pressure_{side}": 4e5 * (v[0] / v) ** 1.4 + noise[side - 1] for side, v in volume.items()}
+    columns |= {"piston.valve_command": np.zeros_like(time), "slide.position": position(time)}
+    path = folder / "late.csv"
+    write_table(path, benches.recording(time, columns))
+    return path
+
+
+@pytest.mark.slow
+def test_pressures_of_a_slow_logger_are_late_as_one_and_a_search_is_run_once(tmp_path: Path) -> None:
+    data = gather([late_spring(tmp_path)], tmp_path / "rig.toml", None)
+    plan, searched = Plan(split([(table.name, table.time) for table in data.recordings])), Searched()
+    _, (found,) = examine_gas(data, plan, SERIAL, lambda words: None, searched)
+    (finding,) = found.findings
+    assert finding.name == "sensor_delay"
+    assert [one.where for one in finding.at_each_place()] == ["piston.pressure_1", "piston.pressure_2"]
+    assert finding.parameters["seconds"].value == pytest.approx(LATE, abs=0.1 * PERIOD)
+    refuted_elsewhere = replace(plan, refuted={("viscous_friction", "slide"): "not there"})
+    _, (again,) = examine_gas(data, refuted_elsewhere, SERIAL, lambda words: None, searched)
+    assert again is found
+    assert len(searched.results) == 1

@@ -1,0 +1,56 @@
+"""Predictions of a gas: the card of the pressures has a clock of its own, and what settles at once is not resolved."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+from diagnosis.cylinder_runs import STEP, run_of
+from numpy.typing import NDArray
+
+from exo_sim.diagnosis.subsystems.gas.inputs import GasInputs, inputs
+from exo_sim.diagnosis.subsystems.gas.prediction import SETTLED, run_gas
+from exo_sim.physics.records import CYLINDER, WORLD
+from exo_sim.physics.settling import settling_rate
+
+N = 1500
+
+
+def machine(hose_area: float = 0.0, hose_volume: float = 0.0) -> tuple[NDArray[np.void], NDArray[np.void]]:
+    world, cylinder = np.zeros(1, WORLD), np.zeros(1, CYLINDER)
+    world["k"], world["r"], world["atmosphere"], world["ambient"] = 1.4, 287.05, 101325.0, 293.15
+    world["supply_pressure"], world["supply_temperature"], world["exhaust_pressure"] = 7e5, 293.15, 101325.0
+    cylinder["area_1"], cylinder["area_2"], cylinder["stroke"], cylinder["valve_area"] = 8e-4, 7e-4, 0.2, 2e-6
+    cylinder["dead_volume_1"] = cylinder["dead_volume_2"] = 2e-5
+    cylinder["line_restriction"]["area"], cylinder["line_restriction"]["volume"] = hose_area, hose_volume
+    return world, cylinder
+
+
+def given(world: NDArray[np.void]) -> GasInputs:
+    time = np.arange(N) * STEP
+    level = np.full(N, 3e5)
+    run = run_of(
+        level, level, length=0.1 + 0.03 * np.sin(9.0 * time), command=np.where(np.sin(5.0 * time) > 0.3, 0.6, 0.0), commanded=True
+    )
+    return inputs(run, world, 10.0)
+
+
+def test_a_late_card_shows_the_same_pressures_later() -> None:
+    world, cylinder = machine()
+    feed, late = given(world), 40
+    prompt = run_gas(feed, world, cylinder).pressure
+    delayed = run_gas(feed, world, cylinder, card_delay=late * STEP).pressure
+    np.testing.assert_allclose(delayed[late + 1 :], prompt[1 : N - late], rtol=2e-3)
+
+
+@pytest.mark.parametrize("area", [4e-6, 2e-5])
+def test_a_hose_that_settles_at_once_is_no_other_than_one_that_settles_within_a_row(area: float) -> None:
+    """The rows of a fit take 5 ms; what is stored in the hose is stored in the chamber instead."""
+    world, cylinder = machine(area, 2e-7)
+    least = settling_rate(area, 1.0, 1.4, 287.05) * SETTLED
+    assert least > 2e-7
+    wide, explicit = machine(area, least)[1], machine(area, 2e-7)[1]
+    for side in ("dead_volume_1", "dead_volume_2"):
+        wide[side] = np.maximum(wide[side] - (least - 2e-7), 0.5 * wide[side])
+    feed = given(world)
+    np.testing.assert_array_equal(run_gas(feed, world, cylinder).pressure, run_gas(feed, world, wide).pressure)
+    assert explicit["line_restriction"]["volume"][0] == cylinder["line_restriction"]["volume"][0] == 2e-7  # what was handed in stays

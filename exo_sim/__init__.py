@@ -25,6 +25,7 @@ _API = {
     "doctor": "doctor",
     "effects": "effects",
     "inspect": "inspecting",
+    "log_model": "model_logging",
     "scenarios": "simulating",
     "simulate": "simulating",
     "size": "sizing",

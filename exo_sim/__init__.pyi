@@ -7,6 +7,7 @@ from exo_sim.api.effects import effects as effects
 from exo_sim.api.errors import ExoSimError as ExoSimError
 from exo_sim.api.inspecting import Inspection as Inspection
 from exo_sim.api.inspecting import inspect as inspect
+from exo_sim.api.model_logging import log_model as log_model
 from exo_sim.api.recording import Recording as Recording
 from exo_sim.api.rig import Rig as Rig
 from exo_sim.api.simulating import Run as Run

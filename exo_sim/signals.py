@@ -26,6 +26,8 @@ class Signal:
 
 TABLE = (
     Signal("valve_command", "cylinder", ("1",), "valve command"),
+    Signal("valve_command_1", "cylinder", ("1",), "valve command, chamber 1"),
+    Signal("valve_command_2", "cylinder", ("1",), "valve command, chamber 2"),
     Signal("pressure_1", "cylinder", ("Pa",), "pressure, chamber 1"),
     Signal("pressure_2", "cylinder", ("Pa",), "pressure, chamber 2"),
     Signal("temperature_1", "cylinder", ("K",), "temperature, chamber 1"),
@@ -71,6 +73,9 @@ TABLE = (
     Signal("stance_l", "gait", ("1",), "left foot on the ground", measured=False),
     Signal("stance_r", "gait", ("1",), "right foot on the ground", measured=False),
 )
+
+#: Signals that command a valve: one spool, or each chamber's edges for themselves.
+VALVE_COMMANDS = ("valve_command", "valve_command_1", "valve_command_2")
 
 #: Parts of which there is only one, called by these names in every recording.
 SHARED_PARTS = ("supply", "exhaust", "gait", "ledger")

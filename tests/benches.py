@@ -55,18 +55,22 @@ def recorded(rig: Rig, seconds: float = 3.0) -> Recording:
     n = round(seconds / plugin.dt)
     time = np.arange(n) * plugin.dt
     command = 0.5 * np.sign(np.sin(9.0 * time)) * (np.sin(2.3 * time) > -0.5) * (time > 0.05)
+    independent = rig.cylinders["piston"].valve.independent
+    other = -0.8 * command * (np.sin(31.0 * time) > -0.3)
     pressure, position = np.empty((n, 2)), np.empty(n)
     for i in range(n):
         mujoco.mj_step1(model, data)
         plugin.advance(data)
         pressure[i], position[i] = plugin.pressures()[0], data.qpos[0]
         plugin.command[:] = command[i]
+        if independent:
+            plugin.command_2[:] = other[i]
         plugin.compute(data)
         mujoco.mj_step2(model, data)
+    commands = {"piston.valve_command_1": command, "piston.valve_command_2": other} if independent else {"piston.valve_command": command}
     return recording(
-        time, {"piston.valve_command": command, "piston.pressure_1": pressure[:, 0], "piston.pressure_2": pressure[:, 1],
-               "slide.position": position}
-    )  # fmt: skip
+        time, {**commands, "piston.pressure_1": pressure[:, 0], "piston.pressure_2": pressure[:, 1], "slide.position": position}
+    )
 
 
 def led(rig: Rig, seconds: float = 3.0) -> Recording:

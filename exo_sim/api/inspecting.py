@@ -74,11 +74,14 @@ def inspect(recording: RecordingLike, rig: RigLike | None = None, *, columns: Co
     from exo_sim import conventions
     from exo_sim.machine.load import load
     from exo_sim.recording.health import Facts
+    from exo_sim.rig.limits import passed, reached_in
 
     machine = rig_of(rig)
     model = load(machine)
     settled = conventions.asked(reading.recording, machine, model)
-    asked = (*conventions.findings(settled), *reading.findings)
+    beyond = passed(machine, reached_in(machine, settled.recording.columns))
+    limits = [Finding(next(iter(machine.cylinders)), "limit", words) for words in beyond]
+    asked = (*conventions.findings(settled), *reading.findings, *limits)
     found = summary.summarise(replace(reading, recording=settled.recording, findings=asked), Facts.of(machine, model))
     asked_of = tuple(questions(settled.recording, machine, model))
     return Inspection(found, summary.as_dict(found) | {"questions": [one.as_dict() for one in asked_of]}, asked_of)

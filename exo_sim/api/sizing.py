@@ -5,7 +5,7 @@ from __future__ import annotations
 import os
 import shutil
 import tempfile
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from itertools import product
 from pathlib import Path
@@ -90,6 +90,7 @@ class Sizing:
 def size(
     rig: RigLike | None = None, *, scenarios: str | Sequence[str] = "level_walk", payloads: Quantity | Sequence[Quantity] = 34.0,
     speeds: float | Sequence[float] = 1.0, trials: int = 800, reach: Quantity = 0.04, pressure_limit: Quantity | None = None,
+    joints: Sequence[str] = (), catalogue: str | os.PathLike[str] | None = None, fix: Mapping[str, Quantity] | None = None,
     jobs: int = -1, scheduler: str | None = None, seed: int = 0, out: str | os.PathLike[str] | None = None, quiet: bool = True,
 ) -> Sizing:  # fmt: skip
     """Search bores, rods, strokes, attachment points, valves and supply against the joint loads of what the machine must do.
@@ -102,6 +103,9 @@ def size(
         trials: Designs to look at.
         reach: How far an attachment point may move: metres, or text.
         pressure_limit: Largest pressure of supply and chambers, absolute: pascal, or text; when None, 10 bar above the atmosphere.
+        joints: Those to size, like ("knee_l", "knee_r"); all that have cylinders when empty.
+        catalogue: TOML file with [[cylinder]] and [[valve]] to choose from, in place of what comes along.
+        fix: What is not to be chosen, like {"supply": "7 bar", "hip.bore": "40 mm"}; SI numbers or text.
         jobs: Processes; -1 is one a core.
         scheduler: Address of a Dask scheduler.
         seed: Where chance starts.
@@ -113,6 +117,8 @@ def size(
     """
     from exo_sim.outputs import alone_in, replacing
     from exo_sim.report.sizing_page import page
+    from exo_sim.rig.own_catalogue import read_catalogue
+    from exo_sim.sizing.fixing import fixed_numbers, unit_of
     from exo_sim.sizing.loads import Condition
     from exo_sim.sizing.study import size as search
     from exo_sim.sizing.study import space_of
@@ -124,7 +130,9 @@ def size(
     masses = [quantity(one, "kg", "payload", low=0.0) for one in _several(payloads)]
     conditions = tuple(dict.fromkeys(Condition(*each) for each in product(_several(scenarios), masses, _several(speeds))))
     limit = None if pressure_limit is None else quantity(pressure_limit, "Pa", "pressure_limit", low=0.0)
-    space = space_of(machine, quantity(reach, "m", "reach", 0.0, 0.2), limit)
+    texts = [f"{name}={value}" if isinstance(value, str) else f"{name}={value!r} {unit_of(name)}" for name, value in (fix or {}).items()]
+    space = space_of(machine, quantity(reach, "m", "reach", 0.0, 0.2), limit, (joints,) if isinstance(joints, str) else tuple(joints),
+                     None if catalogue is None else read_catalogue(Path(catalogue)), fixed_numbers(texts))  # fmt: skip
     temporary = tempfile.TemporaryDirectory(prefix="exo-sim-size-") if out is None else None
     folder = Path(temporary.name if temporary else out or "")
     with alone_in(folder, "size"):

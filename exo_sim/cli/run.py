@@ -86,6 +86,8 @@ def command(scenario: str | None, gait: Path | None, ground: Path | None, payloa
 
 def _words(data: dict[str, Any]) -> str:
     """Return the result as a short report."""
+    from exo_sim.simulation import gas_use
+
     straps, wearer = data["strap_load_n"], data["wearer"]
     carried = data["mean_ground_force_n"] + straps["vertical_mean"]
     lines = [
@@ -114,6 +116,8 @@ def _words(data: dict[str, Any]) -> str:
             for name, one in data["cylinders"].items()
         ]  # fmt: skip
         lines += [printing.table(rows, ["cylinder", "peak bar", "paths choked %", "gas g a cycle"]), ""]
+        if "gas" in data:
+            lines += [*gas_use.words(data["gas"]), ""]
         books = data["books"]
         lines += [*(f"warning: {one}" for one in data.get("warnings", ())), *([""] if data.get("warnings") else [])]
         lines += [f"books: gas mass {books['gas_mass_residual']:.0e}, energy {books['gas_energy_residual']:.0e}"]

@@ -14,6 +14,7 @@ from exo_sim.cli.frame import verb
 @verb(
     'exo-sim size --scenario level_walk --payload "34 kg" --out sized',
     'exo-sim size --scenario level_walk --scenario squat --payload "20 kg" --payload "34 kg" --trials 1000 --jobs 8',
+    'exo-sim size --catalogue mine.toml --fix supply="7 bar" --fix hip.bore="40 mm"',
     "exo-sim size --quick",
     "exo-sim run level_walk --rig sized/sized.toml",
     out="Folder for sized.toml, report.html, sized.rrd and the journal of the search; sized when absent.",
@@ -33,12 +34,18 @@ from exo_sim.cli.frame import verb
 @click.option("--pressure-limit", type=options.Quantity("Pa", low=0.0), default=None,
               help="Largest pressure of supply and chambers, absolute; when absent 10 bar above "
                    "the atmosphere, for which the catalogue's are rated.")
+@click.option("--joints", "only", default=None, help="Joints to size, like knee_l,knee_r; all that have cylinders when absent.")
+@click.option("--catalogue", type=options.InputFile(), default=None,
+              help="TOML file with [[cylinder]] and [[valve]] to choose from, in place of what comes along.")
+@click.option("--fix", "fixes", multiple=True, metavar='NAME="VALUE"',
+              help='Not to be chosen: supply="7 bar", hip.bore="40 mm", hip.valve="8 mm^2", hip.from="200 mm" or hip.to; may be repeated.')
 @click.option("--jobs", type=click.IntRange(-1), default=-1, show_default=True,
               help="Processes, one thread each; -1: one a core.")
 @click.option("--scheduler", default=None, help="Address of a Dask scheduler, tcp://HOST:PORT, to score designs on its workers.")
 @click.option("--quick", is_flag=True, help="By hand: the paper's design equations 35 to 39. No search.")
 def command(scenarios: tuple[str, ...], payloads: tuple[float, ...], speeds: tuple[float, ...], rig: Path | None, trials: int,
-            reach: float, pressure_limit: float | None, jobs: int, scheduler: str | None, quick: bool, out: Path | None,
+            reach: float, pressure_limit: float | None, only: str | None, catalogue: Path | None,
+            fixes: tuple[str, ...], jobs: int, scheduler: str | None, quick: bool, out: Path | None,
             as_json: bool, quiet: bool, seed: int) -> None:  # fmt: skip
     """Search bores, rods, strokes, attachment points, valves and supply against the joint loads of what the machine must do.
 
@@ -46,8 +53,10 @@ def command(scenarios: tuple[str, ...], payloads: tuple[float, ...], speeds: tup
     """
     from exo_sim import rig as rigs
     from exo_sim.errors import ScenarioError
+    from exo_sim.rig.own_catalogue import read_catalogue
     from exo_sim.simulation.walk import default_rig
     from exo_sim.sizing import told
+    from exo_sim.sizing.fixing import fixed_numbers
     from exo_sim.sizing.loads import Condition, joint_loads
     from exo_sim.sizing.study import size, space_of
 
@@ -58,7 +67,10 @@ def command(scenarios: tuple[str, ...], payloads: tuple[float, ...], speeds: tup
     machine = rigs.read(rig or default_rig())
     conditions = tuple(dict.fromkeys(Condition(*each) for each in product(scenarios, payloads, speeds)))
     loads = tuple(joint_loads(machine, condition) for condition in conditions)
-    space = space_of(machine, reach, pressure_limit)
+    space = space_of(
+        machine, reach, pressure_limit, tuple(name.strip() for name in only.split(",")) if only is not None else (),
+        read_catalogue(catalogue) if catalogue is not None else None, fixed_numbers(fixes),
+    )  # fmt: skip
     if quick:
         from exo_sim.sizing.by_hand import joint_by_hand, papers_example
 

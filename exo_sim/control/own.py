@@ -6,7 +6,8 @@
         def act(self, observation): return {...}         # name of a signal to its value, "time" in seconds; commands until the next call
 
 Commands are a dictionary, or numbers in the order of `context.cylinders`: `"knee_l"` or `"knee_l.valve_command"` opens that cylinder's
-valve, -1 to 1; `"knee_l.torque"` asks for a joint's torque [N m] (of a sliding joint, its force [N]), which the built-in force loop
+valve, -1 to 1 (where its edges are independent `"knee_l.valve_command_1"` and `_2` open those of each chamber); `"knee_l.torque"` asks
+for a joint's torque [N m] (of a sliding joint, its force [N]), which the built-in force loop
 then makes. One kind at a time; what is left out is 0.
 """
 
@@ -31,6 +32,8 @@ from exo_sim.rig import Rig
 PERIOD = 0.002
 VALVES, TORQUES = "valves", "torques"
 _COMMAND, _TORQUE = ".valve_command", ".torque"
+#: Of a valve with independent edges: the command towards each chamber.
+_FIRST, _SECOND = ".valve_command_1", ".valve_command_2"
 
 
 @dataclass(frozen=True)
@@ -82,7 +85,8 @@ class Commands:
 
     Attributes:
         kind: `VALVES` or `TORQUES`.
-        values: One a cylinder or joint, in the order of the context.
+        values: One a cylinder or joint, in the order of the context; where a valve has independent edges, the commands towards
+            chambers 2 behind those towards chambers 1.
     """
 
     kind: str
@@ -239,8 +243,7 @@ def read(returned: Any, context: Context, kind: str = "") -> Commands:
         raise ScenarioError(
             f"act returned {values.size} numbers; without names they are valve commands, one each for {', '.join(context.cylinders)}"
         )
-    _check_finite(values, context.cylinders)
-    return Commands(VALVES, values)
+    return _to_valves(dict(zip(context.cylinders, values.tolist())), context)
 
 
 def _named(returned: Mapping[Any, Any], context: Context, kind: str) -> Commands:
@@ -257,9 +260,23 @@ def _named(returned: Mapping[Any, Any], context: Context, kind: str) -> Commands
             raise ScenarioError(f'"{key}" is a {type(value).__name__}, not a number') from None
     found = found or kind or VALVES
     names = context.cylinders if found == VALVES else context.joints
+    if found == VALVES:
+        return _to_valves({**values, **{name: values[name + _FIRST] for name in names if name + _FIRST in values}}, context)
     out = np.array([values.get(name, 0.0) for name in names])
     _check_finite(out, names)
     return Commands(found, out)
+
+
+def _to_valves(values: Mapping[str, float], context: Context) -> Commands:
+    """Return the commands of all valves; one command for a valve with independent edges moves both sides as a 4-way valve would."""
+    out = np.array([values.get(name, 0.0) for name in context.cylinders])
+    if any(cylinder.valve.independent for cylinder in context.rig.cylinders.values()):
+        other = [
+            values.get(name + _SECOND, 0.0 if name + _FIRST in values else -values.get(name, 0.0)) for name in context.cylinders
+        ]
+        out = np.concatenate([out, other])
+    _check_finite(out, context.cylinders * 2)
+    return Commands(VALVES, out)
 
 
 def _meant(key: str, context: Context) -> tuple[str, str]:
@@ -267,11 +284,16 @@ def _meant(key: str, context: Context) -> tuple[str, str]:
         name = key.removesuffix(ending)
         if key.endswith(ending) and name in names:
             return kind, name
+    for ending in (_FIRST, _SECOND):
+        name = key.removesuffix(ending)
+        if key.endswith(ending) and name in context.cylinders and context.rig.cylinders[name].valve.independent:
+            return VALVES, key
     if key in context.cylinders:
         return VALVES, key
     if key in context.joints:
         return TORQUES, key
-    known = [*(f"{name}{_COMMAND}" for name in context.cylinders), *(f"{name}{_TORQUE}" for name in context.joints), *context.cylinders]
+    commands = [f"{name}.{each}" for name in context.cylinders for each in context.rig.cylinders[name].commands]
+    known = [*commands, *(f"{name}{_TORQUE}" for name in context.joints), *context.cylinders]
     raise ScenarioError(f'"{key}" is no command{nearest(key, known)}')
 
 

@@ -77,12 +77,13 @@ def _at_cylinder(effect: Effect, name: str, joint: str, recording: Recording, ri
     if effect.cut == "gas":
         wanted.append(keys["position"])
         if cylinder.valve_area > 0.0:
-            wanted.append(f"{name}.valve_command")
+            wanted += [f"{name}.{command}" for command in cylinder.commands]
     shown = [signal if "." in signal else keys.get(signal, f"{name}.{signal}") for signal in effect.reveals]
     missing += _lacking(recording, wanted, shown)
     if effect.cut == "motion" and f"{name}.force" not in recording and not _driven(recording, joint, [name]):
         missing.append(f"{name}.pressure_1, {name}.force or {joint}.external_force, one of them")
-    return Question(effect.name, name, (*dict.fromkeys(missing), *_happened(effect, recording, f"{name}.valve_command", keys["position"])))
+    happened = _happened(effect, recording, f"{name}.{cylinder.commands[0]}", keys["position"])
+    return Question(effect.name, name, (*dict.fromkeys(missing), *happened))
 
 
 def _at_joint(effect: Effect, joint: str, cylinders: Sequence[str], recording: Recording) -> Question:
@@ -96,7 +97,7 @@ def _at_joint(effect: Effect, joint: str, cylinders: Sequence[str], recording: R
 def _shared(effect: Effect, place: str, recording: Recording, rig: Rig) -> Question:
     shown = [key for signal in effect.reveals for key in ([signal] if "." in signal else [f"{name}.{signal}" for name in rig.cylinders])]
     missing = _lacking(recording, [], shown)
-    commands = [f"{name}.valve_command" for name in rig.cylinders]
+    commands = [f"{name}.{command}" for name, cylinder in rig.cylinders.items() for command in cylinder.commands]
     if effect.asked.sense.commanded and not any(_range(recording, key) > _CLOSED for key in commands):
         missing.append("a valve that opens, with its command recorded")
     return Question(effect.name, place, tuple(missing))
@@ -128,4 +129,4 @@ def _range(recording: Recording, key: str) -> float:
     values = recording.get(key)
     if values is None or not np.isfinite(values).any():
         return 0.0
-    return float(np.nanmax(values) - np.nanmin(values)) if not key.endswith("valve_command") else float(np.nanmax(np.abs(values)))
+    return float(np.nanmax(values) - np.nanmin(values)) if ".valve_command" not in key else float(np.nanmax(np.abs(values)))

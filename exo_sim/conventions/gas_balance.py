@@ -57,6 +57,13 @@ class CylinderColumns:
     supply: Array
     exhaust: Array
     noise: tuple[float, float]
+    command_2: Array | None = None
+
+    def towards(self, chamber: int) -> Array:
+        """Return the command that opens chamber 0 or 1 to the supply where it is above zero."""
+        if chamber == 0:
+            return self.command
+        return -self.command if self.command_2 is None else self.command_2
 
     def swapped(self) -> CylinderColumns:
         """Return what it is where each chamber's column holds the other's pressure."""
@@ -64,7 +71,7 @@ class CylinderColumns:
 
     def with_turned_valve(self) -> CylinderColumns:
         """Return what it is where the command has the other sign."""
-        return replace(self, command=-self.command)
+        return replace(self, command=-self.command, command_2=None if self.command_2 is None else -self.command_2)
 
     def reversed(self, stroke: float) -> CylinderColumns:
         """Return what it is where the position is counted from the other end."""
@@ -165,7 +172,7 @@ def least_at(misfits: Array, contrast: float) -> float | None:
 
 def _terms(columns: CylinderColumns, cylinder: Cylinder, rig: Rig, chamber: int) -> tuple[Array, Array, Array]:
     """Return pressure, flow term and work term of one chamber, summed up over the rows, shape (n,) each."""
-    command = columns.command if chamber == 0 else -columns.command
+    command = columns.towards(chamber)
     travel = columns.position if chamber == 0 else cylinder.stroke - columns.position
     area, dead = (cylinder.area_1, cylinder.dead_volume_1) if chamber == 0 else (cylinder.area_2, cylinder.dead_volume_2)
     least = dead + 0.02 * area * cylinder.stroke  # the smallest volumes are the least certain

@@ -88,9 +88,9 @@ def columns_of(recording: Recording, machine: Machine, link: Linkage) -> Cylinde
     position = recording.get(f"{link.joint}.position")
     if position is None or not any(f"{name}.pressure_{side}" in recording for side in (1, 2)):
         return None
-    command = recording.get(f"{name}.valve_command")
-    command = np.zeros(len(recording.time)) if command is None else command
-    rows, breaks = stretches(recording.time, [np.isfinite(position), np.isfinite(command)])
+    columns = [recording.get(f"{name}.{command}") for command in machine.rig.cylinders[name].commands]
+    commands = [np.zeros(len(recording.time)) if values is None else values for values in columns]
+    rows, breaks = stretches(recording.time, [np.isfinite(position), *(np.isfinite(values) for values in commands)])
     if not len(rows):
         return None
 
@@ -106,8 +106,9 @@ def columns_of(recording: Recording, machine: Machine, link: Linkage) -> Cylinde
         breaks,
         np.stack([values[rows] for values in pressures]),
         machine.piston(link, position[rows]),
-        command[rows],
+        commands[0][rows],
         at("supply.pressure", machine.rig.supply.pressure),
         at("exhaust.pressure", machine.atmosphere),
         (noises[0], noises[1]),
+        commands[1][rows] if len(commands) > 1 else None,
     )

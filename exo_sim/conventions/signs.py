@@ -64,7 +64,7 @@ def _read(columns: CylinderColumns, cylinder: Cylinder, ask: Callable[[CylinderC
     plain = ask(columns)
     if not plain.intervals:
         return None
-    driven = cylinder.valve_area > 0.0 and bool((columns.command != columns.command[0]).any())
+    driven = cylinder.valve_area > 0.0 and any(bool((columns.towards(side) != columns.towards(side)[0]).any()) for side in (0, 1))
     ways = [way for way in _WAYS if (driven or not way.turned) and not (cylinder.single_acting and way.swapped)]
     if driven:
         ways += [_Reading(clock=clock) for clock in CLOCKS]
@@ -99,10 +99,12 @@ def _is_rate(recording: Recording, key: str) -> bool:
 def _put_right(recording: Recording, machine: Machine, name: str, reading: _Reading) -> tuple[Recording, list[Check]]:
     columns, checks = dict(recording.columns), []
     if reading.turned:
-        key = f"{name}.valve_command"
-        columns[key] = -columns[key]
-        says = f'"{key}": does +1 open the supply to chamber 2 here? Its opposite moves the pressures as recorded; sign turned'
-        checks.append(Check("turned valve", (key,), says))
+        cylinder = machine.rig.cylinders[name]
+        keys = tuple(key for command in cylinder.commands if (key := f"{name}.{command}") in columns)
+        columns |= {key: -columns[key] for key in keys}
+        wrong = "open its chamber to the exhaust" if cylinder.valve.independent else "open the supply to chamber 2"
+        says = f"{named(keys)}: does +1 {wrong} here? Its opposite moves the pressures as recorded; sign turned"
+        checks.append(Check("turned valve", keys, says))
     if reading.swapped:
         keys = (f"{name}.pressure_1", f"{name}.pressure_2")
         both = [columns.pop(key, None) for key in keys]

@@ -115,17 +115,17 @@ def exhaust_state(world, y, shared: int):
 
 
 @kernel
-def path_areas(c, opening: float) -> tuple[float, float, float, float]:
+def path_areas(c, opening_1: float, opening_2: float) -> tuple[float, float, float, float]:
     """Return the areas of supply->1, 1->exhaust, supply->2, 2->exhaust [m^2]; a vented cylinder has both exhausts open."""
     if c.vented == 0.0 and valve_edges.present(c.valve_edges):
         closed = valve_null_leakage.closed_area(c.valve_null_leakage)
-        return valve_edges.path_areas(c.valve_edges, opening, c.valve_deadband.width, c.valve_area, closed)
-    return plain_path_areas(c, opening)
+        return valve_edges.path_areas(c.valve_edges, opening_1, opening_2, c.valve_deadband.width, c.valve_area, closed)
+    return plain_path_areas(c, opening_1, opening_2)
 
 
 @kernel
-def plain_path_areas(c, opening: float) -> tuple[float, float, float, float]:
+def plain_path_areas(c, opening_1: float, opening_2: float) -> tuple[float, float, float, float]:
     """Return the same for four edges that are alike."""
     if c.vented > 0.0:
         return 0.0, c.valve_area, 0.0, c.valve_area
-    return valve.path_areas(opening, c.valve_area, valve_null_leakage.closed_area(c.valve_null_leakage))
+    return valve.path_areas(opening_1, opening_2, c.valve_area, valve_null_leakage.closed_area(c.valve_null_leakage))

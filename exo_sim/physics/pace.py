@@ -112,7 +112,7 @@ def fastest_rate(world, cylinders, y, supply, exhaust, x, spool, span):
     for i in range(len(cylinders)):
         c, base = cylinders[i], i * INTEGRATED
         one, two = chambers(world, c, y, base, x[i], 0.0)
-        a_s1, a_1e, a_s2, a_2e = path_areas(c, spool[i])
+        a_s1, a_1e, a_s2, a_2e = path_areas(c, spool[i], spool[len(cylinders) + i])
         added_1 = added_2 = 0.0
         if not plain(c):
             added_1, added_2 = rate_of_effects(world, c, one, two, span), rate_of_effects(world, c, two, one, span)
@@ -138,7 +138,7 @@ def fastest_change(world, cylinders, y, supply, exhaust, x, end, spool, left):
         squeezed_2 = abs(after_2 - v_2) / min(after_2, v_2)
         change = max(change, squeezed_1 / left, squeezed_2 / left)
         p_1, p_2 = pressures(world, c, y, base, x[i])
-        a_s1, a_1e, a_s2, a_2e = path_areas(c, spool[i])
+        a_s1, a_1e, a_s2, a_2e = path_areas(c, spool[i], spool[len(cylinders) + i])
         if line_restriction.present(c.line_restriction):
             v_1 = v_2 = c.line_restriction.volume
             p_1 = chamber.pressure(y[base + HOSE_ENERGY_1], v_1, k)

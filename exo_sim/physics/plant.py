@@ -35,9 +35,11 @@ from exo_sim.physics.state import (
     PISTON,
     PISTON_SPEED,
     PLAY,
+    PLAY_2,
     REMEMBERED,
     SHARED,
     SPOOL,
+    SPOOL_2,
 )
 from exo_sim.physics.step import all_plain, integrate
 from exo_sim.physics.transmission import gives, piston_at
@@ -63,7 +65,7 @@ def regulator_gain(world, cylinders, spool) -> float:
         return world.supply_regulator.droop * world.supply_droop.conductance
     area = 0.0
     for i in range(len(cylinders)):
-        a_s1, _, a_s2, _ = path_areas(cylinders[i], spool[i])
+        a_s1, _, a_s2, _ = path_areas(cylinders[i], spool[i], spool[len(cylinders) + i])
         area += a_s1 + a_s2
     steepest = gas.subsonic_flow_factor(gas.LAMINAR_RATIO, world.k) / (1.0 - gas.LAMINAR_RATIO)
     return world.supply_regulator.droop * area * steepest * math.sqrt(world.k / (world.r * world.supply_temperature))
@@ -78,14 +80,21 @@ def opening(c, spool: float) -> float:
 
 
 @kernel
-def move_spool(c, memory, place: int, command: float, h: float) -> float:
-    """Move one valve's spool on by `h` seconds of a held command; return its mean relative opening meanwhile."""
-    memory[place + PLAY] = valve_hysteresis.play(c.valve_hysteresis, memory[place + PLAY], command)
-    wanted = valve_lag.follow(c.valve_lag, memory[place + SPOOL], memory[place + PLAY], 0.5 * h)
-    halfway = spool_rate_limit.limited(c.spool_rate_limit, memory[place + SPOOL], wanted, 0.5 * h)
-    wanted = valve_lag.follow(c.valve_lag, halfway, memory[place + PLAY], 0.5 * h)
-    memory[place + SPOOL] = spool_rate_limit.limited(c.spool_rate_limit, halfway, wanted, 0.5 * h)
+def move_spool(c, memory, spool: int, play: int, command: float, h: float) -> float:
+    """Move one spool, at its places in memory, on by `h` seconds of a held command; return its mean relative opening meanwhile."""
+    memory[play] = valve_hysteresis.play(c.valve_hysteresis, memory[play], command)
+    wanted = valve_lag.follow(c.valve_lag, memory[spool], memory[play], 0.5 * h)
+    halfway = spool_rate_limit.limited(c.spool_rate_limit, memory[spool], wanted, 0.5 * h)
+    wanted = valve_lag.follow(c.valve_lag, halfway, memory[play], 0.5 * h)
+    memory[spool] = spool_rate_limit.limited(c.spool_rate_limit, halfway, wanted, 0.5 * h)
     return opening(c, halfway)
+
+
+@kernel
+def widest(c, here: float, there: float) -> float:
+    """Return the wider of the openings of two places of a spool."""
+    opened, will_open = opening(c, here), opening(c, there)
+    return opened if abs(opened) > abs(will_open) else will_open
 
 
 @kernel
@@ -97,9 +106,10 @@ def advance(world, cylinders, state, x0, x1, command, dt, work, scratch):
         cylinders: Records CYLINDER, shape (n,).
         state: The state vector; changed in place.
         x0, x1: Piston positions at the start and the end, from the transmission, shape (n,) [m].
-        command: Valve commands held over the step, delays already applied, shape (n,).
+        command: Valve commands held over the step, delays already applied, shape (n,); (2 n,), those towards chambers 2 behind the
+            others, where a cylinder has a valve for each chamber.
         work: Scratch, shape (5, integrated_size(n)).
-        scratch: Scratch, shape (5, n).
+        scratch: Scratch, shape (5, 2 n).
     """
     n = len(cylinders)
     total = n * INTEGRATED + SHARED
@@ -128,13 +138,18 @@ def advance(world, cylinders, state, x0, x1, command, dt, work, scratch):
     tries, known = MOST_TRIES * most, all_plain(world, cylinders)
     while left > 1e-12:
         for i in range(n):
-            here = opening(cylinders[i], memory[i * REMEMBERED + SPOOL])
-            there = opening(cylinders[i], command[i])
-            spool[i] = here if abs(here) > abs(there) else there
+            spool[i] = widest(cylinders[i], memory[i * REMEMBERED + SPOOL], command[i])
+            spool[n + i] = -spool[i]
+            if cylinders[i].independent > 0.0:
+                spool[n + i] = widest(cylinders[i], memory[i * REMEMBERED + SPOOL_2], command[n + i])
         held, faster = memory[shared_memory + HELD], memory[shared_memory + FASTER]
         h, stages = step_length(world, cylinders, y, held, start, end, spool, left, dt / most, faster)
         for i in range(n):
-            spool[i] = move_spool(cylinders[i], memory, i * REMEMBERED, command[i], h)
+            place = i * REMEMBERED
+            spool[i] = move_spool(cylinders[i], memory, place + SPOOL, place + PLAY, command[i], h)
+            spool[n + i] = -spool[i]
+            if cylinders[i].independent > 0.0:
+                spool[n + i] = move_spool(cylinders[i], memory, place + SPOOL_2, place + PLAY_2, command[n + i], h)
         drawn, tried, too_fast = integrate(world, cylinders, y, held, start, end, left, spool, h, stages, work, x, v, tries, known)
         tries -= tried
         if tries < 0:
@@ -175,23 +190,23 @@ def step(world, cylinders, joints, vector, history, x0, x1, q0, q1, command, dt,
 
     Args:
         vector: The state vector of `state.py`, joint bristles at its end.
-        history: Shape (n, size + 1).
+        history: Shape (commands, size + 1).
         x0, x1: Transmission lengths less the retracted ones, before and after, shape (n,).
         q0, q1: Positions of the joints that have friction of their own, shape (m,).
-        command: Valve commands held over the step, shape (n,).
+        command: Valve commands held over the step, shape (n,) or (2 n,) as of `advance`.
     """
     late = scratch[5]
-    size = history.shape[1] - 1
-    for i in range(len(cylinders)):
+    size, n = history.shape[1] - 1, len(cylinders)
+    for i in range(command.size):
         if math.isnan(command[i]):
             return NO_COMMAND + i
-    for i in range(len(cylinders)):
+    for i in range(command.size):
         held = min(max(command[i], -1.0), 1.0)
         if size > 1:
             newest = int(history[i, size] + 1.0) % size
             history[i, size] = newest
             history[i, newest] = held
-            held = delayed(history[i, :size], newest, cylinders[i].valve_lag.delay, dt)
+            held = delayed(history[i, :size], newest, cylinders[i % n].valve_lag.delay, dt)
         late[i] = held
     if not advance(world, cylinders, vector, x0, x1, late, dt, work, scratch):
         return TOO_FAST

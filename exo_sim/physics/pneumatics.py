@@ -53,9 +53,10 @@ class Pneumatics:
         self.vector = np.zeros(state.size(n, len(self.joints)))
         delays = cylinders["valve_lag"]["delay"]
         ring = math.ceil(float(delays.max()) / dt) + 2 if n and delays.max() > 0.0 else 1
-        self.history = np.zeros((n, ring + 1))
+        self.commands = 2 * n if n and cylinders["independent"].any() else n
+        self.history = np.zeros((self.commands, ring + 1))
         self._work = np.zeros((5, state.integrated_size(n)))
-        self._scratch = np.zeros((6, n))
+        self._scratch = np.zeros((6, 2 * n))
         self._start = self.vector.copy()
 
     @property
@@ -176,7 +177,9 @@ class Pneumatics:
         q0: NDArray[np.float64] | None = None,
         q1: NDArray[np.float64] | None = None,
     ) -> None:
-        """Move the state on by `dt` with pistons going from x0 to x1 and valves at `command`, each of shape (n,).
+        """Move the state on by `dt` with pistons going from x0 to x1 (n,) and valves at `command`.
+
+        Commands are of shape (commands,): one a cylinder, and where any has a valve for each chamber those towards chambers 2 behind.
 
         Raises:
             ModelError: a command is not a number, or the gas is too fast to be followed; it says what to change.

@@ -122,12 +122,12 @@ def _of_cylinder(added: bool) -> Function:
     areas = path_areas if added else plain_path_areas
 
     @within
-    def rates_of(world, c, y, dy, base, x, v, opening, supply, exhaust):
+    def rates_of(world, c, y, dy, base, x, v, opening_1, opening_2, supply, exhaust):
         for j in range(INTEGRATED):
             dy[base + j] = 0.0
         k, r, ambient = world.k, world.r, world.ambient
         one, two = chambers(world, c, y, base, x, v)
-        a_s1, a_1e, a_s2, a_2e = areas(c, opening)
+        a_s1, a_1e, a_s2, a_2e = areas(c, opening_1, opening_2)
         w, h, drawn, h_drawn, vented, h_vented = through_valve(
             c, one, a_s1, a_1e, supply, exhaust, k, r, y, dy, base + HOSE_MASS_1, base + HOSE_ENERGY_1
         )
@@ -173,18 +173,18 @@ _rates_with_effects, _rates_of_plain_cylinder = _of_cylinder(True), _of_cylinder
 
 
 @kernel
-def cylinder_rates(world, c, y, dy, base, x, v, opening, supply, exhaust):
+def cylinder_rates(world, c, y, dy, base, x, v, opening_1, opening_2, supply, exhaust):
     """Write d/dt of one cylinder's integrated state; return its flows from the supply and into the exhaust, with enthalpies.
 
     Args:
         y, dy: Integrated state and its rate; the cylinder's part begins at `base`.
         x, v: Position and speed of the piston.
-        opening: Relative opening of the valve, dead-band and offset already applied.
+        opening_1, opening_2: Relative openings towards each chamber, dead-band and offset already applied.
         supply, exhaust: `Reservoir` upstream and downstream of the valve.
     """
     if plain(c):
-        return _rates_of_plain_cylinder(world, c, y, dy, base, x, v, opening, supply, exhaust)
-    return _rates_with_effects(world, c, y, dy, base, x, v, opening, supply, exhaust)
+        return _rates_of_plain_cylinder(world, c, y, dy, base, x, v, opening_1, opening_2, supply, exhaust)
+    return _rates_with_effects(world, c, y, dy, base, x, v, opening_1, opening_2, supply, exhaust)
 
 
 @kernel
@@ -195,14 +195,14 @@ def rates(world, cylinders, y, dy, held, x, v, spool):
         y, dy: Integrated state and its rate, shape (integrated_size,).
         held: The flow that the regulator's diaphragm holds [kg/s].
         x, v: Piston positions and speeds, shape (n,).
-        spool: Relative openings, dead-band and offset already applied, shape (n,).
+        spool: Relative openings, dead-band and offset already applied: towards chambers 1, then towards chambers 2, shape (2 n,).
     """
     n = len(cylinders)
     shared = n * INTEGRATED
     supply, exhaust = supply_state(world, y, shared, held), exhaust_state(world, y, shared)
     drawn = h_drawn = vented = h_vented = 0.0
     for i in range(n):
-        w, h, e, he = cylinder_rates(world, cylinders[i], y, dy, i * INTEGRATED, x[i], v[i], spool[i], supply, exhaust)
+        w, h, e, he = cylinder_rates(world, cylinders[i], y, dy, i * INTEGRATED, x[i], v[i], spool[i], spool[n + i], supply, exhaust)
         drawn += w
         h_drawn += h
         vented += e

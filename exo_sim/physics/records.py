@@ -37,6 +37,7 @@ CYLINDER = np.dtype(
         ("dead_volume_2", np.float64),
         ("single_acting", np.float64),
         ("valve_area", np.float64),
+        ("independent", np.float64),
         ("vented", np.float64),
         ("effective_mass", np.float64),
         ("turning", np.float64),

@@ -15,6 +15,7 @@ from exo_sim.physics.plain import effects_on_gas
 from exo_sim.physics.plant import NO_COMMAND, opening
 
 Array = NDArray[np.float64]
+Sides = tuple[float, float]
 
 
 class Refusal(NamedTuple):
@@ -53,15 +54,15 @@ def why(
         dt: Length of the step [s].
     """
     if code >= NO_COMMAND:
-        i = code - NO_COMMAND
-        return Refusal(i, f"its valve command is {command[i]:g}: a controller must give a number from -1 to 1")
+        at = code - NO_COMMAND
+        return Refusal(at % len(cylinders), f"its valve command is {command[at]:g}: a controller must give a number from -1 to 1")
     for record, i in [(world, 0), *((cylinders[i : i + 1], i) for i in range(len(cylinders)))]:
         if name := _no_number(record):
             return Refusal(i, f"{name} is not a number: give it one")
     rates = {
         (i, side): rate
         for i in range(len(cylinders))
-        for side, rate in enumerate(_rates(world, cylinders[i : i + 1], vector, i, x1[i], command[i], dt), 1)
+        for side, rate in enumerate(_rates(world, cylinders[i : i + 1], vector, i, x1[i], _both(command, i, cylinders), dt), 1)
     }
     (i, side), rate = max(rates.items(), key=lambda item: item[1])
     before, after = nodes.volumes(cylinders[i], x0[i])[side - 1], nodes.volumes(cylinders[i], x1[i])[side - 1]
@@ -71,11 +72,18 @@ def why(
             i, f"{volume} changes to {max(before, after) / min(before, after):.3g} times its volume in a step of {dt:g} s, "
             f"which no smaller steps follow: give it more dead volume, or take a shorter time step"
         )  # fmt: skip
-    cause = min(_causes(cylinders[i]), key=lambda other: _rates(world, other[1], vector, i, x1[i], command[i], dt)[side - 1])[0]
+    both = _both(command, i, cylinders)
+    cause = min(_causes(cylinders[i]), key=lambda other: _rates(world, other[1], vector, i, x1[i], both, dt)[side - 1])[0]
     return Refusal(
         i, f"{volume} settles in {1.0 / rate:.2g} s, {rate * dt:.2g} times in a step of {dt:g} s, which no smaller steps follow: "
         f"give it more dead volume, less {cause}, or take a shorter time step"
     )  # fmt: skip
+
+
+def _both(command: Array, i: int, cylinders: NDArray[np.void]) -> Sides:
+    """Return the commands of one cylinder towards its chambers 1 and 2."""
+    one = float(command[i])
+    return one, float(command[len(cylinders) + i]) if cylinders["independent"][i] > 0.0 else -one
 
 
 def _no_number(record: NDArray[np.void]) -> str:
@@ -98,12 +106,14 @@ def _causes(cylinder: np.void) -> Iterator[tuple[str, NDArray[np.void]]]:
             yield ("valve area" if name == "valve_area" else name), without
 
 
-def _rates(world: NDArray[np.void], cylinder: NDArray[np.void], vector: Array, i: int, x: float, command: float, dt: float) -> list[float]:
+def _rates(world: NDArray[np.void], cylinder: NDArray[np.void], vector: Array, i: int, x: float, command: Sides, dt: float) -> list[float]:
     """Return how fast each chamber that a cylinder has can settle [1/s]."""
     c, w, base = cylinder[0], world[0], i * state.INTEGRATED
     one, two = nodes.chambers(w, c, vector, base, x, 0.0)
     supply, exhaust = Reservoir(w["supply_pressure"], w["supply_temperature"]), Reservoir(w["exhaust_pressure"], w["ambient"])
-    a_s1, a_1e, a_s2, a_2e = nodes.path_areas(c, opening(c, command))
+    towards_1 = opening(c, command[0])
+    towards_2 = opening(c, command[1]) if c["independent"] > 0.0 else -towards_1
+    a_s1, a_1e, a_s2, a_2e = nodes.path_areas(c, towards_1, towards_2)
     sides = [(one, two, a_s1, a_1e), (two, one, a_s2, a_2e)][: 1 if c["single_acting"] > 0.0 else 2]
     found = [
         side_rate(w, c, vector, base, here, there, fed, let_off, supply, exhaust, dt, rate_of_effects(w, c, here, there, dt))[0]

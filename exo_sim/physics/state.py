@@ -21,9 +21,10 @@ FED, FED_ENTHALPY, RELEASED, RELEASED_ENTHALPY = 4, 5, 6, 7
 SHARED = 8
 
 # Remembered, per cylinder: spool, play of the valve, bristle of the dry friction, piston and its speed where
-# the transmission gives.
+# the transmission gives; spool and play of the second valve where each chamber has its own.
 SPOOL, PLAY, BRISTLE, PISTON, PISTON_SPEED = 0, 1, 2, 3, 4
-REMEMBERED = 5
+SPOOL_2, PLAY_2 = 5, 6
+REMEMBERED = 7
 
 # Remembered, shared: flow that the regulator feels, and the flow its diaphragm holds; how fast the gas turned out to be where a step
 # was too coarse for it.

@@ -31,7 +31,7 @@ def chebyshev_step(world, cylinders, y, held, x0, v, spool, h, stages, work, x, 
     Args:
         y: Integrated state, shape (integrated_size,).
         held: The flow that the regulator's diaphragm holds [kg/s].
-        spool: Relative openings, shape (n,).
+        spool: Relative openings of both sides, shape (2 n,).
         stages: Two or more.
         work: Scratch, shape (5, integrated_size).
         x: Scratch, shape (n,).

@@ -11,6 +11,7 @@ from exo_sim import signals
 from exo_sim.recording import columns
 from exo_sim.recording.scene import Scene
 from exo_sim.recording.table import Recording
+from exo_sim.signals import VALVE_COMMANDS
 
 if TYPE_CHECKING:
     import rerun.blueprint as rrb
@@ -25,7 +26,7 @@ _PLOTS = (
     ("pressure, Pa", ("pressure_1", "pressure_2", "pressure")),
     ("rod force, N", ("force", "force_demanded")),
     ("joint torque or force", ("torque", "torque_demanded", "wearer_moment", "wearer_total_moment", "external_force")),
-    ("valve command, choked paths", ("valve_command", "choked")),
+    ("valve command, choked paths", (*VALVE_COMMANDS, "choked")),
     ("position", ("position", "length")),
     ("velocity", ("velocity",)),
     ("temperature, K", ("temperature_1", "temperature_2", "temperature")),

@@ -10,6 +10,7 @@ from numpy.typing import NDArray
 from exo_sim.errors import RecordingError
 from exo_sim.recording import columns
 from exo_sim.recording.finding import Finding
+from exo_sim.signals import VALVE_COMMANDS
 
 
 def on_one_clock(
@@ -34,7 +35,7 @@ def on_one_clock(
             says = f'"{key}" has {len(times)} samples on a clock of its own that does not increase; it was set aside'
             findings.append(Finding(key, "clock", says, severity="warning", use="set aside"))
         else:
-            if columns.signal_of(key).name == "valve_command":
+            if columns.signal_of(key).name in VALVE_COMMANDS:
                 at = np.searchsorted(times, time, side="right") - 1
                 values[key] = np.where(at >= 0, numbers[np.maximum(at, 0)], np.nan)
             else:

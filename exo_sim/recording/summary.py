@@ -13,6 +13,7 @@ from exo_sim.recording.finding import Finding
 from exo_sim.recording.gait_events import feet
 from exo_sim.recording.reader import Reading
 from exo_sim.recording.table import Recording
+from exo_sim.signals import VALVE_COMMANDS
 
 #: Of a valve that is open: from the supply into one chamber, and out of the other. `choked` counts those that are.
 _PATHS = 2.0
@@ -144,9 +145,10 @@ def _cylinder(recording: Recording, part: str, strides: int) -> dict[str, Any]:
         entry["force_peak_n"] = float(np.nanmax(np.abs(force)))
         if demanded is not None:
             entry["force_error_rms_n"] = float(np.sqrt(np.nanmean(np.square(force - demanded))))
-    command, choked = recording.get(f"{part}.valve_command"), recording.get(f"{part}.choked")
-    if command is not None:
-        entry["valve_closed_share"] = float(np.nanmean(np.abs(command) < 1e-3))
+    commands = [recording[key] for name in VALVE_COMMANDS if (key := f"{part}.{name}") in recording]
+    choked = recording.get(f"{part}.choked")
+    if commands:
+        entry["valve_closed_share"] = float(np.nanmean(np.max(np.abs(commands), axis=0) < 1e-3))
     if choked is not None:
         entry["choked_share"] = float(np.nanmean(choked)) / _PATHS
     used = recording.get(f"{part}.gas_used")

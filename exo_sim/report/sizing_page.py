@@ -7,8 +7,10 @@ from pathlib import Path
 
 import exo_sim
 from exo_sim.report import sizing_picture
+from exo_sim.simulation import gas_use
 from exo_sim.sizing import published, told
 from exo_sim.sizing.by_hand import papers_example
+from exo_sim.sizing.choice import fates
 from exo_sim.sizing.study import Sizing
 
 _HERE = Path(__file__).parent
@@ -29,6 +31,8 @@ def page(sizing: Sizing) -> str:
         z=sizing,
         c=sizing.choice.confirmed,
         kinds=kinds,
+        fates=fates(sizing.outcome, sizing.task),
+        gas=gas_use.rows(sizing.choice.confirmed.summary["gas"]) if "gas" in sizing.choice.confirmed.summary else [],
         style=(_HERE / "diagnosis.css").read_text(encoding="utf-8"),
         conditions=[str(condition) for condition in sizing.task.conditions],
         described=told.described(kinds, sizing.choice.found),

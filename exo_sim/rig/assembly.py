@@ -41,6 +41,7 @@ def cylinders(rig: Rig, drives: Mapping[str, str] | None = None) -> NDArray[np.v
             cylinder.valve_area,
             1.0,
         )
+        record["independent"] = float(cylinder.valve.independent)
         for effect in rig.effects:
             if effect.where == cylinder.name:
                 _switch_on(record, effect)

@@ -36,6 +36,8 @@ class CatalogueCylinder:
             comes on top.
         mass_without_stroke: With rod eye [kg].
         mass_per_length: [kg/m].
+        rating: Largest pressure in it, absolute [Pa].
+        maker: Who makes it; "" for the standard's own.
     """
 
     standard: str
@@ -45,6 +47,8 @@ class CatalogueCylinder:
     pivot_length: float
     mass_without_stroke: float
     mass_per_length: float
+    rating: float = RATED_PRESSURE + 101325.0
+    maker: str = ""
 
     def mass(self, stroke: float) -> float:
         """Return the mass with a stroke [kg]."""

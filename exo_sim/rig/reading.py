@@ -8,8 +8,20 @@ from pathlib import Path
 from exo_sim.errors import RigError
 from exo_sim.inputs import text_of, toml
 from exo_sim.rig.effects import read_effects
-from exo_sim.rig.schema import LARGEST_HEAT_CAPACITY_RATIO, Ankle, Attachment, Cylinder, Environment, JointFactors, Rig, Supply, Wearer
+from exo_sim.rig.schema import (
+    LARGEST_HEAT_CAPACITY_RATIO,
+    Ankle,
+    Attachment,
+    Cylinder,
+    EffectSetting,
+    Environment,
+    JointFactors,
+    Rig,
+    Supply,
+    Wearer,
+)
 from exo_sim.rig.table import Table
+from exo_sim.rig.valve import read_valve, with_valves
 
 #: What stands at the top of a rig file. Told apart first: under a misspelt heading everything else looks missing.
 SECTIONS = (
@@ -64,12 +76,14 @@ def parse_table(table: Table, text: str) -> Rig:
         r = gas.quantity("specific_gas_constant", "J/(kg K)", default=r, above=0.0, most=1e4)
         k = gas.quantity("heat_capacity_ratio", "1", default=k, above=1.0, most=LARGEST_HEAT_CAPACITY_RATIO)
         gas.done()
-    cylinders = {}
+    cylinders: dict[str, Cylinder] = {}
+    valves: list[EffectSetting] = []
     if (group := table.table("cylinders", required=False)) is not None:
         for key in group.values:
             part = group.table(key)
             assert part is not None
-            cylinders[key] = _cylinder(key, part)
+            cylinders[key], of_valve = _cylinder(key, part)
+            valves += of_valve
     driven: dict[str, str] = {}
     for cylinder in cylinders.values():
         if cylinder.actuator in driven:
@@ -82,7 +96,7 @@ def parse_table(table: Table, text: str) -> Rig:
     factors = {name: _factors(part) for name, part in _parts_of(table, "joints")}
     supply = _supply(table, environment, needed=any(c.valve_area > 0.0 for c in cylinders.values()))
     wearer, ankle = _worn(table)
-    effects = read_effects(table.table("effects", required=False), cylinders)
+    effects = with_valves(read_effects(table.table("effects", required=False), cylinders), valves)
     return Rig(name, model, environment, supply, r, k, cylinders, effects, masses, factors, wearer, ankle, text, path)
 
 
@@ -138,18 +152,13 @@ def _supply(table: Table, environment: Environment, needed: bool) -> Supply:
     return found
 
 
-def _cylinder(name: str, part: Table) -> Cylinder:
+def _cylinder(name: str, part: Table) -> tuple[Cylinder, list[EffectSetting]]:
+    """Return a cylinder, and the effects that say how its valve's edges differ."""
     bore = part.quantity("bore", "m", above=0.0, most=10.0)
     rod = part.quantity("rod", "m", default=0.0, at_least=0.0)
     if rod >= bore:
         raise part.fail("rod", f"must be thinner than the bore ({bore:g} m)")
-    valve = part.table("valve", required=False)
-    area = 0.0
-    if valve is not None:
-        area = valve.quantity("area", "m^2", above=0.0)
-        valve.done()
-        if area > bore**2:
-            raise valve.fail("area", f"is larger than the piston of a {bore:g} m bore; is the unit right?")
+    area, valve, of_valve = read_valve(name, part.table("valve", required=False), bore)
     cylinder = Cylinder(
         name,
         part.text("actuator"),
@@ -162,9 +171,11 @@ def _cylinder(name: str, part: Table) -> Cylinder:
         part.text("acting", default="double", choices=("double", "single")) == "single",
         area,
         _attachment(part.table("attachment", required=False)),
+        valve,
+        part.quantity("rating", "Pa", above=0.0, most=1e9) if part.has("rating") else None,
     )
     part.done()
-    return cylinder
+    return cylinder, of_valve
 
 
 def _attachment(part: Table | None) -> Attachment | None:

@@ -40,10 +40,28 @@ class Attachment:
     rod: tuple[float, float]
 
 
+#: What a valve may be: one spool for both chambers, or edges that each chamber has for itself.
+VALVE_KINDS = ("4-way", "independent")
+
+
+@dataclass(frozen=True)
+class Valve:
+    """What a valve is besides the area of its paths; its edges and its flow law are effects of the cylinder (`of_valve`).
+
+    Attributes:
+        independent: Whether each chamber has a command of its own.
+        sizes: Keys of the file that say how large its paths are, with their SI values and units.
+    """
+
+    independent: bool = False
+    sizes: tuple[tuple[str, float, str], ...] = ()
+
+
 @dataclass(frozen=True)
 class Cylinder:
-    """One cylinder with its valve; lengths in m, volumes in m^3, areas in m^2. `valve_area` is 0 where there is no valve.
-    `attachment` is None where the MJCF's own points stand."""
+    """One cylinder with its valve; lengths in m, volumes in m^3, areas in m^2. `valve_area` is 0 where there is no valve, that of the
+    largest path where paths differ. `attachment` is None where the MJCF's own points stand. `rating` is the largest pressure that it
+    may see, absolute [Pa], or None."""
 
     name: str
     actuator: str
@@ -56,6 +74,13 @@ class Cylinder:
     single_acting: bool
     valve_area: float
     attachment: Attachment | None = None
+    valve: Valve = Valve()
+    rating: float | None = None
+
+    @property
+    def commands(self) -> tuple[str, ...]:
+        """Names of the signals that command its valve."""
+        return ("valve_command_1", "valve_command_2") if self.valve.independent else ("valve_command",)
 
     @property
     def area_1(self) -> float:
@@ -77,6 +102,7 @@ class EffectSetting:
         parameters: Single numbers, in SI.
         turning: True where they were given for a joint that turns (N m, rad), or for a column of one.
         curves: Parameters that are lists of numbers, in SI.
+        of_valve: True where it says what `[cylinders.NAME.valve]` says, not what an `[effects]` table does.
     """
 
     name: str
@@ -84,6 +110,7 @@ class EffectSetting:
     parameters: Mapping[str, float]
     turning: bool = False
     curves: Mapping[str, tuple[float, ...]] = field(default_factory=dict)
+    of_valve: bool = False
 
 
 @dataclass(frozen=True)

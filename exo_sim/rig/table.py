@@ -17,10 +17,11 @@ class Table:
         path: The file, for messages.
         key: The table's dotted name, "" for the whole file.
         values: What the file holds.
+        of: What it is a file of, for messages.
     """
 
-    def __init__(self, path: Path, key: str, values: Any):
-        self.path, self.key = path, key
+    def __init__(self, path: Path, key: str, values: Any, of: str = "a rig"):
+        self.path, self.key, self.of = path, key, of
         if not isinstance(values, Mapping):
             raise RigError(f"{path}: {key} = {values!r} must be a table: write [{key}] above its keys")
         self.values = values
@@ -35,6 +36,10 @@ class Table:
         value = f" = {self.values[key]!r}".replace("'", '"') if key in self.values else ""
         return RigError(f"{self.path}: {self.name(key)}{value}: {what}")
 
+    def missing(self, key: str, what: str) -> RigError:
+        """Return an error about a key that is not there."""
+        return RigError(f"{self.path}: {self.name(key)} is missing{_near(key, self.values)}: {what}")
+
     def has(self, key: str) -> bool:
         """Return whether the key is there."""
         self._asked.add(key)
@@ -46,7 +51,7 @@ class Table:
             if required:
                 raise RigError(f"{self.path}: the table [{self.name(key)}] is missing{_near(key, self.values)}")
             return None
-        return Table(self.path, self.name(key), self.values[key])
+        return Table(self.path, self.name(key), self.values[key], self.of)
 
     def text(self, key: str, default: str | None = None, choices: Iterable[str] = ()) -> str:
         """Return a string, one of `choices` where there are any."""
@@ -112,7 +117,7 @@ class Table:
         """Refuse all other keys than these."""
         for key in self.values:
             if key not in known:
-                raise RigError(f"{self.path}: {self.name(key)} is not a key of a rig{nearest(key, known)}")
+                raise RigError(f"{self.path}: {self.name(key)} is not a key of {self.of}{nearest(key, known)}")
 
 
 def _amount(value: float, si_unit: str) -> str:

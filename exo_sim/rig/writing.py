@@ -66,12 +66,29 @@ def improved(rig: Rig, effects: Sequence[Finding], corrections: Sequence[Correct
     Keeps the owner's order, comments and units. An effect that says all that another of the owner's says (asymmetric friction,
     Coulomb friction) takes that one's numbers in and its place.
     """
+    corrections = [each for one in corrections for each in _as_written(rig, one)]
     text = _written_into(tomlkit.parse(rig.text), rig, effects, corrections, folder)
     try:
         tomllib.loads(text)
     except tomllib.TOMLDecodeError:  # tables in braces, which no header may extend: give them headers first
         text = _written_into(_with_headers(rig.text), rig, effects, corrections, folder)
     return text
+
+
+def _as_written(rig: Rig, correction: Correction) -> list[Correction]:
+    """Return a correction for every key of the file that says what is corrected: a valve's size may stand as four areas, or as C."""
+    part, *rest = correction.key
+    if part != "cylinders" or rest[1:] != ["valve", "area"] or rest[0] not in rig.cylinders:
+        return [correction]
+    cylinder = rig.cylinders[rest[0]]
+    if [key for key, _, _ in cylinder.valve.sizes] in ([], ["area"]):
+        return [correction]
+    out = []
+    for key, value, unit in cylinder.valve.sizes:
+        share = value / cylinder.valve_area
+        ends = correction.interval and (share * correction.interval[0], share * correction.interval[1])
+        out.append(replace(correction, key=("cylinders", rest[0], "valve", key), value=share * correction.value, unit=unit, interval=ends))
+    return out
 
 
 def _written_into(

@@ -7,6 +7,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
+from exo_sim.control.metering import meter
 from exo_sim.control.valve_control import GIVEN, MODEL, PI, force_limits, invert, pi
 from exo_sim.gait.motion import Motion, look_up, reference
 from exo_sim.machine.person import Person, pose_bodies, segment_poses
@@ -164,10 +165,20 @@ def _open_valves(first, settings, mechanics, plant, drives):
             plant.command[i], drives.integral[i] = pi(
                 error, scale, drives.integral[i], n[PROPORTIONAL], n[INTEGRAL], n[DT]
             )
+            if c.independent > 0.0:  # the chamber that does not push is let off
+                pushes = drives.wanted[i] >= 0.0 or c.single_acting > 0.0
+                plant.command[plant.actuators.size + i] = -1.0 if pushes else -plant.command[i]
+                plant.command[i] = plant.command[i] if pushes else -1.0
         elif settings.controller == MODEL:
             t_1, t_2 = temperatures(w, plant.vector, i * INTEGRATED)
             v_1, v_2 = volumes(c, x)
             rate = 0.0 if first else (drives.wanted[i] - drives.before[i]) / n[DT]
+            if c.independent > 0.0:
+                plant.command[i], plant.command[plant.actuators.size + i] = meter(
+                    c, drives.wanted[i], rate + error / n[CLOSING], v, p_1, t_1, p_2, t_2, v_1, v_2, w.supply_pressure,
+                    w.supply_temperature, w.exhaust_pressure, w.ambient, w.k, w.r,
+                )  # fmt: skip
+                continue
             opening = invert(
                 rate + error / n[CLOSING], v, p_1, t_1, p_2, t_2, v_1, v_2, c.area_1, c.area_2, c.valve_area,
                 w.supply_pressure, w.supply_temperature, w.exhaust_pressure, w.ambient, w.k, w.r,
@@ -175,8 +186,23 @@ def _open_valves(first, settings, mechanics, plant, drives):
             plant.command[i] = min(max(opening, -1.0), 1.0)
         elif settings.controller == GIVEN:
             plant.command[i] = min(max(drives.commands[i], -1.0), 1.0)
+            if c.independent > 0.0:
+                plant.command[plant.actuators.size + i] = min(max(drives.commands[plant.actuators.size + i], -1.0), 1.0)
         else:
             plant.command[i] = 0.0
+            if c.independent > 0.0:
+                plant.command[plant.actuators.size + i] = 0.0
+
+
+@kernel
+def _choked(c, u_1, u_2, p_1, p_2, p_s, p_e, critical):
+    """Return how many of a valve's open paths are choked."""
+    found = 0.0
+    if u_1 != 0.0:
+        found += 1.0 if (p_1 < critical * p_s if u_1 > 0.0 else p_e < critical * p_1) else 0.0
+    if u_2 != 0.0:
+        found += 1.0 if (p_2 < critical * p_s if u_2 > 0.0 else p_e < critical * p_2) else 0.0
+    return 0.0 if c.vented > 0.0 else found
 
 
 @kernel
@@ -255,14 +281,15 @@ def _log(row, cycles, settings, mechanics, plant, bodies, wearer, drives):
             c = plant.cylinders[i]
             p_1, p_2 = sensed_pressures(w, plant.cylinders, plant.vector, i, plant.x[i])
             t_1, t_2 = temperatures(w, plant.vector, i * INTEGRATED)
-            u = plant.command[i]
-            filled, emptied = (p_1, p_2) if u > 0.0 else (p_2, p_1)
-            choked = 0.0
-            if u != 0.0 and c.vented == 0.0:
-                choked += 1.0 if filled < critical * p_s else 0.0
-                choked += 1.0 if p_e < critical * emptied else 0.0
-            row[at], row[at + 1], row[at + 2], row[at + 3], row[at + 4] = u, p_1, p_2, t_1, t_2
-            row[at + 5], row[at + 6] = choked, plant.vector[i * INTEGRATED + DRAWN]
+            u_1 = plant.command[i]
+            u_2 = -u_1
+            row[at] = u_1
+            if c.independent > 0.0:
+                u_2 = plant.command[plant.actuators.size + i]
+                at += 1
+                row[at] = u_2
+            row[at + 1], row[at + 2], row[at + 3], row[at + 4] = p_1, p_2, t_1, t_2
+            row[at + 5], row[at + 6] = _choked(c, u_1, u_2, p_1, p_2, p_s, p_e, critical), plant.vector[i * INTEGRATED + DRAWN]
             at += 7
         row[at], row[at + 1] = p_s, p_e
 

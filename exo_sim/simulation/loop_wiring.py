@@ -85,7 +85,8 @@ def wire(it: Simulation) -> tuple[loop.Settings, views.Mechanics, views.Plant, l
             np.zeros((len(straps.names), 2)), np.zeros(len(straps.names)), groups(straps),
             np.zeros((7, 3)), np.zeros(6), np.zeros(6), np.zeros(2),
         ),
-        loop.Drives(np.array(ankles, dtype=np.int64), np.zeros(n), np.zeros(n), np.zeros(n), np.zeros(n), np.zeros(n), np.zeros(6)),
+        loop.Drives(np.array(ankles, dtype=np.int64), np.zeros(n), np.zeros(n), np.zeros(n), np.zeros(n),
+                    np.zeros(it.plugin.pneumatics.commands), np.zeros(6)),
     )  # fmt: skip
 
 

@@ -122,12 +122,24 @@ class PneumaticPlugin:
 
     @property
     def command(self) -> NDArray[np.float64]:
-        """Valve commands, -1 to 1, one a cylinder in the rig's order, shape (n,). Set it before `advance`."""
-        return self.plant.command
+        """Valve commands, -1 to 1, one a cylinder in the rig's order, shape (n,). Set it before `advance`.
+
+        Of a valve with independent edges it is the command towards chamber 1.
+        """
+        return self.plant.command[: len(self.links)]
 
     @command.setter
     def command(self, value: NDArray[np.float64]) -> None:
-        self.plant.command[:] = value
+        self.plant.command[: len(self.links)] = value
+
+    @property
+    def command_2(self) -> NDArray[np.float64]:
+        """Commands towards chambers 2 of valves with independent edges, shape (n,); shape (0,) where the rig has none of these."""
+        return self.plant.command[len(self.links) :]
+
+    @command_2.setter
+    def command_2(self, value: NDArray[np.float64]) -> None:
+        self.plant.command[len(self.links) :] = value
 
     @property
     def force(self) -> NDArray[np.float64]:

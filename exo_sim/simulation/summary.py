@@ -7,7 +7,9 @@ from typing import Any
 import numpy as np
 
 from exo_sim.physics.pneumatics import Books
-from exo_sim.simulation import ledger
+from exo_sim.rig import Rig
+from exo_sim.rig.limits import Reached, passed
+from exo_sim.simulation import gas_use, ledger
 from exo_sim.simulation.reduction import Change, Least, Mean, Peak, Rms, joined, values
 from exo_sim.simulation.walk import JOINTS, Walk
 from exo_sim.simulation.wearer_load import alone, own, with_machine, with_pack, with_payload
@@ -38,6 +40,8 @@ class Summary:
     def __init__(self) -> None:
         self._measured: dict[str, Any] | None = None
         self._scenario, self._simulated = "", 0.0
+        self._rig: Rig | None = None
+        self._period = 0.0
         self._books: Books | None = None
         self._walk: Walk | None = None
         self._payload = Mean(0.0, 0)
@@ -46,6 +50,7 @@ class Summary:
         """Take in the next piece."""
         self._scenario, self._books = walk.request.scenario, walk.books
         self._simulated = float((walk.first + len(walk.time)) * walk.step)
+        self._rig, self._period = walk.rig, walk.motion.period
         rows = span(walk)
         if rows.stop > rows.start:
             measured = measure(walk, rows)
@@ -58,7 +63,13 @@ class Summary:
         out = {"schema": "exo-sim/run/1", "scenario": self._scenario, "simulated_s": self._simulated, **values(self._measured or {})}
         if self._walk is not None:
             self._conclude(out, self._walk)
-        if told := warnings(out.get("cylinders", {})):
+        if "gas" in out and self._rig is not None:
+            out["gas"] = gas_use.numbers(out["gas"], self._rig, self._period)
+        reached = out.pop("reached", {})
+        told = warnings(out.get("cylinders", {}))
+        if self._rig is not None:
+            told += limits_passed(self._rig, out.get("cylinders", {}), reached)
+        if told:
             out["warnings"] = told
         if self._books is not None:
             out["books"] = {
@@ -146,4 +157,18 @@ def measure(walk: Walk, rows: slice) -> dict[str, Any]:
             }
             for name in walk.rig.cylinders
         }
+        out["reached"] = {
+            name: {
+                "stroke_left": Least.of([part[f"{name}.length"], cylinder.stroke - part[f"{name}.length"]]),
+            }
+            for name, cylinder in walk.rig.cylinders.items()
+        }
+        if walk.rig.cylinders:
+            out["gas"] = gas_use.measure(walk, rows)
     return out
+
+
+def limits_passed(rig: Rig, cylinders: dict[str, Any], reached: dict[str, Any]) -> list[str]:
+    """Return sentences on strokes that were used up, and on pressures above the ratings that the rig's cylinders give."""
+    given = {name: one["pressure_peak_pa"] if rig.cylinders[name].rating is not None else None for name, one in cylinders.items()}
+    return list(passed(rig, {name: Reached(given[name], None, reached[name]["stroke_left"]) for name in cylinders}))

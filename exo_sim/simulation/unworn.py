@@ -12,6 +12,7 @@ from numpy.typing import NDArray
 
 from exo_sim import progress
 from exo_sim.control import own
+from exo_sim.control.metering import meter
 from exo_sim.control.tracking import Tracking, TrackingGains
 from exo_sim.control.valve_control import CONTROLLERS, ValveGains, invert, largest_forces, pi
 from exo_sim.errors import Diverged, ModelError, ScenarioError, nearest
@@ -147,6 +148,7 @@ class UnwornSimulation:
         for name in self.motion.external:
             out.append(_Signal(f"{name}.external_force", "N*m" if self.model.joint(name).type[0] == mujoco.mjtJoint.mjJNT_HINGE else "N"))
         for name in self.rig.cylinders:
+            out += [_Signal(f"{name}.{command}", "1") for command in self.rig.cylinders[name].commands]
             out += [_Signal(f"{name}.{signal}", unit) for signal, unit in _OF_CYLINDER]
         return [*out, _Signal("supply.pressure", "Pa"), _Signal("exhaust.pressure", "Pa")]
 
@@ -226,9 +228,9 @@ class UnwornSimulation:
             self._felt[i] = now
         rods = self._wanted_rods(min(k, self.rows - 1))
         if self._given is not None and self._given.kind == own.VALVES:
-            plugin.command[:] = np.clip(self._given.values, -1.0, 1.0)
+            plugin.plant.command[:] = np.clip(self._given.values, -1.0, 1.0)
         elif self._given is None and self._asked is not None:
-            plugin.command[:] = 0.0
+            plugin.plant.command[:] = 0.0
         else:
             self._open_valves(rods, first=k == 0)
         qpos[:] = data.qpos
@@ -262,9 +264,20 @@ class UnwornSimulation:
             if self._valve_law == "pi":
                 scale = (w["supply_pressure"] - w["atmosphere"]) * c["area_1"]
                 plugin.command[i], held.integral[i] = pi(error, scale, held.integral[i], gains.proportional, gains.integral, dt)
+                if c["independent"] > 0.0:
+                    pushes = rods[i] >= 0.0 or c["single_acting"] > 0.0
+                    plugin.command_2[i] = -1.0 if pushes else -plugin.command[i]
+                    plugin.command[i] = plugin.command[i] if pushes else -1.0
                 continue
             rate = 0.0 if first else (rods[i] - held.before[i]) / dt
             v_1, v_2 = plant.volumes(c, x[i])
+            if c["independent"] > 0.0:
+                speed = self.data.actuator_velocity[plugin.links[i].actuator]
+                plugin.command[i], plugin.command_2[i] = meter(
+                    c, rods[i], rate + error / gains.closing_time, speed, p_1, t_1, p_2, t_2, v_1, v_2, w["supply_pressure"],
+                    w["supply_temperature"], w["exhaust_pressure"], w["ambient"], w["k"], w["r"],
+                )  # fmt: skip
+                continue
             opening = invert(
                 rate + error / gains.closing_time, self.data.actuator_velocity[plugin.links[i].actuator], p_1, t_1, p_2, t_2, v_1, v_2,
                 c["area_1"], c["area_2"], c["valve_area"], w["supply_pressure"], w["supply_temperature"], w["exhaust_pressure"],
@@ -291,8 +304,11 @@ class UnwornSimulation:
         for i in range(len(plugin.links)):
             drawn = gas.vector[i * INTEGRATED + DRAWN]
             asked = plugin.force[i] if math.isnan(rods[i]) else rods[i]
+            for side in range(len(self.rig.cylinders[plugin.links[i].cylinder].commands)):
+                row[at] = plugin.plant.command[i + side * len(plugin.links)]
+                at += 1
             row[at : at + len(_OF_CYLINDER)] = (
-                plugin.command[i], *pressures[i], *temperatures[i], plugin.force[i], asked, x[i], drawn,
+                *pressures[i], *temperatures[i], plugin.force[i], asked, x[i], drawn,
             )  # fmt: skip
             at += len(_OF_CYLINDER)
         n = len(plugin.links)
@@ -312,6 +328,6 @@ class UnwornSimulation:
 
 
 _OF_CYLINDER = (
-    ("valve_command", "1"), ("pressure_1", "Pa"), ("pressure_2", "Pa"), ("temperature_1", "K"), ("temperature_2", "K"),
+    ("pressure_1", "Pa"), ("pressure_2", "Pa"), ("temperature_1", "K"), ("temperature_2", "K"),
     ("force", "N"), ("force_demanded", "N"), ("length", "m"), ("gas_used", "kg"),
 )  # fmt: skip

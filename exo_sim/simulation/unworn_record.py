@@ -75,9 +75,11 @@ def summarise(run: MotionRun) -> dict[str, Any]:
     supply, exhaust = columns["supply.pressure"], columns["exhaust.pressure"]
     cylinders = {}
     for name in run.rig.cylinders:
-        u, p_1, p_2 = (columns[f"{name}.{signal}"] for signal in ("valve_command", "pressure_1", "pressure_2"))
-        filled, emptied = np.where(u > 0.0, p_1, p_2), np.where(u > 0.0, p_2, p_1)
-        choked = (u != 0.0) * ((filled < critical * supply).astype(float) + (exhaust < critical * emptied))
+        p_1, p_2 = (columns[f"{name}.{signal}"] for signal in ("pressure_1", "pressure_2"))
+        commands = [columns[f"{name}.{signal}"] for signal in run.rig.cylinders[name].commands]
+        choked = np.zeros(n)
+        for u, p in ((commands[0], p_1), (commands[1] if len(commands) > 1 else -commands[0], p_2)):
+            choked += (u != 0.0) * np.where(u > 0.0, p < critical * supply, exhaust < critical * p)
         off = columns[f"{name}.force"][first:] - columns[f"{name}.force_demanded"][first:]
         used = columns[f"{name}.gas_used"]
         cylinders[name] = {

@@ -51,7 +51,8 @@ class Plant(NamedTuple):
         retracted: Length of the actuator with the piston at its end [m].
         dofs, addresses: Of each joint its place in MuJoCo's velocities and positions.
         x, x1, v: Where each piston is by its joint, where it will have gone, and how fast it goes [m], [m/s].
-        command, force: Of each valve, and of each rod [N].
+        command: Of each valve; where any cylinder has a valve for each chamber, those towards chambers 2 behind the others.
+        force: Of each rod [N].
         q, q1, qd: The same as x, x1, v of each joint.
         own, felt: What each joint's contact exerts, and what of it stands in MuJoCo's applied forces.
         turning: Not zero where a cylinder's contact must know its lever at the joint in every step.
@@ -98,7 +99,8 @@ def plant(
 ) -> Plant:
     """Return the views of a plant, and new arrays for what lies between it and MuJoCo; arguments are those of `Plant`."""
     n, m = len(gas.cylinders), len(gas.joints)
-    x, x1, v, command, force = np.zeros((5, n))
+    x, x1, v, force = np.zeros((4, n))
+    command = np.zeros(gas.commands)
     q, q1, qd, own, felt = np.zeros((5, m))
     return Plant(
         gas.world, gas.cylinders, gas.joints, gas.vector, gas.history, gas._work, gas._scratch, actuators, driven, retracted,

@@ -147,8 +147,9 @@ def layout(rig: Rig, straps: StrapSet, gas: bool) -> list[tuple[str, str]]:
     for name in rig.cylinders:
         out += [(f"{name}.force_demanded", "N"), (f"{name}.force", "N"), (f"{name}.length", "m")]
     if gas:
-        for name in rig.cylinders:
-            out += [(f"{name}.valve_command", "1"), (f"{name}.pressure_1", "Pa"), (f"{name}.pressure_2", "Pa")]
+        for name, cylinder in rig.cylinders.items():
+            out += [(f"{name}.{command}", "1") for command in cylinder.commands]
+            out += [(f"{name}.pressure_1", "Pa"), (f"{name}.pressure_2", "Pa")]
             out += [(f"{name}.temperature_1", "K"), (f"{name}.temperature_2", "K")]
             out += [(f"{name}.choked", "1"), (f"{name}.gas_used", "kg")]
         out += [("supply.pressure", "Pa"), ("exhaust.pressure", "Pa")]

@@ -22,13 +22,25 @@ _WALKED = (0, 1, 2, 4, 7, 11, 16, 24, 36, 54)
 
 
 @dataclass(frozen=True)
+class Walked:
+    """What walking with a design of the shortlist gave: error [N m], largest pressure and its limit [Pa], and why it failed, or ""."""
+
+    number: int
+    error: float
+    peak: float
+    limit: float
+    trouble: str
+
+
+@dataclass(frozen=True)
 class Choice:
-    """The recommended design, the reason in words, and what walking with it gave where its margin is thinnest."""
+    """The recommended design, why in words, what walking with it gave where its margin is thinnest, and all that were walked with."""
 
     found: Found
     why: str
     confirmed: Confirmed
     condition: Condition
+    walked: tuple[Walked, ...] = ()
 
 
 @dataclass(frozen=True)
@@ -96,16 +108,17 @@ def recommended(
     kinds = task.space.kinds
     joints = tuple(joint for kind in kinds for joint in kind.joints)
     short = shortlist(front, loads, joints)
-    limits = ENOUGH_IN_RUN * short.peak, task.space.supply[1]
     tried: list[tuple[float, Found, Confirmed]] = []
     for one in (short.designs[i] for i in _WALKED if i < len(short.designs)):
         tell(f"walking with design {one.design.number}")
+        limits = ENOUGH_IN_RUN * short.peak, limit_of(one, task)
         walked = confirm(fitted(task.rig, kinds, one.design), task.conditions[_hardest(one, loads)], joints)
         tried.append((walked.excess(*limits), one, walked))
         if tried[-1][0] <= 1.0:
             break
     at = len(tried) - 1 if tried[-1][0] <= 1.0 else min(range(len(tried)), key=lambda i: tried[i][0])
     excess, best, walked = tried[at]
+    limits = ENOUGH_IN_RUN * short.peak, limit_of(best, task)
     words = short.words
     if len(short.designs) > 1:
         least_gas, least_mass = _least(short.designs)
@@ -127,7 +140,28 @@ def recommended(
             f". In the closed loop of exo-sim run it follows within {walked.error:.1f} N m rms (limit {limits[0]:.1f}) and its chambers "
             f"reach {walked.peak / 1e5:.1f} bar (limit {limits[1] / 1e5:.1f})"
         )
-    return Choice(best, words, walked, loads[_hardest(best, loads)].condition)
+    walks = tuple(Walked(one.design.number, found.error, found.peak, limit_of(one, task), found.trouble) for _, one, found in tried)
+    return Choice(best, words, walked, loads[_hardest(best, loads)].condition, walks)
+
+
+def limit_of(found: Found, task: Task) -> float:
+    """Return the largest pressure that a design's chambers may see, absolute [Pa]: the limit asked for, or a cylinder's rating."""
+    return min(task.space.limit, *(joint.cylinder.rating for joint in found.design.joints.values()))
+
+
+def fates(outcome: Outcome, task: Task) -> list[tuple[str, int]]:
+    """Return what became of all designs of a search: the first constraint that each fails, and how many failed it; the rest at the end."""
+    names = [f"{kind.name}: {words}" for kind in task.space.kinds for words in CONSTRAINTS] + list(OF_THE_CYCLE)
+    counts = dict.fromkeys(names, 0)
+    bettered = 0
+    for one in outcome.trials:
+        first = next((name for name, value in zip(names, one.score.violations) if value > 0.0), None)
+        if first is not None:
+            counts[first] += 1
+        else:
+            bettered += one not in outcome.front
+    said = [(f"failed: {name}", count) for name, count in counts.items() if count]
+    return [*said, ("can be built, bettered by another", bettered), ("on the front", len(outcome.front))]
 
 
 def _least(designs: list[Found] | tuple[Found, ...]) -> tuple[float, float]:

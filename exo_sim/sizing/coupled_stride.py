@@ -59,9 +59,10 @@ class CoupledStride:
         condition: Scenario, payload, cadence.
         step: Of the simulation [s].
         lead: Cycles before the one that counts.
+        joints: Those whose error counts; all that have cylinders when empty.
     """
 
-    def __init__(self, rig: Rig, condition: Condition, step: float = STEP, lead: float = LEAD):
+    def __init__(self, rig: Rig, condition: Condition, step: float = STEP, lead: float = LEAD, joints: tuple[str, ...] = ()):
         request = Request(condition.scenario, condition.payload, condition.speed, 1, law=LAW, step=step)
         sim = self._simulation = Simulation(rig, request)
         self.condition, self.dt = condition, sim.dt
@@ -77,7 +78,7 @@ class CoupledStride:
         keys = [key for key, _ in layout(rig, sim.straps, True)]
         self._log = np.empty((self._lead + self._count, 1 + len(keys)))
         column = {key: i + 1 for i, key in enumerate(keys)}
-        self._joints = tuple(dict.fromkeys(link.joint for link in sim.plugin.links))
+        self._joints = joints or tuple(dict.fromkeys(link.joint for link in sim.plugin.links))
         self._torque = [column[f"{joint}.torque"] for joint in self._joints]
         self._wanted = [column[f"{joint}.torque_demanded"] for joint in self._joints]
         self._gas = [column[f"{name}.gas_used"] for name in rig.cylinders]

@@ -3,19 +3,20 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 from functools import cached_property
 
 import mujoco
 import numpy as np
 from numpy.typing import NDArray
 
-from exo_sim.errors import RigError
+from exo_sim.errors import RigError, ScenarioError, nearest
 from exo_sim.machine.attachment import attachments
 from exo_sim.machine.linkage import linkages
 from exo_sim.machine.load import load
-from exo_sim.rig import Attachment, Rig
-from exo_sim.rig.catalogue import CATALOGUE, CatalogueCylinder
+from exo_sim.rig import Attachment, EffectSetting, Rig
+from exo_sim.rig.catalogue import CatalogueCylinder
+from exo_sim.rig.own_catalogue import Catalogue, CatalogueValve
 from exo_sim.sizing.linkage_geometry import length_and_arm
 
 #: Part of the stroke that stays unused at each end [m].
@@ -63,11 +64,12 @@ class JointKind:
 
 @dataclass(frozen=True)
 class JointDesign:
-    """One joint's actuator: the catalogue's cylinder, where it hangs, and its valve [m^2]."""
+    """One joint's actuator: the catalogue's cylinder, where it hangs, its valve [m^2], and which of the catalogue's that is, if any."""
 
     cylinder: CatalogueCylinder
     attachment: Attachment
     valve_area: float
+    valve: CatalogueValve | None = None
 
 
 @dataclass(frozen=True)
@@ -117,18 +119,30 @@ def fit(kind: JointKind, design: JointDesign) -> Fit:
     )
 
 
-def kinds_of(rig: Rig) -> tuple[JointKind, ...]:
+def kinds_of(rig: Rig, only: tuple[str, ...] = ()) -> tuple[JointKind, ...]:
     """Return the groups of cylinders that are sized alike, in the order of the rig.
+
+    Args:
+        rig: The owner's machine.
+        only: Names of the joints to size; all that have cylinders when empty.
 
     Raises:
         RigError: no cylinder with a valve, or a joint without bounds.
+        ScenarioError: `only` names a joint that no cylinder drives.
         ModelError: a cylinder without attachment points.
     """
     model = load(rig)
     data = mujoco.MjData(model)
     points = attachments(rig, model)
     groups: dict[str, list[tuple[str, str, int]]] = {}
-    for link in linkages(rig, model):
+    links = linkages(rig, model)
+    driven = [link.joint for link in links]
+    for joint in only:
+        if joint not in driven:
+            raise ScenarioError(f'--joints: no cylinder of {rig.path} drives "{joint}"{nearest(joint, driven)}')
+    for link in links:
+        if only and link.joint not in only:
+            continue
         if not link.turning:
             raise RigError(
                 f'{rig.path}: cylinders.{link.cylinder} drives the sliding joint "{link.joint}"; sizing is for '
@@ -173,24 +187,51 @@ class Space:
         kinds: Joints to size.
         supply: Least and largest supply pressure, absolute [Pa].
         reach: How far an end may move from the owner's, each way [m].
+        catalogue: What may be bought.
+        fixed: Numbers that are not to be chosen, by name: "supply", "hip.bore", "hip.valve", "hip.from", "hip.to".
     """
 
     kinds: tuple[JointKind, ...]
     supply: tuple[float, float]
     reach: float
+    catalogue: Catalogue = field(default_factory=Catalogue)
+    fixed: tuple[tuple[str, float], ...] = ()
+
+    def bores(self, kind: JointKind) -> tuple[int, ...]:
+        """Return the places in the catalogue that a kind of joint may choose from, by rising bore."""
+        wanted = dict(self.fixed).get(f"{kind.name}.bore")
+        found = range(len(self.catalogue.cylinders))
+        return tuple(i for i in found if wanted is None or abs(self.catalogue.cylinders[i].bore - wanted) < 1e-6)
+
+    @property
+    def limit(self) -> float:
+        """Largest pressure that is allowed anywhere, absolute [Pa]."""
+        return self.supply[1]
+
+    @cached_property
+    def valve_areas(self) -> tuple[float, float]:
+        """Least and largest valve area [m^2]."""
+        valves = self.catalogue.valves
+        return (valves[0].area, valves[-1].area) if valves else VALVE_AREAS
+
+    def valve(self, area: float) -> CatalogueValve | None:
+        """Return the catalogue's valve nearest to an area, on a logarithmic scale; None where any area may be had."""
+        valves = self.catalogue.valves
+        return min(valves, key=lambda one: abs(np.log(one.area / area))) if valves else None
 
     @cached_property
     def bounds(self) -> dict[str, tuple[float, float]]:
         """Bounds of the continuous variables, by name, in the order in which they are asked; valve areas by logarithm."""
         out = {"supply": self.supply}
+        fixed = dict(self.fixed)
         for kind in self.kinds:
             radii = [float(np.hypot(*end)) for end in (kind.own.base, kind.own.rod)]
             for name, radius in zip(("from", "to"), radii):
                 out[f"{kind.name}.{name}"] = (max(radius - self.reach, 0.01), radius + self.reach)
             turn = min(self.reach / min(radii), LARGEST_TURN)
             out[f"{kind.name}.turn"] = (-turn, turn)
-            out[f"{kind.name}.valve"] = VALVE_AREAS
-        return out
+            out[f"{kind.name}.valve"] = self.valve_areas
+        return {name: (fixed[name], fixed[name]) if name in fixed else ends for name, ends in out.items()}
 
     def attachment(self, kind: JointKind, numbers: Mapping[str, float]) -> Attachment:
         """Return the points that a set of variables stands for."""
@@ -204,14 +245,13 @@ class Space:
 
     def design(self, numbers: Mapping[str, float], bores: Mapping[str, int], number: int = -1) -> Design:
         """Return the design that variables and bores (places in the catalogue) stand for."""
-        joints = {
-            kind.name: JointDesign(
-                CATALOGUE[bores[kind.name]],
-                self.attachment(kind, numbers),
-                _to(numbers[f"{kind.name}.valve"], PLACES["area"]),
-            )
-            for kind in self.kinds
-        }
+        joints = {}
+        for kind in self.kinds:
+            area = float(numbers[f"{kind.name}.valve"])
+            valve = self.valve(area)
+            cylinder = self.catalogue.cylinders[bores[kind.name]]
+            area = _to(area, PLACES["area"]) if valve is None else valve.area
+            joints[kind.name] = JointDesign(cylinder, self.attachment(kind, numbers), area, valve)
         return Design(_to(numbers["supply"], PLACES["pressure"]), joints, number)
 
     def owners(self, rig: Rig) -> dict[str, float]:
@@ -223,7 +263,7 @@ class Space:
                 float(np.hypot(*end)) for end in (kind.own.base, kind.own.rod)
             )
             out[f"{kind.name}.turn"] = 0.0
-            out[f"{kind.name}.valve"] = rig.cylinders[kind.cylinders[0]].valve_area or VALVE_AREAS[0]
+            out[f"{kind.name}.valve"] = rig.cylinders[kind.cylinders[0]].valve_area or self.valve_areas[0]
         for name, (low, high) in self.bounds.items():
             out[name] = min(max(out[name], low), high)
         return out
@@ -239,9 +279,10 @@ def fitted(rig: Rig, kinds: tuple[JointKind, ...], design: Design) -> Rig:
     Raises:
         RigError: no catalogue stroke covers a joint's range.
     """
-    cylinders = dict(rig.cylinders)
+    cylinders, effects = dict(rig.cylinders), rig.effects
     for kind in kinds:
         chosen = design.joints[kind.name]
+        effects = with_valve(effects, kind, chosen)
         place = fit(kind, chosen)
         if place.stroke is None:
             raise RigError(f"no stroke of the catalogue covers {place.travel * 1e3:.0f} mm at the {kind.name}")
@@ -251,15 +292,33 @@ def fitted(rig: Rig, kinds: tuple[JointKind, ...], design: Design) -> Rig:
             cylinders[name] = replace(
                 cylinders[name], bore=entry.bore, rod=entry.rod, stroke=place.stroke, retracted_length=place.retracted,
                 dead_volume_1=dead_1, dead_volume_2=dead_2, valve_area=chosen.valve_area, attachment=chosen.attachment,
+                rating=entry.rating,
             )  # fmt: skip
-    return replace(rig, cylinders=cylinders, supply=replace(rig.supply, pressure=design.supply))
+    return replace(rig, cylinders=cylinders, effects=effects, supply=replace(rig.supply, pressure=design.supply))
+
+
+def with_valve(effects: tuple[EffectSetting, ...], kind: JointKind, chosen: JointDesign) -> tuple[EffectSetting, ...]:
+    """Return effects with the lag and the critical ratio of a catalogue's valve in place of the owner's."""
+    for name, parameter, value in valve_effects(chosen.valve):
+        effects = tuple(one for one in effects if one.name != name or one.where not in kind.cylinders)
+        effects += tuple(EffectSetting(name, cylinder, {parameter: value}) for cylinder in kind.cylinders)
+    return effects
+
+
+def valve_effects(valve: CatalogueValve | None) -> list[tuple[str, str, float]]:
+    """Return effect, parameter and value of what a catalogue says of a valve besides its size."""
+    if valve is None:
+        return []
+    said = (("valve_lag", "time_constant", valve.lag), ("critical_ratio", "ratio", valve.ratio))
+    return [one for one in said if one[2] > 0.0]
 
 
 def actuator_mass(kinds: tuple[JointKind, ...], design: Design) -> float:
-    """Return the mass of all cylinders together [kg], infinite where a stroke is not to be had."""
+    """Return the mass of all cylinders and, where the catalogue says it, valves together [kg], infinite where a stroke is not to be had."""
     total = 0.0
     for kind in kinds:
         chosen = design.joints[kind.name]
         stroke = fit(kind, chosen).stroke
-        total += len(kind.cylinders) * chosen.cylinder.mass(stroke) if stroke is not None else np.inf
+        valve = chosen.valve.mass if chosen.valve is not None else 0.0
+        total += len(kind.cylinders) * (chosen.cylinder.mass(stroke) + valve) if stroke is not None else np.inf
     return total

@@ -112,7 +112,8 @@ class Evaluator:
         self.task = task
         self.kinds: tuple[JointKind, ...] = task.space.kinds
         self.loads: tuple[JointLoads, ...] = tuple(joint_loads(task.rig, condition) for condition in task.conditions)
-        self._strides = [CoupledStride(task.rig, condition, task.step) for condition in task.conditions]
+        joints = tuple(joint for kind in self.kinds for joint in kind.joints)
+        self._strides = [CoupledStride(task.rig, condition, task.step, joints=joints) for condition in task.conditions]
 
     @property
     def steps(self) -> int:
@@ -152,7 +153,8 @@ class Evaluator:
             return replace(seen, simulated=True, violations=(*seen.violations[:-2], 1.0, 0.0))
         gas, error = _rounded(found.gas), _rounded(found.error)
         peak = _rounded(found.peak)
-        over = _rounded(peak / self.task.space.supply[1] - 1.0)
+        ratings = [design.joints[kind.name].cylinder.rating for kind in self.kinds]
+        over = _rounded(peak / min(self.task.space.limit, *ratings) - 1.0)
         return replace(
             seen, simulated=True, finished=True, gas=gas, error=error, worst=found.worst, peak=peak,
             violations=(*seen.violations[:-1], over),

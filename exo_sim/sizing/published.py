@@ -59,6 +59,8 @@ class PublishedClass:
 def published_class(rig: Rig, space: Space) -> PublishedClass:
     """Size level walking twice at the published supply: from scaled human moments, and from the machine's own loads."""
     own = joint_loads(rig, Condition("level_walk", PAYLOAD))
+    unrated = tuple(replace(entry, rating=np.inf) for entry in space.catalogue.cylinders)  # the class has a supply beyond any rating
+    space = replace(space, catalogue=replace(space.catalogue, cylinders=unrated))
     human = _from_gait_analysis(own)
     numbers = {**space.owners(rig), "supply": SUPPLY, **{f"{kind.name}.valve": VALVE for kind in space.kinds}}
     found = {}
@@ -82,9 +84,9 @@ def published_class(rig: Rig, space: Space) -> PublishedClass:
         speeds[kind.name] = float(np.abs(length_and_arm(kind.own, kind.across, angle)[1] * speed).max())
     return PublishedClass(
         peak=peak(human),
-        bores={name: CATALOGUE[bore].bore for name, bore in found["human"][1].items()},
+        bores={name: space.catalogue.cylinders[bore].bore for name, bore in found["human"][1].items()},
         own_peak=peak(own),
-        own_bores={name: CATALOGUE[bore].bore for name, bore in found["own"][1].items()},
+        own_bores={name: space.catalogue.cylinders[bore].bore for name, bore in found["own"][1].items()},
         force=force(human),
         own_force=force(own),
         by_rule={name: rule_of_the_class(value) for name, value in force(human).items()},

@@ -9,7 +9,6 @@ import numpy as np
 from numpy.typing import NDArray
 
 from exo_sim.rig import Rig, assembly
-from exo_sim.rig.catalogue import CATALOGUE
 from exo_sim.sizing.capability import Capability, capability, margin
 from exo_sim.sizing.design import Design, JointKind, Space, fit, fitted
 from exo_sim.sizing.linkage_geometry import length_and_arm
@@ -20,7 +19,7 @@ LEAST_ARM = 0.010
 #: Phases of each joint's cycle at which torque is held against capability; those of a second leg lie between the first's.
 _PHASES = 32
 #: Constraints of each kind of joint, in this order; a design can be built where none is above zero.
-CONSTRAINTS = ("dead centre", "stroke", "length", "buckling", "torque")
+CONSTRAINTS = ("dead centre", "stroke", "length", "buckling", "rating", "torque")
 _MISSING = 1.0
 
 
@@ -76,6 +75,7 @@ def screen(rig: Rig, kinds: tuple[JointKind, ...], loads: tuple[JointLoads, ...]
             0.0 if place.stroke is not None else (place.travel - entry.strokes[-1]) / entry.strokes[-1] + _MISSING,
             (entry.shortest(stroke) - place.retracted) / entry.shortest(stroke),
             push / entry.buckling_force(place.longest) - 1.0,
+            design.supply / entry.rating - 1.0,
         ])  # fmt: skip
     sound = [kind for kind, row in zip(kinds, geometry) if max(row) <= 0.0]
     least: tuple[float, Thinnest | None] = (-_MISSING if len(sound) < len(kinds) else np.inf, None)
@@ -118,16 +118,17 @@ def chosen_bores(
                 _, arm = length_and_arm(space.attachment(kind, numbers), kind.across, angle)
                 need = max(need, float(np.max(np.abs(torque) / np.maximum(np.abs(arm), 1e-4))))
         area = 0.9 * need / gauge  # no bore with less can hold it; friction and speed are the screening's to see
-        first = next((i for i, entry in enumerate(CATALOGUE) if np.pi / 4 * entry.bore**2 >= area), len(CATALOGUE) - 1)
+        allowed = space.bores(kind)
+        first = next((i for i, at in enumerate(allowed) if np.pi / 4 * space.catalogue.cylinders[at].bore ** 2 >= area), len(allowed) - 1)
         best = (-np.inf, first)
-        for bore in range(first, len(CATALOGUE)):
-            chosen = space.design(numbers, {other.name: bore for other in space.kinds})
-            left = screen(rig, (kind,), loads, chosen).by_joint[kind.name]
+        for rank in range(first, len(allowed)):
+            bore = allowed[rank]
+            left = screen(rig, (kind,), loads, space.design(numbers, {other.name: bore for other in space.kinds})).by_joint[kind.name]
             if left > best[0]:
-                best = (left, bore)
+                best = (left, rank)
             if left >= 0.0 or left <= -_MISSING:
                 break
-        out[kind.name] = min(best[1] + int(numbers[f"{kind.name}.above"]), len(CATALOGUE) - 1)
+        out[kind.name] = allowed[min(best[1] + int(numbers[f"{kind.name}.above"]), len(allowed) - 1)]
     return out
 
 

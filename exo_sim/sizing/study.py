@@ -2,18 +2,19 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass, replace
 from pathlib import Path
 
-from exo_sim.errors import RigError
+from exo_sim.errors import RigError, ScenarioError, nearest
 from exo_sim.outputs import replacing
 from exo_sim.rig import Rig
 from exo_sim.rig.catalogue import RATED_PRESSURE
+from exo_sim.rig.own_catalogue import Catalogue, CatalogueValve
 from exo_sim.sizing.choice import Choice, nothing_found, recommended, shortlist
 from exo_sim.sizing.confirmation import Confirmed
 from exo_sim.sizing.coupled_stride import CoupledStride, Stride, mean_of
-from exo_sim.sizing.design import LEAST_SUPPLY, Space, fitted, kinds_of
+from exo_sim.sizing.design import LEAST_SUPPLY, JointKind, Space, fitted, kinds_of
 from exo_sim.sizing.evaluation import Evaluator, Score, Task
 from exo_sim.sizing.loads import Condition, JointLoads, joint_loads
 from exo_sim.sizing.published import PublishedClass, published_class
@@ -73,25 +74,71 @@ class Sizing:
     published: PublishedClass | None
 
 
-def space_of(rig: Rig, reach: float, pressure_limit: float | None) -> Space:
+def space_of(
+    rig: Rig,
+    reach: float,
+    pressure_limit: float | None,
+    joints: tuple[str, ...] = (),
+    catalogue: Catalogue | None = None,
+    fixed: Mapping[str, float] | None = None,
+) -> Space:
     """Return the space of a rig.
 
     Args:
         rig: The owner's machine.
         reach: How far an attachment point may move [m].
         pressure_limit: Largest supply, absolute [Pa]; what the catalogue's cylinders are rated for when None.
+        joints: To size; all that have cylinders when empty. The others stay as they are.
+        catalogue: What may be bought; what comes along when None.
+        fixed: Numbers that are not to be chosen, by name (`Space`).
 
     Raises:
-        RigError: a limit that is no use.
+        RigError: a limit that is no use, or a catalogue without the kind of valve that the rig has.
+        ScenarioError: joints or fixed numbers that are not the rig's.
     """
+    kinds, own = kinds_of(rig, joints), catalogue is not None
+    catalogue = catalogue or Catalogue()
+    catalogue = replace(catalogue, valves=_valves_for(rig, kinds, catalogue))
+    fixed = dict(fixed or {})
     atmosphere = rig.environment.pressure
-    most = RATED_PRESSURE + atmosphere if pressure_limit is None else pressure_limit
+    rated = max(one.rating for one in catalogue.cylinders)
+    most = max(rated, RATED_PRESSURE + atmosphere) if pressure_limit is None else pressure_limit
     if most < atmosphere + LEAST_SUPPLY:
         raise RigError(
             f"a pressure limit of {most / 1e5:g} bar leaves nothing to choose; allow at least "
             f"{(atmosphere + LEAST_SUPPLY) / 1e5:.2f} bar, absolute"
         )
-    return Space(kinds_of(rig), (atmosphere + LEAST_SUPPLY, most), reach)
+    if fixed.get("supply", atmosphere + LEAST_SUPPLY) < atmosphere + LEAST_SUPPLY:
+        raise ScenarioError(
+            f"--fix supply: {fixed['supply'] / 1e5:g} bar is less than {(atmosphere + LEAST_SUPPLY) / 1e5:.2f} bar, absolute"
+        )
+    if pressure_limit is None:
+        most = max(most, fixed.get("supply", 0.0))
+    if not own:  # more than the standards' rating is allowed on the owner's word
+        allowed = tuple(replace(one, rating=max(one.rating, most)) for one in catalogue.cylinders)
+        catalogue = replace(catalogue, cylinders=allowed)
+    space = Space(kinds, (atmosphere + LEAST_SUPPLY, most), reach, catalogue, tuple(sorted(fixed.items())))
+    known = [*space.bounds, *(f"{kind.name}.bore" for kind in kinds)]
+    for name, value in fixed.items():
+        if name not in known:
+            raise ScenarioError(f'--fix {name}: there is no such number to choose{nearest(name, known)}')
+        kind = next((one for one in kinds if name == f"{one.name}.bore"), None)
+        if kind is not None and not space.bores(kind):
+            bores = ", ".join(f"{bore:g}" for bore in sorted({1e3 * one.bore for one in catalogue.cylinders}))
+            raise ScenarioError(f"--fix {name}: the catalogue has no bore of {1e3 * value:g} mm; it has {bores} mm")
+    return space
+
+
+def _valves_for(rig: Rig, kinds: tuple[JointKind, ...], catalogue: Catalogue) -> tuple[CatalogueValve, ...]:
+    """Return the catalogue's valves of the kind that the rig's cylinders have."""
+    wanted = {"independent" if rig.cylinders[name].valve.independent else "4-way" for kind in kinds for name in kind.cylinders}
+    if len(wanted) > 1 and catalogue.valves:
+        raise RigError(f"{rig.path}: the cylinders to size have valves of both kinds: size them one after the other (--joints)")
+    found = tuple(one for one in catalogue.valves if one.kind in wanted)
+    if catalogue.valves and not found:
+        kind = next(iter(wanted))
+        raise RigError(f'{rig.path}: its valves are of kind = "{kind}", of which the catalogue has none; change the rig or the catalogue')
+    return found
 
 
 def size(
@@ -150,7 +197,7 @@ def size(
     choice = recommended(outcome.front, loads, task, tell)
     design = choice.found.design
     chosen = fitted(rig, space.kinds, design)
-    fine = mean_of([CoupledStride(rig, one, _FINE_STEP, _FINE_LEAD).run(chosen) for one in conditions])
+    fine = mean_of([CoupledStride(rig, one, _FINE_STEP, _FINE_LEAD, joints).run(chosen) for one in conditions])
     with replacing(folder / "sized.toml") as new:
         new.write_text(sized_text(rig, space.kinds, design, folder), encoding="utf-8")
     _record(choice.confirmed, folder, seed)
@@ -170,7 +217,7 @@ def _unless_interrupted(outcome: Outcome) -> None:
 
 def _present(rig: Rig) -> list[tuple[str, tuple[str, ...]]]:
     """Return the groups of effects that the rig has, and all of them together where there is more than one kind."""
-    names = {effect.name for effect in rig.effects}
+    names = {effect.name for effect in rig.effects if not effect.of_valve}
     found = [(what, group) for what, group in GROUPS.items() if names & set(group)]
     if names and (len(found) != 1 or names - set(found[0][1])):
         found.append(("any effect", tuple(names)))

@@ -7,7 +7,10 @@ from typing import Any
 
 import numpy as np
 
+from exo_sim.physics.compressed_air import exergy, free_air
+from exo_sim.simulation import gas_use
 from exo_sim.sizing.by_hand import Step
+from exo_sim.sizing.choice import fates
 from exo_sim.sizing.design import JointKind, fit
 from exo_sim.sizing.loads import JointLoads
 from exo_sim.sizing.search import Found
@@ -26,6 +29,8 @@ def entry(kinds: tuple[JointKind, ...], found: Found) -> dict[str, Any]:
         "rod_mm": {name: _mm(one.cylinder.rod) for name, one in joints.items()},
         "stroke_mm": {name: _mm(place.stroke or 0.0) for name, place in places.items()},
         "supply_pa": design.supply,
+        "part": {name: one.cylinder.standard for name, one in joints.items()},
+        "valve": {name: one.valve.name for name, one in joints.items() if one.valve is not None},
         "valve_area_mm2": {name: round(1e6 * one.valve_area, 3) for name, one in joints.items()},
         "attachment_mm": {
             name: {"from": [_mm(value) for value in one.attachment.base], "to": [_mm(value) for value in one.attachment.rod]}
@@ -33,6 +38,8 @@ def entry(kinds: tuple[JointKind, ...], found: Found) -> dict[str, Any]:
         },
         "torque_margin": score.margin,
         "gas_kg_per_stride": score.gas,
+        "free_air_l_per_stride": 1e3 * free_air(score.gas),
+        "exergy_j_per_stride": score.gas * exergy(design.supply),
         "actuator_mass_kg": score.mass,
         "torque_error_rms_nm": score.error,
         "design": design.number,
@@ -52,8 +59,15 @@ def numbers(sizing: Sizing, folder: Path) -> dict[str, Any]:
         "recommended": entry(kinds, sizing.choice.found),
         "why": sizing.choice.why,
         "finer": {"gas_kg_per_stride": sizing.fine.gas, "torque_error_rms_nm": sizing.fine.error},
+        "fates": dict(fates(sizing.outcome, sizing.task)),
+        "walked": [
+            {"design": one.number, "torque_error_rms_nm": _finite(one.error), "pressure_peak_pa": _finite(one.peak),
+             "pressure_limit_pa": one.limit, "trouble": one.trouble or None}
+            for one in sizing.choice.walked
+        ],
         "loads": [load_numbers(one) for one in sizing.loads],
         "closed_loop": sizing.choice.confirmed.summary or None,
+        "gas": sizing.choice.confirmed.summary.get("gas"),
         "trouble": sizing.choice.confirmed.trouble or None,
         "without": [
             {"what": one.what, "recommended": entry(kinds, one.choice.found), "same_design": {
@@ -106,6 +120,7 @@ def words(sizing: Sizing, folder: Path) -> str:
             f"Walked with it in closed loop ({confirmed.summary['scenario']}): peak torques {peaks} N m; "
             f"torso straps {straps['torso_rms']:.0f} N rms."
         )
+        lines += gas_use.words(confirmed.summary["gas"])
     else:
         lines.append(f"It could not be walked with in closed loop: {confirmed.trouble}")
     lines.append(f"{folder / 'sized.toml'}, {folder / 'report.html'}" + (f", {folder / 'sized.rrd'}" if confirmed.walk is not None else ""))
@@ -120,7 +135,9 @@ def described(kinds: tuple[JointKind, ...], found: Found) -> list[str]:
         name = kind.name
         points = one["attachment_mm"][name]
         lines.append(
-            f"{name}: bore {one['bore_mm'][name]:g}, rod {one['rod_mm'][name]:g}, stroke {one['stroke_mm'][name]:g} mm; valve "
+            f"{name}: {one['part'][name]}, "
+            f"bore {one['bore_mm'][name]:g}, rod {one['rod_mm'][name]:g}, stroke {one['stroke_mm'][name]:g} mm; "
+            f"{one['valve'].get(name, 'valve')} "
             f"{one['valve_area_mm2'][name]:.1f} mm^2; from {points['from']} to {points['to']} mm; margin "
             f"{100 * found.score.by_joint[name]:.0f} %"
         )
@@ -150,6 +167,10 @@ def by_hand_numbers(example: list[Step], joints: dict[str, list[Step]]) -> dict[
 
 def _line(step: Step) -> str:
     return f"  {step.what:58} {step.value:10.4g} {step.unit:7} {step.source}"
+
+
+def _finite(value: float) -> float | None:
+    return value if np.isfinite(value) else None
 
 
 def _mm(value: float) -> float:

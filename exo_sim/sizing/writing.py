@@ -7,8 +7,8 @@ from pathlib import Path
 
 import tomlkit
 
-from exo_sim.rig import Correction, Rig, improved
-from exo_sim.sizing.design import Design, JointKind, fitted
+from exo_sim.rig import Correction, EffectSetting, Finding, Rig, improved
+from exo_sim.sizing.design import Design, JointKind, fitted, valve_effects
 
 
 def sized_text(rig: Rig, kinds: tuple[JointKind, ...], design: Design, folder: Path) -> str:
@@ -22,6 +22,7 @@ def sized_text(rig: Rig, kinds: tuple[JointKind, ...], design: Design, folder: P
     """
     chosen = fitted(rig, kinds, design)
     numbers: list[tuple[tuple[str, ...], float, float, str]] = [(("supply", "pressure"), rig.supply.pressure, design.supply, "Pa")]
+    ratings = []
     for kind in kinds:
         for name in kind.cylinders:
             old, new, key = rig.cylinders[name], chosen.cylinders[name], ("cylinders", name)
@@ -29,11 +30,20 @@ def sized_text(rig: Rig, kinds: tuple[JointKind, ...], design: Design, folder: P
                 numbers.append(((*key, word), getattr(old, word), getattr(new, word), "m"))
             for word in ("dead_volume_1", "dead_volume_2"):
                 numbers.append(((*key, word), getattr(old, word), getattr(new, word), "m^3"))
+            if new.rating is not None and old.rating != new.rating:
+                ratings.append(Correction((*key, "rating"), new.rating, "Pa"))
             numbers.append(((*key, "valve", "area"), old.valve_area, new.valve_area, "m^2"))
     corrections = [
         Correction(key, new, unit) for key, old, new, unit in numbers if not math.isclose(old, new, rel_tol=1e-7)
+    ] + ratings
+    effects = [
+        Finding(EffectSetting(name, cylinder, {parameter: value}), says=f"Of {valve.name}.")
+        for kind in kinds
+        if (valve := design.joints[kind.name].valve) is not None
+        for name, parameter, value in valve_effects(valve)
+        for cylinder in kind.cylinders
     ]
-    document = tomlkit.parse(improved(rig, [], corrections, folder))
+    document = tomlkit.parse(improved(rig, effects, corrections, folder))
     cylinders = document["cylinders"]
     for kind in kinds:
         points = design.joints[kind.name].attachment

@@ -53,7 +53,7 @@ def every_edge_opens_where_its_overlap_ends() -> None:
     overlaps = (0.1, 0.2, 0.3, -0.25)
     gas = edges(**{f"overlap_{edge}": overlap for edge, overlap in zip(EDGES, overlaps, strict=True)})
     for command in np.linspace(-1.0, 1.0, 81):
-        found = nodes.path_areas(gas.cylinders[0], command)
+        found = nodes.path_areas(gas.cylinders[0], command, -command)
         for area, overlap, towards in zip(found, overlaps, (1.0, -1.0, -1.0, 1.0), strict=True):
             opening = (towards * command - overlap) / (1.0 - overlap)
             assert area == pytest.approx(5e-6 * min(max(opening, 0.0), 1.0), abs=1e-20)

@@ -125,7 +125,7 @@ def test_the_two_balances_add_up_to_the_corrected_equation_16(
     gas = Pneumatics(world, cylinder)
     gas.fill(np.array([x]), p_1, p_2, temperature)
     y, dy = gas.vector[: state.integrated_size(1)], np.zeros(state.integrated_size(1))
-    plant.rates(world[0], cylinder, y, dy, 0.0, np.array([x]), np.array([v]), np.array([spool]))
+    plant.rates(world[0], cylinder, y, dy, 0.0, np.array([x]), np.array([v]), np.array([spool, -spool]))
     c = cylinder[0]
     v_1, v_2 = c["dead_volume_1"] + c["area_1"] * x, c["dead_volume_2"] + c["area_2"] * (c["stroke"] - x)
     rate_1 = ((K - 1) * dy[state.ENERGY_1] - p_1 * c["area_1"] * v) / v_1

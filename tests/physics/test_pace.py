@@ -30,7 +30,7 @@ def machine(hose: float, volume: float, valve: float = 2.0, dead: float = 5.0, t
 def fastest_mode(gas: Pneumatics, x: float, opening: float) -> float:
     """Return the largest rate at which the gas settles [1/s]: an eigenvalue of the rates' Jacobian, by differences."""
     size = state.integrated_size(1)
-    y, at, still, spool = gas.vector[:size].copy(), np.array([x]), np.zeros(1), np.array([opening])
+    y, at, still, spool = gas.vector[:size].copy(), np.array([x]), np.zeros(1), np.array([opening, -opening])
 
     def rates(z: NDArray[np.float64]) -> NDArray[np.float64]:
         dy = np.zeros(size)
@@ -61,7 +61,7 @@ def test_the_stages_of_a_step_reach_the_fastest_mode(
     gas.vector[state.HOSE_MASS_1] /= warm
     gas.world["longest_step"] = span
     size, at = state.integrated_size(1), np.array([x])
-    h, stages = step_length(gas.world[0], gas.cylinders, gas.vector[:size], 0.0, at, at, np.array([opening]), 1e-3, 1e-7, 0.0)
+    h, stages = step_length(gas.world[0], gas.cylinders, gas.vector[:size], 0.0, at, at, np.array([opening, -opening]), 1e-3, 1e-7, 0.0)
     assert h * fastest_mode(gas, x, opening) <= 1.02 * REACH[stages]
 
 

@@ -63,7 +63,7 @@ def continuous(gas: Pneumatics, mass: float, x: float, seconds: float, method: s
 
     def rates(_: float, z: NDArray[np.float64]) -> NDArray[np.float64]:
         y, dy = np.ascontiguousarray(z[:size]), np.zeros(size)
-        plant.rates(world, cylinders, y, dy, 0.0, z[size : size + 1], z[size + 1 :], np.ones(1))
+        plant.rates(world, cylinders, y, dy, 0.0, z[size : size + 1], z[size + 1 :], np.array([1.0, -1.0]))
         p_1, p_2 = plant.pressures(world, cylinders[0], y, 0, z[size])
         c = cylinders[0]
         push = p_1 * c["area_1"] - p_2 * c["area_2"] - world["atmosphere"] * (c["area_1"] - c["area_2"])

@@ -33,7 +33,7 @@ def stiff() -> Pneumatics:
 def after(gas: Pneumatics, stages: int, most: int, pieces: int = 1, steps: int = 1) -> tuple[NDArray[np.float64], int]:
     """Return the integrated state after steps of H seconds, each in equal pieces with so many stages, and how many were tried."""
     size = integrated_size(1)
-    y, x0, spool, x, v = gas.vector[:size].copy(), np.array([0.002]), np.array([0.6]), np.zeros(1), np.zeros(1)
+    y, x0, spool, x, v = gas.vector[:size].copy(), np.array([0.002]), np.array([0.6, -0.6]), np.zeros(1), np.zeros(1)
     tried, faster = 0, 0.0
     for _ in range(steps):
         x1 = x0 + 2e-4
@@ -64,7 +64,7 @@ def test_too_few_stages_are_seen_and_the_step_is_taken_again() -> None:
 def test_enough_stages_are_taken_at_once() -> None:
     gas = stiff()
     at, end, size = np.array([0.002]), np.array([0.0022]), integrated_size(1)
-    h, stages = step_length(gas.world[0], gas.cylinders, gas.vector[:size], 0.0, at, end, np.array([0.6]), H, 1e-7, 0.0)
+    h, stages = step_length(gas.world[0], gas.cylinders, gas.vector[:size], 0.0, at, end, np.array([0.6, -0.6]), H, 1e-7, 0.0)
     pieces = round(H / h)
     assert after(gas, stages, 10_000, pieces)[1] == pieces
 

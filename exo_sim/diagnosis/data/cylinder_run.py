@@ -25,7 +25,7 @@ class CylinderRun:
 
     Attributes:
         time: [s].
-        command: Valve command, -1 to 1; zero where none was recorded.
+        command: Valve command, -1 to 1, towards chamber 1; zero where none was recorded.
         length: Piston position X as the joint has it [m], smoothed; None where no position was recorded.
         speed: Its rate [m/s].
         pressure: Measured chamber pressures [Pa], each or None.
@@ -37,6 +37,7 @@ class CylinderRun:
         breaks: Indices at which a new stretch begins.
         initial: Pressure at the first sample of a chamber that was not measured, from the balance of forces [Pa]; NaN where unknown.
         position_noise: Standard deviation of the white noise of `length` before it was smoothed [m].
+        command_2: Towards chamber 2 where the valve has independent edges; None where one spool serves both.
     """
 
     recording: str
@@ -55,11 +56,24 @@ class CylinderRun:
     breaks: tuple[int, ...]
     initial: tuple[float, float] = (math.nan, math.nan)
     position_noise: float = 0.0
+    command_2: Array | None = None
+
+    def towards(self, side: int) -> Array:
+        """Return the command that opens chamber 1 (side 0) or 2 (side 1) to the supply where it is above zero, shape (n,)."""
+        if side == 0:
+            return self.command
+        return -self.command if self.command_2 is None else self.command_2
+
+    @property
+    def turned(self) -> CylinderRun:
+        """The same run with commands of the other sign."""
+        return replace(self, command=-self.command, command_2=None if self.command_2 is None else -self.command_2)
 
     @property
     def at_rest(self) -> bool:
         """Whether neither the valve nor the piston ever moves: the gas then changes slowly."""
-        return float(np.ptp(self.command)) < STILL_COMMAND and (self.length is None or float(np.ptp(self.length)) < STILL_LENGTH)
+        held = all(float(np.ptp(self.towards(side))) < STILL_COMMAND for side in (0, 1))
+        return held and (self.length is None or float(np.ptp(self.length)) < STILL_LENGTH)
 
     @property
     def moves(self) -> bool:
@@ -79,7 +93,7 @@ class CylinderRun:
         return replace(
             self, time=self.time[start:stop], command=self.command[start:stop], length=cut(self.length), speed=cut(self.speed),
             pressure=(cut(self.pressure[0]), cut(self.pressure[1])), supply=cut(self.supply), exhaust=cut(self.exhaust),
-            supply_temperature=cut(self.supply_temperature), force=cut(self.force),
+            supply_temperature=cut(self.supply_temperature), force=cut(self.force), command_2=cut(self.command_2),
             breaks=(0, *(b - start for b in self.breaks if start < b < stop)),
             initial=self.initial if start == 0 else (math.nan, math.nan),
         )  # fmt: skip
@@ -131,16 +145,17 @@ def cylinder_runs(
         p_1, p_2 = recording.get(f"{name}.pressure_1"), recording.get(f"{name}.pressure_2")
         if p_1 is None and p_2 is None:
             continue
-        command = recording.get(f"{name}.valve_command")
+        commands = [recording.get(f"{name}.{signal}") for signal in rig.cylinders[name].commands]
         length, speed, position_noise = known.get(name, (None, None, 0.0))
-        held = np.zeros_like(recording.time) if command is None else np.clip(forward_filled(command), -1.0, 1.0)
+        held = [np.zeros_like(recording.time) if one is None else np.clip(forward_filled(one), -1.0, 1.0) for one in commands]
         runs.append(
             CylinderRun(
-                recording=recording.name, cylinder=name, time=recording.time, command=held, length=length, speed=speed,
+                recording=recording.name, cylinder=name, time=recording.time, command=held[0], length=length, speed=speed,
                 pressure=(p_1, p_2), supply=_bridged(recording, "supply.pressure"), exhaust=_bridged(recording, "exhaust.pressure"),
                 supply_temperature=_bridged(recording, "supply.temperature"), force=recording.get(f"{name}.force"),
-                commanded=command is not None, noise=(white_noise(p_1), white_noise(p_2)),
+                commanded=all(one is not None for one in commands), noise=(white_noise(p_1), white_noise(p_2)),
                 breaks=stretch_starts(recording.time, p_1, p_2, _position(recording, name, links)), position_noise=position_noise,
+                command_2=held[1] if len(held) > 1 else None,
             )  # fmt: skip
         )
     return runs

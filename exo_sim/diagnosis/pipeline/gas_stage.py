@@ -54,7 +54,7 @@ def examine_gas(
         runs = [with_initial_pressure(data, run) for run in data.cylinders[name]]
         plant = _believed(data, plan, name, runs)
         model = GasModel(runs, plant, plan.split)
-        opposite = GasModel([replace(run, command=-run.command) for run in runs], plant, plan.split)
+        opposite = GasModel([run.turned for run in runs], plant, plan.split)
         if model.size >= FEWEST_ROWS and np.sum(opposite.residual({}) ** 2) < REVERSED * np.sum(model.residual({}) ** 2):
             model = opposite
             data = replace(data, sensors=(*data.sensors, reversed_command(name)))

@@ -70,17 +70,19 @@ def opening(command: float, overlap: float) -> float:
 
 
 @kernel
-def path_areas(p, command: float, width: float, area: float, closed_area: float) -> tuple[float, float, float, float]:
+def path_areas(
+    p, command_1: float, command_2: float, width: float, area: float, closed_area: float
+) -> tuple[float, float, float, float]:
     """Return the areas supply->1, 1->exhaust, supply->2, 2->exhaust [m^2].
 
     Args:
-        command: Of the spool, before any dead-band.
+        command_1, command_2: Of the spool to each chamber, before any dead-band; opposite of each other where one spool serves both.
         width: Of the dead-band, which every overlap comes on top of.
         area, closed_area: As of `valve.path_areas`.
     """
     return (
-        area * (1.0 + p.excess_supply_1) * opening(command, width + p.overlap_supply_1) + closed_area,
-        area * (1.0 + p.excess_exhaust_1) * opening(-command, width + p.overlap_exhaust_1) + closed_area,
-        area * (1.0 + p.excess_supply_2) * opening(-command, width + p.overlap_supply_2) + closed_area,
-        area * (1.0 + p.excess_exhaust_2) * opening(command, width + p.overlap_exhaust_2) + closed_area,
+        area * (1.0 + p.excess_supply_1) * opening(command_1, width + p.overlap_supply_1) + closed_area,
+        area * (1.0 + p.excess_exhaust_1) * opening(-command_1, width + p.overlap_exhaust_1) + closed_area,
+        area * (1.0 + p.excess_supply_2) * opening(command_2, width + p.overlap_supply_2) + closed_area,
+        area * (1.0 + p.excess_exhaust_2) * opening(-command_2, width + p.overlap_exhaust_2) + closed_area,
     )

@@ -23,9 +23,10 @@ from exo_sim.recording.finding import Finding
 from exo_sim.recording.health.spans import Rows, listed, runs, where
 from exo_sim.recording.noise import Noise
 from exo_sim.recording.table import Recording
+from exo_sim.signals import VALVE_COMMANDS
 
 #: Signals whose flat spans mean something else: commands are held, nobody pushes.
-_FLAT_BY_NATURE = ("valve_command", "external_force")
+_FLAT_BY_NATURE = (*VALVE_COMMANDS, "external_force")
 _FORCES = ("ground_force_", "strap_force_", "force")
 _CHANCE = 1e-6
 _FEWEST = 20

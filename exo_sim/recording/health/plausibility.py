@@ -9,6 +9,7 @@ from exo_sim.recording.finding import Finding
 from exo_sim.recording.health.facts import Facts
 from exo_sim.recording.noise import Noise
 from exo_sim.recording.table import Recording
+from exo_sim.signals import VALVE_COMMANDS
 
 #: Absolute pressures below this share of the atmosphere do not occur in a machine that vents into it.
 NEAR_VACUUM = 0.25
@@ -25,7 +26,7 @@ def check(recording: Recording, key: str, noise: Noise, facts: Facts) -> list[Fi
         return _pressure(key, values, noise, facts)
     if signal.startswith("temperature"):
         return _temperature(key, values)
-    if signal == "valve_command":
+    if signal in VALVE_COMMANDS:
         return _command(key, values, noise)
     if signal == "position":
         strides = any(other.endswith(".ground_force_z") for other in recording.columns)

@@ -8,6 +8,7 @@ from exo_sim.recording.finding import Finding, Severity
 from exo_sim.recording.health.spans import listed, runs, where
 from exo_sim.recording.noise import Noise
 from exo_sim.recording.table import Recording
+from exo_sim.signals import VALVE_COMMANDS
 
 #: A lone sample that leaves its neighbours by this share of the range, and much more than they differ, is a spike.
 SPIKE = 0.1
@@ -58,7 +59,7 @@ def _steps(recording: Recording, key: str, noise: Noise) -> list[Finding]:
     values = recording[key]
     spread = float(np.nanmax(values) - np.nanmin(values))
     levels = round(spread / noise.step)
-    if levels > 5000 or key.rsplit(".", 1)[-1] in ("valve_command", "choked", "stance_l", "stance_r"):
+    if levels > 5000 or key.rsplit(".", 1)[-1] in (*VALVE_COMMANDS, "choked", "stance_l", "stance_r"):
         return []
     unit = recording.units.get(key, "")
     says = f'"{key}" moves in steps of {noise.step:.4g} {unit}, coarser than its noise: {levels} levels over its range'

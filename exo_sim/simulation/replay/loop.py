@@ -27,7 +27,7 @@ class Feed(NamedTuple):
     """Inputs on the simulation's steps, n of them.
 
     Attributes:
-        command: Valve commands, the mean over the step that follows, shape (n, cylinders).
+        command: Valve commands, the mean over the step that follows, shape (n, commands).
         external: Generalised forces from outside, shape (n, joints).
         supply, supply_temperature, exhaust: In the middle of that step, shape (n,).
         position, velocity: Measured motion of the recorded joints, velocity half a step before, shape (n, joints).
@@ -160,7 +160,7 @@ def run(first, stop, window, mechanics, plant, feed, filled, shown_pressure, sho
         plant.world[0].supply_pressure = feed.supply[k]
         plant.world[0].supply_temperature = feed.supply_temperature[k]
         plant.world[0].exhaust_pressure = feed.exhaust[k]
-        for i in range(n):
+        for i in range(plant.command.size):
             plant.command[i] = feed.command[k, i]
         if feed.imposed:
             continue

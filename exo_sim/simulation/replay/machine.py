@@ -84,8 +84,11 @@ class RecordedMachine:
         """Return what had to be assumed, in plain sentences."""
         return [
             f"no valve command of {c.name} was recorded: its valve is taken as closed"
+            if len(c.commands) == 1
+            else f"{c.name}.{command} was not recorded: that side of its valve is taken as closed"
             for c in self.rig.cylinders.values()
-            if c.valve_area > 0.0 and f"{c.name}.valve_command" not in self.recording
+            for command in c.commands
+            if c.valve_area > 0.0 and f"{c.name}.{command}" not in self.recording
         ]
 
     def _length_known(self, actuator: int) -> bool:
@@ -142,12 +145,13 @@ class RecordedMachine:
         measured = [recording.get(f"{name}.pressure_{side}") for name in rig.cylinders for side in (1, 2)]
         starts = fed.window_starts(pieces, window, time, measured)
         cylinders, half = list(rig.cylinders), 0.5 * self.dt
-        command = np.zeros((n, len(cylinders)))
+        command = np.zeros((n, self.plugin.pneumatics.commands))
         pressure = np.full((len(starts), len(cylinders), 2), math.nan)
         for i, name in enumerate(cylinders):
-            values = recording.get(f"{name}.valve_command")
-            if values is not None:
-                command[:, i] = np.clip(fed.held(pieces, time, values), -1.0, 1.0)
+            for side, signal in enumerate(rig.cylinders[name].commands):
+                values = recording.get(f"{name}.{signal}")
+                if values is not None:
+                    command[:, i + side * len(cylinders)] = np.clip(fed.held(pieces, time, values), -1.0, 1.0)
             for side in (1, 2):
                 pressure[:, i, side - 1] = fed.start_pressures(pieces, starts, time, measured[2 * i + side - 1])
         external = [fed.between(pieces, time, recording.get(f"{name}.external_force"), 0.0) for name in self.names]
@@ -177,7 +181,10 @@ class RecordedMachine:
         switch_off(gas.world, [place for place in ("supply", "exhaust") if f"{place}.pressure" in self.recording])
         first = np.where(np.isfinite(feed.pressure[0]), feed.pressure[0], self.rig.environment.pressure)
         plugin.reset(data, first[:, 0].copy(), first[:, 1].copy())
-        plugin.command[:] = feed.command[0]
-        gas.memory[:, state.SPOOL] = gas.memory[:, state.PLAY] = feed.command[0]
+        plugin.plant.command[:] = feed.command[0]
+        one, two = feed.command[0][: len(plugin.links)], feed.command[0][len(plugin.links) :]
+        gas.memory[:, state.SPOOL] = gas.memory[:, state.PLAY] = one
+        if two.size:
+            gas.memory[:, state.SPOOL_2] = gas.memory[:, state.PLAY_2] = two
         gas.history[:, :-1] = feed.command[0][:, None]
         return mechanics(model, data), plugin.plant

@@ -15,7 +15,7 @@ from exo_sim.machine.load import load
 from exo_sim.recording import health
 from exo_sim.recording.table import Recording
 from exo_sim.rig import Rig
-from exo_sim.signals import SHARED_PARTS
+from exo_sim.signals import SHARED_PARTS, VALVE_COMMANDS
 from exo_sim.simulation.replay.machine import RecordedMachine
 from exo_sim.simulation.sensors import observe, seen_through
 
@@ -67,7 +67,7 @@ def check_belongs(recording: Recording, rig: Rig, model: mujoco.MjModel) -> tupl
             "give the rig of this machine, or a column map"
         )
     for name in rig.cylinders:
-        if not any(f"{name}.{signal}" in recording for signal in ("valve_command", "pressure_1", "pressure_2")):
+        if not any(f"{name}.{signal}" in recording for signal in (*VALVE_COMMANDS, "pressure_1", "pressure_2")):
             strange = [part for part in there if part not in rig.cylinders]
             raise RecordingError(
                 f'"{recording.name}": no valve command and no pressure of cylinder "{name}" of {rig.path}{nearest(name, strange)}'

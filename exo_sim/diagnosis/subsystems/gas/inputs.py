@@ -47,15 +47,17 @@ class GasInputs:
     exhaust: Array
     supply_temperature: Array
     windows: Windows
+    command_2: Array
     _delayed: dict[float, Array] = field(default_factory=dict)
 
     def command_after(self, delay: float) -> Array:
-        """Return the command as it reaches the valve `delay` seconds late, shape (n,)."""
+        """Return the commands towards both chambers as they reach the valve `delay` seconds late, shape (n, 2)."""
         found = self._delayed.get(delay)
         if found is None:
             if len(self._delayed) > max(2, MOST_KEPT // len(self.time)):
                 self._delayed.clear()
-            found = self._delayed[delay] = late_command(self.time, self.command, delay)
+            late = [late_command(self.time, values, delay) for values in (self.command, self.command_2)]
+            found = self._delayed[delay] = np.stack(late, axis=1)
         return found
 
 
@@ -71,7 +73,7 @@ def inputs(run: CylinderRun, world: NDArray[np.void], seconds: float) -> GasInpu
     return GasInputs(
         run, run.time, run.command, run.length, supply=constant(run.supply, "supply_pressure"),
         exhaust=constant(run.exhaust, "exhaust_pressure"),
-        supply_temperature=constant(run.supply_temperature, "supply_temperature"), windows=windows(run, seconds),
+        supply_temperature=constant(run.supply_temperature, "supply_temperature"), windows=windows(run, seconds), command_2=run.towards(1),
     )  # fmt: skip
 
 

@@ -40,7 +40,8 @@ def predict(
     Args:
         world, cylinders: Records, shape (1,) each; the world's supply and exhaust are overwritten at every sample.
         vector: State of one cylinder, filled.
-        time, command, length, supply, exhaust, supply_temperature: Inputs, shape (n,).
+        time, length, supply, exhaust, supply_temperature: Inputs, shape (n,).
+        command: Towards both chambers, shape (n, 2); the second counts where the valve has independent edges.
         starts: Index of each window's first sample, increasing, shape (w,).
         start_pressure: Measured pressures there, shape (w, 2); NaN keeps the prediction.
         out: Predicted pressures where the sensors sit, shape (n, 2).
@@ -54,7 +55,7 @@ def predict(
     k = world[0].k
     memory = state.INTEGRATED + state.SHARED
     window = 0
-    x0, x1, u = np.empty(1), np.empty(1), np.empty(1)
+    x0, x1, u = np.empty(1), np.empty(1), np.empty(2)
     hose = c.line_restriction.area > 0.0
     at_valve = hose and c.line_restriction.sensor > 0.5
     for i in range(n):
@@ -98,7 +99,7 @@ def predict(
             dt = time[i + 1] - time[i]
             before = vector[state.DRAWN]
             if dt < 0.5:
-                x0[0], x1[0], u[0] = length[i], length[i + 1], command[i]
+                x0[0], x1[0], u[0], u[1] = length[i], length[i + 1], command[i, 0], command[i, 1]
                 plant.advance(world[0], cylinders, vector, x0, x1, u, dt, work, scratch)
             if whole:
                 drawn[i] = (vector[state.DRAWN] - before) / dt
@@ -176,6 +177,7 @@ def run_gas(
     rest = n if whole else 0
     out, inside, drawn, warmth = np.empty((n, 2)), np.empty((rest, 2)), np.zeros(rest), np.empty((rest, 2))
     gas.memory[0, state.SPOOL] = gas.memory[0, state.PLAY] = feed.command[0]
+    gas.memory[0, state.SPOOL_2] = gas.memory[0, state.PLAY_2] = feed.command_2[0]
     predict(
         world, cylinder, gas.vector, feed.time, feed.command_after(float(cylinder[valve_lag.EFFECT.name]["delay"][0]) + card_delay),
         length, feed.supply, feed.exhaust, feed.supply_temperature, feed.windows.starts, start, gas._work, gas._scratch,

@@ -16,7 +16,7 @@ def regimes(inputs: GasInputs, side: int, k: float) -> dict[str, NDArray[np.bool
     run, supply, exhaust = inputs.run, inputs.supply, inputs.exhaust
     pressure = run.pressure[side]
     assert pressure is not None
-    command = run.command if side == 0 else -run.command
+    command = run.towards(side)
     filling, venting = command > CLOSED, command < -CLOSED
     closed = ~filling & ~venting
     limit = critical_ratio(k)
@@ -44,5 +44,5 @@ def regimes(inputs: GasInputs, side: int, k: float) -> dict[str, NDArray[np.bool
         "small commands": closed | (np.abs(command) < SMALL_COMMAND),
         "piston moving": moving,
         "piston at rest": ~moving,
-        "command near zero crossing": near_reversal(run.time, run.command),
+        "command near zero crossing": near_reversal(run.time, command),
     }

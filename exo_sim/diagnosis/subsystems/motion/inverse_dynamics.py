@@ -95,7 +95,8 @@ def _why_not(recording: Recording, rig: Rig, driven: Sequence[Linkage], external
         lacking = [s for s in sides if f"{link.cylinder}.{s}" not in recording]
         if lacking:
             return f"{link.cylinder}.{lacking[0]} was not recorded"
-        if f"{link.cylinder}.valve_command" not in recording and not external:
+        commands = rig.cylinders[link.cylinder].commands
+        if not any(f"{link.cylinder}.{command}" in recording for command in commands) and not external:
             return f"nothing that was recorded drives {link.cylinder}: what moved it from outside is not known"
     return ""
 

@@ -1,0 +1,85 @@
+"""How a valve with independent edges gets a force: one chamber makes it, the other is let off to the exhaust and costs no gas.
+
+The paper's valve moves both chambers with one spool, so both stay under pressure, and each stroke fills the chamber that grows with
+gas that pushes against the other. With an edge of its own for each chamber the one that does not push lies at the exhaust's pressure: it
+draws air from there when it grows. What the pushing chamber needs follows from the same inverse of its pressure dynamics as
+`valve_control.invert` (corrected equation 34), the other's share taken off.
+"""
+
+from __future__ import annotations
+
+from exo_sim.physics.compiled import kernel
+from exo_sim.physics.gas import choked_flow, flow
+from exo_sim.physics.nodes import path_areas
+
+#: Share of a choked path's flow below which more opening would not help.
+_LEAST = 0.05
+
+
+@kernel
+def edge_command(share: float, overlap: float) -> float:
+    """Return the command, 0 to 1, that opens an edge to a share of its area; its overlap is passed over."""
+    if share <= 0.0:
+        return 0.0
+    return min(overlap + (1.0 - overlap) * share, 1.0)
+
+
+@kernel
+def chamber_command(wanted, p, t, v, fed, let_off, overlap_fed, overlap_let_off, p_s, t_s, p_e, t_e, k, r):
+    """Return the command of a chamber whose pressure is to change at a wanted rate by its valve alone.
+
+    Args:
+        wanted: Rate of the pressure by gas through the valve [Pa/s].
+        p, t, v: Pressure [Pa], temperature [K], volume [m^3] of the chamber.
+        fed, let_off: Areas of its edges at full command [m^2].
+        overlap_fed, overlap_let_off: Commands at which they begin to open.
+        p_s, t_s, p_e, t_e: Supply and exhaust.
+        k, r: The gas.
+    """
+    per_flow = k * r / v
+    if wanted >= 0.0:
+        into = max(flow(fed, p_s, t_s, p, t, k, r), _LEAST * choked_flow(fed, p_s, t_s, k, r))
+        return edge_command(wanted / (per_flow * into * t_s), overlap_fed)
+    if p > p_s:  # squeezed above the supply: what leaves goes back there
+        back = max(flow(fed, p, t, p_s, t_s, k, r), _LEAST * choked_flow(fed, p_s, t_s, k, r))
+        return edge_command(-wanted / (per_flow * back * t), overlap_fed)
+    out = max(flow(let_off, p, t, p_e, t_e, k, r), _LEAST * choked_flow(let_off, p_s, t_s, k, r))
+    return -edge_command(-wanted / (per_flow * out * t), overlap_let_off)
+
+
+@kernel
+def meter(c, wanted, rate, v, p_1, t_1, p_2, t_2, v_1, v_2, p_s, t_s, p_e, t_e, k, r):
+    """Return the commands of both chambers for which the rod force changes at a wanted rate, the chamber that does not push let off.
+
+    Args:
+        c: Record of the cylinder.
+        wanted: Rod force [N]; its sign says which chamber pushes.
+        rate: Wanted rate of the rod force, error included [N/s].
+        v: Piston speed [m/s].
+        p_1, t_1, v_1, p_2, t_2, v_2: Pressure [Pa], temperature [K], volume [m^3] of the chambers.
+        p_s, t_s, p_e, t_e: Supply and exhaust.
+        k, r: The gas.
+    """
+    fed_1, _, fed_2, _ = path_areas(c, 1.0, 1.0)
+    _, let_off_1, _, let_off_2 = path_areas(c, -1.0, -1.0)
+    edges = c.valve_edges
+    by_motion = -k * (p_1 * c.area_1 * c.area_1 / v_1 + p_2 * c.area_2 * c.area_2 / v_2) * v
+    if wanted >= 0.0 or c.single_acting > 0.0:
+        by_other = 0.0
+        if c.single_acting == 0.0:
+            w = flow(let_off_2, p_2, t_2, p_e, t_e, k, r)
+            by_other = k * r / v_2 * w * (t_2 if w > 0.0 else t_e) * c.area_2
+        else:
+            by_motion = -k * p_1 * c.area_1 * c.area_1 / v_1 * v
+        u_1 = chamber_command(
+            (rate - by_motion - by_other) / c.area_1, p_1, t_1, v_1, fed_1, let_off_1, edges.overlap_supply_1, edges.overlap_exhaust_1,
+            p_s, t_s, p_e, t_e, k, r,
+        )  # fmt: skip
+        return u_1, -1.0
+    w = flow(let_off_1, p_1, t_1, p_e, t_e, k, r)
+    by_other = -k * r / v_1 * w * (t_1 if w > 0.0 else t_e) * c.area_1
+    u_2 = chamber_command(
+        -(rate - by_motion - by_other) / c.area_2, p_2, t_2, v_2, fed_2, let_off_2, edges.overlap_supply_2, edges.overlap_exhaust_2,
+        p_s, t_s, p_e, t_e, k, r,
+    )  # fmt: skip
+    return -1.0, u_2

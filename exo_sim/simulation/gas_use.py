@@ -1,0 +1,125 @@
+"""What the gas of a walk costs in a designer's numbers: free air, exergy, compressor, efficiency, bottle, tank, peak flow."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+
+from exo_sim.physics import compressed_air, real_air
+from exo_sim.physics.compressed_air import Bottle
+from exo_sim.rig import Rig
+from exo_sim.simulation.reduction import Change, Least, Mean, Peak
+from exo_sim.simulation.walk import Walk
+
+#: A peak of flow is the mean over so long [s]: what a hose and a regulator feel.
+PEAK_OVER = 0.02
+#: How far the tank's pressure may sag within a cycle, of the supply's.
+SAG = 0.05
+
+
+def measure(walk: Walk, rows: slice) -> dict[str, Any]:
+    """Return what some rows of whole cycles draw and give, as reductions: masses [kg], work [W], flows [kg/s]."""
+    part = {key: column[rows] for key, column in walk.columns.items()}
+    drawn = np.sum([part[f"{name}.gas_used"] for name in walk.rig.cylinders], axis=0)
+    power = [part[f"{name}.force"] * np.gradient(part[f"{name}.length"], walk.step) for name in walk.rig.cylinders]
+    per_cycle = walk.motion.period / walk.step
+    cycles = len(drawn) / per_cycle
+    over = min(max(1, round(PEAK_OVER / walk.step)), len(drawn) - 1)
+    even = np.linspace(0.0, 1.0, len(drawn)) * (drawn[-1] - drawn[0])
+    beyond = drawn - drawn[0] - even
+    whole = [beyond[round(i * per_cycle) : round((i + 1) * per_cycle)] for i in range(max(1, int(cycles + 1e-6)))]
+    return {
+        "mass_kg_per_stride": Change(float(drawn[0]), float(drawn[-1]), cycles),
+        "positive_rod_work_w": Mean.of(np.sum(np.maximum(power, 0.0), axis=0)),
+        "negative_rod_work_w": Mean.of(np.sum(np.minimum(power, 0.0), axis=0)),
+        "peak_kg_per_s": Peak.of((drawn[over:] - drawn[:-over]) / (over * walk.step)),
+        "swing_kg": Peak.of([np.ptp(piece) for piece in whole]),
+        "chamber_temperature_least_k": Least.of([part[f"{name}.temperature_{side}"].min() for name, side in _chambers(walk.rig)]),
+    }
+
+
+def _chambers(rig: Rig) -> list[tuple[str, int]]:
+    """Return cylinder and number of every chamber."""
+    return [(name, side) for name, c in rig.cylinders.items() for side in ((1,) if c.single_acting else (1, 2))]
+
+
+def numbers(measured: dict[str, Any], rig: Rig, period: float, bottle: Bottle | None = None) -> dict[str, Any]:
+    """Return the `gas` of the ledger from the values of what `measure` took.
+
+    Args:
+        measured: The values.
+        rig: The machine; supply and surroundings.
+        period: Of a cycle [s].
+        bottle: 2 l of 300 bar when None.
+    """
+    bottle = bottle or Bottle(temperature=rig.environment.temperature)
+    flow = measured["mass_kg_per_stride"] / period
+    each = compressed_air.exergy(
+        rig.supply.pressure, rig.environment.pressure, rig.environment.temperature, rig.specific_gas_constant
+    )
+    work = measured["positive_rod_work_w"]
+    tank = compressed_air.tank_volume(
+        measured["swing_kg"], SAG * rig.supply.pressure, rig.supply.temperature, rig.heat_capacity_ratio, rig.specific_gas_constant
+    )
+    out = {
+        "free_air_l_per_min": 6e4 * compressed_air.free_air(flow),
+        "mass_kg_per_s": flow,
+        "mass_kg_per_stride": measured["mass_kg_per_stride"],
+        "exergy_w": flow * each,
+        "compressor": {
+            "power_w": compressed_air.compressor_power(flow * each),
+            "isothermal_efficiency": compressed_air.COMPRESSOR_EFFICIENCY,
+        },
+        "positive_rod_work_w": work,
+        "negative_rod_work_w": measured["negative_rod_work_w"],
+        "efficiency": work / (flow * each) if flow * each > 0.0 else 0.0,
+        "peak_flow_l_per_min": 6e4 * compressed_air.free_air(measured["peak_kg_per_s"]),
+        "tank": {"volume_l": 1e3 * tank, "sag_pa": SAG * rig.supply.pressure},
+        "chamber_temperature_least_k": measured["chamber_temperature_least_k"],
+    }
+    if flow > 0.0 and _is_air(rig) and real_air.TEMPERATURES[0] <= bottle.temperature <= real_air.TEMPERATURES[1]:
+        lasts = bottle.lasts(flow, rig.supply.pressure)
+        out["bottle"] = {"volume_l": 1e3 * bottle.volume, "pressure_bar": bottle.pressure / 1e5, "lasts_s": lasts}
+    return out
+
+
+def _is_air(rig: Rig) -> bool:
+    """Return whether the equation of state of air speaks of the rig's gas."""
+    return abs(rig.specific_gas_constant * real_air.MOLAR_MASS / 8.31451 - 1.0) < 0.01
+
+
+def rows(gas: dict[str, Any]) -> list[tuple[str, str]]:
+    """Return the ledger of the gas as a table: what, and how much with its unit."""
+    out = [
+        ("free air (ISO 8778)", f"{gas['free_air_l_per_min']:.0f} l/min"),
+        ("mass a cycle", f"{1e3 * gas['mass_kg_per_stride']:.2f} g"),
+        (f"peak flow, over {1e3 * PEAK_OVER:.0f} ms", f"{gas['peak_flow_l_per_min']:.0f} l/min"),
+        ("exergy of the gas", f"{gas['exergy_w']:.0f} W"),
+        ("compressor, isothermal, "
+         f"{100 * gas['compressor']['isothermal_efficiency']:.0f} %", f"{gas['compressor']['power_w']:.0f} W"),
+        ("positive rod work", f"{gas['positive_rod_work_w']:.0f} W"),
+        ("rod work over exergy", f"{100 * gas['efficiency']:.1f} %"),
+        (f"tank that sags by {gas['tank']['sag_pa'] / 1e5:.2f} bar within a cycle", f"{gas['tank']['volume_l']:.2f} l"),
+        ("coldest gas in a chamber", f"{gas['chamber_temperature_least_k'] - 273.15:.0f} C"),
+    ]
+    if "bottle" in gas:
+        bottle = gas["bottle"]
+        out.append((f"a bottle of {bottle['volume_l']:g} l and {bottle['pressure_bar']:g} bar lasts", f"{bottle['lasts_s']:.0f} s"))
+    return out
+
+
+def words(gas: dict[str, Any]) -> list[str]:
+    """Return the ledger of the gas in lines of text."""
+    lines = [
+        f"gas: {gas['free_air_l_per_min']:.0f} l/min of free air (ISO 8778), {1e3 * gas['mass_kg_per_stride']:.2f} g a cycle, "
+        f"peak {gas['peak_flow_l_per_min']:.0f} l/min; exergy {gas['exergy_w']:.0f} W, of which "
+        f"{100 * gas['efficiency']:.1f} % becomes rod work ({gas['positive_rod_work_w']:.0f} W)",
+        f"compressor {gas['compressor']['power_w']:.0f} W (isothermal, {100 * gas['compressor']['isothermal_efficiency']:.0f} %); tank "
+        f"{gas['tank']['volume_l']:.2f} l for a sag of {gas['tank']['sag_pa'] / 1e5:.2f} bar; "
+        f"coldest chamber {gas['chamber_temperature_least_k'] - 273.15:.0f} C",
+    ]
+    if "bottle" in gas:
+        bottle = gas["bottle"]
+        lines.append(f"a bottle of {bottle['volume_l']:g} l and {bottle['pressure_bar']:g} bar lasts {bottle['lasts_s']:.0f} s")
+    return lines

@@ -1,0 +1,69 @@
+"""The law of independent edges against the plant: the pushing chamber is steered, the other let off."""
+
+import numpy as np
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+from exo_sim.control.metering import chamber_command, edge_command, meter
+from exo_sim.physics import state
+from exo_sim.physics.pneumatics import Pneumatics, paper_cylinder, paper_world
+
+P_S, P_A = 12e5, 101325.0
+
+
+def plant(p_1, p_2, x, single_acting=False):
+    cylinder = paper_cylinder(0.040, 0.016, 0.125, 10e-6, 8e-6, 8e-6, single_acting)
+    cylinder["independent"] = 1.0
+    gas = Pneumatics(paper_world(P_S), cylinder, dt=2e-5)
+    gas.fill(np.array([x]), p_1, p_2)
+    return gas
+
+
+def asked(gas, wanted, rate, v, x):
+    c = gas.cylinders[0]
+    (p_1, p_2), v_1 = gas.pressures(np.array([x]))[0], c["dead_volume_1"] + c["area_1"] * x
+    v_2 = c["dead_volume_2"] + c["area_2"] * (c["stroke"] - x)
+    return np.array(meter(c, wanted, rate, v, p_1, 293.15, p_2, 293.15, v_1, v_2, P_S, 293.15, P_A, 293.15, 1.4, 287.05))
+
+
+@settings(max_examples=60)
+@given(
+    p_1=st.floats(1.5e5, 11e5), p_2=st.floats(1.1e5, 11e5), x=st.floats(0.02, 0.105), v=st.floats(-0.3, 0.3),
+    rate=st.floats(-4e4, 4e4), pushes=st.booleans(),
+)  # fmt: skip
+def test_the_force_changes_at_the_rate_asked_for(p_1, p_2, x, v, rate, pushes):
+    gas = plant(p_1, p_2, x)
+    command = asked(gas, 100.0 if pushes else -100.0, rate, v, x)
+    assert command[1 if pushes else 0] == -1.0
+    before = gas.forces(np.array([x]), np.zeros(1))[0]
+    gas.advance(np.array([x]), np.array([x + v * gas.dt]), command)
+    made = (gas.forces(np.array([x + v * gas.dt]), np.zeros(1))[0] - before) / gas.dt
+    if abs(command[0 if pushes else 1]) < 1.0:
+        assert made == pytest.approx(rate, rel=0.05, abs=4e3)
+
+
+def test_the_idle_chamber_draws_nothing_from_the_supply():
+    """A pull let off while the rod goes out: chamber 2 empties, chamber 1 grows and fills from the exhaust."""
+    gas = plant(P_A, P_A, 0.03)
+    for i in range(200):
+        x = 0.03 + 0.2 * i * gas.dt
+        gas.advance(np.array([x]), np.array([x + 0.2 * gas.dt]), np.array([-1.0, -1.0]))
+    assert gas.integrated[0, state.DRAWN] == 0.0
+    assert gas.integrated[0, state.EXHAUSTED] != 0.0
+    assert gas.books().mass_residual < 1e-9
+
+
+def test_gas_squeezed_above_the_supply_goes_back_there():
+    command = chamber_command(-1e7, 1.3 * P_S, 293.15, 1e-4, 1e-5, 1e-5, 0.0, 0.0, P_S, 293.15, P_A, 293.15, 1.4, 287.05)
+    assert command > 0.0
+
+
+def test_an_overlap_is_passed_over():
+    assert edge_command(0.0, 0.04) == 0.0
+    assert edge_command(0.5, 0.04) == pytest.approx(0.52)
+    assert edge_command(3.0, 0.04) == 1.0
+
+
+def test_a_single_acting_cylinder_is_steered_by_chamber_one_whatever_the_sign():
+    assert asked(plant(3e5, P_A, 0.05, single_acting=True), -50.0, -1e3, 0.0, 0.05)[1] == -1.0

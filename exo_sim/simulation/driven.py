@@ -88,7 +88,10 @@ class Outside:
             )
             self._wired = (settings, *self._wired[1:])
         target = self._drives.commands if commands.kind == own.VALVES else self._drives.torques
-        target[:] = commands.values
+        n = len(commands.values)
+        target[:n] = commands.values
+        if n < len(target):  # one command a cylinder moves both sides of a valve with independent edges as a 4-way valve would
+            target[n:] = -commands.values
 
     def run(self, first: int, count: int, rows: Array) -> int:
         """Take steps under the commands; return what became of the gas."""

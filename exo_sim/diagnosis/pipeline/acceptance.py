@@ -6,6 +6,8 @@ import math
 from collections.abc import Mapping
 from pathlib import Path
 
+import numpy as np
+
 from exo_sim.diagnosis.data.machine_data import MachineData
 from exo_sim.diagnosis.data.split import Split
 from exo_sim.diagnosis.findings import SignalFit
@@ -23,20 +25,40 @@ def accepted(data: MachineData, update: RigUpdate, folder: Path, split: Split) -
         folder: Of the rig as believed.
         split: Its test time counts.
     """
-    variants = update.variants()
+    variants, spreads = update.variants(), {column: spread_of(data, column) for column in signals_of(data)}
     for one in variants:
         runs = free_runs(data, one.text(folder), split)
-        if not is_worse(runs):
+        if not is_worse(runs, spreads):
             break
     return one, runs, one is not update
 
 
-def is_worse(runs: Mapping[str, SignalFit]) -> bool:
-    """Return whether the errors of a free run rose, over its signals together; also where a run with the update diverges."""
+def signals_of(data: MachineData) -> list[str]:
+    """Return the columns of all recordings, each once."""
+    return list(dict.fromkeys(column for table in data.recordings for column in table.columns))
+
+
+def spread_of(data: MachineData, column: str) -> float:
+    """Return the standard deviation of a signal over all recordings that have it, in its unit."""
+    return float(np.nanstd(np.concatenate([table[column] for table in data.recordings if column in table.columns])))
+
+
+def is_worse(runs: Mapping[str, SignalFit], spreads: Mapping[str, float]) -> bool:
+    """Return whether the errors of a free run rose, over its signals together; also where a run with the update diverges.
+
+    A signal that neither run predicts better than its own mean would says nothing: a piston that slides wherever a tenth of a newton
+    lets it is nowhere near either way.
+
+    Args:
+        runs: Errors of the free runs, by signal.
+        spreads: Standard deviations of the signals.
+    """
     logs = []
-    for fit in runs.values():
+    for column, fit in runs.items():
         if math.isfinite(fit.before) and fit.before > 0.0:
             if not math.isfinite(fit.after):
                 return True
+            if min(fit.before, fit.after) > spreads.get(column, math.inf):
+                continue
             logs.append(math.log(max(fit.after, 1e-300) / fit.before))
     return bool(logs) and sum(logs) / len(logs) > math.log1p(MOST_WORSE)

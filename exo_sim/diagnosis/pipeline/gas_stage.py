@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Hashable, Sequence
 from dataclasses import dataclass, field, replace
+from functools import partial
 
 import numpy as np
 
@@ -16,7 +17,7 @@ from exo_sim.diagnosis.estimation.least_squares import FEWEST_ROWS
 from exo_sim.diagnosis.estimation.parameters import PlantParameters
 from exo_sim.diagnosis.estimation.threads import Threads
 from exo_sim.diagnosis.pipeline.plan import Plan, Progress
-from exo_sim.diagnosis.policy.budgets import FEW_SAMPLES
+from exo_sim.diagnosis.policy.budgets import FEW_SAMPLES, MOST_EFFORT
 from exo_sim.diagnosis.policy.recordings import REVERSED
 from exo_sim.diagnosis.selection.decision import decide
 from exo_sim.diagnosis.selection.search import Search
@@ -25,6 +26,8 @@ from exo_sim.diagnosis.subsystems.gas.candidates import candidates
 from exo_sim.diagnosis.subsystems.gas.model import GasModel
 from exo_sim.diagnosis.subsystems.gas.nuisances import known_effects, nuisance_parameters, with_measured_supply
 from exo_sim.rig import assembly
+
+_ENDED = "the search of its gas ended after the most predictions that are made; what it found until then is the answer"
 
 
 @dataclass(frozen=True)
@@ -68,18 +71,18 @@ def examine_gas(
         asked = plan.asked(candidates(plant, runs, name, joint))
         friction = None if plan.friction is None else tuple(plan.friction.get(name, ()))
         key = (name, tuple(sorted(plan.split.test.items())), tuple(one.key for one in asked), friction)
-        if key in done:
-            found.append(done[key])
-            continue
-        if model.size >= FEWEST_ROWS:
-            model = model.with_better_flow_law(nuisances, threads)
-        search = Search(
-            model, nuisances, asked, threads, _naming(report, name), cheap=sum(len(run.time) for run in runs) < FEW_SAMPLES,
-            practical_significance=model.practical_significance,
-            until=softens if plan.friction is None and joint in data.joints else None, is_spent=plan.budget.is_spent,
-        )  # fmt: skip
-        done[key] = decide(name, model, search.fits, search.run())
+        if key not in done:
+            if model.size >= FEWEST_ROWS:
+                model = model.with_better_flow_law(nuisances, threads)
+            search = Search(
+                model, nuisances, asked, threads, _naming(report, name), cheap=sum(len(run.time) for run in runs) < FEW_SAMPLES,
+                practical_significance=model.practical_significance,
+                until=softens if plan.friction is None and joint in data.joints else None, is_spent=partial(_is_spent, plan, model),
+            )  # fmt: skip
+            done[key] = decide(name, model, search.fits, search.run())
         found.append(done[key])
+        if found[-1].model.effort > MOST_EFFORT:
+            data = replace(data, remarks=(*data.remarks, f"{name}: {_ENDED}"))
     return data, tuple(found)
 
 
@@ -89,6 +92,10 @@ def _believed(data: MachineData, plan: Plan, cylinder: str, runs: Sequence[Cylin
     drives = {link.cylinder: link.joint for link in data.links}
     believed = PlantParameters(assembly.world(data.rig), assembly.cylinders(data.rig, drives)[index : index + 1])
     return with_measured_supply(believed, runs).with_values((plan.friction or {}).get(cylinder, ()))
+
+
+def _is_spent(plan: Plan, model: GasModel) -> bool:
+    return model.effort > MOST_EFFORT or plan.budget.is_spent()
 
 
 def _naming(report: Progress, part: str) -> Progress:

@@ -15,6 +15,10 @@ STRAY = Number(
     "a fit that begins further away does not arrive",
 )  # fmt: skip
 MOST_EXTENSIONS = Count(3, "effects", "are added one by one to those that were proposed together")
+MOST_EFFORT = Count(
+    60_000_000, "predicted samples", "after which a search seeks nothing more, about a minute of a processor: the same on every machine",
+    "learn makes A, B and D of whole machines were through before",
+)
 MOST_STEPS = Count(12, "Gauss-Newton steps", "of a fit")
 FIRST_LOOK = Count(3, "Gauss-Newton steps", "of a first look at a set that is most likely far off, with the derivatives of its neighbour")
 FIRST_LOOKED = Count(2, "sets", "of those that were looked at are fitted to the end, where only the best is wanted")

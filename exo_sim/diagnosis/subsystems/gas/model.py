@@ -29,7 +29,7 @@ from exo_sim.diagnosis.subsystems.gas.regimes import regimes
 from exo_sim.diagnosis.subsystems.gas.rows import rows_of
 from exo_sim.physics.declaration import asked_of
 from exo_sim.physics.effects import critical_ratio as flow_law
-from exo_sim.physics.effects import unknown
+from exo_sim.physics.effects import line_restriction, unknown
 from exo_sim.physics.effects.unknown import ACTS, DEPENDS_ON, KNOTS
 from exo_sim.physics.gas import critical_ratio
 
@@ -47,6 +47,8 @@ REST_WINDOWS = 5
 GROUP = 0.005
 #: ... and in proportion longer where the recordings are longer than this together [s], which bounds the number of rows.
 LONG = 100.0
+#: A sample behind a hose takes about so many times as long.
+HOSE_EFFORT = 3
 #: Step in the initial pressure for its sensitivity [Pa].
 START_STEP = 500.0
 
@@ -62,6 +64,9 @@ class GasModel(SubsystemModel):
         split: Which time may be used.
         window: Length of a window [s].
         on_test: Whether the rows are those of the test time; predictions then cover the whole runs.
+
+    Attributes:
+        effort: Samples that were predicted so far.
     """
 
     kind = Subsystem.GAS
@@ -84,6 +89,7 @@ class GasModel(SubsystemModel):
         self._rows = [[rows_of(one, side, split, group, on_test) for side in range(2)] for one in self.inputs]
         self.blocks = self._blocks()
         self._responses: list[list[Array]] | None = None
+        self.effort = 0
 
     def _blocks(self) -> NDArray[np.int64]:
         blocks, offset = [], 0
@@ -107,6 +113,7 @@ class GasModel(SubsystemModel):
         """Predict what the sensors of one run would show; without `whole` nothing but that. `shift` as in `run_gas`."""
         sensors = plant.sensors
         given = self.inputs[index]
+        self.effort += len(given.time) * (HOSE_EFFORT if plant.is_on(line_restriction.EFFECT) else 1)
         late = (sensors.get("pressure_1.delay", 0.0), sensors.get("pressure_2.delay", 0.0))
         if any(late):
             given = with_late_pressures(given, late)

@@ -3,11 +3,12 @@
 from __future__ import annotations
 
 from collections.abc import Iterable
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 
 from exo_sim import units
 from exo_sim.inputs import toml
+from exo_sim.physics.effects.valve_edges import EDGES
 from exo_sim.rig.reading import parse_table
 from exo_sim.rig.table import Table
 
@@ -36,6 +37,18 @@ damping_factor = 1.0
 [wearer]
 [ankle]
 """
+#: Other ways to say what a valve is: four edges of their own, each by its area or by ISO 6358.
+_VALVES = (
+    'kind = "independent"\n' + "".join(f'area_{edge} = "5 mm^2"\noverlap_{edge} = 0.01\n' for edge in EDGES) + "b = 0.3\n",
+    'C = "1 dm^3/(s bar)"\n' + "".join(f"b_{edge} = 0.3\n" for edge in EDGES),
+    "".join(f'C_{edge} = "1 dm^3/(s bar)"\n' for edge in EDGES),
+)
+_EDGE_WORDS = {
+    "supply_1": "from the supply to chamber 1",
+    "exhaust_1": "from chamber 1 to the exhaust",
+    "supply_2": "from the supply to chamber 2",
+    "exhaust_2": "from chamber 2 to the exhaust",
+}
 #: What each key means, with its sign.
 MEANINGS = {
     "name": "what the machine is called; the file's name when absent",
@@ -54,7 +67,18 @@ MEANINGS = {
     "cylinders.NAME.dead_volume_1": "volume left in chamber 1 at X = 0, hose included",
     "cylinders.NAME.dead_volume_2": "volume left in chamber 2 at X = stroke, hose included",
     "cylinders.NAME.acting": "single: chamber 2 is open to the atmosphere",
+    "cylinders.NAME.rating": "largest pressure that the cylinder is made for, absolute; beyond it `run` and `inspect` warn",
     "cylinders.NAME.valve.area": "effective throat area of each path at full command; command +1 opens supply to chamber 1",
+    "cylinders.NAME.valve.kind": "independent: each chamber has a command of its own, +1 opens it to the supply, -1 to the exhaust",
+    "cylinders.NAME.valve.C": "sonic conductance of ISO 6358 of each path, in place of the area",
+    "cylinders.NAME.valve.b": "critical pressure ratio of ISO 6358 of every path; a nozzle when absent",
+    **{f"cylinders.NAME.valve.area_{edge}": f"effective throat area {words}; `area` when absent" for edge, words in _EDGE_WORDS.items()},
+    **{f"cylinders.NAME.valve.C_{edge}": f"sonic conductance {words}, in place of its area" for edge, words in _EDGE_WORDS.items()},
+    **{f"cylinders.NAME.valve.b_{edge}": f"as b, {words}: all edges share one" for edge, words in _EDGE_WORDS.items()},
+    **{
+        f"cylinders.NAME.valve.overlap_{edge}": f"command at which the path {words} begins to open; below zero it is open at rest"
+        for edge, words in _EDGE_WORDS.items()
+    },
     "cylinders.NAME.attachment.from": "x forward and z up of the first end, from the joint's axis, all joints at zero",
     "cylinders.NAME.attachment.to": "x forward and z up of the rod's end",
     "bodies.NAME.mass": "replaces the mass of that body of the MJCF",
@@ -119,8 +143,14 @@ class _Noting(Table):
 
 def every_key() -> list[Key]:
     """Return every key in the order in which the reader asks for it; `[effects]` are declared elsewhere (`rig.pages`)."""
-    table = _Noting(Path(__file__).resolve().parents[1] / "assets" / "all.toml", "", toml(_WHOLE))
-    table.noted = []
-    parse_table(table, _WHOLE)
+    noted: list[Key] = []
+    others = [_WHOLE.replace('area = "5 mm^2"\n', valve) for valve in _VALVES]
+    for text in (_WHOLE, *others, _WHOLE.replace("[cylinders.NAME.valve]", 'rating = "11 bar"\n[cylinders.NAME.valve]')):
+        table = _Noting(Path(__file__).resolve().parents[1] / "assets" / "all.toml", "", toml(text))
+        table.noted = noted
+        parse_table(table, text)
+        if text is _WHOLE:
+            usual = len(noted)
+    noted[usual:] = [replace(key, default="absent") if key.default == "required" else key for key in noted[usual:]]
     order = {name: i for i, name in enumerate(MEANINGS)}
-    return sorted(table.noted, key=lambda key: order.get(key.name, len(order)))
+    return sorted(noted, key=lambda key: order.get(key.name, len(order)))

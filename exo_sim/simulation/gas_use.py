@@ -22,7 +22,7 @@ def measure(walk: Walk, rows: slice) -> dict[str, Any]:
     """Return what some rows of whole cycles draw and give, as reductions: masses [kg], work [W], flows [kg/s]."""
     part = {key: column[rows] for key, column in walk.columns.items()}
     drawn = np.sum([part[f"{name}.gas_used"] for name in walk.rig.cylinders], axis=0)
-    power = [part[f"{name}.force"] * np.gradient(part[f"{name}.length"], walk.step) for name in walk.rig.cylinders]
+    power = [part[f"{name}.torque"] * part[f"{name}.velocity"] for name in walk.rig.cylinders]  # a cylinder is called as its joint
     per_cycle = walk.motion.period / walk.step
     cycles = len(drawn) / per_cycle
     over = min(max(1, round(PEAK_OVER / walk.step)), len(drawn) - 1)

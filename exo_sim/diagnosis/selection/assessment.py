@@ -11,22 +11,25 @@ from exo_sim.diagnosis.selection.model_fits import ModelFits
 from exo_sim.diagnosis.selection.proposals import Proposals
 
 
-def assess(final: FittedModel, fits: ModelFits, comparisons: Comparisons, proposals: Proposals) -> SearchResult:
-    """Compare each finding with leaving it out and with what could take its place; beside few findings also with one more."""
+def assess(final: FittedModel, fits: ModelFits, comparisons: Comparisons, proposals: Proposals, spent: bool = False) -> SearchResult:
+    """Compare each finding with leaving it out and with what could take its place; beside few findings also with one more.
+
+    Where the time is spent nothing is fitted in the place of a finding, nor beside all of them.
+    """
     evidence, rivals, complete = {}, {}, {}
     asked: list[tuple[Candidate | None, Candidate, FittedModel]] = []
     bare = fits.fit_all([(drop_orphans(final.without(candidate)), final) for candidate in final.candidates])
     for candidate, without in zip(final.candidates, bare, strict=True):
         evidence[candidate.key] = comparisons.evidence(without, final)
-        asked += [(candidate, rival, without) for rival in _rivals(candidate, without, final, proposals)]
+        asked += [(candidate, rival, without) for rival in ([] if spent else _rivals(candidate, without, final, proposals))]
     for candidate in (c for c in final.candidates if c.additive):
         whole = _with_all_parameters(candidate, final, fits, proposals)
         if whole is not None:
             complete[candidate.key] = whole
-    is_large = len(final.candidates) >= LARGE
-    promised = {} if is_large else {one.key: score for score, one in proposals.scored(final)}
+    is_settled = spent or len(final.candidates) >= LARGE
+    promised = {} if is_settled else {one.key: score for score, one in proposals.scored(final)}
     runners_up: list[tuple[Candidate, float]] = []
-    for one in [] if is_large else proposals.alternatives(final, RUNNERS_UP):
+    for one in [] if is_settled else proposals.alternatives(final, RUNNERS_UP):
         if proposals.promise_enough(promised[one.key], final):
             asked.append((None, one, final))
         else:

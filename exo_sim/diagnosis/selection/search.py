@@ -237,7 +237,7 @@ class _Growth:
     def _assessed(self, model: FittedModel) -> SearchResult:
         """Return the result of ending with what a model keeps when it is pruned."""
         settled = self._settled(self.fits.refined(self._pruned(model)))
-        return assess(settled, self.fits, self.comparisons, self.proposals)
+        return assess(settled, self.fits, self.comparisons, self.proposals, self._is_spent())
 
     def _is_hopeless(self, before: FittedModel, now: FittedModel) -> bool:
         """Return whether a further effect helped little against an error that no effect explains: another machine's recording."""

@@ -24,12 +24,12 @@ from exo_sim.diagnosis.subsystem_model import Comparison, SubsystemModel
 from exo_sim.diagnosis.subsystems.gas.bursts import burst_ratio
 from exo_sim.diagnosis.subsystems.gas.inputs import GasInputs, inputs, with_late_pressures
 from exo_sim.diagnosis.subsystems.gas.missing_flow import missing_flow
-from exo_sim.diagnosis.subsystems.gas.prediction import GasPrediction, run_gas
+from exo_sim.diagnosis.subsystems.gas.prediction import GasPrediction, effort_of, run_gas
 from exo_sim.diagnosis.subsystems.gas.regimes import regimes
 from exo_sim.diagnosis.subsystems.gas.rows import rows_of
 from exo_sim.physics.declaration import asked_of
 from exo_sim.physics.effects import critical_ratio as flow_law
-from exo_sim.physics.effects import line_restriction, unknown
+from exo_sim.physics.effects import unknown
 from exo_sim.physics.effects.unknown import ACTS, DEPENDS_ON, KNOTS
 from exo_sim.physics.gas import critical_ratio
 
@@ -47,8 +47,6 @@ REST_WINDOWS = 5
 GROUP = 0.005
 #: ... and in proportion longer where the recordings are longer than this together [s], which bounds the number of rows.
 LONG = 100.0
-#: A sample behind a hose takes about so many times as long.
-HOSE_EFFORT = 3
 #: Step in the initial pressure for its sensitivity [Pa].
 START_STEP = 500.0
 
@@ -113,7 +111,7 @@ class GasModel(SubsystemModel):
         """Predict what the sensors of one run would show; without `whole` nothing but that. `shift` as in `run_gas`."""
         sensors = plant.sensors
         given = self.inputs[index]
-        self.effort += len(given.time) * (HOSE_EFFORT if plant.is_on(line_restriction.EFFECT) else 1)
+        self.effort += effort_of(len(given.time), plant.cylinder)
         late = (sensors.get("pressure_1.delay", 0.0), sensors.get("pressure_2.delay", 0.0))
         if any(late):
             given = with_late_pressures(given, late)

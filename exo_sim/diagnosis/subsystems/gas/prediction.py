@@ -24,6 +24,8 @@ LEAST_START = 100.0
 LONGEST_STEP, MOST_STEPS = 1e-3, 8.0
 #: ... and the longest step where the sensor sits behind a hose, whose small volume shows every error of integration [s].
 HOSE_STEP = 5e-4
+#: A sample behind a hose takes about so many times as long.
+HOSE_EFFORT = 3
 #: What settles faster than this, behind a choked path, is not resolved [s]: a fifth of the shortest row of a fit.
 SETTLED = 1e-3
 
@@ -134,6 +136,11 @@ class GasPrediction:
     inside: Array
     drawn: Array
     temperature: Array
+
+
+def effort_of(samples: int, cylinder: NDArray[np.void]) -> int:
+    """Return how many plain samples the prediction of so many costs, for a cylinder, record of shape (1,)."""
+    return samples * (HOSE_EFFORT if cylinder[line_restriction.EFFECT.name]["area"][0] > 0.0 else 1)
 
 
 def behind_hose(cylinder: NDArray[np.void]) -> bool:

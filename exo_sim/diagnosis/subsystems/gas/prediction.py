@@ -24,7 +24,7 @@ LEAST_START = 100.0
 LONGEST_STEP, MOST_STEPS = 1e-3, 8.0
 #: ... and the longest step where the sensor sits behind a hose, whose small volume shows every error of integration [s].
 HOSE_STEP = 5e-4
-#: A sample behind a hose takes about so many times as long.
+#: A sample behind a hose takes about so many times as long; of a slow logger as many as it has steps.
 HOSE_EFFORT = 3
 #: What settles faster than this, behind a choked path, is not resolved [s]: a fifth of the shortest row of a fit.
 SETTLED = 1e-3
@@ -138,9 +138,12 @@ class GasPrediction:
     temperature: Array
 
 
-def effort_of(samples: int, cylinder: NDArray[np.void]) -> int:
-    """Return how many plain samples the prediction of so many costs, for a cylinder, record of shape (1,)."""
-    return samples * (HOSE_EFFORT if cylinder[line_restriction.EFFECT.name]["area"][0] > 0.0 else 1)
+def effort_of(time: Array, cylinder: NDArray[np.void]) -> int:
+    """Return how many plain samples a prediction at these times [s] costs, for a cylinder, record of shape (1,)."""
+    if not cylinder[line_restriction.EFFECT.name]["area"][0] > 0.0:
+        return len(time)
+    steps = float(np.median(np.diff(time))) / LONGEST_STEP
+    return len(time) * round(min(max(steps, HOSE_EFFORT), MOST_STEPS))
 
 
 def behind_hose(cylinder: NDArray[np.void]) -> bool:

@@ -8,7 +8,7 @@ from diagnosis.cylinder_runs import STEP, run_of
 from numpy.typing import NDArray
 
 from exo_sim.diagnosis.subsystems.gas.inputs import GasInputs, inputs
-from exo_sim.diagnosis.subsystems.gas.prediction import SETTLED, run_gas
+from exo_sim.diagnosis.subsystems.gas.prediction import SETTLED, effort_of, run_gas
 from exo_sim.physics.records import CYLINDER, WORLD
 from exo_sim.physics.settling import settling_rate
 
@@ -54,3 +54,9 @@ def test_a_hose_that_settles_at_once_is_no_other_than_one_that_settles_within_a_
     feed = given(world)
     np.testing.assert_array_equal(run_gas(feed, world, cylinder).pressure, run_gas(feed, world, wide).pressure)
     assert explicit["line_restriction"]["volume"][0] == cylinder["line_restriction"]["volume"][0] == 2e-7  # what was handed in stays
+
+
+def test_a_slow_logger_behind_a_hose_costs_more_of_an_effort() -> None:
+    plain, hose = machine()[1], machine(4e-6, 5e-6)[1]
+    quick, slow = np.linspace(0.0, 0.099, 100), np.linspace(0.0, 1.98, 100)
+    assert [effort_of(quick, plain), effort_of(slow, plain), effort_of(quick, hose), effort_of(slow, hose)] == [100, 100, 300, 800]

@@ -25,22 +25,18 @@ def accepted(data: MachineData, update: RigUpdate, folder: Path, split: Split) -
         folder: Of the rig as believed.
         split: Its test time counts.
     """
-    variants, spreads = update.variants(), {column: spread_of(data, column) for column in signals_of(data)}
+    variants = update.variants()
     for one in variants:
         runs = free_runs(data, one.text(folder), split)
-        if not is_worse(runs, spreads):
+        if not is_worse(runs, {column: spread_of(data, column) for column in runs}):
             break
     return one, runs, one is not update
 
 
-def signals_of(data: MachineData) -> list[str]:
-    """Return the columns of all recordings, each once."""
-    return list(dict.fromkeys(column for table in data.recordings for column in table.columns))
-
-
 def spread_of(data: MachineData, column: str) -> float:
-    """Return the standard deviation of a signal over all recordings that have it, in its unit."""
-    return float(np.nanstd(np.concatenate([table[column] for table in data.recordings if column in table.columns])))
+    """Return the standard deviation of a signal over all recordings that have it, in its unit; infinite where none has."""
+    parts = [table[column] for table in data.recordings if column in table.columns]
+    return float(np.nanstd(np.concatenate(parts))) if parts else math.inf
 
 
 def is_worse(runs: Mapping[str, SignalFit], spreads: Mapping[str, float]) -> bool:

@@ -56,7 +56,7 @@ def _bench(folder: Path) -> None:
     model = load(rig)
     data, plugin = mujoco.MjData(model), PneumaticPlugin(model, rig)
     plugin.reset(data, 4e5, 4.5e5)
-    time = np.arange(_SAMPLES) * _STEP
+    time = np.arange(_SAMPLES, dtype=np.float64) * _STEP
     command = 0.6 * np.sign(np.sin(25.0 * time + 0.3))
     rows = np.empty((_SAMPLES, 3))
     for i in range(_SAMPLES):

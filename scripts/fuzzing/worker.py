@@ -8,7 +8,7 @@ import random
 import shutil
 import sys
 import time
-from collections import Counter
+from collections import Counter, defaultdict
 from pathlib import Path
 
 import hypothesis
@@ -44,7 +44,7 @@ class Worker:
         folder.mkdir(parents=True, exist_ok=True)
         self.cases: Counter[str] = Counter()
         self.statuses: Counter[str] = Counter()
-        self.seconds: Counter[str] = Counter()
+        self.seconds: defaultdict[str, float] = defaultdict(float)
         self.kinds: dict[str, str] = {}
         self.found: dict[str, str] = {}
         self.slowest = (0.0, "")

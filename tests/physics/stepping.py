@@ -18,6 +18,13 @@ def tank(volume: float, valve_area: float, dt: float, **world: float) -> Pneumat
     return Pneumatics(record, cylinder, dt=dt)
 
 
+def bench(dt: float = 1e-3, p_1: float = 5e5, p_2: float = 565237.727273, x: float = 0.05, dead: float = 0.0) -> Pneumatics:
+    """Return a 32/12 x 100 mm cylinder, not yet filled unless pressures balance at mid-stroke (A.4.10)."""
+    gas = Pneumatics(paper_world(), paper_cylinder(0.032, 0.012, 0.1, 5e-6, dead, dead), dt=dt)
+    gas.fill(np.array([x]), p_1, p_2)
+    return gas
+
+
 def hold(gas: Pneumatics, command: float, seconds: float, x: float = 0.0) -> None:
     """Keep the pistons at x under a command."""
     at, held = np.full(len(gas.cylinders), x), np.full(len(gas.cylinders), command)

@@ -1,0 +1,36 @@
+"""Known limits of piston leakage: closed forms and published numbers."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+from physics.air import PA
+from physics.stepping import hold, tank
+
+from exo_sim.physics import plant, state
+from exo_sim.physics.pneumatics import Pneumatics, paper_cylinder, paper_world
+
+
+def test_chambers_meet_at_the_mean_weighted_by_volume() -> None:
+    for key, value in (("area", 1e-7), ("laminar", 1e-14)):
+        gas = tank(5e-5, 5e-6, dt=1e-3)
+        gas.cylinders["dead_volume_2"] = 2e-5
+        gas.cylinders["piston_leakage"][key] = value
+        gas.fill(np.zeros(1), 6e5, 2e5)
+        energy = gas.integrated[0, [state.ENERGY_1, state.ENERGY_2]].sum()
+        hold(gas, 0.0, 0.05)
+        between = gas.pressures(np.zeros(1))[0]
+        assert 6e5 > between[0] > between[1] > 2e5
+        hold(gas, 0.0, 8.0)
+        v = np.array(plant.volumes(gas.cylinders[0], 0.0))
+        assert gas.pressures(np.zeros(1))[0] == pytest.approx((6e5 * v[0] + 2e5 * v[1]) / v.sum(), rel=1e-6)
+        assert gas.integrated[0, [state.ENERGY_1, state.ENERGY_2]].sum() == pytest.approx(energy, rel=1e-12)
+
+
+def test_leaks_to_the_air_where_chamber_2_is_the_air() -> None:
+    gas = Pneumatics(paper_world(), paper_cylinder(0.032, 0.012, 0.1, 5e-6, 5e-5, 0.0, single_acting=True), dt=1e-3)
+    gas.cylinders["piston_leakage"]["area"] = 1e-7
+    gas.fill(np.zeros(1), 6e5, PA)
+    hold(gas, 0.0, 5.0)
+    assert gas.pressures(np.zeros(1))[0, 0] == pytest.approx(PA, rel=1e-4)
+    assert gas.books().mass_residual < 1e-12

@@ -1,0 +1,45 @@
+"""The whole way on two seconds of a led piston: a healthy one is consistent, a dead volume that is off is corrected."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import benches
+import numpy as np
+import pytest
+
+from exo_sim.diagnosis.findings import Diagnosis, Kind, Verdict
+from exo_sim.diagnosis.pipeline.diagnose import diagnose
+from exo_sim.recording import Recording
+from exo_sim.recording.reader import Reading
+from exo_sim.rig import parse
+
+
+def noisy(table: Recording) -> Recording:
+    chance = np.random.default_rng(7)
+    columns = {k: v + chance.normal(0.0, 150.0, len(v)) if "pressure" in k else v for k, v in table.columns.items()}
+    return benches.recording(table.time, columns)
+
+
+def diagnosed(folder: Path, table: Recording) -> Diagnosis:
+    return diagnose([Reading(table, ())], folder / "rig.toml", jobs=1)
+
+
+@pytest.mark.slow
+def test_a_healthy_piston_is_consistent_and_its_rig_comes_back_as_it_was(tmp_path: Path) -> None:
+    rig = benches.bench(tmp_path)
+    found = diagnosed(tmp_path, noisy(benches.led(rig, 2.0)))
+    assert found.verdict is Verdict.CONSISTENT and found.effects == () and found.exit_status == 0
+    assert parse(found.improved, rig.path).effects == ()
+    assert 150.0 < found.signals["piston.pressure_1"].before < 450.0  # the noise, and that of where a window starts
+
+
+@pytest.mark.slow
+def test_a_dead_volume_that_is_off_is_a_calibration(tmp_path: Path) -> None:
+    table = noisy(benches.led(benches.bench(tmp_path), 2.0))
+    text = (tmp_path / "rig.toml").read_text()
+    (tmp_path / "rig.toml").write_text(text.replace('"12 cm^3"', '"20 cm^3"'))
+    found = diagnosed(tmp_path, table)
+    assert found.verdict is Verdict.CALIBRATION
+    assert {(one.name, one.kind) for one in found.effects} == {("dead_volume", Kind.CALIBRATION)}
+    assert parse(found.improved, tmp_path / "rig.toml").cylinders["piston"].dead_volume_1 == pytest.approx(12e-6, rel=0.05)

@@ -1,0 +1,61 @@
+"""The stage of the forces: friction that was put into a balance is named, and what the rig knows of a joint is in the plant."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import benches
+import numpy as np
+import pytest
+from diagnosis import motion_runs
+from diagnosis.motion_runs import TIME, VELOCITY
+
+from exo_sim.diagnosis.data.machine_data import MachineData
+from exo_sim.diagnosis.data.split import Split
+from exo_sim.diagnosis.estimation.threads import SERIAL
+from exo_sim.diagnosis.pipeline.motion_stage import examine_motion
+from exo_sim.diagnosis.pipeline.plan import Plan
+from exo_sim.diagnosis.selection.subsystem_result import SubsystemResult
+from exo_sim.diagnosis.subsystems.motion.model import MotionModel
+from exo_sim.machine.linkage import linkages
+from exo_sim.machine.load import load
+
+
+def examined(folder: Path, lost: np.ndarray, more: str = "", plan: Plan | None = None) -> SubsystemResult[MotionModel]:
+    rig = benches.bench(folder, more, cylinder=False)
+    model = load(rig)
+    data = MachineData(rig, model, linkages(rig, model), (), (), {}, {"slide": (motion_runs.balance(lost, 0.3),)})
+    (found,) = examine_motion(data, plan or Plan(Split({})), SERIAL, lambda words: None)
+    return found
+
+
+def names(found: SubsystemResult[MotionModel]) -> list[str]:
+    return [finding.name for finding in found.findings]
+
+
+def test_viscous_friction_that_was_put_in_is_found_with_its_size(tmp_path: Path) -> None:
+    found = examined(tmp_path, 30.0 * VELOCITY)
+    assert names(found) == ["viscous_friction"] and not found.has_unknown
+    estimate = found.findings[0].parameters["coefficient"]
+    assert estimate.value == pytest.approx(30.0, rel=0.05) and estimate.low < 30.0 < estimate.high
+
+
+def test_nothing_that_was_lost_is_nothing_that_is_found(tmp_path: Path) -> None:
+    found = examined(tmp_path, np.zeros(TIME.size))
+    assert names(found) == [] and not found.has_unknown
+
+
+def test_what_the_rig_has_already_is_not_missing(tmp_path: Path) -> None:
+    known = '[effects.viscous_friction.slide]\ncoefficient = "30 N s/m"\n'
+    found = examined(tmp_path, 30.0 * VELOCITY, known)
+    assert names(found) == [] and found.model.nominal.cylinder["viscous_friction"]["coefficient"][0] == pytest.approx(30.0)
+
+
+def test_what_was_refuted_is_not_named_again(tmp_path: Path) -> None:
+    plan = Plan(Split({}), {("viscous_friction", "slide"): "not borne out"})
+    assert "viscous_friction" not in names(examined(tmp_path, 30.0 * VELOCITY, plan=plan))
+
+
+def test_too_few_samples_are_no_balance(tmp_path: Path) -> None:
+    everything = Plan(Split({"recording": ((0.0, 7.99),)}))
+    assert names(examined(tmp_path, 30.0 * VELOCITY, plan=everything)) == []

@@ -1,0 +1,56 @@
+"""Recordings and rig put side by side: files or tables, faults that are seen without physics, and another machine's columns."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from pathlib import Path
+
+import benches
+import numpy as np
+import pytest
+
+from exo_sim.diagnosis.findings import Kind
+from exo_sim.diagnosis.pipeline.reading import gather
+from exo_sim.errors import RecordingError
+from exo_sim.recording import Recording, write_table
+from exo_sim.recording.reader import Reading
+
+
+@pytest.fixture
+def table(tmp_path: Path) -> Recording:
+    return benches.led(benches.bench(tmp_path), 2.0)
+
+
+def reading(table: Recording) -> Reading:
+    return Reading(table, ())
+
+
+def test_a_file_and_the_table_in_it_are_the_same_machine_data(tmp_path: Path, table: Recording) -> None:
+    write_table(tmp_path / "bench.csv", table)
+    filed, held = gather([tmp_path / "bench.csv"], tmp_path / "rig.toml"), gather([reading(table)], benches.bench(tmp_path))
+    for one in (filed, held):
+        assert set(one.cylinders) == {"piston"} and one.sensors == ()
+    for key, values in held.recordings[0].columns.items():
+        np.testing.assert_allclose(filed.recordings[0][key], values, rtol=1e-12)
+
+
+def test_two_recordings_of_one_name_are_told_apart(tmp_path: Path, table: Recording) -> None:
+    data = gather([reading(table), reading(table)], tmp_path / "rig.toml")
+    assert [one.name for one in data.recordings] == ["bench", "bench'"] and len(data.cylinders["piston"]) == 2
+
+
+def test_a_stuck_sensor_is_a_finding_and_its_samples_are_left_out(tmp_path: Path, table: Recording) -> None:
+    noisy = {k: v + np.random.default_rng(3).normal(0.0, 100.0, len(v)) if "pressure" in k else v for k, v in table.columns.items()}
+    noisy["piston.pressure_1"][500:1300] = noisy["piston.pressure_1"][500]
+    data = gather([reading(replace(table, columns=noisy))], tmp_path / "rig.toml")
+    (finding,) = data.sensors
+    assert (finding.name, finding.where, finding.kind) == ("sensor_stuck", "piston.pressure_1", Kind.SENSOR)
+    assert np.isnan(data.recordings[0]["piston.pressure_1"][600:1200]).all()
+    assert np.isfinite(data.as_read[0]["piston.pressure_1"]).all()
+
+
+def test_another_machines_recording_is_refused_with_the_nearest_part(tmp_path: Path, table: Recording) -> None:
+    columns = {key.replace("piston.", "pistom.").replace("slide.", "slidr."): values for key, values in table.columns.items()}
+    units = {key.replace("piston.", "pistom.").replace("slide.", "slidr."): unit for key, unit in table.units.items()}
+    with pytest.raises(RecordingError, match=r'"pistom" is none of its parts.*piston'):
+        gather([reading(Recording("bench", table.time, columns, units))], tmp_path / "rig.toml")

@@ -1,0 +1,74 @@
+"""Which balances recordings let one judge: each reason why not is a question that stays open."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from pathlib import Path
+
+import benches
+import numpy as np
+import pytest
+
+from exo_sim.diagnosis.data.machine_data import MachineData
+from exo_sim.diagnosis.pipeline.sorting import sort
+from exo_sim.machine.linkage import linkages
+from exo_sim.machine.load import load
+from exo_sim.recording import Recording
+
+
+def sorted_data(folder: Path, table: Recording | None = None, without: tuple[str, ...] = (), every: int = 1) -> MachineData:
+    rig = benches.bench(folder)
+    table = table or benches.led(rig, 2.0)
+    columns = {key: values[::every] for key, values in table.columns.items() if key not in without}
+    table = replace(table, time=table.time[::every], columns=columns)
+    model = load(rig)
+    return sort(MachineData(rig, model, linkages(rig, model), (table,), (table,), {}, {}))
+
+
+def whys(data: MachineData) -> dict[str, str]:
+    return {question.question: question.why for question in data.open_questions}
+
+
+def test_a_whole_recording_of_a_bench_has_a_gas_and_a_balance_of_forces(tmp_path: Path) -> None:
+    table = benches.recorded(benches.bench(tmp_path), 2.0)
+    data = sorted_data(tmp_path, table)
+    assert set(data.cylinders) == {"piston"} and set(data.joints) == {"slide"} and data.open_questions == ()
+
+
+def test_a_joint_that_somebody_leads_has_no_balance_but_its_gas_has(tmp_path: Path) -> None:
+    data = sorted_data(tmp_path)
+    assert set(data.cylinders) == {"piston"} and "slide" not in data.joints and data.externally_driven == {"slide"}
+    assert "the balance of forces at slide in bench" in whys(data)
+
+
+@pytest.mark.parametrize(
+    ("without", "why"),
+    [
+        (("slide.position",), "its volumes are not known"),
+        (("piston.valve_command",), "its valve command was not recorded"),
+        (("piston.pressure_1", "piston.pressure_2"), "no pressure of it was recorded"),
+    ],
+)
+def test_what_was_not_recorded_is_said(tmp_path: Path, without: tuple[str, ...], why: str) -> None:
+    data = sorted_data(tmp_path, without=without)
+    assert data.cylinders == {} and why in whys(data)["the gas of piston in bench"]
+
+
+def test_a_clock_too_slow_for_gas_is_said_with_its_rate(tmp_path: Path) -> None:
+    rig = benches.bench(tmp_path)
+    time = np.arange(120) * 1.0
+    columns = {
+        "piston.valve_command": np.zeros(120), "piston.pressure_1": 3e5 + 1e4 * np.sin(time), "piston.pressure_2": 3e5 + 1e4 * np.cos(time),
+        "slide.position": 0.02 * np.sin(0.3 * time),
+    }  # fmt: skip
+    data = sorted_data(tmp_path, benches.recording(time, columns))
+    assert "1 samples a second" in whys(data)["the gas of piston in bench"] and rig.cylinders
+    assert "nothing in these recordings can be held against the rig" in data.remarks
+
+
+def test_pressures_that_hardly_change_show_nothing(tmp_path: Path) -> None:
+    table = benches.led(benches.bench(tmp_path), 2.0)
+    noise = np.random.default_rng(2).normal(0.0, 200.0, (2, len(table.time)))
+    still = {f"piston.pressure_{side}": 3e5 + noise[side - 1] for side in (1, 2)}
+    data = sorted_data(tmp_path, replace(table, columns={**table.columns, **still}))
+    assert whys(data)["the gas of piston in bench"] == "its pressures hardly change"

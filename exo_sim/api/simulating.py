@@ -141,7 +141,7 @@ class Run:
 
 def simulate(
     rig: RigLike | None = None, scenario: str | os.PathLike[str] | Recording | None = None, *,
-    gait: str | os.PathLike[str] | None = None, ground: str | os.PathLike[str] | None = None, payload: Quantity = 34.0,
+    gait: str | os.PathLike[str] | None = None, ground: str | os.PathLike[str] | None = None, whole: bool = False, payload: Quantity = 34.0,
     speed: float | str = 1.0, strides: int | None = None, assist: str = "on", controller: Any = "model", demand: str = "least_load",
     seed: int = 0, out: str | os.PathLike[str] | bool = False, quiet: bool = True, tell: Callable[[str], None] = lambda words: None,
 ) -> Run:  # fmt: skip
@@ -153,6 +153,7 @@ def simulate(
             that nobody wears, a recording (path or `exo.Recording`) with the positions of its joints.
         gait: Joint angles to walk by: `.mot`, `.sto`, `.c3d`, or a recording.
         ground: Ground forces of the same trial.
+        whole: Walk every stride of `gait` as it was recorded, one after the other, instead of their mean; `strides` then counts trials.
         payload: On the back: kilograms, or text like "75 lb".
         speed: Factor on the recorded cadence, 0.7 to 1.3, or text like "1.3 m/s".
         strides: How many strides or repetitions; the scenario's own number when None.
@@ -185,7 +186,7 @@ def simulate(
         called = type(brought).__name__
     if _is_motion(scenario) and not is_worn(machine):
         return _follow(machine, scenario, brought, called, out, seed, quiet, tell)  # type: ignore[arg-type]
-    name, given = what_to_do(scenario, gait, ground)
+    name, given = what_to_do(scenario, gait, ground, whole)
     target = _target(out, name)
     mine = None if isinstance(brought, str) else brought
     request = Request(
@@ -213,7 +214,8 @@ def simulate(
 
 
 def what_to_do(
-    scenario: str | os.PathLike[str] | Recording | None, gait: str | os.PathLike[str] | None, ground: str | os.PathLike[str] | None
+    scenario: str | os.PathLike[str] | Recording | None, gait: str | os.PathLike[str] | None, ground: str | os.PathLike[str] | None,
+    whole: bool = False,
 ) -> tuple[str, Scenario | None]:
     """Return what a run is called, and the scenario where it is no built-in one.
 
@@ -229,9 +231,11 @@ def what_to_do(
     if gait is not None:
         if scenario is not None:
             raise ScenarioError(f'"{scenario}" and --gait {gait}: name one; a scenario file with a [gait] table holds more settings')
-        return Path(gait).stem, own_gait.scenario(own_gait.GaitFile(Path(gait), None if ground is None else Path(ground)))
+        return Path(gait).stem, own_gait.scenario(own_gait.GaitFile(Path(gait), None if ground is None else Path(ground), whole=whole))
     if ground is not None:
         raise ScenarioError(f"--ground {ground}: name the gait that it belongs to with --gait")
+    if whole:
+        raise ScenarioError("whole: name the gait that is to be walked through; a scenario file says whole = true in its [gait] table")
     name = os.fspath(scenario) if scenario is not None else "level_walk"
     if name.lower().endswith(".toml"):
         return Path(name).stem, scenario_file.read(name)

@@ -11,8 +11,6 @@ import click
 from exo_sim.cli import options, printing
 from exo_sim.cli.frame import verb
 
-#: Endings of recordings, which hold a motion.
-
 
 @verb(
     'exo-sim run level_walk --payload "34 kg"',
@@ -26,6 +24,7 @@ from exo_sim.cli.frame import verb
 @click.argument("scenario", required=False)
 @click.option("--gait", type=options.InputFile(), default=None, help="Walk as in these joint angles: .mot, .sto, .c3d, or a recording.")
 @click.option("--ground", type=options.InputFile(), default=None, help="Ground forces of the same trial, beside --gait.")
+@click.option("--whole", is_flag=True, help="Walk every stride of --gait as it was recorded, not the mean of them.")
 @click.option(
     "--payload", type=options.Quantity("kg", low=0.0), default="34 kg", show_default=True, help="On the back."
 )
@@ -53,7 +52,7 @@ from exo_sim.cli.frame import verb
     help="Law by which joint torques are asked for.",
 )
 @click.option("--rig", type=options.InputFile(), default=None, help="The machine; the one in assets/ when absent.")
-def command(scenario: str | None, gait: Path | None, ground: Path | None, payload: float, speed: str,
+def command(scenario: str | None, gait: Path | None, ground: Path | None, whole: bool, payload: float, speed: str,
             strides: int | None, assist: str, controller: str, demand: str, rig: Path | None, out: Path | None, as_json: bool,
             quiet: bool, seed: int) -> None:  # fmt: skip
     """Simulate SCENARIO headless: a name of `exo-sim scenarios`, a scenario file (.toml) from anywhere, or a gait of your own (--gait).
@@ -73,8 +72,9 @@ def command(scenario: str | None, gait: Path | None, ground: Path | None, payloa
         raise ScenarioError("name a scenario (see `exo-sim scenarios`), a scenario file, or a gait of your own with --gait FILE")
     gc.freeze()  # what was imported stays: it need not be gone through again and again
     done = simulate(
-        rig, scenario, gait=gait, ground=ground, payload=payload, speed=speed, strides=strides, assist=assist, controller=controller,
-        demand=demand, seed=seed, out=out or True, quiet=quiet, tell=lambda words: printing.remark(f"exo-sim: {words}", quiet=quiet),
+        rig, scenario, gait=gait, ground=ground, whole=whole, payload=payload, speed=speed, strides=strides, assist=assist,
+        controller=controller, demand=demand, seed=seed, out=out or True, quiet=quiet,
+        tell=lambda words: printing.remark(f"exo-sim: {words}", quiet=quiet),
     )  # fmt: skip
     numbers = dict(done.summary)
     first = {key: numbers.pop(key) for key in ("schema", "scenario", "simulated_s", "wall_s", "prepared_s")}

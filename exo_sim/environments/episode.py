@@ -19,7 +19,6 @@ from exo_sim import rig as rigs
 from exo_sim import units
 from exo_sim.control import own
 from exo_sim.errors import Diverged, ScenarioError, nearest
-from exo_sim.gait.motion import SAMPLES
 from exo_sim.machine.person import SEGMENTS
 from exo_sim.machine.wearer import extra_moments
 from exo_sim.rig import Rig
@@ -169,8 +168,8 @@ class Episode:
 
     def _moments(self, rows: Array) -> Array:
         """Return the wearer's extra moments at some rows of the log [N m], shape (n, 6)."""
-        at = np.rint(rows[:, self._place["gait.phase"]] * SAMPLES).astype(int) % SAMPLES
         motion, person = self.simulation.motion, self.simulation.person
+        at = np.rint(rows[:, self._place["gait.phase"]] * len(motion.share)).astype(int) % len(motion.share)
         poses, wrench = person_along(rows[:, 0], motion, person), rows[:, self._wrench].reshape(len(rows), 7, 3)
         return extra_moments(poses, wrench, motion.share[at], motion.pressure_centre[at], person.ankle_height) * motion.support[at, None]
 

@@ -3,32 +3,34 @@
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import NDArray
 
 from exo_sim.physics.compiled import kernel
 
-#: Samples of one cycle.
+#: Samples of one stride or repetition.
 SAMPLES = 512
 
 
 @dataclass(frozen=True)
 class Motion:
-    """One cycle of a prescribed motion, sampled at phases i/SAMPLES, coordinates in the order of
-    `machine.person.COORDINATES`.
+    """One cycle of a prescribed motion, sampled at even phases, coordinates in the order of `machine.person.COORDINATES`.
+
+    A cycle is one stride or repetition of n = SAMPLES samples, or a whole trial of so many for each stride.
 
     Attributes:
         period: Duration of a cycle [s].
         advance: How far the pelvis travels in a cycle [m].
-        position: Coordinates without the steady advance, shape (SAMPLES, 9).
+        position: Coordinates without the steady advance, shape (n, 9).
         slope, curvature: First and second derivative of the coordinates by phase, the steady advance included in the
             slope.
-        share: How much of the load the left and the right foot carry, shape (SAMPLES, 2); rows sum to 1.
-        pressure_centre: Where under each foot, ahead of the ankle along the sole [m], shape (SAMPLES, 2).
-        contact: Whether heel_l, toe_l, heel_r, toe_r are meant to touch the ground, shape (SAMPLES, 4).
-        support: How far the machine is to carry the load itself, 0 (the wearer sits) to 1, shape (SAMPLES,).
+        share: How much of the load the left and the right foot carry, shape (n, 2); rows sum to 1.
+        pressure_centre: Where under each foot, ahead of the ankle along the sole [m], shape (n, 2).
+        contact: Whether heel_l, toe_l, heel_r, toe_r are meant to touch the ground, shape (n, 4).
+        support: How far the machine is to carry the load itself, 0 (the wearer sits) to 1, shape (n,).
+        trial: What is known of the strides where a cycle is a whole trial, else None.
     """
 
     period: float
@@ -40,15 +42,31 @@ class Motion:
     pressure_centre: NDArray[np.float64]
     contact: NDArray[np.bool_]
     support: NDArray[np.float64]
+    trial: WholeTrial | None = None
+
+    @property
+    def strides(self) -> int:
+        """How many strides or repetitions a cycle has."""
+        return 1 if self.trial is None else self.trial.strides
+
+    @property
+    def stride_time(self) -> float:
+        """How long a stride or repetition takes, the mean over a cycle [s]."""
+        return self.period / self.strides
+
+    @property
+    def phase(self) -> NDArray[np.float64]:
+        """The phase of the right foot's stride at each sample, shape (n,); a whole trial counts its strides on."""
+        return phases() if self.trial is None else self.trial.foot_phase[:, 1]
 
     def at(self, phase: NDArray[np.float64], first: int = 9) -> NDArray[np.float64]:
         """Return the first coordinates without the steady advance at any phases [cycles], shape (n, first)."""
-        grid = np.arange(SAMPLES + 1) / SAMPLES
+        grid = np.linspace(0.0, 1.0, len(self.position) + 1)
         closed, phase = np.concatenate([self.position, self.position[:1]])[:, :first], phase % 1.0
         return np.stack([np.interp(phase, grid, column) for column in closed.T], axis=1)
 
     def tables(self) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
-        """Return position and slope, the first row repeated behind the last, (SAMPLES + 1, 9), for `reference`."""
+        """Return position and slope, the first row repeated behind the last, (n + 1, 9), for `reference`."""
         return (
             np.ascontiguousarray(np.concatenate([self.position, self.position[:1]])),
             np.ascontiguousarray(np.concatenate([self.slope, self.slope[:1]])),
@@ -56,7 +74,43 @@ class Motion:
 
     def at_cadence(self, factor: float) -> Motion:
         """Return the same motion, `factor` times as fast."""
-        return Motion(**{**self.__dict__, "period": self.period / factor})
+        trial = self.trial and replace(self.trial, mean=self.trial.mean.at_cadence(factor))
+        return replace(self, period=self.period / factor, trial=trial)
+
+
+@dataclass(frozen=True)
+class WholeTrial:
+    """The strides of a motion whose cycle is a whole trial.
+
+    Attributes:
+        strides: How many.
+        mean: The mean stride, on which torques are planned and the trunk's lean is chosen.
+        foot_phase: Phase of the left and of the right foot from its own heel strike, counted on from stride to stride, shape (n, 2).
+    """
+
+    strides: int
+    mean: Motion
+    foot_phase: NDArray[np.float64]
+
+    def phase_at(self, cycles: NDArray[np.float64]) -> NDArray[np.float64]:
+        """Return the phase of the right foot's stride, 0 to 1, at times in cycles of the trial, shape (n,)."""
+        grid = np.arange(len(self.foot_phase) + 1) / len(self.foot_phase)
+        closed = np.append(self.foot_phase[:, 1], self.foot_phase[0, 1] + self.strides)
+        return np.asarray(np.interp(cycles % 1.0, grid, closed) % 1.0)
+
+    def played(self, table: NDArray[np.float64]) -> NDArray[np.float64]:
+        """Return a table over the mean stride's phase at the phases of the trial: left leg's columns by the left foot.
+
+        Args:
+            table: Shape (SAMPLES + 1, 6), the first row repeated behind the last: left leg, right leg.
+
+        Returns:
+            Shape (n + 1, 6).
+        """
+        grid = np.linspace(0.0, 1.0, len(table))
+        right = np.stack([self.foot_phase[:, 0] + 0.5] * 3 + [self.foot_phase[:, 1]] * 3, axis=1) % 1.0
+        out = np.stack([np.interp(phase, grid, column) for phase, column in zip(right.T, table.T)], axis=1)
+        return np.ascontiguousarray(np.concatenate([out, out[:1]]))
 
 
 def derivatives(samples: NDArray[np.float64]) -> tuple[NDArray[np.float64], NDArray[np.float64]]:

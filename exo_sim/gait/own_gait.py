@@ -10,7 +10,7 @@ from pathlib import Path
 import numpy as np
 
 from exo_sim.errors import ScenarioError
-from exo_sim.gait import contact_fit, fourier, strides
+from exo_sim.gait import contact_fit, fourier, strides, whole_trial
 from exo_sim.gait.recorded import RecordedGait
 from exo_sim.gait.scenario import Scenario
 from exo_sim.gait.signs import counted_as_machine
@@ -35,6 +35,7 @@ class GaitFile:
         named: Angle (`trial.JOINTS`, `trial.PELVIS`) to the label of its column, where the labels do not tell.
         columns: Foreign columns of a table, or None.
         start, stop: The part of the trial that counts [s].
+        whole: Walk the strides as they are, one after the other, not their mean.
         stamps: When the files were changed last and their sizes: figures are computed anew where these differ.
     """
 
@@ -44,6 +45,7 @@ class GaitFile:
     columns: ColumnMap | None = field(default=None, hash=False)
     start: float = -np.inf
     stop: float = np.inf
+    whole: bool = False
     stamps: tuple[tuple[int, int], ...] = field(default=(), init=False)
 
     def __post_init__(self) -> None:
@@ -52,11 +54,17 @@ class GaitFile:
 
 
 def scenario(gait: GaitFile, cycles: int = 10, summary: str = "") -> Scenario:
-    """Return walking with the mean stride of a trial.
+    """Return walking with the mean stride of a trial, or through the whole of it.
 
     Raises:
         ScenarioError, RecordingError: the file cannot be read, an angle is missing, or there is no stride in it.
     """
+    if gait.whole:
+        part, remarks = whole_of(gait)
+        return Scenario(
+            summary=summary or f"walking through {gait.path.name}", motion=whole_trial.factory(part), cycle="trial", cycles=1,
+            remarks=remarks,
+        )  # fmt: skip
     figures, remarks = figures_of(gait)
     return Scenario(
         summary=summary or f"walking as in {gait.path.name}", motion=partial(walking_as, figures), cycles=cycles, remarks=remarks,
@@ -70,6 +78,28 @@ def figures_of(gait: GaitFile) -> tuple[RecordedGait, tuple[str, ...]]:
     Raises:
         ScenarioError, RecordingError: as `scenario`.
     """
+    return _fitted(gait)[2:]
+
+
+@lru_cache(maxsize=16)
+def whole_of(gait: GaitFile) -> tuple[whole_trial.Cut, tuple[str, ...]]:
+    """Return the strides of a trial as they are, and remarks on how they were come by.
+
+    Raises:
+        ScenarioError, RecordingError: as `scenario`.
+    """
+    trial, found, figures, remarks = _fitted(gait)
+    part = whole_trial.cut(trial, found, figures)
+    return part, (
+        *remarks[:-1],
+        f"{trial.told_by}: {part.strides} strides from {part.start:.2f} to {part.stop:.2f} s are walked as they are; the end is moved by "
+        f"at most {np.degrees(part.led_back):.1f} degrees to meet the beginning",
+    )
+
+
+@lru_cache(maxsize=16)
+def _fitted(gait: GaitFile) -> tuple[Trial, strides.Strides, RecordedGait, tuple[str, ...]]:
+    """Return a trial, its strides, their mean moved so that the foot rests, and remarks."""
     trial, ground = read(gait)
     trial = counted_as_machine(trial)
     remarks = list(trial.remarks)
@@ -97,7 +127,7 @@ def figures_of(gait: GaitFile) -> tuple[RecordedGait, tuple[str, ...]]:
         mass=Person().mass, motion={**moved.series, "tilt": tilt}, recorded=mean,
         spread={name: fourier.fit(values, contact_fit.HARMONICS) for name, values in spread.items()}, moment={},
     )  # fmt: skip
-    return figures, tuple(remarks)
+    return trial, found, figures, tuple(remarks)
 
 
 def _told(trial: Trial, found: strides.Strides, moved: contact_fit.Fitted) -> str:

@@ -10,14 +10,13 @@ says how each leans.
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass
-from functools import cache
+from dataclasses import dataclass, replace
 
 import mujoco
 import numpy as np
 from numpy.typing import NDArray
 
-from exo_sim.gait.motion import SAMPLES, Motion, derivatives
+from exo_sim.gait.motion import Motion, derivatives
 from exo_sim.machine import anthropometry, footing
 from exo_sim.machine.person import Person, poses_along
 from exo_sim.machine.wearer import backpack_wrench
@@ -52,24 +51,25 @@ class _Parameters:
     def applied(self, motion: Motion, person: Person, values: NDArray[np.float64]) -> Motion:
         n = 2 * len(self.harmonics)
         sway, rest = values[2 : 2 + n], values[2 + n :]
-        pitch = values[0] + _basis(self.harmonics) @ sway
+        pitch = values[0] + _basis(motion.phase, self.harmonics) @ sway
         position = motion.position.copy()
         position[:, 2] += pitch
         position[:, [3, 6]] -= pitch[:, None]
         if self.heights:
-            position[:, 0] += _basis(self.harmonics) @ rest[:n]
-            position[:, 1] += _basis(self.heights) @ rest[n:]
+            position[:, 0] += _basis(motion.phase, self.harmonics) @ rest[:n]
+            position[:, 1] += _basis(motion.phase, self.heights) @ rest[n:]
         slope, curvature = derivatives(position)
         slope[:, 0] += motion.advance
         front = person.toe + _BEYOND_BALL * person.scale
         centre = np.clip(motion.pressure_centre + values[1], person.heel, front)
-        return Motion(
-            **{**motion.__dict__, "position": position, "slope": slope, "curvature": curvature, "pressure_centre": centre}
-        )
+        trial = motion.trial and replace(motion.trial, mean=self.applied(motion.trial.mean, person, values))
+        return replace(motion, position=position, slope=slope, curvature=curvature, pressure_centre=centre, trial=trial)
 
 
 def reduced(motion: Motion, person: Person, carried: Load | None = None) -> Motion:
     """Return a motion whose ground force passes through the soles, as nearly as leaning can do it.
+
+    Of a whole trial the mean stride says how to lean; every stride is moved alike.
 
     Args:
         motion: As recorded or drawn.
@@ -80,9 +80,10 @@ def reduced(motion: Motion, person: Person, carried: Load | None = None) -> Moti
     parameters = _Parameters(_WALKING, _HEIGHT) if motion.advance else _Parameters(_IN_PLACE, ())
     scales = parameters.scales()
     values = np.zeros(len(scales))
+    stride = motion if motion.trial is None else motion.trial.mean
 
     def errors(at: NDArray[np.float64]) -> NDArray[np.float64]:
-        return np.concatenate([_off_balance(parameters.applied(motion, person, at), person, carried), at / scales])
+        return np.concatenate([_off_balance(parameters.applied(stride, person, at), person, carried), at / scales])
 
     left = errors(values)
     for _ in range(_STEPS):
@@ -134,7 +135,7 @@ def with_backpack(motion: Motion, person: Person, place: tuple[float, float], ma
 
 
 def trunk(motion: Motion) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
-    """Return pelvis and trunk with their rates, shape (SAMPLES, 6), and their accelerations, (SAMPLES, 3), for `backpack_wrench`."""
+    """Return pelvis and trunk with their rates, shape (n, 6), and their accelerations, (n, 3), for `backpack_wrench`."""
     rate = 1.0 / motion.period
     return np.concatenate([motion.position[:, :3], motion.slope[:, :3] * rate], axis=1), motion.curvature[:, :3] * rate**2
 
@@ -149,7 +150,7 @@ def body_loads(motion: Motion, person: Person, rows: slice = slice(None)) -> tup
 
 def _off_balance(motion: Motion, person: Person, carried: Load | None) -> NDArray[np.float64]:
     """Return how far moment and aim of the ground's force are from what is expected, in units of what is felt."""
-    rows = slice(0, SAMPLES, _EVERY)
+    rows = slice(0, None, _EVERY)
     poses, wrench = body_loads(motion, person, rows)
     load = footing.totals(poses, wrench)
     if carried is not None:
@@ -165,7 +166,5 @@ def _off_balance(motion: Motion, person: Person, carried: Load | None) -> NDArra
     return np.concatenate(out)
 
 
-@cache
-def _basis(harmonics: tuple[int, ...]) -> NDArray[np.float64]:
-    phase = 2 * np.pi * np.arange(SAMPLES) / SAMPLES
-    return np.stack([wave(h * phase) for h in harmonics for wave in (np.cos, np.sin)], axis=1)
+def _basis(phase: NDArray[np.float64], harmonics: tuple[int, ...]) -> NDArray[np.float64]:
+    return np.stack([wave(2 * np.pi * h * phase) for h in harmonics for wave in (np.cos, np.sin)], axis=1)

@@ -10,6 +10,7 @@ One of three things makes the motion::
     ground = "forces.mot"            # optional: ground forces of the same trial
     from   = "2 s"                   # optional: the part of the trial that counts
     to     = "8 s"
+    whole  = true                    # optional: walk every stride as it is, not the mean of them
     knee_l = "L knee flex"           # optional: which column is which angle (hip, knee, ankle _l and _r; tilt, pelvis_x, pelvis_z)
     [gait.columns]                   # optional, for tables: foreign name = contract name with unit, as in a column map
     "L knee flex" = { column = "knee_l.position [deg]", scale = -1.0 }
@@ -93,7 +94,7 @@ def _are(keys: list[str]) -> str:
 
 def _gait(path: Path, given: Any) -> Scenario:
     table = _table(path, "gait", given)
-    _only(path, "gait", table, ("file", "ground", "from", "to", "columns", *_ANGLES))
+    _only(path, "gait", table, ("file", "ground", "from", "to", "whole", "columns", *_ANGLES))
     if "file" not in table:
         raise ScenarioError(f'{path}: gait.file is missing: name the file of joint angles, like file = "walk.mot"')
     named = {name: _text(path, f"gait.{name}", table[name]) for name in _ANGLES if name in table}
@@ -105,6 +106,7 @@ def _gait(path: Path, given: Any) -> Scenario:
         columns,
         _quantity(path, "gait.from", table["from"], "s") if "from" in table else -np.inf,
         _quantity(path, "gait.to", table["to"], "s") if "to" in table else np.inf,
+        _yes(path, "gait.whole", table.get("whole", False)),
     )
     try:
         return own_gait.scenario(file)
@@ -192,6 +194,12 @@ def _table(path: Path, key: str, given: Any) -> Mapping[str, Any]:
 def _text(path: Path, key: str, given: Any) -> str:
     if not isinstance(given, str) or not given:
         raise ScenarioError(f"{path}: {key} = {given!r} must be text in quotes")
+    return given
+
+
+def _yes(path: Path, key: str, given: Any) -> bool:
+    if not isinstance(given, bool):
+        raise ScenarioError(f"{path}: {key} = {given!r}: write true or false")
     return given
 
 

@@ -5,11 +5,14 @@ from __future__ import annotations
 import math
 
 import numpy as np
+from numpy.typing import NDArray
 
 from exo_sim.gait import recorded
 from exo_sim.gait.motion import Motion, derivatives, phases, smooth
 from exo_sim.gait.recorded import RecordedGait
 from exo_sim.machine.person import Person
+
+Array = NDArray[np.float64]
 
 #: How far the trunk leans forward over the recorded pelvis under a load on the back [rad].
 LEAN = math.radians(8.0)
@@ -48,24 +51,37 @@ def walking_as(gait: RecordedGait, person: Person) -> Motion:
     slope, curvature = derivatives(position)
     advance = gait.stride * person.scale
     slope[:, 0] += advance
-    double = gait.stance_end - 0.5
-    weight = [smooth(phase / double) * smooth((gait.stance_end - phase) / double) for phase in (left, right)]
-    share = np.stack(weight, axis=1) / (weight[0] + weight[1])[:, None]
-    roll = [np.clip((phase - ROLL[0]) / (ROLL[1] - ROLL[0]), 0.0, 1.0) for phase in (left, right)]
-    rolled = [np.where(phase < gait.stance_end, r * r * (3 - 2 * r), 0.5) for phase, r in zip((left, right), roll)]
-    contact = [
-        column
-        for phase in (left, right)
-        for column in (phase < HEEL_UNTIL, (phase > TOE_FROM) & (phase < gait.stance_end))
-    ]
     return Motion(
         period=gait.period,
         advance=advance,
         position=position,
         slope=slope,
         curvature=curvature,
-        share=share,
-        pressure_centre=person.heel + (person.toe - person.heel) * np.stack(rolled, axis=1),
-        contact=np.stack(contact, axis=1),
+        share=shares(left, right, gait.stance_end),
+        pressure_centre=pressure_centres(left, right, gait.stance_end, person),
+        contact=contacts(left, right, gait.stance_end),
         support=np.ones(len(right)),
     )
+
+
+def shares(left: Array, right: Array, stance_end: float) -> Array:
+    """Return how much of the load each foot carries at phases from its own heel strike, shape (n, 2); rows sum to 1."""
+    double = stance_end - 0.5
+    weight = [smooth(phase / double) * smooth((stance_end - phase) / double) for phase in (left, right)]
+    whole = weight[0] + weight[1]
+    # where strides are uneven neither foot may be meant to carry for a moment: then both do
+    even = whole < 1e-6
+    return np.stack([np.where(even, 0.5, each / np.where(even, 1.0, whole)) for each in weight], axis=1)
+
+
+def pressure_centres(left: Array, right: Array, stance_end: float, person: Person) -> Array:
+    """Return where the centre of pressure of each foot is, ahead of the ankle along the sole [m], shape (n, 2)."""
+    roll = [np.clip((phase - ROLL[0]) / (ROLL[1] - ROLL[0]), 0.0, 1.0) for phase in (left, right)]
+    rolled = [np.where(phase < stance_end, r * r * (3 - 2 * r), 0.5) for phase, r in zip((left, right), roll)]
+    return np.asarray(person.heel + (person.toe - person.heel) * np.stack(rolled, axis=1))
+
+
+def contacts(left: Array, right: Array, stance_end: float) -> NDArray[np.bool_]:
+    """Return whether heel_l, toe_l, heel_r, toe_r are meant to touch the ground, shape (n, 4)."""
+    both = [column for phase in (left, right) for column in (phase < HEEL_UNTIL, (phase > TOE_FROM) & (phase < stance_end))]
+    return np.stack(both, axis=1)

@@ -68,7 +68,8 @@ class Simulation:
         self.cycles = request.cycles if request.cycles is not None else scenario.cycles
         self.model = build(rig.model, self.person, request.payload, rig.ankle, rig.body_masses, rig.joint_factors)
         attach(self.model, rig)
-        self.motion = worn(self.plain, self.person, self.model)
+        whole = worn(self.plain, self.person, self.model)
+        self.motion = whole if whole.trial is None else whole.trial.mean  # on which torques are planned
         if request.step is not None:
             self.model.opt.timestep = request.step
         self.added = scenario.added
@@ -87,6 +88,8 @@ class Simulation:
         self.demand = self.demand_added = np.zeros((SAMPLES + 1, 6))
         self.demand = self._demands(request.payload)
         self.demand_added = self._demands(request.payload + self.added.mass) if self.added else self.demand
+        if whole.trial is not None:
+            self.motion, self.demand, self.demand_added = whole, whole.trial.played(self.demand), whole.trial.played(self.demand_added)
         self.remarks = (*scenario.remarks, *self.remarks)
         if controller is not None:
             self._asked = own.Asked(controller, driven.context(self, controller, seed), request.controller)
@@ -243,7 +246,7 @@ class Simulation:
         """When the added load is put on [s]: the same share of the run as in the scenario's own length."""
         assert self.added is not None
         usual = self.request.found.cycles
-        return self.added.at * self.motion.period * self.cycles / usual
+        return self.added.at * self.motion.stride_time * self.cycles / usual
 
     def _check(self, rows: NDArray[np.float64], start: int, stop: int) -> None:
         """Refuse what cannot be: warnings of MuJoCo, numbers that are none, a machine that left its wearer."""
@@ -267,7 +270,8 @@ class Simulation:
         if self.data.warning.number.any() or not np.isfinite(row).all():
             return False
         cycles = step * self.dt / self.motion.period
-        x, z, pitch = self.motion.position[int(cycles * SAMPLES) % SAMPLES, :3].tolist()
+        samples = len(self.motion.position)
+        x, z, pitch = self.motion.position[int(cycles * samples) % samples, :3].tolist()
         far = math.hypot(row[1] - x - self.motion.advance * cycles, row[2] - z)
         return far < 0.9 * _FALLEN_DISTANCE and abs(row[3] - pitch) < 0.9 * _FALLEN_PITCH
 
@@ -279,6 +283,8 @@ class Simulation:
         units = {key: unit for key, unit in units.items() if key in columns}
         n = len(log)
         time = np.asarray(np.arange(first, first + n) * self.dt, dtype=np.float64)
+        if (trial := self.motion.trial) is not None:
+            columns["gait.phase"] = trial.phase_at(time / self.motion.period)
         poses = loop.person_along(time, self.motion, self.person)
         payload = np.full(n, self.request.payload)
         if self.added:

@@ -37,7 +37,7 @@ def context(simulation: Simulation, controller: Any, seed: int = 0) -> own.Conte
     duration = it.cycles * it.motion.period
     return own.Context(
         rig=it.rig, cylinders=tuple(it.rig.cylinders), joints=JOINTS, signals=tuple(key for _, key in _observed(it)),
-        period=every * it.dt, step=it.dt, duration=duration, cycle=it.motion.period, scenario=it.request.scenario,
+        period=every * it.dt, step=it.dt, duration=duration, cycle=it.motion.stride_time, scenario=it.request.scenario,
         payload=it.request.payload, seed=seed, reference=_reference(it),
     )  # fmt: skip
 
@@ -101,8 +101,11 @@ class Outside:
 
     def observation(self, row: Array) -> dict[str, float]:
         """Return a row of the log by names, with "time"."""
-        values = row[self._places].tolist()
-        return {"time": float(row[0]), **dict(zip(self.signals, values))}
+        seen = {"time": float(row[0]), **dict(zip(self.signals, row[self._places].tolist()))}
+        motion = self.simulation.motion
+        if motion.trial is not None:
+            seen["gait.phase"] = float(motion.trial.phase_at(row[:1] / motion.period)[0])
+        return seen
 
 
 def asking(simulation: Simulation, asked: own.Asked, wired: tuple[Any, ...]) -> Advance:

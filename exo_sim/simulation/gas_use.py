@@ -23,7 +23,7 @@ def measure(walk: Walk, rows: slice) -> dict[str, Any]:
     part = {key: column[rows] for key, column in walk.columns.items()}
     drawn = np.sum([part[f"{name}.gas_used"] for name in walk.rig.cylinders], axis=0)
     power = [part[f"{name}.torque"] * part[f"{name}.velocity"] for name in walk.rig.cylinders]  # a cylinder is called as its joint
-    per_cycle = walk.motion.period / walk.step
+    per_cycle = walk.motion.stride_time / walk.step
     cycles = len(drawn) / per_cycle
     over = min(max(1, round(PEAK_OVER / walk.step)), len(drawn) - 1)
     even = np.linspace(0.0, 1.0, len(drawn)) * (drawn[-1] - drawn[0])

@@ -26,7 +26,7 @@ class Work(Mean):
     @classmethod
     def over(cls, power: NDArray[np.float64], walk: Walk) -> Work:
         """Take the power at some rows [W]."""
-        return cls(float(np.sum(power)) * walk.motion.period, len(power))
+        return cls(float(np.sum(power)) * walk.motion.stride_time, len(power))
 
 
 def measure(walk: Walk, rows: slice, it: Held) -> dict[str, Any]:
@@ -63,7 +63,7 @@ def measure(walk: Walk, rows: slice, it: Held) -> dict[str, Any]:
         "seat": Work.over(seat, walk),
         "residual": Work.over(residual, walk),
         "stored": stored(walk, rows),
-        "brought": Work(_brought(walk, rows) * walk.motion.period / walk.step, rows.stop - rows.start),
+        "brought": Work(_brought(walk, rows) * walk.motion.stride_time / walk.step, rows.stop - rows.start),
         "closure": Work.over(sum(flows.values()), walk),
     }  # fmt: skip
     return out
@@ -79,7 +79,7 @@ def stored(walk: Walk, rows: slice) -> Change:
     ends = [rows.start, min(rows.stop, len(walk.time) - 1)]
     wearer = anthropometry.energy(walk.poses[ends], walk.person)
     first, last = (machine_energy(walk, row) + float(own) for row, own in zip(ends, wearer))
-    return Change(first, last, (rows.stop - rows.start) * walk.step / walk.motion.period)
+    return Change(first, last, (rows.stop - rows.start) * walk.step / walk.motion.stride_time)
 
 
 def machine_energy(walk: Walk, row: int) -> float:
@@ -135,7 +135,7 @@ def wearer_numbers(walk: Walk, rows: slice, it: Held) -> dict[str, Any]:
 
 def compared(it: Held, walk: Walk) -> dict[str, Any]:
     """Return a column of `compared_with`, of a body held along one cycle."""
-    period = walk.motion.period
+    period = walk.motion.stride_time
     work = {
         name: [float(np.maximum(power, 0.0).mean(axis=0).sum()) * period, float(np.minimum(power, 0.0).mean(axis=0).sum()) * period]
         for name, power in it.by_joint().items()
@@ -160,7 +160,7 @@ def compared(it: Held, walk: Walk) -> dict[str, Any]:
 
 def cost_of(joints: Mapping[str, list[float]], walk: Walk) -> Metabolic:
     """Return the metabolic power of joint works [J a cycle]. What a foot absorbs below the ankle costs nothing, what it gives does."""
-    period = walk.motion.period
+    period = walk.motion.stride_time
     positive = sum(pair[0] for pair in joints.values())
     negative = sum(pair[1] for name, pair in joints.items() if name != "foot")
     return power(positive / period, negative / period, walk.person.mass)

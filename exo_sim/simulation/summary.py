@@ -50,7 +50,7 @@ class Summary:
         """Take in the next piece."""
         self._scenario, self._books = walk.request.scenario, walk.books
         self._simulated = float((walk.first + len(walk.time)) * walk.step)
-        self._rig, self._period = walk.rig, walk.motion.period
+        self._rig, self._period = walk.rig, walk.motion.stride_time
         rows = span(walk)
         if rows.stop > rows.start:
             measured = measure(walk, rows)
@@ -147,7 +147,7 @@ def measure(walk: Walk, rows: slice) -> dict[str, Any]:
         },
     }
     if walk.books is not None:
-        cycles = (rows.stop - rows.start) * walk.step / walk.motion.period
+        cycles = (rows.stop - rows.start) * walk.step / walk.motion.stride_time
         out["cylinders"] = {
             name: {
                 "pressure_peak_pa": Peak.of([part[f"{name}.pressure_1"].max(), part[f"{name}.pressure_2"].max()]),

@@ -7,7 +7,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from exo_sim.gait.motion import SAMPLES, Motion
+from exo_sim.gait.motion import Motion
 from exo_sim.gait.residual_reduction import body_loads, reduced, trunk, with_backpack
 from exo_sim.machine import footing
 from exo_sim.machine.footing import Ground
@@ -71,11 +71,12 @@ def held(
 
 
 def along(walk: Walk, table: NDArray[np.float64]) -> NDArray[np.float64]:
-    """Look a table of the motion, shape (SAMPLES, ...), up at every row: shape (n, ...)."""
-    phase = (walk.time / walk.motion.period) % 1.0 * SAMPLES
-    low = phase.astype(np.int64) % SAMPLES
+    """Look a table of the motion, one row a sample of it, up at every row of the walk: shape (n, ...)."""
+    count = len(table)
+    phase = (walk.time / walk.motion.period) % 1.0 * count
+    low = phase.astype(np.int64) % count
     part = (phase - np.floor(phase)).reshape(-1, *([1] * (table.ndim - 1)))
-    return np.asarray((1.0 - part) * table[low] + part * table[(low + 1) % SAMPLES])
+    return np.asarray((1.0 - part) * table[low] + part * table[(low + 1) % count])
 
 
 def with_machine(walk: Walk) -> Held:

@@ -11,7 +11,6 @@ from numpy.typing import NDArray
 
 from exo_sim.control.valve_control import force_limits
 from exo_sim.gait import scenario as scenarios
-from exo_sim.gait.motion import SAMPLES
 from exo_sim.machine.attachment import attach
 from exo_sim.machine.build import carry
 from exo_sim.machine.linkage import moment_row
@@ -123,7 +122,7 @@ class CoupledStride:
         sim, data = self._simulation, self._simulation.data
         mujoco.mj_forward(sim.model, data)
         at = (self._first * self.dt / sim.motion.period) % 1.0
-        wanted = sim.demand[round(at * SAMPLES) % SAMPLES]
+        wanted = sim.demand[round(at * (len(sim.demand) - 1))]
         p_s, p_e, drives = rig.supply.pressure, rig.environment.pressure, self._wired[-1]
         middle = 0.5 * (p_s + p_e)
         pressures = np.empty((2, len(sim.plugin.links)))
@@ -153,7 +152,7 @@ class CoupledStride:
         errors = np.sqrt(np.mean((part[:, self._torque] - part[:, self._wanted]) ** 2, axis=0))
         worst = int(np.argmax(errors))
         drawn = float(np.sum(part[-1, self._gas] - part[0, self._gas]))
-        gas = drawn * self._simulation.motion.period / float(part[-1, 0] - part[0, 0])
+        gas = drawn * self._simulation.motion.stride_time / float(part[-1, 0] - part[0, 0])
         near = bool(np.abs(away).max() < _LOST)
         return Stride(gas, float(errors[worst]), names[worst], near, float(part[:, self._pressures].max()))
 

@@ -129,7 +129,8 @@ def _path(trial: Cut, share: Array, person: Person) -> tuple[Array, Array, float
     n, count = len(share), trial.strides
     height, ahead = np.zeros(n), np.zeros(n)
     for i, side in enumerate("lr"):
-        point = leg_points(*(trial.angles[f"{name}_{side}"] for name in ("thigh", "knee", "ankle")), person)
+        thigh, knee, ankle = (trial.angles[f"{name}_{side}"] for name in ("thigh", "knee", "ankle"))
+        point = leg_points(thigh, knee, ankle, person)
         on_ball = smooth((trial.foot_phase[:, i] % 1.0 - _ROLLED[0]) / (_ROLLED[1] - _ROLLED[0]))
         on_ball = np.where(trial.foot_phase[:, i] % 1.0 > trial.figures.stance_end, 0.5, on_ball)
         rate = {name: derivatives(point[name])[0][:, 0] for name in ("heel", "toe")}

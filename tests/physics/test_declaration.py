@@ -1,0 +1,37 @@
+"""What an effect may declare: names that exist, units by place, and one line with the nearest name where it does not."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import pytest
+
+from exo_sim.errors import ModelError
+from exo_sim.physics.asked import Asked
+from exo_sim.physics.declaration import asked_of, declared
+
+
+def test_every_file_of_the_folder_is_an_effect_under_its_own_name() -> None:
+    assert len(declared()) > 25 and all(name == effect.name for name, effect in declared().items())
+    assert list(declared()) == sorted(declared())
+
+
+@pytest.mark.parametrize(
+    ("change", "says"),
+    [({"family": "frictoin"}, 'did you mean "friction"'), ({"places": ("cylindre",)}, 'did you mean "cylinder"'),
+     ({"asked": Asked(forms=(("fource",),))}, 'did you mean "force"')],
+)  # fmt: skip
+def test_a_word_that_is_none_is_refused_with_the_nearest(change: dict[str, object], says: str) -> None:
+    with pytest.raises(ModelError, match=says):
+        replace(declared()["coulomb_friction"], **change)  # type: ignore[arg-type]
+
+
+def test_units_turn_with_the_joint() -> None:
+    force = declared()["coulomb_friction"].parameter("force")
+    assert force.unit_at(False) == "N" and force.unit_at(True) in ("N m", "N*m")
+    with pytest.raises(KeyError):
+        declared()["coulomb_friction"].parameter("no such")
+
+
+def test_what_is_no_effect_is_asked_nothing_special() -> None:
+    assert asked_of("payload_mass") == Asked() and asked_of("wall_heat_transfer") is declared()["wall_heat_transfer"].asked

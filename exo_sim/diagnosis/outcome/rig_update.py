@@ -8,10 +8,14 @@ from __future__ import annotations
 
 from collections.abc import Collection, Iterable, Sequence
 from dataclasses import dataclass, replace
+from enum import IntEnum
 from pathlib import Path
+
+import numpy as np
 
 from exo_sim.diagnosis import wording
 from exo_sim.diagnosis.data.machine_data import MachineData
+from exo_sim.diagnosis.discrepancy.curve import Curve
 from exo_sim.diagnosis.estimation.candidate import Candidate
 from exo_sim.diagnosis.estimation.parameters import FreeParameter
 from exo_sim.diagnosis.estimation.uncertainty import bounded_interval, interval
@@ -20,7 +24,7 @@ from exo_sim.diagnosis.outcome.rig_corrections import REFIT_NOTE, corrections
 from exo_sim.diagnosis.policy.calibration import LEAST_PART
 from exo_sim.diagnosis.selection.calibration import is_declared
 from exo_sim.diagnosis.selection.subsystem_result import SubsystemResult
-from exo_sim.diagnosis.selection.unknown_effect import UnknownEffect
+from exo_sim.diagnosis.selection.unknown_effect import UnknownEffect, effect_of
 from exo_sim.diagnosis.subsystem_model import SubsystemModel
 from exo_sim.physics.effects import sensor_bias, sensor_scale
 from exo_sim.physics.effects.unknown import ACTS, DEPENDS_ON
@@ -33,25 +37,48 @@ _NO_FINDING = "No finding: a healthy machine shows as much; it is in the errors 
 Result = SubsystemResult[SubsystemModel]
 
 
+class Rank(IntEnum):
+    """What an entry of an update is, in the order in which it is left out where it does not win."""
+
+    CURVE = 0
+    REFITTED = 1
+    FOUND = 2
+
+
+@dataclass(frozen=True)
+class Part:
+    """Entries and corrections of one rank that one source (a subsystem, or the sensors) gives."""
+
+    source: str
+    rank: Rank
+    entries: tuple[Entry, ...] = ()
+    corrections: tuple[Correction, ...] = ()
+
+
 @dataclass(frozen=True)
 class RigUpdate:
     """What changes in a rig: effects, and corrections of believed numbers."""
 
     rig: Rig
-    entries: tuple[Entry, ...]
-    corrections: tuple[Correction, ...]
+    parts: tuple[Part, ...]
 
-    def variants(self) -> tuple[RigUpdate, ...]:
-        """Return the update, then what is left of it without curves, without what is no finding as well, and nothing of it."""
-        smooth = tuple(entry for entry in self.entries if entry.setting.name != UNKNOWN.name)
-        found = tuple(entry for entry in smooth if entry.says != _NO_FINDING)
-        told = tuple(one for one in self.corrections if one.note != REFIT_NOTE)
-        fewer = replace(self, entries=smooth), replace(self, entries=found, corrections=told), replace(self, entries=(), corrections=())
-        kept: list[RigUpdate] = [self]
-        for one in fewer:
-            if (one.entries, one.corrections) != (kept[-1].entries, kept[-1].corrections):
-                kept.append(one)
-        return tuple(kept)
+    @property
+    def entries(self) -> tuple[Entry, ...]:
+        """The effects; a part of the machine holds each once."""
+        every = [entry for part in self.parts for entry in part.entries]
+        return tuple(reversed({(entry.setting.name, entry.setting.where): entry for entry in reversed(every)}.values()))
+
+    @property
+    def corrections(self) -> tuple[Correction, ...]:
+        """The corrections of believed numbers."""
+        return tuple(one for part in self.parts for one in part.corrections)
+
+    def reduced(self) -> tuple[RigUpdate, ...]:
+        """Return the updates that have one rank less of one source: its curve goes first, for it was fitted to what the rest leaves."""
+        least = {part.source: min(one.rank for one in self.parts if one.source == part.source) for part in self.parts}
+        return tuple(
+            replace(self, parts=tuple(part for part in self.parts if (part.source, part.rank) != gone)) for gone in least.items()
+        )
 
     def text(self, folder: Path) -> str:
         """Return the text of `improved.toml` for a folder."""
@@ -61,20 +88,29 @@ class RigUpdate:
 def rig_update(data: MachineData, results: Sequence[Result], unknown: Sequence[UnknownEffect]) -> RigUpdate:
     """Return what was found as an update of the rig."""
     gas = {one.where for one in results if one.model.kind is Subsystem.GAS and not one.is_empty}
-    entries: list[Entry] = []
-    corrected: list[Correction] = []
+    parts: list[Part] = []
     for one in results:
+        source = f"{one.model.kind} of {one.name}"
         reported = {(finding.name, finding.where): finding for finding in one.findings}
-        for c in (candidate for candidate in one.named if candidate.at in reported):
-            entries += [_entry(c, one, finding, data.rig) for finding in reported[c.at].at_each_place()]
-        corrected += corrections(data, one)
-        entries += _healthy(data.rig, one, gas)
-    for found in data.sensors:
-        if is_declared(found.name) and found.parameters and not found.where.endswith(".valve_command"):
-            entries.append(_sensor_entry(found, data.rig))
-    entries += _curves(data.rig, unknown)
-    once = {(entry.setting.name, entry.setting.where): entry for entry in reversed(entries)}  # a part holds an effect once
-    return RigUpdate(data.rig, tuple(reversed(once.values())), tuple(corrected))
+        entries = [
+            _entry(c, one, each, data.rig) for c in one.named if c.at in reported for each in reported[c.at].at_each_place()
+        ]
+        corrected = corrections(data, one)
+        told = tuple(each for each in corrected if each.note != REFIT_NOTE)
+        parts.append(Part(source, Rank.FOUND, tuple(entries), told))
+        refitted = tuple(each for each in corrected if each.note == REFIT_NOTE)
+        parts.append(Part(source, Rank.REFITTED, tuple(_healthy(data.rig, one, gas)), refitted))
+        effect = effect_of(unknown, one)
+        parts.append(Part(source, Rank.CURVE, tuple(_curves(data.rig, [effect] if effect else []))))
+    apart = [effect for effect in unknown if all(one.key != effect.result.key for one in results)]
+    parts.append(Part("elsewhere", Rank.CURVE, tuple(_curves(data.rig, apart))))
+    faults = [
+        _sensor_entry(found, data.rig)
+        for found in data.sensors
+        if is_declared(found.name) and found.parameters and not found.where.endswith(".valve_command")
+    ]
+    parts.append(Part("sensors", Rank.FOUND, tuple(faults)))
+    return RigUpdate(data.rig, tuple(part for part in parts if part.entries or part.corrections))
 
 
 def _entry(candidate: Candidate, result: Result, finding: Finding, rig: Rig) -> Entry:
@@ -166,3 +202,14 @@ def _curves(rig: Rig, unknown: Iterable[UnknownEffect]) -> list[Entry]:
         turning = effect.discrepancy.unit == "N*m" and where not in rig.cylinders
         entries.append(Entry(EffectSetting(UNKNOWN.name, where, numbers, turning, curves), {}, effect.finding.says))
     return entries
+
+
+def curve_of(rig: Rig, where: str) -> Curve | None:
+    """Return the force that a rig's unknown effect exerts at a part, as a curve over what the balance of forces knows; None without one."""
+    effect = rig.effect(UNKNOWN.name, where)
+    if effect is None or ACTS[round(effect.parameters["acts"])] != "force":
+        return None
+    variable = DEPENDS_ON[round(effect.parameters["depends_on"])]
+    gauge = rig.environment.pressure if variable in ("pressure_1", "pressure_2") else 0.0
+    at, values = (np.asarray(effect.curves[name], dtype=float) for name in ("at", "values"))
+    return Curve(variable, at - gauge, values, np.zeros_like(values), 1.0)

@@ -25,7 +25,7 @@ from exo_sim.recording.reader import Reading
 from exo_sim.rig import Rig
 
 _STOPPED = "the time that was given was up before everything had been sought: this is the best answer until then"
-_CUT = "improved.toml holds less than what was found: with all of it a free run over the time kept back is worse than as believed"
+_CUT = "improved.toml holds less than what was found: with all of it the time kept back is predicted worse than as believed"
 
 
 def diagnose(
@@ -67,7 +67,7 @@ def diagnose(
     update = rig_update(data, results.all, found.unknown)
     report("running it")
     beside = data.rig.path.parent
-    update, runs, is_cut = accepted(data, update, beside, split)
+    kept, is_cut = accepted(data, update, beside, split)
     remarks = (*data.remarks, *([_CUT] if is_cut else []), *([_STOPPED] if allowed.stopped else []))
     judged = {one.model.kind for one in results.all if not one.is_empty and not one.is_unresolved}
     questions = distinct(data.open_questions)
@@ -79,7 +79,7 @@ def diagnose(
         effects=tuple(findings),
         rejected=_rejected(found, findings),
         signals=test.signals,
-        free_run=runs,
+        free_run=kept.free_run,
         held_out=next(iter(split.test.values()), ()),
         held_out_recordings=tuple(split.test) if len(data.recordings) > 1 else (),
         unexplained=unexplained(results.all, found.unknown),
@@ -88,7 +88,7 @@ def diagnose(
         sensor_remarks=tuple(dict.fromkeys(remarks)),
         checks=tuple(check.as_dict() for check in data.checks),
         series=test.series,
-        improved=update.text(folder or beside),
+        improved=kept.update.text(folder or beside),
         tables=data.as_read,
         stopped=allowed.stopped,
     )

@@ -55,7 +55,7 @@ def examine_gas(
     found, done = [], (searched or Searched()).results
     for name in data.cylinders:
         runs = [with_initial_pressure(data, run) for run in data.cylinders[name]]
-        plant = _believed(data, plan, name, runs)
+        plant = believed_gas(data, plan, name, runs)
         model = GasModel(runs, plant, plan.split)
         opposite = GasModel([run.turned for run in runs], plant, plan.split)
         if model.size >= FEWEST_ROWS and np.sum(opposite.residual({}) ** 2) < REVERSED * np.sum(model.residual({}) ** 2):
@@ -86,7 +86,7 @@ def examine_gas(
     return data, tuple(found)
 
 
-def _believed(data: MachineData, plan: Plan, cylinder: str, runs: Sequence[CylinderRun]) -> PlantParameters:
+def believed_gas(data: MachineData, plan: Plan, cylinder: str, runs: Sequence[CylinderRun]) -> PlantParameters:
     """Return the plant as believed, without what was measured, with the friction that the plan knows."""
     index = list(data.rig.cylinders).index(cylinder)
     drives = {link.cylinder: link.joint for link in data.links}

@@ -41,7 +41,7 @@ def examine_motion(data: MachineData, plan: Plan, threads: Threads, report: Prog
 def _examined(
     data: MachineData, name: str, runs: Sequence[MotionRun], plan: Plan, threads: Threads, report: Progress
 ) -> SubsystemResult[MotionModel]:
-    model = MotionModel(runs, _believed(data, name, runs), plan.split)
+    model = MotionModel(runs, believed_balance(data, name, runs), plan.split)
     nuisances = with_damping_if_too_large(model, nuisance_parameters(runs, model.nominal, model.where))
     asked = plan.asked(candidates(runs, model.nominal, model.where))
     report(f"{name}: weighing {len(asked)} effects side by side")
@@ -74,7 +74,7 @@ def _may_be_damping(outcome: SearchResult, freed: ModelFits) -> bool:
     return freed.deficit(freed.fit(chosen, outcome.final), outcome.final) < -PLAINLY_LESS_DAMPING
 
 
-def _believed(data: MachineData, name: str, runs: Sequence[MotionRun]) -> PlantParameters:
+def believed_balance(data: MachineData, name: str, runs: Sequence[MotionRun]) -> PlantParameters:
     """Return the plant as believed; what the rig says of the joint's own friction and springs is added to its piston's."""
     cylinder = runs[0].cylinder
     if cylinder is None:

@@ -77,6 +77,22 @@ def gather(handed_in: Sequence[Path | Reading], rig: Path | Rig, column_map: Pat
     )
 
 
+def gather_again(data: MachineData, rig: Rig, tables: Sequence[Recording]) -> MachineData:
+    """Return the same recordings as another rig of the machine sees them.
+
+    Args:
+        data: What was gathered.
+        rig: The other rig.
+        tables: Recordings in the conventions of the format, as its sensors took them.
+
+    Raises:
+        RigError, ModelError: one line each.
+    """
+    model = load(rig)
+    cleaned = tuple(_trusted(seen_through(table, rig)[0], rig, model)[0] for table in tables)
+    return sort(MachineData(rig, model, linkages(rig, model), tuple(tables), cleaned, {}, {}, data.sensors))
+
+
 def _check_belongs(table: Recording, path: Path | str, rig: Rig, model: mujoco.MjModel) -> None:
     known = {*rig.cylinders, *(model.joint(j).name for j in range(model.njnt))}
     parts = [part for part in table.parts() if part in known]

@@ -33,5 +33,13 @@ CLEARLY_BEYOND = Number(
     "a fit within the bound is rejected if validation exceeds the bound and the test exceeds so many times the bound",
 )  # fmt: skip
 MOST_WORSE = Number(
-    0.002, "share of the error", "the improved rig is written only as far as its free run is not worse than this: rounding, no more"
+    0.002, "share of the error",
+    "the improved rig is written only as far as it is not worse than this, in windows or run free: rounding, no more",
+)  # fmt: skip
+SIGNAL_WORSE = Number(
+    0.02, "share of the error", "where one signal of the improved rig is worse by more, it is asked whether it is better without a part"
 )
+WORTH_LEAVING_OUT = Number(
+    0.02, "logarithm of the error, windows and free run together", "what is left out then lowers the errors by so much"
+)
+DIVERGED = Number(1e3, "logarithm of the error", "what a signal counts whose run with the update diverged: more than any other can gain")

@@ -27,27 +27,63 @@ Array = NDArray[np.float64]
 
 
 def free_runs(data: MachineData, improved: str, split: Split) -> dict[str, SignalFit]:
-    """Return, by column, the errors on the test time of one run that no measurement corrects on its way.
+    """Return the errors of one improved rig; see `FreeRuns`."""
+    return FreeRuns(data, split).errors(improved)
 
-    Where the clock jumps the run begins anew. Where a joint was driven by forces that nobody measured, motion is imposed in both runs
-    and only pressures are predicted. A valve command with the wrong sign is reversed, for a rig cannot say that. Empty where something
-    would have to be assumed, or the recordings are long.
+
+class FreeRuns:
+    """Runs that no measurement corrects on their way, of the rig as believed and of any number of improved ones.
+
+    Where the clock jumps a run begins anew. Where a joint was driven by forces that nobody measured, motion is imposed in both runs
+    and only pressures are predicted. A valve command with the wrong sign is reversed, for a rig cannot say that.
 
     Args:
         data: The recordings, and the rig as believed.
-        improved: Text of the rig with what was found, as it would stand beside the rig.
         split: Its test time counts.
     """
-    tables = [_judged_part(table, data) for table in data.as_read if table.name in split.test]
-    if sum(table.duration for table in tables) > LONGEST_FREE_RUN:
-        return {}
-    total: dict[str, _Sums] = {}
-    with suppress(ExoSimError):  # nothing that can be predicted: what is missing has been said already
-        believed, found = _Machine(data.rig), _Machine(parse(improved, data.rig.path))
-        for table in tables:
-            with suppress(ExoSimError):
-                _add(total, table, believed, found, split.in_test(table.name, table.time))
-    return {key: sums.result() for key, sums in total.items() if sums.count}
+
+    def __init__(self, data: MachineData, split: Split) -> None:
+        self._data, self._split = data, split
+        self._tables = [judged_part(table, data) for table in data.as_read if table.name in split.test]
+        self._believed: dict[tuple[int, str], tuple[Recording, FreeRun | None]] = {}
+        self._machine: _Machine | None = None
+
+    def errors(self, improved: str) -> dict[str, SignalFit]:
+        """Return, by column, the errors on the test time; empty where something would have to be assumed, or the recordings are long.
+
+        Args:
+            improved: Text of the rig with what was found, as it would stand beside the rig.
+        """
+        if sum(table.duration for table in self._tables) > LONGEST_FREE_RUN:
+            return {}
+        total: dict[str, _Sums] = {}
+        with suppress(ExoSimError):  # nothing that can be predicted: what is missing has been said already
+            self._machine = self._machine or _Machine(self._data.rig)
+            found = _Machine(parse(improved, self._data.rig.path))
+            for number, table in enumerate(self._tables):
+                with suppress(ExoSimError):
+                    self._add(total, number, found, self._split.in_test(table.name, table.time))
+        return {key: sums.result() for key, sums in total.items() if sums.count}
+
+    def _add(self, total: dict[str, _Sums], number: int, improved: _Machine, mask: NDArray[np.bool_]) -> None:
+        """Add the errors of one recording, whose samples `mask` count."""
+        table = self._tables[number]
+        recorded, after = _run(table, improved, "auto")
+        if after is None or self._machine is None:
+            return
+        way = (number, "recorded" if after.imposed else "predicted")
+        if way not in self._believed:
+            self._believed[way] = _run(table, self._machine, way[1])
+        before = self._believed[way][1]
+        if before is None:
+            return
+        mask = mask & after.simulated
+        for key in (key for key in after.predicted.columns if key in before.predicted):
+            there = mask & np.isfinite(recorded[key])
+            if there.any():
+                sums = total.setdefault(key, _Sums(table.units[key]))
+                sums.add(recorded[key][there], [run.predicted[key][there] for run in (before, after)])
+                sums.noise = max(sums.noise, noise.floor(recorded[key], recorded.time).std)
 
 
 class _Machine:
@@ -58,7 +94,7 @@ class _Machine:
         self.model: mujoco.MjModel = load(rig)
 
 
-def _judged_part(table: Recording, data: MachineData) -> Recording:
+def judged_part(table: Recording, data: MachineData) -> Recording:
     """Return a recording from where its gas is judged, its valve commands with the sign that they were found to have."""
     starts = [run.time[0] for runs in data.cylinders.values() for run in runs if run.recording == table.name]
     table = table.span(max(starts, default=-math.inf), math.inf)
@@ -82,23 +118,6 @@ class _Sums:
         """Return the root mean square errors."""
         before, after = np.sqrt(np.where(np.isfinite(self.squares), self.squares, math.nan) / self.count)
         return SignalFit(self.unit, float(before), float(after), self.noise)
-
-
-def _add(total: dict[str, _Sums], table: Recording, believed: _Machine, improved: _Machine, mask: NDArray[np.bool_]) -> None:
-    """Add the errors of one recording, whose samples `mask` count."""
-    recorded, after = _run(table, improved, "auto")
-    if after is None:
-        return
-    _, before = _run(table, believed, "recorded" if after.imposed else "predicted")
-    if before is None:
-        return
-    mask = mask & after.simulated
-    for key in (key for key in after.predicted.columns if key in before.predicted):
-        there = mask & np.isfinite(recorded[key])
-        if there.any():
-            sums = total.setdefault(key, _Sums(table.units[key]))
-            sums.add(recorded[key][there], [run.predicted[key][there] for run in (before, after)])
-            sums.noise = max(sums.noise, noise.floor(recorded[key], recorded.time).std)
 
 
 def _run(table: Recording, machine: _Machine, motion: str) -> tuple[Recording, FreeRun | None]:

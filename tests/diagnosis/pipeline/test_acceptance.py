@@ -4,10 +4,14 @@ from __future__ import annotations
 
 import math
 
+import benches
 import pytest
 
 from exo_sim.diagnosis.findings import SignalFit
-from exo_sim.diagnosis.pipeline.acceptance import is_worse
+from exo_sim.diagnosis.outcome.rig_update import Part, Rank, RigUpdate
+from exo_sim.diagnosis.pipeline.acceptance import Trial, as_far_as_it_wins, is_worse
+from exo_sim.rig import EffectSetting, Rig
+from exo_sim.rig import Finding as Entry
 
 
 @pytest.mark.parametrize(
@@ -27,3 +31,55 @@ def test_a_signal_that_neither_run_predicts_says_nothing() -> None:
     lost = {"slide.position": SignalFit("m", 0.031, 0.034, 1e-5), "piston.pressure_1": SignalFit("Pa", 2600.0, 60.0, 100.0)}
     assert not is_worse(lost, {"slide.position": 0.012, "piston.pressure_1": 9e4})
     assert is_worse({"slide.position": lost["slide.position"]}, {"slide.position": 0.05})
+
+
+@pytest.fixture(scope="module")
+def rig(tmp_path_factory: pytest.TempPathFactory) -> Rig:
+    return benches.bench(tmp_path_factory.mktemp("acceptance"))
+
+
+def part(source: str, rank: Rank) -> Part:
+    return Part(source, rank, (Entry(EffectSetting(f"{source}_{rank.name}", "piston", {})),))
+
+
+def weighed(worth: dict[str, tuple[float, float]], update: RigUpdate) -> Trial:
+    """Return a trial in which every entry multiplies the window and free-run error of its signal (that of its source)."""
+    inside, free = {"gas": 1.0, "motion": 1.0}, {"gas": 1.0, "motion": 1.0}
+    for entry in update.entries:
+        signal = entry.setting.name.split("_")[0]
+        factors = worth.get(entry.setting.name, (1.0, 1.0))
+        inside[signal] *= factors[0]
+        free[signal] *= factors[1]
+    windows, run = ({name: SignalFit("Pa", 1.0, value, 0.0) for name, value in one.items()} for one in (inside, free))
+    return Trial(update, windows, run, {})
+
+
+@pytest.mark.parametrize(
+    ("worth", "left"),
+    [
+        ({"gas_FOUND": (0.3, 0.3), "motion_FOUND": (0.5, 0.5)}, {"gas_FOUND", "gas_CURVE", "motion_FOUND", "motion_REFITTED"}),
+        ({"gas_FOUND": (0.3, 0.3), "gas_CURVE": (0.5, math.nan)}, {"gas_FOUND", "motion_FOUND", "motion_REFITTED"}),
+        ({"gas_FOUND": (0.3, 0.3), "motion_REFITTED": (0.9, 1.5)}, {"gas_FOUND", "gas_CURVE", "motion_FOUND"}),
+        (
+            {"gas_FOUND": (0.4, 0.4), "motion_FOUND": (0.5, 0.8), "motion_REFITTED": (0.5, 1.5)},
+            {"gas_FOUND", "gas_CURVE", "motion_FOUND", "motion_REFITTED"},
+        ),
+        ({"gas_FOUND": (3.0, 3.0)}, {"motion_FOUND", "motion_REFITTED"}),
+        ({"gas_FOUND": (0.01, 3.0), "motion_FOUND": (3.0, 0.5)}, set()),
+    ],
+    ids=[
+        "all wins", "a curve diverges", "a refit hurts", "a refit that wins more than it hurts", "what was found is worse",
+        "each loses by one measure",
+    ],
+)
+def test_what_hurts_is_left_out_and_what_wins_stays(rig: Rig, worth: dict[str, tuple[float, float]], left: set[str]) -> None:
+    parts = part("gas", Rank.FOUND), part("gas", Rank.CURVE), part("motion", Rank.FOUND), part("motion", Rank.REFITTED)
+    kept = as_far_as_it_wins(RigUpdate(rig, parts), lambda update: weighed(worth, update))
+    assert {entry.setting.name for entry in kept.update.entries} == left
+    assert not kept.is_worse
+
+
+def test_where_nothing_wins_the_rig_stays_as_it_was(rig: Rig) -> None:
+    parts = tuple(part(source, rank) for source in ("gas", "motion") for rank in Rank)
+    worth = {f"{source}_{rank.name}": (1.2, 1.2) for source in ("gas", "motion") for rank in Rank}
+    assert as_far_as_it_wins(RigUpdate(rig, parts), lambda update: weighed(worth, update)).update.parts == ()

@@ -190,14 +190,18 @@ class MotionModel(SubsystemModel):
         return variable if variable == "time" else f"{self.where}.{variable}"
 
     def as_sensor_error(self, parameter: FreeParameter, value: float) -> tuple[str, str, str, float] | None:
-        """A gain is a column's scale; a constant force is the bias of what measures force, else of a pressure."""
-        if parameter.effect == "sensor_gain":
-            return parameter.where, sensor_scale.EFFECT.name, "factor", value
-        if parameter.effect != "offset":
-            return None
+        """A gain is a column's scale; a constant force is the bias of what measures force, else of a pressure.
+
+        The balance tells only the ratio of two scales: where force is measured, that of a pressure is written as the cell's, for the gas
+        feels a pressure too, and may know it as the supply's own.
+        """
         drive = self.runs[0].drive
         columns = sorted(drive.levers, key=lambda column: ("external_force" not in column, "pressure" in column, column))
-        if not columns:
+        if parameter.effect == "sensor_gain":
+            if "pressure" in parameter.where and "pressure" not in columns[0]:
+                return columns[0], sensor_scale.EFFECT.name, "factor", 1.0 / value
+            return parameter.where, sensor_scale.EFFECT.name, "factor", value
+        if parameter.effect != "offset" or not columns:
             return None
         return columns[0], sensor_bias.EFFECT.name, "value", -value / float(np.median(drive.levers[columns[0]]))
 

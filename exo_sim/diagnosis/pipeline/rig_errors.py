@@ -1,0 +1,85 @@
+"""Errors of a rig itself over windows: its subsystems on the test time with the numbers that stand in it, nothing fitted."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping
+from contextlib import suppress
+
+import numpy as np
+
+from exo_sim.diagnosis.data.machine_data import MachineData
+from exo_sim.diagnosis.data.split import Split
+from exo_sim.diagnosis.estimation.correlation import rms
+from exo_sim.diagnosis.findings import SignalFit
+from exo_sim.diagnosis.outcome.rig_update import curve_of
+from exo_sim.diagnosis.pipeline.gas_stage import believed_gas
+from exo_sim.diagnosis.pipeline.motion_stage import believed_balance
+from exo_sim.diagnosis.pipeline.plan import Plan
+from exo_sim.diagnosis.pipeline.reading import gather_again
+from exo_sim.diagnosis.policy.budgets import LONGEST_FREE_RUN
+from exo_sim.diagnosis.subsystem_model import Comparison
+from exo_sim.diagnosis.subsystems.gas.model import GasModel
+from exo_sim.diagnosis.subsystems.motion.model import MotionModel
+from exo_sim.diagnosis.validation.free_run import judged_part
+from exo_sim.errors import ExoSimError
+from exo_sim.rig import Rig, parse
+
+#: Rms error, unit and noise of the sensor, by column or balance.
+Errors = Mapping[str, tuple[float, str, float]]
+
+
+class WindowErrors:
+    """Errors of rigs over windows of 0.5 s, and of their balances of forces.
+
+    A balance of which a pressure was not measured is left out: what fills it in is fitted.
+
+    Args:
+        data: The recordings, and the rig as believed, after the examination.
+        split: Its test time counts.
+    """
+
+    def __init__(self, data: MachineData, split: Split) -> None:
+        self._data, self._plan = data, Plan(split)
+        self._tables = [judged_part(table, data) for table in data.as_read]
+        self._guessed = {joint for joint, runs in data.joints.items() if any(run.imputed is not None for run in runs)}
+        self._before: Errors | None = None
+
+    def errors(self, improved: str) -> dict[str, SignalFit]:
+        """Return the errors of the rig as believed and of an improved one; empty where the recordings are long.
+
+        Args:
+            improved: Text of the rig with what was found, as it would stand beside the rig.
+        """
+        if sum(table.duration for table in self._tables) > LONGEST_FREE_RUN:
+            return {}
+        found: dict[str, SignalFit] = {}
+        with suppress(ExoSimError):
+            if self._before is None:
+                self._before = self._of(self._data.rig)
+            after = self._of(parse(improved, self._data.rig.path))
+            for key, (error, unit, noise) in self._before.items():
+                if key in after:
+                    found[key] = SignalFit(unit, error, after[key][0], noise)
+        return found
+
+    def _of(self, rig: Rig) -> Errors:
+        """Return the errors of one rig."""
+        data, split = gather_again(self._data, rig, self._tables), self._plan.split
+        every: list[Comparison] = []
+        for name, cylinder in data.cylinders.items():
+            plant = believed_gas(data, self._plan, name, cylinder)
+            every += GasModel(cylinder, plant, split).on_test_time(split).compared(plant, plant)
+        for name, balances in data.joints.items():
+            if name not in self._guessed:
+                model = MotionModel(balances, believed_balance(data, name, balances), split).on_test_time(split)
+                every += model.compared(model.nominal, model.nominal, curve_of(rig, model.where))
+        parts: dict[str, list[Comparison]] = {}
+        for one in every:
+            parts.setdefault(one.series.signal, []).append(one)
+        found = {}
+        for key, those in parts.items():
+            error = rms(np.concatenate([one.error_after for one in those]))
+            if math.isfinite(error):
+                found[key] = (error, those[0].series.unit, max(one.series.noise for one in those))
+        return found

@@ -1,0 +1,45 @@
+"""Errors of a rig itself: what is put into it lowers them, and nothing is fitted on the way."""
+
+from __future__ import annotations
+
+import json
+from pathlib import Path
+
+import pytest
+
+from exo_sim.diagnosis.data.split import Split
+from exo_sim.diagnosis.pipeline.reading import gather
+from exo_sim.diagnosis.pipeline.rig_errors import WindowErrors
+from exo_sim.trials.cases import make_case, write_case
+from exo_sim.trials.told import told_rig
+
+BALANCE = "piston.force_balance"
+
+
+def case(folder: Path, effect: str) -> tuple[WindowErrors, str, str]:
+    """Write a case of ten seconds; return its errors over the seventh to ninth, its rig and that with the truth in it."""
+    write_case(make_case("a", (effect,), 11, 0.5, duration=10.0, known="none"), folder, "parquet", open_truth=True)
+    data = gather([folder / "recording.parquet"], folder / "rig.toml")
+    believed = (folder / "rig.toml").read_text()
+    right = told_rig(believed, json.loads((folder / "truth.json").read_text())["hidden"])
+    return WindowErrors(data, Split({data.recordings[0].name: ((7.0, 9.0),)})), believed, right
+
+
+@pytest.mark.parametrize(
+    ("effect", "signals"), [("piston_leakage", ("piston.pressure_1", "piston.pressure_2")), ("coulomb_friction", (BALANCE,))]
+)
+def test_the_truth_lowers_the_errors_of_its_own_signals(tmp_path: Path, effect: str, signals: tuple[str, ...]) -> None:
+    errors, believed, right = case(tmp_path, effect)
+    same, better = errors.errors(believed), errors.errors(right)
+    assert set(same) == set(better) == {"piston.pressure_1", "piston.pressure_2", BALANCE}
+    for key, fit in same.items():
+        assert fit.after == fit.before == better[key].before
+    for key in signals:
+        assert better[key].after < 0.5 * better[key].before
+
+
+def test_a_curve_of_force_counts_in_the_balance(tmp_path: Path) -> None:
+    errors, believed, _ = case(tmp_path, "viscous_friction")
+    effect = '\n[effects.unknown.piston]\nacts = "force"\ndepends_on = "velocity"\nat = ["-1 m/s", "1 m/s"]\nvalues = ["{} N", "{} N"]\n'
+    against, along = (errors.errors(believed + effect.format(*values))[BALANCE] for values in ((20.0, -20.0), (-20.0, 20.0)))
+    assert against.after < against.before < along.after

@@ -77,6 +77,7 @@ class Finding:
         probabilities: Of each name of that class, its own included; empty where there is no rival.
         depends_on: For "unknown": the variables that it depends on.
         curve: For "unknown": variable, knots, values, band; else None.
+        cost: What its absence costs the machine's own predictions on held-out time, as a share of how much those signals vary.
         also: Other columns that have the same error: they share a card.
     """
 
@@ -92,6 +93,7 @@ class Finding:
     depends_on: tuple[str, ...] = ()
     curve: Mapping[str, Any] | None = None
     probability: float | None = None
+    cost: float = 0.0
     also: tuple[str, ...] = ()
 
     def at_each_place(self) -> tuple[Finding, ...]:
@@ -113,10 +115,12 @@ class Finding:
             "kind": self.kind,
             "says": self.says,
             "parameters": {name: estimate.as_dict() for name, estimate in self.parameters.items()},
+            "probability": round(self.confidence, 3),
             "evidence": {
                 "log10_odds": round(self.log10_odds, 2),
                 "probability": round(self.confidence, 3),
                 "held_out_error_drop": round(self.held_out_error_drop, 4),
+                "cost": float(f"{self.cost:.3g}"),
             },
             "ambiguous_with": list(self.ambiguous_with),
         }
@@ -155,11 +159,14 @@ class Rejected:
 
 @dataclass(frozen=True)
 class Unexplained:
-    """What remains unexplained: where, on what it depends, and its share of the whole error."""
+    """What remains unexplained: where, on what it depends, its share of the whole error, its rms and the noise in a unit."""
 
     where: str
     depends_on: tuple[str, ...]
     share: float
+    error: float = 0.0
+    noise: float = 0.0
+    unit: str = ""
 
 
 @dataclass(frozen=True)
@@ -218,6 +225,7 @@ class Diagnosis:
         rig: Name of the rig.
         free_run: Errors of `improved.toml` and of the rig as believed, simulated in one run, by column.
         held_out: Test spans of the (first held-out) recording; whole recordings are named in `held_out_recordings`.
+        small: What the data show beyond doubt, but too little of it to matter.
         sensor_remarks: Plain sentences about clocks and sensors: what was used, repaired or left out.
         checks: What was asked of the recordings, and put right, before any physics: plain records of `what`, `columns` and `says`.
         improved: Text of `improved.toml`.
@@ -236,6 +244,7 @@ class Diagnosis:
     held_out: tuple[tuple[float, float], ...] = ()
     held_out_recordings: tuple[str, ...] = ()
     unexplained: tuple[Unexplained, ...] = ()
+    small: tuple[Finding, ...] = ()
     next_experiment: NextExperiment | None = None
     open_questions: tuple[OpenQuestion, ...] = ()
     sensor_remarks: tuple[str, ...] = ()
@@ -282,7 +291,18 @@ class Diagnosis:
                 "free_run": {name: vars(signal) for name, signal in self.free_run.items()},
             },
             "unexplained": [
-                {"where": u.where, "depends_on": list(u.depends_on), "share": round(u.share, 4)} for u in self.unexplained
+                {
+                    "where": u.where, "depends_on": list(u.depends_on), "share": round(u.share, 4), "error": u.error, "noise": u.noise,
+                    "unit": u.unit,
+                }
+                for u in self.unexplained
+            ],
+            "small": [
+                {
+                    "name": one.name, "where": one.where, "kind": one.kind,
+                    "parameters": {name: estimate.as_dict() for name, estimate in one.parameters.items()}, "says": one.says,
+                }
+                for one in self.small
             ],
             "open": [{"question": q.question, "effects": list(q.effects), "why": q.why} for q in self.open_questions],
             "sensors": list(self.sensor_remarks),

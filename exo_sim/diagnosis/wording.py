@@ -48,6 +48,24 @@ def no_gain(candidate: Candidate, share: float) -> str:
     return "what is left is as small as a healthy machine's, and adding it does not lower it steadily"
 
 
+def small(effect: str, believed: bool) -> str:
+    """Return what is said of an effect, or of a `believed` number, that shows beyond doubt but is too small to matter."""
+    what = f"{name_of(effect)} other than believed" if believed else name_of(effect)
+    return f"{what[0].upper()}{what[1:]}: the data show it beyond doubt, but no more of it than healthy machines have."
+
+
+def rest(share: float, error: float, noise: float, unit: str) -> str:
+    """Return how much is left without a name.
+
+    Args:
+        share: Of the squared error that there was to explain.
+        error, noise: Root mean square of what is left, and what sensors alone would leave, in `unit`.
+    """
+    part = "all" if share > 0.995 else f"{100.0 * share:.2g} %"
+    often = f", {error / noise:.2g} times what the sensors' noise leaves" if noise > 0.0 else ""
+    return f"It is {part} of the error that there was to explain: {error:.3g} {unit}{often}."
+
+
 def experiment(first: str, second: str) -> str:
     """Return the experiment that separates two effects: that of the one that is mistaken for fewer others."""
     known = [effect for name, effect in declared().items() if name in (first, second)]

@@ -37,6 +37,13 @@ def page(diagnosis: Diagnosis, rig_text: str, rig_name: str = "rig.toml") -> str
         badge=diagnosis_words.VERDICTS[diagnosis.verdict],
         sentence=diagnosis_words.verdict(diagnosis),
         proof=diagnosis_words.proof(diagnosis),
+        first=diagnosis_words.first_step(diagnosis),
+        unexplained=[diagnosis_words.unexplained(left) for left in diagnosis.unexplained],
+        small=[
+            (diagnosis_words.small(one), name, value, span)
+            for one in diagnosis.small
+            for name, value, span in diagnosis_words.numbers(one)
+        ],
         findings=[_finding(finding) for finding in diagnosis.effects if finding.kind != "calibration"],
         corrections=[row for finding in diagnosis.effects if finding.kind == "calibration" for row in _correction(finding)],
         pictures=[(name, diagnosis_picture.overview(diagnosis, name, signals)) for name, signals in pictures],

@@ -22,6 +22,8 @@ def text(diagnosis: Diagnosis, written: Sequence[str] = ()) -> str:
     head = _wrapped(f"{diagnosis.verdict.upper()}  {diagnosis_words.verdict(diagnosis)}", "")
     if proof := diagnosis_words.proof(diagnosis):
         head += _wrapped(proof, "")
+    if first := diagnosis_words.first_step(diagnosis):
+        head += _wrapped(f"First: {first}", "")
     sections = [s for s in (_findings(diagnosis), _fit(diagnosis), _located(diagnosis), _rest(diagnosis)) if s]
     tail = ["", *written] if written else []
     return "\n".join([*_fitting(head, sections, MOST_LINES - len(tail)), *tail])
@@ -92,8 +94,10 @@ def _located(diagnosis: Diagnosis) -> list[str]:
 def _rest(diagnosis: Diagnosis) -> list[str]:
     lines = []
     for left in diagnosis.unexplained:
-        follows = f", follows {diagnosis_words.joined(left.depends_on)}" if left.depends_on else ""
-        lines += _wrapped(f"Unexplained: {amounts.share(left.share)} in {left.where}{follows}", "")
+        lines += _wrapped(f"Unexplained: {diagnosis_words.unexplained(left)}", "")
+    for small in diagnosis.small:
+        sizes = ", ".join(f"{name} {value}" for name, value, _ in diagnosis_words.numbers(small))
+        lines += _wrapped(f"Small: {diagnosis_words.small(small)} ({sizes})", "")
     for question in diagnosis.open_questions:
         lines += _wrapped(f"Open: {question.question.rstrip('.?')} ({question.why})", "")
     for remark in diagnosis.sensor_remarks:

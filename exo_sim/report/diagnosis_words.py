@@ -5,8 +5,9 @@ from __future__ import annotations
 import math
 from collections.abc import Sequence
 
-from exo_sim.diagnosis.findings import Diagnosis, Estimate, Finding, SignalFit
+from exo_sim.diagnosis.findings import Diagnosis, Estimate, Finding, SignalFit, Unexplained
 from exo_sim.diagnosis.policy.judgement import MOST_CONFIDENT
+from exo_sim.diagnosis.policy.recordings import LOUD_DRIFT, LOUD_REST
 from exo_sim.report import amounts
 
 #: What a verdict is called on a page.
@@ -16,6 +17,7 @@ VERDICTS = {
     "mismatch": "Mismatch",
     "undetermined": "Cannot tell",
 }
+_CORRECTED = ("sensor_bias", "sensor_scale", "sensor_delay")
 KINDS = {
     "missing_physics": "missing physics",
     "calibration": "believed number off",
@@ -58,6 +60,8 @@ def verdict(diagnosis: Diagnosis) -> str:
             return f"No physics is missing, but {off}: {listed}."
         parts.append(f"{off} as well")
     if diagnosis.verdict == "consistent":
+        if (rest := left_over(diagnosis)) is not None:
+            return f"No physics is missing as far as these recordings tell, but the rig is not exact: {rest}."
         return "Recording and rig agree to within the noise and what a healthy machine shows."
     if diagnosis.verdict == "undetermined" and not parts:
         return "These recordings cannot tell whether the rig leaves anything out."
@@ -65,6 +69,61 @@ def verdict(diagnosis: Diagnosis) -> str:
     if diagnosis.verdict == "undetermined":
         sentence = f"these recordings cannot tell for certain: {sentence}"
     return sentence[0].upper() + sentence[1:] + "."
+
+
+def left_over(diagnosis: Diagnosis) -> str | None:
+    """Return what is left far above the noise, in words: of the fitted balances, and of the run that nothing corrects; None if nothing is.
+
+    A free run drifts on its own, so that more is asked of it before it is told.
+    """
+    parts = []
+    if loud := [one for one in diagnosis.unexplained if one.error > LOUD_REST * one.noise > 0.0]:
+        worst = max(loud, key=lambda one: one.error / one.noise)
+        parts.append(
+            f"{amounts.amount(worst.error, worst.unit)} are left in the {worst.where.split('/')[-1]} of {worst.where.split('/')[0]}, "
+            f"{amounts.digits(worst.error / worst.noise, 2)} times the noise"
+        )
+    drifts = {key: fit for key, fit in diagnosis.free_run.items() if fit.noise > 0.0 and fit.after > LOUD_DRIFT * fit.noise}
+    if drifts:
+        key, fit = max(drifts.items(), key=lambda pair: pair[1].after / pair[1].noise)
+        parts.append(
+            f"run free, {key} is {amounts.amount(fit.after, fit.unit)} off, {amounts.digits(fit.after / fit.noise, 2)} times the noise"
+        )
+    return "; ".join(parts) or None
+
+
+def unexplained(left: Unexplained) -> str:
+    """Return what remains without explanation as a phrase."""
+    size = f": {amounts.amount(left.error, left.unit)}" if left.error > 0.0 else ""
+    size += f", {amounts.digits(left.error / left.noise, 2)} times the noise" if size and left.noise > 0.0 else ""
+    follows = f", follows {joined(left.depends_on)}" if left.depends_on else ""
+    return f"{amounts.share(left.share)} of the error, in {left.where}{size}{follows}"
+
+
+def small(finding: Finding) -> str:
+    """Return what is too small to matter, and where."""
+    return f"{name_of(finding.name)} at {finding.where}{', other than believed' if finding.kind == 'calibration' else ''}"
+
+
+def first_step(diagnosis: Diagnosis) -> str:
+    """Return what to do first, in one sentence; empty where there is nothing to do."""
+    by_kind = {kind: [f for f in diagnosis.effects if f.kind == kind] for kind in KINDS}
+    if sensors := [f for f in by_kind["sensor"] if f.name not in _CORRECTED]:
+        return f"Check the sensor of {sensors[0].where}, then record again: what it shows was set aside."
+    costly = sorted((f for f in diagnosis.effects if f.kind in ("missing_physics", "unknown")), key=lambda f: -f.cost)
+    if costly and costly[0].kind == "missing_physics":
+        first = costly[0]
+        held = f"[effects.{first.name}.{first.where}]"
+        if held not in diagnosis.improved:
+            return f"Settle {_placed(first)} first: it costs the predictions most, and improved.toml does without it."
+        return f"Simulate with improved.toml; {_placed(first)} matters most to its predictions."
+    if costly and diagnosis.next_experiment is not None:
+        return f"Find out what acts at {costly[0].where}: {diagnosis.next_experiment.do}."
+    if by_kind["calibration"] or by_kind["sensor"]:
+        return "Simulate with improved.toml: it holds the corrected numbers."
+    if diagnosis.verdict == "undetermined" and diagnosis.next_experiment is not None:
+        return f"Record once more: {diagnosis.next_experiment.do}."
+    return ""
 
 
 def _count(number: int) -> str:
@@ -115,10 +174,17 @@ def evidence(finding: Finding) -> str:
     """Return probability and held-out gain of a finding as a phrase, empty where there is neither."""
     words = []
     if finding.log10_odds:
-        words.append(f"probability {100.0 * finding.confidence:.0f} %{' at least' if finding.confidence >= MOST_CONFIDENT else ''}")
+        words.append(likelihood(finding.confidence))
     if finding.held_out_error_drop > 0.0:
         words.append(f"held-out error {amounts.share(finding.held_out_error_drop)} lower with it")
     return "; ".join(words)
+
+
+def likelihood(probability: float) -> str:
+    """Return a probability in words, with the number; the largest that is given stands for all beyond it."""
+    ways = ((MOST_CONFIDENT, "almost certain"), (0.8, "very likely"), (0.6, "likely"), (0.4, "as likely as not"), (0.0, "doubtful"))
+    words = next(words for least, words in ways if probability >= least)
+    return f"{words} (probability {100.0 * probability:.0f} %{' at least' if probability >= MOST_CONFIDENT else ''})"
 
 
 def numbers(finding: Finding) -> list[tuple[str, str, str]]:

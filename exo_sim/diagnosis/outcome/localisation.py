@@ -9,6 +9,7 @@ import numpy as np
 from exo_sim.diagnosis.discrepancy.trace import Trace
 from exo_sim.diagnosis.findings import Located, Unexplained
 from exo_sim.diagnosis.policy import recordings
+from exo_sim.diagnosis.selection.remainder import remainder
 from exo_sim.diagnosis.selection.subsystem_result import SubsystemResult
 from exo_sim.diagnosis.selection.unknown_effect import UnknownEffect, effect_of
 from exo_sim.diagnosis.subsystem_model import SubsystemModel
@@ -38,14 +39,15 @@ def located(results: Sequence[SubsystemResult[SubsystemModel]]) -> tuple[Located
 def unexplained(
     results: Sequence[SubsystemResult[SubsystemModel]], unknown: Sequence[UnknownEffect]
 ) -> tuple[Unexplained, ...]:
-    """Return what the final models still miss, as a share of what there was to explain."""
+    """Return what the final models still miss: more than a trifle beside findings, and whatever is far above the noise."""
     found = []
     for one in results:
-        if one.is_empty or not (one.named or one.has_unknown):
+        if one.is_empty or one.is_unresolved:
             continue
-        n = one.model.size
-        left = max(one.final.fit.sse - recordings.EXPLAINED_VARIANCE * n, 0.0) / max(one.search.baseline.fit.sse - n, 1e-9)
-        if left > recordings.LISTED_REST:
+        left = remainder(one)
+        beside = (one.named or one.has_unknown) and left.share > recordings.LISTED_REST
+        if beside or left.times_noise > recordings.LOUD_REST:
             effect = effect_of(unknown, one)
-            found.append(Unexplained(f"{one.where}/{one.model.balance}", effect.finding.depends_on if effect else (), min(left, 1.0)))
+            follows = effect.finding.depends_on if effect else ()
+            found.append(Unexplained(f"{one.where}/{one.model.balance}", follows, left.share, left.error, left.noise, left.unit))
     return tuple(found)

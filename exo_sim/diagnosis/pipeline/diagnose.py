@@ -13,6 +13,7 @@ from exo_sim.diagnosis.estimation.threads import Threads
 from exo_sim.diagnosis.findings import Diagnosis, Finding, Kind, Rejected
 from exo_sim.diagnosis.outcome.localisation import located, unexplained
 from exo_sim.diagnosis.outcome.rig_update import rig_update
+from exo_sim.diagnosis.outcome.small import small_findings
 from exo_sim.diagnosis.outcome.verdict import distinct, next_experiment, verdict_of
 from exo_sim.diagnosis.pipeline.acceptance import accepted
 from exo_sim.diagnosis.pipeline.plan import Examination, Progress
@@ -78,11 +79,12 @@ def diagnose(
         located=located([one for one in results.all if one.findings or one.has_unknown]),
         effects=tuple(findings),
         rejected=_rejected(found, findings),
-        signals=test.signals,
+        signals={**test.signals, **{key: fit for key, fit in kept.windows.items() if is_cut and key in test.signals}},
         free_run=kept.free_run,
         held_out=next(iter(split.test.values()), ()),
         held_out_recordings=tuple(split.test) if len(data.recordings) > 1 else (),
         unexplained=unexplained(results.all, found.unknown),
+        small=small_findings(results.all, findings),
         next_experiment=next_experiment(findings, questions),
         open_questions=questions,
         sensor_remarks=tuple(dict.fromkeys(remarks)),
@@ -95,17 +97,18 @@ def diagnose(
 
 
 def _findings(found: Examination) -> list[Finding]:
-    """Return the findings of sensors and subsystems by kind and odds, then the unknown effects."""
-    drops, results = found.test.drops, found.results.all
+    """Return the findings of sensors and subsystems by kind and by what they cost the machine's predictions, then the unknown effects."""
+    drops, costs, results = found.test.drops, found.test.costs, found.results.all
     findings = list({(f.name, f.where): f for f in reversed(found.data.sensors)}.values())[::-1]  # of several recordings, once
     for one in results:
         for f in one.findings:
-            findings += replace(f, held_out_error_drop=drops.get(f"{f.name}@{f.where}", 0.0)).at_each_place()
+            key = f"{f.name}@{f.where}"
+            findings += replace(f, held_out_error_drop=drops.get(key, 0.0), cost=costs.get(key, 0.0)).at_each_place()
     for one in results:
         findings += calibration_findings(one.deviations)
-    findings.sort(key=lambda f: (list(Kind).index(f.kind), -f.log10_odds))
+    findings.sort(key=lambda f: (list(Kind).index(f.kind), -f.cost, -f.log10_odds))
     unknown = (effect.finding for effect in found.unknown)
-    return [*findings, *(replace(finding, held_out_error_drop=drops.get(finding.where, 0.0)) for finding in unknown)]
+    return [*findings, *(replace(f, held_out_error_drop=drops.get(f.where, 0.0), cost=costs.get(f.where, 0.0)) for f in unknown)]
 
 
 def _rejected(found: Examination, findings: Sequence[Finding]) -> tuple[Rejected, ...]:

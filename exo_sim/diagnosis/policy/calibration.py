@@ -8,6 +8,9 @@ SURE = Number(3.0, "standard errors, or prior standard deviations", "a number so
 MODEL_SHARE = Number(
     0.0015, "share, one standard deviation", "no equation describes a machine, nor a sensor its pressure, to better than this"
 )
+BEYOND_DOUBT = Number(
+    5.0, "standard errors", "what differs by more from what was believed is listed although it is too small to matter"
+)
 WORTH = {
     "flow_capacity": Number(0.01, "share", "a valve's area is corrected from here on"),
     "dead_volume": Number(0.03, "share", "a dead volume is corrected from here on"),

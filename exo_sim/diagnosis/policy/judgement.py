@@ -31,13 +31,18 @@ UNKNOWN_VARIANCE = Number(
 UNKNOWN_WHITE = Number(15.0, "residual variance in units of the noise", "and more than this always")
 UNKNOWN_CORRELATION = Number(2.0, "rows of correlation", "residuals are correlated above this; white ones are a noisy sensor's")
 HOPELESS_GAS = Number(
-    2.0, "root mean square residual in units of the discrepancy bound", "a gas with more left bears no name, whatever share was explained"
-)
+    2.0, "root mean square residual in units of the discrepancy bound",
+    "a gas with more left has something unknown in it, whatever share was explained",
+)  # fmt: skip
 PLAIN_ODDS = Number(
     30.0, "log10 of odds", "above these a finding need not exceed a healthy machine's by two standard errors: only nuisance parameters "
     "that could stand in for it make it vague",
 )  # fmt: skip
 ALONE_SHARE = Number(0.9, "share of what is missing without it", "beside something unknown a finding stands with this, the former, and ...")
+ALONE_SHARE_HOPELESS = Number(
+    0.97, "share of what is missing without it",
+    "... with this instead where what is left is hopeless: a relief valve passed for a leak with 0.95",
+)  # fmt: skip
 ALONE_STEADY = Number(3.0, "mean gain over blocks in units of its standard error", "... so steady a gain")
 STRAINED = Number(
     3.5, "prior standard deviations", "a nuisance parameter that is further from its mean (probability 0.05 %) speaks for something missing"

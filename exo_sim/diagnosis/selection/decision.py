@@ -65,8 +65,8 @@ class _Decision(Generic[Model]):
         twins = self.model.indistinguishable(findings, final.fit)
         findings = [_ambiguous_with(f, twins.get((f.name, f.where), ())) for f in findings]
         observed = {parameter: error for parameter, error in errors.items() if self.model.is_observed(parameter)}
-        off = () if alone else deviations(final, observed)
-        refitted = () if alone else refitted_besides(final, observed, {one.parameter for one in off}, bool(named))
+        off = () if alone and not named else deviations(final, observed)  # alone they bend to what has no name
+        refitted = refitted_besides(final, observed, {one.parameter for one in off}, bool(named))
         refitted += tuple((q, errors[q]) for q in errors if q in laws)
         return replace(
             result, final=final, named=named, has_unknown=unknown, findings=tuple(findings), deviations=off,
@@ -107,10 +107,11 @@ class _Decision(Generic[Model]):
     def _beyond_doubt(self, final: FittedModel, named: tuple[Candidate, ...]) -> tuple[FittedModel, tuple[Candidate, ...]]:
         """Return the findings that stand beside an unknown effect, and the model with nothing but them."""
         end = self.search.final
-        apart = [] if self._is_hopeless(end) else [c for c in named if self._stands_alone(c)]
+        least = judgement.ALONE_SHARE_HOPELESS if self._is_hopeless(end) else judgement.ALONE_SHARE
+        apart = [c for c in named if self._stands_alone(c, least)]
         kept = drop_orphans([c for c in apart if asked_of(c.effect).sense.bursts or not self._has_bursts(end)])
         if not kept:
-            return self.fits.nominal(), kept
+            return self.search.baseline, kept
         return (final if kept == named else self.fits.fit(kept, end)), kept
 
     def _with_larger_part(self, named: tuple[Candidate, ...]) -> tuple[FittedModel, tuple[Candidate, ...]]:
@@ -140,12 +141,12 @@ class _Decision(Generic[Model]):
         evidence = self.search.evidence.get(candidate.key)
         return evidence is not None and max(evidence.log10_odds, evidence.beside_discrepancy) > judgement.PLAIN_ODDS
 
-    def _stands_alone(self, candidate: Candidate) -> bool:
-        """Return whether a finding is beyond doubt although something else is left."""
+    def _stands_alone(self, candidate: Candidate, least: float) -> bool:
+        """Return whether a finding is beyond doubt although something else is left: it explains at least this share of what is missing."""
         evidence = self.search.evidence.get(candidate.key)
         if evidence is None or not self._is_plain(candidate):
             return False
-        return evidence.share > judgement.ALONE_SHARE and evidence.steady > judgement.ALONE_STEADY
+        return evidence.share > least and evidence.steady > judgement.ALONE_STEADY
 
     def _is_unknown(self, final: FittedModel, named: Sequence[Candidate]) -> bool:
         """Return whether too much is left for the names to be believed, or nuisance parameters are strained too far."""

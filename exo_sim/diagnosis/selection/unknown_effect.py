@@ -8,9 +8,11 @@ from typing import Any
 
 import numpy as np
 
+from exo_sim.diagnosis import wording
 from exo_sim.diagnosis.discrepancy.curve import Curve
 from exo_sim.diagnosis.discrepancy.signal import Discrepancy
 from exo_sim.diagnosis.findings import Estimate, Finding, Kind
+from exo_sim.diagnosis.selection.remainder import remainder
 from exo_sim.diagnosis.selection.subsystem_result import SubsystemResult
 from exo_sim.diagnosis.subsystem_model import SubsystemModel
 from exo_sim.physics.effects.unknown import EFFECT as UNKNOWN
@@ -43,6 +45,8 @@ def _unknown_effect(result: SubsystemResult[SubsystemModel]) -> UnknownEffect:
     says = f"Something without a name acts in the {missing.place} of {result.where}"
     says += f"; it follows {variables[0]}." if variables else "; it follows none of the recorded signals closely."
     says += " It comes in fast bursts, as a pressure that rings does." if missing.bursts else ""
+    left = remainder(result)
+    says += " " + wording.rest(left.share, left.error, left.noise, left.unit)
     size = {"size": Estimate(missing.size, missing.unit, 0.0, 2.0 * missing.size)}
     n, fit = model.size, result.final.fit
     odds = 0.5 * n / max(result.fits.correlation_time(fit.residual), 1.0) * np.log(max(fit.sse / n, 1.0)) / np.log(10.0)

@@ -60,6 +60,7 @@ class HeldOutErrors:
         signals: By column, before and after.
         drops: By `effect@where` (by place for an unknown effect), the share by which the error falls with it.
         influence: By the keys of `drops`, how much predictions change with it [units of the noise].
+        costs: By the keys of `drops`, the same as a share of how much the predicted signals vary; 0 for a shared supply, which is measured.
         balances: By subsystem and name.
         series: For the report.
         spans: The held-out time, by recording.
@@ -68,6 +69,7 @@ class HeldOutErrors:
     signals: Mapping[str, SignalFit] = field(default_factory=dict)
     drops: Mapping[str, float] = field(default_factory=dict)
     influence: Mapping[str, float] = field(default_factory=dict)
+    costs: Mapping[str, float] = field(default_factory=dict)
     balances: Mapping[tuple[Subsystem, str], BalanceError] = field(default_factory=dict)
     series: tuple[Series, ...] = ()
     spans: Spans = field(default_factory=dict)
@@ -85,6 +87,7 @@ def held_out_errors(
     signals: dict[str, SignalFit] = {}
     drops: dict[str, float] = {}
     influence: dict[str, float] = {}
+    costs: dict[str, float] = {}
     balances: dict[tuple[Subsystem, str], BalanceError] = {}
     series: list[Series] = []
     for one in results:
@@ -109,9 +112,11 @@ def held_out_errors(
             lacking = rms(other)
             drops[key] = _finite(1.0 - error / lacking) if lacking > 0.0 else 0.0
             influence[key] = _finite(rms(other - residual))
+            costs[key] = influence[key] * _noise_share(one, compared)
         if effect is not None:
             drops[one.where] = _drop_with_unknown(model, one, error, own)
-    return HeldOutErrors(signals, drops, influence, balances, tuple(series), split.test)
+            costs[one.where] = rms(model.residual_of(one.final_plant)) * _noise_share(one, compared)
+    return HeldOutErrors(signals, drops, influence, costs, balances, tuple(series), split.test)
 
 
 def is_refuted(drop: float, log10_odds: float, together: bool = False) -> bool:
@@ -142,6 +147,14 @@ def _signals(compared: Sequence[Comparison]) -> dict[str, SignalFit]:
         for key, parts in by_signal.items()
         if any(one.error_before.size for one in parts)
     }
+
+
+def _noise_share(one: SubsystemResult[SubsystemModel], compared: Sequence[Comparison]) -> float:
+    """Return the noise as a share of what the predicted signals vary: it turns units of the noise into what a prediction is off by."""
+    if one.model.kind is Subsystem.SUPPLY:
+        return 0.0
+    shares = [each.series.noise / spread for each in compared if (spread := float(np.nanstd(each.series.recorded))) > 0.0]
+    return _finite(float(np.median(shares))) if shares else 0.0
 
 
 def _left_out(one: SubsystemResult[SubsystemModel]) -> list[tuple[str, PlantParameters]]:

@@ -1,0 +1,52 @@
+"""What shows beyond doubt but is too small to matter is listed with its number, once, and not where something has no name."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from diagnosis import waves
+
+from exo_sim.diagnosis.estimation.least_squares import Fit
+from exo_sim.diagnosis.estimation.parameters import FreeParameter, Target
+from exo_sim.diagnosis.findings import Finding, Kind
+from exo_sim.diagnosis.outcome.small import small_findings
+from exo_sim.diagnosis.selection.fitted_model import FittedModel, SearchResult
+from exo_sim.diagnosis.selection.model_fits import ModelFits
+from exo_sim.diagnosis.selection.subsystem_result import SubsystemResult
+
+WIDTH = FreeParameter("valve_deadband", "piston", "width", "1", Target.CYLINDER, 0.0025, 0.0, 0.01, (0.0, 0.0025))
+VALVE = FreeParameter("flow_capacity", "piston", "valve_area", "1", Target.FACTOR, 0.1, 0.05, 10.0, (1.0, 0.1), neutral=1.0)
+ZERO = FreeParameter("sensor_zero", "piston.pressure_1", "pressure_1.bias", "Pa", Target.SENSOR, 500.0, -1e4, 1e4, (0.0, 500.0))
+
+
+def result(*refitted: tuple[FreeParameter, float, float]) -> SubsystemResult[waves.Waves]:
+    """Return a result with these parameters refitted: value and standard error."""
+    model, values = waves.Waves(), {parameter: value for parameter, value, _ in refitted}
+    final = FittedModel((), Fit(tuple(values), values, np.zeros(4), np.zeros((4, len(values)))))
+    found = SubsystemResult("piston", model, ModelFits(model, ()), SearchResult(final, final), final)
+    return replace(found, refitted=tuple((parameter, error) for parameter, _, error in refitted))
+
+
+def test_each_is_told_with_name_place_kind_and_number() -> None:
+    found = small_findings([result((WIDTH, 2.1e-3, 1e-4), (VALVE, 0.99, 1e-3), (ZERO, 300.0, 20.0))], ())
+    told = {(one.name, one.where, one.kind): next(iter(one.parameters.items())) for one in found}
+    assert set(told) == {
+        ("valve_deadband", "piston", Kind.MISSING_PHYSICS),
+        ("flow_capacity", "piston", Kind.CALIBRATION),
+        ("sensor_bias", "piston.pressure_1", Kind.SENSOR),
+    }
+    name, estimate = told["valve_deadband", "piston", Kind.MISSING_PHYSICS]
+    assert name == "width" and estimate.low < estimate.value == 2.1e-3 < estimate.high
+
+
+@pytest.mark.parametrize(("value", "error"), [(4e-4, 1e-4), (0.0, 1e-9)])
+def test_what_is_not_beyond_doubt_is_not(value: float, error: float) -> None:
+    assert small_findings([result((WIDTH, value, error))], ()) == ()
+
+
+def test_nor_what_is_a_finding_or_beside_something_unknown() -> None:
+    plain = result((WIDTH, 2.1e-3, 1e-4))
+    assert small_findings([plain], [Finding("valve_deadband", "piston", Kind.MISSING_PHYSICS, "", {}, 9.0, 0.5)]) == ()
+    assert small_findings([replace(plain, has_unknown=True)], ()) == ()

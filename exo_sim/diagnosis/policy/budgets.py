@@ -20,7 +20,8 @@ MOST_EFFORT = Count(
     "learn makes A, B and D of whole machines were through before",
 )
 MOST_STEPS = Count(12, "Gauss-Newton steps", "of a fit")
-FIRST_LOOK = Count(3, "Gauss-Newton steps", "of a first look at a set that is most likely far off, with the derivatives of its neighbour")
+FIRST_LOOK = Count(8, "Gauss-Newton steps", "of a first look at a set that is most likely far off, with the derivatives of its neighbour")
+WORTH_A_LOOK = Number(0.1, "share of the squared error", "each of these steps lowers it by so much, or is the last")
 FIRST_LOOKED = Count(2, "sets", "of those that were looked at are fitted to the end, where only the best is wanted")
 LARGE = Count(4, "candidates", "from here on what is fitted beside a model is fitted once, and only where it promises something")
 FINALISTS = Count(4, "candidates", "of the largest score are fitted in one step of a search")

@@ -57,7 +57,7 @@ NO_WORSE = Number(
 SWAP_GAIN = Number(2.0, "log-likelihood", "a swap raises the log-likelihood by so much, and by as much again for each parameter more")
 FAR_FROM_RIVALLING = Number(
     1.5, "ratio of squared errors",
-    "a set that leaves so many times what the best does after its first steps is not fitted to the end: its last steps gain little",
+    "a set that leaves so many times what the best does after its first look is not fitted to the end: its last steps gain little",
 )  # fmt: skip
 CERTAIN = Number(2.5, "standard errors", "a finding has a parameter that is so far from neutral (two-sided error 1.2 %) ...")
 VAGUE_LOSS = Number(

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from exo_sim.diagnosis.estimation.candidate import Candidate, CandidateKey, drop_orphans
 from exo_sim.diagnosis.policy import gates
-from exo_sim.diagnosis.policy.budgets import FINALISTS, LARGE, RUNNERS_UP
+from exo_sim.diagnosis.policy.budgets import FINALISTS, RUNNERS_UP
 from exo_sim.diagnosis.selection.comparisons import Comparisons
 from exo_sim.diagnosis.selection.fitted_model import FittedModel, SearchResult
 from exo_sim.diagnosis.selection.model_fits import ModelFits
@@ -18,7 +18,7 @@ def assess(final: FittedModel, fits: ModelFits, comparisons: Comparisons, propos
     """
     evidence, rivals, complete = {}, {}, {}
     asked: list[tuple[Candidate | None, Candidate, FittedModel]] = []
-    bare = fits.fit_all([(drop_orphans(final.without(candidate)), final) for candidate in final.candidates])
+    bare = fits.fit_rivals([(drop_orphans(final.without(candidate)), final) for candidate in final.candidates], final)
     for candidate, without in zip(final.candidates, bare, strict=True):
         evidence[candidate.key] = comparisons.evidence(without, final)
         asked += [(candidate, rival, without) for rival in ([] if spent else _rivals(candidate, without, final, proposals))]
@@ -26,7 +26,7 @@ def assess(final: FittedModel, fits: ModelFits, comparisons: Comparisons, propos
         whole = _with_all_parameters(candidate, final, fits, proposals)
         if whole is not None:
             complete[candidate.key] = whole
-    is_settled = spent or len(final.candidates) >= LARGE
+    is_settled = spent or final.is_large
     promised = {} if is_settled else {one.key: score for score, one in proposals.scored(final)}
     runners_up: list[tuple[Candidate, float]] = []
     for one in [] if is_settled else proposals.alternatives(final, RUNNERS_UP):
@@ -35,7 +35,7 @@ def assess(final: FittedModel, fits: ModelFits, comparisons: Comparisons, propos
         else:
             left = final.fit.sse - fits.model.size  # beyond the noise
             runners_up.append((one, min(promised[one.key] / left, 1.0) if left > 0.0 else 0.0))
-    models = fits.fit_near([((*near.candidates, more), near) for _, more, near in asked], final)
+    models = fits.fit_rivals([((*near.candidates, more), near) for _, more, near in asked], final)
     by_finding: dict[CandidateKey, list[tuple[Candidate, float]]] = {candidate.key: [] for candidate in final.candidates}
     for (taken, more, near), model in zip(asked, models, strict=True):
         if taken is None:
@@ -53,7 +53,7 @@ def _rivals(candidate: Candidate, without: FittedModel, final: FittedModel, prop
 
     In a large model each is a fit of all of it: there only what is declared to look alike is asked, and fitted if it promises enough.
     """
-    if len(final.candidates) < LARGE:
+    if not final.is_large:
         return [rival for rival in proposals.alternatives(without) if rival.at != candidate.at]
     wanted = without.fit.sse - final.fit.sse
     return [rival for promised, rival in proposals.rivals(candidate, without)[:FINALISTS] if gates.UNDERRATED * promised > wanted]

@@ -16,11 +16,17 @@ from exo_sim.diagnosis.policy import judgement
 from exo_sim.diagnosis.policy.calibration import MODEL_SHARE
 from exo_sim.diagnosis.policy.gates import BESIDE_DISCREPANCY, CLEAN
 from exo_sim.diagnosis.selection.calibration import deviations, is_declared, refitted_besides
-from exo_sim.diagnosis.selection.fitted_model import FittedModel, SearchResult, exceeds_healthy_limit, is_more_than_healthy
+from exo_sim.diagnosis.selection.fitted_model import (
+    FittedModel,
+    SearchResult,
+    exceeds_healthy_limit,
+    is_at_bound,
+    is_more_than_healthy,
+)
 from exo_sim.diagnosis.selection.model_fits import ModelFits
 from exo_sim.diagnosis.selection.subsystem_result import SubsystemResult
 from exo_sim.diagnosis.subsystem_model import SubsystemModel
-from exo_sim.physics.declaration import asked_of, declared
+from exo_sim.physics.declaration import asked_of
 
 Model = TypeVar("Model", bound=SubsystemModel)
 
@@ -218,19 +224,6 @@ class _Decision(Generic[Model]):
                 low, high = bounded_interval(parameter, value, errors.get(parameter, 0.0))
                 estimates[parameter.parameter] = replace(own, low=min(own.low, low), high=max(own.high, high))
         return replace(finding, parameters=estimates)
-
-
-def is_at_bound(candidate: Candidate, model: FittedModel) -> bool:
-    """Return whether what decides of a candidate how large it is ended at a bound where it still acts: no number was found."""
-    if candidate.is_law or not is_declared(candidate.effect):
-        return False
-    needed = {p.name for p in declared()[candidate.effect].parameters if p.required}
-    for q in (q for q in candidate.parameters if q.parameter in needed and not q.healthy_limit):
-        value = model.fit.values[q]
-        reach = judgement.AT_BOUND * (abs(value) if q.logarithmic or q.low > 0.0 else q.scale)
-        if (q.low != q.neutral and value - q.low < reach) or (q.high != q.neutral and q.high - value < reach):
-            return True
-    return False
 
 
 def _called(parameter: FreeParameter) -> str:

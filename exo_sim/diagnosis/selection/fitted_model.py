@@ -12,7 +12,10 @@ from numpy.typing import NDArray
 from exo_sim.diagnosis.estimation.candidate import Candidate, CandidateKey
 from exo_sim.diagnosis.estimation.least_squares import Fit
 from exo_sim.diagnosis.estimation.parameters import FreeParameter
+from exo_sim.diagnosis.policy import judgement
+from exo_sim.diagnosis.policy.budgets import LARGE
 from exo_sim.diagnosis.selection.evidence import Evidence
+from exo_sim.physics.declaration import declared
 
 Array = NDArray[np.float64]
 
@@ -53,9 +56,19 @@ class FittedModel:
         """Effects and places that are in it."""
         return {candidate.at for candidate in self.candidates}
 
+    @property
+    def effects(self) -> set[str]:
+        """Effects that are in it, wherever."""
+        return {candidate.effect for candidate in self.candidates}
+
+    @property
+    def is_large(self) -> bool:
+        """Whether each fit beside it is one of so many parameters that only what promises something is worth it."""
+        return len(self.candidates) >= LARGE
+
     def meets_prerequisite(self, candidate: Candidate) -> bool:
         """Return whether the effect that a candidate comes on top of is in it."""
-        return not candidate.prerequisite or any(c.effect == candidate.prerequisite for c in self.candidates)
+        return not candidate.prerequisite or candidate.prerequisite in self.effects
 
     def without(self, candidate: Candidate) -> tuple[Candidate, ...]:
         """Return all of its candidates but one."""
@@ -125,3 +138,16 @@ def exceeds_healthy_limit(
         parts = {q.slot: q for q in (*values, *candidate.parameters) if (q.effect, q.where) == candidate.at}
         return sum(abs(values[q] - q.neutral) for q in parts.values()) > max((q.healthy_limit for q in limited), default=0.0)
     return not limited or any(abs(values[q] - q.neutral) - 2.0 * errors.get(q, 0.0) > q.healthy_limit for q in limited)
+
+
+def is_at_bound(candidate: Candidate, model: FittedModel) -> bool:
+    """Return whether what decides of a candidate how large it is ended at a bound where it still acts: no number was found."""
+    if candidate.is_law or candidate.effect not in declared():
+        return False
+    needed = {p.name for p in declared()[candidate.effect].parameters if p.required}
+    for q in (q for q in candidate.parameters if q.parameter in needed and not q.healthy_limit):
+        value = model.fit.values[q]
+        reach = judgement.AT_BOUND * (abs(value) if q.logarithmic or q.low > 0.0 else q.scale)
+        if (q.low != q.neutral and value - q.low < reach) or (q.high != q.neutral and q.high - value < reach):
+            return True
+    return False

@@ -14,7 +14,7 @@ from exo_sim.diagnosis.estimation.parameters import FreeParameter
 from exo_sim.diagnosis.estimation.threads import SERIAL, Threads
 from exo_sim.diagnosis.estimation.uncertainty import standard_errors
 from exo_sim.diagnosis.policy import gates
-from exo_sim.diagnosis.policy.budgets import CHEAP_STARTS, FIRST_LOOK, MOST_STEPS
+from exo_sim.diagnosis.policy.budgets import CHEAP_STARTS, FIRST_LOOK, MOST_STEPS, WORTH_A_LOOK
 from exo_sim.diagnosis.selection.evidence import negative_log_likelihood
 from exo_sim.diagnosis.selection.fitted_model import FittedModel, LeastSquaresModel, SetKey, key_of
 
@@ -60,26 +60,43 @@ class ModelFits:
         self._fitted[key] = fitted
         return fitted
 
-    def look(self, candidates: Sequence[Candidate], near: FittedModel) -> FittedModel:
-        """Return a model after its first steps from a similar one, with the derivatives of that: where a fit would about lead."""
+    def look(self, candidates: Sequence[Candidate], near: FittedModel, again: bool = False) -> FittedModel:
+        """Return a model after its first steps from a similar one, with the derivatives of that: where a fit would about lead.
+
+        Each of these steps must be worth it. A set that was fitted before is returned as it is, unless it is asked for `again` and the
+        look leaves less.
+        """
         before = self._fitted.get(key_of(candidates))
-        if before is not None or self.cheap:
+        if self.cheap or (before is not None and not again):
             return before or self.fit(candidates, near)
         parameters, options = self._starts(candidates, near)
         residual = self._residual_of(candidates)
         begin, length, _ = self._best_start(residual, options)
         done = fit(
-            residual, parameters, begin, self.threads, FIRST_LOOK, correlation_length=length, known_columns=near.fit.columns,
-            renewed=False,
-        )  # fmt: skip
-        return FittedModel(tuple(candidates), done)
+            residual, parameters, begin, self.threads, FIRST_LOOK, WORTH_A_LOOK, length, known_columns=near.fit.columns, renewed=False
+        )
+        looked = FittedModel(tuple(candidates), done)
+        return before if before is not None and self.deficit(before, looked) <= 0.0 else looked
 
-    def fit_near(self, asked: Sequence[tuple[Sequence[Candidate], FittedModel]], aim: FittedModel) -> list[FittedModel]:
-        """Fit sets that may explain as much as a model does: to the end only those that a first look leaves near it."""
-        looks = self.threads.fits(lambda one: self.look(one[0], one[1]), list(asked))
-        close = [one for one in looks if not self._is_far(one, aim)]
-        whole = dict(zip([id(one) for one in close], self.fit_all([(one.candidates, one) for one in close]), strict=True))
+    def fit_rivals(
+        self, asked: Sequence[tuple[Sequence[Candidate], FittedModel]], aim: FittedModel, again: bool = False
+    ) -> list[FittedModel]:
+        """Fit sets that may explain as much as a model does: to the end only those that a first look leaves near it.
+
+        Args:
+            asked: Sets of candidates, each with a similar model.
+            aim: What they are held against.
+            again: Whether a set that was fitted before is looked at from here as well.
+        """
+        if self.cheap:
+            return self.fit_all(asked, again)
+        looks = self.threads.fits(lambda one: self.look(one[0], one[1], again), list(asked))
+        close = [one for one in looks if not self._is_known(one) and not self._is_far(one, aim)]
+        whole = dict(zip([id(one) for one in close], self.fit_all([(one.candidates, one) for one in close], again), strict=True))
         return [whole.get(id(one), one) for one in looks]
+
+    def _is_known(self, one: FittedModel) -> bool:
+        return self._fitted.get(key_of(one.candidates)) is one
 
     def _is_far(self, one: FittedModel, aim: FittedModel) -> bool:
         """Return whether a model leaves so much more than another that the last steps of its fit cannot matter."""
@@ -143,7 +160,7 @@ class ModelFits:
         length = min(self.correlation_time(model.fit.residual), gates.LONGEST_CORRELATION)
         done = fit(
             self._residual_of(model.candidates), parameters, model.fit.values, self.threads, max_iterations=12, tolerance=1e-6,
-            correlation_length=length, known_columns=model.fit.columns, exact_jacobian=True,
+            correlation_length=length, known_columns=model.fit.columns, exact_jacobian=True, differenced_at=model.fit.differenced_at,
         )  # fmt: skip
         better = FittedModel(model.candidates, done)
         self._fitted[key_of(model.candidates)] = better

@@ -6,7 +6,7 @@ from collections.abc import Sequence
 
 from exo_sim.diagnosis.estimation.candidate import Candidate
 from exo_sim.diagnosis.estimation.parameters import FreeParameter
-from exo_sim.diagnosis.policy.budgets import FINALISTS, FORMS_OF_ONE, LARGE
+from exo_sim.diagnosis.policy.budgets import FINALISTS, FORMS_OF_ONE
 from exo_sim.diagnosis.selection.evidence import could_be_accepted
 from exo_sim.diagnosis.selection.fitted_model import FittedModel, SetKey, key_of
 from exo_sim.diagnosis.selection.model_fits import ModelFits
@@ -73,7 +73,7 @@ class Proposals:
 
         Of a large model they are no richer: it was reached from proposals of every form.
         """
-        forms, richer = [], 0 if len(now.candidates) >= LARGE else 2
+        forms, richer = [], 0 if now.is_large else 2
         for form in self.candidates:
             more = len(form.parameters) - len(candidate.parameters)
             same = form.at == candidate.at

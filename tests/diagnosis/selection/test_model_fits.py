@@ -62,3 +62,18 @@ def test_a_deficit_is_a_difference_of_log_likelihoods() -> None:
     assert fits.deficit(bare, full) == -fits.deficit(full, bare) > 0.0
     assert fits.deficit(full, full) == 0.0
     assert fits.effective_sample_size((bare, full)) == AT.size / fits.correlation_time(full.fit.residual)
+
+
+def test_only_what_comes_near_is_fitted_to_the_end() -> None:
+    """Beside waves of both kinds a set without the larger is far off, and one without the smaller near."""
+    fits = ModelFits(Waves(slow=8.0, quicker=0.05), ())
+    both = fits.refined(fits.fit((BASE, OTHER), fits.fit(())))
+    far, near = fits.fit_rivals([((OTHER,), both), ((BASE,), both)], both)
+    assert far.fit.sse > 10.0 * both.fit.sse and near.fit.sse < 1.5 * both.fit.sse
+    assert fits.fit((OTHER,), both) is not far and fits.fit((BASE,), both) is near
+
+
+def test_a_look_does_not_replace_a_better_fit() -> None:
+    fits = ModelFits(Waves(slow=3.0, quicker=-2.0), ())
+    both = fits.refined(fits.fit((BASE, OTHER), fits.fit(())))
+    assert fits.look((BASE, OTHER), fits.fit(()), again=True) is both

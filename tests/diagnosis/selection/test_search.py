@@ -13,9 +13,8 @@ from exo_sim.diagnosis.estimation.candidate import Candidate
 from exo_sim.diagnosis.estimation.least_squares import Fit
 from exo_sim.diagnosis.estimation.parameters import FreeParameter, PlantParameters, Target
 from exo_sim.diagnosis.estimation.threads import Threads
-from exo_sim.diagnosis.selection.comparisons import Comparisons
 from exo_sim.diagnosis.selection.fitted_model import FittedModel
-from exo_sim.diagnosis.selection.search import Search, _Growth
+from exo_sim.diagnosis.selection.search import Search
 
 
 def model(*chosen: Candidate) -> FittedModel:
@@ -60,15 +59,6 @@ def test_a_fuller_question_is_not_put_plainer_by_what_is_not_borne() -> None:
     found = search(Waves(quick=5.0), True, (BASE, ON_TOP, fuller)).run().final
     assert [c.effect for c in found.candidates] == ["other"]
     assert found.fit.values[fuller.parameters[0]] == pytest.approx(5.0, abs=0.3)
-
-
-def test_pruning_keeps_what_another_stands_on() -> None:
-    one = search(Waves(quick=5.0), cheap=False)
-    comparisons = Comparisons(one.fits, one.fits.fit(()), 3, 0.0)
-    growth = _Growth(one.fits, comparisons, one.proposals, print, lambda model: False)
-    kept = growth._pruned(one.fits.fit((BASE, ON_TOP)))
-    assert {c.effect for c in kept.candidates} == {"base", "on_top"}
-    assert growth._pruned(one.fits.fit((BASE, OTHER))).candidates == ()
 
 
 @pytest.mark.parametrize("cheap", [False, True])

@@ -26,6 +26,8 @@ LONGEST_STEP, MOST_STEPS = 1e-3, 8.0
 HOSE_STEP = 5e-4
 #: A sample behind a hose takes about so many times as long; of a slow logger as many as it has steps.
 HOSE_EFFORT = 3
+#: Of a slow logger's sample neither a shorter part is resolved, nor do steps behind a hose get shorter.
+RESOLVED = 0.2
 #: What settles faster than this, behind a choked path, is not resolved [s]: a fifth of the shortest row of a fit.
 SETTLED = 1e-3
 
@@ -171,8 +173,8 @@ def run_gas(
     usual = float(np.median(np.diff(feed.time)))
     world["longest_step"], world["most_steps"] = max(LONGEST_STEP, 0.5 * usual), MOST_STEPS
     if behind_hose(cylinder):
-        world["longest_step"] = min(world["longest_step"][0], max(HOSE_STEP, usual / MOST_STEPS))
-    _widen_hose(world, cylinder, min(usual, SETTLED))
+        world["longest_step"] = min(world["longest_step"][0], max(HOSE_STEP, RESOLVED * usual))
+    _widen_hose(world, cylinder, max(min(usual, SETTLED), RESOLVED * usual))
     n = len(feed.time)
     length = feed.length
     if length_delay != card_delay:

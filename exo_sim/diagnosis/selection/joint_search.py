@@ -1,0 +1,133 @@
+"""A search from the other end: all candidates asked together, what is proposed fitted, and what is not missed left out.
+
+Effects that hide each other pass no gate one at a time. What comes out counts only where it explains the data as far as the model of a
+healthy machine would; else the search goes on one at a time.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Sequence
+from dataclasses import replace
+
+import numpy as np
+
+from exo_sim.diagnosis.estimation.candidate import Candidate, drop_orphans
+from exo_sim.diagnosis.policy import gates
+from exo_sim.diagnosis.policy.budgets import FIRST_LOOKED, MOST_EXTENSIONS, MOST_JOINT, STRAY, WORTH_A_ROUND
+from exo_sim.diagnosis.selection.comparisons import Comparisons
+from exo_sim.diagnosis.selection.fitted_model import FittedModel, is_at_bound, is_more_than_healthy
+from exo_sim.diagnosis.selection.joint_proposal import Proposal, joint_proposals
+from exo_sim.diagnosis.selection.joint_pruning import jointly_pruned
+from exo_sim.diagnosis.selection.model_fits import ModelFits
+from exo_sim.diagnosis.selection.proposals import Proposals
+from exo_sim.diagnosis.selection.simplification import Simplification
+
+
+class JointSearch:
+    """What is reached by asking all candidates of one subsystem together.
+
+    Args:
+        fits: Fits of its models.
+        comparisons: Between them.
+        proposals: The candidates.
+        simplification: What leaves a model with no more than it needs.
+        report: Called with a few words on what is going on.
+        is_spent: Whether the time is up: then nothing more is sought.
+    """
+
+    def __init__(
+        self, fits: ModelFits, comparisons: Comparisons, proposals: Proposals, simplification: Simplification,
+        report: Callable[[str], None], is_spent: Callable[[], bool],
+    ):  # fmt: skip
+        self.fits, self.comparisons, self.proposals, self.simplification = fits, comparisons, proposals, simplification
+        self._report, self._is_spent = report, is_spent
+
+    def beyond(self, now: FittedModel) -> FittedModel | None:
+        """Return a model that is reached by asking all candidates together, and leaving out what is not missed.
+
+        Proposals are made beside the model that there is, and where that leads nowhere, beside none. None where what is reached leaves
+        more than the model of a healthy machine would, or is no better than the model that there is.
+        """
+        reached = self._reached_from(now)
+        if not self._is_healthy(reached) and not self._is_spent():
+            reached = self._reached_from(self.comparisons.baseline)
+        if not self._is_healthy(reached):
+            return None
+        tidied = self.simplification.tidied(reached)
+        return tidied if self._is_healthy(tidied) and self.fits.deficit(tidied, now) < 0.0 else None
+
+    def _is_healthy(self, model: FittedModel) -> bool:
+        """Return whether no more is left than the model of a healthy machine leaves."""
+        bound = self.fits.model.discrepancy_bound
+        return self.comparisons.is_clean(model) or model.fit.sse < bound * bound * self.fits.model.size
+
+    def _reached_from(self, now: FittedModel) -> FittedModel:
+        """Return the model that proposals of several candidates at once lead to, without what is not missed in the end."""
+        model, threads = self.fits.model, self.fits.threads
+        best = now
+        for _ in range(MOST_JOINT):
+            if self._is_spent():
+                break
+            self._report(f"weighing {len(self.proposals.candidates)} candidates together")
+            fitted = [self._proposed(best, one) for one in joint_proposals(model, best, self.proposals.candidates, threads)]
+            if not fitted:
+                break
+            richer = min(fitted, key=lambda one: one.fit.sse)
+            if richer.fit.sse > (1.0 - WORTH_A_ROUND) * best.fit.sse:
+                break
+            best = self.fits.refined(richer)
+            self._report(f"{len(best.candidates)} together, {math.sqrt(best.fit.sse / model.size):.1f} times the noise left")
+            if self.comparisons.is_clean(best):
+                break
+        return self._extended(self._jointly_pruned(best))
+
+    def _jointly_pruned(self, now: FittedModel) -> FittedModel:
+        """Return a model without what is not missed beside the rest."""
+        while now.candidates:
+            kept = jointly_pruned(self.fits.model, now, self.fits.threads)
+            if len(kept) == len(now.candidates):
+                break
+            now = self.fits.refined(self.fits.fit(kept, now))
+            self._report(f"{len(now.candidates)} worth their parameters")
+        return now
+
+    def _extended(self, now: FittedModel) -> FittedModel:
+        """Return a model with what a whole fit finds beside it: an effect whose signature is not in proportion to its size is not
+        proposed with the others.
+        """
+        for _ in range(MOST_EXTENSIONS):
+            if self.comparisons.is_clean(now) or self._is_spent():
+                break
+            asked = self.proposals.additions(now)
+            self._report(f"{len(asked)} more to be fitted beside {len(now.candidates)}")
+            looks = [self.fits.look((*now.candidates, one), now) for one in asked]
+            close = self.comparisons.ranked(looks)[:FIRST_LOOKED] if looks else []
+            models = self.fits.fit_all([(model.candidates, model) for model in close])
+            shown = [
+                model for model in models
+                if is_more_than_healthy(model.candidates[-1], model) and not is_at_bound(model.candidates[-1], model)
+                and self.comparisons.evidence(now, model).beside_discrepancy > gates.BESIDE_DISCREPANCY
+            ]  # fmt: skip
+            if not shown:
+                break
+            now = self._jointly_pruned(self.fits.refined(self.comparisons.ranked(shown)[0]))
+        return now
+
+    def _proposed(self, now: FittedModel, proposal: Proposal) -> FittedModel:
+        """Return the fit of a model with what is proposed beside it, less what leads astray where it stands: sizes add up only nearly."""
+        model, added = self.fits.model, proposal.candidates
+
+        def misfit(more: Sequence[Candidate]) -> float:
+            values = {**now.fit.values, **{q: proposal.values[q] for one in more for q in one.parameters}}
+            residual = model.residual(values, [pair for one in (*now.candidates, *more) for pair in one.fixed])
+            return float(residual @ residual) if np.isfinite(residual).all() else math.inf
+
+        here = misfit(added)
+        while added and here > STRAY * now.fit.sse:
+            fewer = [drop_orphans(tuple(c for c in added if c is not one), now.effects) for one in added]
+            tried = self.fits.threads.predictions(misfit, fewer)
+            best = int(np.argmin(tried))
+            here, added = tried[best], fewer[best]
+        near = FittedModel(now.candidates, replace(now.fit, values={**now.fit.values, **proposal.values}))
+        return self.fits.fit((*now.candidates, *added), near) if added else now

@@ -1,0 +1,108 @@
+"""A model with no more in it than the data bear: findings left out, exchanged, or put in a form with fewer parameters."""
+
+from __future__ import annotations
+
+from exo_sim.diagnosis.estimation.candidate import drop_orphans
+from exo_sim.diagnosis.estimation.parameters import FreeParameter
+from exo_sim.diagnosis.policy import gates
+from exo_sim.diagnosis.selection.comparisons import Comparisons
+from exo_sim.diagnosis.selection.fitted_model import FittedModel, is_more_than_healthy
+from exo_sim.diagnosis.selection.model_fits import ModelFits
+from exo_sim.diagnosis.selection.proposals import Proposals
+
+
+class Simplification:
+    """Simpler models of one subsystem.
+
+    Args:
+        fits: Fits of its models.
+        comparisons: Between them.
+        proposals: Forms and rivals of its candidates.
+    """
+
+    def __init__(self, fits: ModelFits, comparisons: Comparisons, proposals: Proposals):
+        self.fits, self.comparisons, self.proposals = fits, comparisons, proposals
+
+    def tidied(self, model: FittedModel) -> FittedModel:
+        """Return a set in its simplest form, without what does not stand beside the rest."""
+        return self._simplest(self.pruned(self._swapped(model) if self.fits.cheap else model))
+
+    def _swapped(self, now: FittedModel) -> FittedModel:
+        """Try, for every finding, whether another candidate in its place explains more."""
+        for index in range(len(now.candidates)):
+            kept = now.without(now.candidates[index])
+            base = self.fits.fit(kept, now)
+            for candidate in self.proposals.alternatives(base):
+                if candidate.at in now.named or len(drop_orphans((*kept, candidate))) <= len(kept):
+                    continue
+                model = self.fits.fit((*kept, candidate), base)
+                if self.fits.deficit(model, now) < -gates.SWAP_GAIN - gates.SWAP_GAIN * max(model.parameter_count - now.parameter_count, 0):
+                    now = model
+                    break
+        return now
+
+    def pruned(self, now: FittedModel) -> FittedModel:
+        """Leave out what does not pass the gates any more beside the others."""
+        shrunk = True
+        while shrunk and now.candidates:
+            shrunk = False
+            apart = [c for c in now.candidates if len(drop_orphans(now.without(c))) == len(now.without(c))]
+            bare = self.fits.fit_rivals([(now.without(c), now) for c in apart], now, again=True)
+            for candidate, without in zip(apart, bare, strict=True):
+                if not self.comparisons.accepts(without, now, stands=True) or not is_more_than_healthy(candidate, now):
+                    now, shrunk = without, True
+                    break
+        return now
+
+    def settled(self, now: FittedModel) -> FittedModel:
+        """Leave out parameters, and whole findings, that the data do not distinguish from neutral.
+
+        Parameters that are vague only because they stand in for each other stay.
+        """
+        while now.candidates:
+            if not all(is_more_than_healthy(c, now) for c in now.candidates):  # the last refinement made one healthy
+                fewer = self.pruned(now)
+                if fewer is not now:
+                    now = self.fits.refined(fewer)
+                    continue
+            errors = self.fits.standard_errors(now)
+            vague = {
+                q for c in now.candidates for q in c.parameters if abs(now.fit.values[q] - q.neutral) < gates.CERTAIN * errors.get(q, 0.0)
+            }
+            simpler = self._without_vague(now, vague)
+            if simpler is None:
+                break
+            now = self.fits.refined(self.pruned(simpler))
+        return now
+
+    def _without_vague(self, now: FittedModel, vague: set[FreeParameter]) -> FittedModel | None:
+        """Return a set with less of what is vague in it, None where there is none."""
+        for candidate in now.candidates:
+            others = now.without(candidate)
+            clear = {q.parameter for q in candidate.parameters if q not in vague}
+            if len(clear) == len(candidate.parameters) or len(drop_orphans(others)) < len(others):
+                continue
+            if len(candidate.parameters) == 1:
+                model = self.fits.fit(others, now)
+                if self.fits.deficit(model, now) < gates.VAGUE_LOSS:
+                    return model
+                continue
+            for form in self.proposals.simpler(candidate, now, clear):
+                model = self.fits.fit((*others, form), now)
+                if self.comparisons.is_as_good(model, now):
+                    return model
+        return None
+
+    def _simplest(self, now: FittedModel) -> FittedModel:
+        """Put each finding in the form that needs fewest parameters for what it explains; where fits are cheap, or a simpler effect."""
+        for candidate in now.candidates:
+            best = now
+            forms = self.proposals.replacements(candidate, now)
+            sets = [tuple(form if c.key == candidate.key else c for c in now.candidates) for form in forms]
+            models = self.fits.fit_rivals([(chosen, now) for chosen in sets], now)
+            for form, model in zip(forms, models, strict=True):
+                simpler = form.at == candidate.at and model.parameter_count < best.parameter_count
+                if self.comparisons.ranked((model, best))[0] is model or (simpler and self.comparisons.is_as_good(model, best)):
+                    best = model
+            now = best
+        return now

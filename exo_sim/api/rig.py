@@ -115,10 +115,10 @@ class Rig(schema.Rig):
 
     def _text_is_true(self) -> bool:
         try:
-            told = reading.parse(self.text, self.path)
+            read = reading.parse(self.text, self.path)
         except RigError:
             return False
-        return all(getattr(told, each.name) == getattr(self, each.name) for each in fields(schema.Rig) if each.name != "path")
+        return all(getattr(read, each.name) == getattr(self, each.name) for each in fields(schema.Rig) if each.name != "path")
 
     def _rows(self) -> list[list[str]]:
         rows = [["model", str(self.model)], ["supply", f"{self.supply.pressure / 1e5:g} bar, {self.supply.temperature:g} K"]]

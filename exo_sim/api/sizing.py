@@ -15,7 +15,7 @@ from exo_sim.api.arguments import Quantity, RigLike, quantity, rig_of
 from exo_sim.api.notebook import html_table
 from exo_sim.api.rig import Rig
 from exo_sim.errors import ScenarioError
-from exo_sim.sizing import told
+from exo_sim.sizing import summary_text
 from exo_sim.sizing.study import Sizing as Study
 
 if TYPE_CHECKING:
@@ -45,7 +45,7 @@ class Sizing:
     @property
     def summary(self) -> dict[str, Any]:
         """Return what `exo-sim size --json` prints."""
-        return told.numbers(self.study, self.folder)
+        return summary_text.numbers(self.study, self.folder)
 
     def save(self, folder: str | os.PathLike[str]) -> Path:
         """Write what the command writes (`sized.toml`, `report.html`, `sized.rrd`, the journal) into a folder.
@@ -77,7 +77,7 @@ class Sizing:
         return figure
 
     def __str__(self) -> str:
-        return told.words(self.study, self.folder)
+        return summary_text.words(self.study, self.folder)
 
     def __repr__(self) -> str:
         return f"<exo.Sizing of {self.chosen.name}: {len(self.front)} designs on the front>"

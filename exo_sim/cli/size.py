@@ -55,7 +55,7 @@ def command(scenarios: tuple[str, ...], payloads: tuple[float, ...], speeds: tup
     from exo_sim.errors import ScenarioError
     from exo_sim.rig.own_catalogue import read_catalogue
     from exo_sim.simulation.walk import default_rig
-    from exo_sim.sizing import told
+    from exo_sim.sizing import summary_text
     from exo_sim.sizing.fixing import fixed_numbers
     from exo_sim.sizing.loads import Condition, joint_loads
     from exo_sim.sizing.study import size, space_of
@@ -80,7 +80,7 @@ def command(scenarios: tuple[str, ...], payloads: tuple[float, ...], speeds: tup
             for one in loads
             for kind in space.kinds
         }
-        printing.show(told.by_hand_numbers(example, joints), told.by_hand_words(example, joints), as_json=as_json)
+        printing.show(summary_text.by_hand_numbers(example, joints), summary_text.by_hand_words(example, joints), as_json=as_json)
         return
     from exo_sim.outputs import alone_in, check_writable, replacing
     from exo_sim.report.sizing_page import page
@@ -94,4 +94,4 @@ def command(scenarios: tuple[str, ...], payloads: tuple[float, ...], speeds: tup
                          lambda words: printing.remark(words, quiet=quiet))  # fmt: skip
         with replacing(folder / "report.html") as beside:
             beside.write_text(page(found), encoding="utf-8")
-    printing.show(told.numbers(found, folder), told.words(found, folder), as_json=as_json)
+    printing.show(summary_text.numbers(found, folder), summary_text.words(found, folder), as_json=as_json)

@@ -105,9 +105,9 @@ def run(folder: Path, tool: str | None, timeout: float, scheduler: str | None, j
 @click.option("--key", type=click.Path(path_type=Path, dir_okay=False), default=None,
               help="Key of the seals; FOLDER.key when absent.")
 @click.option("--head", default=None, help="Last verdict as trial run printed it, to be held against the ledger.")
-@click.option("--told", is_flag=True, help="Diagnose once more with a tool told what is hidden, and compare held-out errors.")
+@click.option("--oracle", is_flag=True, help="Diagnose once more with the truth in the rig, and compare held-out errors.")
 @_JOBS
-def score(folder: Path, key: Path | None, head: str | None, told: bool, jobs: int, out: Path | None, as_json: bool,
+def score(folder: Path, key: Path | None, head: str | None, oracle: bool, jobs: int, out: Path | None, as_json: bool,
           quiet: bool) -> None:  # fmt: skip
     """Open the seals of FOLDER, check them and count."""
     from exo_sim.trials.page import named_from, percent
@@ -116,9 +116,9 @@ def score(folder: Path, key: Path | None, head: str | None, told: bool, jobs: in
 
     key = key or folder.with_name(folder.name + ".key")
     if read_manifest(folder).get("truth", "own") != "own":
-        _score_whole(folder, key, head, told, jobs, out, as_json, quiet)
+        _score_whole(folder, key, head, oracle, jobs, out, as_json, quiet)
         return
-    result = open_and_count(folder, key, head, told, jobs, quiet)
+    result = open_and_count(folder, key, head, oracle, jobs, quiet)
     figures = result["figures"]
     rows = [
         (
@@ -137,12 +137,12 @@ def score(folder: Path, key: Path | None, head: str | None, told: bool, jobs: in
     )
 
 
-def _score_whole(folder: Path, key: Path, head: str | None, told: bool, jobs: int, out: Path | None, as_json: bool, quiet: bool) -> None:
+def _score_whole(folder: Path, key: Path, head: str | None, oracle: bool, jobs: int, out: Path | None, as_json: bool, quiet: bool) -> None:
     """Open the seals of whole machines: their tables, and how the improved rigs do on recordings that nobody has seen."""
     from exo_sim.trials import sealed_machines as sealed
 
-    if told:
-        raise TrialError("--told is for --truth own: the rigs of whole machines are held against fresh recordings without it")
+    if oracle:
+        raise TrialError("--oracle is for --truth own: the rigs of whole machines are held against fresh recordings without it")
     result = sealed.score(folder, key, head, jobs, quiet=quiet)
     printing.show(
         {name: result[name] for name in ("schema", "truth", "figures", "head")}, f"{result['text']}\n\ntables: {folder / 'score.md'}",

@@ -1,7 +1,7 @@
 """Somebody's own controller: any object with `reset(context)` and `act(observation)`, how one is loaded, and what it may return.
 
     class Impedance:
-        period = 0.002                                   # optional: seconds between two calls of act; 0.002 where it is not told
+        period = 0.002                                   # optional: seconds between two calls of act; 0.002 where it is not given
         def reset(self, context): ...                    # before the first step; what it is given is a `Context`
         def act(self, observation): return {...}         # name of a signal to its value, "time" in seconds; commands until the next call
 
@@ -38,7 +38,7 @@ _FIRST, _SECOND = ".valve_command_1", ".valve_command_2"
 
 @dataclass(frozen=True)
 class Context:
-    """What a controller is told before the first step.
+    """What a controller gets before the first step.
 
     Attributes:
         rig: The machine.
@@ -131,26 +131,26 @@ def load(text: str) -> Controller:
     return of(getattr(module, name), f"{path}:{name}", path)
 
 
-def of(given: Any, told_by: str = "", path: Path | None = None) -> Controller:
+def of(given: Any, source: str = "", path: Path | None = None) -> Controller:
     """Return a controller from an object or a class, checked to have `reset` and `act`.
 
     Raises:
         ScenarioError: a method is missing, or making the object fails.
     """
-    told_by = told_by or getattr(given, "__name__", type(given).__name__)
+    source = source or getattr(given, "__name__", type(given).__name__)
     if isinstance(given, type) or (callable(given) and not hasattr(given, "act")):
         try:
             given = given()
         except Exception as error:
-            raise ScenarioError(f"controller {_place(error, path)}, while making {told_by}()") from None
+            raise ScenarioError(f"controller {_place(error, path)}, while making {source}()") from None
     for method in ("reset", "act"):
         if not callable(getattr(given, method, None)):
             argument = "context" if method == "reset" else "observation"
-            raise ScenarioError(f"controller {told_by}: it has no method {method}(self, {argument}); a controller has reset and act")
+            raise ScenarioError(f"controller {source}: it has no method {method}(self, {argument}); a controller has reset and act")
     return given  # type: ignore[no-any-return]
 
 
-def period_of(controller: Any, step: float, told_by: str) -> int:
+def period_of(controller: Any, step: float, source: str) -> int:
     """Return how many steps of the simulation lie between two calls of `act`.
 
     Raises:
@@ -158,7 +158,7 @@ def period_of(controller: Any, step: float, told_by: str) -> int:
     """
     period = getattr(controller, "period", PERIOD)
     if isinstance(period, bool) or not isinstance(period, int | float) or not step * 0.999 <= period <= 1.0:
-        raise ScenarioError(f"controller {told_by}: period = {period!r}: write seconds between two calls, {step:g} (one step) to 1")
+        raise ScenarioError(f"controller {source}: period = {period!r}: write seconds between two calls, {step:g} (one step) to 1")
     return max(1, round(period / step))
 
 
@@ -167,13 +167,13 @@ class Asked:
 
     Args:
         controller: What somebody brought.
-        context: What it is told.
-        told_by: What to call it in messages.
+        context: What it gets.
+        source: What to call it in messages.
     """
 
-    def __init__(self, controller: Controller, context: Context, told_by: str = "") -> None:
+    def __init__(self, controller: Controller, context: Context, source: str = "") -> None:
         self.controller, self.context = controller, context
-        self.told_by = told_by or type(controller).__name__
+        self.source = source or type(controller).__name__
         self.kind = ""
         self.clipped = 0
 
@@ -187,7 +187,7 @@ class Asked:
         try:
             self.controller.reset(self.context)
         except Exception as error:
-            raise ScenarioError(f"controller {_place(error)}, in reset of {self.told_by}") from None
+            raise ScenarioError(f"controller {_place(error)}, in reset of {self.source}") from None
 
     def act(self, observation: Mapping[str, float]) -> Commands:
         """Ask for commands.
@@ -198,11 +198,11 @@ class Asked:
         try:
             returned = self.controller.act(observation)
         except Exception as error:
-            raise ScenarioError(f"controller {_place(error)}, in act of {self.told_by} at {observation['time']:.3f} s") from None
+            raise ScenarioError(f"controller {_place(error)}, in act of {self.source} at {observation['time']:.3f} s") from None
         try:
             commands = read(returned, self.context, self.kind)
         except ScenarioError as error:
-            raise ScenarioError(f"controller {self.told_by}, at {observation['time']:.3f} s: {error}") from None
+            raise ScenarioError(f"controller {self.source}, at {observation['time']:.3f} s: {error}") from None
         self.kind = commands.kind
         if commands.kind == VALVES:
             self.clipped += int(np.abs(commands.values).max(initial=0.0) > 1.5)
@@ -213,7 +213,7 @@ class Asked:
         if self.clipped < 10:
             return ()
         return (
-            f"controller {self.told_by}: {self.clipped} commands to valves were beyond -1 to 1 and counted as that; if they were meant as "
+            f"controller {self.source}: {self.clipped} commands to valves were beyond -1 to 1 and counted as that; if they were meant as "
             'torques, return them as "knee_l.torque"',
         )
 

@@ -1,6 +1,6 @@
 """In which conventions a recording was evidently written: units, zeros, signs and order of its columns, held against the rig.
 
-Asked before any physics. What can be told beyond doubt is put right and said; what cannot be computed at all is refused and says what to
+Asked before any physics. What is known beyond doubt is put right and said; what cannot be computed at all is refused and says what to
 correct. A healthy recording, and one of a machine that leaks, rubs or sticks, passes without a word.
 """
 

@@ -27,7 +27,7 @@ _IMPOSSIBLE, _ODD = 0.1, 3e-3
 _TRAVEL, _FAR = 1.5, 5.0
 #: Of a stroke that is used less than this, a unit may be too small.
 _HARDLY = 0.03
-#: Share of the pressure changes that must follow from the motion in the unit that is believed, and must not in the heading's.
+#: Share of the pressure changes that must follow from the motion in the unit that is taken, and must not in the heading's.
 _EXPLAINED, _UNEXPLAINED = 0.7, 0.3
 #: By what factor the misfit of the gas balance must fall with another gear.
 _BETTER = 4.0
@@ -150,10 +150,11 @@ def _best(
 ) -> tuple[str, float]:
     """Return the unit in which pressures follow the motion best, where they say so; else the one that uses most of the stroke."""
     shares = {unit: _explained(recording, machine, link, key, factor) for unit, factor in fitting.items()}
-    told = max(shares, key=lambda unit: shares[unit].share)
-    others = [share.share for unit, share in shares.items() if unit != told]
-    if shares[told].share > _EXPLAINED and shares[told].worked > 0.1 and shares[told].share > max(others, default=-1.0) + 0.2:
-        return told, fitting[told]
+    likeliest = max(shares, key=lambda unit: shares[unit].share)
+    best = shares[likeliest]
+    others = [share.share for unit, share in shares.items() if unit != likeliest]
+    if best.share > _EXPLAINED and best.worked > 0.1 and best.share > max(others, default=-1.0) + 0.2:
+        return likeliest, fitting[likeliest]
     unit = max(fitting, key=lambda unit: fitting[unit])
     return unit, fitting[unit]
 

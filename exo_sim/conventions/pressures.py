@@ -23,7 +23,7 @@ UNITS = {"Pa": 1.0, "bar": 1e5, "kPa": 1e3, "psi": 6894.757293168361, "MPa": 1e6
 #: The chambers of a machine reach no less than this share of the atmosphere, and no more than this many times the supply: else the
 #: unit is another. Of one column among others that are as they should be, only a reading that is next to a vacuum tells it [Pa].
 _LEAST, _MOST, _VACUUM = 0.5, 5.0, 1e3
-#: How near the largest pressure must come to the supply in the unit that is believed.
+#: How near the largest pressure must come to the supply in the unit that is taken.
 _NEAR = (0.4, 1.25)
 #: A chamber that vents rests within this share of the atmosphere from it.
 _RESTS = 0.1
@@ -38,7 +38,7 @@ _CONTRAST, _COMMON_CONTRAST, _COMMON = 1.5, 1.1, 0.6
 
 
 def in_pascal(recording: Recording, machine: Machine) -> tuple[Recording, list[Check]]:
-    """Convert pressures that cannot be in the unit of their heading; what cannot be told for certain stays as it is."""
+    """Convert pressures that cannot be in the unit of their heading; what is not certain stays as it is."""
     keys = [key for key in (*chamber_columns(recording, machine), "supply.pressure", "exhaust.pressure") if key in recording]
     odd = [key for key in keys if _is_odd(recording[key], recording.time, machine)]
     if any(key not in odd for key in chamber_columns(recording, machine)):

@@ -53,12 +53,12 @@ def _split_side(name: str) -> str:
     return re.sub(r"((?:[Hh]ip|[Kk]nee|[Aa]nkle|HIP|KNEE|ANKLE))([LRlr])(?![A-Za-z])", r"\1_\2", name)
 
 
-def assigned(labels: Iterable[str], told_by: str, named: Mapping[str, str] | None = None) -> dict[str, str]:
+def assigned(labels: Iterable[str], file_name: str, named: Mapping[str, str] | None = None) -> dict[str, str]:
     """Return which column is which angle: `trial.JOINTS` and what there is of `trial.PELVIS`, to their labels.
 
     Args:
         labels: Of the file's columns.
-        told_by: The file, for messages.
+        file_name: The file, for messages.
         named: Angle to label, as a `[gait]` table names it: it counts before all others.
 
     Raises:
@@ -68,7 +68,7 @@ def assigned(labels: Iterable[str], told_by: str, named: Mapping[str, str] | Non
     found = dict(named or {})
     for name, label in found.items():
         if label not in labels:
-            raise ScenarioError(f'{told_by}: there is no column "{label}" for {name}{nearest(label, labels)}')
+            raise ScenarioError(f'{file_name}: there is no column "{label}" for {name}{nearest(label, labels)}')
     claimed: dict[str, list[str]] = {}
     for label in labels:
         if (angle := meaning(label)) is not None and angle not in found:
@@ -76,14 +76,14 @@ def assigned(labels: Iterable[str], told_by: str, named: Mapping[str, str] | Non
     for angle, claims in claimed.items():
         if len(claims) > 1:
             raise ScenarioError(
-                f'{told_by}: "{claims[0]}" and "{claims[1]}" could both be {angle}; say which in a [gait] table: {angle} = "{claims[0]}"'
+                f'{file_name}: "{claims[0]}" and "{claims[1]}" could both be {angle}; say which in a [gait] table: {angle} = "{claims[0]}"'
             )
         found[angle] = claims[0]
     missing = [name for name in JOINTS if name not in found]
     if missing:
-        told = ", ".join(labels[:8]) + (", ..." if len(labels) > 8 else "")
+        listed = ", ".join(labels[:8]) + (", ..." if len(labels) > 8 else "")
         raise ScenarioError(
-            f"{told_by}: no column for {', '.join(missing)} (flexion angles of both legs are needed); name it in the [gait] table of a "
-            f'scenario file: {missing[0]} = "..."; there is: {told}'
+            f"{file_name}: no column for {', '.join(missing)} (flexion angles of both legs are needed); name it in the [gait] table of a "
+            f'scenario file: {missing[0]} = "..."; there is: {listed}'
         )
     return {name: found[name] for name in (*JOINTS, *PELVIS) if name in found}

@@ -92,7 +92,7 @@ def whole_of(gait: GaitFile) -> tuple[whole_trial.Cut, tuple[str, ...]]:
     part = whole_trial.cut(trial, found, figures)
     return part, (
         *remarks[:-1],
-        f"{trial.told_by}: {part.strides} strides from {part.start:.2f} to {part.stop:.2f} s are walked as they are; the end is moved by "
+        f"{trial.file_name}: {part.strides} strides from {part.start:.2f} to {part.stop:.2f} s are walked as they are; the end is moved by "
         f"at most {np.degrees(part.led_back):.1f} degrees to meet the beginning",
     )
 
@@ -104,20 +104,20 @@ def _fitted(gait: GaitFile) -> tuple[Trial, strides.Strides, RecordedGait, tuple
     trial = counted_as_machine(trial)
     remarks = list(trial.remarks)
     if "tilt" not in trial.angles:
-        remarks.append(f"{trial.told_by}: no tilt of the pelvis; hip angles are taken as those of the thigh in space")
+        remarks.append(f"{trial.file_name}: no tilt of the pelvis; hip angles are taken as those of the thigh in space")
     found = strides.find(trial, ground)
     if ground is not None and not found.by_force:
-        remarks.append(f"{ground.told_by}: the forces tell of no whole stride; strides were found by the angles")
+        remarks.append(f"{ground.file_name}: the forces tell of no whole stride; strides were found by the angles")
     mean = {name: fourier.fit(values.mean(axis=0), contact_fit.HARMONICS) for name, values in found.angles.items()}
     count = len(found.spans)
     spread = {name: values.std(axis=0, ddof=1) if count > 1 else np.zeros(contact_fit.PHASES) for name, values in found.angles.items()}
     sway = None if found.path is None else contact_fit.sway_of(found.path)
     moved = contact_fit.fit(mean, spread, sway, found.stance_end, Person(REFERENCE_HEIGHT), LEAST_SPREAD)
-    remarks.append(_told(trial, found, moved))
+    remarks.append(_summary(trial, found, moved))
     worst = max(moved.rest[key] for key in ("heel_height", "toe_height", "heel_slide", "toe_slide"))
     if worst > _LOOSE:
         remarks.append(
-            f"{trial.told_by}: on the ground the foot still slides or sinks by {1e3 * worst:.0f} mm with these angles; are they of level "
+            f"{trial.file_name}: on the ground the foot still slides or sinks by {1e3 * worst:.0f} mm with these angles; are they of level "
             "walking, and counted as the machine counts?"
         )
     even = np.arange(1, contact_fit.HARMONICS + 1) % 2 == 0
@@ -130,12 +130,12 @@ def _fitted(gait: GaitFile) -> tuple[Trial, strides.Strides, RecordedGait, tuple
     return trial, found, figures, tuple(remarks)
 
 
-def _told(trial: Trial, found: strides.Strides, moved: contact_fit.Fitted) -> str:
+def _summary(trial: Trial, found: strides.Strides, moved: contact_fit.Fitted) -> str:
     count = {side: sum(1 for span in found.spans if span[0] == side) for side in "lr"}
     by = "the ground's force" if found.by_force else "the angles"
     change = ", ".join(f"{name} {np.degrees(most):.1f}" for name, (most, _) in moved.moved.items())
     return (
-        f"{trial.told_by}: {count['l']} left and {count['r']} right strides by {by}, {found.period:.2f} s each; walked are their mean of "
+        f"{trial.file_name}: {count['l']} left and {count['r']} right strides by {by}, {found.period:.2f} s each; walked are their mean of "
         f"{moved.stride:.2f} m, moved by at most {change} degrees so that the foot rests on the ground"
     )
 
@@ -171,7 +171,7 @@ def read(gait: GaitFile) -> tuple[Trial, GroundForce | None]:
 def _part(trial: Trial, gait: GaitFile) -> Trial:
     keep = (trial.time >= gait.start) & (trial.time <= gait.stop) & np.isfinite(trial.time)
     if np.any(np.diff(trial.time[keep]) <= 0.0):
-        raise ScenarioError(f"{trial.told_by}: its clock stands still or runs back; export it again with a rising time")
+        raise ScenarioError(f"{trial.file_name}: its clock stands still or runs back; export it again with a rising time")
     if keep.sum() < 10:
-        raise ScenarioError(f"{trial.told_by}: {int(keep.sum())} rows of angles count; at least one stride is needed")
+        raise ScenarioError(f"{trial.file_name}: {int(keep.sum())} rows of angles count; at least one stride is needed")
     return replace(trial, time=trial.time[keep], angles={name: values[keep] for name, values in trial.angles.items()})

@@ -39,7 +39,7 @@ class Scenario:
         summary: One line for the list.
         motion: Gives the reference motion of a person.
         cycle: What one cycle is called: "stride", "repetition", "second".
-        cycles: How many, unless told otherwise.
+        cycles: How many, unless asked otherwise.
         gait: Name of the recorded gait that the angles can be held against, or None.
         added: Load put on while it runs, or None.
         remarks: Plain sentences about what it was made of.

@@ -115,16 +115,16 @@ def _gait(path: Path, given: Any) -> Scenario:
 
 
 def _columns(path: Path, given: Any) -> tuple[ColumnMap | None, dict[str, str]]:
-    """Return a map of foreign columns to the contract's, and angles whose label alone is told (`"L knee" = "knee_l"`)."""
+    """Return a map of foreign columns to the contract's, and angles whose label alone is given (`"L knee" = "knee_l"`)."""
     table = _table(path, "gait.columns", given)
     found: dict[str, Column] = {}
     named: dict[str, str] = {}
-    for foreign, told in table.items():
-        if told in _ANGLES:
-            named[told] = foreign
+    for foreign, ours in table.items():
+        if ours in _ANGLES:
+            named[ours] = foreign
             continue
         try:
-            found[foreign] = column_of(f'{path}: gait.columns."{foreign}"', foreign, told)
+            found[foreign] = column_of(f'{path}: gait.columns."{foreign}"', foreign, ours)
         except ExoSimError as error:
             raise ScenarioError(str(error)) from None
     return (ColumnMap(path, found) if found else None), named

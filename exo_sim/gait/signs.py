@@ -32,7 +32,7 @@ def counted_as_machine(trial: Trial) -> Trial:
     def change(joint: str, sign: float, zero: float, words: str) -> None:
         for side in "lr":
             angles[f"{joint}_{side}"] = sign * (angles[f"{joint}_{side}"] - zero)
-        remarks.append(f"{trial.told_by}: {words}")
+        remarks.append(f"{trial.file_name}: {words}")
 
     def both(joint: str) -> np.ndarray:
         return np.concatenate([angles[f"{joint}_l"], angles[f"{joint}_r"]])
@@ -54,9 +54,9 @@ def counted_as_machine(trial: Trial) -> Trial:
     for name in JOINTS:
         if np.nanmax(np.abs(angles[name])) > _MOST:
             most = float(np.degrees(np.nanmax(np.abs(angles[name]))))
-            raise ScenarioError(f"{trial.told_by}: {name} reaches {most:.0f} degrees, which no leg does; is its unit right?")
+            raise ScenarioError(f"{trial.file_name}: {name} reaches {most:.0f} degrees, which no leg does; is its unit right?")
     if max(float(np.nanmax(angles[name]) - np.nanmin(angles[name])) for name in JOINTS) < _LEAST_RANGE:
-        raise ScenarioError(f"{trial.told_by}: no angle moves by more than 3 degrees; is it walking, and is the unit of the angles right?")
+        raise ScenarioError(f"{trial.file_name}: no angle moves by more than 3 degrees; is it walking, and is their unit right?")
     return replace(trial, angles=angles, remarks=tuple(remarks))
 
 

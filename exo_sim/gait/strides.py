@@ -44,7 +44,7 @@ class Strides:
         stance_end: Phase at which the foot leaves the ground, mean.
         angles: "tilt", "thigh", "knee", "ankle" of every stride of both legs over the phase from its own heel strike, (strides, PHASES).
         path: Mean way of the pelvis over a stride [m], shape (PHASES,), or None where it was not recorded.
-        by_force: Whether strides were told by the ground's force.
+        by_force: Whether strides were found by the ground's force.
     """
 
     spans: tuple[tuple[str, float, float], ...]
@@ -76,8 +76,8 @@ def find(trial: Trial, ground: GroundForce | None = None) -> Strides:
     if not spans:
         long = trial.time[-1] - trial.time[0]
         raise ScenarioError(
-            f"{trial.told_by}: no whole stride in {long:.2f} s of it: record one or more from heel strike to heel strike of a foot without "
-            "gaps, or name the columns in a [gait] table if they are not those of a walk"
+            f"{trial.file_name}: no whole stride in {long:.2f} s of it: record one or more from heel strike to heel strike of a foot "
+            "without gaps, or name the columns in a [gait] table if they are not those of a walk"
         )
     usual = float(np.median([b - a for _, a, b in spans]))
     spans = [span for span in spans if abs(span[2] - span[1] - usual) < _ODD * usual]
@@ -148,7 +148,7 @@ def _by_force(
     """
     if ground.time[0] > trial.time[-1] or ground.time[-1] < trial.time[0]:
         raise ScenarioError(
-            f"{ground.told_by}: lasts from {ground.time[0]:.2f} to {ground.time[-1]:.2f} s, the angles in {trial.told_by} from "
+            f"{ground.file_name}: lasts from {ground.time[0]:.2f} to {ground.time[-1]:.2f} s, the angles in {trial.file_name} from "
             f"{trial.time[0]:.2f} to {trial.time[-1]:.2f} s; hand in forces of the same trial on the same clock"
         )
     on: dict[str, list[float]] = {"l": [], "r": []}

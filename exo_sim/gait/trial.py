@@ -24,7 +24,7 @@ class Trial:
 
     Attributes:
         name: What to call it: the file's name without its ending.
-        told_by: The file, for messages.
+        file_name: The file, for messages.
         time: [s], strictly increasing, shape (n,).
         angles: `JOINTS` and, where it was recorded, "tilt": flexion of the hip, extension of the knee and dorsiflexion of the ankle are
             positive, straight is zero [rad], shape (n,) each. "pelvis_x" and "pelvis_z" [m] where they were recorded.
@@ -35,7 +35,7 @@ class Trial:
     """
 
     name: str
-    told_by: str
+    file_name: str
     time: Array
     angles: Mapping[str, Array]
     contacts: Mapping[str, tuple[float, ...]] = field(default_factory=dict)
@@ -49,13 +49,13 @@ class GroundForce:
     """Vertical forces of the ground, one column a plate or foot.
 
     Attributes:
-        told_by: The file, for messages.
+        file_name: The file, for messages.
         time: [s], shape (n,).
         up: Label to force, up positive [N], shape (n,) each.
         foot: Label to "l" or "r", where the label tells the foot.
     """
 
-    told_by: str
+    file_name: str
     time: Array
     up: Mapping[str, Array]
     foot: Mapping[str, str] = field(default_factory=dict)

@@ -73,7 +73,7 @@ def cut(trial: Trial, found: Strides, figures: RecordedGait) -> Cut:
     count, start, stop = len(strikes) - 1, strikes[0], strikes[-1]
     if count > MOST_STRIDES:
         raise ScenarioError(
-            f"{trial.told_by}: {count} strides without a gap; at most {MOST_STRIDES} are walked as they are: choose a part with from and "
+            f"{trial.file_name}: {count} strides without a gap; at most {MOST_STRIDES} are walked as they are: choose a part with from and "
             "to in the [gait] table of a scenario file"
         )
     n = count * SAMPLES

@@ -48,7 +48,7 @@ def compiled(loaded: mujoco.MjSpec, rig: Rig) -> mujoco.MjModel:
     return mjcf.compiled(loaded, rig.model)
 
 
-def corrected(model: mujoco.MjModel, joints: Mapping[str, JointFactors], told_by: str) -> None:
+def corrected(model: mujoco.MjModel, joints: Mapping[str, JointFactors], source: str) -> None:
     """Multiply what a model says of its joints.
 
     What a joint accelerates is changed by an armature: it moves nothing's centre of mass, so that gravity stays.
@@ -56,7 +56,7 @@ def corrected(model: mujoco.MjModel, joints: Mapping[str, JointFactors], told_by
     Args:
         model: Changed.
         joints: Factors, by joint.
-        told_by: What names the joints, for the error.
+        source: What names the joints, for the error.
 
     Raises:
         ModelError: a joint that is not in the model.
@@ -64,7 +64,7 @@ def corrected(model: mujoco.MjModel, joints: Mapping[str, JointFactors], told_by
     names = [model.joint(i).name for i in range(model.njnt)]
     for name, factors in joints.items():
         if name not in names:
-            raise ModelError(f"{told_by}: joints.{name} is not a joint of the model{nearest(name, names)}")
+            raise ModelError(f"{source}: joints.{name} is not a joint of the model{nearest(name, names)}")
         dofs = model.joint(name).dofadr
         model.dof_damping[dofs] *= factors.damping
         model.dof_armature[dofs] += (factors.inertia - 1.0) * model.dof_M0[dofs]

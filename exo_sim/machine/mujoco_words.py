@@ -1,4 +1,4 @@
-"""MuJoCo's own warnings, as Python's: each told once, and no MUJOCO_LOG.TXT in the working folder. Importing this does it."""
+"""MuJoCo's own warnings, as Python's: each given once, and no MUJOCO_LOG.TXT in the working folder. Importing this does it."""
 
 from __future__ import annotations
 
@@ -8,7 +8,7 @@ import warnings
 import mujoco
 
 _NUMBER = re.compile(r"[-+]?\d[\d.]*(?:e[-+]?\d+)?")
-_told: set[str] = set()
+_given: set[str] = set()
 
 
 class MujocoWarning(UserWarning):
@@ -22,10 +22,10 @@ def listen() -> None:
 
 def _tell(message: str) -> None:
     line = " ".join(message.split())
-    kind = _NUMBER.sub("#", line)  # the same at another time or place is told already
-    if kind in _told:
+    kind = _NUMBER.sub("#", line)  # the same at another time or place was given already
+    if kind in _given:
         return
-    _told.add(kind)
+    _given.add(kind)
     try:
         warnings.warn(f"MuJoCo: {line}", MujocoWarning, stacklevel=2)
     except Warning:  # where warnings are errors: an exception may not pass through MuJoCo's own code

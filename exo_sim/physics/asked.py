@@ -54,7 +54,7 @@ class Twins:
     Attributes:
         unmeasured: Those that are the same where the pressure at their place was not recorded ...
         measured: ... and where it was.
-        unless: A parameter that none of `measured` has: where it was fitted, they are told apart.
+        unless: A parameter that none of `measured` has: where it was fitted, they are distinguished.
         beside_constant: Effect that is the same as this one where a constant force, or a force sensor's bias, acts beside it.
         damping: 1 where it looks like more damping of a joint than was believed, -1 like less; 0 where neither.
     """
@@ -102,7 +102,7 @@ class Asked:
         known: What is known of parameters before any data: mean and standard deviation.
         is_law: Whether it only says how a law is written, in every machine: then it is no finding, but it goes into an improved rig.
         sense: Where the question makes sense.
-        twins: What cannot be told from it.
+        twins: What cannot be distinguished from it.
     """
 
     forms: tuple[tuple[str, ...], ...] = ()

@@ -1,4 +1,4 @@
-"""What an effect is told of the gas and of the part that it acts on."""
+"""What an effect gets to know of the gas and of the part that it acts on."""
 
 from __future__ import annotations
 

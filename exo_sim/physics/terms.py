@@ -76,7 +76,7 @@ class Term:
         return total
 
     def in_turn(self, place: str) -> Function:
-        """Return raised(record, level, ...): a level and what the effects add to it, each told what it has become so far."""
+        """Return raised(record, level, ...): a level and what the effects add to it, each given what it has become so far."""
         raised = _as_it_is
         for name, function in self._at(place):
             raised = _raised(raised, name, function)

@@ -21,7 +21,7 @@ class Finding:
             whole column is meant.
         times: Seconds, start and stop of the same spans.
         severity: "info" (good to know), "warning" (may spoil results), "fault" (the sensor or the file is wrong).
-        use: "used" as it is, "set aside" (the column or the spans must not be believed), "repaired" (by the reader).
+        use: "used" as it is, "set aside" (the column or the spans must not be used), "repaired" (by the reader).
     """
 
     column: str

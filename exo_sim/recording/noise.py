@@ -1,4 +1,4 @@
-"""How much of a signal is noise: white part, correlated part and quantisation, told apart from the motion under it.
+"""How much of a signal is noise: white part, correlated part and quantisation, separated from the motion under it.
 
 Differences of third order let a smooth signal through only as the sixth power of the sample interval, white noise
 unchanged, and noise of correlation time tau somewhere between. So their variance V is taken over strides of s = 1, 2,
@@ -9,7 +9,7 @@ unchanged, and noise of correlation time tau somewhere between. So their varianc
 is fitted: w is the white part, c the part correlated over tau, a the signal. (20 = 1 + 9 + 9 + 1, the squared
 binomials; the other numbers are their products at lags 1, 2, 3.) Each V is a low quantile over blocks of time, so that
 valve switching, impacts and stick-slip in up to half of the blocks do not count. Noise slower than about ten samples
-cannot be told from motion this way and is left out.
+cannot be distinguished from motion this way and is left out.
 """
 
 from __future__ import annotations

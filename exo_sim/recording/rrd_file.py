@@ -147,9 +147,9 @@ class RrdPieces:
             path = f"{key}/{leaf}" if below else key
             times, shown = index, values
             if number:  # the first one holds the clock
-                told = turns(values)
-                if 2 * np.count_nonzero(told) < len(values):
-                    times, shown = [clock(recording.time[told])], values[told]
+                kept = turns(values)
+                if 2 * np.count_nonzero(kept) < len(values):
+                    times, shown = [clock(recording.time[kept])], values[kept]
             self._stream.send_columns(path, indexes=times, columns=rr.Scalars.columns(scalars=shown))
             unaveraged = shown is not values  # an average of a few turns is none of them
             if unaveraged and not first and path not in self._unaveraged:

@@ -19,7 +19,7 @@ if TYPE_CHECKING:
 
 Array = NDArray[np.float64]
 
-#: Told apart by colour-blind readers, and in print by their darkness (Okabe and Ito 2008).
+#: Distinguished by colour-blind readers, and in print by their darkness (Okabe and Ito 2008).
 RECORDED, BEFORE, AFTER, NOISE, LOCATED, HELD_OUT = "#1a1a1a", "#d55e00", "#009e73", "#6c757d", "#f4b6a6", "#dfe7f3"
 #: Stretches of time over which an error is averaged along a recording.
 STRETCHES = 90

@@ -59,7 +59,7 @@ def _findings(diagnosis: Diagnosis) -> list[str]:
             lines += _wrapped(proof, "    ")
         if rivals := diagnosis_words.rivals(finding):
             listed = [f"{diagnosis_words.name_of(name)}{'' if p is None else f' {amounts.share(p)}'}" for name, p in rivals]
-            lines += _wrapped(f"cannot be told apart: {', '.join(listed)}", "    ")
+            lines += _wrapped(f"cannot be distinguished: {', '.join(listed)}", "    ")
     return lines
 
 

@@ -8,7 +8,7 @@ from pathlib import Path
 import exo_sim
 from exo_sim.report import sizing_picture
 from exo_sim.simulation import gas_use
-from exo_sim.sizing import published, told
+from exo_sim.sizing import published, summary_text
 from exo_sim.sizing.by_hand import papers_example
 from exo_sim.sizing.choice import fates
 from exo_sim.sizing.study import Sizing
@@ -35,17 +35,17 @@ def page(sizing: Sizing) -> str:
         gas=gas_use.rows(sizing.choice.confirmed.summary["gas"]) if "gas" in sizing.choice.confirmed.summary else [],
         style=(_HERE / "diagnosis.css").read_text(encoding="utf-8"),
         conditions=[str(condition) for condition in sizing.task.conditions],
-        described=told.described(kinds, sizing.choice.found),
+        described=summary_text.described(kinds, sizing.choice.found),
         simulated=sum(one.score.simulated for one in sizing.outcome.trials),
         envelopes=sizing_picture.envelopes(sizing),
         margins=sizing_picture.margins(sizing),
         front=sizing_picture.front(sizing),
-        rows=[told.entry(kinds, front[i]) for i in shown],
+        rows=[summary_text.entry(kinds, front[i]) for i in shown],
         left_out=len(front) - len(shown),
         loads=[
-            {**told.load_numbers(one), "picture": sizing_picture.loads_of_all_joints(one)} for one in sizing.loads
+            {**summary_text.load_numbers(one), "picture": sizing_picture.loads_of_all_joints(one)} for one in sizing.loads
         ],
-        others=[told.described(kinds, one.choice.found) for one in sizing.without],
+        others=[summary_text.described(kinds, one.choice.found) for one in sizing.without],
         p=sizing.published,
         known=published,
         example=papers_example(),

@@ -104,11 +104,11 @@ def facts(effect: Effect) -> list[tuple[str, str]]:
 
 def text(effect: Effect) -> str:
     """Return the page as plain text."""
-    told = [textwrap.fill(f"{heading:15}{sentence}", 110, subsequent_indent=" " * 15) for heading, sentence in facts(effect)]
+    stated = [textwrap.fill(f"{heading:15}{sentence}", 110, subsequent_indent=" " * 15) for heading, sentence in facts(effect)]
     lines = [f"    {line}" if line else "" for line in example(effect).splitlines()]
     numbers = table(rows(effect), ["parameter", "unit", "typical", "bounds", "source"])
     return "\n\n".join(
-        [f"{effect.name}: {effect.says}", effect.question, "\n".join(told), numbers, "In a rig file:", "\n".join(lines)]
+        [f"{effect.name}: {effect.says}", effect.question, "\n".join(stated), numbers, "In a rig file:", "\n".join(lines)]
     )
 
 

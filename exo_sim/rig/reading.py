@@ -23,7 +23,7 @@ from exo_sim.rig.schema import (
 from exo_sim.rig.table import Table
 from exo_sim.rig.valve import read_valve, with_valves
 
-#: What stands at the top of a rig file. Told apart first: under a misspelt heading everything else looks missing.
+#: What stands at the top of a rig file. Asked first: under a misspelt heading everything else looks missing.
 SECTIONS = (
     "name", "model", "environment", "gas", "supply", "cylinders", "bodies", "joints", "wearer", "ankle", "effects",
 )  # fmt: skip

@@ -50,7 +50,7 @@ class Simulation:
         rig: A worn machine; its wearer and ankle settings are used.
         request: What to simulate.
         controller: Somebody's own, loaded by `control.own`; None for the built-in one that the request names.
-        seed: What such a controller is told.
+        seed: What such a controller is given.
 
     Attributes:
         remarks: Plain sentences, such as that the cylinders cannot carry the payload.

@@ -30,10 +30,10 @@ Advance = Callable[[int, int, Array], int]
 
 
 def context(simulation: Simulation, controller: Any, seed: int = 0) -> own.Context:
-    """Return what a controller of a worn machine is told."""
+    """Return what a controller of a worn machine gets to know."""
     it = simulation
-    told_by = it.request.controller
-    every = own.period_of(controller, it.dt, told_by)
+    source = it.request.controller
+    every = own.period_of(controller, it.dt, source)
     duration = it.cycles * it.motion.period
     return own.Context(
         rig=it.rig, cylinders=tuple(it.rig.cylinders), joints=JOINTS, signals=tuple(key for _, key in _observed(it)),

@@ -66,11 +66,11 @@ class Summary:
         if "gas" in out and self._rig is not None:
             out["gas"] = gas_use.numbers(out["gas"], self._rig, self._period)
         reached = out.pop("reached", {})
-        told = warnings(out.get("cylinders", {}))
+        warned = warnings(out.get("cylinders", {}))
         if self._rig is not None:
-            told += limits_passed(self._rig, out.get("cylinders", {}), reached)
-        if told:
-            out["warnings"] = told
+            warned += limits_passed(self._rig, out.get("cylinders", {}), reached)
+        if warned:
+            out["warnings"] = warned
         if self._books is not None:
             out["books"] = {
                 "gas_mass_residual": self._books.mass_residual,
@@ -93,16 +93,16 @@ def warnings(cylinders: dict[str, Any]) -> list[str]:
     """Return what cylinders bought from a shelf would not stand, of the numbers of each, as plain sentences."""
     if not cylinders:
         return []
-    told = []
+    warned = []
     name = max(cylinders, key=lambda one: float(cylinders[one]["pressure_peak_pa"]))
     if (peak := cylinders[name]["pressure_peak_pa"]) > RATED_PRESSURE:
-        told.append(
+        warned.append(
             f"{name} reaches {peak / 1e5:.1f} bar: cylinders after ISO 15552 and 6432 are rated for {RATED_PRESSURE / 1e5:.0f} bar absolute"
         )
     name = min(cylinders, key=lambda one: float(cylinders[one]["temperature_least_k"]))
     if (least := cylinders[name]["temperature_least_k"]) < FREEZING:
-        told.append(f"gas in {name} gets as cold as {least:.0f} K: moist air leaves ice there; dry it, or heat the chamber")
-    return told
+        warned.append(f"gas in {name} gets as cold as {least:.0f} K: moist air leaves ice there; dry it, or heat the chamber")
+    return warned
 
 
 def summarise(walk: Walk) -> dict[str, Any]:

@@ -80,8 +80,8 @@ class UnwornSimulation:
         rig: The machine; its MJCF has cylinders on joints or tendons, and needs no person.
         recording: `<joint>.position` of every joint that a cylinder drives; `<joint>.external_force` where something acts on it.
         controller: "model" or "pi" (how valves get the forces of computed torque), or somebody's own.
-        told_by: What to call it in messages and in the recording.
-        seed: What somebody's own controller is told.
+        source: What to call it in messages and in the recording.
+        seed: What somebody's own controller is given.
 
     Attributes:
         remarks: Plain sentences on what happened.
@@ -93,7 +93,7 @@ class UnwornSimulation:
     """
 
     def __init__(
-        self, rig: Rig, recording: Recording, controller: str | own.Controller = "model", told_by: str = "", seed: int = 0
+        self, rig: Rig, recording: Recording, controller: str | own.Controller = "model", source: str = "", seed: int = 0
     ) -> None:
         if not rig.cylinders:
             raise ModelError(f"{rig.path}: no [cylinders.NAME]: nothing moves the machine")
@@ -110,7 +110,7 @@ class UnwornSimulation:
         self.motion = wanted(recording, rig, self.model, self.plugin.links)
         check_reach(rig, self.model, self.motion, self.plugin.links)
         self.remarks: tuple[str, ...] = ()
-        self.controller_name = told_by or (controller if isinstance(controller, str) else type(controller).__name__)
+        self.controller_name = source or (controller if isinstance(controller, str) else type(controller).__name__)
         dofs = np.array(sorted({link.dof for link in self.plugin.links}), dtype=np.int64)
         names = [self.model.joint(int(self.model.dof_jntid[dof])).name for dof in dofs]
         self._dofs, self._at = dofs, np.array([self.motion.joints.index(name) for name in names])
@@ -128,11 +128,11 @@ class UnwornSimulation:
         self._asked: own.Asked | None = None
         if not isinstance(controller, str):
             every = own.period_of(controller, self.dt, self.controller_name)
-            told = own.Context(
+            context = own.Context(
                 rig, tuple(rig.cylinders), tuple(names), tuple(each.key for each in self._signals), every * self.dt, self.dt,
                 float(self.motion.time[-1]), scenario=self.motion.name, seed=seed, reference=self.motion.at,
             )  # fmt: skip
-            self._asked = own.Asked(controller, told, self.controller_name)
+            self._asked = own.Asked(controller, context, self.controller_name)
         self.reset()
 
     def _layout(self) -> list[_Signal]:

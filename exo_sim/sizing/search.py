@@ -1,4 +1,4 @@
-"""The search: Optuna's NSGA-II asks and is told in this process, designs are scored wherever workers are.
+"""The search: Optuna's NSGA-II proposes designs in this process and takes their scores, designs are scored wherever workers are.
 
 The first half of the designs is for the whole front. Four objectives leave few designs bettered by others, so that half does not
 press for what somebody would buy; the second half goes on from its best with enough margin and tracking as constraints, for gas and mass.

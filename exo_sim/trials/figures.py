@@ -37,14 +37,14 @@ def share(outcomes: Iterable[bool]) -> dict[str, Any]:
 
 
 def figures(
-    marks: Sequence[Mark], spent: Sequence[dict[str, Any]] = (), over_told: Mapping[str, float] | None = None
+    marks: Sequence[Mark], spent: Sequence[dict[str, Any]] = (), over_oracle: Mapping[str, float] | None = None
 ) -> dict[str, Any]:
     """Return all figures of a trial.
 
     Args:
         marks: One per case.
         spent: Ledger records: `wall_s`, `cpu_s`, `peak_bytes` of each case.
-        over_told: By case, the held-out error over that of the tool told what is hidden.
+        over_oracle: By case, the held-out error over that of an oracle, the same tool with the truth in its rig.
     """
     clean = [mark for mark in marks if not mark.hidden]
     dirty = [mark for mark in marks if mark.hidden]
@@ -81,8 +81,8 @@ def figures(
         "parameters": _parameters(marks),
         "held_out_error_over_noise": _quantiles([ratio for mark in listed for ratio in mark.held_out]),
         "held_out_error_after_over_before": _quantiles([ratio for mark in listed for ratio in mark.drop]),
-        "held_out_error_over_told": _quantiles(list((over_told or {}).values())),
-        "held_out_error_near_told": share(ratio <= 1.1 for ratio in (over_told or {}).values()),
+        "held_out_error_over_oracle": _quantiles(list((over_oracle or {}).values())),
+        "held_out_error_near_oracle": share(ratio <= 1.1 for ratio in (over_oracle or {}).values()),
         "wall_s": _quantiles([float(record["wall_s"]) for record in spent]),
         "cpu_s": _quantiles([float(record["cpu_s"]) for record in spent]),
         "peak_bytes": max((int(record["peak_bytes"]) for record in spent), default=None),

@@ -1,4 +1,4 @@
-"""The smallest size of an effect that any method could find: a likelihood-ratio test that is told its true form.
+"""The smallest size of an effect that any method could find: a likelihood-ratio test that knows its true form.
 
 The recording is cut into windows. In each, the machine without the effect starts from the true state and is driven by
 the same command; what it misses is held against the instruments' noise, after taking out whatever a free start of each

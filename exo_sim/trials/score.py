@@ -12,9 +12,9 @@ from exo_sim.outputs import replacing
 from exo_sim.trials.answer import read_answer
 from exo_sim.trials.figures import figures
 from exo_sim.trials.judge import judge
+from exo_sim.trials.oracle import oracle_diagnoses, over_oracle
 from exo_sim.trials.protocol import check_inputs, ledger_of, read_manifest
 from exo_sim.trials.seal import digest_of, open_with, stored, unseal
-from exo_sim.trials.told import over_told, told_diagnoses
 
 
 @dataclass(frozen=True)
@@ -57,7 +57,7 @@ def open_trial(folder: Path, key_file: Path, head: str | None = None) -> Opened:
 
 
 def score(
-    folder: Path, key_file: Path, head: str | None = None, told: bool = False, jobs: int = 1, quiet: bool = False
+    folder: Path, key_file: Path, head: str | None = None, oracle: bool = False, jobs: int = 1, quiet: bool = False
 ) -> dict[str, Any]:
     """Open a finished trial and count; write score.json and score.html into its folder.
 
@@ -65,8 +65,8 @@ def score(
         folder: The trial.
         key_file: What opens its seals.
         head: The last verdict's hash as `trial run` printed it; checked where given.
-        told: Also run the tool once more on each case that hides physics of the list, told what it is, and compare errors.
-        jobs: Cases told at a time.
+        oracle: Also run the tool once more on each case that hides physics of the list, with the truth in its rig, and compare errors.
+        jobs: Cases at a time.
         quiet: No progress.
 
     Raises:
@@ -80,10 +80,10 @@ def score(
         beside.write_text(json.dumps(truths, indent=1) + "\n")
     ratios: dict[str, float] = {}
     compared: dict[str, float | None] = {}
-    if told:
+    if oracle:
         files = {name: list(entry["files"]) for name, entry in manifest["cases"].items()}
-        answers = told_diagnoses(folder, files, truths, records[-1]["tool"], jobs, quiet)
-        compared = {name: over_told(diagnoses[name], one) for name, one in answers.items()}
+        answers = oracle_diagnoses(folder, files, truths, records[-1]["tool"], jobs, quiet)
+        compared = {name: over_oracle(diagnoses[name], one) for name, one in answers.items()}
         ratios = {name: ratio for name, ratio in compared.items() if ratio is not None}
     result = {
         "schema": "exo-sim/score/1",
@@ -91,7 +91,7 @@ def score(
         "head": records[-1]["hash"],
         "tool": records[-1]["tool"],
         "marks": [asdict(mark) for mark in marks],
-        "held_out_error_over_told": {"ratio": ratios, "told": len(compared)},
+        "held_out_error_over_oracle": {"ratio": ratios, "compared": len(compared)},
     }
     with replacing(folder / "score.json") as beside:
         beside.write_text(json.dumps(result, indent=1) + "\n")

@@ -15,46 +15,46 @@ from pathlib import Path
 
 from fault_kinds.child import run
 from fault_kinds.commands import COMMANDS, Command, half_written, lay_out
-from fault_kinds.told import Told
+from fault_kinds.outcome import Outcome
 
 _NAMESPACE = ("unshare", "--user", "--map-root-user", "--mount", "--propagation", "private")
 _READ_ONLY, _REMOUNT = 1, 32
 
 
-def fill(folder: Path, bases: Path, sizes: int, seed: int, names: list[str]) -> Told:
+def fill(folder: Path, bases: Path, sizes: int, seed: int, names: list[str]) -> Outcome:
     """Run every command on disks of some sizes from too small to large enough, and on one that is read-only."""
-    told = Told("disks")
+    outcome = Outcome("disks")
     try:
         subprocess.run([*_NAMESPACE, "mount", "-t", "tmpfs", "tmpfs", str(folder)], check=True, capture_output=True)
     except (OSError, subprocess.CalledProcessError):
-        told.left_out.append("this machine lets nobody mount a file system of its own (unshare --user --mount)")
-        return told
+        outcome.left_out.append("this machine lets nobody mount a file system of its own (unshare --user --mount)")
+        return outcome
     asked = json.dumps([str(folder), str(bases), sizes, seed, names])
     came = subprocess.run([*_NAMESPACE, sys.executable, "-m", "fault_kinds.disks", asked], capture_output=True, text=True)
     if came.returncode:
-        told.broken.append(f"the faults themselves failed: {came.stderr[-800:]}")
-        return told
-    counts, told.broken, told.figures = json.loads(came.stdout.splitlines()[-1])
-    told.counts.update(counts)
-    return told
+        outcome.broken.append(f"the faults themselves failed: {came.stderr[-800:]}")
+        return outcome
+    counts, outcome.broken, outcome.figures = json.loads(came.stdout.splitlines()[-1])
+    outcome.counts.update(counts)
+    return outcome
 
 
-def _within(folder: Path, bases: Path, sizes: int, seed: int, names: list[str]) -> Told:
-    told, draw = Told("disks"), random.Random(seed)
+def _within(folder: Path, bases: Path, sizes: int, seed: int, names: list[str]) -> Outcome:
+    outcome, draw = Outcome("disks"), random.Random(seed)
     for command in COMMANDS:
         if command.name not in names:
             continue
-        needed = _undisturbed(command, folder, bases, told)
+        needed = _undisturbed(command, folder, bases, outcome)
         if needed is None:
             continue
         held, most = needed
         for _ in range(sizes):
-            _full(command, folder, bases, held + round(draw.uniform(0.0, 1.1) * (most - held)), told)
-        _read_only(command, folder, bases, told)
-    return told
+            _full(command, folder, bases, held + round(draw.uniform(0.0, 1.1) * (most - held)), outcome)
+        _read_only(command, folder, bases, outcome)
+    return outcome
 
 
-def _undisturbed(command: Command, folder: Path, bases: Path, told: Told) -> tuple[int, int] | None:
+def _undisturbed(command: Command, folder: Path, bases: Path, outcome: Outcome) -> tuple[int, int] | None:
     """Return how many bytes the inputs take, and these and the outputs together."""
     place = folder / "disk"
     _mounted(place, 1 << 30)
@@ -63,14 +63,14 @@ def _undisturbed(command: Command, folder: Path, bases: Path, told: Told) -> tup
         held = _bytes(place)
         ended = run(command.words, place, folder / "said")
         if ended.status not in command.statuses:
-            told.broken.append(f"{command.name}: ends with {ended.status} on a disk of its own: {ended.err[-300:]}")
+            outcome.broken.append(f"{command.name}: ends with {ended.status} on a disk of its own: {ended.err[-300:]}")
             return None
         return held, _bytes(place)
     finally:
         _unmounted(place)
 
 
-def _full(command: Command, folder: Path, bases: Path, size: int, told: Told) -> None:
+def _full(command: Command, folder: Path, bases: Path, size: int, outcome: Outcome) -> None:
     place = folder / "disk"
     _mounted(place, 2 * size + (1 << 20))
     try:
@@ -81,26 +81,26 @@ def _full(command: Command, folder: Path, bases: Path, size: int, told: Told) ->
         with (place / "ballast").open("wb") as file:
             file.write(b"\0" * max(0, ballast))
         ended = run(command.words, place, folder / "said")
-        told.count(f"{command.name} {'full' if ended.status == 2 else 'fits'}")
-        told.broken += half_written(command, place)
-        told.broken += _odd(command, f"on a full disk of {size} bytes", ended.status, ended.err)
-        told.broken += _changed(command, place, inputs)
+        outcome.count(f"{command.name} {'full' if ended.status == 2 else 'fits'}")
+        outcome.broken += half_written(command, place)
+        outcome.broken += _odd(command, f"on a full disk of {size} bytes", ended.status, ended.err)
+        outcome.broken += _changed(command, place, inputs)
     finally:
         _unmounted(place)
 
 
-def _read_only(command: Command, folder: Path, bases: Path, told: Told) -> None:
+def _read_only(command: Command, folder: Path, bases: Path, outcome: Outcome) -> None:
     place = folder / "disk"
     _mounted(place, 1 << 30)
     try:
         lay_out(command, bases, place)
         _mount("tmpfs", place, _REMOUNT | _READ_ONLY, "")
         ended = run(command.words, place, folder / "said")
-        told.count(f"{command.name} read-only")
-        told.figures[f"{command.name} finds out that its folder is read-only after"] = f"{ended.seconds:.1f} s"
+        outcome.count(f"{command.name} read-only")
+        outcome.figures[f"{command.name} finds out that its folder is read-only after"] = f"{ended.seconds:.1f} s"
         if ended.status != 2:
-            told.broken.append(f"{command.name}: ends with {ended.status} in a read-only folder: {ended.err[-300:]}")
-        told.broken += _odd(command, "in a read-only folder", ended.status, ended.err)
+            outcome.broken.append(f"{command.name}: ends with {ended.status} in a read-only folder: {ended.err[-300:]}")
+        outcome.broken += _odd(command, "in a read-only folder", ended.status, ended.err)
     finally:
         _unmounted(place)
 

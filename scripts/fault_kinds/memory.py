@@ -8,7 +8,7 @@ import subprocess
 import sys
 from pathlib import Path
 
-from fault_kinds.told import Told
+from fault_kinds.outcome import Outcome
 
 #: Growth that is none: what an allocator keeps [bytes].
 _FLAT = 8_000_000
@@ -19,7 +19,7 @@ print(status, resource.getrusage(resource.RUSAGE_SELF).ru_maxrss)
 """
 
 
-def resets(bases: Path, number: int) -> Told:
+def resets(bases: Path, number: int) -> Outcome:
     """Reset a plug-in, and make one anew, over and over, with some steps each; resident memory must stay."""
     import mujoco
 
@@ -27,7 +27,7 @@ def resets(bases: Path, number: int) -> Told:
     from exo_sim.machine.load import load
     from exo_sim.simulation.plugin import PneumaticPlugin
 
-    told = Told("resets")
+    outcome = Outcome("resets")
     rig = rigs.read(bases / "exo" / "exo.toml")
     model = load(rig)
     data, plugin = mujoco.MjData(model), PneumaticPlugin(model, rig)
@@ -47,31 +47,31 @@ def resets(bases: Path, number: int) -> Told:
         before = _resident()
         for _ in range(number):
             again(anew)
-            told.count(what)
+            outcome.count(what)
         grown = _resident() - before
-        told.figures[f"resident memory over {number} {what}"] = f"{grown / 1e6:+.1f} MB"
+        outcome.figures[f"resident memory over {number} {what}"] = f"{grown / 1e6:+.1f} MB"
         if grown > _FLAT:
-            told.broken.append(f"{number} {what} took {grown / 1e6:.1f} MB")
-    return told
+            outcome.broken.append(f"{number} {what} took {grown / 1e6:.1f} MB")
+    return outcome
 
 
-def strides(folder: Path, few: int, many: int) -> Told:
+def strides(folder: Path, few: int, many: int) -> Outcome:
     """Walk few strides and many; the largest resident memory must be the same but for a little."""
-    told, peaks = Told("strides"), []
+    outcome, peaks = Outcome("strides"), []
     for number in (few, many):
         out = folder / f"walk_{number}.rrd"
         came = subprocess.run([sys.executable, "-c", _STRIDES, str(number), str(out)], capture_output=True, text=True, cwd=folder)
         status, peak = came.stdout.split()[-2:] if came.returncode == 0 else ("?", "0")
-        told.count(f"{number} strides")
+        outcome.count(f"{number} strides")
         peaks.append(1024 * int(peak))
-        told.figures[f"largest resident memory of run --strides {number}"] = f"{peaks[-1] / 1e6:.0f} MB"
+        outcome.figures[f"largest resident memory of run --strides {number}"] = f"{peaks[-1] / 1e6:.0f} MB"
         if status != "0":
-            told.broken.append(f"run --strides {number}: status {status}: {came.stderr[-300:]}")
+            outcome.broken.append(f"run --strides {number}: status {status}: {came.stderr[-300:]}")
         for path in (out, out.with_suffix(".parquet")):
             path.unlink(missing_ok=True)
     if peaks[1] > 1.25 * peaks[0]:
-        told.broken.append(f"{many} strides take {peaks[1] / 1e6:.0f} MB, {few} take {peaks[0] / 1e6:.0f} MB")
-    return told
+        outcome.broken.append(f"{many} strides take {peaks[1] / 1e6:.0f} MB, {few} take {peaks[0] / 1e6:.0f} MB")
+    return outcome
 
 
 def _resident() -> int:

@@ -6,7 +6,7 @@ import subprocess
 import sys
 from pathlib import Path
 
-from fault_kinds.told import Told
+from fault_kinds.outcome import Outcome
 
 _WORDS = {
     "help": ("--help",), "effects": ("effects",), "effects --json": ("effects", "--json"), "scenarios": ("scenarios",),
@@ -20,16 +20,16 @@ _FAULTS = {
 }  # fmt: skip
 
 
-def break_streams(bases: Path, most: int) -> Told:
+def break_streams(bases: Path, most: int) -> Outcome:
     """Run some commands under each fault; `most` commands."""
-    told = Told("streams")
+    outcome = Outcome("streams")
     for name, words in list(_WORDS.items())[-most:]:
         for fault, (well, ill) in _FAULTS.items():
             said = f'"{sys.executable}" -m exo_sim "$@" {fault}; exit ${{PIPESTATUS[0]}}'
             came = subprocess.run(["bash", "-c", said, "bash", *words], cwd=bases / "bench", capture_output=True, text=True)
-            told.count(fault)
+            outcome.count(fault)
             if came.returncode not in (ill if name == "a failure" else well):
-                told.broken.append(f"{name} {fault}: ended with {came.returncode}: {came.stderr[-300:]}")
+                outcome.broken.append(f"{name} {fault}: ended with {came.returncode}: {came.stderr[-300:]}")
             if "Traceback" in came.stderr or "Exception ignored" in came.stderr:
-                told.broken.append(f"{name} {fault}: {came.stderr[-500:]}")
-    return told
+                outcome.broken.append(f"{name} {fault}: {came.stderr[-500:]}")
+    return outcome

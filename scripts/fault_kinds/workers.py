@@ -7,12 +7,12 @@ from pathlib import Path
 
 from fault_kinds.child import run
 from fault_kinds.commands import COMMANDS, lay_out
-from fault_kinds.told import Told
+from fault_kinds.outcome import Outcome
 
 
-def compare(folder: Path, bases: Path, names: list[str], numbers: tuple[int, ...]) -> Told:
+def compare(folder: Path, bases: Path, names: list[str], numbers: tuple[int, ...]) -> Outcome:
     """Run commands that take `--jobs` with each number of workers and compare what they write."""
-    told = Told("workers")
+    outcome = Outcome("workers")
     for command in COMMANDS:
         if command.name not in names or "--jobs" not in command.words or not command.same:
             continue
@@ -23,11 +23,11 @@ def compare(folder: Path, bases: Path, names: list[str], numbers: tuple[int, ...
             place = folder / f"{command.name}_{number}"
             lay_out(command, bases, place)
             ended = run(replace(command, words=tuple(words)).words, place, folder / "said")
-            told.count(f"{command.name} --jobs {number}")
+            outcome.count(f"{command.name} --jobs {number}")
             if ended.status not in command.statuses:
-                told.broken.append(f"{command.name} --jobs {number}: ended with {ended.status}: {ended.err[-300:]}")
+                outcome.broken.append(f"{command.name} --jobs {number}: ended with {ended.status}: {ended.err[-300:]}")
                 break
             written[number] = [(place / name).read_bytes() for name in command.same]
         if any(held != written[numbers[0]] for held in written.values()):
-            told.broken.append(f"{command.name}: other bytes with other numbers of workers")
-    return told
+            outcome.broken.append(f"{command.name}: other bytes with other numbers of workers")
+    return outcome

@@ -119,7 +119,7 @@ def run(folder: Path, seconds: float, workers: int, seed: int, targets: list[str
         seed: Where chance starts.
         targets: Names in `fuzzing.targets.TARGETS`.
         corpus: Cases as lines of JSON that are tried first.
-        shrink: Make what breaks a promise small before it is told.
+        shrink: Make what breaks a promise small before it is reported.
     """
     if not (folder / "bases").exists():
         bases.make(folder / "bases")

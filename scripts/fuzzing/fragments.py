@@ -59,7 +59,7 @@ KINDS = ["folder", "pipe", "loop", "missing", "/dev/zero", "/dev/null", "/dev/fu
 VERBS = ["run", "scenarios", "inspect", "compare", "diagnose", "effects", "size", "trial", "view", "inspct", ""]
 OPTIONS = [
     *_words("--rig --columns --out --json -q --seed --jobs --motion --payload --speed --strides --assist --controller --demand --scenario"),
-    *_words("--trials --reach --pressure-limit --quick --scheduler --cases --every --duration --key --tool --timeout --head --told --at"),
+    *_words("--trials --reach --pressure-limit --quick --scheduler --cases --every --duration --key --tool --timeout --head --oracle --at"),
     *_words("--help -h --version --rgi -x --"),
 ]
 #: Values of options and arguments; all that is written with them stays in the folder at hand.

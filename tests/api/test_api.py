@@ -132,8 +132,8 @@ def test_a_comparison_says_what_the_command_says(
     recording.save(tmp_path / "recorded.parquet")
     words = ["compare", str(tmp_path / "recorded.parquet"), "--rig", str(rig.path), "--out", str(tmp_path / "c.rrd"), "--json"]
     assert cli.main([*words, "--quiet"]) == 0
-    told = json.loads(capsys.readouterr().out)
-    assert {key: told[key] for key in found.summary} == json.loads(json.dumps(found.summary))
+    printed = json.loads(capsys.readouterr().out)
+    assert {key: printed[key] for key in found.summary} == json.loads(json.dumps(found.summary))
     assert "piston.pressure_1" in str(found) and "piston.pressure_1" in found._repr_html_()
     assert found.plot()._repr_png_().startswith(b"\x89PNG")
 

@@ -132,7 +132,7 @@ def test_one_gauge_sensor_among_absolute_ones_is_asked_about_and_left_to_the_dia
     assert settled.recording is odd
 
 
-def test_bar_is_told_where_a_stopped_load_compresses_far_above_the_supply(machines: dict[str, Path]) -> None:
+def test_bar_is_recognised_where_a_stopped_load_compresses_far_above_the_supply(machines: dict[str, Path]) -> None:
     recording, rig = recorded(machines["bench_"])
     key = "piston.pressure_1"
     peaks = np.where(recording[key] > np.quantile(recording[key], 0.98), 1.8 * rig.supply.pressure, recording[key])

@@ -96,10 +96,10 @@ def test_joint_columns_of_the_contract_and_foreign_ones_are_the_same_gait(tmp_pa
     path.write_text(path.read_text().replace("time [s]", "t", 1))
     lines = [f'"{name}" = "{joint}_{name[0]}.position [deg]"' for joint, letter in names.items() for name in (f"l {letter}", f"r {letter}")]
     lines = [line if "knee" not in line else line.replace(' = ', ' = { column = ').rstrip() + ", scale = -1.0 }" for line in lines]
-    told = tmp_path / "mine.toml"
-    told.write_text("\n".join(["strides = 3", "[gait]", 'file = "foreign.csv"', "[gait.columns]", '"t" = "time [s]"',
+    named = tmp_path / "mine.toml"
+    named.write_text("\n".join(["strides = 3", "[gait]", 'file = "foreign.csv"', "[gait.columns]", '"t" = "time [s]"',
                                '"tilt" = "torso_pitch.position [deg]"', *lines]))  # fmt: skip
-    found = scenario_file.read(told)
+    found = scenario_file.read(named)
     assert found.cycles == 3
     again = found.motion(Person())
     np.testing.assert_allclose(again.position, scenario_of(first).position, atol=1e-6)
@@ -111,7 +111,7 @@ def scenario_of(figures):
     return walking_as(figures, Person())
 
 
-def test_a_label_is_told_in_the_gait_table(tmp_path, trial):
+def test_a_label_is_given_in_the_gait_table(tmp_path, trial):
     write_mot(tmp_path / "walk.mot", trial[0], trial[1], rename={"knee_angle_l": "coordinate7"})
     with pytest.raises(ScenarioError, match=r"no column for knee_l .*\[gait\]"):
         own_gait.figures_of(GaitFile(tmp_path / "walk.mot"))

@@ -1,4 +1,4 @@
-"""Models that MuJoCo takes and no machine is: refused in one line. What MuJoCo warns of is told once and leaves no file."""
+"""Models that MuJoCo takes and no machine is: refused in one line. What MuJoCo warns of is given once and leaves no file."""
 
 from __future__ import annotations
 
@@ -145,7 +145,7 @@ def test_a_name_that_is_no_text_is_one_line(tmp_path: Path, name: str) -> None:
             PneumaticPlugin(model, rig)
 
 
-def test_mujocos_warnings_are_told_once_and_leave_no_file(tmp_path: Path) -> None:
+def test_mujocos_warnings_are_given_once_and_leave_no_file(tmp_path: Path) -> None:
     code = (
         "import mujoco, numpy as np\nfrom exo_sim.machine import linkage\n"
         f"model = mujoco.MjModel.from_xml_string('''{MODEL.format(step='0.001', joint='', mass='8', motor='')}''')\n"
@@ -157,11 +157,11 @@ def test_mujocos_warnings_are_told_once_and_leave_no_file(tmp_path: Path) -> Non
 
 
 def test_a_warning_is_never_raised_into_mujoco(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(mujoco_words, "_told", set())
+    monkeypatch.setattr(mujoco_words, "_given", set())
     model = mujoco.MjModel.from_xml_string(MODEL.format(step="0.001", joint="", mass="8", motor=""))
     data = mujoco.MjData(model)
     data.qvel[:] = float("nan")
     with warnings.catch_warnings():
         warnings.simplefilter("error")
         mujoco.mj_step(model, data)
-    assert mujoco_words._told
+    assert mujoco_words._given

@@ -46,9 +46,9 @@ def test_no_number_that_is_compiled_in_comes_from_a_file_that_the_cache_does_not
     for path in [path for path in watched if "@kernel" in path.read_text() or "@inlined_kernel" in path.read_text()]:
         for node in ast.walk(ast.parse(path.read_text())):
             if isinstance(node, ast.ImportFrom) and (node.module or "").startswith("exo_sim."):
-                told = package.parent / (node.module or "").replace(".", "/")
+                imported = package.parent / (node.module or "").replace(".", "/")
                 numbers = [name.name for name in node.names if name.name.isupper()]
-                assert not numbers or told.with_suffix(".py") in watched or told / "__init__.py" in watched, (path, numbers)
+                assert not numbers or imported.with_suffix(".py") in watched or imported / "__init__.py" in watched, (path, numbers)
     assert {"integrator.py", "records.py", "state.py"} <= {path.name for path in watched}
 
 

@@ -1,4 +1,4 @@
-"""Clean recordings raise nothing; every planted fault is told, by its name, on its column."""
+"""Clean recordings raise nothing; every planted fault is reported, by its name, on its column."""
 
 from collections.abc import Callable
 from functools import cache

@@ -133,9 +133,9 @@ def test_inspect_with_a_rig_and_a_fault(tmp_path: Path, repository: Path, capsys
     write_table(path, Recording("bench", time, columns, {"piston.pressure_1": "Pa", "slide.position": "m"}))
     assert main(["inspect", str(path), "--rig", str(repository / "assets" / "bench.toml"), "--json"]) == 0
     found = json.loads(capsys.readouterr().out)["findings"]
-    told = {(f["column"], f["kind"]): f["severity"] for f in found}
-    assert told["piston.pressure_1", "gauge"] == "warning"  # it is asked, and read as what it seems to be
-    assert told["slide.position", "unit"] == "warning"
+    noticed = {(f["column"], f["kind"]): f["severity"] for f in found}
+    assert noticed["piston.pressure_1", "gauge"] == "warning"  # it is asked, and read as what it seems to be
+    assert noticed["slide.position", "unit"] == "warning"
 
 
 def test_inspect_of_nothing(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:

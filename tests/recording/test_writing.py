@@ -86,9 +86,9 @@ def test_round_trip(tmp_path: Path, ending: str) -> None:
 @given(runs=st.lists(st.tuples(st.sampled_from([0.0, 1.0, -2.5, np.nan]), st.integers(1, 9)), min_size=2, max_size=12))
 def test_a_line_through_the_turns_is_the_signal(runs: list[tuple[float, int]]) -> None:
     values = np.concatenate([np.full(count, value) for value, count in runs])
-    told, time = turns(values), np.arange(len(values)) / 7.0
-    assert told[0] and told[-1]
-    np.testing.assert_array_equal(np.interp(time, time[told], values[told]), values)
+    kept, time = turns(values), np.arange(len(values)) / 7.0
+    assert kept[0] and kept[-1]
+    np.testing.assert_array_equal(np.interp(time, time[kept], values[kept]), values)
 
 
 def averaged(path: Path) -> dict[str, bool]:

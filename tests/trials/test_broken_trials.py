@@ -214,12 +214,12 @@ TRUTH = {
 def test_whatever_a_rival_answers_it_is_judged_and_told_in_json(answer):
     from dataclasses import asdict
 
-    from exo_sim.trials.told import over_told
+    from exo_sim.trials.oracle import over_oracle
 
     for truth in (TRUTH, TRUTH | {"hidden": []}):
         mark = judge(truth, tidied(answer))
         json.dumps(asdict(mark), allow_nan=False)
-    over_told(tidied(answer), tidied(answer) or {})
+    over_oracle(tidied(answer), tidied(answer) or {})
 
 
 @pytest.mark.parametrize("content", [

@@ -1,4 +1,4 @@
-"""The protocol end to end, with a tool that says what it is told to: what is altered or opened early is found out."""
+"""The protocol end to end, with a tool that says what it is made to: what is altered or opened early is found out."""
 
 from __future__ import annotations
 

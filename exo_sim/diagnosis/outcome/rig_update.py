@@ -32,7 +32,7 @@ from exo_sim.physics.effects.unknown import EFFECT as UNKNOWN
 from exo_sim.rig import Correction, EffectSetting, Rig, improved
 from exo_sim.rig import Finding as Entry
 
-_NO_FINDING = "No finding: a healthy machine shows as much; it is in the errors that were told."
+_NO_FINDING = "No finding: a healthy machine shows as much; it is in the errors that were reported."
 
 Result = SubsystemResult[SubsystemModel]
 

@@ -26,7 +26,7 @@ FARTHEST_SET_PRESSURE = Number(
     0.08, "share", "a measured supply that differs by more from the rig's is another supply: an input, not a sagging one"
 )
 INITIAL_PRESSURE = Number(1.0, "units of the sensor's noise", "initial pressure of a window, estimated from a few samples")
-UNMEASURED_INITIAL = Number(1e4, "Pa", "initial pressure of a chamber that nobody measured, after the balance of forces told it")
+UNMEASURED_INITIAL = Number(1e4, "Pa", "initial pressure of a chamber that nobody measured, after the balance of forces gave it")
 SENSOR_BIAS_REACH = Number(1.2e5, "Pa", "largest bias of a pressure sensor that is asked for: an atmosphere and something")
 SENSOR_SCALE_LEAST = Number(0.8, "factor", "between this and the next the scale of a sensor is looked for")
 SENSOR_SCALE_MOST = Number(1.25, "factor", "see the former")

@@ -15,7 +15,7 @@ HELD_OPEN = Number(
 FALL_BEGINS = Number(0.01, "share of the fall", "of which the time is compared with that of half the fall")
 FALL_LEVEL = Count(
     5, "samples",
-    "the first and the last level of a fall are read from; what was held for less than twice as many cannot be told from the fall itself",
+    "the first and the last level of a fall are read from; what was held for less than twice as many looks like the fall itself",
 )  # fmt: skip
 STILL_LENGTH = Number(1e-4, "m", "a piston whose length varies by less does not move")
 STILL_COMMAND = Number(1e-3, "valve command", "a valve whose command varies by less is not moved")

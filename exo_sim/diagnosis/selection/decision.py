@@ -64,9 +64,9 @@ class _Decision(Generic[Model]):
         if alone:
             final, named = self._beyond_doubt(final, named)
         errors = self._errors(final)
-        told = tuple(c for c in named if _is_told(c, final))
-        laws = {q for c in named if c not in told for q in c.parameters}
-        named = told
+        reported = tuple(c for c in named if _is_reported(c, final))
+        laws = {q for c in named if c not in reported for q in c.parameters}
+        named = reported
         findings = [self._with_all_parts(self._finding(c, final, errors), c) for c in named]
         twins = self.model.indistinguishable(findings, final.fit)
         findings = [_ambiguous_with(f, twins.get((f.name, f.where), ())) for f in findings]
@@ -155,7 +155,7 @@ class _Decision(Generic[Model]):
         return evidence.share > least and evidence.steady > judgement.ALONE_STEADY
 
     def _is_unknown(self, final: FittedModel, named: Sequence[Candidate]) -> bool:
-        """Return whether too much is left for the names to be believed, or nuisance parameters are strained too far."""
+        """Return whether too much is left for the names to be accepted, or nuisance parameters are strained too far."""
         start, end, n = self.search.baseline.fit, final.fit, self.model.size
         if all(not asked_of(c.effect).sense.bursts for c in named) and self._has_bursts(final):
             return True
@@ -234,7 +234,7 @@ def _called(parameter: FreeParameter) -> str:
     return _SENSOR_PARAMETERS.get(name, name)
 
 
-def _is_told(candidate: Candidate, model: FittedModel) -> bool:
+def _is_reported(candidate: Candidate, model: FittedModel) -> bool:
     """Return whether a candidate is a finding: not a law within what healthy machines show, nor what only bears such a law."""
     bears = any(c.is_law and c.prerequisite == candidate.effect for c in model.candidates)
     if not candidate.is_law:

@@ -23,7 +23,7 @@ class SubsystemResult(Generic[Model]):
     Attributes:
         name: What identifies the subsystem among those of its kind: the cylinder, the joint, "rod of CYLINDER", or "supply".
         model, fits, search: How it was found.
-        final: The model that is believed in the end.
+        final: The model that is accepted in the end.
         named: Those of its candidates that stand as findings.
         has_unknown: Whether something is missing that no candidate explains.
         is_unresolved: Whether what is left cannot be distinguished from what an unmeasured chamber may do.

@@ -48,7 +48,7 @@ def read_ground(path: Path) -> GroundForce:
     return found
 
 
-def _ground(recording: Recording, told_by: str) -> GroundForce | None:
+def _ground(recording: Recording, file_name: str) -> GroundForce | None:
     up = {key: recording[key] for key in recording.columns if key.endswith(".ground_force_z")}
     if not up:
         return None
@@ -58,4 +58,4 @@ def _ground(recording: Recording, told_by: str) -> GroundForce | None:
         sides = [side for side, names in (("l", {"l", "left"}), ("r", {"r", "right"})) if set(words) & names]
         if len(sides) == 1:
             foot[key] = sides[0]
-    return GroundForce(told_by, recording.time, up, foot)
+    return GroundForce(file_name, recording.time, up, foot)

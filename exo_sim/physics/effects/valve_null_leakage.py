@@ -21,7 +21,7 @@ EFFECT = Effect(
     mistaken_for=("piston_leakage", "external_leakage", "valve_offset"),
     experiment="hold at zero command at two supply pressures: the level that the chambers reach scales with the supply",
     convention="each of the four paths leaks through this area, whatever it is open besides.",
-    valid="all four closed paths leak alike and through nozzles; overlap or underlap of single edges is not told apart.",
+    valid="all four closed paths leak alike and through nozzles; overlap or underlap of single edges is not distinguished.",
     signature="at null both pressures go to 0.75-0.85 of the supply; the supply is used at rest",
     asked=Asked(proportional=True, leaks=0.75, sense=Sense(commanded=True)),
 )

@@ -50,7 +50,7 @@ def without_faults(recording: Recording, findings: Sequence[Finding]) -> Recordi
 
 
 def blanked(values: NDArray[np.float64], finding: Finding) -> NDArray[np.float64]:
-    """Return a column with NaN where a finding says that it must not be believed: in some rows, or in all of them."""
+    """Return a column with NaN where a finding says that it must not be used: in some rows, or in all of them."""
     kept = values.copy()
     for begin, end in finding.rows or ((0, len(values)),):
         kept[begin:end] = np.nan

@@ -1,4 +1,4 @@
-"""The clock: how fast, how even, and where it stops. (Steps back and repeats the reader has mended and told.)"""
+"""The clock: how fast, how even, and where it stops. (Steps back and repeats the reader has mended and reported.)"""
 
 from __future__ import annotations
 

@@ -41,7 +41,7 @@ def _fault(key: str, kind: str, says: str) -> list[Finding]:
 def _pressure(key: str, values: NDArray[np.float64], noise: Noise, facts: Facts) -> list[Finding]:
     low, high = float(np.quantile(values, 0.01)), float(values.max())
     if np.ptp(values) == 0.0 and high == 0.0:
-        return []  # told as a dead sensor
+        return []  # reported as a dead sensor
     if 0.2 < high < 5e3 and low > -1e3:
         unit = "bar" if high < 30.0 else "kPa or psi"
         return _fault(key, "unit", f'"{key}" is {high:.4g} Pa at most: next to a vacuum; is the column in {unit}?')
@@ -95,18 +95,18 @@ def _command(key: str, values: NDArray[np.float64], noise: Noise) -> list[Findin
 
 
 def _position(
-    key: str, values: NDArray[np.float64], unit: str, believed: tuple[float, float] | None, strides: bool
+    key: str, values: NDArray[np.float64], unit: str, limits: tuple[float, float] | None, strides: bool
 ) -> list[Finding]:
     low, high = float(values.min()), float(values.max())
-    if believed is not None and believed[1] > believed[0]:
-        reach = believed[1] - believed[0]
+    if limits is not None and limits[1] > limits[0]:
+        reach = limits[1] - limits[0]
         if high - low > 5.0 * reach:
             guess = "mm" if unit == "m" else "degrees"
             says = f'"{key}" moves over {high - low:.4g} {unit}, the joint over {reach:.4g}; is the column in {guess}?'
             return _fault(key, "unit", says)
-        beyond = max(low - believed[1], believed[0] - high)
+        beyond = max(low - limits[1], limits[0] - high)
         if beyond > 0.0 and unit == "m":
-            reach_of_joint = f"the joint's {believed[0]:.4g} to {believed[1]:.4g}"
+            reach_of_joint = f"the joint's {limits[0]:.4g} to {limits[1]:.4g}"
             says = f'"{key}" lies between {low:.4g} and {high:.4g} m, outside {reach_of_joint}; where is its zero?'
             return [Finding(key, "range", says, severity="warning")]
         return []

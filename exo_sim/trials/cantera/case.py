@@ -104,7 +104,7 @@ def drive(built: Built, names: tuple[str, ...], duration: float, rng: np.random.
         return math.tanh(gain * (middle + place - piston) + speed / built.full_speed)
 
     log = Cylinder(m, steer, (start, p1, p2)).run(times)
-    # an amplifier's card records the mean of what the valve was told until the next sample
+    # an amplifier's card records the mean of what the valve was commanded until the next sample
     log["command"] = np.repeat(log["command"].reshape(-1, sub)[:, sub // 2], sub)
     x = log["piston"]
     if np.ptp(x) < 0.25 * m["stroke"] or x.min() < 0.0 or x.max() > m["stroke"]:

@@ -117,7 +117,7 @@ def judge(case: str, known: Known, diagnosis: Mapping[str, Any] | None, before: 
 
 
 def _is(name: Name, entry: Mapping[str, Any]) -> bool:
-    """Return whether a finding is this effect: its name, or one that it says cannot be told apart, at its place or a part of it."""
+    """Return whether a finding is this effect: its name, or one that it says cannot be distinguished, at its place or a part of it."""
     called = (entry["name"], *(entry.get("ambiguous_with") or ()))
     where = str(entry.get("where", ""))
     right_place = any(where == place or where.startswith((f"{place}/", f"{place}.", f"{place} ")) for place in name.places)

@@ -109,8 +109,8 @@ def judge(
     true_families = {one["family"] for one in hidden}
     class_found = tuple(hit or one["family"] in families for hit, one in zip(found, expected))
     unknown = [str(entry.get("where", "")) for entry in given if entry["name"] == "unknown"]
-    told = bool(unknown) or any(_names(one, entry) for one in outside for entry in names)
-    complete = all(found) and (told or not outside) and answered
+    noticed = bool(unknown) or any(_names(one, entry) for one in outside for entry in names)
+    complete = all(found) and (noticed or not outside) and answered
     clean = not wrong and not false_sensors and (not unknown or bool(outside))
     return Mark(
         case=str(truth["case"]),
@@ -133,7 +133,7 @@ def judge(
         class_exact=answered
         and all(class_found)
         and not false_sensors
-        and (told or not outside or bool(families & {one["family"] for one in outside}))
+        and (noticed or not outside or bool(families & {one["family"] for one in outside}))
         and all(FAMILIES.get(str(entry["name"]), "") in true_families for entry in wrong),
         parameters=tuple(result for one in hidden for entry in right if _names(one, entry) for result in _parameters(one, entry)),
         probabilities=tuple((_probability(entry), entry in right) for entry in (*right, *wrong) if _probability(entry) >= 0),

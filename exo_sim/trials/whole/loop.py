@@ -155,9 +155,9 @@ def run(record, y, memo, steps, sub, dt, mode, goal, speed, feed, gains, noise, 
             for _ in range(steps[row]):
                 while arrived < i and log[(arrived + 1) * sub, 0] <= t - p.delay:
                     arrived += 1
-                told = log[arrived * sub, 3]
+                commanded = log[arrived * sub, 3]
                 if p.spool_frequency <= 0.0 and p.lag <= 0.0:
-                    y[SPOOL] = told
-                rk3(y, memo[0], told, dt, p, a, y1, said)
+                    y[SPOOL] = commanded
+                rk3(y, memo[0], commanded, dt, p, a, y1, said)
                 memo[0] = behind_play(y[SPOOL], memo[0], p.play)
                 t += dt

@@ -113,7 +113,7 @@ def hose_rates(y, out, at, p_chamber, t_chamber, net, enthalpy, needle, p):
 
 @kernel
 def spool_rates(y, u, p, out):
-    """Write the rates of the spool that is told u."""
+    """Write the rates of the spool that is commanded u."""
     if p.spool_frequency > 0.0:
         omega = 2.0 * math.pi * p.spool_frequency
         out[SPOOL] = y[SPOOL_V]

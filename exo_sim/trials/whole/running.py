@@ -116,8 +116,8 @@ def advance(m: Machine, y: Array, memo: Array, steps: Counts, sub: int, dt: floa
     states = starts if starts is not None else np.zeros((n if keep else 0, STATES + MEMO))
     again = resets if resets is not None else np.zeros(n, np.int64)
     moved = led if led is not None else np.zeros((0, 3))
-    told = (plan.mode, plan.goal, plan.speed, plan.feed, own, noise)
-    run(m.packed(), y.copy(), memo.copy(), steps, sub, dt, *told, log, states, again, moved)
+    driving = (plan.mode, plan.goal, plan.speed, plan.feed, own, noise)
+    run(m.packed(), y.copy(), memo.copy(), steps, sub, dt, *driving, log, states, again, moved)
     return Run({name: log[:, i] for i, name in enumerate(LOG)}, steps, sub, dt, states, moved)
 
 

@@ -21,8 +21,8 @@ SPANS = st.tuples(st.integers(0, N - 1), st.integers(1, N)).filter(lambda span: 
 
 def full(breaks: tuple[int, ...] = (0,)) -> CylinderRun:
     """Return a run whose every channel tells the sample and the channel."""
-    told = {name: np.arange(N) + 1000.0 * k for k, name in enumerate(CHANNELS)}
-    return cylinder_runs.run_of(np.arange(N) - 1000.0, np.arange(N) - 2000.0, noise=(1.0, 2.0), breaks=breaks, **told)
+    channels = {name: np.arange(N) + 1000.0 * k for k, name in enumerate(CHANNELS)}
+    return cylinder_runs.run_of(np.arange(N) - 1000.0, np.arange(N) - 2000.0, noise=(1.0, 2.0), breaks=breaks, **channels)
 
 
 def channels(run: CylinderRun) -> list[np.ndarray]:

@@ -62,11 +62,11 @@ def test_it_keeps_to_bounds() -> None:
 
 def test_an_error_that_is_not_theirs_does_not_bend_believed_numbers() -> None:
     believed = quantity("factor", prior=(1.0, 0.1))
-    spell = 40.0
+    length = 40.0
     wrong = 200.0 * np.sin(AT)  # something is missing that a factor can hide a little of
     residual = lambda v: 30.0 * (v[believed] - 1.0) * AT + wrong  # noqa: E731
     free = fit(residual, (believed,), {believed: 1.0}, correlation_length=1.0)
-    held = fit(residual, (believed,), {believed: 1.0}, correlation_length=spell)
+    held = fit(residual, (believed,), {believed: 1.0}, correlation_length=length)
     assert abs(held.values[believed] - 1.0) < 0.1
     assert abs(held.values[believed] - 1.0) < abs(free.values[believed] - 1.0)
 

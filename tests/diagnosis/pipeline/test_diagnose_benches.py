@@ -16,7 +16,7 @@ from exo_sim.recording import read
 from exo_sim.simulation.replay import replay, rms
 from exo_sim.trials.cases import make_case, write_case
 from exo_sim.trials.leg_cases import make_leg_case
-from exo_sim.trials.told import told_rig
+from exo_sim.trials.oracle import oracle_rig
 
 PLANTED = [
     ("piston_leakage", "piston", "area"),
@@ -54,7 +54,7 @@ def test_it_and_nothing_else_is_named(tmp_path: Path, effect: str, where: str, p
 
 @pytest.mark.slow
 @pytest.mark.parametrize("friction", ["viscous_friction", "coulomb_friction"])
-def test_a_soft_transmission_and_the_friction_behind_it_are_told_apart(tmp_path: Path, friction: str) -> None:
+def test_a_soft_transmission_and_the_friction_behind_it_are_distinguished(tmp_path: Path, friction: str) -> None:
     """Friction holds the piston back against the mount, so the chambers' volumes hang on both."""
     folder = case_folder(tmp_path, ("transmission_compliance", friction))
     found = diagnose(sorted(folder.glob("recording*.csv")), folder / "rig.toml", folder=folder)
@@ -70,8 +70,8 @@ def test_a_rig_that_knows_its_hose_needs_nothing_more(tmp_path: Path) -> None:
     """What the hose keeps from the sensor is put right before forces are judged, whoever knew of it."""
     folder = case_folder(tmp_path, ("line_restriction:valve_end", "viscous_friction"))
     hidden = json.loads((folder / "truth.json").read_text())["hidden"]
-    (folder / "told.toml").write_text(told_rig((folder / "rig.toml").read_text(), hidden))
-    found = diagnose(sorted(folder.glob("recording*.csv")), folder / "told.toml", folder=folder)
+    (folder / "oracle.toml").write_text(oracle_rig((folder / "rig.toml").read_text(), hidden))
+    found = diagnose(sorted(folder.glob("recording*.csv")), folder / "oracle.toml", folder=folder)
     assert found.verdict in ("consistent", "calibration")
 
 
@@ -135,7 +135,7 @@ def test_too_much_damping_behind_a_soft_contact_is_not_friction_that_falls_with_
 @pytest.mark.slow
 @pytest.mark.parametrize("factor", [0.75, 1.3])
 def test_a_payload_far_from_the_one_believed_is_a_believed_number(tmp_path: Path, factor: float) -> None:
-    """An upright axis: its weight is missed all the time, as something that acts in one long spell would be."""
+    """An upright axis: its weight is missed all the time, as something that acts in one long stretch would be."""
     case = next(c for c in (make_case("case", (), seed, known="none", duration=12.0) for seed in range(40)) if c.bench.upright)
     write_case(replace(case, believed=replace(case.believed, mass=case.believed.mass / factor)), tmp_path, "csv", open_truth=True)
     found = diagnose(sorted(tmp_path.glob("recording*.csv")), tmp_path / "rig.toml", folder=tmp_path)
@@ -160,7 +160,7 @@ def test_damping_believed_too_large_does_not_bend_what_was_found(tmp_path: Path,
 
 
 @pytest.mark.slow
-def test_parts_of_a_lag_that_are_not_told_apart_are_inside_the_interval(tmp_path: Path) -> None:
+def test_parts_of_a_lag_that_are_not_distinguished_are_inside_the_interval(tmp_path: Path) -> None:
     """On a walking leg the command is smooth: dead time and time constant do the same."""
     case = make_leg_case("case", ("valve_lag:delay",), 1430767612, 0.97, duration=12.0)
     write_case(case, tmp_path, "parquet", open_truth=True)
@@ -197,7 +197,7 @@ def test_friction_that_fades_while_it_is_recorded_is_not_taken_for_healthy(tmp_p
 
 @pytest.mark.slow
 @pytest.mark.parametrize("effects", [(), ("valve_deadband",)], ids=["nothing", "dead band"])
-def test_the_improved_rig_predicts_as_well_as_was_told(tmp_path: Path, effects: tuple[str, ...]) -> None:
+def test_the_improved_rig_predicts_as_well_as_was_reported(tmp_path: Path, effects: tuple[str, ...]) -> None:
     """Also with numbers that are off by less than is worth a finding: what was refitted is in the file."""
     folder = case_folder(tmp_path, effects)
     text = (folder / "rig.toml").read_text()

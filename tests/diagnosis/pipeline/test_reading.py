@@ -34,7 +34,7 @@ def test_a_file_and_the_table_in_it_are_the_same_machine_data(tmp_path: Path, ta
         np.testing.assert_allclose(filed.recordings[0][key], values, rtol=1e-12)
 
 
-def test_two_recordings_of_one_name_are_told_apart(tmp_path: Path, table: Recording) -> None:
+def test_two_recordings_of_one_name_are_distinguished(tmp_path: Path, table: Recording) -> None:
     data = gather([reading(table), reading(table)], tmp_path / "rig.toml")
     assert [one.name for one in data.recordings] == ["bench", "bench'"] and len(data.cylinders["piston"]) == 2
 

@@ -29,7 +29,7 @@ def test_what_is_there_is_named_with_an_interval_that_holds_it() -> None:
     assert finding.log10_odds > 20.0 and finding.ambiguous_with == ()
 
 
-def test_of_two_names_for_the_same_wave_both_are_told_with_their_probabilities() -> None:
+def test_of_two_names_for_the_same_wave_both_are_reported_with_their_probabilities() -> None:
     result = decided(waves.Waves(slow=3.0), waves.BASE, waves.candidate("twin", "slow"))
     (finding,) = result.findings
     assert {finding.name, *finding.ambiguous_with} == {"base", "twin"}

@@ -21,7 +21,7 @@ from exo_sim.machine.load import load
 from exo_sim.recording import read
 from exo_sim.simulation.replay import replay, rms
 from exo_sim.trials.cases import make_case, write_case
-from exo_sim.trials.told import told_rig
+from exo_sim.trials.oracle import oracle_rig
 
 
 @pytest.fixture(scope="module")
@@ -31,11 +31,11 @@ def bench(tmp_path_factory: pytest.TempPathFactory) -> Path:
     return folder
 
 
-def told(folder: Path, effect: str, seed: int = 11, size: float = 0.5) -> tuple[MachineData, str]:
+def with_truth(folder: Path, effect: str, seed: int = 11, size: float = 0.5) -> tuple[MachineData, str]:
     """Write a case; return it, and the text of its rig with the truth in it."""
     case = make_case("a", (effect,), seed, size, duration=10.0, known="none")
     write_case(case, folder, "parquet", open_truth=True)
-    rig = told_rig((folder / "rig.toml").read_text(), json.loads((folder / "truth.json").read_text())["hidden"])
+    rig = oracle_rig((folder / "rig.toml").read_text(), json.loads((folder / "truth.json").read_text())["hidden"])
     return gather([folder / "recording.parquet"], folder / "rig.toml"), rig
 
 
@@ -58,14 +58,14 @@ def test_errors_are_those_of_compare_on_the_time_that_was_kept(bench: Path) -> N
 
 @pytest.mark.parametrize("effect", ["supply_regulator", "supply_droop"])
 def test_a_supply_that_was_measured_does_not_sag_twice(tmp_path: Path, effect: str) -> None:
-    case, rig = told(tmp_path, effect)
+    case, rig = with_truth(tmp_path, effect)
     assert "supply.pressure" in case.recordings[0]
     for key, fit in free_runs(case, rig, kept(case)).items():
         assert fit.after == pytest.approx(fit.before), key
 
 
 def test_what_a_measured_exhaust_shows_is_not_added_to_it(tmp_path: Path) -> None:
-    case, rig = told(tmp_path, "exhaust_back_pressure")
+    case, rig = with_truth(tmp_path, "exhaust_back_pressure")
     table = case.as_read[0]
     level = np.full_like(table.time, 101325.0)
     columns, units = {**table.columns, "exhaust.pressure": level}, {**table.units, "exhaust.pressure": "Pa"}
@@ -75,7 +75,7 @@ def test_what_a_measured_exhaust_shows_is_not_added_to_it(tmp_path: Path) -> Non
 
 
 def test_a_command_with_the_wrong_sign_is_turned_round(tmp_path: Path) -> None:
-    case, rig = told(tmp_path, "piston_leakage")
+    case, rig = with_truth(tmp_path, "piston_leakage")
     right = free_runs(case, rig, kept(case))
     table = case.as_read[0]
     opposite = replace(table, columns={**table.columns, "piston.valve_command": -table["piston.valve_command"]})
@@ -87,8 +87,8 @@ def test_a_command_with_the_wrong_sign_is_turned_round(tmp_path: Path) -> None:
 
 
 @pytest.mark.parametrize("column", ["piston.valve_command", "piston.pressure_2"])
-def test_nothing_is_told_where_something_would_have_to_be_assumed(tmp_path: Path, column: str) -> None:
-    case, rig = told(tmp_path, "piston_leakage")
+def test_nothing_is_run_where_something_would_have_to_be_assumed(tmp_path: Path, column: str) -> None:
+    case, rig = with_truth(tmp_path, "piston_leakage")
     table = case.as_read[0]
     less = replace(table, columns={key: values for key, values in table.columns.items() if key != column})
     case = replace(case, as_read=(less,))
@@ -96,7 +96,7 @@ def test_nothing_is_told_where_something_would_have_to_be_assumed(tmp_path: Path
 
 
 def test_a_few_samples_between_two_jumps_of_the_clock_are_no_lost_simulation(tmp_path: Path) -> None:
-    case, rig = told(tmp_path, "piston_leakage")
+    case, rig = with_truth(tmp_path, "piston_leakage")
     table = case.as_read[0]
     time = table.time + 0.4 * (np.arange(len(table.time)) >= 7500) + 0.4 * (np.arange(len(table.time)) >= 7503)
     case = replace(case, as_read=(replace(table, time=time),))
@@ -105,7 +105,7 @@ def test_a_few_samples_between_two_jumps_of_the_clock_are_no_lost_simulation(tmp
 
 
 def test_a_vessel_is_run_from_where_it_is_judged(tmp_path: Path) -> None:
-    case, rig = told(tmp_path, "piston_leakage")
+    case, rig = with_truth(tmp_path, "piston_leakage")
     whole = free_runs(case, rig, kept(case))
     case = replace(case, cylinders={"piston": tuple(run.part(3000, len(run.time)) for run in case.cylinders["piston"])})
     part = free_runs(case, rig, kept(case))

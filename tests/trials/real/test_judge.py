@@ -55,7 +55,7 @@ def test_names_missed_and_names_that_must_not_be_there() -> None:
     assert marked(*BOTH, finding("coulomb_friction", "piston_2")).mark == 0.0
 
 
-def test_what_cannot_be_told_apart_counts_and_a_needless_unknown_costs() -> None:
+def test_what_cannot_be_distinguished_counts_and_a_needless_unknown_costs() -> None:
     assert marked(finding("presliding", "piston", ambiguous_with=["coulomb_friction"]), BOTH[1]).names == 1.0
     assert marked(*BOTH, finding("unknown", "piston", kind="unknown")).names == pytest.approx(2 / 3)
 

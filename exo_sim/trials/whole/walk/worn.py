@@ -72,12 +72,12 @@ def _plans(
     sets = {name: _hidden(pool, cell, rng, only) for name in names}
     if alike:
         sets = dict.fromkeys(names, sets[names[0]])
-    told = tuple(key for key in COMMON if key in pool and rng.random() < 0.3)
-    told += SEAL if load_cells or rng.random() < 0.5 else ()
+    disclosed = tuple(key for key in COMMON if key in pool and rng.random() < 0.3)
+    disclosed += SEAL if load_cells or rng.random() < 0.5 else ()
     plans = {}
     for name in names:
         hidden = sets[name] if name in affected and cell != "nothing" else ()
-        plans[name] = (hidden, tuple(key for key in told if key not in hidden))
+        plans[name] = (hidden, tuple(key for key in disclosed if key not in hidden))
     return plans
 
 

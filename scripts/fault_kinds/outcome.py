@@ -7,7 +7,7 @@ from dataclasses import dataclass, field
 
 
 @dataclass
-class Told:
+class Outcome:
     """Counts and what was not kept.
 
     Attributes:

@@ -1,4 +1,4 @@
-"""What the held-out error would have been, had the tool been told what is hidden: the same tool, a rig that has it switched on."""
+"""The held-out error of an oracle: the same tool, with a rig that has switched on what is hidden."""
 
 from __future__ import annotations
 
@@ -11,11 +11,11 @@ from exo_sim.progress import each
 from exo_sim.trials.answer import read_answer
 from exo_sim.trials.tool import STOPPED, command, lay_out, run_tool
 
-#: Seconds that a tool that was told may take for a case.
+#: Seconds that an oracle may take for a case.
 TIMEOUT = 600.0
 
 
-def told_rig(rig: str, hidden: Sequence[Mapping[str, Any]]) -> str:
+def oracle_rig(rig: str, hidden: Sequence[Mapping[str, Any]]) -> str:
     """Return the text of a rig to which hidden effects were added at their true values."""
     tables = []
     for entry in hidden:
@@ -30,17 +30,17 @@ def told_rig(rig: str, hidden: Sequence[Mapping[str, Any]]) -> str:
     return "\n\n".join([rig.rstrip(), *tables]) + "\n"
 
 
-def can_be_told(truth: Mapping[str, Any]) -> bool:
+def has_oracle(truth: Mapping[str, Any]) -> bool:
     """Return whether all that is hidden is physics that a rig file can have."""
     return bool(truth["hidden"]) and all(entry["kind"] == "missing_physics" for entry in truth["hidden"])
 
 
-def told_diagnoses(
+def oracle_diagnoses(
     folder: Path, files: Mapping[str, Sequence[str]], truths: Mapping[str, Mapping[str, Any]], tool: str, jobs: int = 1, quiet: bool = False
 ) -> dict[str, dict[str, Any]]:
-    """Return, by case, the answer of a tool that was told what is hidden.
+    """Return, by case, the answer of an oracle: the tool with a rig that has what is hidden.
 
-    Cases that cannot be told are left out; a tool that does not answer within `TIMEOUT` gives an empty answer.
+    Cases whose truth no rig file can hold are left out; a tool that does not answer within `TIMEOUT` gives an empty answer.
 
     Args:
         folder: The trial.
@@ -52,20 +52,20 @@ def told_diagnoses(
     """
     from joblib import Parallel, delayed
 
-    names = [name for name, truth in truths.items() if can_be_told(truth)]
+    names = [name for name, truth in truths.items() if has_oracle(truth)]
     results = Parallel(n_jobs=jobs, return_as="generator", prefer="threads")(
         delayed(_one)(folder / "cases" / name, files[name], truths[name], tool) for name in names
     )
-    return dict(zip(names, each(results, "telling", total=len(names), unit="case", quiet=quiet)))
+    return dict(zip(names, each(results, "oracle", total=len(names), unit="case", quiet=quiet)))
 
 
-def over_told(diagnosis: Mapping[str, Any] | None, told: Mapping[str, Any]) -> float | None:
-    """Return by how much the worst signal's held-out error of a blind diagnosis is above that of a told one.
+def over_oracle(diagnosis: Mapping[str, Any] | None, oracle: Mapping[str, Any]) -> float | None:
+    """Return by how much the worst signal's held-out error of a blind diagnosis is above that of an oracle.
 
     None where either gives no error, or where they kept different time for the proof.
     """
-    blind, best = held_out_errors(diagnosis or {}), held_out_errors(told)
-    if _kept(diagnosis or {}) != _kept(told):
+    blind, best = held_out_errors(diagnosis or {}), held_out_errors(oracle)
+    if _kept(diagnosis or {}) != _kept(oracle):
         return None
     return max((blind[key] / best[key] for key in best if key in blind), default=None)
 
@@ -83,10 +83,10 @@ def held_out_errors(diagnosis: Mapping[str, Any]) -> dict[str, float]:
 
 
 def _one(case: Path, files: Sequence[str], truth: Mapping[str, Any], tool: str) -> dict[str, Any]:
-    with tempfile.TemporaryDirectory(prefix="told_", ignore_cleanup_errors=True) as name:
+    with tempfile.TemporaryDirectory(prefix="oracle_", ignore_cleanup_errors=True) as name:
         bare = Path(name)
         recordings = lay_out(case, files, bare)
         rig = bare / "rig.toml"
-        rig.write_text(told_rig(rig.read_text(encoding="utf-8"), truth["hidden"]), encoding="utf-8")
+        rig.write_text(oracle_rig(rig.read_text(encoding="utf-8"), truth["hidden"]), encoding="utf-8")
         ran = run_tool(command(tool, recordings), bare, TIMEOUT)
         return (read_answer(bare / "out" / "diagnosis.json") if ran.status != STOPPED else None) or {}

@@ -74,7 +74,7 @@ def verdict(diagnosis: Diagnosis) -> str:
 def left_over(diagnosis: Diagnosis) -> str | None:
     """Return what is left far above the noise, in words: of the fitted balances, and of the run that nothing corrects; None if nothing is.
 
-    A free run drifts on its own, so that more is asked of it before it is told.
+    A free run drifts on its own, so that more is asked of it before it is reported.
     """
     parts = []
     if loud := [one for one in diagnosis.unexplained if one.error > LOUD_REST * one.noise > 0.0]:

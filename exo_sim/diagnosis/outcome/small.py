@@ -25,12 +25,12 @@ def small_findings(results: Sequence[SubsystemResult[SubsystemModel]], findings:
         results: Of all subsystems.
         findings: What is reported already.
     """
-    told = {(finding.name, finding.where) for finding in findings}
+    reported = {(finding.name, finding.where) for finding in findings}
     found: dict[tuple[str, str], Finding] = {}
     for one in results:
         for parameter, error in () if one.has_unknown or one.is_empty else one.refitted:
             entry = _entry(one, parameter, error)
-            if entry is not None and (entry.name, entry.where) not in told:
+            if entry is not None and (entry.name, entry.where) not in reported:
                 at = entry.name, entry.where
                 before = found.get(at)
                 parameters = {**(before.parameters if before else {}), **entry.parameters}
@@ -50,7 +50,7 @@ def _entry(one: SubsystemResult[SubsystemModel], parameter: FreeParameter, error
     if by_force is not None:
         where, name, called, shown = by_force
         scale = shown / value if name == sensor_bias.EFFECT.name and value else 1.0
-        if name != sensor_bias.EFFECT.name and shown != value:  # a ratio of two scales, told of the other column
+        if name != sensor_bias.EFFECT.name and shown != value:  # a ratio of two scales, said of the other column
             low, high = shown * low / value, shown * high / value
         low, high = sorted((scale * low, scale * high))
         value, kind = shown, Kind.SENSOR

@@ -31,13 +31,13 @@ def result(*refitted: tuple[FreeParameter, float, float]) -> SubsystemResult[wav
 
 def test_each_is_told_with_name_place_kind_and_number() -> None:
     found = small_findings([result((WIDTH, 2.1e-3, 1e-4), (VALVE, 0.99, 1e-3), (ZERO, 300.0, 20.0))], ())
-    told = {(one.name, one.where, one.kind): next(iter(one.parameters.items())) for one in found}
-    assert set(told) == {
+    reported = {(one.name, one.where, one.kind): next(iter(one.parameters.items())) for one in found}
+    assert set(reported) == {
         ("valve_deadband", "piston", Kind.MISSING_PHYSICS),
         ("flow_capacity", "piston", Kind.CALIBRATION),
         ("sensor_bias", "piston.pressure_1", Kind.SENSOR),
     }
-    name, estimate = told["valve_deadband", "piston", Kind.MISSING_PHYSICS]
+    name, estimate = reported["valve_deadband", "piston", Kind.MISSING_PHYSICS]
     assert name == "width" and estimate.low < estimate.value == 2.1e-3 < estimate.high
 
 

@@ -11,7 +11,7 @@ from exo_sim.diagnosis.data.split import Split
 from exo_sim.diagnosis.pipeline.reading import gather
 from exo_sim.diagnosis.pipeline.rig_errors import WindowErrors
 from exo_sim.trials.cases import make_case, write_case
-from exo_sim.trials.told import told_rig
+from exo_sim.trials.oracle import oracle_rig
 
 BALANCE = "piston.force_balance"
 
@@ -21,7 +21,7 @@ def case(folder: Path, effect: str) -> tuple[WindowErrors, str, str]:
     write_case(make_case("a", (effect,), 11, 0.5, duration=10.0, known="none"), folder, "parquet", open_truth=True)
     data = gather([folder / "recording.parquet"], folder / "rig.toml")
     believed = (folder / "rig.toml").read_text()
-    right = told_rig(believed, json.loads((folder / "truth.json").read_text())["hidden"])
+    right = oracle_rig(believed, json.loads((folder / "truth.json").read_text())["hidden"])
     return WindowErrors(data, Split({data.recordings[0].name: ((7.0, 9.0),)})), believed, right
 
 

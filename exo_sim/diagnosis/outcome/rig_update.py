@@ -96,8 +96,8 @@ def rig_update(data: MachineData, results: Sequence[Result], unknown: Sequence[U
             _entry(c, one, each, data.rig) for c in one.named if c.at in reported for each in reported[c.at].at_each_place()
         ]
         corrected = corrections(data, one)
-        reported = tuple(each for each in corrected if each.note != REFIT_NOTE)
-        parts.append(Part(source, Rank.FOUND, tuple(entries), reported))
+        findings = tuple(each for each in corrected if each.note != REFIT_NOTE)
+        parts.append(Part(source, Rank.FOUND, tuple(entries), findings))
         refitted = tuple(each for each in corrected if each.note == REFIT_NOTE)
         parts.append(Part(source, Rank.REFITTED, tuple(_healthy(data.rig, one, gas)), refitted))
         effect = effect_of(unknown, one)

@@ -1,0 +1,36 @@
+"""Values of options: quantities in SI, choices and files with the nearest name, controllers."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import click
+import pytest
+
+from exo_sim.cli.options import Choice, ControllerName, InputFile, Quantity
+
+
+def test_a_quantity_is_read_in_si_and_kept_within_its_bounds() -> None:
+    mass = Quantity("kg", 0.0, 45.0)
+    assert mass.convert("34 kg", None, None) == 34.0 and mass.convert("500 g", None, None) == pytest.approx(0.5)
+    assert mass.convert(2.0, None, None) == 2.0
+    for text, says in (("-1 kg", "too small"), ("46 kg", "too large"), ("3 m", "kg"), ("heavy", "heavy")):
+        with pytest.raises(click.BadParameter, match=says):
+            mass.convert(text, None, None)
+
+
+def test_a_misspelt_word_is_answered_with_the_nearest() -> None:
+    with pytest.raises(click.BadParameter, match='did you mean "vented"'):
+        Choice(("on", "off", "vented")).convert("vneted", None, None)
+    with pytest.raises(click.BadParameter, match='did you mean "model"'):
+        ControllerName().convert("modle", None, None)
+    assert ControllerName().convert("mine.py:Impedance", None, None) == "mine.py:Impedance"
+
+
+def test_a_file_must_be_there_and_be_no_folder(tmp_path: Path) -> None:
+    (tmp_path / "walk.csv").write_text("")
+    assert InputFile().convert(str(tmp_path / "walk.csv"), None, None) == tmp_path / "walk.csv"
+    with pytest.raises(click.BadParameter, match=r'did you mean "walk\.csv"'):
+        InputFile().convert(str(tmp_path / "wlak.csv"), None, None)
+    with pytest.raises(click.BadParameter, match="is a folder"):
+        InputFile().convert(str(tmp_path), None, None)

@@ -20,12 +20,16 @@ from exo_sim.plain_text import table
 
 #: What each extra is for.
 _EXTRAS = {
+    "c3d": "gait from .c3d files",
+    "gymnasium": "environments in Gymnasium",
     "notebook": "export to pandas and xarray",
     "files": "MATLAB 7.3, MCAP and ROS 2 bags",
     "cluster": "sizing and trials spread by Dask",
     "docs": "building the documentation",
     "truths": "trials computed by Cantera",
 }
+#: What packages are for that are installed where they can be, and are no extra.
+_PARTS = {"dm-control": "environments.load (dm_env)"}
 #: Seconds for a check that starts a process.
 _PATIENCE = 60.0
 
@@ -91,14 +95,17 @@ def _packages() -> list[Check]:
     found, seen = [], set()
     for requirement in wanted:
         extras = [name for name in _EXTRAS if requirement.marker and requirement.marker.evaluate({"extra": name})]
-        if (requirement.marker and not extras) or requirement.name in seen:
+        of_python = requirement.marker is not None and "extra" not in str(requirement.marker)
+        if (requirement.marker and not extras and not of_python) or requirement.name in seen:
             continue
         seen.add(requirement.name)
-        use = _EXTRAS[extras[0]] if extras else ""
+        use = _EXTRAS[extras[0]] if extras else _PARTS.get(requirement.name, "")
         install = f"pip install 'exo-sim-pneumatic[{extras[0]}]'" if extras else f"pip install '{requirement.name}{requirement.specifier}'"
         try:
             version = metadata.version(requirement.name)
         except metadata.PackageNotFoundError:
+            if of_python and requirement.marker and not requirement.marker.evaluate():
+                install = f"cannot be installed on Python {platform.python_version()}"
             found.append(Check(requirement.name, "missing" if use else "fault", install, use))
             continue
         if requirement.specifier.contains(version, prereleases=True):

@@ -11,6 +11,7 @@ from __future__ import annotations
 
 from typing import Any
 
+from exo_sim.errors import ModelError
 from exo_sim.gait import scenario as scenarios
 
 
@@ -23,9 +24,17 @@ def load(scenario: str = "level_walk", **settings: Any) -> Any:
             seed.
 
     Raises:
-        ExoSimError: one line that says what is wrong with scenario, rig or settings.
+        ExoSimError: one line that says what is wrong with scenario, rig or settings, or that dm_control is missing.
     """
-    from exo_sim.environments.dm import environment
+    try:
+        from exo_sim.environments.dm import environment
+    except ModuleNotFoundError as error:
+        if (error.name or "").split(".")[0] not in ("dm_control", "dm_env", "labmaze"):
+            raise
+        raise ModelError(
+            "dm_env environments need dm_control: pip install dm-control, which its labmaze allows up to Python 3.12; the same environment is "
+            f'gymnasium.make("{gymnasium_id(scenario)}") on any Python (pip install "exo-sim-pneumatic[gymnasium]")'
+        ) from None
 
     return environment(scenario, **settings)
 

@@ -33,7 +33,7 @@ _COMPILED = re.compile(rb"kernel|intrinsic")
 def _sources() -> list[Path]:
     physics = Path(__file__).resolve().parent
     own = [path for path in sorted(_PACKAGE.rglob("*.py")) if physics in path.parents or _COMPILED.search(path.read_bytes())]
-    return own + outside.files()
+    return own + [source.path for source in outside.sources()]
 
 
 def _key() -> str:

@@ -137,10 +137,10 @@ class Effect:
 
 @cache
 def declared() -> dict[str, Effect]:
-    """Return every effect declared in this folder, and outside where the environment names files, by name, in alphabetical order.
+    """Return every effect declared in this folder, by installed packages and in files that the environment names, by name.
 
     Raises:
-        ModelError: a file outside cannot be used, or declares an effect that there is already.
+        ModelError: one outside cannot be used, or has the name of one that there is already.
     """
     package = importlib.import_module("exo_sim.physics.effects")
     names = sorted(info.name for info in pkgutil.iter_modules(package.__path__))
@@ -148,10 +148,12 @@ def declared() -> dict[str, Effect]:
     for name in names:
         effect: Effect = importlib.import_module(f"{package.__name__}.{name}").EFFECT
         found[effect.name] = effect
-    for path in outside.files():
-        effect = outside.load(path).EFFECT
+    for source in outside.sources():
+        effect = source.effect()
+        if not isinstance(effect, Effect):
+            raise ModelError(f"{source.told_by}: {source.attribute} is a {type(effect).__name__}, no Effect of exo_sim.physics.declaration")
         if effect.name in found:
-            raise ModelError(f"{path}: there is an effect {effect.name} already: give yours another name")
+            raise ModelError(f"{source.told_by}: there is an effect {effect.name} already: give yours another name")
         found[effect.name] = effect
     return dict(sorted(found.items()))
 

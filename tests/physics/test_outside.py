@@ -144,3 +144,56 @@ def test_it_is_too_late_once_the_physics_is_loaded(example: Path) -> None:
     importlib.import_module("exo_sim.physics.compiled")
     with pytest.raises(ModelError, match="before anything that simulates is imported"):
         outside.use(example / "blow_off.py")
+
+
+@pytest.fixture
+def installed(repository: Path, tmp_path: Path) -> Path:
+    """Return a folder with the page's package installed into `site`, and a bench that has its effect."""
+    effect, _ = blocks(repository, "python")
+    package = tmp_path / "package"
+    (package / "my_effects").mkdir(parents=True)
+    (package / "my_effects" / "__init__.py").write_text("")
+    (package / "my_effects" / "blow_off.py").write_text(effect)
+    build = '[build-system]\nrequires = ["setuptools"]\nbuild-backend = "setuptools.build_meta"\n'
+    (package / "pyproject.toml").write_text(build + blocks(repository, "toml entry-point")[0])
+    words = ["install", "--quiet", "--no-index", "--no-deps", "--no-build-isolation", "--disable-pip-version-check"]
+    done = subprocess.run(
+        [sys.executable, "-m", "pip", *words, "--target", str(tmp_path / "site"), str(package)], capture_output=True, text=True, check=False
+    )
+    assert done.returncode == 0, done.stderr
+    (tmp_path / "bench.xml").write_text((repository / "assets" / "bench.xml").read_text())
+    (tmp_path / "rig.toml").write_text((repository / "assets" / "bench.toml").read_text() + "\n" + blocks(repository, "toml")[0])
+    return tmp_path
+
+
+def with_site(folder: Path, *words: str) -> subprocess.CompletedProcess[str]:
+    environment = {**os.environ, "PYTHONPATH": os.pathsep.join([str(folder / "site"), *sys.path])}
+    return subprocess.run([sys.executable, *words], cwd=folder, env=environment, capture_output=True, text=True, timeout=1200, check=False)
+
+
+@pytest.mark.slow
+def test_an_installed_package_brings_its_effect(installed: Path) -> None:
+    done = with_site(installed, "-m", "exo_sim", "effects", "blow_off", "--json")
+    assert done.returncode == 0, done.stderr
+    assert json.loads(done.stdout)["effect"]["family"] == "leak"
+    said = with_site(installed, "-c", "import exo_sim as exo; print(exo.Rig.load('rig.toml').effects[0].name, 'blow_off' in exo.effects)")
+    assert said.returncode == 0, said.stderr
+    assert said.stdout.split() == ["blow_off", "True"]
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize(
+    ("text", "said"),
+    [
+        ("x = 1", "declares no EFFECT"),
+        ("import nothing_of_this_name", "ModuleNotFoundError"),
+        ("EFFECT = 3", "no Effect"),
+        (None, "there is no such module: mend the package, or uninstall it"),
+    ],
+)
+def test_an_installed_package_without_an_effect_is_named_in_one_line(installed: Path, text: str | None, said: str) -> None:
+    module = installed / "site" / "my_effects" / "blow_off.py"
+    module.unlink() if text is None else module.write_text(text)
+    done = with_site(installed, "-m", "exo_sim", "effects")
+    assert done.returncode == 2
+    assert said in done.stderr and 'my-effects: entry point "blow_off"' in done.stderr and len(done.stderr.strip().splitlines()) == 1

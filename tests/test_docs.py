@@ -38,6 +38,25 @@ def test_the_python_of_a_page_runs(page: Path, tmp_path: Path, monkeypatch: pyte
     assert capsys.readouterr().out
 
 
+def test_a_comparison_is_read_back_as_the_page_of_recordings_says(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    import numpy as np
+
+    from exo_sim.recording import Recording, write_rrd
+
+    time = np.arange(100) / 100.0
+    key, recorded = "piston.pressure_1", 2e5 + 1e4 * np.sin(9.0 * time)
+    shown, after = (Recording("r", time, {key: values}, {key: "Pa"}) for values in (recorded, recorded + 300.0 * (-1.0) ** np.arange(100)))
+    write_rrd(tmp_path / "comparison.rrd", shown, overlays={"before": after, "after": after})
+    monkeypatch.chdir(tmp_path)
+    for block in blocks(ROOT / "docs" / "recordings.md", "python run"):
+        exec(compile(block, "recordings.md", "exec"), {})
+    first, second = capsys.readouterr().out.splitlines()
+    assert float(first.split()[0]) == pytest.approx(300.0) and first.split()[1] == "Pa"
+    assert second.split(maxsplit=1) == ["100", "[2.0]"]
+
+
 @pytest.mark.parametrize("page", [pytest.param(path, id=path.stem) for path in PAGES])
 def test_the_commands_of_a_page_exist(page: Path) -> None:
     lines = [shlex.split(line, comments=True) for block in blocks(page, "sh") for line in block.replace("\\\n", " ").splitlines()]

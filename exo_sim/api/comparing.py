@@ -52,16 +52,18 @@ class Comparison:
     summary: dict[str, Any]
 
     def save(self, path: str | os.PathLike[str]) -> Path:
-        """Write a recording for the rerun viewer (`.rrd`), recorded and simulated overlaid.
+        """Write a recording for the rerun viewer (`.rrd`): the machine as it was recorded, recorded and simulated signals overlaid.
 
         Raises:
             OutputError: the ending is another, or it cannot be written.
         """
         from exo_sim.recording import write_rrd
+        from exo_sim.simulation.drawn import recorded_scene
 
         target = check_target(path)
         overlays = {"simulated": self.windowed.thinned(_MOST_SHOWN), "free_run": self.free_run.thinned(_MOST_SHOWN)}
-        write_rrd(target, self.recording.thinned(_MOST_SHOWN), overlays=overlays)
+        shown = self.recording.thinned(_MOST_SHOWN)
+        write_rrd(target, shown, recorded_scene(shown, self.rig), overlays=overlays)
         return target
 
     def plot(self, signals: Sequence[str] | None = None) -> Picture:

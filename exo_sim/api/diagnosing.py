@@ -103,7 +103,8 @@ class Diagnosis:
             "report": page(self.result, path.read_text(encoding="utf-8") if isinstance(believed, Path) else believed.text, path.name),
             "diagnosis": json_text(self.result.as_dict()) + "\n",
         }
-        write_comparison(place / FILES["comparison"][0], self.result, self.result.tables)
+        machine = Rig.load(believed) if isinstance(believed, Path) else believed
+        write_comparison(place / FILES["comparison"][0], self.result, self.result.tables, machine)
         for key, text in texts.items():
             with replacing(place / FILES[key][0]) as beside:
                 beside.write_text(text, encoding="utf-8")

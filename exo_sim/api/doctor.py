@@ -26,6 +26,7 @@ _EXTRAS = {
     "files": "MATLAB 7.3, MCAP and ROS 2 bags",
     "cluster": "sizing and trials spread by Dask",
     "docs": "building the documentation",
+    "opensim": "comparison with OpenSim's inverse dynamics",
     "truths": "trials computed by Cantera",
 }
 #: What packages are for that are installed where they can be, and are no extra.

@@ -17,7 +17,7 @@ _DRAWINGS: WeakKeyDictionary[Any, dict[int, tuple[Any, Drawing]]] = WeakKeyDicti
 def log_model(model: Any, data: Any, stream: Any) -> None:
     """Log where the bodies of a MuJoCo model are now; the first call logs their shapes as well.
 
-    Poses go on the timeline "time" at `data.time`, bodies that rest are logged once. Planes and meshes are not drawn.
+    Poses go on the timeline "time" at `data.time`, bodies that rest are logged once. Planes and height fields are not drawn.
 
     Args:
         model: `mujoco.MjModel`.

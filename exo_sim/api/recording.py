@@ -59,16 +59,22 @@ class Recording(table.Recording):
         object.__setattr__(self, "columns", values)
 
     @classmethod
-    def load(cls, path: str | os.PathLike[str], columns: str | os.PathLike[str] | Mapping[str, Any] | None = None) -> Recording:
+    def load(
+        cls, path: str | os.PathLike[str], columns: str | os.PathLike[str] | Mapping[str, Any] | None = None, overlay: str = ""
+    ) -> Recording:
         """Read a recording from a file; the ending says of which kind (`docs/recordings.md` lists them).
 
         Args:
             path: The file.
             columns: Foreign names: a column map (TOML), or a dictionary like `{"P1": "piston.pressure_1 [bar]"}`.
+            overlay: Of an `.rrd` that `compare` or `diagnose` wrote: "simulated" or "free_run", "before" or "after", instead of what
+                was recorded.
 
         Raises:
             RecordingError: the file is missing or cannot be used; one line says why and what to do.
         """
+        if overlay:
+            return cls.of(reader.read_overlay(Path(path), overlay))
         return cls.of(reader.read(Path(path), map_of(columns)))
 
     @classmethod

@@ -32,7 +32,7 @@ def load(scenario: str = "level_walk", **settings: Any) -> Any:
         if (error.name or "").split(".")[0] not in ("dm_control", "dm_env", "labmaze"):
             raise
         raise ModelError(
-            "dm_env environments need dm_control: pip install dm-control, which its labmaze allows up to Python 3.12; the same environment is "
+            "dm_env environments need dm_control: pip install dm-control, which works up to Python 3.12; the same environment is "
             f'gymnasium.make("{gymnasium_id(scenario)}") on any Python (pip install "exo-sim-pneumatic[gymnasium]")'
         ) from None
 

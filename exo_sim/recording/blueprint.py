@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from exo_sim import signals
-from exo_sim.recording import columns
+from exo_sim.recording import columns, rrd_names
 from exo_sim.recording.scene import Scene
 from exo_sim.recording.table import Recording
 from exo_sim.signals import VALVE_COMMANDS
@@ -21,22 +21,22 @@ LANES = "lanes"
 DIFFERENCE = "difference"
 
 _WORKING = ("ground", "damping", "spring", "actuator", "torso_strap", "thigh_strap", "shoe_strap")
-#: Plots of a tab, from top to bottom, and the signals in each.
+#: Plots of a tab, from top to bottom, and the signals in each; those of another unit get a plot of their own.
 _PLOTS = (
-    ("pressure, Pa", ("pressure_1", "pressure_2", "pressure")),
-    ("rod force, N", ("force", "force_demanded")),
-    ("joint torque or force", ("torque", "torque_demanded", "wearer_moment", "wearer_total_moment", "external_force")),
+    ("pressure", ("pressure_1", "pressure_2", "pressure")),
+    ("rod force", ("force", "force_demanded")),
+    ("joint load", ("torque", "torque_demanded", "wearer_moment", "wearer_total_moment", "external_force")),
     ("valve command, choked paths", (*VALVE_COMMANDS, "choked")),
     ("position", ("position", "length")),
     ("velocity", ("velocity",)),
-    ("temperature, K", ("temperature_1", "temperature_2", "temperature")),
-    ("gas drawn, kg", ("gas_used",)),
-    ("ground force, N", ("ground_force_x", "ground_force_y", "ground_force_z")),
-    ("strap force, N", ("strap_force_x", "strap_force_y", "strap_force_z")),
-    ("power of the wearer's joint, W", ("wearer_power",)),
-    ("ground force on the wearer, N", ("wearer_force_x", "wearer_force_z")),
-    ("centre of pressure, m", ("wearer_pressure_centre",)),
-    ("power on the machine, W", tuple(f"{name}_power" for name in _WORKING)),
+    ("temperature", ("temperature_1", "temperature_2", "temperature")),
+    ("gas drawn", ("gas_used",)),
+    ("ground force", ("ground_force_x", "ground_force_y", "ground_force_z")),
+    ("strap force", ("strap_force_x", "strap_force_y", "strap_force_z")),
+    ("power of the wearer's joint", ("wearer_power",)),
+    ("ground force on the wearer", ("wearer_force_x", "wearer_force_z")),
+    ("centre of pressure", ("wearer_pressure_centre",)),
+    ("power on the machine", tuple(f"{name}_power" for name in _WORKING)),
     ("residual at the pelvis", ("residual_force_x", "residual_force_z", "residual_moment")),
     ("gait phase", ("phase",)),
 )
@@ -77,16 +77,21 @@ def tabs(recording: Recording) -> dict[str, list[str]]:
     return {tab: gathered[tab] for tab in sorted(gathered, key=lambda tab: tab in last and 1 + last.index(tab))}
 
 
-def plots(keys: Sequence[str]) -> list[tuple[str, list[str]]]:
-    """Return the plots of one tab from top to bottom: title and columns."""
-    of_plot = ((title, [key for key in keys if key.rsplit(".", 1)[1] in names]) for title, names in _PLOTS)
-    return [(title, shown) for title, shown in of_plot if shown]
+def plots(keys: Sequence[str], units: Mapping[str, str]) -> list[tuple[str, list[str]]]:
+    """Return the plots of one tab from top to bottom: title with the unit, and columns, all of that unit."""
+    found: list[tuple[str, list[str]]] = []
+    for title, names in _PLOTS:
+        of_plot = [key for key in keys if key.rsplit(".", 1)[1] in names]
+        for unit in dict.fromkeys(units.get(key, "") for key in of_plot):
+            told = "" if unit in ("", "1") else f", {rrd_names.shown(unit)[0]}"
+            found.append((title + told, [key for key in of_plot if units.get(key, "") == unit]))
+    return found
 
 
 def places(recording: Recording) -> dict[str, int]:
     """Return which line of its plot each column is, so that neighbours can differ in colour."""
     return {
-        key: place for keys in tabs(recording).values() for _, shown in plots(keys) for place, key in enumerate(shown)
+        key: place for keys in tabs(recording).values() for _, shown in plots(keys, recording.units) for place, key in enumerate(shown)
     }
 
 
@@ -178,15 +183,16 @@ def _views(keys: Sequence[str], overlaid: Mapping[str, bool], units: Mapping[str
     if any(overlaid.get(key) for key in keys):
         for key in keys:
             if overlaid.get(key):
-                groups += [(words(key, units[key]), [key]), (f"simulated less recorded, {units[key]}", [f"{DIFFERENCE}/{key}"])]
+                told = f"simulated less recorded, {rrd_names.shown(units[key])[0]}"
+                groups += [(words(key, units[key]), [rrd_names.entity(key)]), (told, [f"{DIFFERENCE}/{rrd_names.entity(key)}"])]
         keys = [key for key in keys if not overlaid.get(key)]
-    groups += plots(keys)
+    groups += [(title, [rrd_names.entity(key) for key in shown]) for title, shown in plots(keys, units)]
     legend = rrb.PlotLegend(rrb.Corner2D.RightTop)
     axis = rrb.TimeAxis(link=rrb.components.LinkAxis.LinkToGlobal)
     return [
         rrb.TimeSeriesView(
             origin="/",
-            contents=[path for key in shown for path in (f"/{key}", f"/{key}/**")],
+            contents=[path for entity in shown for path in (f"/{entity}", f"/{entity}/**")],
             name=title,
             plot_legend=legend,
             axis_x=axis,
@@ -196,7 +202,7 @@ def _views(keys: Sequence[str], overlaid: Mapping[str, bool], units: Mapping[str
 
 
 def words(key: str, unit: str) -> str:
-    """Return what to call a column in a plot: part, signal and unit."""
+    """Return what to call a column in a plot: part, signal and the unit that it is shown in."""
     part = key.rsplit(".", 1)[0]
     signal: signals.Signal = columns.signal_of(key)
-    return f"{part}: {signal.label}" + ("" if unit in ("", "1") else f", {unit}")
+    return f"{part}: {signal.label}" + ("" if unit in ("", "1") else f", {rrd_names.shown(unit)[0]}")

@@ -8,7 +8,7 @@ from pathlib import Path
 
 import numpy as np
 
-from exo_sim.errors import RecordingError, printable
+from exo_sim.errors import RecordingError, nearest, printable
 from exo_sim.inputs import check_regular
 from exo_sim.recording import clock
 from exo_sim.recording.column_map import ColumnMap, read_column_map
@@ -65,6 +65,25 @@ def read(path: str | Path, column_map: str | Path | ColumnMap | None = None) -> 
         raise RecordingError(f'"{path}": {error.strerror or error}; it cannot be read') from None
     except MemoryError:
         raise RecordingError(f'"{path}": it does not fit into memory; cut it into pieces') from None
+
+
+def read_overlay(path: Path, overlay: str) -> Reading:
+    """Read what was simulated beside what was recorded, from an .rrd of `compare` or `diagnose`.
+
+    Args:
+        path: The file.
+        overlay: "simulated", "free_run", "before" or "after".
+
+    Raises:
+        RecordingError: as `read`; a file of another kind, or without such signals.
+    """
+    from exo_sim.recording.rrd_table import OVERLAYS, read_rrd
+
+    if path.suffix.lower() != ".rrd" or not path.exists():
+        raise RecordingError(f'"{path}": overlays are in an .rrd that `exo-sim compare` or `exo-sim diagnose` wrote; there is none')
+    if overlay not in OVERLAYS:
+        raise RecordingError(f'overlay "{overlay}"{nearest(overlay, OVERLAYS)}')
+    return tidy(path, read_rrd(path, overlay=overlay))
 
 
 def _reader(path: Path) -> Callable[[Path, ColumnMap | None], RawTable]:

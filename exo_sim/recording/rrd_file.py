@@ -17,7 +17,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from exo_sim.outputs import replacing
-from exo_sim.recording import blueprint
+from exo_sim.recording import blueprint, rrd_names
 from exo_sim.recording.rrd_sink import written
 from exo_sim.recording.rrd_timeline import clock
 from exo_sim.recording.scene import Scene
@@ -55,11 +55,11 @@ def write_rrd(
 
     Args:
         path: Where to.
-        recording: Its columns become the entities `/<part>.<signal>`.
+        recording: Its columns become the entities `/<part>/<signal>`, in the unit beside them (`rrd_names`).
         scene: What to draw in space.
         overlays: Other recordings to show on the same plots, e.g. `{"before": ..., "after": ...}`; the entities are
-            then `/<part>.<signal>/recorded`, `/before` and `/after`. Each has its own clock. What they differ by from what
-            was recorded stands in plots beside, as `/difference/<part>.<signal>/<name>`.
+            then `/<part>/<signal>/recorded`, `/before` and `/after`. Each has its own clock. What they differ by from what
+            was recorded stands in plots beside, as `/difference/<part>/<signal>/<name>`.
         lanes: Coloured bars below the plots: name to `(time at which it begins, label)`, an empty label for nothing.
             The gait is added by itself where stance is recorded.
 
@@ -141,16 +141,18 @@ class RrdPieces:
         index = [clock(recording.time)]
         place = blueprint.places(recording) if first else {}
         on_top = max(["recorded", *self._overlays])  # the viewer draws in the order of names
-        values_of = {unit: rr.AnyValues(unit=unit) for unit in set(recording.units.values())}
+        values_of = {unit: rr.AnyValues(unit=rrd_names.shown(unit)[0]) for unit in set(recording.units.values())}
         for number, (key, values) in enumerate(recording.columns.items()):
             below = leaf and (self._overlaid.get(key) or leaf != "recorded")
-            path = f"{key}/{leaf}" if below else key
+            entity, factor = rrd_names.entity(key), rrd_names.shown(recording.units.get(key, ""))[1]
+            path = f"{entity}/{leaf}" if below else entity
             times, shown = index, values
             if number:  # the first one holds the clock
                 kept = turns(values)
                 if 2 * np.count_nonzero(kept) < len(values):
                     times, shown = [clock(recording.time[kept])], values[kept]
-            self._stream.send_columns(path, indexes=times, columns=rr.Scalars.columns(scalars=shown))
+            written_as = shown if factor == 1.0 else shown * factor
+            self._stream.send_columns(path, indexes=times, columns=rr.Scalars.columns(scalars=written_as))
             unaveraged = shown is not values  # an average of a few turns is none of them
             if unaveraged and not first and path not in self._unaveraged:
                 self._stream.log(path, rr.SeriesLines.from_fields(aggregation_policy=rr.components.AggregationPolicy.Off), static=True)
@@ -168,7 +170,7 @@ class RrdPieces:
             unit = values_of[recording.units[key]]
             if below:
                 self._stream.log(path, line, static=True)
-                self._stream.log(key, unit, static=True)
+                self._stream.log(entity, unit, static=True)
             else:
                 self._stream.log(path, line, unit, static=True)
 
@@ -224,8 +226,9 @@ def _differences(stream: Any, recording: Recording, other: Recording, name: str)
         there = np.isfinite(recorded)
         if not np.array_equal(recording.time, other.time) and there.any():
             recorded = np.interp(other.time, recording.time[there], recorded[there])
-        path = f"{blueprint.DIFFERENCE}/{key}/{name}"
-        stream.send_columns(path, indexes=index, columns=rr.Scalars.columns(scalars=other[key] - recorded))
+        path = f"{blueprint.DIFFERENCE}/{rrd_names.entity(key)}/{name}"
+        apart = (other[key] - recorded) * rrd_names.shown(recording.units.get(key, ""))[1]
+        stream.send_columns(path, indexes=index, columns=rr.Scalars.columns(scalars=apart))
         looks = rr.SeriesLines(names=name, colors=[_COLOURS.get(name, _PALETTE[0])], widths=[1.5])
         stream.log(path, looks, static=True)
 

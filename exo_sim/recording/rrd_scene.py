@@ -63,6 +63,10 @@ def _archetype(shape: Shape) -> Any:
     colour = [round(255 * part) for part in shape.rgba]
     solid = rr.components.FillMode.Solid
     radius, half = float(shape.size[0]), float(shape.size[1])
+    if shape.kind == "mesh":
+        assert shape.vertices is not None and shape.faces is not None
+        corners = shape.position + _rotated(shape.vertices, shape.quaternion)
+        return rr.Mesh3D(vertex_positions=corners, triangle_indices=shape.faces, albedo_factor=colour)
     if shape.kind == "box":
         return rr.Boxes3D(
             half_sizes=[shape.size], centers=[shape.position], quaternions=[turned], colors=[colour], fill_mode=solid
@@ -88,6 +92,13 @@ def _axis(quaternion: NDArray[np.float64]) -> NDArray[np.float64]:
     """Return the z axis of a frame, the quaternion w first."""
     w, x, y, z = quaternion
     return np.array([2.0 * (x * z + w * y), 2.0 * (y * z - w * x), 1.0 - 2.0 * (x * x + y * y)])
+
+
+def _rotated(points: NDArray[np.float64], quaternion: NDArray[np.float64]) -> NDArray[np.float64]:
+    """Return points, shape (n, 3), turned by a quaternion, w first."""
+    w, axis = quaternion[0], quaternion[1:]
+    across = np.cross(axis, points)
+    return np.asarray(points + 2.0 * (w * across + np.cross(axis, across)))
 
 
 def _cylinder(stream: Any, index: list[Any], cylinder: DrawnCylinder, first: bool) -> None:

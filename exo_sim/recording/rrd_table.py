@@ -41,13 +41,20 @@ class _Entity:
         self.values: list[NDArray[np.float64]] = []
 
 
-def read_rrd(path: Path, column_map: ColumnMap | None = None) -> RawTable:
-    """Read an .rrd. Entities `/piston.pressure_1`, `/piston/pressure_1` and `/piston.pressure_1/recorded` are the same.
+def read_rrd(path: Path, column_map: ColumnMap | None = None, overlay: str = "") -> RawTable:
+    """Read an .rrd. Entities `/piston/pressure_1`, `/piston.pressure_1` and `/piston/pressure_1/recorded` are the same.
+
+    Args:
+        path: The file.
+        column_map: For foreign names.
+        overlay: One of `OVERLAYS`: what was simulated instead, of the signals that have it; what was recorded when "".
 
     Raises:
         RecordingError: not a whole .rrd of a version that this rerun opens, no scalars, or what `select` refuses.
     """
-    entities, units, metadata = _scan(path)
+    entities, units, metadata = _scan(path, overlay or RECORDED)
+    if overlay and not entities:
+        raise RecordingError(f'"{path}": holds no signal "{overlay}"; `exo-sim compare` and `exo-sim diagnose` write {", ".join(OVERLAYS)}')
     if not entities:
         raise RecordingError(f'"{path}": no entity in it holds scalars over time; is it a recording of signals?')
     headings = {_heading(name, units, column_map): name for name in entities}
@@ -93,13 +100,13 @@ def _chunks(path: Path) -> Iterator[Any]:
         raise RecordingError(says) from None
 
 
-def _scan(path: Path) -> tuple[dict[str, _Entity], dict[str, str], dict[str, str]]:
+def _scan(path: Path, leaf: str) -> tuple[dict[str, _Entity], dict[str, str], dict[str, str]]:
     entities: dict[str, _Entity] = {}
     units: dict[str, str] = {}
     metadata: dict[str, str] = {}
     rows = 0
     for chunk in _chunks(path):
-        name = _name(chunk.entity_path)
+        name = _name(chunk.entity_path, leaf)
         if name.startswith(_PROPERTIES):
             metadata.update(_texts(chunk))
             continue
@@ -107,20 +114,22 @@ def _scan(path: Path) -> tuple[dict[str, _Entity], dict[str, str], dict[str, str
             units.update((name, text) for key, text in _texts(chunk).items() if key == _UNIT)
             continue
         batch = chunk.to_record_batch()
-        if _SCALARS in batch.schema.names and _is_signal(name):
+        if _SCALARS in batch.schema.names and _is_signal(chunk.entity_path, leaf):
             rows += batch.num_rows
             Selection((Column("", "", ""),)).refuse_if_too_long(str(path), rows)
             _take(entities.setdefault(name, _Entity()), batch)
     return entities, units, metadata
 
 
-def _name(entity_path: str) -> str:
-    name = entity_path.lstrip("/").replace("\\", "")
-    return name[: -len(RECORDED) - 1] if name.endswith("/" + RECORDED) else name
+def _name(entity_path: str, leaf: str) -> str:
+    return entity_path.lstrip("/").replace("\\", "").removesuffix("/" + leaf)
 
 
-def _is_signal(name: str) -> bool:
-    return name.rsplit("/", 1)[-1] not in OVERLAYS
+def _is_signal(entity_path: str, leaf: str) -> bool:
+    if entity_path.startswith("/difference/"):
+        return False
+    last = entity_path.rsplit("/", 1)[-1]
+    return last not in OVERLAYS if leaf == RECORDED else last == leaf
 
 
 def _texts(chunk: Any) -> dict[str, str]:
@@ -163,7 +172,7 @@ def _heading(name: str, units: dict[str, str], column_map: ColumnMap | None) -> 
     plain, given = name, None
     if "[" in name:
         plain, given = columns.split(name)
-    if "/" in plain and "." not in plain:
+    if "/" in plain and "." not in plain.rsplit("/", 1)[1]:
         plain = ".".join(plain.rsplit("/", 1))
     unit = given or units.get(name)
     if unit is None:

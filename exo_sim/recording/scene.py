@@ -11,15 +11,15 @@ from numpy.typing import NDArray
 
 Array = NDArray[np.float64]
 Rgba = tuple[float, float, float, float]
-Kind = Literal["sphere", "capsule", "ellipsoid", "cylinder", "box"]
+Kind = Literal["sphere", "capsule", "ellipsoid", "cylinder", "box", "mesh"]
 
 #: MuJoCo's numbers of geom types (mjtGeom) that are drawn.
-_KINDS: dict[int, Kind] = {2: "sphere", 3: "capsule", 4: "ellipsoid", 5: "cylinder", 6: "box"}
+_KINDS: dict[int, Kind] = {2: "sphere", 3: "capsule", 4: "ellipsoid", 5: "cylinder", 6: "box", 7: "mesh"}
 
 
 @dataclass(frozen=True)
 class Shape:
-    """A simple shape that is fixed to a body.
+    """A shape that is fixed to a body.
 
     Attributes:
         name: Its name, one of its kind on its body.
@@ -29,6 +29,8 @@ class Shape:
         position: In the body's frame, metres, shape (3,).
         quaternion: In the body's frame, w first, shape (4,).
         rgba: Each 0 to 1.
+        vertices: Of a mesh, in the shape's frame, metres, shape (n, 3).
+        faces: Of a mesh: indices of the corners of its triangles, shape (m, 3).
     """
 
     name: str
@@ -38,6 +40,8 @@ class Shape:
     position: Array
     quaternion: Array
     rgba: Rgba = (0.6, 0.6, 0.6, 1.0)
+    vertices: Array | None = None
+    faces: NDArray[np.int32] | None = None
 
 
 @dataclass(frozen=True)
@@ -114,7 +118,7 @@ def shapes_of_model(model: Any, hidden_groups: Sequence[int] = (3, 4, 5)) -> tup
 
     Returns:
         Names of all bodies (`data.xpos` and `data.xquat` in their order are the positions and quaternions), and the
-        shapes. Planes and meshes are left out.
+        shapes. Planes and height fields are left out.
     """
     bodies = tuple(model.body(i).name or f"body_{i}" for i in range(model.nbody))
     shapes = []
@@ -126,6 +130,12 @@ def shapes_of_model(model: Any, hidden_groups: Sequence[int] = (3, 4, 5)) -> tup
             rgba = model.mat_rgba[material]
         if kind is None or int(model.geom_group[i]) in hidden_groups or rgba[3] == 0.0:
             continue
+        vertices = faces = None
+        if kind == "mesh":
+            mesh = int(model.geom_dataid[i])
+            first, face = int(model.mesh_vertadr[mesh]), int(model.mesh_faceadr[mesh])
+            vertices = np.array(model.mesh_vert[first : first + int(model.mesh_vertnum[mesh])], dtype=np.float64)
+            faces = np.array(model.mesh_face[face : face + int(model.mesh_facenum[mesh])], dtype=np.int32)
         shapes.append(
             Shape(
                 model.geom(i).name or f"geom_{i}",
@@ -135,6 +145,8 @@ def shapes_of_model(model: Any, hidden_groups: Sequence[int] = (3, 4, 5)) -> tup
                 np.array(model.geom_pos[i]),
                 np.array(model.geom_quat[i]),
                 (float(rgba[0]), float(rgba[1]), float(rgba[2]), float(rgba[3])),
+                vertices,
+                faces,
             )
         )
     return bodies, tuple(shapes)

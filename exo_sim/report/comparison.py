@@ -11,6 +11,8 @@ from numpy.typing import NDArray
 from exo_sim.diagnosis.findings import Diagnosis, Series
 from exo_sim.recording.rrd_file import Lane, write_rrd
 from exo_sim.recording.table import Recording
+from exo_sim.rig import Rig
+from exo_sim.simulation.drawn import recorded_scene
 
 Array = NDArray[np.float64]
 
@@ -20,7 +22,7 @@ PAUSE = 1.0
 MOST_SHOWN = 150_000
 
 
-def write_comparison(path: Path, diagnosis: Diagnosis, recordings: Sequence[Recording] = ()) -> None:
+def write_comparison(path: Path, diagnosis: Diagnosis, recordings: Sequence[Recording] = (), rig: Rig | None = None) -> None:
     """Write `comparison.rrd`.
 
     Several recordings follow each other on one clock, with a lane that names them.
@@ -29,6 +31,7 @@ def write_comparison(path: Path, diagnosis: Diagnosis, recordings: Sequence[Reco
         path: Where to.
         diagnosis: Its series and located spans are shown.
         recordings: The recordings as they were read: their other signals are shown as well.
+        rig: The machine, to draw it where it was recorded to be; not drawn when None.
 
     Raises:
         OutputError: the file cannot be written.
@@ -50,7 +53,8 @@ def write_comparison(path: Path, diagnosis: Diagnosis, recordings: Sequence[Reco
     metadata = {"verdict": diagnosis.verdict, "rig": diagnosis.rig}
     whole = {kind: _one_after_another(diagnosis.rig, parts, metadata).thinned(MOST_SHOWN) for kind, parts in pieces.items()}
     overlays: dict[str, Recording] = {kind: one for kind, one in whole.items() if kind != "recorded" and one.columns}
-    write_rrd(path, whole["recorded"], overlays=overlays, lanes=lanes(diagnosis, shifts, pieces["recorded"]))
+    scene = None if rig is None else recorded_scene(whole["recorded"], rig)
+    write_rrd(path, whole["recorded"], scene, overlays=overlays, lanes=lanes(diagnosis, shifts, pieces["recorded"]))
 
 
 def lanes(diagnosis: Diagnosis, shifts: Mapping[str, float], recorded: Sequence[Recording]) -> dict[str, Lane]:

@@ -5,19 +5,15 @@ from __future__ import annotations
 from importlib import metadata
 from typing import Any
 
-import mujoco
 import numpy as np
 
 from exo_sim import __version__
-from exo_sim.machine.linkage import tendon_ends
 from exo_sim.physics.gas import critical_ratio
-from exo_sim.recording.scene import DrawnCylinder, Scene, shapes_of_model
+from exo_sim.recording.scene import Scene
 from exo_sim.recording.table import Recording
+from exo_sim.simulation.drawn import FRAME_RATE, machine_scene
 from exo_sim.simulation.sensors import observe
 from exo_sim.simulation.unworn import MotionRun
-
-#: Frames a second in the scene.
-FRAME_RATE = 50.0
 
 
 def recording(run: MotionRun, name: str, seed: int = 0) -> Recording:
@@ -31,24 +27,8 @@ def recording(run: MotionRun, name: str, seed: int = 0) -> Recording:
 
 def scene(run: MotionRun) -> Scene:
     """Return the bodies and cylinders at `FRAME_RATE`."""
-    model = run.model
-    every = max(1, round(1.0 / (FRAME_RATE * model.opt.timestep)))
-    rows = np.arange(0, len(run.time), every)
-    data = mujoco.MjData(model)
-    positions, quaternions = np.empty((len(rows), model.nbody, 3)), np.empty((len(rows), model.nbody, 4))
-    sites = np.empty((len(rows), model.nsite, 3))
-    for i, row in enumerate(rows):
-        data.qpos[:] = run.qpos[row]
-        mujoco.mj_kinematics(model, data)
-        positions[i], quaternions[i], sites[i] = data.xpos, data.xquat, data.site_xpos
-    bodies, shapes = shapes_of_model(model)
-    cylinders = []
-    for name, cylinder in run.rig.cylinders.items():
-        ends = tendon_ends(model, cylinder.actuator)
-        if ends is not None:
-            base, rod = sites[:, ends[0]], sites[:, ends[1]]
-            cylinders.append(DrawnCylinder(name, base, rod, cylinder.retracted_length, cylinder.bore, max(cylinder.rod, 0.004)))
-    return Scene(run.time[rows], bodies, positions, quaternions, shapes, cylinders)
+    every = max(1, round(1.0 / (FRAME_RATE * run.model.opt.timestep)))
+    return machine_scene(run.model, run.rig, run.time[::every], run.qpos[::every])
 
 
 def summarise(run: MotionRun) -> dict[str, Any]:

@@ -23,8 +23,8 @@ def test_overlays_differences_and_lanes_are_in_the_file(tmp_path):
     write_comparison(tmp_path / "comparison.rrd", made_up.whole())
     entities = {str(chunk.entity_path).replace("\\", "") for chunk in RrdReader(str(tmp_path / "comparison.rrd")).stream()}
     for leaf in ("recorded", "before", "after"):
-        assert f"/piston.pressure_1/{leaf}" in entities
-    assert {"/difference/piston.pressure_1/before", "/difference/piston.pressure_1/after"} <= entities
+        assert f"/piston/pressure_1/{leaf}" in entities
+    assert {"/difference/piston/pressure_1/before", "/difference/piston/pressure_1/after"} <= entities
     assert {"/lanes/piston_chamber_1_energy_balance", "/lanes/held_out"} <= entities
 
 

@@ -55,7 +55,7 @@ def test_a_mesh_is_drawn_where_the_model_has_it(tmp_path):
     rr = pytest.importorskip("rerun")
     model = mujoco.MjModel.from_xml_string(TETRAHEDRON)
     (shape,) = shapes_of_model(model)[1]
-    assert shape.kind == "mesh" and shape.vertices is not None and len(shape.faces) == 4
+    assert shape.kind == "mesh" and shape.vertices is not None and shape.faces is not None and len(shape.faces) == 4
     data, stream = mujoco.MjData(model), rr.RecordingStream("test")
     mujoco.mj_forward(model, data)
     stream.save(tmp_path / "wedge.rrd")

@@ -151,9 +151,9 @@ def declared() -> dict[str, Effect]:
     for source in outside.sources():
         effect = source.effect()
         if not isinstance(effect, Effect):
-            raise ModelError(f"{source.told_by}: {source.attribute} is a {type(effect).__name__}, no Effect of exo_sim.physics.declaration")
+            raise ModelError(f"{source.label}: {source.attribute} is a {type(effect).__name__}, no Effect of exo_sim.physics.declaration")
         if effect.name in found:
-            raise ModelError(f"{source.told_by}: there is an effect {effect.name} already: give yours another name")
+            raise ModelError(f"{source.label}: there is an effect {effect.name} already: give yours another name")
         found[effect.name] = effect
     return dict(sorted(found.items()))
 

@@ -29,13 +29,13 @@ class Source:
     """Where an effect is declared.
 
     Attributes:
-        told_by: What to call it in messages.
+        label: What to call it in messages.
         path: Its file: machine code is kept for the text that is in it.
         module: Name of an installed module, "" for a file by itself.
         attribute: What in the module is the effect.
     """
 
-    told_by: str
+    label: str
     path: Path
     module: str = ""
     attribute: str = "EFFECT"
@@ -48,7 +48,7 @@ class Source:
         """
         module = _run(self)
         if not hasattr(module, self.attribute):
-            raise ModelError(f"{self.told_by}: declares no {self.attribute}")
+            raise ModelError(f"{self.label}: declares no {self.attribute}")
         return getattr(module, self.attribute)
 
 
@@ -92,14 +92,14 @@ def _installed() -> list[Source]:
     found = []
     for point in sorted(metadata.entry_points(group=GROUP), key=lambda point: (point.name, point.value)):
         package = point.dist.name if point.dist is not None else "a package"
-        told_by = f'{package}: entry point "{point.name}" ({point.value})'
+        label = f'{package}: entry point "{point.name}" ({point.value})'
         try:
             spec = importlib.util.find_spec(point.module)
         except Exception as error:  # whatever the package above it raises
-            raise ModelError(f"{told_by}: {type(error).__name__}: {error}") from error
+            raise ModelError(f"{label}: {type(error).__name__}: {error}") from error
         if spec is None or spec.origin is None or not Path(spec.origin).is_file():
-            raise ModelError(f"{told_by}: there is no such module: mend the package, or uninstall it")
-        found.append(Source(told_by, Path(spec.origin), point.module, point.attr or "EFFECT"))
+            raise ModelError(f"{label}: there is no such module: mend the package, or uninstall it")
+        found.append(Source(label, Path(spec.origin), point.module, point.attr or "EFFECT"))
     return found
 
 
@@ -110,7 +110,7 @@ def _run(source: Source) -> ModuleType:
         name = f"exo_sim_effects.{source.path.stem}"
         spec = importlib.util.spec_from_file_location(name, source.path)
         if spec is None or spec.loader is None:
-            raise ModelError(f"{source.told_by}: is not a Python file")
+            raise ModelError(f"{source.label}: is not a Python file")
         module = importlib.util.module_from_spec(spec)
         sys.modules[name] = module
         spec.loader.exec_module(module)
@@ -118,4 +118,4 @@ def _run(source: Source) -> ModuleType:
     except ModelError:
         raise
     except Exception as error:
-        raise ModelError(f"{source.told_by}: {type(error).__name__}: {error}") from error
+        raise ModelError(f"{source.label}: {type(error).__name__}: {error}") from error

@@ -83,8 +83,8 @@ def plots(keys: Sequence[str], units: Mapping[str, str]) -> list[tuple[str, list
     for title, names in _PLOTS:
         of_plot = [key for key in keys if key.rsplit(".", 1)[1] in names]
         for unit in dict.fromkeys(units.get(key, "") for key in of_plot):
-            told = "" if unit in ("", "1") else f", {rrd_names.shown(unit)[0]}"
-            found.append((title + told, [key for key in of_plot if units.get(key, "") == unit]))
+            unit_of_title = "" if unit in ("", "1") else f", {rrd_names.shown(unit)[0]}"
+            found.append((title + unit_of_title, [key for key in of_plot if units.get(key, "") == unit]))
     return found
 
 
@@ -183,8 +183,8 @@ def _views(keys: Sequence[str], overlaid: Mapping[str, bool], units: Mapping[str
     if any(overlaid.get(key) for key in keys):
         for key in keys:
             if overlaid.get(key):
-                told = f"simulated less recorded, {rrd_names.shown(units[key])[0]}"
-                groups += [(words(key, units[key]), [rrd_names.entity(key)]), (told, [f"{DIFFERENCE}/{rrd_names.entity(key)}"])]
+                difference = f"simulated less recorded, {rrd_names.shown(units[key])[0]}"
+                groups += [(words(key, units[key]), [rrd_names.entity(key)]), (difference, [f"{DIFFERENCE}/{rrd_names.entity(key)}"])]
         keys = [key for key in keys if not overlaid.get(key)]
     groups += [(title, [rrd_names.entity(key) for key in shown]) for title, shown in plots(keys, units)]
     legend = rrb.PlotLegend(rrb.Corner2D.RightTop)

@@ -82,14 +82,15 @@ def believed_balance(data: MachineData, name: str, runs: Sequence[MotionRun]) ->
     else:
         index = list(data.rig.cylinders).index(cylinder)
         record, arm = assembly.cylinders(data.rig)[index : index + 1], float(np.median(np.abs(runs[0].drive.arm)))
-    _add_joint_effects(data, name, record, arm)
-    return PlantParameters(assembly.world(data.rig), record)
+    return PlantParameters(assembly.world(data.rig), _with_joint_effects(data, name, record, arm))
 
 
-def _add_joint_effects(data: MachineData, joint: str, record: NDArray[np.void], arm: float) -> None:
-    """Add the effects of a joint to the record of its piston, which feels them through its lever `arm` [m/rad, or 1]."""
+def _with_joint_effects(data: MachineData, joint: str, piston: NDArray[np.void], arm: float) -> NDArray[np.void]:
+    """Return the record of a piston with the effects of its joint, which it feels through its lever `arm` [m/rad, or 1]."""
+    record = piston.copy()
     for effect in data.rig.effects:
         if effect.where == joint and effect.name in (record.dtype.names or ()):
             for name, value in effect.parameters.items():
                 unit = declared()[effect.name].parameter(name).unit
                 record[effect.name][name] += value * arm ** _LEVER_POWERS.get(unit, 0)
+    return record

@@ -87,15 +87,21 @@ class CylinderRun:
     def part(self, start: int, stop: int) -> CylinderRun:
         """Return the samples from `start` to before `stop` as a run of their own."""
 
+        return self._chosen(slice(start, stop), (0, *(b - start for b in self.breaks if start < b < stop)), start == 0)
+
+    def at(self, samples: NDArray[np.int64], breaks: tuple[int, ...]) -> CylinderRun:
+        """Return some samples as a run of their own, where it breaks as indices among them."""
+        return self._chosen(samples, breaks, bool(samples[0] == 0))
+
+    def _chosen(self, samples: slice | NDArray[np.int64], breaks: tuple[int, ...], from_the_start: bool) -> CylinderRun:
         def cut(values: Array | None) -> Array | None:
-            return None if values is None else values[start:stop]
+            return None if values is None else values[samples]
 
         return replace(
-            self, time=self.time[start:stop], command=self.command[start:stop], length=cut(self.length), speed=cut(self.speed),
+            self, time=self.time[samples], command=self.command[samples], length=cut(self.length), speed=cut(self.speed),
             pressure=(cut(self.pressure[0]), cut(self.pressure[1])), supply=cut(self.supply), exhaust=cut(self.exhaust),
             supply_temperature=cut(self.supply_temperature), force=cut(self.force), command_2=cut(self.command_2),
-            breaks=(0, *(b - start for b in self.breaks if start < b < stop)),
-            initial=self.initial if start == 0 else (math.nan, math.nan),
+            breaks=breaks, initial=self.initial if from_the_start else (math.nan, math.nan),
         )  # fmt: skip
 
 

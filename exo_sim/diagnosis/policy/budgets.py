@@ -15,6 +15,15 @@ STRAY = Number(
     "a fit that begins further away does not arrive",
 )  # fmt: skip
 MOST_EXTENSIONS = Count(3, "effects", "are added one by one to those that were proposed together")
+MOST_FITTED = Count(
+    120_000, "samples of a gas",
+    "are predicted in a fit, two minutes at 1 kHz: of longer recordings blocks that are spread over all of them",
+)
+LONGEST_FITTED = Number(
+    600.0, "s", "of a balance of forces are fitted, of longer recordings blocks that are spread over all of them"
+)
+BLOCKS = Count(12, "blocks", "of a long recording stand for it")
+LEAD = Number(5.0, "s", "are predicted before the test time of a long recording, for its gas to come to its temperature")
 MOST_EFFORT = Count(
     60_000_000, "predicted samples", "after which a search seeks nothing more, about a minute of a processor: the same on every machine",
     "learn makes A, B and D of whole machines were through before",

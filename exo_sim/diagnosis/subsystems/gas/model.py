@@ -11,6 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from exo_sim.diagnosis.data.cylinder_run import CylinderRun
+from exo_sim.diagnosis.data.excerpt import excerpts, kept_back
 from exo_sim.diagnosis.data.split import Split
 from exo_sim.diagnosis.discrepancy.curve import Curve
 from exo_sim.diagnosis.discrepancy.signal import Discrepancy
@@ -81,8 +82,9 @@ class GasModel(SubsystemModel):
             if all(run.at_rest for run in runs):
                 window = max(window, max(float(np.ptp(run.time)) for run in runs) / REST_WINDOWS)
         self.where, self.nominal, self.split, self.all_runs = runs[0].cylinder, nominal, split, tuple(runs)
-        group = GROUP * max(1.0, sum(float(np.ptp(run.time)) for run in runs) / LONG)
-        self.runs = list(runs) if on_test else [run for run in (_training_part(run, split) for run in runs) if run is not None]
+        trained = (_training_part(run, split) for run in runs)
+        self.runs = list(runs) if on_test else excerpts([run for run in trained if run is not None])
+        group = GROUP * max(1.0, sum(len(run.time) * float(np.median(np.diff(run.time))) for run in self.runs) / LONG)
         self.inputs: list[GasInputs] = [inputs(run, nominal.world, window) for run in self.runs]
         self._rows = [[rows_of(one, side, split, group, on_test) for side in range(2)] for one in self.inputs]
         self.blocks = self._blocks()
@@ -187,7 +189,8 @@ class GasModel(SubsystemModel):
         return GasModel(self.all_runs, plant, split, on_test=True)
 
     def on_test_time(self, split: Split) -> GasModel:
-        return GasModel(self.all_runs, self.nominal, split, REPORTED_WINDOW, on_test=True)
+        runs = [run for run in (kept_back(run, split) for run in self.all_runs) if run is not None]
+        return GasModel(runs or self.all_runs, self.nominal, split, REPORTED_WINDOW, on_test=True)
 
     def compared(self, before: PlantParameters, after: PlantParameters, curve: Curve | None = None) -> list[Comparison]:
         pressures = [[self.predict(plant, i, whole=False).pressure for i in range(len(self.runs))] for plant in (before, after)]

@@ -7,6 +7,7 @@ from collections.abc import Mapping, Sequence
 import numpy as np
 from numpy.typing import NDArray
 
+from exo_sim.diagnosis.data.excerpt import spread
 from exo_sim.diagnosis.data.motion_run import MotionRun
 from exo_sim.diagnosis.data.split import Split
 from exo_sim.diagnosis.discrepancy.basis import DiscrepancyBasis
@@ -53,6 +54,9 @@ class MotionModel(SubsystemModel):
         self.nominal.cylinder["turning"] = float(first.turning and first.cylinder is None)
         self.unit = "N*m" if first.turning else "N"
         masks = [(split.in_test if on_test else split.in_training)(run.recording, run.time) for run in self.runs]
+        if not on_test:
+            total = sum(float(np.ptp(run.time)) for run in self.runs)
+            masks = [mask & spread(run.time, total) for run, mask in zip(self.runs, masks, strict=True)]
         self._rows = [rows_of(run, usable) for run, usable in zip(self.runs, masks, strict=True)]
         blocks, offset = [], 0
         for rows in self._rows:

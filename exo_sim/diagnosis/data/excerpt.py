@@ -1,0 +1,64 @@
+"""Long recordings: evenly spread blocks of a run stand for all of it where predictions are fitted.
+
+What is fitted is known to a fraction of a per cent after minutes; an hour of samples would only make every prediction sixty times as
+long. The time kept back is never thinned out like that.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+import numpy as np
+from numpy.typing import NDArray
+
+from exo_sim.diagnosis.data.cylinder_run import CylinderRun
+from exo_sim.diagnosis.data.split import Split
+from exo_sim.diagnosis.policy.budgets import BLOCKS, LEAD, LONGEST_FITTED, MOST_FITTED
+
+Array = NDArray[np.float64]
+
+#: Of recordings that are hardly longer than what is fitted nothing is cut out: blocks lie seconds apart, or are none.
+WORTH_CUTTING = 1.25
+
+
+def excerpts(runs: Sequence[CylinderRun]) -> list[CylinderRun]:
+    """Return the runs, or of long ones blocks that together hold at most `MOST_FITTED` samples; a run at rest keeps one of so many."""
+    total = sum(len(run.time) for run in runs)
+    if total <= WORTH_CUTTING * MOST_FITTED:
+        return list(runs)
+    return [_excerpt(run, max(1, MOST_FITTED * len(run.time) // total)) for run in runs]
+
+
+def _excerpt(run: CylinderRun, most: int) -> CylinderRun:
+    n = len(run.time)
+    if run.at_rest:
+        return run.at(np.arange(0, n, -(-n // most)), run.breaks[:1])
+    kept = np.flatnonzero((np.arange(n) / n * BLOCKS) % 1.0 < most / n)
+    jumps = np.flatnonzero(np.diff(kept) > 1) + 1
+    own = np.searchsorted(kept, [index for index in run.breaks if index in kept])
+    return run.at(kept, tuple(sorted({0, *(int(i) for i in jumps), *(int(i) for i in own)})))
+
+
+def spread(time: Array, total: float) -> NDArray[np.bool_]:
+    """Return which samples of a balance of forces are fitted, shape (n,): all, or of long recordings evenly spread blocks.
+
+    Args:
+        time: Its clock [s].
+        total: Length of all recordings together [s].
+    """
+    share = LONGEST_FITTED / max(total, 1e-9)
+    if WORTH_CUTTING * share >= 1.0:
+        return np.ones(len(time), dtype=bool)
+    whole: NDArray[np.bool_] = ((time - time[0]) / float(np.ptp(time)) * BLOCKS) % 1.0 < share
+    return whole
+
+
+def kept_back(run: CylinderRun, split: Split) -> CylinderRun | None:
+    """Return a run; of a long one what its test time needs, with a few seconds before it; None where it has no test time."""
+    if len(run.time) <= WORTH_CUTTING * MOST_FITTED or run.at_rest:
+        return run
+    inside = np.flatnonzero(split.in_test(run.recording, run.time))
+    if not inside.size:
+        return None
+    start = int(np.searchsorted(run.time, run.time[inside[0]] - LEAD))
+    return run.part(start, int(inside[-1]) + 1)

@@ -6,7 +6,6 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from numpy.typing import NDArray
 
 from exo_sim.diagnosis.data.cylinder_run import CylinderRun
 from exo_sim.diagnosis.data.excerpt import excerpts, kept_back, spread
@@ -15,7 +14,7 @@ from exo_sim.diagnosis.policy.budgets import BLOCKS, LEAD, LONGEST_FITTED, MOST_
 
 
 def run(count: int, moving: bool = True) -> CylinderRun:
-    time: NDArray[np.float64] = 1e-3 * np.arange(count)
+    time = np.asarray(1e-3 * np.arange(count), dtype=np.float64)
     length = 0.05 + 0.01 * np.sin(time) if moving else np.full(count, 0.05)
     return CylinderRun(
         "long", "piston", time, np.zeros(count), length, np.zeros(count), (1e5 + time, None), None, None, None, None, True, (1.0, 1.0),

@@ -65,6 +65,8 @@ def verdict(diagnosis: Diagnosis) -> str:
         return "Recording and rig agree to within the noise and what a healthy machine shows."
     if diagnosis.verdict == "undetermined" and not parts:
         return "These recordings cannot tell whether the rig leaves anything out."
+    if not unknown and (rest := _loud_rest(diagnosis, LOUD_DRIFT)):
+        parts.append(f"{rest}, and have no name")
     sentence = "; ".join(parts) or "something is missing"
     if diagnosis.verdict == "undetermined":
         sentence = f"these recordings cannot tell for certain: {sentence}"
@@ -76,13 +78,7 @@ def left_over(diagnosis: Diagnosis) -> str | None:
 
     A free run drifts on its own, so that more is asked of it before it is reported.
     """
-    parts = []
-    if loud := [one for one in diagnosis.unexplained if one.error > LOUD_REST * one.noise > 0.0]:
-        worst = max(loud, key=lambda one: one.error / one.noise)
-        parts.append(
-            f"{amounts.amount(worst.error, worst.unit)} are left in the {worst.where.split('/')[-1]} of {worst.where.split('/')[0]}, "
-            f"{amounts.digits(worst.error / worst.noise, 2)} times the noise"
-        )
+    parts = [rest] if (rest := _loud_rest(diagnosis, LOUD_REST)) else []
     drifts = {key: fit for key, fit in diagnosis.free_run.items() if fit.noise > 0.0 and fit.after > LOUD_DRIFT * fit.noise}
     if drifts:
         key, fit = max(drifts.items(), key=lambda pair: pair[1].after / pair[1].noise)
@@ -90,6 +86,17 @@ def left_over(diagnosis: Diagnosis) -> str | None:
             f"run free, {key} is {amounts.amount(fit.after, fit.unit)} off, {amounts.digits(fit.after / fit.noise, 2)} times the noise"
         )
     return "; ".join(parts) or None
+
+
+def _loud_rest(diagnosis: Diagnosis, times: float) -> str:
+    """Return what the fitted balances miss by more than so many times the noise, at the worst, as a clause; "" where nothing does."""
+    loud = [one for one in diagnosis.unexplained if one.error > times * one.noise > 0.0]
+    if not loud:
+        return ""
+    worst = max(loud, key=lambda one: one.error / one.noise)
+    part, _, balance = worst.where.partition("/")
+    often = amounts.digits(worst.error / worst.noise, 2)
+    return f"{amounts.amount(worst.error, worst.unit)} are left in the {balance} of {part}, {often} times the noise"
 
 
 def unexplained(left: Unexplained) -> str:

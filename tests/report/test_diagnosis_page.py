@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 from report import made_up_diagnoses as made_up
 
-from exo_sim.diagnosis.findings import Diagnosis, Estimate, Finding, Kind, SignalFit, Verdict
+from exo_sim.diagnosis.findings import Diagnosis, Estimate, Finding, Kind, SignalFit, Unexplained, Verdict
 from exo_sim.report import diagnosis_picture, diagnosis_text, diagnosis_words
 from exo_sim.report.diagnosis_page import page
 
@@ -175,3 +175,36 @@ def test_the_verdict_counts_what_is_off_and_names_what_is_missing():
         "The rig leaves out piston leakage or external leakage at piston; something without a name acts at piston; "
         "slide.position is late; one believed number is off as well."
     )
+
+
+def test_a_rest_far_above_the_noise_is_never_silent() -> None:
+    loud = Unexplained("piston/force balance", (), 0.1, error=12.0, noise=0.2, unit="N")
+    quiet = replace(loud, error=0.3)
+    agree = Diagnosis(Verdict.CONSISTENT, ("monday",), "bench")
+    assert "agree to within the noise" in diagnosis_words.verdict(replace(agree, unexplained=(quiet,)))
+    assert "60 times the noise" in diagnosis_words.verdict(replace(agree, unexplained=(loud,)))
+    drifts = replace(agree, free_run={"slide.position": SignalFit("m", 1e-3, 8.6e-4, 2e-5)})
+    assert "43 times the noise" in diagnosis_words.verdict(drifts)
+    named = Finding("coulomb_friction", "piston", Kind.MISSING_PHYSICS, "Dry friction.", {}, 60.0, 0.9)
+    found = Diagnosis(Verdict.MISMATCH, ("monday",), "bench", effects=(named,), unexplained=(loud,))
+    assert "Coulomb friction" in diagnosis_words.verdict(found) and "60 times the noise" in diagnosis_words.verdict(found)
+
+
+@pytest.mark.parametrize(
+    ("probability", "words"), [(0.95, "almost certain"), (0.9, "very likely"), (0.7, "likely"), (0.5, "as likely"), (0.1, "doubtful")]
+)
+def test_probabilities_are_words_and_a_number(probability: float, words: str) -> None:
+    said = diagnosis_words.likelihood(probability)
+    assert said.startswith(words) and f"{100 * probability:.0f} %" in said
+
+
+def test_what_costs_most_comes_first() -> None:
+    cheap = Finding("viscous_friction", "piston", Kind.MISSING_PHYSICS, "", {}, 60.0, 0.9, cost=0.01)
+    dear = Finding("piston_leakage", "piston", Kind.MISSING_PHYSICS, "", {}, 9.0, 0.5, cost=0.2)
+    improved = "[effects.piston_leakage.piston]\n[effects.viscous_friction.piston]\n"
+    found = Diagnosis(Verdict.MISMATCH, ("monday",), "bench", effects=(cheap, dear), improved=improved)
+    assert "piston leakage at piston matters most" in diagnosis_words.first_step(found)
+    assert "does without it" in diagnosis_words.first_step(replace(found, improved=""))
+    stuck = Finding("sensor_stuck", "slide.position", Kind.SENSOR, "", {}, 10.0, 0.0)
+    assert "Check the sensor of slide.position" in diagnosis_words.first_step(replace(found, effects=(dear, stuck)))
+    assert diagnosis_words.first_step(Diagnosis(Verdict.CONSISTENT, ("monday",), "bench")) == ""

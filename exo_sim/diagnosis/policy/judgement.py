@@ -12,6 +12,10 @@ MOST_CONFIDENT = Number(
     0.95, "probability", "no finding is called more probable, however great its odds: laws that nobody has thought of are in none of them",
     "names that were right on whole machines of an independent truth: 56 of 60",
 )  # fmt: skip
+CONFIDENT_BESIDE_UNKNOWN = Number(
+    0.8, "probability",
+    "nor one more probable than this that stands in a gas beside something without a name: it may be the name of a part of that",
+)  # fmt: skip
 PROBABLE = Number(
     0.75, "probability", "an effect of the most probable subset is named from here on, alone or as one of those that exclude each other"
 )

@@ -68,6 +68,8 @@ class _Decision(Generic[Model]):
         laws = {q for c in named if c not in reported for q in c.parameters}
         named = reported
         findings = [self._with_all_parts(self._finding(c, final, errors), c) for c in named]
+        if alone:
+            findings = [replace(f, probability=min(f.confidence, float(judgement.CONFIDENT_BESIDE_UNKNOWN))) for f in findings]
         twins = self.model.indistinguishable(findings, final.fit)
         findings = [_ambiguous_with(f, twins.get((f.name, f.where), ())) for f in findings]
         observed = {parameter: error for parameter, error in errors.items() if self.model.is_observed(parameter)}

@@ -171,11 +171,15 @@ class Unexplained:
 
 @dataclass(frozen=True)
 class NextExperiment:
-    """What to record next, why, and which effects it separates."""
+    """What to record next, why, and which effects it separates.
+
+    `ranked` holds experiments with the log10 of the odds that each is expected to give, by simulation, the best first.
+    """
 
     why: str
     do: str
     separates: tuple[str, ...]
+    ranked: tuple[tuple[str, float], ...] = ()
 
 
 @dataclass(frozen=True)
@@ -317,4 +321,8 @@ class Diagnosis:
                 "do": self.next_experiment.do,
                 "separates": list(self.next_experiment.separates),
             }
+            if self.next_experiment.ranked:
+                found["next_experiment"]["ranked"] = [
+                    {"do": do, "expected_log10_odds": float(f"{gain:.3g}")} for do, gain in self.next_experiment.ranked
+                ]
         return found

@@ -130,6 +130,17 @@ class SubsystemModel(ABC):
         """
         return {}
 
+    def experiments(self, plants: Sequence[PlantParameters]) -> Mapping[str, Array]:
+        """Return what plants predict of experiments that could be made, in units of what noise and floor leave of a row.
+
+        Args:
+            plants: The plants.
+
+        Returns:
+            By what is to be done, shape (plants, rows).
+        """
+        return {}
+
     @abstractmethod
     def on_test_time(self, split: Split) -> SubsystemModel:
         """Return the model whose rows are those of the test time; predictions run over half a second where they run over windows."""

@@ -31,6 +31,7 @@ def page(diagnosis: Diagnosis, rig_text: str, rig_name: str = "rig.toml") -> str
     environment.filters.update(share=amounts.share, name_of=diagnosis_words.name_of, joined=diagnosis_words.joined)
     template = environment.from_string((_HERE / "diagnosis.html").read_text(encoding="utf-8"))
     pictures = diagnosis_picture.drawn(diagnosis)
+    following = diagnosis.next_experiment
     return template.render(
         d=diagnosis,
         style=(_HERE / "diagnosis.css").read_text(encoding="utf-8"),
@@ -38,6 +39,7 @@ def page(diagnosis: Diagnosis, rig_text: str, rig_name: str = "rig.toml") -> str
         sentence=diagnosis_words.verdict(diagnosis),
         proof=diagnosis_words.proof(diagnosis),
         first=diagnosis_words.first_step(diagnosis),
+        experiments=[(do, diagnosis_words.settles(gain)) for do, gain in (following.ranked if following else ())],
         unexplained=[diagnosis_words.unexplained(left) for left in diagnosis.unexplained],
         small=[
             (diagnosis_words.small(one), name, value, span)

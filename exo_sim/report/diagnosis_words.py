@@ -194,6 +194,12 @@ def likelihood(probability: float) -> str:
     return f"{words} (probability {100.0 * probability:.0f} %{' at least' if probability >= MOST_CONFIDENT else ''})"
 
 
+def settles(log10_odds: float) -> str:
+    """Return how surely an experiment is expected to tell two explanations apart."""
+    ways = ((2.0, "surely"), (1.0, "most likely"), (0.5, "perhaps"))
+    return next((words for least, words in ways if log10_odds >= least), "hardly")
+
+
 def numbers(finding: Finding) -> list[tuple[str, str, str]]:
     """Return (parameter, value, 95 % interval) of a finding, in readable units."""
     return [

@@ -7,6 +7,10 @@ from collections.abc import Collection, Sequence
 from exo_sim.diagnosis import wording
 from exo_sim.diagnosis.data.machine_data import MachineData
 from exo_sim.diagnosis.findings import Finding, Kind, NextExperiment, OpenQuestion, Subsystem, Verdict
+from exo_sim.diagnosis.outcome.experiments import in_which, ranked_experiments
+from exo_sim.diagnosis.policy.gates import LEAST_ODDS
+from exo_sim.diagnosis.selection.subsystem_result import SubsystemResult
+from exo_sim.diagnosis.subsystem_model import SubsystemModel
 from exo_sim.physics.effects.unknown import EFFECT as UNKNOWN
 
 
@@ -35,13 +39,22 @@ def distinct(questions: Sequence[OpenQuestion]) -> tuple[OpenQuestion, ...]:
     return tuple({(q.question, q.why): q for q in questions}.values())
 
 
-def next_experiment(findings: Sequence[Finding], questions: Sequence[OpenQuestion]) -> NextExperiment | None:
-    """Return what to record next: to separate effects that look the same, to see a curve, or to answer an open question."""
+def next_experiment(
+    findings: Sequence[Finding], questions: Sequence[OpenQuestion], results: Sequence[SubsystemResult[SubsystemModel]] = ()
+) -> NextExperiment | None:
+    """Return what to record next: to separate effects that look the same, to see a curve, or to answer an open question.
+
+    What separates two effects is simulated where both were fitted to the same `results`; an experiment that is not expected to separate
+    them decisively is not proposed: then it is what the effects declare.
+    """
     for finding in findings:
         if finding.ambiguous_with:
             rival = finding.ambiguous_with[0]
+            one = in_which(results, finding.name, finding.where)
+            ranked = ranked_experiments(one, finding.name, rival) if one is not None else ()
             why = f"{wording.name_of(finding.name)} and {wording.name_of(rival)} explain this recording equally well"
-            return NextExperiment(why, wording.experiment(finding.name, rival), (finding.name, *finding.ambiguous_with))
+            do = ranked[0][0] if ranked and ranked[0][1] > LEAST_ODDS else wording.experiment(finding.name, rival)
+            return NextExperiment(why, do, (finding.name, *finding.ambiguous_with), ranked)
     for finding in findings:
         if finding.kind is Kind.UNKNOWN:
             follows = finding.depends_on[0] if finding.depends_on else "one signal at a time"

@@ -85,7 +85,7 @@ def diagnose(
         held_out_recordings=tuple(split.test) if len(data.recordings) > 1 else (),
         unexplained=unexplained(results.all, found.unknown),
         small=small_findings(results.all, findings),
-        next_experiment=next_experiment(findings, questions),
+        next_experiment=next_experiment(findings, questions, results.all),
         open_questions=questions,
         sensor_remarks=tuple(dict.fromkeys(remarks)),
         checks=tuple(check.as_dict() for check in data.checks),

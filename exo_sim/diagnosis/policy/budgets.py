@@ -54,4 +54,5 @@ LONGEST_FREE_RUN = Number(
 )
 MOST_REJECTED = Count(20, "candidates", "that were rejected are listed at most")
 MOST_SPANS = Count(6, "spans of time", "are listed of one balance at most")
+RANKED = Count(3, "experiments", "that would separate two explanations are listed")
 MOST_TRIALS = Count(24, "improved rigs", "are run over the time kept back, to see how much of what was found wins")

@@ -23,6 +23,7 @@ from exo_sim.diagnosis.findings import Finding, Series, Subsystem
 from exo_sim.diagnosis.policy import healthy, judgement, priors
 from exo_sim.diagnosis.subsystem_model import Comparison, SubsystemModel
 from exo_sim.diagnosis.subsystems.gas.bursts import burst_ratio
+from exo_sim.diagnosis.subsystems.gas.experiments import menu
 from exo_sim.diagnosis.subsystems.gas.inputs import GasInputs, inputs, with_late_pressures
 from exo_sim.diagnosis.subsystems.gas.missing_flow import missing_flow
 from exo_sim.diagnosis.subsystems.gas.prediction import GasPrediction, effort_of, run_gas
@@ -264,6 +265,19 @@ class GasModel(SubsystemModel):
         """Declared twins of what the gas feels and nobody measured: a supply's."""
         twins = {(f.name, f.where): asked_of(f.name).twins.unmeasured for f in findings}
         return {key: names for key, names in twins.items() if names}
+
+    def experiments(self, plants: Sequence[PlantParameters]) -> Mapping[str, Array]:
+        found = {}
+        for do, run in menu(self.all_runs[0], self.nominal).items():
+            trial = GasModel([run], self.nominal, Split({}), window=2.0 * float(run.time[-1]))
+            found[do] = np.stack([trial.means(plant) for plant in plants])
+        return found
+
+    def means(self, plant: PlantParameters) -> Array:
+        """Return what a plant predicts of each row, in units of what noise and floor leave of it, shape (size,)."""
+        pressures = [self.predict(plant, index, whole=False).pressure for index in range(len(self.runs))]
+        sides = [(p[:, side], rows) for p, run in zip(pressures, self._rows, strict=True) for side, rows in enumerate(run)]
+        return np.concatenate([rows.means(p) / rows.scale for p, rows in sides if rows.count.size])
 
     def with_unknown(self, plant: PlantParameters, discrepancy: Discrepancy) -> PlantParameters:
         best = discrepancy.best

@@ -22,6 +22,7 @@ from exo_sim.diagnosis.policy.calibration import SURE
 from exo_sim.diagnosis.subsystem_model import Comparison, SubsystemModel
 from exo_sim.diagnosis.subsystems.healthy_leak import OUTWARD
 from exo_sim.diagnosis.subsystems.motion.discrepancy_basis import friction_discrepancy
+from exo_sim.diagnosis.subsystems.motion.experiments import resisted
 from exo_sim.diagnosis.subsystems.motion.regimes import regimes
 from exo_sim.diagnosis.subsystems.motion.resistance import resistance_along
 from exo_sim.diagnosis.subsystems.motion.rows import rows_of
@@ -208,6 +209,14 @@ class MotionModel(SubsystemModel):
         if parameter.effect != "offset" or not columns:
             return None
         return columns[0], sensor_bias.EFFECT.name, "value", -value / float(np.median(drive.levers[columns[0]]))
+
+    def experiments(self, plants: Sequence[PlantParameters]) -> Mapping[str, Array]:
+        place = np.concatenate([run.kinematics.position for run in self.runs])
+        gauge = max((float(np.max(run.drive.gauge)) for run in self.runs if run.cylinder is not None), default=0.0)
+        scale = float(np.median(self.scale)) if self.scale.size else 1.0
+        arm = max(float(np.median(np.abs(self.runs[0].drive.arm))), 1e-9)
+        forces = resisted(float(np.min(place)), float(np.max(place)), gauge, plants)
+        return {do: arm * each[:, ::4] / scale for do, each in forces.items()}  # a row of the fit takes four of its samples
 
     def indistinguishable(self, findings: Sequence[Finding], fit: Fit) -> Mapping[tuple[str, str], tuple[str, ...]]:
         """Some friction is another one beside a constant force: a force sensor's bias, or what closed the balance."""

@@ -323,6 +323,6 @@ class Diagnosis:
             }
             if self.next_experiment.ranked:
                 found["next_experiment"]["ranked"] = [
-                    {"do": do, "expected_log10_odds": float(f"{gain:.3g}")} for do, gain in self.next_experiment.ranked
+                    {"do": do, "expected_log10_odds": float(f"{min(gain, 12.0):.3g}")} for do, gain in self.next_experiment.ranked
                 ]
         return found

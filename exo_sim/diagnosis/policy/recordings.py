@@ -31,7 +31,7 @@ LOUD_REST = Number(
     3.0, "units of the noise", "a rest that is larger is listed as unexplained, whatever share of the error it is and whatever was found"
 )
 LOUD_DRIFT = Number(
-    20.0, "units of the noise", "a free run that is off by more, and what is left beside findings, is told of in the verdict"
+    20.0, "units of the noise", "a free run that is off by more, and what is left beside findings, is reported with the verdict"
 )
 LOUD = Number(3.0, "units of the noise", "a span of time is listed where the error exceeds this")
 CORRECTED_PRESSURE = Number(50.0, "Pa", "a pressure whose sensor is off by less is not corrected for the balance of forces")

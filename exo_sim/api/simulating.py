@@ -160,8 +160,9 @@ def simulate(
         assist: "on"; "off": valves closed; "vented": both chambers open to the atmosphere.
         controller: How valves get forces: "model" inverts the gas equations, "pi" is plain PI; or a controller of your own, as an object
             with `reset(context)` and `act(observation)`, or as "FILE.py:NAME".
-        demand: Law by which joint torques are asked for: "least_load", "inverse_dynamics" or "virtual_support".
-        seed: Travels with the recording, and is handed to a controller of your own.
+        demand: Law by which joint torques are asked for: "least_load", "causal" (from what the machine itself measures),
+            "inverse_dynamics" or "virtual_support".
+        seed: Travels with the recording, is handed to a controller of your own, and is where the noise of the causal one's signals starts.
         out: Where the recording for the viewer (`.rrd`) is written while it runs, with its table beside it; memory then does not grow
             with length. True names it after what is done, in the folder that you are in; False keeps the run in memory.
         quiet: No progress.

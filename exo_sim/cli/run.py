@@ -46,10 +46,10 @@ from exo_sim.cli.frame import verb
 )
 @click.option(
     "--demand",
-    type=options.Choice(["least_load", "inverse_dynamics", "virtual_support"]),
+    type=options.Choice(["least_load", "causal", "inverse_dynamics", "virtual_support"]),
     default="least_load",
     show_default=True,
-    help="Law by which joint torques are asked for.",
+    help="Law by which joint torques are asked for: least_load knows the wearer's motion beforehand, causal what the machine measures.",
 )
 @click.option("--rig", type=options.InputFile(), default=None, help="The machine; the one in assets/ when absent.")
 def command(scenario: str | None, gait: Path | None, ground: Path | None, whole: bool, payload: float, speed: str,

@@ -1,5 +1,5 @@
-"""Joint torques that carry frame and payload through the stance leg: three laws, each a table over the phase of the
-motion.
+"""Joint torques that carry frame and payload through the stance leg: four laws. The first
+three are tables over the phase of the motion.
 
 - `virtual_support`: the stance leg pushes on the ground with a force that carries the whole machine, aimed at its mass
   centre.
@@ -7,6 +7,7 @@ motion.
   ground force chosen so that the torso straps give no moment.
 - `least_load` (`least_load.py`): the torques for which the straps, as the springs they are, load the wearer's joints
   least, improved by rehearsing a few strides.
+- `causal` (`causal.py`): the same as calibrated on the mean stride, read at a phase that is estimated, and changed by strap forces.
 
 A table depends on rig, payload, wearer and cadence and is computed before the run; the controller only interpolates.
 """
@@ -22,7 +23,7 @@ from exo_sim.gait.motion import SAMPLES, Motion
 from exo_sim.machine.straps import StrapSet
 from exo_sim.rig.schema import Ankle
 
-LAWS = ("virtual_support", "inverse_dynamics", "least_load")
+LAWS = ("virtual_support", "inverse_dynamics", "least_load", "causal")
 DEFAULT_LAW = "least_load"
 #: Coordinates of the joint torques: hip, knee, ankle of the left, then of the right leg.
 JOINTS = slice(3, 9)

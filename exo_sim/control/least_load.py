@@ -80,6 +80,28 @@ class Weights:
         return np.concatenate([joints, np.broadcast_to(others, (len(rate), 3))], axis=1)
 
 
+@dataclass(frozen=True)
+class Yielding:
+    """How the machine gives way about its reference: inertia d'' + damping d' + stiffness d = torques, n = PHASES.
+
+    Attributes:
+        inertia, damping, stiffness: Of straps and ground together, shape (n, 9, 9).
+        strap: How straps stretch, across and along, shape (n, 2 straps, 9).
+        strap_stiffness, strap_damping: [N/m], [N s/m], shape (2 straps,).
+        load: Weighted loads on the wearer for a unit force of each strap on the machine, shape (n, 9, 2 straps).
+        driven: Which of the six joints have a torque.
+    """
+
+    inertia: NDArray[np.float64]
+    damping: NDArray[np.float64]
+    stiffness: NDArray[np.float64]
+    strap: NDArray[np.float64]
+    strap_stiffness: NDArray[np.float64]
+    strap_damping: NDArray[np.float64]
+    load: NDArray[np.float64]
+    driven: tuple[int, ...]
+
+
 class LeastLoad:
     """Torque harmonics, how they act on the wearer, and how to better them.
 
@@ -115,9 +137,14 @@ class LeastLoad:
         self._reach = reach
         self._coefficients = np.zeros(len(self._driven) * (2 * HARMONICS + 1))
         self._solve(dynamics, motion, person, straps, ankle)
-        self._keep_within_reach()
+        self._coefficients = self._within_reach(self._coefficients)
         self._gain = np.linalg.inv(self._effect.T @ self._effect + np.diag(self._effort**2))
         self._best: tuple[float, NDArray[np.float64]] = (np.inf, self._coefficients)
+
+    @property
+    def best(self) -> NDArray[np.float64]:
+        """Harmonics of the best rehearsal so far, or those of the plan where there was none."""
+        return self._best[1] if np.isfinite(self._best[0]) else self._coefficients
 
     def torque(self, best: bool = False) -> NDArray[np.float64]:
         """Return hip, knee, ankle of the left, then of the right leg along the cycle [N m], shape (SAMPLES, 6).
@@ -125,10 +152,25 @@ class LeastLoad:
         Args:
             best: Those of the best rehearsal so far, else those to try next.
         """
-        coefficients = self._best[1] if best else self._coefficients
+        return self.table(self.best if best else self._coefficients)
+
+    def table(self, coefficients: NDArray[np.float64]) -> NDArray[np.float64]:
+        """Return the torques that harmonics make, as `torque`."""
         out = np.zeros((SAMPLES, 6))
         out[:, self._driven] = _basis(SAMPLES) @ coefficients.reshape(len(self._driven), -1).T
         return out * self._support[:, None]
+
+    def restored(self, change: NDArray[np.float64], forces: NDArray[np.float64], share: float) -> NDArray[np.float64]:
+        """Return a change of the best harmonics that takes the straps back to the forces that belong to them.
+
+        Args:
+            change: What it was so far.
+            forces: By how much the straps' forces on the machine, across and along, were others [N], shape (PHASES, 2 straps).
+            share: Of the full correction, 0 to 1.
+        """
+        load = (np.einsum("nij,nj->ni", self._strap_map, forces) * self._matters).reshape(-1)
+        change = change - share * (self._gain @ (self._effect.T @ load + self._effort**2 * change))
+        return self._within_reach(self.best + change) - self.best
 
     def learn(self, moments: NDArray[np.float64], straps: NDArray[np.float64]) -> float:
         """Better the torques by what they did in a rehearsal.
@@ -147,15 +189,15 @@ class LeastLoad:
             self._best = (cost, self._coefficients)
         step = self._gain @ (self._effect.T @ load + held)
         self._coefficients = self._coefficients - _STRIDE_GAIN * step
-        self._keep_within_reach()
+        self._coefficients = self._within_reach(self._coefficients)
         return cost
 
-    def _keep_within_reach(self) -> None:
-        """Put the harmonics where they come closest to the torques cut off at what the actuators can hold."""
+    def _within_reach(self, coefficients: NDArray[np.float64]) -> NDArray[np.float64]:
+        """Return the harmonics that come closest to the torques cut off at what the actuators can hold."""
         basis = _basis(PHASES)
-        table = basis @ self._coefficients.reshape(len(self._driven), -1).T
+        table = basis @ coefficients.reshape(len(self._driven), -1).T
         cut = np.clip(table, self._reach[:, self._driven, 0], self._reach[:, self._driven, 1])
-        self._coefficients = np.asarray(np.linalg.lstsq(basis, cut, rcond=None)[0].T.reshape(-1), dtype=np.float64)
+        return np.asarray(np.linalg.lstsq(basis, cut, rcond=None)[0].T.reshape(-1), dtype=np.float64)
 
     def _solve(self, dynamics: MachineDynamics, motion: Motion, person: Person, straps: StrapSet, ankle: Ankle) -> None:
         """Find the effect of each torque harmonic on the loads, and the harmonics that make the loads least."""
@@ -167,8 +209,8 @@ class LeastLoad:
         if ankle.mode == "sprung":
             for joint in _ANKLES:
                 spring[:, joint, joint] += ankle.stiffness
-        loads = np.concatenate([_wearer_map(dynamics, motion, person, straps), _pulled(dynamics, straps)], axis=1)
-        loads *= self._matters[:, :, None]
+        self._strap_map = np.concatenate([_wearer_map(dynamics, motion, person, straps), _pulled(dynamics, straps)], axis=1)
+        loads = self._strap_map * self._matters[:, :, None]
         inputs = np.zeros((PHASES, 9, len(self._driven), 2 * HARMONICS + 1))
         for i, joint in enumerate(self._driven):
             inputs[:, 3 + joint, i] = _basis(PHASES) * self._support[PICK, None]
@@ -197,6 +239,7 @@ class LeastLoad:
             if not pulling.any():
                 break
             down &= ~pulling
+        self.yielding = Yielding(dynamics.inertia, c, k, strap, stiffness, damping, loads, tuple(self._driven))
 
 
 def _derivative_matrices(period: float) -> tuple[NDArray[np.float64], NDArray[np.float64]]:

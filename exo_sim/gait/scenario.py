@@ -11,6 +11,7 @@ from pathlib import Path
 from exo_sim import units
 from exo_sim.errors import ScenarioError, UnitError, nearest
 from exo_sim.gait.motion import Motion
+from exo_sim.gait.variation import Variation
 from exo_sim.machine.person import Person
 
 SPEED_RANGE = (0.7, 1.3)
@@ -43,6 +44,7 @@ class Scenario:
         gait: Name of the recorded gait that the angles can be held against, or None.
         added: Load put on while it runs, or None.
         remarks: Plain sentences about what it was made of.
+        variation: How its strides differ from the mean one, or None.
     """
 
     summary: str
@@ -52,6 +54,7 @@ class Scenario:
     gait: str | None = None
     added: AddedLoad | None = None
     remarks: tuple[str, ...] = ()
+    variation: Variation | None = None
 
 
 def names() -> tuple[str, ...]:

@@ -23,6 +23,12 @@ One of three things makes the motion::
     ankle  = ["7 deg", "25 deg"]
     lean   = ["8 deg", "30 deg"]     # of the torso, forward
 
+    [variation]                      # optional with any of them: strides that are not the mean one
+    stride_time = 0.02               # standard deviation of the stride's time over its mean
+    asymmetry   = 0.0                # time of the right foot's step more than the left's, over the stride's
+    lean        = "3 deg"            # of the trunk, forward, more than the motion's
+    seed        = 0
+
     [added]                          # optional with any of them: mass put on the back on the way
     mass = "20 kg"
     at   = 5.0                       # in strides or repetitions
@@ -47,6 +53,7 @@ from exo_sim.gait.motion import SAMPLES, Motion
 from exo_sim.gait.scenario import AddedLoad, Scenario
 from exo_sim.gait.standing import on_both_feet
 from exo_sim.gait.trial import JOINTS, PELVIS
+from exo_sim.gait.variation import Variation
 from exo_sim.inputs import text_of, toml
 from exo_sim.machine.person import Person
 from exo_sim.recording.column_map import ColumnMap, column_of
@@ -73,7 +80,7 @@ def read(path: str | Path) -> Scenario:
         raise ScenarioError(f"{path}: cannot be read: {error.strerror or error}") from None
     except ValueError as error:
         raise ScenarioError(f"{path}: {error}") from None
-    _only(path, "", values, ("summary", "strides", "added", *_MAKERS))
+    _only(path, "", values, ("summary", "strides", "added", "variation", *_MAKERS))
     made_by = [key for key in _MAKERS if key in values]
     if len(made_by) != 1:
         raise ScenarioError(f"{path}: one of [gait], [standing] and like makes a scenario; there {_are(made_by)}")
@@ -85,6 +92,8 @@ def read(path: str | Path) -> Scenario:
         if isinstance(strides, bool) or not isinstance(strides, int) or not 1 <= strides <= 10000:
             raise ScenarioError(f"{path}: strides = {strides!r}: write a whole number from 1 to 10000")
         made = replace(made, cycles=strides)
+    if "variation" in values:
+        made = replace(made, variation=_variation(path, values["variation"]))
     return replace(made, added=_added(path, values["added"])) if "added" in values else made
 
 
@@ -169,6 +178,23 @@ def _curve(path: Path, key: str, given: Any) -> NDArray[np.float64]:
     share = at % 1.0
     rise = share**4 * (35 - 84 * share + 70 * share**2 - 20 * share**3)
     return np.asarray(values[before] + (values[(before + 1) % len(values)] - values[before]) * rise)
+
+
+def _variation(path: Path, given: Any) -> Variation:
+    table = _table(path, "variation", given)
+    _only(path, "variation", table, ("stride_time", "asymmetry", "lean", "seed"))
+    for key in ("stride_time", "asymmetry"):
+        value = table.get(key, 0.0)
+        if isinstance(value, bool) or not isinstance(value, int | float) or not np.isfinite(value):
+            raise ScenarioError(f"{path}: variation.{key} = {value!r}: write a share of the stride's time, like 0.02")
+    seed = table.get("seed", 0)
+    if isinstance(seed, bool) or not isinstance(seed, int) or seed < 0:
+        raise ScenarioError(f"{path}: variation.seed = {seed!r}: write a whole number, 0 or more")
+    lean = _quantity(path, "variation.lean", table["lean"], "rad") if "lean" in table else 0.0
+    try:
+        return Variation(float(table.get("stride_time", 0.0)), float(table.get("asymmetry", 0.0)), lean, seed)
+    except ScenarioError as error:
+        raise ScenarioError(f"{path}: {error}") from None
 
 
 def _added(path: Path, given: Any) -> AddedLoad:

@@ -13,12 +13,14 @@ from numpy.typing import NDArray
 from exo_sim import progress
 from exo_sim.control import demand as law_of_demand
 from exo_sim.control import machine_dynamics, own
+from exo_sim.control.causal import Calibration, Causal
 from exo_sim.control.least_load import LeastLoad
 from exo_sim.control.valve_control import largest_forces
 from exo_sim.errors import Diverged, ModelError, ScenarioError
 from exo_sim.gait import scenario as scenarios
-from exo_sim.gait.motion import SAMPLES
+from exo_sim.gait.motion import SAMPLES, Motion
 from exo_sim.gait.residual_reduction import worn
+from exo_sim.gait.variation import Variation
 from exo_sim.machine.attachment import attach
 from exo_sim.machine.build import PAYLOAD_LIMIT, build, carry
 from exo_sim.machine.linkage import check_strokes, moment_row
@@ -28,6 +30,7 @@ from exo_sim.machine.straps import fasten
 from exo_sim.rig import Rig
 from exo_sim.rig.valve_pace import longest_step
 from exo_sim.simulation import driven, loop
+from exo_sim.simulation.calibration import calibrated
 from exo_sim.simulation.loop_wiring import wire
 from exo_sim.simulation.native import warnings_counted
 from exo_sim.simulation.plugin import PneumaticPlugin
@@ -53,6 +56,7 @@ class Simulation:
         seed: What such a controller is given.
 
     Attributes:
+        calibration: What a causal controller begins with, where one was asked for.
         remarks: Plain sentences, such as that the cylinders cannot carry the payload.
 
     Raises:
@@ -85,15 +89,40 @@ class Simulation:
             _check_step(rig, float(self.model.opt.timestep))
         self.dt = float(self.model.opt.timestep)
         self.remarks: tuple[str, ...] = ()
+        self.calibration: Calibration | None = None
         self.demand = self.demand_added = np.zeros((SAMPLES + 1, 6))
         self.demand = self._demands(request.payload)
-        self.demand_added = self._demands(request.payload + self.added.mass) if self.added else self.demand
+        knows = self.added is not None and request.law != "causal"
+        self.demand_added = self._demands(request.payload + self.added.mass) if self.added and knows else self.demand
+        if (variation := request.variation or scenario.variation) is not None:
+            whole = self._varied(whole, variation)
+        self.motion = whole
         if whole.trial is not None:
-            self.motion, self.demand, self.demand_added = whole, whole.trial.played(self.demand), whole.trial.played(self.demand_added)
+            self.demand, self.demand_added = whole.trial.played(self.demand), whole.trial.played(self.demand_added)
         self.remarks = (*scenario.remarks, *self.remarks)
         if controller is not None:
-            self._asked = own.Asked(controller, driven.context(self, controller, seed), request.controller)
+            self.controlled_by(controller, seed)
+        elif self.calibration is not None:
+            self.controlled_by(Causal(self.calibration), seed)
         self._reset()
+
+    def _varied(self, motion: Motion, variation: Variation) -> Motion:
+        """Return the motion with strides that differ from the mean one, on which torques were planned."""
+        if motion.trial is not None:
+            raise ScenarioError(f"{self.request.scenario}: the strides of a whole trial are as they were recorded; leave out the variation")
+        varied = variation.applied(motion, self.cycles)
+        if varied.trial is not None:
+            self.cycles = math.ceil(self.cycles / varied.trial.strides)
+        return varied
+
+    def controlled_by(self, controller: own.Controller, seed: int = 0) -> None:
+        """Let somebody's controller ask for torques or move the valves.
+
+        Args:
+            controller: Whose.
+            seed: What it is told.
+        """
+        self._asked = own.Asked(controller, driven.context(self, controller, seed), self.request.controller)
 
     def _demands(self, payload: float) -> NDArray[np.float64]:
         """Return the demand over the cycle for a payload, the first row repeated behind the last, (SAMPLES + 1, 6)."""
@@ -110,7 +139,7 @@ class Simulation:
         reach = self._reach()
         needed = law_of_demand.demand("inverse_dynamics", dynamics, self.motion, self.straps, self.rig.ankle)
         self.remarks = () if self.request.ideal else self._too_weak(payload, needed[machine_dynamics.PICK], reach)
-        if self.request.law != "least_load":
+        if self.request.law not in ("least_load", "causal"):
             return _closed(law_of_demand.demand(self.request.law, dynamics, self.motion, self.straps, self.rig.ankle))
         plan = LeastLoad(dynamics, self.motion, self.person, self.straps, self.rig.ankle, reach)
         return _closed(self._rehearse(plan, payload))
@@ -159,6 +188,10 @@ class Simulation:
                 self.demand = self.demand_added = _closed(law_of_demand.limit(plan.torque(), ankle))
                 self._reset()
                 learn_from(plan, self.run(), settling)
+            if self.request.law == "causal":
+                self.demand = self.demand_added = _closed(law_of_demand.limit(plan.torque(best=True), ankle))
+                self._reset()
+                self.calibration = calibrated(plan, self.run(), settling)
         finally:
             self.added, self.cycles, self.demand = usual
             carry(self.model, self.request.payload)
@@ -246,7 +279,8 @@ class Simulation:
         """When the added load is put on [s]: the same share of the run as in the scenario's own length."""
         assert self.added is not None
         usual = self.request.found.cycles
-        return self.added.at * self.motion.stride_time * self.cycles / usual
+        asked = self.request.cycles if self.request.cycles is not None else usual
+        return self.added.at * self.motion.stride_time * asked / usual
 
     def _check(self, rows: NDArray[np.float64], start: int, stop: int) -> None:
         """Refuse what cannot be: warnings of MuJoCo, numbers that are none, a machine that left its wearer."""

@@ -15,6 +15,7 @@ from exo_sim.errors import ScenarioError, nearest
 from exo_sim.gait import scenario as scenarios
 from exo_sim.gait.motion import Motion
 from exo_sim.gait.scenario import Scenario
+from exo_sim.gait.variation import Variation
 from exo_sim.machine.person import COORDINATES, SEGMENTS, Person
 from exo_sim.machine.straps import StrapSet
 from exo_sim.physics.pneumatics import Books
@@ -46,6 +47,7 @@ class Request:
         ideal: Forces come as demanded, without gas.
         step: Of the simulation [s]; None for the MJCF's own.
         given: The scenario itself, where it is not to be found by its name: `scenario` then is what to call it.
+        variation: How strides differ from the mean one; None for what the scenario says.
         driven: What comes from outside, step by step: "valves" (their commands), "torques" (of the joints), or "" where nothing does.
 
     Raises:
@@ -65,6 +67,7 @@ class Request:
     step: float | None = None
     given: Scenario | None = None
     driven: str = ""
+    variation: Variation | None = None
 
     def __post_init__(self) -> None:
         _ = self.found

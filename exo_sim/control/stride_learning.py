@@ -1,0 +1,58 @@
+"""A demand that is bettered from stride to stride by what load cells in the straps measured.
+
+The calibration says which strap forces belong to which phase. Where a stride's forces were others, because the payload, the wearer, the
+cadence or the harness is another, the least-squares gain of `least_load` says which change of the torques' harmonics takes the loads on
+the wearer's joints back (norm-optimal iterative learning control, Amann, Owens and Rogers 1996). It uses strides that are over, and so is
+causal.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import NDArray
+
+from exo_sim.control.least_load import LeastLoad
+from exo_sim.control.machine_dynamics import PHASES
+
+#: Share of a full correction that one stride makes.
+_SHARE = 0.1
+
+
+class StrideLearning:
+    """The demand of the calibration and what was learnt since.
+
+    Args:
+        plan: As it was rehearsed.
+        forces: On the machine, of each strap across and along its segment, at PHASES even phases of the calibration [N],
+            shape (PHASES, 2 straps).
+    """
+
+    def __init__(self, plan: LeastLoad, forces: NDArray[np.float64]) -> None:
+        self._plan, self._usual = plan, forces
+        self._change = np.zeros_like(plan.best)
+        self.forget()
+
+    def forget(self) -> None:
+        """Begin with the demand of the calibration."""
+        self._change[:] = 0.0
+        self._sum, self._count = np.zeros_like(self._usual), np.zeros(PHASES)
+        self._stride: float | None = None
+        self.table = self._plan.table(self._plan.best)
+
+    def take(self, phase: float, forces: NDArray[np.float64]) -> None:
+        """Take in the strap forces at a phase, whole strides counted on; learn where a stride is over."""
+        stride = np.floor(phase)
+        if self._stride is None:
+            self._stride = stride
+        if stride > self._stride:
+            if stride == self._stride + 1.0 and self._count.min() > 0:
+                self._learn(self._sum / self._count[:, None])
+            self._stride = stride
+            self._sum[:], self._count[:] = 0.0, 0.0
+        box = int((phase % 1.0) * PHASES + 0.5) % PHASES
+        self._sum[box] += forces
+        self._count[box] += 1.0
+
+    def _learn(self, forces: NDArray[np.float64]) -> None:
+        self._change = self._plan.restored(self._change, forces - self._usual, _SHARE)
+        self.table = self._plan.table(self._plan.best + self._change)

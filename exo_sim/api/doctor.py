@@ -95,9 +95,9 @@ def _packages() -> list[Check]:
         return [Check("exo-sim-pneumatic", "fault", "not installed as a package: pip install .")]
     found, seen = [], set()
     for requirement in wanted:
-        extras = [name for name in _EXTRAS if requirement.marker and requirement.marker.evaluate({"extra": name})]
-        of_python = requirement.marker is not None and "extra" not in str(requirement.marker)
-        if (requirement.marker and not extras and not of_python) or requirement.name in seen:
+        of_extra = "extra" in str(requirement.marker or "")
+        extras = [name for name in _EXTRAS if of_extra and requirement.marker and requirement.marker.evaluate({"extra": name})]
+        if (of_extra and not extras) or requirement.name in seen:
             continue
         seen.add(requirement.name)
         use = _EXTRAS[extras[0]] if extras else _PARTS.get(requirement.name, "")
@@ -105,7 +105,7 @@ def _packages() -> list[Check]:
         try:
             version = metadata.version(requirement.name)
         except metadata.PackageNotFoundError:
-            if of_python and requirement.marker and not requirement.marker.evaluate():
+            if not of_extra and requirement.marker and not requirement.marker.evaluate():
                 install = f"cannot be installed on Python {platform.python_version()}"
             found.append(Check(requirement.name, "missing" if use else "fault", install, use))
             continue

@@ -206,6 +206,20 @@ def test_the_doctor_finds_what_is_there_and_says_what_is_not(monkeypatch: pytest
     assert ill.exit_status == 2 and not ill.summary["works"]
 
 
+def test_the_doctor_says_which_part_a_python_cannot_have(monkeypatch: pytest.MonkeyPatch) -> None:
+    from importlib import metadata
+
+    def absent(name: str) -> str:
+        raise metadata.PackageNotFoundError(name)
+
+    monkeypatch.setattr(metadata, "requires", lambda name: ['dm-control>=1.0.50; python_version < "3"', 'numpy>=2.0; python_version > "3"'])
+    monkeypatch.setattr(metadata, "version", absent)
+    state = {check.what: (check.state, check.says, check.needed_by) for check in exo.doctor().checks}
+    assert state["dm-control"][0] == "missing" and "cannot be installed on Python 3" in state["dm-control"][1]
+    assert state["dm-control"][2] == "environments.load (dm_env)"
+    assert state["numpy"][:2] == ("fault", "pip install 'numpy>=2.0'")
+
+
 def test_a_bench_follows_a_motion_in_memory(tmp_path: Path) -> None:
     time = np.arange(0.0, 1.0, 0.01)
     motion = exo.Recording.from_columns({"time [s]": time, "slide.position [mm]": 80.0 + 30.0 * np.sin(3.0 * time)}, name="swing")

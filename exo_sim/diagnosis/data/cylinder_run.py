@@ -10,6 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from exo_sim.diagnosis.policy.recordings import STILL_COMMAND, STILL_LENGTH
+from exo_sim.diagnosis.policy.regimes import SMALL_COMMAND
 from exo_sim.machine.linkage import Linkage, moment_row
 from exo_sim.recording.filters import forward_filled, smoothed, white_noise
 from exo_sim.recording.table import Recording
@@ -74,6 +75,12 @@ class CylinderRun:
         """Whether neither the valve nor the piston ever moves: the gas then changes slowly."""
         held = all(float(np.ptp(self.towards(side))) < STILL_COMMAND for side in (0, 1))
         return held and (self.length is None or float(np.ptp(self.length)) < STILL_LENGTH)
+
+    @property
+    def stays_open(self) -> bool:
+        """Whether one command holds the valve open all the time: nothing then says how it opens, or what else gas passes with it."""
+        held = [self.towards(side) for side in (0, 1)]
+        return self.commanded and all(float(np.ptp(u)) < STILL_COMMAND and abs(float(u[0])) > SMALL_COMMAND for u in held)
 
     @property
     def moves(self) -> bool:

@@ -38,7 +38,7 @@ FORMS_OF_ONE = Count(2, "forms", "of one effect among them")
 CHEAP_STARTS = Count(3, "starts", "of one candidate's fit, where predictions cost little")
 FEW_SAMPLES = Count(2000, "samples", "predictions of fewer cost little: every candidate is then fitted, whatever its score")
 ADAPTED = Count(2, "times", "the error process is estimated anew from what the best subset leaves")
-RUNNERS_UP = Count(3, "candidates", "that were put aside are fitted once more, and listed")
+RUNNERS_UP = Count(3, "candidates", "that were put aside are looked at once more, and listed")
 
 # -- a linear family ------------------------------------------------------------------------------------------------------------
 FAMILY_FINALISTS = Count(25, "subsets", "that a climb meets are weighed with spreads of their own")

@@ -17,7 +17,7 @@ def assess(final: FittedModel, fits: ModelFits, comparisons: Comparisons, propos
     Where the time is spent nothing is fitted in the place of a finding, nor beside all of them.
     """
     evidence, rivals, complete = {}, {}, {}
-    asked: list[tuple[Candidate | None, Candidate, FittedModel]] = []
+    asked: list[tuple[Candidate, Candidate, FittedModel]] = []
     bare = fits.fit_rivals([(drop_orphans(final.without(candidate)), final) for candidate in final.candidates], final)
     for candidate, without in zip(final.candidates, bare, strict=True):
         evidence[candidate.key] = comparisons.evidence(without, final)
@@ -31,18 +31,15 @@ def assess(final: FittedModel, fits: ModelFits, comparisons: Comparisons, propos
     runners_up: list[tuple[Candidate, float]] = []
     for one in [] if is_settled else proposals.alternatives(final, RUNNERS_UP):
         if proposals.promise_enough(promised[one.key], final):
-            asked.append((None, one, final))
+            runners_up.append((one, comparisons.evidence(final, fits.look((*final.candidates, one), final)).share))
         else:
             left = final.fit.sse - fits.model.size  # beyond the noise
             runners_up.append((one, min(promised[one.key] / left, 1.0) if left > 0.0 else 0.0))
     models = fits.fit_rivals([((*near.candidates, more), near) for _, more, near in asked], final)
     by_finding: dict[CandidateKey, list[tuple[Candidate, float]]] = {candidate.key: [] for candidate in final.candidates}
-    for (taken, more, near), model in zip(asked, models, strict=True):
-        if taken is None:
-            runners_up.append((more, comparisons.evidence(near, model).share))
-        else:
-            worse = fits.deficit(model, final) + comparisons.price((model, final)) * (model.parameter_count - final.parameter_count)
-            by_finding[taken.key].append((more, worse))
+    for (taken, more, _), model in zip(asked, models, strict=True):
+        worse = fits.deficit(model, final) + comparisons.price((model, final)) * (model.parameter_count - final.parameter_count)
+        by_finding[taken.key].append((more, worse))
     rivals = {key: tuple(sorted(found, key=lambda pair: pair[1])) for key, found in by_finding.items()}
     runners_up.sort(key=lambda pair: -pair[1])
     return SearchResult(comparisons.baseline, final, evidence, rivals, tuple(runners_up), complete)

@@ -41,7 +41,18 @@ def decide(name: str, model: Model, fits: ModelFits, search: SearchResult) -> Su
         name: What identifies the subsystem among those of its kind.
         model, fits, search: What was searched, and what was found.
     """
-    return _Decision(model, fits, search).result(name)
+    return _Decision(model, fits, _off_bounds(fits, search)).result(name)
+
+
+def _off_bounds(fits: ModelFits, search: SearchResult) -> SearchResult:
+    """Return a search whose final model has nothing in it that ended at a bound: what that explained has no name."""
+    end = search.final
+    while not search.interrupted:
+        kept = drop_orphans([c for c in end.candidates if not is_at_bound(c, end)])
+        if len(kept) == len(end.candidates):
+            break
+        end = fits.refined(fits.fit(kept, end))
+    return search if end is search.final else replace(search, final=end)
 
 
 class _Decision(Generic[Model]):
@@ -57,7 +68,7 @@ class _Decision(Generic[Model]):
             return result
         if search.interrupted:
             return replace(result, named=end.candidates)
-        accepted = tuple(c for c in end.candidates if not _is_nozzle(c, end) and not is_at_bound(c, end))
+        accepted = tuple(c for c in end.candidates if not _is_nozzle(c, end))
         final, named, unknown = self._standing(accepted)
         alone = unknown and not self.model.names_stand_beside_unknown
         rejected = self._rejected(accepted, alone)

@@ -145,7 +145,9 @@ def is_at_bound(candidate: Candidate, model: FittedModel) -> bool:
     if candidate.is_law or candidate.effect not in declared():
         return False
     needed = {p.name for p in declared()[candidate.effect].parameters if p.required}
-    for q in (q for q in candidate.parameters if q.parameter in needed and not q.healthy_limit):
+    if len(candidate.parameters) == 1:  # one of several ways to say how large it is
+        needed.add(candidate.parameters[0].parameter)
+    for q in (q for q in candidate.parameters if q.parameter in needed):
         value = model.fit.values[q]
         reach = judgement.AT_BOUND * (abs(value) if q.logarithmic or q.low > 0.0 else q.scale)
         if (q.low != q.neutral and value - q.low < reach) or (q.high != q.neutral and q.high - value < reach):

@@ -11,8 +11,10 @@ from collections.abc import Callable, Sequence
 from dataclasses import replace
 
 import numpy as np
+from numpy.typing import NDArray
 
 from exo_sim.diagnosis.estimation.candidate import Candidate, drop_orphans
+from exo_sim.diagnosis.estimation.least_squares import WORST
 from exo_sim.diagnosis.policy import gates
 from exo_sim.diagnosis.policy.budgets import FIRST_LOOKED, MOST_EXTENSIONS, MOST_JOINT, STRAY, WORTH_A_ROUND
 from exo_sim.diagnosis.selection.comparisons import Comparisons
@@ -22,6 +24,8 @@ from exo_sim.diagnosis.selection.joint_pruning import jointly_pruned
 from exo_sim.diagnosis.selection.model_fits import ModelFits
 from exo_sim.diagnosis.selection.proposals import Proposals
 from exo_sim.diagnosis.selection.simplification import Simplification
+
+Array = NDArray[np.float64]
 
 
 class JointSearch:
@@ -83,12 +87,18 @@ class JointSearch:
         return self._extended(self._jointly_pruned(best))
 
     def _jointly_pruned(self, now: FittedModel) -> FittedModel:
-        """Return a model without what is not missed beside the rest."""
+        """Return a model without what is not missed beside the rest.
+
+        That is told in closed form. Where a fit without it shows that it is missed (an optimum may lie at a kink), it stays.
+        """
         while now.candidates:
             kept = jointly_pruned(self.fits.model, now, self.fits.threads)
             if len(kept) == len(now.candidates):
                 break
-            now = self.fits.refined(self.fits.fit(kept, now))
+            fewer = self.fits.fit(kept, now)
+            if self.comparisons.evidence(fewer, now).beside_discrepancy > gates.BESIDE_DISCREPANCY:
+                break
+            now = self.fits.refined(fewer)
             self._report(f"{len(now.candidates)} worth their parameters")
         return now
 
@@ -115,19 +125,23 @@ class JointSearch:
         return now
 
     def _proposed(self, now: FittedModel, proposal: Proposal) -> FittedModel:
-        """Return the fit of a model with what is proposed beside it, less what leads astray where it stands: sizes add up only nearly."""
+        """Return the fit of a model with what is proposed beside it, less what leads astray where it stands: sizes add up only nearly.
+
+        What goes next is told by the signatures, and whether it helped by a prediction.
+        """
         model, added = self.fits.model, proposal.candidates
+        changes = dict(zip((one.key for one in added), proposal.changes, strict=True))
 
-        def misfit(more: Sequence[Candidate]) -> float:
+        def residual(more: Sequence[Candidate]) -> Array:
             values = {**now.fit.values, **{q: proposal.values[q] for one in more for q in one.parameters}}
-            residual = model.residual(values, [pair for one in (*now.candidates, *more) for pair in one.fixed])
-            return float(residual @ residual) if np.isfinite(residual).all() else math.inf
+            found = model.residual(values, [pair for one in (*now.candidates, *more) for pair in one.fixed])
+            return found if np.isfinite(found).all() else np.full_like(now.fit.residual, WORST)
 
-        here = misfit(added)
-        while added and here > STRAY * now.fit.sse:
+        here = residual(added)
+        while added and float(here @ here) > STRAY * now.fit.sse:
             fewer = [drop_orphans(tuple(c for c in added if c is not one), now.effects) for one in added]
-            tried = self.fits.threads.predictions(misfit, fewer)
-            best = int(np.argmin(tried))
-            here, added = tried[best], fewer[best]
+            told = [here - sum(changes[one.key] for one in added if one not in less) for less in fewer]
+            added = fewer[int(np.argmin([float(one @ one) for one in told]))]
+            here = residual(added)
         near = FittedModel(now.candidates, replace(now.fit, values={**now.fit.values, **proposal.values}))
         return self.fits.fit((*now.candidates, *added), near) if added else now

@@ -93,3 +93,12 @@ def test_it_rests_where_neither_valve_nor_piston_moves(command: float, length: f
     run = cylinder_runs.run_of(np.linspace(5e5, 4e5, N), command=held, length=moved)
     assert run.at_rest is rests
     assert run.part(10, 11).at_rest
+
+
+@pytest.mark.parametrize(
+    ("command", "commanded", "stays"), [(0.8, True, True), (0.8, False, False), (0.0, True, False), (-0.3, True, True)]
+)
+def test_a_valve_that_stays_open(command: float, commanded: bool, stays: bool) -> None:
+    pressure = np.linspace(5e5, 4e5, N)
+    assert cylinder_runs.run_of(pressure, command=np.full(N, command), commanded=commanded).stays_open is stays
+    assert not cylinder_runs.run_of(pressure, command=np.linspace(0.2, command, N), commanded=commanded).stays_open

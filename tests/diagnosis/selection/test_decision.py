@@ -10,7 +10,8 @@ from exo_sim.diagnosis.estimation.candidate import Candidate
 from exo_sim.diagnosis.estimation.least_squares import Fit
 from exo_sim.diagnosis.estimation.parameters import FreeParameter, Target
 from exo_sim.diagnosis.selection.decision import decide
-from exo_sim.diagnosis.selection.fitted_model import FittedModel, is_at_bound
+from exo_sim.diagnosis.selection.fitted_model import FittedModel, SearchResult, is_at_bound
+from exo_sim.diagnosis.selection.model_fits import ModelFits
 from exo_sim.diagnosis.selection.search import Search
 from exo_sim.diagnosis.selection.subsystem_result import SubsystemResult
 
@@ -69,6 +70,17 @@ def test_too_few_rows_give_an_empty_result() -> None:
     assert decided(model, waves.BASE).is_empty
 
 
+@pytest.mark.parametrize(("size", "named"), [(12.0, False), (8.0, True)])
+def test_what_only_an_effect_at_its_bound_explains_is_unknown(size: float, named: bool) -> None:
+    model, leak = waves.Waves(1.5, slow=size), waves.candidate("piston_leakage", "slow")
+    fits = ModelFits(model, ())
+    bare = fits.refined(fits.fit(()))
+    result = decide("piston", model, fits, SearchResult(bare, fits.refined(fits.fit((leak,), bare))))
+    assert [one.name for one in result.findings] == (["piston_leakage"] if named else [])
+    assert result.has_unknown is not named
+    assert result.final.candidates == ((leak,) if named else ())
+
+
 @pytest.mark.parametrize(("area", "at_bound"), [(1e-8, True), (1.005e-8, True), (3e-6, False), (1e-3, True)])
 def test_a_number_that_ended_at_a_bound_was_not_found(area: float, at_bound: bool) -> None:
     one = FreeParameter("line_restriction", "piston", "area", "m^2", Target.CYLINDER, 1e-5, 1e-8, 1e-3, logarithmic=True)
@@ -80,3 +92,10 @@ def test_an_amount_that_ended_at_nothing_is_not_at_a_bound() -> None:
     one = FreeParameter("piston_leakage", "piston", "area", "m^2", Target.CYLINDER, 1e-8, 0.0, 1e-4)
     leak = Candidate("piston_leakage", "piston", "area", (one,), ((1e-8,),))
     assert not is_at_bound(leak, FittedModel((leak,), Fit((one,), {one: 0.0}, np.zeros(3), np.zeros((3, 1)))))
+
+
+@pytest.mark.parametrize(("area", "at_bound"), [(1e-4, True), (2e-5, False)])
+def test_a_hole_as_large_as_the_piston_is_at_a_bound_whatever_a_healthy_machine_leaks(area: float, at_bound: bool) -> None:
+    one = FreeParameter("piston_leakage", "piston", "area", "m^2", Target.CYLINDER, 1e-8, 0.0, 1e-4, healthy_limit=1e-9)
+    leak = Candidate("piston_leakage", "piston", "area", (one,), ((1e-8,),))
+    assert is_at_bound(leak, FittedModel((leak,), Fit((one,), {one: area}, np.zeros(3), np.zeros((3, 1))))) is at_bound

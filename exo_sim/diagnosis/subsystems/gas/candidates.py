@@ -30,6 +30,7 @@ def candidates(plant: PlantParameters, runs: Sequence[CylinderRun], cylinder: st
     """Return every candidate that these recordings of one cylinder can show, in the order of their names."""
     valve = float(plant.cylinder["valve_area"][0]) > 0.0
     commanded = valve and any(run.commanded for run in runs)
+    steered = commanded and not all(run.stays_open for run in runs)
     moves = any(run.moves for run in runs)
     measured, contained = measured_places(runs), contained_effects(plant)
     single = float(plant.cylinder["single_acting"][0]) > 0.0
@@ -38,7 +39,7 @@ def candidates(plant: PlantParameters, runs: Sequence[CylinderRun], cylinder: st
         sense = effect.asked.sense
         if effect.cut != "gas" or effect.asked.held_back or effect.name in contained or effect.places[0] in measured:
             continue
-        if not commanded and (sense.commanded or "valve_command" in effect.needs):
+        if (sense.commanded and not commanded) or ("valve_command" in effect.needs and not steered):
             continue
         if (sense.moving and not moves) or (sense.two_chambers and single):
             continue

@@ -45,3 +45,13 @@ def test_a_hose_is_sought_where_it_is_a_part_of_the_dead_volumes_as_well() -> No
     hose = next(c for c in candidates(plant, [run], "piston", "slide") if c.effect == "line_restriction")
     ((own, key, per_unit),) = hose.displaced
     assert own.parameter == "volume" and key == ("dead_volume", "piston", "dead_volume_1") and per_unit == pytest.approx(2.5e4)
+
+
+@pytest.mark.parametrize(("command", "asked"), [(np.full(50, 0.8), False), (np.linspace(0.0, 0.8, 50), True), (np.zeros(50), True)])
+def test_what_a_valve_shows_by_its_command_is_not_asked_of_one_that_stays_open(command: np.ndarray, asked: bool) -> None:
+    plant = PlantParameters(np.zeros(1, WORLD), np.zeros(1, CYLINDER))
+    plant.cylinder["valve_area"], plant.cylinder["area_1"], plant.cylinder["stroke"] = 2e-6, 8e-4, 0.2
+    level = np.full(50, 3e5)
+    names = {c.effect for c in candidates(plant, [cylinder_runs.run_of(level, level, command=command, commanded=True)], "piston", "slide")}
+    assert ({"line_restriction", "valve_lag", "valve_deadband", "valve_edges"} <= names) is asked
+    assert {"external_leakage", "wall_heat_transfer", "exhaust_back_pressure"} <= names

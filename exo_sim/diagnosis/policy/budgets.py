@@ -6,7 +6,10 @@ from exo_sim.diagnosis.policy.number import Count, Number
 
 # -- one search -----------------------------------------------------------------------------------------------------------------
 MOST_FINDINGS = Count(5, "findings", "of one search that adds effects one after the other: a sixth would be fitted to what five leave")
-BEAM = Count(3, "sets", "are grown side by side while none reaches the noise: the right pair need not hold the best single effect")
+BEAM = Count(
+    2, "sets", "are grown side by side while none reaches the noise: the right pair need not hold the best single effect; what this does "
+    "not meet is proposed together"
+)
 MOST_SWAPS = Count(2, "swaps", "a rival may so often take a finding's place in the end")
 MOST_JOINT = Count(3, "rounds", "of asking for all effects together, where the first does not reach the noise")
 WORTH_A_ROUND = Number(0.1, "share of the squared error", "each of those rounds lowers it by so much, or is the last")

@@ -50,10 +50,11 @@ def _rivals(candidate: Candidate, without: FittedModel, final: FittedModel, prop
 
     In a large model each is a fit of all of it: there only what is declared to look alike is asked, and fitted if it promises enough.
     """
+    scored = proposals.successors(candidate, without, final)
     if not final.is_large:
-        return [rival for rival in proposals.alternatives(without) if rival.at != candidate.at]
+        return proposals.best(scored)
     wanted = without.fit.sse - final.fit.sse
-    return [rival for promised, rival in proposals.rivals(candidate, without)[:FINALISTS] if gates.UNDERRATED * promised > wanted]
+    return [rival for promised, rival in scored[:FINALISTS] if gates.UNDERRATED * promised > wanted]
 
 
 def _with_all_parameters(candidate: Candidate, now: FittedModel, fits: ModelFits, proposals: Proposals) -> FittedModel | None:

@@ -79,19 +79,20 @@ class ModelFits:
         return before if before is not None and self.deficit(before, looked) <= 0.0 else looked
 
     def fit_rivals(
-        self, asked: Sequence[tuple[Sequence[Candidate], FittedModel]], aim: FittedModel, again: bool = False
+        self, asked: Sequence[tuple[Sequence[Candidate], FittedModel]], aim: FittedModel | None = None, again: bool = False
     ) -> list[FittedModel]:
         """Fit sets that may explain as much as a model does: to the end only those that a first look leaves near it.
 
         Args:
             asked: Sets of candidates, each with a similar model.
-            aim: What they are held against.
+            aim: What they are held against; the one of them that leaves least where absent.
             again: Whether a set that was fitted before is looked at from here as well.
         """
         if self.cheap:
             return self.fit_all(asked, again)
         looks = self.threads.fits(lambda one: self.look(one[0], one[1], again), list(asked))
-        close = [one for one in looks if not self._is_known(one) and not self._is_far(one, aim)]
+        aimed = aim or min(looks, key=lambda one: one.fit.sse, default=None)
+        close = [one for one in looks if aimed and not self._is_known(one) and not self._is_far(one, aimed)]
         whole = dict(zip([id(one) for one in close], self.fit_all([(one.candidates, one) for one in close], again), strict=True))
         return [whole.get(id(one), one) for one in looks]
 

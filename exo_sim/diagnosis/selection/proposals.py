@@ -10,7 +10,7 @@ from exo_sim.diagnosis.policy.budgets import FINALISTS, FORMS_OF_ONE
 from exo_sim.diagnosis.selection.evidence import could_be_accepted
 from exo_sim.diagnosis.selection.fitted_model import FittedModel, SetKey, key_of
 from exo_sim.diagnosis.selection.model_fits import ModelFits
-from exo_sim.diagnosis.selection.score_test import scores
+from exo_sim.diagnosis.selection.score_test import Signatures, scores
 from exo_sim.physics.declaration import declared
 
 
@@ -27,13 +27,21 @@ class Proposals:
         self.fits, self.candidates = fits, tuple(candidates)
         self._practical_significance = practical_significance
         self._scored: dict[SetKey, list[tuple[float, Candidate]]] = {}
+        self._latest: tuple[SetKey, Signatures] | None = None
 
     def scored(self, now: FittedModel) -> list[tuple[float, Candidate]]:
         """Return the candidates that are not in a model with the drop in squared error that they promise, best first."""
         key = key_of(now.candidates)
         if key not in self._scored:
-            self._scored[key] = scores(self.fits.model, now, self.candidates, self.fits.threads)
+            self._scored[key] = scores(self.fits.model, now, self.candidates, self.fits.threads, self._beside(now))
         return self._scored[key]
+
+    def _beside(self, model: FittedModel) -> Signatures:
+        """Return the signatures of candidates beside a model; only those of the latest are kept, for they take much memory."""
+        key = key_of(model.candidates)
+        if self._latest is None or self._latest[0] != key:
+            self._latest = key, Signatures(self.fits.model, model)
+        return self._latest[1]
 
     def promise_enough(self, promised: float, now: FittedModel) -> bool:
         """Return whether a candidate that promises such a drop is worth a full fit."""
@@ -47,15 +55,29 @@ class Proposals:
         """Return the best scored candidates beside what a model has, whatever they promise."""
         return self._finalists(self.scored(now), count)
 
-    def rivals(self, candidate: Candidate, without: FittedModel) -> list[tuple[float, Candidate]]:
-        """Return what is declared to be mistaken for a candidate, or it for that, with the drop that each promises in its place."""
-        own = declared()[candidate.effect].mistaken_for
+    def successors(self, candidate: Candidate, without: FittedModel, whole: FittedModel) -> list[tuple[float, Candidate]]:
+        """Return what may take a finding's place, with the drop that each promises there.
 
-        def is_like(one: Candidate) -> bool:
-            return one.at != candidate.at and (one.effect in own or candidate.effect in declared()[one.effect].mistaken_for)
+        Of a large model that is only what is declared to be mistaken for it, or it for that. Signatures are those beside the whole
+        model, where they are predicted once for all findings.
 
-        like = [one for one in self.candidates if is_like(one)]
-        return scores(self.fits.model, without, like, self.fits.threads)
+        Args:
+            candidate: The finding.
+            without: The model without it.
+            whole: The model.
+        """
+        own = declared()[candidate.effect].mistaken_for if whole.is_large else ()
+
+        def is_asked(one: Candidate) -> bool:
+            alike = one.effect in own or (whole.is_large and candidate.effect in declared()[one.effect].mistaken_for)
+            return one.at != candidate.at and (alike or not whole.is_large)
+
+        asked = [one for one in self.candidates if is_asked(one)]
+        return scores(self.fits.model, without, asked, self.fits.threads, self._beside(whole))
+
+    def best(self, scored: Sequence[tuple[float, Candidate]]) -> list[Candidate]:
+        """Return the few best of scored candidates, not too many forms of one effect among them."""
+        return self._finalists(scored)
 
     def _finalists(self, scored: Sequence[tuple[float, Candidate]], count: int = FINALISTS) -> list[Candidate]:
         if self.fits.cheap:

@@ -8,7 +8,7 @@ from collections.abc import Sequence
 import numpy as np
 from numpy.typing import NDArray
 
-from exo_sim.diagnosis.estimation.candidate import Candidate
+from exo_sim.diagnosis.estimation.candidate import Candidate, CandidateKey
 from exo_sim.diagnosis.estimation.least_squares import prior_terms
 from exo_sim.diagnosis.estimation.parameters import FreeParameter
 from exo_sim.diagnosis.estimation.threads import SERIAL, Threads
@@ -17,10 +17,44 @@ from exo_sim.diagnosis.selection.fitted_model import FittedModel, LeastSquaresMo
 Array = NDArray[np.float64]
 
 
+class Signatures:
+    """Signatures of candidates beside one fitted model, each predicted once.
+
+    Args:
+        model: The subsystem.
+        beside: The fitted model.
+    """
+
+    def __init__(self, model: LeastSquaresModel, beside: FittedModel):
+        self._model, self._beside = model, beside
+        self._kept: dict[CandidateKey, list[Array]] = {}
+
+    def of(self, candidate: Candidate) -> list[Array]:
+        """Return the changes of the residual by a candidate, shape (n,) each: one for each start that can be predicted."""
+        if candidate.key not in self._kept:
+            base = self._beside.fit.residual
+            level = math.sqrt(float(base @ base) / max(base.size, 1))
+            found = [
+                signature(self._model, candidate, start, self._beside, self._beside.fixed, base, level) for start in candidate.starts
+            ]
+            self._kept[candidate.key] = [pair[0] for pair in found if pair is not None]
+        return self._kept[candidate.key]
+
+
 def scores(
-    model: LeastSquaresModel, now: FittedModel, candidates: Sequence[Candidate], threads: Threads = SERIAL
-) -> list[tuple[float, Candidate]]:
-    """Return the candidates that are not in a fitted model with the drop in squared error that their signature promises, best first."""
+    model: LeastSquaresModel, now: FittedModel, candidates: Sequence[Candidate], threads: Threads = SERIAL,
+    signatures: Signatures | None = None,
+) -> list[tuple[float, Candidate]]:  # fmt: skip
+    """Return the candidates that are not in a fitted model with the drop in squared error that their signature promises, best first.
+
+    Args:
+        model: The subsystem.
+        now: The fitted model.
+        candidates: What is scored.
+        threads: Threads for the predictions.
+        signatures: Of a neighbouring model; of this one when absent.
+    """
+    signatures = signatures or Signatures(model, now)
     base = now.fit.residual
     fixed_now = now.fixed
     prior_rows, prior_jac = prior_terms(now.fit.parameters, now.fit.values)
@@ -47,11 +81,7 @@ def scores(
         basis, target = clear_of(candidate)
         if candidate.is_law:
             return _promise_of_law(model, candidate, now, fixed_now, level, basis, target), candidate
-        for start in candidate.starts:
-            found = signature(model, candidate, start, now, fixed_now, base, level)
-            if found is None:
-                continue
-            change, _ = found
+        for change in signatures.of(candidate):
             clear = np.concatenate([change, np.zeros(len(prior_rows))])
             clear -= basis @ (basis.T @ clear)
             power = float(clear @ clear)

@@ -169,7 +169,7 @@ class _Growth:
         """Return every accepted set that has one candidate more than one of these."""
         asked = [(now, candidate) for now in beam for candidate in self.proposals.additions(now)]
         grown: dict[SetKey, FittedModel] = {}
-        models = self.fits.fit_all([((*now.candidates, one), now) for now, one in asked])
+        models = self.fits.fit_rivals([((*now.candidates, one), now) for now, one in asked])
         for (now, candidate), model in zip(asked, models, strict=True):
             found = is_more_than_healthy(candidate, model) and not is_at_bound(candidate, model)
             if found and self.comparisons.accepts(now, model):

@@ -8,7 +8,7 @@ import pytest
 from diagnosis import waves
 
 from exo_sim.diagnosis.selection.model_fits import ModelFits
-from exo_sim.diagnosis.selection.score_test import scores
+from exo_sim.diagnosis.selection.score_test import Signatures, scores
 
 
 @pytest.mark.parametrize("size", [0.5, 3.0, -3.0])
@@ -41,3 +41,16 @@ def test_candidates_in_the_model_and_those_without_prerequisite_are_left_out() -
     every = (waves.BASE, waves.ON_TOP, waves.OTHER)
     assert {c.effect for _, c in scores(model, fits.fit(()), every)} == {"base", "other"}
     assert [c.effect for _, c in scores(model, fits.fit((waves.BASE,)), every)] == ["on_top", "other"]
+
+
+def test_signatures_of_a_neighbouring_model_serve_a_linear_one_and_are_predicted_once(monkeypatch: pytest.MonkeyPatch) -> None:
+    model = waves.Waves(slow=3.0, quicker=-2.0)
+    fits = ModelFits(model, (), cheap=True)
+    bare, full = fits.fit(()), fits.fit((waves.BASE,))
+    own = scores(model, bare, (waves.BASE, waves.OTHER))
+    signatures = Signatures(model, full)
+    assert [c.effect for _, c in own] == ["base", "other"]
+    for _ in range(2):
+        found = scores(model, bare, (waves.OTHER, waves.candidate("twin", "slow")), signatures=signatures)
+        assert [promised for promised, _ in found] == pytest.approx([promised for promised, _ in own], rel=1e-6)
+        monkeypatch.setattr(model, "residual", None)  # nothing more is predicted

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass, field, replace
+from functools import cached_property
 
 import numpy as np
 from numpy.typing import NDArray
@@ -49,6 +50,11 @@ class GasInputs:
     windows: Windows
     command_2: Array
     _delayed: dict[float, Array] = field(default_factory=dict)
+
+    @cached_property
+    def period(self) -> float:
+        """Usual time between two samples [s]."""
+        return float(np.median(np.diff(self.time)))
 
     def command_after(self, delay: float) -> Array:
         """Return the commands towards both chambers as they reach the valve `delay` seconds late, shape (n, 2)."""

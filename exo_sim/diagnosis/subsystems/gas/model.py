@@ -114,7 +114,7 @@ class GasModel(SubsystemModel):
         """Predict what the sensors of one run would show; without `whole` nothing but that. `shift` as in `run_gas`."""
         sensors = plant.sensors
         given = self.inputs[index]
-        self.effort += effort_of(given.time, plant.cylinder)
+        self.effort += effort_of(len(given.time), given.period, plant.cylinder)
         late = (sensors.get("pressure_1.delay", 0.0), sensors.get("pressure_2.delay", 0.0))
         if any(late):
             given = with_late_pressures(given, late)

@@ -140,12 +140,11 @@ class GasPrediction:
     temperature: Array
 
 
-def effort_of(time: Array, cylinder: NDArray[np.void]) -> int:
-    """Return how many plain samples a prediction at these times [s] costs, for a cylinder, record of shape (1,)."""
+def effort_of(samples: int, period: float, cylinder: NDArray[np.void]) -> int:
+    """Return how many plain samples a prediction of so many, one every `period` [s], costs; for a cylinder, record of shape (1,)."""
     if not cylinder[line_restriction.EFFECT.name]["area"][0] > 0.0:
-        return len(time)
-    steps = float(np.median(np.diff(time))) / LONGEST_STEP
-    return len(time) * round(min(max(steps, HOSE_EFFORT), MOST_STEPS))
+        return samples
+    return samples * round(min(max(period / LONGEST_STEP, HOSE_EFFORT), MOST_STEPS))
 
 
 def behind_hose(cylinder: NDArray[np.void]) -> bool:
@@ -170,7 +169,7 @@ def run_gas(
         whole: Whether more than the pressures at the sensors is wanted; else the rest of the prediction is empty.
     """
     world, cylinder = world.copy(), cylinder.copy()
-    usual = float(np.median(np.diff(feed.time)))
+    usual = feed.period
     world["longest_step"], world["most_steps"] = max(LONGEST_STEP, 0.5 * usual), MOST_STEPS
     if behind_hose(cylinder):
         world["longest_step"] = min(world["longest_step"][0], max(HOSE_STEP, RESOLVED * usual))

@@ -74,19 +74,11 @@ class Direction:
 
 @dataclass(frozen=True)
 class Proposal:
-    """Candidates that are proposed together, beside those of the model that they were asked about, and where to begin.
-
-    Attributes:
-        candidates: What is proposed.
-        values: At which sizes.
-        gain: Log of the evidence over the model's.
-        changes: What each of the candidates changes in the residual, were sizes to add up, shape (n,) each.
-    """
+    """Candidates that are proposed together, beside those of the model that they were asked about, and where to begin."""
 
     candidates: tuple[Candidate, ...]
     values: dict[FreeParameter, float]
     gain: float
-    changes: tuple[Array, ...]
 
 
 def joint_proposals(
@@ -269,11 +261,9 @@ class _Weighing:
         """Return a subset as candidates with values to begin with."""
         gain, amplitudes = self.evidence(chosen)
         values: dict[FreeParameter, float] = {}
-        changes = []
         position = 0
         for i in chosen:
-            of_one = amplitudes[position : position + len(self._of[i])]
-            values |= self.directions[i].values(of_one)
-            changes.append(self._raw[:, self._of[i]] @ of_one)
-            position += len(of_one)
-        return Proposal(tuple(self.directions[i].candidate for i in chosen), values, gain, tuple(changes))
+            count = len(self._of[i])
+            values |= self.directions[i].values(amplitudes[position : position + count])
+            position += count
+        return Proposal(tuple(self.directions[i].candidate for i in chosen), values, gain)

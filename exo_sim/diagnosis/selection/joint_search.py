@@ -11,10 +11,8 @@ from collections.abc import Callable, Sequence
 from dataclasses import replace
 
 import numpy as np
-from numpy.typing import NDArray
 
 from exo_sim.diagnosis.estimation.candidate import Candidate, drop_orphans
-from exo_sim.diagnosis.estimation.least_squares import WORST
 from exo_sim.diagnosis.policy import gates
 from exo_sim.diagnosis.policy.budgets import FIRST_LOOKED, MOST_EXTENSIONS, MOST_JOINT, STRAY, WORTH_A_ROUND
 from exo_sim.diagnosis.selection.comparisons import Comparisons
@@ -24,8 +22,6 @@ from exo_sim.diagnosis.selection.joint_pruning import jointly_pruned
 from exo_sim.diagnosis.selection.model_fits import ModelFits
 from exo_sim.diagnosis.selection.proposals import Proposals
 from exo_sim.diagnosis.selection.simplification import Simplification
-
-Array = NDArray[np.float64]
 
 
 class JointSearch:
@@ -125,23 +121,19 @@ class JointSearch:
         return now
 
     def _proposed(self, now: FittedModel, proposal: Proposal) -> FittedModel:
-        """Return the fit of a model with what is proposed beside it, less what leads astray where it stands: sizes add up only nearly.
-
-        What goes next is told by the signatures, and whether it helped by a prediction.
-        """
+        """Return the fit of a model with what is proposed beside it, less what leads astray where it stands: sizes add up only nearly."""
         model, added = self.fits.model, proposal.candidates
-        changes = dict(zip((one.key for one in added), proposal.changes, strict=True))
 
-        def residual(more: Sequence[Candidate]) -> Array:
+        def misfit(more: Sequence[Candidate]) -> float:
             values = {**now.fit.values, **{q: proposal.values[q] for one in more for q in one.parameters}}
-            found = model.residual(values, [pair for one in (*now.candidates, *more) for pair in one.fixed])
-            return found if np.isfinite(found).all() else np.full_like(now.fit.residual, WORST)
+            residual = model.residual(values, [pair for one in (*now.candidates, *more) for pair in one.fixed])
+            return float(residual @ residual) if np.isfinite(residual).all() else math.inf
 
-        here = residual(added)
-        while added and float(here @ here) > STRAY * now.fit.sse:
+        here = misfit(added)
+        while added and here > STRAY * now.fit.sse:
             fewer = [drop_orphans(tuple(c for c in added if c is not one), now.effects) for one in added]
-            told = [here - sum(changes[one.key] for one in added if one not in less) for less in fewer]
-            added = fewer[int(np.argmin([float(one @ one) for one in told]))]
-            here = residual(added)
+            tried = self.fits.threads.predictions(misfit, fewer)
+            best = int(np.argmin(tried))
+            here, added = tried[best], fewer[best]
         near = FittedModel(now.candidates, replace(now.fit, values={**now.fit.values, **proposal.values}))
         return self.fits.fit((*now.candidates, *added), near) if added else now

@@ -11,7 +11,7 @@ from exo_sim.diagnosis import wording
 from exo_sim.diagnosis.estimation.candidate import Candidate, drop_orphans
 from exo_sim.diagnosis.estimation.parameters import FreeParameter, Target
 from exo_sim.diagnosis.estimation.uncertainty import bounded_interval
-from exo_sim.diagnosis.findings import Estimate, Finding, Rejected
+from exo_sim.diagnosis.findings import Estimate, Finding, Kind, Rejected
 from exo_sim.diagnosis.policy import judgement
 from exo_sim.diagnosis.policy.calibration import MODEL_SHARE
 from exo_sim.diagnosis.policy.gates import BESIDE_DISCREPANCY, CLEAN
@@ -150,10 +150,15 @@ class _Decision(Generic[Model]):
         return final, named
 
     def _takes_larger_part(self, candidate: Candidate) -> bool:
+        """Return whether a finding explains the larger part of what is missing without it, or has a shape of its own.
+
+        The latter does not do for a sensor: what is left of a machine bends zeros, scales and delays first.
+        """
         evidence = self.search.evidence.get(candidate.key)
-        if evidence is None or evidence.beside_discrepancy > BESIDE_DISCREPANCY:
+        if evidence is None:
             return True
-        return evidence.share > judgement.LARGER_PART
+        apart = evidence.beside_discrepancy > BESIDE_DISCREPANCY and candidate.kind is not Kind.SENSOR
+        return apart or evidence.share > judgement.LARGER_PART
 
     def _is_plain(self, candidate: Candidate) -> bool:
         """Return whether the odds leave no doubt: a parameter is then vague only because nuisance parameters could stand in for it."""

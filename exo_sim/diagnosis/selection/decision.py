@@ -75,7 +75,7 @@ class _Decision(Generic[Model]):
         if alone:
             final, named = self._beyond_doubt(final, named)
         errors = self._errors(final)
-        reported = tuple(c for c in named if _is_reported(c, final))
+        reported = tuple(c for c in named if _is_reported(c, final, errors))
         laws = {q for c in named if c not in reported for q in c.parameters}
         named = reported
         findings = [self._with_all_parts(self._finding(c, final, errors), c) for c in named]
@@ -252,8 +252,14 @@ def _called(parameter: FreeParameter) -> str:
     return _SENSOR_PARAMETERS.get(name, name)
 
 
-def _is_reported(candidate: Candidate, model: FittedModel) -> bool:
-    """Return whether a candidate is a finding: not a law within what healthy machines show, nor what only bears such a law."""
+def _is_reported(candidate: Candidate, model: FittedModel, errors: Mapping[FreeParameter, float]) -> bool:
+    """Return whether a candidate is a finding.
+
+    Not a law within what healthy machines show, nor what only bears such a law, nor a sensor whose fault is not sure, whatever its odds:
+    it stands in for what is not modelled. `errors` are standard errors.
+    """
+    if candidate.kind is Kind.SENSOR and not exceeds_healthy_limit(candidate, model, errors):
+        return False
     bears = any(c.is_law and c.prerequisite == candidate.effect for c in model.candidates)
     if not candidate.is_law:
         return not bears or exceeds_healthy_limit(candidate, model)

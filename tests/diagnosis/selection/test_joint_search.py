@@ -1,0 +1,49 @@
+"""The search from the other end: what is there together is found together, and nothing where something has no name."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+
+import pytest
+from diagnosis.waves import BASE, OTHER, Waves, candidate
+
+from exo_sim.diagnosis.selection import joint_search
+from exo_sim.diagnosis.selection.comparisons import Comparisons
+from exo_sim.diagnosis.selection.fitted_model import FittedModel
+from exo_sim.diagnosis.selection.joint_search import JointSearch
+from exo_sim.diagnosis.selection.search import Search
+from exo_sim.diagnosis.selection.simplification import Simplification
+
+
+def begun(model: Waves, is_spent: Callable[[], bool] = lambda: False) -> tuple[JointSearch, FittedModel]:
+    """Return a search for two waves and a level, and its baseline."""
+    one = Search(model, (), (BASE, OTHER, candidate("level", "level")))
+    bare = one.fits.refined(one.fits.fit(()))
+    comparisons = Comparisons(one.fits, bare, 3, 0.0)
+    simplification = Simplification(one.fits, comparisons, one.proposals)
+    return JointSearch(one.fits, comparisons, one.proposals, simplification, lambda words: None, is_spent), bare
+
+
+def test_what_is_there_together_is_found_together() -> None:
+    search, bare = begun(Waves(slow=8.0, quicker=6.0))
+    found = search.beyond(bare)
+    assert found is not None and found.effects == {"base", "other"}
+    sizes = {c.effect: found.fit.values[c.parameters[0]] for c in found.candidates}
+    assert sizes == pytest.approx({"base": 8.0, "other": 6.0}, abs=0.3)
+
+
+def test_nothing_comes_of_it_where_more_is_left_than_a_healthy_machine_leaves() -> None:
+    search, bare = begun(Waves(1.5, slow=8.0, quick=6.0))
+    assert search.beyond(bare) is None
+
+
+def test_nothing_is_asked_when_the_time_is_up() -> None:
+    search, bare = begun(Waves(slow=8.0, quicker=6.0), lambda: True)
+    assert search.beyond(bare) is None
+
+
+def test_what_a_closed_form_leaves_out_stays_where_a_fit_misses_it(monkeypatch: pytest.MonkeyPatch) -> None:
+    search, bare = begun(Waves(slow=8.0, quicker=6.0))
+    both = search.fits.refined(search.fits.fit((BASE, OTHER), bare))
+    monkeypatch.setattr(joint_search, "jointly_pruned", lambda model, now, threads: now.candidates[:1])
+    assert search._jointly_pruned(both) is both

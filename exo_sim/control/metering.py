@@ -1,9 +1,10 @@
-"""How a valve with independent edges gets a force: one chamber makes it, the other is let off to the exhaust and costs no gas.
+"""How a valve with independent edges gets a force: by a plan of both pressures along a cycle, or with one chamber let off.
 
 The paper's valve moves both chambers with one spool, so both stay under pressure, and each stroke fills the chamber that grows with
-gas that pushes against the other. With an edge of its own for each chamber the one that does not push lies at the exhaust's pressure: it
-draws air from there when it grows. What the pushing chamber needs follows from the same inverse of its pressure dynamics as
-`valve_control.invert` (corrected equation 34), the other's share taken off.
+gas that pushes against the other. With an edge for each chamber the force leaves one number free. Where the cycle is known ahead,
+`chamber_plan` says which pressures cost least and `follow` keeps near them; where it is not, `meter` lets the chamber that does not push
+off to the exhaust: it draws air from there when it grows. What a chamber needs follows from the same inverse of its pressure dynamics as
+`valve_control.invert` (corrected equation 34).
 """
 
 from __future__ import annotations
@@ -14,6 +15,10 @@ from exo_sim.physics.nodes import path_areas
 
 #: Share of a choked path's flow below which more opening would not help.
 _LEAST = 0.05
+#: Time constant with which pressures come to their plan [s].
+_TO_PLAN = 0.1
+#: How near a bound a pressure counts as there, of the supply's over the exhaust's, and what is left of its share in corrections then.
+_NEAR_BOUND, _AT_BOUND = 0.02, 0.01
 
 
 @kernel
@@ -83,3 +88,45 @@ def meter(c, wanted, rate, v, p_1, t_1, p_2, t_2, v_1, v_2, p_s, t_s, p_e, t_e, 
         p_s, t_s, p_e, t_e, k, r,
     )  # fmt: skip
     return -1.0, u_2
+
+
+@kernel
+def follow(c, rate, v, ref_1, rate_1, ref_2, rate_2, p_1, t_1, p_2, t_2, v_1, v_2, p_s, t_s, p_e, t_e, k, r):
+    """Return the commands of both chambers for which the rod force changes at a wanted rate, near the pressures of a plan.
+
+    Both chambers change as planned; what that leaves of the force's rate falls to the chambers in proportion to the square of the force
+    that a gram of gas makes in them, and to none at its bounds. The pressures are drawn to the plan's slowly: the force comes first.
+
+    Args:
+        c: Record of the cylinder.
+        rate: Wanted rate of the rod force, error included [N/s].
+        v: Piston speed [m/s].
+        ref_1, rate_1, ref_2, rate_2: Planned pressures [Pa] and their rates [Pa/s].
+        p_1, t_1, v_1, p_2, t_2, v_2: Pressure [Pa], temperature [K], volume [m^3] of the chambers.
+        p_s, t_s, p_e, t_e: Supply and exhaust.
+        k, r: The gas.
+    """
+    fed_1, _, fed_2, _ = path_areas(c, 1.0, 1.0)
+    _, let_off_1, _, let_off_2 = path_areas(c, -1.0, -1.0)
+    edges = c.valve_edges
+    change_1 = rate_1 + (ref_1 - p_1) / _TO_PLAN
+    change_2 = rate_2 + (ref_2 - p_2) / _TO_PLAN
+    rest = rate - (c.area_1 * change_1 - c.area_2 * change_2)
+    near = _NEAR_BOUND * (p_s - p_e)
+    share_1, share_2 = (c.area_1 / v_1) ** 2, (c.area_2 / v_2) ** 2
+    if (p_1 > p_s - near) if rest > 0.0 else (p_1 < p_e + near):
+        share_1 *= _AT_BOUND
+    if (p_2 < p_e + near) if rest > 0.0 else (p_2 > p_s - near):
+        share_2 *= _AT_BOUND
+    whole = share_1 + share_2
+    change_1 += share_1 / whole * rest / c.area_1
+    change_2 -= share_2 / whole * rest / c.area_2
+    u_1 = chamber_command(
+        change_1 + k * p_1 * c.area_1 * v / v_1, p_1, t_1, v_1, fed_1, let_off_1, edges.overlap_supply_1, edges.overlap_exhaust_1,
+        p_s, t_s, p_e, t_e, k, r,
+    )  # fmt: skip
+    u_2 = chamber_command(
+        change_2 - k * p_2 * c.area_2 * v / v_2, p_2, t_2, v_2, fed_2, let_off_2, edges.overlap_supply_2, edges.overlap_exhaust_2,
+        p_s, t_s, p_e, t_e, k, r,
+    )  # fmt: skip
+    return u_1, u_2

@@ -29,7 +29,7 @@ from exo_sim.machine.person import Person
 from exo_sim.machine.straps import fasten
 from exo_sim.rig import Rig
 from exo_sim.rig.valve_pace import longest_step
-from exo_sim.simulation import driven, loop
+from exo_sim.simulation import chamber_plans, driven, loop
 from exo_sim.simulation.calibration import calibrated
 from exo_sim.simulation.loop_wiring import wire
 from exo_sim.simulation.native import warnings_counted
@@ -91,13 +91,16 @@ class Simulation:
         self.remarks: tuple[str, ...] = ()
         self.calibration: Calibration | None = None
         self.demand = self.demand_added = np.zeros((SAMPLES + 1, 6))
+        self.plan = self.plan_added = chamber_plans.nothing(len(self.plugin.links))
         self.demand = self._demands(request.payload)
         knows = self.added is not None and request.law != "causal"
         self.demand_added = self._demands(request.payload + self.added.mass) if self.added and knows else self.demand
+        self.lay_plans()
         if (variation := request.variation or scenario.variation) is not None:
             whole = self._varied(whole, variation)
         self.motion = whole
         if whole.trial is not None:
+            self.plan, self.plan_added = (chamber_plans.played(plan, whole.trial, self.plugin) for plan in (self.plan, self.plan_added))
             self.demand, self.demand_added = whole.trial.played(self.demand), whole.trial.played(self.demand_added)
         self.remarks = (*scenario.remarks, *self.remarks)
         if controller is not None:
@@ -144,6 +147,15 @@ class Simulation:
         plan = LeastLoad(dynamics, self.motion, self.person, self.straps, self.rig.ankle, reach)
         return _closed(self._rehearse(plan, payload))
 
+    def lay_plans(self) -> None:
+        """Plan the pressures of cylinders whose valves have independent edges for the demand as it stands."""
+        asked = self.request
+        if not chamber_plans.planned(self.plugin) or asked.ideal or asked.assist != "on" or asked.driven or asked.controller != "model":
+            return
+        self.plan = chamber_plans.pressures(self.plugin, self.motion, self.demand, asked.gains.preview)
+        added = self.demand_added is not self.demand
+        self.plan_added = chamber_plans.pressures(self.plugin, self.motion, self.demand_added, asked.gains.preview) if added else self.plan
+
     def _reach(self) -> NDArray[np.float64]:
         """Return least and largest torque that cylinders and ankle motors can hold along the cycle, (PHASES, 6, 2)."""
         data, cylinders = mujoco.MjData(self.model), self.plugin.pneumatics.cylinders
@@ -186,6 +198,7 @@ class Simulation:
                 carry(self.model, payload)
             for _ in range(self.request.rehearsals):
                 self.demand = self.demand_added = _closed(law_of_demand.limit(plan.torque(), ankle))
+                self.lay_plans()
                 self._reset()
                 learn_from(plan, self.run(), settling)
             if self.request.law == "causal":

@@ -7,7 +7,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from exo_sim.control.metering import meter
+from exo_sim.control.metering import follow, meter
 from exo_sim.control.valve_control import GIVEN, MODEL, PI, force_limits, invert, pi
 from exo_sim.gait.motion import Motion, look_up, reference
 from exo_sim.machine.person import Person, pose_bodies, segment_poses
@@ -81,7 +81,11 @@ class Wearer(NamedTuple):
 
 
 class Drives(NamedTuple):
-    """Ankle motors, what the controllers of the cylinders remember, and what a controller from outside commands or asks for."""
+    """Ankle motors, what the controllers of the cylinders remember, and what a controller from outside commands or asks for.
+
+    `plan` and `plan_added` are planned pressures over the phase, both chambers of each cylinder, shape (m + 1, 2 n), no rows where there
+    is no plan; `planned` and `planned_before` are those of this step and of the one before.
+    """
 
     ankles: Index
     wanted: Array
@@ -90,6 +94,11 @@ class Drives(NamedTuple):
     made: Array
     commands: Array
     torques: Array
+    plan: Array
+    plan_added: Array
+    planned: Array
+    planned_before: Array
+    planned_added: Array
 
 
 class Settings(NamedTuple):
@@ -150,6 +159,21 @@ def _ask(cycles, time, fraction, settings, mechanics, plant, wearer, drives):
 
 
 @kernel
+def _look_ahead(cycles, time, fraction, settings, plant, drives):
+    """Write the planned pressures of this step; with less demand at the start they are nearer to the exhaust's."""
+    n, w = settings.numbers, plant.world[0]
+    drives.planned_before[:] = drives.planned
+    look_up(cycles, drives.plan, drives.planned)
+    if n[ADDED] > 0.0:
+        look_up(cycles, drives.plan_added, drives.planned_added)
+        for j in range(drives.planned.size):
+            drives.planned[j] += fraction * (drives.planned_added[j] - drives.planned[j])
+    if time < n[RAMP]:
+        for j in range(drives.planned.size):
+            drives.planned[j] = w.exhaust_pressure + time / n[RAMP] * (drives.planned[j] - w.exhaust_pressure)
+
+
+@kernel
 def _open_valves(first, settings, mechanics, plant, drives):
     """From the force wanted to the command of each valve."""
     n = settings.numbers
@@ -173,6 +197,15 @@ def _open_valves(first, settings, mechanics, plant, drives):
             t_1, t_2 = temperatures(w, plant.vector, i * INTEGRATED)
             v_1, v_2 = volumes(c, x)
             rate = 0.0 if first else (drives.wanted[i] - drives.before[i]) / n[DT]
+            if c.independent > 0.0 and c.single_acting == 0.0 and drives.plan.shape[0] > 1:
+                ref_1, ref_2 = drives.planned[2 * i], drives.planned[2 * i + 1]
+                rate_1 = 0.0 if first else (ref_1 - drives.planned_before[2 * i]) / n[DT]
+                rate_2 = 0.0 if first else (ref_2 - drives.planned_before[2 * i + 1]) / n[DT]
+                plant.command[i], plant.command[plant.actuators.size + i] = follow(
+                    c, rate + error / n[CLOSING], v, ref_1, rate_1, ref_2, rate_2, p_1, t_1, p_2, t_2, v_1, v_2, w.supply_pressure,
+                    w.supply_temperature, w.exhaust_pressure, w.ambient, w.k, w.r,
+                )  # fmt: skip
+                continue
             if c.independent > 0.0:
                 plant.command[i], plant.command[plant.actuators.size + i] = meter(
                     c, drives.wanted[i], rate + error / n[CLOSING], v, p_1, t_1, p_2, t_2, v_1, v_2, w.supply_pressure,
@@ -328,6 +361,8 @@ def run(first, count, settings, mechanics, plant, bodies, wearer, drives, log):
         )  # fmt: skip
         _ask(cycles, time, fraction, settings, mechanics, plant, wearer, drives)
         if settings.kind == GAS:
+            if drives.plan.shape[0] > 1:
+                _look_ahead(cycles, time, fraction, settings, plant, drives)
             _open_valves(k == 0, settings, mechanics, plant, drives)
             compute_forces(mechanics, plant)
         else:

@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 
 from exo_sim.control.valve_control import force_limits
 from exo_sim.gait import scenario as scenarios
+from exo_sim.gait.motion import look_up
 from exo_sim.machine.attachment import attach
 from exo_sim.machine.build import carry
 from exo_sim.machine.linkage import moment_row
@@ -113,12 +114,14 @@ class CoupledStride:
         mujoco.mj_setState(sim.model, sim.data, self._start, mujoco.mjtState.mjSTATE_INTEGRATION)
         sim.plugin.refit(rig)
         sim.plugin.pneumatics.world["longest_step"] = self.dt  # accuracy to a few parts in ten thousand is enough here
+        sim.lay_plans()
+        self._wired = (*self._wired[:-1], self._wired[-1]._replace(plan=sim.plan, plan_added=sim.plan_added))
         self._fill(rig)
         loop.run(self._first, len(self._log), *self._wired, self._log)
         return self._judged()
 
     def _fill(self, rig: Rig) -> None:
-        """Fill the chambers so that the rods start with the forces wanted of them, half way between exhaust and supply."""
+        """Fill the chambers so that the rods start with the forces wanted of them, half way between exhaust and supply or as planned."""
         sim, data = self._simulation, self._simulation.data
         mujoco.mj_forward(sim.model, data)
         at = (self._first * self.dt / sim.motion.period) % 1.0
@@ -138,6 +141,9 @@ class CoupledStride:
             p_2 = min(max((p_1 * a_1 - p_e * (a_1 - a_2) - force) / a_2, p_e), p_s)
             p_1 = min(max((force + p_2 * a_2 + p_e * (a_1 - a_2)) / a_1, p_e), p_s)
             pressures[:, i] = p_1, p_2
+            if len(sim.plan) and cylinder.valve.independent:
+                look_up(at, sim.plan, drives.planned)
+                pressures[:, i] = drives.planned[2 * i : 2 * i + 2]
         drives.before[:] = drives.wanted
         drives.integral[:] = 0.0
         sim.plugin.reset(data, *pressures)

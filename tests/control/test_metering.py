@@ -5,7 +5,7 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from exo_sim.control.metering import chamber_command, edge_command, meter
+from exo_sim.control.metering import chamber_command, edge_command, follow, meter
 from exo_sim.physics import state
 from exo_sim.physics.pneumatics import Pneumatics, paper_cylinder, paper_world
 
@@ -67,3 +67,23 @@ def test_an_overlap_is_passed_over():
 
 def test_a_single_acting_cylinder_is_steered_by_chamber_one_whatever_the_sign():
     assert asked(plant(3e5, P_A, 0.05, single_acting=True), -50.0, -1e3, 0.0, 0.05)[1] == -1.0
+
+
+@settings(max_examples=60)
+@given(
+    p_1=st.floats(1.5e5, 11e5), p_2=st.floats(1.5e5, 11e5), x=st.floats(0.02, 0.105), v=st.floats(-0.3, 0.3), rate=st.floats(-4e4, 4e4),
+)  # fmt: skip
+def test_near_a_plan_the_force_changes_at_the_rate_asked_for_and_both_pressures_as_planned(p_1, p_2, x, v, rate):
+    gas = plant(p_1, p_2, x)
+    c = gas.cylinders[0]
+    v_1, v_2 = c["dead_volume_1"] + c["area_1"] * x, c["dead_volume_2"] + c["area_2"] * (c["stroke"] - x)
+    planned_2 = 2e5  # chamber 1 as the force then asks
+    planned_1 = (rate + planned_2 * c["area_2"]) / c["area_1"]
+    given = (p_1, 293.15, p_2, 293.15, v_1, v_2, P_S, 293.15, P_A, 293.15, 1.4, 287.05)
+    command = np.array(follow(c, rate, v, p_1, planned_1, p_2, planned_2, *given))
+    before, at = gas.forces(np.array([x]), np.zeros(1))[0], gas.pressures(np.array([x]))[0]
+    later = np.array([x + v * gas.dt])
+    gas.advance(np.array([x]), later, command)
+    if np.abs(command).max() < 1.0:
+        assert (gas.forces(later, np.zeros(1))[0] - before) / gas.dt == pytest.approx(rate, rel=0.05, abs=4e3)
+        assert (gas.pressures(later)[0] - at) / gas.dt == pytest.approx([planned_1, planned_2], rel=0.1, abs=2e6)

@@ -129,6 +129,19 @@ def parse(text: object, si_unit: str) -> float:
     return float(f"{si:.15g}")
 
 
+def is_of(text: object, si_unit: str) -> bool:
+    """Return whether a text is a quantity of an SI unit's kind.
+
+    >>> is_of("3 mm", "m"), is_of("3 deg", "m")
+    (True, False)
+    """
+    try:
+        parse(text, si_unit)
+    except UnitError:
+        return False
+    return True
+
+
 def write(value: float, si_unit: str) -> str | float:
     """Return the text that `parse` reads back to the same number; a pure number stays a number."""
     if si_unit == "1":

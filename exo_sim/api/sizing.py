@@ -5,7 +5,7 @@ from __future__ import annotations
 import os
 import shutil
 import tempfile
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field
 from itertools import product
 from pathlib import Path
@@ -14,8 +14,11 @@ from typing import TYPE_CHECKING, Any
 from exo_sim.api.arguments import Quantity, RigLike, quantity, rig_of
 from exo_sim.api.notebook import html_table
 from exo_sim.api.rig import Rig
-from exo_sim.errors import ScenarioError
+from exo_sim.errors import ScenarioError, nearest
+from exo_sim.rig import Rig as Machine
 from exo_sim.sizing import summary_text
+from exo_sim.sizing.design import Space
+from exo_sim.sizing.loads import Condition, JointLoads, joint_loads
 from exo_sim.sizing.study import Sizing as Study
 
 if TYPE_CHECKING:
@@ -87,11 +90,54 @@ class Sizing:
         return html_table([[str(one[key]) for key in keys] for one in self.front], keys, f"sizing of {self.chosen.name}")
 
 
+@dataclass(frozen=True)
+class Question:
+    """What a search is asked: the machine, what it must do, what it asks of its joints, and what may be chosen."""
+
+    machine: Machine
+    conditions: tuple[Condition, ...]
+    loads: tuple[JointLoads, ...]
+    space: Space
+
+
+def question(
+    rig: RigLike | None = None, *, scenarios: str | Sequence[str] = "level_walk", payloads: Quantity | Sequence[Quantity] = 34.0,
+    speeds: float | Sequence[float] = 1.0, reach: Quantity = 0.04, pressure_limit: Quantity | None = None, joints: str | Sequence[str] = (),
+    catalogue: str | os.PathLike[str] | None = None, fix: Mapping[str, Quantity] | Sequence[str] = (), travel: str = "joint",
+    springs: bool = False,
+) -> Question:  # fmt: skip
+    """Return what a search is asked; arguments and errors as of `size`."""
+    from exo_sim.rig.own_catalogue import read_catalogue
+    from exo_sim.sizing.fixing import fixed_numbers, unit_of
+    from exo_sim.sizing.study import space_of
+    from exo_sim.sizing.travel import TRAVELS, within_tasks
+
+    if travel not in TRAVELS:
+        raise ScenarioError(f'travel "{travel}"{nearest(travel, TRAVELS)}')
+    machine: Machine = rig_of(rig)
+    masses = [quantity(one, "kg", "payload", low=0.0) for one in _several(payloads)]
+    conditions = tuple(dict.fromkeys(Condition(*each) for each in product(_several(scenarios), masses, _several(speeds))))
+    loads = tuple(joint_loads(machine, condition) for condition in conditions)
+    if travel == "task":
+        machine = within_tasks(machine, loads)
+    limit = None if pressure_limit is None else quantity(pressure_limit, "Pa", "pressure_limit", low=0.0)
+    named = fix.items() if isinstance(fix, Mapping) else ()
+    texts = [f"{name}={value}" if isinstance(value, str) else f"{name}={value!r} {unit_of(name)}" for name, value in named]
+    space = space_of(
+        machine, quantity(reach, "m", "reach", 0.0, 0.2), limit, tuple(_several(joints)),
+        None if catalogue is None else read_catalogue(Path(catalogue)),
+        fixed_numbers(texts if isinstance(fix, Mapping) else list(fix)), springs,
+    )  # fmt: skip
+    return Question(machine, conditions, loads, space)
+
+
 def size(
     rig: RigLike | None = None, *, scenarios: str | Sequence[str] = "level_walk", payloads: Quantity | Sequence[Quantity] = 34.0,
     speeds: float | Sequence[float] = 1.0, trials: int = 800, reach: Quantity = 0.04, pressure_limit: Quantity | None = None,
-    joints: Sequence[str] = (), catalogue: str | os.PathLike[str] | None = None, fix: Mapping[str, Quantity] | None = None,
-    jobs: int = -1, scheduler: str | None = None, seed: int = 0, out: str | os.PathLike[str] | None = None, quiet: bool = True,
+    joints: str | Sequence[str] = (), catalogue: str | os.PathLike[str] | None = None,
+    fix: Mapping[str, Quantity] | Sequence[str] = (), travel: str = "joint", springs: bool = False, jobs: int = -1,
+    scheduler: str | None = None, seed: int = 0, out: str | os.PathLike[str] | None = None, quiet: bool = True,
+    tell: Callable[[str], None] = lambda words: None,
 ) -> Sizing:  # fmt: skip
     """Search bores, rods, strokes, attachment points, valves and supply against the joint loads of what the machine must do.
 
@@ -105,39 +151,36 @@ def size(
         pressure_limit: Largest pressure of supply and chambers, absolute: pascal, or text; when None, 10 bar above the atmosphere.
         joints: Those to size, like ("knee_l", "knee_r"); all that have cylinders when empty.
         catalogue: TOML file with [[cylinder]] and [[valve]] to choose from, in place of what comes along.
-        fix: What is not to be chosen, like {"supply": "7 bar", "hip.bore": "40 mm"}; SI numbers or text.
+        fix: What is not to be chosen, like {"supply": "7 bar", "hip.bore": "40 mm"}; SI numbers or text, or texts like "supply=7 bar".
+        travel: "joint": strokes cover the joints' whole range; "task": what is asked for, and 10 degrees more each way, with stops there.
+        springs: Whether a spring may stand beside each rod; for valves with independent edges.
         jobs: Processes; -1 is one a core.
         scheduler: Address of a Dask scheduler.
         seed: Where chance starts.
         out: Folder, which keeps finished designs: the same call goes on where it was interrupted. A temporary one when None.
         quiet: No progress.
+        tell: Takes remarks.
 
     Raises:
         ScenarioError, RigError, ModelError: it cannot be carried out, or no design carries the loads.
     """
-    from exo_sim.outputs import alone_in, replacing
+    from exo_sim.outputs import alone_in, check_writable, replacing
     from exo_sim.report.sizing_page import page
-    from exo_sim.rig.own_catalogue import read_catalogue
-    from exo_sim.sizing.fixing import fixed_numbers, unit_of
-    from exo_sim.sizing.loads import Condition
     from exo_sim.sizing.study import size as search
-    from exo_sim.sizing.study import space_of
     from exo_sim.sizing.workers import Workers
 
     if jobs == 0:
         raise ScenarioError("jobs = 0: give a number of processes, or -1 for one a core")
-    machine = rig_of(rig)
-    masses = [quantity(one, "kg", "payload", low=0.0) for one in _several(payloads)]
-    conditions = tuple(dict.fromkeys(Condition(*each) for each in product(_several(scenarios), masses, _several(speeds))))
-    limit = None if pressure_limit is None else quantity(pressure_limit, "Pa", "pressure_limit", low=0.0)
-    texts = [f"{name}={value}" if isinstance(value, str) else f"{name}={value!r} {unit_of(name)}" for name, value in (fix or {}).items()]
-    space = space_of(machine, quantity(reach, "m", "reach", 0.0, 0.2), limit, (joints,) if isinstance(joints, str) else tuple(joints),
-                     None if catalogue is None else read_catalogue(Path(catalogue)), fixed_numbers(texts))  # fmt: skip
+    asked = question(
+        rig, scenarios=scenarios, payloads=payloads, speeds=speeds, reach=reach, pressure_limit=pressure_limit, joints=joints,
+        catalogue=catalogue, fix=fix, travel=travel, springs=springs,
+    )  # fmt: skip
     temporary = tempfile.TemporaryDirectory(prefix="exo-sim-size-") if out is None else None
     folder = Path(temporary.name if temporary else out or "")
+    check_writable(folder)
     with alone_in(folder, "size"):
         with Workers(jobs, scheduler) as workers:
-            study = search(machine, conditions, space, trials, seed, workers, folder, quiet)
+            study = search(asked.machine, asked.conditions, asked.space, trials, seed, workers, folder, quiet, tell)
         with replacing(folder / "report.html") as beside:
             beside.write_text(page(study), encoding="utf-8")
     return Sizing(study, folder, Rig.load(folder / "sized.toml"), temporary)

@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
-from itertools import product
 from pathlib import Path
+from typing import Any
 
 import click
 
@@ -39,59 +39,49 @@ from exo_sim.cli.frame import verb
               help="TOML file with [[cylinder]] and [[valve]] to choose from, in place of what comes along.")
 @click.option("--fix", "fixes", multiple=True, metavar='NAME="VALUE"',
               help='Not to be chosen: supply="7 bar", hip.bore="40 mm", hip.valve="8 mm^2", hip.from="200 mm" or hip.to; may be repeated.')
+@click.option("--travel", type=click.Choice(["joint", "task"]), default="joint", show_default=True,
+              help="Strokes cover the joints' whole range, or what the tasks ask for and 10 degrees more, with stops there.")
+@click.option("--springs", is_flag=True, help="A spring may stand beside each rod; for valves with independent edges.")
 @click.option("--jobs", type=click.IntRange(-1), default=-1, show_default=True,
               help="Processes, one thread each; -1: one a core.")
 @click.option("--scheduler", default=None, help="Address of a Dask scheduler, tcp://HOST:PORT, to score designs on its workers.")
 @click.option("--quick", is_flag=True, help="By hand: the paper's design equations 35 to 39. No search.")
 def command(scenarios: tuple[str, ...], payloads: tuple[float, ...], speeds: tuple[float, ...], rig: Path | None, trials: int,
             reach: float, pressure_limit: float | None, only: str | None, catalogue: Path | None,
-            fixes: tuple[str, ...], jobs: int, scheduler: str | None, quick: bool, out: Path | None,
+            fixes: tuple[str, ...], travel: str, springs: bool, jobs: int, scheduler: str | None, quick: bool, out: Path | None,
             as_json: bool, quiet: bool, seed: int) -> None:  # fmt: skip
     """Search bores, rods, strokes, attachment points, valves and supply against the joint loads of what the machine must do.
 
     Finished designs are kept in the folder: the same command goes on where it was interrupted.
     """
-    from exo_sim import rig as rigs
+    from exo_sim.api.sizing import question
+    from exo_sim.api.sizing import size as search
     from exo_sim.errors import ScenarioError
-    from exo_sim.rig.own_catalogue import read_catalogue
     from exo_sim.simulation.walk import default_rig
     from exo_sim.sizing import summary_text
-    from exo_sim.sizing.fixing import fixed_numbers
-    from exo_sim.sizing.loads import Condition, joint_loads
-    from exo_sim.sizing.study import size, space_of
 
     if jobs == 0:
         raise ScenarioError("--jobs 0: give a number of processes, or -1 for one a core")
     if quick and out is not None:
         raise ScenarioError("--quick writes no files: leave --out away, or --quick")
-    machine = rigs.read(rig or default_rig())
-    conditions = tuple(dict.fromkeys(Condition(*each) for each in product(scenarios, payloads, speeds)))
-    loads = tuple(joint_loads(machine, condition) for condition in conditions)
-    space = space_of(
-        machine, reach, pressure_limit, tuple(name.strip() for name in only.split(",")) if only is not None else (),
-        read_catalogue(catalogue) if catalogue is not None else None, fixed_numbers(fixes),
+    asked: dict[str, Any] = dict(
+        scenarios=scenarios, payloads=payloads, speeds=speeds, reach=reach, pressure_limit=pressure_limit, catalogue=catalogue, fix=fixes,
+        travel=travel, springs=springs, joints=tuple(name.strip() for name in only.split(",")) if only is not None else (),
     )  # fmt: skip
     if quick:
         from exo_sim.sizing.by_hand import joint_by_hand, papers_example
 
+        found = question(rig or default_rig(), **asked)
         example = papers_example()
         joints = {
-            f"{kind.name}, {one.condition}": joint_by_hand(machine, kind, one, pressure_limit)
-            for one in loads
-            for kind in space.kinds
+            f"{kind.name}, {one.condition}": joint_by_hand(found.machine, kind, one, pressure_limit)
+            for one in found.loads
+            for kind in found.space.kinds
         }
         printing.show(summary_text.by_hand_numbers(example, joints), summary_text.by_hand_words(example, joints), as_json=as_json)
         return
-    from exo_sim.outputs import alone_in, check_writable, replacing
-    from exo_sim.report.sizing_page import page
-    from exo_sim.sizing.workers import Workers
-
-    folder = out or Path("sized")
-    check_writable(folder)
-    with alone_in(folder, "size"):
-        with Workers(jobs, scheduler) as workers:
-            found = size(machine, conditions, space, trials, seed, workers, folder, quiet,
-                         lambda words: printing.remark(words, quiet=quiet))  # fmt: skip
-        with replacing(folder / "report.html") as beside:
-            beside.write_text(page(found), encoding="utf-8")
-    printing.show(summary_text.numbers(found, folder), summary_text.words(found, folder), as_json=as_json)
+    result = search(
+        rig or default_rig(), **asked, trials=trials, jobs=jobs, scheduler=scheduler, seed=seed, out=out or Path("sized"), quiet=quiet,
+        tell=lambda words: printing.remark(words, quiet=quiet),
+    )  # fmt: skip
+    printing.show(result.summary, str(result), as_json=as_json)

@@ -13,6 +13,7 @@ is settled by solving again.
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass
 
 import numpy as np
@@ -31,7 +32,9 @@ FLOW_SHARE = 0.7
 #: Share of the supply's pressure that a plan fills a chamber to.
 FILLED_TO = 0.97
 #: Numbers of the program are near one: pressures in bar, gas in grams.
-_BAR, _GRAM = 1e5, 1e-3
+_BAR, _GRAM, _KILO = 1e5, 1e-3, 1e3
+#: Springs beside a rod: the stiffest and the softest that is one [N/m], and how far from X = 0 they may be at rest [m].
+STIFFEST, _SOFTEST, _FARTHEST = 3e4, 100.0, 0.4
 #: A newton that is missing over an interval costs as much as the gas of so many newtons held at full stroke.
 _PRICE = 40.0
 _PASSES = 3
@@ -47,22 +50,25 @@ class ChamberPlan:
         pressure_1, pressure_2: At even phases [Pa], shape (n,) each.
         gas: Drawn a cycle [kg].
         short: Largest force that is not given [N].
+        spring: Stiffness [N/m] and rest [m] of the spring beside the rod with which the gas is least, or None where none was asked for.
     """
 
     pressure_1: Array
     pressure_2: Array
     gas: float
     short: float
+    spring: tuple[float, float] | None = None
 
 
-def plan(world: np.void, c: np.void, x: Array, force: Array, period: float) -> ChamberPlan:
+def plan(world: np.void, c: np.void, x: Array, force: Array, period: float, spring: bool = False) -> ChamberPlan:
     """Return the pressures that give a rod's forces from the least gas.
 
     Args:
         world, c: Records of the plant and of a double-acting cylinder whose valve has independent edges.
         x: Piston position at even phases of a cycle [m], shape (n,).
-        force: Of the gas on the rod there [N], shape (n,).
+        force: Of the gas on the rod there [N], shape (n,); of gas and spring together where there is one to choose.
         period: Of the cycle [s].
+        spring: Whether a spring beside the rod is to be chosen, too: its force is linear in two numbers, so the program stays one.
     """
     n, p_s, p_e = len(x), float(world["supply_pressure"]), float(world["exhaust_pressure"])
     k_r_t = float(world["k"] * world["r"] * world["supply_temperature"])
@@ -72,11 +78,19 @@ def plan(world: np.void, c: np.void, x: Array, force: Array, period: float) -> C
     unit, nothing = sparse.identity(n, format="csr"), sparse.csr_matrix((n, n))
     balance = sparse.hstack([a_1 * _BAR * unit, -a_2 * _BAR * unit, nothing, nothing, unit, -unit], format="csr")
     wanted = force + float(world["atmosphere"]) * (a_1 - a_2)
-    # variables: both pressures, gas drawn into both chambers in each interval, force missing and force in excess
+    # variables: both pressures, gas drawn into both chambers in each interval, force missing and force in excess, the spring's force at
+    # x = 0 and its stiffness
+    balance = sparse.hstack([balance, sparse.csr_matrix(np.stack([-np.ones(n), -x], axis=1) * _KILO)], format="csr")
+    turned = sparse.csr_matrix(([1.0, -_FARTHEST, -1.0, -_FARTHEST], ([0, 0, 1, 1], [6 * n, 6 * n + 1] * 2)), shape=(2, 6 * n + 2))
+    limits = sparse.vstack([sparse.hstack([limits, sparse.csr_matrix((limits.shape[0], 2))]), turned], format="csr")
+    most = np.concatenate([most, np.zeros(2)])
     floor = p_e / _BAR
-    low = np.concatenate([np.full(2 * n, floor), np.zeros(4 * n)])
-    high = np.concatenate([np.full(2 * n, max(FILLED_TO * p_s, p_e) / _BAR), np.full(4 * n, np.inf)])
-    cost = np.concatenate([np.zeros(2 * n), np.ones(2 * n), np.full(2 * n, price)])
+    stiffest = STIFFEST / _KILO if spring else 0.0
+    low = np.concatenate([np.full(2 * n, floor), np.zeros(4 * n), [-_FARTHEST * stiffest, 0.0]])
+    high = np.concatenate([
+        np.full(2 * n, max(FILLED_TO * p_s, p_e) / _BAR), np.full(4 * n, np.inf), [_FARTHEST * stiffest, stiffest],
+    ])  # fmt: skip
+    cost = np.concatenate([np.zeros(2 * n), np.ones(2 * n), np.full(2 * n, price), [0.0, 0.0]])
     least, best = np.inf, None
     for _ in range(_PASSES):
         found = linprog(cost, limits, most, balance, wanted, np.stack([low, high], axis=1), method="highs")
@@ -92,8 +106,11 @@ def plan(world: np.void, c: np.void, x: Array, force: Array, period: float) -> C
     if best is None:
         still = np.full(n, p_e)
         return ChamberPlan(still, still.copy(), 0.0, float(np.abs(force).max()))
-    drawn = float(least - price * best[4 * n :].sum()) * _GRAM
-    return ChamberPlan(best[:n] * _BAR, best[n : 2 * n] * _BAR, drawn, float(best[4 * n :].max()))
+    missing = best[4 * n : 6 * n]
+    drawn = float(least - price * missing.sum()) * _GRAM
+    start, stiffness = (float(value) * _KILO for value in best[6 * n :])
+    chosen = (stiffness, -start / stiffness) if stiffness > _SOFTEST else None
+    return ChamberPlan(best[:n] * _BAR, best[n : 2 * n] * _BAR, drawn, float(missing.max()), chosen)
 
 
 def _limits(world: np.void, c: np.void, x: Array, period: float) -> tuple[sparse.csr_matrix, Array]:
@@ -108,6 +125,13 @@ def _limits(world: np.void, c: np.void, x: Array, period: float) -> tuple[sparse
     fed_1, _, fed_2, _ = path_areas(c, 1.0, 1.0)
     _, let_off_1, _, let_off_2 = path_areas(c, -1.0, -1.0)
     rows, most = [], []
+
+    def fill(area: float, q: float) -> float:
+        return float(flow(area, p_s, t_s, q, t_s, k, r))
+
+    def empty(area: float, q: float) -> float:
+        return float(flow(area, q, t_s, p_e, t_s, k, r))
+
     for side, volume, fed, let_off in (
         (0, c["dead_volume_1"] + c["area_1"] * x, fed_1, let_off_1),
         (1, c["dead_volume_2"] + c["area_2"] * (c["stroke"] - x), fed_2, let_off_2),
@@ -126,8 +150,8 @@ def _limits(world: np.void, c: np.void, x: Array, period: float) -> tuple[sparse
         step = FLOW_SHARE * period / n / _GRAM
         for share in _TANGENTS:
             p = p_e + share * (p_s - p_e)
-            into, slope_in = _tangent(lambda q, area=fed: flow(area, p_s, t_s, q, t_s, k, r), p)
-            out, slope_out = _tangent(lambda q, area=let_off: flow(area, q, t_s, p_e, t_s, k, r), p)
+            into, slope_in = _tangent(fill, fed, p)
+            out, slope_out = _tangent(empty, let_off, p)
             rows.append(row(-slope_in * step * _BAR * middle, unit))
             most.append(np.full(n, step * (into - slope_in * p)))
             rows.append(row(-draw - slope_out * step * _BAR * middle, nothing))
@@ -135,7 +159,7 @@ def _limits(world: np.void, c: np.void, x: Array, period: float) -> tuple[sparse
     return sparse.vstack([sparse.hstack(each) for each in rows], format="csr"), np.concatenate(most)
 
 
-def _tangent(function, p: float) -> tuple[float, float]:
-    """Return value and slope of a function at p."""
+def _tangent(through: Callable[[float, float], float], area: float, p: float) -> tuple[float, float]:
+    """Return the flow through an area and its slope at a chamber's pressure p [kg/s, kg/(s Pa)]."""
     h = 1e-4 * p
-    return function(p), (function(p + h) - function(p - h)) / (2.0 * h)
+    return through(area, p), (through(area, p + h) - through(area, p - h)) / (2.0 * h)

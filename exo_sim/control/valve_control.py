@@ -103,6 +103,12 @@ def force_limits(area_1: float, area_2: float, p_s: float, p_e: float, atmospher
     return p_e * area_1 - p_s * area_2 - on_rod, p_s * area_1 - p_e * area_2 - on_rod
 
 
+@kernel
+def spring_pull(c, x):
+    """Return what the springs beside a piston take off the gas's force on the rod [N], the piston at x [m]."""
+    return c.return_spring.stiffness * (x - c.return_spring.rest)
+
+
 def controller_code(name: str) -> int:
     """Return the number by which compiled code knows a controller."""
     return {"off": OFF, "pi": PI, "model": MODEL, "given": GIVEN}[name]

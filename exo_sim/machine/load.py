@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping
 
 import mujoco
+import numpy as np
 
 from exo_sim.errors import ModelError, nearest
 from exo_sim.machine import mjcf
@@ -49,7 +50,7 @@ def compiled(loaded: mujoco.MjSpec, rig: Rig) -> mujoco.MjModel:
 
 
 def corrected(model: mujoco.MjModel, joints: Mapping[str, JointFactors], source: str) -> None:
-    """Multiply what a model says of its joints.
+    """Multiply what a model says of its joints, and set stops inside its own.
 
     What a joint accelerates is changed by an armature: it moves nothing's centre of mass, so that gravity stays.
 
@@ -59,7 +60,7 @@ def corrected(model: mujoco.MjModel, joints: Mapping[str, JointFactors], source:
         source: What names the joints, for the error.
 
     Raises:
-        ModelError: a joint that is not in the model.
+        ModelError: a joint that is not in the model, or stops outside those that it has.
     """
     names = [model.joint(i).name for i in range(model.njnt)]
     for name, factors in joints.items():
@@ -68,8 +69,23 @@ def corrected(model: mujoco.MjModel, joints: Mapping[str, JointFactors], source:
         dofs = model.joint(name).dofadr
         model.dof_damping[dofs] *= factors.damping
         model.dof_armature[dofs] += (factors.inertia - 1.0) * model.dof_M0[dofs]
+        if factors.range is not None:
+            _stop(model, name, factors.range, source)
     if joints:
         mujoco.mj_setConst(model, mujoco.MjData(model))
+
+
+def _stop(model: mujoco.MjModel, name: str, ends: tuple[float, float], source: str) -> None:
+    """Set the stops of a joint inside those that it has."""
+    joint = model.joint(name).id
+    low, high = model.jnt_range[joint] if model.jnt_limited[joint] else (-np.inf, np.inf)
+    slack = 1e-6
+    if int(model.jnt_type[joint]) not in (int(mujoco.mjtJoint.mjJNT_HINGE), int(mujoco.mjtJoint.mjJNT_SLIDE)):
+        raise ModelError(f"{source}: joints.{name}.range: a joint that neither turns nor slides has no stops")
+    if ends[0] < low - slack or ends[1] > high + slack:
+        raise ModelError(f"{source}: joints.{name}.range = {ends[0]:g} to {ends[1]:g} goes beyond the MJCF's own {low:g} to {high:g}")
+    model.jnt_range[joint] = ends
+    model.jnt_limited[joint] = True
 
 
 def check_effects(rig: Rig, model: mujoco.MjModel) -> None:

@@ -83,6 +83,7 @@ MEANINGS = {
     "cylinders.NAME.attachment.to": "x forward and z up of the rod's end",
     "bodies.NAME.mass": "replaces the mass of that body of the MJCF",
     "joints.NAME.inertia_factor": "on what that joint has to accelerate; gravity stays",
+    "joints.NAME.range": "stops of that joint, inside the MJCF's own; a cylinder's stroke must cover what is between them",
     "joints.NAME.damping_factor": "on the MJCF's damping of that joint",
     "wearer.height": "of who wears it",
     "wearer.mass": "of who wears it",
@@ -145,7 +146,9 @@ def every_key() -> list[Key]:
     """Return every key in the order in which the reader asks for it; `[effects]` are declared elsewhere (`rig.pages`)."""
     noted: list[Key] = []
     others = [_WHOLE.replace('area = "5 mm^2"\n', valve) for valve in _VALVES]
-    for text in (_WHOLE, *others, _WHOLE.replace("[cylinders.NAME.valve]", 'rating = "11 bar"\n[cylinders.NAME.valve]')):
+    others.append(_WHOLE.replace("[cylinders.NAME.valve]", 'rating = "11 bar"\n[cylinders.NAME.valve]'))
+    others.append(_WHOLE.replace("damping_factor = 1.0", 'range = ["-1 deg", "1 deg"]'))
+    for text in (_WHOLE, *others):
         table = _Noting(Path(__file__).resolve().parents[1] / "assets" / "all.toml", "", toml(text))
         table.noted = noted
         parse_table(table, text)

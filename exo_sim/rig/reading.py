@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterator
 from pathlib import Path
 
+from exo_sim import units
 from exo_sim.errors import RigError
 from exo_sim.inputs import text_of, toml
 from exo_sim.rig.effects import read_effects
@@ -118,10 +119,21 @@ def _parts_of(table: Table, group: str) -> Iterator[tuple[str, Table]]:
 
 
 def _factors(part: Table) -> JointFactors:
-    """Return the factors on a joint's numbers; there must be one."""
+    """Return what a rig says of a joint; there must be something."""
     inertia = part.quantity("inertia_factor", "1", default=1.0, above=0.0, most=1e6)
-    damping = part.quantity("damping_factor", "1", default=1.0 if part.has("inertia_factor") else None, above=0.0, most=1e6)
-    return JointFactors(damping, inertia)
+    other = part.has("inertia_factor") or part.has("range")
+    damping = part.quantity("damping_factor", "1", default=1.0 if other else None, above=0.0, most=1e6)
+    return JointFactors(damping, inertia, _range(part) if part.has("range") else None)
+
+
+def _range(part: Table) -> tuple[float, float]:
+    """Return the stops of a joint [rad, or m where it slides]."""
+    held = part.values["range"]
+    slides = isinstance(held, list) and held and units.is_of(held[0], "m")
+    low, high = part.quantities("range", "m" if slides else "rad", ("least", "most"))
+    if not low < high:
+        raise part.fail("range", "must rise from its first end to its second")
+    return low, high
 
 
 def _environment(table: Table) -> Environment:

@@ -132,15 +132,17 @@ class Ankle:
 
 @dataclass(frozen=True)
 class JointFactors:
-    """What numbers that the MJCF says of a joint are multiplied with.
+    """What numbers that the MJCF says of a joint are multiplied with, and stops inside its own.
 
     Attributes:
         damping: On the joint's damping.
         inertia: On what the joint has to accelerate where the MJCF draws it; gravity stays as it is.
+        range: Least and largest position [rad or m]; the MJCF's own where None.
     """
 
     damping: float = 1.0
     inertia: float = 1.0
+    range: tuple[float, float] | None = None
 
 
 @dataclass(frozen=True)

@@ -73,6 +73,7 @@ def pressures(plugin: PneumaticPlugin, motion: Motion, demand: Array, preview: f
         if not cylinder.valve.independent or cylinder.single_acting:
             continue
         force[:, i] = torque[:, link.dof - 3] / np.where(np.abs(arm[:, i]) > _LEAST_ARM, arm[:, i], np.inf)
+        force[:, i] += cylinders[i]["return_spring"]["stiffness"] * (x[:, i] - cylinders[i]["return_spring"]["rest"])
         twin = next((j for j in range(i) if _mirrored(plugin, x, force, i, j)), None)
         if twin is None:
             found = plan(world, cylinders[i], x[:, i], force[:, i], motion.period)

@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from exo_sim.control.metering import follow, meter
-from exo_sim.control.valve_control import GIVEN, MODEL, PI, force_limits, invert, pi
+from exo_sim.control.valve_control import GIVEN, MODEL, PI, force_limits, invert, pi, spring_pull
 from exo_sim.gait.motion import Motion, look_up, reference
 from exo_sim.machine.person import Person, pose_bodies, segment_poses
 from exo_sim.machine.straps import pull
@@ -151,8 +151,9 @@ def _ask(cycles, time, fraction, settings, mechanics, plant, wearer, drives):
         c = plant.cylinders[i]
         w = plant.world[0]
         low, high = force_limits(c.area_1, c.area_2, w.supply_pressure, w.exhaust_pressure, w.atmosphere)
+        pull = spring_pull(c, mechanics.actuator_length[plant.actuators[i]] - plant.retracted[i])
         drives.before[i] = drives.wanted[i]
-        drives.wanted[i] = min(max(wearer.torque[dof - 3] / arm if abs(arm) > 5e-3 else 0.0, low), high)
+        drives.wanted[i] = min(max(wearer.torque[dof - 3] / arm if abs(arm) > 5e-3 else 0.0, low - pull), high - pull)
     for j in range(drives.ankles.size):
         if drives.ankles[j] >= 0:
             mechanics.ctrl[drives.ankles[j]] = wearer.torque[3 * j + 2]
@@ -183,20 +184,21 @@ def _open_valves(first, settings, mechanics, plant, drives):
         v = mechanics.actuator_velocity[plant.actuators[i]]
         p_1, p_2 = sensed_pressures(w, plant.cylinders, plant.vector, i, x)
         force = p_1 * c.area_1 - p_2 * c.area_2 - w.atmosphere * (c.area_1 - c.area_2)
-        error = drives.wanted[i] - force
+        wanted = drives.wanted[i] + spring_pull(c, x)  # of the gas
+        error = wanted - force
         if settings.controller == PI:
             scale = (w.supply_pressure - w.atmosphere) * c.area_1
             plant.command[i], drives.integral[i] = pi(
                 error, scale, drives.integral[i], n[PROPORTIONAL], n[INTEGRAL], n[DT]
             )
             if c.independent > 0.0:  # the chamber that does not push is let off
-                pushes = drives.wanted[i] >= 0.0 or c.single_acting > 0.0
+                pushes = wanted >= 0.0 or c.single_acting > 0.0
                 plant.command[plant.actuators.size + i] = -1.0 if pushes else -plant.command[i]
                 plant.command[i] = plant.command[i] if pushes else -1.0
         elif settings.controller == MODEL:
             t_1, t_2 = temperatures(w, plant.vector, i * INTEGRATED)
             v_1, v_2 = volumes(c, x)
-            rate = 0.0 if first else (drives.wanted[i] - drives.before[i]) / n[DT]
+            rate = 0.0 if first else (drives.wanted[i] - drives.before[i]) / n[DT] + c.return_spring.stiffness * v
             if c.independent > 0.0 and c.single_acting == 0.0 and drives.plan.shape[0] > 1:
                 ref_1, ref_2 = drives.planned[2 * i], drives.planned[2 * i + 1]
                 rate_1 = 0.0 if first else (ref_1 - drives.planned_before[2 * i]) / n[DT]
@@ -208,7 +210,7 @@ def _open_valves(first, settings, mechanics, plant, drives):
                 continue
             if c.independent > 0.0:
                 plant.command[i], plant.command[plant.actuators.size + i] = meter(
-                    c, drives.wanted[i], rate + error / n[CLOSING], v, p_1, t_1, p_2, t_2, v_1, v_2, w.supply_pressure,
+                    c, wanted, rate + error / n[CLOSING], v, p_1, t_1, p_2, t_2, v_1, v_2, w.supply_pressure,
                     w.supply_temperature, w.exhaust_pressure, w.ambient, w.k, w.r,
                 )  # fmt: skip
                 continue

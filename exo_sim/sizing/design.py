@@ -31,6 +31,8 @@ MOST_ABOVE = 2
 LARGEST_TURN = 0.6
 #: What a workshop can tell apart: lengths [m], valve areas [m^2], pressures [Pa]. Designs are rounded to it before they are judged.
 PLACES = {"length": 1e-4, "area": 1e-7, "pressure": 1e4}
+#: What a kilogram of helical steel spring stores [J/kg]: 0.9 GPa of shear, half of the ideal bar's 0.32 kJ/kg for ends and reserve.
+SPRING_ENERGY = 150.0
 _RANGE_SAMPLES = 41
 
 
@@ -64,12 +66,21 @@ class JointKind:
 
 @dataclass(frozen=True)
 class JointDesign:
-    """One joint's actuator: the catalogue's cylinder, where it hangs, its valve [m^2], and which of the catalogue's that is, if any."""
+    """One joint's actuator.
+
+    Attributes:
+        cylinder: The catalogue's.
+        attachment: Where it hangs.
+        valve_area: Of each path of its valve [m^2].
+        valve: Which of the catalogue's that is, if any.
+        spring: Stiffness [N/m] and rest [m from X = 0] of a spring beside the rod, if any.
+    """
 
     cylinder: CatalogueCylinder
     attachment: Attachment
     valve_area: float
     valve: CatalogueValve | None = None
+    spring: tuple[float, float] | None = None
 
 
 @dataclass(frozen=True)
@@ -189,6 +200,7 @@ class Space:
         reach: How far an end may move from the owner's, each way [m].
         catalogue: What may be bought.
         fixed: Numbers that are not to be chosen, by name: "supply", "hip.bore", "hip.valve", "hip.from", "hip.to".
+        springs: Whether each rod may have a spring beside it; it is the one with which the gas is least (`springs.beside`).
     """
 
     kinds: tuple[JointKind, ...]
@@ -196,6 +208,7 @@ class Space:
     reach: float
     catalogue: Catalogue = field(default_factory=Catalogue)
     fixed: tuple[tuple[str, float], ...] = ()
+    springs: bool = False
 
     def bores(self, kind: JointKind) -> tuple[int, ...]:
         """Return the places in the catalogue that a kind of joint may choose from, by rising bore."""
@@ -243,15 +256,18 @@ class Space:
             ends.append((_to(radius * np.cos(way), PLACES["length"]), _to(radius * np.sin(way), PLACES["length"])))
         return Attachment(*ends)
 
-    def design(self, numbers: Mapping[str, float], bores: Mapping[str, int], number: int = -1) -> Design:
-        """Return the design that variables and bores (places in the catalogue) stand for."""
+    def design(
+        self, numbers: Mapping[str, float], bores: Mapping[str, int], number: int = -1,
+        springs: Mapping[str, tuple[float, float]] | None = None,
+    ) -> Design:  # fmt: skip
+        """Return the design that variables, bores (places in the catalogue) and springs by kind of joint stand for."""
         joints = {}
         for kind in self.kinds:
             area = float(numbers[f"{kind.name}.valve"])
             valve = self.valve(area)
             cylinder = self.catalogue.cylinders[bores[kind.name]]
             area = _to(area, PLACES["area"]) if valve is None else valve.area
-            joints[kind.name] = JointDesign(cylinder, self.attachment(kind, numbers), area, valve)
+            joints[kind.name] = JointDesign(cylinder, self.attachment(kind, numbers), area, valve, (springs or {}).get(kind.name))
         return Design(_to(numbers["supply"], PLACES["pressure"]), joints, number)
 
     def owners(self, rig: Rig) -> dict[str, float]:
@@ -298,10 +314,13 @@ def fitted(rig: Rig, kinds: tuple[JointKind, ...], design: Design) -> Rig:
 
 
 def with_valve(effects: tuple[EffectSetting, ...], kind: JointKind, chosen: JointDesign) -> tuple[EffectSetting, ...]:
-    """Return effects with the lag and the critical ratio of a catalogue's valve in place of the owner's."""
-    for name, parameter, value in valve_effects(chosen.valve):
+    """Return effects with the lag and the critical ratio of a catalogue's valve, and a design's spring, in place of the owner's."""
+    said = [(name, {parameter: value}) for name, parameter, value in valve_effects(chosen.valve)]
+    if chosen.spring is not None:
+        said.append(("return_spring", {"stiffness": chosen.spring[0], "rest": chosen.spring[1]}))
+    for name, parameters in said:
         effects = tuple(one for one in effects if one.name != name or one.where not in kind.cylinders)
-        effects += tuple(EffectSetting(name, cylinder, {parameter: value}) for cylinder in kind.cylinders)
+        effects += tuple(EffectSetting(name, cylinder, parameters) for cylinder in kind.cylinders)
     return effects
 
 
@@ -314,11 +333,21 @@ def valve_effects(valve: CatalogueValve | None) -> list[tuple[str, str, float]]:
 
 
 def actuator_mass(kinds: tuple[JointKind, ...], design: Design) -> float:
-    """Return the mass of all cylinders and, where the catalogue says it, valves together [kg], infinite where a stroke is not to be had."""
+    """Return the mass of all cylinders, springs and, where the catalogue says it, valves [kg], infinite where a stroke is not to be had."""
     total = 0.0
     for kind in kinds:
         chosen = design.joints[kind.name]
         stroke = fit(kind, chosen).stroke
+        if stroke is None:
+            return float(np.inf)
         valve = chosen.valve.mass if chosen.valve is not None else 0.0
-        total += len(kind.cylinders) * (chosen.cylinder.mass(stroke) + valve) if stroke is not None else np.inf
+        total += len(kind.cylinders) * (chosen.cylinder.mass(stroke) + valve + spring_mass(chosen.spring, stroke))
     return total
+
+
+def spring_mass(spring: tuple[float, float] | None, stroke: float) -> float:
+    """Return the mass of a steel spring that takes the whole stroke [kg], by what it stores (`SPRING_ENERGY`, our estimate)."""
+    if spring is None:
+        return 0.0
+    stiffness, rest = spring
+    return 0.5 * stiffness * max(abs(rest), abs(stroke - rest)) ** 2 / SPRING_ENERGY

@@ -17,6 +17,7 @@ from exo_sim.sizing.design import Design, JointKind, Space, actuator_mass, fitte
 from exo_sim.sizing.first_designs import first_design
 from exo_sim.sizing.loads import Condition, JointLoads, joint_loads
 from exo_sim.sizing.screening import chosen_bores, screen
+from exo_sim.sizing.springs import beside
 
 #: What stands for gas [kg] and torque error [N m] of a design that was not simulated: worse than any that was.
 UNKNOWN_GAS, UNKNOWN_ERROR = 1.0, 1000.0
@@ -51,6 +52,7 @@ class Score:
         worst: Joint with the largest error.
         peak: Largest pressure in any chamber [Pa], 0 where it was not simulated.
         bores: Place in the catalogue by kind of joint.
+        springs: Stiffness [N/m] and rest [m] of those beside the rods, by kind of joint.
     """
 
     margin: float
@@ -65,6 +67,7 @@ class Score:
     worst: str = ""
     peak: float = 0.0
     bores: dict[str, int] = field(default_factory=dict)
+    springs: dict[str, tuple[float, float]] = field(default_factory=dict)
 
     @property
     def feasible(self) -> bool:
@@ -124,7 +127,12 @@ class Evaluator:
         """Return the score of the design that a set of variables stands for (`Space`)."""
         task = self.task
         bores = chosen_bores(task.rig, task.space, self.loads, numbers)
-        return replace(self.judge(task.space.design(numbers, bores)), bores=bores)
+        design = task.space.design(numbers, bores)
+        springs = {}
+        if task.space.springs:
+            springs = beside(task.rig, self.kinds, self.loads[0], design)
+            design = task.space.design(numbers, bores, springs=springs)
+        return replace(self.judge(design), bores=bores, springs=springs)
 
     def judge(self, design: Design) -> Score:
         """Return the score of a design."""

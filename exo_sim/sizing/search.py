@@ -117,7 +117,7 @@ def search(
                         book.keep(number, trial.params, score, distributions)
                         new += 1
                     _tell(study, trial, score, narrow)
-                    found.append(Found(space.design(trial.params, score.bores, number), score, trial.params))
+                    found.append(Found(space.design(trial.params, score.bores, number, score.springs), score, trial.params))
                     bar.advance()
         except KeyboardInterrupt:
             interrupted = True
@@ -139,7 +139,7 @@ def with_more(
         if score is None:
             score = next(fresh)
             book.keep(first + i, numbers, score, distributions)
-        found.append(Found(task.space.design(numbers, score.bores, first + i), score, numbers))
+        found.append(Found(task.space.design(numbers, score.bores, first + i, score.springs), score, numbers))
     return Outcome(tuple(found), front_of(found), outcome.new + sum(score is None for score in kept))
 
 
@@ -269,7 +269,12 @@ class _Journal:
         for trial in self._study.get_trials(deepcopy=False):
             score = trial.user_attrs["score"]
             thinnest = score["thinnest"]
-            score = {**score, "violations": tuple(score["violations"]), "thinnest": tuple(thinnest) if thinnest else None}
+            score = {
+                **score,
+                "violations": tuple(score["violations"]),
+                "thinnest": tuple(thinnest) if thinnest else None,
+                "springs": {name: tuple(spring) for name, spring in score.get("springs", {}).items()},
+            }
             self._scores[trial.user_attrs["number"]] = (trial.params, Score(**score))
 
     def score(self, number: int, params: dict[str, Any]) -> Score | None:

@@ -81,6 +81,7 @@ def space_of(
     joints: tuple[str, ...] = (),
     catalogue: Catalogue | None = None,
     fixed: Mapping[str, float] | None = None,
+    springs: bool = False,
 ) -> Space:
     """Return the space of a rig.
 
@@ -91,12 +92,15 @@ def space_of(
         joints: To size; all that have cylinders when empty. The others stay as they are.
         catalogue: What may be bought; what comes along when None.
         fixed: Numbers that are not to be chosen, by name (`Space`).
+        springs: Whether a spring may stand beside each rod.
 
     Raises:
         RigError: a limit that is no use, or a catalogue without the kind of valve that the rig has.
         ScenarioError: joints or fixed numbers that are not the rig's.
     """
     kinds, own = kinds_of(rig, joints), catalogue is not None
+    if springs and not all(rig.cylinders[name].valve.independent for kind in kinds for name in kind.cylinders):
+        raise RigError(f'{rig.path}: springs are chosen with the plan of both pressures: give the valves kind = "independent"')
     catalogue = catalogue or Catalogue()
     catalogue = replace(catalogue, valves=_valves_for(rig, kinds, catalogue))
     fixed = dict(fixed or {})
@@ -117,7 +121,7 @@ def space_of(
     if not own:  # more than the standards' rating is allowed on the owner's word
         allowed = tuple(replace(one, rating=max(one.rating, most)) for one in catalogue.cylinders)
         catalogue = replace(catalogue, cylinders=allowed)
-    space = Space(kinds, (atmosphere + LEAST_SUPPLY, most), reach, catalogue, tuple(sorted(fixed.items())))
+    space = Space(kinds, (atmosphere + LEAST_SUPPLY, most), reach, catalogue, tuple(sorted(fixed.items())), springs)
     known = [*space.bounds, *(f"{kind.name}.bore" for kind in kinds)]
     for name, value in fixed.items():
         if name not in known:

@@ -11,7 +11,7 @@ from exo_sim.physics.compressed_air import exergy, free_air
 from exo_sim.simulation import gas_use
 from exo_sim.sizing.by_hand import Step
 from exo_sim.sizing.choice import fates
-from exo_sim.sizing.design import JointKind, fit
+from exo_sim.sizing.design import JointKind, fit, spring_mass
 from exo_sim.sizing.loads import JointLoads
 from exo_sim.sizing.search import Found
 from exo_sim.sizing.study import Sizing
@@ -32,6 +32,15 @@ def entry(kinds: tuple[JointKind, ...], found: Found) -> dict[str, Any]:
         "part": {name: one.cylinder.standard for name, one in joints.items()},
         "valve": {name: one.valve.name for name, one in joints.items() if one.valve is not None},
         "valve_area_mm2": {name: round(1e6 * one.valve_area, 3) for name, one in joints.items()},
+        "spring": {
+            name: {
+                "stiffness_n_per_m": one.spring[0],
+                "rest_mm": _mm(one.spring[1]),
+                "mass_kg": spring_mass(one.spring, places[name].stroke or 0.0),
+            }
+            for name, one in joints.items()
+            if one.spring is not None
+        },
         "attachment_mm": {
             name: {"from": [_mm(value) for value in one.attachment.base], "to": [_mm(value) for value in one.attachment.rod]}
             for name, one in joints.items()
@@ -140,6 +149,12 @@ def described(kinds: tuple[JointKind, ...], found: Found) -> list[str]:
             f"{one['valve'].get(name, 'valve')} "
             f"{one['valve_area_mm2'][name]:.1f} mm^2; from {points['from']} to {points['to']} mm; margin "
             f"{100 * found.score.by_joint[name]:.0f} %"
+            + (
+                f"; spring beside the rod {one['spring'][name]['stiffness_n_per_m'] / 1e3:.1f} N/mm, slack at "
+                f"{one['spring'][name]['rest_mm']:.0f} mm, {one['spring'][name]['mass_kg']:.1f} kg"
+                if name in one["spring"]
+                else ""
+            )
         )
     lines.append(
         f"gas {1e3 * found.score.gas:.2f} g a cycle, cylinders {found.score.mass:.2f} kg, torque error {found.score.error:.2f} N m rms"

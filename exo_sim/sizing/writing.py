@@ -43,7 +43,15 @@ def sized_text(rig: Rig, kinds: tuple[JointKind, ...], design: Design, folder: P
         for name, parameter, value in valve_effects(valve)
         for cylinder in kind.cylinders
     ]
+    effects += [
+        Finding(EffectSetting("return_spring", cylinder, {"stiffness": spring[0], "rest": spring[1]}), says="A spring beside the rod.")
+        for kind in kinds
+        if (spring := design.joints[kind.name].spring) is not None
+        for cylinder in kind.cylinders
+    ]
     document = tomlkit.parse(improved(rig, effects, corrections, folder))
+    for kind in kinds:
+        _with_stops(document, rig, kind)
     cylinders = document["cylinders"]
     for kind in kinds:
         points = design.joints[kind.name].attachment
@@ -59,3 +67,15 @@ def sized_text(rig: Rig, kinds: tuple[JointKind, ...], design: Design, folder: P
             table.add(tomlkit.nl())
             cylinders[name]["attachment"] = table  # type: ignore[index]
     return tomlkit.dumps(document)
+
+
+def _with_stops(document: tomlkit.TOMLDocument, rig: Rig, kind: JointKind) -> None:
+    """Write the stops that a sizing set inside the joints' own range."""
+    for joint in kind.joints:
+        stops = rig.joint_factors[joint].range if joint in rig.joint_factors else None
+        if stops is None:
+            continue
+        joints = document.setdefault("joints", tomlkit.table(is_super_table=True))
+        table = joints.setdefault(joint, tomlkit.table())
+        if "range" not in table:
+            table["range"] = [f"{math.degrees(end):.6g} deg" for end in stops]

@@ -55,3 +55,15 @@ def test_a_rig_file_says_so(repository: Path, tmp_path: Path) -> None:
     plain, heavy = (load(read(tmp_path / f"{name}.toml")) for name in ("plain", "heavy"))
     np.testing.assert_allclose(heavy.dof_M0, 1.25 * plain.dof_M0)
     np.testing.assert_array_equal(heavy.body_mass, plain.body_mass)
+
+
+def test_stops_are_set_inside_those_of_the_mjcf() -> None:
+    limited = PENDULUM.replace('damping="0.01"', 'damping="0.01" limited="true" range="-90 90"')
+    model = mujoco.MjModel.from_xml_string(limited)
+    corrected(model, {"arm": JointFactors(range=(-0.2, 0.5))}, "rig.toml")
+    assert model.jnt_range[0] == pytest.approx([-0.2, 0.5])
+    with pytest.raises(ModelError, match=r"joints\.arm\.range = -3 to 0\.5 goes beyond"):
+        corrected(model, {"arm": JointFactors(range=(-3.0, 0.5))}, "rig.toml")
+    free = mujoco.MjModel.from_xml_string(PENDULUM)
+    corrected(free, {"arm": JointFactors(range=(-0.2, 0.5))}, "rig.toml")
+    assert free.jnt_limited[0]

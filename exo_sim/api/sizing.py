@@ -11,7 +11,8 @@ from itertools import product
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from exo_sim.api.arguments import Quantity, RigLike, quantity, rig_of
+from exo_sim.api.arguments import Quantity, RecordingLike, RigLike, quantity, reading_of, rig_of
+from exo_sim.api.motion_sizing import MotionSizing, size_motion
 from exo_sim.api.notebook import html_table
 from exo_sim.api.rig import Rig
 from exo_sim.errors import ScenarioError, nearest
@@ -23,6 +24,10 @@ from exo_sim.sizing.study import Sizing as Study
 
 if TYPE_CHECKING:
     from exo_sim.api.picture import Picture
+
+
+#: Designs to look at where nobody says how many: of a worn machine, and along a motion.
+TRIALS, MOTION_TRIALS = 800, 100
 
 
 @dataclass(frozen=True, repr=False)
@@ -108,7 +113,7 @@ def question(
 ) -> Question:  # fmt: skip
     """Return what a search is asked; arguments and errors as of `size`."""
     from exo_sim.rig.own_catalogue import read_catalogue
-    from exo_sim.sizing.fixing import fixed_numbers, unit_of
+    from exo_sim.sizing.fixing import given_numbers
     from exo_sim.sizing.study import space_of
     from exo_sim.sizing.travel import TRAVELS, within_tasks
 
@@ -121,32 +126,33 @@ def question(
     if travel == "task":
         machine = within_tasks(machine, loads)
     limit = None if pressure_limit is None else quantity(pressure_limit, "Pa", "pressure_limit", low=0.0)
-    named = fix.items() if isinstance(fix, Mapping) else ()
-    texts = [f"{name}={value}" if isinstance(value, str) else f"{name}={value!r} {unit_of(name)}" for name, value in named]
     space = space_of(
         machine, quantity(reach, "m", "reach", 0.0, 0.2), limit, tuple(_several(joints)),
         None if catalogue is None else read_catalogue(Path(catalogue)),
-        fixed_numbers(texts if isinstance(fix, Mapping) else list(fix)), springs,
+        given_numbers(fix), springs,
     )  # fmt: skip
     return Question(machine, conditions, loads, space)
 
 
 def size(
-    rig: RigLike | None = None, *, scenarios: str | Sequence[str] = "level_walk", payloads: Quantity | Sequence[Quantity] = 34.0,
-    speeds: float | Sequence[float] = 1.0, trials: int = 800, reach: Quantity = 0.04, pressure_limit: Quantity | None = None,
+    rig: RigLike | None = None, *, motion: RecordingLike | None = None, scenarios: str | Sequence[str] = "level_walk",
+    payloads: Quantity | Sequence[Quantity] = 34.0, speeds: float | Sequence[float] = 1.0, trials: int | None = None,
+    reach: Quantity = 0.04, pressure_limit: Quantity | None = None,
     joints: str | Sequence[str] = (), catalogue: str | os.PathLike[str] | None = None,
     fix: Mapping[str, Quantity] | Sequence[str] = (), travel: str = "joint", springs: bool = False, jobs: int = -1,
     scheduler: str | None = None, seed: int = 0, out: str | os.PathLike[str] | None = None, quiet: bool = True,
     tell: Callable[[str], None] = lambda words: None,
-) -> Sizing:  # fmt: skip
+) -> Sizing | MotionSizing:  # fmt: skip
     """Search bores, rods, strokes, attachment points, valves and supply against the joint loads of what the machine must do.
 
     Args:
         rig: A path or `exo.Rig` of a worn machine, with what a diagnosis found of it; the one of the package when None.
+        motion: For a machine that nobody wears: a recording with the positions of its joints and, where there are any, the forces from
+            outside. Then attachment points stay, and scenarios, payloads, speeds, reach, travel, springs, jobs and scheduler do not count.
         scenarios: What the machine must do, one or several; every combination with payloads and speeds must be carried.
         payloads: On the back, one or several: kilograms, or text.
         speeds: Factors on the recorded cadence, one or several.
-        trials: Designs to look at.
+        trials: Designs to look at; 800, or 100 along a motion, when None.
         reach: How far an attachment point may move: metres, or text.
         pressure_limit: Largest pressure of supply and chambers, absolute: pascal, or text; when None, 10 bar above the atmosphere.
         joints: Those to size, like ("knee_l", "knee_r"); all that have cylinders when empty.
@@ -171,6 +177,11 @@ def size(
 
     if jobs == 0:
         raise ScenarioError("jobs = 0: give a number of processes, or -1 for one a core")
+    if motion is not None:
+        return size_motion(
+            rig, reading_of(motion).recording, trials=trials or MOTION_TRIALS, pressure_limit=pressure_limit,
+            joints=tuple(_several(joints)), catalogue=catalogue, fix=fix, seed=seed, out=out, quiet=quiet,
+        )  # fmt: skip
     asked = question(
         rig, scenarios=scenarios, payloads=payloads, speeds=speeds, reach=reach, pressure_limit=pressure_limit, joints=joints,
         catalogue=catalogue, fix=fix, travel=travel, springs=springs,
@@ -180,7 +191,7 @@ def size(
     check_writable(folder)
     with alone_in(folder, "size"):
         with Workers(jobs, scheduler) as workers:
-            study = search(asked.machine, asked.conditions, asked.space, trials, seed, workers, folder, quiet, tell)
+            study = search(asked.machine, asked.conditions, asked.space, trials or TRIALS, seed, workers, folder, quiet, tell)
         with replacing(folder / "report.html") as beside:
             beside.write_text(page(study), encoding="utf-8")
     return Sizing(study, folder, Rig.load(folder / "sized.toml"), temporary)

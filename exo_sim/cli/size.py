@@ -15,6 +15,7 @@ from exo_sim.cli.frame import verb
     'exo-sim size --scenario level_walk --payload "34 kg" --out sized',
     'exo-sim size --scenario level_walk --scenario squat --payload "20 kg" --payload "34 kg" --trials 1000 --jobs 8',
     'exo-sim size --catalogue mine.toml --fix supply="7 bar" --fix hip.bore="40 mm"',
+    "exo-sim size --motion motion.csv --rig bench.toml --out sized",
     "exo-sim size --quick",
     "exo-sim run level_walk --rig sized/sized.toml",
     out="Folder for sized.toml, report.html, sized.rrd and the journal of the search; sized when absent.",
@@ -28,7 +29,10 @@ from exo_sim.cli.frame import verb
               help="Factor on the recorded cadence, 0.7 to 1.3; may be given again.")
 @click.option("--rig", type=options.InputFile(), default=None,
               help="The machine, with what a diagnosis found of it; the one in assets/ when absent.")
-@click.option("--trials", type=click.IntRange(1, 1000000), default=800, show_default=True, help="Designs to look at.")
+@click.option("--motion", type=options.InputFile(), default=None,
+              help="For a machine that nobody wears (--rig): a recording with the positions of its joints, and forces from outside if any.")
+@click.option("--trials", type=click.IntRange(1, 1000000), default=None,
+              help="Designs to look at; 800, or 100 along a motion, when absent.")
 @click.option("--reach", type=options.Quantity("m", low=0.0, high=0.2), default="40 mm", show_default=True,
               help="How far an attachment point may move from where the rig has it.")
 @click.option("--pressure-limit", type=options.Quantity("Pa", low=0.0), default=None,
@@ -46,8 +50,8 @@ from exo_sim.cli.frame import verb
               help="Processes, one thread each; -1: one a core.")
 @click.option("--scheduler", default=None, help="Address of a Dask scheduler, tcp://HOST:PORT, to score designs on its workers.")
 @click.option("--quick", is_flag=True, help="By hand: the paper's design equations 35 to 39. No search.")
-def command(scenarios: tuple[str, ...], payloads: tuple[float, ...], speeds: tuple[float, ...], rig: Path | None, trials: int,
-            reach: float, pressure_limit: float | None, only: str | None, catalogue: Path | None,
+def command(scenarios: tuple[str, ...], payloads: tuple[float, ...], speeds: tuple[float, ...], rig: Path | None,
+            motion: Path | None, trials: int | None, reach: float, pressure_limit: float | None, only: str | None, catalogue: Path | None,
             fixes: tuple[str, ...], travel: str, springs: bool, jobs: int, scheduler: str | None, quick: bool, out: Path | None,
             as_json: bool, quiet: bool, seed: int) -> None:  # fmt: skip
     """Search bores, rods, strokes, attachment points, valves and supply against the joint loads of what the machine must do.
@@ -64,6 +68,9 @@ def command(scenarios: tuple[str, ...], payloads: tuple[float, ...], speeds: tup
         raise ScenarioError("--jobs 0: give a number of processes, or -1 for one a core")
     if quick and out is not None:
         raise ScenarioError("--quick writes no files: leave --out away, or --quick")
+    if motion is not None and (quick or rig is None):
+        said = "name the machine with --rig" if rig is None else "--quick is for machines that are worn: leave one of them away"
+        raise ScenarioError(f"--motion: {said}")
     asked: dict[str, Any] = dict(
         scenarios=scenarios, payloads=payloads, speeds=speeds, reach=reach, pressure_limit=pressure_limit, catalogue=catalogue, fix=fixes,
         travel=travel, springs=springs, joints=tuple(name.strip() for name in only.split(",")) if only is not None else (),
@@ -81,7 +88,7 @@ def command(scenarios: tuple[str, ...], payloads: tuple[float, ...], speeds: tup
         printing.show(summary_text.by_hand_numbers(example, joints), summary_text.by_hand_words(example, joints), as_json=as_json)
         return
     result = search(
-        rig or default_rig(), **asked, trials=trials, jobs=jobs, scheduler=scheduler, seed=seed, out=out or Path("sized"), quiet=quiet,
-        tell=lambda words: printing.remark(words, quiet=quiet),
+        rig or default_rig(), **asked, motion=motion, trials=trials, jobs=jobs, scheduler=scheduler, seed=seed, out=out or Path("sized"),
+        quiet=quiet, tell=lambda words: printing.remark(words, quiet=quiet),
     )  # fmt: skip
     printing.show(result.summary, str(result), as_json=as_json)

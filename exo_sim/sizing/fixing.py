@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 
 from exo_sim import units
 from exo_sim.errors import ScenarioError, UnitError, nearest
@@ -41,3 +41,15 @@ def fixed_numbers(texts: Sequence[str]) -> dict[str, float]:
             raise ScenarioError(f"--fix {name}: given twice; give it once")
         out[name] = number
     return out
+
+
+def given_numbers(fix: Mapping[str, object] | Sequence[str]) -> dict[str, float]:
+    """Return fixed numbers in SI by name from texts like `supply=7 bar`, or from names to SI numbers or texts with a unit.
+
+    Raises:
+        ScenarioError: as `fixed_numbers`.
+    """
+    if not isinstance(fix, Mapping):
+        return fixed_numbers(list(fix))
+    texts = [f"{name}={value}" if isinstance(value, str) else f"{name}={value!r} {unit_of(name)}" for name, value in fix.items()]
+    return fixed_numbers(texts)

@@ -109,11 +109,12 @@ def question(
     rig: RigLike | None = None, *, scenarios: str | Sequence[str] = "level_walk", payloads: Quantity | Sequence[Quantity] = 34.0,
     speeds: float | Sequence[float] = 1.0, reach: Quantity = 0.04, pressure_limit: Quantity | None = None, joints: str | Sequence[str] = (),
     catalogue: str | os.PathLike[str] | None = None, fix: Mapping[str, Quantity] | Sequence[str] = (), travel: str = "joint",
-    springs: bool = False,
+    springs: bool = False, own_mass: bool = False,
 ) -> Question:  # fmt: skip
     """Return what a search is asked; arguments and errors as of `size`."""
     from exo_sim.rig.own_catalogue import read_catalogue
     from exo_sim.sizing.fixing import given_numbers
+    from exo_sim.sizing.own_mass import carried
     from exo_sim.sizing.study import space_of
     from exo_sim.sizing.travel import TRAVELS, within_tasks
 
@@ -122,15 +123,15 @@ def question(
     machine: Machine = rig_of(rig)
     masses = [quantity(one, "kg", "payload", low=0.0) for one in _several(payloads)]
     conditions = tuple(dict.fromkeys(Condition(*each) for each in product(_several(scenarios), masses, _several(speeds))))
+    limit = None if pressure_limit is None else quantity(pressure_limit, "Pa", "pressure_limit", low=0.0)
+    fixed, bought = given_numbers(fix), None if catalogue is None else read_catalogue(Path(catalogue))
     loads = tuple(joint_loads(machine, condition) for condition in conditions)
     if travel == "task":
         machine = within_tasks(machine, loads)
-    limit = None if pressure_limit is None else quantity(pressure_limit, "Pa", "pressure_limit", low=0.0)
-    space = space_of(
-        machine, quantity(reach, "m", "reach", 0.0, 0.2), limit, tuple(_several(joints)),
-        None if catalogue is None else read_catalogue(Path(catalogue)),
-        given_numbers(fix), springs,
-    )  # fmt: skip
+    space = space_of(machine, quantity(reach, "m", "reach", 0.0, 0.2), limit, tuple(_several(joints)), bought, fixed, springs)
+    if own_mass:
+        machine = carried(machine, space, conditions, loads)
+        loads = tuple(joint_loads(machine, condition) for condition in conditions)
     return Question(machine, conditions, loads, space)
 
 
@@ -139,8 +140,9 @@ def size(
     payloads: Quantity | Sequence[Quantity] = 34.0, speeds: float | Sequence[float] = 1.0, trials: int | None = None,
     reach: Quantity = 0.04, pressure_limit: Quantity | None = None,
     joints: str | Sequence[str] = (), catalogue: str | os.PathLike[str] | None = None,
-    fix: Mapping[str, Quantity] | Sequence[str] = (), travel: str = "joint", springs: bool = False, jobs: int = -1,
-    scheduler: str | None = None, seed: int = 0, out: str | os.PathLike[str] | None = None, quiet: bool = True,
+    fix: Mapping[str, Quantity] | Sequence[str] = (), travel: str = "joint", springs: bool = False,
+    own_mass: bool = False, jobs: int = -1, scheduler: str | None = None, seed: int = 0,
+    out: str | os.PathLike[str] | None = None, quiet: bool = True,
     tell: Callable[[str], None] = lambda words: None,
 ) -> Sizing | MotionSizing:  # fmt: skip
     """Search bores, rods, strokes, attachment points, valves and supply against the joint loads of what the machine must do.
@@ -160,6 +162,7 @@ def size(
         fix: What is not to be chosen, like {"supply": "7 bar", "hip.bore": "40 mm"}; SI numbers or text, or texts like "supply=7 bar".
         travel: "joint": strokes cover the joints' whole range; "task": what is asked for, and 10 degrees more each way, with stops there.
         springs: Whether a spring may stand beside each rod; for valves with independent edges.
+        own_mass: Whether the bodies carry the cylinders' own mass, that of the smallest which suffice (`sizing.own_mass`).
         jobs: Processes; -1 is one a core.
         scheduler: Address of a Dask scheduler.
         seed: Where chance starts.
@@ -184,7 +187,8 @@ def size(
         )  # fmt: skip
     asked = question(
         rig, scenarios=scenarios, payloads=payloads, speeds=speeds, reach=reach, pressure_limit=pressure_limit, joints=joints,
-        catalogue=catalogue, fix=fix, travel=travel, springs=springs,
+        catalogue=catalogue, fix=fix,
+        travel=travel, springs=springs, own_mass=own_mass,
     )  # fmt: skip
     temporary = tempfile.TemporaryDirectory(prefix="exo-sim-size-") if out is None else None
     folder = Path(temporary.name if temporary else out or "")

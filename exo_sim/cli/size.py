@@ -46,13 +46,15 @@ from exo_sim.cli.frame import verb
 @click.option("--travel", type=click.Choice(["joint", "task"]), default="joint", show_default=True,
               help="Strokes cover the joints' whole range, or what the tasks ask for and 10 degrees more, with stops there.")
 @click.option("--springs", is_flag=True, help="A spring may stand beside each rod; for valves with independent edges.")
+@click.option("--own-mass", is_flag=True, help="The bodies carry the cylinders' own mass: that of the smallest which suffice.")
 @click.option("--jobs", type=click.IntRange(-1), default=-1, show_default=True,
               help="Processes, one thread each; -1: one a core.")
 @click.option("--scheduler", default=None, help="Address of a Dask scheduler, tcp://HOST:PORT, to score designs on its workers.")
 @click.option("--quick", is_flag=True, help="By hand: the paper's design equations 35 to 39. No search.")
 def command(scenarios: tuple[str, ...], payloads: tuple[float, ...], speeds: tuple[float, ...], rig: Path | None,
             motion: Path | None, trials: int | None, reach: float, pressure_limit: float | None, only: str | None, catalogue: Path | None,
-            fixes: tuple[str, ...], travel: str, springs: bool, jobs: int, scheduler: str | None, quick: bool, out: Path | None,
+            fixes: tuple[str, ...], travel: str, springs: bool, own_mass: bool,
+            jobs: int, scheduler: str | None, quick: bool, out: Path | None,
             as_json: bool, quiet: bool, seed: int) -> None:  # fmt: skip
     """Search bores, rods, strokes, attachment points, valves and supply against the joint loads of what the machine must do.
 
@@ -73,7 +75,8 @@ def command(scenarios: tuple[str, ...], payloads: tuple[float, ...], speeds: tup
         raise ScenarioError(f"--motion: {said}")
     asked: dict[str, Any] = dict(
         scenarios=scenarios, payloads=payloads, speeds=speeds, reach=reach, pressure_limit=pressure_limit, catalogue=catalogue, fix=fixes,
-        travel=travel, springs=springs, joints=tuple(name.strip() for name in only.split(",")) if only is not None else (),
+        travel=travel, springs=springs, own_mass=own_mass,
+        joints=tuple(name.strip() for name in only.split(",")) if only is not None else (),
     )  # fmt: skip
     if quick:
         from exo_sim.sizing.by_hand import joint_by_hand, papers_example

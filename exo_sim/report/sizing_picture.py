@@ -23,6 +23,11 @@ _WIDTH = 9.4
 
 
 def envelopes(sizing: Sizing) -> str:
+    """Return `envelope_figure` as SVG."""
+    return _svg(envelope_figure(sizing))
+
+
+def envelope_figure(sizing: Sizing) -> Figure:
     """Return required torque against angle and against speed inside the capability, a row each kind of joint, as SVG."""
     kinds = sizing.task.space.kinds
     figure, panels = _panels(len(kinds), 2, 3.1)
@@ -63,7 +68,7 @@ def envelopes(sizing: Sizing) -> str:
         row[1].set(xlabel=f"{kind.name} speed [deg/s]")
     handles, words = panels[0][0].get_legend_handles_labels()
     figure.legend(handles, words, loc="outside upper center", ncols=3, fontsize=7.5, frameon=False)
-    return _svg(figure)
+    return figure
 
 
 def _extent(sizing: Sizing, joint: str) -> tuple[float, float]:
@@ -100,22 +105,29 @@ def _margin(panel: Axes, sizing: Sizing, kind: JointKind, rig: Any) -> None:
 
 
 def front(sizing: Sizing) -> str:
-    """Return the front: gas against mass and gas against margin, as SVG."""
-    figure, panels = _panels(1, 2, 3.3)
+    """Return the front in three views, gas against mass, margin and torque error, as SVG.
+
+    Filled: designs that no other betters; grey: others that can be built; ringed: the recommended one; squares: those walked with.
+    """
+    figure, panels = _panels(1, 3, 3.0)
     found, chosen = sizing.outcome.front, sizing.choice.found
     others = [one.score for one in sizing.outcome.trials if one.score.feasible]
     gas = [1e3 * one.score.gas for one in found]
-    for panel, key, scale, words, by in (
-        (panels[0][0], "mass", 1.0, "all cylinders [kg]", "margin"),
-        (panels[0][1], "margin", 100.0, "torque margin [% of peak]", "error"),
+    walked = {one.number for one in sizing.choice.walked}
+    tried = [one.score for one in found if one.design.number in walked]
+    colours = [100 * one.score.margin for one in found]
+    for panel, key, scale, words in (
+        (panels[0][0], "mass", 1.0, "all cylinders [kg]"),
+        (panels[0][1], "margin", 100.0, "torque margin [% of peak]"),
+        (panels[0][2], "error", 1.0, "torque error [N m rms]"),
     ):
         panel.plot([1e3 * s.gas for s in others], [scale * getattr(s, key) for s in others], ".", ms=3, color="#c9ced4", zorder=0)
-        colours = [100 * one.score.margin if by == "margin" else one.score.error for one in found]
-        dots = panel.scatter(gas, [scale * getattr(one.score, key) for one in found], c=colours, s=22, cmap="viridis", zorder=2)
-        bar = figure.colorbar(dots, ax=panel)
-        bar.set_label("torque margin [%]" if by == "margin" else "torque error [N m rms]", fontsize=8)
-        panel.plot([1e3 * chosen.score.gas], [scale * getattr(chosen.score, key)], "o", ms=11, mfc="none", mec=_LOOP[1], mew=1.8, zorder=3)
+        dots = panel.scatter(gas, [scale * getattr(one.score, key) for one in found], c=colours, s=18, cmap="viridis", zorder=2)
+        panel.plot([1e3 * s.gas for s in tried], [scale * getattr(s, key) for s in tried], "s", ms=8, mfc="none", mec=_LOOP[0], zorder=3)
+        panel.plot([1e3 * chosen.score.gas], [scale * getattr(chosen.score, key)], "o", ms=11, mfc="none", mec=_LOOP[1], mew=1.8, zorder=4)
         panel.set(xlabel="gas a cycle [g]", ylabel=words)
+    bar = figure.colorbar(dots, ax=panels[0][2])
+    bar.set_label("torque margin [%]", fontsize=8)
     return _svg(figure)
 
 

@@ -14,7 +14,7 @@ from exo_sim import progress
 from exo_sim.control import demand as law_of_demand
 from exo_sim.control import machine_dynamics, own
 from exo_sim.control.causal import Calibration, Causal
-from exo_sim.control.least_load import LeastLoad
+from exo_sim.control.least_load import SPARING, LeastLoad
 from exo_sim.control.valve_control import largest_forces
 from exo_sim.errors import Diverged, ModelError, ScenarioError
 from exo_sim.gait import scenario as scenarios
@@ -144,13 +144,26 @@ class Simulation:
         self.remarks = () if self.request.ideal else self._too_weak(payload, needed[machine_dynamics.PICK], reach)
         if self.request.law not in ("least_load", "causal"):
             return _closed(law_of_demand.demand(self.request.law, dynamics, self.motion, self.straps, self.rig.ankle))
-        plan = LeastLoad(dynamics, self.motion, self.person, self.straps, self.rig.ankle, reach)
+        weights = self.request.weights or (SPARING if self._plans else None)
+        plan = LeastLoad(dynamics, self.motion, self.person, self.straps, self.rig.ankle, reach, weights)
         return _closed(self._rehearse(plan, payload))
+
+    @property
+    def planned(self) -> bool:
+        """Whether the chambers follow a plan now: one is made for the demand's own phases, which nobody else's torques keep to."""
+        return self._plans and self._asked is None
+
+    @property
+    def _plans(self) -> bool:
+        """Whether the chambers of this machine follow a plan."""
+        asked = self.request
+        within = asked.assist == "on" and asked.controller == "model" and not asked.ideal and not asked.driven
+        return within and chamber_plans.planned(self.plugin)
 
     def lay_plans(self) -> None:
         """Plan the pressures of cylinders whose valves have independent edges for the demand as it stands."""
         asked = self.request
-        if not chamber_plans.planned(self.plugin) or asked.ideal or asked.assist != "on" or asked.driven or asked.controller != "model":
+        if not self._plans:
             return
         self.plan = chamber_plans.pressures(self.plugin, self.motion, self.demand, asked.gains.preview)
         added = self.demand_added is not self.demand

@@ -10,6 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from exo_sim.control import demand as law_of_demand
+from exo_sim.control.least_load import Weights
 from exo_sim.control.valve_control import CONTROLLERS, ValveGains
 from exo_sim.errors import ScenarioError, nearest
 from exo_sim.gait import scenario as scenarios
@@ -43,6 +44,7 @@ class Request:
         controller: How valves get forces, one of `CONTROLLERS`; where commands come from outside, what to call whoever gives them.
         law: What is demanded, one of `control.demand.LAWS`.
         rehearsals: How often the least-load demand is bettered before the run.
+        weights: What counts in the least-load demand; None for its own, or `least_load.SPARING` where a rig's chambers are planned.
         gains: Of the valve controllers.
         ideal: Forces come as demanded, without gas.
         step: Of the simulation [s]; None for the MJCF's own.
@@ -62,6 +64,7 @@ class Request:
     controller: str = "model"
     law: str = law_of_demand.DEFAULT_LAW
     rehearsals: int = 5
+    weights: Weights | None = None
     gains: ValveGains = field(default_factory=ValveGains)
     ideal: bool = False
     step: float | None = None

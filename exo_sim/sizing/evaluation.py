@@ -100,7 +100,8 @@ class Task:
     def digest(self) -> str:
         """Short name of everything that a score depends on besides the design."""
         rig = self.rig
-        text = repr((exo_sim.__version__, rig.text, rig.effects, rig.wearer, rig.ankle, rig.supply, self.conditions, self.space, self.step))
+        of_rig = rig.text, rig.effects, rig.wearer, rig.ankle, rig.supply, rig.body_masses, rig.joint_factors
+        text = repr((exo_sim.__version__, of_rig, self.conditions, self.space, self.step))
         return hashlib.sha256(text.encode() + rig.model.read_bytes()).hexdigest()[:16]
 
 

@@ -83,7 +83,8 @@ def _span(model: mujoco.MjModel, plugin: PneumaticPlugin, length: Array) -> Arra
         joint = int(model.dof_jntid[link.dof])
         if not model.jnt_limited[joint]:
             continue
-        for place in np.linspace(*model.jnt_range[joint], _PLACES):
+        low, high = (float(end) for end in model.jnt_range[joint])
+        for place in np.linspace(low, high, _PLACES):
             data.qpos[:] = model.qpos0
             data.qpos[model.jnt_qposadr[joint]] = place
             mujoco.mj_fwdPosition(model, data)

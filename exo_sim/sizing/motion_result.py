@@ -52,7 +52,9 @@ def result(judge: RodJudge, designs: list[RodDesign]) -> MotionSizing:
 
 def sized_text(rig: Rig, chosen: RodDesign, names: tuple[str, ...], folder: Path) -> str:
     """Return the owner's rig file with a design's numbers, the old ones in comments, for a file in `folder`."""
-    numbers = [(("supply", "pressure"), rig.supply.pressure, chosen.rig.supply.pressure, "Pa")]
+    numbers: list[tuple[tuple[str, ...], float, float, str]] = [
+        (("supply", "pressure"), rig.supply.pressure, chosen.rig.supply.pressure, "Pa")
+    ]
     for name in names:
         old, new = rig.cylinders[name], chosen.rig.cylinders[name]
         units = {"bore": "m", "rod": "m", "stroke": "m", "retracted_length": "m", "dead_volume_1": "m^3", "dead_volume_2": "m^3"}

@@ -150,7 +150,8 @@ class RodJudge:
         """Return the design that a set of variables stands for: supply, and by group "above" (bores above the smallest) and "valve"."""
         supply = float(np.round(numbers["supply"] / PLACES["pressure"])) * PLACES["pressure"]
         rig = replace(self.rig, supply=replace(self.rig.supply, pressure=supply))
-        parts, mass, least = {}, 0.0, np.inf
+        parts: dict[str, str] = {}
+        mass, least = 0.0, float(np.inf)
         for group, names in self.space.groups.items():
             chosen = self._chosen(rig, group, names, numbers)
             if chosen is None:

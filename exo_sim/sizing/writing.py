@@ -7,6 +7,7 @@ from pathlib import Path
 
 import tomlkit
 
+from exo_sim import units
 from exo_sim.rig import Correction, EffectSetting, Finding, Rig, improved
 from exo_sim.sizing.design import Design, JointKind, fitted, valve_effects
 
@@ -33,6 +34,10 @@ def sized_text(rig: Rig, kinds: tuple[JointKind, ...], design: Design, folder: P
             if new.rating is not None and old.rating != new.rating:
                 ratings.append(Correction((*key, "rating"), new.rating, "Pa"))
             numbers.append(((*key, "valve", "area"), old.valve_area, new.valve_area, "m^2"))
+    said = tomlkit.parse(rig.text).get("bodies", {})
+    for name, mass in rig.body_masses.items():  # with the cylinders' own
+        before = units.parse(str(said[name]["mass"]), "kg") if name in said else 0.0
+        numbers.append((("bodies", name, "mass"), before, mass, "kg"))
     corrections = [
         Correction(key, new, unit) for key, old, new, unit in numbers if not math.isclose(old, new, rel_tol=1e-7)
     ] + ratings

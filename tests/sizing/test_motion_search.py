@@ -65,9 +65,9 @@ def test_designs_are_judged_by_following_the_motion_and_the_chosen_one_is_writte
 
 
 def test_what_cannot_be_had_says_why(bench, motion, judge):
-    with pytest.raises(ScenarioError, match="--fix piston.bore: the catalogue has no bore of 41 mm"):
+    with pytest.raises(ScenarioError, match=r"--fix piston.bore: the catalogue has no bore of 41 mm"):
         rod_space(bench, None, (), None, {"piston.bore": 0.041})
-    with pytest.raises(ScenarioError, match="--joints: no cylinder of .* drives \"slied\""):
+    with pytest.raises(ScenarioError, match=r"--joints: no cylinder of .* drives \"slied\""):
         rod_space(bench, None, ("slied",), None, {})
     with pytest.raises(RigError, match="leaves nothing to choose"):
         rod_space(bench, 2e5, (), None, {})

@@ -67,7 +67,7 @@ def wire(it: Simulation) -> tuple[loop.Settings, views.Mechanics, views.Plant, l
     if mocap != list(range(len(SEGMENTS))):
         raise ModelError(f"{it.rig.model}: the person's bodies must be mocap, in the order {', '.join(SEGMENTS)}")
     straps = it.straps
-    plans = (it.plan, it.plan_added) if it.planned else [chamber_plans.nothing(n)] * 2
+    plan, plan_added = (it.plan, it.plan_added) if it.planned else (chamber_plans.nothing(n), chamber_plans.nothing(n))
     return (
         loop.Settings(
             numbers, loop.IDEAL if it.request.ideal else loop.GAS, code, asked, model.body("torso").id, payload_body
@@ -87,7 +87,7 @@ def wire(it: Simulation) -> tuple[loop.Settings, views.Mechanics, views.Plant, l
             np.zeros((7, 3)), np.zeros(6), np.zeros(6), np.zeros(2),
         ),
         loop.Drives(np.array(ankles, dtype=np.int64), np.zeros(n), np.zeros(n), np.zeros(n), np.zeros(n),
-                    np.zeros(it.plugin.pneumatics.commands), np.zeros(6), *plans, np.zeros(2 * n), np.zeros(2 * n), np.zeros(2 * n)),
+                    np.zeros(it.plugin.pneumatics.commands), np.zeros(6), plan, plan_added, np.zeros(2 * n), np.zeros(2 * n), np.zeros(2 * n)),
     )  # fmt: skip
 
 

@@ -38,7 +38,7 @@ def carried(rig: Rig, space: Space, conditions: tuple[Condition, ...], loads: tu
 
 def masses_of(space: Space, design: Design) -> dict[str, float]:
     """Return the mass of each cylinder with its valve [kg]; one whose stroke is not to be had counts with its longest."""
-    out = {}
+    out: dict[str, float] = {}
     for kind in space.kinds:
         chosen = design.joints[kind.name]
         stroke = fit(kind, chosen).stroke or chosen.cylinder.strokes[-1]

@@ -36,8 +36,8 @@ def sized_text(rig: Rig, kinds: tuple[JointKind, ...], design: Design, folder: P
             numbers.append(((*key, "valve", "area"), old.valve_area, new.valve_area, "m^2"))
     said = tomlkit.parse(rig.text).get("bodies", {})
     for name, mass in rig.body_masses.items():  # with the cylinders' own
-        before = units.parse(str(said[name]["mass"]), "kg") if name in said else 0.0
-        numbers.append((("bodies", name, "mass"), before, mass, "kg"))
+        owners = units.parse(str(said[name]["mass"]), "kg") if name in said else 0.0
+        numbers.append((("bodies", name, "mass"), owners, mass, "kg"))
     corrections = [
         Correction(key, new, unit) for key, old, new, unit in numbers if not math.isclose(old, new, rel_tol=1e-7)
     ] + ratings

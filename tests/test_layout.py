@@ -115,6 +115,9 @@ ELSEWHERE: dict[str, tuple[str, ...]] = {
     "sizing/test_design.py": (
         "sizing/linkage_geometry.py", "sizing/study.py", "sizing/writing.py",
     ),
+    "sizing/test_motion_search.py": (
+        "sizing/motion_loads.py", "sizing/motion_result.py",
+    ),
     "sizing/test_search.py": (
         "sizing/choice.py", "sizing/confirmation.py", "sizing/evaluation.py", "sizing/first_designs.py", "sizing/workers.py",
     ),

@@ -54,6 +54,8 @@ def _line_and_status(error: BaseException) -> tuple[str, int]:
         return f"interrupted{kept}", INTERRUPTED
     if isinstance(error, OSError):
         return _system(error), 2
+    if isinstance(error, ModuleNotFoundError) and error.name and error.name.split(".")[0] != "exo_sim":
+        return f"the package {error.name} is not installed; install exo-sim again with all that it needs (exo-sim doctor lists it)", 2
     if isinstance(error, MemoryError):
         return "out of memory; ask for fewer strides, trials or jobs at once", 2
     detail = f"{type(error).__name__}: {error}".rstrip(": ")

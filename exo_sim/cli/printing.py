@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 import sys
+from contextlib import redirect_stdout
 from pathlib import Path
 from typing import Any
 
@@ -11,7 +12,7 @@ from exo_sim.cli import streams
 from exo_sim.errors import printable
 from exo_sim.plain_text import json_text, table
 
-__all__ = ["json_text", "remark", "show", "table"]
+__all__ = ["json_text", "prints_on_stderr", "remark", "show", "table"]
 
 
 def show(data: dict[str, Any], text: str, *, as_json: bool, out: Path | None = None) -> None:
@@ -28,6 +29,11 @@ def show(data: dict[str, Any], text: str, *, as_json: bool, out: Path | None = N
 
     with replacing(out) as beside:
         beside.write_text(shown + "\n", encoding="utf-8")
+
+
+def prints_on_stderr() -> redirect_stdout[Any]:
+    """Send what somebody's own code prints meanwhile to stderr: stdout is for the result."""
+    return redirect_stdout(sys.stderr)
 
 
 def remark(text: str, *, quiet: bool = False) -> None:

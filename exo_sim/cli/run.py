@@ -71,11 +71,12 @@ def command(scenario: str | None, gait: Path | None, ground: Path | None, whole:
             raise ScenarioError(f"--ground {ground}: name the gait that it belongs to with --gait")
         raise ScenarioError("name a scenario (see `exo-sim scenarios`), a scenario file, or a gait of your own with --gait FILE")
     gc.freeze()  # what was imported stays: it need not be gone through again and again
-    done = simulate(
-        rig, scenario, gait=gait, ground=ground, whole=whole, payload=payload, speed=speed, strides=strides, assist=assist,
-        controller=controller, demand=demand, seed=seed, out=out or True, quiet=quiet,
-        tell=lambda words: printing.remark(f"exo-sim: {words}", quiet=quiet),
-    )  # fmt: skip
+    with printing.prints_on_stderr():
+        done = simulate(
+            rig, scenario, gait=gait, ground=ground, whole=whole, payload=payload, speed=speed, strides=strides, assist=assist,
+            controller=controller, demand=demand, seed=seed, out=out or True, quiet=quiet,
+            tell=lambda words: printing.remark(f"exo-sim: {words}", quiet=quiet),
+        )  # fmt: skip
     numbers = dict(done.summary)
     first = {key: numbers.pop(key) for key in ("schema", "scenario", "simulated_s", "wall_s", "prepared_s")}
     data = {**first, "recording": done.path, "table": done.table, **numbers}

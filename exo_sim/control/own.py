@@ -16,15 +16,16 @@ from __future__ import annotations
 import importlib.util
 import math
 import sys
-import traceback
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
+from types import FrameType
 from typing import Any, Protocol
 
 import numpy as np
 from numpy.typing import NDArray
 
+from exo_sim.control import own_faults
 from exo_sim.errors import ScenarioError, nearest
 from exo_sim.rig import Rig
 
@@ -115,8 +116,10 @@ def load(text: str) -> Controller:
     sys.modules[spec.name] = module  # dataclasses and pickling look for it there
     try:
         spec.loader.exec_module(module)
-    except Exception as error:
-        raise ScenarioError(f"controller {_place(error, path)}") from None
+    except BaseException as error:
+        if own_faults.is_interrupt(error):
+            raise
+        raise ScenarioError(f"controller {own_faults.place(error, path)}") from None
     made = {
         key: value
         for key, value in vars(module).items()
@@ -141,8 +144,10 @@ def of(given: Any, source: str = "", path: Path | None = None) -> Controller:
     if isinstance(given, type) or (callable(given) and not hasattr(given, "act")):
         try:
             given = given()
-        except Exception as error:
-            raise ScenarioError(f"controller {_place(error, path)}, while making {source}()") from None
+        except BaseException as error:
+            if own_faults.is_interrupt(error):
+                raise
+            raise ScenarioError(f"controller {own_faults.place(error, path)}, while making {source}()") from None
     for method in ("reset", "act"):
         if not callable(getattr(given, method, None)):
             argument = "context" if method == "reset" else "observation"
@@ -160,6 +165,14 @@ def period_of(controller: Any, step: float, source: str) -> int:
     if isinstance(period, bool) or not isinstance(period, int | float) or not step * 0.999 <= period <= 1.0:
         raise ScenarioError(f"controller {source}: period = {period!r}: write seconds between two calls, {step:g} (one step) to 1")
     return max(1, round(period / step))
+
+
+class Interrupted(KeyboardInterrupt):
+    """Ctrl-C while `act` was at work; `rows` steps of those that were to be taken are done."""
+
+    def __init__(self, rows: int) -> None:
+        super().__init__()
+        self.rows = rows
 
 
 class Asked:
@@ -186,8 +199,10 @@ class Asked:
         self.kind, self.clipped = "", 0
         try:
             self.controller.reset(self.context)
-        except Exception as error:
-            raise ScenarioError(f"controller {_place(error)}, in reset of {self.source}") from None
+        except BaseException as error:
+            if own_faults.is_interrupt(error):
+                raise
+            raise ScenarioError(f"controller {own_faults.place(error)}, in reset of {self.source}") from None
 
     def act(self, observation: Mapping[str, float]) -> Commands:
         """Ask for commands.
@@ -195,18 +210,31 @@ class Asked:
         Raises:
             ScenarioError: it fails, or what it returns is none; the message names file and line, or command and time.
         """
+        time = observation["time"]  # before somebody's code has the dictionary
         try:
             returned = self.controller.act(observation)
-        except Exception as error:
-            raise ScenarioError(f"controller {_place(error)}, in act of {self.source} at {observation['time']:.3f} s") from None
+        except BaseException as error:
+            if own_faults.is_interrupt(error):
+                raise
+            raise ScenarioError(f"controller {own_faults.place(error)}, in act of {self.source} at {time:.3f} s") from None
         try:
             commands = read(returned, self.context, self.kind)
         except ScenarioError as error:
-            raise ScenarioError(f"controller {self.source}, at {observation['time']:.3f} s: {error}") from None
+            raise ScenarioError(f"controller {self.source}, at {time:.3f} s: {error}") from None
+        except Exception as error:  # of the objects in it, when they are asked for a number or a name
+            raise ScenarioError(
+                f"controller {self.source}, at {time:.3f} s: what act returned cannot be read ({own_faults.told(error)}); "
+                'return a dictionary of numbers like {"knee_l": 0.5}'
+            ) from None
         self.kind = commands.kind
         if commands.kind == VALVES:
             self.clipped += int(np.abs(commands.values).max(initial=0.0) > 1.5)
         return commands
+
+    @classmethod
+    def is_asked(cls, frame: FrameType | None) -> bool:
+        """Return whether a frame, as a signal's handler is given, belongs to somebody's code at work."""
+        return own_faults.is_within(frame, cls.reset.__code__, cls.act.__code__)
 
     def remarks(self) -> tuple[str, ...]:
         """Return what is worth saying after a run."""
@@ -305,15 +333,3 @@ def _check_finite(values: NDArray[np.float64], names: Sequence[str]) -> None:
     for name, value in zip(names, values):
         if not math.isfinite(value):
             raise ScenarioError(f'"{name}" is {value}, not a number that can be commanded')
-
-
-def _place(error: Exception, path: Path | None = None) -> str:
-    """Return file, line and what went wrong there, in one line."""
-    if isinstance(error, SyntaxError) and error.filename:
-        return f"{error.filename}:{error.lineno}: {type(error).__name__}: {error.msg}"
-    own = Path(__file__).parents[1]
-    frames = [frame for frame in traceback.extract_tb(error.__traceback__) if not frame.filename.startswith("<")]
-    outside = [frame for frame in frames if own not in Path(frame.filename).parents and "site-packages" not in frame.filename]
-    at = (outside or frames)[-1] if (outside or frames) else None
-    place = f"{at.filename}:{at.lineno}" if at else str(path or "")
-    return f"{place}: {type(error).__name__}: {error}"

@@ -115,7 +115,7 @@ def _run(source: Source) -> ModuleType:
         sys.modules[name] = module
         spec.loader.exec_module(module)
         return module
-    except ModelError:
+    except (ModelError, KeyboardInterrupt):
         raise
-    except Exception as error:
+    except BaseException as error:  # SystemExit too: this process is not that file's to end
         raise ModelError(f"{source.label}: {type(error).__name__}: {error}") from error

@@ -275,8 +275,13 @@ class Simulation:
                 while done < end and not interrupted:
                     count = min(_CHUNK, end - done)
                     rows = log[done - begun : done - begun + count]
-                    with warnings_counted():
-                        self.plugin.check(advance(done, count, rows))
+                    try:
+                        with warnings_counted():
+                            self.plugin.check(advance(done, count, rows))
+                    except own.Interrupted as cut:
+                        if not stop():
+                            raise KeyboardInterrupt from None
+                        count, rows = cut.rows, rows[: cut.rows]
                     self._check(rows, done, done + count)
                     done += count
                     bar.to(done * self.dt)

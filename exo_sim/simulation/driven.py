@@ -121,7 +121,12 @@ def asking(simulation: Simulation, asked: own.Asked, wired: tuple[Any, ...]) -> 
         at = first
         while at < first + count:
             if at > 0 and (at - 1) % every == 0:
-                outside.command(asked.act(outside.observation(last)))
+                try:
+                    outside.command(asked.act(outside.observation(last)))
+                except KeyboardInterrupt:
+                    if at == first:  # a piece has a row at the least: a step under the commands as they stand
+                        outside.run(at, 1, rows[:1])
+                    raise own.Interrupted(max(at - first, 1)) from None
             stop = 1 if at == 0 else at + every - (at - 1) % every
             stop = min(stop, first + count)
             became = outside.run(at, stop - at, rows[at - first : stop - first])

@@ -7,8 +7,10 @@ import threading
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from pathlib import Path
+from types import FrameType
 from typing import Any
 
+from exo_sim.control.own import Asked
 from exo_sim.outputs import replacing_all
 from exo_sim.recording.rrd_file import writing_rrd
 from exo_sim.recording.rrd_messages import unfinished
@@ -66,13 +68,20 @@ def run(
 
 @contextmanager
 def interrupts_noted() -> Iterator[Callable[[], bool]]:
-    """Note the first Ctrl-C, or request to end, instead of raising it; give what says whether one came. A second one is raised."""
+    """Note the first Ctrl-C, or request to end, instead of raising it; give what says whether one came. A second one is raised.
+
+    Within somebody's own controller, which may never come back, the first one is raised too; where that code keeps a second one to
+    itself, a third ends the process.
+    """
     noted: list[int] = []
 
-    def note(number: int, frame: Any) -> None:
-        if noted:
-            raise KeyboardInterrupt
+    def note(number: int, frame: FrameType | None) -> None:
         noted.append(number)
+        asked = Asked.is_asked(frame)
+        if asked and len(noted) > 1:
+            signal.signal(number, signal.SIG_DFL)
+        if asked or len(noted) > 1:
+            raise KeyboardInterrupt
 
     if threading.current_thread() is not threading.main_thread():
         yield lambda: False

@@ -189,7 +189,12 @@ class UnwornSimulation:
         with progress.Bar(self.rows * self.dt, self.motion.name, unit="s", quiet=quiet) as bar, warnings_counted():
             for k in self._steps():
                 if self._asked is not None and k > 0 and (k - 1) % every == 0:
-                    self._given = self._asked.act(self.observation(log[k - 1]))
+                    try:
+                        self._given = self._asked.act(self.observation(log[k - 1]))
+                    except KeyboardInterrupt:
+                        if not stop():
+                            raise
+                        break
                 self.advance(log[k], qpos[k])
                 done = k + 1
                 if done % 200 == 0:

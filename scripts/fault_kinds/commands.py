@@ -41,11 +41,11 @@ COMMANDS = (
         statuses=(0, 3, 4),
     ),
     Command(
-        "run", "exo", ("run", "level_walk", "--rig", "exo.toml", "--strides", "12", "--assist", "vented", "-q", "--out", "walk.rrd"),
+        "run", "exo", ("run", "level_walk", "--rig", "exo.toml", "--strides", "6", "--assist", "vented", "-q", "--out", "walk.rrd"),
         ("walk.rrd", "walk.parquet"), ("walk.parquet",), ("*.unfinished-*.rrd",),
     ),
     Command(
-        "size", "exo", ("size", "--rig", "exo.toml", "--trials", "30", "--jobs", "1", "-q", "--out", "sized"),
+        "size", "exo", ("size", "--rig", "exo.toml", "--trials", "10", "--jobs", "1", "-q", "--out", "sized"),
         ("sized/sized.toml", "sized/report.html", "sized/sized.rrd"), ("sized/sized.toml",), ("sized/*.journal", "sized/sized.parquet"),
     ),
     Command(

@@ -5,6 +5,7 @@ from __future__ import annotations
 import random
 import shutil
 import signal
+import sys
 from pathlib import Path
 
 from fault_kinds.child import run
@@ -21,6 +22,7 @@ def kill(folder: Path, bases: Path, kills: int, seed: int, names: list[str]) -> 
     chosen = [command for command in COMMANDS if command.name in names]
     for command in chosen:
         _kill(command, folder / command.name, bases, -(-kills // len(chosen)), draw, outcome)
+        print(f"{sum(outcome.counts.values())} of {kills} kills, {len(outcome.broken)} broken promises", file=sys.stderr, flush=True)
     return outcome
 
 

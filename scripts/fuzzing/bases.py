@@ -8,6 +8,8 @@ from pathlib import Path
 
 import numpy as np
 
+from fuzzing import foreign_bases
+
 ASSETS = Path(__file__).resolve().parents[2] / "assets"
 #: Samples and step [s] of the bench's recording.
 _SAMPLES, _STEP = 400, 1e-3
@@ -37,6 +39,7 @@ def make(folder: Path) -> None:
     _bench(folder / "bench")
     _exoskeleton(folder / "exo")
     _trial(folder / "trial")
+    foreign_bases.walk(folder / "walk")
 
 
 def _bench(folder: Path) -> None:
@@ -71,6 +74,7 @@ def _bench(folder: Path) -> None:
     write_table(folder / "bench.csv", recording)
     write_table(folder / "bench.parquet", recording)
     write_rrd(folder / "bench.rrd", recording)
+    foreign_bases.recordings(folder, time, columns, units)
     (folder / "map.toml").write_text(_MAP)
     strange = np.column_stack([time * 1e3, command, (rows[:, 1:] - 101325.0) / 1e5, rows[:, 0] / 0.0254])
     lines = ["t(ms);Valve;P1;P2;Pos", *(";".join(f"{value:.9g}" for value in row) for row in strange)]

@@ -85,10 +85,22 @@ def _nth(pattern: re.Pattern[bytes]) -> Callable[[bytes, int, str], bytes]:
     return replace
 
 
+def _mark(content: bytes) -> bytes:
+    """Return what stands between the cells of a table."""
+    head = content.split(b"\n", 1)[0]
+    return b";" if b";" in head else b"," if b"," in head else b"\t" if b"\t" in content else b","
+
+
+def _line(content: bytes, n: int, text: str) -> bytes:
+    lines = content.split(b"\n")
+    lines[n % len(lines)] = raw(text)
+    return b"\n".join(lines)
+
+
 def _cell(content: bytes, row: int, column: int, text: str) -> bytes:
     lines = content.split(b"\n")
     row %= len(lines)
-    mark = b";" if b";" in lines[0] else b","
+    mark = _mark(content)
     cells = lines[row].split(mark)
     cells[column % len(cells)] = raw(text)
     lines[row] = mark.join(cells)
@@ -98,8 +110,8 @@ def _cell(content: bytes, row: int, column: int, text: str) -> bytes:
 def _column(content: bytes, column: int, law: str, number: float) -> bytes:
     """Do something to every number of a column: what a sensor, a clock or a spreadsheet does."""
     head, *lines = content.split(b"\n")
-    mark = b";" if b";" in head else b","
-    column %= len(head.split(mark))
+    mark = _mark(content)
+    column %= max(len(line.split(mark)) for line in (head, *lines[:20]))
     done: list[bytes] = []
     before = 0.0
     for i, line in enumerate(lines):
@@ -167,6 +179,7 @@ _EDITS: dict[str, Callable[..., bytes]] = {
     "table": _nth(_TABLE),
     "attribute": _nth(_ATTRIBUTE),
     "element": _nth(_ELEMENT),
+    "line": _line,
     "cell": _cell,
     "column": _column,
     "rows": _rows,

@@ -63,6 +63,17 @@ def of_model(name: str) -> SearchStrategy[Edit]:
     return st.one_of(attribute, attribute, _edit("element", st.just(name), _FEW, st.sampled_from(fragments.ELEMENTS)))
 
 
+def of_controller(name: str) -> SearchStrategy[Edit]:
+    """Edits that put other statements in a controller's methods, or other values in what it returns."""
+    line = st.sampled_from(fragments.STATEMENTS).map(lambda text: "        " + text)
+    value = st.one_of(st.sampled_from(fragments.RETURNED), _NUMBERS).map(lambda text: f"        return {text}")
+    return st.one_of(
+        _edit("line", st.just(name), st.sampled_from([3, 5]), line),
+        _edit("line", st.just(name), st.just(5), value),
+        _edit("line", st.just(name), st.just(1), st.one_of(_NUMBERS, st.sampled_from(["None", "'fast'"])).map(lambda text: f"    period = {text}")),
+    )
+
+
 def of_json(*names: str) -> SearchStrategy[Edit]:
     """Edits that put anything in a value's place."""
     value = st.recursive(

@@ -7,13 +7,14 @@ from hypothesis.strategies import SearchStrategy
 
 from fuzzing import fragments
 from fuzzing.case import Case
-from fuzzing.strategies import effects, of_bytes, of_json, of_model, of_sizes, of_table, of_toml, some
+from fuzzing.strategies import effects, of_bytes, of_controller, of_json, of_model, of_sizes, of_table, of_toml, some
 
 Words = tuple[str, ...]
 
 _RIG = ("--rig", "bench.toml")
 _LOOK = [("inspect", "bench.csv", *_RIG, "--json"), ("inspect", "bench.csv", *_RIG), ("compare", "bench.csv", *_RIG)]
 _WALK = ("run", "level_walk", "--rig", "exo.toml", "--strides", "1", "--demand", "inverse_dynamics", "--json", "-q", "--out", "walk.rrd")
+_QUICK = ("--rig", "exo.toml", "--strides", "1", "--demand", "inverse_dynamics", "--json", "-q", "--out", "walk.rrd")
 _TRIAL = [
     ("trial", "score", "trial", "--jobs", "1", "--json"),
     ("trial", "score", "trial", "--jobs", "1"),
@@ -40,6 +41,54 @@ def binaries() -> SearchStrategy[Case]:
     """Recordings as Parquet and .rrd."""
     names = st.sampled_from(["bench.parquet", "bench.rrd"])
     return names.flatmap(lambda name: st.builds(Case, st.just("bench"), _reading(name), some(of_bytes(name))))
+
+
+def foreign() -> SearchStrategy[Case]:
+    """Recordings as MATLAB, ROS 2, OpenSim and LeRobot write them, and their column maps."""
+    held = {
+        "bench.mat": (), "bench73.mat": (), "bench.mcap": (), "bench.sto": (), "log.mcap": ("log.toml",), "episode.parquet": ("episode.toml",),
+    }  # fmt: skip
+
+    def drawn(name: str) -> SearchStrategy[Case]:
+        told = held[name]
+        edits = [of_bytes(name)]
+        edits += [of_table(name)] if name.endswith(".sto") else []
+        edits += [of_toml(*told), of_json("meta/info.json")] if name == "episode.parquet" else [of_toml(*told)] if told else []
+        return st.builds(Case, st.just("bench"), _reading(name, *(("--columns", *told) if told else ())), some(*edits))
+
+    return st.sampled_from(sorted(held)).flatmap(drawn)
+
+
+def gaits() -> SearchStrategy[Case]:
+    """Joint angles that somebody walks by, and the ground's forces beside them."""
+
+    def drawn(words: Words) -> SearchStrategy[Case]:
+        names = [name for name in words if name.startswith(("walk.", "forces."))]
+        edits = [of_bytes(*names), *(of_table(name) for name in names if not name.endswith(".c3d"))]
+        return st.builds(Case, st.just("walk"), st.just(("run", *words, *_QUICK)), some(*edits))
+
+    files = [("--gait", "walk.mot"), ("--gait", "walk.csv"), ("--gait", "walk.c3d"), ("--gait", "walk.mot", "--ground", "forces.mot")]
+    return st.sampled_from(files).flatmap(drawn)
+
+
+def scenarios() -> SearchStrategy[Case]:
+    """Scenario files."""
+    return st.sampled_from(["walk.toml", "standing.toml"]).flatmap(
+        lambda name: st.builds(Case, st.just("walk"), st.just(("run", name, *_QUICK)), some(of_toml(name), of_toml(name), of_bytes(name)))
+    )
+
+
+def controllers() -> SearchStrategy[Case]:
+    """Controllers in somebody's own Python."""
+    words = ("run", "level_walk", "--controller", "mine.py:Mine", *_QUICK)
+    return st.builds(Case, st.just("walk"), st.just(words), some(of_controller("mine.py"), of_controller("mine.py"), of_bytes("mine.py")))
+
+
+def catalogues() -> SearchStrategy[Case]:
+    """Catalogues of cylinders and valves."""
+    words = ("size", "--rig", "exo.toml", "--catalogue", "catalogue.toml", "--quick", "--json")
+    edits = some(of_toml("catalogue.toml"), of_toml("catalogue.toml"), of_bytes("catalogue.toml"))
+    return st.builds(Case, st.just("walk"), st.just(words), edits)
 
 
 def maps() -> SearchStrategy[Case]:
@@ -99,13 +148,18 @@ def _kept_short(words: Words) -> Words:
 
 #: By name: what draws the cases, and the share of the time.
 TARGETS: dict[str, tuple[SearchStrategy[Case], float]] = {
-    "tables": (tables(), 0.2),
-    "binaries": (binaries(), 0.12),
-    "maps": (maps(), 0.13),
-    "rigs": (rigs(), 0.15),
-    "models": (models(), 0.1),
-    "machines": (machines(), 0.1),
-    "walks": (walks(), 0.05),
-    "trials": (trials(), 0.05),
-    "commands": (commands(), 0.1),
+    "tables": (tables(), 0.14),
+    "binaries": (binaries(), 0.08),
+    "foreign": (foreign(), 0.12),
+    "maps": (maps(), 0.1),
+    "rigs": (rigs(), 0.12),
+    "models": (models(), 0.08),
+    "machines": (machines(), 0.08),
+    "walks": (walks(), 0.04),
+    "gaits": (gaits(), 0.08),
+    "scenarios": (scenarios(), 0.03),
+    "controllers": (controllers(), 0.03),
+    "catalogues": (catalogues(), 0.03),
+    "trials": (trials(), 0.04),
+    "commands": (commands(), 0.08),
 }

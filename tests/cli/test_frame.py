@@ -31,6 +31,8 @@ def probe(
             raise Diverged("diverged at 1.2 s")
         case "fault":
             raise ZeroDivisionError("division by zero")
+        case "lacking":
+            raise ModuleNotFoundError("No module named 'pint'", name="pint")
         case "interrupt":
             raise KeyboardInterrupt("2 s are kept in walk.rrd")
         case "status":
@@ -73,6 +75,7 @@ def error_of(words: list[str], capsys: pytest.CaptureFixture[str], status: int) 
         (["probe", "bad"], 2, "bore"),
         (["probe", "diverged", "--json"], 5, "diverged at 1.2 s"),
         (["probe", "fault"], failures.OUR_FAULT, "a fault of exo-sim"),
+        (["probe", "lacking"], 2, "the package pint is not installed"),
         (["probe", "interrupt"], 130, "interrupted; 2 s are kept in walk.rrd"),
     ],
 )

@@ -1,6 +1,7 @@
 """`exo-sim run` and `exo-sim scenarios` as a person meets them."""
 
 import json
+import signal
 
 import pytest
 
@@ -112,3 +113,42 @@ def test_scenarios_are_listed(capsys):
     assert status == 0
     assert "level_walk" in [one["name"] for one in json.loads(text)["scenarios"]]
     assert "squat" in call(capsys, "scenarios")[1]
+
+
+OWN = """import signal
+class Mine:
+    def reset(self, context):
+        print("begins")
+    def act(self, observation):
+        print(observation["time"])
+        if MANY and observation["time"] > 0.3:
+            signal.raise_signal(signal.SIGINT)
+            while True:
+                pass
+        return {}
+"""
+SHORT = ("--strides", "1", "--demand", "inverse_dynamics", "-q", "--json")
+
+
+def test_what_somebodys_controller_prints_leaves_stdout_to_the_result(capsys, tmp_path):
+    (tmp_path / "mine.py").write_text(OWN.replace("MANY", "False"))
+    status, text, words = call(
+        capsys, "run", "level_walk", "--controller", f"{tmp_path / 'mine.py'}:Mine", *SHORT, "--out", str(tmp_path / "walk.rrd")
+    )  # fmt: skip
+    assert status == 0 and json.loads(text)["schema"] == "exo-sim/run/1"
+    assert words.startswith("begins\n0.0\n")
+
+
+def test_ctrl_c_in_a_controller_that_never_comes_back_keeps_what_was_simulated(capsys, tmp_path):
+    before = signal.signal(signal.SIGINT, signal.default_int_handler)
+    (tmp_path / "mine.py").write_text(OWN.replace("MANY", "True"))
+    try:
+        status, _, words = call(
+            capsys, "run", "level_walk", "--controller", f"{tmp_path / 'mine.py'}:Mine", *SHORT, "--out", str(tmp_path / "walk.rrd")
+        )  # fmt: skip
+    finally:
+        signal.signal(signal.SIGINT, before)
+    assert status == 130 and words.splitlines()[-1].startswith("exo-sim: interrupted; 0.30 s were simulated and are in ")
+    table = reader.read(tmp_path / "walk.parquet").recording
+    assert 0.29 < table.time[-1] < 0.31
+    assert sorted(path.name for path in tmp_path.iterdir() if path.is_file()) == ["mine.py", "walk.parquet", "walk.rrd"]

@@ -1,5 +1,6 @@
 """Somebody's own controller: loading, what it may return, and what goes wrong in it, in one line each."""
 
+import sys
 from pathlib import Path
 from typing import Any
 
@@ -52,6 +53,64 @@ def test_what_is_no_command_is_said(context, returned, hint):
         own.read(returned, context)
 
 
+class Odd:
+    """What cannot be told, counted or called by a name."""
+
+    def __str__(self) -> str:
+        raise ZeroDivisionError("odd")
+
+    __float__ = __str__
+
+
+class OddError(Exception):
+    """What cannot even be told."""
+
+    def __str__(self) -> str:
+        raise ZeroDivisionError("odd")
+
+
+@pytest.mark.parametrize("error", [SystemExit(0), SystemExit("done"), GeneratorExit(), BaseException("odd"), OddError(), StopIteration()])
+def test_whatever_comes_out_of_somebodys_code_is_one_line(context, error):
+    class Mine:
+        def reset(self, context: object) -> None:
+            if context is None:
+                raise error
+
+        def act(self, observation: object) -> None:
+            raise error
+
+    with pytest.raises(ScenarioError, match=rf"test_own\.py:\d+: {type(error).__name__}.*, in act of Mine at 0\.250 s"):
+        own.Asked(Mine(), context).act({"time": 0.25})
+    with pytest.raises(ScenarioError, match=f"{type(error).__name__}.*, in reset of Mine"):
+        own.Asked(Mine(), None).reset()  # type: ignore[arg-type]
+
+
+@pytest.mark.parametrize("returned", [{"knee_l": 10**400}, {"knee_l": Odd()}, {Odd(): 0.0}, [Odd()] * 4])
+def test_what_cannot_be_read_as_commands_is_one_line(context, returned):
+    class Mine:
+        def reset(self, context: object) -> None: ...
+
+        def act(self, observation: dict[str, Any]) -> Any:
+            observation.clear()
+            return returned
+
+    with pytest.raises(ScenarioError, match=r"controller Mine, at 0\.250 s: what act returned cannot be read \((Overflow|ZeroDivision)Error"):
+        own.Asked(Mine(), context).act({"time": 0.25})
+
+
+def test_an_interrupt_goes_through_somebodys_code(context):
+    class Mine:
+        def reset(self, context: object) -> None: ...
+
+        def act(self, observation: object) -> None:
+            assert own.Asked.is_asked(sys._getframe())
+            raise KeyboardInterrupt
+
+    assert not own.Asked.is_asked(sys._getframe())
+    with pytest.raises(KeyboardInterrupt):
+        own.Asked(Mine(), context).act({"time": 0.25})
+
+
 def test_a_file_is_loaded_with_or_without_the_name_of_the_class(tmp_path):
     path = write(tmp_path / "mine.py", "        return {}\n")
     assert own.load(f"{path}:Mine").act({}) == {}
@@ -67,6 +126,8 @@ def test_a_file_is_loaded_with_or_without_the_name_of_the_class(tmp_path):
         ("class Mine:\n    def reset(self, c): pass\n    def act(self, o): pass\n", "Min", 'did you mean "Mine"'),
         ("import nothing_there\n", "Mine", r"mine\.py:1: ModuleNotFoundError"),
         ("\nclass Mine(:\n", "Mine", r"mine\.py:2: SyntaxError"),
+        ("import sys\nsys.exit(0)\n", "Mine", r"mine\.py:2: SystemExit: 0"),
+        ("class Mine:\n    def __init__(self): raise SystemExit\n    reset = act = None\n", "Mine", r"mine\.py:2: SystemExit: , while"),
         ("class Mine:\n    def __init__(self, a): pass\n    reset = act = __init__\n", "Mine", "while making"),
     ],
 )

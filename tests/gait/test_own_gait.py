@@ -122,13 +122,14 @@ def test_a_label_is_given_in_the_gait_table(tmp_path, trial):
         scenario.find(str(tmp_path / "mine.toml"))
 
 
-def test_forces_of_the_ground_tell_the_strides(tmp_path, trial):
+@pytest.mark.parametrize("labels", ["ground_force_vy\t1_ground_force_vy", "ground_force_r_vy\tground_force_l_vy", "1_grf_vy\t2_grf_vy"])
+def test_forces_of_the_ground_tell_the_strides(tmp_path, trial, labels):
     time, angles = trial
     path = write_mot(tmp_path / "walk.mot", time, angles)
     load = {side: np.where(((time / PERIOD + shift) % 1.0) < 0.63, 600.0, 0.0) for side, shift in (("r", 0.0), ("l", 0.5))}
     force = tmp_path / "grf.mot"
     rows = "\n".join(f"{t:.4f}\t{load['r'][i]:.1f}\t{load['l'][i]:.1f}" for i, t in enumerate(time))
-    force.write_text(f"grf\nendheader\ntime\tground_force_vy\t1_ground_force_vy\n{rows}\n")
+    force.write_text(f"grf\nendheader\ntime\t{labels}\n{rows}\n")
     figures, remarks = own_gait.figures_of(GaitFile(path, force))
     assert "by the ground's force" in remarks[-1]
     assert figures.stance_end == pytest.approx(0.63, abs=0.02) and figures.period == pytest.approx(PERIOD, abs=0.01)

@@ -142,4 +142,4 @@ def test_every_case_that_is_kept_can_be_read():
 
     assert corpus.lines()
     for line in corpus.lines():
-        assert Case.read(line).base in ("bench", "exo", "trial")
+        assert Case.read(line).base in ("bench", "exo", "trial", "walk")

@@ -15,7 +15,7 @@ from exo_sim.recording.foreign.opensim import read_storage
 
 #: An angle beyond this many radian is in degrees.
 _TURN = 2.0 * np.pi
-_VERTICAL = re.compile(r"^(?P<plate>.*?)(?:force|grf|GRF|F)[_.]?(?:v|f)?y(?P<rest>.*)$")
+_VERTICAL = re.compile(r"^(?P<plate>.*?)(?:force|grf|GRF|F)(?P<side>[_.](?:l|r|left|right))?[_.]?(?:v|f)?y(?P<rest>.*)$")
 
 
 def read_angles(path: Path, named: Mapping[str, str]) -> Trial:
@@ -52,7 +52,7 @@ def read_ground(path: Path) -> GroundForce:
         if (match := _VERTICAL.match(label)) is None or "torque" in label or "moment" in label or label.endswith("py"):
             continue
         up[label] = values
-        words = set(re.split(r"[_.\d]+", f"{match['plate']}_{match['rest']}".lower()))
+        words = set(re.split(r"[_.\d]+", f"{match['plate']}_{match['side'] or ''}_{match['rest']}".lower()))
         sides = [side for side, names in (("l", {"l", "left"}), ("r", {"r", "right"})) if words & names]
         if len(sides) == 1:
             foot[label] = sides[0]

@@ -1,0 +1,40 @@
+"""What somebody's own Python does wrong, as one line that names file and line."""
+
+from __future__ import annotations
+
+import traceback
+from pathlib import Path
+from types import CodeType, FrameType
+
+_OWN = Path(__file__).parents[1]
+
+
+def is_interrupt(error: BaseException) -> bool:
+    """Return whether it is Ctrl-C; all else that comes out of somebody's code, `SystemExit` too, is a fault of that code."""
+    return isinstance(error, KeyboardInterrupt)
+
+
+def place(error: BaseException, path: Path | None = None) -> str:
+    """Return file, line and what went wrong there, in one line."""
+    if isinstance(error, SyntaxError) and error.filename:
+        return f"{error.filename}:{error.lineno}: {type(error).__name__}: {error.msg}"
+    frames = [frame for frame in traceback.extract_tb(error.__traceback__) if not frame.filename.startswith("<")]
+    outside = [frame for frame in frames if _OWN not in Path(frame.filename).parents and "site-packages" not in frame.filename]
+    at = (outside or frames)[-1] if (outside or frames) else None
+    where = f"{at.filename}:{at.lineno}" if at else str(path or "")
+    return f"{where}: {told(error)}"
+
+
+def told(error: BaseException) -> str:
+    """Return kind and words of an exception; its kind alone where it cannot tell its words."""
+    try:
+        return f"{type(error).__name__}: {error}"
+    except Exception:
+        return type(error).__name__
+
+
+def is_within(frame: FrameType | None, *codes: CodeType) -> bool:
+    """Return whether a frame is called, however deep, from one of these functions."""
+    while frame is not None and frame.f_code not in codes:
+        frame = frame.f_back
+    return frame is not None

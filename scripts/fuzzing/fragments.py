@@ -55,7 +55,13 @@ ATTRIBUTES = [*NUMBERS, "1 0 0", "-1 1", "0 0 0", "slide", "piston", "world", "R
 ELEMENTS = ["", "<geom type='mesh' mesh='x'/>", "<body/>", "<motor/>", "<include file='bench.xml'/>", "<plugin/>", "<freejoint/>"]
 #: Of somebody's own Python: statements, and what may come back from it.
 STATEMENTS = [
-    *("raise ValueError('no \\x1b[2J\\n gains')", "raise SystemExit(0)", "raise SystemExit('done')", "raise GeneratorExit", "raise StopIteration"),
+    *(
+        "raise ValueError('no \\x1b[2J\\n gains')",
+        "raise SystemExit(0)",
+        "raise SystemExit('done')",
+        "raise GeneratorExit",
+        "raise StopIteration",
+    ),
     *("raise BaseException('odd')", "raise MemoryError", "raise BrokenPipeError", "open('/nonexistent')", "1 / 0", "self.act(observation)"),
     *("observation.clear()", "self.context = None", "print('hello')", "import warnings; warnings.warn('hm')", "import nothing_there"),
     *("class Odd(Exception): __str__ = None\n        raise Odd", "return", "yield 1", "self.context.rig.cylinders.clear()", "pass"),
@@ -65,7 +71,12 @@ RETURNED = [
     *("{'knee_l': 10 ** 400}", "{'knee_l': True}", "{'knee_l': None}", "{'kne_l': 1}", "{'knee_l': 1, 'hip_l.torque': 1}", "{b'x': 1}"),
     *("{'knee_l.torque': 1e300}", "{'knee_l.torque': 1e5}", "{'knee_l': -1e300}", "{1: 2}", "object()", "self", "observation", "{'': 0}"),
     *("type('F', (), {'__float__': lambda s: 1 / 0})()", "{'knee_l': type('F', (), {'__float__': lambda s: 1 / 0})()}"),
-    *("{type('K', (), {'__str__': lambda s: 1 / 0})(): 1}", "{'a' * 5000: 1}", "{'\\x1b[2J': 1}", "dict.fromkeys(map(str, range(10000)), 0)"),
+    *(
+        "{type('K', (), {'__str__': lambda s: 1 / 0})(): 1}",
+        "{'a' * 5000: 1}",
+        "{'\\x1b[2J': 1}",
+        "dict.fromkeys(map(str, range(10000)), 0)",
+    ),
 ]
 #: What may stand in a file's place.
 KINDS = ["folder", "pipe", "loop", "missing", "/dev/zero", "/dev/null", "/dev/full", "nothing"]

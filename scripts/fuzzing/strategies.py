@@ -70,7 +70,12 @@ def of_controller(name: str) -> SearchStrategy[Edit]:
     return st.one_of(
         _edit("line", st.just(name), st.sampled_from([3, 5]), line),
         _edit("line", st.just(name), st.just(5), value),
-        _edit("line", st.just(name), st.just(1), st.one_of(_NUMBERS, st.sampled_from(["None", "'fast'"])).map(lambda text: f"    period = {text}")),
+        _edit(
+            "line",
+            st.just(name),
+            st.just(1),
+            st.one_of(_NUMBERS, st.sampled_from(["None", "'fast'"])).map(lambda text: f"    period = {text}"),
+        ),
     )
 
 

@@ -45,8 +45,9 @@ def binaries() -> SearchStrategy[Case]:
 
 def foreign() -> SearchStrategy[Case]:
     """Recordings as MATLAB, ROS 2, OpenSim and LeRobot write them, and their column maps."""
-    held = {
-        "bench.mat": (), "bench73.mat": (), "bench.mcap": (), "bench.sto": (), "log.mcap": ("log.toml",), "episode.parquet": ("episode.toml",),
+    held: dict[str, Words] = {
+        "bench.mat": (), "bench73.mat": (), "bench.mcap": (), "bench.sto": (), "log.mcap": ("log.toml",),
+        "episode.parquet": ("episode.toml",),
     }  # fmt: skip
 
     def drawn(name: str) -> SearchStrategy[Case]:

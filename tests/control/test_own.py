@@ -94,7 +94,9 @@ def test_what_cannot_be_read_as_commands_is_one_line(context, returned):
             observation.clear()
             return returned
 
-    with pytest.raises(ScenarioError, match=r"controller Mine, at 0\.250 s: what act returned cannot be read \((Overflow|ZeroDivision)Error"):
+    with pytest.raises(
+        ScenarioError, match=r"controller Mine, at 0\.250 s: what act returned cannot be read \((Overflow|ZeroDivision)Error"
+    ):
         own.Asked(Mine(), context).act({"time": 0.25})
 
 

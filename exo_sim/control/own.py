@@ -27,6 +27,7 @@ from numpy.typing import NDArray
 
 from exo_sim.control import own_faults
 from exo_sim.errors import ScenarioError, nearest
+from exo_sim.inputs import check_regular
 from exo_sim.rig import Rig
 
 #: Seconds between two calls of `act` where the controller does not tell.
@@ -107,9 +108,13 @@ def load(text: str) -> Controller:
     """
     file, _, name = text.rpartition(":") if ".py:" in text else (text, "", "")
     path = Path(file)
-    if not path.is_file():
+    try:
+        check_regular(path)
+    except FileNotFoundError:
         near = nearest(path.name, [p.name for p in path.parent.glob("*.py")]) if path.parent.is_dir() else ""
-        raise ScenarioError(f'controller "{text}": there is no file "{path}"{near if "mean" in near else ""}')
+        raise ScenarioError(f'controller "{text}": there is no file "{path}"{near if "mean" in near else ""}') from None
+    except (OSError, ValueError) as error:
+        raise ScenarioError(f'controller "{text}": "{path}" {error}') from None
     spec = importlib.util.spec_from_file_location(f"controller_{path.stem}", path)
     assert spec is not None and spec.loader is not None
     module = importlib.util.module_from_spec(spec)

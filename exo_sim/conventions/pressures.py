@@ -27,6 +27,8 @@ _LEAST, _MOST, _VACUUM = 0.5, 5.0, 1e3
 _NEAR = (0.4, 1.25)
 #: A chamber that vents rests within this share of the atmosphere from it.
 _RESTS = 0.1
+#: Share of the time that it must be there to outweigh a gas balance that says otherwise.
+_DWELLS = 0.2
 #: Atmospheres that the gas balance of a gauge column wants added, more than: alone, and beside a supply that is off by one; and less
 #: than. Those of 93 benches and legs with all kinds of physics left out, absolute all, want -0.5 to 0.5.
 _GAUGE, _GAUGE_BESIDE, _MOST_GAUGE, _ABSOLUTE = 0.65, 0.3, 1.6, 0.35
@@ -114,7 +116,7 @@ def absolute(recording: Recording, machine: Machine) -> tuple[Recording, list[Ch
     zeros = _zeros(_lifted(recording, shared, machine), machine)
     common = _common_zero(recording, machine) if shared else None
     kinds = {
-        key: _rests_at(recording[key], recording.time, machine) or _kind(zeros.get(key), common, bool(shared)) for key in chambers
+        key: _counts_from(recording[key], recording.time, machine, _kind(zeros.get(key), common, bool(shared))) for key in chambers
     }
     gauge = tuple(key for key, kind in kinds.items() if kind == "gauge")
     if gauge and "absolute" in kinds.values():
@@ -174,6 +176,18 @@ def _kind(zero: float | None, common: float | None, supply_is_gauge: bool) -> st
     if supply_is_gauge and common is not None and common < _COMMON:
         return "absolute"  # the rig's supply is off by the atmosphere, not the columns
     return "gauge" if least < zero < _MOST_GAUGE else "absolute" if abs(zero) < _ABSOLUTE else ""
+
+
+def _counts_from(values: Array, time: Array, machine: Machine, by_balance: str) -> str:
+    """Return from where a pressure counts: as where it rests shows, else as its gas balance does.
+
+    One that no more than passes the atmosphere at its least rests nowhere: a gauge column of a chamber that never vents may.
+    """
+    rests = _rests_at(values, time, machine)
+    if rests == "absolute" and by_balance == "gauge":
+        there = np.abs(values[np.isfinite(values)] - machine.atmosphere) < _RESTS * machine.atmosphere
+        return "absolute" if float(np.mean(there)) > _DWELLS else "gauge"
+    return rests or by_balance
 
 
 def _rests_at(values: Array, time: Array, machine: Machine) -> str:

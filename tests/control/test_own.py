@@ -1,5 +1,6 @@
 """Somebody's own controller: loading, what it may return, and what goes wrong in it, in one line each."""
 
+import os
 import sys
 from pathlib import Path
 from typing import Any
@@ -174,3 +175,12 @@ def test_commands_that_look_like_torques_are_remarked_on(context):
     for i in range(12):
         asked.act({"time": 0.001 * i})
     assert "knee_l.torque" in asked.remarks()[0]
+
+
+def test_a_pipe_or_a_device_is_not_waited_for(tmp_path):
+    os.mkfifo(tmp_path / "mine.py")
+    with pytest.raises(ScenarioError, match=r'mine\.py" cannot be read: it is a pipe'):
+        own.load(f"{tmp_path / 'mine.py'}:Mine")
+    (tmp_path / "zero.py").symlink_to("/dev/zero")
+    with pytest.raises(ScenarioError, match="it is a device"):
+        own.load(str(tmp_path / "zero.py"))

@@ -13,6 +13,8 @@ import sys
 from collections.abc import Callable
 from dataclasses import replace
 from pathlib import Path
+from types import SimpleNamespace
+from typing import cast
 
 import numpy as np
 import pytest
@@ -21,7 +23,7 @@ from exo_sim import rig as rigs
 from exo_sim.cli import main
 from exo_sim.conventions import Settled, asked, settle
 from exo_sim.conventions.machine import Machine
-from exo_sim.conventions.pressures import in_pascal
+from exo_sim.conventions.pressures import _counts_from, in_pascal
 from exo_sim.errors import RecordingError
 from exo_sim.machine.linkage import linkages
 from exo_sim.machine.load import load
@@ -122,6 +124,16 @@ def test_another_convention_is_asked_about_and_put_right(machines: dict[str, Pat
             assert check.as_dict() == {"what": check.what, "columns": list(check.columns), "says": check.says}
     # chambers that never vent, beside a supply that is absolute, show it only in the shape of their flow
     assert len(missed) <= (otherwise == "gauge chambers")
+
+
+def test_a_chamber_that_only_passes_the_atmosphere_does_not_rest_there() -> None:
+    """A gauge column whose least is the atmosphere by chance is told by its gas balance; one that stays there for long is not."""
+    machine, time = cast(Machine, SimpleNamespace(atmosphere=ATMOSPHERE)), np.arange(400) * 1e-3
+    passes = 1.07 * ATMOSPHERE + 4e5 * (1.0 - np.cos(12.0 * time))
+    stays = np.where(time < 0.15, ATMOSPHERE, passes)
+    assert _counts_from(passes, time, machine, "gauge") == "gauge"
+    assert _counts_from(stays, time, machine, "gauge") == "absolute"
+    assert _counts_from(passes, time, machine, "") == _counts_from(passes, time, machine, "absolute") == "absolute"
 
 
 def test_one_gauge_sensor_among_absolute_ones_is_asked_about_and_left_to_the_diagnosis(machines: dict[str, Path]) -> None:

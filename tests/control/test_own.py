@@ -91,7 +91,7 @@ def test_what_cannot_be_read_as_commands_is_one_line(context, returned):
     class Mine:
         def reset(self, context: object) -> None: ...
 
-        def act(self, observation: dict[str, Any]) -> Any:
+        def act(self, observation: Any) -> Any:
             observation.clear()
             return returned
 

@@ -149,12 +149,14 @@ def _ledger(data: dict[str, Any]) -> str:
             row(f"{name}: work, J a cycle", lambda it, name=name: "{:+.0f} {:+.0f}".format(*it["wearer_joints"][name])),  # type: ignore[misc]
         ]
     rows.append(row("foot below the ankle: work, J a cycle", lambda it: "{:+.0f} {:+.0f}".format(*it["wearer_joints"]["foot"])))
+    strapped = ", ".join(f"{name} {force['rms']:.0f} ({force['peak']:.0f})" for name, force in wearer["strap_force_n"].items())
     rows.append(row("residual at the pelvis, N m rms", lambda it: f"{it['pelvis_residual']['moment_rms_nm']:.1f}"))
     straps = ", ".join(f"{name} {work:+.1f}" for name, work in ledger["straps"].items())
     return "\n".join([
         printing.table(rows, ["the wearer", "alone", "backpack", "machine"]),
         f"forward push on the machine {wearer['forward_push_n']:.0f} N, power given to it {wearer['power_to_machine_w']:.0f} W; "
         f"residual at the pelvis {residual['force_peak_n']:.0f} N and {residual['moment_peak_nm']:.0f} N m at most",
+        f"force of the straps on a segment, N rms (peak): {strapped}",
         f"work, J a cycle: cylinders {ledger['cylinders'][0]:+.0f} {ledger['cylinders'][1]:+.0f}, straps {straps}, "
         f"damping {ledger['machine_damping']:+.0f}, ground {ledger['ground']:+.0f}; closes to {ledger['closure']:+.2f}",
     ])  # fmt: skip

@@ -18,6 +18,11 @@ from exo_sim.simulation.walk import JOINTS, POWERS, STRAPPED, Walk
 from exo_sim.simulation.wearer_load import Held
 
 _JOINTS = ("hip", "knee", "ankle")
+#: Rows of `SEGMENTS` that straps of each part hold.
+_BY_PART = {
+    name: [i for i, segment in enumerate(SEGMENTS) if segment.split("_")[0] == part]
+    for name, part in zip(STRAPPED, ("torso", "thigh", "foot"))
+}
 
 
 class Work(Mean):
@@ -110,8 +115,14 @@ def strap_power(walk: Walk) -> NDArray[np.float64]:
     """Return what the straps give the wearer by part of the body [W], columns as `STRAPPED`, shape (n, 3)."""
     poses, wrench = walk.poses, walk.wrench
     power = wrench[:, :, 0] * poses[:, :, 3] + wrench[:, :, 1] * poses[:, :, 4] + wrench[:, :, 2] * poses[:, :, 5]
-    rows = [[i for i, name in enumerate(SEGMENTS) if name.split("_")[0] == part] for part in ("torso", "thigh", "foot")]
-    return np.stack([power[:, some].sum(axis=1) for some in rows], axis=1)
+    return np.stack([power[:, _BY_PART[name]].sum(axis=1) for name in STRAPPED], axis=1)
+
+
+def _strength(walk: Walk, rows: slice, segments: list[int]) -> dict[str, Any]:
+    """Return how strongly all straps of a segment together pull it, rms and most of left and right [N]."""
+    force = walk.wrench[rows][:, segments, :2]
+    strength = np.hypot(force[:, :, 0], force[:, :, 1])
+    return {"rms": Rms.of(strength), "peak": Peak.of(strength)}
 
 
 def wearer_numbers(walk: Walk, rows: slice, it: Held) -> dict[str, Any]:
@@ -122,6 +133,7 @@ def wearer_numbers(walk: Walk, rows: slice, it: Held) -> dict[str, Any]:
     to_machine = sum(walk.columns[f"ledger.{name}_strap_power"][rows] for name in STRAPPED)
     return {
         "moment_rms_nm": {name: Rms.of(it.moments[rows][:, k::3]) for k, name in enumerate(_JOINTS)},
+        "strap_force_n": {name: _strength(walk, rows, segments) for name, segments in _BY_PART.items()},
         "forward_push_n": Mean.of(-push),
         "power_to_machine_w": Mean.of(to_machine),
         "pelvis_residual": {

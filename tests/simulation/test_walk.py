@@ -77,6 +77,19 @@ def test_the_ledger_closes_and_its_books_are_kept_apart(on, vented):
         assert (joints + held)[rows].mean() * walk.motion.period == pytest.approx(0.0, abs=0.2)
 
 
+def test_the_force_of_straps_is_given_by_segment(on):
+    forces = summarise(on)["wearer"]["strap_force_n"]
+    rows = span(on)
+    for name, straps in (("torso", ["torso_strap_low", "torso_strap_high"]), ("thigh", ["thigh_r_strap"])):
+        x, z = (sum(on.columns[f"{strap}.strap_force_{axis}"][rows] for strap in straps) for axis in "xz")
+        strength = np.hypot(x, z)
+        if name == "torso":
+            assert forces[name]["rms"] == pytest.approx(np.sqrt(np.mean(strength**2)))
+            assert forces[name]["peak"] == pytest.approx(strength.max())
+        assert forces[name]["peak"] >= strength.max() * (1 - 1e-9) and forces[name]["rms"] < forces[name]["peak"]
+    assert set(forces) == {"torso", "thigh", "shoe"}
+
+
 def test_residuals_are_within_the_guideline_alone_and_with_a_backpack(on):
     """OpenSim's: 25 N and 75 N m at most, 10 N and 50 N m rms; the machine's peak is a little beyond it."""
     summary = summarise(on)

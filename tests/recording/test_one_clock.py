@@ -10,7 +10,7 @@ import pytest
 from exo_sim.recording.finding import Finding
 from exo_sim.recording.one_clock import on_one_clock
 
-FAST, SLOW = np.linspace(0.0, 1.0, 101), np.linspace(0.0, 1.0, 11)
+FAST, SLOW = np.linspace(0.0, 1.0, 101, dtype=np.float64), np.linspace(0.0, 1.0, 11, dtype=np.float64)
 
 
 def test_a_straight_line_is_interpolated_and_a_command_is_held() -> None:

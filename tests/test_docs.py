@@ -19,7 +19,7 @@ ELSEWHERE = ("add_an_effect.md",)
 #: Pages whose Python shows calls with files that the reader has.
 WITH_FILES = ("recordings.md",)
 #: Pages whose Python takes more than a few seconds.
-SLOW = ("walk.md",)
+SLOW = ("walk.md", "one_diagnosis.md")
 PAGES = sorted(path for path in (ROOT / "docs").glob("*.md") if path.name not in ELSEWHERE)
 
 

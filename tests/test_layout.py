@@ -24,8 +24,11 @@ ELSEWHERE: dict[str, tuple[str, ...]] = {
         "conventions/check.py", "conventions/gas_balance.py", "conventions/machine.py", "conventions/positions.py",
         "conventions/pressures.py", "conventions/signs.py",
     ),
+    "diagnosis/outcome/test_experiments.py": (
+        "diagnosis/subsystems/motion/experiments.py",
+    ),
     "diagnosis/pipeline/test_diagnose_benches.py": (
-        "diagnosis/selection/remainder.py",
+        "diagnosis/selection/remainder.py", "diagnosis/subsystems/gas/experiments.py",
     ),
     "diagnosis/pipeline/test_sorting.py": (
         "simulation/replay/external_drive.py",
@@ -34,9 +37,6 @@ ELSEWHERE: dict[str, tuple[str, ...]] = {
         "diagnosis/policy/budgets.py", "diagnosis/policy/calibration.py", "diagnosis/policy/gates.py", "diagnosis/policy/healthy.py",
         "diagnosis/policy/judgement.py", "diagnosis/policy/priors.py", "diagnosis/policy/recordings.py", "diagnosis/policy/regimes.py",
         "diagnosis/policy/validation.py",
-    ),
-    "diagnosis/selection/test_joint_proposal.py": (
-        "diagnosis/selection/joint_search.py",
     ),
     "diagnosis/selection/test_search.py": (
         "diagnosis/subsystem_model.py",
@@ -73,12 +73,15 @@ ELSEWHERE: dict[str, tuple[str, ...]] = {
     "recording/test_reader.py": (
         "recording/clock.py", "recording/parquet_table.py", "recording/selection.py",
     ),
+    "recording/test_rrd_names.py": (
+        "recording/blueprint.py",
+    ),
     "recording/test_summary.py": (
         "cli/inspect.py", "recording/summary_text.py",
     ),
     "recording/test_writing.py": (
-        "cli/view.py", "recording/blueprint.py", "recording/rrd_file.py", "recording/rrd_messages.py", "recording/rrd_scene.py",
-        "recording/rrd_sink.py", "recording/rrd_table.py", "recording/rrd_timeline.py", "recording/scene.py", "recording/viewer.py",
+        "cli/view.py", "recording/rrd_file.py", "recording/rrd_messages.py", "recording/rrd_scene.py", "recording/rrd_sink.py",
+        "recording/rrd_table.py", "recording/rrd_timeline.py", "recording/scene.py", "recording/viewer.py",
     ),
     "report/test_diagnosis_page.py": (
         "report/diagnosis_picture.py", "report/diagnosis_text.py", "report/diagnosis_words.py",
@@ -89,15 +92,17 @@ ELSEWHERE: dict[str, tuple[str, ...]] = {
     "simulation/replay/test_replay.py": (
         "simulation/replay/inputs.py", "simulation/replay/loop.py", "simulation/replay/machine.py",
     ),
+    "simulation/test_buildable.py": (
+        "simulation/coupled.py", "simulation/summary.py",
+    ),
+    "simulation/test_causal.py": (
+        "control/causal.py",
+    ),
     "simulation/test_coupled_step.py": (
         "simulation/bound_arrays.py", "simulation/native.py",
     ),
     "simulation/test_driven.py": (
         "assets/controllers/delayed_feedback.py", "assets/controllers/impedance.py", "assets/controllers/learnt_policy.py",
-        "simulation/coupled.py",
-    ),
-    "simulation/test_gas_use.py": (
-        "simulation/summary.py",
     ),
     "simulation/test_joint_effects.py": (
         "simulation/loop.py", "simulation/loop_wiring.py",
@@ -106,7 +111,8 @@ ELSEWHERE: dict[str, tuple[str, ...]] = {
         "cli/run_motion.py", "simulation/unworn_record.py", "simulation/wanted_motion.py",
     ),
     "simulation/test_walk.py": (
-        "control/least_load.py", "control/tracking.py", "rig/schema.py", "simulation/coupling.py", "simulation/ledger.py",
+        "control/least_load.py", "control/own_faults.py", "control/strap_feedback.py", "control/stride_learning.py",
+        "control/tracking.py", "rig/schema.py", "simulation/calibration.py", "simulation/coupling.py", "simulation/ledger.py",
         "simulation/record.py", "simulation/reduction.py", "simulation/rehearsal.py", "simulation/views.py", "simulation/wearer_load.py",
     ),
     "sizing/test_coupled_stride.py": (

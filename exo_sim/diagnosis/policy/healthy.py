@@ -20,7 +20,7 @@ BURSTS = Number(
     "208 healthy benches: two above 1.2 (1.32 and 1.41, quiet sensors); ringing hoses at ten limits of detection: 2.8 to 5.3",
 )  # fmt: skip
 SKEW = Number(1e-3, "s", "delay between two pressures of one card: their filters")
-CARD_SKEW = Number(2.5e-3, "s", "delay between the cards of pressures and position: anti-alias filters of 100 to 300 Hz take 0.5 to 1.6 ms")
+MOST_CARD_SKEW = Number(2.5e-3, "s", "delay of the card of pressures behind position: filters of 100 to 300 Hz take 0.5 to 1.6 ms")
 ZEROS = Number(4.0, "prior standard deviations of a zero", "a pressure sensor's bias is a finding from here on")
 SCALE = Number(0.003, "share", "a sensor's scale is a finding from here on")
 FILM = Number(2.0, "W/(m^2 K)", "heat transfer coefficient that no gas at rest goes below, on the wall of the whole cylinder")

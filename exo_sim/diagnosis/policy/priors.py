@@ -41,3 +41,4 @@ LEAST_AMPLITUDE = Number(1e-2, "share of a healthy machine's", "least amplitude 
 MOST_AMPLITUDE = Number(3.0, "share of a healthy machine's", "... and the greatest: what is more is no imperfection of a law")
 SIGN_SLACK = Number(0.5, "standard deviations", "amplitudes of effects of one sign may be below zero by so much ...")
 WRONG_SIGN = Number(5.0, "log-evidence", "... and what is further below costs this besides")
+WIDEST_IN_SERIES = Number(20.0, "areas of the valve", "what is wider in series with a valve restricts nothing, and is not sought")

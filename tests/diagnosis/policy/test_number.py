@@ -27,6 +27,11 @@ def test_it_has_a_unit_a_derivation_and_an_origin(name: str, value: object) -> N
     assert value.unit and value.why and value.set_by
 
 
+def test_no_name_stands_for_two_numbers() -> None:
+    names = [name.split(".")[-1] for name, _ in numbers() if "." in name]
+    assert sorted({name for name in names if names.count(name) > 1}) == []
+
+
 def test_it_is_a_number_like_any_other() -> None:
     one = Number(2.5, "standard errors", "so far from neutral")
     assert one * 2 == 5.0 and hash(one) == hash(2.5) and str(one) == "2.5"

@@ -22,8 +22,6 @@ from exo_sim.physics.effects import sensor_bias, sensor_delay, sensor_scale
 
 #: A parameter that is never zero and whose typical range spans more than this factor is fitted by its logarithm.
 LOGARITHMIC = 4.0
-#: Largest area in series with a valve, in units of the valve's: wider ones restrict nothing and only take long to predict.
-WIDEST = 20.0
 
 
 def candidates(plant: PlantParameters, runs: Sequence[CylinderRun], cylinder: str, joint: str) -> tuple[Candidate, ...]:
@@ -150,7 +148,7 @@ def _free(effect: Effect, parameter: Parameter, where: str, target: Target, plan
     scale = effect.asked.known.get(parameter.name, (0.0, 0.0))[1] or abs(_typical(parameter, 0.5)) or 0.5 * (high - low)
     most, valve = parameter.high, float(plant.cylinder["valve_area"][0])
     if parameter.name == "area" and effect.asked.starts_by_valve and valve > 0.0:
-        most = min(most, WIDEST * valve)
+        most = min(most, priors.WIDEST_IN_SERIES * valve)
     return FreeParameter(
         effect.name, where, parameter.name, parameter.unit, target, scale, parameter.low, most, effect.asked.known.get(parameter.name),
         neutral=effect.asked.neutral.get(parameter.name, 0.0),
@@ -170,11 +168,11 @@ def _sensor_faults(runs: Sequence[CylinderRun], cylinder: str, joint: str, moves
         found.append(sensor_error(sensor_bias.EFFECT, column, f"{signal}.bias", "Pa", 2e3, (-reach, reach), limit))
         found += [_scale(column, signal), _delay(column, f"{signal}.delay", period, healthy.SKEW)]
     if all(run.pressure[side] is not None for run in runs for side in range(2)):
-        card = _delay(f"{cylinder}.pressure_1", CARD_OF_PRESSURES, period, healthy.CARD_SKEW)
+        card = _delay(f"{cylinder}.pressure_1", CARD_OF_PRESSURES, period, healthy.MOST_CARD_SKEW)
         found.append(replace(card, form=f"{card.form},card", also=(f"{cylinder}.pressure_2",)))
     if moves:
         column = f"{joint}.position"
-        found += [_delay(column, "position.delay", period, healthy.CARD_SKEW), _scale(column, "position")]
+        found += [_delay(column, "position.delay", period, healthy.MOST_CARD_SKEW), _scale(column, "position")]
     return found
 
 

@@ -45,7 +45,7 @@ def nuisance_parameters(
         for side in sides
     )
     if moves:
-        skew, most = priors.CARD_SKEW, healthy.CARD_SKEW
+        skew, most = priors.CARD_SKEW, healthy.MOST_CARD_SKEW
         zeros += (FreeParameter("card_delay", cylinder, "position.delay", "s", Target.SENSOR, skew, -most, most, (0.0, skew)),)
     for effect in declared().values() if at_rest else ():
         if effect.asked.wall_heat and not plant.is_on(effect):

@@ -7,7 +7,8 @@ import pytest
 from diagnosis import cylinder_runs
 
 from exo_sim.diagnosis.estimation.parameters import PlantParameters
-from exo_sim.diagnosis.subsystems.gas.candidates import WIDEST, candidates
+from exo_sim.diagnosis.policy.priors import WIDEST_IN_SERIES
+from exo_sim.diagnosis.subsystems.gas.candidates import candidates
 from exo_sim.physics.records import CYLINDER, WORLD
 
 
@@ -18,7 +19,7 @@ def test_what_is_in_series_with_the_valve_is_not_sought_much_wider_than_it() -> 
     run = cylinder_runs.run_of(level, level, command=np.linspace(-0.2, 0.2, 50), commanded=True)
     asked = candidates(plant, [run], "piston", "slide")
     areas = [q for c in asked if c.effect == "line_restriction" for q in c.parameters if q.parameter == "area"]
-    assert areas and all(q.high == pytest.approx(WIDEST * 2e-6) for q in areas)
+    assert areas and all(q.high == pytest.approx(WIDEST_IN_SERIES * 2e-6) for q in areas)
 
 
 @pytest.mark.parametrize(("period", "reach"), [(1e-3, 0.05), (0.02, 0.5)])

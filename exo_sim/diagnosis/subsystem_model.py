@@ -105,6 +105,10 @@ class SubsystemModel(ABC):
         """Return what a plant misses in the balance with the largest error."""
         return self.discrepancies(plant)[0]
 
+    def discrepancy_over(self, plant: PlantParameters, variables: Sequence[str]) -> Discrepancy:
+        """Return what a plant misses as that which depends on these variables, their curves first."""
+        return self.main_discrepancy(plant)
+
     def has_bursts(self, plant: PlantParameters) -> bool:
         """Return whether errors come in bursts too fast for the rows of the fit."""
         return False

@@ -24,6 +24,7 @@ class Curve:
         variable: Its name.
         at, values, band: Knots, missing amount there, and twice its standard error, shape (m,) each.
         explains: Share of the variance that it predicts in cross-validation.
+        resists: Whether the values are a friction, against the motion.
     """
 
     variable: str
@@ -31,6 +32,7 @@ class Curve:
     values: Array
     band: Array
     explains: float
+    resists: bool = False
 
     def __call__(self, variable: Array) -> Array:
         """Return the missing amount at these values of the variable, shape (n,)."""

@@ -13,7 +13,7 @@ class Discrepancy:
     """What a subsystem's model misses.
 
     Attributes:
-        acts: "force", "flow", "flow_1" or "flow_2".
+        acts: "force", "friction" (against the motion), "flow", "flow_1" or "flow_2".
         unit: Of what is missing.
         place: Which balance it is missing in, in words.
         curves: Against each variable, the one that predicts most first; variables of the simulator and others (command, time).

@@ -20,8 +20,10 @@ from exo_sim.diagnosis.selection.decision import decide
 from exo_sim.diagnosis.selection.family_search import FamilySearch
 from exo_sim.diagnosis.selection.fitted_model import SearchResult
 from exo_sim.diagnosis.selection.model_fits import ModelFits
+from exo_sim.diagnosis.selection.subset_weighing import SubsetWeighing
 from exo_sim.diagnosis.selection.subsystem_result import SubsystemResult
 from exo_sim.diagnosis.subsystems.motion.candidates import candidates
+from exo_sim.diagnosis.subsystems.motion.contact_scatter import contact_scatter
 from exo_sim.diagnosis.subsystems.motion.family import motion_family
 from exo_sim.diagnosis.subsystems.motion.model import MotionModel
 from exo_sim.diagnosis.subsystems.motion.nuisances import nuisance_parameters, with_damping, with_damping_if_too_large
@@ -45,12 +47,16 @@ def _examined(
     nuisances = with_damping_if_too_large(model, nuisance_parameters(runs, model.nominal, model.where))
     asked = plan.asked(candidates(runs, model.nominal, model.where))
     report(f"{name}: weighing {len(asked)} effects side by side")
+    standing = [one.name for one in declared().values() if one.cut == "motion" and model.nominal.is_on(one)]
+    if model.size >= FEWEST_ROWS:
+        every = SubsetWeighing(motion_family(model, nuisances, asked, bent=False), model.discrepancy_basis(), model.blocks, standing)
+        model = model.with_scatter(contact_scatter(every.left_by_everything(), model.speed))
+        asked = plan.asked(candidates(runs, model.nominal, model.where, model.slowest_resolved))
 
     def search(nuisances: Sequence[FreeParameter]) -> tuple[ModelFits, SearchResult]:
         fits = ModelFits(model, nuisances, threads, cheap=True)
         if model.size < FEWEST_ROWS:
             return fits, FamilySearch(fits, LinearFamily((), ()), joined((), 0)).run()
-        standing = [one.name for one in declared().values() if one.cut == "motion" and model.nominal.is_on(one)]
         return fits, FamilySearch(fits, motion_family(model, nuisances, asked), model.discrepancy_basis(), standing).run()
 
     held, outcome = search(nuisances)

@@ -66,6 +66,8 @@ def newly_refuted(examination: Examination) -> Refuted:
         return {}
     found = {}
     for one in examination.results.all:
+        if one.search.unnamed:  # names were found beside it, and it is not known for the time that was kept back
+            continue
         useless = []
         for finding in one.findings:
             key = f"{finding.name}@{finding.where}"

@@ -38,10 +38,20 @@ FRICTION_PLACE = Number(
 )  # fmt: skip
 FRICTION_SPEED = Number(0.04, "share of the friction", "how much its law of speed is wrong there", "as the former")
 FRICTION_TIME = Number(0.04, "share of the friction", "how much it drifts within a recording", "as the former")
+UNNAMED_FRICTION = Number(
+    0.4, "share of the friction", "by how much friction varies with place or time in a machine that is not healthy, one standard deviation",
+    "outside cells of learn makes: 0.3 to 0.6 along the stroke, 0.3 to 0.5 as a seal warms",
+)  # fmt: skip
 FORCE_UNEXPLAINED = Number(5e-4, "share of the forces that act", "what of each is to be added for their sake", "as the former")
 DRY_FRICTION = Number(0.002, "share of the stall force", "Coulomb friction is a finding from here on")
 SPRING = Number(0.02, "share of the stall force over the whole stroke", "a return spring is a finding from here on")
 CELL_ZERO = Number(0.02, "share of the forces that act", "a force sensor's bias is a finding from here on: zeros drift by 1 to 2 %")
+CONTACT_SCATTER = Number(
+    1.5, "standard deviation at the slowest speeds in units of that at the others",
+    "a contact that hardly slides scatters by more: rows there are worth so much less",
+    "learn makes A to D of whole machines: where the piston creeps, what the true law leaves is 3 to 12 times what it leaves elsewhere",
+)  # fmt: skip
+CREEPING = Number(0.1, "share of the fastest speed", "a contact that slides faster does not creep: what is left there is no scatter of it")
 STIFF_CONTACT = Number(8e5, "N/m", "stiffness before sliding of the dry contact that any seal shows")
 STIFF_TRAVEL = Number(2e-5, "m", "of a contact that slides at a high level of friction, its travel before sliding")
 SOFT_CONTACT = Number(2.5e5, "N/m", "only a dry contact softer than this is a finding")

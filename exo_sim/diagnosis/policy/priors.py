@@ -5,6 +5,7 @@ from __future__ import annotations
 from exo_sim.diagnosis.policy.number import Number
 
 PREVALENCE = Number(0.1, "share of machines", "that have an effect which does not say itself how common it is")
+UNNAMED = Number(0.03, "share of machines", "whose friction depends on place or time by more than every machine's does")
 VALVE_AREA = Number(0.10, "share", "what a data sheet allows of a valve's area, and what tuning has done to it")
 DEAD_VOLUME = Number(0.15, "share", "the same of a dead volume")
 PRESSURE_ZERO = Number(500.0, "Pa", "zero of a good pressure sensor")

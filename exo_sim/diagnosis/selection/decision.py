@@ -175,9 +175,11 @@ class _Decision(Generic[Model]):
     def _is_unknown(self, final: FittedModel, named: Sequence[Candidate]) -> bool:
         """Return whether too much is left for the names to be accepted, or nuisance parameters are strained too far."""
         start, end, n = self.search.baseline.fit, final.fit, self.model.size
+        if self.search.unnamed:
+            return True
         if all(not asked_of(c.effect).sense.bursts for c in named) and self._has_bursts(final):
             return True
-        left = end.sse / n
+        left = min(end.sse, self.search.least_left) / n
         if left < CLEAN or math.sqrt(left) < self.model.discrepancy_bound:
             return False
         if not named:

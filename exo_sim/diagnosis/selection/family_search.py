@@ -14,18 +14,23 @@ import numpy as np
 from exo_sim.diagnosis.discrepancy.basis import DiscrepancyBasis
 from exo_sim.diagnosis.estimation.candidate import Candidate, CandidateKey, drop_orphans
 from exo_sim.diagnosis.estimation.least_squares import FEWEST_ROWS, Fit
-from exo_sim.diagnosis.estimation.linear_family import LinearFamily
+from exo_sim.diagnosis.estimation.linear_family import LinearFamily, Term
 from exo_sim.diagnosis.estimation.parameters import FreeParameter
+from exo_sim.diagnosis.findings import Kind
 from exo_sim.diagnosis.policy import judgement
 from exo_sim.diagnosis.policy.budgets import RUNNERS_UP
 from exo_sim.diagnosis.policy.judgement import NIL
 from exo_sim.diagnosis.selection.comparisons import Comparisons
 from exo_sim.diagnosis.selection.evidence import Evidence
-from exo_sim.diagnosis.selection.fitted_model import FittedModel, SearchResult, exceeds_healthy_limit
-from exo_sim.diagnosis.selection.linear_evidence import Posterior
+from exo_sim.diagnosis.selection.fitted_model import FittedModel, SearchResult, Unnamed, exceeds_healthy_limit
+from exo_sim.diagnosis.selection.linear_evidence import Posterior, Spreads
+from exo_sim.diagnosis.selection.marginal_fit import MarginalFits
 from exo_sim.diagnosis.selection.model_fits import ModelFits
 from exo_sim.diagnosis.selection.subset_weighing import At, SubsetWeighing, Weighed
 from exo_sim.physics.declaration import declared
+
+#: Laws that are less probable than this, in units of the most probable one, do not widen an interval.
+LEAST_WEIGHT = 1e-4
 
 
 class FamilySearch:
@@ -40,6 +45,7 @@ class FamilySearch:
 
     def __init__(self, fits: ModelFits, family: LinearFamily, basis: DiscrepancyBasis, standing: Sequence[str] = ()):
         self.fits, self.family = fits, family
+        self.basis = basis
         self.weighing = SubsetWeighing(family, basis, fits.model.blocks, standing)
 
     def run(self) -> SearchResult:
@@ -52,10 +58,13 @@ class FamilySearch:
         finalists = self.weighing.finalists()
         best = finalists[0]
         posterior = self.weighing.posterior(best)
-        values, errors = self._values(best, posterior)
+        self.beside = MarginalFits(self.fits, self.basis, self._widened(best), self.weighing.correlation_time)
+        values, _ = self._values(best, posterior)
         near = FittedModel((), Fit((), values, np.zeros(0), np.zeros((0, 0))))
         kin = self._kin(best, finalists)
-        final = self._fitted(self._probable(best, finalists, kin), near)
+        final = self._fitted(self._no_richer_than_needed(self._probable(best, finalists, kin), best, finalists), near)
+        plain = self.fits.refined(self.fits.fit(final.candidates, final))
+        final = self._predicting_best(final, plain, self._errors_of(final, best, finalists))
         probabilities = self.weighing.probabilities(finalists)
         comparisons = Comparisons(self.fits, baseline, len(self.family.bends[0].terms), 0.0)
         kept = {candidate.key for candidate in final.candidates}
@@ -66,8 +75,59 @@ class FamilySearch:
             {key: rivals for key, rivals in self._rivals(best, finalists).items() if key in kept},
             self._runners_up(best, posterior),
             probabilities=probabilities | self._of_poorer(final, best, kin, probabilities),
-            errors={q: math.hypot(error, abs(values[q] - final.fit.values.get(q, values[q]))) for q, error in errors.items()},
+            errors=self._errors_of(final, best, finalists),
+            unnamed=self._unnamed(best, finalists, posterior),
+            least_left=plain.fit.sse,
         )
+
+    def _unnamed_terms(self, best: Weighed) -> list[tuple[int, Term]]:
+        """Return the terms of a subset that are no effect of the list, each with where its sizes begin."""
+        found, first = [], 0
+        for term in self.weighing.terms(best):
+            if term.candidate.kind is Kind.UNKNOWN:
+                found.append((first, term))
+            first += term.columns.shape[1]
+        return found
+
+    def _widened(self, best: Weighed) -> Spreads:
+        """Return the spreads of a subset where what is missing without a name counts as discrepancy: no fit has numbers for it."""
+        amplitudes = list(best.spreads.amplitudes)
+        for _, term in self._unnamed_terms(best):
+            kind = self.basis.names.index(term.candidate.form)
+            amplitudes[kind] = math.hypot(amplitudes[kind], float(term.spread[0]))
+        return replace(best.spreads, amplitudes=tuple(amplitudes))
+
+    def _unnamed(self, best: Weighed, finalists: Sequence[Weighed], posterior: Posterior) -> tuple[Unnamed, ...]:
+        """Return what is missing without a name and is both probable and large."""
+        target = self.family.bends[best.bend].target
+        size = float(np.std(target))
+        found = []
+        for first, term in self._unnamed_terms(best):
+            acting = term.columns @ posterior.sizes[first : first + term.columns.shape[1]]
+            share = float(np.sqrt(np.mean(acting**2))) / max(size, 1e-300)
+            probability = self.weighing.probability_of_any(finalists, {term.candidate.at})
+            if probability >= judgement.PROBABLE and share >= judgement.LEAST_UNNAMED:
+                found.append(Unnamed(term.candidate.form, probability, share))
+        return tuple(sorted(found, key=lambda one: -one.share))
+
+    def _errors_of(self, final: FittedModel, best: Weighed, finalists: Sequence[Weighed]) -> dict[FreeParameter, float]:
+        """Return standard deviations about the values of a model, over all laws that its effects may follow.
+
+        Laws that fit about as well give a number other values (a dip that falls slowly with speed leaves less to the level at which a
+        contact slides): the mean square over them, by their probability, is what is not known of it.
+        """
+        weights: dict[FreeParameter, list[tuple[float, float]]] = {}
+        laws = self.weighing.alike(best, finalists)
+        highest = max(one.score for one in laws)
+        for one in laws:
+            weight = math.exp(one.score - highest)
+            if weight < LEAST_WEIGHT:
+                continue
+            values, errors = self._values(one, self.weighing.posterior(one))
+            for q, error in errors.items():
+                if q in final.fit.values:
+                    weights.setdefault(q, []).append((weight, error**2 + (values[q] - final.fit.values[q]) ** 2))
+        return {q: math.sqrt(sum(w * square for w, square in pairs) / sum(w for w, _ in pairs)) for q, pairs in weights.items()}
 
     def _values(self, best: Weighed, posterior: Posterior) -> tuple[dict[FreeParameter, float], dict[FreeParameter, float]]:
         """Return where the fit of the best subset starts, and the posterior standard deviation of its effects' parameters."""
@@ -109,10 +169,37 @@ class FamilySearch:
 
     def _probable(self, best: Weighed, finalists: Sequence[Weighed], kin: Mapping[At, set[At]]) -> tuple[Candidate, ...]:
         """Return the effects of the best subset that are probable enough to be named: each of them, or another of its kin."""
-        candidates = self.weighing.candidates(best)
+        candidates = [c for c in self.weighing.candidates(best) if c.kind is not Kind.UNKNOWN]
         groups = {term.candidate.at: term.group for term in self.weighing.terms(best)}
         probable = [c for c in candidates if self.weighing.probability_of_any(finalists, kin[c.at]) >= judgement.PROBABLE]
         return drop_orphans(probable, self.weighing.standing | {groups[c.at] for c in probable if c.at in groups})
+
+    def _predicting_best(
+        self, final: FittedModel, plain: FittedModel, known: Mapping[FreeParameter, float]
+    ) -> FittedModel:
+        """Return the plain fit where what was found beside the discrepancy does not speak against it.
+
+        A rig holds no discrepancy: of numbers that the recording does not tell apart those are better that predict better without it.
+
+        Args:
+            final, plain: As found beside the discrepancy, and without it.
+            known: Standard deviations of the parameters of the former.
+        """
+        near = all(abs(plain.fit.values[q] - final.fit.values[q]) <= known.get(q, math.inf) for q in final.effect_parameters)
+        return plain if near else final
+
+    def _no_richer_than_needed(
+        self, candidates: tuple[Candidate, ...], best: Weighed, finalists: Sequence[Weighed]
+    ) -> tuple[Candidate, ...]:
+        """Return the effects, a richer form replaced by the poorer one where that explains the recording as well."""
+        rivals = self._rivals(best, finalists)
+        found = []
+        for candidate in candidates:
+            effect = declared().get(candidate.effect)
+            absorbed = {name for name, _ in effect.absorbs} if effect else set()
+            poorer = [c for c, worse in rivals.get(candidate.key, []) if c.effect in absorbed and worse <= judgement.AS_GOOD]
+            found.append(poorer[0] if poorer else candidate)
+        return tuple(found)
 
     def _poorer_where_alike(self, candidates: tuple[Candidate, ...], values: Mapping[FreeParameter, float]) -> tuple[Candidate, ...]:
         """Return the effects, a richer form replaced by the poorer one where what it tells apart is alike."""
@@ -139,7 +226,7 @@ class FamilySearch:
     def _fitted(self, candidates: tuple[Candidate, ...], near: FittedModel) -> FittedModel:
         """Return the fit of these effects; those that a healthy machine has as well are nuisance parameters."""
         while True:
-            final = self.fits.refined(self.fits.fit(candidates, near))
+            final = self.beside.fit(candidates, near, refined=True)
             there = self._without_nil(candidates, final.fit.values)
             kept = self._poorer_where_alike(tuple(c for c in there if exceeds_healthy_limit(c, final)), final.fit.values)
             if kept == candidates:
@@ -157,7 +244,7 @@ class FamilySearch:
         self, candidate: Candidate, final: FittedModel, finalists: Sequence[Weighed], kin: set[At], comparisons: Comparisons
     ) -> Evidence:
         """Return the evidence for an effect of the final model, its odds against the best subset with none of its kin."""
-        without = self.fits.fit(final.without(candidate), final)
+        without = self.beside.fit(final.without(candidate), final)
         found = comparisons.evidence(without, final)
         rest = [one.score for one in finalists if not kin & {c.at for c in self.weighing.candidates(one)}]
         lowest = min(one.score for one in finalists if one.score > -math.inf)
@@ -175,7 +262,7 @@ class FamilySearch:
             if len(gone) != 1:
                 continue
             (lost,) = gone
-            taking = [theirs[at] for at in new if not theirs[at].is_law and (len(new) == 1 or groups[at] == groups[lost])]
+            taking = [theirs[at] for at in new if _is_effect(theirs[at]) and (len(new) == 1 or groups[at] == groups[lost])]
             if len(taking) != 1:
                 continue
             key, rival = mine[lost].key, taking[0]
@@ -189,10 +276,15 @@ class FamilySearch:
         left = float(posterior.left @ posterior.left)
         found: dict[At, tuple[Candidate, float]] = {}
         for j, term in enumerate(self.family.bends[best.bend].terms):
-            if term.candidate.at in inside or term.group in groups:
+            if term.candidate.at in inside or term.group in groups or not _is_effect(term.candidate):
                 continue
             more = self.weighing.posterior(best, (j,))
             share = max(1.0 - float(more.left @ more.left) / max(left, 1e-300), 0.0)
             if share > found.get(term.candidate.at, (term.candidate, -1.0))[1]:
                 found[term.candidate.at] = term.candidate, share
         return sorted(found.values(), key=lambda pair: -pair[1])[:RUNNERS_UP]
+
+
+def _is_effect(candidate: Candidate) -> bool:
+    """Return whether a candidate is an effect of the list: neither a law of one nor what has no name."""
+    return not candidate.is_law and candidate.kind is not Kind.UNKNOWN

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, field
 from typing import Protocol
@@ -91,6 +92,21 @@ class FittedModel:
 
 
 @dataclass(frozen=True)
+class Unnamed:
+    """What is missing beside the names, a function of one variable of no particular form.
+
+    Attributes:
+        variable: What it depends on.
+        probability: That it is there.
+        share: Its root mean square, in units of what is missing altogether.
+    """
+
+    variable: str
+    probability: float
+    share: float
+
+
+@dataclass(frozen=True)
 class SearchResult:
     """What a search ended with.
 
@@ -103,6 +119,8 @@ class SearchResult:
         complete: By accepted candidate that is additive and of which a simpler form was taken: the model with all of its parameters.
         probabilities: Of effects being present, by effect and place, where subsets of them were weighed.
         errors: Standard deviations of parameters that also count what every model of a machine gets wrong.
+        least_left: Sum of squares that the same effects leave where nothing but that decides their numbers; infinite where it is `final`'s.
+        unnamed: What is missing beside the names, the largest first.
         interrupted: Whether it ended before everything was explained, because it was asked to.
     """
 
@@ -114,6 +132,8 @@ class SearchResult:
     complete: Mapping[CandidateKey, FittedModel] = field(default_factory=dict)
     probabilities: Mapping[tuple[str, str], float] = field(default_factory=dict)
     errors: Mapping[FreeParameter, float] = field(default_factory=dict)
+    least_left: float = math.inf
+    unnamed: tuple[Unnamed, ...] = ()
     interrupted: bool = False
 
 

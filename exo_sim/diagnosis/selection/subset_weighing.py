@@ -42,18 +42,21 @@ class SubsetWeighing:
         basis: Of its discrepancy.
         blocks: Block of time of each row.
         standing: Effects that the machine as believed has anyhow.
+
+    Attributes:
+        correlation_time: Of what everything together leaves, in rows; 1 until it was weighed.
     """
 
     def __init__(self, family: LinearFamily, basis: DiscrepancyBasis, blocks: NDArray[np.int64], standing: Sequence[str] = ()):
         self.family, self.standing = family, frozenset(standing)
         self._evidence = [LinearEvidence(bend, basis) for bend in family.bends]
         self._basis, self._blocks = basis, blocks
-        self._correlation = 1.0
+        self.correlation_time = 1.0
 
     def posterior(self, weighed: Weighed, more: Subset = ()) -> Posterior:
         """Return the posterior of a subset, with more terms in it where they are given, and what it leaves."""
         subset = tuple(sorted((*weighed.subset, *more)))
-        return self._evidence[weighed.bend].posterior(subset, weighed.spreads, self._correlation, whole=True)
+        return self._evidence[weighed.bend].posterior(subset, weighed.spreads, self.correlation_time, whole=True)
 
     def terms(self, weighed: Weighed) -> list[Term]:
         """Return the terms of a subset."""
@@ -79,16 +82,7 @@ class SubsetWeighing:
 
     def finalists(self) -> list[Weighed]:
         """Return the most probable subsets, best first."""
-        target = self.family.bends[0].target
-        centred = target - target.mean()
-        amplitudes = tuple(0.5 * float(scale) for scale in self._basis.healthy)
-        spreads = Spreads(max(0.3 * float(np.sqrt(np.mean(centred**2))), 1.0), amplitudes)
-        everything = self._everything()
-        plain = self._evidence[0]
-        for _ in range(2):
-            _, spreads = plain.estimated(everything, spreads, self._correlation, sweeps=3)
-            left = plain.posterior(everything, spreads, self._correlation, whole=True).left
-            self._correlation = correlation_time(left, self._blocks)
+        everything, spreads, _ = self._beside_everything()
         found: dict[tuple[int, Subset], Weighed] = {}
         for start in ((), everything):
             self._weigh_around(0, start, spreads, found)
@@ -104,6 +98,23 @@ class SubsetWeighing:
             best = better
         return sorted(found.values(), key=lambda one: -one.score)
 
+    def left_by_everything(self) -> NDArray[np.float64]:
+        """Return what one term of every group and the discrepancy leave of the target together, shape (n,)."""
+        return self._beside_everything()[2]
+
+    def _beside_everything(self) -> tuple[Subset, Spreads, NDArray[np.float64]]:
+        """Return one term of every group, the spreads estimated beside them all, and what they leave; sets the correlation time."""
+        target = self.family.bends[0].target
+        centred = target - target.mean()
+        amplitudes = tuple(0.5 * float(scale) for scale in self._basis.healthy)
+        spreads = Spreads(max(0.3 * float(np.sqrt(np.mean(centred**2))), 1.0), amplitudes)
+        everything, plain, left = self._everything(), self._evidence[0], target
+        for _ in range(2):
+            _, spreads = plain.estimated(everything, spreads, self.correlation_time, sweeps=3)
+            left = plain.posterior(everything, spreads, self.correlation_time, whole=True).left
+            self.correlation_time = correlation_time(left, self._blocks)
+        return everything, spreads, left
+
     def _weigh_around(self, bend: int, start: Subset, spreads: Spreads, found: dict[tuple[int, Subset], Weighed]) -> None:
         """Weigh the best subsets that a climb meets, in this bend of the family and from its top in the others."""
         weighed: dict[tuple[int, Subset], float] = {}
@@ -113,6 +124,23 @@ class SubsetWeighing:
                 self._climbed(other, top, spreads, weighed, pairs=False)
         for key in sorted(weighed, key=lambda key: -weighed[key])[:FAMILY_FINALISTS]:
             self._weigh(key, spreads, found)
+
+    def alike(self, best: Weighed, finalists: Sequence[Weighed]) -> list[Weighed]:
+        """Return a subset and those that hold its effects in another law, beside those that were weighed to the end.
+
+        All at the spreads of the best, in every bend of the family: which law it is need not be known for the effects to be.
+        """
+        wanted = [term.candidate.at for term in self.terms(best)]
+        found = {(one.bend, one.subset): one for one in finalists if set(wanted) <= {term.candidate.at for term in self.terms(one)}}
+        for bend, one in enumerate(self.family.bends):
+            laws = [[j for j, term in enumerate(one.terms) if term.candidate.at == at] for at in wanted]
+            for chosen in itertools.product(*laws):
+                key = bend, tuple(sorted(set(chosen)))
+                if key in found or len(key[1]) != len(wanted):
+                    continue
+                evidence = self._evidence[bend].posterior(key[1], best.spreads, self.correlation_time).log_evidence
+                found[key] = Weighed(*key, evidence + self._log_prior(*key), best.spreads)
+        return [one for one in found.values() if one.score > -math.inf]
 
     def _weigh_without(self, at: At, best: Weighed, found: dict[tuple[int, Subset], Weighed]) -> None:
         """Weigh the best subset that lacks an effect of the best one."""
@@ -124,7 +152,7 @@ class SubsetWeighing:
 
     def _weigh(self, key: tuple[int, Subset], spreads: Spreads, found: dict[tuple[int, Subset], Weighed]) -> None:
         """Weigh a subset with spreads of its own, estimated from these; what it had before stays where it is better."""
-        evidence, own = self._evidence[key[0]].estimated(key[1], spreads, self._correlation)
+        evidence, own = self._evidence[key[0]].estimated(key[1], spreads, self.correlation_time)
         score = evidence + self._log_prior(*key)
         if key not in found or score > found[key].score:
             found[key] = Weighed(*key, score, own)
@@ -147,7 +175,7 @@ class SubsetWeighing:
             key = bend, subset
             if key not in weighed:
                 prior = self._log_prior(bend, subset)
-                found = self._evidence[bend].posterior(subset, spreads, self._correlation).log_evidence if prior > -math.inf else 0.0
+                found = self._evidence[bend].posterior(subset, spreads, self.correlation_time).log_evidence if prior > -math.inf else 0.0
                 weighed[key] = found + prior
             return weighed[key]
 

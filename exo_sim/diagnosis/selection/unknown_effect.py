@@ -39,11 +39,16 @@ def effect_of(unknown: Sequence[UnknownEffect], result: SubsystemResult[Subsyste
 
 def _unknown_effect(result: SubsystemResult[SubsystemModel]) -> UnknownEffect:
     model = result.model
-    missing = model.main_discrepancy(result.final_plant)
+    unnamed = result.search.unnamed
+    plant, over = result.final_plant, [one.variable for one in unnamed]
+    missing = model.discrepancy_over(plant, over) if unnamed else model.main_discrepancy(plant)
     best = missing.best
-    variables = (model.column(best.variable),) if best else ()
+    variables = tuple(model.column(one.variable) for one in unnamed) or ((model.column(best.variable),) if best else ())
     says = f"Something without a name acts in the {missing.place} of {result.where}"
-    says += f"; it follows {variables[0]}." if variables else "; it follows none of the recorded signals closely."
+    says += f"; it follows {' and '.join(variables)}." if variables else "; it follows none of the recorded signals closely."
+    if unnamed:
+        with_what = " and ".join(one.variable for one in unnamed)
+        says += f" Friction varies with {with_what} by {_percent(unnamed[0].share)} of what was missing."
     says += " It comes in fast bursts, as a pressure that rings does." if missing.bursts else ""
     left = remainder(result)
     says += " " + wording.rest(left.share, left.error, left.noise, left.unit)
@@ -51,8 +56,13 @@ def _unknown_effect(result: SubsystemResult[SubsystemModel]) -> UnknownEffect:
     n, fit = model.size, result.final.fit
     odds = 0.5 * n / max(result.fits.correlation_time(fit.residual), 1.0) * np.log(max(fit.sse / n, 1.0)) / np.log(10.0)
     curve = _as_dict(missing, best) if best else None
-    finding = Finding(UNKNOWN.name, result.where, Kind.UNKNOWN, says, size, float(odds), 0.0, depends_on=variables, curve=curve)
+    finding = Finding(UNKNOWN.name, result.where, Kind.UNKNOWN, says, size, float(odds), 0.0, depends_on=variables, curve=curve,
+                      probability=unnamed[0].probability if unnamed else None)  # fmt: skip
     return UnknownEffect(finding, missing, result)
+
+
+def _percent(share: float) -> str:
+    return f"{100 * share:.0f} %"
 
 
 def _as_dict(missing: Discrepancy, curve: Curve) -> dict[str, Any]:

@@ -140,6 +140,8 @@ def mean_conductance(m: Machine, seen: Run) -> tuple[float, float]:
 
 def _heat(m: Machine, seen: Run) -> Parameters:
     first, second = mean_conductance(m, seen)
+    if m["single_acting"] == 1.0:  # its second chamber is the room
+        return {"conductance_1": (first, "W/K")}
     if abs(first - second) < 0.1 * (first + second):
         return {"conductance": (0.5 * (first + second), "W/K")}
     return {"conductance_1": (first, "W/K"), "conductance_2": (second, "W/K")}

@@ -18,13 +18,14 @@ from exo_sim.physics.declaration import Effect, declared
 from exo_sim.physics.effects import friction_smoothing, presliding, sensor_bias
 
 
-def candidates(runs: Sequence[MotionRun], plant: PlantParameters, where: str) -> tuple[Candidate, ...]:
+def candidates(runs: Sequence[MotionRun], plant: PlantParameters, where: str, resolved: float = 0.0) -> tuple[Candidate, ...]:
     """Return every candidate that the balance of this joint or rod can show.
 
     Args:
         runs: The balances.
         plant: The machine as believed.
         where: The cylinder or joint that what resists belongs to.
+        resolved: Speed from which on a law of speed shows [m/s or rad/s].
     """
     run = runs[0]
     turning = run.turning and run.cylinder is None
@@ -39,6 +40,7 @@ def candidates(runs: Sequence[MotionRun], plant: PlantParameters, where: str) ->
     # a tenth of the forces that act, spread over the speeds, travels and pressures that occurred
     moving = np.abs(velocity[np.abs(velocity) > run.kinematics.still])
     slowest, fastest = np.percentile(moving, [1.0, 99.0]).tolist() if moving.size else (0.0, np.inf)
+    slowest = max(slowest, resolved)
     sizes = {
         "N": 0.1 * force, "N s/m": 0.1 * force / speed, "N s^2/m^2": 0.1 * force / speed**2, "N/m": 0.1 * force / travel,
         "m": float(np.nanmean(position)), "m^2": 0.1 * force / pressure, "m/s": 0.1 * speed,
@@ -98,7 +100,23 @@ def candidates(runs: Sequence[MotionRun], plant: PlantParameters, where: str) ->
 
 
 def _contact_laws(plant: PlantParameters, where: str, turning: bool, at_joint: bool) -> list[Candidate]:
-    """Return the other way in which dry friction may be written near rest: it builds up with speed instead of with travel."""
+    """Return the other ways in which dry friction may be written near rest, none of which is a finding."""
+    return [*_firm_contact(plant, where, turning), *_creeping_contact(plant, where, turning, at_joint)]
+
+
+def _firm_contact(plant: PlantParameters, where: str, turning: bool) -> list[Candidate]:
+    """Return a contact that is softer than one that slides at once, and no softer than any seal's."""
+    effect = presliding.EFFECT
+    if turning or float(plant.cylinder[effect.name]["stiffness"][0]) < healthy.STIFF_CONTACT:
+        return []
+    stiffness = FreeParameter(
+        effect.name, where, "stiffness", "N/m", Target.CYLINDER, effect.asked.scale, healthy.SOFT_CONTACT, healthy.STIFF_CONTACT
+    )  # fmt: skip
+    return [Candidate(effect.name, where, "firm", (stiffness,), ((4e5,),), proportional=False, is_law=True, prevalence=0.5)]
+
+
+def _creeping_contact(plant: PlantParameters, where: str, turning: bool, at_joint: bool) -> list[Candidate]:
+    """Return dry friction that builds up with speed instead of with travel."""
     effect = friction_smoothing.EFFECT
     stiffness = float(plant.cylinder[presliding.EFFECT.name]["stiffness"][0])
     if plant.is_on(effect) or 0.0 < stiffness < healthy.STIFF_CONTACT:

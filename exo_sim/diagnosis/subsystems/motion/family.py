@@ -18,6 +18,7 @@ from exo_sim.diagnosis.estimation.candidate import Candidate
 from exo_sim.diagnosis.estimation.linear_family import Bend, LinearFamily, Term
 from exo_sim.diagnosis.estimation.parameters import FreeParameter, Target
 from exo_sim.diagnosis.findings import Kind
+from exo_sim.diagnosis.policy import healthy, priors
 from exo_sim.diagnosis.policy.recordings import VARIED_PRESSURE
 from exo_sim.diagnosis.subsystems.motion.model import MotionModel
 from exo_sim.physics.declaration import declared
@@ -37,7 +38,7 @@ Values = Mapping[FreeParameter, float]
 DIPS, DIP_LOW, DIP_HIGH = 11, 0.7, 0.2
 EXPONENTS = (0.6, 1.0, 2.0)
 #: Softnesses of the dry contact that are tried: travel before a piston slides [m], or a joint [rad].
-PISTON_STIFFNESS = (2e5, 1e5, 5e4, 2.5e4, 1.2e4, 6e3)
+PISTON_STIFFNESS = (5.5e5, 4e5, 3e5, 2e5, 1e5, 5e4, 2.5e4, 1.2e4, 6e3)
 JOINT_TRAVEL = (2e-3, 5e-3, 1e-2, 3e-2)
 #: Speeds at which friction has built up that are tried, between these shares of the least and the greatest speed that occurred.
 CREEPS, CREEP_LOW, CREEP_HIGH = 5, 0.7, 0.05
@@ -45,21 +46,26 @@ CREEPS, CREEP_LOW, CREEP_HIGH = 5, 0.7, 0.05
 _BENDING = (presliding.EFFECT.name, friction_smoothing.EFFECT.name)
 #: Dry laws are differenced by this share of the level of friction.
 STEP = 0.3
+#: What friction may depend on that no effect of the list says: place and time.
+UNNAMED = ("position", "time")
 #: The size that an effect may have: so much of what is missing, but at least this share of the forces that act.
 LEAST_SIZE = 0.02
 
 
-def motion_family(model: MotionModel, nuisances: Sequence[FreeParameter], candidates: Sequence[Candidate]) -> LinearFamily:
+def motion_family(
+    model: MotionModel, nuisances: Sequence[FreeParameter], candidates: Sequence[Candidate], bent: bool = True
+) -> LinearFamily:
     """Return the family of a balance of forces.
 
     Args:
         model: The balance.
         nuisances: Its nuisance parameters; those that are a candidate's number are left to the candidate.
         candidates: What may be present.
+        bent: Whether contacts that do not slide at once are in it.
     """
     asked = {q.slot for candidate in candidates for q in candidate.parameters}
     free = tuple(q for q in nuisances if q.prior is not None and q.slot not in asked)
-    return _Builder(model, free, candidates).family()
+    return _Builder(model, free, candidates).family(bent)
 
 
 class _Builder:
@@ -74,10 +80,10 @@ class _Builder:
         known = float(model.nominal.cylinder[coulomb_friction.EFFECT.name]["force"][0])
         self.level = max(known, 0.5 * missing / arm, 1e-9)
         effort = max(run.effort for run in model.runs)
-        self.size = max(missing, LEAST_SIZE * effort) / float(np.median(model.scale)) if model.scale.size else 1.0
+        self.size = max(missing, LEAST_SIZE * effort) / model.noise if model.noise else 1.0
         speed = np.abs(np.concatenate([run.kinematics.velocity for run in model.runs]))
         moving = speed[speed > self.run.kinematics.still]
-        self.slowest = float(np.percentile(moving, 1.0)) if moving.size else 1e-6
+        self.slowest = max(float(np.percentile(moving, 1.0)), model.slowest_resolved) if moving.size else 1e-6
         self.fastest = float(np.percentile(moving, 99.0)) if moving.size else 1.0
         self.position = float(np.mean(np.concatenate([run.kinematics.position for run in model.runs])))
         self.travel = max(float(np.std(np.concatenate([run.kinematics.position for run in model.runs]))), 1e-9)
@@ -86,16 +92,34 @@ class _Builder:
         both = np.concatenate([run.drive.gauge for run in model.runs])
         self.two_pressures = bool((np.ptp(both, axis=0) > VARIED_PRESSURE * self.pressure).all())
         self.has_pressure = self.pressure > 0.0 and float(np.std(gauge)) > VARIED_PRESSURE * self.pressure
+        self.unnamed = self._of_place_and_time(missing / model.noise if model.noise else 1.0)
         self._level = FreeParameter(coulomb_friction.EFFECT.name, model.where, "force", "N", Target.CYLINDER, 1.0, 0.0, 1e9)
 
-    def family(self) -> LinearFamily:
+    def family(self, bent: bool) -> LinearFamily:
         bends = [self._bend(None, {})]
-        for candidate in self.candidates:
+        for candidate in self.candidates if bent else ():
             if candidate.effect in _BENDING:
                 (parameter,) = candidate.parameters
                 tried = [value for value in self._bending(candidate.effect) if parameter.low < value < parameter.high]
                 bends += [self._bend(candidate, {parameter: value}, len(tried)) for value in tried]
         return LinearFamily(self.nuisances, tuple(bends))
+
+    def _of_place_and_time(self, friction: float) -> list[Term]:
+        """Return friction that varies with place or time by more than a healthy machine's, as functions of no particular form.
+
+        Args:
+            friction: Size of what is missing, in units of the noise of a row.
+        """
+        basis, found = self.model.discrepancy_basis(), []
+        for kind, name in enumerate(basis.names):
+            columns = basis.columns[:, basis.kinds == kind]
+            if name == "time":  # what warms loses its viscous friction as well
+                columns = np.hstack([columns, columns * (self.model.speed / max(float(np.mean(self.model.speed)), 1e-12))[:, None]])
+            if name in UNNAMED and columns.shape[1]:
+                candidate = Candidate(name, self.model.where, name, (), ((),), kind=Kind.UNKNOWN, prevalence=priors.UNNAMED)
+                spread = np.full(columns.shape[1], healthy.UNNAMED_FRICTION * friction)
+                found.append(Term(candidate, columns, spread, (False,) * columns.shape[1], lambda sizes, before: {}, f"unnamed {name}"))
+        return found
 
     def _bending(self, effect: str) -> list[float]:
         """Return the values at which an effect on the contact is tried."""
@@ -113,6 +137,7 @@ class _Builder:
             columns.append(residual({q: mean + spread}) - nominal)
         background = np.column_stack(columns) if columns else np.zeros((nominal.size, 0))
         terms = [term for one in self.candidates for term in self._terms(one, residual)]
+        terms += self.unnamed
         # a term that hangs on others' numbers comes behind them
         terms.sort(key=lambda term: term.candidate.effect == stribeck_friction.EFFECT.name)
         return Bend(candidate, values, -nominal, background, tuple(terms), alternatives)

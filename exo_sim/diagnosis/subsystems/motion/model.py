@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
+from dataclasses import replace
 
 import numpy as np
 from numpy.typing import NDArray
@@ -21,6 +22,7 @@ from exo_sim.diagnosis.policy import healthy
 from exo_sim.diagnosis.policy.calibration import SURE
 from exo_sim.diagnosis.subsystem_model import Comparison, SubsystemModel
 from exo_sim.diagnosis.subsystems.healthy_leak import OUTWARD
+from exo_sim.diagnosis.subsystems.motion.contact_scatter import ContactScatter
 from exo_sim.diagnosis.subsystems.motion.discrepancy_basis import friction_discrepancy
 from exo_sim.diagnosis.subsystems.motion.experiments import resisted
 from exo_sim.diagnosis.subsystems.motion.regimes import regimes
@@ -41,6 +43,7 @@ class MotionModel(SubsystemModel):
         nominal: The machine as believed; its cylinder record holds what resists the motion.
         split: Which time may be used.
         on_test: Whether the rows are those of the test time.
+        scatter: Of the contact at low speeds; None where there is none.
     """
 
     kind = Subsystem.MOTION
@@ -48,7 +51,8 @@ class MotionModel(SubsystemModel):
     names_stand_beside_unknown = True
     plant_holds_curves = False
 
-    def __init__(self, runs: Sequence[MotionRun], nominal: PlantParameters, split: Split, on_test: bool = False):
+    def __init__(self, runs: Sequence[MotionRun], nominal: PlantParameters, split: Split, on_test: bool = False,
+                 scatter: ContactScatter | None = None):  # fmt: skip
         first = runs[0]
         self.where, self.runs, self.nominal = first.cylinder or first.joint, tuple(runs), nominal.copy()
         self.nominal.cylinder["effective_mass"] = first.inertia.effective_mass
@@ -64,10 +68,28 @@ class MotionModel(SubsystemModel):
             blocks.append(rows.block + offset)
             offset += int(rows.block.max()) + 1 if rows.block.size else 0
         self.blocks: NDArray[np.int64] = np.concatenate(blocks) if blocks else np.zeros(0, int)
-        self.scale = np.concatenate([rows.scale for rows in self._rows]) if self._rows else np.zeros(0)
+        scale = np.concatenate([rows.scale for rows in self._rows]) if self._rows else np.zeros(0)
+        self.noise = float(np.median(scale)) if scale.size else 0.0
+        self.scale = scale if scatter is None else scale * scatter.at(self.speed)
+        self._split, self._scatter = split, scatter
         contact = self.nominal.cylinder[presliding.EFFECT.name]
         if not first.turning and float(contact["stiffness"][0]) == 0.0:
             contact["stiffness"] = self._stiff_contact()
+
+    @property
+    def speed(self) -> Array:
+        """Mean speed of each row [m/s or rad/s], shape (size,)."""
+        pieces = [np.abs(rows.means(run.kinematics.velocity)) for run, rows in zip(self.runs, self._rows, strict=True)]
+        return np.concatenate(pieces) if pieces else np.zeros(0)
+
+    @property
+    def slowest_resolved(self) -> float:
+        """Speed below which the contact scatters too much for a law of speed to show [m/s or rad/s]; 0 where it does not."""
+        return 0.0 if self._scatter is None else self._scatter.settles_at()
+
+    def with_scatter(self, scatter: ContactScatter | None) -> MotionModel:
+        """Return the model with rows that are worth less where the contact scatters."""
+        return self if scatter is None else MotionModel(self.runs, self.nominal, self._split, scatter=scatter)
 
     def _stiff_contact(self) -> float:
         """Return the stiffness of a dry contact that slides at once, whatever the level of its friction [N/m]."""
@@ -84,13 +106,13 @@ class MotionModel(SubsystemModel):
     @property
     def practical_significance(self) -> float:
         floor = healthy.FORCE_SIGNIFICANT * stall_force(self.runs[0], self.nominal)
-        return floor / float(np.median(self.scale)) if self.scale.size else 0.0
+        return floor / self.noise if self.noise else 0.0
 
     @property
     def discrepancy_bound(self) -> float:
         force = max((run.effort for run in self.runs), default=0.0)
         floor = max(healthy.FORCE_BOUND_SHARE * force, healthy.FORCE_BOUND_STALL * stall_force(self.runs[0], self.nominal))
-        return floor / float(np.median(self.scale)) if self.scale.size else 0.0
+        return floor / self.noise if self.noise else 0.0
 
     def missing(self, plant: PlantParameters, index: int) -> Array:
         """Return the force that the balance of a run lacks at every sample [N or N m], shape (n,)."""
@@ -131,7 +153,7 @@ class MotionModel(SubsystemModel):
         return np.concatenate(pieces) / self.scale if pieces else np.zeros(0)
 
     def on_test_time(self, split: Split) -> MotionModel:
-        return MotionModel(self.runs, self.nominal, split, on_test=True)
+        return MotionModel(self.runs, self.nominal, split, on_test=True, scatter=self._scatter)
 
     def discrepancy_basis(self) -> DiscrepancyBasis:
         """Return what every model of friction gets wrong, as columns for the rows of the residual."""
@@ -145,8 +167,8 @@ class MotionModel(SubsystemModel):
         }
         recording = np.concatenate([np.full(rows.block.size, index) for index, rows in enumerate(self._rows)])
         target = self.residual({})
-        typical = float(np.median(self.scale)) if self.scale.size else 1.0
-        friction = float(np.std(target)) if target.size else 0.0
+        typical = self.noise or 1.0
+        friction = float(np.std(target * self.scale)) / typical if target.size else 0.0
         effort = max((run.effort for run in self.runs), default=0.0) / typical
         return friction_discrepancy(
             at["position"], at["velocity"], at["time"], recording, typical / self.scale, friction, effort
@@ -158,9 +180,10 @@ class MotionModel(SubsystemModel):
             first, second = self.missing(before, index), self.missing(after, index)
             variables = _variables(run)
             if curve is not None and curve.variable in variables:
-                second = second - smoothed_alike(run.time, run.drive.arm * curve(variables[curve.variable]))
+                way = -np.sign(run.kinematics.velocity) if curve.resists else 1.0
+                second = second - smoothed_alike(run.time, way * run.drive.arm * curve(variables[curve.variable]))
             moving = np.where(np.abs(run.kinematics.velocity) > run.kinematics.still, 1.0, np.nan)
-            noise = float(np.median(self.scale)) if self.scale.size else run.noise
+            noise = self.noise or run.noise
             balance = (run.demand * moving, (run.demand - first) * moving, (run.demand - second) * moving)
             series = Series(run.recording, f"{self.where}.force_balance", self.unit, run.time, *balance, noise)
             compared = self._rows[index].compared
@@ -171,23 +194,40 @@ class MotionModel(SubsystemModel):
         found = []
         for index, run in enumerate(self.runs):
             error = np.where(self._rows[index].compared, self.missing(plant, index), np.nan)
-            noise = float(np.median(self.scale)) if self.scale.size else 1.0
+            noise = self.noise or 1.0
             ways = regimes(run.kinematics.velocity, run.time)
             found.append(Trace(self.where, self.balance, self.unit, run.recording, run.time, error, noise, ways))
         return found
 
     def discrepancies(self, plant: PlantParameters) -> tuple[Discrepancy, ...]:
-        """Return the force that the balance lacks at the piston, positive along its motion's positive direction."""
+        """Return what the balance lacks at the piston: a force along its positive direction, or one against its motion.
+
+        Whichever of the two follows a signal more closely.
+        """
+        return (max(self._as_force_or_friction(plant), key=lambda one: one.pattern),)
+
+    def discrepancy_over(self, plant: PlantParameters, variables: Sequence[str]) -> Discrepancy:
+        friction = self._as_force_or_friction(plant)[1]
+        return replace(friction, curves=tuple(sorted(friction.curves, key=lambda one: (one.variable not in variables, -one.explains))))
+
+    def _as_force_or_friction(self, plant: PlantParameters) -> tuple[Discrepancy, Discrepancy]:
         variables: dict[str, list[Array]] = {}
         forces: list[Array] = []
+        ways: list[Array] = []
         for index, (run, rows) in enumerate(zip(self.runs, self._rows, strict=True)):
             for name, values in _variables(run).items():
                 variables.setdefault(name, []).append(rows.means(values))
+            ways.append(np.sign(rows.means(run.kinematics.velocity)))
             arm = run.drive.arm
             forces.append(rows.means(self.missing(plant, index) / np.where(np.abs(arm) > 1e-6, arm, 1.0)))
-        force = np.concatenate(forces)
-        curves = fit_curves({name: np.concatenate(values) for name, values in variables.items()}, force, self.blocks)
-        return (Discrepancy("force", self.unit, self.balance, curves, float(np.sqrt(np.mean(force**2)))),)
+        force, joined = np.concatenate(forces), {name: np.concatenate(values) for name, values in variables.items()}
+        size = float(np.sqrt(np.mean(force**2)))
+        along = fit_curves(joined, force, self.blocks)
+        against = tuple(replace(one, resists=True) for one in fit_curves(joined, -force * np.concatenate(ways), self.blocks))
+        return (
+            Discrepancy("force", self.unit, self.balance, along, size),
+            Discrepancy("friction", self.unit, self.balance, against, size),
+        )
 
     def column(self, variable: str) -> str:
         if variable in ("position", "velocity"):

@@ -36,7 +36,7 @@ def nuisance_parameters(runs: Sequence[MotionRun], plant: PlantParameters, where
     stall = stall_force(run, plant) / max(float(np.median(np.abs(run.drive.arm))), 1e-9)
     found = []
     # a free swing scales with its mass: no recording of it holds the mass
-    if inertia.has_mass and (run.cylinder is not None or run.external_recorded):
+    if inertia.has_mass and (run.drive.levers or run.external_recorded):
         found.append(_of_sensor("payload_mass", run.joint, "payload_mass", "1", 0.02, (0.2, 5.0), (1.0, priors.MASS), neutral=1.0))
     unit = "N*m" if run.turning else "N"
     found.append(_of_sensor("offset", run.joint, "offset", unit, max(spread, 1e-6), (-1e6, 1e6), (0.0, spread)))
@@ -73,11 +73,16 @@ def nuisance_parameters(runs: Sequence[MotionRun], plant: PlantParameters, where
 
 
 def _scaled_columns(run: MotionRun) -> list[str]:
-    """Return the columns whose scale the balance can feel: all but the one that it feels most, by which the others are measured."""
+    """Return the columns whose scale the balance can feel: all but the one that it feels most, by which the others are measured.
+
+    A load cell alone is measured by the mass that it moves: one that is off must not end as a mass that is.
+    """
     size = {column: float(np.mean((run.drive.levers[column] * signal) ** 2)) for column, signal in run.drive.signals.items()}
     if not size:
         return []
     reference = max(size, key=lambda column: size[column])
+    if len(size) == 1 and run.inertia.has_mass and not reference.endswith("external_force"):
+        reference = ""
     return [column for column in size if column != reference and size[column] > (NEGLIGIBLE * run.effort) ** 2]
 
 

@@ -100,6 +100,34 @@ def test_friction_that_builds_up_with_speed_is_a_law_and_no_finding() -> None:
     assert found.final.fit.values[law.parameters[0]] == pytest.approx(0.02, rel=0.3)
 
 
+@pytest.mark.parametrize(
+    ("variable", "varies"),
+    [("position", 0.5 * np.cos(2.0 * np.pi * POSITION / 0.1)), ("time", 1.5 * np.exp(-TIME / 3.0))],
+)
+def test_friction_that_depends_on_place_or_time_stands_without_a_name_beside_the_names(variable: str, varies: np.ndarray) -> None:
+    """Neither takes a name away nor adds one: the level is still the mean one, and what is viscous is right."""
+    dry = smoothed_alike(TIME, 10.0 * (1.0 + varies) * SIGN)
+    found = searched(MotionModel([motion_runs.balance(dry + 60.0 * VELOCITY, 0.1)], motion_runs.plant(), Split({})))
+    assert set(named(found)) == {"coulomb_friction", "viscous_friction"}
+    assert named(found)["viscous_friction"] == pytest.approx(60.0, rel=0.1)
+    assert [one.variable for one in found.unnamed] == [variable] and found.unnamed[0].share > 0.1
+
+
+def test_friction_that_is_the_same_everywhere_has_nothing_unnamed_beside_it() -> None:
+    uneven = 10.0 * (1.0 + 0.04 * np.cos(2.0 * np.pi * POSITION / 0.1))
+    found = searched(MotionModel([motion_runs.balance(smoothed_alike(TIME, uneven * SIGN), 0.1)], motion_runs.plant(), Split({})))
+    assert set(named(found)) == {"coulomb_friction"} and found.unnamed == ()
+
+
+def test_what_no_noise_leaves_open_of_a_law_is_in_the_interval_of_the_level() -> None:
+    """A dip that falls slowly with speed leaves less to the level at which a contact slides: no law is known to a thousandth."""
+    run = motion_runs.balance(lost(coulomb=12.0, stribeck=9.0, viscous=60.0), 0.02)
+    found = searched(MotionModel([run], motion_runs.plant(), Split({})))
+    (level,) = next(c for c in found.final.candidates if c.effect == "coulomb_friction").parameters
+    assert abs(found.final.fit.values[level] - 12.0) < 2.0 * found.errors[level]
+    assert 0.06 < found.errors[level] < 0.6
+
+
 def brake(coefficient: FreeParameter, speed: FreeParameter, values: Mapping[FreeParameter, float]) -> np.ndarray:
     """Return the drag of an eddy-current brake: a law that adds to a balance and has a shape, of which nothing in the package knows."""
     v = values.get(speed, 0.0)  # nil where the effect is off, and then it brakes nothing

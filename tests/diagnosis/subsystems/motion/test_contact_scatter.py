@@ -1,0 +1,47 @@
+"""Scatter of a contact that hardly slides: estimated by speed, and no reason to distrust rows that slide."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+from diagnosis import motion_runs
+from diagnosis.motion_runs import TIME
+
+from exo_sim.diagnosis.data.split import Split, split
+from exo_sim.diagnosis.subsystems.motion.contact_scatter import contact_scatter
+from exo_sim.diagnosis.subsystems.motion.model import MotionModel
+
+SPEED = np.geomspace(1e-3, 0.3, 600)
+NOISE = np.random.default_rng(4).standard_normal(SPEED.size)
+
+
+def test_rows_of_one_noise_do_not_scatter() -> None:
+    assert contact_scatter(NOISE, SPEED) is None
+    assert contact_scatter(NOISE[:50], SPEED[:50]) is None
+
+
+def test_the_factor_is_the_ratio_of_standard_deviations_and_falls_with_speed() -> None:
+    true = 1.0 + 7.0 * (SPEED < 5e-3)
+    found = contact_scatter(true * NOISE, SPEED)
+    assert found is not None and (np.diff(found.factors) <= 0.0).all()
+    assert found.at(np.array([2e-3]))[0] == pytest.approx(8.0, rel=0.3)
+    assert found.at(np.array([0.1]))[0] == pytest.approx(1.0, abs=0.2)
+    assert 3e-3 < found.settles_at() < 8e-3
+
+
+def test_what_is_left_of_a_contact_that_slides_is_no_scatter() -> None:
+    assert contact_scatter((1.0 + 7.0 * (SPEED > 0.1)) * NOISE, SPEED) is None
+
+
+def test_rows_of_a_model_are_worth_less_where_the_contact_scatters() -> None:
+    parts = split([("recording", TIME)])
+    model = MotionModel([motion_runs.balance(np.zeros(TIME.size), 0.3)], motion_runs.plant(), parts)
+    scatter = contact_scatter((1.0 + 9.0 * (SPEED < 2e-2)) * NOISE, SPEED)
+    assert scatter is not None
+    less = model.with_scatter(scatter)
+    np.testing.assert_allclose(less.scale, model.scale * scatter.at(model.speed))
+    np.testing.assert_allclose(less.residual({}) * less.scale, model.residual({}) * model.scale)
+    tested = less.on_test_time(parts)
+    np.testing.assert_allclose(tested.scale, model.on_test_time(parts).scale * scatter.at(tested.speed))
+    assert less.noise == model.noise and less.scale.max() > 3.0 * less.scale.min()
+    assert model.with_scatter(None) is model and MotionModel(model.runs, model.nominal, Split({})).slowest_resolved == 0.0

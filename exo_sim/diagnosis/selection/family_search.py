@@ -14,7 +14,7 @@ import numpy as np
 from exo_sim.diagnosis.discrepancy.basis import DiscrepancyBasis
 from exo_sim.diagnosis.estimation.candidate import Candidate, CandidateKey, drop_orphans
 from exo_sim.diagnosis.estimation.least_squares import FEWEST_ROWS, Fit
-from exo_sim.diagnosis.estimation.linear_family import LinearFamily, Term
+from exo_sim.diagnosis.estimation.linear_family import Bend, LinearFamily, Term
 from exo_sim.diagnosis.estimation.parameters import FreeParameter
 from exo_sim.diagnosis.findings import Kind
 from exo_sim.diagnosis.policy import judgement
@@ -23,7 +23,7 @@ from exo_sim.diagnosis.policy.judgement import NIL
 from exo_sim.diagnosis.selection.comparisons import Comparisons
 from exo_sim.diagnosis.selection.evidence import Evidence
 from exo_sim.diagnosis.selection.fitted_model import FittedModel, SearchResult, Unnamed, exceeds_healthy_limit
-from exo_sim.diagnosis.selection.linear_evidence import Posterior, Spreads
+from exo_sim.diagnosis.selection.linear_evidence import LinearEvidence, Posterior, Spreads
 from exo_sim.diagnosis.selection.marginal_fit import MarginalFits
 from exo_sim.diagnosis.selection.model_fits import ModelFits
 from exo_sim.diagnosis.selection.subset_weighing import At, SubsetWeighing, Weighed
@@ -58,11 +58,13 @@ class FamilySearch:
         finalists = self.weighing.finalists()
         best = finalists[0]
         posterior = self.weighing.posterior(best)
-        self.beside = MarginalFits(self.fits, self.basis, self._widened(best), self.weighing.correlation_time)
         values, _ = self._values(best, posterior)
         near = FittedModel((), Fit((), values, np.zeros(0), np.zeros((0, 0))))
         kin = self._kin(best, finalists)
-        final = self._fitted(self._no_richer_than_needed(self._probable(best, finalists, kin), best, finalists), near)
+        chosen = self._no_richer_than_needed(self._probable(best, finalists, kin), best, finalists)
+        spreads = self._widened(best, self._left_by(self.fits.fit(chosen, near), best))
+        self.beside = MarginalFits(self.fits, self.basis, spreads, self.weighing.correlation_time)
+        final = self._fitted(chosen, near)
         plain = self.fits.refined(self.fits.fit(final.candidates, final))
         final = self._predicting_best(final, plain, self._errors_of(final, best, finalists))
         probabilities = self.weighing.probabilities(finalists)
@@ -89,13 +91,19 @@ class FamilySearch:
             first += term.columns.shape[1]
         return found
 
-    def _widened(self, best: Weighed) -> Spreads:
-        """Return the spreads of a subset where what is missing without a name counts as discrepancy: no fit has numbers for it."""
-        amplitudes = list(best.spreads.amplitudes)
+    def _left_by(self, plain: FittedModel, best: Weighed) -> Spreads:
+        """Return the spreads of what a fit leaves: shapes between those that were weighed are no discrepancy."""
+        left = plain.fit.residual
+        bend = Bend(None, {}, left, np.zeros((left.size, 0)), ())
+        return LinearEvidence(bend, self.basis).estimated((), best.spreads, self.weighing.correlation_time, sweeps=3)[1]
+
+    def _widened(self, best: Weighed, spreads: Spreads) -> Spreads:
+        """Return spreads with which what is missing without a name counts as discrepancy: no fit has numbers for it."""
+        amplitudes = list(spreads.amplitudes)
         for _, term in self._unnamed_terms(best):
             kind = self.basis.names.index(term.candidate.form)
             amplitudes[kind] = math.hypot(amplitudes[kind], float(term.spread[0]))
-        return replace(best.spreads, amplitudes=tuple(amplitudes))
+        return replace(spreads, amplitudes=tuple(amplitudes))
 
     def _unnamed(self, best: Weighed, finalists: Sequence[Weighed], posterior: Posterior) -> tuple[Unnamed, ...]:
         """Return what is missing without a name and is both probable and large."""

@@ -8,8 +8,10 @@ from physics.air import CP
 from physics.stepping import hold, tank
 
 from exo_sim.physics import state
+from exo_sim.physics.conditions import Motion
 from exo_sim.physics.effects import unknown
 from exo_sim.physics.pneumatics import paper_cylinder
+from exo_sim.physics.resistance import sharp_level
 
 
 def test_curve_is_straight_between_its_knots_and_flat_beyond() -> None:
@@ -21,6 +23,18 @@ def test_curve_is_straight_between_its_knots_and_flat_beyond() -> None:
     c["depends_on"] = 4.0
     assert unknown.acting(c[0], 0, 9.0, 9.0, 5.05, 5.0) == pytest.approx(2.0)
     assert unknown.acting(c[0], 1, 9.0, 9.0, 5.05, 5.0) == 0.0
+
+
+def test_a_curve_of_friction_is_added_to_the_level_of_dry_friction_and_pushes_nothing() -> None:
+    c = paper_cylinder(0.032, 0.012, 0.1, 5e-6)
+    c["coulomb_friction"]["force"] = 10.0
+    c["unknown"]["acts"], c["unknown"]["depends_on"] = unknown.FRICTION, 0.0
+    c["unknown"]["at"] = [0.0, 0.1] + [0.1] * 14
+    c["unknown"]["values"] = [-4.0, 6.0] + [6.0] * 14
+    for where, value in ((0.0, 6.0), (0.05, 11.0), (0.2, 16.0)):
+        for speed in (-0.1, 0.1):
+            assert sharp_level(c[0], Motion(where, speed, 0.0, 0.0, 0.0)) == pytest.approx(value)
+    assert unknown.acting(c["unknown"][0], 0, 0.05, 0.1, 0.0, 0.0) == 0.0
 
 
 def test_flow_into_a_closed_chamber_is_an_entry_of_the_books() -> None:

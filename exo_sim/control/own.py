@@ -228,7 +228,7 @@ class Asked:
             raise ScenarioError(f"controller {self.source}, at {time:.3f} s: {error}") from None
         except Exception as error:  # of the objects in it, when they are asked for a number or a name
             raise ScenarioError(
-                f"controller {self.source}, at {time:.3f} s: what act returned cannot be read ({own_faults.told(error)}); "
+                f"controller {self.source}, at {time:.3f} s: what act returned cannot be read ({own_faults.described(error)}); "
                 'return a dictionary of numbers like {"knee_l": 0.5}'
             ) from None
         self.kind = commands.kind

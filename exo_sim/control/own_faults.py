@@ -22,10 +22,10 @@ def place(error: BaseException, path: Path | None = None) -> str:
     outside = [frame for frame in frames if _OWN not in Path(frame.filename).parents and "site-packages" not in frame.filename]
     at = (outside or frames)[-1] if (outside or frames) else None
     where = f"{at.filename}:{at.lineno}" if at else str(path or "")
-    return f"{where}: {told(error)}"
+    return f"{where}: {described(error)}"
 
 
-def told(error: BaseException) -> str:
+def described(error: BaseException) -> str:
     """Return kind and words of an exception; its kind alone where it cannot tell its words."""
     try:
         return f"{type(error).__name__}: {error}"

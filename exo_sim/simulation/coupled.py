@@ -123,7 +123,7 @@ class Simulation:
 
         Args:
             controller: Whose.
-            seed: What it is told.
+            seed: What it is given.
         """
         self._asked = own.Asked(controller, driven.context(self, controller, seed), self.request.controller)
 

@@ -51,11 +51,11 @@ def foreign() -> SearchStrategy[Case]:
     }  # fmt: skip
 
     def drawn(name: str) -> SearchStrategy[Case]:
-        told = held[name]
+        mapped = held[name]
         edits = [of_bytes(name)]
         edits += [of_table(name)] if name.endswith(".sto") else []
-        edits += [of_toml(*told), of_json("meta/info.json")] if name == "episode.parquet" else [of_toml(*told)] if told else []
-        return st.builds(Case, st.just("bench"), _reading(name, *(("--columns", *told) if told else ())), some(*edits))
+        edits += [of_toml(*mapped), of_json("meta/info.json")] if name == "episode.parquet" else [of_toml(*mapped)] if mapped else []
+        return st.builds(Case, st.just("bench"), _reading(name, *(("--columns", *mapped) if mapped else ())), some(*edits))
 
     return st.sampled_from(sorted(held)).flatmap(drawn)
 

@@ -127,7 +127,7 @@ def test_another_convention_is_asked_about_and_put_right(machines: dict[str, Pat
 
 
 def test_a_chamber_that_only_passes_the_atmosphere_does_not_rest_there() -> None:
-    """A gauge column whose least is the atmosphere by chance is told by its gas balance; one that stays there for long is not."""
+    """A gauge column whose least is the atmosphere by chance is recognised by its gas balance; one that stays there for long is not."""
     machine, time = cast(Machine, SimpleNamespace(atmosphere=ATMOSPHERE)), np.arange(400, dtype=np.float64) * 1e-3
     passes = np.asarray(1.07 * ATMOSPHERE + 4e5 * (1.0 - np.cos(12.0 * time)), dtype=np.float64)
     stays = np.where(time < 0.15, ATMOSPHERE, passes)

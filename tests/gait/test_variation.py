@@ -98,9 +98,9 @@ def test_more_than_anybody_walks_with_is_refused(wrong):
 def test_a_scenario_file_says_it(tmp_path):
     file = tmp_path / "uneven.toml"
     file.write_text('like = "level_walk"\n[variation]\nstride_time = 0.02\nasymmetry = 0.05\nlean = "3 deg"\nseed = 4\n')
-    told = scenario_file.read(file).variation
-    assert told is not None
-    assert dataclasses.astuple(told) == pytest.approx((0.02, 0.05, np.radians(3.0), 4))
+    varied = scenario_file.read(file).variation
+    assert varied is not None
+    assert dataclasses.astuple(varied) == pytest.approx((0.02, 0.05, np.radians(3.0), 4))
     file.write_text('like = "level_walk"\n[variation]\nstride_tim = 0.02\n')
     with pytest.raises(ScenarioError, match="stride_time"):
         scenario_file.read(file)

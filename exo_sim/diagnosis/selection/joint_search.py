@@ -85,7 +85,7 @@ class JointSearch:
     def _jointly_pruned(self, now: FittedModel) -> FittedModel:
         """Return a model without what is not missed beside the rest.
 
-        That is told in closed form. Where a fit without it shows that it is missed (an optimum may lie at a kink), it stays.
+        That is known in closed form. Where a fit without it shows that it is missed (an optimum may lie at a kink), it stays.
         """
         while now.candidates:
             kept = jointly_pruned(self.fits.model, now, self.fits.threads)

@@ -103,7 +103,7 @@ def test_a_search_ends_where_it_is_asked_to_unless_everything_is_explained(sizes
 
 
 class Weight(Waves):
-    """An error that is there all the time: a believed number far off, or something else that acts in one long spell."""
+    """An error that is there all the time: a believed number far off, or something else that acts in one long stretch."""
 
     def __init__(self, level: float, wave: float = 0.0):
         super().__init__(slow=wave)

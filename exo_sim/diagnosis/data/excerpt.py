@@ -21,12 +21,20 @@ Array = NDArray[np.float64]
 WORTH_CUTTING = 1.25
 
 
-def excerpts(runs: Sequence[CylinderRun]) -> list[CylinderRun]:
-    """Return the runs, or of long ones blocks that together hold at most `MOST_FITTED` samples; a run at rest keeps one of so many."""
+def excerpts(runs: Sequence[CylinderRun], split: Split) -> tuple[list[CylinderRun], Split]:
+    """Return the runs, or of long ones blocks that together hold at most `MOST_FITTED` samples; a run at rest keeps one of so many.
+
+    Nobody knows how warm the gas is where a block begins: its first seconds are no training time of the split that is returned.
+    """
     total = sum(len(run.time) for run in runs)
     if total <= WORTH_CUTTING * MOST_FITTED:
-        return list(runs)
-    return [_excerpt(run, max(1, MOST_FITTED * len(run.time) // total)) for run in runs]
+        return list(runs), split
+    kept = [_excerpt(run, max(1, MOST_FITTED * len(run.time) // total)) for run in runs]
+    spans = dict(split.validation)
+    for run in kept:
+        begun = [float(run.time[first]) for first in run.breaks if not run.at_rest]
+        spans[run.recording] = (*spans.get(run.recording, ()), *((start, start + LEAD) for start in begun if start > run.time[0]))
+    return kept, Split(split.test, spans)
 
 
 def _excerpt(run: CylinderRun, most: int) -> CylinderRun:

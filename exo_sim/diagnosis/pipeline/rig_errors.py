@@ -42,11 +42,14 @@ class WindowErrors:
     def __init__(self, data: MachineData, split: Split) -> None:
         self._data, self._plan = data, Plan(split)
         self._tables = [judged_part(table, data) for table in data.as_read]
+        if sum(table.duration for table in self._tables) > LONGEST_FREE_RUN:
+            whole = {table.name: table for table in self._tables}
+            self._tables = [whole[name].span(begin, end) for name, spans in split.test.items() if name in whole for begin, end in spans]
         self._guessed = {joint for joint, runs in data.joints.items() if any(run.imputed is not None for run in runs)}
         self._before: Errors | None = None
 
     def errors(self, improved: str) -> dict[str, SignalFit]:
-        """Return the errors of the rig as believed and of an improved one; empty where the recordings are long.
+        """Return the errors of the rig as believed and of an improved one; of long recordings only the test time is run, if that is short.
 
         Args:
             improved: Text of the rig with what was found, as it would stand beside the rig.

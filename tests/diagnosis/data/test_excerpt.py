@@ -24,24 +24,28 @@ def run(count: int, moving: bool = True) -> CylinderRun:
 
 def test_what_is_short_stays_as_it_is() -> None:
     short = run(int(1.2 * MOST_FITTED))
-    assert excerpts([short]) == [short] and kept_back(short, Split({})) is short
+    nothing = Split({})
+    assert excerpts([short], nothing) == ([short], nothing) and kept_back(short, Split({})) is short
     assert spread(short.time, 1.2 * LONGEST_FITTED).all()
 
 
 def test_blocks_of_a_long_run_are_spread_over_it_and_begin_anew() -> None:
-    (part,) = excerpts([run(4 * MOST_FITTED)])
+    (part,), split = excerpts([run(4 * MOST_FITTED)], Split({}))
     assert 0.99 * MOST_FITTED < len(part.time) <= 1.01 * MOST_FITTED
     gaps = np.flatnonzero(np.diff(part.time) > 2e-3) + 1
     assert len(gaps) == BLOCKS - 1 and set(gaps) <= set(part.breaks) and part.breaks[0] == 0
     assert part.time[-1] > 0.9 * 4e-3 * MOST_FITTED
     for first, last in zip(part.breaks, [*part.breaks[1:], len(part.time)], strict=True):
         assert np.ptp(np.diff(part.time[first:last])) < 1e-9
+        cold = (part.time > part.time[first]) & (part.time < part.time[first] + LEAD)
+        assert split.in_training("long", part.time[cold]).any() == (first == 0)
+    assert split.in_training("long", part.time).mean() == pytest.approx(1.0 - LEAD * (BLOCKS - 1) / (1e-3 * MOST_FITTED), abs=0.02)
 
 
 def test_several_runs_share_the_most_and_one_at_rest_keeps_one_of_so_many() -> None:
     long = run(2 * MOST_FITTED)
-    assert sum(len(part.time) for part in excerpts([long, replace(long, recording="other")])) <= 1.01 * MOST_FITTED
-    (still,) = excerpts([run(3 * MOST_FITTED, moving=False)])
+    assert sum(len(part.time) for part in excerpts([long, replace(long, recording="other")], Split({}))[0]) <= 1.01 * MOST_FITTED
+    (still,), _ = excerpts([run(3 * MOST_FITTED, moving=False)], Split({}))
     assert len(still.time) == MOST_FITTED and np.ptp(np.diff(still.time)) < 1e-9 and still.breaks == (0,)
 
 

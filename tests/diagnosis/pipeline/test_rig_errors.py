@@ -8,6 +8,7 @@ from pathlib import Path
 import pytest
 
 from exo_sim.diagnosis.data.split import Split
+from exo_sim.diagnosis.pipeline import rig_errors
 from exo_sim.diagnosis.pipeline.reading import gather
 from exo_sim.diagnosis.pipeline.rig_errors import WindowErrors
 from exo_sim.trials.cases import make_case, write_case
@@ -43,3 +44,16 @@ def test_a_curve_of_force_counts_in_the_balance(tmp_path: Path) -> None:
     effect = '\n[effects.unknown.piston]\nacts = "force"\ndepends_on = "velocity"\nat = ["-1 m/s", "1 m/s"]\nvalues = ["{} N", "{} N"]\n'
     against, along = (errors.errors(believed + effect.format(*values))[BALANCE] for values in ((20.0, -20.0), (-20.0, 20.0)))
     assert against.after < against.before < along.after
+
+
+def test_of_long_recordings_only_the_time_kept_back_is_run(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    whole, _, right = case(tmp_path, "piston_leakage")
+    of_all = whole.errors(right)
+    monkeypatch.setattr(rig_errors, "LONGEST_FREE_RUN", 5.0)
+    part, _, _ = case(tmp_path, "piston_leakage")
+    of_part = part.errors(right)
+    assert {"piston.pressure_1", "piston.pressure_2"} <= set(of_part)
+    for key, fit in of_part.items():
+        if "pressure" in key:  # a balance of forces is judged at its own rows, fewer at the ends of a recording
+            assert fit.before == pytest.approx(of_all[key].before, rel=0.2)
+            assert fit.after < 0.5 * fit.before

@@ -82,12 +82,14 @@ class GasModel(SubsystemModel):
             window = max(WINDOW, FEWEST_SAMPLES * max(float(np.median(np.diff(run.time))) for run in runs))
             if all(run.at_rest for run in runs):
                 window = max(window, max(float(np.ptp(run.time)) for run in runs) / REST_WINDOWS)
-        self.where, self.nominal, self.split, self.all_runs = runs[0].cylinder, nominal, split, tuple(runs)
+        self.where, self.nominal, self.all_runs = runs[0].cylinder, nominal, tuple(runs)
         trained = (_training_part(run, split) for run in runs)
-        self.runs = list(runs) if on_test else excerpts([run for run in trained if run is not None])
+        fitted = (list(runs), split) if on_test else excerpts([run for run in trained if run is not None], split)
+        self.runs, self.split = fitted
+        self._is_cut = self.split is not split
         group = GROUP * max(1.0, sum(len(run.time) * float(np.median(np.diff(run.time))) for run in self.runs) / LONG)
         self.inputs: list[GasInputs] = [inputs(run, nominal.world, window) for run in self.runs]
-        self._rows = [[rows_of(one, side, split, group, on_test) for side in range(2)] for one in self.inputs]
+        self._rows = [[rows_of(one, side, self.split, group, on_test) for side in range(2)] for one in self.inputs]
         self.blocks = self._blocks()
         self._responses: list[list[Array]] | None = None
         self.effort = 0
@@ -213,6 +215,8 @@ class GasModel(SubsystemModel):
         k = float(plant.world["k"][0])
         for given, errors in zip(self.inputs, self.errors(plant), strict=True):
             run = given.run
+            if self._is_cut:
+                errors[~self.split.in_training(run.recording, run.time)] = math.nan
             for side in range(2):
                 if run.pressure[side] is None:
                     continue

@@ -17,7 +17,7 @@ from exo_sim.diagnosis.pipeline.gas_stage import believed_gas
 from exo_sim.diagnosis.pipeline.motion_stage import believed_balance
 from exo_sim.diagnosis.pipeline.plan import Plan
 from exo_sim.diagnosis.pipeline.reading import gather_again
-from exo_sim.diagnosis.policy.budgets import LONGEST_FREE_RUN
+from exo_sim.diagnosis.policy.budgets import LEAD, LONGEST_FREE_RUN
 from exo_sim.diagnosis.subsystem_model import Comparison
 from exo_sim.diagnosis.subsystems.gas.model import GasModel
 from exo_sim.diagnosis.subsystems.motion.model import MotionModel
@@ -44,7 +44,12 @@ class WindowErrors:
         self._tables = [judged_part(table, data) for table in data.as_read]
         if sum(table.duration for table in self._tables) > LONGEST_FREE_RUN:
             whole = {table.name: table for table in self._tables}
-            self._tables = [whole[name].span(begin, end) for name, spans in split.test.items() if name in whole for begin, end in spans]
+            self._tables = [
+                whole[name].span(begin - LEAD, np.nextafter(end, math.inf))
+                for name, spans in split.test.items()
+                if name in whole
+                for begin, end in spans
+            ]
         self._guessed = {joint for joint, runs in data.joints.items() if any(run.imputed is not None for run in runs)}
         self._before: Errors | None = None
 

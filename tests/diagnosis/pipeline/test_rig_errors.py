@@ -55,5 +55,5 @@ def test_of_long_recordings_only_the_time_kept_back_is_run(tmp_path: Path, monke
     assert {"piston.pressure_1", "piston.pressure_2"} <= set(of_part)
     for key, fit in of_part.items():
         if "pressure" in key:  # a balance of forces is judged at its own rows, fewer at the ends of a recording
-            assert fit.before == pytest.approx(of_all[key].before, rel=0.2)
+            assert fit.before == pytest.approx(of_all[key].before, rel=0.3)
             assert fit.after < 0.5 * fit.before

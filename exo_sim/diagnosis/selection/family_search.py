@@ -15,7 +15,7 @@ from exo_sim.diagnosis.discrepancy.basis import DiscrepancyBasis
 from exo_sim.diagnosis.estimation.candidate import Candidate, CandidateKey, drop_orphans
 from exo_sim.diagnosis.estimation.least_squares import FEWEST_ROWS, Fit
 from exo_sim.diagnosis.estimation.linear_family import Bend, LinearFamily, Term
-from exo_sim.diagnosis.estimation.parameters import FreeParameter
+from exo_sim.diagnosis.estimation.parameters import FreeParameter, Target
 from exo_sim.diagnosis.findings import Kind
 from exo_sim.diagnosis.policy import judgement
 from exo_sim.diagnosis.policy.budgets import RUNNERS_UP
@@ -133,7 +133,8 @@ class FamilySearch:
                 continue
             values, errors = self._values(one, self.weighing.posterior(one))
             for q, error in errors.items():
-                if q in final.fit.values:
+                own = one.bend == best.bend and one.subset == best.subset
+                if q in final.fit.values and (own or q.target is not Target.SENSOR):  # a sensor's error has one law
                     weights.setdefault(q, []).append((weight, error**2 + (values[q] - final.fit.values[q]) ** 2))
         return {q: math.sqrt(sum(w * square for w, square in pairs) / sum(w for w, _ in pairs)) for q, pairs in weights.items()}
 

@@ -284,7 +284,7 @@ def _follow(
         tell(words)
     summary = _summary(unworn_record.summarise(done), begun, prepared, simulation.remarks)
     name = reading.recording.name if target is None else target.stem
-    run = Run(rig, name, summary, simulation.remarks, target, done.interrupted, done, seed)
+    run = Run(rig, name, summary, simulation.remarks, target, done.interrupted or asked_to_stop(), done, seed)
     if target is not None:
         run.save(target)
         run.summary["wall_s"] = time.perf_counter() - prepared

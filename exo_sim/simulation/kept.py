@@ -63,7 +63,7 @@ def run(
         if (rest := observer.rest()) is not None:
             shown.add(rest)
             rows.add(rest)
-    return summary.numbers(), interrupted
+    return summary.numbers(), interrupted or asked_to_stop()  # one that came while the last was written is one, too
 
 
 @contextmanager

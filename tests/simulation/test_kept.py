@@ -149,6 +149,19 @@ def test_stopping_keeps_what_was_done(exo, tmp_path, monkeypatch):
         assert len(read(tmp_path / f"w{ending}").recording.time) == round(numbers["simulated_s"] / ready.dt)
 
 
+def test_an_interrupt_while_the_last_rows_are_written_is_not_swallowed(exo, tmp_path, monkeypatch):
+    ready, rest = simulation(exo, cycles=2), kept.Observer.rest
+
+    def interrupted_meanwhile(self):
+        signal.raise_signal(signal.SIGINT)
+        return rest(self)
+
+    monkeypatch.setattr(kept.Observer, "rest", interrupted_meanwhile)
+    _, interrupted = kept.run(ready, tmp_path / "w.rrd", tmp_path / "w.parquet")
+    assert interrupted
+    assert len(read(tmp_path / "w.parquet").recording.time) == ready.rows
+
+
 class _given:
     def __init__(self, value):
         self.value = value

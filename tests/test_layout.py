@@ -74,8 +74,8 @@ THROUGH: dict[str, tuple[str, ...]] = {
     ),
     "simulation/test_walk.py": (
         "control/least_load.py", "control/own_faults.py", "control/strap_feedback.py", "control/stride_learning.py",
-        "control/tracking.py", "simulation/calibration.py", "simulation/coupling.py", "simulation/reduction.py",
-        "simulation/rehearsal.py", "simulation/views.py",
+        "control/tracking.py", "simulation/calibration.py", "simulation/coupling.py", "simulation/loop_log.py",
+        "simulation/reduction.py", "simulation/rehearsal.py", "simulation/views.py",
     ),
     "sizing/test_search.py": (
         "sizing/confirmation.py", "sizing/first_designs.py",

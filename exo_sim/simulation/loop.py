@@ -14,11 +14,11 @@ from exo_sim.machine.person import Person, pose_bodies, segment_poses
 from exo_sim.machine.straps import pull
 from exo_sim.physics.compiled import borrow, kernel
 from exo_sim.physics.forces import sensed_pressures
-from exo_sim.physics.gas import critical_ratio
-from exo_sim.physics.nodes import exhaust_state, supply_state, temperatures, volumes
+from exo_sim.physics.nodes import temperatures, volumes
 from exo_sim.physics.plant import FOLLOWED
-from exo_sim.physics.state import DRAWN, HELD, INTEGRATED, REMEMBERED, SHARED
+from exo_sim.physics.state import INTEGRATED
 from exo_sim.simulation.coupling import advance_gas, compute_forces, moment_arm
+from exo_sim.simulation.loop_log import log_motion, log_rest
 from exo_sim.simulation.native import call
 
 Array = NDArray[np.float64]
@@ -230,106 +230,6 @@ def _open_valves(first, settings, mechanics, plant, drives):
 
 
 @kernel
-def _choked(c, u_1, u_2, p_1, p_2, p_s, p_e, critical):
-    """Return how many of a valve's open paths are choked."""
-    found = 0.0
-    if u_1 != 0.0:
-        found += 1.0 if (p_1 < critical * p_s if u_1 > 0.0 else p_e < critical * p_1) else 0.0
-    if u_2 != 0.0:
-        found += 1.0 if (p_2 < critical * p_s if u_2 > 0.0 else p_e < critical * p_2) else 0.0
-    return 0.0 if c.vented > 0.0 else found
-
-
-@kernel
-def _log_motion(row, time, mechanics):
-    """Write the first columns that `walk.columns` names: time, positions, velocities. MuJoCo's step moves them on."""
-    row[0] = time
-    for j in range(9):
-        row[1 + j], row[10 + j] = mechanics.qpos[j], mechanics.qvel[j]
-
-
-@kernel
-def _log_powers(row, at, mechanics, plant, bodies, wearer):
-    """Write the mean power over the step of whatever works on the machine, in the order of `walk.POWERS`, a strap's over the step before.
-
-    A force that is held over a step does the work of the mean of both speeds; damping acts at the end of it (implicitfast).
-    """
-    for j in range(7):
-        row[at + j] = 0.0
-    for j in range(9):
-        after = mechanics.qvel[j]
-        before = row[10 + j]
-        mean = 0.5 * (before + after)
-        own = 0.0
-        for i in range(len(plant.joints)):
-            if plant.dofs[i] == j:
-                own = plant.own[i]
-        row[at] += bodies.qfrc_constraint[j] * mean
-        row[at + 1] += (own - bodies.dof_damping[j] * after) * mean
-        row[at + 2] += (bodies.qfrc_passive[j] + bodies.dof_damping[j] * before) * mean
-        if j >= 3:
-            row[at + 3] += row[16 + j] * mean
-    for i in range(wearer.body.size):
-        row[at + 4 + wearer.group[i]] += wearer.power[i]
-
-
-@kernel
-def _log(row, cycles, settings, mechanics, plant, bodies, wearer, drives):
-    """Write the columns behind the motion, in the order of `walk.columns`; forces on the ground are there after MuJoCo's step."""
-    at = 19
-    for j in range(6):
-        row[at + j], row[at + 6 + j] = 0.0, wearer.torque[j]
-    for i in range(plant.actuators.size):
-        row[at + plant.driven[i] - 3] += plant.cylinders[i].arm * drives.made[i]
-    for j in range(drives.ankles.size):
-        if drives.ankles[j] >= 0:
-            row[at + 3 * j + 2] += mechanics.ctrl[drives.ankles[j]]
-    at += 12
-    for i in range(wearer.body.size):
-        row[at], row[at + 1] = wearer.force[i, 0], wearer.force[i, 1]
-        at += 2
-    for foot in range(2):
-        row[at], row[at + 1] = -bodies.sensordata[6 * foot], -bodies.sensordata[6 * foot + 2]
-        at += 2
-    row[at] = cycles - np.floor(cycles)
-    look_up(cycles, wearer.share, wearer.carried)
-    row[at + 1], row[at + 2] = wearer.carried[0], wearer.carried[1]
-    at += 3
-    _log_powers(row, at, mechanics, plant, bodies, wearer)
-    at += 7
-    for s in range(7):
-        for j in range(3):
-            row[at] = wearer.wrench[s, j]
-            at += 1
-    for i in range(plant.actuators.size):
-        row[at], row[at + 1] = drives.wanted[i], drives.made[i]
-        row[at + 2] = mechanics.actuator_length[plant.actuators[i]] - plant.retracted[i]
-        at += 3
-    if settings.kind == GAS:
-        w = plant.world[0]
-        critical = critical_ratio(w.k)
-        shared = plant.actuators.size * INTEGRATED
-        held = plant.vector[shared + SHARED + plant.actuators.size * REMEMBERED + HELD]
-        p_s, _ = supply_state(w, plant.vector, shared, held)
-        p_e, _ = exhaust_state(w, plant.vector, shared)
-        for i in range(plant.actuators.size):
-            c = plant.cylinders[i]
-            p_1, p_2 = sensed_pressures(w, plant.cylinders, plant.vector, i, plant.x[i])
-            t_1, t_2 = temperatures(w, plant.vector, i * INTEGRATED)
-            u_1 = plant.command[i]
-            u_2 = -u_1
-            row[at] = u_1
-            if c.independent > 0.0:
-                u_2 = plant.command[plant.actuators.size + i]
-                at += 1
-                row[at] = u_2
-            row[at + 1], row[at + 2], row[at + 3], row[at + 4] = p_1, p_2, t_1, t_2
-            row[at + 5], row[at + 6] = _choked(c, u_1, u_2, p_1, p_2, p_s, p_e, critical), plant.vector[i * INTEGRATED + DRAWN]
-            at += 7
-        row[at], row[at + 1] = p_s, p_e
-
-
-@kernel
 def run(first, count, settings, mechanics, plant, bodies, wearer, drives, log):
     """Take `count` steps, the first of the run being number 0; row i of `log` is what step first + i began with.
 
@@ -372,9 +272,9 @@ def run(first, count, settings, mechanics, plant, bodies, wearer, drives, log):
                 mechanics.ctrl[plant.actuators[i]] = drives.wanted[i]
         for i in range(plant.actuators.size):
             drives.made[i] = mechanics.ctrl[plant.actuators[i]]
-        _log_motion(log[k - first], time, mechanics)
+        log_motion(log[k - first], time, mechanics)
         call(mechanics.step2, mechanics.model, mechanics.data)
-        _log(log[k - first], cycles, settings, mechanics, plant, bodies, wearer, drives)
+        log_rest(log[k - first], cycles, settings.kind == GAS, mechanics, plant, bodies, wearer, drives)
     return FOLLOWED
 
 

@@ -19,7 +19,8 @@ ELSEWHERE = ("add_an_effect.md",)
 #: Pages whose Python shows calls with files that the reader has.
 WITH_FILES = ("recordings.md",)
 #: Pages whose Python takes more than a few seconds.
-SLOW = ("walk.md", "one_diagnosis.md")
+NOTEBOOKS = ("one_diagnosis.md",)  # a block goes on where the one before it ended
+SLOW = ("walk.md", *NOTEBOOKS)
 PAGES = sorted(path for path in (ROOT / "docs").glob("*.md") if path.name not in ELSEWHERE)
 
 
@@ -33,8 +34,9 @@ def blocks(path: Path, language: str) -> list[str]:
 ])  # fmt: skip
 def test_the_python_of_a_page_runs(page: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]) -> None:
     monkeypatch.chdir(tmp_path)
+    names: dict[str, object] = {"__name__": "__main__"}
     for block in blocks(page, "python"):
-        exec(compile(block, page.name, "exec"), {"__name__": "__main__"})
+        exec(compile(block, page.name, "exec"), names if page.name in NOTEBOOKS else dict(names))
     assert capsys.readouterr().out
 
 

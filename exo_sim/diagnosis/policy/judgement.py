@@ -21,7 +21,7 @@ PROBABLE = Number(
 )
 LEAST_UNNAMED = Number(
     0.08, "share of what is missing", "friction that varies with place or time by less, root mean square, is what many machines show",
-    "learn makes of whole machines: 27 without such friction showed none; with it, 0.1 to 0.3",
+    "learn makes of whole machines, a version of this fit before the last: 27 without such friction showed none; with it, 0.1 to 0.3",
 )
 ALIKE = Number(0.1, "share", "numbers of a richer form that differ by less are one number: friction of two directions, of any seal")
 EXPLAINED = Number(0.90, "share of the explainable squared error", "names stand if they explain so much, although something is left")

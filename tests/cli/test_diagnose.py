@@ -1,6 +1,7 @@
 """The frame of the verb: files, texts, exit status. What a diagnosis finds is tested in tests/diagnosis."""
 
 import json
+import shutil
 import sys
 from dataclasses import replace
 from pathlib import Path
@@ -14,6 +15,8 @@ from exo_sim.recording import Recording, read, write_table
 sys.path.insert(0, str(Path(__file__).parents[1] / "report"))
 from report import made_up_diagnoses as made_up
 
+ASSETS = Path(__file__).resolve().parents[2] / "assets"
+
 
 @pytest.fixture
 def answered(tmp_path, monkeypatch):
@@ -22,7 +25,8 @@ def answered(tmp_path, monkeypatch):
     for name in ("monday", "tuesday"):
         recording = Recording(name, series.time, {"piston.pressure_1": series.recorded}, {"piston.pressure_1": "Pa"})
         write_table(tmp_path / f"{name}.parquet", recording)
-    (tmp_path / "rig.toml").write_text(made_up.RIG)
+    shutil.copyfile(ASSETS / "bench.toml", tmp_path / "rig.toml")
+    shutil.copyfile(ASSETS / "bench.xml", tmp_path / "bench.xml")  # comparison.rrd draws it
     monkeypatch.chdir(tmp_path)
     asked = []
 
@@ -83,7 +87,7 @@ def test_it_never_writes_over_the_rig_that_was_handed_in(answered, capsys, tmp_p
     (tmp_path / "rig.toml").rename(tmp_path / "improved.toml")
     assert cli.main(["diagnose", "monday.parquet", "--rig", "improved.toml", "--out", "."]) == 2
     assert "it is the rig that was handed in" in capsys.readouterr().err
-    assert (tmp_path / "improved.toml").read_text() == made_up.RIG
+    assert (tmp_path / "improved.toml").read_bytes() == (ASSETS / "bench.toml").read_bytes()
 
 
 def test_the_folder_may_not_be_a_file(answered, capsys):

@@ -41,7 +41,7 @@ def test_json_has_the_schema_and_goes_there_and_back() -> None:
     assert again == found and again["schema"] == SCHEMA
     (effect,) = again["effects"]
     assert effect["parameters"]["area"] == {"value": 3e-8, "unit": "m^2", "low": 2e-8, "high": 4e-8}
-    assert effect["evidence"] == {"log10_odds": 1.0, "probability": 0.909, "held_out_error_drop": 0.4124}
+    assert effect["evidence"] == {"log10_odds": 1.0, "probability": 0.909, "held_out_error_drop": 0.4124, "cost": 0.0}
     assert "stopped" not in again and "curve" not in effect
     assert Diagnosis(Verdict.CONSISTENT, (), "bench", stopped=True).as_dict()["stopped"] is True
 

@@ -2,12 +2,19 @@
 
 from __future__ import annotations
 
+import math
+
 from exo_sim.diagnosis.policy.number import Number
 
 LEAST_ODDS = Number(
     2.0, "log10 of odds",
     "a candidate is accepted above these odds, decisive on the scale of Jeffreys (1961), after the price of its parameters and of the "
     "number of candidates",
+)  # fmt: skip
+SURELY_MORE = Number(
+    math.sqrt(2.0 * math.log(10.0) * LEAST_ODDS), "standard errors",
+    "by so many a number exceeds what a healthy machine shows: the likelihood ratio of both is then that of the former",
+    "derived; a healthy bench that lacks a pressure (two traces of the valve and a slow spool stand for one hysteresis) has 2.1",
 )  # fmt: skip
 LEAST_SHARE = Number(
     0.10, "share of the explainable squared error",

@@ -43,8 +43,8 @@ HOPELESS_GAS = Number(
     "a gas with more left has something unknown in it, whatever share was explained",
 )  # fmt: skip
 PLAIN_ODDS = Number(
-    30.0, "log10 of odds", "above these a finding need not exceed a healthy machine's by two standard errors: only nuisance parameters "
-    "that could stand in for it make it vague",
+    30.0, "log10 of odds", "above these a finding need not surely exceed a healthy machine's: only nuisance parameters that "
+    "could stand in for it make it vague",
 )  # fmt: skip
 ALONE_SHARE = Number(0.9, "share of what is missing without it", "beside something unknown a finding stands with this, the former, and ...")
 ALONE_SHARE_HOPELESS = Number(

@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 from exo_sim.diagnosis.estimation.candidate import Candidate, CandidateKey
 from exo_sim.diagnosis.estimation.least_squares import Fit
 from exo_sim.diagnosis.estimation.parameters import FreeParameter
-from exo_sim.diagnosis.policy import judgement
+from exo_sim.diagnosis.policy import gates, judgement
 from exo_sim.diagnosis.policy.budgets import LARGE
 from exo_sim.diagnosis.selection.evidence import Evidence
 from exo_sim.physics.declaration import declared
@@ -150,14 +150,14 @@ def exceeds_healthy_limit(
     Args:
         candidate: One of the model's.
         model: Its values.
-        errors: Standard errors; with them a parameter counts only if it is further out by two of its own.
+        errors: Standard errors; with them a parameter counts only if it is surely further out (`SURELY_MORE` of its own).
     """
     values, errors = model.fit.values, errors or {}
     limited = [q for q in candidate.parameters if q.healthy_limit > 0.0]
     if candidate.additive:  # with what a healthy machine has of it, where the candidate does not stand for that
         parts = {q.slot: q for q in (*values, *candidate.parameters) if (q.effect, q.where) == candidate.at}
         return sum(abs(values[q] - q.neutral) for q in parts.values()) > max((q.healthy_limit for q in limited), default=0.0)
-    return not limited or any(abs(values[q] - q.neutral) - 2.0 * errors.get(q, 0.0) > q.healthy_limit for q in limited)
+    return not limited or any(abs(values[q] - q.neutral) - gates.SURELY_MORE * errors.get(q, 0.0) > q.healthy_limit for q in limited)
 
 
 def is_at_bound(candidate: Candidate, model: FittedModel) -> bool:

@@ -31,3 +31,13 @@ def test_parts_of_one_thing_are_held_against_the_limit_together(asked: dict[str,
     values = {number("delay", (0.0, 1e-3)): healthy, **dict(zip(parameters, asked.values(), strict=True))}
     model = FittedModel((candidate,), Fit(tuple(values), values, np.zeros(4), np.zeros((4, len(values)))))
     assert exceeds_healthy_limit(candidate, model) is large
+
+
+@pytest.mark.parametrize(("error", "surely"), [(0.0002, True), (0.00064, False)])
+def test_a_number_surely_exceeds_the_limit_where_the_odds_of_it_do(error: float, surely: bool) -> None:
+    """0.0039 against 0.0025: with an error of 0.00064 the likelihood ratio is 10, of 0.0002 it is 10^10; 100 is asked."""
+    width = FreeParameter("valve_hysteresis", "piston", "width", "1", Target.CYLINDER, 1e-3, 0.0, 0.9, healthy_limit=0.0025)
+    candidate = Candidate("valve_hysteresis", "piston", "width", (width,), ((0.01,),))
+    model = FittedModel((candidate,), Fit((width,), {width: 0.0039}, np.zeros(4), np.zeros((4, 1))))
+    assert exceeds_healthy_limit(candidate, model)
+    assert exceeds_healthy_limit(candidate, model, {width: error}) is surely

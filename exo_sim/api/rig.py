@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING, Any
 from exo_sim.api.notebook import html_table
 from exo_sim.errors import RigError, nearest
 from exo_sim.plain_text import table
-from exo_sim.rig import changing, reading, schema, writing
+from exo_sim.rig import changing, improved_text, reading, schema
 
 if TYPE_CHECKING:
     import mujoco
@@ -88,7 +88,7 @@ class Rig(schema.Rig):
         """
         if not self._text_is_true():
             raise RigError(f"{self.name}: this rig was changed beside its text; change it with rig.changed({{key: value}})")
-        return writing.improved(self, (), (), Path(folder))
+        return improved_text.improved(self, (), (), Path(folder))
 
     def changed(self, values: Mapping[str | tuple[str, ...], Any]) -> Rig:
         """Return the rig with other values in its file.

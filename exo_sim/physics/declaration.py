@@ -1,4 +1,4 @@
-"""What a file in this folder says of the effect that it holds. Simulator, rig file, diagnosis, docs and tests all read this."""
+"""What a file in `effects/` says of the effect that it holds. Simulator, rig file, diagnosis, docs and tests all read this."""
 
 from __future__ import annotations
 

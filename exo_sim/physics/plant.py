@@ -23,7 +23,6 @@ from exo_sim.physics.effects import (
 )
 from exo_sim.physics.forces import advance_joints
 from exo_sim.physics.nodes import path_areas, pressures, temperatures, volumes, within
-from exo_sim.physics.pace import MOST_STEPS, step_length
 from exo_sim.physics.rates import rates
 from exo_sim.physics.resistance import dry_level, move_bristle
 from exo_sim.physics.state import (
@@ -42,6 +41,7 @@ from exo_sim.physics.state import (
     SPOOL_2,
 )
 from exo_sim.physics.step import all_plain, integrate
+from exo_sim.physics.step_length import MOST_STEPS, step_length
 from exo_sim.physics.transmission import gives, piston_at
 
 #: What became of a step; where a command is not a number, the cylinder's index is added to the last.

@@ -51,7 +51,7 @@ CYLINDER = np.dtype(
 )
 
 #: The gas, the atmosphere and what all cylinders share. Pressures and temperatures may be set anew at every step.
-#: `longest_step` [s] and `most_steps` bound how finely a call is divided; 0 leaves that to `pace.py`.
+#: `longest_step` [s] and `most_steps` bound how finely a call is divided; 0 leaves that to `step_length.py`.
 WORLD = np.dtype(
     [
         ("k", np.float64),

@@ -9,7 +9,7 @@ from exo_sim.physics.compiled import kernel
 from exo_sim.physics.conditions import Chamber
 from exo_sim.physics.terms import Function, within
 
-#: Temperature that the bounds assume of the gas [K]; `pace.py` scales them where it is warmer.
+#: Temperature that the bounds assume of the gas [K]; `step_length.py` scales them where it is warmer.
 HOT = 400.0
 
 #: Relative changes of pressure and temperature for which an undeclared flow's answer is tried: where the gas is, and where a step leads.

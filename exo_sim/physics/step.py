@@ -1,6 +1,6 @@
 """One explicit step of the gas: tried, looked at, and repeated more finely where it was not stable.
 
-`pace.py` says beforehand how many stages a step needs, from what is known of every effect. Here the step itself is asked: how much
+`step_length.py` says beforehand how many stages a step needs, from what is known of every effect. Here the step itself is asked: how much
 faster the rates became on the way than the state moved is a lower bound on the fastest mode (the nonlinear power method of
 Runge-Kutta-Chebyshev solvers, with the step's own change for the vector; Sommeijer, Shampine and Verwer 1997). A mode that the stages
 do not reach grows from stage to stage until it shows there, and such a step is not taken.
@@ -10,9 +10,9 @@ from __future__ import annotations
 
 from exo_sim.physics.compiled import inlined_kernel, kernel
 from exo_sim.physics.effects import exhaust_back_pressure, supply_droop
-from exo_sim.physics.integrator import COEFFICIENTS, MOST_STAGES, REACH, enough_stages
 from exo_sim.physics.plain import plain
 from exo_sim.physics.rates import rates
+from exo_sim.physics.runge_kutta_chebyshev import COEFFICIENTS, MOST_STAGES, REACH, enough_stages
 from exo_sim.physics.state import CONTENTS, HOSE_MASS_1, INTEGRATED
 
 #: A change of less than this share of the state says nothing of how fast the state settles.

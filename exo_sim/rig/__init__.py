@@ -1,8 +1,8 @@
 """One machine as its owner believes it to be: `rig.toml` read, checked, turned into records, and written back."""
 
+from exo_sim.rig.improved_text import Correction, Finding, improved
 from exo_sim.rig.reading import parse, read
 from exo_sim.rig.schema import Ankle, Attachment, Cylinder, EffectSetting, Environment, JointFactors, Rig, Supply, Valve, Wearer
-from exo_sim.rig.writing import Correction, Finding, improved
 
 __all__ = [
     "Ankle",

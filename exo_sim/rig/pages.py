@@ -8,8 +8,8 @@ from typing import Any
 
 from exo_sim.physics.declaration import Effect, Parameter, declared
 from exo_sim.plain_text import table
+from exo_sim.rig.improved_text import Finding, table_text
 from exo_sim.rig.schema import EffectSetting
-from exo_sim.rig.writing import Finding, table_text
 
 #: How each kind of place is named in the example.
 PLACES = {

@@ -28,7 +28,7 @@ from exo_sim.machine.load import check_effects
 from exo_sim.machine.person import Person
 from exo_sim.machine.straps import fasten
 from exo_sim.rig import Rig
-from exo_sim.rig.valve_pace import longest_step
+from exo_sim.rig.control_step import longest_step
 from exo_sim.simulation import chamber_plans, driven, loop
 from exo_sim.simulation.calibration import calibrated
 from exo_sim.simulation.loop_wiring import wire

@@ -11,7 +11,7 @@ import numpy as np
 
 import exo_sim
 from exo_sim.rig import Rig
-from exo_sim.rig.valve_pace import longest_step
+from exo_sim.rig.control_step import longest_step
 from exo_sim.sizing.coupled_stride import STEP, CoupledStride, Stride, mean_of
 from exo_sim.sizing.design import Design, JointKind, Space, actuator_mass, fitted
 from exo_sim.sizing.first_designs import first_design

@@ -18,8 +18,8 @@ from exo_sim.machine.linkage import linkages
 from exo_sim.machine.load import load
 from exo_sim.recording.table import Recording
 from exo_sim.rig import Rig, assembly
+from exo_sim.rig.control_step import longest_step
 from exo_sim.rig.own_catalogue import Catalogue
-from exo_sim.rig.valve_pace import longest_step
 from exo_sim.simulation.unworn import UnwornSimulation
 from exo_sim.sizing.capability import capability, margin
 from exo_sim.sizing.design import END_CLEARANCE, LEAST_SUPPLY, MOST_ABOVE, PLACES, VALVE_AREAS

@@ -9,8 +9,8 @@ from exo_sim.errors import RigError
 from exo_sim.physics import nodes
 from exo_sim.physics.gas import choked_flow
 from exo_sim.rig import assembly
+from exo_sim.rig.improved_text import Correction
 from exo_sim.rig.valve import area_of, conductance_of
-from exo_sim.rig.writing import Correction
 
 
 def with_valve(folder, valve):

@@ -68,7 +68,7 @@ def examine_gas(
         moves = any(run.moves for run in runs)
         nuisances = nuisance_parameters(plant, name, commanded, sides, at_rest, moves) + known_effects(plant, name)
         joint = data.joint_of(name)
-        asked = plan.asked(candidates(plant, runs, name, joint))
+        asked = plan.without_refuted(candidates(plant, runs, name, joint))
         friction = None if plan.friction is None else tuple(plan.friction.get(name, ()))
         key = (name, tuple(sorted(plan.split.test.items())), tuple(one.key for one in asked), friction)
         if key not in done:

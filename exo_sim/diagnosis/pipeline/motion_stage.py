@@ -45,13 +45,13 @@ def _examined(
 ) -> SubsystemResult[MotionModel]:
     model = MotionModel(runs, believed_balance(data, name, runs), plan.split)
     nuisances = with_damping_if_too_large(model, nuisance_parameters(runs, model.nominal, model.where))
-    asked = plan.asked(candidates(runs, model.nominal, model.where))
+    asked = plan.without_refuted(candidates(runs, model.nominal, model.where))
     report(f"{name}: weighing {len(asked)} effects side by side")
     standing = [one.name for one in declared().values() if one.cut == "motion" and model.nominal.is_on(one)]
     if model.size >= FEWEST_ROWS:
         every = SubsetWeighing(motion_family(model, nuisances, asked, bent=False), model.discrepancy_basis(), model.blocks, standing)
         model = model.with_scatter(contact_scatter(every.left_by_everything(), model.speed))
-        asked = plan.asked(candidates(runs, model.nominal, model.where, model.slowest_resolved))
+        asked = plan.without_refuted(candidates(runs, model.nominal, model.where, model.slowest_resolved))
 
     def search(nuisances: Sequence[FreeParameter]) -> tuple[ModelFits, SearchResult]:
         fits = ModelFits(model, nuisances, threads, cheap=True)

@@ -44,7 +44,7 @@ class Plan:
     refutations: int = 0
     budget: Budget = field(default_factory=Budget)
 
-    def asked(self, candidates: Iterable[Candidate]) -> tuple[Candidate, ...]:
+    def without_refuted(self, candidates: Iterable[Candidate]) -> tuple[Candidate, ...]:
         """Return the candidates that have not been refuted."""
         return tuple(candidate for candidate in candidates if candidate.at not in self.refuted)
 

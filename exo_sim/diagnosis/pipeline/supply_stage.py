@@ -12,7 +12,7 @@ from exo_sim.diagnosis.data.machine_data import MachineData
 from exo_sim.diagnosis.estimation.parameters import PlantParameters
 from exo_sim.diagnosis.estimation.threads import Threads
 from exo_sim.diagnosis.pipeline.plan import Plan, Progress
-from exo_sim.diagnosis.policy import healthy
+from exo_sim.diagnosis.policy import significance
 from exo_sim.diagnosis.policy.priors import FARTHEST_SET_PRESSURE
 from exo_sim.diagnosis.policy.recordings import QUIET
 from exo_sim.diagnosis.selection.decision import decide
@@ -39,14 +39,15 @@ def examine_supply(
     if not runs:
         return ()
     level = max(float(np.nanpercentile(run.pressure, 95.0)) for run in runs)
-    if all(float(np.nanstd(run.pressure)) < max(QUIET * run.noise, healthy.SUPPLY_SIGNIFICANT * level) for run in runs):
+    if all(float(np.nanstd(run.pressure)) < max(QUIET * run.noise, significance.SUPPLY_SIGNIFICANT * level) for run in runs):
         return ()  # it never sags
     plant = PlantParameters(assembly.world(data.rig), assembly.cylinders(data.rig)[:1])
     if abs(level / float(plant.world["supply_pressure"][0]) - 1.0) > FARTHEST_SET_PRESSURE:
         plant.world["supply_pressure"] = level
     model = SupplyModel(runs, plant, plan.split)
     search = Search(
-        model, nuisance_parameters(plant), plan.asked(candidates(plant)), threads, lambda words: report(f"supply: {words}"), cheap=True,
+        model, nuisance_parameters(plant), plan.without_refuted(candidates(plant)), threads,
+        lambda words: report(f"supply: {words}"), cheap=True,
         practical_significance=model.practical_significance,
     )  # fmt: skip
     found = decide("supply", model, search.fits, search.run())

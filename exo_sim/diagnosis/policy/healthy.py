@@ -7,7 +7,6 @@ from exo_sim.diagnosis.policy.number import Number
 # -- gas ------------------------------------------------------------------------------------------------------------------------
 GAS_FLOOR = Number(60.0, "Pa", "what the smoothed position and the windows' starts leave of a prediction at least")
 GAS_FLOOR_SHARE = Number(1.5e-4, "share of the pressure's range", "what sensors and the model of a healthy machine leave of it")
-GAS_SIGNIFICANT = Number(1e-4, "share of the pressure", "a smaller drop of the error is not practically significant: sensors drift as much")
 GAS_BOUND = Number(
     22.0,
     "units of what is practically significant",
@@ -29,7 +28,6 @@ LEAK_LAMINAR = Number(1.8e-13, "kg/(s Pa^2) per m^3 of swept volume", "the same 
 
 # -- forces ---------------------------------------------------------------------------------------------------------------------
 FORCE_FLOOR_SHARE = Number(0.008, "share of the forces that act", "what the model of a healthy machine leaves of a balance of forces")
-FORCE_SIGNIFICANT = Number(2e-4, "share of the stall force", "a smaller drop of the error is not practically significant")
 FORCE_BOUND_SHARE = Number(0.03, "share of the forces that act", "discrepancy bound of a balance of forces: this ...")
 FORCE_BOUND_STALL = Number(0.003, "share of the stall force", "... or, where it is larger, this")
 FRICTION_PLACE = Number(
@@ -58,5 +56,4 @@ SOFT_CONTACT = Number(2.5e5, "N/m", "only a dry contact softer than this is a fi
 
 # -- supply ---------------------------------------------------------------------------------------------------------------------
 SUPPLY_FLOOR_SHARE = Number(2e-4, "share of the pressure", "what sensors and the flow model of a healthy machine leave")
-SUPPLY_SIGNIFICANT = Number(2e-3, "share of the pressure", "a supply that strays by less concerns nobody")
 SUPPLY_BOUND = Number(10.0, "units of what is practically significant", "discrepancy bound of the supply")

@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from exo_sim.recording.finding import Finding
-from exo_sim.recording.health import clock, consistency, freezing, plausibility, samples
+from exo_sim.recording.health import clock, consistency, plausibility, samples, stuck_or_clipped
 from exo_sim.recording.health.facts import Facts
 from exo_sim.recording.noise import floors
 from exo_sim.recording.table import Recording
@@ -32,7 +32,7 @@ def check(recording: Recording, facts: Facts | None = None) -> list[Finding]:
     found = clock.check(recording)
     for key in recording.columns:
         found += samples.check(recording, key, noise[key])
-        found += freezing.check(recording, key, noise)
+        found += stuck_or_clipped.check(recording, key, noise)
         found += plausibility.check(recording, key, noise[key], facts)
     spoilt = {finding.column for finding in found if finding.severity == "fault"}
     found += consistency.check(recording, noise, spoilt)

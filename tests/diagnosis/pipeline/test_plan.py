@@ -28,7 +28,7 @@ def result(name: str, *found: str) -> SubsystemResult[waves.Waves]:
                                                 ({("base", "elsewhere"): ""}, ["base", "other"])])  # fmt: skip
 def test_what_was_refuted_at_a_place_is_not_asked_there(refuted: dict[tuple[str, str], str], asked: list[str]) -> None:
     plan = Plan(Split({}), refuted)
-    assert [one.effect for one in plan.asked([waves.BASE, waves.OTHER])] == asked
+    assert [one.effect for one in plan.without_refuted([waves.BASE, waves.OTHER])] == asked
 
 
 def test_results_keep_the_findings_that_are_to_be_kept_in_their_order() -> None:

@@ -110,7 +110,7 @@ def test_a_refuted_effect_is_not_sought_again(monkeypatch: pytest.MonkeyPatch, d
     assert "no more than 1 %" in end.plan.refuted[SPRING]
     parameter = FreeParameter(*SPRING, "stiffness", "N/m", Target.CYLINDER, 1.0, 0.0, 1.0)
     candidates = [Candidate(*at, "form", (parameter,), ((1.0,),)) for at in (LEAK, SPRING)]
-    assert [candidate.at for candidate in end.plan.asked(candidates)] == [LEAK]
+    assert [candidate.at for candidate in end.plan.without_refuted(candidates)] == [LEAK]
 
 
 def test_in_the_last_round_refuted_effects_are_taken_back(monkeypatch: pytest.MonkeyPatch, data: MachineData) -> None:

@@ -20,7 +20,7 @@ from exo_sim.diagnosis.estimation.least_squares import Fit, fit
 from exo_sim.diagnosis.estimation.parameters import CARD_OF_PRESSURES, FreeParameter, PlantParameters
 from exo_sim.diagnosis.estimation.threads import SERIAL, Threads
 from exo_sim.diagnosis.findings import Finding, Series, Subsystem
-from exo_sim.diagnosis.policy import healthy, judgement, priors
+from exo_sim.diagnosis.policy import healthy, judgement, priors, significance
 from exo_sim.diagnosis.subsystem_model import Comparison, SubsystemModel
 from exo_sim.diagnosis.subsystems.gas.bursts import burst_ratio
 from exo_sim.diagnosis.subsystems.gas.experiments import menu
@@ -106,7 +106,7 @@ class GasModel(SubsystemModel):
     def practical_significance(self) -> float:
         levels = [float(np.nanmean(p)) for run in self.runs for p in run.pressure if p is not None]
         scales = [float(np.median(rows.scale)) for run in self._rows for rows in run if rows.count.size]
-        return healthy.GAS_SIGNIFICANT * max(levels, default=0.0) / max(scales, default=1.0)
+        return significance.GAS_SIGNIFICANT * max(levels, default=0.0) / max(scales, default=1.0)
 
     @property
     def discrepancy_bound(self) -> float:

@@ -18,7 +18,7 @@ from exo_sim.diagnosis.discrepancy.trace import Trace
 from exo_sim.diagnosis.estimation.least_squares import Fit
 from exo_sim.diagnosis.estimation.parameters import FreeParameter, PlantParameters
 from exo_sim.diagnosis.findings import Finding, Series, Subsystem
-from exo_sim.diagnosis.policy import healthy
+from exo_sim.diagnosis.policy import healthy, significance
 from exo_sim.diagnosis.policy.calibration import SURE
 from exo_sim.diagnosis.subsystem_model import Comparison, SubsystemModel
 from exo_sim.diagnosis.subsystems.healthy_leak import OUTWARD
@@ -105,7 +105,7 @@ class MotionModel(SubsystemModel):
 
     @property
     def practical_significance(self) -> float:
-        floor = healthy.FORCE_SIGNIFICANT * stall_force(self.runs[0], self.nominal)
+        floor = significance.FORCE_SIGNIFICANT * stall_force(self.runs[0], self.nominal)
         return floor / self.noise if self.noise else 0.0
 
     @property

@@ -15,7 +15,7 @@ from exo_sim.diagnosis.discrepancy.trace import Trace
 from exo_sim.diagnosis.estimation.least_squares import Fit
 from exo_sim.diagnosis.estimation.parameters import PlantParameters
 from exo_sim.diagnosis.findings import Finding, Series, Subsystem
-from exo_sim.diagnosis.policy import healthy
+from exo_sim.diagnosis.policy import healthy, significance
 from exo_sim.diagnosis.policy.regimes import DRAWING
 from exo_sim.diagnosis.subsystem_model import Comparison, SubsystemModel
 from exo_sim.diagnosis.subsystems.supply.prediction import follow_supply
@@ -83,7 +83,7 @@ class SupplyModel(SubsystemModel):
     @property
     def practical_significance(self) -> float:
         level = max((float(np.nanmean(run.pressure)) for run in self.runs), default=0.0)
-        return healthy.SUPPLY_SIGNIFICANT * level / float(np.median(self.scale)) if self.scale.size else 0.0
+        return significance.SUPPLY_SIGNIFICANT * level / float(np.median(self.scale)) if self.scale.size else 0.0
 
     @property
     def discrepancy_bound(self) -> float:

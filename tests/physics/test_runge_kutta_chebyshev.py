@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from exo_sim.physics.integrator import MOST_STAGES, REACH, coefficients, enough_stages, stable_reach
+from exo_sim.physics.runge_kutta_chebyshev import MOST_STAGES, REACH, coefficients, enough_stages, stable_reach
 
 
 def gain(stages: int, reach: float) -> float:

@@ -6,7 +6,7 @@ from pathlib import Path
 import pytest
 
 from exo_sim import rig
-from exo_sim.rig.valve_pace import longest_step
+from exo_sim.rig.control_step import longest_step
 
 ASSETS = Path(__file__).resolve().parents[2] / "assets"
 

@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 
 from exo_sim.physics.compiled import kernel
 
-#: The most stages in one step; beyond that the step is divided.
+#: The most stages in one step; beyond that `step_length.py` divides it.
 MOST_STAGES = 20
 
 #: How strongly modes that are faster than a step are damped. With the authors' 2/13 they fade by a twentieth a step, and a small volume

@@ -9,9 +9,9 @@ from hypothesis import strategies as st
 from numpy.typing import NDArray
 
 from exo_sim.physics import plant, state
-from exo_sim.physics.integrator import REACH
-from exo_sim.physics.pace import step_length
 from exo_sim.physics.pneumatics import Pneumatics, paper_cylinder, paper_world
+from exo_sim.physics.runge_kutta_chebyshev import REACH
+from exo_sim.physics.step_length import step_length
 
 MM2, CM3 = 1e-6, 1e-6
 

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from exo_sim.recording import Recording
-from exo_sim.recording.health import freezing
+from exo_sim.recording.health import stuck_or_clipped
 from exo_sim.recording.noise import floors
 
 TIME = np.arange(6000.0) * 1e-3
@@ -17,7 +17,7 @@ MOVING = 0.05 * np.sin(3.0 * TIME)
 def kinds(pressure: np.ndarray) -> dict[str, tuple[tuple[int, int], ...]]:
     columns = {"piston.pressure_1": pressure, "slide.position": MOVING + RNG.normal(0.0, 1e-5, TIME.size)}
     table = Recording("r", TIME, columns, {"piston.pressure_1": "Pa", "slide.position": "m"})
-    return {one.kind: one.rows for one in freezing.check(table, "piston.pressure_1", floors(table))}
+    return {one.kind: one.rows for one in stuck_or_clipped.check(table, "piston.pressure_1", floors(table))}
 
 
 def noisy(values: np.ndarray) -> np.ndarray:

@@ -24,6 +24,9 @@ THROUGH: dict[str, tuple[str, ...]] = {
     "diagnosis/pipeline/test_diagnose_benches.py": (
         "diagnosis/selection/remainder.py", "diagnosis/subsystems/gas/experiments.py",
     ),
+    "diagnosis/policy/test_number.py": (
+        "diagnosis/policy/significance.py",
+    ),
     "diagnosis/pipeline/test_sorting.py": (
         "simulation/replay/external_drive.py",
     ),

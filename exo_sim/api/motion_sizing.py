@@ -53,15 +53,10 @@ class MotionSizing:
 
     def plot(self) -> Picture:
         """Draw the front: gas drawn against the mass of the cylinders, the recommended design marked."""
-        from exo_sim.api.picture import Picture
+        from exo_sim.api.picture import front
 
-        figure = Picture(figsize=(6.0, 4.0), layout="constrained")
-        axes = figure.subplots()
-        axes.plot([one.mass for one in self.study.front], [1e3 * one.gas for one in self.study.front], "o", ms=4, label="front")
-        axes.plot(self.study.chosen.mass, 1e3 * self.study.chosen.gas, "*", ms=14, label="recommended")
-        axes.set(xlabel="mass of the cylinders [kg]", ylabel="gas over the motion [g]")
-        axes.legend()
-        return figure
+        chosen = self.study.chosen
+        return front([(one.mass, one.gas) for one in self.study.front], (chosen.mass, chosen.gas), "gas over the motion [g]")
 
     def __str__(self) -> str:
         return motion_result.words(self.study, self.folder)

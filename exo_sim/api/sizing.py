@@ -73,16 +73,11 @@ class Sizing:
 
     def plot(self) -> Picture:
         """Draw the front: gas drawn against the mass of the cylinders, the recommended design marked."""
-        from exo_sim.api.picture import Picture
+        from exo_sim.api.picture import front
 
-        figure = Picture(figsize=(6.0, 4.0), layout="constrained")
-        axes = figure.subplots()
-        front, best = self.front, self.summary["recommended"]
-        axes.plot([one["actuator_mass_kg"] for one in front], [1e3 * one["gas_kg_per_stride"] for one in front], "o", ms=4, label="front")
-        axes.plot(best["actuator_mass_kg"], 1e3 * best["gas_kg_per_stride"], "*", ms=14, label="recommended")
-        axes.set(xlabel="mass of the cylinders [kg]", ylabel="gas a cycle [g]")
-        axes.legend()
-        return figure
+        mass, gas = "actuator_mass_kg", "gas_kg_per_stride"
+        best = self.summary["recommended"]
+        return front([(one[mass], one[gas]) for one in self.front], (best[mass], best[gas]), "gas a cycle [g]")
 
     def __str__(self) -> str:
         return summary_text.words(self.study, self.folder)

@@ -93,7 +93,6 @@ class CylinderRun:
 
     def part(self, start: int, stop: int) -> CylinderRun:
         """Return the samples from `start` to before `stop` as a run of their own."""
-
         return self._chosen(slice(start, stop), (0, *(b - start for b in self.breaks if start < b < stop)), start == 0)
 
     def at(self, samples: NDArray[np.int64], breaks: tuple[int, ...]) -> CylinderRun:

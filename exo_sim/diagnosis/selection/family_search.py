@@ -7,7 +7,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping, Sequence
-from dataclasses import replace
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -31,6 +31,22 @@ from exo_sim.physics.declaration import declared
 
 #: Laws that are less probable than this, in units of the most probable one, do not widen an interval.
 LEAST_WEIGHT = 1e-4
+
+
+@dataclass(frozen=True)
+class _Law:
+    """One law that the effects of a subset may follow.
+
+    Attributes:
+        weight: Its probability in units of the most probable one's.
+        own: Whether it is the best subset's own.
+        values, errors: Parameters and their posterior standard deviations.
+    """
+
+    weight: float
+    own: bool
+    values: Mapping[FreeParameter, float]
+    errors: Mapping[FreeParameter, float]
 
 
 class FamilySearch:
@@ -61,23 +77,24 @@ class FamilySearch:
         values, _ = self._values(best, posterior)
         near = FittedModel((), Fit((), values, np.zeros(0), np.zeros((0, 0))))
         kin = self._kin(best, finalists)
-        chosen = self._no_richer_than_needed(self._probable(best, finalists, kin), best, finalists)
+        rivals, laws = self._rivals(best, finalists), self._laws(best, finalists)
+        chosen = self._no_richer_than_needed(self._probable(best, finalists, kin), rivals)
         spreads = self._widened(best, self._left_by(self.fits.fit(chosen, near), best))
-        self.beside = MarginalFits(self.fits, self.basis, spreads, self.weighing.correlation_time)
-        final = self._fitted(chosen, near)
+        beside = MarginalFits(self.fits, self.basis, spreads, self.weighing.correlation_time)
+        final = self._fitted(chosen, near, beside)
         plain = self.fits.refined(self.fits.fit(final.candidates, final))
-        final = self._predicting_best(final, plain, self._errors_of(final, best, finalists))
+        final = self._predicting_best(final, plain, _errors_about(final, laws))
         probabilities = self.weighing.probabilities(finalists)
         comparisons = Comparisons(self.fits, baseline, len(self.family.bends[0].terms), 0.0)
         kept = {candidate.key for candidate in final.candidates}
         return SearchResult(
             baseline,
             final,
-            {c.key: self._evidence_for(c, final, finalists, self._kin_of(c, kin), comparisons) for c in final.candidates},
-            {key: rivals for key, rivals in self._rivals(best, finalists).items() if key in kept},
+            {c.key: self._evidence_for(c, final, beside, finalists, self._kin_of(c, kin), comparisons) for c in final.candidates},
+            {key: those for key, those in rivals.items() if key in kept},
             self._runners_up(best, posterior),
             probabilities=probabilities | self._of_poorer(final, best, kin, probabilities),
-            errors=self._errors_of(final, best, finalists),
+            errors=_errors_about(final, laws),
             unnamed=self._unnamed(best, finalists, posterior),
             least_left=plain.fit.sse,
         )
@@ -118,25 +135,16 @@ class FamilySearch:
                 found.append(Unnamed(term.candidate.form, probability, share))
         return tuple(sorted(found, key=lambda one: -one.share))
 
-    def _errors_of(self, final: FittedModel, best: Weighed, finalists: Sequence[Weighed]) -> dict[FreeParameter, float]:
-        """Return standard deviations about the values of a model, over all laws that its effects may follow.
-
-        Laws that fit about as well give a number other values (a dip that falls slowly with speed leaves less to the level at which a
-        contact slides): the mean square over them, by their probability, is what is not known of it.
-        """
-        weights: dict[FreeParameter, list[tuple[float, float]]] = {}
-        laws = self.weighing.alike(best, finalists)
-        highest = max(one.score for one in laws)
-        for one in laws:
-            weight = math.exp(one.score - highest)
-            if weight < LEAST_WEIGHT:
-                continue
-            values, errors = self._values(one, self.weighing.posterior(one))
-            for q, error in errors.items():
-                own = one.bend == best.bend and one.subset == best.subset
-                if q in final.fit.values and (own or q.target is not Target.SENSOR):  # a sensor's error has one law
-                    weights.setdefault(q, []).append((weight, error**2 + (values[q] - final.fit.values[q]) ** 2))
-        return {q: math.sqrt(sum(w * square for w, square in pairs) / sum(w for w, _ in pairs)) for q, pairs in weights.items()}
+    def _laws(self, best: Weighed, finalists: Sequence[Weighed]) -> list[_Law]:
+        """Return every law that the effects of the best subset may follow, by how probable it is."""
+        alike = self.weighing.alike(best, finalists)
+        highest = max(one.score for one in alike)
+        probable = [(math.exp(one.score - highest), one) for one in alike]
+        return [
+            _Law(weight, one.bend == best.bend and one.subset == best.subset, *self._values(one, self.weighing.posterior(one)))
+            for weight, one in probable
+            if weight >= LEAST_WEIGHT
+        ]
 
     def _values(self, best: Weighed, posterior: Posterior) -> tuple[dict[FreeParameter, float], dict[FreeParameter, float]]:
         """Return where the fit of the best subset starts, and the posterior standard deviation of its effects' parameters."""
@@ -198,10 +206,9 @@ class FamilySearch:
         return plain if near else final
 
     def _no_richer_than_needed(
-        self, candidates: tuple[Candidate, ...], best: Weighed, finalists: Sequence[Weighed]
+        self, candidates: tuple[Candidate, ...], rivals: Mapping[CandidateKey, Sequence[tuple[Candidate, float]]]
     ) -> tuple[Candidate, ...]:
         """Return the effects, a richer form replaced by the poorer one where that explains the recording as well."""
-        rivals = self._rivals(best, finalists)
         found = []
         for candidate in candidates:
             effect = declared().get(candidate.effect)
@@ -232,10 +239,10 @@ class FamilySearch:
             c.at: sum(probabilities.get(at, 0.0) for at in self._kin_of(c, kin)) for c in final.candidates if c.at not in chosen
         }
 
-    def _fitted(self, candidates: tuple[Candidate, ...], near: FittedModel) -> FittedModel:
+    def _fitted(self, candidates: tuple[Candidate, ...], near: FittedModel, beside: MarginalFits) -> FittedModel:
         """Return the fit of these effects; those that a healthy machine has as well are nuisance parameters."""
         while True:
-            final = self.beside.fit(candidates, near, refined=True)
+            final = beside.fit(candidates, near, refined=True)
             there = self._without_nil(candidates, final.fit.values)
             kept = self._poorer_where_alike(tuple(c for c in there if exceeds_healthy_limit(c, final)), final.fit.values)
             if kept == candidates:
@@ -250,10 +257,11 @@ class FamilySearch:
         return tuple(c for c in candidates if c not in usurping) if usurping else tuple(c for c in candidates if c.effect not in nil)
 
     def _evidence_for(
-        self, candidate: Candidate, final: FittedModel, finalists: Sequence[Weighed], kin: set[At], comparisons: Comparisons
+        self, candidate: Candidate, final: FittedModel, beside: MarginalFits, finalists: Sequence[Weighed], kin: set[At],
+        comparisons: Comparisons,
     ) -> Evidence:
         """Return the evidence for an effect of the final model, its odds against the best subset with none of its kin."""
-        without = self.beside.fit(final.without(candidate), final)
+        without = beside.fit(final.without(candidate), final)
         found = comparisons.evidence(without, final)
         rest = [one.score for one in finalists if not kin & {c.at for c in self.weighing.candidates(one)}]
         lowest = min(one.score for one in finalists if one.score > -math.inf)
@@ -297,3 +305,17 @@ class FamilySearch:
 def _is_effect(candidate: Candidate) -> bool:
     """Return whether a candidate is an effect of the list: neither a law of one nor what has no name."""
     return not candidate.is_law and candidate.kind is not Kind.UNKNOWN
+
+
+def _errors_about(final: FittedModel, laws: Sequence[_Law]) -> dict[FreeParameter, float]:
+    """Return standard deviations about the values of a model, over all laws that its effects may follow.
+
+    Laws that fit about as well give a number other values (a dip that falls slowly with speed leaves less to the level at which a
+    contact slides): the mean square over them, by their probability, is what is not known of it.
+    """
+    weights: dict[FreeParameter, list[tuple[float, float]]] = {}
+    for law in laws:
+        for q, error in law.errors.items():
+            if q in final.fit.values and (law.own or q.target is not Target.SENSOR):  # a sensor's error has one law
+                weights.setdefault(q, []).append((law.weight, error**2 + (law.values[q] - final.fit.values[q]) ** 2))
+    return {q: math.sqrt(sum(w * square for w, square in pairs) / sum(w for w, _ in pairs)) for q, pairs in weights.items()}

@@ -26,11 +26,6 @@ from exo_sim.simulation.replay import FreeRun, free_run, usable
 Array = NDArray[np.float64]
 
 
-def free_runs(data: MachineData, improved: str, split: Split) -> dict[str, SignalFit]:
-    """Return the errors of one improved rig; see `FreeRuns`."""
-    return FreeRuns(data, split).errors(improved)
-
-
 class FreeRuns:
     """Runs that no measurement corrects on their way, of the rig as believed and of any number of improved ones.
 

@@ -16,7 +16,7 @@ from exo_sim.diagnosis.data.machine_data import MachineData
 from exo_sim.diagnosis.data.split import Split
 from exo_sim.diagnosis.pipeline.diagnose import diagnose
 from exo_sim.diagnosis.pipeline.reading import gather
-from exo_sim.diagnosis.validation.free_run import _Sums, free_runs
+from exo_sim.diagnosis.validation.free_run import FreeRuns, _Sums
 from exo_sim.machine.load import load
 from exo_sim.recording import read
 from exo_sim.simulation.replay import replay, rms
@@ -46,7 +46,7 @@ def kept(case: MachineData, start: float = 7.0, stop: float = 9.0) -> Split:
 def test_errors_are_those_of_compare_on_the_time_that_was_kept(bench: Path) -> None:
     path = bench / "recording.parquet"
     case = gather([path], bench / "rig.toml")
-    found = free_runs(case, (bench / "rig.toml").read_text(), kept(case))
+    found = FreeRuns(case, kept(case)).errors((bench / "rig.toml").read_text())
     table = read(path).recording
     run = replay(table, case.rig, load(case.rig)).free_run
     inside = (table.time >= 7.0) & (table.time <= 9.0)
@@ -60,7 +60,7 @@ def test_errors_are_those_of_compare_on_the_time_that_was_kept(bench: Path) -> N
 def test_a_supply_that_was_measured_does_not_sag_twice(tmp_path: Path, effect: str) -> None:
     case, rig = with_truth(tmp_path, effect)
     assert "supply.pressure" in case.recordings[0]
-    for key, fit in free_runs(case, rig, kept(case)).items():
+    for key, fit in FreeRuns(case, kept(case)).errors(rig).items():
         assert fit.after == pytest.approx(fit.before), key
 
 
@@ -70,20 +70,20 @@ def test_what_a_measured_exhaust_shows_is_not_added_to_it(tmp_path: Path) -> Non
     level = np.full_like(table.time, 101325.0)
     columns, units = {**table.columns, "exhaust.pressure": level}, {**table.units, "exhaust.pressure": "Pa"}
     case = replace(case, as_read=(replace(table, columns=columns, units=units),))
-    for key, fit in free_runs(case, rig, kept(case)).items():
+    for key, fit in FreeRuns(case, kept(case)).errors(rig).items():
         assert fit.after == pytest.approx(fit.before), key
 
 
 def test_a_command_with_the_wrong_sign_is_turned_round(tmp_path: Path) -> None:
     case, rig = with_truth(tmp_path, "piston_leakage")
-    right = free_runs(case, rig, kept(case))
+    right = FreeRuns(case, kept(case)).errors(rig)
     table = case.as_read[0]
     opposite = replace(table, columns={**table.columns, "piston.valve_command": -table["piston.valve_command"]})
     case = replace(case, as_read=(opposite,))
-    wrong = free_runs(case, rig, kept(case))
+    wrong = FreeRuns(case, kept(case)).errors(rig)
     assert wrong["piston.pressure_1"].after > 10.0 * right["piston.pressure_1"].after
     case = replace(case, sensors=(*case.sensors, reversed_command("piston")))
-    assert free_runs(case, rig, kept(case)) == right
+    assert FreeRuns(case, kept(case)).errors(rig) == right
 
 
 @pytest.mark.parametrize("column", ["piston.valve_command", "piston.pressure_2"])
@@ -92,7 +92,7 @@ def test_nothing_is_run_where_something_would_have_to_be_assumed(tmp_path: Path,
     table = case.as_read[0]
     less = replace(table, columns={key: values for key, values in table.columns.items() if key != column})
     case = replace(case, as_read=(less,))
-    assert free_runs(case, rig, kept(case)) == {}
+    assert FreeRuns(case, kept(case)).errors(rig) == {}
 
 
 def test_a_few_samples_between_two_jumps_of_the_clock_are_no_lost_simulation(tmp_path: Path) -> None:
@@ -100,22 +100,22 @@ def test_a_few_samples_between_two_jumps_of_the_clock_are_no_lost_simulation(tmp
     table = case.as_read[0]
     time = table.time + 0.4 * (np.arange(len(table.time)) >= 7500) + 0.4 * (np.arange(len(table.time)) >= 7503)
     case = replace(case, as_read=(replace(table, time=time),))
-    found = free_runs(case, rig, kept(case, 7.0, 9.8))
+    found = FreeRuns(case, kept(case, 7.0, 9.8)).errors(rig)
     assert found and all(math.isfinite(fit.before) and math.isfinite(fit.after) for fit in found.values())
 
 
 def test_a_vessel_is_run_from_where_it_is_judged(tmp_path: Path) -> None:
     case, rig = with_truth(tmp_path, "piston_leakage")
-    whole = free_runs(case, rig, kept(case))
+    whole = FreeRuns(case, kept(case)).errors(rig)
     case = replace(case, cylinders={"piston": tuple(run.part(3000, len(run.time)) for run in case.cylinders["piston"])})
-    part = free_runs(case, rig, kept(case))
+    part = FreeRuns(case, kept(case)).errors(rig)
     assert part.keys() == whole.keys() and part["piston.pressure_1"].before != whole["piston.pressure_1"].before
 
 
 def test_recordings_that_are_long_are_left_to_compare(bench: Path) -> None:
     case = gather([bench / "recording.parquet"], bench / "rig.toml")
     case = replace(case, as_read=(replace(case.as_read[0], time=case.as_read[0].time * 100.0),))
-    assert free_runs(case, (bench / "rig.toml").read_text(), kept(case, 700.0, 900.0)) == {}
+    assert FreeRuns(case, kept(case, 700.0, 900.0)).errors((bench / "rig.toml").read_text()) == {}
 
 
 def test_a_simulation_that_was_lost_has_no_error() -> None:

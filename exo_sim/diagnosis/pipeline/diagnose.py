@@ -59,8 +59,12 @@ def diagnose(
     report, allowed = progress or (lambda words: None), Budget(budget)
     report("reading")
     data = gather(recordings, rig, column_map)
-    with Threads(jobs or os.cpu_count() or 1) as threads:
-        stable = examine_until_stable(data, threads, report, allowed)
+    with Threads(jobs or os.cpu_count() or 1) as threads:  # what is reported of rivals is fitted as well
+        return _reported(examine_until_stable(data, threads, report, allowed), allowed, report, folder)
+
+
+def _reported(stable: Examination, allowed: Budget, report: Progress, folder: Path | None) -> Diagnosis:
+    """Return what an examination says, and the improved rig as far as it wins."""
     found, in_the_test = with_test_findings(stable)
     findings = [*_findings(found), *in_the_test]
     data, results, test, split = found.data, found.results, found.test, found.plan.split

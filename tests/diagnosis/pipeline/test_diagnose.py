@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from pathlib import Path
 
 import benches
@@ -10,6 +11,8 @@ import pytest
 
 from exo_sim.diagnosis.findings import Diagnosis, Kind, Verdict
 from exo_sim.diagnosis.pipeline.diagnose import diagnose
+from exo_sim.diagnosis.selection.subsystem_result import SubsystemResult
+from exo_sim.diagnosis.subsystem_model import SubsystemModel
 from exo_sim.recording import Recording
 from exo_sim.recording.reader import Reading
 from exo_sim.rig import parse
@@ -43,3 +46,15 @@ def test_a_dead_volume_that_is_off_is_a_calibration(tmp_path: Path) -> None:
     assert found.verdict is Verdict.CALIBRATION
     assert {(one.name, one.kind) for one in found.effects} == {("dead_volume", Kind.CALIBRATION)}
     assert parse(found.improved, tmp_path / "rig.toml").cylinders["piston"].dead_volume_1 == pytest.approx(12e-6, rel=0.05)
+
+
+def test_rivals_can_still_be_fitted_when_the_next_experiment_is_chosen(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    table = noisy(benches.led(benches.bench(tmp_path), 2.0))
+    asked: list[list[int]] = []
+
+    def next_experiment(findings: object, questions: object, results: Sequence[SubsystemResult[SubsystemModel]]) -> None:
+        asked.extend(one.fits.threads.predictions(abs, [-1, -2]) for one in results)
+
+    monkeypatch.setattr("exo_sim.diagnosis.pipeline.diagnose.next_experiment", next_experiment)
+    diagnose([Reading(table, ())], tmp_path / "rig.toml", jobs=2)
+    assert asked and all(answer == [1, 2] for answer in asked)

@@ -15,35 +15,34 @@ from exo_sim.control import demand as law_of_demand
 from exo_sim.control import machine_dynamics, own
 from exo_sim.control.causal import Calibration, Causal
 from exo_sim.control.least_load import SPARING, LeastLoad
-from exo_sim.control.valve_control import largest_forces
-from exo_sim.errors import Diverged, ModelError, ScenarioError
+from exo_sim.errors import ScenarioError
 from exo_sim.gait import scenario as scenarios
 from exo_sim.gait.motion import SAMPLES, Motion
 from exo_sim.gait.residual_reduction import worn
 from exo_sim.gait.variation import Variation
 from exo_sim.machine.attachment import attach
 from exo_sim.machine.build import PAYLOAD_LIMIT, build, carry
-from exo_sim.machine.linkage import check_strokes, moment_row
+from exo_sim.machine.linkage import check_strokes
 from exo_sim.machine.load import check_effects
 from exo_sim.machine.person import Person
 from exo_sim.machine.straps import fasten
 from exo_sim.rig import Rig
-from exo_sim.rig.control_step import longest_step
+from exo_sim.rig.control_step import check_step
 from exo_sim.simulation import chamber_plans, driven, loop
 from exo_sim.simulation.calibration import calibrated
+from exo_sim.simulation.divergence import WearerWatch
 from exo_sim.simulation.loop_wiring import wire
 from exo_sim.simulation.native import warnings_counted
 from exo_sim.simulation.plugin import PneumaticPlugin
 from exo_sim.simulation.rehearsal import learn_from
-from exo_sim.simulation.walk import Request, Walk, layout
+from exo_sim.simulation.torque_limits import too_weak, torque_limits
+from exo_sim.simulation.walk import Request, Walk, as_columns, layout
 
 _CHUNK = 250
 #: Rows of a piece of a long run, and whole cycles in it at the least: those that a summary leaves out, and one more.
 MOST_ROWS, FEWEST_CYCLES = 1 << 14, 3
 #: A rehearsal leaves out so many cycles or so much time [s] at its start, and looks at so much time after that [s].
 _SETTLING, _SETTLING_TIME, _LOOKED_AT = 2, 2.0, 1.5
-#: How far the machine may leave its wearer before the run counts as a fall [rad, m].
-_FALLEN_PITCH, _FALLEN_DISTANCE = 0.7, 0.35
 
 
 class Simulation:
@@ -86,7 +85,7 @@ class Simulation:
         self._frame = _frame_mass(rig, self.person)
         self.plugin = PneumaticPlugin(self.model, rig)
         if request.assist == "on" and not request.ideal:
-            _check_step(rig, float(self.model.opt.timestep))
+            check_step(rig, float(self.model.opt.timestep))
         self.dt = float(self.model.opt.timestep)
         self.remarks: tuple[str, ...] = ()
         self.calibration: Calibration | None = None
@@ -107,7 +106,7 @@ class Simulation:
             self.controlled_by(controller, seed)
         elif self.calibration is not None:
             self.controlled_by(Causal(self.calibration), seed)
-        self._reset()
+        self.reset()
 
     def _varied(self, motion: Motion, variation: Variation) -> Motion:
         """Return the motion with strides that differ from the mean one, on which torques were planned."""
@@ -139,13 +138,13 @@ class Simulation:
             )
             carry(model, payload)
         dynamics = machine_dynamics.along(model, self.motion, self.person, self.straps)
-        reach = self._reach()
+        limits = torque_limits(self.plugin, self.motion)
         needed = law_of_demand.demand("inverse_dynamics", dynamics, self.motion, self.straps, self.rig.ankle)
-        self.remarks = () if self.request.ideal else self._too_weak(payload, needed[machine_dynamics.PICK], reach)
+        self.remarks = () if self.request.ideal else too_weak(self.plugin.links, payload, needed[machine_dynamics.PICK], limits)
         if self.request.law not in ("least_load", "causal"):
             return _closed(law_of_demand.demand(self.request.law, dynamics, self.motion, self.straps, self.rig.ankle))
         weights = self.request.weights or (SPARING if self._plans else None)
-        plan = LeastLoad(dynamics, self.motion, self.person, self.straps, self.rig.ankle, reach, weights)
+        plan = LeastLoad(dynamics, self.motion, self.person, self.straps, self.rig.ankle, limits, weights)
         return _closed(self._rehearse(plan, payload))
 
     @property
@@ -169,37 +168,6 @@ class Simulation:
         added = self.demand_added is not self.demand
         self.plan_added = chamber_plans.pressures(self.plugin, self.motion, self.demand_added, asked.gains.preview) if added else self.plan
 
-    def _reach(self) -> NDArray[np.float64]:
-        """Return least and largest torque that cylinders and ankle motors can hold along the cycle, (PHASES, 6, 2)."""
-        data, cylinders = mujoco.MjData(self.model), self.plugin.pneumatics.cylinders
-        supply, atmosphere = self.rig.supply.pressure, self.rig.environment.pressure
-        forces = largest_forces(cylinders["area_1"], cylinders["area_2"], supply, atmosphere, atmosphere)
-        out = np.zeros((machine_dynamics.PHASES, 6, 2))
-        if self.rig.ankle.mode == "powered":
-            out[:, [2, 5]] = [-self.rig.ankle.torque, self.rig.ankle.torque]
-        for i, position in enumerate(self.motion.position[machine_dynamics.PICK]):
-            data.qpos[:] = position
-            mujoco.mj_forward(self.model, data)
-            for link, force in zip(self.plugin.links, forces):
-                out[i, link.dof - 3] += np.sort(moment_row(self.model, data, link.actuator)[link.dof] * force)
-        return out
-
-    def _too_weak(self, payload: float, needed: NDArray[np.float64], reach: NDArray[np.float64]) -> tuple[str, ...]:
-        """Return which cylinders cannot hold what carrying the payload needs, shape (PHASES, 6), reach (PHASES, 6, 2)."""
-        short = []
-        for link in self.plugin.links:
-            torque, (low, high) = needed[:, link.dof - 3], reach[:, link.dof - 3].T
-            worst = int(np.argmax(np.maximum(torque - high, low - torque)))
-            if not low[worst] <= torque[worst] <= high[worst]:
-                most = high[worst] if torque[worst] > 0.0 else low[worst]
-                short.append(f"{link.cylinder} holds {most:.0f} of {torque[worst]:.0f} N m")
-        if not short:
-            return ()
-        return (
-            f"{payload:g} kg is more than the cylinders carry: {', '.join(short)}; the wearer bears the rest "
-            "(more supply pressure, bore or moment arm, or less payload)",
-        )
-
     def _rehearse(self, plan: LeastLoad, payload: float) -> NDArray[np.float64]:
         """Walk a few cycles at a time and better the plan after each time; return the best of the torques tried."""
         ankle = self.rig.ankle
@@ -212,18 +180,18 @@ class Simulation:
             for _ in range(self.request.rehearsals):
                 self.demand = self.demand_added = _closed(law_of_demand.limit(plan.torque(), ankle))
                 self.lay_plans()
-                self._reset()
+                self.reset()
                 learn_from(plan, self.run(), settling)
             if self.request.law == "causal":
                 self.demand = self.demand_added = _closed(law_of_demand.limit(plan.torque(best=True), ankle))
-                self._reset()
+                self.reset()
                 self.calibration = calibrated(plan, self.run(), settling)
         finally:
             self.added, self.cycles, self.demand = usual
             carry(self.model, self.request.payload)
         return law_of_demand.limit(plan.torque(best=self.request.rehearsals > 0), ankle)
 
-    def _reset(self) -> None:
+    def reset(self) -> None:
         """Put the machine on the person at phase zero, moving with it, gas at rest at the pressures that hold it."""
         model, data = self.model, self.data
         mujoco.mj_resetData(model, data)
@@ -260,7 +228,7 @@ class Simulation:
         per_cycle = self.motion.period / self.dt
         cycles = self.cycles if most is None else max(FEWEST_CYCLES, int(most / per_cycle))
         keys = layout(self.rig, self.straps, not self.request.ideal)
-        wired = wire(self)
+        wired, watch = wire(self), self.watch()
         advance: driven.Advance = lambda first, count, rows: loop.run(first, count, *wired, rows)  # noqa: E731
         if self._asked is not None:
             advance = driven.asking(self, self._asked, wired)
@@ -282,11 +250,11 @@ class Simulation:
                         if not stop():
                             raise KeyboardInterrupt from None
                         count, rows = cut.rows, rows[: cut.rows]
-                    self._check(rows, done, done + count)
+                    watch.check(rows, done)
                     done += count
                     bar.to(done * self.dt)
                     interrupted = stop() and done < total
-                yield self._result(log[: done - begun], keys, begun, interrupted)
+                yield self.walk_of(log[: done - begun], keys, begun, interrupted)
                 begun = done
         if self._asked is not None:
             self.remarks = (*self.remarks, *self._asked.remarks())
@@ -313,39 +281,14 @@ class Simulation:
         asked = self.request.cycles if self.request.cycles is not None else usual
         return self.added.at * self.motion.stride_time * asked / usual
 
-    def _check(self, rows: NDArray[np.float64], start: int, stop: int) -> None:
-        """Refuse what cannot be: warnings of MuJoCo, numbers that are none, a machine that left its wearer."""
-        when = f"at {start * self.dt:.3f} to {stop * self.dt:.3f} s"
-        advice = "try a shorter timestep in the MJCF, a smaller payload, or --assist vented to find the cause"
-        if self.data.warning.number.any():
-            kind = list(mujoco.mjtWarning.__members__)[int(np.argmax(self.data.warning.number > 0))]
-            raise Diverged(f"{self.request.scenario}: MuJoCo warns of {kind} {when}; {advice}")
-        if not np.isfinite(rows).all():
-            column = int(np.argmin(np.isfinite(rows).all(axis=0)))
-            key = "time" if column == 0 else layout(self.rig, self.straps, not self.request.ideal)[column - 1][0]
-            raise Diverged(f"{self.request.scenario}: {key} is not a number {when}; {advice}")
-        cycles = np.arange(start, stop, dtype=np.float64) * (self.dt / self.motion.period)
-        wanted = self.motion.at(cycles, 3)
-        far = np.hypot(rows[:, 1] - wanted[:, 0] - self.motion.advance * cycles, rows[:, 2] - wanted[:, 1])
-        if far.max() > _FALLEN_DISTANCE or np.abs(rows[:, 3] - wanted[:, 2]).max() > _FALLEN_PITCH:
-            raise Diverged(f"{self.request.scenario}: the machine falls away from its wearer {when}; {advice}")
+    def watch(self) -> WearerWatch:
+        """Return what tells whether rows of the log are of a machine that is on its wearer."""
+        keys = ("time", *(key for key, _ in layout(self.rig, self.straps, not self.request.ideal)))
+        return WearerWatch(self.request.scenario, self.data, self.motion, self.dt, keys)
 
-    def sound(self, row: NDArray[np.float64], step: int) -> bool:
-        """Return whether one row of the log is of a machine that is on its wearer: a quick look, `_check` says what is wrong."""
-        if self.data.warning.number.any() or not np.isfinite(row).all():
-            return False
-        cycles = step * self.dt / self.motion.period
-        samples = len(self.motion.position)
-        x, z, pitch = self.motion.position[int(cycles * samples) % samples, :3].tolist()
-        far = math.hypot(row[1] - x - self.motion.advance * cycles, row[2] - z)
-        return far < 0.9 * _FALLEN_DISTANCE and abs(row[3] - pitch) < 0.9 * _FALLEN_PITCH
-
-    def _result(self, log: NDArray[np.float64], keys: list[tuple[str, str]], first: int, interrupted: bool) -> Walk:
-        table = _turned(log[:, 1:])
-        columns = {key: table[i] for i, (key, _) in enumerate(keys)}
-        units = dict(keys)
-        wrench = np.stack([columns.pop(key) for key, _ in keys if key.startswith("wearer.")], axis=1)
-        units = {key: unit for key, unit in units.items() if key in columns}
+    def walk_of(self, log: NDArray[np.float64], keys: list[tuple[str, str]], first: int, interrupted: bool) -> Walk:
+        """Return rows of the log, the first of them that of step `first`, as a walk; `keys` as `layout` returns them."""
+        columns, units, wrench = as_columns(log, keys)
         n = len(log)
         time = np.asarray(np.arange(first, first + n) * self.dt, dtype=np.float64)
         if (trial := self.motion.trial) is not None:
@@ -368,7 +311,7 @@ class Simulation:
             columns=columns,
             units=units,
             poses=poses,
-            wrench=wrench.reshape(n, 7, 3),
+            wrench=wrench,
             weight=(frame + payload) * gravity,
             payload=payload,
             books=None if self.request.ideal or n == 0 else self.plugin.books(),
@@ -384,35 +327,7 @@ def _closed(table: NDArray[np.float64]) -> NDArray[np.float64]:
     return np.ascontiguousarray(np.concatenate([table, table[:1]]))
 
 
-def _turned(log: NDArray[np.float64]) -> NDArray[np.float64]:
-    """Return a copy of rows as columns, each in one piece, shape (m, n); some hundred rows at a time stay in the cache."""
-    out = np.empty(log.shape[::-1])
-    for start in range(0, len(log), 128):
-        out[:, start : start + 128] = log[start : start + 128].T
-    return out
-
-
-def _check_step(rig: Rig, step: float) -> None:
-    """Refuse a time step in which an open valve would all but settle a chamber: no held command steers a force then.
-
-    Raises:
-        ModelError: the step is more than half the time in which a chamber settles, the piston at mid-stroke.
-    """
-    for cylinder in rig.cylinders.values():
-        longest = longest_step(rig, cylinder)
-        if step > longest:
-            raise ModelError(
-                f"{rig.model}: timestep = {step:g} s is too long for the valve of cylinder {cylinder.name}, which fills half "
-                f"the cylinder in {2e3 * longest:.1f} ms; write at most {0.95 * longest:.1g}"
-            )
-
-
 def _frame_mass(rig: Rig, person: Person) -> float:
     """Return the machine's mass without payload [kg]."""
     model = build(rig.model, person, 0.0, rig.ankle, rig.body_masses, rig.joint_factors)
     return float(model.body_subtreemass[model.body("torso").id])
-
-
-def simulate(rig: Rig, request: Request, quiet: bool = True) -> Walk:
-    """Simulate a scenario; see `Simulation`."""
-    return Simulation(rig, request).run(quiet=quiet)

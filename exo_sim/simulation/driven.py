@@ -155,6 +155,7 @@ class Stepper:
         self.simulation = simulation
         self.outside = Outside(simulation)
         self._keys = layout(simulation.rig, simulation.straps, not simulation.request.ideal)
+        self._watch = simulation.watch()
         self.rows: list[Array] = []
         self.taken = self.first = 0
 
@@ -165,7 +166,7 @@ class Stepper:
             start: Where in the cycle of the motion it begins, 0 to 1.
         """
         it = self.simulation
-        it._reset()
+        it.reset()
         self.first = self.taken = round(start * it.motion.period / it.dt)
         if self.first:
             q, v = np.empty(9), np.empty(9)
@@ -192,8 +193,8 @@ class Stepper:
                 self.simulation.plugin.check(became)
             except Exception as error:
                 raise Diverged(str(error)) from None
-        if not self.simulation.sound(rows[-1], self.taken + count - 1):
-            self.simulation._check(rows, self.taken, self.taken + count)
+        if not self._watch.sound(rows[-1], self.taken + count - 1):
+            self._watch.check(rows, self.taken)
         self.rows.append(rows)
         self.taken += count
         return rows[-1]
@@ -209,4 +210,4 @@ class Stepper:
 
     def as_walk(self, rows: Array, first: int) -> Walk:
         """Return rows of the log, the first of them that of a step, as a walk."""
-        return self.simulation._result(rows, self._keys, first, True)
+        return self.simulation.walk_of(rows, self._keys, first, True)

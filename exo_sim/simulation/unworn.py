@@ -15,7 +15,7 @@ from exo_sim.control import own
 from exo_sim.control.metering import meter
 from exo_sim.control.tracking import Tracking, TrackingGains
 from exo_sim.control.valve_control import CONTROLLERS, ValveGains, invert, largest_forces, pi
-from exo_sim.errors import Diverged, ModelError, ScenarioError, nearest
+from exo_sim.errors import ModelError, ScenarioError, nearest
 from exo_sim.machine.load import load
 from exo_sim.physics import plant
 from exo_sim.physics.books import Books
@@ -23,6 +23,7 @@ from exo_sim.physics.nodes import exhaust_state, supply_state
 from exo_sim.physics.state import DRAWN, HELD, INTEGRATED, REMEMBERED, SHARED
 from exo_sim.recording.table import Recording
 from exo_sim.rig import Rig
+from exo_sim.simulation.divergence import check_numbers
 from exo_sim.simulation.native import warnings_counted
 from exo_sim.simulation.plugin import PneumaticPlugin
 from exo_sim.simulation.wanted_motion import WantedMotion, check_reach, wanted
@@ -324,12 +325,7 @@ class UnwornSimulation:
     def _check(self, rows: Array) -> None:
         when = f"by {self._step * self.dt:.3f} s"
         advice = "try a shorter timestep in the MJCF, or a slower motion"
-        if self.data.warning.number.any():
-            kind = list(mujoco.mjtWarning.__members__)[int(np.argmax(self.data.warning.number > 0))]
-            raise Diverged(f"{self.motion.name}: MuJoCo warns of {kind} {when}; {advice}")
-        if not np.isfinite(rows).all():
-            key = self._signals[int(np.argmin(np.isfinite(rows).all(axis=0)))].key
-            raise Diverged(f"{self.motion.name}: {key} is not a number {when}; {advice}")
+        check_numbers(self.data, rows, [each.key for each in self._signals], self.motion.name, when, advice)
 
 
 _OF_CYLINDER = (

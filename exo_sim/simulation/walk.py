@@ -162,6 +162,30 @@ def layout(rig: Rig, straps: StrapSet, gas: bool) -> list[tuple[str, str]]:
     return out
 
 
+def as_columns(
+    log: NDArray[np.float64], keys: list[tuple[str, str]]
+) -> tuple[dict[str, NDArray[np.float64]], dict[str, str], NDArray[np.float64]]:
+    """Return the columns of a log by name, their units, and what the straps do to the wearer's segments, shape (n, 7, 3).
+
+    Args:
+        log: Rows as the loop writes them, the time first, shape (n, 1 + len(keys)).
+        keys: As `layout` returns them.
+    """
+    table = _turned(log[:, 1:])
+    columns = {key: table[i] for i, (key, _) in enumerate(keys)}
+    wrench = np.stack([columns.pop(key) for key, _ in keys if key.startswith("wearer.")], axis=1)
+    units = {key: unit for key, unit in keys if key in columns}
+    return columns, units, wrench.reshape(len(log), len(SEGMENTS), 3)
+
+
+def _turned(log: NDArray[np.float64]) -> NDArray[np.float64]:
+    """Return a copy of rows as columns, each in one piece, shape (m, n); some hundred rows at a time stay in the cache."""
+    out = np.empty(log.shape[::-1])
+    for start in range(0, len(log), 128):
+        out[:, start : start + 128] = log[start : start + 128].T
+    return out
+
+
 def default_rig() -> Path:
     """Return the rig of the worn machine that comes with the package."""
     return Path(__file__).resolve().parents[1] / "assets" / "exo.toml"

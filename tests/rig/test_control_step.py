@@ -6,7 +6,8 @@ from pathlib import Path
 import pytest
 
 from exo_sim import rig
-from exo_sim.rig.control_step import longest_step
+from exo_sim.errors import ModelError
+from exo_sim.rig.control_step import check_step, longest_step
 
 ASSETS = Path(__file__).resolve().parents[2] / "assets"
 
@@ -29,3 +30,11 @@ def test_without_a_valve_any_step_will_do() -> None:
 def test_the_committed_machine_runs_at_its_own_step() -> None:
     machine = rig.read(ASSETS / "exo.toml")
     assert all(longest_step(machine, cylinder) > 1e-3 for cylinder in machine.cylinders.values())
+
+
+def test_a_longer_step_is_refused_by_the_cylinder() -> None:
+    machine = rig.read(ASSETS / "exo.toml")
+    shortest = min(machine.cylinders.values(), key=lambda one: longest_step(machine, one))
+    check_step(machine, longest_step(machine, shortest))
+    with pytest.raises(ModelError, match=f"timestep = .* {shortest.name}.*write at most"):
+        check_step(machine, 1.01 * longest_step(machine, shortest))

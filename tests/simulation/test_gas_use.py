@@ -2,9 +2,9 @@
 
 import numpy as np
 import pytest
+from simulation.walked import simulate
 
 from exo_sim import rig as rigs
-from exo_sim.simulation.coupled import simulate
 from exo_sim.simulation.summary import Summary, span, summarise
 from exo_sim.simulation.walk import Request, default_rig
 

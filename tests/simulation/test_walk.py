@@ -6,6 +6,7 @@ from typing import Any
 import mujoco
 import numpy as np
 import pytest
+from simulation.walked import simulate
 
 from exo_sim import rig as rigs
 from exo_sim.errors import Diverged, ModelError, ScenarioError
@@ -16,7 +17,7 @@ from exo_sim.recording import summary as inspected
 from exo_sim.rig import Ankle, Wearer
 from exo_sim.rig.schema import EffectSetting
 from exo_sim.simulation import coupled, ledger, loop, record
-from exo_sim.simulation.coupled import Simulation, simulate
+from exo_sim.simulation.coupled import Simulation
 from exo_sim.simulation.summary import span, summarise, warnings
 from exo_sim.simulation.walk import JOINTS, POWERS, Request
 from exo_sim.simulation.wearer_load import by_straps, with_machine

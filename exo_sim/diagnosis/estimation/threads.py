@@ -14,14 +14,15 @@ Outcome = TypeVar("Outcome")
 class Threads:
     """Thread pools of the same size on both levels; one thread means that everything runs serially.
 
-    The levels have pools of their own, so that a fit that waits for its predictions never holds a thread that they need.
+    The levels have pools of their own, so that a fit that waits for its predictions never holds a thread that they need. What is asked
+    after the pools were closed runs serially: models outlive the search that made them.
 
     Args:
         count: Threads.
     """
 
     def __init__(self, count: int = 1):
-        self._levels = [ThreadPoolExecutor(count) for _ in range(2)] if count > 1 else [None, None]
+        self._levels: list[ThreadPoolExecutor | None] = [ThreadPoolExecutor(count) if count > 1 else None for _ in range(2)]
 
     def fits(self, work: Callable[[Item], Outcome], items: Sequence[Item]) -> list[Outcome]:
         """Return the outcome for every item, in their order; `work` may call `predictions`, but not `fits`."""
@@ -38,6 +39,7 @@ class Threads:
         for level in reversed(self._levels):  # fits that still run end with their predictions
             if level is not None:
                 level.shutdown(cancel_futures=True)
+        self._levels = [None, None]
 
 
 #: No threads: everything runs serially.

@@ -37,3 +37,10 @@ def test_an_error_comes_through() -> None:
 
     with Threads(2) as threads, pytest.raises(ZeroDivisionError):
         threads.fits(fit, range(4))
+
+
+def test_what_outlives_the_pools_runs_serially() -> None:
+    with Threads(2) as threads:
+        threads.fits(str, range(4))
+    assert threads.fits(str, range(3)) == ["0", "1", "2"]
+    assert threads.predictions(str, range(3)) == ["0", "1", "2"]

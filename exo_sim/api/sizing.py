@@ -18,7 +18,7 @@ from exo_sim.api.rig import Rig
 from exo_sim.errors import ScenarioError, nearest
 from exo_sim.rig import Rig as Machine
 from exo_sim.sizing import summary_text
-from exo_sim.sizing.design import Space
+from exo_sim.sizing.design_space import Space
 from exo_sim.sizing.loads import Condition, JointLoads, joint_loads
 from exo_sim.sizing.study import Sizing as Study
 

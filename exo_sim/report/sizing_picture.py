@@ -8,7 +8,8 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from exo_sim.sizing.design import JointKind, fitted
+from exo_sim.sizing.design import fitted
+from exo_sim.sizing.joint_kinds import JointKind
 from exo_sim.sizing.loads import JOINTS, JointLoads
 from exo_sim.sizing.screening import along, at
 from exo_sim.sizing.study import Sizing

@@ -10,7 +10,7 @@ import numpy as np
 from exo_sim.physics import design
 from exo_sim.rig import Rig
 from exo_sim.rig.catalogue import CATALOGUE, RATED_PRESSURE
-from exo_sim.sizing.design import JointKind
+from exo_sim.sizing.joint_kinds import JointKind
 from exo_sim.sizing.linkage_geometry import length_and_arm
 from exo_sim.sizing.loads import JointLoads
 

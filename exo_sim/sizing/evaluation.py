@@ -13,8 +13,10 @@ import exo_sim
 from exo_sim.rig import Rig
 from exo_sim.rig.control_step import longest_step
 from exo_sim.sizing.coupled_stride import STEP, CoupledStride, Stride, mean_of
-from exo_sim.sizing.design import Design, JointKind, Space, actuator_mass, fitted
+from exo_sim.sizing.design import Design, actuator_mass, fitted
+from exo_sim.sizing.design_space import Space
 from exo_sim.sizing.first_designs import first_design
+from exo_sim.sizing.joint_kinds import JointKind
 from exo_sim.sizing.loads import Condition, JointLoads, joint_loads
 from exo_sim.sizing.screening import chosen_bores, screen
 from exo_sim.sizing.springs import beside

@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from exo_sim.rig import Rig
-from exo_sim.sizing.design import MOST_ABOVE, Space
+from exo_sim.sizing.design_space import MOST_ABOVE, Space
 from exo_sim.sizing.loads import JointLoads
 from exo_sim.sizing.screening import chosen_bores, screen
 

@@ -22,7 +22,8 @@ from exo_sim.rig.control_step import longest_step
 from exo_sim.rig.own_catalogue import Catalogue
 from exo_sim.simulation.unworn import UnwornSimulation
 from exo_sim.sizing.capability import capability, margin
-from exo_sim.sizing.design import END_CLEARANCE, LEAST_SUPPLY, MOST_ABOVE, PLACES, VALVE_AREAS
+from exo_sim.sizing.design import END_CLEARANCE, PLACES
+from exo_sim.sizing.design_space import LEAST_SUPPLY, MOST_ABOVE, VALVE_AREAS
 from exo_sim.sizing.evaluation import AMPLE_MARGIN, ENOUGH_MARGIN
 from exo_sim.sizing.motion_loads import RodLoads, rod_loads
 

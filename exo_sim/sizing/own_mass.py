@@ -11,7 +11,8 @@ from dataclasses import replace
 from exo_sim.machine.linkage import linkages, tendon_ends
 from exo_sim.machine.load import load
 from exo_sim.rig import Rig
-from exo_sim.sizing.design import Design, Space, fit
+from exo_sim.sizing.design import Design, fit
+from exo_sim.sizing.design_space import Space
 from exo_sim.sizing.loads import Condition, JointLoads, joint_loads
 from exo_sim.sizing.screening import chosen_bores
 

@@ -10,7 +10,9 @@ from numpy.typing import NDArray
 
 from exo_sim.rig import Rig, assembly
 from exo_sim.sizing.capability import Capability, capability, margin
-from exo_sim.sizing.design import Design, JointKind, Space, fit, fitted
+from exo_sim.sizing.design import Design, fit, fitted
+from exo_sim.sizing.design_space import Space
+from exo_sim.sizing.joint_kinds import JointKind
 from exo_sim.sizing.linkage_geometry import length_and_arm
 from exo_sim.sizing.loads import JointLoads
 

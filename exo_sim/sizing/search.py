@@ -21,7 +21,8 @@ import numpy as np
 
 from exo_sim import progress
 from exo_sim.errors import OutputError
-from exo_sim.sizing.design import MOST_ABOVE, Design, Space
+from exo_sim.sizing.design import Design
+from exo_sim.sizing.design_space import MOST_ABOVE, Space
 from exo_sim.sizing.evaluation import ENOUGH_MARGIN, ENOUGH_TRACKING, Score, Task, largest_torque
 from exo_sim.sizing.loads import joint_loads
 from exo_sim.sizing.workers import Workers

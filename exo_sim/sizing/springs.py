@@ -6,7 +6,8 @@ import numpy as np
 
 from exo_sim.control.chamber_plan import INTERVALS, plan
 from exo_sim.rig import Rig, assembly
-from exo_sim.sizing.design import Design, JointKind, fit, fitted
+from exo_sim.sizing.design import Design, fit, fitted
+from exo_sim.sizing.joint_kinds import JointKind
 from exo_sim.sizing.linkage_geometry import length_and_arm
 from exo_sim.sizing.loads import JointLoads
 

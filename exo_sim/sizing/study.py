@@ -14,8 +14,10 @@ from exo_sim.rig.own_catalogue import Catalogue, CatalogueValve
 from exo_sim.sizing.choice import Choice, nothing_found, recommended, shortlist
 from exo_sim.sizing.confirmation import Confirmed
 from exo_sim.sizing.coupled_stride import CoupledStride, Stride, mean_of
-from exo_sim.sizing.design import LEAST_SUPPLY, JointKind, Space, fitted, kinds_of
+from exo_sim.sizing.design import fitted
+from exo_sim.sizing.design_space import LEAST_SUPPLY, Space
 from exo_sim.sizing.evaluation import Evaluator, Score, Task
+from exo_sim.sizing.joint_kinds import JointKind, kinds_of
 from exo_sim.sizing.loads import Condition, JointLoads, joint_loads
 from exo_sim.sizing.published import PublishedClass, published_class
 from exo_sim.sizing.search import Outcome, search, with_more

@@ -11,7 +11,8 @@ from exo_sim.physics.compressed_air import exergy, free_air
 from exo_sim.simulation import gas_use
 from exo_sim.sizing.by_hand import Step
 from exo_sim.sizing.choice import fates
-from exo_sim.sizing.design import JointKind, fit, spring_mass
+from exo_sim.sizing.design import fit, spring_mass
+from exo_sim.sizing.joint_kinds import JointKind
 from exo_sim.sizing.loads import JointLoads
 from exo_sim.sizing.search import Found
 from exo_sim.sizing.study import Sizing

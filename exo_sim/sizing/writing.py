@@ -9,7 +9,8 @@ import tomlkit
 
 from exo_sim import units
 from exo_sim.rig import Correction, EffectSetting, Finding, Rig, improved
-from exo_sim.sizing.design import Design, JointKind, fitted, valve_effects
+from exo_sim.sizing.design import Design, fitted, valve_effects
+from exo_sim.sizing.joint_kinds import JointKind
 
 
 def sized_text(rig: Rig, kinds: tuple[JointKind, ...], design: Design, folder: Path) -> str:

@@ -3,7 +3,8 @@
 import numpy as np
 import pytest
 
-from exo_sim.sizing.design import kinds_of, spring_mass
+from exo_sim.sizing.design import spring_mass
+from exo_sim.sizing.joint_kinds import kinds_of
 from exo_sim.sizing.travel import BEYOND, within_tasks
 
 

@@ -77,7 +77,7 @@ THROUGH: dict[str, tuple[str, ...]] = {
     ),
     "simulation/test_walk.py": (
         "control/least_load.py", "control/own_faults.py", "control/strap_feedback.py", "control/stride_learning.py",
-        "control/tracking.py", "simulation/calibration.py", "simulation/coupling.py", "simulation/loop_log.py",
+        "control/tracking.py", "simulation/causal_calibration.py", "simulation/coupling.py", "simulation/loop_log.py",
         "simulation/reduction.py", "simulation/rehearsal.py", "simulation/views.py",
     ),
     "sizing/test_search.py": (

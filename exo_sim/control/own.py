@@ -180,7 +180,7 @@ class Interrupted(KeyboardInterrupt):
         self.rows = rows
 
 
-class Asked:
+class RunningController:
     """A controller in use: its calls, what it returns, and what it does wrong in one line.
 
     Args:

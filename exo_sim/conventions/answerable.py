@@ -1,7 +1,7 @@
 """Which questions a recording can answer at all: of every effect and place, what must be recorded for it and is not.
 
-Read from what each effect declares (`reveals`, `needs`, `asked.sense`). That a question can be asked does not say that its answer is large
-enough to show: that is for the diagnosis.
+Read from what each effect declares (`reveals`, `needs`, `identification.applicability`). That a question can be asked does not say that
+its answer is large enough to show: that is for the diagnosis.
 """
 
 from __future__ import annotations
@@ -54,9 +54,9 @@ def questions(recording: Recording, rig: Rig, model: mujoco.MjModel) -> list[Que
     joints = {link.cylinder: model.joint(int(model.dof_jntid[link.dof])).name for link in linkages(rig, model)}
     found = []
     for effect in declared().values():
-        if effect.cut in ("sensor", "any") or effect.asked.held_back:
+        if effect.cut in ("sensor", "any") or effect.identification.excluded:
             continue
-        places = effect.asked.sense.places or effect.places
+        places = effect.identification.applicability.places or effect.places
         if "cylinder" in places:
             found += [_at_cylinder(effect, name, joints.get(name, ""), recording, rig) for name in rig.cylinders]
         if "joint" in places:
@@ -71,7 +71,7 @@ def _at_cylinder(effect: Effect, name: str, joint: str, recording: Recording, ri
     keys = {"position": f"{joint}.position"}
     if effect.needs_valve and cylinder.valve_area <= 0.0:
         missing.append(f"{name} has no valve")
-    if effect.asked.sense.two_chambers and cylinder.single_acting:
+    if effect.identification.applicability.two_chambers and cylinder.single_acting:
         missing.append(f"{name} has one chamber")
     wanted = [keys.get(signal, f"{name}.{signal}") for signal in effect.needs]
     if effect.cut == "gas":
@@ -98,7 +98,7 @@ def _shared(effect: Effect, place: str, recording: Recording, rig: Rig) -> Quest
     shown = [key for signal in effect.reveals for key in ([signal] if "." in signal else [f"{name}.{signal}" for name in rig.cylinders])]
     missing = _lacking(recording, [], shown)
     commands = [f"{name}.{command}" for name, cylinder in rig.cylinders.items() for command in cylinder.commands]
-    if effect.asked.sense.commanded and not any(_range(recording, key) > _CLOSED for key in commands):
+    if effect.identification.applicability.commanded and not any(_range(recording, key) > _CLOSED for key in commands):
         missing.append("a valve that opens, with its command recorded")
     return Question(effect.name, place, tuple(missing))
 
@@ -116,7 +116,7 @@ def _driven(recording: Recording, joint: str, cylinders: Sequence[str]) -> bool:
 
 def _happened(effect: Effect, recording: Recording, command: str, position: str) -> list[str]:
     """Return what must have happened for the question to make sense, and did not."""
-    sense, lacking = effect.asked.sense, []
+    sense, lacking = effect.identification.applicability, []
     valve = effect.needs_valve or sense.commanded
     if valve and command in recording and _range(recording, command) <= _CLOSED:
         lacking.append("the valve never opens")

@@ -10,7 +10,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from exo_sim.diagnosis.policy.judgement import MOST_CONFIDENT
+from exo_sim.diagnosis.policy.verdicts import MOST_CONFIDENT
 from exo_sim.recording.table import Recording
 
 SCHEMA = "exo-sim/diagnosis/1"

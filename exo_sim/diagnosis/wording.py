@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from exo_sim.diagnosis.estimation.candidate import Candidate
-from exo_sim.diagnosis.policy.judgement import NOTHING_EXPLAINED
+from exo_sim.diagnosis.policy.verdicts import NOTHING_EXPLAINED
 from exo_sim.physics.declaration import declared
 
 

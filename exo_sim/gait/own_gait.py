@@ -11,7 +11,7 @@ import numpy as np
 
 from exo_sim.errors import ScenarioError
 from exo_sim.gait import contact_fit, fourier, strides, whole_trial
-from exo_sim.gait.recorded import RecordedGait
+from exo_sim.gait.recorded_gait import RecordedGait
 from exo_sim.gait.scenario import Scenario
 from exo_sim.gait.signs import counted_as_machine
 from exo_sim.gait.trial import GroundForce, Trial

@@ -7,9 +7,9 @@ import math
 import numpy as np
 from numpy.typing import NDArray
 
-from exo_sim.gait import recorded
+from exo_sim.gait import recorded_gait
 from exo_sim.gait.motion import Motion, derivatives, phases, smooth
-from exo_sim.gait.recorded import RecordedGait
+from exo_sim.gait.recorded_gait import RecordedGait
 from exo_sim.machine.person import Person
 
 Array = NDArray[np.float64]
@@ -28,7 +28,7 @@ def walking(name: str, person: Person) -> Motion:
     Raises:
         ScenarioError: no gait of this name was recorded.
     """
-    return walking_as(recorded.load(name), person)
+    return walking_as(recorded_gait.load(name), person)
 
 
 def walking_as(gait: RecordedGait, person: Person) -> Motion:

@@ -10,9 +10,9 @@ from functools import cache
 
 from exo_sim.errors import ModelError, nearest
 from exo_sim.physics import outside
-from exo_sim.physics.asked import Asked
+from exo_sim.physics.identification import Identification
 
-__all__ = ["BESIDE_THE_GAS", "FAMILIES", "PLACES", "Asked", "Effect", "Parameter", "asked_of", "declared"]
+__all__ = ["BESIDE_THE_GAS", "FAMILIES", "PLACES", "Effect", "Identification", "Parameter", "declared", "identification_of"]
 
 #: Where an effect may act. "cylinder" and "joint" are named parts; "supply" and "exhaust" are shared; "column" is a sensor.
 PLACES = ("cylinder", "joint", "supply", "exhaust", "column")
@@ -114,7 +114,7 @@ class Effect:
     absorbs: tuple[tuple[str, tuple[tuple[str, str], ...]], ...] = ()
     needs_valve: bool = False
     check: Callable[[str, Mapping[str, float], Mapping[str, tuple[float, ...]]], str] | None = None
-    asked: Asked = field(default_factory=Asked)
+    identification: Identification = field(default_factory=Identification)
 
     def __post_init__(self) -> None:
         if self.family not in FAMILIES:
@@ -123,9 +123,9 @@ class Effect:
             if place not in PLACES:
                 raise ModelError(f"effect {self.name}: {place!r} is no place where effects act{nearest(place, PLACES)}")
         known = [parameter.name for parameter in self.parameters]
-        for key, names in self.asked.parameters.items():
+        for key, names in self.identification.parameters.items():
             for name in sorted(names - set(known)):
-                raise ModelError(f"effect {self.name}: asked.{key}: {name!r} is none of its parameters{nearest(name, known)}")
+                raise ModelError(f"effect {self.name}: identification.{key}: {name!r} is none of its parameters{nearest(name, known)}")
 
     def parameter(self, name: str) -> Parameter:
         """Return the parameter called `name`; KeyError where there is none."""
@@ -158,7 +158,7 @@ def declared() -> dict[str, Effect]:
     return dict(sorted(found.items()))
 
 
-def asked_of(name: str) -> Asked:
+def identification_of(name: str) -> Identification:
     """Return how the question of an effect is put; of a name that no effect has, nothing but defaults."""
     effect = declared().get(name)
-    return Asked() if effect is None else effect.asked
+    return Identification() if effect is None else effect.identification

@@ -6,8 +6,8 @@ import math
 from collections.abc import Sequence
 
 from exo_sim.diagnosis.findings import Diagnosis, Estimate, Finding, SignalFit, Unexplained
-from exo_sim.diagnosis.policy.judgement import MOST_CONFIDENT
 from exo_sim.diagnosis.policy.recordings import LOUD_DRIFT, LOUD_REST
+from exo_sim.diagnosis.policy.verdicts import MOST_CONFIDENT
 from exo_sim.report import amounts
 
 #: What a verdict is called on a page.

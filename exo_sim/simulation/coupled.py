@@ -29,7 +29,7 @@ from exo_sim.machine.straps import fasten
 from exo_sim.rig import Rig
 from exo_sim.rig.control_step import check_step
 from exo_sim.simulation import chamber_plans, driven, loop
-from exo_sim.simulation.calibration import calibrated
+from exo_sim.simulation.causal_calibration import calibrated
 from exo_sim.simulation.divergence import WearerWatch
 from exo_sim.simulation.loop_wiring import wire
 from exo_sim.simulation.native import warnings_counted
@@ -64,7 +64,7 @@ class Simulation:
 
     def __init__(self, rig: Rig, request: Request, controller: own.Controller | None = None, seed: int = 0):
         self.rig, self.request = rig, request
-        self._asked: own.Asked | None = None
+        self._asked: own.RunningController | None = None
         self.person = Person(rig.wearer.height, rig.wearer.mass)
         scenario = request.found
         self.plain = scenarios.motion(scenario, self.person, request.speed)
@@ -124,7 +124,7 @@ class Simulation:
             controller: Whose.
             seed: What it is given.
         """
-        self._asked = own.Asked(controller, driven.context(self, controller, seed), self.request.controller)
+        self._asked = own.RunningController(controller, driven.context(self, controller, seed), self.request.controller)
 
     def _demands(self, payload: float) -> NDArray[np.float64]:
         """Return the demand over the cycle for a payload, the first row repeated behind the last, (SAMPLES + 1, 6)."""

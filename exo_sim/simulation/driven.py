@@ -108,7 +108,7 @@ class Outside:
         return seen
 
 
-def asking(simulation: Simulation, asked: own.Asked, wired: tuple[Any, ...]) -> Advance:
+def asking(simulation: Simulation, asked: own.RunningController, wired: tuple[Any, ...]) -> Advance:
     """Return what moves a run on with a controller asked every so many steps."""
     outside = Outside(simulation, wired)
     every = max(1, round(asked.context.period / simulation.dt))

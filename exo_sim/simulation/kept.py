@@ -10,7 +10,7 @@ from pathlib import Path
 from types import FrameType
 from typing import Any
 
-from exo_sim.control.own import Asked
+from exo_sim.control.own import RunningController
 from exo_sim.outputs import replacing_all
 from exo_sim.recording.rrd_file import writing_rrd
 from exo_sim.recording.rrd_messages import unfinished
@@ -77,7 +77,7 @@ def interrupts_noted() -> Iterator[Callable[[], bool]]:
 
     def note(number: int, frame: FrameType | None) -> None:
         noted.append(number)
-        asked = Asked.is_asked(frame)
+        asked = RunningController.is_asked(frame)
         if asked and len(noted) > 1:
             signal.signal(number, signal.SIG_DFL)
         if asked or len(noted) > 1:

@@ -9,7 +9,7 @@ import numpy as np
 from exo_sim.physics.pneumatics import Books
 from exo_sim.rig import Rig
 from exo_sim.rig.limits import Reached, passed
-from exo_sim.simulation import gas_use, ledger
+from exo_sim.simulation import gas_use, work_balance
 from exo_sim.simulation.reduction import Change, Least, Mean, Peak, Rms, joined, values
 from exo_sim.simulation.walk import JOINTS, Walk
 from exo_sim.simulation.wearer_load import alone, own, with_machine, with_pack, with_payload
@@ -81,11 +81,11 @@ class Summary:
 
     def _conclude(self, out: dict[str, Any], walk: Walk) -> None:
         """Add what follows from the numbers: the closure, the metabolic power, and the same wearer without the machine."""
-        out["ledger"] = ledger.closed(out["ledger"])
-        out["wearer"]["metabolic_w"] = ledger.cost_of(out["ledger"]["wearer_joints"], walk).as_json()
+        out["ledger"] = work_balance.closed(out["ledger"])
+        out["wearer"]["metabolic_w"] = work_balance.cost_of(out["ledger"]["wearer_joints"], walk).as_json()
         out["compared_with"] = {
-            "no_machine": ledger.compared(alone(walk), walk),
-            "backpack": ledger.compared(with_payload(walk, self._payload.value()), walk),
+            "no_machine": work_balance.compared(alone(walk), walk),
+            "backpack": work_balance.compared(with_payload(walk, self._payload.value()), walk),
         }
 
 
@@ -135,8 +135,8 @@ def measure(walk: Walk, rows: slice) -> dict[str, Any]:
             "torso_peak": Peak.of(np.abs(torso_up)),
             "torso_forward_rms": Rms.of(np.sum([ahead[name] for name in torso], axis=0)),
         },
-        "wearer": {**moments, **ledger.wearer_numbers(walk, rows, it)},
-        "ledger": ledger.measure(walk, rows, it),
+        "wearer": {**moments, **work_balance.wearer_numbers(walk, rows, it)},
+        "ledger": work_balance.measure(walk, rows, it),
         "joints": {
             name: {
                 "torque_peak_nm": Peak.of(np.abs(part[f"{name}.torque"])),

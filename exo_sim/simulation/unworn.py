@@ -126,14 +126,14 @@ class UnwornSimulation:
         self._external = [(int(self.model.joint(name).dofadr[0]), values) for name, values in self.motion.external.items()]
         self._signals = self._layout()
         self._valve_law = controller if isinstance(controller, str) else "model"
-        self._asked: own.Asked | None = None
+        self._asked: own.RunningController | None = None
         if not isinstance(controller, str):
             every = own.period_of(controller, self.dt, self.controller_name)
             context = own.Context(
                 rig, tuple(rig.cylinders), tuple(names), tuple(each.key for each in self._signals), every * self.dt, self.dt,
                 float(self.motion.time[-1]), scenario=self.motion.name, seed=seed, reference=self.motion.at,
             )  # fmt: skip
-            self._asked = own.Asked(controller, context, self.controller_name)
+            self._asked = own.RunningController(controller, context, self.controller_name)
         self.reset()
 
     def _layout(self) -> list[_Signal]:

@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 from exo_sim.control import machine_dynamics
 from exo_sim.control.demand import demand
 from exo_sim.errors import ScenarioError
-from exo_sim.gait import recorded
+from exo_sim.gait import recorded_gait
 from exo_sim.gait import scenario as scenarios
 from exo_sim.gait.motion import phases
 from exo_sim.gait.residual_reduction import worn
@@ -120,7 +120,7 @@ def _human(gait: str | None, mass: float) -> tuple[NDArray[np.float64], NDArray[
     """Return recorded moments in the order of `JOINTS`, as they are and scaled by mass, shape (n, 6) each."""
     if gait is None:
         return None
-    found = recorded.load(gait)
+    found = recorded_gait.load(gait)
     right = phases()
     columns = [found.moment[name](phase) for phase in ((right + 0.5) % 1.0, right) for name in ("hip", "knee", "ankle")]
     moments = np.stack(columns, axis=1)

@@ -11,7 +11,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from exo_sim.gait import recorded
+from exo_sim.gait import recorded_gait
 from exo_sim.gait import scenario as scenarios
 from exo_sim.gait.motion import phases
 from exo_sim.rig import Rig
@@ -104,7 +104,7 @@ def _from_gait_analysis(own: JointLoads) -> JointLoads:
     """Return the recorded moments of a walking person, scaled to `PERSON`, as loads of the machine's joints."""
     name = scenarios.find("level_walk").gait
     assert name is not None
-    gait = recorded.load(name)
+    gait = recorded_gait.load(name)
     right = phases()
     columns = [gait.moment[j](phase) for phase in ((right + 0.5) % 1.0, right) for j in ("hip", "knee", "ankle")]
     assert len(columns) == len(JOINTS)

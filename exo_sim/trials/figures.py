@@ -43,7 +43,7 @@ def figures(
 
     Args:
         marks: One per case.
-        spent: Ledger records: `wall_s`, `cpu_s`, `peak_bytes` of each case.
+        spent: VerdictChain records: `wall_s`, `cpu_s`, `peak_bytes` of each case.
         over_oracle: By case, the held-out error over that of an oracle, the same tool with the truth in its rig.
     """
     clean = [mark for mark in marks if not mark.hidden]

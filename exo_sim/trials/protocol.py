@@ -15,9 +15,9 @@ from exo_sim.outputs import alone_in, replacing
 from exo_sim.progress import each
 from exo_sim.trials.cells import Plan
 from exo_sim.trials.json_file import read_json
-from exo_sim.trials.ledger import Ledger
 from exo_sim.trials.seal import digest_of, new_key, seal, write_key
 from exo_sim.trials.tool import bring_back, command, lay_out, run_tool
+from exo_sim.trials.verdict_chain import VerdictChain
 
 if TYPE_CHECKING:
     from exo_sim.trials.cases import Case
@@ -201,9 +201,9 @@ def _same(path: Path, expected: str) -> None:
         raise TrialError(f"{path} was altered after the trial was made")
 
 
-def ledger_of(folder: Path) -> Ledger:
+def ledger_of(folder: Path) -> VerdictChain:
     """Return the chain of verdicts of a trial."""
-    return Ledger(folder / "verdicts.jsonl", folder / "run" / "signing.key")
+    return VerdictChain(folder / "verdicts.jsonl", folder / "run" / "signing.key")
 
 
 def run(folder: Path, tool: str = OWN_TOOL, jobs: int = 1, scheduler: str | None = None, timeout: float = 600.0,

@@ -120,12 +120,12 @@ def _lerobot(folder: Path, time: NDArray[np.float64], columns: Columns, units: d
 
 def walk(folder: Path) -> None:
     """Write a worn machine, two strides in the formats that `--gait` takes, scenario files, a controller and a catalogue."""
-    from exo_sim.gait import recorded
+    from exo_sim.gait import recorded_gait
 
     folder.mkdir()
     for name in ("exo.toml", "exo.xml"):
         shutil.copyfile(ASSETS / name, folder / name)
-    gait, time = recorded.load("falisse"), np.arange(0.0, _STRIDES * _PERIOD + 0.6, _STEP)
+    gait, time = recorded_gait.load("falisse"), np.arange(0.0, _STRIDES * _PERIOD + 0.6, _STEP)
     angles: Columns = {}
     for side, shift in (("r", 0.0), ("l", 0.5)):
         phase = time / _PERIOD + shift

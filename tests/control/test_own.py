@@ -81,9 +81,9 @@ def test_whatever_comes_out_of_somebodys_code_is_one_line(context, error):
             raise error
 
     with pytest.raises(ScenarioError, match=rf"test_own\.py:\d+: {type(error).__name__}.*, in act of Mine at 0\.250 s"):
-        own.Asked(Mine(), context).act({"time": 0.25})
+        own.RunningController(Mine(), context).act({"time": 0.25})
     with pytest.raises(ScenarioError, match=f"{type(error).__name__}.*, in reset of Mine"):
-        own.Asked(Mine(), None).reset()  # type: ignore[arg-type]
+        own.RunningController(Mine(), None).reset()  # type: ignore[arg-type]
 
 
 @pytest.mark.parametrize("returned", [{"knee_l": 10**400}, {"knee_l": Odd()}, {Odd(): 0.0}, [Odd()] * 4])
@@ -98,7 +98,7 @@ def test_what_cannot_be_read_as_commands_is_one_line(context, returned):
     with pytest.raises(
         ScenarioError, match=r"controller Mine, at 0\.250 s: what act returned cannot be read \((Overflow|ZeroDivision)Error"
     ):
-        own.Asked(Mine(), context).act({"time": 0.25})
+        own.RunningController(Mine(), context).act({"time": 0.25})
 
 
 def test_an_interrupt_goes_through_somebodys_code(context):
@@ -106,12 +106,12 @@ def test_an_interrupt_goes_through_somebodys_code(context):
         def reset(self, context: object) -> None: ...
 
         def act(self, observation: object) -> None:
-            assert own.Asked.is_asked(sys._getframe())
+            assert own.RunningController.is_asked(sys._getframe())
             raise KeyboardInterrupt
 
-    assert not own.Asked.is_asked(sys._getframe())
+    assert not own.RunningController.is_asked(sys._getframe())
     with pytest.raises(KeyboardInterrupt):
-        own.Asked(Mine(), context).act({"time": 0.25})
+        own.RunningController(Mine(), context).act({"time": 0.25})
 
 
 def test_a_file_is_loaded_with_or_without_the_name_of_the_class(tmp_path):
@@ -144,7 +144,8 @@ def test_a_file_that_cannot_be_loaded_is_one_line(tmp_path, text, name, hint):
 
 
 def test_what_fails_inside_names_file_and_line(tmp_path, context):
-    asked = own.Asked(own.load(f"{write(tmp_path / 'mine.py', '        return 1 / 0' + chr(10))}:Mine"), context, "mine.py:Mine")
+    mine = write(tmp_path / "mine.py", "        return 1 / 0\n")
+    asked = own.RunningController(own.load(f"{mine}:Mine"), context, "mine.py:Mine")
     asked.reset()
     with pytest.raises(ScenarioError, match=r"mine\.py:4: ZeroDivisionError: division by zero, in act of mine\.py:Mine at 0\.250 s"):
         asked.act({"time": 0.25})
@@ -170,7 +171,7 @@ def test_commands_that_look_like_torques_are_remarked_on(context):
         def act(self, observation):
             return {"knee_l": 30.0}
 
-    asked = own.Asked(Strong(), context)
+    asked = own.RunningController(Strong(), context)
     asked.reset()
     for i in range(12):
         asked.act({"time": 0.001 * i})

@@ -64,6 +64,6 @@ def test_only_files_about_one_law_import_what_is_declared_of_it() -> None:
             elif isinstance(node, ast.ImportFrom) and (node.module or "").startswith("exo_sim.physics.effects."):
                 found.setdefault(file, set()).add(str(node.module).rsplit(".", 1)[-1])
     more = {file: names - ABOUT.get(file, set()) for file, names in found.items() if names - ABOUT.get(file, set())}
-    assert not more, f"declare it with the effect (exo_sim/physics/asked.py) and ask the declaration: {more}"
+    assert not more, f"declare it with the effect (exo_sim/physics/identification.py) and ask the declaration: {more}"
     gone = {file: names - found.get(file, set()) for file, names in ABOUT.items() if names - found.get(file, set())}
     assert not gone, f"these need not be known any more: take them from the list: {gone}"

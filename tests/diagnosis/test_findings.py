@@ -8,7 +8,7 @@ import math
 import pytest
 
 from exo_sim.diagnosis.findings import SCHEMA, Diagnosis, Estimate, Finding, Kind, NextExperiment, SignalFit, Verdict
-from exo_sim.diagnosis.policy.judgement import MOST_CONFIDENT
+from exo_sim.diagnosis.policy.verdicts import MOST_CONFIDENT
 
 LEAK = Finding("piston_leakage", "piston", Kind.MISSING_PHYSICS, "It leaks.", {"area": Estimate(3e-8, "m^2", 2e-8, 4e-8)}, 1.0, 0.41237)
 

@@ -6,7 +6,7 @@ import pytest
 from diagnosis.waves import BASE, OTHER, candidate
 
 from exo_sim.diagnosis import wording
-from exo_sim.diagnosis.policy.judgement import NOTHING_EXPLAINED
+from exo_sim.diagnosis.policy.verdicts import NOTHING_EXPLAINED
 from exo_sim.physics.declaration import declared
 
 

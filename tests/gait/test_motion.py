@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 from exo_sim.errors import ScenarioError
-from exo_sim.gait import recorded, scenario
+from exo_sim.gait import recorded_gait, scenario
 from exo_sim.gait.motion import SAMPLES, derivatives, look_up, reference
 from exo_sim.machine.person import Person, leg_points
 
@@ -72,7 +72,7 @@ def test_a_standing_foot_neither_floats_nor_sinks_nor_slides(name, height):
 
 @pytest.mark.parametrize("name", WALKS)
 def test_a_walk_stays_within_two_standard_deviations_of_the_recording(name):
-    gait = recorded.load(scenario.find(name).gait)
+    gait = recorded_gait.load(scenario.find(name).gait)
     phase = np.arange(100) / 100
     for angle in ("thigh", "knee", "ankle"):
         offset = gait.ankle_offset if angle == "ankle" else 0.0
@@ -110,8 +110,8 @@ def test_the_committed_figures_are_those_of_the_recordings(shared_data, reposito
     loader.exec_module(script)
     for name, read in (("falisse", script.falisse), ("opensim", script.opensim)):
         script.write(tmp_path / f"{name}.toml", read(shared_data))
-        again = recorded.parse((tmp_path / f"{name}.toml").read_text())
-        kept = recorded.load(name)
+        again = recorded_gait.parse((tmp_path / f"{name}.toml").read_text())
+        kept = recorded_gait.load(name)
         assert again.period == pytest.approx(kept.period, abs=1e-4)
         phase = np.arange(50) / 50
         for group in ("motion", "recorded", "spread", "moment"):

@@ -7,7 +7,7 @@ import pytest
 
 from exo_sim.cli import main
 from exo_sim.errors import ExoSimError, ScenarioError
-from exo_sim.gait import labels, own_gait, recorded, scenario, scenario_file
+from exo_sim.gait import labels, own_gait, recorded_gait, scenario, scenario_file
 from exo_sim.gait.own_gait import GaitFile
 from exo_sim.machine.person import Person
 
@@ -16,7 +16,7 @@ STRIDES, PERIOD = 4, 1.1
 
 def walked(time):
     """Both legs of the recorded mean stride, left half a stride later [rad]."""
-    gait = recorded.load("falisse")
+    gait = recorded_gait.load("falisse")
     out = {}
     for side, shift in (("r", 0.0), ("l", 0.5)):
         phase = time / PERIOD + shift
@@ -57,10 +57,10 @@ def write_csv(path, time, columns):
 def assert_same_gait(figures, tolerance=0.035):
     phase = np.arange(100) / 100
     assert figures.period == pytest.approx(PERIOD, abs=0.01)
-    knee = recorded.load("falisse").recorded["knee"](phase)
+    knee = recorded_gait.load("falisse").recorded["knee"](phase)
     late = min(np.arange(-8, 9), key=lambda n: np.abs(figures.recorded["knee"](phase + n / 100) - knee).max())
     for name in ("thigh", "knee", "ankle"):
-        wanted = recorded.load("falisse").recorded[name](phase)
+        wanted = recorded_gait.load("falisse").recorded[name](phase)
         assert np.abs(figures.recorded[name](phase + late / 100) - wanted).max() < tolerance, name
 
 
@@ -69,7 +69,7 @@ def test_an_opensim_motion_gives_back_the_stride_that_is_in_it(tmp_path, trial, 
     figures, remarks = own_gait.figures_of(GaitFile(write_mot(tmp_path / "walk.mot", trial[0], trial[1], degrees=degrees)))
     assert_same_gait(figures)
     assert 0.55 < figures.stance_end < 0.72
-    assert figures.stride == pytest.approx(recorded.load("falisse").stride, rel=0.1)
+    assert figures.stride == pytest.approx(recorded_gait.load("falisse").stride, rel=0.1)
     assert "strides by the angles" in remarks[-1]
 
 
@@ -257,7 +257,7 @@ def test_the_recorded_opensim_trial_gives_the_strides_of_fit_gait(shared_data):
     folder = shared_data / "walking_opensim"
     files = GaitFile(folder / "subject01_walk_IK.mot", folder / "subject01_walk_grf.mot")
     figures, _ = own_gait.figures_of(files)
-    known = recorded.load("opensim")
+    known = recorded_gait.load("opensim")
     assert figures.period == pytest.approx(known.period, rel=2e-3)
     assert figures.stance_end == pytest.approx(known.stance_end, abs=0.01)
     assert figures.stride == pytest.approx(known.stride, rel=0.05)

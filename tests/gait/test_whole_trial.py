@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from exo_sim.errors import ScenarioError
-from exo_sim.gait import own_gait, recorded, scenario_file, whole_trial
+from exo_sim.gait import own_gait, recorded_gait, scenario_file, whole_trial
 from exo_sim.gait.motion import SAMPLES, derivatives
 from exo_sim.gait.own_gait import GaitFile
 from exo_sim.gait.walking import walking_as
@@ -15,7 +15,7 @@ PERIOD = 1.05
 
 def write(path, uneven, seconds=7.2, bend=1.0, drop=None):
     """Write a walk as CSV in degrees: strides of uneven length, the left knee bent by a factor; rows from `drop` on are left out."""
-    gait, spread = recorded.load("falisse"), np.random.default_rng(3).standard_normal(12)
+    gait, spread = recorded_gait.load("falisse"), np.random.default_rng(3).standard_normal(12)
     strikes = np.concatenate([[0.0], np.cumsum(PERIOD * (1.0 + uneven * spread))]) - 0.4
     time = np.arange(0.0, seconds, 0.01)
     phase = np.interp(time, strikes, np.arange(len(strikes)))

@@ -7,8 +7,8 @@ from dataclasses import replace
 import pytest
 
 from exo_sim.errors import ModelError
-from exo_sim.physics.asked import Asked
-from exo_sim.physics.declaration import asked_of, declared
+from exo_sim.physics.declaration import declared, identification_of
+from exo_sim.physics.identification import Identification
 
 
 def test_every_file_of_the_folder_is_an_effect_under_its_own_name() -> None:
@@ -19,7 +19,7 @@ def test_every_file_of_the_folder_is_an_effect_under_its_own_name() -> None:
 @pytest.mark.parametrize(
     ("change", "says"),
     [({"family": "frictoin"}, 'did you mean "friction"'), ({"places": ("cylindre",)}, 'did you mean "cylinder"'),
-     ({"asked": Asked(forms=(("fource",),))}, 'did you mean "force"')],
+     ({"identification": Identification(forms=(("fource",),))}, 'did you mean "force"')],
 )  # fmt: skip
 def test_a_word_that_is_none_is_refused_with_the_nearest(change: dict[str, object], says: str) -> None:
     with pytest.raises(ModelError, match=says):
@@ -34,4 +34,5 @@ def test_units_turn_with_the_joint() -> None:
 
 
 def test_what_is_no_effect_is_asked_nothing_special() -> None:
-    assert asked_of("payload_mass") == Asked() and asked_of("wall_heat_transfer") is declared()["wall_heat_transfer"].asked
+    assert identification_of("payload_mass") == Identification()
+    assert identification_of("wall_heat_transfer") is declared()["wall_heat_transfer"].identification

@@ -10,13 +10,13 @@ from simulation.walked import simulate
 
 from exo_sim import rig as rigs
 from exo_sim.errors import Diverged, ModelError, ScenarioError
-from exo_sim.gait import recorded, scenario
+from exo_sim.gait import recorded_gait, scenario
 from exo_sim.machine import footing
 from exo_sim.recording import Reading
 from exo_sim.recording import summary as inspected
 from exo_sim.rig import Ankle, Wearer
 from exo_sim.rig.schema import EffectSetting
-from exo_sim.simulation import coupled, ledger, loop, record
+from exo_sim.simulation import coupled, loop, record, work_balance
 from exo_sim.simulation.coupled import Simulation
 from exo_sim.simulation.summary import span, summarise, warnings
 from exo_sim.simulation.walk import JOINTS, POWERS, Request
@@ -70,10 +70,10 @@ def test_the_ledger_closes_and_its_books_are_kept_apart(on, vented):
         rows = span(walk)
         done = sum(walk.columns[f"ledger.{name}_power"][rows] for name in POWERS).mean() * walk.motion.period
         cycles = (rows.stop - rows.start) * walk.step / walk.motion.period
-        gained = ledger.machine_energy(walk, rows.stop) - ledger.machine_energy(walk, rows.start)
+        gained = work_balance.machine_energy(walk, rows.stop) - work_balance.machine_energy(walk, rows.start)
         assert done == pytest.approx(gained / cycles, abs=1.0)
         it = with_machine(walk)
-        joints = it.powers.sum(axis=1) + it.sole_powers.sum(axis=1) + ledger.strap_power(walk).sum(axis=1)
+        joints = it.powers.sum(axis=1) + it.sole_powers.sum(axis=1) + work_balance.strap_power(walk).sum(axis=1)
         held = (it.ground.residual * walk.poses[:, 0, 3:6]).sum(axis=1)
         assert (joints + held)[rows].mean() * walk.motion.period == pytest.approx(0.0, abs=0.2)
 
@@ -119,7 +119,7 @@ def test_the_books_of_the_gas_close(on):
 
 def test_wearer_stays_within_the_recorded_spread_and_the_machine_close(on):
     """The wearer's angles against mean and two standard deviations of the recording; the machine follows."""
-    gait = recorded.load("falisse")
+    gait = recorded_gait.load("falisse")
     rows = span(on)
     phase, poses = on.columns["gait.phase"][rows], on.poses[rows]
     pitch = on.columns["torso_pitch.position"][rows]

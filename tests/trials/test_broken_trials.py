@@ -22,10 +22,10 @@ from exo_sim.trials import protocol
 from exo_sim.trials.answer import tidied
 from exo_sim.trials.cells import draw_plans
 from exo_sim.trials.judge import judge
-from exo_sim.trials.ledger import START, Ledger
 from exo_sim.trials.score import score
 from exo_sim.trials.seal import new_key, write_key
 from exo_sim.trials.tool import run_tool
+from exo_sim.trials.verdict_chain import START, VerdictChain
 
 ANSWER = """
 import json, pathlib
@@ -151,7 +151,7 @@ def test_a_verdict_that_was_torn_off_comes_again(trial, cut):
 
 
 def test_a_disk_that_fills_while_a_verdict_is_written_leaves_the_ledger_as_it_was(tmp_path, monkeypatch):
-    ledger = Ledger(tmp_path / "verdicts.jsonl", tmp_path / "run" / "signing.key")
+    ledger = VerdictChain(tmp_path / "verdicts.jsonl", tmp_path / "run" / "signing.key")
     ledger.append({"case": "a"})
     before = ledger.path.read_bytes()
 

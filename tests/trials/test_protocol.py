@@ -16,9 +16,9 @@ from exo_sim.trials import protocol
 from exo_sim.trials.cells import draw_plans
 from exo_sim.trials.figures import clopper_pearson, figures, nine_of_ten
 from exo_sim.trials.judge import judge
-from exo_sim.trials.ledger import START, Ledger
 from exo_sim.trials.score import score
 from exo_sim.trials.seal import new_key, open_with, seal, unseal, write_key
+from exo_sim.trials.verdict_chain import START, VerdictChain
 
 TOOL = """
 import json, pathlib, sys
@@ -192,7 +192,7 @@ def test_a_forged_signature_is_found_out(tmp_path):
     """Whoever rewrites a verdict and the hashes after it still lacks the signing key."""
     from exo_sim.trials.seal import canonical, digest
 
-    ledger = Ledger(tmp_path / "v.jsonl", tmp_path / "k")
+    ledger = VerdictChain(tmp_path / "v.jsonl", tmp_path / "k")
     record = ledger.append({"case": "a", "diagnosis": "1"})
     body = {key: value for key, value in record.items() if key not in ("hash", "signature")} | {"diagnosis": "2"}
     forged = {**body, "hash": digest(canonical(body)), "signature": record["signature"]}

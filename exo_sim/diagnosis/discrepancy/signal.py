@@ -5,7 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 from exo_sim.diagnosis.discrepancy.curve import Curve
-from exo_sim.diagnosis.policy.judgement import LEAST_CURVE
+from exo_sim.diagnosis.policy.verdicts import LEAST_CURVE
 
 
 @dataclass(frozen=True)

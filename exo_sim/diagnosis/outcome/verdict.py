@@ -8,7 +8,7 @@ from exo_sim.diagnosis import wording
 from exo_sim.diagnosis.data.machine_data import MachineData
 from exo_sim.diagnosis.findings import Finding, Kind, NextExperiment, OpenQuestion, Subsystem, Verdict
 from exo_sim.diagnosis.outcome.experiments import in_which, ranked_experiments
-from exo_sim.diagnosis.policy.gates import LEAST_ODDS
+from exo_sim.diagnosis.policy.acceptance import LEAST_ODDS
 from exo_sim.diagnosis.selection.subsystem_result import SubsystemResult
 from exo_sim.diagnosis.subsystem_model import SubsystemModel
 from exo_sim.physics.effects.unknown import EFFECT as UNKNOWN

@@ -15,12 +15,12 @@ from exo_sim.diagnosis.outcome.localisation import located, unexplained
 from exo_sim.diagnosis.outcome.rig_update import rig_update
 from exo_sim.diagnosis.outcome.small import small_findings
 from exo_sim.diagnosis.outcome.verdict import distinct, next_experiment, verdict_of
-from exo_sim.diagnosis.pipeline.acceptance import accepted
 from exo_sim.diagnosis.pipeline.plan import Examination, Progress
 from exo_sim.diagnosis.pipeline.reading import gather
+from exo_sim.diagnosis.pipeline.rig_acceptance import accepted
 from exo_sim.diagnosis.pipeline.rounds import examine_until_stable, with_test_findings
 from exo_sim.diagnosis.policy.budgets import MOST_REJECTED
-from exo_sim.diagnosis.selection.calibration import calibration_findings
+from exo_sim.diagnosis.selection.nuisance_calibration import calibration_findings
 from exo_sim.recording.column_map import ColumnMap
 from exo_sim.recording.reader import Reading
 from exo_sim.rig import Rig

@@ -15,7 +15,7 @@ from exo_sim.diagnosis.estimation.linear_family import LinearFamily
 from exo_sim.diagnosis.estimation.parameters import FreeParameter, PlantParameters
 from exo_sim.diagnosis.estimation.threads import Threads
 from exo_sim.diagnosis.pipeline.plan import Plan, Progress
-from exo_sim.diagnosis.policy.judgement import AS_GOOD, PLAINLY_LESS_DAMPING
+from exo_sim.diagnosis.policy.verdicts import AS_GOOD, PLAINLY_LESS_DAMPING
 from exo_sim.diagnosis.selection.decision import decide
 from exo_sim.diagnosis.selection.family_search import FamilySearch
 from exo_sim.diagnosis.selection.fitted_model import SearchResult
@@ -27,7 +27,7 @@ from exo_sim.diagnosis.subsystems.motion.contact_scatter import contact_scatter
 from exo_sim.diagnosis.subsystems.motion.family import motion_family
 from exo_sim.diagnosis.subsystems.motion.model import MotionModel
 from exo_sim.diagnosis.subsystems.motion.nuisances import nuisance_parameters, with_damping, with_damping_if_too_large
-from exo_sim.physics.declaration import asked_of, declared
+from exo_sim.physics.declaration import declared, identification_of
 from exo_sim.physics.records import CYLINDER
 from exo_sim.rig import assembly
 
@@ -72,7 +72,7 @@ def _examined(
 def _may_be_damping(outcome: SearchResult, freed: ModelFits) -> bool:
     """Return whether damping believed too large may explain what was found: it looks like that, or less of it gains plainly."""
     chosen = outcome.final.candidates
-    looks_like = {asked_of(one.effect).twins.damping for one in chosen}
+    looks_like = {identification_of(one.effect).twins.damping for one in chosen}
     if -1 in looks_like:
         return True
     if not chosen or 1 in looks_like:

@@ -14,7 +14,7 @@ from exo_sim import recording as recordings
 from exo_sim.diagnosis.data.machine_data import MachineData
 from exo_sim.diagnosis.findings import Estimate, Finding, Kind
 from exo_sim.diagnosis.pipeline.sorting import sort
-from exo_sim.diagnosis.policy.judgement import GAUGE_ERROR, OBVIOUS_FAULT
+from exo_sim.diagnosis.policy.verdicts import GAUGE_ERROR, OBVIOUS_FAULT
 from exo_sim.errors import RecordingError, nearest
 from exo_sim.machine.linkage import linkages
 from exo_sim.machine.load import load

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from exo_sim.diagnosis.estimation.candidate import Candidate, CandidateKey, drop_orphans
-from exo_sim.diagnosis.policy import gates
+from exo_sim.diagnosis.policy import acceptance
 from exo_sim.diagnosis.policy.budgets import FINALISTS, RUNNERS_UP
 from exo_sim.diagnosis.selection.comparisons import Comparisons
 from exo_sim.diagnosis.selection.fitted_model import FittedModel, SearchResult
@@ -54,7 +54,7 @@ def _rivals(candidate: Candidate, without: FittedModel, final: FittedModel, prop
     if not final.is_large:
         return proposals.best(scored)
     wanted = without.fit.sse - final.fit.sse
-    return [rival for promised, rival in scored[:FINALISTS] if gates.UNDERRATED * promised > wanted]
+    return [rival for promised, rival in scored[:FINALISTS] if acceptance.UNDERRATED * promised > wanted]
 
 
 def _with_all_parameters(candidate: Candidate, now: FittedModel, fits: ModelFits, proposals: Proposals) -> FittedModel | None:

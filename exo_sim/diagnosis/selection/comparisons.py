@@ -1,11 +1,11 @@
-"""How the fitted models of one search compare: evidence, the gates, and a ranking that charges for parameters."""
+"""How the fitted models of one search compare: evidence, what accepts a candidate, and a ranking that charges for parameters."""
 
 from __future__ import annotations
 
 import math
 from collections.abc import Sequence
 
-from exo_sim.diagnosis.policy import gates
+from exo_sim.diagnosis.policy import acceptance
 from exo_sim.diagnosis.selection.evidence import Evidence, compare, is_accepted, negative_log_likelihood
 from exo_sim.diagnosis.selection.fitted_model import FittedModel
 from exo_sim.diagnosis.selection.model_fits import ModelFits
@@ -46,11 +46,11 @@ class Comparisons:
 
     def is_clean(self, model: FittedModel) -> bool:
         """Return whether the residual is as small as the noise."""
-        return model.fit.sse < gates.CLEAN * self.fits.model.size
+        return model.fit.sse < acceptance.CLEAN * self.fits.model.size
 
-    def is_as_good(self, one: FittedModel, other: FittedModel, share: float = gates.AS_MUCH) -> bool:
+    def is_as_good(self, one: FittedModel, other: FittedModel, share: float = acceptance.AS_MUCH) -> bool:
         """Return whether a simpler model explains this share of what the other does, or hardly less in log-likelihood."""
-        return self.explains(one, other, share) or self.fits.deficit(one, other) < gates.NO_WORSE
+        return self.explains(one, other, share) or self.fits.deficit(one, other) < acceptance.NO_WORSE
 
     def explains(self, one: FittedModel, other: FittedModel, share: float) -> bool:
         """Return whether a model explains more than this share of what the other explains beyond the baseline."""

@@ -12,10 +12,9 @@ from exo_sim.diagnosis.estimation.candidate import Candidate, drop_orphans
 from exo_sim.diagnosis.estimation.parameters import FreeParameter, Target
 from exo_sim.diagnosis.estimation.uncertainty import bounded_interval
 from exo_sim.diagnosis.findings import Estimate, Finding, Kind, Rejected
-from exo_sim.diagnosis.policy import judgement
-from exo_sim.diagnosis.policy.calibration import MODEL_SHARE
-from exo_sim.diagnosis.policy.gates import BESIDE_DISCREPANCY, CLEAN
-from exo_sim.diagnosis.selection.calibration import deviations, is_declared, refitted_besides
+from exo_sim.diagnosis.policy import verdicts
+from exo_sim.diagnosis.policy.acceptance import BESIDE_DISCREPANCY, CLEAN
+from exo_sim.diagnosis.policy.nuisance_calibration import MODEL_SHARE
 from exo_sim.diagnosis.selection.fitted_model import (
     FittedModel,
     SearchResult,
@@ -24,9 +23,10 @@ from exo_sim.diagnosis.selection.fitted_model import (
     is_more_than_healthy,
 )
 from exo_sim.diagnosis.selection.model_fits import ModelFits
+from exo_sim.diagnosis.selection.nuisance_calibration import deviations, is_declared, refitted_besides
 from exo_sim.diagnosis.selection.subsystem_result import SubsystemResult
 from exo_sim.diagnosis.subsystem_model import SubsystemModel
-from exo_sim.physics.declaration import asked_of
+from exo_sim.physics.declaration import identification_of
 
 Model = TypeVar("Model", bound=SubsystemModel)
 
@@ -56,7 +56,7 @@ def _off_bounds(fits: ModelFits, search: SearchResult) -> SearchResult:
 
 
 class _Decision(Generic[Model]):
-    """The judgement of one search."""
+    """What stands of one search."""
 
     def __init__(self, model: Model, fits: ModelFits, search: SearchResult):
         self.model, self.fits, self.search = model, fits, search
@@ -80,7 +80,7 @@ class _Decision(Generic[Model]):
         named = reported
         findings = [self._with_all_parts(self._finding(c, final, errors), c) for c in named]
         if alone:
-            findings = [replace(f, probability=min(f.confidence, float(judgement.CONFIDENT_BESIDE_UNKNOWN))) for f in findings]
+            findings = [replace(f, probability=min(f.confidence, float(verdicts.CONFIDENT_BESIDE_UNKNOWN))) for f in findings]
         twins = self.model.indistinguishable(findings, final.fit)
         findings = [_ambiguous_with(f, twins.get((f.name, f.where), ())) for f in findings]
         observed = {parameter: error for parameter, error in errors.items() if self.model.is_observed(parameter)}
@@ -112,7 +112,7 @@ class _Decision(Generic[Model]):
             Rejected(*rival.at, wording.rejected(rival, c, worse))
             for c in accepted
             for rival, worse in search.rivals.get(c.key, [])
-            if worse > judgement.AS_GOOD
+            if worse > verdicts.AS_GOOD
         ]
         found += [Rejected(*c.at, wording.no_gain(c, share)) for c, share in search.runners_up]
         if unknown:
@@ -126,9 +126,9 @@ class _Decision(Generic[Model]):
     def _beyond_doubt(self, final: FittedModel, named: tuple[Candidate, ...]) -> tuple[FittedModel, tuple[Candidate, ...]]:
         """Return the findings that stand beside an unknown effect, and the model with nothing but them."""
         end = self.search.final
-        least = judgement.ALONE_SHARE_HOPELESS if self._is_hopeless(end) else judgement.ALONE_SHARE
+        least = verdicts.ALONE_SHARE_HOPELESS if self._is_hopeless(end) else verdicts.ALONE_SHARE
         apart = [c for c in named if self._stands_alone(c, least)]
-        kept = drop_orphans([c for c in apart if asked_of(c.effect).sense.bursts or not self._has_bursts(end)])
+        kept = drop_orphans([c for c in apart if identification_of(c.effect).applicability.bursts or not self._has_bursts(end)])
         if not kept:
             return self.search.baseline, kept
         return (final if kept == named else self.fits.fit(kept, end)), kept
@@ -158,43 +158,43 @@ class _Decision(Generic[Model]):
         if evidence is None:
             return True
         apart = evidence.beside_discrepancy > BESIDE_DISCREPANCY and candidate.kind is not Kind.SENSOR
-        return apart or evidence.share > judgement.LARGER_PART
+        return apart or evidence.share > verdicts.LARGER_PART
 
     def _is_plain(self, candidate: Candidate) -> bool:
         """Return whether the odds leave no doubt: a parameter is then vague only because nuisance parameters could stand in for it."""
         evidence = self.search.evidence.get(candidate.key)
-        return evidence is not None and max(evidence.log10_odds, evidence.beside_discrepancy) > judgement.PLAIN_ODDS
+        return evidence is not None and max(evidence.log10_odds, evidence.beside_discrepancy) > verdicts.PLAIN_ODDS
 
     def _stands_alone(self, candidate: Candidate, least: float) -> bool:
         """Return whether a finding is beyond doubt although something else is left: it explains at least this share of what is missing."""
         evidence = self.search.evidence.get(candidate.key)
         if evidence is None or not self._is_plain(candidate):
             return False
-        return evidence.share > least and evidence.steady > judgement.ALONE_STEADY
+        return evidence.share > least and evidence.steady > verdicts.ALONE_STEADY
 
     def _is_unknown(self, final: FittedModel, named: Sequence[Candidate]) -> bool:
         """Return whether too much is left for the names to be accepted, or nuisance parameters are strained too far."""
         start, end, n = self.search.baseline.fit, final.fit, self.model.size
         if self.search.unnamed:
             return True
-        if all(not asked_of(c.effect).sense.bursts for c in named) and self._has_bursts(final):
+        if all(not identification_of(c.effect).applicability.bursts for c in named) and self._has_bursts(final):
             return True
         left = min(end.sse, self.search.least_left) / n
         if left < CLEAN or math.sqrt(left) < self.model.discrepancy_bound:
             return False
         if not named:
-            correlated = self.fits.correlation_time(end.residual) > judgement.UNKNOWN_CORRELATION
-            return left > judgement.UNKNOWN_VARIANCE and (correlated or left > judgement.UNKNOWN_WHITE)
+            correlated = self.fits.correlation_time(end.residual) > verdicts.UNKNOWN_CORRELATION
+            return left > verdicts.UNKNOWN_VARIANCE and (correlated or left > verdicts.UNKNOWN_WHITE)
         if self._is_hopeless(final):
             return True
         if self.model.names_stand_beside_unknown:
-            return math.sqrt(left) > judgement.PLAINLY_MORE * self.model.discrepancy_bound or self._pattern(final) > judgement.PATTERN
+            return math.sqrt(left) > verdicts.PLAINLY_MORE * self.model.discrepancy_bound or self._pattern(final) > verdicts.PATTERN
         explained = (start.sse - end.sse) / max(start.sse - n, 1e-9)
-        if explained < judgement.EXPLAINED and (explained < judgement.HALFWAY or self._pattern(final) > judgement.PATTERN):
+        if explained < verdicts.EXPLAINED and (explained < verdicts.HALFWAY or self._pattern(final) > verdicts.PATTERN):
             return True
         priors = [(q, q.prior) for q in end.parameters if q.prior is not None and q.effect != "offset"]
-        strained = any(abs(end.values[q] - mean) > judgement.STRAINED * spread for q, (mean, spread) in priors)
-        return strained and left > judgement.UNKNOWN_VARIANCE
+        strained = any(abs(end.values[q] - mean) > verdicts.STRAINED * spread for q, (mean, spread) in priors)
+        return strained and left > verdicts.UNKNOWN_VARIANCE
 
     def _is_hopeless(self, final: FittedModel) -> bool:
         return math.sqrt(final.fit.sse / self.model.size) > self.model.hopeless_ratio * self.model.discrepancy_bound
@@ -219,7 +219,7 @@ class _Decision(Generic[Model]):
         rivals = [
             (rival, worse)
             for rival, worse in self.search.rivals.get(candidate.key, [])
-            if worse <= judgement.AS_GOOD and rival.effect != candidate.effect
+            if worse <= verdicts.AS_GOOD and rival.effect != candidate.effect
         ]
         weights = {candidate.effect: 1.0, **{r.effect: math.exp(-max(worse, 0.0)) for r, worse in reversed(rivals)}}
         total = sum(weights.values())
@@ -269,14 +269,14 @@ def _is_reported(candidate: Candidate, model: FittedModel, errors: Mapping[FreeP
 
 
 def _is_nozzle(candidate: Candidate, model: FittedModel) -> bool:
-    if not asked_of(candidate.effect).every_law:
+    if not identification_of(candidate.effect).every_law:
         return False
-    return judgement.NOZZLE_LOW < model.fit.values[candidate.parameters[0]] < judgement.NOZZLE_HIGH
+    return verdicts.NOZZLE_LOW < model.fit.values[candidate.parameters[0]] < verdicts.NOZZLE_HIGH
 
 
 def _widened_by_law(candidate: Candidate, parameter: FreeParameter, low: float, high: float) -> tuple[float, float]:
     """Return the ends of an interval widened by what the law itself leaves open; a form with more of the law leaves less open."""
-    asked = asked_of(candidate.effect)
+    asked = identification_of(candidate.effect)
     if asked.closed_by and asked.closed_by in {q.parameter for q in candidate.parameters}:
         return low, high
     down, up = asked.open_by.get(parameter.parameter, (1.0, 1.0))

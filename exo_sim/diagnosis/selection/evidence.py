@@ -14,7 +14,7 @@ import numpy as np
 from exo_sim.diagnosis.estimation.correlation import Blocked, correlation_time
 from exo_sim.diagnosis.estimation.least_squares import Fit
 from exo_sim.diagnosis.estimation.noise_model import noise_model
-from exo_sim.diagnosis.policy import gates
+from exo_sim.diagnosis.policy import acceptance
 
 
 @dataclass(frozen=True)
@@ -100,16 +100,18 @@ def is_accepted(
         stands: Whether it stands in a model already: then it stays however small its share is, if a shape of its own shows.
     """
     n = max(without.residual.size, 1)
-    plain = evidence.log10_odds > gates.BEYOND_DOUBT_ODDS and evidence.share > gates.BEYOND_DOUBT_SHARE
-    beyond_doubt = plain and without.sse > gates.BEYOND_DOUBT_VARIANCE * n
+    plain = evidence.log10_odds > acceptance.BEYOND_DOUBT_ODDS and evidence.share > acceptance.BEYOND_DOUBT_SHARE
+    beyond_doubt = plain and without.sse > acceptance.BEYOND_DOUBT_VARIANCE * n
     if math.sqrt(without.sse / n) - math.sqrt(with_it.sse / n) < practical_significance and not beyond_doubt:
         return False
     explained = 1.0 - max(without.sse - n, 0.0) / max(baseline.sse - n, 1e-9)
-    wanted = gates.LEAST_SHARE if explained < gates.MOSTLY_EXPLAINED or with_it.sse < gates.CLEAN * n else gates.SHARE_OF_THE_REST
-    steady = evidence.steady > gates.STEADY_GAIN or evidence.share > gates.STEADY_SHARE
-    if stands and evidence.beside_discrepancy > gates.BESIDE_DISCREPANCY and steady:
+    much_left = explained < acceptance.MOSTLY_EXPLAINED or with_it.sse < acceptance.CLEAN * n
+    wanted = acceptance.LEAST_SHARE if much_left else acceptance.SHARE_OF_THE_REST
+    steady = evidence.steady > acceptance.STEADY_GAIN or evidence.share > acceptance.STEADY_SHARE
+    if stands and evidence.beside_discrepancy > acceptance.BESIDE_DISCREPANCY and steady:
         return True
-    return evidence.log10_odds > gates.LEAST_ODDS and evidence.share > wanted and steady and evidence.gain_per_row > gates.HEALTHY_GAIN
+    surely = evidence.log10_odds > acceptance.LEAST_ODDS and evidence.gain_per_row > acceptance.HEALTHY_GAIN
+    return surely and evidence.share > wanted and steady
 
 
 def could_be_accepted(promised: float, without: Fit, practical_significance: float) -> bool:
@@ -123,5 +125,5 @@ def could_be_accepted(promised: float, without: Fit, practical_significance: flo
     n = max(without.residual.size, 1)
     missing = max(without.sse - n, 0.0)
     seen = without.sse - n * max(math.sqrt(without.sse / n) - practical_significance, 0.0) ** 2
-    wanted = min(seen, gates.BEYOND_DOUBT_SHARE * missing) if without.sse > gates.BEYOND_DOUBT_VARIANCE * n else seen
-    return gates.UNDERRATED * promised >= max(wanted, gates.LEAST_SHARE * missing)
+    wanted = min(seen, acceptance.BEYOND_DOUBT_SHARE * missing) if without.sse > acceptance.BEYOND_DOUBT_VARIANCE * n else seen
+    return acceptance.UNDERRATED * promised >= max(wanted, acceptance.LEAST_SHARE * missing)

@@ -17,9 +17,9 @@ from exo_sim.diagnosis.estimation.least_squares import FEWEST_ROWS, Fit
 from exo_sim.diagnosis.estimation.linear_family import Bend, LinearFamily, Term
 from exo_sim.diagnosis.estimation.parameters import FreeParameter, Target
 from exo_sim.diagnosis.findings import Kind
-from exo_sim.diagnosis.policy import judgement
+from exo_sim.diagnosis.policy import verdicts
 from exo_sim.diagnosis.policy.budgets import RUNNERS_UP
-from exo_sim.diagnosis.policy.judgement import NIL
+from exo_sim.diagnosis.policy.verdicts import NIL
 from exo_sim.diagnosis.selection.comparisons import Comparisons
 from exo_sim.diagnosis.selection.evidence import Evidence
 from exo_sim.diagnosis.selection.fitted_model import FittedModel, SearchResult, Unnamed, exceeds_healthy_limit
@@ -131,7 +131,7 @@ class FamilySearch:
             acting = term.columns @ posterior.sizes[first : first + term.columns.shape[1]]
             share = float(np.sqrt(np.mean(acting**2))) / max(size, 1e-300)
             probability = self.weighing.probability_of_any(finalists, {term.candidate.at})
-            if probability >= judgement.PROBABLE and share >= judgement.LEAST_UNNAMED:
+            if probability >= verdicts.PROBABLE and share >= verdicts.LEAST_UNNAMED:
                 found.append(Unnamed(term.candidate.form, probability, share))
         return tuple(sorted(found, key=lambda one: -one.share))
 
@@ -175,7 +175,7 @@ class FamilySearch:
         for candidate in self.weighing.candidates(best):
             group = groups.get(candidate.at)
             alike = {at for at, other in groups.items() if group is not None and other == group}
-            instead = {rival.at for rival, worse in rivals[candidate.key] if worse <= judgement.AS_GOOD}
+            instead = {rival.at for rival, worse in rivals[candidate.key] if worse <= verdicts.AS_GOOD}
             found[candidate.at] = {candidate.at} | alike | instead
         return found
 
@@ -188,7 +188,7 @@ class FamilySearch:
         """Return the effects of the best subset that are probable enough to be named: each of them, or another of its kin."""
         candidates = [c for c in self.weighing.candidates(best) if c.kind is not Kind.UNKNOWN]
         groups = {term.candidate.at: term.group for term in self.weighing.terms(best)}
-        probable = [c for c in candidates if self.weighing.probability_of_any(finalists, kin[c.at]) >= judgement.PROBABLE]
+        probable = [c for c in candidates if self.weighing.probability_of_any(finalists, kin[c.at]) >= verdicts.PROBABLE]
         return drop_orphans(probable, self.weighing.standing | {groups[c.at] for c in probable if c.at in groups})
 
     def _predicting_best(
@@ -213,7 +213,7 @@ class FamilySearch:
         for candidate in candidates:
             effect = declared().get(candidate.effect)
             absorbed = {name for name, _ in effect.absorbs} if effect else set()
-            poorer = [c for c, worse in rivals.get(candidate.key, []) if c.effect in absorbed and worse <= judgement.AS_GOOD]
+            poorer = [c for c, worse in rivals.get(candidate.key, []) if c.effect in absorbed and worse <= verdicts.AS_GOOD]
             found.append(poorer[0] if poorer else candidate)
         return tuple(found)
 
@@ -225,7 +225,7 @@ class FamilySearch:
             effect = declared().get(candidate.effect)
             for poorer, parts in effect.absorbs if effect else ():
                 apart = [values[q] for q in candidate.parameters if q.parameter in {mine for mine, _ in parts}]
-                if poorer in known and apart and max(apart) - min(apart) < judgement.ALIKE * max(apart):
+                if poorer in known and apart and max(apart) - min(apart) < verdicts.ALIKE * max(apart):
                     candidate = known[poorer]
             found.append(candidate)
         return tuple(found)

@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 from exo_sim.diagnosis.estimation.candidate import Candidate, CandidateKey
 from exo_sim.diagnosis.estimation.least_squares import Fit
 from exo_sim.diagnosis.estimation.parameters import FreeParameter
-from exo_sim.diagnosis.policy import gates, judgement
+from exo_sim.diagnosis.policy import acceptance, verdicts
 from exo_sim.diagnosis.policy.budgets import LARGE
 from exo_sim.diagnosis.selection.evidence import Evidence
 from exo_sim.physics.declaration import declared
@@ -157,7 +157,7 @@ def exceeds_healthy_limit(
     if candidate.additive:  # with what a healthy machine has of it, where the candidate does not stand for that
         parts = {q.slot: q for q in (*values, *candidate.parameters) if (q.effect, q.where) == candidate.at}
         return sum(abs(values[q] - q.neutral) for q in parts.values()) > max((q.healthy_limit for q in limited), default=0.0)
-    return not limited or any(abs(values[q] - q.neutral) - gates.SURELY_MORE * errors.get(q, 0.0) > q.healthy_limit for q in limited)
+    return not limited or any(abs(values[q] - q.neutral) - acceptance.SURELY_MORE * errors.get(q, 0.0) > q.healthy_limit for q in limited)
 
 
 def is_at_bound(candidate: Candidate, model: FittedModel) -> bool:
@@ -169,7 +169,7 @@ def is_at_bound(candidate: Candidate, model: FittedModel) -> bool:
         needed.add(candidate.parameters[0].parameter)
     for q in (q for q in candidate.parameters if q.parameter in needed):
         value = model.fit.values[q]
-        reach = judgement.AT_BOUND * (abs(value) if q.logarithmic or q.low > 0.0 else q.scale)
+        reach = verdicts.AT_BOUND * (abs(value) if q.logarithmic or q.low > 0.0 else q.scale)
         if (q.low != q.neutral and value - q.low < reach) or (q.high != q.neutral and q.high - value < reach):
             return True
     return False

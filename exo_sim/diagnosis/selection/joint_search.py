@@ -13,7 +13,7 @@ from dataclasses import replace
 import numpy as np
 
 from exo_sim.diagnosis.estimation.candidate import Candidate, drop_orphans
-from exo_sim.diagnosis.policy import gates
+from exo_sim.diagnosis.policy import acceptance
 from exo_sim.diagnosis.policy.budgets import FIRST_LOOKED, MOST_EXTENSIONS, MOST_JOINT, STRAY, WORTH_A_ROUND
 from exo_sim.diagnosis.selection.comparisons import Comparisons
 from exo_sim.diagnosis.selection.fitted_model import FittedModel, is_at_bound, is_more_than_healthy
@@ -92,7 +92,7 @@ class JointSearch:
             if len(kept) == len(now.candidates):
                 break
             fewer = self.fits.fit(kept, now)
-            if self.comparisons.evidence(fewer, now).beside_discrepancy > gates.BESIDE_DISCREPANCY:
+            if self.comparisons.evidence(fewer, now).beside_discrepancy > acceptance.BESIDE_DISCREPANCY:
                 break
             now = self.fits.refined(fewer)
             self._report(f"{len(now.candidates)} worth their parameters")
@@ -113,7 +113,7 @@ class JointSearch:
             shown = [
                 model for model in models
                 if is_more_than_healthy(model.candidates[-1], model) and not is_at_bound(model.candidates[-1], model)
-                and self.comparisons.evidence(now, model).beside_discrepancy > gates.BESIDE_DISCREPANCY
+                and self.comparisons.evidence(now, model).beside_discrepancy > acceptance.BESIDE_DISCREPANCY
             ]  # fmt: skip
             if not shown:
                 break

@@ -13,7 +13,7 @@ from exo_sim.diagnosis.estimation.least_squares import Fit, fit
 from exo_sim.diagnosis.estimation.parameters import FreeParameter
 from exo_sim.diagnosis.estimation.threads import SERIAL, Threads
 from exo_sim.diagnosis.estimation.uncertainty import standard_errors
-from exo_sim.diagnosis.policy import gates
+from exo_sim.diagnosis.policy import acceptance
 from exo_sim.diagnosis.policy.budgets import CHEAP_STARTS, FIRST_LOOK, MOST_STEPS, WORTH_A_LOOK
 from exo_sim.diagnosis.selection.evidence import negative_log_likelihood
 from exo_sim.diagnosis.selection.fitted_model import FittedModel, LeastSquaresModel, SetKey, key_of
@@ -101,7 +101,7 @@ class ModelFits:
 
     def _is_far(self, one: FittedModel, aim: FittedModel) -> bool:
         """Return whether a model leaves so much more than another that the last steps of its fit cannot matter."""
-        return one.fit.sse > gates.FAR_FROM_RIVALLING * aim.fit.sse
+        return one.fit.sse > acceptance.FAR_FROM_RIVALLING * aim.fit.sse
 
     def _starts(
         self, candidates: Sequence[Candidate], near: FittedModel | None
@@ -126,7 +126,7 @@ class ModelFits:
         """Return the start that leaves least, the correlation length of what it leaves, and the order of all starts."""
         errors = [residual(option) for option in options]
         order = [int(i) for i in np.argsort([float(e @ e) if np.isfinite(e).all() else np.inf for e in errors])]
-        return options[order[0]], min(self.correlation_time(errors[order[0]]), gates.LONGEST_CORRELATION), order
+        return options[order[0]], min(self.correlation_time(errors[order[0]]), acceptance.LONGEST_CORRELATION), order
 
     def _fit_cheaply(
         self,
@@ -142,9 +142,9 @@ class ModelFits:
         ]
         done = min(tried, key=lambda one: one.sse + one.prior_weight * one.penalty)
         missing = done.sse - self.model.size
-        if length > gates.HELD_BACK and missing > self.model.size:
+        if length > acceptance.HELD_BACK and missing > self.model.size:
             free = fit(residual, parameters, options[0], self.threads, max_iterations=24, tolerance=1e-5)
-            done = free if free.sse - self.model.size < gates.LEFT_WHEN_FREE * missing else done
+            done = free if free.sse - self.model.size < acceptance.LEFT_WHEN_FREE * missing else done
         return done
 
     def fit_all(self, asked: Sequence[tuple[Sequence[Candidate], FittedModel]], again: bool = False) -> list[FittedModel]:
@@ -158,7 +158,7 @@ class ModelFits:
         if not model.fit.residual.size:
             return model
         parameters = (*self.nuisances, *(q for candidate in model.candidates for q in candidate.parameters))
-        length = min(self.correlation_time(model.fit.residual), gates.LONGEST_CORRELATION)
+        length = min(self.correlation_time(model.fit.residual), acceptance.LONGEST_CORRELATION)
         done = fit(
             self._residual_of(model.candidates), parameters, model.fit.values, self.threads, max_iterations=12, tolerance=1e-6,
             correlation_length=length, known_columns=model.fit.columns, exact_jacobian=True, differenced_at=model.fit.differenced_at,

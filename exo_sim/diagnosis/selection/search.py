@@ -15,7 +15,7 @@ from exo_sim.diagnosis.estimation.candidate import Candidate, drop_orphans
 from exo_sim.diagnosis.estimation.least_squares import FEWEST_ROWS, Fit
 from exo_sim.diagnosis.estimation.parameters import FreeParameter
 from exo_sim.diagnosis.estimation.threads import SERIAL, Threads
-from exo_sim.diagnosis.policy import gates
+from exo_sim.diagnosis.policy import acceptance
 from exo_sim.diagnosis.policy.budgets import BEAM, MOST_FINDINGS, MOST_SWAPS
 from exo_sim.diagnosis.selection.assessment import assess
 from exo_sim.diagnosis.selection.comparisons import Comparisons
@@ -145,7 +145,7 @@ class _Growth:
         size = self.fits.model.size
         left = math.sqrt(now.fit.sse / size)
         lowered = math.sqrt(before.fit.sse / size) - left
-        return len(now.candidates) > 1 and left > gates.HOPELESS_SEARCH * self.fits.model.discrepancy_bound and lowered < left
+        return len(now.candidates) > 1 and left > acceptance.HOPELESS_SEARCH * self.fits.model.discrepancy_bound and lowered < left
 
     def _overtaken(self, found: SearchResult) -> FittedModel | None:
         """Return the set with the best rival in a finding's place, where that explains more."""
@@ -158,7 +158,7 @@ class _Growth:
         if not by_loss:
             return None
         worse, candidate, rival = min(by_loss, key=lambda one: one[0])
-        if worse > -gates.SWAP_GAIN:
+        if worse > -acceptance.SWAP_GAIN:
             return None
         now = found.final
         sets = [drop_orphans((*now.without(candidate), rival)), (*now.candidates, rival)]
@@ -183,7 +183,7 @@ class _Growth:
             one
             for one in grown
             if one.parameter_count < best.parameter_count
-            and self.comparisons.explains(one, best, gates.NEARLY_AS_MUCH)
-            and self.fits.deficit(one, best) < gates.NO_WORSE
+            and self.comparisons.explains(one, best, acceptance.NEARLY_AS_MUCH)
+            and self.fits.deficit(one, best) < acceptance.NO_WORSE
         ]
         return self.comparisons.ranked(simpler)[0] if simpler else best

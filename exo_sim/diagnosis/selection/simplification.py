@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from exo_sim.diagnosis.estimation.candidate import drop_orphans
 from exo_sim.diagnosis.estimation.parameters import FreeParameter
-from exo_sim.diagnosis.policy import gates
+from exo_sim.diagnosis.policy import acceptance
 from exo_sim.diagnosis.selection.comparisons import Comparisons
 from exo_sim.diagnosis.selection.fitted_model import FittedModel, is_more_than_healthy
 from exo_sim.diagnosis.selection.model_fits import ModelFits
@@ -36,13 +36,14 @@ class Simplification:
                 if candidate.at in now.named or len(drop_orphans((*kept, candidate))) <= len(kept):
                     continue
                 model = self.fits.fit((*kept, candidate), base)
-                if self.fits.deficit(model, now) < -gates.SWAP_GAIN - gates.SWAP_GAIN * max(model.parameter_count - now.parameter_count, 0):
+                more = max(model.parameter_count - now.parameter_count, 0)
+                if self.fits.deficit(model, now) < -acceptance.SWAP_GAIN - acceptance.SWAP_GAIN * more:
                     now = model
                     break
         return now
 
     def pruned(self, now: FittedModel) -> FittedModel:
-        """Leave out what does not pass the gates any more beside the others."""
+        """Leave out what would not be accepted any more beside the others."""
         shrunk = True
         while shrunk and now.candidates:
             shrunk = False
@@ -67,7 +68,10 @@ class Simplification:
                     continue
             errors = self.fits.standard_errors(now)
             vague = {
-                q for c in now.candidates for q in c.parameters if abs(now.fit.values[q] - q.neutral) < gates.CERTAIN * errors.get(q, 0.0)
+                q
+                for c in now.candidates
+                for q in c.parameters
+                if abs(now.fit.values[q] - q.neutral) < acceptance.CERTAIN * errors.get(q, 0.0)
             }
             simpler = self._without_vague(now, vague)
             if simpler is None:
@@ -84,7 +88,7 @@ class Simplification:
                 continue
             if len(candidate.parameters) == 1:
                 model = self.fits.fit(others, now)
-                if self.fits.deficit(model, now) < gates.VAGUE_LOSS:
+                if self.fits.deficit(model, now) < acceptance.VAGUE_LOSS:
                     return model
                 continue
             for form in self.proposals.simpler(candidate, now, clear):

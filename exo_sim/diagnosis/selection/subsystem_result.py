@@ -8,9 +8,9 @@ from typing import Generic, TypeVar
 from exo_sim.diagnosis.estimation.candidate import Candidate
 from exo_sim.diagnosis.estimation.parameters import FreeParameter, PlantParameters
 from exo_sim.diagnosis.findings import Finding, Rejected, Subsystem
-from exo_sim.diagnosis.selection.calibration import Deviation
 from exo_sim.diagnosis.selection.fitted_model import FittedModel, SearchResult
 from exo_sim.diagnosis.selection.model_fits import ModelFits
+from exo_sim.diagnosis.selection.nuisance_calibration import Deviation
 from exo_sim.diagnosis.subsystem_model import SubsystemModel
 
 Model = TypeVar("Model", bound=SubsystemModel, covariant=True)

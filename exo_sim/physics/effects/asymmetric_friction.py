@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
-from exo_sim.physics.asked import Sense, Twins
-from exo_sim.physics.declaration import Asked, Effect, Parameter
+from exo_sim.physics.declaration import Effect, Identification, Parameter
+from exo_sim.physics.identification import Applicability, Twins
 from exo_sim.physics.terms import DRY_FRICTION
 
 EFFECT = Effect(
@@ -32,7 +32,7 @@ EFFECT = Effect(
     valid="the seals rub at levels that do not change with speed, pressure, place or time at rest.",
     signature="the loop of force against position is not centred on the load",
     # at a joint that moves, Coulomb friction beside a constant torque says the same in simpler words
-    asked=Asked(sense=Sense(places=("cylinder",)), twins=Twins(beside_constant="coulomb_friction")),
+    identification=Identification(applicability=Applicability(places=("cylinder",)), twins=Twins(beside_constant="coulomb_friction")),
 )
 
 

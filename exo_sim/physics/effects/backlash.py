@@ -2,9 +2,9 @@
 
 from __future__ import annotations
 
-from exo_sim.physics.asked import Sense
 from exo_sim.physics.compiled import kernel
-from exo_sim.physics.declaration import Asked, Effect, Parameter
+from exo_sim.physics.declaration import Effect, Identification, Parameter
+from exo_sim.physics.identification import Applicability
 
 #: Stiffness of the contact on either side of the gap where no compliance is declared [N/m].
 CONTACT_STIFFNESS = 1e6
@@ -37,8 +37,9 @@ EFFECT = Effect(
     ),
     valid="one gap between two stiff contacts with nothing of weight between them; the knock itself lasts a few time steps.",
     signature="a flat stretch at every reversal of load, with a knock at its end",
-    asked=Asked(
-        jerky=True, starts=((2e-4,), (5e-4,), (1e-3,)), least={"gap": 4e-5}, sense=Sense(moving=True, known_at_joint="drive_gap")
+    identification=Identification(
+        jerky=True, starts=((2e-4,), (5e-4,), (1e-3,)), least={"gap": 4e-5},
+        applicability=Applicability(moving=True, known_at_joint="drive_gap")
     ),
 )
 

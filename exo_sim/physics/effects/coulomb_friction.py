@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from exo_sim.physics.declaration import Asked, Effect, Parameter
+from exo_sim.physics.declaration import Effect, Identification, Parameter
 from exo_sim.physics.terms import DRY_FRICTION
 
 EFFECT = Effect(
@@ -22,7 +22,7 @@ EFFECT = Effect(
     ),
     valid="the seals rub at one level, whatever speed, pressure, place, direction or time at rest.",
     signature="pressure difference against position is a loop of constant height; the piston sticks at reversals",
-    asked=Asked(resists=1.0, prevalence=0.6),
+    identification=Identification(resists=1.0, prevalence=0.6),
 )
 
 

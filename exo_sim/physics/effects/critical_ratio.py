@@ -6,7 +6,7 @@ import math
 
 from exo_sim.physics import gas
 from exo_sim.physics.compiled import kernel
-from exo_sim.physics.declaration import Asked, Effect, Parameter
+from exo_sim.physics.declaration import Effect, Identification, Parameter
 
 EFFECT = Effect(
     name="critical_ratio",
@@ -35,7 +35,9 @@ EFFECT = Effect(
     ),
     signature="the end of every fill, and every vent below twice the atmosphere, is slower",
     # the ellipse of 0.528 stands for the nozzle of the paper: a healthy valve may follow either
-    asked=Asked(forms=(("ratio",),), starts=((0.4,), (0.25,)), least={"ratio": 0.02}, neutral={"ratio": 0.528}, every_law=True),
+    identification=Identification(
+        forms=(("ratio",),), starts=((0.4,), (0.25,)), least={"ratio": 0.02}, neutral={"ratio": 0.528}, every_law=True
+    ),
 )
 
 #: What is left to subsonic flow at least, of the range of pressure ratios.

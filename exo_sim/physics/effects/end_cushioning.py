@@ -2,9 +2,9 @@
 
 from __future__ import annotations
 
-from exo_sim.physics.asked import Sense
 from exo_sim.physics.compiled import kernel
-from exo_sim.physics.declaration import Asked, Effect, Parameter
+from exo_sim.physics.declaration import Effect, Identification, Parameter
+from exo_sim.physics.identification import Applicability
 
 EFFECT = Effect(
     name="end_cushioning",
@@ -28,11 +28,11 @@ EFFECT = Effect(
         "pass."
     ),
     signature="a pressure spike tied to position; the start from the end is not slowed",
-    asked=Asked(
+    identification=Identification(
         jerky=True,
         starts_by_reach=tuple((reach, area) for reach in (0.02, 0.06, 0.12, 0.25) for area in (0.03, 0.15)),
         open_by={"area": (0.95, 1.05)},
-        sense=Sense(moving=True),
+        applicability=Applicability(moving=True),
     ),
 )
 

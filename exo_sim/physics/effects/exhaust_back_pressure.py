@@ -3,9 +3,9 @@
 from __future__ import annotations
 
 from exo_sim.physics import gas
-from exo_sim.physics.asked import Sense
 from exo_sim.physics.compiled import kernel
-from exo_sim.physics.declaration import Asked, Effect, Parameter
+from exo_sim.physics.declaration import Effect, Identification, Parameter
+from exo_sim.physics.identification import Applicability
 
 EFFECT = Effect(
     name="exhaust_back_pressure",
@@ -31,10 +31,10 @@ EFFECT = Effect(
         "like a nozzle; a porous one falls below that towards equal pressures."
     ),
     signature="the floor of a venting chamber rises with the flow and is gone at rest",
-    asked=Asked(
+    identification=Identification(
         forms=(("area",),),
         starts_by_valve=((3.0,), (1.0,), (0.5,), (0.25,), (0.12,), (0.06,), (0.03,)),
-        sense=Sense(commanded=True),
+        applicability=Applicability(commanded=True),
     ),
 )
 

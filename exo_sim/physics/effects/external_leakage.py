@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 
 from exo_sim.physics import gas
-from exo_sim.physics.declaration import Asked, Effect, Parameter
+from exo_sim.physics.declaration import Effect, Identification, Parameter
 from exo_sim.physics.settling import laminar_rate, path_rate
 from exo_sim.physics.terms import OUTWARD_FLOW
 
@@ -33,7 +33,7 @@ EFFECT = Effect(
     convention="inertial belongs to both porous paths: p^2 - p_atm^2 = w/laminar + inertial w^2.",
     valid="the path neither opens nor closes with pressure; an area is a sharp-edged nozzle, laminar and inertial a porous path.",
     signature="one chamber falls towards the atmosphere and never rests above it; the other does not rise",
-    asked=Asked(
+    identification=Identification(
         proportional=True,
         leaks=0.5,
         open_by={"laminar_1": (0.9, 1.9), "laminar_2": (0.9, 1.9)},  # an inertial part too small to show makes the path look narrower

@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 
 from exo_sim.physics.compiled import kernel
-from exo_sim.physics.declaration import Asked, Effect, Parameter
+from exo_sim.physics.declaration import Effect, Identification, Parameter
 
 EFFECT = Effect(
     name="friction_smoothing",
@@ -29,7 +29,7 @@ EFFECT = Effect(
         "the velocity: what is pushed then creeps more slowly than it should."
     ),
     signature="at reversals force turns round over a span of speed; what is pushed less than it takes to slide creeps on",
-    asked=Asked(held_back=True),
+    identification=Identification(excluded=True),
 )  # fmt: skip
 
 

@@ -3,10 +3,10 @@
 from __future__ import annotations
 
 from exo_sim.physics import gas
-from exo_sim.physics.asked import Sense
 from exo_sim.physics.compiled import kernel
-from exo_sim.physics.declaration import Asked, Effect, Parameter
+from exo_sim.physics.declaration import Effect, Identification, Parameter
 from exo_sim.physics.effects import critical_ratio
+from exo_sim.physics.identification import Applicability
 
 EFFECT = Effect(
     name="line_restriction",
@@ -50,12 +50,12 @@ EFFECT = Effect(
         "passes 17 % more at a pressure ratio of 0.8 than the b = 0.3 of a long hose does."
     ),
     signature="flow saturates at large openings; a sensor at the valve jumps when the flow starts and stops",
-    asked=Asked(
+    identification=Identification(
         forms=(("area", "volume"), ("area", "volume", "ratio")),
         starts_by_valve=((2.0, 5e-6, 0.36), (0.6, 1e-5, 0.36), (0.25, 5e-6, 0.36)),
         of_dead_volume="volume",
         known={"ratio": (0.36, 0.08)},
-        sense=Sense(bursts=False),  # it delays and does not ring
+        applicability=Applicability(bursts=False),  # it delays and does not ring
     ),
 )
 

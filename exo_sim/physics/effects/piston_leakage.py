@@ -5,8 +5,8 @@ from __future__ import annotations
 import math
 
 from exo_sim.physics import gas
-from exo_sim.physics.asked import Sense
-from exo_sim.physics.declaration import Asked, Effect, Parameter
+from exo_sim.physics.declaration import Effect, Identification, Parameter
+from exo_sim.physics.identification import Applicability
 from exo_sim.physics.settling import laminar_rate, path_rate
 from exo_sim.physics.terms import ACROSS_FLOW
 
@@ -45,7 +45,9 @@ EFFECT = Effect(
     ),
     signature="closed chambers converge; nothing happens at equal pressures",
     # where chamber 2 is the atmosphere it is an external one
-    asked=Asked(proportional=True, leaks=1.0, forms=(("area",), ("laminar",)), sense=Sense(two_chambers=True)),
+    identification=Identification(
+        proportional=True, leaks=1.0, forms=(("area",), ("laminar",)), applicability=Applicability(two_chambers=True)
+    ),
 )
 
 

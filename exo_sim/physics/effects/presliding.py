@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 
 from exo_sim.physics.compiled import kernel
-from exo_sim.physics.declaration import Asked, Effect, Parameter
+from exo_sim.physics.declaration import Effect, Identification, Parameter
 
 EFFECT = Effect(
     name="presliding",
@@ -46,7 +46,7 @@ EFFECT = Effect(
     ),
     valid="travel before breakaway is short against the stroke and carries no memory of turning points but the last.",
     signature="reversals turn round over 0.05-0.3 mm instead of at once",
-    asked=Asked(
+    identification=Identification(
         forms=(("stiffness",),),
         starts=((1e5,), (2e4,)),
         scale=5e4,

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from exo_sim.physics.declaration import Asked, Effect, Parameter
+from exo_sim.physics.declaration import Effect, Identification, Parameter
 from exo_sim.physics.terms import DRY_FRICTION
 
 EFFECT = Effect(
@@ -27,7 +27,7 @@ EFFECT = Effect(
     ),
     valid="both seals press alike and in proportion to pressure, whichever chamber has more.",
     signature="the loop of force against velocity is fatter at high pressure",
-    asked=Asked(forms=(("coefficient",), ("difference",), ("coefficient", "difference")), prevalence=0.3),
+    identification=Identification(forms=(("coefficient",), ("difference",), ("coefficient", "difference")), prevalence=0.3),
 )
 
 

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from exo_sim.physics.declaration import Asked, Effect, Parameter
+from exo_sim.physics.declaration import Effect, Identification, Parameter
 from exo_sim.physics.terms import DAMPING
 
 EFFECT = Effect(
@@ -22,7 +22,7 @@ EFFECT = Effect(
     experiment="constant speeds, three of them; free swings from two heights",
     valid="what resists is a turbulent flow around the part, of one density.",
     signature="fast motion loses more than slow motion foretells",
-    asked=Asked(prevalence=0.08),
+    identification=Identification(prevalence=0.08),
 )
 
 

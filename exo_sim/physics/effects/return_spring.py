@@ -2,12 +2,12 @@
 
 from __future__ import annotations
 
-from exo_sim.physics.asked import Occurred, Starts
-from exo_sim.physics.declaration import Asked, Effect, Parameter
+from exo_sim.physics.declaration import Effect, Identification, Parameter
+from exo_sim.physics.identification import ObservedMotion, Starts
 from exo_sim.physics.terms import SPRING_FORCE
 
 
-def _starts(seen: Occurred) -> Starts:
+def _starts(seen: ObservedMotion) -> Starts:
     """Return values to begin with; stiffness times rest is one number, so that a bad start for one of them traps the other."""
     sizes, rests = (0.2, 1.0), (-4.0, -1.5, 0.0, 1.5, 4.0)
     return tuple((s * seen.force / seen.travel, seen.middle + r * seen.travel) for s in sizes for r in rests)
@@ -43,7 +43,7 @@ EFFECT = Effect(
     ),
     valid="the spring is straight in force over travel, without mass, and never goes solid or loose.",
     signature="balance of forces drifts in proportion to position",
-    asked=Asked(forms=(("stiffness", "rest"),), starts_by_motion=_starts, resists=1.0),
+    identification=Identification(forms=(("stiffness", "rest"),), starts_by_motion=_starts, resists=1.0),
 )
 
 

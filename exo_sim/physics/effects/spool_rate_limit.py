@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from exo_sim.physics.compiled import kernel
-from exo_sim.physics.declaration import Asked, Effect, Parameter
+from exo_sim.physics.declaration import Effect, Identification, Parameter
 
 EFFECT = Effect(
     name="spool_rate_limit",
@@ -21,7 +21,7 @@ EFFECT = Effect(
     convention="full travel from closed to open is 1.",
     valid="the limit is the same both ways and at every supply pressure.",
     signature="opening grows as a ramp after a large step; small signals are untouched",
-    asked=Asked(jerky=True, starts=((60.0,), (20.0,), (8.0,), (4.0,), (2.0,))),
+    identification=Identification(jerky=True, starts=((60.0,), (20.0,), (8.0,), (4.0,), (2.0,))),
 )
 
 

@@ -4,12 +4,12 @@ from __future__ import annotations
 
 import math
 
-from exo_sim.physics.asked import Occurred, Starts, Twins
-from exo_sim.physics.declaration import Asked, Effect, Parameter
+from exo_sim.physics.declaration import Effect, Identification, Parameter
+from exo_sim.physics.identification import ObservedMotion, Starts, Twins
 from exo_sim.physics.terms import DRY_EXCESS
 
 
-def _starts(seen: Occurred) -> Starts:
+def _starts(seen: ObservedMotion) -> Starts:
     """Return values to begin with: a little and much above what slides, at low and middling speeds."""
     levels, speeds = ((1.4, 0.1), (2.0, 0.4)), (0.05, 0.25)
     return tuple((b * seen.base + c * seen.force, w * seen.speed, 2.0) for b, c in levels for w in speeds)
@@ -44,7 +44,7 @@ EFFECT = Effect(
     ),
     valid="friction follows speed at once: no film that builds up, no time at rest that makes it stronger.",
     signature="the piston jumps when it starts; friction falls over the first centimetres a second",
-    asked=Asked(
+    identification=Identification(
         forms=(("breakaway", "velocity", "exponent"),),
         starts_by_motion=_starts,
         within_speeds=("velocity",),

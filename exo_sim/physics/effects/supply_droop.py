@@ -2,9 +2,9 @@
 
 from __future__ import annotations
 
-from exo_sim.physics.asked import Sense, Twins
 from exo_sim.physics.compiled import kernel
-from exo_sim.physics.declaration import Asked, Effect, Parameter
+from exo_sim.physics.declaration import Effect, Identification, Parameter
+from exo_sim.physics.identification import Applicability, Twins
 
 EFFECT = Effect(
     name="supply_droop",
@@ -26,12 +26,12 @@ EFFECT = Effect(
         "k times as large."
     ),
     signature="supply dips in phase with the strokes and recovers slowly",
-    asked=Asked(
+    identification=Identification(
         starts=((2e-3, 1e-7), (5e-4, 2e-8)),
         # a tank that takes heat from its walls looks larger, up to k times, and is fed warmer
         open_by={"volume": (1.0 / 1.4, 1.0), "conductance": (0.97, 1.025)},
         logarithmic=True,
-        sense=Sense(commanded=True),
+        applicability=Applicability(commanded=True),
         twins=Twins(unmeasured=("supply_regulator",)),  # a tank behind a feed is the same first order between flow and pressure
     ),
 )

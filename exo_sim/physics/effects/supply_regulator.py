@@ -4,9 +4,9 @@ from __future__ import annotations
 
 import math
 
-from exo_sim.physics.asked import Sense, Twins
 from exo_sim.physics.compiled import kernel
-from exo_sim.physics.declaration import Asked, Effect, Parameter
+from exo_sim.physics.declaration import Effect, Identification, Parameter
+from exo_sim.physics.identification import Applicability, Twins
 
 EFFECT = Effect(
     name="supply_regulator",
@@ -29,12 +29,12 @@ EFFECT = Effect(
         "inlet's pressure has no influence."
     ),
     signature="supply falls at once with flow and returns at once",
-    asked=Asked(
+    identification=Identification(
         jerky=True,
         forms=(("droop", "time_constant"), ("droop", "time_constant", "hysteresis")),
         # the diaphragm may stick before the lag or behind it: peaks of flow that a lag has cut off first need less of it
         open_by={"droop": (1.0, 1.04), "time_constant": (0.9, 1.1), "hysteresis": (0.9, 1.8)},
-        sense=Sense(commanded=True),
+        applicability=Applicability(commanded=True),
         # a tank whose gas keeps its temperature is a regulator with lag; only hysteresis is a regulator's own
         twins=Twins(unmeasured=("supply_droop",), measured=("supply_droop",), unless="hysteresis"),
     ),

@@ -2,9 +2,9 @@
 
 from __future__ import annotations
 
-from exo_sim.physics.asked import Sense
 from exo_sim.physics.compiled import kernel
-from exo_sim.physics.declaration import Asked, Effect, Parameter
+from exo_sim.physics.declaration import Effect, Identification, Parameter
+from exo_sim.physics.identification import Applicability
 
 EFFECT = Effect(
     name="transmission_compliance",
@@ -34,9 +34,9 @@ EFFECT = Effect(
     ),
     valid="what gives has neither mass nor damping, and the piston weighs little against what it moves.",
     signature="chambers behave as if larger under load; a second resonance",
-    asked=Asked(
+    identification=Identification(
         starts=((3e5,), (3e4,)),
-        sense=Sense(moving=True, known_at_joint="drive_stiffness"),
+        applicability=Applicability(moving=True, known_at_joint="drive_stiffness"),
         open_by={"stiffness": (0.96, 1.01)},  # mass and damping between piston and joint stiffen it where it moves fast
     ),
 )

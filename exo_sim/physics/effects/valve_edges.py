@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping
 
 from exo_sim.physics.compiled import kernel
-from exo_sim.physics.declaration import Asked, Effect, Parameter
+from exo_sim.physics.declaration import Effect, Identification, Parameter
 
 #: The four edges, in the order of the valve's paths: from the supply to a chamber, from a chamber to the exhaust.
 EDGES = ("supply_1", "exhaust_1", "supply_2", "exhaust_2")
@@ -43,7 +43,7 @@ EFFECT = Effect(
     ),
     valid="each edge opens in proportion to the command from where it begins, whatever the pressures.",
     signature="fills and vents of either chamber start at different commands, or differ in size at the same one",
-    asked=Asked(
+    identification=Identification(
         forms=((*(f"overlap_{edge}" for edge in EDGES), *(f"excess_{edge}" for edge in EDGES)),),
         starts=((*(0.0 for _ in EDGES), *(0.0 for _ in EDGES)), (*(0.004, -0.004, 0.004, -0.004), *(0.0 for _ in EDGES))),
         jerky=True,

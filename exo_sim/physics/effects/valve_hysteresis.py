@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from exo_sim.physics.compiled import kernel
-from exo_sim.physics.declaration import Asked, Effect, Parameter
+from exo_sim.physics.declaration import Effect, Identification, Parameter
 
 EFFECT = Effect(
     name="valve_hysteresis",
@@ -23,7 +23,7 @@ EFFECT = Effect(
     convention="width is that of the whole loop, in units of command, from -1 to 1.",
     valid="the loop has one width at every command and rate, turning points leave no trace (play, not Preisach).",
     signature="flow against command is a loop of constant width, whatever the rate",
-    asked=Asked(jerky=True, starts=((0.005,), (0.012,), (0.025,), (0.05,), (0.1,)), least={"width": 0.0025}),
+    identification=Identification(jerky=True, starts=((0.005,), (0.012,), (0.025,), (0.05,), (0.1,)), least={"width": 0.0025}),
 )
 
 

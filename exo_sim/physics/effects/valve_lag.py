@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 
 from exo_sim.physics.compiled import kernel
-from exo_sim.physics.declaration import Asked, Effect, Parameter
+from exo_sim.physics.declaration import Effect, Identification, Parameter
 
 EFFECT = Effect(
     name="valve_lag",
@@ -32,7 +32,7 @@ EFFECT = Effect(
     ),
     valid="steps up and down and of every size take as long; no overshoot: a spool on a spring shows one above its own frequency.",
     signature="onset of dP/dt rounded and late, in proportion to nothing but time",
-    asked=Asked(
+    identification=Identification(
         # a good proportional valve answers at about 100 Hz
         proportional=True,
         forms=(("time_constant",), ("delay",), ("time_constant", "delay")),

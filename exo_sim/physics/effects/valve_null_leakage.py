@@ -2,9 +2,9 @@
 
 from __future__ import annotations
 
-from exo_sim.physics.asked import Sense
 from exo_sim.physics.compiled import kernel
-from exo_sim.physics.declaration import Asked, Effect, Parameter
+from exo_sim.physics.declaration import Effect, Identification, Parameter
+from exo_sim.physics.identification import Applicability
 
 EFFECT = Effect(
     name="valve_null_leakage",
@@ -23,7 +23,7 @@ EFFECT = Effect(
     convention="each of the four paths leaks through this area, whatever it is open besides.",
     valid="all four closed paths leak alike and through nozzles; overlap or underlap of single edges is not distinguished.",
     signature="at null both pressures go to 0.75-0.85 of the supply; the supply is used at rest",
-    asked=Asked(proportional=True, leaks=0.75, sense=Sense(commanded=True)),
+    identification=Identification(proportional=True, leaks=0.75, applicability=Applicability(commanded=True)),
 )
 
 

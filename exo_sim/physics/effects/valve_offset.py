@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from exo_sim.physics.compiled import kernel
-from exo_sim.physics.declaration import Asked, Effect, Parameter
+from exo_sim.physics.declaration import Effect, Identification, Parameter
 
 EFFECT = Effect(
     name="valve_offset",
@@ -25,7 +25,7 @@ EFFECT = Effect(
     convention="shift is added to the spool after lag and hysteresis and before the dead-band.",
     valid="the shift stays over the recording: no drift with warmth or supply pressure.",
     signature="one chamber fills and the other vents at zero command",
-    asked=Asked(proportional=True, starts=((0.01,), (-0.01,)), healthy={"shift": (5e-4, 1e-3)}),
+    identification=Identification(proportional=True, starts=((0.01,), (-0.01,)), healthy={"shift": (5e-4, 1e-3)}),
 )
 
 

@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
-from exo_sim.physics.asked import Twins
-from exo_sim.physics.declaration import Asked, Effect, Parameter
+from exo_sim.physics.declaration import Effect, Identification, Parameter
+from exo_sim.physics.identification import Twins
 from exo_sim.physics.terms import DAMPING
 
 EFFECT = Effect(
@@ -26,7 +26,7 @@ EFFECT = Effect(
         "temperature."
     ),
     signature="the pressure difference at constant speed grows in proportion",
-    asked=Asked(prevalence=0.5, twins=Twins(damping=1)),
+    identification=Identification(prevalence=0.5, twins=Twins(damping=1)),
 )
 
 

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from exo_sim.physics.compiled import kernel
-from exo_sim.physics.declaration import Asked, Effect, Parameter
+from exo_sim.physics.declaration import Effect, Identification, Parameter
 from exo_sim.physics.settling import thermal_rate
 from exo_sim.physics.terms import HEAT_FLOW
 
@@ -35,7 +35,7 @@ EFFECT = Effect(
         "law 0.7 to 1.3 %."
     ),
     signature="after a fill the pressure relaxes to a plateau without motion; a driven sealed piston draws a loop that absorbs work",
-    asked=Asked(proportional=True, wall_heat=1.0, forms=(("conductance",), ("conductance_1", "conductance_2"))),
+    identification=Identification(proportional=True, wall_heat=1.0, forms=(("conductance",), ("conductance_1", "conductance_2"))),
 )
 
 

@@ -7,7 +7,7 @@ import pytest
 
 from exo_sim.diagnosis.discrepancy.curve import Curve
 from exo_sim.diagnosis.discrepancy.signal import Discrepancy
-from exo_sim.diagnosis.policy.judgement import LEAST_CURVE
+from exo_sim.diagnosis.policy.verdicts import LEAST_CURVE
 
 AT = np.array([0.0, 1.0])
 

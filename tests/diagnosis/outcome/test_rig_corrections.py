@@ -13,9 +13,9 @@ from exo_sim.diagnosis.data.machine_data import MachineData
 from exo_sim.diagnosis.estimation.least_squares import Fit
 from exo_sim.diagnosis.estimation.parameters import FreeParameter, Target
 from exo_sim.diagnosis.outcome.rig_corrections import REFIT_NOTE, corrections
-from exo_sim.diagnosis.selection.calibration import Deviation
 from exo_sim.diagnosis.selection.fitted_model import FittedModel, SearchResult
 from exo_sim.diagnosis.selection.model_fits import ModelFits
+from exo_sim.diagnosis.selection.nuisance_calibration import Deviation
 from exo_sim.diagnosis.selection.subsystem_result import SubsystemResult
 from exo_sim.machine.linkage import linkages
 from exo_sim.machine.load import load

@@ -18,9 +18,9 @@ from exo_sim.diagnosis.estimation.least_squares import Fit
 from exo_sim.diagnosis.estimation.parameters import FreeParameter, Target
 from exo_sim.diagnosis.findings import Estimate, Finding, Kind
 from exo_sim.diagnosis.outcome.rig_update import RigUpdate, rig_update
-from exo_sim.diagnosis.selection.calibration import Deviation
 from exo_sim.diagnosis.selection.fitted_model import FittedModel, SearchResult
 from exo_sim.diagnosis.selection.model_fits import ModelFits
+from exo_sim.diagnosis.selection.nuisance_calibration import Deviation
 from exo_sim.diagnosis.selection.subsystem_result import SubsystemResult
 from exo_sim.diagnosis.selection.unknown_effect import UnknownEffect
 from exo_sim.machine.linkage import linkages

@@ -9,7 +9,7 @@ import pytest
 from diagnosis.waves import AT, BASE, OTHER, SHAPES, Waves
 
 from exo_sim.diagnosis.estimation.candidate import Candidate
-from exo_sim.diagnosis.policy import gates
+from exo_sim.diagnosis.policy import acceptance
 from exo_sim.diagnosis.selection.comparisons import Comparisons
 from exo_sim.diagnosis.selection.fitted_model import FittedModel
 from exo_sim.diagnosis.selection.model_fits import ModelFits
@@ -32,7 +32,7 @@ def test_evidence_is_the_drop_of_the_squared_error(fits: ModelFits) -> None:
     evidence = comparisons.evidence(bare, full)
     explained = (bare.fit.sse - full.fit.sse) / (bare.fit.sse - AT.size)
     assert evidence.share == pytest.approx(explained, rel=0.05) and evidence.share > 0.9
-    assert evidence.log10_odds > gates.LEAST_ODDS
+    assert evidence.log10_odds > acceptance.LEAST_ODDS
     assert comparisons.accepts(bare, full)
 
 

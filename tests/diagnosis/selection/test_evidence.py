@@ -7,7 +7,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from exo_sim.diagnosis.estimation.least_squares import Fit
-from exo_sim.diagnosis.policy.gates import BEYOND_DOUBT_ODDS, BEYOND_DOUBT_SHARE, UNDERRATED
+from exo_sim.diagnosis.policy.acceptance import BEYOND_DOUBT_ODDS, BEYOND_DOUBT_SHARE, UNDERRATED
 from exo_sim.diagnosis.selection.evidence import compare, could_be_accepted, is_accepted, misfit, negative_log_likelihood
 
 BLOCKS = np.repeat(np.arange(20), 200)

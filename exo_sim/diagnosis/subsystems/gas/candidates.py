@@ -34,22 +34,22 @@ def candidates(plant: PlantParameters, runs: Sequence[CylinderRun], cylinder: st
     single = float(plant.cylinder["single_acting"][0]) > 0.0
     found: list[Candidate] = []
     for effect in declared().values():
-        sense = effect.asked.sense
-        if effect.cut != "gas" or effect.asked.held_back or effect.name in contained or effect.places[0] in measured:
+        sense = effect.identification.applicability
+        if effect.cut != "gas" or effect.identification.excluded or effect.name in contained or effect.places[0] in measured:
             continue
         if (sense.commanded and not commanded) or ("valve_command" in effect.needs and not steered):
             continue
         if (sense.moving and not moves) or (sense.two_chambers and single):
             continue
-        if plant.is_on(effect) and not effect.asked.though_on:
+        if plant.is_on(effect) and not effect.identification.though_on:
             continue
         if sense.known_at_joint and float(plant.cylinder[sense.known_at_joint][0]) > 0.0:
             continue
-        for form in effect.asked.forms or (tuple(p.name for p in effect.parameters if not p.choices),):
+        for form in effect.identification.forms or (tuple(p.name for p in effect.parameters if not p.choices),):
             if single and any(name.endswith("_2") for name in form):
                 continue
             made = _of_form(effect, cylinder, form, plant)
-            if effect.asked.starts_by_reach:
+            if effect.identification.starts_by_reach:
                 made = [replace(one, starts=_starts_within_reach(effect, form, plant, runs)) for one in made]
             found += made
     found += _sensor_faults(runs, cylinder, joint, moves)
@@ -66,7 +66,7 @@ def _starts_within_reach(
     shift, size = {"length": nearest}, {"length": 0.5 * stroke, "area": valve}
     return tuple(
         tuple(shift.get(name, 0.0) + value * size[name] for name, value in zip(form, values, strict=True))
-        for values in effect.asked.starts_by_reach
+        for values in effect.identification.starts_by_reach
     )
 
 
@@ -74,18 +74,18 @@ def _of_form(effect: Effect, cylinder: str, form: tuple[str, ...], plant: PlantP
     """Return the candidates of one form: one, or one for each word of a choice (where the sensor sits)."""
     where, target = place_of(effect, cylinder)
     parameters = tuple(_free(effect, effect.parameter(name), where, target, plant) for name in form)
-    if "inertial" in form or effect.asked.logarithmic:
+    if "inertial" in form or effect.identification.logarithmic:
         parameters = tuple(replace(parameter, logarithmic=True) for parameter in parameters)
     valve = float(plant.cylinder["valve_area"][0])
     porous = "inertial" in form
     if porous:  # where both terms of the path's law take half of the drop from 5 bar
         starts = tuple((*(a for _ in form[:-1]), 2.0 / (a * a * 2.5e11)) for a in (1e-16, 1e-17, 1e-18))
-    elif effect.asked.starts:
-        starts = effect.asked.starts
-    elif effect.asked.starts_by_valve and valve > 0.0:
+    elif effect.identification.starts:
+        starts = effect.identification.starts
+    elif effect.identification.starts_by_valve and valve > 0.0:
         starts = tuple(
             tuple(value * (valve if name == "area" else 1.0) for name, value in zip(form, values, strict=False))
-            for values in effect.asked.starts_by_valve
+            for values in effect.identification.starts_by_valve
         )
     else:
         low = tuple(_typical(effect.parameter(name), 0.25) for name in form)
@@ -94,8 +94,8 @@ def _of_form(effect: Effect, cylinder: str, form: tuple[str, ...], plant: PlantP
     held = tuple(
         (_free(effect, p, where, target, plant), p.default) for p in effect.parameters if p.default and p.name not in form and not p.choices
     )
-    beneath = effect.requires or effect.asked.on_top_of
-    own = next((q for q in parameters if q.parameter == effect.asked.of_dead_volume), None)
+    beneath = effect.requires or effect.identification.on_top_of
+    own = next((q for q in parameters if q.parameter == effect.identification.of_dead_volume), None)
     dead = {name: float(plant.cylinder[name][0]) for name in ("dead_volume_1", "dead_volume_2")}
     displaced = tuple((own, ("dead_volume", cylinder, name), 1.0 / volume) for name, volume in dead.items() if own and volume > 0.0)
     one = Candidate(
@@ -106,10 +106,10 @@ def _of_form(effect: Effect, cylinder: str, form: tuple[str, ...], plant: PlantP
         starts,
         displaced,
         fixed=held,
-        proportional=effect.asked.proportional and not porous,
+        proportional=effect.identification.proportional and not porous,
         prerequisite=beneath if beneath and not plant.is_on(declared()[beneath]) else "",
-        additive=effect.asked.adds_up,
-        is_law=effect.asked.is_law,
+        additive=effect.identification.adds_up,
+        is_law=effect.identification.is_law,
     )
     choices = [parameter for parameter in effect.parameters if parameter.choices]
     if not choices:
@@ -135,24 +135,24 @@ def _typical(parameter: Parameter, share: float) -> float:
 def _healthy_limit(effect: Effect, parameter: Parameter, plant: PlantParameters) -> float:
     """Return how much of a parameter a healthy machine has at most."""
     c = plant.cylinder[0]
-    if effect.asked.leaks and parameter.unit in BY_UNIT:
-        return effect.asked.leaks * BY_UNIT[parameter.unit] * swept_volume(plant)
-    if effect.asked.wall_heat:
+    if effect.identification.leaks and parameter.unit in BY_UNIT:
+        return effect.identification.leaks * BY_UNIT[parameter.unit] * swept_volume(plant)
+    if effect.identification.wall_heat:
         bore = math.sqrt(4.0 * float(c["area_1"]) / math.pi)
-        return effect.asked.wall_heat * healthy.FILM * math.pi * bore * (float(c["stroke"]) + 0.5 * bore)
-    return effect.asked.smallest(parameter.name)
+        return effect.identification.wall_heat * healthy.FILM * math.pi * bore * (float(c["stroke"]) + 0.5 * bore)
+    return effect.identification.smallest(parameter.name)
 
 
 def _free(effect: Effect, parameter: Parameter, where: str, target: Target, plant: PlantParameters) -> FreeParameter:
     low, high = parameter.typical
-    scale = effect.asked.known.get(parameter.name, (0.0, 0.0))[1] or abs(_typical(parameter, 0.5)) or 0.5 * (high - low)
+    scale = effect.identification.known.get(parameter.name, (0.0, 0.0))[1] or abs(_typical(parameter, 0.5)) or 0.5 * (high - low)
     most, valve = parameter.high, float(plant.cylinder["valve_area"][0])
-    if parameter.name == "area" and effect.asked.starts_by_valve and valve > 0.0:
+    if parameter.name == "area" and effect.identification.starts_by_valve and valve > 0.0:
         most = min(most, priors.WIDEST_IN_SERIES * valve)
     return FreeParameter(
-        effect.name, where, parameter.name, parameter.unit, target, scale, parameter.low, most, effect.asked.known.get(parameter.name),
-        neutral=effect.asked.neutral.get(parameter.name, 0.0),
-        nonsmooth=effect.asked.jerky, healthy_limit=_healthy_limit(effect, parameter, plant),
+        effect.name, where, parameter.name, parameter.unit, target, scale, parameter.low, most,
+        effect.identification.known.get(parameter.name), neutral=effect.identification.neutral.get(parameter.name, 0.0),
+        nonsmooth=effect.identification.jerky, healthy_limit=_healthy_limit(effect, parameter, plant),
         logarithmic=parameter.low > 0.0 and high > LOGARITHMIC * low,
     )  # fmt: skip
 

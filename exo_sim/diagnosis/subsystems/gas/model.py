@@ -20,7 +20,7 @@ from exo_sim.diagnosis.estimation.least_squares import Fit, fit
 from exo_sim.diagnosis.estimation.parameters import CARD_OF_PRESSURES, FreeParameter, PlantParameters
 from exo_sim.diagnosis.estimation.threads import SERIAL, Threads
 from exo_sim.diagnosis.findings import Finding, Series, Subsystem
-from exo_sim.diagnosis.policy import healthy, judgement, priors, significance
+from exo_sim.diagnosis.policy import healthy, priors, significance, verdicts
 from exo_sim.diagnosis.subsystem_model import Comparison, SubsystemModel
 from exo_sim.diagnosis.subsystems.gas.bursts import burst_ratio
 from exo_sim.diagnosis.subsystems.gas.experiments import menu
@@ -29,7 +29,7 @@ from exo_sim.diagnosis.subsystems.gas.missing_flow import missing_flow
 from exo_sim.diagnosis.subsystems.gas.prediction import GasPrediction, effort_of, run_gas
 from exo_sim.diagnosis.subsystems.gas.regimes import regimes
 from exo_sim.diagnosis.subsystems.gas.rows import rows_of
-from exo_sim.physics.declaration import asked_of
+from exo_sim.physics.declaration import identification_of
 from exo_sim.physics.effects import critical_ratio as flow_law
 from exo_sim.physics.effects import unknown
 from exo_sim.physics.effects.unknown import ACTS, DEPENDS_ON, KNOTS
@@ -71,7 +71,7 @@ class GasModel(SubsystemModel):
 
     kind = Subsystem.GAS
     balance = "energy balance"
-    hopeless_ratio = judgement.HOPELESS_GAS
+    hopeless_ratio = verdicts.HOPELESS_GAS
     demands_larger_part = True  # no two valves are alike
     unit = "Pa"
 
@@ -267,7 +267,7 @@ class GasModel(SubsystemModel):
 
     def indistinguishable(self, findings: Sequence[Finding], fit: Fit) -> Mapping[tuple[str, str], tuple[str, ...]]:
         """Declared twins of what the gas feels and nobody measured: a supply's."""
-        twins = {(f.name, f.where): asked_of(f.name).twins.unmeasured for f in findings}
+        twins = {(f.name, f.where): identification_of(f.name).twins.unmeasured for f in findings}
         return {key: names for key, names in twins.items() if names}
 
     def experiments(self, plants: Sequence[PlantParameters]) -> Mapping[str, Array]:

@@ -48,7 +48,7 @@ def nuisance_parameters(
         skew, most = priors.CARD_SKEW, healthy.MOST_CARD_SKEW
         zeros += (FreeParameter("card_delay", cylinder, "position.delay", "s", Target.SENSOR, skew, -most, most, (0.0, skew)),)
     for effect in declared().values() if at_rest else ():
-        if effect.asked.wall_heat and not plant.is_on(effect):
+        if effect.identification.wall_heat and not plant.is_on(effect):
             name, heat = effect.parameters[0].name, priors.REST_HEAT
             zeros += (FreeParameter(effect.name, cylinder, name, "W/K", Target.CYLINDER, heat, 0.0, 20.0 * heat, (0.0, heat)),)
     return (*factors, *zeros, *_valve_imperfections(plant, cylinder)) if commanded else (*factors, *zeros)
@@ -61,14 +61,14 @@ def _valve_imperfections(plant: PlantParameters, cylinder: str) -> tuple[FreePar
     for effect in declared().values():
         if effect.name in contained:
             continue
-        for name, (spread, most) in effect.asked.healthy.items():
+        for name, (spread, most) in effect.identification.healthy.items():
             parameter = effect.parameter(name)
             if not plant.is_on(effect):
                 low = 0.0 if parameter.low >= 0.0 else -most
                 found.append(
                     FreeParameter(
                         effect.name, cylinder, name, parameter.unit, Target.CYLINDER, spread, low, most, (0.0, spread),
-                        nonsmooth=effect.asked.jerky,
+                        nonsmooth=effect.identification.jerky,
                     )  # fmt: skip
                 )
     return tuple(found)
@@ -83,7 +83,7 @@ def known_effects(plant: PlantParameters, cylinder: str) -> tuple[FreeParameter,
     """Return the parameters of effects that the rig has on already: an owner's numbers are estimates."""
     found = []
     for effect in declared().values():
-        if effect.cut != "gas" or effect.asked.though_on:
+        if effect.cut != "gas" or effect.identification.though_on:
             continue
         where, target = place_of(effect, cylinder)
         record = plant.world if target is Target.WORLD else plant.cylinder
@@ -94,7 +94,7 @@ def known_effects(plant: PlantParameters, cylinder: str) -> tuple[FreeParameter,
                 found.append(
                     FreeParameter(
                         effect.name, where, parameter.name, parameter.unit, target, spread, parameter.low, parameter.high,
-                        (value, spread), nonsmooth=effect.asked.jerky,
+                        (value, spread), nonsmooth=effect.identification.jerky,
                     )  # fmt: skip
                 )
     return tuple(found)

@@ -13,9 +13,9 @@ from exo_sim.diagnosis.estimation.sensor_error import sensor_error
 from exo_sim.diagnosis.policy import healthy, priors
 from exo_sim.diagnosis.subsystems.healthy_leak import OUTWARD, external_leaks
 from exo_sim.diagnosis.subsystems.motion.model import stall_force
-from exo_sim.physics.asked import Occurred
 from exo_sim.physics.declaration import Effect, declared
 from exo_sim.physics.effects import friction_smoothing, presliding, sensor_bias
+from exo_sim.physics.identification import ObservedMotion
 
 
 def candidates(runs: Sequence[MotionRun], plant: PlantParameters, where: str, resolved: float = 0.0) -> tuple[Candidate, ...]:
@@ -47,10 +47,10 @@ def candidates(runs: Sequence[MotionRun], plant: PlantParameters, where: str, re
     }  # fmt: skip
     found: list[Candidate] = []
     for effect in declared().values():
-        place, asked = "cylinder" if run.cylinder is not None else "joint", effect.asked
-        if effect.cut != "motion" or asked.held_back:
+        place, asked = "cylinder" if run.cylinder is not None else "joint", effect.identification
+        if effect.cut != "motion" or asked.excluded:
             continue
-        if place not in (asked.sense.places or effect.places) or effect.name not in (plant.cylinder.dtype.names or ()):
+        if place not in (asked.applicability.places or effect.places) or effect.name not in (plant.cylinder.dtype.names or ()):
             continue
         if plant.is_on(effect) and not asked.though_on:
             continue
@@ -81,7 +81,8 @@ def candidates(runs: Sequence[MotionRun], plant: PlantParameters, where: str, re
                 start.append(size)
             starts = asked.starts or (tuple(start),)
             if asked.starts_by_motion is not None:
-                starts = asked.starts_by_motion(Occurred(force, speed, travel, float(np.nanmean(position)), _believed_base(effect, plant)))
+                seen = ObservedMotion(force, speed, travel, float(np.nanmean(position)), _believed_base(effect, plant))
+                starts = asked.starts_by_motion(seen)
             found.append(
                 Candidate(effect.name, where, "+".join(form), tuple(parameters), starts,
                           prerequisite=_missing_prerequisite(effect, plant), prevalence=asked.prevalence)
@@ -110,7 +111,7 @@ def _firm_contact(plant: PlantParameters, where: str, turning: bool) -> list[Can
     if turning or float(plant.cylinder[effect.name]["stiffness"][0]) < healthy.STIFF_CONTACT:
         return []
     stiffness = FreeParameter(
-        effect.name, where, "stiffness", "N/m", Target.CYLINDER, effect.asked.scale, healthy.SOFT_CONTACT, healthy.STIFF_CONTACT
+        effect.name, where, "stiffness", "N/m", Target.CYLINDER, effect.identification.scale, healthy.SOFT_CONTACT, healthy.STIFF_CONTACT
     )  # fmt: skip
     return [Candidate(effect.name, where, "firm", (stiffness,), ((4e5,),), proportional=False, is_law=True, prevalence=0.5)]
 
@@ -131,11 +132,11 @@ def _creeping_contact(plant: PlantParameters, where: str, turning: bool, at_join
 
 def _believed_base(effect: Effect, plant: PlantParameters) -> float:
     """Return the believed size of what an effect comes on top of; 0 where it comes on top of nothing."""
-    base = effect.asked.on_top_of
+    base = effect.identification.on_top_of
     return float(plant.cylinder[base][declared()[base].parameters[0].name][0]) if base else 0.0
 
 
 def _missing_prerequisite(effect: Effect, plant: PlantParameters) -> str:
     """Return the effect that this one comes on top of, "" where it needs none or the rig has it."""
-    base = effect.asked.on_top_of
+    base = effect.identification.on_top_of
     return "" if not base or plant.is_on(declared()[base]) else base

@@ -19,7 +19,7 @@ from exo_sim.diagnosis.estimation.least_squares import Fit
 from exo_sim.diagnosis.estimation.parameters import FreeParameter, PlantParameters
 from exo_sim.diagnosis.findings import Finding, Series, Subsystem
 from exo_sim.diagnosis.policy import healthy, significance
-from exo_sim.diagnosis.policy.calibration import SURE
+from exo_sim.diagnosis.policy.nuisance_calibration import SURE
 from exo_sim.diagnosis.subsystem_model import Comparison, SubsystemModel
 from exo_sim.diagnosis.subsystems.healthy_leak import OUTWARD
 from exo_sim.diagnosis.subsystems.motion.contact_scatter import ContactScatter
@@ -261,7 +261,8 @@ class MotionModel(SubsystemModel):
     def indistinguishable(self, findings: Sequence[Finding], fit: Fit) -> Mapping[tuple[str, str], tuple[str, ...]]:
         """Some friction is another one beside a constant force: a force sensor's bias, or what closed the balance."""
         names = {finding.name for finding in findings}
-        twins = {one.name: one.asked.twins.beside_constant for one in declared().values() if one.asked.twins.beside_constant in names}
+        beside = {one.name: one.identification.twins.beside_constant for one in declared().values()}
+        twins = {name: twin for name, twin in beside.items() if twin in names}
         if not twins:
             return {}
         offsets = [q for q in fit.values if q.effect == "offset"]

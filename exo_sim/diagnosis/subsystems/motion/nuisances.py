@@ -9,7 +9,7 @@ import numpy as np
 from exo_sim.diagnosis.data.motion_run import MotionRun
 from exo_sim.diagnosis.estimation.least_squares import FEWEST_ROWS, fit
 from exo_sim.diagnosis.estimation.parameters import FreeParameter, PlantParameters, Target
-from exo_sim.diagnosis.policy import healthy, judgement, priors
+from exo_sim.diagnosis.policy import healthy, priors, verdicts
 from exo_sim.diagnosis.subsystems.healthy_leak import OUTWARD, external_leaks
 from exo_sim.diagnosis.subsystems.motion.model import MotionModel, stall_force
 from exo_sim.physics.declaration import declared
@@ -58,11 +58,11 @@ def nuisance_parameters(runs: Sequence[MotionRun], plant: PlantParameters, where
         if unit == "m^2":  # one law will do for a trace
             found.append(_of_cylinder(OUTWARD.name, where, name, unit, spread, (0.0, 2.5 * spread), (0.0, spread)))
     for effect in declared().values():
-        if effect.cut != "motion" or effect.name not in (plant.cylinder.dtype.names or ()) or effect.asked.though_on:
+        if effect.cut != "motion" or effect.name not in (plant.cylinder.dtype.names or ()) or effect.identification.though_on:
             continue
         for parameter in effect.parameters:
             value = float(plant.cylinder[effect.name][parameter.name][0])
-            dry, most = (effect.asked.resists * share * stall for share in (priors.HEALTHY_DRY, healthy.DRY_FRICTION))
+            dry, most = (effect.identification.resists * share * stall for share in (priors.HEALTHY_DRY, healthy.DRY_FRICTION))
             if dry > 0.0 and value == 0.0 and parameter.unit == "N":
                 found.append(_of_cylinder(effect.name, where, parameter.name, "N", dry, (0.0, most), (0.0, dry)))
             if value != 0.0 and not parameter.choices:
@@ -109,7 +109,7 @@ def with_damping_if_too_large(model: MotionModel, nuisances: tuple[FreeParameter
         return nuisances
     damping = more[-1]
     plain, freed = (fit(model.residual, free, {q: q.start for q in free}, max_iterations=8) for free in (nuisances, more))
-    plainly = freed.values[damping] < judgement.LEAST_DAMPED and freed.sse < judgement.LEAST_LEFT * plain.sse
+    plainly = freed.values[damping] < verdicts.LEAST_DAMPED and freed.sse < verdicts.LEAST_LEFT * plain.sse
     return more if plainly else nuisances
 
 

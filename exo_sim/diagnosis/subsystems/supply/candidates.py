@@ -19,8 +19,8 @@ def nuisance_parameters(plant: PlantParameters) -> tuple[FreeParameter, ...]:
 def candidates(plant: PlantParameters) -> tuple[Candidate, ...]:
     """Return every candidate of the supply that the rig does not have on already."""
     found = []
-    shared = [effect for effect in declared().values() if effect.places == ("supply",) and not effect.asked.held_back]
-    for effect, form in ((e, form) for e in shared for form in e.asked.forms or (tuple(p.name for p in e.parameters),)):
+    shared = [effect for effect in declared().values() if effect.places == ("supply",) and not effect.identification.excluded]
+    for effect, form in ((e, form) for e in shared for form in e.identification.forms or (tuple(p.name for p in e.parameters),)):
         if plant.is_on(effect):
             continue
         parameters = tuple(_free(effect, name) for name in form)
@@ -46,5 +46,5 @@ def _free(effect: Effect, name: str) -> FreeParameter:
         parameter.low,
         parameter.high,
         nonsmooth=name == "hysteresis",
-        logarithmic=effect.asked.logarithmic,
+        logarithmic=effect.identification.logarithmic,
     )

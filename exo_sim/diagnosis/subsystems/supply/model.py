@@ -19,7 +19,7 @@ from exo_sim.diagnosis.policy import healthy, significance
 from exo_sim.diagnosis.policy.regimes import DRAWING
 from exo_sim.diagnosis.subsystem_model import Comparison, SubsystemModel
 from exo_sim.diagnosis.subsystems.supply.prediction import follow_supply
-from exo_sim.physics.declaration import asked_of
+from exo_sim.physics.declaration import identification_of
 from exo_sim.recording.filters import white_noise
 
 Array = NDArray[np.float64]
@@ -134,5 +134,5 @@ class SupplyModel(SubsystemModel):
 
     def indistinguishable(self, findings: Sequence[Finding], fit: Fit) -> Mapping[tuple[str, str], tuple[str, ...]]:
         """Declared twins, unless what only one of them has was fitted."""
-        twins = {(f.name, f.where): (asked_of(f.name).twins, f.parameters) for f in findings}
+        twins = {(f.name, f.where): (identification_of(f.name).twins, f.parameters) for f in findings}
         return {key: one.measured for key, (one, parameters) in twins.items() if one.measured and one.unless not in parameters}

@@ -18,7 +18,7 @@ RUN = balance(5.0 * np.sign(VELOCITY), 0.1)
 def test_a_joint_is_asked_what_acts_at_joints_only() -> None:
     for one in candidates([RUN], plant(), "slide"):
         effect = declared()[one.effect]
-        assert effect.cut == "motion" and "joint" in (effect.asked.sense.places or effect.places)
+        assert effect.cut == "motion" and "joint" in (effect.identification.applicability.places or effect.places)
 
 
 def test_starts_are_a_tenth_of_the_forces_spread_over_the_motion() -> None:

@@ -10,7 +10,7 @@ from exo_sim.diagnosis import wording
 from exo_sim.diagnosis.estimation.parameters import FreeParameter
 from exo_sim.diagnosis.estimation.uncertainty import bounded_interval, interval
 from exo_sim.diagnosis.findings import Estimate, Finding, Kind
-from exo_sim.diagnosis.policy import calibration
+from exo_sim.diagnosis.policy.nuisance_calibration import MODEL_SHARE, MOVED, SURE, WORTH, WORTH_OF_EFFECT
 from exo_sim.diagnosis.selection.fitted_model import FittedModel
 from exo_sim.physics.declaration import declared
 
@@ -29,10 +29,10 @@ def deviations(model: FittedModel, errors: Mapping[FreeParameter, float]) -> tup
     found, effects = [], model.effect_parameters
     for parameter, value in model.fit.values.items():
         whole = parameter.prior[0] if parameter.prior and parameter.effect in declared() else 1.0
-        if whole == 0.0 or (parameter.effect not in calibration.WORTH and parameter.effect not in declared()) or parameter in effects:
+        if whole == 0.0 or (parameter.effect not in WORTH and parameter.effect not in declared()) or parameter in effects:
             continue
         factor, error = value / whole, errors.get(parameter, math.inf) / abs(whole)
-        if abs(factor - 1.0) > max(calibration.SURE * error, calibration.WORTH.get(parameter.effect, calibration.WORTH_OF_EFFECT)):
+        if abs(factor - 1.0) > max(SURE * error, WORTH.get(parameter.effect, WORTH_OF_EFFECT)):
             found.append(Deviation(parameter, factor, error))
     return tuple(found)
 
@@ -50,8 +50,8 @@ def refitted_besides(
         if not parameter.prior or parameter in reported or parameter in effects or not math.isfinite(error):
             continue
         believed = parameter.prior[0]
-        beside = named and believed != 0.0 and abs(value - believed) > calibration.MOVED * abs(believed)
-        if beside or abs(value - believed) > calibration.SURE * error:
+        beside = named and believed != 0.0 and abs(value - believed) > MOVED * abs(believed)
+        if beside or abs(value - believed) > SURE * error:
             found.append((parameter, error))
     return tuple(found)
 
@@ -68,19 +68,19 @@ def _calibration(name: str, where: str, parts: Sequence[Deviation]) -> Finding:
     weights = [1.0 / max(one.error, 1e-9) ** 2 for one in parts]
     mean = sum(w * one.factor for w, one in zip(weights, parts, strict=True)) / sum(weights)
     apart = max(abs(one.factor - mean) for one in parts)
-    spread = max(math.sqrt(1.0 / sum(weights)), apart, calibration.MODEL_SHARE)
+    spread = max(math.sqrt(1.0 / sum(weights)), apart, MODEL_SHARE)
     low, high = interval(mean, spread) if is_declared(name) else bounded_interval(parts[0].parameter, mean, spread)
     estimates = {"factor": Estimate(mean, "1", low, high)}
     if name == "dead_volume":
         for one in parts:
-            ends = bounded_interval(one.parameter, one.factor, max(one.error, calibration.MODEL_SHARE))
+            ends = bounded_interval(one.parameter, one.factor, max(one.error, MODEL_SHARE))
             estimates[one.parameter.parameter] = Estimate(one.factor, "1", *ends)
     if is_declared(name):
         estimates = {
             q.parameter: Estimate(
                 one.factor * q.prior[0],
                 q.unit,
-                *sorted(q.prior[0] * end for end in interval(one.factor, max(one.error, calibration.MODEL_SHARE))),
+                *sorted(q.prior[0] * end for end in interval(one.factor, max(one.error, MODEL_SHARE))),
             )
             for one in parts
             if (q := one.parameter).prior

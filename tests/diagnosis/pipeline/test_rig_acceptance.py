@@ -9,7 +9,7 @@ import pytest
 
 from exo_sim.diagnosis.findings import SignalFit
 from exo_sim.diagnosis.outcome.rig_update import Part, Rank, RigUpdate
-from exo_sim.diagnosis.pipeline.acceptance import Trial, as_far_as_it_wins, is_worse
+from exo_sim.diagnosis.pipeline.rig_acceptance import Trial, as_far_as_it_wins, is_worse
 from exo_sim.rig import EffectSetting, Rig
 from exo_sim.rig import Finding as Entry
 

@@ -23,7 +23,7 @@ _NUMBERS = ("wall_s", "cpu_s", "peak_bytes")
 _TEXTS = ("case", "previous", "signer", "hash", "signature")
 
 
-class Ledger:
+class VerdictChain:
     """The chain of verdicts of one trial, one JSON record a line.
 
     Args:

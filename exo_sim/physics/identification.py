@@ -9,7 +9,7 @@ Starts = tuple[tuple[float, ...], ...]
 
 
 @dataclass(frozen=True)
-class Occurred:
+class ObservedMotion:
     """What a recording shows of a motion, for values to begin with that are in proportion to it.
 
     Attributes:
@@ -27,7 +27,7 @@ class Occurred:
 
 
 @dataclass(frozen=True)
-class Sense:
+class Applicability:
     """Where the question makes sense.
 
     Attributes:
@@ -67,7 +67,7 @@ class Twins:
 
 
 @dataclass(frozen=True)
-class Asked:
+class Identification:
     """How the question is put to a recording.
 
     Attributes:
@@ -95,13 +95,13 @@ class Asked:
             one that is softer is a finding; "" where it is none.
         every_law: True where every machine follows some form of this law: the diagnosis chooses a healthy one, and asks all the same.
         on_top_of: Effect that must be there for it to be asked.
-        held_back: True where no diagnosis puts the question; a rig may have the effect all the same.
+        excluded: True where no diagnosis puts the question; a rig may have the effect all the same.
         open_by: Factors on the ends of a parameter's interval, for what the model itself leaves open ...
         closed_by: ... unless this parameter was fitted as well.
         prevalence: Share of machines that have it, before any data.
         known: What is known of parameters before any data: mean and standard deviation.
         is_law: Whether it only says how a law is written, in every machine: then it is no finding, but it goes into an improved rig.
-        sense: Where the question makes sense.
+        applicability: Where the question makes sense.
         twins: What cannot be distinguished from it.
     """
 
@@ -109,7 +109,7 @@ class Asked:
     starts: Starts = ()
     starts_by_valve: Starts = ()
     starts_by_reach: Starts = ()
-    starts_by_motion: Callable[[Occurred], Starts] | None = None
+    starts_by_motion: Callable[[ObservedMotion], Starts] | None = None
     of_dead_volume: str = ""
     within_speeds: tuple[str, ...] = ()
     scale: float = 0.0
@@ -126,13 +126,13 @@ class Asked:
     every_contact: str = ""
     every_law: bool = False
     on_top_of: str = ""
-    held_back: bool = False
+    excluded: bool = False
     open_by: Mapping[str, tuple[float, float]] = field(default_factory=dict)
     closed_by: str = ""
     prevalence: float = 0.1
     known: Mapping[str, tuple[float, float]] = field(default_factory=dict)
     is_law: bool = False
-    sense: Sense = Sense()
+    applicability: Applicability = Applicability()
     twins: Twins = Twins()
 
     @property

@@ -85,7 +85,7 @@ class _Decision(Generic[Model]):
         findings = [_ambiguous_with(f, twins.get((f.name, f.where), ())) for f in findings]
         observed = {parameter: error for parameter, error in errors.items() if self.model.is_observed(parameter)}
         off = () if alone and not named else deviations(final, observed)  # alone they bend to what has no name
-        refitted = refitted_besides(final, observed, {one.parameter for one in off}, bool(named))
+        refitted = refitted_besides(final, observed, {one.parameter for one in off}, bool(named or laws))
         refitted += tuple((q, errors[q]) for q in errors if q in laws)
         return replace(
             result, final=final, named=named, has_unknown=unknown, findings=tuple(findings), deviations=off,

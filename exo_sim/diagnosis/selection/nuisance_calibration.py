@@ -42,18 +42,25 @@ def refitted_besides(
 ) -> tuple[tuple[FreeParameter, float], ...]:
     """Return nuisance parameters that the improved rig should hold as fitted and that are no finding, with their standard errors.
 
-    Those that are surely off; and where something was `named`, all that the rig holds, for what was found was fitted with them.
+    Those that are surely off; and beside anything that is written, all that the rig holds: numbers of one fit predict well together only.
+
+    Args:
+        model: The fit.
+        errors: Standard errors.
+        reported: Parameters that are written as calibrations.
+        named: Whether effects, or laws of them, are written.
     """
-    found, effects = [], model.effect_parameters
+    effects = model.effect_parameters
+    moved = []
     for parameter, value in model.fit.values.items():
         error = errors.get(parameter, math.inf)
-        if not parameter.prior or parameter in reported or parameter in effects or not math.isfinite(error):
-            continue
-        believed = parameter.prior[0]
-        beside = named and believed != 0.0 and abs(value - believed) > MOVED * abs(believed)
-        if beside or abs(value - believed) > SURE * error:
-            found.append((parameter, error))
-    return tuple(found)
+        if parameter.prior and parameter not in reported and parameter not in effects and math.isfinite(error):
+            moved.append((parameter, error, abs(value - parameter.prior[0])))
+    surely = {parameter for parameter, error, by in moved if by > SURE * error}
+    beside = named or bool(reported) or bool(surely)
+    return tuple(
+        (q, error) for q, error, by in moved if q in surely or (beside and q.prior and by > MOVED * abs(q.prior[0]) > 0.0)
+    )
 
 
 def calibration_findings(found: Sequence[Deviation]) -> list[Finding]:

@@ -12,7 +12,7 @@ from exo_sim.diagnosis.estimation.uncertainty import bounded_interval, interval
 from exo_sim.diagnosis.findings import Estimate, Finding, Kind
 from exo_sim.diagnosis.policy.nuisance_calibration import MODEL_SHARE, MOVED, SURE, WORTH, WORTH_OF_EFFECT
 from exo_sim.diagnosis.selection.fitted_model import FittedModel
-from exo_sim.physics.declaration import declared
+from exo_sim.physics.declaration import declared, identification_of
 
 
 @dataclass(frozen=True)
@@ -25,11 +25,16 @@ class Deviation:
 
 
 def deviations(model: FittedModel, errors: Mapping[FreeParameter, float]) -> tuple[Deviation, ...]:
-    """Return the believed numbers that are surely off, and by enough to be worth correcting; `errors` are standard errors."""
+    """Return the believed numbers that are surely off, and by enough to be worth correcting; `errors` are standard errors.
+
+    What a law is taken to be where nobody gave it is no believed number.
+    """
     found, effects = [], model.effect_parameters
     for parameter, value in model.fit.values.items():
         whole = parameter.prior[0] if parameter.prior and parameter.effect in declared() else 1.0
         if whole == 0.0 or (parameter.effect not in WORTH and parameter.effect not in declared()) or parameter in effects:
+            continue
+        if parameter.effect in declared() and identification_of(parameter.effect).known.get(parameter.parameter) == parameter.prior:
             continue
         factor, error = value / whole, errors.get(parameter, math.inf) / abs(whole)
         if abs(factor - 1.0) > max(SURE * error, WORTH.get(parameter.effect, WORTH_OF_EFFECT)):

@@ -65,6 +65,9 @@ def nuisance_parameters(runs: Sequence[MotionRun], plant: PlantParameters, where
             dry, most = (effect.identification.resists * share * stall for share in (priors.HEALTHY_DRY, healthy.DRY_FRICTION))
             if dry > 0.0 and value == 0.0 and parameter.unit == "N":
                 found.append(_of_cylinder(effect.name, where, parameter.name, "N", dry, (0.0, most), (0.0, dry)))
+            if value == 0.0 and parameter.name in effect.identification.known and plant.is_on(effect):  # its law is what nobody gave
+                prior, ends = effect.identification.known[parameter.name], (parameter.low, parameter.high)
+                found.append(_of_cylinder(effect.name, where, parameter.name, parameter.unit, prior[1], ends, prior))
             if value != 0.0 and not parameter.choices:
                 unit, known = parameter.unit_at(run.turning and run.cylinder is None), priors.KNOWN_FORCE * abs(value)
                 bounds = (parameter.low, parameter.high)

@@ -48,6 +48,21 @@ def test_friction_that_the_machine_has_is_free_around_what_is_known_of_it() -> N
     assert force.prior is not None and force.prior[0] == 12.0 and force.start == 12.0
 
 
+def test_the_exponent_of_a_stribeck_dip_that_nobody_gave_is_open() -> None:
+    known = plant()
+    known.cylinder["stribeck_friction"]["breakaway"], known.cylinder["stribeck_friction"]["velocity"] = 20.0, 0.02
+
+    def exponents() -> list[tuple[float, float] | None]:
+        return [q.prior for q in nuisance_parameters([RUN], known, "slide") if q.parameter == "exponent"]
+
+    assert exponents() == [(2.0, 0.75)]
+    known.cylinder["stribeck_friction"]["exponent"] = 1.0
+    assert exponents() == [(1.0, 0.5)]
+    known.cylinder["stribeck_friction"]["breakaway"] = known.cylinder["stribeck_friction"]["velocity"] = 0.0
+    known.cylinder["stribeck_friction"]["exponent"] = 0.0
+    assert exponents() == []
+
+
 def test_damping_is_added_only_where_there_is_some_and_only_once() -> None:
     damped = replace(RUN, passive=Passive(-8.0 * VELOCITY, -8.0 * VELOCITY))
     model, bare = (MotionModel([run], plant(), Split({})) for run in (damped, RUN))

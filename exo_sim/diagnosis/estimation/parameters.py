@@ -14,6 +14,8 @@ from exo_sim.physics.declaration import Effect
 
 #: Delay of both pressures of a cylinder together.
 CARD_OF_PRESSURES = "pressures.delay"
+#: Set pressure of a supply that was not recorded, as a factor on what is believed.
+SET_PRESSURE = "set_pressure"
 
 
 class Target(StrEnum):
@@ -32,7 +34,8 @@ class PlantParameters:
     Attributes:
         world, cylinder: Records of `physics.records`, shape (1,) each.
         sensors: E.g. `"position.delay"`, `"pressure_1.bias"`, `"pressure_2.scale"` to a number; absent means a perfect sensor.
-            `"pressures.delay"` comes on top of that of each pressure: they share a card.
+            `"pressures.delay"` comes on top of that of each pressure: they share a card; `"supply.scale"` is by how much the pressure of
+            a supply that was not recorded differs from what is believed.
     """
 
     world: NDArray[np.void]

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from exo_sim.diagnosis.data.machine_data import MachineData
-from exo_sim.diagnosis.estimation.parameters import FreeParameter
+from exo_sim.diagnosis.estimation.parameters import SET_PRESSURE, FreeParameter
 from exo_sim.diagnosis.estimation.uncertainty import bounded_interval, interval
 from exo_sim.diagnosis.policy.nuisance_calibration import MODEL_SHARE
 from exo_sim.diagnosis.selection.nuisance_calibration import Deviation, is_declared
@@ -12,7 +12,7 @@ from exo_sim.diagnosis.subsystem_model import SubsystemModel
 from exo_sim.rig import Correction, JointFactors, Rig
 
 #: Numbers of the rig that every comparison refits.
-REFITTED = ("flow_capacity", "dead_volume", "payload_mass")
+REFITTED = ("flow_capacity", "dead_volume", "payload_mass", SET_PRESSURE)
 REFIT_NOTE = "refitted within what a data sheet allows, no finding"
 
 
@@ -50,6 +50,9 @@ def _correction(data: MachineData, off: Deviation) -> Correction:
         name, believed = ("inertia_factor", held.inertia) if parameter.effect == "inertia" else ("damping_factor", held.damping)
         low, factor, high = (max(number, 1e-3) * believed for number in (low, factor, high))
         return Correction(("joints", parameter.where, name), factor, "1", (low, high), believed)
+    if parameter.effect == SET_PRESSURE:
+        believed = data.rig.supply.pressure
+        return Correction(("supply", "pressure"), believed * factor, "Pa", (believed * low, believed * high), believed)
     cylinder = data.rig.cylinders[parameter.where]
     if parameter.parameter == "valve_area":
         key, believed, unit = ("cylinders", parameter.where, "valve", "area"), cylinder.valve_area, "m^2"

@@ -70,8 +70,9 @@ class RigUpdate:
 
     @property
     def corrections(self) -> tuple[Correction, ...]:
-        """The corrections of believed numbers."""
-        return tuple(one for part in self.parts for one in part.corrections)
+        """The corrections of believed numbers, each once: of what cylinders share, what the first of them says."""
+        every = [one for part in self.parts for one in part.corrections]
+        return tuple({one.key: one for one in reversed(every)}.values())[::-1]
 
     def reduced(self) -> tuple[RigUpdate, ...]:
         """Return the updates that have one rank less of one source: its curve goes first, for it was fitted to what the rest leaves."""

@@ -66,7 +66,8 @@ def examine_gas(
         sides = [side for side in (1, 2) if any(run.pressure[side - 1] is not None for run in runs)]
         at_rest = all(run.at_rest for run in runs)
         moves = any(run.moves for run in runs)
-        nuisances = nuisance_parameters(plant, name, commanded, sides, at_rest, moves) + known_effects(plant, name)
+        supplied = all(run.supply is not None for run in runs)
+        nuisances = nuisance_parameters(plant, name, commanded, sides, at_rest, moves, supplied) + known_effects(plant, name)
         joint = data.joint_of(name)
         asked = plan.without_refuted(candidates(plant, runs, name, joint))
         friction = None if plan.friction is None else tuple(plan.friction.get(name, ()))

@@ -126,6 +126,8 @@ class GasModel(SubsystemModel):
         plain = length_scale == 1.0 and (scale == 1.0).all()
         if not plain:
             given = _without_gains(given, length_scale, scale, np.array(offset))
+        if (supply := sensors.get("supply.scale", 1.0)) != 1.0:
+            given = replace(given, supply=supply * given.supply)
         cards = (sensors.get("position.delay", 0.0), sensors.get(CARD_OF_PRESSURES, 0.0))
         out = run_gas(given, plant.world, plant.cylinder, shift, cards[0], offset, whole, cards[1])
         pressure = out.pressure

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 
 from exo_sim.diagnosis.data.cylinder_run import CylinderRun
-from exo_sim.diagnosis.estimation.parameters import FreeParameter, PlantParameters, Target
+from exo_sim.diagnosis.estimation.parameters import SET_PRESSURE, FreeParameter, PlantParameters, Target
 from exo_sim.diagnosis.policy import healthy, priors
 from exo_sim.diagnosis.subsystems.gas.place import measured_places, place_of
 from exo_sim.physics.declaration import declared
@@ -13,7 +13,8 @@ from exo_sim.physics.records import switch_off
 
 
 def nuisance_parameters(
-    plant: PlantParameters, cylinder: str, commanded: bool, sides: Sequence[int], at_rest: bool = False, moves: bool = False
+    plant: PlantParameters, cylinder: str, commanded: bool, sides: Sequence[int], at_rest: bool = False, moves: bool = False,
+    supplied: bool = False,
 ) -> tuple[FreeParameter, ...]:
     """Return the nuisance parameters of a cylinder's gas.
 
@@ -27,6 +28,8 @@ def nuisance_parameters(
         sides: Chambers whose pressure was recorded, of 1 and 2.
         at_rest: Whether neither valve nor piston ever moves.
         moves: Whether the piston moves: then the card of its position may be late.
+        supplied: Whether the supply's pressure was recorded; without that the set pressure is a believed number like others, and both
+            pressures would seem to have a wrong gain in its place.
     """
     factors = tuple(
         FreeParameter(effect, cylinder, name, "1", Target.FACTOR, 0.1, 0.05, 10.0, (1.0, spread), neutral=1.0)
@@ -47,6 +50,14 @@ def nuisance_parameters(
     if moves:
         skew, most = priors.CARD_SKEW, healthy.MOST_CARD_SKEW
         zeros += (FreeParameter("card_delay", cylinder, "position.delay", "s", Target.SENSOR, skew, -most, most, (0.0, skew)),)
+    if commanded and not supplied:
+        most = 1.0 - priors.SENSOR_SCALE_LEAST
+        spread = priors.SET_PRESSURE
+        zeros += (
+            FreeParameter(
+                SET_PRESSURE, "supply", "supply.scale", "1", Target.SENSOR, spread, 1.0 - most, 1.0 + most, (1.0, spread), neutral=1.0
+            ),
+        )  # fmt: skip
     for effect in declared().values() if at_rest else ():
         if effect.identification.wall_heat and not plant.is_on(effect):
             name, heat = effect.parameters[0].name, priors.REST_HEAT

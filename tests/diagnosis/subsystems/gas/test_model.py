@@ -63,3 +63,17 @@ def test_what_a_prediction_leaves_of_a_recording_without_noise_does_not_ring(rig
         return GasModel(cylinder_runs(shaken, rig, model, linkages(rig, model)), plant, PARTS).has_bursts(plant)
 
     assert not rings(0.0) and not rings(20.0) and rings(1000.0)
+
+
+def test_the_set_pressure_may_be_other_than_believed(rig: Rig, table: Recording) -> None:
+    model = load(rig)
+    plant = PlantParameters(assembly.world(rig), assembly.cylinders(rig))
+    columns = {**table.columns, "piston.valve_command": 0.1 * np.sign(np.sin(9.0 * table.time))}
+    runs = cylinder_runs(Recording(table.name, table.time, columns, table.units), rig, model, linkages(rig, model))
+    lower = plant.copy()
+    lower.world["supply_pressure"] *= 0.98
+    scaled = PlantParameters(plant.world, plant.cylinder, {"supply.scale": 0.98})
+    wanted = GasModel(runs, lower, PARTS).predict(lower, 0).pressure
+    found, believed = (GasModel(runs, plant, PARTS).predict(one, 0).pressure for one in (scaled, plant))
+    np.testing.assert_allclose(found, wanted, rtol=1e-9)
+    assert np.ptp(found - believed) > 1e3

@@ -47,3 +47,13 @@ def test_a_valve_that_nobody_commanded_has_no_free_parameter() -> None:
     assert {"flow_capacity", "valve_offset", "valve_deadband", "valve_lag"} <= {
         effect for effect, _ in free(plant(), rests=False, commanded=True)
     }
+
+
+def test_the_set_pressure_is_free_where_nobody_recorded_the_supply() -> None:
+    def scale(supplied: bool) -> list[FreeParameter]:
+        return [q for q in nuisance_parameters(plant(), "piston", True, (1, 2), supplied=supplied) if q.effect == "set_pressure"]
+
+    assert scale(supplied=True) == []
+    (factor,) = scale(supplied=False)
+    assert factor.prior is not None and factor.prior[0] == factor.neutral == 1.0
+    assert plant().with_values([(factor, 0.98)]).sensors == {"supply.scale": 0.98}

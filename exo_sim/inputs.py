@@ -1,7 +1,9 @@
-"""Reading what people hand in, as text and as TOML: whatever it is, one sentence says what is wrong with it."""
+"""Reading what people hand in, as text, TOML and JSON: whatever it is, one sentence says what is wrong with it."""
 
 from __future__ import annotations
 
+import codecs
+import json
 import stat
 import tomllib
 from pathlib import Path
@@ -37,7 +39,7 @@ def bytes_of(path: Path) -> bytes:
 
 
 def text_of(path: Path) -> str:
-    """Return what a text file holds.
+    """Return what a text file holds, without the mark that some editors put before it.
 
     Raises:
         FileNotFoundError: there is no such file.
@@ -48,8 +50,11 @@ def text_of(path: Path) -> str:
     size = path.stat().st_size
     if size > MOST_TEXT:
         raise ValueError(f"has {size / 1e6:.0f} MB, more than a text of its kind has ({MOST_TEXT / 1e6:.0f} MB)")
+    raw = path.read_bytes()
+    if raw.startswith((codecs.BOM_UTF16_LE, codecs.BOM_UTF16_BE)):
+        raise ValueError("is UTF-16 text; save it as UTF-8")
     try:
-        return path.read_text(encoding="utf-8")
+        return raw.decode("utf-8-sig").replace("\r\n", "\n").replace("\r", "\n")
     except UnicodeDecodeError as error:
         raise ValueError(f"cannot be read as text: it is not UTF-8, byte {error.start} is {error.object[error.start]:#04x}") from None
 
@@ -68,3 +73,15 @@ def toml(text: str) -> dict[str, Any]:
         raise ValueError(f"is not TOML: {str(error)[0].lower()}{str(error)[1:]}") from None
     except ValueError:  # Python's bound on digits
         raise ValueError("holds a number of too many digits") from None
+
+
+def json_value(text: str | bytes) -> Any:
+    """Return what JSON says.
+
+    Raises:
+        ValueError: it is no JSON, not UTF-8, nested too deeply, or has a number of thousands of digits.
+    """
+    try:
+        return json.loads(text)
+    except RecursionError:
+        raise ValueError("nested too deeply") from None

@@ -8,7 +8,7 @@ from pathlib import Path
 import pytest
 
 from exo_sim.errors import ExoSimError, RecordingError, RigError
-from exo_sim.inputs import MOST_TEXT, check_regular, text_of, toml
+from exo_sim.inputs import MOST_TEXT, check_regular, json_value, text_of, toml
 from exo_sim.recording.column_map import read_column_map
 from exo_sim.rig import read
 
@@ -66,3 +66,21 @@ def test_a_scale_that_is_no_factor_is_refused(tmp_path: Path, scale: str) -> Non
     (tmp_path / "map.toml").write_text(f'[columns]\n"a" = {{ column = "p.pressure_1 [Pa]", scale = {scale} }}\n')
     with pytest.raises(RecordingError, match="scale and offset must be numbers"):
         read_column_map(tmp_path / "map.toml")
+
+
+def test_what_json_says() -> None:
+    assert json_value('{"a": [1, null]}') == {"a": [1, None]}
+
+
+@pytest.mark.parametrize("text", ["{", b"\xff\xfe", "[" * 100_000, "1" * 5000])
+def test_what_is_no_json_is_a_value_error(text: str | bytes) -> None:
+    with pytest.raises(ValueError):
+        json_value(text)
+
+
+def test_the_mark_that_an_editor_puts_before_a_text_is_no_part_of_it(tmp_path: Path) -> None:
+    (tmp_path / "a.toml").write_bytes(b"\xef\xbb\xbfa = 1\r\nb = 2\r\n")
+    assert toml(text_of(tmp_path / "a.toml")) == {"a": 1, "b": 2}
+    (tmp_path / "a.toml").write_bytes("a = 1".encode("utf-16"))
+    with pytest.raises(ValueError, match="is UTF-16 text; save it as UTF-8"):
+        text_of(tmp_path / "a.toml")

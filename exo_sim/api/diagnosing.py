@@ -16,6 +16,7 @@ from exo_sim.api.notebook import html_table
 from exo_sim.api.rig import Rig
 from exo_sim.diagnosis import findings as records
 from exo_sim.errors import OutputError, RecordingError
+from exo_sim.inputs import text_of
 from exo_sim.plain_text import json_text
 from exo_sim.recording.table import Recording
 
@@ -100,7 +101,7 @@ class Diagnosis:
         there = place.resolve() == self._folder.resolve()  # the text that was proved, as it stands
         texts = {
             "improved": self.result.improved if there else self.rig.text_in(place),
-            "report": page(self.result, path.read_text(encoding="utf-8") if isinstance(believed, Path) else believed.text, path.name),
+            "report": page(self.result, text_of(path) if isinstance(believed, Path) else believed.text, path.name),
             "diagnosis": json_text(self.result.as_dict()) + "\n",
         }
         machine = Rig.load(believed) if isinstance(believed, Path) else believed

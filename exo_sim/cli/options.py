@@ -71,6 +71,8 @@ class InputFile(click.Path):
         if path.is_dir():
             self.fail(f'"{path}" is a folder; name a file in it', param, ctx)
         if not path.exists():
+            if path.is_symlink():
+                self.fail(f'"{path}" is a link that leads to no file; name the file itself', param, ctx)
             neighbours = [entry.name for entry in path.parent.iterdir()] if path.parent.is_dir() else []
             hint = nearest(path.name, neighbours)
             self.fail(f'there is no file "{path}"{hint if "mean" in hint else ""}', param, ctx)

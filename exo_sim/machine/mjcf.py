@@ -12,8 +12,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from exo_sim.errors import ModelError, one_line
-from exo_sim.inputs import check_regular
 from exo_sim.machine import mujoco_words  # noqa: F401 - its warnings are ours from here on
+from exo_sim.machine.named_files import check_named
 
 #: Time steps between which a machine can be simulated [s].
 SHORTEST_STEP, LONGEST_STEP = 1e-7, 0.01
@@ -25,10 +25,10 @@ def read_spec(path: Path) -> mujoco.MjSpec:
     """Return an MJCF as an editable specification.
 
     Raises:
-        ModelError: it is no file, MuJoCo refuses it, or a name in it is no text.
+        ModelError: it or a file that it names is no file, MuJoCo refuses it, or a name in it is no text.
     """
     try:
-        check_regular(path)
+        check_named(path)
         spec = mujoco.MjSpec.from_file(str(path))
     except FileNotFoundError:
         raise ModelError(f'{path}: no such file; "model" in the rig names the MJCF relative to the rig file') from None

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import json
 from pathlib import Path
 from typing import Any
 
@@ -10,7 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from exo_sim.errors import RecordingError
-from exo_sim.inputs import text_of
+from exo_sim.inputs import json_value, text_of
 from exo_sim.recording import columns
 from exo_sim.recording.column_map import ColumnMap
 from exo_sim.recording.columns import Column
@@ -59,14 +58,17 @@ def read_lerobot(path: Path, file: Any, column_map: ColumnMap | None = None) -> 
     except pa.ArrowException as error:
         raise RecordingError(f'"{path}": cannot be read: {str(error).splitlines()[0][:120]}; copy the file again') from None
     clock = column_map is not None and any(column.key == columns.TIME for column in column_map.columns.values())
-    headings = {name if clock or name != "timestamp" else "time [s]": name for name in found if name not in _MARKS[1:]}
-    selection = select(str(path), list(headings), column_map)
+    named = [(name if clock or name != "timestamp" else "time [s]", name) for name in found if name not in _MARKS[1:]]
+    headings = dict(named)
+    selection = select(str(path), [heading for heading, _ in named], column_map)
     values = {column.key: column.to_si(np.array(found[headings[column.source]])) for column in selection.columns}
     units = {column.key: column.unit for column in selection.columns}
     return RawTable(values.pop(columns.TIME), values, units, selection.findings)
 
 
 def _episode(path: Path, index: NDArray[Any], column_map: ColumnMap | None) -> NDArray[np.bool_]:
+    if index.dtype.kind not in "iu" or not len(index):
+        raise RecordingError(f'"{path}": "episode_index" must hold a whole number in every row; export the data set again')
     there = np.unique(index)
     asked = column_map.episode if column_map else None
     if asked is None and len(there) > 1:
@@ -90,7 +92,7 @@ def _entries(name: str, cells: Any, names: list[str]) -> dict[str, NDArray[np.fl
     ):
         return {}
     table = flat.cast(pa.float64()).to_numpy(zero_copy_only=False).reshape(-1, width)
-    called = names if len(names) == width else [str(i) for i in range(width)]
+    called = names if len(names) == len(set(names)) == width else [str(i) for i in range(width)]
     return {f"{name}[{each}]": table[:, i] for i, each in enumerate(called)}
 
 
@@ -101,7 +103,7 @@ def _names(path: Path) -> dict[str, list[str]]:
         if not info.is_file():
             continue
         try:
-            features = json.loads(text_of(info))["features"]
+            features = json_value(text_of(info))["features"]
             return {key: _flat(one.get("names")) for key, one in features.items() if isinstance(one, dict)}
         except (ValueError, KeyError, TypeError, AttributeError, OSError) as error:
             raise RecordingError(f'"{info}": is not the info.json of a LeRobot data set ({type(error).__name__})') from None

@@ -30,12 +30,15 @@ def read_mat(path: Path, column_map: ColumnMap | None = None) -> RawTable:
     """
     held = _hdf5(path) if _is_hdf5(path) else _classic(path)
     found = dict(_vectors(held))
-    names = held.get("headings")
+    headings, names = list(found), held.get("headings")
     if column_map is None and isinstance(names, list) and isinstance(held.get("data"), np.ndarray):
-        found = {str(name): found[f"data(:,{i})"] for i, name in enumerate(names, 1) if f"data(:,{i})" in found}
+        given = [values for name, values in found.items() if name.startswith("data(:,")]
+        if len(given) != len(names):
+            raise RecordingError(f'"{path}": "headings" names {len(names)} columns and "data" has {len(given)}; give each column a name')
+        headings, found = names, dict(zip(names, given))
     if not found:
         raise RecordingError(f'"{path}": no variable in it is a column of numbers; tables and timetables must be saved as structs')
-    selection = select(str(path), list(found), column_map)
+    selection = select(str(path), headings, column_map)
     rows = len(found[selection.columns[0].source])
     for column in selection.columns:
         if len(found[column.source]) != rows:
@@ -60,7 +63,7 @@ def _classic(path: Path) -> dict[str, Any]:
         if size > MOST_BYTES:
             raise RecordingError(f'"{path}": its variables would take {size / 1e9:.3g} GB; cut it into pieces')
         held = loadmat(path, simplify_cells=True)
-    except (RecordingError, OSError, MemoryError):
+    except (RecordingError, MemoryError):
         raise
     except Exception as error:  # of many kinds, on broken files
         why = str(error).splitlines()[0][:120] if str(error) else type(error).__name__
@@ -79,19 +82,27 @@ def _hdf5(path: Path) -> dict[str, Any]:
             f'"{path}": version 7.3 needs h5py: pip install \'exo-sim-pneumatic[files]\', or save it with -v7'
         ) from None
 
+    seen = set()
+
     def taken(group: Any, depth: int) -> dict[str, Any]:
         found: dict[str, Any] = {}
-        for name, one in group.items():
-            if name.startswith("#") or depth > _DEEPEST:
+        for name in group:
+            if name.startswith("#") or depth > _DEEPEST or not isinstance(group.get(name, getlink=True), h5py.HardLink):
+                continue  # MATLAB writes no links, which may lead round in circles, or to other files
+            one = group[name]
+            if one.id in seen:
                 continue
+            seen.add(one.id)
             if isinstance(one, h5py.Group):
                 found[name] = taken(one, depth + 1)
+            elif isinstance(one, h5py.Dataset) and (one.external or one.is_virtual):
+                continue  # what it holds stands in other files
             elif isinstance(one, h5py.Dataset) and one.dtype.kind in "fiub" and one.attrs.get("MATLAB_class") != b"char":
                 if 8.0 * one.size > MOST_BYTES:
                     raise RecordingError(f'"{path}": "{name}" would take {8e-9 * one.size:.3g} GB; cut it into pieces')
                 found[name] = np.asarray(one).T  # MATLAB counts columns first
             elif isinstance(one, h5py.Dataset) and name == "headings" and one.dtype == h5py.ref_dtype:
-                found[name] = ["".join(map(chr, np.asarray(group.file[each]).ravel())) for each in np.asarray(one).ravel()]
+                found[name] = ["".join(map(chr, np.asarray(group.file[each]).ravel())).strip() for each in np.asarray(one).ravel()]
         return found
 
     try:

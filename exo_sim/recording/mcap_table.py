@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import json
 from collections.abc import Iterator
 from pathlib import Path
 from typing import Any
@@ -10,6 +9,7 @@ from typing import Any
 import numpy as np
 
 from exo_sim.errors import RecordingError
+from exo_sim.inputs import json_value
 from exo_sim.recording import columns
 from exo_sim.recording.column_map import ColumnMap
 from exo_sim.recording.finding import Finding
@@ -43,9 +43,10 @@ def read_mcap(path: Path, column_map: ColumnMap | None = None) -> RawTable:
     if not series:
         raise RecordingError(f'"{path}": no message in it holds numbers')
     mapped = column_map.columns if column_map else {}
-    headings = {name if name in mapped else _heading(name, kinds): name for name in series}
+    named = [(name if name in mapped else _heading(name, kinds), name) for name in series]
+    headings = dict(named)
     known = ColumnMap(column_map.path, {n: c for n, c in mapped.items() if c.key != columns.TIME}) if column_map else None
-    selection = select(str(path), [f"{columns.TIME} [s]", *headings], known)
+    selection = select(str(path), [f"{columns.TIME} [s]", *(heading for heading, _ in named)], known)
     findings = list(selection.findings)
     start = min(series[headings[column.source]][0][0] for column in selection.columns[1:])
     given = {}
@@ -70,12 +71,12 @@ def _scan(path: Path) -> tuple[dict[str, tuple[list[float], list[float]]], dict[
     kinds: dict[str, str] = {}
     refused = ""
     factory, decoders, numbers_held = DecoderFactory(), {}, 0
-    try:
-        with path.open("rb") as file:
+    with path.open("rb") as file:
+        try:
             for schema, channel, message in make_reader(file).iter_messages():
                 if channel.id not in decoders:
                     decoders[channel.id] = (
-                        json.loads if channel.message_encoding == "json" else factory.decoder_for(channel.message_encoding, schema)
+                        json_value if channel.message_encoding == "json" else factory.decoder_for(channel.message_encoding, schema)
                     )
                 decode = decoders[channel.id]
                 if decode is None:
@@ -93,11 +94,11 @@ def _scan(path: Path) -> tuple[dict[str, tuple[list[float], list[float]]], dict[
                     numbers_held += 1
                 if numbers_held % 4096 == 0:
                     Selection((columns.Column("", "", ""),)).refuse_if_too_long(str(path), 8.0 * numbers_held)
-    except (RecordingError, OSError, MemoryError):
-        raise
-    except Exception as error:  # of many kinds, on broken files
-        why = str(error).splitlines()[0][:120] if str(error) else type(error).__name__
-        raise RecordingError(f'"{path}": not a whole MCAP file ({why}): copied in part, or still being written?') from None
+        except (RecordingError, MemoryError):
+            raise
+        except Exception as error:  # of many kinds, on broken files
+            why = str(error).splitlines()[0][:120] if str(error) else type(error).__name__
+            raise RecordingError(f'"{path}": not a whole MCAP file ({why}): copied in part, or still being written?') from None
     if not series and refused:
         raise RecordingError(f'"{path}": {refused}; CDR of ROS 2 and JSON are read: convert it with "ros2 bag convert" or the mcap tool')
     return series, kinds

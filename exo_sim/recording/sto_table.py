@@ -28,9 +28,10 @@ def read_sto(path: Path, column_map: ColumnMap | None = None) -> RawTable:
     """
     storage = read_storage(path)
     mapped = column_map.columns if column_map else {}
-    headings = {"time [s]": "time"} if "time" not in mapped else {"time": "time"}
-    headings |= {label if label in mapped else _heading(label, storage.in_degrees): label for label in storage.columns}
-    selection = select(str(path), list(headings), column_map)
+    named = [("time" if "time" in mapped else "time [s]", "time")]
+    named += [(label if label in mapped else _heading(label, storage.in_degrees), label) for label in storage.columns]
+    headings = dict(named)
+    selection = select(str(path), [heading for heading, _ in named], column_map)
     numbers = {"time": storage.time, **storage.columns}
     values = {column.key: column.to_si(np.array(numbers[headings[column.source]])) for column in selection.columns}
     units = {column.key: column.unit for column in selection.columns}

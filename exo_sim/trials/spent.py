@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import math
-import os
 import resource
 import signal
 import subprocess
@@ -12,10 +11,11 @@ from collections.abc import Mapping, Sequence
 from pathlib import Path
 
 from exo_sim.errors import TrialError
+from exo_sim.trials.tool import STOPPED, WORDS, end_group, end_of, wait
 
 
 def used_by(line: Sequence[str], folder: Path, env: Mapping[str, str], timeout: float) -> tuple[int, str, resource.struct_rusage]:
-    """Run a command in a folder.
+    """Run a command in a folder; what it started and left running is ended with it.
 
     Args:
         line: The command and its arguments.
@@ -29,24 +29,17 @@ def used_by(line: Sequence[str], folder: Path, env: Mapping[str, str], timeout: 
     Raises:
         TrialError: the command cannot be started.
     """
-    with (folder / "words").open("w+") as words:
+    with (folder / WORDS).open("w+b") as said:
         try:
-            process = subprocess.Popen(line, cwd=folder, stdin=subprocess.DEVNULL, stdout=subprocess.DEVNULL, stderr=words, env=dict(env))
-        except OSError as error:
-            raise TrialError(f'cannot run "{line[0]}": {error.strerror}') from None
-        if hasattr(resource, "prlimit"):
-            resource.prlimit(process.pid, resource.RLIMIT_CPU, (math.ceil(timeout), math.ceil(timeout) + 5))
-        deadline = time.monotonic() + 10.0 * timeout
-        stopped = False
-        while True:
-            pid, status, used = os.wait4(process.pid, os.WNOHANG)
-            if pid:
-                break
-            if time.monotonic() > deadline and not stopped:
-                os.kill(process.pid, signal.SIGKILL)  # Popen.kill may reap the process, and what it used would be lost
-                stopped = True
-            time.sleep(0.02)
-        process.returncode = os.waitstatus_to_exitcode(status)
-        words.seek(0)
-        stopped = stopped or process.returncode == -signal.SIGXCPU
-        return (-1 if stopped else process.returncode), words.read().strip()[-500:], used
+            process = subprocess.Popen(
+                line, cwd=folder, stdin=subprocess.DEVNULL, stdout=subprocess.DEVNULL, stderr=said, env=dict(env), start_new_session=True
+            )
+        except (OSError, ValueError) as error:
+            raise TrialError(f'cannot run "{line[0]}": {getattr(error, "strerror", None) or error}') from None
+        try:
+            if hasattr(resource, "prlimit"):
+                resource.prlimit(process.pid, resource.RLIMIT_CPU, (math.ceil(timeout), math.ceil(timeout) + 5))
+            status, used = wait(process, time.monotonic() + 10.0 * timeout)
+        finally:
+            end_group(process)
+        return (STOPPED if status == -signal.SIGXCPU else status), end_of(said), used

@@ -14,6 +14,7 @@ from collections.abc import Collection
 from contextlib import suppress
 from dataclasses import dataclass
 from pathlib import Path
+from typing import IO
 
 from exo_sim.errors import TrialError, printable
 from exo_sim.trials.json_file import MOST_BYTES
@@ -102,16 +103,15 @@ def run_tool(line: list[str], bare: Path, timeout: float) -> Ran:
         except (OSError, ValueError) as error:
             raise TrialError(f'cannot run "{line[0]}": {getattr(error, "strerror", None) or error}') from None
         try:
-            status, used = _wait(process, start + timeout)
+            status, used = wait(process, start + timeout)
         finally:
-            _end_group(process)
-        said.seek(max(0, said.seek(0, os.SEEK_END) - 8 * _LONGEST_WORDS))
-        words = printable(said.read().decode(errors="replace")).strip()[-_LONGEST_WORDS:]
+            end_group(process)
+        words = end_of(said)
     wall = time.monotonic() - start
     return Ran(status, words, round(wall, 2), round(used.ru_utime + used.ru_stime, 2), used.ru_maxrss * 1024)
 
 
-def _wait(process: subprocess.Popen[bytes], deadline: float) -> tuple[int, resource.struct_rusage]:
+def wait(process: subprocess.Popen[bytes], deadline: float) -> tuple[int, resource.struct_rusage]:
     """Wait for a process; return its exit status or STOPPED and what it used."""
     stopped = False
     while True:
@@ -120,12 +120,18 @@ def _wait(process: subprocess.Popen[bytes], deadline: float) -> tuple[int, resou
             process.returncode = os.waitstatus_to_exitcode(status)
             return (STOPPED if stopped else process.returncode), used
         if time.monotonic() > deadline and not stopped:
-            _end_group(process)
+            end_group(process)
             stopped = True
         time.sleep(0.02)
 
 
-def _end_group(process: subprocess.Popen[bytes]) -> None:
+def end_of(said: IO[bytes]) -> str:
+    """Return the end of what a tool said into a file, as text that can be shown."""
+    said.seek(max(0, said.seek(0, os.SEEK_END) - 8 * _LONGEST_WORDS))
+    return printable(said.read().decode(errors="replace")).strip()[-_LONGEST_WORDS:]
+
+
+def end_group(process: subprocess.Popen[bytes]) -> None:
     """End a process and all that it started, unless they left its session."""
     with suppress(ProcessLookupError, PermissionError):
         os.killpg(process.pid, signal.SIGKILL)

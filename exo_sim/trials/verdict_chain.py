@@ -14,8 +14,8 @@ from pathlib import Path
 from typing import Any
 
 from exo_sim.errors import TrialError
+from exo_sim.inputs import json_value
 from exo_sim.outputs import explained, replacing
-from exo_sim.trials.json_file import parsed
 from exo_sim.trials.seal import canonical, digest, stored
 
 START = "0" * 64
@@ -51,7 +51,7 @@ class VerdictChain:
         records, good = [], 0
         for number, line in enumerate(raw.splitlines(keepends=True), 1):
             try:
-                record = parsed(line)
+                record = json_value(line)
                 whole = isinstance(record, dict) and all(isinstance(record.get(key), str) for key in _TEXTS)
                 canonical(record)
             except (TypeError, ValueError):

@@ -9,6 +9,7 @@ import numpy as np
 import pytest
 from recording.one_table import ANGLE, PRESSURE, TIME, N, foreign, is_the_table
 
+from exo_sim.errors import RecordingError
 from exo_sim.recording import read
 
 
@@ -60,3 +61,24 @@ def test_messages_in_json(tmp_path: Path) -> None:
             writer.add_message(channel, i * 10_000_000 + 5, data, 0)
         writer.finish()
     is_the_table(read(path, foreign({"/log.P1": "piston.pressure_1 [bar]", "/log.q[1]": "knee.position [deg]"})).recording)
+
+
+def test_two_topics_of_one_signal_are_refused(tmp_path: Path) -> None:
+    pytest.importorskip("mcap_ros2")
+    from mcap_ros2.writer import Writer
+
+    path = tmp_path / "bag.mcap"
+    with path.open("wb") as file, Writer(file) as writer:
+        number = writer.register_msgdef("std_msgs/msg/Float64", "float64 data\n")
+        for i in range(N):
+            for robot in ("one", "two"):
+                writer.write_message(f"/{robot}/piston/valve_command", number, {"data": 0.1}, i * 10**7, i * 10**7)
+    with pytest.raises(RecordingError, match=r"piston\.valve_command \[1\]\" is there 2 times"):
+        read(path)
+
+
+def test_what_is_none_is_said_to_be_no_whole_file(tmp_path: Path) -> None:
+    pytest.importorskip("mcap_ros2")
+    (tmp_path / "bag.mcap").write_bytes(b"\x89MCAP0\r\n")
+    with pytest.raises(RecordingError, match="not a whole MCAP file"):
+        read(tmp_path / "bag.mcap")

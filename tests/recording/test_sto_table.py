@@ -5,8 +5,10 @@ from __future__ import annotations
 from pathlib import Path
 
 import numpy as np
+import pytest
 from recording.one_table import ANGLE, PRESSURE, TIME, foreign
 
+from exo_sim.errors import RecordingError
 from exo_sim.recording import Recording, read, write_table
 
 
@@ -30,3 +32,11 @@ def test_coordinates_of_opensim_are_positions_of_joints(tmp_path: Path) -> None:
     assert [finding.column for finding in reading.findings] == ["knee_angle_r_moment"]
     columns = {"time": "time [s]", "knee_angle_r": "knee.position [deg]", "pelvis_ty": "piston.pressure_1 [bar]"}
     np.testing.assert_allclose(read(path, foreign(columns)).recording["knee.position"], ANGLE)
+
+
+def test_two_labels_of_one_coordinate_are_refused(tmp_path: Path) -> None:
+    path = tmp_path / "walk.sto"
+    rows = "\n".join(f"{t} {a} {2 * a}" for t, a in zip(TIME, ANGLE))
+    path.write_text(f"walk\nendheader\ntime knee_angle_r /jointset/knee_r/knee_angle_r/value\n{rows}\n")
+    with pytest.raises(RecordingError, match=r"knee_angle_r\.position \[rad\]\" is there 2 times"):
+        read(path)

@@ -6,17 +6,7 @@ from pathlib import Path
 
 import pytest
 
-from exo_sim.trials.json_file import parsed, read_json
-
-
-def test_what_json_says() -> None:
-    assert parsed('{"a": [1, null]}') == {"a": [1, None]}
-
-
-@pytest.mark.parametrize("text", ["{", b"\xff\xfe", "[" * 100_000, "1" * 5000])
-def test_what_is_none_is_a_value_error(text: str | bytes) -> None:
-    with pytest.raises(ValueError):
-        parsed(text)
+from exo_sim.trials.json_file import read_json
 
 
 def test_files(tmp_path: Path) -> None:

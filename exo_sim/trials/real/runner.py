@@ -12,6 +12,7 @@ from typing import Any
 
 from exo_sim.outputs import replacing
 from exo_sim.recording import write_table
+from exo_sim.trials.answer import read_answer
 from exo_sim.trials.real.case import RealCase
 from exo_sim.trials.real.errors import errors
 from exo_sim.trials.real.honest import honest_errors
@@ -64,8 +65,7 @@ def run(names: Sequence[str], data: Path, repository: Path, out: Path, tool: str
 def mark(case: RealCase, answer: Path) -> Mark:
     """Return the mark of an answer in a folder."""
     found, spent = json.loads((answer / "errors.json").read_text()), json.loads((answer / "spent.json").read_text())
-    written = answer / "diagnosis.json"
-    diagnosis = json.loads(written.read_text()) if written.exists() else None
+    diagnosis = read_answer(answer / "diagnosis.json")
     return judge(
         case.name,
         case.known,

@@ -15,6 +15,7 @@ from typing import Any
 from exo_sim.errors import TrialError
 from exo_sim.outputs import replacing
 from exo_sim.progress import each
+from exo_sim.trials.answer import read_answer
 from exo_sim.trials.spent import used_by
 from exo_sim.trials.tool import bring_back, command, environment, lay_out
 from exo_sim.trials.whole import fresh
@@ -108,7 +109,7 @@ def marks(folder: Path, out: Path, matters: float = MATTERS) -> list[Mark]:
         answer = out / case.name
         if not (answer / "spent.json").exists():
             continue
-        diagnosis = _read(answer / "diagnosis.json")
+        diagnosis = read_answer(answer / "diagnosis.json")
         spent = _read(answer / "spent.json") or {}
         truth = json.loads((case / "truth" / "truth.json").read_text())
         found.append(judge(truth, diagnosis, _read(answer / "fresh.json"), spent.get("cpu_s"), matters))

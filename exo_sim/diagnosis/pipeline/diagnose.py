@@ -11,6 +11,7 @@ from pathlib import Path
 from exo_sim.diagnosis.estimation.budget import Budget
 from exo_sim.diagnosis.estimation.threads import Threads
 from exo_sim.diagnosis.findings import Diagnosis, Finding, Kind, Rejected
+from exo_sim.diagnosis.outcome.confidence import confidence
 from exo_sim.diagnosis.outcome.localisation import located, unexplained
 from exo_sim.diagnosis.outcome.rig_update import rig_update
 from exo_sim.diagnosis.outcome.small import small_findings
@@ -18,7 +19,7 @@ from exo_sim.diagnosis.outcome.verdict import distinct, next_experiment, verdict
 from exo_sim.diagnosis.pipeline.plan import Examination, Progress
 from exo_sim.diagnosis.pipeline.reading import gather
 from exo_sim.diagnosis.pipeline.rig_acceptance import accepted
-from exo_sim.diagnosis.pipeline.rounds import examine_until_stable, with_test_findings
+from exo_sim.diagnosis.pipeline.rounds import examine_until_stable, with_test_findings, without_doubtful
 from exo_sim.diagnosis.policy.budgets import MOST_REJECTED
 from exo_sim.diagnosis.selection.nuisance_calibration import calibration_findings
 from exo_sim.recording.column_map import ColumnMap
@@ -65,7 +66,7 @@ def diagnose(
 
 def _reported(stable: Examination, allowed: Budget, report: Progress, folder: Path | None) -> Diagnosis:
     """Return what an examination says, and the improved rig as far as it wins."""
-    found, in_the_test = with_test_findings(stable)
+    found, in_the_test = with_test_findings(without_doubtful(stable))
     findings = [*_findings(found), *in_the_test]
     data, results, test, split = found.data, found.results, found.test, found.plan.split
     report("writing the rig anew")
@@ -107,7 +108,9 @@ def _findings(found: Examination) -> list[Finding]:
     for one in results:
         for f in one.findings:
             key = f"{f.name}@{f.where}"
-            findings += replace(f, held_out_error_drop=drops.get(key, 0.0), cost=costs.get(key, 0.0)).at_each_place()
+            probability = confidence(f, found.test.shares.get(key))
+            proved = replace(f, held_out_error_drop=drops.get(key, 0.0), cost=costs.get(key, 0.0), probability=probability)
+            findings += proved.at_each_place()
     for one in results:
         findings += calibration_findings(one.deviations)
     findings.sort(key=lambda f: (list(Kind).index(f.kind), -f.cost, -f.log10_odds))

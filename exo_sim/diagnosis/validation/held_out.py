@@ -64,6 +64,8 @@ class HeldOutErrors:
         balances: By subsystem and name.
         series: For the report.
         spans: The held-out time, by recording.
+        shares: By the keys of `drops`, what a finding explains of the squared error that is missing beyond the noise without it; only where
+            predictions change with it by `LEAST_INFLUENCE`: else it was not tested.
     """
 
     signals: Mapping[str, SignalFit] = field(default_factory=dict)
@@ -73,6 +75,7 @@ class HeldOutErrors:
     balances: Mapping[tuple[Subsystem, str], BalanceError] = field(default_factory=dict)
     series: tuple[Series, ...] = ()
     spans: Spans = field(default_factory=dict)
+    shares: Mapping[str, float] = field(default_factory=dict)
 
     @property
     def ratio(self) -> float:
@@ -86,6 +89,7 @@ def held_out_errors(
     """Predict the test time of a split with the machine as believed and as it was found to be."""
     signals: dict[str, SignalFit] = {}
     drops: dict[str, float] = {}
+    shares: dict[str, float] = {}
     influence: dict[str, float] = {}
     costs: dict[str, float] = {}
     balances: dict[tuple[Subsystem, str], BalanceError] = {}
@@ -113,10 +117,23 @@ def held_out_errors(
             drops[key] = _finite(1.0 - error / lacking) if lacking > 0.0 else 0.0
             influence[key] = _finite(rms(other - residual))
             costs[key] = influence[key] * _noise_share(one, compared)
+            if influence[key] > validation.LEAST_INFLUENCE:
+                shares[key] = share_explained(error, lacking)
         if effect is not None:
             drops[one.where] = _drop_with_unknown(model, one, error, own)
             costs[one.where] = rms(model.residual_of(one.final_plant)) * _noise_share(one, compared)
-    return HeldOutErrors(signals, drops, influence, costs, balances, tuple(series), split.test)
+    return HeldOutErrors(signals, drops, influence, costs, balances, tuple(series), split.test, shares)
+
+
+def share_explained(error: float, lacking: float) -> float:
+    """Return what a finding explains of the squared error that is missing beyond the noise without it, 0 to 1.
+
+    Args:
+        error, lacking: Root mean square errors with and without it, in units of the noise.
+    """
+    gained = lacking**2 - error**2
+    share = gained / max(lacking**2 - 1.0, gained, 1e-12)
+    return min(max(_finite(share), 0.0), 1.0)
 
 
 def is_refuted(drop: float, log10_odds: float, together: bool = False) -> bool:

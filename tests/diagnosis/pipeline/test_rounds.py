@@ -192,3 +192,12 @@ def test_what_an_unmeasured_chamber_may_do_is_an_open_question(data: MachineData
     after, found = rounds.with_test_findings(before)
     assert found == [] and after.results.motion[0].is_unresolved and len(after.data.open_questions) == 1
     assert not before.results.motion[0].is_unresolved and before.data.open_questions == ()
+
+
+def test_names_that_explain_little_of_the_test_time_are_put_aside_and_it_is_said_why(data: MachineData) -> None:
+    shares = {"piston_leakage@piston": 0.6, "return_spring@piston": 0.03}
+    found = rounds.without_doubtful(examination(data, Plan(Split({})), gas_of(data, LEAK, SPRING), None, errors(shares=shares)))
+    assert [finding.name for finding in found.results.gas[0].findings] == ["piston_leakage"]
+    assert list(found.plan.refuted) == [SPRING] and "explains 3 %" in found.plan.refuted[SPRING]
+    untested = examination(data, Plan(Split({})), gas_of(data, SPRING), None, errors())
+    assert rounds.without_doubtful(untested) is untested

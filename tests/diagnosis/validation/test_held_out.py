@@ -14,7 +14,7 @@ from exo_sim.diagnosis.selection.decision import decide
 from exo_sim.diagnosis.selection.search import Search
 from exo_sim.diagnosis.selection.subsystem_result import SubsystemResult
 from exo_sim.diagnosis.selection.unknown_effect import unknown_effects
-from exo_sim.diagnosis.validation.held_out import BalanceError, HeldOutErrors, held_out_errors, is_refuted
+from exo_sim.diagnosis.validation.held_out import BalanceError, HeldOutErrors, held_out_errors, is_refuted, share_explained
 
 SPLIT = Split({"recording": ((0.0, 400.0),)})
 
@@ -38,6 +38,7 @@ def test_a_true_finding_takes_the_error_down_to_the_noise() -> None:
 def test_each_of_two_findings_is_worth_what_is_lost_without_it() -> None:
     errors = held_out_errors([result(waves.Waves(slow=3.0, quicker=0.6), waves.BASE, waves.OTHER)], (), SPLIT)
     assert errors.drops["base@piston"] > 0.5 > errors.drops["other@piston"] > 0.03
+    assert all(share > 0.6 for share in errors.shares.values())  # little of the error, but of what is missing nearly all
 
 
 def test_an_unknown_effect_that_no_curve_describes_lowers_nothing() -> None:
@@ -72,3 +73,10 @@ def test_a_finding_stands_where_validation_or_great_odds_support_it(drop: float,
 @pytest.mark.parametrize(("drop", "refuted"), [(0.11, False), (0.03, False), (0.01, True), (-0.05, True)])
 def test_less_is_asked_of_what_was_weighed_beside_all_others(drop: float, refuted: bool) -> None:
     assert is_refuted(drop, 8.0, together=True) is refuted
+
+
+@pytest.mark.parametrize(
+    ("error", "lacking", "share"), [(1.0, 5.0, 1.0), (3.0, 5.0, 16.0 / 24.0), (4.9, 5.0, 0.99 / 24.0), (0.8, 0.9, 1.0), (5.0, 4.0, 0.0)]
+)
+def test_a_share_is_of_what_is_missing_beyond_the_noise(error: float, lacking: float, share: float) -> None:
+    assert share_explained(error, lacking) == pytest.approx(share)

@@ -1,0 +1,32 @@
+"""How probable a name is by what it explains of time kept back."""
+
+from __future__ import annotations
+
+import pytest
+
+from exo_sim.diagnosis.findings import Finding, Kind
+from exo_sim.diagnosis.outcome.confidence import confidence, is_doubtful
+from exo_sim.diagnosis.policy.confidence import UNTESTED
+from exo_sim.diagnosis.policy.verdicts import MOST_CONFIDENT
+
+
+def named(log10_odds: float, weighed: float | None = None) -> Finding:
+    return Finding("quadratic_drag", "piston", Kind.MISSING_PHYSICS, "", {}, log10_odds, 0.0, probability=weighed)
+
+
+def test_great_odds_do_not_make_a_name_probable_that_explains_little_of_time_kept_back() -> None:
+    shares = (0.0, 0.05, 0.14, 0.3, 0.6, 1.0)
+    found = [confidence(named(2000.0), share) for share in shares]
+    assert found == sorted(found) and found[0] < 0.01 and found[-1] > 0.94
+    assert [is_doubtful(share) for share in shares] == [True, True, True, False, False, False]
+
+
+def test_nothing_is_more_probable_than_it_was_weighed() -> None:
+    assert confidence(named(300.0, weighed=0.8), 1.0) == 0.8
+    assert confidence(named(0.0), 1.0) == 0.5
+
+
+@pytest.mark.parametrize(("weighed", "said"), [(None, UNTESTED), (0.6, 0.6), (0.99, UNTESTED)])
+def test_what_was_not_tested_is_not_certain(weighed: float | None, said: float) -> None:
+    assert confidence(named(300.0, weighed), None) == said
+    assert said < MOST_CONFIDENT and not is_doubtful(None)

@@ -10,7 +10,7 @@ from exo_sim.diagnosis import wording
 from exo_sim.diagnosis.estimation.parameters import FreeParameter
 from exo_sim.diagnosis.estimation.uncertainty import bounded_interval, interval
 from exo_sim.diagnosis.findings import Estimate, Finding, Kind
-from exo_sim.diagnosis.policy.nuisance_calibration import MODEL_SHARE, MOVED, SURE, WORTH, WORTH_OF_EFFECT
+from exo_sim.diagnosis.policy.nuisance_calibration import MODEL_SHARE, MOVED, SURE, WORTH, WORTH_OF_EFFECT, WORTH_WHERE_LAW_IS_OPEN
 from exo_sim.diagnosis.selection.fitted_model import FittedModel
 from exo_sim.physics.declaration import declared, identification_of
 
@@ -34,10 +34,11 @@ def deviations(model: FittedModel, errors: Mapping[FreeParameter, float]) -> tup
         whole = parameter.prior[0] if parameter.prior and parameter.effect in declared() else 1.0
         if whole == 0.0 or (parameter.effect not in WORTH and parameter.effect not in declared()) or parameter in effects:
             continue
-        if parameter.effect in declared() and identification_of(parameter.effect).known.get(parameter.parameter) == parameter.prior:
+        laws = identification_of(parameter.effect).known
+        if parameter.effect in declared() and laws.get(parameter.parameter) == parameter.prior:
             continue
         factor, error = value / whole, errors.get(parameter, math.inf) / abs(whole)
-        if abs(factor - 1.0) > max(SURE * error, WORTH.get(parameter.effect, WORTH_OF_EFFECT)):
+        if abs(factor - 1.0) > max(SURE * error, WORTH.get(parameter.effect, WORTH_WHERE_LAW_IS_OPEN if laws else WORTH_OF_EFFECT)):
             found.append(Deviation(parameter, factor, error))
     return tuple(found)
 

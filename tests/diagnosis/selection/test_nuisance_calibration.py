@@ -13,7 +13,7 @@ from exo_sim.diagnosis.estimation.least_squares import Fit
 from exo_sim.diagnosis.estimation.parameters import FreeParameter, PlantParameters, Target
 from exo_sim.diagnosis.policy.nuisance_calibration import MODEL_SHARE, SURE
 from exo_sim.diagnosis.selection.fitted_model import FittedModel
-from exo_sim.diagnosis.selection.nuisance_calibration import Deviation, calibration_findings, refitted_besides
+from exo_sim.diagnosis.selection.nuisance_calibration import Deviation, calibration_findings, deviations, refitted_besides
 from exo_sim.diagnosis.subsystems.gas.model import GasModel
 from exo_sim.physics.records import CYLINDER, WORLD
 
@@ -107,3 +107,20 @@ def test_cylinders_and_kinds_stay_apart() -> None:
 
 def test_nothing_off_is_no_finding() -> None:
     assert calibration_findings([]) == []
+
+
+def test_a_number_of_a_law_that_the_rig_leaves_open_is_off_only_beyond_what_other_laws_make_of_it() -> None:
+    def of_rig(effect: str, name: str, believed: float) -> FreeParameter:
+        return FreeParameter(effect, "piston", name, "N", Target.CYLINDER, 1.0, 0.0, 1e5, (believed, 0.5 * believed))
+
+    plain, dip, law = (
+        of_rig("coulomb_friction", "force", 10.0), of_rig("stribeck_friction", "breakaway", 20.0),
+        FreeParameter("stribeck_friction", "piston", "exponent", "1", Target.CYLINDER, 0.75, 0.5, 2.0, (2.0, 0.75)),
+    )  # fmt: skip
+
+    def off(share: float) -> list[str]:
+        values = {plain: 10.0 * share, dip: 20.0 * share, law: 0.7}
+        found = deviations(FittedModel((), Fit((), values, np.zeros(0), np.zeros((0, 0)))), dict.fromkeys(values, 0.01))
+        return [one.parameter.parameter for one in found]
+
+    assert off(0.95) == [] and off(0.85) == ["force"] and off(0.6) == ["force", "breakaway"]

@@ -233,6 +233,7 @@ class Diagnosis:
         sensor_remarks: Plain sentences about clocks and sensors: what was used, repaired or left out.
         checks: What was asked of the recordings, and put right, before any physics: plain records of `what`, `columns` and `says`.
         improved: Text of `improved.toml`.
+        improves: Whether it holds anything that the rig does not.
         tables: The recordings in the conventions of the format, for pictures.
         stopped: Whether a budget ended it before everything had been sought.
     """
@@ -255,6 +256,7 @@ class Diagnosis:
     checks: tuple[Mapping[str, Any], ...] = ()
     series: tuple[Series, ...] = ()
     improved: str = ""
+    improves: bool = True
     tables: tuple[Recording, ...] = ()
     stopped: bool = False
 

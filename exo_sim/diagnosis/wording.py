@@ -9,7 +9,7 @@ from exo_sim.physics.declaration import declared
 
 def name_of(effect: str) -> str:
     """Return an effect's name in words."""
-    return effect.replace("_", " ")
+    return effect.replace("_", " ").replace("coulomb", "Coulomb").replace("stribeck", "Stribeck")
 
 
 def says(effect: str) -> str:

@@ -101,7 +101,7 @@ def _rest(diagnosis: Diagnosis) -> list[str]:
     for question in diagnosis.open_questions:
         lines += _wrapped(f"Open: {question.question.rstrip('.?')} ({question.why})", "")
     for remark in diagnosis.sensor_remarks:
-        lines += _wrapped(f"Sensor: {remark}", "")
+        lines += _wrapped(f"Note: {remark}", "")
     if diagnosis.next_experiment is not None:
         lines += _wrapped(f"Next: {diagnosis.next_experiment.do} ({diagnosis.next_experiment.why})", "")
     return lines

@@ -7,7 +7,7 @@ from collections.abc import Sequence
 
 from exo_sim.diagnosis.findings import Diagnosis, Estimate, Finding, SignalFit, Unexplained
 from exo_sim.diagnosis.policy.recordings import LOUD_DRIFT, LOUD_REST
-from exo_sim.diagnosis.policy.verdicts import MOST_CONFIDENT
+from exo_sim.diagnosis.wording import name_of
 from exo_sim.report import amounts
 
 #: What a verdict is called on a page.
@@ -24,11 +24,6 @@ KINDS = {
     "sensor": "sensor at fault",
     "unknown": "without a name",
 }
-
-
-def name_of(effect: str) -> str:
-    """Return the name of an effect as words."""
-    return effect.replace("_", " ").replace("coulomb", "Coulomb").replace("stribeck", "Stribeck")
 
 
 def joined(words: Sequence[str]) -> str:
@@ -127,6 +122,8 @@ def first_step(diagnosis: Diagnosis) -> str:
     if costly and diagnosis.next_experiment is not None:
         return f"Find out what acts at {costly[0].where}: {diagnosis.next_experiment.do}."
     if by_kind["calibration"] or by_kind["sensor"]:
+        if not diagnosis.improves:
+            return "Keep the rig as it is: with the corrected numbers it predicts the time kept back no better."
         return "Simulate with improved.toml: it holds the corrected numbers."
     if diagnosis.verdict == "undetermined" and diagnosis.next_experiment is not None:
         return f"Record once more: {diagnosis.next_experiment.do}."
@@ -181,17 +178,17 @@ def evidence(finding: Finding) -> str:
     """Return probability and held-out gain of a finding as a phrase, empty where there is neither."""
     words = []
     if finding.log10_odds:
-        words.append(likelihood(finding.confidence))
+        words.append(f"{likelihood(finding.confidence)}{' that it or what looks like it acts' if finding.ambiguous_with else ''}")
     if finding.held_out_error_drop > 0.0:
         words.append(f"held-out error {amounts.share(finding.held_out_error_drop)} lower with it")
     return "; ".join(words)
 
 
 def likelihood(probability: float) -> str:
-    """Return a probability in words, with the number; the largest that is given stands for all beyond it."""
-    ways = ((MOST_CONFIDENT, "almost certain"), (0.8, "very likely"), (0.6, "likely"), (0.4, "as likely as not"), (0.0, "doubtful"))
+    """Return a probability in words, with the number."""
+    ways = ((0.93, "almost certain"), (0.8, "very likely"), (0.6, "likely"), (0.4, "as likely as not"), (0.0, "doubtful"))
     words = next(words for least, words in ways if probability >= least)
-    return f"{words} (probability {100.0 * probability:.0f} %{' at least' if probability >= MOST_CONFIDENT else ''})"
+    return f"{words} (probability {100.0 * probability:.0f} %)"
 
 
 def settles(log10_odds: float) -> str:

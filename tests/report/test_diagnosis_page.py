@@ -55,7 +55,7 @@ def test_the_page_says_everything_that_the_diagnosis_says():
         "Gas leaks past the piston.",
         "0.0300 mm²",
         "0.0290 to 0.0310 mm²",
-        "probability 95 % at least",
+        "probability 95 %",
         "97 % lower",
         "piston leakage 80 %",
         "external leakage 20 %",
@@ -196,6 +196,19 @@ def test_a_rest_far_above_the_noise_is_never_silent() -> None:
 def test_probabilities_are_words_and_a_number(probability: float, words: str) -> None:
     said = diagnosis_words.likelihood(probability)
     assert said.startswith(words) and f"{100 * probability:.0f} %" in said
+
+
+def test_of_two_that_look_the_same_the_probability_is_that_of_either() -> None:
+    alone = Finding("coulomb_friction", "piston", Kind.MISSING_PHYSICS, "", {}, 60.0, 0.0)
+    both = replace(alone, ambiguous_with=("asymmetric_friction",))
+    assert "looks like it" in diagnosis_words.evidence(both) and "looks like it" not in diagnosis_words.evidence(alone)
+
+
+def test_nobody_is_sent_to_a_rig_that_holds_nothing_new() -> None:
+    off = Finding("payload_mass", "slide", Kind.CALIBRATION, "The moved mass is 1.4 % smaller.", {}, 4.0, 0.0)
+    found = Diagnosis(Verdict.CALIBRATION, ("monday",), "bench", effects=(off,), improved="[rig]")
+    assert "improved.toml" in diagnosis_words.first_step(found)
+    assert diagnosis_words.first_step(replace(found, improves=False)).startswith("Keep the rig as it is")
 
 
 def test_what_costs_most_comes_first() -> None:

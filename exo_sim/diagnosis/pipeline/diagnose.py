@@ -96,6 +96,7 @@ def _reported(stable: Examination, allowed: Budget, report: Progress, folder: Pa
         checks=tuple(check.as_dict() for check in data.checks),
         series=test.series,
         improved=kept.update.text(folder or beside),
+        improves=bool(kept.update.parts),
         tables=data.as_read,
         stopped=allowed.stopped,
     )

@@ -17,7 +17,7 @@ EFFECT = Effect(
     cut="sensor",
     reveals=(),
     mistaken_for=("asymmetric_friction", "valve_offset", "external_leakage"),
-    experiment="vent both chambers and read the sensor against the barometer",
+    experiment="take away what the sensor measures (vent the chamber, unload the cell) and read what it still shows",
     convention="reading = factor x truth + bias, of the same column, after its delay.",
     valid="the offset stays over the recording.",
     signature="the same error at every level and speed",

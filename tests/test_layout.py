@@ -73,7 +73,7 @@ THROUGH: dict[str, tuple[str, ...]] = {
         "assets/controllers/delayed_feedback.py", "assets/controllers/impedance.py", "assets/controllers/learnt_policy.py",
     ),
     "simulation/test_unworn.py": (
-        "cli/run_motion.py", "simulation/wanted_motion.py",
+        "cli/run_motion.py", "simulation/force_loops.py", "simulation/unworn_log.py", "simulation/wanted_motion.py",
     ),
     "simulation/test_walk.py": (
         "control/least_load.py", "control/own_faults.py", "control/strap_feedback.py", "control/stride_learning.py",
@@ -90,7 +90,7 @@ THROUGH: dict[str, tuple[str, ...]] = {
         "cli/trial.py", "trials/develop.py", "trials/page.py",
     ),
     "trials/truth/test_plant.py": (
-        "trials/truth/bench.py",
+        "trials/compiled.py", "trials/truth/bench.py", "trials/truth/compiled.py", "trials/truth/loop.py", "trials/truth/valve.py",
     ),
     "trials/whole/test_case.py": (
         "trials/whole/compiled.py", "trials/whole/mapping.py", "trials/whole/owner.py",

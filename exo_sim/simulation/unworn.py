@@ -3,8 +3,8 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Iterator
-from dataclasses import dataclass, field
+from collections.abc import Callable
+from dataclasses import dataclass
 
 import mujoco
 import numpy as np
@@ -12,20 +12,18 @@ from numpy.typing import NDArray
 
 from exo_sim import progress
 from exo_sim.control import own
-from exo_sim.control.metering import meter
 from exo_sim.control.tracking import Tracking, TrackingGains
-from exo_sim.control.valve_control import CONTROLLERS, ValveGains, invert, largest_forces, pi
+from exo_sim.control.valve_control import CONTROLLERS, largest_forces
 from exo_sim.errors import ModelError, ScenarioError, nearest
 from exo_sim.machine.load import load
-from exo_sim.physics import plant
 from exo_sim.physics.books import Books
-from exo_sim.physics.nodes import exhaust_state, supply_state
-from exo_sim.physics.state import DRAWN, HELD, INTEGRATED, REMEMBERED, SHARED
 from exo_sim.recording.table import Recording
 from exo_sim.rig import Rig
 from exo_sim.simulation.divergence import check_numbers
+from exo_sim.simulation.force_loops import ForceLoops
 from exo_sim.simulation.native import warnings_counted
 from exo_sim.simulation.plugin import PneumaticPlugin
+from exo_sim.simulation.unworn_log import UnwornLog
 from exo_sim.simulation.wanted_motion import WantedMotion, check_reach, wanted
 
 Array = NDArray[np.float64]
@@ -57,21 +55,6 @@ class MotionRun:
     qpos: Array
     books: Books
     interrupted: bool = False
-
-
-@dataclass(frozen=True)
-class _Signal:
-    key: str
-    unit: str
-
-
-@dataclass
-class _Valves:
-    """What the force loops of the valves remember."""
-
-    before: Array
-    integral: Array
-    gains: ValveGains = field(default_factory=ValveGains)
 
 
 class UnwornSimulation:
@@ -124,34 +107,17 @@ class UnwornSimulation:
         actuators = np.array([link.actuator for link in self.plugin.links], dtype=np.int64)
         self._tracking = Tracking(self.model, dofs, actuators, self._limits, TrackingGains())
         self._external = [(int(self.model.joint(name).dofadr[0]), values) for name, values in self.motion.external.items()]
-        self._signals = self._layout()
-        self._valve_law = controller if isinstance(controller, str) else "model"
+        self._log = UnwornLog(self.plugin, self.motion)
+        self._force_loops = ForceLoops(self.plugin, controller if isinstance(controller, str) else "model", self.dt)
         self._asked: own.RunningController | None = None
         if not isinstance(controller, str):
             every = own.period_of(controller, self.dt, self.controller_name)
             context = own.Context(
-                rig, tuple(rig.cylinders), tuple(names), tuple(each.key for each in self._signals), every * self.dt, self.dt,
+                rig, tuple(rig.cylinders), tuple(names), tuple(self._log.units), every * self.dt, self.dt,
                 float(self.motion.time[-1]), scenario=self.motion.name, seed=seed, reference=self.motion.at,
             )  # fmt: skip
             self._asked = own.RunningController(controller, context, self.controller_name)
         self.reset()
-
-    def _layout(self) -> list[_Signal]:
-        out = []
-        for j in range(self.model.njnt):
-            name = self.model.joint(j).name
-            if self.model.jnt_type[j] in (2, 3) and name:
-                unit = "rad" if self.model.jnt_type[j] == 3 else "m"
-                out += [_Signal(f"{name}.position", unit), _Signal(f"{name}.velocity", f"{unit}/s")]
-        for name in self.motion.joints:
-            turns = self.model.joint(name).type[0] == mujoco.mjtJoint.mjJNT_HINGE
-            out += [_Signal(f"{name}.position_demanded", "rad" if turns else "m"), _Signal(f"{name}.torque", "N*m" if turns else "N")]
-        for name in self.motion.external:
-            out.append(_Signal(f"{name}.external_force", "N*m" if self.model.joint(name).type[0] == mujoco.mjtJoint.mjJNT_HINGE else "N"))
-        for name in self.rig.cylinders:
-            out += [_Signal(f"{name}.{command}", "1") for command in self.rig.cylinders[name].commands]
-            out += [_Signal(f"{name}.{signal}", unit) for signal, unit in _OF_CYLINDER]
-        return [*out, _Signal("supply.pressure", "Pa"), _Signal("exhaust.pressure", "Pa")]
 
     def reset(self) -> None:
         """Put the machine at the start of its motion, moving with it, gas at rest at the atmosphere."""
@@ -162,8 +128,7 @@ class UnwornSimulation:
             data.qpos[joint.qposadr[0]], data.qvel[joint.dofadr[0]] = motion.position[0, j], motion.velocity[0, j]
         self.plugin.reset(data)
         self._tracking.reset()
-        n = len(self.rig.cylinders)
-        self._valves = _Valves(np.zeros(n), np.zeros(n))
+        self._force_loops.reset()
         self._felt = np.zeros(len(self._external))
         self._given: own.Commands | None = None
         self._step = 0
@@ -183,12 +148,12 @@ class UnwornSimulation:
         self.reset()
         if self._asked is not None:
             self._asked.reset()
-        log = np.empty((self.rows, len(self._signals)))
+        log = np.empty((self.rows, len(self._log.units)))
         qpos = np.empty((self.rows, self.model.nq))
         done = 0
         every = max(1, round(self._asked.context.period / self.dt)) if self._asked is not None else 1
         with progress.Bar(self.rows * self.dt, self.motion.name, unit="s", quiet=quiet) as bar, warnings_counted():
-            for k in self._steps():
+            for k in range(self.rows):
                 if self._asked is not None and k > 0 and (k - 1) % every == 0:
                     try:
                         self._given = self._asked.act(self.observation(log[k - 1]))
@@ -206,18 +171,15 @@ class UnwornSimulation:
         self._check(log[:done])
         if self._asked is not None:
             self.remarks = self._asked.remarks()
-        columns = {each.key: np.ascontiguousarray(log[:done, i]) for i, each in enumerate(self._signals)}
+        columns = {key: np.ascontiguousarray(log[:done, i]) for i, key in enumerate(self._log.units)}
         return MotionRun(
             self.rig, self.model, self.motion, self.controller_name, self.motion.time[:done], columns,
-            {each.key: each.unit for each in self._signals}, qpos[:done], self.plugin.books(), done < self.rows,
+            dict(self._log.units), qpos[:done], self.plugin.books(), done < self.rows,
         )  # fmt: skip
-
-    def _steps(self) -> Iterator[int]:
-        return iter(range(self.rows))
 
     def observation(self, row: Array) -> dict[str, float]:
         """Return a row of the log by names, with "time" [s]."""
-        return {"time": (self._step - 1) * self.dt, **{each.key: value for each, value in zip(self._signals, row.tolist())}}
+        return {"time": (self._step - 1) * self.dt, **dict(zip(self._log.units, row.tolist()))}
 
     def command(self, commands: own.Commands | None) -> None:
         """Let commands from outside count from the next step on; None gives the machine back to the built-in controller."""
@@ -238,11 +200,11 @@ class UnwornSimulation:
         elif self._given is None and self._asked is not None:
             plugin.plant.command[:] = 0.0
         else:
-            self._open_valves(rods, first=k == 0)
+            self._force_loops.open_valves(data, rods, first=k == 0)
         qpos[:] = data.qpos
         before = data.qvel.copy()
         plugin.compute(data)
-        self._log(row, min(k, self.rows - 1), rods, before)
+        self._log.write(row, min(k, self.rows - 1), data, self._tracking.made(data, plugin.force), self._felt, rods, before)
         mujoco.mj_step2(model, data)
         self._step += 1
 
@@ -257,78 +219,7 @@ class UnwornSimulation:
             force = self._tracking.joint_force(data, motion.position[k, at], motion.velocity[k, at], motion.acceleration[k, at], self.dt)
         return self._tracking.rod_forces(data, force)
 
-    def _open_valves(self, rods: Array, first: bool) -> None:
-        """Set the valves so that the rods come to make the forces wanted."""
-        plugin, held = self.plugin, self._valves
-        gas, x = plugin.pneumatics, plugin.lengths
-        pressures, temperatures, w = gas.sensed_pressures(x), gas.temperatures(), gas.world[0]
-        gains, dt = held.gains, self.dt
-        for i, c in enumerate(gas.cylinders):
-            (p_1, p_2), (t_1, t_2) = pressures[i], temperatures[i]
-            force = p_1 * c["area_1"] - p_2 * c["area_2"] - w["atmosphere"] * (c["area_1"] - c["area_2"])
-            error = rods[i] - force
-            if self._valve_law == "pi":
-                scale = (w["supply_pressure"] - w["atmosphere"]) * c["area_1"]
-                plugin.command[i], held.integral[i] = pi(error, scale, held.integral[i], gains.proportional, gains.integral, dt)
-                if c["independent"] > 0.0:
-                    pushes = rods[i] >= 0.0 or c["single_acting"] > 0.0
-                    plugin.command_2[i] = -1.0 if pushes else -plugin.command[i]
-                    plugin.command[i] = plugin.command[i] if pushes else -1.0
-                continue
-            rate = 0.0 if first else (rods[i] - held.before[i]) / dt
-            v_1, v_2 = plant.volumes(c, x[i])
-            if c["independent"] > 0.0:
-                speed = self.data.actuator_velocity[plugin.links[i].actuator]
-                plugin.command[i], plugin.command_2[i] = meter(
-                    c, rods[i], rate + error / gains.closing_time, speed, p_1, t_1, p_2, t_2, v_1, v_2, w["supply_pressure"],
-                    w["supply_temperature"], w["exhaust_pressure"], w["ambient"], w["k"], w["r"],
-                )  # fmt: skip
-                continue
-            opening = invert(
-                rate + error / gains.closing_time, self.data.actuator_velocity[plugin.links[i].actuator], p_1, t_1, p_2, t_2, v_1, v_2,
-                c["area_1"], c["area_2"], c["valve_area"], w["supply_pressure"], w["supply_temperature"], w["exhaust_pressure"],
-                w["ambient"], w["k"], w["r"],
-            )  # fmt: skip
-            plugin.command[i] = min(max(opening, -1.0), 1.0)
-        held.before[:] = rods
-
-    def _log(self, row: Array, k: int, rods: Array, velocity: Array) -> None:
-        model, data, plugin, motion = self.model, self.data, self.plugin, self.motion
-        gas, x = plugin.pneumatics, plugin.lengths
-        at = 0
-        for j in range(model.njnt):
-            if model.jnt_type[j] in (2, 3) and model.joint(j).name:
-                row[at], row[at + 1] = data.qpos[model.jnt_qposadr[j]], velocity[model.jnt_dofadr[j]]
-                at += 2
-        made = self._tracking.made(data, plugin.force)
-        for j, name in enumerate(motion.joints):
-            row[at], row[at + 1] = motion.position[k, j], made[model.joint(name).dofadr[0]]
-            at += 2
-        row[at : at + len(self._felt)] = self._felt
-        at += len(self._felt)
-        pressures, temperatures = gas.sensed_pressures(x), gas.temperatures()
-        for i in range(len(plugin.links)):
-            drawn = gas.vector[i * INTEGRATED + DRAWN]
-            asked = plugin.force[i] if math.isnan(rods[i]) else rods[i]
-            for side in range(len(self.rig.cylinders[plugin.links[i].cylinder].commands)):
-                row[at] = plugin.plant.command[i + side * len(plugin.links)]
-                at += 1
-            row[at : at + len(_OF_CYLINDER)] = (
-                *pressures[i], *temperatures[i], plugin.force[i], asked, x[i], drawn,
-            )  # fmt: skip
-            at += len(_OF_CYLINDER)
-        n = len(plugin.links)
-        shared = n * INTEGRATED
-        held = gas.vector[shared + SHARED + n * REMEMBERED + HELD]
-        row[at], row[at + 1] = supply_state(gas.world[0], gas.vector, shared, held)[0], exhaust_state(gas.world[0], gas.vector, shared)[0]
-
     def _check(self, rows: Array) -> None:
         when = f"by {self._step * self.dt:.3f} s"
         advice = "try a shorter timestep in the MJCF, or a slower motion"
-        check_numbers(self.data, rows, [each.key for each in self._signals], self.motion.name, when, advice)
-
-
-_OF_CYLINDER = (
-    ("pressure_1", "Pa"), ("pressure_2", "Pa"), ("temperature_1", "K"), ("temperature_2", "K"),
-    ("force", "N"), ("force_demanded", "N"), ("length", "m"), ("gas_used", "kg"),
-)  # fmt: skip
+        check_numbers(self.data, rows, list(self._log.units), self.motion.name, when, advice)

@@ -15,8 +15,9 @@ from numpy.typing import NDArray
 from exo_sim.trials.leg_cases import LegCase, with_faults
 from exo_sim.trials.limit import UNCERTAIN
 from exo_sim.trials.truth.instruments import measure
+from exo_sim.trials.truth.loop import run_led
 from exo_sim.trials.truth.machine import Machine
-from exo_sim.trials.truth.plant import LOG, at_rest, run_led
+from exo_sim.trials.truth.state import LOG, at_rest
 
 Array = NDArray[np.float64]
 

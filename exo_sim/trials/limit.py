@@ -32,7 +32,7 @@ from exo_sim.trials.truth.drive import Truth, advance
 from exo_sim.trials.truth.excitation import Program
 from exo_sim.trials.truth.instruments import Instrument, measure
 from exo_sim.trials.truth.machine import Machine
-from exo_sim.trials.truth.plant import M1, M2, STATES, T1, T2, VL, VP, XL, XP
+from exo_sim.trials.truth.state import M1, M2, STATES, T1, T2, VL, VP, XL, XP
 
 Array = NDArray[np.float64]
 

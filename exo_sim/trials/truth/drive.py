@@ -11,8 +11,9 @@ from numpy.typing import NDArray
 from exo_sim.errors import TrialError
 from exo_sim.trials.truth.bench import Bench
 from exo_sim.trials.truth.excitation import Program, program
+from exo_sim.trials.truth.loop import run
 from exo_sim.trials.truth.machine import Machine
-from exo_sim.trials.truth.plant import LOG, STATES, at_rest, run
+from exo_sim.trials.truth.state import LOG, STATES, at_rest
 
 Array = NDArray[np.float64]
 

@@ -15,8 +15,9 @@ from numpy.typing import NDArray
 from exo_sim.errors import TrialError
 from exo_sim.trials.truth.bench import CYLINDER, Bench, quantity
 from exo_sim.trials.truth.drive import Truth
+from exo_sim.trials.truth.loop import run_led
 from exo_sim.trials.truth.machine import Machine
-from exo_sim.trials.truth.plant import LOG, STATES, at_rest, run_led
+from exo_sim.trials.truth.state import LOG, STATES, at_rest
 
 Array = NDArray[np.float64]
 

@@ -9,8 +9,11 @@ import pytest
 
 from exo_sim.trials.truth.drive import advance
 from exo_sim.trials.truth.excitation import Program
+from exo_sim.trials.truth.flows import mass_flow, porous_flow
+from exo_sim.trials.truth.friction import friction_level
 from exo_sim.trials.truth.machine import Machine
-from exo_sim.trials.truth.plant import M1, STATES, VP, XP, at_rest, friction_level, mass_flow, porous_flow, rates
+from exo_sim.trials.truth.plant import rates
+from exo_sim.trials.truth.state import M1, STATES, VP, XP, at_rest
 
 AMBIENT = 101325.0
 #: A rigid litre on side 1: nothing moves, because what moves is too heavy.

@@ -1,0 +1,9 @@
+"""The compiler of the truth of single effects."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+from exo_sim.trials.compiled import compiler
+
+kernel = compiler(Path(__file__).parent, divides_by_zero=False)

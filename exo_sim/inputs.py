@@ -6,11 +6,34 @@ import codecs
 import json
 import stat
 import tomllib
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
 from pathlib import Path
 from typing import Any
 
 #: Bytes of a text beyond which it is refused.
 MOST_TEXT = 20_000_000
+
+
+@contextmanager
+def refusing(refuse: Callable[[str], Exception], missing: str = "there is no such file") -> Iterator[None]:
+    """Turn whatever is wrong with a file that is read inside into an error of one's own.
+
+    Args:
+        refuse: Makes it of a few words that say what is wrong.
+        missing: Those words where there is no such file.
+
+    Raises:
+        Exception: what `refuse` made, of a `FileNotFoundError`, `OSError` or `ValueError` inside.
+    """
+    try:
+        yield
+    except FileNotFoundError:
+        raise refuse(missing) from None
+    except OSError as error:
+        raise refuse(f"cannot be read: {error.strerror or error}") from None
+    except ValueError as error:
+        raise refuse(str(error)) from None
 
 
 def check_regular(path: Path) -> None:
@@ -85,3 +108,12 @@ def json_value(text: str | bytes) -> Any:
         return json.loads(text)
     except RecursionError:
         raise ValueError("nested too deeply") from None
+
+
+def is_number(text: str) -> bool:
+    """Return whether Python reads a text as a number."""
+    try:
+        float(text)
+    except ValueError:
+        return False
+    return True

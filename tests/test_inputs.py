@@ -8,7 +8,7 @@ from pathlib import Path
 import pytest
 
 from exo_sim.errors import ExoSimError, RecordingError, RigError
-from exo_sim.inputs import MOST_TEXT, check_regular, json_value, text_of, toml
+from exo_sim.inputs import MOST_TEXT, check_regular, json_value, refusing, text_of, toml
 from exo_sim.recording.column_map import read_column_map
 from exo_sim.rig import read
 
@@ -38,6 +38,22 @@ def test_devices_pipes_and_folders_are_refused_unread(tmp_path: Path) -> None:
         for reader in (read, read_column_map):
             with pytest.raises(ExoSimError, match="not a file"):
                 reader(path)
+
+
+@pytest.mark.parametrize(
+    ("raised", "said"),
+    [(FileNotFoundError(2, "x"), "map: no such map"), (PermissionError(13, "Permission denied"), "map: cannot be read: Permission denied"),
+     (ValueError("is not TOML"), "map: is not TOML"), (IsADirectoryError("odd"), "map: cannot be read: odd")],
+)  # fmt: skip
+def test_whatever_is_wrong_becomes_an_error_of_ones_own(raised: Exception, said: str) -> None:
+    with pytest.raises(RecordingError) as error, refusing(lambda says: RecordingError(f"map: {says}"), "no such map"):
+        raise raised
+    assert str(error.value) == said
+
+
+def test_errors_of_ones_own_pass() -> None:
+    with pytest.raises(RigError, match="mine"), refusing(RecordingError):
+        raise RigError("mine")
 
 
 def test_a_text_that_is_too_large_is_refused_unread(tmp_path: Path) -> None:

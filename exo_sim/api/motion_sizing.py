@@ -10,6 +10,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from exo_sim.api.arguments import Quantity, RigLike, quantity, rig_of
+from exo_sim.api.result_folder import result_folder
 from exo_sim.api.rig import Rig
 from exo_sim.sizing import motion_result
 from exo_sim.sizing.fixing import given_numbers
@@ -75,7 +76,6 @@ def size_motion(
     Raises:
         RigError, ModelError, RecordingError, ScenarioError: it cannot be carried out, or no design does it.
     """
-    from exo_sim.outputs import alone_in, check_writable
     from exo_sim.rig.own_catalogue import read_catalogue
     from exo_sim.sizing.motion_search import RodJudge, loads_of, rod_space, search
 
@@ -85,10 +85,7 @@ def size_motion(
     own = None if catalogue is None else read_catalogue(Path(catalogue))
     space = rod_space(machine, limit, joints, own, given_numbers(fix))
     judge = RodJudge(machine, recording, space, loads)
-    temporary = tempfile.TemporaryDirectory(prefix="exo-sim-size-") if out is None else None
-    folder = Path(temporary.name if temporary else out or "")
-    check_writable(folder)
-    with alone_in(folder, "size"):
+    with result_folder(out, "size") as (folder, temporary):
         study = motion_result.result(judge, search(judge, trials, seed, quiet))
         path = motion_result.write(study, folder)
     return MotionSizing(study, folder, Rig.load(path), temporary)

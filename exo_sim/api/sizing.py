@@ -14,6 +14,7 @@ from typing import TYPE_CHECKING, Any
 from exo_sim.api.arguments import Quantity, RecordingLike, RigLike, quantity, reading_of, rig_of
 from exo_sim.api.motion_sizing import MotionSizing, size_motion
 from exo_sim.api.notebook import html_table
+from exo_sim.api.result_folder import result_folder
 from exo_sim.api.rig import Rig
 from exo_sim.errors import ScenarioError, nearest
 from exo_sim.rig import Rig as Machine
@@ -168,7 +169,7 @@ def size(
     Raises:
         ScenarioError, RigError, ModelError: it cannot be carried out, or no design carries the loads.
     """
-    from exo_sim.outputs import alone_in, check_writable, replacing
+    from exo_sim.outputs import replacing
     from exo_sim.report.sizing_page import page
     from exo_sim.sizing.study import size as search
     from exo_sim.sizing.workers import Workers
@@ -185,10 +186,7 @@ def size(
         catalogue=catalogue, fix=fix,
         travel=travel, springs=springs, own_mass=own_mass,
     )  # fmt: skip
-    temporary = tempfile.TemporaryDirectory(prefix="exo-sim-size-") if out is None else None
-    folder = Path(temporary.name if temporary else out or "")
-    check_writable(folder)
-    with alone_in(folder, "size"):
+    with result_folder(out, "size") as (folder, temporary):
         with Workers(jobs, scheduler) as workers:
             study = search(asked.machine, asked.conditions, asked.space, trials or TRIALS, seed, workers, folder, quiet, tell)
         with replacing(folder / "report.html") as beside:

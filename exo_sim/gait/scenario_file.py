@@ -54,7 +54,7 @@ from exo_sim.gait.scenario import AddedLoad, Scenario
 from exo_sim.gait.standing import on_both_feet
 from exo_sim.gait.trial import JOINTS, PELVIS
 from exo_sim.gait.variation import Variation
-from exo_sim.inputs import text_of, toml
+from exo_sim.inputs import refusing, text_of, toml
 from exo_sim.machine.person import Person
 from exo_sim.recording.column_map import ColumnMap, column_of
 from exo_sim.recording.columns import Column
@@ -70,16 +70,10 @@ def read(path: str | Path) -> Scenario:
         ScenarioError: one line that names the file, the key, the value and what to do.
     """
     path = Path(path)
-    try:
+    beside = [entry.name for entry in path.parent.glob("*.toml")] if path.parent.is_dir() else []
+    hint = nearest(path.name, beside)
+    with refusing(lambda says: ScenarioError(f"{path}: {says}"), f"there is no such scenario file{hint if 'mean' in hint else ''}"):
         values = toml(text_of(path))
-    except FileNotFoundError:
-        beside = [entry.name for entry in path.parent.glob("*.toml")] if path.parent.is_dir() else []
-        hint = nearest(path.name, beside)
-        raise ScenarioError(f'there is no scenario file "{path}"{hint if "mean" in hint else ""}') from None
-    except OSError as error:
-        raise ScenarioError(f"{path}: cannot be read: {error.strerror or error}") from None
-    except ValueError as error:
-        raise ScenarioError(f"{path}: {error}") from None
     _only(path, "", values, ("summary", "strides", "added", "variation", *_MAKERS))
     made_by = [key for key in _MAKERS if key in values]
     if len(made_by) != 1:

@@ -24,7 +24,7 @@ from typing import Any
 
 from exo_sim import units
 from exo_sim.errors import RecordingError, UnitError, nearest
-from exo_sim.inputs import text_of, toml
+from exo_sim.inputs import refusing, text_of, toml
 from exo_sim.recording import columns
 from exo_sim.recording.columns import Column
 
@@ -55,14 +55,8 @@ def read_column_map(path: str | Path) -> ColumnMap:
         RecordingError: the file is missing or not TOML, a key is unknown, or a name or unit cannot be.
     """
     path = Path(path)
-    try:
+    with refusing(lambda says: RecordingError(f'column map "{path}": {says}')):
         tables = toml(text_of(path))
-    except FileNotFoundError:
-        raise RecordingError(f'column map "{path}": there is no such file') from None
-    except OSError as error:
-        raise RecordingError(f'column map "{path}": cannot be read: {error.strerror or error}') from None
-    except ValueError as error:
-        raise RecordingError(f'column map "{path}": {error}') from None
     return column_map_of(tables, path)
 
 

@@ -13,6 +13,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from exo_sim.errors import RecordingError
+from exo_sim.inputs import is_number
 from exo_sim.recording.column_map import ColumnMap
 from exo_sim.recording.finding import Finding
 from exo_sim.recording.selection import RawTable, Selection, select
@@ -56,7 +57,7 @@ def read_csv(path: Path, column_map: ColumnMap | None = None) -> RawTable:
     if column_map and not column_map.header:
         headings = [str(number) for number in range(1, len(headings) + 1)]
         skipped -= 1
-    elif all(_is_number(cell) for cell in headings):
+    elif all(is_number(cell) for cell in headings):
         raise RecordingError(
             f'"{path}": line {skipped + 1} holds numbers where the column names should be; add a line like '
             '"time [s],piston.pressure_1 [Pa]", or hand in a column map with header = false'
@@ -107,22 +108,14 @@ def _rows(path: Path, sample: str, lines: list[str], skipped: int) -> float:
     return path.stat().st_size / max(1.0, sum(len(line) + 1 for line in body) / len(body))
 
 
-def _is_number(cell: str) -> bool:
-    try:
-        float(cell)
-    except ValueError:
-        return False
-    return True
-
-
 def _refuse_decimal_comma(path: Path, body: list[str], delimiter: str, width: int) -> None:
     for number, line in enumerate(body[:50], start=1):
         cells = line.split(delimiter)
-        comma = next((cell for cell in cells if cell.count(",") == 1 and _is_number(cell.replace(",", "."))), None)
+        comma = next((cell for cell in cells if cell.count(",") == 1 and is_number(cell.replace(",", "."))), None)
         if delimiter != "," and comma is not None:
             where = f'"{path}": row {number} holds "{comma.strip()}"'
             raise RecordingError(f"{where}: decimal commas; write decimal points")
-        if delimiter == "," and len(cells) == 2 * width and all(_is_number(cell) for cell in cells):
+        if delimiter == "," and len(cells) == 2 * width and all(is_number(cell) for cell in cells):
             raise RecordingError(
                 f'"{path}": row {number} has {len(cells)} cells under {width} column names: decimal commas? '
                 "Write decimal points, or part the columns by semicolons"
@@ -209,7 +202,7 @@ class _Parse:
             try:
                 numbers[row] = float(cell)
             except ValueError:
-                if _is_number(cell.replace(",", ".", 1)):
+                if is_number(cell.replace(",", ".", 1)):
                     where = f'"{self.path}": row {done + row + 1} of "{source}" holds "{cell}"'
                     raise RecordingError(f"{where}: decimal commas; write decimal points") from None
                 count, first, word = self.words.get(source, (0, done + row + 1, cell))

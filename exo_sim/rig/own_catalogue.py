@@ -7,7 +7,7 @@ from dataclasses import dataclass
 from pathlib import Path
 
 from exo_sim.errors import RigError
-from exo_sim.inputs import text_of, toml
+from exo_sim.inputs import refusing, text_of, toml
 from exo_sim.rig.catalogue import CATALOGUE, RATED_PRESSURE, CatalogueCylinder
 from exo_sim.rig.schema import VALVE_KINDS
 from exo_sim.rig.table import Table
@@ -51,14 +51,8 @@ def read_catalogue(path: Path) -> Catalogue:
     Raises:
         RigError: one line that names the file, the entry, the key and what to do.
     """
-    try:
+    with refusing(lambda says: RigError(f"{path}: {says}"), "no such catalogue"):
         values = toml(text_of(path))
-    except FileNotFoundError:
-        raise RigError(f"{path}: no such catalogue") from None
-    except OSError as error:
-        raise RigError(f"{path}: cannot be read: {error.strerror or error}") from None
-    except ValueError as error:
-        raise RigError(f"{path}: {error}") from None
     whole = Table(path, "", values, "a catalogue")
     cylinders = [_cylinder(part) for part in _entries(whole, "cylinder")]
     valves = [_valve(part, i) for i, part in enumerate(_entries(whole, "valve"), 1)]

@@ -7,7 +7,7 @@ from pathlib import Path
 
 from exo_sim import units
 from exo_sim.errors import RigError
-from exo_sim.inputs import text_of, toml
+from exo_sim.inputs import refusing, text_of, toml
 from exo_sim.rig.effects import read_effects
 from exo_sim.rig.schema import (
     LARGEST_HEAT_CAPACITY_RATIO,
@@ -38,24 +38,16 @@ def read(path: str | Path) -> Rig:
         RigError: one line that names the file, the key, the value and what to do.
     """
     path = Path(path)
-    try:
+    with refusing(lambda says: RigError(f"{path}: {says}"), "no such rig file"):
         text = text_of(path)
-    except FileNotFoundError:
-        raise RigError(f"{path}: no such rig file") from None
-    except OSError as error:
-        raise RigError(f"{path}: cannot be read: {error.strerror or error}") from None
-    except ValueError as error:
-        raise RigError(f"{path}: {error}") from None
     return parse(text, path)
 
 
 def parse(text: str, path: Path) -> Rig:
     """Read a rig from its text; `path` is where its MJCF is looked for, and what errors name."""
-    try:
-        table = Table(path, "", toml(text))
-    except ValueError as error:
-        raise RigError(f"{path}: {error}") from None
-    return parse_table(table, text)
+    with refusing(lambda says: RigError(f"{path}: {says}")):
+        values = toml(text)
+    return parse_table(Table(path, "", values), text)
 
 
 def parse_table(table: Table, text: str) -> Rig:

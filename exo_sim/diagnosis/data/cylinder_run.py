@@ -9,7 +9,7 @@ import mujoco
 import numpy as np
 from numpy.typing import NDArray
 
-from exo_sim.diagnosis.policy.recordings import STILL_COMMAND, STILL_LENGTH
+from exo_sim.diagnosis.policy.recordings import FEWEST_OF_CHANNEL, STILL_COMMAND, STILL_LENGTH
 from exo_sim.diagnosis.policy.regimes import SMALL_COMMAND
 from exo_sim.machine.linkage import Linkage, moment_row
 from exo_sim.recording.filters import forward_filled, smoothed, white_noise
@@ -123,7 +123,7 @@ def lengths(
     for link in links:
         joint = int(model.dof_jntid[link.dof])
         raw = recording.get(f"{model.joint(joint).name}.position")
-        if raw is None or np.isfinite(raw).sum() < 5:
+        if raw is None or np.isfinite(raw).sum() < FEWEST_OF_CHANNEL:
             continue
         position, velocity, _ = smoothed(recording.time, raw)
         noise, retracted = white_noise(raw), rig.cylinders[link.cylinder].retracted_length
@@ -181,6 +181,6 @@ def _position(recording: Recording, cylinder: str, links: tuple[Linkage, ...]) -
 def _bridged(recording: Recording, key: str) -> Array | None:
     """Return a slow channel with missing samples interpolated and its noise smoothed, or None."""
     values = recording.get(key)
-    if values is None or np.isfinite(values).sum() < 5:
+    if values is None or np.isfinite(values).sum() < FEWEST_OF_CHANNEL:
         return None
     return smoothed(recording.time, values, 0.02)[0]

@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from exo_sim.diagnosis.data.cylinder_run import CylinderRun
-from exo_sim.diagnosis.policy.recordings import CLEAR_FALL, FALL_BEGINS, FALL_LEVEL, HELD_OPEN
+from exo_sim.diagnosis.policy.recordings import CLEAR_FALL, FALL_BEGINS, FALL_LEVEL, FEWEST_OF_FALL, HELD_OPEN
 
 
 def from_decay_onset(run: CylinderRun) -> CylinderRun:
@@ -16,7 +16,7 @@ def from_decay_onset(run: CylinderRun) -> CylinderRun:
     """
     start = 0
     for values, noise in zip(run.pressure, run.noise, strict=True):
-        if values is None or np.isfinite(values).sum() < 20:
+        if values is None or np.isfinite(values).sum() < FEWEST_OF_FALL:
             continue
         filled = np.interp(run.time, run.time[np.isfinite(values)], values[np.isfinite(values)])
         first = float(np.median(filled[:FALL_LEVEL]))

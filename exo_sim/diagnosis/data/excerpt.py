@@ -13,12 +13,9 @@ from numpy.typing import NDArray
 
 from exo_sim.diagnosis.data.cylinder_run import CylinderRun
 from exo_sim.diagnosis.data.split import Split
-from exo_sim.diagnosis.policy.budgets import BLOCKS, LEAD, LONGEST_FITTED, MOST_FITTED
+from exo_sim.diagnosis.policy.budgets import BLOCKS, LEAD, LONGEST_FITTED, MOST_FITTED, WORTH_CUTTING
 
 Array = NDArray[np.float64]
-
-#: Of recordings that are hardly longer than what is fitted nothing is cut out: blocks lie seconds apart, or are none.
-WORTH_CUTTING = 1.25
 
 
 def excerpts(runs: Sequence[CylinderRun], split: Split) -> tuple[list[CylinderRun], Split]:

@@ -8,7 +8,7 @@ from dataclasses import dataclass, field
 import numpy as np
 from numpy.typing import NDArray
 
-from exo_sim.diagnosis.policy.validation import HELD_OUT_SHARE
+from exo_sim.diagnosis.policy.validation import HELD_OUT_RECORDINGS, HELD_OUT_SHARE
 
 #: By recording, spans (start, stop) of its time [s].
 Spans = Mapping[str, tuple[tuple[float, float], ...]]
@@ -56,7 +56,7 @@ def split(times: Sequence[tuple[str, NDArray[np.float64]]], head: bool = False) 
         head: Hold out the beginning of a lone recording instead, the test first.
     """
     if len(times) > 1:
-        count = max(1, len(times) // 4)
+        count = max(1, int(HELD_OUT_RECORDINGS * len(times)))
         return Split({name: ((float(time[0]), float(time[-1])),) for name, time in times[-count:]})
     name, time = times[0]
     start, stop = float(time[0]), float(time[-1])

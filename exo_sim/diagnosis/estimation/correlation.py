@@ -8,6 +8,8 @@ from typing import Protocol
 import numpy as np
 from numpy.typing import NDArray
 
+from exo_sim.diagnosis.policy.acceptance import FEWEST_PAIRS, UNCORRELATED
+
 Array = NDArray[np.float64]
 
 #: Lags, in rows, at which the autocorrelation is estimated.
@@ -38,12 +40,12 @@ def correlation_time(residual: Array, blocks: NDArray[np.int64]) -> float:
     for lag in _LAGS:
         same = blocks[lag:] == blocks[:-lag]
         count = int(np.count_nonzero(same))
-        if count < 20:
+        if count < FEWEST_PAIRS:
             break
         rho = float(np.sum(residual[lag:] * residual[:-lag] * same)) / count / variance
         # the trapezoid over the lags between, ends counted once
-        total += (rho + height) * (lag - last) - (height - rho) if rho >= 0.05 else 0.0
-        if rho < 0.05:
+        total += (rho + height) * (lag - last) - (height - rho) if rho >= UNCORRELATED else 0.0
+        if rho < UNCORRELATED:
             break
         last, height = lag, rho
     return max(total, 1.0)

@@ -14,6 +14,7 @@ from exo_sim import recording as recordings
 from exo_sim.diagnosis.data.machine_data import MachineData
 from exo_sim.diagnosis.findings import Estimate, Finding, Kind
 from exo_sim.diagnosis.pipeline.sorting import sort
+from exo_sim.diagnosis.policy.recordings import FEWEST_IN_COLUMN
 from exo_sim.diagnosis.policy.verdicts import GAUGE_ERROR, OBVIOUS_FAULT
 from exo_sim.errors import RecordingError, nearest
 from exo_sim.machine.linkage import linkages
@@ -131,5 +132,5 @@ def _trusted(table: Recording, rig: Rig, model: mujoco.MjModel) -> tuple[Recordi
             values = blanked(values, noticed)
         columns[noticed.column] = values
         faults.append(Finding(name, noticed.column, Kind.SENSOR, f"{what} {noticed.says}", parameters, OBVIOUS_FAULT, 0.0))
-    kept = {key: values for key, values in columns.items() if np.isfinite(values).sum() > 10}
+    kept = {key: values for key, values in columns.items() if np.isfinite(values).sum() > FEWEST_IN_COLUMN}
     return replace(table, columns=kept), faults, says

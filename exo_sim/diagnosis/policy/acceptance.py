@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 
-from exo_sim.diagnosis.policy.number import Number
+from exo_sim.diagnosis.policy.number import Count, Number
 
 LEAST_ODDS = Number(
     2.0, "log10 of odds",
@@ -82,3 +82,9 @@ LEFT_WHEN_FREE = Number(
     0.01, "share of what was missing", "the repeated fit counts if it leaves no more: then it was a nuisance parameter that was off"
 )
 LONGEST_CORRELATION = Number(60.0, "rows", "the largest weight of the priors")
+UNCORRELATED = Number(
+    0.05, "autocorrelation",
+    "the integrated autocorrelation time, by which evidence is divided, ends where it is smaller: what is beyond is noise of the estimate "
+    "(Geyer 1992)",
+)  # fmt: skip
+FEWEST_PAIRS = Count(20, "pairs of rows", "fewer do not tell an autocorrelation")

@@ -23,6 +23,10 @@ MOST_FITTED = Count(
     "are predicted in a fit, 80 s at 1 kHz: of longer recordings blocks that are spread over all of them",
     "half an hour at 1 kHz with a warm wall: a prediction of 120,000 took 0.13 s, and a search made 1,045",
 )
+WORTH_CUTTING = Number(
+    1.25, "samples, in units of what is fitted",
+    "of recordings that hold hardly more nothing is cut out: blocks lie seconds apart, or are none",
+)  # fmt: skip
 LONGEST_FITTED = Number(
     120.0, "s", "of a balance of forces are fitted, of longer recordings blocks that are spread over all of them",
     "of ten minutes friction of 4 N, known to 20 N, was named in a healthy balance: a model's own error does not average out",

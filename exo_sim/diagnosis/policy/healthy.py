@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from exo_sim.diagnosis.policy.number import Number
+from exo_sim.diagnosis.policy.number import Count, Number
 
 # -- gas ------------------------------------------------------------------------------------------------------------------------
 GAS_FLOOR = Number(60.0, "Pa", "what the smoothed position and the windows' starts leave of a prediction at least")
@@ -49,6 +49,10 @@ CONTACT_SCATTER = Number(
     "a contact that hardly slides scatters by more: rows there are worth so much less",
     "learn makes A to D of whole machines: where the piston creeps, what the true law leaves is 3 to 12 times what it leaves elsewhere",
 )  # fmt: skip
+FEWEST_FOR_FUNCTIONS = Count(30, "rows", "fewer are no reason for a function of place or time of their own in the discrepancy of friction")
+SETTLED_SCATTER = Number(
+    2.0, "standard deviation in units of that at the other speeds", "laws of speed are not asked where rows of a contact scatter by more"
+)
 CREEPING = Number(0.1, "share of the fastest speed", "a contact that slides faster does not creep: what is left there is no scatter of it")
 STIFF_CONTACT = Number(8e5, "N/m", "stiffness before sliding of the dry contact that any seal shows")
 STIFF_TRAVEL = Number(2e-5, "m", "of a contact that slides at a high level of friction, its travel before sliding")

@@ -29,6 +29,8 @@ FARTHEST_SET_PRESSURE = Number(
 INITIAL_PRESSURE = Number(1.0, "units of the sensor's noise", "initial pressure of a window, estimated from a few samples")
 UNMEASURED_INITIAL = Number(1e4, "Pa", "initial pressure of a chamber that nobody measured, after the balance of forces gave it")
 SENSOR_BIAS_REACH = Number(1.2e5, "Pa", "largest bias of a pressure sensor that is asked for: an atmosphere and something")
+SENSOR_SCALE_TYPICAL = Number(0.02, "share", "typical error of a pressure sensor's scale, where a fit of it begins")
+SENSOR_DELAY_TYPICAL = Number(2e-3, "s", "typical delay of a sensor, where a fit of it begins; a sample period where that is longer")
 SENSOR_SCALE_LEAST = Number(0.8, "factor", "between this and the next the scale of a sensor is looked for")
 SENSOR_SCALE_MOST = Number(1.25, "factor", "see the former")
 SENSOR_DELAY_REACH = Number(0.05, "s", "largest delay of a sensor that is asked for, of a quick card ...")
@@ -43,3 +45,9 @@ MOST_AMPLITUDE = Number(3.0, "share of a healthy machine's", "... and the greate
 SIGN_SLACK = Number(0.5, "standard deviations", "amplitudes of effects of one sign may be below zero by so much ...")
 WRONG_SIGN = Number(5.0, "log-evidence", "... and what is further below costs this besides")
 WIDEST_IN_SERIES = Number(20.0, "areas of the valve", "what is wider in series with a valve restricts nothing, and is not sought")
+LEAST_FORCE_SIZE = Number(
+    0.02, "share of the forces that act", "the size that an effect on a balance may have before any data is what is missing, at least this"
+)
+FAMILY_SIZE = Number(
+    0.3, "share of what is missing, root mean square", "the size of the effects of a linear family before their spread is estimated"
+)

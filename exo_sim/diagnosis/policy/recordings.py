@@ -17,6 +17,10 @@ FALL_LEVEL = Count(
     5, "samples",
     "the first and the last level of a fall are read from; what was held for less than twice as many looks like the fall itself",
 )  # fmt: skip
+FEWEST_IN_COLUMN = Count(10, "finite samples", "a column that is left with no more, faulty ones blanked, counts as not recorded")
+FEWEST_OF_CHANNEL = Count(5, "finite samples", "a position or a slow channel with fewer is none")
+FEWEST_OF_FALL = Count(20, "finite samples", "a pressure with fewer does not show how it fell")
+FEWEST_TO_FIT = Count(20, "samples", "a run with no more training time is not fitted")
 STILL_LENGTH = Number(1e-4, "m", "a piston whose length varies by less does not move")
 STILL_COMMAND = Number(1e-3, "valve command", "a valve whose command varies by less is not moved")
 STILL_NOISE = Number(4.0, "standard deviations of the velocity's noise", "a rod or joint that is slower than this is at rest ...")

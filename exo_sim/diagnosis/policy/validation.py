@@ -7,6 +7,7 @@ from exo_sim.diagnosis.policy.number import Number
 HELD_OUT_SHARE = Number(
     0.3, "share of a lone recording", "no parameter is fitted to it: one half is for validation, the other for the test"
 )
+HELD_OUT_RECORDINGS = Number(0.25, "share of several recordings", "is held out whole, one at the least")
 LEAST_DROP = Number(0.15, "share of the validation error", "a finding that lowers the error by less is refuted ...")
 LEAST_DROP_TOGETHER = Number(
     0.02, "share of the validation error", "... or by less than this where it was weighed beside all others at once ...",

@@ -68,3 +68,6 @@ NIL = Number(1e-3, "share of its usual size", "an effect of which a fit left les
 OBVIOUS_FAULT = Number(10.0, "log10 of odds", "of a sensor's fault that its column shows by itself, without any model")
 GAUGE_ERROR = Number(2000.0, "Pa", "how far the air pressure of the day is from the rig's: half the interval of a gauge sensor's bias")
 NOTHING_EXPLAINED = Number(0.01, "share of what is left", "a rejected candidate that explains less is said to explain nothing")
+LEAST_LAW_WEIGHT = Number(
+    1e-4, "probability in units of the most probable law's", "a law that is less probable does not widen an interval"
+)

@@ -29,9 +29,6 @@ from exo_sim.diagnosis.selection.model_fits import ModelFits
 from exo_sim.diagnosis.selection.subset_weighing import At, SubsetWeighing, Weighed
 from exo_sim.physics.declaration import declared
 
-#: Laws that are less probable than this, in units of the most probable one, do not widen an interval.
-LEAST_WEIGHT = 1e-4
-
 
 @dataclass(frozen=True)
 class _Law:
@@ -143,7 +140,7 @@ class FamilySearch:
         return [
             _Law(weight, one.bend == best.bend and one.subset == best.subset, *self._values(one, self.weighing.posterior(one)))
             for weight, one in probable
-            if weight >= LEAST_WEIGHT
+            if weight >= verdicts.LEAST_LAW_WEIGHT
         ]
 
     def _values(self, best: Weighed, posterior: Posterior) -> tuple[dict[FreeParameter, float], dict[FreeParameter, float]]:

@@ -79,10 +79,6 @@ class MarginalFits:
             found = self.beside.refined(found)
         return self._as_plain(found)
 
-    def standard_errors(self, fitted: FittedModel) -> dict[FreeParameter, float]:
-        """Return the standard errors beside the discrepancy of a model that was fitted here."""
-        return self.beside.standard_errors(self.beside.fit(fitted.candidates, fitted))
-
     def _as_plain(self, fitted: FittedModel) -> FittedModel:
         fixed = [pair for candidate in fitted.candidates for pair in candidate.fixed]
 

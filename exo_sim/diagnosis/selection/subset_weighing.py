@@ -19,6 +19,7 @@ from exo_sim.diagnosis.estimation.candidate import Candidate
 from exo_sim.diagnosis.estimation.correlation import correlation_time
 from exo_sim.diagnosis.estimation.linear_family import LinearFamily, Term
 from exo_sim.diagnosis.policy.budgets import FAMILY_FINALISTS, MOST_CLIMBS
+from exo_sim.diagnosis.policy.priors import FAMILY_SIZE
 from exo_sim.diagnosis.selection.linear_evidence import LinearEvidence, Posterior, Spreads, Subset
 
 At = tuple[str, str]
@@ -107,7 +108,7 @@ class SubsetWeighing:
         target = self.family.bends[0].target
         centred = target - target.mean()
         amplitudes = tuple(0.5 * float(scale) for scale in self._basis.healthy)
-        spreads = Spreads(max(0.3 * float(np.sqrt(np.mean(centred**2))), 1.0), amplitudes)
+        spreads = Spreads(max(FAMILY_SIZE * float(np.sqrt(np.mean(centred**2))), 1.0), amplitudes)
         everything, plain, left = self._everything(), self._evidence[0], target
         for _ in range(2):
             _, spreads = plain.estimated(everything, spreads, self.correlation_time, sweeps=3)

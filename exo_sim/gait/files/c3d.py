@@ -12,7 +12,7 @@ import numpy as np
 from exo_sim.errors import ScenarioError
 from exo_sim.gait.labels import assigned
 from exo_sim.gait.trial import GroundForce, Trial
-from exo_sim.inputs import check_regular
+from exo_sim.inputs import check_regular, refusing
 
 #: What events of a C3D file are called.
 _STRIKE, _OFF = {"foot strike", "heel strike", "initial contact"}, {"foot off", "toe off"}
@@ -63,12 +63,8 @@ def read_ground(path: Path) -> GroundForce:
 
 
 def _read(path: Path) -> Any:
-    try:
+    with refusing(lambda says: ScenarioError(f'"{path}": {says}')):
         check_regular(path)
-    except FileNotFoundError:
-        raise ScenarioError(f'"{path}": there is no such file') from None
-    except ValueError as error:
-        raise ScenarioError(f'"{path}": {error}') from None
     try:
         import ezc3d
     except ImportError:

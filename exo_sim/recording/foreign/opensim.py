@@ -14,7 +14,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from exo_sim.errors import RecordingError, nearest
-from exo_sim.inputs import check_regular
+from exo_sim.inputs import check_regular, is_number, refusing
 
 #: Lines within which a header must end, and bytes beyond which a file is refused.
 _MOST_HEADER, _MOST_BYTES = 500, 500_000_000
@@ -101,17 +101,11 @@ def read_storage(path: str | Path) -> OpenSimTable:
 
 
 def _lines(path: Path) -> list[str]:
-    try:
+    with refusing(lambda says: RecordingError(f'"{path}": {says}')):
         check_regular(path)
         if path.stat().st_size > _MOST_BYTES:
             raise RecordingError(f'"{path}": more than {_MOST_BYTES / 1e6:.0f} MB; cut it into pieces')
         raw = path.read_bytes()
-    except FileNotFoundError:
-        raise RecordingError(f'"{path}": there is no such file') from None
-    except ValueError as error:
-        raise RecordingError(f'"{path}": {error}') from None
-    except OSError as error:
-        raise RecordingError(f'"{path}": {error.strerror or error}; it cannot be read') from None
     if b"\0" in raw:
         raise RecordingError(f'"{path}": it is not text; is it a .mot or .sto file of OpenSim?')
     try:
@@ -164,16 +158,8 @@ def _rows(path: Path, lines: list[str], first: int, labels: list[str]) -> NDArra
         try:
             rows.append([float(cell) for cell in cells])
         except ValueError:
-            word = next(cell for cell in cells if not _is_number(cell))
+            word = next(cell for cell in cells if not is_number(cell))
             raise RecordingError(f'"{path}": line {i + 1} holds "{word[:40]}" where a number must stand') from None
     if not rows:
         raise RecordingError(f'"{path}": there are labels and no row below them')
     return np.array(rows)
-
-
-def _is_number(cell: str) -> bool:
-    try:
-        float(cell)
-    except ValueError:
-        return False
-    return True

@@ -178,7 +178,7 @@ def _sensor_faults(runs: Sequence[CylinderRun], cylinder: str, joint: str, moves
 
 def _scale(column: str, signal: str) -> Candidate:
     reach = (priors.SENSOR_SCALE_LEAST, priors.SENSOR_SCALE_MOST)
-    return sensor_error(sensor_scale.EFFECT, column, f"{signal}.scale", "1", 0.02, reach, healthy.SCALE, neutral=1.0)
+    return sensor_error(sensor_scale.EFFECT, column, f"{signal}.scale", "1", priors.SENSOR_SCALE_TYPICAL, reach, healthy.SCALE, neutral=1.0)
 
 
 def _delay(column: str, name: str, period: float, healthy_skew: float) -> Candidate:
@@ -189,4 +189,4 @@ def _delay(column: str, name: str, period: float, healthy_skew: float) -> Candid
     """
     limit = max(healthy_skew, period)
     reach = max(priors.SENSOR_DELAY_REACH, priors.SENSOR_DELAY_SAMPLES * period)
-    return sensor_error(sensor_delay.EFFECT, column, name, "s", max(2e-3, period), (-limit, reach), limit)
+    return sensor_error(sensor_delay.EFFECT, column, name, "s", max(priors.SENSOR_DELAY_TYPICAL, period), (-limit, reach), limit)

@@ -21,6 +21,7 @@ from exo_sim.diagnosis.estimation.parameters import CARD_OF_PRESSURES, FreeParam
 from exo_sim.diagnosis.estimation.threads import SERIAL, Threads
 from exo_sim.diagnosis.findings import Finding, Series, Subsystem
 from exo_sim.diagnosis.policy import healthy, priors, significance, verdicts
+from exo_sim.diagnosis.policy.recordings import FEWEST_TO_FIT
 from exo_sim.diagnosis.subsystem_model import Comparison, SubsystemModel
 from exo_sim.diagnosis.subsystems.gas.bursts import burst_ratio
 from exo_sim.diagnosis.subsystems.gas.experiments import menu
@@ -302,7 +303,7 @@ class GasModel(SubsystemModel):
 def _training_part(run: CylinderRun, split: Split) -> CylinderRun | None:
     """Return a run up to the end of its training time, for nothing later is predicted; None where it has none."""
     usable = np.flatnonzero(split.in_training(run.recording, run.time))
-    return run.until(int(usable[-1]) + 1) if usable.size > 20 else None
+    return run.until(int(usable[-1]) + 1) if usable.size > FEWEST_TO_FIT else None
 
 
 def _without_gains(given: GasInputs, length_scale: float, scale: Array, offset: Array) -> GasInputs:

@@ -13,12 +13,10 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.optimize import isotonic_regression
 
-from exo_sim.diagnosis.policy.healthy import CONTACT_SCATTER, CREEPING
+from exo_sim.diagnosis.policy.healthy import CONTACT_SCATTER, CREEPING, SETTLED_SCATTER
 
 Array = NDArray[np.float64]
 
-#: Laws of speed are not asked where rows scatter by more than this factor.
-SETTLED = 2.0
 #: Rows of a bin of speed, and the most bins.
 FEWEST_IN_BIN, MOST_BINS = 25, 12
 
@@ -36,8 +34,8 @@ class ContactScatter:
     factors: Array
 
     def settles_at(self) -> float:
-        """Return the speed above which the standard deviation is less than `SETTLED` times that of other rows."""
-        scattered = self.speeds[self.factors > SETTLED]
+        """Return the speed above which the standard deviation is less than `SETTLED_SCATTER` times that of other rows."""
+        scattered = self.speeds[self.factors > SETTLED_SCATTER]
         return float(scattered[-1]) if scattered.size else 0.0
 
     def at(self, speed: Array) -> Array:

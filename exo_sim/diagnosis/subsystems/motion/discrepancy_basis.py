@@ -12,8 +12,6 @@ Array = NDArray[np.float64]
 
 #: Knots of the functions of place, of the logarithm of speed, and of time in each recording.
 PLACE, SPEED, TIME = 8, 7, 4
-#: Fewer rows than this are no reason for functions of their own.
-FEWEST = 30
 
 
 def friction_discrepancy(
@@ -31,7 +29,7 @@ def friction_discrepancy(
     direction = np.sign(velocity)
     place = []
     for way in (direction > 0.0, direction < 0.0):
-        if np.count_nonzero(way) > FEWEST:
+        if np.count_nonzero(way) > healthy.FEWEST_FOR_FUNCTIONS:
             found = smooth_functions(position[way], PLACE)
             columns = np.zeros((len(position), found.shape[1]))
             columns[way] = found
@@ -40,7 +38,7 @@ def friction_discrepancy(
     late = []
     for index in np.unique(recording):
         own = recording == index
-        if np.count_nonzero(own) > FEWEST:
+        if np.count_nonzero(own) > healthy.FEWEST_FOR_FUNCTIONS:
             found = smooth_functions(time[own], TIME)
             columns = np.zeros((len(time), found.shape[1]))
             columns[own] = found

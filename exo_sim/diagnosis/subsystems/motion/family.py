@@ -48,8 +48,6 @@ _BENDING = (presliding.EFFECT.name, friction_smoothing.EFFECT.name)
 STEP = 0.3
 #: What friction may depend on that no effect of the list says: place and time.
 UNNAMED = ("position", "time")
-#: The size that an effect may have: so much of what is missing, but at least this share of the forces that act.
-LEAST_SIZE = 0.02
 
 
 def motion_family(
@@ -80,7 +78,7 @@ class _Builder:
         known = float(model.nominal.cylinder[coulomb_friction.EFFECT.name]["force"][0])
         self.level = max(known, 0.5 * missing / arm, 1e-9)
         effort = max(run.effort for run in model.runs)
-        self.size = max(missing, LEAST_SIZE * effort) / model.noise if model.noise else 1.0
+        self.size = max(missing, priors.LEAST_FORCE_SIZE * effort) / model.noise if model.noise else 1.0
         speed = np.abs(np.concatenate([run.kinematics.velocity for run in model.runs]))
         moving = speed[speed > self.run.kinematics.still]
         self.slowest = max(float(np.percentile(moving, 1.0)), model.slowest_resolved) if moving.size else 1e-6

@@ -6,7 +6,8 @@ import numpy as np
 from diagnosis import motion_runs
 
 from exo_sim.diagnosis.policy import healthy
-from exo_sim.diagnosis.subsystems.motion.discrepancy_basis import FEWEST, PLACE, SPEED, TIME, friction_discrepancy
+from exo_sim.diagnosis.policy.healthy import FEWEST_FOR_FUNCTIONS
+from exo_sim.diagnosis.subsystems.motion.discrepancy_basis import PLACE, SPEED, TIME, friction_discrepancy
 
 PATH = slice(0, 8000, 20)
 X, V, T = motion_runs.POSITION[PATH], motion_runs.VELOCITY[PATH], motion_runs.TIME[PATH]
@@ -41,5 +42,5 @@ def test_each_way_and_each_recording_has_a_function_of_its_own() -> None:
 def test_precise_rows_weigh_more_and_few_rows_have_none() -> None:
     plain, weighed = (friction_discrepancy(X, V, T, ONE, w, 10.0, 100.0) for w in (np.ones(X.size), np.full(X.size, 3.0)))
     np.testing.assert_allclose(weighed.columns, 3.0 * plain.columns)
-    few = slice(0, FEWEST)
-    assert "position" not in friction_discrepancy(X[few], V[few], T[few], ONE[few], np.ones(FEWEST), 10.0, 100.0).names
+    few = slice(0, FEWEST_FOR_FUNCTIONS)
+    assert "position" not in friction_discrepancy(X[few], V[few], T[few], ONE[few], np.ones(FEWEST_FOR_FUNCTIONS), 10.0, 100.0).names

@@ -12,6 +12,10 @@ LAMINAR_RATIO = 0.999
 #: Below this pressure ratio every gas with k up to 2 chokes.
 _SURELY_CHOKED = 0.44
 
+#: Heat capacity ratio of air, and gamma of its choked flow: a power that every step of every prediction would take anew.
+_AIR = 1.4
+_CHOKED_AIR = (2.0 / (_AIR + 1.0)) ** ((_AIR + 1.0) / (2.0 * (_AIR - 1.0)))
+
 
 @kernel
 def critical_ratio(k: float) -> float:
@@ -26,6 +30,8 @@ def critical_ratio(k: float) -> float:
 @kernel
 def critical_flow_factor(k: float) -> float:
     """Return gamma of choked flow, exactly (the paper's equation 29 prints 0.58)."""
+    if k == _AIR:
+        return _CHOKED_AIR
     return (2.0 / (k + 1.0)) ** ((k + 1.0) / (2.0 * (k - 1.0)))
 
 

@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from exo_sim.physics import chamber, state
-from exo_sim.physics.compiled import kernel
+from exo_sim.physics.compiled import borrow, kernel
 from exo_sim.physics.nodes import sensed_pressures, volumes
 from exo_sim.physics.plant import FOLLOWED
 from exo_sim.physics.transmission import gives
@@ -119,6 +119,7 @@ def run(first, stop, window, mechanics, plant, feed, filled, shown_pressure, sho
         shown_pressure: Result at the step's start, shape (n, cylinders, 2).
         shown_position: Result, shape (n, joints).
     """
+    mechanics, plant, feed = borrow(mechanics), borrow(plant), borrow(feed)
     lost = window < 0
     window = abs(window)
     n, m = len(plant.cylinders), len(plant.joints)

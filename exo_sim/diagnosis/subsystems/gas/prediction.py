@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 
 from exo_sim.diagnosis.subsystems.gas.inputs import GasInputs
 from exo_sim.physics import chamber, plant, state
-from exo_sim.physics.compiled import kernel
+from exo_sim.physics.compiled import borrow, kernel
 from exo_sim.physics.effects import line_restriction, valve_lag
 from exo_sim.physics.pneumatics import Pneumatics
 from exo_sim.physics.settling import settling_rate
@@ -24,8 +24,9 @@ LEAST_START = 100.0
 LONGEST_STEP, MOST_STEPS = 1e-3, 8.0
 #: ... and the longest step where the sensor sits behind a hose, whose small volume shows every error of integration [s].
 HOSE_STEP = 5e-4
-#: A sample behind a hose takes about so many times as long; of a slow logger as many as it has steps.
-HOSE_EFFORT = 3
+#: A sample with a hose takes about so many times as long, and behind one; of a slow logger as many as it has steps. Learn makes A, B and C,
+#: 1 to 5 ms: 1.6, 2.3 and 6.5 times, behind it 2.5, 3.6 and 7.3.
+HOSE_EFFORT, SENSED_EFFORT = 2, 3
 #: Of a slow logger's sample neither a shorter part is resolved, nor do steps behind a hose get shorter.
 RESOLVED = 0.2
 #: What settles faster than this, behind a choked path, is not resolved [s]: a fifth of the shortest row of a fit.
@@ -52,14 +53,19 @@ def predict(
         inside: Predicted pressures in the chambers, shape (n, 2); this and the next two may be empty, then they are left out.
         drawn: Mass flow from the supply over the step that follows each sample [kg/s], shape (n,).
         warmth: Predicted gas temperatures, shape (n, 2).
+        work: As of `plant.advance`.
+        scratch: Shape (8, 2).
     """
+    world, cylinders, vector, start_pressure, work, scratch = borrow((world, cylinders, vector, start_pressure, work, scratch))
+    time, command, length, supply, exhaust = borrow((time, command, length, supply, exhaust))
+    supply_temperature, starts, out, inside, drawn, warmth = borrow((supply_temperature, starts, out, inside, drawn, warmth))
     whole = drawn.size > 0
     n = time.size
     c = cylinders[0]
     k = world[0].k
     memory = state.INTEGRATED + state.SHARED
     window = 0
-    x0, x1, u = np.empty(1), np.empty(1), np.empty(2)
+    u, x0, x1 = scratch[5], scratch[6, :1], scratch[7, :1]
     hose = c.line_restriction.area > 0.0
     at_valve = hose and c.line_restriction.sensor > 0.5
     for i in range(n):
@@ -144,7 +150,8 @@ def effort_of(samples: int, period: float, cylinder: NDArray[np.void]) -> int:
     """Return how many plain samples a prediction of so many, one every `period` [s], costs; for a cylinder, record of shape (1,)."""
     if not cylinder[line_restriction.EFFECT.name]["area"][0] > 0.0:
         return samples
-    return samples * round(min(max(period / LONGEST_STEP, HOSE_EFFORT), MOST_STEPS))
+    least, step = (SENSED_EFFORT, HOSE_STEP) if behind_hose(cylinder) else (HOSE_EFFORT, LONGEST_STEP)
+    return samples * round(min(max(period / step, least), MOST_STEPS))
 
 
 def behind_hose(cylinder: NDArray[np.void]) -> bool:
@@ -191,7 +198,7 @@ def run_gas(
     gas.memory[0, state.SPOOL_2] = gas.memory[0, state.PLAY_2] = feed.command_2[0]
     predict(
         world, cylinder, gas.vector, feed.time, feed.command_after(float(cylinder[valve_lag.EFFECT.name]["delay"][0]) + card_delay),
-        length, feed.supply, feed.exhaust, feed.supply_temperature, feed.windows.starts, start, gas._work, gas._scratch,
+        length, feed.supply, feed.exhaust, feed.supply_temperature, feed.windows.starts, start, gas._work, np.zeros((8, 2)),
         out, inside, drawn, warmth,
     )  # fmt: skip
     return GasPrediction(out, inside, drawn, warmth)

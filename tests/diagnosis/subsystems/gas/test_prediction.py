@@ -56,7 +56,9 @@ def test_a_hose_that_settles_at_once_is_no_other_than_one_that_settles_within_a_
     assert explicit["line_restriction"]["volume"][0] == cylinder["line_restriction"]["volume"][0] == 2e-7  # what was handed in stays
 
 
-def test_a_slow_logger_behind_a_hose_costs_more_of_an_effort() -> None:
-    plain, hose = machine()[1], machine(4e-6, 5e-6)[1]
+def test_a_hose_costs_more_of_an_effort_and_most_behind_it_and_of_a_slow_logger() -> None:
+    plain, hose, sensed = machine()[1], machine(4e-6, 5e-6)[1], machine(4e-6, 5e-6)[1]
+    sensed["line_restriction"]["sensor"] = 1.0
     quick, slow = (100, 0.001), (100, 0.02)
-    assert [effort_of(*quick, plain), effort_of(*slow, plain), effort_of(*quick, hose), effort_of(*slow, hose)] == [100, 100, 300, 800]
+    assert [effort_of(*quick, one) for one in (plain, hose, sensed)] == [100, 200, 300]
+    assert [effort_of(*slow, one) for one in (plain, hose, sensed)] == [100, 800, 800]

@@ -67,7 +67,11 @@ class LinearFamily:
     Attributes:
         nuisances: Nuisance parameters, p of them, each with a prior.
         bends: Nothing bent first.
+        whole: Size of all that the effects stand for, also of what the machine as believed has of it, in units of the noise of a row.
+        least: What is missing without a name is a finding from this root mean square on, in the same units: healthy machines have less.
     """
 
     nuisances: tuple[FreeParameter, ...]
     bends: tuple[Bend, ...]
+    whole: float = 0.0
+    least: float = 0.0

@@ -20,7 +20,7 @@ PROBABLE = Number(
     0.75, "probability", "an effect of the most probable subset is named from here on, alone or as one of those that exclude each other"
 )
 LEAST_UNNAMED = Number(
-    0.08, "share of what is missing", "friction that varies with place or time by less, root mean square, is what many machines show",
+    0.08, "share of all friction", "friction that varies with place or time by less, root mean square, is what many machines show",
     "learn makes of whole machines, a version of this fit before the last: 27 without such friction showed none; with it, 0.1 to 0.3",
 )
 ALIKE = Number(0.1, "share", "numbers of a richer form that differ by less are one number: friction of two directions, of any seal")

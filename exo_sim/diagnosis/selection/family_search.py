@@ -122,13 +122,14 @@ class FamilySearch:
     def _unnamed(self, best: Weighed, finalists: Sequence[Weighed], posterior: Posterior) -> tuple[Unnamed, ...]:
         """Return what is missing without a name and is both probable and large."""
         target = self.family.bends[best.bend].target
-        size = float(np.std(target))
+        size = max(float(np.std(target)), self.family.whole)
         found = []
         for first, term in self._unnamed_terms(best):
             acting = term.columns @ posterior.sizes[first : first + term.columns.shape[1]]
-            share = float(np.sqrt(np.mean(acting**2))) / max(size, 1e-300)
+            acts = float(np.sqrt(np.mean(acting**2)))
+            share = acts / max(size, 1e-300)
             probability = self.weighing.probability_of_any(finalists, {term.candidate.at})
-            if probability >= verdicts.PROBABLE and share >= verdicts.LEAST_UNNAMED:
+            if probability >= verdicts.PROBABLE and share >= verdicts.LEAST_UNNAMED and acts >= self.family.least:
                 found.append(Unnamed(term.candidate.form, probability, share))
         return tuple(sorted(found, key=lambda one: -one.share))
 

@@ -98,7 +98,7 @@ class Unnamed:
     Attributes:
         variable: What it depends on.
         probability: That it is there.
-        share: Its root mean square, in units of what is missing altogether.
+        share: Its root mean square, in units of all that acts of its kind, what the rig knows of it included.
     """
 
     variable: str

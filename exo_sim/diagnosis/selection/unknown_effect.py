@@ -48,7 +48,7 @@ def _unknown_effect(result: SubsystemResult[SubsystemModel]) -> UnknownEffect:
     says += f"; it follows {' and '.join(variables)}." if variables else "; it follows none of the recorded signals closely."
     if unnamed:
         with_what = " and ".join(one.variable for one in unnamed)
-        says += f" Friction varies with {with_what} by {_percent(unnamed[0].share)} of what was missing."
+        says += f" Friction varies with {with_what} by {_percent(unnamed[0].share)} of all that acts."
     says += " It comes in fast bursts, as a pressure that rings does." if missing.bursts else ""
     left = remainder(result)
     says += " " + wording.rest(left.share, left.error, left.noise, left.unit)

@@ -23,7 +23,7 @@ def friction_discrepancy(
         position, velocity, time: At the rows, shape (n,).
         recording: Which recording each row is from, shape (n,).
         weight: By how much more precise each row is than a typical one, shape (n,).
-        friction: Size of what is missing, in units of the noise of a typical row.
+        friction: Size of all friction that acts, in units of the noise of a typical row.
         effort: Size of the forces that act, the same.
     """
     direction = np.sign(velocity)

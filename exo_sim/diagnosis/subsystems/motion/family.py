@@ -7,6 +7,7 @@ of Stribeck's dip) there is a term for each of a few. How soon the contact slide
 from __future__ import annotations
 
 import itertools
+import math
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import replace
 from functools import partial
@@ -90,7 +91,7 @@ class _Builder:
         both = np.concatenate([run.drive.gauge for run in model.runs])
         self.two_pressures = bool((np.ptp(both, axis=0) > VARIED_PRESSURE * self.pressure).all())
         self.has_pressure = self.pressure > 0.0 and float(np.std(gauge)) > VARIED_PRESSURE * self.pressure
-        self.unnamed = self._of_place_and_time(missing / model.noise if model.noise else 1.0)
+        self.unnamed = self._of_place_and_time(model.friction / model.noise if model.noise else 1.0)
         self._level = FreeParameter(coulomb_friction.EFFECT.name, model.where, "force", "N", Target.CYLINDER, 1.0, 0.0, 1e9)
 
     def family(self, bent: bool) -> LinearFamily:
@@ -100,13 +101,14 @@ class _Builder:
                 (parameter,) = candidate.parameters
                 tried = [value for value in self._bending(candidate.effect) if parameter.low < value < parameter.high]
                 bends += [self._bend(candidate, {parameter: value}, len(tried)) for value in tried]
-        return LinearFamily(self.nuisances, tuple(bends))
+        noise = self.model.noise or math.inf
+        return LinearFamily(self.nuisances, tuple(bends), self.model.friction / noise, self.model.healthy_friction / noise)
 
     def _of_place_and_time(self, friction: float) -> list[Term]:
         """Return friction that varies with place or time by more than a healthy machine's, as functions of no particular form.
 
         Args:
-            friction: Size of what is missing, in units of the noise of a row.
+            friction: Size of all friction that acts, in units of the noise of a row.
         """
         basis, found = self.model.discrepancy_basis(), []
         for kind, name in enumerate(basis.names):

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from dataclasses import replace
+from functools import cached_property
 
 import numpy as np
 from numpy.typing import NDArray
@@ -155,6 +156,25 @@ class MotionModel(SubsystemModel):
     def on_test_time(self, split: Split) -> MotionModel:
         return MotionModel(self.runs, self.nominal, split, on_test=True, scatter=self._scatter)
 
+    @cached_property
+    def friction(self) -> float:
+        """All friction that acts, what the rig knows of it and what is missing, root mean square about its mean [N or N m].
+
+        What every law of friction gets wrong is a share of that, not of what a rig that knows its friction still lacks; and no machine
+        has less of it than a healthy one may have unsaid.
+        """
+        bare = self.nominal.copy()
+        for effect in declared().values():
+            if effect.family == "friction" and effect.name in (bare.cylinder.dtype.names or ()):
+                bare.cylinder[effect.name] = np.zeros(1, bare.cylinder.dtype[effect.name])
+        sizes = [float(np.std(self.residual_of(plant) * self.scale)) for plant in (self.nominal, bare)]
+        return max(*sizes, self.healthy_friction) if self.size else 0.0
+
+    @property
+    def healthy_friction(self) -> float:
+        """Friction that any healthy cylinder may have unsaid [N or N m]."""
+        return healthy.DRY_FRICTION * stall_force(self.runs[0], self.nominal)
+
     def discrepancy_basis(self) -> DiscrepancyBasis:
         """Return what every model of friction gets wrong, as columns for the rows of the residual."""
         at = {
@@ -166,9 +186,8 @@ class MotionModel(SubsystemModel):
             )
         }
         recording = np.concatenate([np.full(rows.block.size, index) for index, rows in enumerate(self._rows)])
-        target = self.residual({})
         typical = self.noise or 1.0
-        friction = float(np.std(target * self.scale)) / typical if target.size else 0.0
+        friction = self.friction / typical
         effort = max((run.effort for run in self.runs), default=0.0) / typical
         return friction_discrepancy(
             at["position"], at["velocity"], at["time"], recording, typical / self.scale, friction, effort

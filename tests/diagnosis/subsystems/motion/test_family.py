@@ -154,3 +154,12 @@ def test_a_law_from_outside_may_have_a_shape_that_shows_beside_its_size_alone(sh
         np.testing.assert_allclose(50.0 * term.columns[:, 0], residual(found), rtol=1e-9, atol=1e-9)
     speeds = [term.parameters(np.array([1.0]), {})[speed] for term in terms]
     assert speeds == sorted(set(speeds))
+
+
+def test_a_rig_that_knows_its_friction_lacks_no_more_than_any_model_of_it() -> None:
+    """What it lacks is all place, but a twentieth of its friction."""
+    knowing = motion_runs.plant()
+    knowing.cylinder["coulomb_friction"]["force"] = 10.0
+    uneven = smoothed_alike(TIME, 10.0 * (1.0 + 0.05 * np.cos(2.0 * np.pi * POSITION / 0.1)) * SIGN)
+    found = searched(MotionModel([motion_runs.balance(uneven, 0.05)], knowing, Split({})))
+    assert named(found) == {} and found.unnamed == ()

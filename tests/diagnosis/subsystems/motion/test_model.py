@@ -71,6 +71,17 @@ def test_the_stall_force_is_the_supply_on_the_piston() -> None:
     assert stall_force(motion_runs.balance(np.zeros(TIME.size)), motion_runs.plant()) == 0.0
 
 
+def test_all_friction_is_what_the_rig_knows_and_what_it_lacks() -> None:
+    resisted = motion_runs.balance(12.0 * np.sign(VELOCITY), 0.1)
+    ignorant, knowing = motion_runs.plant(), motion_runs.plant()
+    knowing.cylinder["coulomb_friction"]["force"] = 12.0
+    sizes = [MotionModel([resisted], plant, PARTS).friction for plant in (ignorant, knowing)]
+    assert sizes == pytest.approx([12.0, 12.0], rel=0.15)
+    run = motion_runs.behind_cylinder(motion_runs.balance(np.zeros(TIME.size), 0.01), np.zeros((TIME.size, 2)))
+    free = MotionModel([run], motion_runs.plant(), PARTS)
+    assert free.friction == free.healthy_friction == pytest.approx(0.002 * stall_force(run, motion_runs.plant()))
+
+
 def test_a_force_sensors_bias_beside_coulomb_friction_may_be_asymmetric_friction() -> None:
     model = model_of(np.zeros(TIME.size))
     offset = FreeParameter("offset", "slide", "offset", "N", Target.SENSOR, 1.0, -9.0, 9.0, (0.0, 1.0))

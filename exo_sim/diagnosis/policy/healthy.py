@@ -29,7 +29,7 @@ LEAK_LAMINAR = Number(1.8e-13, "kg/(s Pa^2) per m^3 of swept volume", "the same 
 # -- forces ---------------------------------------------------------------------------------------------------------------------
 FORCE_FLOOR_SHARE = Number(0.008, "share of the forces that act", "what the model of a healthy machine leaves of a balance of forces")
 FORCE_BOUND_SHARE = Number(0.03, "share of the forces that act", "discrepancy bound of a balance of forces: this ...")
-FORCE_BOUND_STALL = Number(0.003, "share of the stall force", "... or, where it is larger, this")
+FORCE_BOUND_STALL = Number(0.003, "share of the full force", "... or, where it is larger, this")
 FRICTION_PLACE = Number(
     0.06, "share of the friction", "how much friction depends on the place along the stroke in a healthy machine",
     "learnt on real cylinders (O-ring bench, pulled seals, KDN drive) and on the makes A to D of whole machines",
@@ -41,8 +41,8 @@ UNNAMED_FRICTION = Number(
     "outside cells of learn makes: 0.3 to 0.6 along the stroke, 0.3 to 0.5 as a seal warms",
 )  # fmt: skip
 FORCE_UNEXPLAINED = Number(5e-4, "share of the forces that act", "what of each is to be added for their sake", "as the former")
-DRY_FRICTION = Number(0.002, "share of the stall force", "Coulomb friction is a finding from here on")
-SPRING = Number(0.02, "share of the stall force over the whole stroke", "a return spring is a finding from here on")
+DRY_FRICTION = Number(0.002, "share of the full force", "Coulomb friction is a finding from here on")
+SPRING = Number(0.02, "share of the full force over the whole stroke", "a return spring is a finding from here on")
 CELL_ZERO = Number(0.02, "share of the forces that act", "a force sensor's bias is a finding from here on: zeros drift by 1 to 2 %")
 CONTACT_SCATTER = Number(
     1.5, "standard deviation at the slowest speeds in units of that at the others",

@@ -6,6 +6,11 @@ from exo_sim.diagnosis.policy.number import Number
 
 PREVALENCE = Number(0.1, "share of machines", "that have an effect which does not say itself how common it is")
 UNNAMED = Number(0.03, "share of machines", "whose friction depends on place or time by more than every machine's does")
+REST_BEYOND = Number(
+    5.0, "travels", "beyond the ends of the travel a spring may be slack: from further off it pulls by less than a sixth more at one end "
+    "than at the other, which a mass or a sensor's zero says as well",
+    "derived: return springs of single-acting cylinders double their force over the stroke",
+)  # fmt: skip
 VALVE_AREA = Number(0.10, "share", "what a data sheet allows of a valve's area, and what tuning has done to it")
 DEAD_VOLUME = Number(0.15, "share", "the same of a dead volume")
 PRESSURE_ZERO = Number(500.0, "Pa", "zero of a good pressure sensor")
@@ -13,7 +18,7 @@ FORCE_OF_ZEROS = Number(1200.0, "Pa", "zeros of pressure sensors, as a constant 
 KNOWN_GAS = Number(0.1, "share", "parameters of effects on the gas that the rig has on already: an owner's numbers are estimates")
 KNOWN_FORCE = Number(0.5, "share", "the same of friction and springs: seals wear, and friction in a rig is rarely measured")
 REST_HEAT = Number(2.0, "W/K", "heat that walls take from a gas at rest")
-HEALTHY_DRY = Number(0.001, "share of the stall force", "dry friction of a healthy cylinder")
+HEALTHY_DRY = Number(0.001, "share of the full force", "dry friction of a healthy cylinder")
 FORCE_SCALE = Number(
     0.012, "share", "scale of a pressure sensor, a piston's area or a load cell, as forces feel it: data sheets say 0.5 to 2 %"
 )

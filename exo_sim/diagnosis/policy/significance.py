@@ -5,5 +5,5 @@ from __future__ import annotations
 from exo_sim.diagnosis.policy.number import Number
 
 GAS_SIGNIFICANT = Number(1e-4, "share of the pressure", "a smaller drop of the error is not practically significant: sensors drift as much")
-FORCE_SIGNIFICANT = Number(2e-4, "share of the stall force", "a smaller drop of the error is not practically significant")
+FORCE_SIGNIFICANT = Number(2e-4, "share of the full force", "a smaller drop of the error is not practically significant")
 SUPPLY_SIGNIFICANT = Number(2e-3, "share of the pressure", "a supply that strays by less concerns nobody")

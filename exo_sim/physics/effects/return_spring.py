@@ -43,7 +43,7 @@ EFFECT = Effect(
     ),
     valid="the spring is straight in force over travel, without mass, and never goes solid or loose.",
     signature="balance of forces drifts in proportion to position",
-    identification=Identification(forms=(("stiffness", "rest"),), starts_by_motion=_starts, resists=1.0),
+    identification=Identification(forms=(("stiffness", "rest"),), starts_by_motion=_starts, within_travels=("rest",), resists=1.0),
 )
 
 

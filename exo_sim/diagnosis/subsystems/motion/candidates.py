@@ -12,7 +12,7 @@ from exo_sim.diagnosis.estimation.parameters import FreeParameter, PlantParamete
 from exo_sim.diagnosis.estimation.sensor_error import sensor_error
 from exo_sim.diagnosis.policy import healthy, priors
 from exo_sim.diagnosis.subsystems.healthy_leak import OUTWARD, external_leaks
-from exo_sim.diagnosis.subsystems.motion.model import stall_force
+from exo_sim.diagnosis.subsystems.motion.full_scale import full_force, full_travel
 from exo_sim.physics.declaration import Effect, declared
 from exo_sim.physics.effects import friction_smoothing, presliding, sensor_bias
 from exo_sim.physics.identification import ObservedMotion
@@ -33,9 +33,10 @@ def candidates(runs: Sequence[MotionRun], plant: PlantParameters, where: str, re
     force = max(float(np.std(run.drive.force + run.external)), 0.1 * float(np.std(run.inertia.force)), 1e-6)
     speed = max(float(np.nanstd(velocity)), 1e-6)
     travel = max(float(np.nanstd(position)), 1e-6)
-    stall = stall_force(run, plant) / max(float(np.median(np.abs(run.drive.arm))), 1e-9)
-    stroke = max(float(plant.cylinder["stroke"][0]), 1e-3)
-    resistance = {"N": healthy.DRY_FRICTION * stall, "N/m": healthy.SPRING * stall / stroke}  # of a healthy machine
+    full = full_force(run, plant) / max(float(np.median(np.abs(run.drive.arm))), 1e-9)
+    near, far = full_travel(run, plant)
+    length = max(far - near, 1e-3)
+    resistance = {"N": healthy.DRY_FRICTION * full, "N/m": healthy.SPRING * full / length}  # of a healthy machine
     pressure = max(float(np.mean(np.abs(run.drive.gauge).sum(1))), 1.0)
     # a tenth of the forces that act, spread over the speeds, travels and pressures that occurred
     moving = np.abs(velocity[np.abs(velocity) > run.kinematics.still])
@@ -60,6 +61,8 @@ def candidates(runs: Sequence[MotionRun], plant: PlantParameters, where: str, re
                 parameter = effect.parameter(name)
                 size = sizes.get(parameter.unit, 1.0)
                 low, high = parameter.low, parameter.high
+                if name in asked.within_travels:
+                    low, high = max(low, near - priors.REST_BEYOND * length), min(high, far + priors.REST_BEYOND * length)
                 if name in asked.within_speeds:
                     low = min(max(low, 0.5 * slowest), high)
                     high = max(min(high, 0.25 * fastest), low)

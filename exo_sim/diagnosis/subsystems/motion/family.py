@@ -21,6 +21,7 @@ from exo_sim.diagnosis.estimation.parameters import FreeParameter, Target
 from exo_sim.diagnosis.findings import Kind
 from exo_sim.diagnosis.policy import healthy, priors
 from exo_sim.diagnosis.policy.recordings import VARIED_PRESSURE
+from exo_sim.diagnosis.subsystems.motion.full_scale import full_travel
 from exo_sim.diagnosis.subsystems.motion.model import MotionModel
 from exo_sim.physics.declaration import declared
 from exo_sim.physics.effects import (
@@ -47,6 +48,8 @@ CREEPS, CREEP_LOW, CREEP_HIGH = 5, 0.7, 0.05
 _BENDING = (presliding.EFFECT.name, friction_smoothing.EFFECT.name)
 #: Dry laws are differenced by this share of the level of friction.
 STEP = 0.3
+#: Places where a spring may be slack that are tried, from the middle of the travel and in units of it.
+RESTS = (-5.4, -2.0, -1.0, -0.6, -0.3, 0.0, 0.3, 0.6, 1.0, 2.0, 5.4)
 #: What friction may depend on that no effect of the list says: place and time.
 UNNAMED = ("position", "time")
 
@@ -84,7 +87,6 @@ class _Builder:
         moving = speed[speed > self.run.kinematics.still]
         self.slowest = max(float(np.percentile(moving, 1.0)), model.slowest_resolved) if moving.size else 1e-6
         self.fastest = float(np.percentile(moving, 99.0)) if moving.size else 1.0
-        self.position = float(np.mean(np.concatenate([run.kinematics.position for run in model.runs])))
         self.travel = max(float(np.std(np.concatenate([run.kinematics.position for run in model.runs]))), 1e-9)
         gauge = np.concatenate([np.maximum(run.drive.gauge, 0.0).sum(axis=1) for run in model.runs])
         self.pressure = float(np.mean(gauge))
@@ -277,21 +279,26 @@ class _Builder:
         return level + (sum(richer) / len(richer) if richer else 0.0)
 
     def _spring(self, candidate: Candidate, residual: Callable[[dict[FreeParameter, float]], Array]) -> list[Term]:
-        """Return a spring as what goes with position, and the constant that its rest adds."""
+        """Return a spring for each of a few places where it may be slack: it is known by how its force changes along the travel."""
         stiffness, rest = (next(q for q in candidate.parameters if q.parameter == name) for name in ("stiffness", "rest"))
         about, base = self._about(residual)
+        near, far = full_travel(self.run, self.model.nominal)
         step = STEP * self.level / self.travel
-        sloped = residual({**about, stiffness: step, rest: self.position})
-        shifted = residual({**about, stiffness: step, rest: self.position - self.travel})
-        columns = [(sloped - base) / step, (shifted - sloped) / (step * self.travel)]
-        if not all(_shows(column) for column in columns):
-            return []
+        found = []
+        for place in (0.5 * (near + far) + beyond * (far - near) for beyond in RESTS):
+            if not rest.low <= place <= rest.high:
+                continue
+            column = (residual({**about, stiffness: step, rest: place}) - base) / step
 
-        def parameters(sizes: Array, before: Values) -> dict[FreeParameter, float]:
-            slope = max(float(sizes[0]), 1e-9 * step)
-            return {stiffness: slope, rest: self.position - float(sizes[1]) / slope}
+            def parameters(sizes: Array, before: Values, place: float = place) -> dict[FreeParameter, float]:
+                return {stiffness: max(float(sizes[0]), 0.0), rest: place}
 
-        return [Term(candidate, np.column_stack(columns), self._spread(columns), (True, False), parameters, candidate.effect)]
+            if _shows(column):
+                found.append((column, parameters))
+        return [
+            Term(candidate, column[:, None], self._spread([column]), (True,), parameters, candidate.effect, len(found))
+            for column, parameters in found
+        ]
 
 
 def _richer_than(name: str) -> set[str]:

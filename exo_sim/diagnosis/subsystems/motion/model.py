@@ -26,6 +26,7 @@ from exo_sim.diagnosis.subsystems.healthy_leak import OUTWARD
 from exo_sim.diagnosis.subsystems.motion.contact_scatter import ContactScatter
 from exo_sim.diagnosis.subsystems.motion.discrepancy_basis import friction_discrepancy
 from exo_sim.diagnosis.subsystems.motion.experiments import resisted
+from exo_sim.diagnosis.subsystems.motion.full_scale import full_force
 from exo_sim.diagnosis.subsystems.motion.regimes import regimes
 from exo_sim.diagnosis.subsystems.motion.resistance import resistance_along
 from exo_sim.diagnosis.subsystems.motion.rows import rows_of
@@ -106,13 +107,13 @@ class MotionModel(SubsystemModel):
 
     @property
     def practical_significance(self) -> float:
-        floor = significance.FORCE_SIGNIFICANT * stall_force(self.runs[0], self.nominal)
+        floor = significance.FORCE_SIGNIFICANT * full_force(self.runs[0], self.nominal)
         return floor / self.noise if self.noise else 0.0
 
     @property
     def discrepancy_bound(self) -> float:
         force = max((run.effort for run in self.runs), default=0.0)
-        floor = max(healthy.FORCE_BOUND_SHARE * force, healthy.FORCE_BOUND_STALL * stall_force(self.runs[0], self.nominal))
+        floor = max(healthy.FORCE_BOUND_SHARE * force, healthy.FORCE_BOUND_STALL * full_force(self.runs[0], self.nominal))
         return floor / self.noise if self.noise else 0.0
 
     def missing(self, plant: PlantParameters, index: int) -> Array:
@@ -173,7 +174,7 @@ class MotionModel(SubsystemModel):
     @property
     def healthy_friction(self) -> float:
         """Friction that any healthy cylinder may have unsaid [N or N m]."""
-        return healthy.DRY_FRICTION * stall_force(self.runs[0], self.nominal)
+        return healthy.DRY_FRICTION * full_force(self.runs[0], self.nominal)
 
     def discrepancy_basis(self) -> DiscrepancyBasis:
         """Return what every model of friction gets wrong, as columns for the rows of the residual."""
@@ -300,11 +301,3 @@ def _variables(run: MotionRun) -> dict[str, Array]:
         first, second = run.drive.gauge[:, 0], run.drive.gauge[:, 1]
         found |= {"pressure_1": first, "pressure_2": second, "pressure_difference": first - second}
     return found
-
-
-def stall_force(run: MotionRun, plant: PlantParameters) -> float:
-    """Return what the cylinder of a balance can push at most [N, N m at the joint]; 0 without a cylinder."""
-    if run.cylinder is None:
-        return 0.0
-    gauge = float(plant.world["supply_pressure"][0] - plant.world["atmosphere"][0])
-    return max(gauge, 0.0) * float(plant.cylinder["area_1"][0]) * float(np.median(np.abs(run.drive.arm)))

@@ -11,7 +11,8 @@ from exo_sim.diagnosis.estimation.least_squares import FEWEST_ROWS, fit
 from exo_sim.diagnosis.estimation.parameters import FreeParameter, PlantParameters, Target
 from exo_sim.diagnosis.policy import healthy, priors, verdicts
 from exo_sim.diagnosis.subsystems.healthy_leak import OUTWARD, external_leaks
-from exo_sim.diagnosis.subsystems.motion.model import MotionModel, stall_force
+from exo_sim.diagnosis.subsystems.motion.full_scale import full_force
+from exo_sim.diagnosis.subsystems.motion.model import MotionModel
 from exo_sim.physics.declaration import declared
 
 #: A column that moves less than this share of the forces that act says nothing of its scale.
@@ -33,7 +34,7 @@ def nuisance_parameters(runs: Sequence[MotionRun], plant: PlantParameters, where
     spread = max(priors.FORCE_OF_ZEROS * lever, 1e-4 * force)
     if run.cylinder is None and not run.external_recorded:
         spread = 0.02 * float(np.std(inertia.force))
-    stall = stall_force(run, plant) / max(float(np.median(np.abs(run.drive.arm))), 1e-9)
+    full = full_force(run, plant) / max(float(np.median(np.abs(run.drive.arm))), 1e-9)
     found = []
     # a free swing scales with its mass: no recording of it holds the mass
     if inertia.has_mass and (run.drive.levers or run.external_recorded):
@@ -62,7 +63,7 @@ def nuisance_parameters(runs: Sequence[MotionRun], plant: PlantParameters, where
             continue
         for parameter in effect.parameters:
             value = float(plant.cylinder[effect.name][parameter.name][0])
-            dry, most = (effect.identification.resists * share * stall for share in (priors.HEALTHY_DRY, healthy.DRY_FRICTION))
+            dry, most = (effect.identification.resists * share * full for share in (priors.HEALTHY_DRY, healthy.DRY_FRICTION))
             if dry > 0.0 and value == 0.0 and parameter.unit == "N":
                 found.append(_of_cylinder(effect.name, where, parameter.name, "N", dry, (0.0, most), (0.0, dry)))
             if value == 0.0 and parameter.name in effect.identification.known and plant.is_on(effect):  # its law is what nobody gave

@@ -74,6 +74,20 @@ def test_a_frictionless_balance_bears_no_name() -> None:
     assert named(found) == {}
 
 
+def test_a_constant_force_is_no_spring_that_is_slack_far_away() -> None:
+    run = motion_runs.balance(40.0 + lost(coulomb=12.0), 0.3)
+    run = replace(run, drive=replace(run.drive, levers={"slide.external_force": np.ones(TIME.size)}))
+    found = named(searched(MotionModel([run], motion_runs.plant(), Split({}))))
+    assert "return_spring" not in found and found["coulomb_friction"] == pytest.approx(12.0, rel=0.05)
+
+
+def test_a_trace_of_a_spring_in_a_joint_without_a_cylinder_is_no_finding() -> None:
+    """The balance between a load cell and the load: 1 % of the forces that act over the whole travel."""
+    acting = MASS * float(np.percentile(np.abs(ACCELERATION), 99.0))
+    trace = 0.01 * acting / float(np.ptp(POSITION))
+    assert named(searched(MotionModel([motion_runs.balance(lost(spring=trace), 1e-3)], motion_runs.plant(), Split({})))) == {}
+
+
 def test_scale_and_delay_of_what_measures_the_force_are_no_friction() -> None:
     """Pressures drive; the force from outside reads 2 % too much and both come 1 ms late."""
     driving = MASS * ACCELERATION + lost(viscous=30.0) + 40.0 * np.sin(1.7 * TIME)

@@ -15,7 +15,8 @@ from exo_sim.diagnosis.estimation.least_squares import Fit, fit
 from exo_sim.diagnosis.estimation.parameters import FreeParameter, Target
 from exo_sim.diagnosis.findings import Estimate, Finding, Kind
 from exo_sim.diagnosis.subsystems.motion.candidates import candidates
-from exo_sim.diagnosis.subsystems.motion.model import MotionModel, stall_force
+from exo_sim.diagnosis.subsystems.motion.full_scale import full_force
+from exo_sim.diagnosis.subsystems.motion.model import MotionModel
 from exo_sim.diagnosis.subsystems.motion.nuisances import nuisance_parameters, with_damping, with_damping_if_too_large
 
 PARTS = Split({})
@@ -65,12 +66,6 @@ def test_test_time_has_rows_of_its_own() -> None:
     assert comparison.error_before.size < 0.2 * TIME.size
 
 
-def test_the_stall_force_is_the_supply_on_the_piston() -> None:
-    run = motion_runs.behind_cylinder(motion_runs.balance(np.zeros(TIME.size)), np.zeros((TIME.size, 2)))
-    assert stall_force(run, motion_runs.plant()) == pytest.approx(6e5 * 8e-4)
-    assert stall_force(motion_runs.balance(np.zeros(TIME.size)), motion_runs.plant()) == 0.0
-
-
 def test_all_friction_is_what_the_rig_knows_and_what_it_lacks() -> None:
     resisted = motion_runs.balance(12.0 * np.sign(VELOCITY), 0.1)
     ignorant, knowing = motion_runs.plant(), motion_runs.plant()
@@ -79,7 +74,7 @@ def test_all_friction_is_what_the_rig_knows_and_what_it_lacks() -> None:
     assert sizes == pytest.approx([12.0, 12.0], rel=0.15)
     run = motion_runs.behind_cylinder(motion_runs.balance(np.zeros(TIME.size), 0.01), np.zeros((TIME.size, 2)))
     free = MotionModel([run], motion_runs.plant(), PARTS)
-    assert free.friction == free.healthy_friction == pytest.approx(0.002 * stall_force(run, motion_runs.plant()))
+    assert free.friction == free.healthy_friction == pytest.approx(0.002 * full_force(run, motion_runs.plant()))
 
 
 def test_a_force_sensors_bias_beside_coulomb_friction_may_be_asymmetric_friction() -> None:

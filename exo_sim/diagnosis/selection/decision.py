@@ -74,6 +74,8 @@ class _Decision(Generic[Model]):
         rejected = self._rejected(accepted, alone)
         if alone:
             final, named = self._beyond_doubt(final, named)
+        elif unknown:
+            final, named = self._surely_there(final, named)
         errors = self._errors(final)
         reported = tuple(c for c in named if _is_reported(c, final, errors))
         laws = {q for c in named if c not in reported for q in c.parameters}
@@ -132,6 +134,12 @@ class _Decision(Generic[Model]):
         if not kept:
             return self.search.baseline, kept
         return (final if kept == named else self.fits.fit(kept, end)), kept
+
+    def _surely_there(self, final: FittedModel, named: tuple[Candidate, ...]) -> tuple[FittedModel, tuple[Candidate, ...]]:
+        """Return the findings that surely exceed what a healthy machine shows, and the model with them: the others bend to the unknown."""
+        errors = self._errors(final)
+        firm = drop_orphans([c for c in named if c.is_law or is_more_than_healthy(c, final, errors)])
+        return (final, named) if firm == named else (self.fits.refined(self.fits.fit(firm, final)), firm)
 
     def _with_larger_part(self, named: tuple[Candidate, ...]) -> tuple[FittedModel, tuple[Candidate, ...]]:
         """Return the findings that explain the larger part and surely exceed what a healthy machine shows, and the model with them."""

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 from diagnosis import waves
@@ -99,3 +101,15 @@ def test_a_hole_as_large_as_the_piston_is_at_a_bound_whatever_a_healthy_machine_
     one = FreeParameter("piston_leakage", "piston", "area", "m^2", Target.CYLINDER, 1e-8, 0.0, 1e-4, healthy_limit=1e-9)
     leak = Candidate("piston_leakage", "piston", "area", (one,), ((1e-8,),))
     assert is_at_bound(leak, FittedModel((leak,), Fit((one,), {one: area}, np.zeros(3), np.zeros((3, 1))))) is at_bound
+
+
+@pytest.mark.parametrize(("size", "named"), [(0.5, ["base"]), (8.0, ["base", "shelf"])])
+def test_beside_something_unknown_a_name_surely_exceeds_what_a_healthy_machine_shows(size: float, named: list[str]) -> None:
+    model = type("Beside", (waves.Waves,), {"names_stand_beside_unknown": True})(1.5, slow=6.0, quick=6.0, level=size)
+    shelf = waves.candidate("shelf", "level")
+    shelf = replace(shelf, parameters=tuple(replace(q, healthy_limit=0.3) for q in shelf.parameters))
+    fits = ModelFits(model, ())
+    bare = fits.refined(fits.fit(()))
+    result = decide("piston", model, fits, SearchResult(bare, fits.refined(fits.fit((waves.BASE, shelf), bare))))
+    assert result.has_unknown
+    assert [one.name for one in result.findings] == named == [c.effect for c in result.final.candidates]

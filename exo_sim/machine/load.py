@@ -8,8 +8,9 @@ import mujoco
 import numpy as np
 
 from exo_sim.errors import ModelError, nearest
-from exo_sim.machine import mjcf
+from exo_sim.machine import fitting, mjcf
 from exo_sim.machine.attachment import attach
+from exo_sim.machine.person import Person
 from exo_sim.physics.declaration import declared
 from exo_sim.rig import JointFactors, Rig
 
@@ -111,12 +112,15 @@ def check_effects(rig: Rig, model: mujoco.MjModel) -> None:
 
 
 def load(rig: Rig) -> mujoco.MjModel:
-    """Return the rig's compiled model.
+    """Return the rig's compiled model; that of a worn machine fits the rig's wearer and has the rig's ankles, as where it walks.
 
     Raises:
         ModelError: as `spec`, `compiled` and `check_effects`.
     """
-    model = compiled(spec(rig), rig)
+    loaded = spec(rig)
+    if not any(fitting.missing_parts(loaded).values()):
+        fitting.fit(loaded, Person(rig.wearer.height, rig.wearer.mass), rig.ankle)
+    model = compiled(loaded, rig)
     corrected(model, rig.joint_factors, str(rig.path))
     check_effects(rig, model)
     attach(model, rig)

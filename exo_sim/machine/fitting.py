@@ -1,0 +1,98 @@
+"""What the MJCF of a worn machine must hold, and how its segments and ankles are made to fit the wearer of the rig."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Any
+
+from exo_sim.errors import ModelError, nearest
+from exo_sim.machine.person import COORDINATES, REFERENCE_HEIGHT, SEGMENTS, Person
+from exo_sim.machine.straps import worn
+from exo_sim.rig.schema import Ankle
+
+#: Geoms that a worn machine has: payload, floor, links that grow with the wearer, soles.
+_GEOMS = ("payload", "floor", *(f"{part}_{side}" for side in "lr" for part in ("thigh", "shank", "foot", "heel", "toe")))
+_JOINTS = ("torso_x", "torso_z", *COORDINATES[2:])
+
+
+def missing_parts(spec: Any) -> dict[str, list[str]]:
+    """Return what a worn machine needs and this MJCF lacks, by kind; lists that are empty where it is one."""
+    present = [joint.name for joint in spec.joints]
+    missing = {"joint": [name for name in _JOINTS if name not in present]}
+    missing["body"] = [name for name in (*SEGMENTS, *(f"person_{segment}" for segment in SEGMENTS)) if spec.body(name) is None]
+    missing["geom"] = [name for name in _GEOMS if spec.geom(name) is None]
+    missing["site"] = [name for name in (*(strap.site for strap in worn()), "foot_l", "foot_r") if spec.site(name) is None]
+    missing["contact sensor"] = [name for name in ("ground_l", "ground_r") if spec.sensor(name) is None]
+    return missing
+
+
+def require(spec: Any, path: Path) -> None:
+    """Check that the parts of a worn machine are there.
+
+    Raises:
+        ModelError: which are not.
+    """
+    joints = _JOINTS
+    present = [joint.name for joint in spec.joints]
+    if not set(joints) & set(present):
+        raise ModelError(
+            f"{path}: carries no person: walking and sizing need a worn machine, with joints {joints[0]}, {joints[1]}, {joints[2]}"
+            " and so on as in assets/exo.xml (docs/your_machine.md); `exo-sim run MOTION.csv --rig RIG` moves any machine along a recorded "
+            "motion; inspect, compare and diagnose take any"
+        )
+    missing = missing_parts(spec)
+    said = "; ".join(f"a {kind} " + ", ".join(f'"{name}"' for name in names) for kind, names in missing.items() if names)
+    if said:
+        lacking = [name for names in missing.values() for name in names]
+        close = nearest(lacking[0], [*present, *(body.name for body in spec.bodies), *(site.name for site in spec.sites)])
+        hint = close if "mean" in close else ""
+        raise ModelError(f"{path}: a worn machine needs {said}{hint} (docs/your_machine.md lists what one must contain)")
+    if present != list(joints):
+        raise ModelError(f"{path}: a worn machine has the joints {', '.join(joints)}, in this order and no others")
+
+
+def fit(spec: Any, person: Person, ankle: Ankle) -> None:
+    """Give the segments of a worn machine the person's lengths, and its ankles their spring.
+
+    Args:
+        spec: The MJCF, drawn for a body height of `REFERENCE_HEIGHT`; changed.
+        person: Who wears it.
+        ankle: What the ankle does.
+    """
+    if person.height != REFERENCE_HEIGHT:
+        _stretch(spec, person)
+    for side in "lr":
+        joint = spec.joint(f"ankle_{side}")
+        joint.stiffness[0] = ankle.stiffness if ankle.mode == "sprung" else 0.0
+
+
+def _stretch(spec: Any, person: Person) -> None:
+    """Lengthen (or shorten) the segments from the reference height to the person's."""
+    reference = Person(REFERENCE_HEIGHT, person.mass)
+    leg = person.thigh + person.shank + person.ankle_height
+    for prefix in ("", "person_"):
+        torso = spec.body(f"{prefix}torso")
+        torso.pos = [torso.pos[0], torso.pos[1], leg]
+    spec.joint("torso_z").ref = leg
+    for key in spec.keys:
+        key.qpos[1] = leg
+    change = {"thigh": person.thigh - reference.thigh, "shank": person.shank - reference.shank}
+    for side in "lr":
+        shank, foot = spec.body(f"shank_{side}"), spec.body(f"foot_{side}")
+        shank.pos = [shank.pos[0], shank.pos[1], shank.pos[2] - change["thigh"]]
+        foot.pos = [foot.pos[0], foot.pos[1], foot.pos[2] - change["shank"]]
+        spec.geom(f"thigh_{side}").fromto[5] -= change["thigh"]
+        spec.geom(f"shank_{side}").fromto[5] -= change["shank"]
+        base = spec.site(f"knee_{side}_base")  # next to the knee, though on the thigh
+        base.pos = [base.pos[0], base.pos[1], base.pos[2] - change["thigh"]]
+        for part in (*foot.geoms, *foot.sites):
+            grown = [part.pos[0] * person.scale, part.pos[1], part.pos[2]]
+            if part.name.startswith(("heel", "toe", "foot")):
+                grown[2] -= person.ankle_height - reference.ankle_height
+            part.pos = grown
+        sole = spec.geom(f"foot_{side}")
+        sole.size = [sole.size[0] * person.scale, sole.size[1], sole.size[2]]
+    for segment in SEGMENTS:
+        for geom in spec.body(f"person_{segment}").geoms:
+            geom.fromto = [value * person.scale for value in geom.fromto]
+            geom.pos = [value * person.scale for value in geom.pos]

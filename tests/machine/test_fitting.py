@@ -1,0 +1,49 @@
+"""A worn machine's model is the same wherever it is loaded: segments of the rig's wearer, ankles of the rig."""
+
+from __future__ import annotations
+
+import shutil
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from exo_sim import rig as rigs
+from exo_sim.machine import fitting, mjcf
+from exo_sim.machine.build import build
+from exo_sim.machine.load import load
+from exo_sim.machine.person import Person
+from exo_sim.rig import Rig
+
+
+def worn(repository: Path, folder: Path, *changes: tuple[str, str]) -> Rig:
+    """Return the machine that comes along, with lines of its rig changed."""
+    text = (repository / "assets" / "exo.toml").read_text()
+    for old, new in changes:
+        assert old in text
+        text = text.replace(old, new)
+    shutil.copy(repository / "assets" / "exo.xml", folder / "exo.xml")
+    (folder / "rig.toml").write_text(text)
+    return rigs.read(folder / "rig.toml")
+
+
+@pytest.mark.parametrize("height", ["1.70 m", "1.90 m"])
+def test_what_is_diagnosed_is_what_walks(repository: Path, tmp_path: Path, height: str) -> None:
+    changes = (('height = "1.70 m"', f'height = "{height}"'), ('stiffness = "100 N m/rad"', 'stiffness = "60 N m/rad"'))
+    rig = worn(repository, tmp_path, *changes)
+    loaded = load(rig)
+    walking = build(rig.model, Person(rig.wearer.height, rig.wearer.mass), 34.0, rig.ankle)
+    for name in ("body_pos", "site_pos", "geom_pos", "jnt_stiffness", "body_mass", "qpos0"):
+        np.testing.assert_array_equal(getattr(loaded, name), getattr(walking, name), err_msg=name)
+    assert loaded.joint("ankle_l").stiffness[0] == 60.0
+
+
+def test_a_free_ankle_has_no_spring(repository: Path, tmp_path: Path) -> None:
+    assert load(worn(repository, tmp_path, ('"sprung"', '"free"'))).joint("ankle_r").stiffness[0] == 0.0
+
+
+def test_what_a_machine_lacks_to_be_worn_is_listed_by_kind(repository: Path) -> None:
+    whole = fitting.missing_parts(mjcf.read_spec(repository / "assets" / "exo.xml"))
+    assert whole.keys() == {"joint", "body", "geom", "site", "contact sensor"} and not any(whole.values())
+    bench = fitting.missing_parts(mjcf.read_spec(repository / "assets" / "bench.xml"))
+    assert "torso_x" in bench["joint"] and "payload" in bench["geom"]

@@ -48,6 +48,8 @@ class Question:
 def questions(recording: Recording, rig: Rig, model: mujoco.MjModel) -> list[Question]:
     """Return every effect at every place of a machine, with what the recording lacks for it.
 
+    A joint and a cylinder of one name are one place: its question can be asked where it can be asked of either.
+
     Raises:
         ModelError: the model lacks a part of the rig.
     """
@@ -63,7 +65,11 @@ def questions(recording: Recording, rig: Rig, model: mujoco.MjModel) -> list[Que
             names = [model.joint(i).name for i in range(model.njnt)]
             found += [_at_joint(effect, name, [c for c, j in joints.items() if j == name], recording) for name in names]
         found += [_shared(effect, place, recording, rig) for place in places if place in ("supply", "exhaust")]
-    return found
+    best: dict[tuple[str, str], Question] = {}
+    for one in found:
+        key = (one.effect, one.where)
+        best[key] = min(best.get(key, one), one, key=lambda question: len(question.missing))
+    return list(best.values())
 
 
 def _at_cylinder(effect: Effect, name: str, joint: str, recording: Recording, rig: Rig) -> Question:
@@ -88,7 +94,7 @@ def _at_cylinder(effect: Effect, name: str, joint: str, recording: Recording, ri
 
 def _at_joint(effect: Effect, joint: str, cylinders: Sequence[str], recording: Recording) -> Question:
     missing = _lacking(recording, [f"{joint}.position"], [])
-    if not _driven(recording, joint, cylinders):
+    if not _driven(recording, joint, cylinders) and not _pushed(recording):
         drives = [f"{joint}.external_force", *(f"{name}.pressure_1" for name in cylinders)]
         missing.append(" or ".join(drives))
     return Question(effect.name, joint, (*dict.fromkeys(missing), *_happened(effect, recording, "", f"{joint}.position")))
@@ -112,6 +118,11 @@ def _lacking(recording: Recording, wanted: Sequence[str], one_of: Sequence[str])
 
 def _driven(recording: Recording, joint: str, cylinders: Sequence[str]) -> bool:
     return f"{joint}.external_force" in recording or any(f"{name}.pressure_1" in recording for name in cylinders)
+
+
+def _pushed(recording: Recording) -> bool:
+    """Return whether forces of straps or of the ground on the machine were recorded."""
+    return any(key.rsplit(".", 1)[-1].startswith(("strap_force_", "ground_force_")) for key in recording.columns)
 
 
 def _happened(effect: Effect, recording: Recording, command: str, position: str) -> list[str]:

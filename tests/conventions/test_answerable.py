@@ -64,3 +64,20 @@ def test_a_rig_without_cylinders_asks_of_its_joints_alone(tmp_path: Path, bench:
     found = asked(rig, recording)
     assert found["coulomb_friction", "slide"].missing == ("slide.external_force",)
     assert {where for _, where in found} <= {"slide", "supply", "exhaust"}
+
+
+def test_forces_of_straps_and_ground_stand_in_for_an_outside_force(tmp_path: Path, bench: tuple[Rig, Recording]) -> None:
+    rig = benches.bench(tmp_path, cylinder=False)
+    alone = without(bench[1], "piston.pressure_1", "piston.pressure_2", "piston.valve_command")
+    pushed = replace(alone, columns={**alone.columns, "foot.ground_force_z": np.zeros(len(alone.time))})
+    assert asked(rig, pushed)["coulomb_friction", "slide"].answerable
+
+
+def test_a_joint_and_a_cylinder_of_one_name_are_one_place(bench: tuple[Rig, Recording]) -> None:
+    rig, recording = bench
+    named = replace(rig, cylinders={"slide": replace(rig.cylinders["piston"], name="slide")})
+    found = questions(replace(recording, columns={
+        key.replace("piston.", "slide."): values for key, values in recording.columns.items()
+    }), named, load(rig))  # fmt: skip
+    pairs = [(one.effect, one.where) for one in found]
+    assert len(pairs) == len(set(pairs)) and ("coulomb_friction", "slide") in pairs

@@ -42,6 +42,7 @@ TABLE = (
     Signal("ground_force_x", "site", ("N",), "ground force, forward"),
     Signal("ground_force_y", "site", ("N",), "ground force, left"),
     Signal("ground_force_z", "site", ("N",), "ground force, up"),
+    Signal("pressure_centre", "site", ("m",), "where the ground pushes, ahead of the site along its body's x axis"),
     Signal("strap_force_x", "site", ("N",), "strap force on the machine, forward"),
     Signal("strap_force_y", "site", ("N",), "strap force on the machine, left"),
     Signal("strap_force_z", "site", ("N",), "strap force on the machine, up"),

@@ -102,10 +102,11 @@ class MotionRun:
         breaks: Indices at which a new stretch begins.
         every: Of how many samples of the recording one was kept.
         kinematics, inertia, passive, drive: The terms.
-        external: Measured generalised force from outside; zero where none was recorded.
+        external: Measured generalised force from outside, of straps and the ground as well; zero where none was recorded.
         external_recorded: Whether it was.
         noise: Standard deviation that sensor noise leaves in one smoothed sample of the balance.
         imputed: Set where a pressure of the drive was not measured but predicted.
+        known: Where all forces were recorded; None for everywhere. Elsewhere the balance is not judged.
     """
 
     recording: str
@@ -122,6 +123,7 @@ class MotionRun:
     external_recorded: bool = False
     every: int = 1
     imputed: Imputed | None = None
+    known: NDArray[np.bool_] | None = None
 
     @property
     def cylinder(self) -> str | None:
@@ -134,6 +136,16 @@ class MotionRun:
         return self.inertia.force - self.passive.force
 
     @property
+    def judged(self) -> NDArray[np.bool_]:
+        """Samples at which all forces were recorded, shape (n,)."""
+        return np.ones(len(self.time), dtype=bool) if self.known is None else self.known
+
+    @property
+    def driving(self) -> Array:
+        """Force that drives the motion, where all of it was recorded, shape (judged,)."""
+        return np.asarray((self.drive.force + self.external)[self.judged])
+
+    @property
     def effort(self) -> float:
         """Size of the forces that act: standard deviation of those that drive the motion and of those that it takes."""
-        return float(np.std(self.drive.force + self.external)) + float(np.std(self.inertia.force))
+        return float(np.std(self.driving)) + float(np.std(self.inertia.force[self.judged]))

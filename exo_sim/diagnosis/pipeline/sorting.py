@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping, Sequence
 from dataclasses import replace
 
 import numpy as np
@@ -12,10 +13,11 @@ from exo_sim.diagnosis.data.decay_onset import from_decay_onset
 from exo_sim.diagnosis.data.machine_data import MachineData
 from exo_sim.diagnosis.data.motion_run import MotionRun
 from exo_sim.diagnosis.policy.recordings import FEWEST_A_SECOND, FEWEST_FOR_EVENTS, QUIET, SAME_SIGNAL
+from exo_sim.diagnosis.subsystems.motion.contact_forces import are_recorded
 from exo_sim.diagnosis.subsystems.motion.inverse_dynamics import motion_runs
 from exo_sim.diagnosis.subsystems.motion.load_cell import rod_run
 from exo_sim.rig import Rig
-from exo_sim.simulation.replay.external_drive import externally_driven
+from exo_sim.simulation.replay.external_drive import external_power, externally_driven
 
 
 def sort(data: MachineData) -> MachineData:
@@ -47,6 +49,8 @@ def sort(data: MachineData) -> MachineData:
             continue
         runs, reasons = motion_runs(table, data.rig, data.model, data.links)
         outside = externally_driven(table, data.rig, data.model, data.links) if runs else {}
+        if are_recorded(table):
+            outside = _driven_besides(runs, outside)
         reasons += [(joint, why) for joint, why in outside.items() if joint in {motion.joint for motion in runs}]
         driven |= set(outside)
         for motion in (motion for motion in runs if motion.joint not in outside):
@@ -59,6 +63,19 @@ def sort(data: MachineData) -> MachineData:
         data, cylinders=cylinders, joints=joints, remarks=tuple(remarks), open_questions=tuple(open_),
         externally_driven=frozenset(driven),
     )  # fmt: skip
+
+
+def _driven_besides(runs: Sequence[MotionRun], outside: Mapping[str, str]) -> dict[str, str]:
+    """Return the joints that something moves beside the straps and the ground, whose forces are in the balance."""
+    found = {joint: why for joint, why in outside.items() if joint not in {run.joint for run in runs}}
+    for run in runs:
+        there = run.judged
+        arm = run.drive.arm[there]
+        speed = run.kinematics.velocity[there] / np.where(np.abs(arm) > 0.0, arm, 1.0)
+        why = external_power(run.time[there], run.demand[there], run.driving, speed)
+        if why and run.joint in outside:
+            found[run.joint] = why
+    return found
 
 
 def _why_no_gas(run: CylinderRun, rig: Rig, rate: float) -> str:

@@ -40,3 +40,8 @@ LOUD_DRIFT = Number(
 LOUD = Number(3.0, "units of the noise", "a span of time is listed where the error exceeds this")
 CORRECTED_PRESSURE = Number(50.0, "Pa", "a pressure whose sensor is off by less is not corrected for the balance of forces")
 UNCERTAIN_PRESSURE = Number(20.0, "Pa", "what changes an imputed pressure by less is no uncertainty of it")
+UNLOADED_NOISE = Number(4.0, "standard deviations of the force's noise", "a foot that pushes less than this is in the air ...")
+UNLOADED_SHARE = Number(
+    0.01, "greatest force", "... and one that pushes less than this: half a foot away it turns the joints above by a few N m at most"
+)
+LEAST_KNOWN = Number(0.5, "s", "a joint whose forces are all recorded for less than this is not judged")

@@ -30,7 +30,7 @@ def candidates(runs: Sequence[MotionRun], plant: PlantParameters, where: str, re
     run = runs[0]
     turning = run.turning and run.cylinder is None
     position, velocity = run.kinematics.position, run.kinematics.velocity
-    force = max(float(np.std(run.drive.force + run.external)), 0.1 * float(np.std(run.inertia.force)), 1e-6)
+    force = max(float(np.std(run.driving)), 0.1 * float(np.std(run.inertia.force)), 1e-6)
     speed = max(float(np.nanstd(velocity)), 1e-6)
     travel = max(float(np.nanstd(position)), 1e-6)
     full = full_force(run, plant) / max(float(np.median(np.abs(run.drive.arm))), 1e-9)

@@ -16,7 +16,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from exo_sim.diagnosis.data.motion_run import Drive, Inertia, Kinematics, MotionRun, Passive
-from exo_sim.diagnosis.policy.recordings import STILL_NOISE, STILL_SHARE
+from exo_sim.diagnosis.policy.recordings import LEAST_KNOWN, STILL_NOISE, STILL_SHARE
+from exo_sim.diagnosis.subsystems.motion.contact_forces import AtJoints, ContactForces, SiteForce, site_forces
 from exo_sim.diagnosis.subsystems.motion.smoothing import smoothed_alike, smoothing_width, stride, thinned
 from exo_sim.machine.linkage import Linkage, moment_row
 from exo_sim.recording.filters import SmoothedMotion, gaussian_smoothed, noise_gain, restored, smoothed_motion, white_noise
@@ -45,7 +46,8 @@ def motion_runs(
     if missing:
         why = f"the position of {', '.join(missing[:3])}{' and others' if len(missing) > 3 else ''} was not recorded"
         return [], [(name, why) for name in names if name not in missing] or [(name, why) for name in names]
-    if why := _unmeasured_contact(recording, model):
+    contacts, why = site_forces(recording, model)
+    if why:
         return [], [(name, why) for name in names]
     time = recording.time
     seconds, every = smoothing_width(time), stride(time)
@@ -56,11 +58,13 @@ def motion_runs(
     for j, move in enumerate(moves):
         q[:, model.jnt_qposadr[j]], qd[:, model.jnt_dofadr[j]] = move.position, move.velocity
         qdd[:, model.jnt_dofadr[j]] = move.acceleration
-    dynamics = _inverse(model, thin, (q, qd, qdd), links)
+    dynamics = _inverse(model, thin, (q, qd, qdd), links, contacts)
     runs, reasons = [], []
     for j, name in enumerate(names):
         driven = [link for link in links if link.joint == name]
-        reason = _why_not(recording, rig, driven, f"{name}.external_force" in recording)
+        dof = int(model.jnt_dofadr[j])
+        pushed = f"{name}.external_force" in recording or bool(dynamics.contacts.reached[dof])
+        reason = _why_not(recording, rig, driven, pushed) or _why_not_known(thin, dynamics.contacts.known[:, dof])
         if reason:
             reasons.append((name, reason))
         else:
@@ -73,17 +77,6 @@ def _motion(time: Array, position: Array, seconds: float, every: int) -> Smoothe
     whole = smoothed_motion(time, position, seconds)
     position, velocity, acceleration = (thinned(one, every) for one in (whole.position, whole.velocity, whole.acceleration))
     return replace(whole, position=position, velocity=velocity, acceleration=acceleration)
-
-
-def _unmeasured_contact(recording: Recording, model: mujoco.MjModel) -> str:
-    """Return what else pushes the machine than the recorded forces at its joints, or "": then no balance of it closes."""
-    pushed = sorted({key.split(".")[0] for key in recording.columns if "ground_force" in key or "strap_force" in key})
-    if pushed:
-        return f"forces on {', '.join(pushed[:2])} act at points that were not recorded"
-    touching = (model.geom_contype != 0) & (model.geom_bodyid != 0)
-    if touching.any() and model.nv > model.nu + 1:
-        return "the machine touches the ground, and ground forces were not recorded"
-    return ""
 
 
 def _why_not(recording: Recording, rig: Rig, driven: Sequence[Linkage], external: bool) -> str:
@@ -101,6 +94,13 @@ def _why_not(recording: Recording, rig: Rig, driven: Sequence[Linkage], external
     return ""
 
 
+def _why_not_known(time: Array, known: NDArray[np.bool_]) -> str:
+    """Return why too little of the time has all forces at a joint recorded, or ""."""
+    if float(known.mean()) * float(np.ptp(time)) >= LEAST_KNOWN:
+        return ""
+    return "where the ground pushes is not known (record <foot>.pressure_centre), and the foot is hardly ever in the air"
+
+
 @dataclass(frozen=True)
 class _Dynamics:
     """Inverse dynamics of all joints.
@@ -111,6 +111,7 @@ class _Dynamics:
         arms: dX/dq of each link's own degree of freedom, shape (n, links).
         lengths: Of the links' actuators, shape (n, links).
         mass: Diagonal of the mass matrix at the end, shape (nv,).
+        contacts: What straps and the ground do.
     """
 
     inertial: Array
@@ -120,9 +121,12 @@ class _Dynamics:
     arms: Array
     lengths: Array
     mass: Array
+    contacts: ContactForces
 
 
-def _inverse(model: mujoco.MjModel, time: Array, motion: tuple[Array, Array, Array], links: tuple[Linkage, ...]) -> _Dynamics:
+def _inverse(
+    model: mujoco.MjModel, time: Array, motion: tuple[Array, Array, Array], links: tuple[Linkage, ...], forces: Sequence[SiteForce]
+) -> _Dynamics:
     """Return the inverse dynamics along a motion: positions, velocities and accelerations, shape (n, nq) and (n, nv) twice."""
     data = mujoco.MjData(model)
     q, qd, qdd = motion
@@ -131,6 +135,7 @@ def _inverse(model: mujoco.MjModel, time: Array, motion: tuple[Array, Array, Arr
     model.opt.disableflags |= int(mujoco.mjtDisableBit.mjDSBL_CONSTRAINT)
     inertial, raw, passive = np.zeros((3, n, model.nv))
     arms, lengths = np.zeros((n, len(links))), np.zeros((n, len(links)))
+    contacts = AtJoints(model, forces, time)
     simple = all(model.actuator_trntype[link.actuator] == int(mujoco.mjtTrn.mjTRN_JOINT) for link in links)
     try:
         for i in range(n):
@@ -138,6 +143,7 @@ def _inverse(model: mujoco.MjModel, time: Array, motion: tuple[Array, Array, Arr
             mujoco.mj_inverse(model, data)
             inertial[i], passive[i] = data.qfrc_inverse + data.qfrc_passive, data.qfrc_passive
             raw[i] = data.qfrc_bias
+            contacts.add(i, data)
             if not simple or i == 0:
                 for k, link in enumerate(links):
                     arms[i, k] = moment_row(model, data, link.actuator)[link.dof]
@@ -151,7 +157,7 @@ def _inverse(model: mujoco.MjModel, time: Array, motion: tuple[Array, Array, Arr
     tilted = _gravity(model, q + TILT) - _gravity(model, q) if model.nq == model.nv else np.zeros_like(raw)
     bias, passive, tilted = (np.apply_along_axis(partial(smoothed_alike, time), 0, one) for one in (raw, passive, tilted))
     inertial += bias - raw  # its acceleration is smoothed already
-    return _Dynamics(inertial, bias, passive, tilted, arms, lengths, np.diag(full).copy())
+    return _Dynamics(inertial, bias, passive, tilted, arms, lengths, np.diag(full).copy(), contacts.gathered())
 
 
 def _gravity(model: mujoco.MjModel, q: Array) -> Array:
@@ -232,6 +238,9 @@ def _run(
         column = f"{name}.external_force"
         drive = replace(drive, levers={**drive.levers, column: np.ones(len(time))}, signals={**drive.signals, column: pushed})
         variance += (white_noise(external) * noise_gain(0, seconds, step)) ** 2
+    contacts, known = dynamics.contacts, dynamics.contacts.known[:, dof]
+    pushed = pushed + np.where(known, contacts.force[:, dof], 0.0)
+    variance += float(contacts.variance[dof])
     damping = float(model.dof_damping[dof].max())
     return MotionRun(
         recording=recording.name,
@@ -251,6 +260,7 @@ def _run(
         drive=drive,
         external=pushed,
         noise=float(np.sqrt(variance)),
-        external_recorded=external is not None,
+        external_recorded=external is not None or bool(contacts.reached[dof]),
+        known=None if known.all() else known,
         every=every,
     )  # fmt: skip

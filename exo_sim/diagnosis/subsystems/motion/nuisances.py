@@ -28,7 +28,7 @@ def nuisance_parameters(runs: Sequence[MotionRun], plant: PlantParameters, where
         where: The cylinder or joint that what resists belongs to.
     """
     run = runs[0]
-    forces, inertia = run.drive.force + run.external, run.inertia
+    forces, inertia = run.driving, run.inertia
     lever = max((float(np.median(np.abs(v))) for k, v in run.drive.levers.items() if "pressure" in k), default=0.0)
     force = float(np.std(forces)) or float(np.std(inertia.force)) or 1.0
     spread = max(priors.FORCE_OF_ZEROS * lever, 1e-4 * force)

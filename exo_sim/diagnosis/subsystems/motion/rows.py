@@ -57,7 +57,7 @@ def rows_of(run: MotionRun, usable: NDArray[np.bool_]) -> Rows:
     edge = max(2, int(round(0.5 * smoothing_width(time) / step)))
     turned = np.diff(np.signbit(velocity), prepend=velocity[0] < 0.0)  # between two samples that both move
     moving = binary_erosion((np.abs(velocity) > run.kinematics.still) & ~turned, iterations=edge)
-    good = usable & moving & np.isfinite(run.inertia.force + run.drive.force + run.external)
+    good = usable & moving & run.judged & np.isfinite(run.inertia.force + run.drive.force + run.external)
     for begin in run.breaks:
         good[max(0, begin - edge) : begin + edge] = False
     good[-edge:] = False

@@ -122,8 +122,10 @@ def _machines() -> Check:
     def compiled() -> str:
         from exo_sim.api.rig import Rig
 
-        model = Rig.included().mujoco_model()
-        return f"{model.njnt} joints, {model.nu} actuators"
+        rig = Rig.included()
+        rig.mujoco_model()
+        folder = rig.path.parent
+        return f"{', '.join(sorted(path.stem for path in folder.glob('*.toml')))} in {folder}"
 
     return _tried("included machine", compiled, "reinstall the package: its data files are missing")
 

@@ -16,7 +16,7 @@ from exo_sim.cli.frame import verb
     out="File for the summary; stdout when absent.",
 )
 @click.argument("recording", type=options.InputFile())
-@click.option("--rig", type=options.InputFile(), default=None, help="The machine: more can then be found wrong.")
+@click.option("--rig", type=options.RigFile(), default=None, help="The machine: more can then be found wrong.")
 @click.option("--columns", type=options.InputFile(), default=None, help="Column map (TOML) for foreign names.")
 def command(
     recording: Path, rig: Path | None, columns: Path | None, out: Path | None, as_json: bool, quiet: bool

@@ -77,3 +77,26 @@ class InputFile(click.Path):
             hint = nearest(path.name, neighbours)
             self.fail(f'there is no file "{path}"{hint if "mean" in hint else ""}', param, ctx)
         return path
+
+
+class RigFile(InputFile):
+    """A rig file, or the name of a machine that comes with the package."""
+
+    name = "rig"
+
+    def convert(self, value: Any, param: click.Parameter | None, ctx: click.Context | None) -> Path:
+        path, included = Path(value), included_machines()
+        if not path.exists() and str(value) in included:
+            return included[str(value)]
+        if not path.exists() and not path.suffix and path.name == str(value):
+            self.fail(f'there is no file "{value}", and no included machine{nearest(str(value), included)}', param, ctx)
+        return super().convert(value, param, ctx)
+
+    def get_metavar(self, param: click.Parameter, ctx: click.Context | None = None) -> str:
+        return f"[FILE|{'|'.join(included_machines())}]"
+
+
+def included_machines() -> dict[str, Path]:
+    """Return the rigs that come with the package, by name."""
+    folder = Path(__file__).resolve().parents[1] / "assets"
+    return {path.stem: path for path in sorted(folder.glob("*.toml"))}

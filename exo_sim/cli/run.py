@@ -51,7 +51,7 @@ from exo_sim.cli.frame import verb
     show_default=True,
     help="Law by which joint torques are asked for: least_load knows the wearer's motion beforehand, causal what the machine measures.",
 )
-@click.option("--rig", type=options.InputFile(), default=None, help="The machine; the one in assets/ when absent.")
+@click.option("--rig", type=options.RigFile(), default=None, help="The machine; the one in assets/ when absent.")
 def command(scenario: str | None, gait: Path | None, ground: Path | None, whole: bool, payload: float, speed: str,
             strides: int | None, assist: str, controller: str, demand: str, rig: Path | None, out: Path | None, as_json: bool,
             quiet: bool, seed: int) -> None:  # fmt: skip

@@ -27,7 +27,7 @@ from exo_sim.cli.frame import verb
               show_default=True, help="On the back; may be given again.")
 @click.option("--speed", "speeds", multiple=True, type=float, default=(1.0,), show_default=True,
               help="Factor on the recorded cadence, 0.7 to 1.3; may be given again.")
-@click.option("--rig", type=options.InputFile(), default=None,
+@click.option("--rig", type=options.RigFile(), default=None,
               help="The machine, with what a diagnosis found of it; the one in assets/ when absent.")
 @click.option("--motion", type=options.InputFile(), default=None,
               help="For a machine that nobody wears (--rig): a recording with the positions of its joints, and forces from outside if any.")

@@ -7,7 +7,7 @@ from pathlib import Path
 import click
 import pytest
 
-from exo_sim.cli.options import Choice, ControllerName, InputFile, Quantity
+from exo_sim.cli.options import Choice, ControllerName, InputFile, Quantity, RigFile, included_machines
 
 
 def test_a_quantity_is_read_in_si_and_kept_within_its_bounds() -> None:
@@ -34,3 +34,13 @@ def test_a_file_must_be_there_and_be_no_folder(tmp_path: Path) -> None:
         InputFile().convert(str(tmp_path / "wlak.csv"), None, None)
     with pytest.raises(click.BadParameter, match="is a folder"):
         InputFile().convert(str(tmp_path), None, None)
+
+
+def test_a_machine_that_comes_along_is_called_by_its_name(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    assert included_machines().keys() == {"bench", "exo", "exo_9_bar"}
+    assert RigFile().convert("bench", None, None) == included_machines()["bench"]
+    with pytest.raises(click.BadParameter, match='did you mean "bench"'):
+        RigFile().convert("benhc", None, None)
+    monkeypatch.chdir(tmp_path)
+    (tmp_path / "bench").write_text("")
+    assert RigFile().convert("bench", None, None) == Path("bench")  # a file of one's own comes first

@@ -54,8 +54,9 @@ class Point:
     acceleration: Array
 
 
-def along(origin: Point, angle: Array, rate: Array, turning: Array, local: Array, slides: Array, slide_changes: Array) -> Point:
-    """Return a point given in a frame that turns about `origin`, itself sliding in it; arrays of shape (n, 2), angles of shape (n,)."""
+def along(origin: Point, turned: Array, local: Array, slides: Array, slide_changes: Array) -> Point:
+    """Return a point given in a frame that turns about `origin`, and sliding in it (n, 2); `turned`: angle, rate and its change, (3, n)."""
+    angle, rate, turning = turned
     cosine, sine = np.cos(angle), np.sin(angle)
 
     def in_space(vector: Array) -> Array:
@@ -92,7 +93,7 @@ def segments(angles: OpenSimTable) -> tuple[Array, Array, dict[str, Array]]:
     poses, accelerations, slides = np.zeros((count, len(SEGMENTS), 6)), np.zeros((count, len(SEGMENTS), 3)), {}
     along_x, along_y, tilt = (derivatives(angles, name) for name in ("pelvis_tx", "pelvis_ty", "pelvis_tilt"))
     pelvis = Point(*(np.stack(pair, axis=1) for pair in zip(along_x, along_y)))
-    hip = along(pelvis, *tilt, HIP, none, none)
+    hip = along(pelvis, tilt, HIP, none, none)
 
     def put(row: int, point: Point, turned: Array) -> None:
         poses[:, row] = np.column_stack([point.place, turned[0], point.velocity, turned[1]])
@@ -106,10 +107,10 @@ def segments(angles: OpenSimTable) -> tuple[Array, Array, dict[str, Array]]:
         foot = shank + derivatives(angles, f"ankle_angle_{side}")
         at, slope, curve = (np.stack([KNEE_AHEAD(bend[0], k), KNEE_UP(bend[0], k)], axis=1) for k in range(3))
         sliding = slope * bend[1][:, None]
-        knee = along(hip, *thigh, at, sliding, curve * bend[1][:, None] ** 2 + slope * bend[2][:, None])
+        knee = along(hip, thigh, at, sliding, curve * bend[1][:, None] ** 2 + slope * bend[2][:, None])
         put(1 + 3 * leg, hip, thigh)
         put(2 + 3 * leg, knee, shank)
-        put(3 + 3 * leg, along(knee, *shank, ANKLE, none, none), foot)
+        put(3 + 3 * leg, along(knee, shank, ANKLE, none, none), foot)
         cosine, sine = np.cos(thigh[0]), np.sin(thigh[0])
         slides[side] = np.stack([cosine * slope[:, 0] - sine * slope[:, 1], sine * slope[:, 0] + cosine * slope[:, 1]], axis=1)
     return poses, accelerations, slides
@@ -117,10 +118,10 @@ def segments(angles: OpenSimTable) -> tuple[Array, Array, dict[str, Array]]:
 
 def body(_: Person) -> anthropometry.Body:
     """Return the published segments; what the trunk is plays no part below the hips."""
-    mass = sum(part[0] for part in FOOT)
-    centre = sum(part[0] * np.array(part[1]) for part in FOOT) / mass
-    inertia = sum(part[2] + part[0] * float(np.sum((np.array(part[1]) - centre) ** 2)) for part in FOOT)
-    parts = ((1.0, (0.0, 0.0), 1.0), *(2 * (THIGH, SHANK, (mass, tuple(centre), inertia))))
+    masses, centres, own = (np.array([part[k] for part in FOOT]) for k in range(3))
+    mass, centre = masses.sum(), masses @ centres / masses.sum()
+    inertia = own.sum() + masses @ ((centres - centre) ** 2).sum(axis=1)
+    parts = ((1.0, (0.0, 0.0), 1.0), *(2 * (THIGH, SHANK, (mass, centre, inertia))))
     return anthropometry.Body(*(np.array([part[k] for part in parts]) for k in range(3)))
 
 

@@ -122,7 +122,7 @@ def _site_force(recording: Recording, model: mujoco.MjModel, name: str, kind: st
         ahead = np.interp(thinned(time, every), time[there], centre[there]) if there.any() else ahead
         unplaced = np.zeros_like(loaded)
     site = int(mujoco.mj_name2id(model, mujoco.mjtObj.mjOBJ_SITE, name))
-    return SiteForce(site, force, ahead, recorded, thinned(unplaced, every), thinned(loaded, every), variance)
+    return SiteForce(site, force, ahead, recorded, unplaced[::every], loaded[::every], variance)
 
 
 class AtJoints:

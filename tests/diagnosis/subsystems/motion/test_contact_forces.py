@@ -5,6 +5,7 @@ from __future__ import annotations
 import mujoco
 import numpy as np
 import pytest
+from numpy.typing import NDArray
 
 from exo_sim import rig as rigs
 from exo_sim.diagnosis.data.motion_run import MotionRun
@@ -22,7 +23,7 @@ LEG = """<mujoco><option timestep="0.001"/><worldbody>
       <body name="foot" pos="0 0 -0.4"><joint name="knee" axis="0 -1 0"/>
         <geom name="sole" size="0.03" pos="0 0 -0.4" mass="2"/><site name="sole" pos="0 0 -0.43"/></body></body></body>
 </worldbody></mujoco>"""
-TIME = np.arange(6000) * 1e-3
+TIME: NDArray[np.float64] = np.linspace(0.0, 5.999, 6000)
 MOTION = {
     "height": 0.9 + 0.03 * np.sin(5.0 * TIME), "hip": 0.4 * np.sin(4.0 * TIME), "knee": -0.5 + 0.4 * np.sin(4.0 * TIME + 0.7),
 }  # fmt: skip

@@ -59,6 +59,31 @@ def test_a_comparison_is_read_back_as_the_page_of_recordings_says(
     assert second.split(maxsplit=1) == ["100", "[2.0]"]
 
 
+def test_the_python_of_the_page_of_recordings_runs_on_files_like_the_reader_s(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    import numpy as np
+
+    from exo_sim.recording import Recording, write_table
+
+    time = np.arange(400) / 200.0
+    key = "piston.pressure_1"
+    simulated = Recording("bench", time, {key: 2e5 + 1e4 * np.sin(9.0 * time)}, {key: "Pa"})
+    monkeypatch.chdir(tmp_path)
+    write_table("bench.csv", simulated)
+    for block in blocks(ROOT / "docs" / "recordings.md", "python"):
+        exec(compile(block, "recordings.md", "exec"), {"simulated": simulated})
+    assert (tmp_path / "bench.parquet").is_file() and (tmp_path / "bench.rrd").is_file()
+
+
+@pytest.mark.parametrize(("page", "number"), [("walk.md", 0), ("your_gait.md", 1)])
+def test_a_scenario_file_of_a_page_is_a_scenario(page: str, number: int, tmp_path: Path) -> None:
+    from exo_sim.gait import scenario_file
+
+    (tmp_path / "mine.toml").write_text(blocks(ROOT / "docs" / page, "toml")[number])
+    assert scenario_file.read(tmp_path / "mine.toml").variation is not None
+
+
 @pytest.mark.parametrize("page", [pytest.param(path, id=path.stem) for path in PAGES])
 def test_the_commands_of_a_page_exist(page: Path) -> None:
     lines = [shlex.split(line, comments=True) for block in blocks(page, "sh") for line in block.replace("\\\n", " ").splitlines()]

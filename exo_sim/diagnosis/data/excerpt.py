@@ -1,7 +1,7 @@
 """Long recordings: evenly spread blocks of a run stand for all of it where predictions are fitted.
 
 What is fitted is known to a fraction of a per cent after minutes; an hour of samples would only make every prediction sixty times as
-long. The time kept back is never thinned out like that.
+long. The held-out time is never thinned out like that.
 """
 
 from __future__ import annotations

@@ -14,8 +14,6 @@ from exo_sim.diagnosis.estimation.threads import SERIAL, Threads
 
 Array = NDArray[np.float64]
 
-#: Fewer rows than this are not fitted.
-FEWEST_ROWS = 30
 #: A fit whose mean square residual is below this, in units of the noise, is not differenced anew before it ends.
 NEAR_NOISE = 2.0
 #: A fit that lowered its squared error by less than this since its Jacobian was differenced is not differenced anew: of 60 fits to
@@ -111,6 +109,7 @@ def fit(
     parameters: Sequence[FreeParameter],
     start: Mapping[FreeParameter, float],
     threads: Threads = SERIAL,
+    *,
     max_iterations: int = 8,
     tolerance: float = 2e-3,
     correlation_length: float = 1.0,

@@ -13,12 +13,11 @@ from exo_sim.diagnosis.coupling.piston_friction import softens
 from exo_sim.diagnosis.data.command_sign import reversed_command
 from exo_sim.diagnosis.data.cylinder_run import CylinderRun
 from exo_sim.diagnosis.data.machine_data import MachineData
-from exo_sim.diagnosis.estimation.least_squares import FEWEST_ROWS
 from exo_sim.diagnosis.estimation.parameters import PlantParameters
 from exo_sim.diagnosis.estimation.threads import Threads
 from exo_sim.diagnosis.pipeline.plan import Plan, Progress
 from exo_sim.diagnosis.policy.budgets import FEW_SAMPLES, MOST_EFFORT
-from exo_sim.diagnosis.policy.recordings import REVERSED
+from exo_sim.diagnosis.policy.recordings import FEWEST_ROWS, REVERSED
 from exo_sim.diagnosis.selection.decision import decide
 from exo_sim.diagnosis.selection.search import Search
 from exo_sim.diagnosis.selection.subsystem_result import SubsystemResult

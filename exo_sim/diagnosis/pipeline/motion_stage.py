@@ -10,11 +10,11 @@ from numpy.typing import NDArray
 from exo_sim.diagnosis.data.machine_data import MachineData
 from exo_sim.diagnosis.data.motion_run import MotionRun
 from exo_sim.diagnosis.discrepancy.basis import joined
-from exo_sim.diagnosis.estimation.least_squares import FEWEST_ROWS
 from exo_sim.diagnosis.estimation.linear_family import LinearFamily
 from exo_sim.diagnosis.estimation.parameters import FreeParameter, PlantParameters
 from exo_sim.diagnosis.estimation.threads import Threads
 from exo_sim.diagnosis.pipeline.plan import Plan, Progress
+from exo_sim.diagnosis.policy.recordings import FEWEST_ROWS
 from exo_sim.diagnosis.policy.verdicts import AS_GOOD, PLAINLY_LESS_DAMPING
 from exo_sim.diagnosis.selection.decision import decide
 from exo_sim.diagnosis.selection.family_search import FamilySearch

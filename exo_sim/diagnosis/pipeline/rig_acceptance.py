@@ -1,4 +1,4 @@
-"""The improved rig as far as it wins: over the time kept back it may not be worse than the rig handed in, in windows or run free."""
+"""The improved rig as far as it wins: over the held-out time it may not be worse than the rig handed in, in windows or run free."""
 
 from __future__ import annotations
 
@@ -23,7 +23,7 @@ Fits = Mapping[str, SignalFit]
 
 @dataclass(frozen=True)
 class Trial:
-    """One improved rig on the time kept back.
+    """One improved rig on the held-out time.
 
     Attributes:
         update: What is in it.

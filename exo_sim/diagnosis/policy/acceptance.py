@@ -75,7 +75,7 @@ HOPELESS_SEARCH = Number(
     15.0, "root mean square residual in units of the discrepancy bound", "above this each further effect must halve the error, or the "
     "search ends: no name helps another machine's recording",
 )  # fmt: skip
-HELD_BACK = Number(
+STIFF_PRIORS = Number(
     3.0, "rows of correlation", "above this the weight of the priors may hold nuisance parameters back: the fit is repeated without it"
 )
 LEFT_WHEN_FREE = Number(

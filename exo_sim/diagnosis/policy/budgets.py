@@ -34,7 +34,7 @@ LONGEST_FITTED = Number(
 BLOCKS = Count(8, "blocks", "of a long recording stand for it")
 LEAD = Number(
     3.0, "s", "are predicted where a block begins, and before the test time of a long recording, for its gas to come to its temperature",
-    "half an hour at 1 kHz: with the first seconds the blocks were missed by 860 Pa, the time kept back by 380 to 440 Pa",
+    "half an hour at 1 kHz: with the first seconds the blocks were missed by 860 Pa, the held-out time by 380 to 440 Pa",
 )  # fmt: skip
 MOST_EFFORT = Count(
     80_000_000, "predicted samples", "after which a search seeks nothing more, about a minute of a processor: the same on every machine",
@@ -67,4 +67,4 @@ LONGEST_FREE_RUN = Number(
 MOST_REJECTED = Count(20, "candidates", "that were rejected are listed at most")
 MOST_SPANS = Count(6, "spans of time", "are listed of one balance at most")
 RANKED = Count(3, "experiments", "that would separate two explanations are listed")
-MOST_TRIALS = Count(12, "improved rigs", "are run over the time kept back, to see how much of what was found wins")
+MOST_TRIALS = Count(12, "improved rigs", "are run over the held-out time, to see how much of what was found wins")

@@ -9,11 +9,11 @@ _fitted = (
     "real machines: 77 were right, each with a share of 0.23 or more; of 8 that were wrong 6 had 0.11 or less"
 )
 EVEN_SHARE = Number(
-    0.14, "share of what is missing without it", "a name that explains so much of time kept back is as likely wrong as right", _fitted
+    0.14, "share of what is missing without it", "a name that explains so much of held-out time is as likely wrong as right", _fitted
 )
 STEEPNESS = Number(3.4, "exponent", "with this power of that share the odds of a name rise", _fitted)
 UNTESTED = Number(
-    0.8, "probability", "no name is called more probable of which time kept back shows nothing", "of two on learn makes one was right"
+    0.8, "probability", "no name is called more probable of which held-out time shows nothing", "of two on learn makes one was right"
 )
 LEAST_TOLD = Number(
     0.5, "probability", "a name that is less probable is put aside: it is more likely wrong than right", "derived"

@@ -18,6 +18,7 @@ FALL_LEVEL = Count(
     "the first and the last level of a fall are read from; what was held for less than twice as many looks like the fall itself",
 )  # fmt: skip
 FEWEST_IN_COLUMN = Count(10, "finite samples", "a column that is left with no more, faulty ones blanked, counts as not recorded")
+FEWEST_ROWS = Count(30, "rows", "a balance with fewer is not fitted")
 FEWEST_OF_CHANNEL = Count(5, "finite samples", "a position or a slow channel with fewer is none")
 FEWEST_OF_FALL = Count(20, "finite samples", "a pressure with fewer does not show how it fell")
 FEWEST_TO_FIT = Count(20, "samples", "a run with no more training time is not fitted")

@@ -13,12 +13,13 @@ import numpy as np
 
 from exo_sim.diagnosis.discrepancy.basis import DiscrepancyBasis
 from exo_sim.diagnosis.estimation.candidate import Candidate, CandidateKey, drop_orphans
-from exo_sim.diagnosis.estimation.least_squares import FEWEST_ROWS, Fit
+from exo_sim.diagnosis.estimation.least_squares import Fit
 from exo_sim.diagnosis.estimation.linear_family import Bend, LinearFamily, Term
 from exo_sim.diagnosis.estimation.parameters import FreeParameter, Target
 from exo_sim.diagnosis.findings import Kind
 from exo_sim.diagnosis.policy import verdicts
 from exo_sim.diagnosis.policy.budgets import RUNNERS_UP
+from exo_sim.diagnosis.policy.recordings import FEWEST_ROWS
 from exo_sim.diagnosis.policy.verdicts import NIL
 from exo_sim.diagnosis.selection.comparisons import Comparisons
 from exo_sim.diagnosis.selection.evidence import Evidence

@@ -53,7 +53,10 @@ class ModelFits:
             done = self._fit_cheaply(residual, parameters, [options[i] for i in order], length)
         else:
             columns = near.fit.columns if near else None
-            done = fit(residual, parameters, begin, self.threads, MOST_STEPS, correlation_length=length, known_columns=columns)
+            done = fit(
+                residual, parameters, begin, self.threads,
+                max_iterations=MOST_STEPS, correlation_length=length, known_columns=columns,
+            )  # fmt: skip
         fitted = FittedModel(tuple(candidates), done)
         if before is not None and self.deficit(before, fitted) <= 0.0:
             return before
@@ -73,7 +76,8 @@ class ModelFits:
         residual = self._residual_of(candidates)
         begin, length, _ = self._best_start(residual, options)
         done = fit(
-            residual, parameters, begin, self.threads, FIRST_LOOK, WORTH_A_LOOK, length, known_columns=near.fit.columns, renewed=False
+            residual, parameters, begin, self.threads, max_iterations=FIRST_LOOK, tolerance=WORTH_A_LOOK,
+            correlation_length=length, known_columns=near.fit.columns, renewed=False
         )
         looked = FittedModel(tuple(candidates), done)
         return before if before is not None and self.deficit(before, looked) <= 0.0 else looked
@@ -142,7 +146,7 @@ class ModelFits:
         ]
         done = min(tried, key=lambda one: one.sse + one.prior_weight * one.penalty)
         missing = done.sse - self.model.size
-        if length > acceptance.HELD_BACK and missing > self.model.size:
+        if length > acceptance.STIFF_PRIORS and missing > self.model.size:
             free = fit(residual, parameters, options[0], self.threads, max_iterations=24, tolerance=1e-5)
             done = free if free.sse - self.model.size < acceptance.LEFT_WHEN_FREE * missing else done
         return done

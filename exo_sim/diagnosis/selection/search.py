@@ -12,11 +12,12 @@ from collections.abc import Callable, Sequence
 import numpy as np
 
 from exo_sim.diagnosis.estimation.candidate import Candidate, drop_orphans
-from exo_sim.diagnosis.estimation.least_squares import FEWEST_ROWS, Fit
+from exo_sim.diagnosis.estimation.least_squares import Fit
 from exo_sim.diagnosis.estimation.parameters import FreeParameter
 from exo_sim.diagnosis.estimation.threads import SERIAL, Threads
 from exo_sim.diagnosis.policy import acceptance
 from exo_sim.diagnosis.policy.budgets import BEAM, MOST_FINDINGS, MOST_SWAPS
+from exo_sim.diagnosis.policy.recordings import FEWEST_ROWS
 from exo_sim.diagnosis.selection.assessment import assess
 from exo_sim.diagnosis.selection.comparisons import Comparisons
 from exo_sim.diagnosis.selection.fitted_model import (
@@ -57,6 +58,7 @@ class Search:
         candidates: Sequence[Candidate],
         threads: Threads = SERIAL,
         progress: Callable[[str], None] | None = None,
+        *,
         most: int = MOST_FINDINGS,
         cheap: bool = False,
         practical_significance: float = 0.0,

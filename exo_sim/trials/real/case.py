@@ -70,14 +70,14 @@ class RealCase:
         make: Whose machine: cases of one make share their instruments, and much of what is known of them.
         rig: Folder of rig.toml and its MJCF.
         recordings: Handed to the tool.
-        held: Kept back. For `TAIL` each is the whole of which the tool got the beginning.
+        held: Held out. For `TAIL` each is the whole of which the tool got the beginning.
         measure: `BALANCE`, forces at the rows of `moving`; `FREE_RUN`, one run from the first measured state; `TAIL`, the same from the
-            first state of the whole recording, of which only what was kept back counts.
+            first state of the whole recording, of which only what was held out counts.
         motion: "recorded" or "predicted", in free runs.
         known: What is known.
         moving: Rows, for `BALANCE`.
-        sensors_too: Sensor effects of an improved rig hold of what was kept back; not where other instruments took it.
-        held_from: Where runs of what was kept back begin [s].
+        sensors_too: Sensor effects of an improved rig hold of what was held out; not where other instruments took it.
+        held_from: Where runs of what was held out begin [s].
         variant_of: The case whose recordings were cut down to this one.
     """
 

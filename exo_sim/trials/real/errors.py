@@ -1,7 +1,7 @@
 """How a rig does on recordings of the same machine that took no part in making it.
 
 Forces are held against a balance of our own (`balance`), pressures and angles against one free run of `exo-sim compare`. Where only the
-end of a recording was kept back, two runs from its beginning are compared, over the whole and over what the tool was given: they are
+end of a recording was held out, two runs from its beginning are compared, over the whole and over what the tool was given: they are
 the same run, so that the sum of squares over the end is the difference of both. (A run that began in the middle would begin with a gas
 temperature that nobody knows.)
 """

@@ -6,7 +6,7 @@ Nothing here is shared with the simulator. *Slides* (seals, the positioning syst
 position. *Gas springs*: a closed mass of gas with one coefficient of heat to a wall of constant temperature. With T = theta V^(1-k),
 d theta / d t = g (T_wall V^(k-1) - theta), g = G / (m c_v), a first-order filter of known input; numbers: dead volume, G, the gas's first
 temperature, how late the logger is. *Decay*: an isothermal vessel behind a porous path, p^2 - p_atm^2 = w / a + b w^2 (Forchheimer).
-Each is fitted to what the tool is given and held against what is kept back, by the measure of the case.
+Each is fitted to what the tool is given and held against what is held out, by the measure of the case.
 """
 
 from __future__ import annotations
@@ -55,7 +55,7 @@ def _feature(name: str, at: Rows, machine: Machine) -> Array:
 
 
 def slide(case: RealCase, rig: Path) -> dict[str, float]:
-    """Return the honest model's rms of force on what is kept back [N]."""
+    """Return the honest model's rms of force on what is held out [N]."""
     assert case.moving is not None
     machine = read_machine(rig)
 
@@ -159,7 +159,7 @@ _MODELS: Mapping[str, Callable[[RealCase, Path], dict[str, float]]] = {
 
 
 def honest_errors(case: RealCase, rig: Path) -> dict[str, float]:
-    """Return the error of the best honest model on what is kept back, by signal; empty where none is computed here.
+    """Return the error of the best honest model on what is held out, by signal; empty where none is computed here.
 
     Args:
         case: The case, or a variant: the model is fitted to what that is given.

@@ -1,7 +1,7 @@
 """What one diagnosis of a real machine is worth: names first, then the rig that it wrote.
 
 Names: the share of the certain effects that were named; a name that must not be there makes the whole mark 0; something without a name,
-where everything has one, counts as one more that was missed. Error of the improved rig on what was kept back over that of the best
+where everything has one, counts as one more that was missed. Error of the improved rig on what was held out over that of the best
 honest model: full up to 1.3, nothing from 3 on or where it is worse than the rig handed in. The mark is the mean of both.
 """
 
@@ -32,7 +32,7 @@ class Mark:
         allowed, forbidden: Other names given.
         unknown: Places where something without a name was reported.
         names: Mark for the names, 0 to 1; 0 with anything forbidden.
-        before, after, honest: Errors on what was kept back, by signal.
+        before, after, honest: Errors on what was held out, by signal.
         over_honest, over_before: Of `after`; None where one of both is not known.
         before_over_honest: How far the rig as handed in is from the best honest model.
         errors: Mark for the improved rig, 0 to 1.
@@ -72,7 +72,7 @@ def judge(case: str, known: Known, diagnosis: Mapping[str, Any] | None, before: 
         case, variant_of, make: Which, of which make of rig.
         known: What is known of the machine.
         diagnosis: The content of diagnosis.json; None where the tool gave none.
-        before, after: Errors of the rig handed in and of the improved one on what was kept back; None where one cannot be run.
+        before, after: Errors of the rig handed in and of the improved one on what was held out; None where one cannot be run.
         honest: Those of the best honest model; empty where there is none.
         cpu_s: Processor time.
         remarks: What could not be judged.

@@ -1,7 +1,7 @@
 """The machines of `../shared/data`, each as a case, and cases cut down from them.
 
 What is known of each comes from the readmes of that folder and the publications named there; where nobody published the error of an
-honest model on what is kept back here, `honest` computes it (plain least squares, no code shared with the simulator).
+honest model on what is held out here, `honest` computes it (plain least squares, no code shared with the simulator).
 """
 
 from __future__ import annotations

@@ -1,4 +1,4 @@
-"""Real machines laid out, diagnosed, held against what was kept back, and marked; going on where it was interrupted."""
+"""Real machines laid out, diagnosed, held against what was held out, and marked; going on where it was interrupted."""
 
 from __future__ import annotations
 

@@ -7,9 +7,10 @@ from collections.abc import Sequence
 import numpy as np
 
 from exo_sim.diagnosis.data.motion_run import MotionRun
-from exo_sim.diagnosis.estimation.least_squares import FEWEST_ROWS, fit
+from exo_sim.diagnosis.estimation.least_squares import fit
 from exo_sim.diagnosis.estimation.parameters import FreeParameter, PlantParameters, Target
 from exo_sim.diagnosis.policy import healthy, priors, verdicts
+from exo_sim.diagnosis.policy.recordings import FEWEST_ROWS
 from exo_sim.diagnosis.subsystems.healthy_leak import OUTWARD, external_leaks
 from exo_sim.diagnosis.subsystems.motion.full_scale import full_force
 from exo_sim.diagnosis.subsystems.motion.model import MotionModel

@@ -12,7 +12,6 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from exo_sim.api.arguments import Quantity, RecordingLike, RigLike, quantity, reading_of, rig_of
-from exo_sim.api.motion_sizing import MotionSizing, size_motion
 from exo_sim.api.notebook import html_table
 from exo_sim.api.result_folder import result_folder
 from exo_sim.api.rig import Rig
@@ -24,6 +23,7 @@ from exo_sim.sizing.loads import Condition, JointLoads, joint_loads
 from exo_sim.sizing.study import Sizing as Study
 
 if TYPE_CHECKING:
+    from exo_sim.api.motion_sizing import MotionSizing
     from exo_sim.api.picture import Picture
 
 
@@ -177,6 +177,8 @@ def size(
     if jobs == 0:
         raise ScenarioError("jobs = 0: give a number of processes, or -1 for one a core")
     if motion is not None:
+        from exo_sim.api.motion_sizing import size_motion
+
         return size_motion(
             rig, reading_of(motion).recording, trials=trials or MOTION_TRIALS, pressure_limit=pressure_limit,
             joints=tuple(_several(joints)), catalogue=catalogue, fix=fix, seed=seed, out=out, quiet=quiet,

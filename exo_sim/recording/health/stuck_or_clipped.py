@@ -137,18 +137,18 @@ def _released_by_a_jump(
     ordinary = ordinary[np.isfinite(ordinary)]
     usual = float(ordinary.max()) if len(ordinary) else np.inf
     jumped = np.array(ends) > max(2.0 * usual, 20.0 * noise[key].std)
-    jumped &= np.array([_others_move(recording, key, int(start), int(stop), noise) for start, stop in spans])
-    return spans[jumped]
+    spreads = {other: float(np.nanmax(whole) - np.nanmin(whole)) for other, whole in recording.columns.items() if np.isfinite(whole).any()}
+    spreads.pop(key)
+    moving = [_others_move(recording, spreads, int(start), int(stop), noise) for start, stop in spans[jumped]]
+    return spans[jumped][np.array(moving, dtype=bool)]
 
 
-def _others_move(recording: Recording, key: str, start: int, stop: int, noise: Mapping[str, Noise]) -> bool:
-    for other, values in recording.columns.items():
-        piece = values[start:stop]
+def _others_move(recording: Recording, spreads: Mapping[str, float], start: int, stop: int, noise: Mapping[str, Noise]) -> bool:
+    """Return whether any of these columns moves in a span; `spreads` says between which ends each does in the whole recording."""
+    for other, spread in spreads.items():
+        piece = recording[other][start:stop]
         piece = piece[np.isfinite(piece)]
-        if other == key or len(piece) < 2:
-            continue
-        whole = float(np.nanmax(values) - np.nanmin(values))
-        if np.ptp(piece) > max(0.02 * whole, 12.0 * noise[other].std) and whole > 0.0:
+        if len(piece) > 1 and spread > 0.0 and np.ptp(piece) > max(0.02 * spread, 12.0 * noise[other].std):
             return True
     return False
 

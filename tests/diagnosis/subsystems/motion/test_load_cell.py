@@ -15,6 +15,7 @@ from scipy.special import erf
 from exo_sim.diagnosis.data.cylinder_run import CylinderRun
 from exo_sim.diagnosis.data.cylinder_run import cylinder_runs as runs_of
 from exo_sim.diagnosis.data.motion_run import MotionRun
+from exo_sim.diagnosis.subsystems.motion import smoothing
 from exo_sim.diagnosis.subsystems.motion.load_cell import rod_run
 from exo_sim.diagnosis.subsystems.motion.smoothing import SMOOTHING, smoothed_alike
 from exo_sim.machine.linkage import linkages
@@ -75,6 +76,21 @@ def test_each_lever_says_what_one_unit_too_much_does(rig: Rig) -> None:
         "piston.force": replace(run, force=run.force + 1e3),
     }.items():
         np.testing.assert_allclose(balance(rod_run(more, rig)) - balance(plain), 1e3 * plain.drive.levers[column], rtol=1e-6)
+
+
+def test_of_a_long_recording_one_of_several_samples_is_kept(rig: Rig, monkeypatch: pytest.MonkeyPatch) -> None:
+    run = replace(pulled(rig, 40.0 * np.cos(3.0 * TIME)), breaks=(0, 600))
+    whole = rod_run(run, rig)
+    monkeypatch.setattr(smoothing, "MOST_SAMPLES", N // 3)
+    kept = rod_run(run, rig)
+    assert whole is not None and kept is not None and (whole.every, kept.every) == (1, 3) and kept.breaks == (0, 200)
+    for one, other in (
+        (kept.time, whole.time), (balance(kept), balance(whole)), (kept.drive.gauge, whole.drive.gauge),
+        (kept.kinematics.position, whole.kinematics.position), (kept.kinematics.velocity, whole.kinematics.velocity),
+    ):  # fmt: skip
+        np.testing.assert_array_equal(one, other[::3])
+    lengths = {len(one) for one in (*kept.drive.levers.values(), *kept.drive.signals.values(), kept.external, kept.drive.arm)}
+    assert lengths == {len(kept.time)} and kept.noise == whole.noise
 
 
 def test_pressure_is_counted_from_the_atmosphere(rig: Rig) -> None:

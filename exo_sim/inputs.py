@@ -13,6 +13,8 @@ from typing import Any
 
 #: Bytes of a text beyond which it is refused.
 MOST_TEXT = 20_000_000
+#: TOML's own bound: whole numbers have 64 bits.
+_MOST_NUMBER = 2**63
 
 
 @contextmanager
@@ -89,13 +91,32 @@ def toml(text: str) -> dict[str, Any]:
         ValueError: it is not TOML, is nested too deeply, or has a number that is too long; the message says which.
     """
     try:
-        return tomllib.loads(text)
+        values = tomllib.loads(text)
+        _check_numbers(values, "")
+        return values
     except RecursionError:
         raise ValueError("is nested too deeply") from None
     except tomllib.TOMLDecodeError as error:
         raise ValueError(f"is not TOML: {str(error)[0].lower()}{str(error)[1:]}") from None
+    except _TooLong:
+        raise
     except ValueError:  # Python's bound on digits
         raise ValueError("holds a number of too many digits") from None
+
+
+class _TooLong(ValueError):
+    """A whole number beyond 64 bits."""
+
+
+def _check_numbers(value: Any, key: str) -> None:
+    if isinstance(value, dict):
+        for name, inside in value.items():
+            _check_numbers(inside, f"{key}.{name}" if key else name)
+    elif isinstance(value, list):
+        for inside in value:
+            _check_numbers(inside, key)
+    elif isinstance(value, int) and not -_MOST_NUMBER <= value < _MOST_NUMBER:
+        raise _TooLong(f"{key} is a number of too many digits: {len(str(abs(value)))}")
 
 
 def json_value(text: str | bytes) -> Any:

@@ -77,10 +77,18 @@ def test_a_model_that_is_no_file_is_one_line(tmp_path: Path, model: str) -> None
         read(tmp_path / "rig.toml")
 
 
+@pytest.mark.parametrize("text", ["a.b = [1, {}]", "a.b = {}", "a = [[{{b = {}}}]]"])
+def test_a_number_beyond_64_bits_is_named(text: str) -> None:
+    for digits in ("9" * 19, "-" + "9" * 400):
+        with pytest.raises(ValueError, match=r"^a\.?b? is a number of too many digits: (19|400)$"):
+            toml(text.format(digits))
+    assert toml("a = 9223372036854775807") == {"a": 2**63 - 1}
+
+
 @pytest.mark.parametrize("scale", ["1" + "0" * 400, "nan", "inf", "0", "true", "1e300"])
 def test_a_scale_that_is_no_factor_is_refused(tmp_path: Path, scale: str) -> None:
     (tmp_path / "map.toml").write_text(f'[columns]\n"a" = {{ column = "p.pressure_1 [Pa]", scale = {scale} }}\n')
-    with pytest.raises(RecordingError, match="scale and offset must be numbers"):
+    with pytest.raises(RecordingError, match=r"scale and offset must be numbers|columns\.a\.scale is a number of too many digits: 401"):
         read_column_map(tmp_path / "map.toml")
 
 

@@ -41,6 +41,8 @@ def say(text: str) -> None:
         print(printable(text), file=sys.stderr, flush=True)
     except OSError:
         _silence(sys.stderr)
+    except ValueError:  # somebody's own code closed it
+        sys.stderr = open(os.devnull, "w", encoding="utf-8")  # noqa: PTH123, SIM115
 
 
 def flush() -> None:

@@ -128,15 +128,16 @@ def load(text: str) -> Controller:
     made = {
         key: value
         for key, value in vars(module).items()
-        if isinstance(value, type) and value.__module__ == spec.name and callable(getattr(value, "act", None))
+        if isinstance(value, type) and value.__module__ == spec.name and callable(own_faults.attribute(value, "act"))
     }
     if not name:
         if len(made) != 1:
             raise ScenarioError(f'controller "{text}": name one class of the file, like {path.name}:NAME{nearest("", made)}')
         name = next(iter(made))
-    if not hasattr(module, name):
+    given = own_faults.attribute(module, name)
+    if given is None:
         raise ScenarioError(f'controller "{text}": {path} has no "{name}"{nearest(name, made)}')
-    return of(getattr(module, name), f"{path}:{name}", path)
+    return of(given, f"{path}:{name}", path)
 
 
 def of(given: Any, source: str = "", path: Path | None = None) -> Controller:
@@ -145,8 +146,8 @@ def of(given: Any, source: str = "", path: Path | None = None) -> Controller:
     Raises:
         ScenarioError: a method is missing, or making the object fails.
     """
-    source = source or getattr(given, "__name__", type(given).__name__)
-    if isinstance(given, type) or (callable(given) and not hasattr(given, "act")):
+    source = source or str(own_faults.attribute(given, "__name__", type(given).__name__))
+    if isinstance(given, type) or (callable(given) and own_faults.attribute(given, "act") is None):
         try:
             given = given()
         except BaseException as error:
@@ -154,7 +155,7 @@ def of(given: Any, source: str = "", path: Path | None = None) -> Controller:
                 raise
             raise ScenarioError(f"controller {own_faults.place(error, path)}, while making {source}()") from None
     for method in ("reset", "act"):
-        if not callable(getattr(given, method, None)):
+        if not callable(own_faults.attribute(given, method)):
             argument = "context" if method == "reset" else "observation"
             raise ScenarioError(f"controller {source}: it has no method {method}(self, {argument}); a controller has reset and act")
     return given  # type: ignore[no-any-return]
@@ -166,10 +167,13 @@ def period_of(controller: Any, step: float, source: str) -> int:
     Raises:
         ScenarioError: its `period` is no time, or shorter than a step.
     """
-    period = getattr(controller, "period", PERIOD)
-    if isinstance(period, bool) or not isinstance(period, int | float) or not step * 0.999 <= period <= 1.0:
-        raise ScenarioError(f"controller {source}: period = {period!r}: write seconds between two calls, {step:g} (one step) to 1")
-    return max(1, round(period / step))
+    period = own_faults.attribute(controller, "period", PERIOD)
+    number = isinstance(period, int | float | np.integer | np.floating) and not isinstance(period, bool)
+    if not number or not step * 0.999 <= period <= 1.0:
+        raise ScenarioError(
+            f"controller {source}: period = {own_faults.shown(period)}: write seconds between two calls, {step:g} (one step) to 1"
+        )
+    return max(1, round(float(period) / step))
 
 
 class Interrupted(KeyboardInterrupt):

@@ -5,6 +5,9 @@ from __future__ import annotations
 import traceback
 from pathlib import Path
 from types import CodeType, FrameType
+from typing import Any
+
+from exo_sim.errors import ScenarioError
 
 _OWN = Path(__file__).parents[1]
 
@@ -20,7 +23,7 @@ def place(error: BaseException, path: Path | None = None) -> str:
         return f"{error.filename}:{error.lineno}: {type(error).__name__}: {error.msg}"
     frames = [frame for frame in traceback.extract_tb(error.__traceback__) if not frame.filename.startswith("<")]
     outside = [frame for frame in frames if _OWN not in Path(frame.filename).parents and "site-packages" not in frame.filename]
-    at = (outside or frames)[-1] if (outside or frames) else None
+    at = outside[-1] if outside else frames[-1] if frames and path is None else None
     where = f"{at.filename}:{at.lineno}" if at else str(path or "")
     return f"{where}: {described(error)}"
 
@@ -31,6 +34,28 @@ def described(error: BaseException) -> str:
         return f"{type(error).__name__}: {error}"
     except Exception:
         return type(error).__name__
+
+
+def attribute(given: Any, name: str, default: Any = None) -> Any:
+    """Return an attribute of somebody's object, or the default where it has none.
+
+    Raises:
+        ScenarioError: its code fails when it is asked; the message names file and line.
+    """
+    try:
+        return getattr(given, name, default)
+    except BaseException as error:
+        if is_interrupt(error):
+            raise
+        raise ScenarioError(f'controller {place(error)}, when it was asked for "{name}"') from None
+
+
+def shown(value: Any) -> str:
+    """Return how an object shows itself; its type where it cannot."""
+    try:
+        return repr(value)
+    except Exception:
+        return f"a {type(value).__name__}"
 
 
 def is_within(frame: FrameType | None, *codes: CodeType) -> bool:

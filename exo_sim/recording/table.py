@@ -19,6 +19,8 @@ class Recording:
         columns: `"<part>.<signal>"` to values, shape (n,); NaN where a sample is missing.
         units: `"<part>.<signal>"` to the SI unit of its values.
         metadata: What travels with it: rig text, scenario, versions, seed. All text.
+
+    Of a file name that is no UTF-8, the bytes stand as escapes in `name` and `metadata`: every format can hold those.
     """
 
     name: str
@@ -26,6 +28,10 @@ class Recording:
     columns: Mapping[str, NDArray[np.float64]]
     units: Mapping[str, str]
     metadata: Mapping[str, str] = field(default_factory=dict)
+
+    def __post_init__(self) -> None:
+        object.__setattr__(self, "name", _unicode(self.name))
+        object.__setattr__(self, "metadata", {key: _unicode(text) for key, text in self.metadata.items()})
 
     def __contains__(self, key: str) -> bool:
         return key in self.columns
@@ -63,3 +69,7 @@ class Recording:
             return self
         columns = {key: values[::every] for key, values in self.columns.items()}
         return replace(self, time=self.time[::every], columns=columns)
+
+
+def _unicode(text: str) -> str:
+    return text.encode("utf-8", "backslashreplace").decode()

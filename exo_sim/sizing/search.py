@@ -9,7 +9,6 @@ gives the same front with any workers; and after a kill the same draws come agai
 
 from __future__ import annotations
 
-import json
 import math
 import warnings
 from collections.abc import Mapping, Sequence
@@ -263,20 +262,25 @@ class _Journal:
             self._study = optuna.create_study(
                 storage=storage, study_name=name, directions=list(DIRECTIONS), load_if_exists=True
             )
+            for trial in self._study.get_trials(deepcopy=False):
+                self._take(trial)
         except OSError as error:
             raise OutputError(f'cannot write "{path}": {error.strerror or error}; write elsewhere') from None
-        except (json.JSONDecodeError, KeyError, UnicodeDecodeError):
+        except (OutputError, MemoryError):
+            raise
+        except Exception:  # of many kinds, on files that something else wrote
             raise OutputError(f"{path} {_NO_JOURNAL}") from None
-        for trial in self._study.get_trials(deepcopy=False):
-            score = trial.user_attrs["score"]
-            thinnest = score["thinnest"]
-            score = {
-                **score,
-                "violations": tuple(score["violations"]),
-                "thinnest": tuple(thinnest) if thinnest else None,
-                "springs": {name: tuple(spring) for name, spring in score.get("springs", {}).items()},
-            }
-            self._scores[trial.user_attrs["number"]] = (trial.params, Score(**score))
+
+    def _take(self, trial: optuna.trial.FrozenTrial) -> None:
+        score = trial.user_attrs["score"]
+        thinnest = score["thinnest"]
+        score = {
+            **score,
+            "violations": tuple(score["violations"]),
+            "thinnest": tuple(thinnest) if thinnest else None,
+            "springs": {name: tuple(spring) for name, spring in score.get("springs", {}).items()},
+        }
+        self._scores[trial.user_attrs["number"]] = (trial.params, Score(**score))
 
     def score(self, number: int, params: dict[str, Any]) -> Score | None:
         """Return the score of a finished design, None where it was not finished or is another one."""
@@ -303,8 +307,10 @@ def _mend(path: Path) -> None:
     Raises:
         OutputError: the file is no journal; it is left alone.
     """
-    if not path.is_file():
+    if not path.exists():
         return
+    if not path.is_file():  # a pipe would be waited for
+        raise OutputError(f"{path} {_NO_JOURNAL}")
     with path.open("r+b") as file:
         text = file.read()
         if text and not text.startswith(b'{"op_code"'):

@@ -57,7 +57,7 @@ class _Process:
     """A worker that is started again with what is left of the time where it dies."""
 
     def __init__(self, folder: Path, asked: dict[str, Any], until: float) -> None:
-        self.folder, self.asked, self.until, self.starts = folder, asked, until, 0
+        self.folder, self.asked, self.until, self.starts, self.tried = folder, asked, until, 0, 0
         self.start()
 
     def start(self) -> None:
@@ -65,7 +65,7 @@ class _Process:
         self.place = self.folder / str(self.starts)
         asked = self.asked | {
             "folder": str(self.place), "seconds": self.until - time.time(), "seed": self.asked["seed"] + 1000 * self.starts,
-            "corpus": self.asked["corpus"] if self.starts == 0 else [],
+            "corpus": self.asked["corpus"][self.tried :],
         }  # fmt: skip
         self.starts += 1
         environment = os.environ | {"PYTHONPATH": os.pathsep.join([str(SCRIPTS), str(SCRIPTS.parent)])}
@@ -106,7 +106,9 @@ class _Process:
     def gather(self, campaign: Campaign) -> None:
         """Add what it counted."""
         if (counts := self.place / "counts.json").exists():
-            campaign.add(json.loads(counts.read_text()))
+            held = json.loads(counts.read_text())
+            self.tried += held["cases"].get("corpus", 0)
+            campaign.add(held)
 
 
 def run(folder: Path, seconds: float, workers: int, seed: int, targets: list[str], corpus: list[str], shrink: bool = True) -> Campaign:

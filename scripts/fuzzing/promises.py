@@ -66,7 +66,7 @@ def _not_json(text: str) -> list[str]:
 
 def _files(outcome: Outcome) -> list[str]:
     out = [f"changed its input {name}" for name, held in outcome.before.items() if outcome.files.get(name, b"") != held and _is_input(name)]
-    new = [name for name in outcome.files if name not in outcome.before]
+    new = [name for name in outcome.files if name not in outcome.before and "__pycache__" not in name]  # Python's own, of somebody's code
     out += [f"left {name} behind" for name in new if _LEFT_BEHIND.search(name)]
     if outcome.status == 2:
         results = [name for name in new if outcome.files[name] is not None and not name.endswith(_KEPT)]

@@ -185,3 +185,43 @@ def test_a_pipe_or_a_device_is_not_waited_for(tmp_path):
     (tmp_path / "zero.py").symlink_to("/dev/zero")
     with pytest.raises(ScenarioError, match="it is a device"):
         own.load(str(tmp_path / "zero.py"))
+
+
+@pytest.mark.parametrize(
+    "body",
+    [
+        "class Mine:\n    def __getattr__(self, name): raise RuntimeError(name)\n",
+        "class Mine:\n    act = property(lambda self: 1 / 0)\n    def reset(self, context): pass\n",
+        "class Kind(type):\n    act = property(lambda self: 1 / 0)\nclass Mine(metaclass=Kind): pass\n",
+        "import sys\nclass Mine:\n    reset = property(lambda self: sys.exit(0))\n    def act(self, o): pass\n",
+        "def __getattr__(name):\n    if name == 'Mine': raise KeyError(name)\n    raise AttributeError(name)\n",
+    ],
+)
+def test_one_that_fails_when_it_is_looked_at_is_one_line(tmp_path, body):
+    (tmp_path / "mine.py").write_text(body)
+    with pytest.raises(ScenarioError, match=r"controller .*mine\.py:\d+: \w+"):
+        own.load(f"{tmp_path}/mine.py:Mine")
+
+
+class Unshowable:
+    def __repr__(self) -> str:
+        raise ValueError
+
+
+@pytest.mark.parametrize("period", [0, -1.0, float("nan"), "1 ms", None, True, 2.0, 10**400, np.float32("nan"), 1j, Unshowable()])
+def test_a_period_that_is_none_is_said(period):
+    with pytest.raises(ScenarioError, match="write seconds between two calls"):
+        own.period_of(type("Mine", (), {"period": period}), 0.001, "mine")
+
+
+def test_a_period_may_be_any_number_and_may_not_fail():
+    assert own.period_of(type("Mine", (), {"period": np.float32(0.01)}), 0.001, "mine") == 10
+    assert own.period_of(type("Mine", (), {}), 0.001, "mine") == 2
+    with pytest.raises(ScenarioError, match=r'ZeroDivisionError.*when it was asked for "period"'):
+        own.period_of(type("Mine", (), {"period": property(lambda self: 1 / 0)})(), 0.001, "mine")
+
+
+def test_a_file_that_is_no_source_is_named(tmp_path):
+    (tmp_path / "mine.py").write_bytes(b"class Mine:\0")
+    with pytest.raises(ScenarioError, match=r"controller .*/mine\.py: SyntaxError: .*null bytes"):
+        own.load(f"{tmp_path}/mine.py:Mine")

@@ -2,9 +2,13 @@
 
 from __future__ import annotations
 
+import os
+from pathlib import Path
+
 import numpy as np
 import pytest
 
+from exo_sim.recording import write_rrd, write_table
 from exo_sim.recording.table import Recording
 
 TIME = np.arange(10.0) * 0.1
@@ -30,3 +34,12 @@ def test_thinning_leaves_no_more_than_asked_in_even_steps(most: int, left: int) 
     thin = TABLE.thinned(most)
     assert len(thin.time) == left == len(thin["a.x"]) and (thin is TABLE) == (most == 10)
     assert len({round(step, 9) for step in np.diff(thin.time)}) <= 1
+
+
+def test_a_name_that_is_no_utf8_can_be_written_everywhere(tmp_path: Path) -> None:
+    odd = os.fsdecode(b"s\xff")
+    recording = Recording(odd, TABLE.time, {"a.position": TABLE.time}, {"a.position": "m"}, {"scenario": odd, "rig": "a = 1\n"})
+    assert recording.name == recording.metadata["scenario"] == "s\\udcff" and recording.metadata["rig"] == "a = 1\n"
+    for ending in ("csv", "parquet"):
+        write_table(tmp_path / f"r.{ending}", recording)
+    write_rrd(tmp_path / "r.rrd", recording)

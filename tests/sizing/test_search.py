@@ -1,5 +1,6 @@
 """The search: a true front, the same one whoever scores, and nothing scored twice."""
 
+import os
 from dataclasses import replace
 from functools import partial
 
@@ -103,6 +104,33 @@ def test_a_line_half_written_at_the_kill_costs_one_design(task, outcome, tmp_pat
         with pytest.raises(OutputError, match="no journal"):
             search(task, 5, 5, crowd, journal)
         assert journal.read_text(encoding="utf-8") == "shopping list"
+
+
+@pytest.mark.parametrize(
+    "lines",
+    [
+        '{"op_code": "x"}',
+        '{"op_code": 99, "worker_id": "a"}',
+        '{"op_code": 0, "worker_id": "a", "study_name": "NAME", "directions": [1, 1, 1]}\n'
+        '{"op_code": 4, "worker_id": "a", "study_id": 0, "state": 1, "values": [1, 1, 1], "value": null, "user_attrs": {}, '
+        '"system_attrs": {}, "params": {}, "distributions": {}, "intermediate_values": {}}',
+        '{"op_code": ' + "[" * 100_000,
+    ],
+)
+def test_a_journal_that_something_else_wrote_is_one_line(task, tmp_path, lines):
+    journal = tmp_path / "search.journal"
+    with Workers(1) as crowd:
+        search(task, 1, 5, crowd, journal)
+        name = journal.read_text(encoding="utf-8").split('"study_name":"')[1].split('"')[0]
+        written = lines.replace("NAME", name) + "\n"
+        journal.write_text(written, encoding="utf-8")
+        with pytest.raises(OutputError, match=r"no journal|another search"):
+            search(task, 1, 5, crowd, journal)
+        assert journal.read_text(encoding="utf-8").startswith(written)
+        journal.unlink()
+        os.mkfifo(journal)
+        with pytest.raises(OutputError, match="no journal"):
+            search(task, 1, 5, crowd, journal)
 
 
 def test_a_journal_of_another_search_is_refused(task, tmp_path):

@@ -92,6 +92,7 @@ class _Process:
         else:
             ended = f"the process ended with {self.process.returncode}: {(self.place / 'said').read_text()[-500:]}"
         self.gather(campaign)
+        self.tried += 1  # the one that ended it is not tried again
         line = at_work.read_text() if at_work.exists() else '{"base": "", "words": [], "edits": []}'
         campaign.found[f"{ended} {line[:80]}"] = json.dumps({**json.loads(line), "broke": ended})
         return self.start_again()

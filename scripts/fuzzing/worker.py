@@ -136,7 +136,7 @@ def work(folder: Path, bases: Path, seconds: float, seed: int, names: list[str],
             assert worker.failing is not None
             worker.found[worker.failing[0]] = worker.failing[1]
             worker.failing = None
-    worker.write()
+        worker.write()
     draw = random.Random(seed)
     while time.time() < worker.until:  # whichever has had the least of its share is next
         target = min(names, key=lambda name: worker.seconds[name] / TARGETS[name][1])

@@ -11,7 +11,6 @@ import math
 from dataclasses import dataclass, replace
 
 import numpy as np
-from scipy.interpolate import CubicSpline
 
 from exo_sim.errors import ScenarioError
 from exo_sim.gait.motion import SAMPLES, Motion, WholeTrial, derivatives
@@ -60,6 +59,8 @@ class Variation:
         leant = self._leant(motion)
         if self.stride_time == 0.0 and self.asymmetry == 0.0:
             return leant
+        from scipy.interpolate import CubicSpline  # half of what `exo-sim size --quick` takes to start
+
         count = min(strides, MOST_STRIDES) if self.stride_time else 1
         steps = np.full(2 * count, 0.5) + 0.5 * self.asymmetry * np.tile([1.0, -1.0], count)
         # a stride is two steps, so that its time varies by less than theirs

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import itertools
-from collections.abc import Iterator
+from collections.abc import Collection, Iterator
 from contextlib import contextmanager
 from pathlib import Path
 
@@ -54,8 +54,13 @@ def compiled(spec: mujoco.MjSpec, path: Path) -> mujoco.MjModel:
     return model
 
 
-def check(model: mujoco.MjModel, path: Path) -> None:
+def check(model: mujoco.MjModel, path: Path, corrected: Collection[str] = ()) -> None:
     """Refuse numbers that MuJoCo takes and no machine has.
+
+    Args:
+        model: Compiled.
+        path: Its file, for the error.
+        corrected: Joints whose inertia a rig multiplies: a factor below 1 is a negative armature.
 
     Raises:
         ModelError: a time step that cannot be, a mass without end, negative damping, actuators switched off, a name that is no text.
@@ -73,7 +78,8 @@ def check(model: mujoco.MjModel, path: Path) -> None:
     if not np.isfinite(model.opt.gravity).all() or np.abs(model.opt.gravity).max() > LARGEST:
         raise ModelError(f"{path}: gravity = {model.opt.gravity}: must be finite, in m/s^2")
     for kind, attribute, values, names in _numbers(model):
-        wrong = ~(np.isfinite(values) & (values >= 0.0) & (values < LARGEST))
+        least = np.array([-LARGEST if attribute == "armature" and name in corrected else 0.0 for name in names])
+        wrong = ~(np.isfinite(values) & (values >= least) & (values < LARGEST))
         if wrong.any():
             at = int(np.argmax(wrong))
             raise ModelError(

@@ -75,7 +75,7 @@ class PneumaticPlugin:
 
     def __init__(self, model: mujoco.MjModel, rig: Rig):
         self.model, self.rig = model, rig
-        mjcf.check(model, rig.model)
+        mjcf.check(model, rig.model, rig.joint_factors)
         if not 1.0 < rig.heat_capacity_ratio <= LARGEST_HEAT_CAPACITY_RATIO or not 0.0 < rig.specific_gas_constant < math.inf:
             raise RigError(
                 f"{rig.path}: no gas has heat_capacity_ratio = {rig.heat_capacity_ratio:g} and specific_gas_constant = "

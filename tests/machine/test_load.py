@@ -57,6 +57,22 @@ def test_a_rig_file_says_so(repository: Path, tmp_path: Path) -> None:
     np.testing.assert_array_equal(heavy.body_mass, plain.body_mass)
 
 
+def test_a_machine_that_is_lighter_than_its_mjcf_is_simulated(repository: Path, tmp_path: Path) -> None:
+    from exo_sim.machine.load import load
+    from exo_sim.rig import read
+    from exo_sim.simulation.plugin import PneumaticPlugin
+
+    text = (repository / "assets" / "bench.toml").read_text()
+    (tmp_path / "bench.xml").write_text((repository / "assets" / "bench.xml").read_text())
+    (tmp_path / "light.toml").write_text(text + '\n[joints.slide]\ninertia_factor = 0.98\n')
+    rig = read(tmp_path / "light.toml")
+    model = load(rig)
+    assert model.dof_armature[0] < 0.0 < model.dof_M0[0]
+    PneumaticPlugin(model, rig)
+    with pytest.raises(ModelError, match="armature"):
+        PneumaticPlugin(model, read(repository / "assets" / "bench.toml"))
+
+
 def test_stops_are_set_inside_those_of_the_mjcf() -> None:
     limited = PENDULUM.replace('damping="0.01"', 'damping="0.01" limited="true" range="-90 90"')
     model = mujoco.MjModel.from_xml_string(limited)

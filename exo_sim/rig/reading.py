@@ -11,6 +11,7 @@ from exo_sim.inputs import refusing, text_of, toml
 from exo_sim.rig.effects import read_effects
 from exo_sim.rig.schema import (
     LARGEST_HEAT_CAPACITY_RATIO,
+    LARGEST_PRESSURE,
     Ankle,
     Attachment,
     Cylinder,
@@ -145,7 +146,7 @@ def _supply(table: Table, environment: Environment, needed: bool) -> Supply:
     if part is None:
         return Supply(environment.pressure, environment.temperature)
     found = Supply(
-        part.quantity("pressure", "Pa", above=0.0, most=1e9),
+        part.quantity("pressure", "Pa", above=0.0, most=LARGEST_PRESSURE),
         part.quantity("temperature", "K", default=environment.temperature, above=0.0, most=2000.0),
     )
     part.done()

@@ -9,6 +9,8 @@ from pathlib import Path
 
 #: cp/cv of no gas is more: that of one atom is 5/3.
 LARGEST_HEAT_CAPACITY_RATIO = 2.0
+#: Of a supply, and of chambers that are filled [Pa].
+LARGEST_PRESSURE = 1e9
 
 
 @dataclass(frozen=True)

@@ -15,7 +15,7 @@ from exo_sim.machine.linkage import linkages, moment_row
 from exo_sim.physics.books import Books
 from exo_sim.physics.plant import FOLLOWED
 from exo_sim.rig import Rig, assembly
-from exo_sim.rig.schema import LARGEST_HEAT_CAPACITY_RATIO
+from exo_sim.rig.schema import LARGEST_HEAT_CAPACITY_RATIO, LARGEST_PRESSURE
 from exo_sim.simulation import views
 from exo_sim.simulation.bound_arrays import Bound, straight, take_step
 from exo_sim.simulation.coupling import advance_gas, compute_forces, freshen_levers
@@ -168,7 +168,7 @@ class PneumaticPlugin:
         """Fill the chambers with gas at rest, at the atmosphere unless pressures [Pa] are given, for the positions in `data`.
 
         Raises:
-            ModelError: `data` is of another model, or a pressure is none: absolute ones are above 0.
+            ModelError: `data` is of another model, or a pressure is none: absolute ones are above 0, and below `LARGEST_PRESSURE`.
         """
         self._check_data(data)
         atmosphere = self.rig.environment.pressure
@@ -185,11 +185,14 @@ class PneumaticPlugin:
         plant.clock[views.GAS_TIME] = data.time
 
     def _pressure(self, name: str, value: NDArray[np.float64] | float) -> NDArray[np.float64]:
-        """Return a pressure for each cylinder, shape (n,); what it may be is asked where the chambers are filled."""
+        """Return a pressure for each cylinder, shape (n,); how small it may be is asked where the chambers are filled."""
         try:
-            return np.broadcast_to(np.asarray(value, dtype=np.float64), (len(self.links),))
+            pressures = np.broadcast_to(np.asarray(value, dtype=np.float64), (len(self.links),))
         except (TypeError, ValueError):
             raise ModelError(f"{name}: give one pressure in Pa, or one for each of {len(self.links)} cylinders") from None
+        if (most := np.max(pressures, initial=0.0)) > LARGEST_PRESSURE and most < np.inf:
+            raise ModelError(f"{self.rig.path}: {name} = {most:g} Pa at the start is more than any machine has, {LARGEST_PRESSURE:g} Pa")
+        return pressures
 
     def _check_data(self, data: mujoco.MjData) -> None:
         """Refuse the state of another model: its arrays have other lengths or other meanings."""

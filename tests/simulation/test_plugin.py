@@ -86,6 +86,12 @@ def test_chambers_are_not_filled_with_nothing(bench: Path, p_1: float, p_2: floa
     np.testing.assert_array_equal(plugin.pneumatics.vector, before)
 
 
+def test_chambers_are_not_filled_beyond_what_any_machine_has(bench: Path) -> None:
+    _, data, plugin = start(bench)
+    with pytest.raises(ModelError, match=r"bench.toml: pressure_2 = 1e\+300 Pa at the start is more than any machine has, 1e\+09 Pa"):
+        plugin.reset(data, 3e5, 1e300)
+
+
 def test_a_gas_too_fast_for_its_step_is_refused_by_name(bench: Path) -> None:
     _, data, plugin = start(bench)
     plugin.pneumatics.cylinders["dead_volume_1"] = 1e-9

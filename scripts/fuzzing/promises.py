@@ -83,11 +83,12 @@ def _is_input(name: str) -> bool:
     return not name.startswith(("trial", "undone"))
 
 
+_FOLDER = re.compile(r"/\S*/case/")
 _QUOTED, _NUMBER = re.compile(r'"[^"]*"|\'[^\']*\'|\[[^\]]*\]'), re.compile(r"[-+]?\d[\d.e+-]*")
 
 
 def kind_of(outcome: Outcome, words: tuple[str, ...]) -> str:
     """Return what is the same in outcomes of one kind: the verb, the status, and the last line without names and numbers."""
     last = next((line for line in reversed(outcome.err.split("\n")) if line), "")
-    line = _NUMBER.sub("N", _QUOTED.sub("Q", last))
+    line = _NUMBER.sub("N", _QUOTED.sub("Q", _FOLDER.sub("", last)))
     return f"{words[0] if words else ''} {outcome.status} {line[:90]}".strip()

@@ -75,6 +75,9 @@ THROUGH: dict[str, tuple[str, ...]] = {
     "simulation/test_unworn.py": (
         "cli/run_motion.py", "simulation/force_loops.py", "simulation/unworn_log.py", "simulation/wanted_motion.py",
     ),
+    "simulation/test_torque_driven.py": (
+        "simulation/held.py",
+    ),
     "simulation/test_walk.py": (
         "control/least_load.py", "control/own_faults.py", "control/strap_feedback.py", "control/stride_learning.py",
         "control/tracking.py", "simulation/causal_calibration.py", "simulation/coupling.py", "simulation/loop_log.py",

@@ -143,7 +143,8 @@ def simulate(
     rig: RigLike | None = None, scenario: str | os.PathLike[str] | Recording | None = None, *,
     gait: str | os.PathLike[str] | None = None, ground: str | os.PathLike[str] | None = None, whole: bool = False, payload: Quantity = 34.0,
     speed: float | str = 1.0, strides: int | None = None, assist: str = "on", controller: Any = "model", demand: str = "least_load",
-    seed: int = 0, out: str | os.PathLike[str] | bool = False, quiet: bool = True, tell: Callable[[str], None] = lambda words: None,
+    wearer: str | None = None, seed: int = 0, out: str | os.PathLike[str] | bool = False, quiet: bool = True,
+    tell: Callable[[str], None] = lambda words: None,
 ) -> Run:  # fmt: skip
     """Simulate a person in the machine, or a machine that nobody wears following a motion.
 
@@ -162,6 +163,8 @@ def simulate(
             with `reset(context)` and `act(observation)`, or as "FILE.py:NAME".
         demand: Law by which joint torques are asked for: "least_load", "causal" (from what the machine itself measures),
             "inverse_dynamics" or "virtual_support".
+        wearer: "prescribed" (the default, where a scenario file does not say otherwise): the wearer's motion is given whatever happens;
+            "torques": he is a body with mass on his own feet, moved by torques, and yields to the straps.
         seed: Travels with the recording, is handed to a controller of your own, and is where the noise of the causal one's signals starts.
         out: Where the recording for the viewer (`.rrd`) is written while it runs, with its table beside it; memory then does not grow
             with length. True names it after what is done, in the folder that you are in; False keeps the run in memory.
@@ -191,7 +194,7 @@ def simulate(
     target = _target(out, name)
     mine = None if isinstance(brought, str) else brought
     request = Request(
-        name, payload=mass, speed=speed, cycles=strides, assist=assist, controller=called, law=demand, given=given,
+        name, payload=mass, speed=speed, cycles=strides, assist=assist, controller=called, law=demand, given=given, wearer=wearer,
         driven="" if mine is None else "valves",
     )  # fmt: skip
     if target is not None:

@@ -51,10 +51,16 @@ from exo_sim.cli.frame import verb
     show_default=True,
     help="Law by which joint torques are asked for: least_load knows the wearer's motion beforehand, causal what the machine measures.",
 )
+@click.option(
+    "--wearer",
+    type=options.Choice(["prescribed", "torques"]),
+    default=None,
+    help="prescribed (the default): the wearer's motion is given; torques: a body on own feet that yields to the straps.",
+)
 @click.option("--rig", type=options.RigFile(), default=None, help="The machine; the one in assets/ when absent.")
 def command(scenario: str | None, gait: Path | None, ground: Path | None, whole: bool, payload: float, speed: str,
-            strides: int | None, assist: str, controller: str, demand: str, rig: Path | None, out: Path | None, as_json: bool,
-            quiet: bool, seed: int) -> None:  # fmt: skip
+            strides: int | None, assist: str, controller: str, demand: str, wearer: str | None, rig: Path | None, out: Path | None,
+            as_json: bool, quiet: bool, seed: int) -> None:  # fmt: skip
     """Simulate SCENARIO headless: a name of `exo-sim scenarios`, a scenario file (.toml) from anywhere, or a gait of your own (--gait).
 
     A machine that nobody wears follows a motion instead: SCENARIO is then a recording with the positions of its joints.
@@ -74,7 +80,7 @@ def command(scenario: str | None, gait: Path | None, ground: Path | None, whole:
     with printing.prints_on_stderr():
         done = simulate(
             rig, scenario, gait=gait, ground=ground, whole=whole, payload=payload, speed=speed, strides=strides, assist=assist,
-            controller=controller, demand=demand, seed=seed, out=out or True, quiet=quiet,
+            controller=controller, demand=demand, wearer=wearer, seed=seed, out=out or True, quiet=quiet,
             tell=lambda words: printing.remark(f"exo-sim: {words}", quiet=quiet),
         )  # fmt: skip
     numbers = dict(done.summary)
@@ -129,6 +135,7 @@ def _ledger(data: dict[str, Any]) -> str:
     """Return what the wearer gives, alone, with the payload as a backpack and with the machine, and where the work goes."""
     wearer, ledger, others = data["wearer"], data["ledger"], data["compared_with"]
     cost, residual = wearer["metabolic_w"], wearer["pelvis_residual"]
+    ground = ledger["ground"] + ledger.get("soles", 0.0)
     columns = [
         others["no_machine"], others["backpack"],
         {**wearer, "metabolic_w": cost["value"], "metabolic_low_w": cost["low"], "metabolic_high_w": cost["high"],
@@ -158,5 +165,5 @@ def _ledger(data: dict[str, Any]) -> str:
         f"residual at the pelvis {residual['force_peak_n']:.0f} N and {residual['moment_peak_nm']:.0f} N m at most",
         f"force of the straps on a segment, N rms (peak): {strapped}",
         f"work, J a cycle: cylinders {ledger['cylinders'][0]:+.0f} {ledger['cylinders'][1]:+.0f}, straps {straps}, "
-        f"damping {ledger['machine_damping']:+.0f}, ground {ledger['ground']:+.0f}; closes to {ledger['closure']:+.2f}",
+        f"damping {ledger['machine_damping']:+.0f}, ground {ground:+.0f}; closes to {ledger['closure']:+.2f}",
     ])  # fmt: skip

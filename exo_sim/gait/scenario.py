@@ -15,6 +15,8 @@ from exo_sim.gait.variation import Variation
 from exo_sim.machine.person import Person
 
 SPEED_RANGE = (0.7, 1.3)
+#: What moves the wearer: the reference itself, or the torques of his joints.
+WEARERS = ("prescribed", "torques")
 
 
 @dataclass(frozen=True)
@@ -45,6 +47,7 @@ class Scenario:
         added: Load put on while it runs, or None.
         remarks: Plain sentences about what it was made of.
         variation: How its strides differ from the mean one, or None.
+        wearer: What moves the wearer: "prescribed" or "torques".
     """
 
     summary: str
@@ -55,6 +58,7 @@ class Scenario:
     added: AddedLoad | None = None
     remarks: tuple[str, ...] = ()
     variation: Variation | None = None
+    wearer: str = "prescribed"
 
 
 def names() -> tuple[str, ...]:

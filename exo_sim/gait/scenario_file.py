@@ -4,6 +4,7 @@ One of three things makes the motion::
 
     summary = "my walk"              # optional, the line that lists show
     strides = 10                     # optional, how many strides or repetitions
+    wearer  = "torques"              # optional: the wearer is a body that yields, moved by torques; else his motion is "prescribed"
 
     [gait]                           # walking with the mean stride of a recorded trial
     file   = "walk.csv"              # .mot, .sto, .c3d, .csv, .parquet, .rrd; beside this file
@@ -50,7 +51,7 @@ from exo_sim import units
 from exo_sim.errors import ExoSimError, ScenarioError, UnitError, nearest
 from exo_sim.gait import own_gait, scenario
 from exo_sim.gait.motion import SAMPLES, Motion
-from exo_sim.gait.scenario import AddedLoad, Scenario
+from exo_sim.gait.scenario import WEARERS, AddedLoad, Scenario
 from exo_sim.gait.standing import on_both_feet
 from exo_sim.gait.trial import JOINTS, PELVIS
 from exo_sim.gait.variation import Variation
@@ -74,7 +75,7 @@ def read(path: str | Path) -> Scenario:
     hint = nearest(path.name, beside)
     with refusing(lambda says: ScenarioError(f"{path}: {says}"), f"there is no such scenario file{hint if 'mean' in hint else ''}"):
         values = toml(text_of(path))
-    _only(path, "", values, ("summary", "strides", "added", "variation", *_MAKERS))
+    _only(path, "", values, ("summary", "strides", "wearer", "added", "variation", *_MAKERS))
     made_by = [key for key in _MAKERS if key in values]
     if len(made_by) != 1:
         raise ScenarioError(f"{path}: one of [gait], [standing] and like makes a scenario; there {_are(made_by)}")
@@ -86,6 +87,11 @@ def read(path: str | Path) -> Scenario:
         if isinstance(strides, bool) or not isinstance(strides, int) or not 1 <= strides <= 10000:
             raise ScenarioError(f"{path}: strides = {strides!r}: write a whole number from 1 to 10000")
         made = replace(made, cycles=strides)
+    if "wearer" in values:
+        wearer = _text(path, "wearer", values["wearer"])
+        if wearer not in WEARERS:
+            raise ScenarioError(f'{path}: wearer = "{wearer}"{nearest(wearer, WEARERS)}')
+        made = replace(made, wearer=wearer)
     if "variation" in values:
         made = replace(made, variation=_variation(path, values["variation"]))
     return replace(made, added=_added(path, values["added"])) if "added" in values else made

@@ -25,6 +25,7 @@ def build(
     ankle: Ankle,
     masses: Mapping[str, float] | None = None,
     joints: Mapping[str, JointFactors] | None = None,
+    embodied: bool = False,
 ) -> mujoco.MjModel:
     """Read an MJCF of the kind of `assets/exo.xml` and fit it.
 
@@ -38,6 +39,7 @@ def build(
         ankle: What the ankle does.
         masses: Of bodies that the rig knows better than the file [kg]; the payload's is `payload` all the same.
         joints: Factors on the file's numbers of joints, by joint.
+        embodied: The wearer is there with mass, joints and soles (`wearer_body`), behind the machine; else only shown.
 
     Raises:
         ModelError: the file cannot be read, or lacks a joint or body that a worn machine needs.
@@ -45,7 +47,7 @@ def build(
     """
     import mujoco
 
-    from exo_sim.machine import mjcf
+    from exo_sim.machine import mjcf, wearer_body
     from exo_sim.machine.load import corrected
 
     if not 0.0 <= payload <= PAYLOAD_LIMIT:
@@ -59,6 +61,8 @@ def build(
     else:
         load.mass = 1e-6
         load.rgba[3] = 0.0
+    if embodied:
+        wearer_body.add(spec, person)
     model = mjcf.compiled(spec, path)
     for name, mass in (masses or {}).items():
         if name == "payload":

@@ -18,7 +18,7 @@ from exo_sim.machine.person import SEGMENTS, Person
 #: How far sole and ground give, so that a tilted foot touches with more than an edge [m].
 _GIVES = 0.003
 #: Toes ahead of the ball of the foot, for a body of the reference height [m]; they bend, and stay on the ground with the ball.
-_TOES = 0.055
+TOES = 0.055
 #: Where the forces of both feet meet: above the hips [m].
 _PIVOT = 0.25
 _FRICTION = 0.9
@@ -61,7 +61,7 @@ def soles(angle: NDArray[np.float64], person: Person) -> NDArray[np.float64]:
     Returns:
         Shape (n, 2, 2).
     """
-    tip = person.toe + _TOES * person.scale
+    tip = person.toe + TOES * person.scale
     give = _GIVES * person.scale / np.maximum(np.tan(np.abs(angle)), 1e-3)
     rear = np.where(angle < 0.0, np.maximum(person.toe - give, person.heel), person.heel)
     front = np.where(angle > 0.0, np.minimum(person.heel + give, tip), tip)

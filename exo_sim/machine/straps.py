@@ -2,8 +2,9 @@
 
 MuJoCo's welds to mocap bodies would lag and drag (such bodies have no velocity), and their softness scales with mass;
 here
-stiffness is in N/m and the person's real velocity is used. A strap pushes as well as pulls: it stands for harness,
-cuff or shoe.
+stiffness is in N/m and the person's real velocity is used. A strap stands for all that holds at its place, so that most push as well as
+pull: of harness and cuff the pad pushes and the strap round the body pulls, a shoe does both. Shoulder straps only pull: the machine can
+hang on them, and cannot lift them. That counts where the wearer is a body (`one_sided`); one whose motion is prescribed is held both ways.
 """
 
 from __future__ import annotations
@@ -32,17 +33,19 @@ class Strap:
         segment: The person's segment it holds.
         stiffness: Across and along the segment (its x and z axes) [N/m].
         damping: The same [N s/m].
+        lifts: Whether it can push its segment up along itself: a belt with loops round the legs can, shoulder straps cannot.
     """
 
     site: str
     segment: str
     stiffness: tuple[float, float]
     damping: tuple[float, float]
+    lifts: bool = True
 
 
 def worn() -> tuple[Strap, ...]:
     """Return the straps of a worn machine: harness at two heights, cuffs at the thighs, shoes at heel and ball."""
-    straps = [Strap(f"torso_strap_{at}", "torso", (8e3, 8e3), (320.0, 320.0)) for at in ("low", "high")]
+    straps = [Strap(f"torso_strap_{at}", "torso", (8e3, 8e3), (320.0, 320.0), at == "low") for at in ("low", "high")]
     for side in "lr":
         straps.append(Strap(f"thigh_{side}_strap", f"thigh_{side}", (1e4, 1e3), (140.0, 40.0)))
         straps += [Strap(f"foot_{side}_strap_{at}", f"foot_{side}", (5e3, 5e3), (50.0, 50.0)) for at in ("heel", "toe")]
@@ -60,6 +63,7 @@ class StrapSet:
         segment: Row of the person's segment, shape (n,).
         anchor: The same point in the segment, x and z [m], shape (n, 2).
         stiffness, damping: Across and along the segment, shapes (n, 2).
+        least: Least force along the segment on the machine [N], shape (n,): 0 for a strap that cannot lift its segment.
     """
 
     names: tuple[str, ...]
@@ -69,10 +73,17 @@ class StrapSet:
     anchor: NDArray[np.float64]
     stiffness: NDArray[np.float64]
     damping: NDArray[np.float64]
+    least: NDArray[np.float64]
 
 
-def fasten(model: mujoco.MjModel, person: Person, straps: tuple[Strap, ...] | None = None) -> StrapSet:
+def fasten(model: mujoco.MjModel, person: Person, straps: tuple[Strap, ...] | None = None, one_sided: bool = False) -> StrapSet:
     """Fasten the straps with machine and person both upright, where all are slack.
+
+    Args:
+        model: Of the machine.
+        person: Who wears it.
+        straps: Those of a worn machine when None.
+        one_sided: Straps that cannot lift do not.
 
     Raises:
         ModelError: the model lacks a strap's site.
@@ -102,6 +113,7 @@ def fasten(model: mujoco.MjModel, person: Person, straps: tuple[Strap, ...] | No
         anchor=np.array(anchor),
         stiffness=np.array([strap.stiffness for strap in straps]),
         damping=np.array([strap.damping for strap in straps]),
+        least=np.array([0.0 if one_sided and not strap.lifts else -np.inf for strap in straps]),
     )
 
 
@@ -119,6 +131,7 @@ def pull(
     anchor: NDArray[np.float64],
     stiffness: NDArray[np.float64],
     damping: NDArray[np.float64],
+    least: NDArray[np.float64],
     xfrc_applied: NDArray[np.float64],
     force: NDArray[np.float64],
     motion: NDArray[np.float64],
@@ -130,7 +143,7 @@ def pull(
     Args:
         poses: The person's segments, shape (7, 6).
         xpos, xmat, xipos, cvel, centre: MuJoCo's xpos, xmat, xipos, cvel and subtree_com of the machine's root body.
-        body, local, segment, anchor, stiffness, damping: Of a `StrapSet`.
+        body, local, segment, anchor, stiffness, damping, least: Of a `StrapSet`.
         xfrc_applied: MuJoCo's; overwritten for every body that a strap holds.
         force: Force on the machine, x and z [N], shape (n, 2); that of the step before is read, that of now written.
         motion: Velocity of the same points [m/s], shape (n, 2); the same.
@@ -156,6 +169,7 @@ def pull(
         evx, evz = poses[s, 3] - rz * poses[s, 5] - pvx, poses[s, 4] + rx * poses[s, 5] - pvz
         across = stiffness[i, 0] * (cosine * ex + sine * ez) + damping[i, 0] * (cosine * evx + sine * evz)
         along = stiffness[i, 1] * (cosine * ez - sine * ex) + damping[i, 1] * (cosine * evz - sine * evx)
+        along = max(along, least[i])
         fx, fz = cosine * across - sine * along, sine * across + cosine * along
         power[i] = 0.5 * (force[i, 0] * (motion[i, 0] + pvx) + force[i, 1] * (motion[i, 1] + pvz))
         force[i, 0], force[i, 1] = fx, fz

@@ -75,17 +75,21 @@ class _Kept(FunctionCache):  # type: ignore[misc]
 
 
 def _borrow(typingctx: Any, arrays: Any) -> Any:
-    """Return a tuple's values with its arrays' owners taken off: no reference is counted for them any more."""
+    """Return a tuple's values with the owners of its arrays, and of those in tuples in it, taken off: no reference is counted any more."""
 
-    def generate(context: Any, builder: Any, signature: Any, arguments: Any) -> Any:
-        held = arguments[0]
-        for place, kind in enumerate(arrays):
-            if isinstance(kind, types.Array):
+    def freed(context: Any, builder: Any, kinds: Any, held: Any) -> Any:
+        for place, kind in enumerate(kinds):
+            if isinstance(kind, types.BaseTuple):
+                held = builder.insert_value(held, freed(context, builder, kind, builder.extract_value(held, place)), place)
+            elif isinstance(kind, types.Array):
                 array = cgutils.create_struct_proxy(kind)(context, builder, builder.extract_value(held, place))
                 array.meminfo = cgutils.get_null_value(array.meminfo.type)
                 array.parent = cgutils.get_null_value(array.parent.type)
                 held = builder.insert_value(held, array._getvalue(), place)
         return held
+
+    def generate(context: Any, builder: Any, signature: Any, arguments: Any) -> Any:
+        return freed(context, builder, arrays, arguments[0])
 
     return arrays(arrays), generate
 

@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 
 from exo_sim import progress
 from exo_sim.control import demand as law_of_demand
-from exo_sim.control import machine_dynamics, own
+from exo_sim.control import machine_dynamics, own, wearer_plan
 from exo_sim.control.causal import Calibration, Causal
 from exo_sim.control.least_load import SPARING, LeastLoad
 from exo_sim.errors import ScenarioError
@@ -20,21 +20,22 @@ from exo_sim.gait import scenario as scenarios
 from exo_sim.gait.motion import SAMPLES, Motion
 from exo_sim.gait.residual_reduction import worn
 from exo_sim.gait.variation import Variation
+from exo_sim.machine import wearer_body
 from exo_sim.machine.attachment import attach
 from exo_sim.machine.build import PAYLOAD_LIMIT, build, carry
 from exo_sim.machine.linkage import check_strokes
 from exo_sim.machine.load import check_effects
-from exo_sim.machine.person import Person
+from exo_sim.machine.person import COORDINATES, Person
 from exo_sim.machine.straps import fasten
 from exo_sim.rig import Rig
 from exo_sim.rig.control_step import check_step
-from exo_sim.simulation import chamber_plans, driven, loop
+from exo_sim.simulation import chamber_plans, driven, loop, moved_wearer
 from exo_sim.simulation.causal_calibration import calibrated
 from exo_sim.simulation.divergence import WearerWatch
 from exo_sim.simulation.loop_wiring import wire
 from exo_sim.simulation.native import warnings_counted
 from exo_sim.simulation.plugin import PneumaticPlugin
-from exo_sim.simulation.rehearsal import learn_from
+from exo_sim.simulation.rehearsal import expected_load, learn_from
 from exo_sim.simulation.torque_limits import too_weak, torque_limits
 from exo_sim.simulation.walk import Request, Walk, as_columns, layout
 
@@ -56,6 +57,7 @@ class Simulation:
 
     Attributes:
         calibration: What a causal controller begins with, where one was asked for.
+        torques: Planned for a wearer who moves by them, shape (n, 8); None for one whose motion is prescribed.
         remarks: Plain sentences, such as that the cylinders cannot carry the payload.
 
     Raises:
@@ -88,6 +90,7 @@ class Simulation:
             check_step(rig, float(self.model.opt.timestep))
         self.dt = float(self.model.opt.timestep)
         self.remarks: tuple[str, ...] = ()
+        self.torques: NDArray[np.float64] | None = None
         self.calibration: Calibration | None = None
         self.demand = self.demand_added = np.zeros((SAMPLES + 1, 6))
         self.plan = self.plan_added = chamber_plans.nothing(len(self.plugin.links))
@@ -101,6 +104,8 @@ class Simulation:
         if whole.trial is not None:
             self.plan, self.plan_added = (chamber_plans.played(plan, whole.trial, self.plugin) for plan in (self.plan, self.plan_added))
             self.demand, self.demand_added = whole.trial.played(self.demand), whole.trial.played(self.demand_added)
+        if request.moved_by == "torques":
+            self._embody()
         self.remarks = (*scenario.remarks, *self.remarks)
         if controller is not None:
             self.controlled_by(controller, seed)
@@ -116,6 +121,33 @@ class Simulation:
         if varied.trial is not None:
             self.cycles = math.ceil(self.cycles / varied.trial.strides)
         return varied
+
+    def _embody(self) -> None:
+        """Make the wearer a body: he goes by what the straps do to one whose motion is prescribed."""
+        if float(self.motion.support.min()) < 1.0:
+            raise ScenarioError(f'{self.request.scenario}: the wearer sits, and there is no chair for one with wearer "torques"')
+        usual = self.added, self.cycles
+        settling = self._settling if self.motion.trial is None else 0
+        try:
+            self.added, self.cycles = None, settling + max(1, math.ceil(_LOOKED_AT / self.motion.period))
+            self.reset()
+            plan = wearer_plan.plan(self.motion, self.person, expected_load(self.run(), settling))
+        finally:
+            self.added, self.cycles = usual
+        step = self.model.opt.timestep
+        self.model = build(
+            self.rig.model, self.person, self.request.payload, self.rig.ankle, self.rig.body_masses, self.rig.joint_factors, embodied=True
+        )
+        attach(self.model, self.rig)
+        self.model.opt.timestep = step
+        self.data = mujoco.MjData(self.model)
+        self.straps = fasten(self.model, self.person, one_sided=True)
+        self.plugin = PneumaticPlugin(self.model, self.rig)
+        self.motion, self.torques = plan.motion, plan.torque
+
+    @property
+    def _settling(self) -> int:
+        return min(_SETTLING, max(1, math.ceil(_SETTLING_TIME / self.motion.period)))
 
     def controlled_by(self, controller: own.Controller, seed: int = 0) -> None:
         """Let somebody's controller ask for torques or move the valves.
@@ -171,7 +203,7 @@ class Simulation:
     def _rehearse(self, plan: LeastLoad, payload: float) -> NDArray[np.float64]:
         """Walk a few cycles at a time and better the plan after each time; return the best of the torques tried."""
         ankle = self.rig.ankle
-        settling = min(_SETTLING, max(1, math.ceil(_SETTLING_TIME / self.motion.period)))
+        settling = self._settling
         usual = (self.added, self.cycles, self.demand)
         try:
             self.added, self.cycles = None, settling + max(1, math.ceil(_LOOKED_AT / self.motion.period))
@@ -195,12 +227,25 @@ class Simulation:
         """Put the machine on the person at phase zero, moving with it, gas at rest at the pressures that hold it."""
         model, data = self.model, self.data
         mujoco.mj_resetData(model, data)
-        data.qpos[:] = self.motion.position[0]
-        data.qvel[:] = self.motion.slope[0] / self.motion.period
+        self.place(self.motion.position[0], self.motion.slope[0] / self.motion.period)
         vented = self.request.assist == "vented"
         self.plugin.pneumatics.cylinders["vented"] = float(vented)
         atmosphere = self.rig.environment.pressure
         self.plugin.reset(data, atmosphere, atmosphere)
+
+    def place(self, q: NDArray[np.float64], v: NDArray[np.float64]) -> None:
+        """Put the machine, and a wearer who is a body, to coordinates and rates, shape (9,)."""
+        n = len(COORDINATES)
+        self.data.qpos[:n], self.data.qvel[:n] = q, v
+        if self.torques is not None:
+            dofs = wearer_body.find(self.model).dofs[:n]
+            self.data.qpos[dofs], self.data.qvel[dofs] = q, v
+
+    @property
+    def keys(self) -> list[tuple[str, str]]:
+        """Key and unit of every number that the loop logs behind the time, in its order."""
+        own_columns = [] if self.torques is None else moved_wearer.layout()
+        return layout(self.rig, self.straps, not self.request.ideal) + own_columns
 
     def run(self, quiet: bool = True) -> Walk:
         """Simulate, and return all of it.
@@ -227,7 +272,7 @@ class Simulation:
         total = self.rows
         per_cycle = self.motion.period / self.dt
         cycles = self.cycles if most is None else max(FEWEST_CYCLES, int(most / per_cycle))
-        keys = layout(self.rig, self.straps, not self.request.ideal)
+        keys = self.keys
         wired, watch = wire(self), self.watch()
         advance: driven.Advance = lambda first, count, rows: loop.run(first, count, *wired, rows)  # noqa: E731
         if self._asked is not None:
@@ -283,7 +328,7 @@ class Simulation:
 
     def watch(self) -> WearerWatch:
         """Return what tells whether rows of the log are of a machine that is on its wearer."""
-        keys = ("time", *(key for key, _ in layout(self.rig, self.straps, not self.request.ideal)))
+        keys = ("time", *(key for key, _ in self.keys))
         return WearerWatch(self.request.scenario, self.data, self.motion, self.dt, keys)
 
     def walk_of(self, log: NDArray[np.float64], keys: list[tuple[str, str]], first: int, interrupted: bool) -> Walk:
@@ -293,7 +338,10 @@ class Simulation:
         time = np.asarray(np.arange(first, first + n) * self.dt, dtype=np.float64)
         if (trial := self.motion.trial) is not None:
             columns["gait.phase"] = trial.phase_at(time / self.motion.period)
-        poses = loop.person_along(time, self.motion, self.person)
+        moved = None if self.torques is None else moved_wearer.moved(columns, wrench, self.person)
+        poses = loop.person_along(time, self.motion, self.person) if moved is None else moved.poses
+        if moved is not None:
+            columns, units = moved_wearer.shown(columns), moved_wearer.shown(units)
         payload = np.full(n, self.request.payload)
         if self.added:
             at = self.added_at
@@ -318,6 +366,7 @@ class Simulation:
             step=self.dt,
             interrupted=interrupted,
             model=self.model,
+            moved=moved,
             first=first,
         )
 

@@ -154,7 +154,7 @@ class Stepper:
     def __init__(self, simulation: Simulation) -> None:
         self.simulation = simulation
         self.outside = Outside(simulation)
-        self._keys = layout(simulation.rig, simulation.straps, not simulation.request.ideal)
+        self._keys = simulation.keys
         self._watch = simulation.watch()
         self.rows: list[Array] = []
         self.taken = self.first = 0
@@ -172,7 +172,7 @@ class Stepper:
             q, v = np.empty(9), np.empty(9)
             position, slope = it.motion.tables()
             reference(self.first * it.dt / it.motion.period, it.motion.period, it.motion.advance, position, slope, q, v)
-            it.data.qpos[:], it.data.qvel[:] = q, v
+            it.place(q, v)
             atmosphere = it.rig.environment.pressure
             it.plugin.reset(it.data, atmosphere, atmosphere)
         self.outside = Outside(it)

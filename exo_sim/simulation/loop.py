@@ -7,8 +7,10 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
+from exo_sim.control import wearer_torques
 from exo_sim.control.metering import follow, meter
 from exo_sim.control.valve_control import GIVEN, MODEL, PI, force_limits, invert, pi, spring_pull
+from exo_sim.control.wearer_torques import Mover
 from exo_sim.gait.motion import Motion, look_up, reference
 from exo_sim.machine.person import Person, pose_bodies, segment_poses
 from exo_sim.machine.straps import pull
@@ -17,6 +19,7 @@ from exo_sim.physics.forces import sensed_pressures
 from exo_sim.physics.nodes import temperatures, volumes
 from exo_sim.physics.plant import FOLLOWED
 from exo_sim.physics.state import INTEGRATED
+from exo_sim.simulation import wearer_loop
 from exo_sim.simulation.coupling import advance_gas, compute_forces, moment_arm
 from exo_sim.simulation.loop_log import log_motion, log_rest
 from exo_sim.simulation.native import call
@@ -67,6 +70,7 @@ class Wearer(NamedTuple):
     anchor: Array
     stiffness: Array
     damping: Array
+    least: Array
     q: Array
     v: Array
     poses: Array
@@ -78,6 +82,8 @@ class Wearer(NamedTuple):
     torque: Array
     other: Array
     carried: Array
+    ground: Index
+    mover: Mover
 
 
 class Drives(NamedTuple):
@@ -238,6 +244,9 @@ def run(first, count, settings, mechanics, plant, bodies, wearer, drives, log):
     """
     settings, mechanics, plant, bodies = borrow(settings), borrow(mechanics), borrow(plant), borrow(bodies)
     wearer, drives = borrow(wearer), borrow(drives)
+    mover = wearer.mover
+    embodied = mover.dofs.size > 0
+    own = log.shape[1] - wearer_loop.COUNT  # where an embodied wearer's columns begin
     n = settings.numbers
     dt = n[DT]
     for k in range(first, first + count):
@@ -253,12 +262,15 @@ def run(first, count, settings, mechanics, plant, bodies, wearer, drives, log):
         if n[ADDED] > 0.0:
             fraction = min(max((time - n[ADDED_AT]) / n[ADDED_OVER], 0.0), 1.0)
             _load_payload(fraction, settings, bodies)
-        reference(cycles, n[PERIOD], n[ADVANCE], wearer.position, wearer.slope, wearer.q, wearer.v)
-        segment_poses(wearer.q, wearer.v, wearer.lengths, wearer.poses)
-        pose_bodies(wearer.poses, wearer.offset_y, bodies.mocap_pos, bodies.mocap_quat)
+        if embodied:
+            wearer_torques.see(mechanics.qpos, mechanics.qvel, wearer.q, wearer.v, wearer.lengths, wearer.poses, mover)
+        else:
+            reference(cycles, n[PERIOD], n[ADVANCE], wearer.position, wearer.slope, wearer.q, wearer.v)
+            segment_poses(wearer.q, wearer.v, wearer.lengths, wearer.poses)
+            pose_bodies(wearer.poses, wearer.offset_y, bodies.mocap_pos, bodies.mocap_quat)
         pull(
             wearer.poses, bodies.xpos, bodies.xmat, bodies.xipos, bodies.cvel, bodies.subtree_com[settings.root],
-            wearer.body, wearer.local, wearer.segment, wearer.anchor, wearer.stiffness, wearer.damping,
+            wearer.body, wearer.local, wearer.segment, wearer.anchor, wearer.stiffness, wearer.damping, wearer.least,
             bodies.xfrc_applied, wearer.force, wearer.motion, wearer.power, wearer.wrench,
         )  # fmt: skip
         _ask(cycles, time, fraction, settings, mechanics, plant, wearer, drives)
@@ -273,8 +285,19 @@ def run(first, count, settings, mechanics, plant, bodies, wearer, drives, log):
         for i in range(plant.actuators.size):
             drives.made[i] = mechanics.ctrl[plant.actuators[i]]
         log_motion(log[k - first], time, mechanics)
+        if embodied:
+            wearer_torques.ask(
+                cycles, n[PERIOD], n[ADVANCE], wearer.position, wearer.slope, wearer.share, wearer.q, wearer.v, wearer.poses, mover
+            )
+            wearer_torques.apply(wearer.poses, wearer.wrench, mechanics.qfrc_applied, mover)
+            wearer_loop.log_before(log[k - first, own:], mechanics.qpos, mechanics.qvel, mover)
         call(mechanics.step2, mechanics.model, mechanics.data)
         log_rest(log[k - first], cycles, settings.kind == GAS, mechanics, plant, bodies, wearer, drives)
+        if embodied:
+            wearer_loop.log_after(
+                log[k - first, own:], mechanics.qvel, bodies.sensordata, bodies.qfrc_constraint, bodies.qfrc_passive, bodies.dof_damping,
+                wearer.ground, mover,
+            )  # fmt: skip
     return FOLLOWED
 
 

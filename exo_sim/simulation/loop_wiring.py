@@ -8,8 +8,10 @@ import mujoco
 import numpy as np
 from numpy.typing import NDArray
 
+from exo_sim.control import wearer_torques
 from exo_sim.control.valve_control import CONTROLLERS, controller_code
 from exo_sim.errors import ModelError
+from exo_sim.machine import wearer_body
 from exo_sim.machine.person import SEGMENTS
 from exo_sim.machine.straps import StrapSet
 from exo_sim.simulation import chamber_plans, loop, views
@@ -64,9 +66,10 @@ def wire(it: Simulation) -> tuple[loop.Settings, views.Mechanics, views.Plant, l
     share = np.ascontiguousarray(np.concatenate([it.motion.share, it.motion.share[:1]]))
     person_body = [model.body(f"person_{segment}").id for segment in SEGMENTS]
     mocap = [int(model.body_mocapid[i]) for i in person_body]
-    if mocap != list(range(len(SEGMENTS))):
+    if it.torques is None and mocap != list(range(len(SEGMENTS))):
         raise ModelError(f"{it.rig.model}: the person's bodies must be mocap, in the order {', '.join(SEGMENTS)}")
     straps = it.straps
+    moving = _moving(it)
     plan, plan_added = (it.plan, it.plan_added) if it.planned else (chamber_plans.nothing(n), chamber_plans.nothing(n))
     return (
         loop.Settings(
@@ -82,14 +85,24 @@ def wire(it: Simulation) -> tuple[loop.Settings, views.Mechanics, views.Plant, l
         loop.Wearer(
             position, slope, it.person.lengths(), model.body_pos[person_body, 1].copy(), it.demand,
             it.demand_added, share, straps.body, straps.local, straps.segment, straps.anchor, straps.stiffness,
-            straps.damping, np.zeros(9), np.zeros(9), np.zeros((7, 6)), np.zeros((len(straps.names), 2)),
+            straps.damping, straps.least, np.zeros(9), np.zeros(9), np.zeros((7, 6)), np.zeros((len(straps.names), 2)),
             np.zeros((len(straps.names), 2)), np.zeros(len(straps.names)), groups(straps),
-            np.zeros((7, 3)), np.zeros(6), np.zeros(6), np.zeros(2),
+            np.zeros((7, 3)), np.zeros(6), np.zeros(6), np.zeros(2), *moving,
         ),
         loop.Drives(np.array(ankles, dtype=np.int64), np.zeros(n), np.zeros(n), np.zeros(n), np.zeros(n),
                     np.zeros(it.plugin.pneumatics.commands), np.zeros(6), plan, plan_added,
                     np.zeros(2 * n), np.zeros(2 * n), np.zeros(2 * n)),
     )  # fmt: skip
+
+
+def _moving(it: Simulation) -> tuple[NDArray[np.int64], wearer_torques.Mover]:
+    """Return where the ground's forces on a torque-driven wearer are among the sensors, and what moves him; where he is none, nothing."""
+    if it.torques is None:
+        return np.empty(0, np.int64), wearer_torques.mover(it.person)
+    where = wearer_body.find(it.model)
+    mover = wearer_torques.mover(it.person, 0.0, it.torques, where.dofs)
+    wearer_torques.dampen(it.model, mover)
+    return where.ground, mover
 
 
 def _valves(request: Request) -> str:

@@ -84,7 +84,8 @@ def scene(walk: Walk) -> Scene:
     sites = np.empty((len(rows), model.nsite, 3))
     for i, row in enumerate(rows):
         data.qpos[:] = qpos[i]
-        pose_bodies(walk.poses[row], offset_y, data.mocap_pos, data.mocap_quat)
+        if walk.moved is None:
+            pose_bodies(walk.poses[row], offset_y, data.mocap_pos, data.mocap_quat)
         mujoco.mj_kinematics(model, data)
         positions[i], quaternions[i], sites[i] = data.xpos, data.xquat, data.site_xpos
     bodies, shapes = shapes_of_model(model)

@@ -29,6 +29,17 @@ def cycle_mean(walk: Walk, values: NDArray[np.float64], settling: float) -> NDAr
     return total / count.reshape(-1, *([1] * (values.ndim - 1)))
 
 
+def expected_load(walk: Walk, settling: int) -> NDArray[np.float64]:
+    """Return what the straps do to the wearer's segments along a cycle, the mean over all after `settling`, shape (n, 7, 3)."""
+    n = len(walk.motion.position)
+    phase = walk.time / walk.motion.period
+    last = int(np.floor(phase[-1] + 1e-6))
+    at = settling + np.arange(n * (last - settling)) / n
+    rows = walk.wrench.reshape(len(phase), -1)
+    values = np.stack([np.interp(at, phase, column) for column in rows.T], axis=1)
+    return np.asarray(values.reshape(last - settling, n, *walk.wrench.shape[1:]).mean(axis=0))
+
+
 def learn_from(plan: LeastLoad, walk: Walk, settling: float) -> float:
     """Better a plan by one rehearsal; return the cost it had."""
     ahead, up = (np.stack([walk.columns[f"{name}.strap_force_{axis}"] for name in walk.straps.names]) for axis in "xz")

@@ -15,12 +15,13 @@ from exo_sim.control.valve_control import CONTROLLERS, ValveGains
 from exo_sim.errors import ScenarioError, nearest
 from exo_sim.gait import scenario as scenarios
 from exo_sim.gait.motion import Motion
-from exo_sim.gait.scenario import Scenario
+from exo_sim.gait.scenario import WEARERS, Scenario
 from exo_sim.gait.variation import Variation
 from exo_sim.machine.person import COORDINATES, SEGMENTS, Person
 from exo_sim.machine.straps import StrapSet
 from exo_sim.physics.pneumatics import Books
 from exo_sim.rig import Rig
+from exo_sim.simulation.moved_wearer import Moved
 
 ASSIST = ("on", "off", "vented")
 DRIVEN = ("", "valves", "torques")
@@ -50,6 +51,8 @@ class Request:
         step: Of the simulation [s]; None for the MJCF's own.
         given: The scenario itself, where it is not to be found by its name: `scenario` then is what to call it.
         variation: How strides differ from the mean one; None for what the scenario says.
+        wearer: What moves the wearer: "prescribed", he follows the reference whatever happens; "torques", he is a body that yields; or
+            None for what the scenario says.
         driven: What comes from outside, step by step: "valves" (their commands), "torques" (of the joints), or "" where nothing does.
 
     Raises:
@@ -69,6 +72,7 @@ class Request:
     ideal: bool = False
     step: float | None = None
     given: Scenario | None = None
+    wearer: str | None = None
     driven: str = ""
     variation: Variation | None = None
 
@@ -79,6 +83,7 @@ class Request:
             ("controller", self.controller, (*CONTROLLERS, *([self.controller] if self.driven else []))),
             ("law", self.law, law_of_demand.LAWS),
             ("driven", self.driven, DRIVEN),
+            ("wearer", self.moved_by, WEARERS),
         ):
             if value not in choices:
                 raise ScenarioError(f'{name} "{value}"{nearest(value, choices)}')
@@ -86,6 +91,11 @@ class Request:
             raise ScenarioError(f'assist "{self.assist}" holds the valves itself; a controller of your own needs assist "on"')
         if self.cycles is not None and not 1 <= self.cycles <= 10000:
             raise ScenarioError(f"{self.cycles} cycles: ask for 1 to 10000")
+
+    @property
+    def moved_by(self) -> str:
+        """What moves the wearer, one of `WEARERS`."""
+        return self.wearer if self.wearer is not None else self.found.wearer
 
     @property
     def found(self) -> Scenario:
@@ -115,6 +125,7 @@ class Walk:
         step: Of the simulation [s].
         interrupted: True where it was stopped early.
         model: The MuJoCo model, for drawing.
+        moved: What a torque-driven wearer did; None for one whose motion is prescribed.
         first: Which row of the whole run the first one is.
     """
 
@@ -135,6 +146,7 @@ class Walk:
     step: float
     interrupted: bool
     model: mujoco.MjModel
+    moved: Moved | None = None
     first: int = 0
 
 

@@ -13,9 +13,9 @@ from exo_sim.machine import anthropometry
 from exo_sim.machine.anthropometry import GRAVITY
 from exo_sim.machine.metabolism import Metabolic, power
 from exo_sim.machine.person import SEGMENTS
+from exo_sim.simulation.held import Held
 from exo_sim.simulation.reduction import Change, Mean, Peak, Rms
 from exo_sim.simulation.walk import JOINTS, POWERS, STRAPPED, Walk
-from exo_sim.simulation.wearer_load import Held
 
 _JOINTS = ("hip", "knee", "ankle")
 #: Rows of `SEGMENTS` that straps of each part hold.
@@ -49,10 +49,11 @@ def measure(walk: Walk, rows: slice, it: Held) -> dict[str, Any]:
     straps = {name: part[f"{name}_strap"] + on_wearer[:, i] for i, name in enumerate(STRAPPED)}
     pelvis = walk.poses[rows][:, 0]
     residual = _at_pelvis(it.ground.residual[rows], pelvis)
+    yielded = np.zeros(len(residual)) if walk.moved is None else walk.moved.yielded[rows]
     seat = _at_pelvis(it.ground.seat[rows], pelvis)
     # what is summed are the means, which do not depend on where the signs change
     flows = {
-        "joints": it.powers[rows].sum(axis=1), "feet": it.sole_powers[rows].sum(axis=1), "straps": sum(straps.values()),
+        "joints": it.powers[rows].sum(axis=1), "feet": it.sole_powers[rows].sum(axis=1), "straps": sum(straps.values()), "yielded": yielded,
         "actuators": part["actuator"], "damping": part["damping"] + part["spring"],
         "ground": part["ground"], "seat": seat, "residual": residual,
     }  # fmt: skip
@@ -65,6 +66,7 @@ def measure(walk: Walk, rows: slice, it: Held) -> dict[str, Any]:
         "machine_damping": Work.over(part["damping"], walk),
         "machine_springs": Work.over(part["spring"], walk),
         "ground": Work.over(part["ground"], walk),
+        **({} if walk.moved is None else {"soles": Work.over(yielded, walk)}),
         "seat": Work.over(seat, walk),
         "residual": Work.over(residual, walk),
         "stored": stored(walk, rows),
@@ -82,7 +84,7 @@ def closed(ledger: Mapping[str, Any]) -> dict[str, Any]:
 def stored(walk: Walk, rows: slice) -> Change:
     """Return by how much the energy of machine and wearer grows over some rows [J a cycle]."""
     ends = [rows.start, min(rows.stop, len(walk.time) - 1)]
-    wearer = anthropometry.energy(walk.poses[ends], walk.person)
+    wearer = anthropometry.energy(walk.poses[ends], walk.person) if walk.moved is None else np.zeros(2)  # in the model itself
     first, last = (machine_energy(walk, row) + float(own) for row, own in zip(ends, wearer))
     return Change(first, last, (rows.stop - rows.start) * walk.step / walk.motion.stride_time)
 

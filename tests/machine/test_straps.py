@@ -28,7 +28,7 @@ def pulled(worn, q, v, qpos, qvel):
     segment_poses(q, v, person.lengths(), poses)
     root = model.body("torso").id
     pull(poses, data.xpos, data.xmat, data.xipos, data.cvel, data.subtree_com[root], straps.body, straps.local,
-         straps.segment, straps.anchor, straps.stiffness, straps.damping, data.xfrc_applied, force,
+         straps.segment, straps.anchor, straps.stiffness, straps.damping, straps.least, data.xfrc_applied, force,
          np.zeros((len(straps.names), 2)), np.zeros(len(straps.names)), wrench)  # fmt: skip
     return data, poses, force, wrench
 

@@ -1,0 +1,136 @@
+"""The joint torques of a wearer who is a body: what the reference motion asks, and what brings him back to it.
+
+Three parts add up at hips, knees and ankles:
+
+- the moments that he plans, also at the toes (`wearer_plan.py`);
+- springs and dampers towards the angles of the reference: muscles and reflexes;
+- what brings the pelvis back to its path and the trunk to its lean through the legs that stand: a wrench at the pelvis, shared as the legs
+  share the load, as joint torques of legs without mass (virtual model control: Pratt, Chew, Torres, Dilworth and Pratt 2001, International
+  Journal of Robotics Research 20:129).
+
+Nothing else holds the wearer but weak springs at the pelvis. Their force is no muscle's: it is the residual.
+"""
+
+from __future__ import annotations
+
+from typing import NamedTuple
+
+import mujoco
+import numpy as np
+from numpy.typing import NDArray
+
+from exo_sim.gait.motion import look_up, reference
+from exo_sim.machine.person import REFERENCE_HEIGHT, Person, segment_poses
+from exo_sim.physics.compiled import kernel
+
+Array = NDArray[np.float64]
+
+#: Springs [N m/rad] and dampers [N m s/rad] of hip, knee and ankle of a body of 75 kg and 1.70 m; others in proportion to mass and height.
+STIFFNESS, DAMPING = (600.0, 400.0, 300.0), (50.0, 30.0, 15.0)
+#: Of the pelvis ahead and up [N/m], [N s/m] and of the trunk [N m/rad], through the legs that stand: critically damped for the whole body.
+PELVIS_STIFFNESS, PELVIS_DAMPING = (2000.0, 15000.0, 1500.0), (775.0, 2100.0, 270.0)
+#: The residual: weak springs and dampers between pelvis and reference.
+HELD_STIFFNESS, HELD_DAMPING = (500.0, 500.0, 600.0), (50.0, 50.0, 60.0)
+_MASS = 75.0
+
+
+class Mover(NamedTuple):
+    """What moves the wearer in the compiled loop.
+
+    Attributes:
+        dofs: Places of `wearer_body.JOINTS` in MuJoCo's positions and velocities, shape (11,); none where the motion is prescribed.
+        torque: Planned, the first row repeated behind the last, shape (n + 1, 8).
+        stiffness, damping: Of hips, knees, ankles, shape (6,).
+        pelvis_stiffness, pelvis_damping, held_stiffness, held_damping: Of the pelvis by the legs, and by the residual, shape (3,).
+        wanted, wanted_rate: The reference now, shape (9,).
+        planned: Torques now, shape (8,).
+        carried: Share of each leg now, shape (2,).
+        applied: Residual at the pelvis ahead, up and turning, and the torques of the joints, shape (11,).
+        load: Of the straps, by coordinate, shape (9,).
+    """
+
+    dofs: NDArray[np.int64]
+    torque: Array
+    stiffness: Array
+    damping: Array
+    pelvis_stiffness: Array
+    pelvis_damping: Array
+    held_stiffness: Array
+    held_damping: Array
+    wanted: Array
+    wanted_rate: Array
+    planned: Array
+    carried: Array
+    applied: Array
+    load: Array
+
+
+def mover(person: Person, carried: float = 0.0, torque: Array | None = None, dofs: NDArray[np.int64] | None = None) -> Mover:
+    """Return what moves a person who carries a load [kg] by planned torques; without those, what moves nobody."""
+    moves = torque if torque is not None else np.zeros((1, 8))
+    grown = (person.mass + carried) / _MASS
+    turning = grown * (person.height / REFERENCE_HEIGHT) ** 2
+    of_pelvis = np.array([grown, grown, turning])
+    return Mover(
+        np.empty(0, np.int64) if dofs is None else dofs, np.ascontiguousarray(np.concatenate([moves, moves[:1]])),
+        turning * np.array(STIFFNESS * 2), turning * np.array(DAMPING * 2), of_pelvis * PELVIS_STIFFNESS, of_pelvis * PELVIS_DAMPING,
+        np.array(HELD_STIFFNESS), np.array(HELD_DAMPING), np.zeros(9), np.zeros(9), np.zeros(8), np.zeros(2), np.zeros(11), np.zeros(9),
+    )  # fmt: skip
+
+
+def dampen(model: mujoco.MjModel, it: Mover) -> None:
+    """Let MuJoCo damp the wearer's joints: implicitly, since a swinging foot is light for the damping of an ankle."""
+    damping = model.dof_damping if model.dof_damping.ndim == 1 else model.dof_damping[:, 0]
+    damping[it.dofs[3:9]] = it.damping
+
+
+@kernel
+def see(qpos, qvel, q, v, lengths, poses, mover):
+    """Read where the wearer is: q, v (9,) and the poses of his segments (7, 6) are written."""
+    for j in range(9):
+        q[j], v[j] = qpos[mover.dofs[j]], qvel[mover.dofs[j]]
+    segment_poses(q, v, lengths, poses)
+
+
+@kernel
+def ask(cycles, period, advance, position, slope, share, q, v, poses, mover):
+    """Write the torques of now, and the residual, into `mover.applied`."""
+    reference(cycles, period, advance, position, slope, mover.wanted, mover.wanted_rate)
+    look_up(cycles, mover.torque, mover.planned)
+    look_up(cycles, share, mover.carried)
+    push = mover.load  # at the pelvis, by the legs
+    for j in range(3):
+        off, slow = mover.wanted[j] - q[j], mover.wanted_rate[j] - v[j]
+        push[j] = mover.pelvis_stiffness[j] * off + mover.pelvis_damping[j] * slow
+        mover.applied[j] = mover.held_stiffness[j] * off + mover.held_damping[j] * slow
+    for leg in range(2):
+        part = mover.carried[leg]
+        for k in range(3):
+            row, j = 1 + 3 * leg + k, 3 * leg + k
+            x, z = poses[row, 0] - poses[0, 0], poses[row, 1] - poses[0, 1]
+            by_pelvis = -part * (push[2] - x * push[1] + z * push[0])
+            by_joint = mover.stiffness[j] * (mover.wanted[3 + j] - q[3 + j])
+            by_joint += mover.damping[j] * mover.wanted_rate[3 + j]  # MuJoCo takes the damping of the joint off at the end of the step
+            mover.applied[3 + j] = mover.planned[j] + by_pelvis + by_joint
+    mover.applied[9], mover.applied[10] = mover.planned[6], mover.planned[7]
+
+
+@kernel
+def apply(poses, wrench, qfrc_applied, mover):
+    """Put torques, residual and what the straps do to the segments, shape (7, 3), into MuJoCo's applied forces."""
+    load = mover.load
+    load[:] = 0.0
+    for s in range(7):
+        fx, fz, turning = wrench[s, 0], wrench[s, 1], wrench[s, 2]
+        load[0] += fx
+        load[1] += fz
+        load[2] += turning + (poses[s, 0] - poses[0, 0]) * fz - (poses[s, 1] - poses[0, 1]) * fx
+        if s > 0:
+            first = 3 * ((s - 1) // 3)
+            for k in range((s - 1) % 3 + 1):
+                row = 1 + first + k
+                load[3 + first + k] += turning + (poses[s, 0] - poses[row, 0]) * fz - (poses[s, 1] - poses[row, 1]) * fx
+    for j in range(9):
+        qfrc_applied[mover.dofs[j]] = mover.applied[j] + load[j]
+    for j in range(9, 11):
+        qfrc_applied[mover.dofs[j]] = mover.applied[j]

@@ -1,0 +1,61 @@
+"""A wearer's torques: loads by coordinate, and legs that push the pelvis."""
+
+import numpy as np
+import pytest
+
+from exo_sim.control import wearer_torques
+from exo_sim.machine.person import Person, poses_along
+
+PERSON = Person()
+DOFS = np.arange(11)
+
+
+@pytest.fixture
+def pose():
+    rng = np.random.default_rng(5)
+    q, v = rng.normal(0.0, 0.4, 9), rng.normal(0.0, 1.0, 9)
+    return q, v, poses_along(q[None], v[None], PERSON)[0]
+
+
+def test_loads_on_segments_do_the_same_work_at_the_coordinates(pose):
+    _, v, poses = pose
+    it = wearer_torques.mover(PERSON, torque=np.zeros((4, 8)), dofs=DOFS)
+    wrench, applied = np.random.default_rng(6).normal(0.0, 100.0, (7, 3)), np.zeros(11)
+    wearer_torques.apply(poses, wrench, applied, it)
+    assert applied[:9] @ v == pytest.approx((wrench * poses[:, 3:]).sum())
+    assert (applied[9:] == 0.0).all()
+
+
+def test_legs_push_the_pelvis_where_it_should_be(pose):
+    q, _, poses = pose
+    it = wearer_torques.mover(PERSON, torque=np.zeros((4, 8)), dofs=DOFS)
+    off = np.array([0.02, -0.01, 0.05])
+    wanted = q.copy()
+    wanted[:3] += off
+    position, slope = np.tile(wanted, (5, 1)), np.zeros((5, 9))
+    share = np.tile([1.0, 0.0], (5, 1))
+    wearer_torques.ask(0.3, 1.0, 0.0, position, slope, share, q, np.zeros(9), poses, it)
+    push = it.pelvis_stiffness * off
+    np.testing.assert_allclose(it.applied[:3], it.held_stiffness * off)
+    # a massless left leg whose foot is fixed: moving the pelvis, its joints do the work of the push
+    np.testing.assert_allclose(it.applied[6:9], 0.0, atol=1e-9)
+    for move in np.eye(3):
+        rates = _with_foot_fixed(q, move)
+        assert it.applied[3:6] @ rates == pytest.approx(push @ move, abs=1e-6)
+
+
+def _with_foot_fixed(q, move):
+    """Return the rates of the left leg's joints that keep its foot still while the pelvis moves."""
+
+    def foot(v):
+        return poses_along(q[None], v[None], PERSON)[0, 3, 3:]
+
+    base = foot(np.concatenate([move, np.zeros(6)]))
+    legs = np.stack([foot(np.eye(9)[j]) for j in (3, 4, 5)], axis=1)
+    return np.linalg.solve(legs, -base)
+
+
+def test_a_heavier_wearer_is_stiffer_in_proportion():
+    usual, heavy = wearer_torques.mover(Person(1.7, 75.0)), wearer_torques.mover(Person(1.7, 75.0), carried=37.5)
+    np.testing.assert_allclose(heavy.stiffness, 1.5 * usual.stiffness)
+    np.testing.assert_allclose(heavy.pelvis_stiffness, 1.5 * usual.pelvis_stiffness)

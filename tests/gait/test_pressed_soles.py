@@ -1,0 +1,47 @@
+"""Soles that sink into a ground that gives."""
+
+import numpy as np
+import pytest
+
+from exo_sim.gait import scenario
+from exo_sim.gait.pressed_soles import pressed
+from exo_sim.gait.residual_reduction import body_loads, reduced
+from exo_sim.machine import footing, wearer_body
+from exo_sim.machine.person import Person, poses_along
+
+PERSON, STIFFNESS, RADIUS, TOES = Person(), wearer_body.STIFFNESS, wearer_body.RADIUS, footing.TOES
+
+
+@pytest.fixture(scope="module")
+def both():
+    motion = reduced(scenario.motion("level_walk", PERSON, 1.0), PERSON)
+    ground = footing.hold(*body_loads(motion, PERSON), motion.share, motion.pressure_centre, motion.support, PERSON)
+    return motion, ground, pressed(motion, PERSON, ground.force, ground.centre, STIFFNESS, RADIUS, TOES)
+
+
+def height(motion, ahead):
+    """Return how high the lowest point of what touches is, ahead of the right ankle."""
+    foot = poses_along(motion.position, motion.slope, PERSON)[:, footing.FEET[1]]
+    low = PERSON.ankle_height - RADIUS
+    return foot[:, 1] + ahead * np.sin(foot[:, 2]) - low * np.cos(foot[:, 2]) - RADIUS
+
+
+def test_a_flat_foot_sinks_as_far_as_its_load_asks(both):
+    _, ground, found = both
+    flat = slice(110, 170)  # of the right foot's stance
+    sunk = -height(found, PERSON.heel)[flat] - height(found, PERSON.toe)[flat]
+    np.testing.assert_allclose(STIFFNESS * sunk, ground.force[flat, 1, 1], rtol=0.1)
+
+
+def test_a_swinging_foot_stays_where_it_was(both):
+    motion, _, found = both
+    swing = slice(350, 480)
+    for ahead in (PERSON.heel, PERSON.toe):
+        np.testing.assert_allclose(height(found, ahead)[swing], height(motion, ahead)[swing], atol=3e-3)
+
+
+def test_joints_and_pelvis_move_little(both):
+    motion, _, found = both
+    assert np.abs(found.position - motion.position)[:, 3:].max() < np.radians(5.0)
+    assert 0.0 < (motion.position - found.position)[:, 1].max() < 0.01
+    np.testing.assert_array_equal(found.position[:, [0, 2]], motion.position[:, [0, 2]])

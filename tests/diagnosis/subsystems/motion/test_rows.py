@@ -33,6 +33,15 @@ def test_nothing_is_compared_within_half_a_filter_of_a_turn_or_break() -> None:
         assert not rows.compared[max(0, at - reach + 1) : at + reach].any()
 
 
+def test_what_breaks_loose_inside_the_filter_is_not_compared() -> None:
+    """Friction at the mean speed of a jump is no mean friction of it."""
+    jump = 0.051 + 0.05 * np.tanh((motion_runs.TIME - 4.0) / 4e-3)
+    rows = rows_of(replace(RUN, kinematics=replace(RUN.kinematics, velocity=jump, still=1e-4)), ALL)
+    begins = (motion_runs.TIME > 3.98) & (motion_runs.TIME < 4.0)
+    assert not rows.compared[begins].any()
+    assert rows.compared[(motion_runs.TIME > 2.0) & (motion_runs.TIME < 3.9)].all()
+
+
 def test_unusable_time_and_missing_values_are_left_out() -> None:
     usable = ALL.copy()
     usable[5000:] = False

@@ -11,6 +11,14 @@ REST_BEYOND = Number(
     "than at the other, which a mass or a sensor's zero says as well",
     "derived: return springs of single-acting cylinders double their force over the stroke",
 )  # fmt: skip
+BREAKAWAY = Number(
+    2.0, "levels of dry friction", "by how much breakaway exceeds it, one standard deviation: published seals show 0.2 to 2",
+    "learn make A of whole machines: without it a dip of 700 N over a level of 23 N beside a soft contact stood for one of 12 N",
+)  # fmt: skip
+FAULTY_ZERO = Number(
+    0.03, "share of sensors", "whose zero is off by more than its data sheet allows: beside dry friction seals that differ by direction, "
+    "of which one in three does, look the same",
+)  # fmt: skip
 VALVE_AREA = Number(0.10, "share", "what a data sheet allows of a valve's area, and what tuning has done to it")
 DEAD_VOLUME = Number(0.15, "share", "the same of a dead volume")
 PRESSURE_ZERO = Number(500.0, "Pa", "zero of a good pressure sensor")

@@ -32,7 +32,9 @@ EFFECT = Effect(
     valid="the seals rub at levels that do not change with speed, pressure, place or time at rest.",
     signature="the loop of force against position is not centred on the load",
     # at a joint that moves, Coulomb friction beside a constant torque says the same in simpler words
-    identification=Identification(applicability=Applicability(places=("cylinder",)), twins=Twins(beside_constant="coulomb_friction")),
+    identification=Identification(
+        applicability=Applicability(places=("cylinder",)), twins=Twins(beside_constant="coulomb_friction"), prevalence=0.3
+    ),
 )
 
 

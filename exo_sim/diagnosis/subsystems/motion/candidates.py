@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from dataclasses import replace
 
 import numpy as np
 
@@ -99,7 +100,8 @@ def candidates(runs: Sequence[MotionRun], plant: PlantParameters, where: str, re
         unit = "Pa" if "pressure" in column else ("N*m" if run.turning else "N")
         level = 0.02 * force / max(float(np.median(np.abs(lever))), 1e-12)
         limit = healthy.ZEROS * priors.PRESSURE_ZERO if unit == "Pa" else healthy.CELL_ZERO * force
-        found.append(sensor_error(sensor_bias.EFFECT, column, f"{column}.bias", unit, level, (-1e7, 1e7), limit))
+        zero = sensor_error(sensor_bias.EFFECT, column, f"{column}.bias", unit, level, (-1e7, 1e7), limit)
+        found.append(replace(zero, prevalence=priors.FAULTY_ZERO))
     return tuple(found)
 
 

@@ -43,7 +43,7 @@ EXPONENTS = (0.6, 1.0, 2.0)
 PISTON_STIFFNESS = (5.5e5, 4e5, 3e5, 2e5, 1e5, 5e4, 2.5e4, 1.2e4, 6e3)
 JOINT_TRAVEL = (2e-3, 5e-3, 1e-2, 3e-2)
 #: Speeds at which friction has built up that are tried, between these shares of the least and the greatest speed that occurred.
-CREEPS, CREEP_LOW, CREEP_HIGH = 5, 0.7, 0.05
+CREEPS, CREEP_LOW, CREEP_HIGH = 6, 0.3, 0.05
 #: Effects that say how a contact begins to slide: they bend every law of dry friction.
 _BENDING = (presliding.EFFECT.name, friction_smoothing.EFFECT.name)
 #: Dry laws are differenced by this share of the level of friction.
@@ -183,10 +183,14 @@ class _Builder:
         hidden = [q for q, column in zip(candidate.parameters, columns, strict=True) if not _shows(column)]
         if hidden:
             return self._shaped(candidate, hidden, residual)
-        one_sided = tuple(q.low >= q.neutral for q in candidate.parameters)
+        known = self._known_of(self._absorbed(candidate))
+        one_sided = tuple(q.low >= q.neutral and known is None for q in candidate.parameters)
 
         def parameters(sizes: Array, before: Values) -> dict[FreeParameter, float]:
-            return {q: q.neutral + float(size) for q, size in zip(candidate.parameters, sizes, strict=True)}
+            # of a poorer form that the machine has, a richer one may also take something away
+            taken = {} if known is None else {known: max(before[known] + min(0.0, float(sizes.min())), known.low)}
+            given = 0.0 if known is None else before[known] - taken[known]
+            return {**taken, **{q: q.neutral + given + float(size) for q, size in zip(candidate.parameters, sizes, strict=True)}}
 
         group = candidate.kind.value if candidate.kind is Kind.SENSOR else self._group(candidate)
         return [Term(candidate, np.column_stack(columns), self._spread(columns), one_sided, parameters, group)]
@@ -224,11 +228,18 @@ class _Builder:
         return list(np.geomspace(low, high, DIPS) if 0.0 < low < high else np.linspace(low, high, DIPS))
 
     @staticmethod
-    def _group(candidate: Candidate) -> str:
-        """Return the group of an effect: that of the effect of which it is the richer form."""
+    def _absorbed(candidate: Candidate) -> str:
+        """Return the effect of which this one is the richer form, "" where there is none."""
         effect = declared().get(candidate.effect)
-        absorbed = [name for name, _ in effect.absorbs] if effect else []
-        return absorbed[0] if absorbed else candidate.effect
+        return effect.absorbs[0][0] if effect and effect.absorbs else ""
+
+    def _known_of(self, effect: str) -> FreeParameter | None:
+        """Return the nuisance parameter that says how large an effect is which the machine as believed has; None where it has not."""
+        return next((q for q in self.nuisances if q.effect == effect and q.prior is not None and q.prior[0] > 0.0), None)
+
+    def _group(self, candidate: Candidate) -> str:
+        """Return the group of an effect: that of the effect of which it is the richer form."""
+        return self._absorbed(candidate) or candidate.effect
 
     def _step(self, parameter: FreeParameter) -> float:
         """Return by how much a parameter is changed to see what it does: enough for a share of the level of friction."""
@@ -250,7 +261,7 @@ class _Builder:
         breakaway, velocity, exponent = (
             next(q for q in candidate.parameters if q.parameter == name) for name in ("breakaway", "velocity", "exponent")
         )
-        step = STEP * self.level
+        step, most = STEP * self.level, priors.BREAKAWAY * self.level
         found = []
         speeds = np.geomspace(DIP_LOW * self.slowest, max(DIP_HIGH * self.fastest, 1.01 * DIP_LOW * self.slowest), DIPS)
         for speed, power in itertools.product(map(float, speeds), EXPONENTS):
@@ -264,7 +275,7 @@ class _Builder:
 
             found.append((column, parameters))
         return [
-            Term(candidate, column[:, None], self._spread([column]), (True,), parameters, candidate.effect, len(found))
+            Term(candidate, column[:, None], np.minimum(self._spread([column]), most), (True,), parameters, candidate.effect, len(found))
             for column, parameters in found
         ]
 

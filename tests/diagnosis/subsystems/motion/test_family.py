@@ -13,6 +13,7 @@ from diagnosis.motion_runs import ACCELERATION, MASS, POSITION, TIME, VELOCITY
 from exo_sim.diagnosis.data.split import Split
 from exo_sim.diagnosis.estimation.candidate import Candidate
 from exo_sim.diagnosis.estimation.parameters import FreeParameter, Target
+from exo_sim.diagnosis.policy.priors import BREAKAWAY
 from exo_sim.diagnosis.selection.family_search import FamilySearch
 from exo_sim.diagnosis.selection.fitted_model import SearchResult
 from exo_sim.diagnosis.selection.model_fits import ModelFits
@@ -67,6 +68,26 @@ def test_dry_friction_with_a_dip_and_viscous_friction_are_found_together_over_tw
     assert found["coulomb_friction"] == pytest.approx(12.0 * times, rel=0.05)
     assert found["viscous_friction"] == pytest.approx(60.0 * times, rel=0.05)
     assert found["stribeck_friction"] == pytest.approx(21.0 * times, rel=0.15)
+
+
+def test_a_level_that_the_rig_has_and_that_differs_by_direction_is_found_beside_it() -> None:
+    """Less of what the rig has one way, and more of it the other way."""
+    plant = motion_runs.plant()
+    plant.cylinder["coulomb_friction"]["force"] = 12.0
+    ways = smoothed_alike(TIME, np.where(VELOCITY > 0.0, 15.0, 7.0) * SIGN)
+    run = motion_runs.behind_cylinder(motion_runs.balance(ways + 60.0 * VELOCITY, 0.1), np.zeros((TIME.size, 2)))
+    found = searched(MotionModel([run], plant, Split({})))
+    assert set(named(found)) == {"asymmetric_friction", "viscous_friction"}
+    values = {q.parameter: value for q, value in found.final.fit.values.items() if q.effect in ("coulomb_friction", "asymmetric_friction")}
+    assert values["force"] + values["forward"] == pytest.approx(15.0, rel=0.05)
+    assert values["force"] + values["backward"] == pytest.approx(7.0, rel=0.1)
+
+
+def test_no_dip_is_many_times_the_level_that_slides() -> None:
+    model = MotionModel([motion_runs.balance(lost(coulomb=12.0, stribeck=9.0), 0.1)], motion_runs.plant(), Split({}))
+    asked = candidates(model.runs, model.nominal, model.where)
+    dips = [term for term in motion_family(model, (), asked, bent=False).bends[0].terms if term.candidate.effect == "stribeck_friction"]
+    assert dips and max(float(term.spread[0]) for term in dips) <= BREAKAWAY * 20.0
 
 
 def test_a_frictionless_balance_bears_no_name() -> None:

@@ -65,7 +65,7 @@ def refitted_besides(
     surely = {parameter for parameter, error, by in moved if by > SURE * error}
     beside = named or bool(reported) or bool(surely)
     return tuple(
-        (q, error) for q, error, by in moved if q in surely or (beside and q.prior and by > MOVED * abs(q.prior[0]) > 0.0)
+        (q, error) for q, error, by in moved if q in surely or (beside and q.prior and by > MOVED * (abs(q.prior[0]) or q.prior[1]))
     )
 
 

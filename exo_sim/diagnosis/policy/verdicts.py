@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from exo_sim.diagnosis.policy import acceptance
 from exo_sim.diagnosis.policy.number import Number
 
 AS_GOOD = Number(
@@ -19,6 +20,11 @@ CONFIDENT_BESIDE_UNKNOWN = Number(
 PROBABLE = Number(
     0.75, "probability", "an effect of the most probable subset is named from here on, alone or as one of those that exclude each other"
 )
+DECISIVE = Number(
+    1.0 / (1.0 + 10.0**-acceptance.LEAST_ODDS), "probability",
+    "the same beside something without a name, of which a name that is merely probable may be a part: decisive odds",
+    "derived from the odds of acceptance; the vented MBARI spring, whose friction varies with place, had a return spring at odds of 6",
+)  # fmt: skip
 LEAST_UNNAMED = Number(
     0.08, "share of all friction", "friction that varies with place or time by less, root mean square, is what many machines show",
     "learn makes of whole machines, a version of this fit before the last: 27 without such friction showed none; with it, 0.1 to 0.3",

@@ -14,20 +14,21 @@ import numpy as np
 from exo_sim.diagnosis.discrepancy.basis import DiscrepancyBasis
 from exo_sim.diagnosis.estimation.candidate import Candidate, CandidateKey, drop_orphans
 from exo_sim.diagnosis.estimation.least_squares import Fit
-from exo_sim.diagnosis.estimation.linear_family import Bend, LinearFamily, Term
+from exo_sim.diagnosis.estimation.linear_family import Bend, LinearFamily
 from exo_sim.diagnosis.estimation.parameters import FreeParameter, Target
 from exo_sim.diagnosis.findings import Kind
-from exo_sim.diagnosis.policy import verdicts
+from exo_sim.diagnosis.policy import acceptance, verdicts
 from exo_sim.diagnosis.policy.budgets import RUNNERS_UP
 from exo_sim.diagnosis.policy.recordings import FEWEST_ROWS
 from exo_sim.diagnosis.policy.verdicts import NIL
 from exo_sim.diagnosis.selection.comparisons import Comparisons
 from exo_sim.diagnosis.selection.evidence import Evidence
-from exo_sim.diagnosis.selection.fitted_model import FittedModel, SearchResult, Unnamed, exceeds_healthy_limit
+from exo_sim.diagnosis.selection.fitted_model import FittedModel, SearchResult, exceeds_healthy_limit
 from exo_sim.diagnosis.selection.linear_evidence import LinearEvidence, Posterior, Spreads
 from exo_sim.diagnosis.selection.marginal_fit import MarginalFits
 from exo_sim.diagnosis.selection.model_fits import ModelFits
 from exo_sim.diagnosis.selection.subset_weighing import At, SubsetWeighing, Weighed
+from exo_sim.diagnosis.selection.unnamed import unnamed, unnamed_terms
 from exo_sim.physics.declaration import declared
 
 
@@ -84,6 +85,8 @@ class FamilySearch:
         final = self._predicting_best(final, plain, _errors_about(final, laws))
         probabilities = self.weighing.probabilities(finalists)
         comparisons = Comparisons(self.fits, baseline, len(self.family.bends[0].terms), 0.0)
+        if final.candidates and not self._stands_in_the_fit(final, baseline, comparisons):
+            final, plain = baseline, baseline
         kept = {candidate.key for candidate in final.candidates}
         return SearchResult(
             baseline,
@@ -93,18 +96,17 @@ class FamilySearch:
             self._runners_up(best, posterior),
             probabilities=probabilities | self._of_poorer(final, best, kin, probabilities),
             errors=_errors_about(final, laws),
-            unnamed=self._unnamed(best, finalists, posterior),
+            unnamed=unnamed(self.weighing, self.basis, best, finalists, posterior),
             least_left=plain.fit.sse,
         )
 
-    def _unnamed_terms(self, best: Weighed) -> list[tuple[int, Term]]:
-        """Return the terms of a subset that are no effect of the list, each with where its sizes begin."""
-        found, first = [], 0
-        for term in self.weighing.terms(best):
-            if term.candidate.kind is Kind.UNKNOWN:
-                found.append((first, term))
-            first += term.columns.shape[1]
-        return found
+    @staticmethod
+    def _stands_in_the_fit(final: FittedModel, baseline: FittedModel, comparisons: Comparisons) -> bool:
+        """Return whether names are decisive also where nuisance parameters are fitted as they act, and not along lines.
+
+        Asked where these leave nothing but noise: a law that the rig has bends further than a line does.
+        """
+        return not comparisons.is_clean(baseline) or comparisons.evidence(baseline, final).log10_odds > acceptance.LEAST_ODDS
 
     def _left_by(self, plain: FittedModel, best: Weighed) -> Spreads:
         """Return the spreads of what a fit leaves: shapes between those that were weighed are no discrepancy."""
@@ -115,24 +117,10 @@ class FamilySearch:
     def _widened(self, best: Weighed, spreads: Spreads) -> Spreads:
         """Return spreads with which what is missing without a name counts as discrepancy: no fit has numbers for it."""
         amplitudes = list(spreads.amplitudes)
-        for _, term in self._unnamed_terms(best):
+        for _, term in unnamed_terms(self.weighing.terms(best)):
             kind = self.basis.names.index(term.candidate.form)
             amplitudes[kind] = math.hypot(amplitudes[kind], float(term.spread[0]))
         return replace(spreads, amplitudes=tuple(amplitudes))
-
-    def _unnamed(self, best: Weighed, finalists: Sequence[Weighed], posterior: Posterior) -> tuple[Unnamed, ...]:
-        """Return what is missing without a name and is both probable and large."""
-        target = self.family.bends[best.bend].target
-        size = max(float(np.std(target)), self.family.whole)
-        found = []
-        for first, term in self._unnamed_terms(best):
-            acting = term.columns @ posterior.sizes[first : first + term.columns.shape[1]]
-            acts = float(np.sqrt(np.mean(acting**2)))
-            share = acts / max(size, 1e-300)
-            probability = self.weighing.probability_of_any(finalists, {term.candidate.at})
-            if probability >= verdicts.PROBABLE and share >= verdicts.LEAST_UNNAMED and acts >= self.family.least:
-                found.append(Unnamed(term.candidate.form, probability, share))
-        return tuple(sorted(found, key=lambda one: -one.share))
 
     def _laws(self, best: Weighed, finalists: Sequence[Weighed]) -> list[_Law]:
         """Return every law that the effects of the best subset may follow, by how probable it is."""
@@ -187,7 +175,8 @@ class FamilySearch:
         """Return the effects of the best subset that are probable enough to be named: each of them, or another of its kin."""
         candidates = [c for c in self.weighing.candidates(best) if c.kind is not Kind.UNKNOWN]
         groups = {term.candidate.at: term.group for term in self.weighing.terms(best)}
-        probable = [c for c in candidates if self.weighing.probability_of_any(finalists, kin[c.at]) >= verdicts.PROBABLE]
+        least = verdicts.DECISIVE if unnamed_terms(self.weighing.terms(best)) else verdicts.PROBABLE
+        probable = [c for c in candidates if self.weighing.probability_of_any(finalists, kin[c.at]) >= least]
         return drop_orphans(probable, self.weighing.standing | {groups[c.at] for c in probable if c.at in groups})
 
     def _predicting_best(

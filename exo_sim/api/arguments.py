@@ -11,7 +11,7 @@ from typing import Any
 from exo_sim import units
 from exo_sim.api.recording import Recording
 from exo_sim.api.rig import Rig
-from exo_sim.errors import RecordingError, RigError, ScenarioError, UnitError
+from exo_sim.errors import OutputError, RecordingError, RigError, ScenarioError, UnitError
 from exo_sim.recording import table
 from exo_sim.recording.column_map import ColumnMap
 from exo_sim.recording.reader import Reading, read
@@ -87,3 +87,15 @@ def columns_of(columns: Columns) -> Path | ColumnMap | None:
     from exo_sim.api.recording import map_of
 
     return map_of(columns)
+
+
+def check_target(path: str | os.PathLike[str]) -> Path:
+    """Return where a recording for the viewer goes.
+
+    Raises:
+        OutputError: it ends in something else than `.rrd`.
+    """
+    target = Path(path)
+    if target.suffix.lower() != ".rrd":
+        raise OutputError(f'cannot write "{target}": a recording for the viewer ends in .rrd')
+    return target

@@ -9,12 +9,12 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from exo_sim.api.arguments import Columns, RecordingLike, RigLike, reading_of, rig_of
+from exo_sim.api.arguments import Columns, RecordingLike, RigLike, check_target, reading_of, rig_of
 from exo_sim.api.notebook import html_table
 from exo_sim.api.recording import Recording
 from exo_sim.api.rig import Rig
 from exo_sim.conventions import Check, settle
-from exo_sim.errors import Diverged, OutputError
+from exo_sim.errors import Diverged
 from exo_sim.machine.load import load
 from exo_sim.plain_text import table
 from exo_sim.recording import noise
@@ -135,18 +135,6 @@ def compare(
         Recording.of(settled.recording), machine, Recording.of(replay.windowed), Recording.of(replay.free_run), signals, remarks,
         _summary(replay, signals, remarks, settled.checks),
     )  # fmt: skip
-
-
-def check_target(path: str | os.PathLike[str]) -> Path:
-    """Return where a recording for the viewer goes.
-
-    Raises:
-        OutputError: it ends in something else than `.rrd`.
-    """
-    target = Path(path)
-    if target.suffix.lower() != ".rrd":
-        raise OutputError(f'cannot write "{target}": a recording for the viewer ends in .rrd')
-    return target
 
 
 def _errors(recording: Any, replay: Replay) -> dict[str, dict[str, Any]]:

@@ -11,8 +11,7 @@ from functools import cached_property
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from exo_sim.api.arguments import Quantity, RigLike, quantity, reading_of, rig_of
-from exo_sim.api.comparing import check_target
+from exo_sim.api.arguments import Quantity, RigLike, check_target, quantity, reading_of, rig_of
 from exo_sim.api.notebook import html_table
 from exo_sim.api.recording import Recording
 from exo_sim.api.rig import Rig

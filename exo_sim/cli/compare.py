@@ -33,7 +33,8 @@ def command(
     Every measured pressure and position is predicted twice: over windows of 0.5 s, each from the measured state, and in
     one run from the first.
     """
-    from exo_sim.api.comparing import check_target, compare
+    from exo_sim.api.arguments import check_target
+    from exo_sim.api.comparing import compare
     from exo_sim.outputs import check_writable
     from exo_sim.progress import Bar
 

@@ -11,7 +11,8 @@ class Signal:
 
     Attributes:
         name: The part of a column name behind the dot.
-        part: What stands before the dot: "cylinder", "joint", "site", "supply", "exhaust", "gait" or "ledger".
+        part: What stands before the dot: "cylinder", "joint", "site", "supply", "exhaust", "recovery", "gait" or
+            "ledger".
         units: SI units it may have; more than one where a joint slides or turns.
         label: Words for a plot.
         measured: True where a real recording may hold it; False for what only a simulation knows.
@@ -70,6 +71,8 @@ TABLE = (
     Signal("residual_force_x", "ledger", ("N",), "force that holds the wearer's pelvis, forward", measured=False),
     Signal("residual_force_z", "ledger", ("N",), "force that holds the wearer's pelvis, up", measured=False),
     Signal("residual_moment", "ledger", ("N*m",), "moment that holds the wearer's pelvis", measured=False),
+    Signal("pressure", "recovery", ("Pa",), "pressure of the recovery tank", measured=False),
+    Signal("gas", "recovery", ("kg",), "gas in the recovery tank", measured=False),
     Signal("phase", "gait", ("1",), "gait phase", measured=False),
     Signal("stance_l", "gait", ("1",), "left foot on the ground", measured=False),
     Signal("stance_r", "gait", ("1",), "right foot on the ground", measured=False),
@@ -79,7 +82,7 @@ TABLE = (
 VALVE_COMMANDS = ("valve_command", "valve_command_1", "valve_command_2")
 
 #: Parts of which there is only one, called by these names in every recording.
-SHARED_PARTS = ("supply", "exhaust", "gait", "ledger")
+SHARED_PARTS = ("supply", "exhaust", "recovery", "gait", "ledger")
 
 
 def find(part_kind: str, name: str) -> Signal | None:

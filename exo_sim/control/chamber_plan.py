@@ -9,11 +9,15 @@ chamber draws in an interval is linear in its pressures (corrected equations 13 
 so that the least gas of a whole cycle is a linear program, periodic, with the valve's flow and the supply's pressure as bounds. HiGHS
 (Huangfu and Hall 2018) solves it. A chamber at the exhaust's pressure grows from there and pays nothing for it; which intervals these are
 is settled by solving again.
+
+With a recovery tank a chamber below the tank's pressure may be filled from it, one above may give to it; over a cycle each cylinder takes
+no more than it gave, counted by enthalpy (grams at the supply's temperature), which is what an adiabatic tank's pressure goes by. Which
+side of the tank's pressure a chamber is on is settled by solving again, too, from the plan without a tank: each pass keeps the one before
+as a solution, so none draws more, but the last is a good plan and not surely the best.
 """
 
 from __future__ import annotations
 
-from collections.abc import Callable
 from dataclasses import dataclass
 
 import numpy as np
@@ -21,25 +25,20 @@ from numpy.typing import NDArray
 from scipy import sparse
 from scipy.optimize import linprog
 
-from exo_sim.physics.gas import flow
-from exo_sim.physics.nodes import path_areas
+from exo_sim.control.chamber_flows import BAR, GRAM, Columns, draw_rows, tank_rows
 
 Array = NDArray[np.float64]
 #: Intervals of a cycle.
 INTERVALS = 64
-#: Share of a path's flow that a plan uses: the rest is for what no plan foresees.
-FLOW_SHARE = 0.7
 #: Share of the supply's pressure that a plan fills a chamber to.
 FILLED_TO = 0.97
-#: Numbers of the program are near one: pressures in bar, gas in grams.
-_BAR, _GRAM, _KILO = 1e5, 1e-3, 1e3
+_KILO = 1e3
 #: Springs beside a rod: the stiffest and the softest that is one [N/m], and how far from X = 0 they may be at rest [m].
 STIFFEST, _SOFTEST, _FARTHEST = 3e4, 100.0, 0.4
 #: A newton that is missing over an interval costs as much as the gas of so many newtons held at full stroke.
 _PRICE = 40.0
-_PASSES = 3
-#: Where the flow through a path is tangent to the lines that bound it: shares of the way from exhaust to supply.
-_TANGENTS = (0.02, 0.1, 0.3, 0.6, 0.75, 0.87, 0.95, 0.99)
+#: How often the program is solved at the most: while a pass betters the one before.
+_PASSES, _TANK_PASSES = 3, 6
 
 
 @dataclass(frozen=True)
@@ -51,6 +50,7 @@ class ChamberPlan:
         gas: Drawn a cycle [kg].
         short: Largest force that is not given [N].
         spring: Stiffness [N/m] and rest [m] of the spring beside the rod with which the gas is least, or None where none was asked for.
+        recovered: Taken from the recovery tank a cycle, counted at the supply's temperature [kg].
     """
 
     pressure_1: Array
@@ -58,6 +58,7 @@ class ChamberPlan:
     gas: float
     short: float
     spring: tuple[float, float] | None = None
+    recovered: float = 0.0
 
 
 def plan(world: np.void, c: np.void, x: Array, force: Array, period: float, spring: bool = False) -> ChamberPlan:
@@ -71,95 +72,50 @@ def plan(world: np.void, c: np.void, x: Array, force: Array, period: float, spri
         spring: Whether a spring beside the rod is to be chosen, too: its force is linear in two numbers, so the program stays one.
     """
     n, p_s, p_e = len(x), float(world["supply_pressure"]), float(world["exhaust_pressure"])
-    k_r_t = float(world["k"] * world["r"] * world["supply_temperature"])
-    price = _PRICE * float(c["stroke"]) / k_r_t / _GRAM
-    limits, most = _limits(world, c, x, period)
+    price = _PRICE * float(c["stroke"]) / float(world["k"] * world["r"] * world["supply_temperature"]) / GRAM
+    columns = Columns(n)
+    tank = bool(world["tank_volume"] > 0.0 and c["tank_area"] > 0.0)
     a_1, a_2 = float(c["area_1"]), float(c["area_2"])
-    unit, nothing = sparse.identity(n, format="csr"), sparse.csr_matrix((n, n))
-    balance = sparse.hstack([a_1 * _BAR * unit, -a_2 * _BAR * unit, nothing, nothing, unit, -unit], format="csr")
+    unit = sparse.identity(n, format="csr")
+    by_spring = sparse.csr_matrix(np.stack([-np.ones(n), -x], axis=1) * _KILO)
+    balance = columns.row(p_1=a_1 * BAR * unit, p_2=-a_2 * BAR * unit, missing=unit, excess=-unit, spring=by_spring)
     wanted = force + float(world["atmosphere"]) * (a_1 - a_2)
-    # variables: both pressures, gas drawn into both chambers in each interval, force missing and force in excess, the spring's force at
-    # x = 0 and its stiffness
-    balance = sparse.hstack([balance, sparse.csr_matrix(np.stack([-np.ones(n), -x], axis=1) * _KILO)], format="csr")
-    turned = sparse.csr_matrix(([1.0, -_FARTHEST, -1.0, -_FARTHEST], ([0, 0, 1, 1], [6 * n, 6 * n + 1] * 2)), shape=(2, 6 * n + 2))
-    limits = sparse.vstack([sparse.hstack([limits, sparse.csr_matrix((limits.shape[0], 2))]), turned], format="csr")
-    most = np.concatenate([most, np.zeros(2)])
-    floor = p_e / _BAR
+    turned = columns.row(spring=sparse.csr_matrix([[1.0, -_FARTHEST], [-1.0, -_FARTHEST]]))
+    rows, most = draw_rows(world, c, x, period)
+    rows, most = sparse.vstack([rows, turned], format="csr"), np.concatenate([most, np.zeros(2)])
+    floor, pressures, drawn = p_e / BAR, columns.pair("p"), columns.pair("drawn")
     stiffest = STIFFEST / _KILO if spring else 0.0
-    low = np.concatenate([np.full(2 * n, floor), np.zeros(4 * n), [-_FARTHEST * stiffest, 0.0]])
-    high = np.concatenate([
-        np.full(2 * n, max(FILLED_TO * p_s, p_e) / _BAR), np.full(4 * n, np.inf), [_FARTHEST * stiffest, stiffest],
-    ])  # fmt: skip
-    cost = np.concatenate([np.zeros(2 * n), np.ones(2 * n), np.full(2 * n, price), [0.0, 0.0]])
+    low, high, cost = np.zeros(columns.count), np.full(columns.count, np.inf), np.zeros(columns.count)
+    low[pressures], high[pressures] = floor, max(FILLED_TO * p_s, p_e) / BAR
+    low[columns.of("spring")], high[columns.of("spring")] = [-_FARTHEST * stiffest, 0.0], [_FARTHEST * stiffest, stiffest]
+    high[columns.pair("taken")] = high[columns.pair("given")] = 0.0
+    cost[drawn], cost[columns.of("missing")], cost[columns.of("excess")] = 1.0, price, price
     least, best = np.inf, None
-    for _ in range(_PASSES):
-        found = linprog(cost, limits, most, balance, wanted, np.stack([low, high], axis=1), method="highs")
+    limits, right = rows, most
+    for _ in range(_TANK_PASSES if tank else _PASSES):
+        found = linprog(cost, limits, right, balance, wanted, np.stack([low, high], axis=1), method="highs")
         if found.status != 0 or found.fun > least - 1e-4:
             break
         least, best = float(found.fun), found.x
-        idle = best[: 2 * n].reshape(2, n) < floor + 1e-3
-        free = (idle & np.roll(idle, -1, axis=1)) & (best[2 * n : 4 * n].reshape(2, n) > 1e-6)
-        if not free.any():
+        held = best[pressures].reshape(2, n)
+        idle = held < floor + 1e-3
+        free = (idle & np.roll(idle, -1, axis=1)) & (best[drawn].reshape(2, n) > 1e-6)
+        if tank:
+            below = 0.5 * (held + np.roll(held, -1, axis=1)) < float(world["tank_pressure"]) / BAR
+            more, more_right = tank_rows(world, c, below, period)
+            limits, right = sparse.vstack([rows, more], format="csr"), np.concatenate([most, more_right])
+            high[columns.pair("taken")] = np.where(below, np.inf, 0.0).ravel()
+            high[columns.pair("given")] = np.where(below, 0.0, np.inf).ravel()
+        elif not free.any():
             break
-        cost[2 * n : 4 * n][free.ravel()] = 0.0
-        high[: 2 * n][(free | np.roll(free, 1, axis=1)).ravel()] = floor
+        cost[drawn][free.ravel()] = 0.0
+        high[pressures][(free | np.roll(free, 1, axis=1)).ravel()] = floor
     if best is None:
         still = np.full(n, p_e)
         return ChamberPlan(still, still.copy(), 0.0, float(np.abs(force).max()))
-    missing = best[4 * n : 6 * n]
-    drawn = float(least - price * missing.sum()) * _GRAM
-    start, stiffness = (float(value) * _KILO for value in best[6 * n :])
-    chosen = (stiffness, -start / stiffness) if stiffness > _SOFTEST else None
-    return ChamberPlan(best[:n] * _BAR, best[n : 2 * n] * _BAR, drawn, float(missing.max()), chosen)
-
-
-def _limits(world: np.void, c: np.void, x: Array, period: float) -> tuple[sparse.csr_matrix, Array]:
-    """Return the rows and the right side of what both chambers draw and what the valve lets through."""
-    k, r, t_s = float(world["k"]), float(world["r"]), float(world["supply_temperature"])
-    p_s, p_e = float(world["supply_pressure"]), float(world["exhaust_pressure"])
-    n = len(x)
-    unit, nothing = sparse.identity(n, format="csr"), sparse.csr_matrix((n, n))
-    at = np.arange(n)
-    following = sparse.csr_matrix((np.ones(n), (at, (at + 1) % n)), shape=(n, n))
-    middle = 0.5 * (unit + following)
-    fed_1, _, fed_2, _ = path_areas(c, 1.0, 1.0)
-    _, let_off_1, _, let_off_2 = path_areas(c, -1.0, -1.0)
-    rows, most = [], []
-
-    def fill(area: float, q: float) -> float:
-        return float(flow(area, p_s, t_s, q, t_s, k, r))
-
-    def empty(area: float, q: float) -> float:
-        return float(flow(area, q, t_s, p_e, t_s, k, r))
-
-    for side, volume, fed, let_off in (
-        (0, c["dead_volume_1"] + c["area_1"] * x, fed_1, let_off_1),
-        (1, c["dead_volume_2"] + c["area_2"] * (c["stroke"] - x), fed_2, let_off_2),
-    ):
-        after = np.roll(volume, -1)
-        raised = sparse.diags(0.5 * (volume + after)) @ (following - unit) + k * sparse.diags(after - volume) @ middle
-        draw = raised * (_BAR / _GRAM / (k * r * t_s))
-
-        def row(pressure: sparse.spmatrix, gas: sparse.spmatrix, side: int = side) -> list[sparse.spmatrix]:
-            out = [nothing] * 6
-            out[side], out[2 + side] = pressure, gas
-            return out
-
-        rows.append(row(draw, -unit))
-        most.append(np.zeros(n))
-        step = FLOW_SHARE * period / n / _GRAM
-        for share in _TANGENTS:
-            p = p_e + share * (p_s - p_e)
-            into, slope_in = _tangent(fill, fed, p)
-            out, slope_out = _tangent(empty, let_off, p)
-            rows.append(row(-slope_in * step * _BAR * middle, unit))
-            most.append(np.full(n, step * (into - slope_in * p)))
-            rows.append(row(-draw - slope_out * step * _BAR * middle, nothing))
-            most.append(np.full(n, step * (out - slope_out * p)))
-    return sparse.vstack([sparse.hstack(each) for each in rows], format="csr"), np.concatenate(most)
-
-
-def _tangent(through: Callable[[float, float], float], area: float, p: float) -> tuple[float, float]:
-    """Return the flow through an area and its slope at a chamber's pressure p [kg/s, kg/(s Pa)]."""
-    h = 1e-4 * p
-    return through(area, p), (through(area, p + h) - through(area, p - h)) / (2.0 * h)
+    missing = best[columns.of("missing").start : columns.of("excess").stop]
+    start, stiffness = (float(value) * _KILO for value in best[columns.of("spring")])
+    return ChamberPlan(
+        best[columns.of("p_1")] * BAR, best[columns.of("p_2")] * BAR, float(least - price * missing.sum()) * GRAM, float(missing.max()),
+        (stiffness, -start / stiffness) if stiffness > _SOFTEST else None, float(best[columns.pair("taken")].sum()) * GRAM,
+    )  # fmt: skip

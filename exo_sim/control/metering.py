@@ -17,6 +17,8 @@ from exo_sim.physics.nodes import path_areas
 _LEAST = 0.05
 #: Time constant with which pressures come to their plan [s].
 _TO_PLAN = 0.1
+#: Tank and chamber exchange gas where the lower pressure is less than this share of the higher, and the tank is this near its own.
+_APART, _KEPT = 0.98, 0.1
 #: How near a bound a pressure counts as there, of the supply's over the exhaust's, and what is left of its share in corrections then.
 _NEAR_BOUND, _AT_BOUND = 0.02, 0.01
 
@@ -50,6 +52,33 @@ def chamber_command(wanted, p, t, v, fed, let_off, overlap_fed, overlap_let_off,
         return edge_command(-wanted / (per_flow * back * t), overlap_fed)
     out = max(flow(let_off, p, t, p_e, t_e, k, r), _LEAST * choked_flow(let_off, p_s, t_s, k, r))
     return -edge_command(-wanted / (per_flow * out * t), overlap_let_off)
+
+
+@kernel
+def through_tank(wanted, p, t, v, area, p_t, t_t, near, k, r):
+    """Return the command, 0 to 1, of a chamber's path to a recovery tank, and the rate of its pressure that is left to its other edges.
+
+    The tank comes first wherever pressures allow it, as long as its own stays within `_KEPT` of the one that the plan reckons with.
+
+    Args:
+        wanted: Rate of the pressure by gas [Pa/s].
+        p, t, v: Pressure [Pa], temperature [K], volume [m^3] of the chamber.
+        area: Of the path [m^2]; 0 where there is no tank.
+        p_t, t_t: Of the tank.
+        near: Pressure that it is kept near [Pa].
+        k, r: The gas.
+    """
+    if area <= 0.0:
+        return 0.0, wanted
+    if wanted > 0.0 and p < _APART * p_t and p_t > (1.0 - _KEPT) * near:
+        by_tank = k * r / v * flow(area, p_t, t_t, p, t, k, r) * t_t
+    elif wanted < 0.0 and p_t < _APART * p and p_t < (1.0 + _KEPT) * near:
+        by_tank = -k * r / v * flow(area, p, t, p_t, t_t, k, r) * t
+    else:
+        return 0.0, wanted
+    if abs(by_tank) >= abs(wanted):
+        return wanted / by_tank, 0.0
+    return 1.0, wanted - by_tank
 
 
 @kernel
@@ -91,8 +120,8 @@ def meter(c, wanted, rate, v, p_1, t_1, p_2, t_2, v_1, v_2, p_s, t_s, p_e, t_e, 
 
 
 @kernel
-def follow(c, rate, v, ref_1, rate_1, ref_2, rate_2, p_1, t_1, p_2, t_2, v_1, v_2, p_s, t_s, p_e, t_e, k, r):
-    """Return the commands of both chambers for which the rod force changes at a wanted rate, near the pressures of a plan.
+def follow(c, rate, v, ref_1, rate_1, ref_2, rate_2, p_1, t_1, p_2, t_2, v_1, v_2, p_s, t_s, p_e, t_e, p_t, t_t, near, k, r):
+    """Return the commands of both chambers, and of their paths to a tank, for which the rod force changes at a wanted rate, near a plan.
 
     Both chambers change as planned; what that leaves of the force's rate falls to the chambers in proportion to the square of the force
     that a gram of gas makes in them, and to none at its bounds. The pressures are drawn to the plan's slowly: the force comes first.
@@ -104,6 +133,7 @@ def follow(c, rate, v, ref_1, rate_1, ref_2, rate_2, p_1, t_1, p_2, t_2, v_1, v_
         ref_1, rate_1, ref_2, rate_2: Planned pressures [Pa] and their rates [Pa/s].
         p_1, t_1, v_1, p_2, t_2, v_2: Pressure [Pa], temperature [K], volume [m^3] of the chambers.
         p_s, t_s, p_e, t_e: Supply and exhaust.
+        p_t, t_t, near: The recovery tank, and the pressure that it is kept near; anything where the cylinder has no path to one.
         k, r: The gas.
     """
     fed_1, _, fed_2, _ = path_areas(c, 1.0, 1.0)
@@ -112,21 +142,23 @@ def follow(c, rate, v, ref_1, rate_1, ref_2, rate_2, p_1, t_1, p_2, t_2, v_1, v_
     change_1 = rate_1 + (ref_1 - p_1) / _TO_PLAN
     change_2 = rate_2 + (ref_2 - p_2) / _TO_PLAN
     rest = rate - (c.area_1 * change_1 - c.area_2 * change_2)
-    near = _NEAR_BOUND * (p_s - p_e)
+    close = _NEAR_BOUND * (p_s - p_e)
     share_1, share_2 = (c.area_1 / v_1) ** 2, (c.area_2 / v_2) ** 2
-    if (p_1 > p_s - near) if rest > 0.0 else (p_1 < p_e + near):
+    if (p_1 > p_s - close) if rest > 0.0 else (p_1 < p_e + close):
         share_1 *= _AT_BOUND
-    if (p_2 < p_e + near) if rest > 0.0 else (p_2 > p_s - near):
+    if (p_2 < p_e + close) if rest > 0.0 else (p_2 > p_s - close):
         share_2 *= _AT_BOUND
     whole = share_1 + share_2
     change_1 += share_1 / whole * rest / c.area_1
     change_2 -= share_2 / whole * rest / c.area_2
+    by_gas_1 = change_1 + k * p_1 * c.area_1 * v / v_1
+    by_gas_2 = change_2 - k * p_2 * c.area_2 * v / v_2
+    w_1, by_gas_1 = through_tank(by_gas_1, p_1, t_1, v_1, c.tank_area, p_t, t_t, near, k, r)
+    w_2, by_gas_2 = through_tank(by_gas_2, p_2, t_2, v_2, c.tank_area, p_t, t_t, near, k, r)
     u_1 = chamber_command(
-        change_1 + k * p_1 * c.area_1 * v / v_1, p_1, t_1, v_1, fed_1, let_off_1, edges.overlap_supply_1, edges.overlap_exhaust_1,
-        p_s, t_s, p_e, t_e, k, r,
-    )  # fmt: skip
+        by_gas_1, p_1, t_1, v_1, fed_1, let_off_1, edges.overlap_supply_1, edges.overlap_exhaust_1, p_s, t_s, p_e, t_e, k, r
+    )
     u_2 = chamber_command(
-        change_2 - k * p_2 * c.area_2 * v / v_2, p_2, t_2, v_2, fed_2, let_off_2, edges.overlap_supply_2, edges.overlap_exhaust_2,
-        p_s, t_s, p_e, t_e, k, r,
-    )  # fmt: skip
-    return u_1, u_2
+        by_gas_2, p_2, t_2, v_2, fed_2, let_off_2, edges.overlap_supply_2, edges.overlap_exhaust_2, p_s, t_s, p_e, t_e, k, r
+    )
+    return u_1, u_2, w_1, w_2

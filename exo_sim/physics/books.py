@@ -20,6 +20,7 @@ class Books:
         drawn: Gas drawn from the supply by each cylinder [kg], shape (n,).
         heat: Heat into the gas of each cylinder [J], shape (n,).
         work: Work of the gas on each piston [J], shape (n,).
+        recovered: Gas that the recovery tank gained [kg]; 0 where there is none.
     """
 
     mass_residual: float
@@ -27,6 +28,7 @@ class Books:
     drawn: NDArray[np.float64]
     heat: NDArray[np.float64]
     work: NDArray[np.float64]
+    recovered: float = 0.0
 
 
 def balance(world: NDArray[np.void], cylinders: int, change: NDArray[np.float64]) -> Books:
@@ -43,9 +45,11 @@ def balance(world: NDArray[np.void], cylinders: int, change: NDArray[np.float64]
     energy = [state.ENERGY_1, state.ENERGY_2, state.HOSE_ENERGY_1, state.HOSE_ENERGY_2]
     drawn, let_out, leaked = y[:, state.DRAWN], y[:, state.EXHAUSTED], y[:, state.LEAKED]
     h_drawn, h_let_out, h_leaked = y[:, state.DRAWN_ENTHALPY], y[:, state.EXHAUSTED_ENTHALPY], y[:, state.LEAKED_ENTHALPY]
-    off = np.abs(y[:, mass].sum(1) - drawn + let_out + leaked).sum()
+    missing = y[:, mass].sum(1) - drawn + let_out + leaked
     lost = y[:, energy].sum(1) - h_drawn + h_let_out + h_leaked + y[:, state.WORK] - y[:, state.HEAT]
-    off_energy = np.abs(lost).sum()
+    if world["tank_volume"][0] > 0.0:  # what one chamber gives another takes, or the tank keeps it
+        missing, lost = np.array([missing.sum() + shared[state.TANK_MASS]]), np.array([lost.sum() + shared[state.TANK_ENERGY]])
+    off, off_energy = np.abs(missing).sum(), np.abs(lost).sum()
     if world["supply_droop"]["volume"][0] > 0.0:
         off += abs(shared[state.SUPPLY_MASS] - shared[state.FED] + drawn.sum())
         off_energy += abs(shared[state.SUPPLY_ENERGY] - shared[state.FED_ENTHALPY] + h_drawn.sum())
@@ -60,4 +64,5 @@ def balance(world: NDArray[np.void], cylinders: int, change: NDArray[np.float64]
         drawn.copy(),
         y[:, state.HEAT].copy(),
         y[:, state.WORK].copy(),
+        float(shared[state.TANK_MASS]),
     )

@@ -24,6 +24,8 @@ from exo_sim.physics.state import (
     MASS_2,
     SUPPLY_ENERGY,
     SUPPLY_MASS,
+    TANK_ENERGY,
+    TANK_MASS,
     WALL_1,
     WALL_2,
 )
@@ -112,6 +114,13 @@ def exhaust_state(world, y, shared: int):
         p = chamber.pressure(y[shared + EXHAUST_ENERGY], world.exhaust_back_pressure.volume, world.k)
         return Reservoir(p, chamber.temperature(y[shared + EXHAUST_ENERGY], y[shared + EXHAUST_MASS], world.k, world.r))
     return Reservoir(world.exhaust_pressure, world.ambient)
+
+
+@kernel
+def tank_state(world, y, shared: int):
+    """Return the `Reservoir` of the recovery tank, which is mixed and without heat from its wall; ask where `tank_volume` is above zero."""
+    p = chamber.pressure(y[shared + TANK_ENERGY], world.tank_volume, world.k)
+    return Reservoir(p, chamber.temperature(y[shared + TANK_ENERGY], y[shared + TANK_MASS], world.k, world.r))
 
 
 @kernel

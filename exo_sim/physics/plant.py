@@ -39,6 +39,10 @@ from exo_sim.physics.state import (
     SHARED,
     SPOOL,
     SPOOL_2,
+    TANK_PLAY_1,
+    TANK_PLAY_2,
+    TANK_SPOOL_1,
+    TANK_SPOOL_2,
 )
 from exo_sim.physics.step import all_plain, integrate
 from exo_sim.physics.step_length import MOST_STEPS, step_length
@@ -107,9 +111,9 @@ def advance(world, cylinders, state, x0, x1, command, dt, work, scratch):
         state: The state vector; changed in place.
         x0, x1: Piston positions at the start and the end, from the transmission, shape (n,) [m].
         command: Valve commands held over the step, delays already applied, shape (n,); (2 n,), those towards chambers 2 behind the
-            others, where a cylinder has a valve for each chamber.
+            others, where a cylinder has a valve for each chamber; (4 n,), those of the paths to a recovery tank behind these.
         work: Scratch, shape (5, integrated_size(n)).
-        scratch: Scratch, shape (5, 2 n).
+        scratch: Scratch, shape (5, 2 n), or (5, 4 n) with a recovery tank.
     """
     n = len(cylinders)
     total = n * INTEGRATED + SHARED
@@ -142,6 +146,9 @@ def advance(world, cylinders, state, x0, x1, command, dt, work, scratch):
             spool[n + i] = -spool[i]
             if cylinders[i].independent > 0.0:
                 spool[n + i] = widest(cylinders[i], memory[i * REMEMBERED + SPOOL_2], command[n + i])
+            if world.tank_volume > 0.0:
+                spool[2 * n + i] = widest(cylinders[i], memory[i * REMEMBERED + TANK_SPOOL_1], command[2 * n + i])
+                spool[3 * n + i] = widest(cylinders[i], memory[i * REMEMBERED + TANK_SPOOL_2], command[3 * n + i])
         held, faster = memory[shared_memory + HELD], memory[shared_memory + FASTER]
         h, stages = step_length(world, cylinders, y, held, start, end, spool, left, dt / most, faster)
         for i in range(n):
@@ -150,6 +157,9 @@ def advance(world, cylinders, state, x0, x1, command, dt, work, scratch):
             spool[n + i] = -spool[i]
             if cylinders[i].independent > 0.0:
                 spool[n + i] = move_spool(cylinders[i], memory, place + SPOOL_2, place + PLAY_2, command[n + i], h)
+            if world.tank_volume > 0.0:
+                spool[2 * n + i] = move_spool(cylinders[i], memory, place + TANK_SPOOL_1, place + TANK_PLAY_1, command[2 * n + i], h)
+                spool[3 * n + i] = move_spool(cylinders[i], memory, place + TANK_SPOOL_2, place + TANK_PLAY_2, command[3 * n + i], h)
         drawn, tried, too_fast = integrate(world, cylinders, y, held, start, end, left, spool, h, stages, work, x, v, tries, known)
         tries -= tried
         if tries < 0:
@@ -193,7 +203,7 @@ def step(world, cylinders, joints, vector, history, x0, x1, q0, q1, command, dt,
         history: Shape (commands, size + 1).
         x0, x1: Transmission lengths less the retracted ones, before and after, shape (n,).
         q0, q1: Positions of the joints that have friction of their own, shape (m,).
-        command: Valve commands held over the step, shape (n,) or (2 n,) as of `advance`.
+        command: Valve commands held over the step, shape (n,), (2 n,) or (4 n,) as of `advance`.
     """
     late = scratch[5]
     size, n = history.shape[1] - 1, len(cylinders)

@@ -53,10 +53,10 @@ class Pneumatics:
         self.vector = np.zeros(state.size(n, len(self.joints)))
         delays = cylinders["valve_lag"]["delay"]
         ring = math.ceil(float(delays.max()) / dt) + 2 if n and delays.max() > 0.0 else 1
-        self.commands = 2 * n if n and cylinders["independent"].any() else n
+        self.commands = 4 * n if world["tank_volume"][0] > 0.0 else 2 * n if n and cylinders["independent"].any() else n
         self.history = np.zeros((self.commands, ring + 1))
         self._work = np.zeros((5, state.integrated_size(n)))
-        self._scratch = np.zeros((6, 2 * n))
+        self._scratch = np.zeros((6, max(2 * n, self.commands)))
         self._start = self.vector.copy()
 
     @property
@@ -124,6 +124,9 @@ class Pneumatics:
         shared[state.SUPPLY_ENERGY] = p_s * tank / (k - 1.0)
         shared[state.EXHAUST_MASS] = p_e * manifold / (r * float(world["ambient"]))
         shared[state.EXHAUST_ENERGY] = p_e * manifold / (k - 1.0)
+        recovered = float(world["tank_pressure"]) * float(world["tank_volume"])
+        shared[state.TANK_MASS] = recovered / (r * float(world["ambient"]))
+        shared[state.TANK_ENERGY] = recovered / (k - 1.0)
         self._start = self.vector.copy()
 
     def settle_transmission(self, x: NDArray[np.float64]) -> None:
@@ -179,7 +182,8 @@ class Pneumatics:
     ) -> None:
         """Move the state on by `dt` with pistons going from x0 to x1 (n,) and valves at `command`.
 
-        Commands are of shape (commands,): one a cylinder, and where any has a valve for each chamber those towards chambers 2 behind.
+        Commands are of shape (commands,): one a cylinder, and where any has a valve for each chamber those towards chambers 2 behind,
+        and where there is a recovery tank those of the paths to it behind these, first all chambers 1.
 
         Raises:
             ModelError: a command is not a number, or the gas is too fast to be followed; it says what to change.

@@ -18,8 +18,9 @@ from exo_sim.physics.effects import (
     supply_droop,
     supply_regulator,
 )
-from exo_sim.physics.nodes import chambers, exhaust_state, path_areas, plain_path_areas, supply_state
+from exo_sim.physics.nodes import chambers, exhaust_state, path_areas, plain_path_areas, supply_state, tank_state
 from exo_sim.physics.plain import plain
+from exo_sim.physics.recovery import exchange_of_cylinder
 from exo_sim.physics.state import (
     DRAWN,
     DRAWN_ENTHALPY,
@@ -195,7 +196,8 @@ def rates(world, cylinders, y, dy, held, x, v, spool):
         y, dy: Integrated state and its rate, shape (integrated_size,).
         held: The flow that the regulator's diaphragm holds [kg/s].
         x, v: Piston positions and speeds, shape (n,).
-        spool: Relative openings, dead-band and offset already applied: towards chambers 1, then towards chambers 2, shape (2 n,).
+        spool: Relative openings, dead-band and offset already applied: towards chambers 1, then towards chambers 2, shape (2 n,);
+            with a recovery tank then those of the paths between chambers 1, then chambers 2, and the tank, shape (4 n,).
     """
     n = len(cylinders)
     shared = n * INTEGRATED
@@ -210,6 +212,11 @@ def rates(world, cylinders, y, dy, held, x, v, spool):
     for j in range(SHARED):
         dy[shared + j] = 0.0
     k, r = world.k, world.r
+    if world.tank_volume > 0.0:
+        tank = tank_state(world, y, shared)
+        for i in range(n):
+            openings = spool[2 * n + i], spool[3 * n + i]
+            exchange_of_cylinder(world, cylinders[i], y, dy, i * INTEGRATED, shared, x[i], v[i], openings[0], openings[1], tank)
     if supply_droop.present(world.supply_droop):
         p_source = supply_regulator.pressure(world.supply_regulator, world.supply_pressure, held)
         fed = supply_droop.feed(world.supply_droop, p_source, supply.p)

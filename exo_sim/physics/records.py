@@ -27,7 +27,8 @@ JOINT = np.dtype(
     [("effective_mass", np.float64), ("turning", np.float64), ("step", np.float64), *_fields("joint")], align=True
 )
 
-#: One cylinder with its valve, and every effect that can act on it. `arm` is dX/dq of the joint it drives [m/rad or 1].
+#: One cylinder with its valve, and every effect that can act on it. `arm` is dX/dq of the joint it drives [m/rad or 1];
+#: `tank_area` that of the paths between each chamber and the recovery tank [m^2].
 CYLINDER = np.dtype(
     [
         ("area_1", np.float64),
@@ -38,6 +39,7 @@ CYLINDER = np.dtype(
         ("single_acting", np.float64),
         ("valve_area", np.float64),
         ("independent", np.float64),
+        ("tank_area", np.float64),
         ("vented", np.float64),
         ("effective_mass", np.float64),
         ("turning", np.float64),
@@ -51,6 +53,7 @@ CYLINDER = np.dtype(
 )
 
 #: The gas, the atmosphere and what all cylinders share. Pressures and temperatures may be set anew at every step.
+#: `tank_volume` is that of the recovery tank [m^3], 0 where there is none, `tank_pressure` the one that it is kept near [Pa].
 #: `longest_step` [s] and `most_steps` bound how finely a call is divided; 0 leaves that to `step_length.py`.
 WORLD = np.dtype(
     [
@@ -61,6 +64,8 @@ WORLD = np.dtype(
         ("supply_pressure", np.float64),
         ("supply_temperature", np.float64),
         ("exhaust_pressure", np.float64),
+        ("tank_volume", np.float64),
+        ("tank_pressure", np.float64),
         ("longest_step", np.float64),
         ("most_steps", np.float64),
         *_fields("supply"),

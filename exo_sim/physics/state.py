@@ -15,16 +15,18 @@ HEAT, WORK = 16, 17
 CONTENTS = 8  # the first so many, chambers before hoses, are what volumes hold: never below zero
 INTEGRATED = 18
 
-# Integrated, shared: accumulator, exhaust manifold, and the books of what fed and left them.
-SUPPLY_MASS, SUPPLY_ENERGY, EXHAUST_MASS, EXHAUST_ENERGY = 0, 1, 2, 3
-FED, FED_ENTHALPY, RELEASED, RELEASED_ENTHALPY = 4, 5, 6, 7
-SHARED = 8
+# Integrated, shared: accumulator, exhaust manifold, recovery tank, and the books of what fed and left the first two.
+SUPPLY_MASS, SUPPLY_ENERGY, EXHAUST_MASS, EXHAUST_ENERGY, TANK_MASS, TANK_ENERGY = 0, 1, 2, 3, 4, 5
+FED, FED_ENTHALPY, RELEASED, RELEASED_ENTHALPY = 6, 7, 8, 9
+SHARED_CONTENTS = 6  # the first so many
+SHARED = 10
 
 # Remembered, per cylinder: spool, play of the valve, bristle of the dry friction, piston and its speed where
-# the transmission gives; spool and play of the second valve where each chamber has its own.
+# the transmission gives; spool and play of the second valve where each chamber has its own, and of those to a recovery tank.
 SPOOL, PLAY, BRISTLE, PISTON, PISTON_SPEED = 0, 1, 2, 3, 4
 SPOOL_2, PLAY_2 = 5, 6
-REMEMBERED = 7
+TANK_SPOOL_1, TANK_PLAY_1, TANK_SPOOL_2, TANK_PLAY_2 = 7, 8, 9, 10
+REMEMBERED = 11
 
 # Remembered, shared: flow that the regulator feels, and the flow its diaphragm holds; how fast the gas turned out to be where a step
 # was too coarse for it.

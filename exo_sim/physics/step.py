@@ -13,7 +13,7 @@ from exo_sim.physics.effects import exhaust_back_pressure, supply_droop
 from exo_sim.physics.plain import plain
 from exo_sim.physics.rates import rates
 from exo_sim.physics.runge_kutta_chebyshev import COEFFICIENTS, MOST_STAGES, REACH, enough_stages
-from exo_sim.physics.state import CONTENTS, HOSE_MASS_1, INTEGRATED
+from exo_sim.physics.state import CONTENTS, HOSE_MASS_1, INTEGRATED, SHARED_CONTENTS
 
 #: A change of less than this share of the state says nothing of how fast the state settles.
 _SMALLEST_CHANGE = 1e-9
@@ -31,7 +31,7 @@ def chebyshev_step(world, cylinders, y, held, x0, v, spool, h, stages, work, x, 
     Args:
         y: Integrated state, shape (integrated_size,).
         held: The flow that the regulator's diaphragm holds [kg/s].
-        spool: Relative openings of both sides, shape (2 n,).
+        spool: Relative openings as of `rates`.
         stages: Two or more.
         work: Scratch, shape (5, integrated_size).
         x: Scratch, shape (n,).
@@ -65,6 +65,14 @@ def chebyshev_step(world, cylinders, y, held, x0, v, spool, h, stages, work, x, 
 
 
 @inlined_kernel
+def _held(of_cylinder, y, base) -> int:
+    """Return how many of the numbers from `base` on say what volumes hold."""
+    if not of_cylinder:
+        return SHARED_CONTENTS
+    return CONTENTS if y[base + HOSE_MASS_1] > 0.0 else CONTENTS // 2
+
+
+@inlined_kernel
 def rate_seen(y, change, first, rate, n):
     """Return by how much the rates changed for each change of what volumes hold, each in units of it [1/s]; 0 where hardly anything did.
 
@@ -74,7 +82,7 @@ def rate_seen(y, change, first, rate, n):
     for i in range(n + 1):
         base = i * INTEGRATED
         moved = answered = 0.0
-        for j in range(base, base + (CONTENTS if i < n and y[base + HOSE_MASS_1] > 0.0 else CONTENTS // 2)):
+        for j in range(base, base + _held(i < n, y, base)):
             if y[j] > 0.0:
                 share = 1.0 / y[j]
                 moved += abs(change[j]) * share
@@ -89,7 +97,7 @@ def _sound(there, y, n) -> bool:
     """Return whether everything that holds gas still does: no number below zero, none that is no number."""
     for i in range(n + 1):
         base = i * INTEGRATED
-        for j in range(base, base + (CONTENTS if i < n and y[base + HOSE_MASS_1] > 0.0 else CONTENTS // 2)):
+        for j in range(base, base + _held(i < n, y, base)):
             if y[j] > 0.0 and not there[j] > 0.0:
                 return False
     return True
@@ -99,6 +107,7 @@ def _sound(there, y, n) -> bool:
 def all_plain(world, cylinders) -> bool:
     """Return whether nothing but the valves' own paths moves gas: how fast those are is known exactly."""
     known = not supply_droop.present(world.supply_droop) and not exhaust_back_pressure.present(world.exhaust_back_pressure)
+    known = known and world.tank_volume <= 0.0
     for i in range(len(cylinders)):
         known = known and plain(cylinders[i])
     return known

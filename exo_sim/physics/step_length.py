@@ -8,8 +8,9 @@ from exo_sim.physics import chamber
 from exo_sim.physics.balances import across_rate, heat_rate, outward_rate
 from exo_sim.physics.compiled import kernel
 from exo_sim.physics.effects import exhaust_back_pressure, line_restriction, supply_droop
-from exo_sim.physics.nodes import chambers, exhaust_state, path_areas, pressures, supply_state, volumes
+from exo_sim.physics.nodes import chambers, exhaust_state, path_areas, pressures, supply_state, tank_state, volumes
 from exo_sim.physics.plain import plain
+from exo_sim.physics.recovery import exchange_rate
 from exo_sim.physics.runge_kutta_chebyshev import MOST_STAGES, REACH, enough_stages
 from exo_sim.physics.settling import HOT, path_rate, settling_rate
 from exo_sim.physics.state import HOSE_ENERGY_1, HOSE_ENERGY_2, HOSE_MASS_1, HOSE_MASS_2, INTEGRATED
@@ -116,6 +117,10 @@ def fastest_rate(world, cylinders, y, supply, exhaust, x, spool, span):
         added_1 = added_2 = 0.0
         if not plain(c):
             added_1, added_2 = rate_of_effects(world, c, one, two, span), rate_of_effects(world, c, two, one, span)
+        if world.tank_volume > 0.0:
+            recovered = tank_state(world, y, len(cylinders) * INTEGRATED)
+            added_1 += exchange_rate(world, c, one, spool[2 * len(cylinders) + i], recovered, span)
+            added_2 += exchange_rate(world, c, two, spool[3 * len(cylinders) + i], recovered, span)
         rate, more, less = side_rate(world, c, y, base, one, two, a_s1, a_1e, supply, exhaust, span, added_1)
         fastest, drawn, vented = max(fastest, rate), drawn + more, vented + less
         if c.single_acting == 0.0:
@@ -145,6 +150,10 @@ def fastest_change(world, cylinders, y, supply, exhaust, x, end, spool, left):
             p_2 = chamber.pressure(y[base + HOSE_ENERGY_2], v_2, k)
         fill_1 = transient_rate(a_s1, p_s, p_1, v_1, k, r) + transient_rate(a_1e, p_1, p_e, v_1, k, r)
         fill_2 = transient_rate(a_s2, p_s, p_2, v_2, k, r) + transient_rate(a_2e, p_2, p_e, v_2, k, r)
+        if world.tank_volume > 0.0:
+            p_t = tank_state(world, y, len(cylinders) * INTEGRATED).p
+            fill_1 += transient_rate(max(spool[2 * len(cylinders) + i], 0.0) * c.tank_area, p_t, p_1, v_1, k, r)
+            fill_2 += transient_rate(max(spool[3 * len(cylinders) + i], 0.0) * c.tank_area, p_t, p_2, v_2, k, r)
         change = max(change, fill_1, 0.0 if c.single_acting > 0.0 else fill_2)
     if exhaust_back_pressure.present(manifold):
         change = max(change, transient_rate(manifold.area, p_e, world.exhaust_pressure, manifold.volume, k, r))

@@ -2,7 +2,19 @@
 
 from exo_sim.rig.improved_text import Correction, Finding, improved
 from exo_sim.rig.reading import parse, read
-from exo_sim.rig.schema import Ankle, Attachment, Cylinder, EffectSetting, Environment, JointFactors, Rig, Supply, Valve, Wearer
+from exo_sim.rig.schema import (
+    Ankle,
+    Attachment,
+    Cylinder,
+    EffectSetting,
+    Environment,
+    JointFactors,
+    Recovery,
+    Rig,
+    Supply,
+    Valve,
+    Wearer,
+)
 
 __all__ = [
     "Ankle",
@@ -13,6 +25,7 @@ __all__ = [
     "Environment",
     "Finding",
     "JointFactors",
+    "Recovery",
     "Rig",
     "Supply",
     "Valve",

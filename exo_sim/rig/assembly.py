@@ -19,6 +19,8 @@ def world(rig: Rig) -> NDArray[np.void]:
     record["atmosphere"], record["ambient"] = rig.environment.pressure, rig.environment.temperature
     record["supply_pressure"], record["supply_temperature"] = rig.supply.pressure, rig.supply.temperature
     record["exhaust_pressure"] = rig.environment.pressure
+    if rig.recovery is not None:
+        record["tank_volume"], record["tank_pressure"] = rig.recovery.volume, rig.recovery.pressure
     for effect in rig.effects:
         if effect.where in ("supply", "exhaust"):
             _switch_on(record[0], effect)
@@ -42,6 +44,7 @@ def cylinders(rig: Rig, drives: Mapping[str, str] | None = None) -> NDArray[np.v
             1.0,
         )
         record["independent"] = float(cylinder.valve.independent)
+        record["tank_area"] = cylinder.valve_area if rig.recovery is not None else 0.0
         for effect in rig.effects:
             if effect.where == cylinder.name:
                 _switch_on(record, effect)

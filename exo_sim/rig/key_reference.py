@@ -59,6 +59,8 @@ MEANINGS = {
     "gas.heat_capacity_ratio": "cp/cv of the gas",
     "supply.pressure": "upstream of every valve, absolute; not below the atmosphere",
     "supply.temperature": "upstream of every valve; the atmosphere's when absent",
+    "recovery.volume": "of a tank between exhaust and supply that chambers give gas to and take it from",
+    "recovery.pressure": "of that tank at the start, absolute; the law of the valves keeps it near this",
     "cylinders.NAME.actuator": "MJCF motor whose control takes the rod force; + pushes the rod out",
     "cylinders.NAME.bore": "diameter of the piston",
     "cylinders.NAME.rod": "diameter of the rod, on the side of chamber 2; 0 where there is none",
@@ -147,6 +149,8 @@ def every_key() -> list[Key]:
     noted: list[Key] = []
     others = [_WHOLE.replace('area = "5 mm^2"\n', valve) for valve in _VALVES]
     others.append(_WHOLE.replace("[cylinders.NAME.valve]", 'rating = "11 bar"\n[cylinders.NAME.valve]'))
+    independent = '[recovery]\nvolume = "2 l"\npressure = "3 bar"\n[cylinders.NAME.valve]\nkind = "independent"\n'
+    others.append(_WHOLE.replace("[cylinders.NAME.valve]\n", independent))
     others.append(_WHOLE.replace("damping_factor = 1.0", 'range = ["-1 deg", "1 deg"]'))
     for text in (_WHOLE, *others):
         table = _Noting(Path(__file__).resolve().parents[1] / "assets" / "all.toml", "", toml(text))

@@ -18,6 +18,7 @@ from exo_sim.rig.schema import (
     EffectSetting,
     Environment,
     JointFactors,
+    Recovery,
     Rig,
     Supply,
     Wearer,
@@ -27,7 +28,7 @@ from exo_sim.rig.valve import read_valve, with_valves
 
 #: What stands at the top of a rig file. Asked first: under a misspelt heading everything else looks missing.
 SECTIONS = (
-    "name", "model", "environment", "gas", "supply", "cylinders", "bodies", "joints", "wearer", "ankle", "effects",
+    "name", "model", "environment", "gas", "supply", "recovery", "cylinders", "bodies", "joints", "wearer", "ankle", "effects",
 )  # fmt: skip
 ANKLE_MODES = ("free", "sprung", "powered")
 
@@ -91,7 +92,8 @@ def parse_table(table: Table, text: str) -> Rig:
     supply = _supply(table, environment, needed=any(c.valve_area > 0.0 for c in cylinders.values()))
     wearer, ankle = _worn(table)
     effects = with_valves(read_effects(table.table("effects", required=False), cylinders), valves)
-    return Rig(name, model, environment, supply, r, k, cylinders, effects, masses, factors, wearer, ankle, text, path)
+    recovery = _recovery(table, environment, supply, cylinders)
+    return Rig(name, model, environment, supply, r, k, cylinders, effects, masses, factors, wearer, ankle, text, path, recovery)
 
 
 def _is_file(path: Path) -> bool:
@@ -154,6 +156,27 @@ def _supply(table: Table, environment: Environment, needed: bool) -> Supply:
         raise part.fail(
             "pressure", f"is below the atmosphere ({environment.pressure:g} Pa); pressures are absolute, not gauge"
         )
+    return found
+
+
+def _recovery(table: Table, environment: Environment, supply: Supply, cylinders: dict[str, Cylinder]) -> Recovery | None:
+    """Return the recovery tank; only chambers with edges of their own can use one."""
+    part = table.table("recovery", required=False)
+    if part is None:
+        return None
+    found = Recovery(
+        part.quantity("volume", "m^3", above=0.0, most=10.0),
+        part.quantity("pressure", "Pa", above=0.0, most=1e9),
+    )
+    part.done()
+    if not environment.pressure < found.pressure < supply.pressure:
+        raise part.fail("pressure", f"must lie between the atmosphere ({environment.pressure:g} Pa) and the supply ({supply.pressure:g} Pa)")
+    for cylinder in cylinders.values():
+        if cylinder.valve_area > 0.0 and not cylinder.valve.independent:
+            raise RigError(
+                f'{table.path}: cylinders.{cylinder.name}.valve.kind = "4-way": a recovery tank is for chambers with edges of their own; '
+                'give every valve kind = "independent", or leave [recovery] out'
+            )
     return found
 
 

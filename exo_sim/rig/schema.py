@@ -7,6 +7,8 @@ from collections.abc import Mapping
 from dataclasses import dataclass, field
 from pathlib import Path
 
+from exo_sim.errors import RigError
+
 #: cp/cv of no gas is more: that of one atom is 5/3.
 LARGEST_HEAT_CAPACITY_RATIO = 2.0
 #: Of a supply, and of chambers that are filled [Pa].
@@ -27,6 +29,19 @@ class Supply:
 
     pressure: float
     temperature: float = 293.15
+
+
+@dataclass(frozen=True)
+class Recovery:
+    """A tank between exhaust and supply that chambers give gas to and take it from.
+
+    Attributes:
+        volume: [m^3].
+        pressure: At the start, and that which controllers keep it near, absolute [Pa].
+    """
+
+    volume: float
+    pressure: float
 
 
 @dataclass(frozen=True)
@@ -162,6 +177,7 @@ class Rig:
         body_masses: Masses that replace the MJCF's, by body [kg].
         joint_factors: What numbers of the MJCF's joints are multiplied with, by joint.
         wearer, ankle: For machines that are worn.
+        recovery: Its recovery tank, or None.
         text: The file as it stands.
         path: Where it was read from; errors name it.
     """
@@ -180,6 +196,19 @@ class Rig:
     ankle: Ankle = Ankle()
     text: str = ""
     path: Path = Path("rig.toml")
+    recovery: Recovery | None = None
+
+    def check_no_recovery(self, doing: str) -> None:
+        """Refuse a recovery tank where nothing would move its paths.
+
+        Raises:
+            RigError: there is one.
+        """
+        if self.recovery is not None:
+            raise RigError(
+                f"{self.path}: [recovery] is moved by the plan of both pressures of a worn machine that walks; {doing} knows none: "
+                "leave the table out"
+            )
 
     def effect(self, name: str, where: str) -> EffectSetting | None:
         """Return the setting of an effect at a place, or None where it is off."""

@@ -19,7 +19,10 @@ SAG = 0.05
 
 
 def measure(walk: Walk, rows: slice) -> dict[str, Any]:
-    """Return what some rows of whole cycles draw and give, as reductions: masses [kg], work [W], flows [kg/s]."""
+    """Return what some rows of whole cycles draw and give, as reductions: masses [kg], work [W], flows [kg/s].
+
+    What a recovery tank gains or loses meanwhile is taken off the mass drawn, or added to it.
+    """
     part = {key: column[rows] for key, column in walk.columns.items()}
     drawn = np.sum([part[f"{name}.gas_used"] for name in walk.rig.cylinders], axis=0)
     power = [part[f"{name}.torque"] * part[f"{name}.velocity"] for name in walk.rig.cylinders]  # a cylinder is called as its joint
@@ -29,14 +32,22 @@ def measure(walk: Walk, rows: slice) -> dict[str, Any]:
     even = np.linspace(0.0, 1.0, len(drawn)) * (drawn[-1] - drawn[0])
     beyond = drawn - drawn[0] - even
     whole = [beyond[round(i * per_cycle) : round((i + 1) * per_cycle)] for i in range(max(1, int(cycles + 1e-6)))]
-    return {
-        "mass_kg_per_stride": Change(float(drawn[0]), float(drawn[-1]), cycles),
+    held = part["recovery.gas"] if walk.rig.recovery is not None else np.zeros(len(drawn))
+    out: dict[str, Any] = {
+        "mass_kg_per_stride": Change(float(drawn[0] - held[0]), float(drawn[-1] - held[-1]), cycles),
         "positive_rod_work_w": Mean.of(np.sum(np.maximum(power, 0.0), axis=0)),
         "negative_rod_work_w": Mean.of(np.sum(np.minimum(power, 0.0), axis=0)),
         "peak_kg_per_s": Peak.of((drawn[over:] - drawn[:-over]) / (over * walk.step)),
         "swing_kg": Peak.of([np.ptp(piece) for piece in whole]),
         "chamber_temperature_least_k": Least.of([part[f"{name}.temperature_{side}"].min() for name, side in _chambers(walk.rig)]),
     }
+    if walk.rig.recovery is not None:
+        out["recovery"] = {
+            "pressure_least_pa": Least.of([part["recovery.pressure"].min()]),
+            "pressure_most_pa": Peak.of([part["recovery.pressure"].max()]),
+            "gain_kg_per_stride": Change(float(held[0]), float(held[-1]), cycles),
+        }
+    return out
 
 
 def _chambers(rig: Rig) -> list[tuple[str, int]]:
@@ -78,6 +89,8 @@ def numbers(measured: dict[str, Any], rig: Rig, period: float, bottle: Bottle | 
         "tank": {"volume_l": 1e3 * tank, "sag_pa": SAG * rig.supply.pressure},
         "chamber_temperature_least_k": measured["chamber_temperature_least_k"],
     }
+    if rig.recovery is not None:
+        out["recovery"] = {"volume_l": 1e3 * rig.recovery.volume, **measured["recovery"]}
     if flow > 0.0 and _is_air(rig) and real_air.TEMPERATURES[0] <= bottle.temperature <= real_air.TEMPERATURES[1]:
         lasts = bottle.lasts(flow, rig.supply.pressure)
         out["bottle"] = {"volume_l": 1e3 * bottle.volume, "pressure_bar": bottle.pressure / 1e5, "lasts_s": lasts}
@@ -103,10 +116,19 @@ def rows(gas: dict[str, Any]) -> list[tuple[str, str]]:
         (f"tank that sags by {gas['tank']['sag_pa'] / 1e5:.2f} bar within a cycle", f"{gas['tank']['volume_l']:.2f} l"),
         ("coldest gas in a chamber", f"{gas['chamber_temperature_least_k'] - 273.15:.0f} C"),
     ]
+    if "recovery" in gas:
+        out.append((f"recovery tank of {gas['recovery']['volume_l']:g} l", _recovery(gas["recovery"])))
     if "bottle" in gas:
         bottle = gas["bottle"]
         out.append((f"a bottle of {bottle['volume_l']:g} l and {bottle['pressure_bar']:g} bar lasts", f"{bottle['lasts_s']:.0f} s"))
     return out
+
+
+def _recovery(tank: dict[str, Any]) -> str:
+    return (
+        f"{tank['pressure_least_pa'] / 1e5:.2f} to {tank['pressure_most_pa'] / 1e5:.2f} bar, gains {1e3 * tank['gain_kg_per_stride']:.3f} g a cycle "
+        "(taken off the mass above)"
+    )
 
 
 def words(gas: dict[str, Any]) -> list[str]:
@@ -119,6 +141,8 @@ def words(gas: dict[str, Any]) -> list[str]:
         f"{gas['tank']['volume_l']:.2f} l for a sag of {gas['tank']['sag_pa'] / 1e5:.2f} bar; "
         f"coldest chamber {gas['chamber_temperature_least_k'] - 273.15:.0f} C",
     ]
+    if "recovery" in gas:
+        lines.append(f"recovery tank of {gas['recovery']['volume_l']:g} l: {_recovery(gas['recovery'])}")
     if "bottle" in gas:
         bottle = gas["bottle"]
         lines.append(f"a bottle of {bottle['volume_l']:g} l and {bottle['pressure_bar']:g} bar lasts {bottle['lasts_s']:.0f} s")

@@ -16,7 +16,7 @@ from exo_sim.machine.person import Person, pose_bodies, segment_poses
 from exo_sim.machine.straps import pull
 from exo_sim.physics.compiled import borrow, kernel
 from exo_sim.physics.forces import sensed_pressures
-from exo_sim.physics.nodes import temperatures, volumes
+from exo_sim.physics.nodes import tank_state, temperatures, volumes
 from exo_sim.physics.plant import FOLLOWED
 from exo_sim.physics.state import INTEGRATED
 from exo_sim.simulation import wearer_loop
@@ -209,10 +209,16 @@ def _open_valves(first, settings, mechanics, plant, drives):
                 ref_1, ref_2 = drives.planned[2 * i], drives.planned[2 * i + 1]
                 rate_1 = 0.0 if first else (ref_1 - drives.planned_before[2 * i]) / n[DT]
                 rate_2 = 0.0 if first else (ref_2 - drives.planned_before[2 * i + 1]) / n[DT]
-                plant.command[i], plant.command[plant.actuators.size + i] = follow(
+                p_t = t_t = 0.0
+                if w.tank_volume > 0.0:
+                    p_t, t_t = tank_state(w, plant.vector, plant.actuators.size * INTEGRATED)
+                u_1, u_2, w_1, w_2 = follow(
                     c, rate + error / n[CLOSING], v, ref_1, rate_1, ref_2, rate_2, p_1, t_1, p_2, t_2, v_1, v_2, w.supply_pressure,
-                    w.supply_temperature, w.exhaust_pressure, w.ambient, w.k, w.r,
+                    w.supply_temperature, w.exhaust_pressure, w.ambient, p_t, t_t, w.tank_pressure, w.k, w.r,
                 )  # fmt: skip
+                plant.command[i], plant.command[plant.actuators.size + i] = u_1, u_2
+                if w.tank_volume > 0.0:
+                    plant.command[2 * plant.actuators.size + i], plant.command[3 * plant.actuators.size + i] = w_1, w_2
                 continue
             if c.independent > 0.0:
                 plant.command[i], plant.command[plant.actuators.size + i] = meter(

@@ -8,8 +8,8 @@ from exo_sim.gait.motion import look_up
 from exo_sim.physics.compiled import kernel
 from exo_sim.physics.forces import sensed_pressures
 from exo_sim.physics.gas import critical_ratio
-from exo_sim.physics.nodes import exhaust_state, supply_state, temperatures
-from exo_sim.physics.state import DRAWN, HELD, INTEGRATED, REMEMBERED, SHARED
+from exo_sim.physics.nodes import exhaust_state, supply_state, tank_state, temperatures
+from exo_sim.physics.state import DRAWN, HELD, INTEGRATED, REMEMBERED, SHARED, TANK_MASS
 
 
 @kernel
@@ -110,3 +110,5 @@ def log_rest(row, cycles, with_gas, mechanics, plant, bodies, wearer, drives):
             row[at + 5], row[at + 6] = _choked(c, u_1, u_2, p_1, p_2, p_s, p_e, critical), plant.vector[i * INTEGRATED + DRAWN]
             at += 7
         row[at], row[at + 1] = p_s, p_e
+        if w.tank_volume > 0.0:
+            row[at + 2], row[at + 3] = tank_state(w, plant.vector, shared).p, plant.vector[shared + TANK_MASS]

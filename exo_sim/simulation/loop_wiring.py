@@ -90,7 +90,7 @@ def wire(it: Simulation) -> tuple[loop.Settings, views.Mechanics, views.Plant, l
             np.zeros((7, 3)), np.zeros(6), np.zeros(6), np.zeros(2), *moving,
         ),
         loop.Drives(np.array(ankles, dtype=np.int64), np.zeros(n), np.zeros(n), np.zeros(n), np.zeros(n),
-                    np.zeros(it.plugin.pneumatics.commands), np.zeros(6), plan, plan_added,
+                    np.zeros(min(it.plugin.pneumatics.commands, 2 * n)), np.zeros(6), plan, plan_added,
                     np.zeros(2 * n), np.zeros(2 * n), np.zeros(2 * n)),
     )  # fmt: skip
 

@@ -135,11 +135,11 @@ class PneumaticPlugin:
     @property
     def command_2(self) -> NDArray[np.float64]:
         """Commands towards chambers 2 of valves with independent edges, shape (n,); shape (0,) where the rig has none of these."""
-        return self.plant.command[len(self.links) :]
+        return self.plant.command[len(self.links) : 2 * len(self.links)]
 
     @command_2.setter
     def command_2(self, value: NDArray[np.float64]) -> None:
-        self.plant.command[len(self.links) :] = value
+        self.plant.command[len(self.links) : 2 * len(self.links)] = value
 
     @property
     def force(self) -> NDArray[np.float64]:

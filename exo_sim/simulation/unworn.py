@@ -83,6 +83,7 @@ class UnwornSimulation:
             raise ModelError(f"{rig.path}: no [cylinders.NAME]: nothing moves the machine")
         if isinstance(controller, str) and controller not in CONTROLLERS:
             raise ScenarioError(f'controller "{controller}"{nearest(controller, CONTROLLERS)}')
+        rig.check_no_recovery("a machine that nobody wears")
         without = [c.name for c in rig.cylinders.values() if c.valve_area <= 0.0]
         if without:
             where = f"cylinders.{without[0]}"

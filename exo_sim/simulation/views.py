@@ -51,7 +51,8 @@ class Plant(NamedTuple):
         retracted: Length of the actuator with the piston at its end [m].
         dofs, addresses: Of each joint its place in MuJoCo's velocities and positions.
         x, x1, v: Where each piston is by its joint, where it will have gone, and how fast it goes [m], [m/s].
-        command: Of each valve; where any cylinder has a valve for each chamber, those towards chambers 2 behind the others.
+        command: Of each valve; where any cylinder has a valve for each chamber, those towards chambers 2 behind the others; with a
+            recovery tank those of the paths to it behind these, chambers 1 first.
         force: Of each rod [N].
         q, q1, qd: The same as x, x1, v of each joint.
         own, felt: What each joint's contact exerts, and what of it stands in MuJoCo's applied forces.

@@ -171,6 +171,8 @@ def layout(rig: Rig, straps: StrapSet, gas: bool) -> list[tuple[str, str]]:
             out += [(f"{name}.temperature_1", "K"), (f"{name}.temperature_2", "K")]
             out += [(f"{name}.choked", "1"), (f"{name}.gas_used", "kg")]
         out += [("supply.pressure", "Pa"), ("exhaust.pressure", "Pa")]
+        if rig.recovery is not None:
+            out += [("recovery.pressure", "Pa"), ("recovery.gas", "kg")]
     return out
 
 

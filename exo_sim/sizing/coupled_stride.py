@@ -82,6 +82,7 @@ class CoupledStride:
         self._torque = [column[f"{joint}.torque"] for joint in self._joints]
         self._wanted = [column[f"{joint}.torque_demanded"] for joint in self._joints]
         self._gas = [column[f"{name}.gas_used"] for name in rig.cylinders]
+        self._tank = column.get("recovery.gas")
         self._pressures = [column[f"{name}.pressure_{side}"] for name in rig.cylinders for side in (1, 2)]
 
     @property
@@ -158,6 +159,8 @@ class CoupledStride:
         errors = np.sqrt(np.mean((part[:, self._torque] - part[:, self._wanted]) ** 2, axis=0))
         worst = int(np.argmax(errors))
         drawn = float(np.sum(part[-1, self._gas] - part[0, self._gas]))
+        if self._tank is not None:  # what the tank lost was bought before, what it gained is there for later
+            drawn -= float(part[-1, self._tank] - part[0, self._tank])
         gas = drawn * self._simulation.motion.stride_time / float(part[-1, 0] - part[0, 0])
         near = bool(np.abs(away).max() < _LOST)
         return Stride(gas, float(errors[worst]), names[worst], near, float(part[:, self._pressures].max()))

@@ -60,6 +60,7 @@ def diagnose(
     report, allowed = progress or (lambda words: None), Budget(budget)
     report("reading")
     data = gather(recordings, rig, column_map)
+    data.rig.check_no_recovery("a recording")
     with Threads(jobs or os.cpu_count() or 1) as threads:  # what is reported of rivals is fitted as well
         return _reported(examine_until_stable(data, threads, report, allowed), allowed, report, folder)
 

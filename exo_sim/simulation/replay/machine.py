@@ -41,6 +41,7 @@ class RecordedMachine:
     """
 
     def __init__(self, recording: Recording, rig: Rig, model: mujoco.MjModel):
+        rig.check_no_recovery("a recording")
         self.recording, self.rig, self.model = recording, rig, model
         self.model.opt.disableflags |= int(mujoco.mjtDisableBit.mjDSBL_AUTORESET)
         self.plugin = PneumaticPlugin(model, rig)

@@ -29,6 +29,8 @@ if TYPE_CHECKING:
 
 #: Designs to look at where nobody says how many: of a worn machine, and along a motion.
 TRIALS, MOTION_TRIALS = 800, 100
+#: The valves that are sized: the rig's, or those with edges of their own for each chamber.
+VALVES = ("rig", "independent")
 
 
 @dataclass(frozen=True, repr=False)
@@ -105,20 +107,32 @@ def question(
     rig: RigLike | None = None, *, scenarios: str | Sequence[str] = "level_walk", payloads: Quantity | Sequence[Quantity] = 34.0,
     speeds: float | Sequence[float] = 1.0, reach: Quantity = 0.04, pressure_limit: Quantity | None = None, joints: str | Sequence[str] = (),
     catalogue: str | os.PathLike[str] | None = None, fix: Mapping[str, Quantity] | Sequence[str] = (), travel: str = "joint",
-    springs: bool = False, own_mass: bool = False,
+    springs: bool = False, own_mass: bool = False, heights: Quantity | Sequence[Quantity] = (), robust: bool = False,
+    valves: str = "rig", tank: Quantity | None = None,
 ) -> Question:  # fmt: skip
     """Return what a search is asked; arguments and errors as of `size`."""
     from exo_sim.rig.own_catalogue import read_catalogue
+    from exo_sim.rig.valve import with_edges, with_tank
+    from exo_sim.sizing.around import around
     from exo_sim.sizing.fixing import given_numbers
     from exo_sim.sizing.own_mass import carried
     from exo_sim.sizing.study import space_of
     from exo_sim.sizing.travel import TRAVELS, within_tasks
 
+    if valves not in VALVES:
+        raise ScenarioError(f'valves "{valves}"{nearest(valves, VALVES)}')
     if travel not in TRAVELS:
         raise ScenarioError(f'travel "{travel}"{nearest(travel, TRAVELS)}')
     machine: Machine = rig_of(rig)
     masses = [quantity(one, "kg", "payload", low=0.0) for one in _several(payloads)]
-    conditions = tuple(dict.fromkeys(Condition(*each) for each in product(_several(scenarios), masses, _several(speeds))))
+    wearers = [quantity(one, "m", "heights", low=0.5, high=3.0) for one in _several(heights)] or [None]
+    conditions = tuple(dict.fromkeys(Condition(*each) for each in product(_several(scenarios), masses, _several(speeds), wearers)))
+    if robust:
+        conditions = around(conditions)
+    if valves == "independent":
+        machine = with_edges(machine)
+    if tank is not None:
+        machine = with_tank(machine, quantity(tank, "m^3", "tank", low=0.0, high=1.0))
     limit = None if pressure_limit is None else quantity(pressure_limit, "Pa", "pressure_limit", low=0.0)
     fixed, bought = given_numbers(fix), None if catalogue is None else read_catalogue(Path(catalogue))
     loads = tuple(joint_loads(machine, condition) for condition in conditions)
@@ -137,7 +151,8 @@ def size(
     reach: Quantity = 0.04, pressure_limit: Quantity | None = None,
     joints: str | Sequence[str] = (), catalogue: str | os.PathLike[str] | None = None,
     fix: Mapping[str, Quantity] | Sequence[str] = (), travel: str = "joint", springs: bool = False,
-    own_mass: bool = False, jobs: int = -1, scheduler: str | None = None, seed: int = 0,
+    own_mass: bool = False, heights: Quantity | Sequence[Quantity] = (), robust: bool = False, valves: str = "rig",
+    tank: Quantity | None = None, jobs: int = -1, scheduler: str | None = None, seed: int = 0,
     out: str | os.PathLike[str] | None = None, quiet: bool = True,
     tell: Callable[[str], None] = lambda words: None,
 ) -> Sizing | MotionSizing:  # fmt: skip
@@ -146,7 +161,8 @@ def size(
     Args:
         rig: A path or `exo.Rig` of a worn machine, with what a diagnosis found of it; the one of the package when None.
         motion: For a machine that nobody wears: a recording with the positions of its joints and, where there are any, the forces from
-            outside. Then attachment points stay, and scenarios, payloads, speeds, reach, travel, springs, jobs and scheduler do not count.
+            outside. Then attachment points stay, and scenarios, payloads, speeds, reach, travel, springs, heights, robust,
+            valves, tank, jobs and scheduler do not count.
         scenarios: What the machine must do, one or several; every combination with payloads and speeds must be carried.
         payloads: On the back, one or several: kilograms, or text.
         speeds: Factors on the recorded cadence, one or several.
@@ -158,6 +174,10 @@ def size(
         fix: What is not to be chosen, like {"supply": "7 bar", "hip.bore": "40 mm"}; SI numbers or text, or texts like "supply=7 bar".
         travel: "joint": strokes cover the joints' whole range; "task": what is asked for, and 10 degrees more each way, with stops there.
         springs: Whether a spring may stand beside each rod; for valves with independent edges.
+        heights: Of wearers, one or several, every combination with the rest: metres, or text; the rig's own when empty.
+        robust: Whether a short, a tall and an unladen wearer at other cadences count as well (`sizing.around`).
+        valves: "rig", or "independent": each chamber's edges have a command of their own, and both pressures are planned.
+        tank: Volume of a recovery tank whose pressure is chosen, m^3 or text, for independent edges; the rig's own when None, 0 for none.
         own_mass: Whether the bodies carry the cylinders' own mass, that of the smallest which suffice (`sizing.own_mass`).
         jobs: Processes; -1 is one a core.
         scheduler: Address of a Dask scheduler.
@@ -186,7 +206,7 @@ def size(
     asked = question(
         rig, scenarios=scenarios, payloads=payloads, speeds=speeds, reach=reach, pressure_limit=pressure_limit, joints=joints,
         catalogue=catalogue, fix=fix,
-        travel=travel, springs=springs, own_mass=own_mass,
+        travel=travel, springs=springs, own_mass=own_mass, heights=heights, robust=robust, valves=valves, tank=tank,
     )  # fmt: skip
     with result_folder(out, "size") as (folder, temporary):
         with Workers(jobs, scheduler) as workers:

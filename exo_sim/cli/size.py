@@ -15,6 +15,7 @@ from exo_sim.cli.frame import verb
     'exo-sim size --scenario level_walk --payload "34 kg" --out sized',
     'exo-sim size --scenario level_walk --scenario squat --payload "20 kg" --payload "34 kg" --trials 1000 --jobs 8',
     'exo-sim size --catalogue mine.toml --fix supply="7 bar" --fix hip.bore="40 mm"',
+    'exo-sim size --valves independent --tank "2 l" --travel task --robust',
     "exo-sim size --motion motion.csv --rig bench.toml --out sized",
     "exo-sim size --quick",
     "exo-sim run level_walk --rig sized/sized.toml",
@@ -46,6 +47,13 @@ from exo_sim.cli.frame import verb
 @click.option("--travel", type=click.Choice(["joint", "task"]), default="joint", show_default=True,
               help="Strokes cover the joints' whole range, or what the tasks ask for and 10 degrees more, with stops there.")
 @click.option("--springs", is_flag=True, help="A spring may stand beside each rod; for valves with independent edges.")
+@click.option("--valves", type=options.Choice(["rig", "independent"]), default="rig", show_default=True,
+              help="The rig's, or valves that open each chamber's edges by a command of their own: far less gas.")
+@click.option("--tank", type=options.Quantity("m^3", low=0.0, high=1.0), default=None,
+              help='Volume of a recovery tank like "2 l", its pressure is chosen; for independent edges. The rig\'s own when absent.')
+@click.option("--height", "heights", multiple=True, type=options.Quantity("m", low=0.5, high=3.0),
+              help='Of the wearer, like "1.60 m", mass by the same body mass index; may be given again. The rig\'s when absent.')
+@click.option("--robust", is_flag=True, help="A short and fast, a tall and slow, and an unladen wearer count as well.")
 @click.option("--own-mass", is_flag=True, help="The bodies carry the cylinders' own mass: that of the smallest which suffice.")
 @click.option("--jobs", type=click.IntRange(-1), default=-1, show_default=True,
               help="Processes, one thread each; -1: one a core.")
@@ -53,7 +61,8 @@ from exo_sim.cli.frame import verb
 @click.option("--quick", is_flag=True, help="By hand: the paper's design equations 35 to 39. No search.")
 def command(scenarios: tuple[str, ...], payloads: tuple[float, ...], speeds: tuple[float, ...], rig: Path | None,
             motion: Path | None, trials: int | None, reach: float, pressure_limit: float | None, only: str | None, catalogue: Path | None,
-            fixes: tuple[str, ...], travel: str, springs: bool, own_mass: bool,
+            fixes: tuple[str, ...], travel: str, springs: bool, valves: str,
+            tank: float | None, heights: tuple[float, ...], robust: bool, own_mass: bool,
             jobs: int, scheduler: str | None, quick: bool, out: Path | None,
             as_json: bool, quiet: bool, seed: int) -> None:  # fmt: skip
     """Search bores, rods, strokes, attachment points, valves and supply against the joint loads of what the machine must do.
@@ -75,7 +84,7 @@ def command(scenarios: tuple[str, ...], payloads: tuple[float, ...], speeds: tup
         raise ScenarioError(f"--motion: {said}")
     asked: dict[str, Any] = dict(
         scenarios=scenarios, payloads=payloads, speeds=speeds, reach=reach, pressure_limit=pressure_limit, catalogue=catalogue, fix=fixes,
-        travel=travel, springs=springs, own_mass=own_mass,
+        travel=travel, springs=springs, own_mass=own_mass, heights=heights, robust=robust, valves=valves, tank=tank,
         joints=tuple(name.strip() for name in only.split(",")) if only is not None else (),
     )  # fmt: skip
     if quick:

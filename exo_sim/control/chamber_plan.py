@@ -65,7 +65,7 @@ def plan(world: np.void, c: np.void, x: Array, force: Array, period: float, spri
     """Return the pressures that give a rod's forces from the least gas.
 
     Args:
-        world, c: Records of the plant and of a double-acting cylinder whose valve has independent edges.
+        world, c: Records of the plant and of a cylinder whose valve has independent edges.
         x: Piston position at even phases of a cycle [m], shape (n,).
         force: Of the gas on the rod there [N], shape (n,); of gas and spring together where there is one to choose.
         period: Of the cycle [s].
@@ -87,9 +87,13 @@ def plan(world: np.void, c: np.void, x: Array, force: Array, period: float, spri
     stiffest = STIFFEST / _KILO if spring else 0.0
     low, high, cost = np.zeros(columns.count), np.full(columns.count, np.inf), np.zeros(columns.count)
     low[pressures], high[pressures] = floor, max(FILLED_TO * p_s, p_e) / BAR
+    if c["single_acting"] > 0.0:  # chamber 2 is open
+        high[columns.of("p_2")] = floor
     low[columns.of("spring")], high[columns.of("spring")] = [-_FARTHEST * stiffest, 0.0], [_FARTHEST * stiffest, stiffest]
     high[columns.pair("taken")] = high[columns.pair("given")] = 0.0
     cost[drawn], cost[columns.of("missing")], cost[columns.of("excess")] = 1.0, price, price
+    if c["single_acting"] > 0.0:
+        cost[columns.of("drawn_2")] = 0.0
     least, best = np.inf, None
     limits, right = rows, most
     for _ in range(_TANK_PASSES if tank else _PASSES):

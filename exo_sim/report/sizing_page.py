@@ -11,6 +11,7 @@ from exo_sim.simulation import gas_use
 from exo_sim.sizing import published, summary_text
 from exo_sim.sizing.by_hand import papers_example
 from exo_sim.sizing.choice import fates
+from exo_sim.sizing.sensitivity import cheaper
 from exo_sim.sizing.study import Sizing
 
 _HERE = Path(__file__).parent
@@ -31,6 +32,11 @@ def page(sizing: Sizing) -> str:
         z=sizing,
         c=sizing.choice.confirmed,
         kinds=kinds,
+        changes=summary_text.changes(sizing),
+        neighbours=[(one, cheaper(one, sizing.choice.found.score)) for one in sizing.sensitivity.neighbours],
+        everywhere=sizing.choice.everywhere,
+        worst=max((one.gas for one in sizing.choice.everywhere), default=0.0),
+        mean=sum(one.gas for one in sizing.choice.everywhere) / max(len(sizing.choice.everywhere), 1),
         fates=fates(sizing.outcome, sizing.task),
         gas=gas_use.rows(sizing.choice.confirmed.summary["gas"]) if "gas" in sizing.choice.confirmed.summary else [],
         style=(_HERE / "diagnosis.css").read_text(encoding="utf-8"),

@@ -24,7 +24,7 @@ from exo_sim.rig.schema import (
     Wearer,
 )
 from exo_sim.rig.table import Table
-from exo_sim.rig.valve import read_valve, with_valves
+from exo_sim.rig.valve import check_edges, read_valve, with_valves
 
 #: What stands at the top of a rig file. Asked first: under a misspelt heading everything else looks missing.
 SECTIONS = (
@@ -170,13 +170,8 @@ def _recovery(table: Table, environment: Environment, supply: Supply, cylinders:
     )
     part.done()
     if not environment.pressure < found.pressure < supply.pressure:
-        raise part.fail("pressure", f"must lie between the atmosphere ({environment.pressure:g} Pa) and the supply ({supply.pressure:g} Pa)")
-    for cylinder in cylinders.values():
-        if cylinder.valve_area > 0.0 and not cylinder.valve.independent:
-            raise RigError(
-                f'{table.path}: cylinders.{cylinder.name}.valve.kind = "4-way": a recovery tank is for chambers with edges of their own; '
-                'give every valve kind = "independent", or leave [recovery] out'
-            )
+        raise part.fail("pressure", f"must lie between atmosphere ({environment.pressure:g} Pa) and supply ({supply.pressure:g} Pa)")
+    check_edges(table.path, cylinders)
     return found
 
 

@@ -3,14 +3,15 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import replace
+from pathlib import Path
 
 from exo_sim.errors import RigError
 from exo_sim.physics.compressed_air import FREE_AIR_DENSITY, FREE_AIR_TEMPERATURE
 from exo_sim.physics.effects.valve_edges import EDGES
 from exo_sim.physics.gas import critical_flow_factor
-from exo_sim.rig.schema import VALVE_KINDS, EffectSetting, Valve
+from exo_sim.rig.schema import VALVE_KINDS, Cylinder, EffectSetting, Recovery, Rig, Valve
 from exo_sim.rig.table import Table
 
 CONDUCTANCE = "m^3/(s Pa)"
@@ -122,3 +123,38 @@ def with_valves(effects: tuple[EffectSetting, ...], of_valves: Sequence[EffectSe
         own = of_valve.pop((effect.name, effect.where), None)
         merged.append(effect if own is None else replace(effect, parameters={**own.parameters, **effect.parameters}))
     return (*merged, *of_valve.values())
+
+
+def check_edges(path: Path, cylinders: Mapping[str, Cylinder]) -> None:
+    """Refuse a recovery tank beside valves that move both chambers with one command.
+
+    Raises:
+        RigError: there is one; it names the first.
+    """
+    for name, cylinder in cylinders.items():
+        if cylinder.valve_area > 0.0 and not cylinder.valve.independent:
+            raise RigError(
+                f'{path}: cylinders.{name}.valve.kind = "4-way": a recovery tank is for chambers with edges of their own; '
+                'give every valve kind = "independent", or leave the tank out'
+            )
+
+
+def with_tank(rig: Rig, volume: float) -> Rig:
+    """Return a rig with a recovery tank of a volume [m^3], at its own pressure or three times the atmosphere's; 0 for none.
+
+    Raises:
+        RigError: a valve moves both chambers with one command.
+    """
+    if volume <= 0.0:
+        return replace(rig, recovery=None)
+    check_edges(rig.path, rig.cylinders)
+    return replace(rig, recovery=Recovery(volume, rig.recovery.pressure if rig.recovery is not None else 3.0 * rig.environment.pressure))
+
+
+def with_edges(rig: Rig) -> Rig:
+    """Return a rig whose double-acting cylinders have valves with a command of their own for each chamber."""
+    changed = {
+        name: c if c.single_acting or c.valve_area <= 0.0 else replace(c, valve=replace(c.valve, independent=True))
+        for name, c in rig.cylinders.items()
+    }
+    return replace(rig, cylinders=changed)

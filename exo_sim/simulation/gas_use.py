@@ -18,6 +18,27 @@ PEAK_OVER = 0.02
 SAG = 0.05
 
 
+#: Pressure dew points of ISO 8573-1 by its classes for water, the wettest first [C].
+_DRY = ((4, 3.0), (3, -20.0), (2, -40.0), (1, -70.0))
+
+
+def dryness(coldest: float) -> str:
+    """Return how dry the air must be that no ice forms in gas as cold as this [K], by ISO 8573-1.
+
+    The dew point at the supply's pressure counts: as gas expands its dew point falls, but slower than its temperature.
+
+    >>> dryness(255.0)
+    'dry to a pressure dew point below -18 C: class 3 of ISO 8573-1, 2 C to spare'
+    """
+    celsius = coldest - 273.15
+    if celsius > 3.0:
+        return "no ice with dew points of up to 3 C: class 4 of ISO 8573-1"
+    found = next(((number, point) for number, point in _DRY if point < celsius), None)
+    if found is None:
+        return f"colder than the driest class of ISO 8573-1 ({_DRY[-1][1]:.0f} C): warm the chambers or count the heat of their walls"
+    return f"dry to a pressure dew point below {celsius:.0f} C: class {found[0]} of ISO 8573-1, {celsius - found[1]:.0f} C to spare"
+
+
 def measure(walk: Walk, rows: slice) -> dict[str, Any]:
     """Return what some rows of whole cycles draw and give, as reductions: masses [kg], work [W], flows [kg/s].
 
@@ -115,6 +136,7 @@ def rows(gas: dict[str, Any]) -> list[tuple[str, str]]:
         ("rod work over exergy", f"{100 * gas['efficiency']:.1f} %"),
         (f"tank that sags by {gas['tank']['sag_pa'] / 1e5:.2f} bar within a cycle", f"{gas['tank']['volume_l']:.2f} l"),
         ("coldest gas in a chamber", f"{gas['chamber_temperature_least_k'] - 273.15:.0f} C"),
+        ("against ice", dryness(gas["chamber_temperature_least_k"])),
     ]
     if "recovery" in gas:
         out.append((f"recovery tank of {gas['recovery']['volume_l']:g} l", _recovery(gas["recovery"])))
@@ -126,8 +148,8 @@ def rows(gas: dict[str, Any]) -> list[tuple[str, str]]:
 
 def _recovery(tank: dict[str, Any]) -> str:
     return (
-        f"{tank['pressure_least_pa'] / 1e5:.2f} to {tank['pressure_most_pa'] / 1e5:.2f} bar, gains {1e3 * tank['gain_kg_per_stride']:.3f} g a cycle "
-        "(taken off the mass above)"
+        f"{tank['pressure_least_pa'] / 1e5:.2f} to {tank['pressure_most_pa'] / 1e5:.2f} bar, gains "
+        f"{1e3 * tank['gain_kg_per_stride']:.3f} g a cycle (taken off the mass above)"
     )
 
 
@@ -139,7 +161,7 @@ def words(gas: dict[str, Any]) -> list[str]:
         f"{100 * gas['efficiency']:.1f} % becomes rod work ({gas['positive_rod_work_w']:.0f} W)",
         f"compressor {gas['compressor']['power_w']:.0f} W (isothermal, {100 * gas['compressor']['isothermal_efficiency']:.0f} %); tank "
         f"{gas['tank']['volume_l']:.2f} l for a sag of {gas['tank']['sag_pa'] / 1e5:.2f} bar; "
-        f"coldest chamber {gas['chamber_temperature_least_k'] - 273.15:.0f} C",
+        f"coldest chamber {gas['chamber_temperature_least_k'] - 273.15:.0f} C: air {dryness(gas['chamber_temperature_least_k'])}",
     ]
     if "recovery" in gas:
         lines.append(f"recovery tank of {gas['recovery']['volume_l']:g} l: {_recovery(gas['recovery'])}")

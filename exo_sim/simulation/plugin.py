@@ -112,7 +112,12 @@ class PneumaticPlugin:
         """Take the numbers of another rig: the same cylinders on the same actuators, with other sizes, supply or effects' values.
 
         The arrays stay where they are. Call `reset` next; attachment points are the model's (`machine.attachment.attach`).
+
+        Raises:
+            ModelError: one of both has a recovery tank.
         """
+        if (rig.recovery is None) != (self.rig.recovery is None):
+            raise ModelError(f"{rig.path}: with or without a recovery tank is another machine: make a plug-in of its own for it")
         drives = {link.cylinder: link.joint for link in self.links}
         other = assembly.pneumatics(rig, self.dt, self.joint_names, drives)
         self.rig = rig

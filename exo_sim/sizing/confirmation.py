@@ -38,9 +38,14 @@ class Confirmed:
     peak: float
     trouble: str = ""
 
+    @property
+    def gas(self) -> float:
+        """Drawn a cycle [kg], infinite where the run failed."""
+        return float(self.summary["gas"]["mass_kg_per_stride"]) if "gas" in self.summary else float("inf")
+
     def excess(self, most_error: float, most_pressure: float) -> float:
         """Return how far it goes beyond its limits: at most 1 keeps to both."""
-        return max(self.error / most_error, self.peak / most_pressure) if self.walk is not None else float("inf")
+        return max(self.error / most_error, self.peak / most_pressure)
 
 
 def confirm(rig: Rig, condition: Condition, joints: tuple[str, ...]) -> Confirmed:
@@ -55,7 +60,7 @@ def confirm(rig: Rig, condition: Condition, joints: tuple[str, ...]) -> Confirme
         KeyboardInterrupt: Ctrl-C.
     """
     try:
-        walk = Simulation(rig, Request(condition.scenario, condition.payload, condition.speed, CYCLES)).run()
+        walk = Simulation(condition.worn(rig), Request(condition.scenario, condition.payload, condition.speed, CYCLES)).run()
     except ExoSimError as error:
         return Confirmed(None, {}, float("inf"), float("inf"), str(error))
     if walk.interrupted:

@@ -37,10 +37,11 @@ class Stride:
     """What one design did in one condition.
 
     Attributes:
-        gas: Drawn from the supply by all cylinders in the cycle [kg].
+        gas: Drawn from the supply by all cylinders in the cycle [kg]; over several conditions the mean.
         error: Largest over the joints of the rms of torque less torque demanded [N m].
         worst: That joint.
         peak: Largest pressure in any chamber in the cycle, absolute [Pa].
+        most_gas: That of the condition which draws most [kg].
         finished: False where numbers left the range that means anything, or the machine left its wearer.
     """
 
@@ -49,6 +50,7 @@ class Stride:
     worst: str
     finished: bool
     peak: float
+    most_gas: float = 0.0
 
 
 class CoupledStride:
@@ -63,6 +65,7 @@ class CoupledStride:
     """
 
     def __init__(self, rig: Rig, condition: Condition, step: float = STEP, lead: float = LEAD, joints: tuple[str, ...] = ()):
+        rig = condition.worn(rig)
         request = Request(condition.scenario, condition.payload, condition.speed, 1, law=LAW, step=step)
         sim = self._simulation = Simulation(rig, request)
         self.condition, self.dt = condition, sim.dt
@@ -172,6 +175,7 @@ def mean_of(strides: list[Stride]) -> Stride:
     return replace(
         worst,
         gas=float(np.mean([stride.gas for stride in strides])),
+        most_gas=max(stride.gas for stride in strides),
         finished=all(stride.finished for stride in strides),
         peak=max(stride.peak for stride in strides),
     )

@@ -8,7 +8,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from exo_sim.errors import RigError
-from exo_sim.rig import Attachment, EffectSetting, Rig
+from exo_sim.rig import Attachment, EffectSetting, Recovery, Rig
 from exo_sim.rig.catalogue import CatalogueCylinder
 from exo_sim.rig.own_catalogue import CatalogueValve
 from exo_sim.sizing.joint_kinds import JointKind
@@ -19,6 +19,9 @@ END_CLEARANCE = 2e-3
 PLACES = {"length": 1e-4, "area": 1e-7, "pressure": 1e4}
 #: What a kilogram of helical steel spring stores [J/kg]: 0.9 GPa of shear, half of the ideal bar's 0.32 kJ/kg for ends and reserve.
 SPRING_ENERGY = 150.0
+#: What a recovery tank weighs for its volume [kg/m^3], and the two more paths of each cylinder to it [kg]: our estimates, of thin aluminium
+#: tanks for 10 bar and of 2/2 valves of these sizes.
+TANK_MASS, TANK_VALVES_MASS = 300.0, 0.2
 
 
 @dataclass(frozen=True)
@@ -48,11 +51,13 @@ class Design:
         supply: Absolute [Pa].
         joints: By kind.
         number: Of the trial, or -1.
+        recovery: The recovery tank, if any.
     """
 
     supply: float
     joints: Mapping[str, JointDesign]
     number: int = -1
+    recovery: Recovery | None = None
 
 
 @dataclass(frozen=True)
@@ -108,7 +113,8 @@ def fitted(rig: Rig, kinds: tuple[JointKind, ...], design: Design) -> Rig:
                 dead_volume_1=dead_1, dead_volume_2=dead_2, valve_area=chosen.valve_area, attachment=chosen.attachment,
                 rating=entry.rating,
             )  # fmt: skip
-    return replace(rig, cylinders=cylinders, effects=effects, supply=replace(rig.supply, pressure=design.supply))
+    supply = replace(rig.supply, pressure=design.supply)
+    return replace(rig, cylinders=cylinders, effects=effects, supply=supply, recovery=design.recovery)
 
 
 def with_valve(effects: tuple[EffectSetting, ...], kind: JointKind, chosen: JointDesign) -> tuple[EffectSetting, ...]:
@@ -131,8 +137,11 @@ def valve_effects(valve: CatalogueValve | None) -> list[tuple[str, str, float]]:
 
 
 def actuator_mass(kinds: tuple[JointKind, ...], design: Design) -> float:
-    """Return the mass of all cylinders, springs and, where the catalogue says it, valves [kg], infinite where a stroke is not to be had."""
-    total = 0.0
+    """Return the mass of all cylinders, springs, a recovery tank and, where the catalogue says it, valves [kg].
+
+    Infinite where a stroke is not to be had.
+    """
+    total = recovery_mass(kinds, design)
     for kind in kinds:
         chosen = design.joints[kind.name]
         stroke = fit(kind, chosen).stroke
@@ -141,6 +150,13 @@ def actuator_mass(kinds: tuple[JointKind, ...], design: Design) -> float:
         valve = chosen.valve.mass if chosen.valve is not None else 0.0
         total += len(kind.cylinders) * (chosen.cylinder.mass(stroke) + valve + spring_mass(chosen.spring, stroke))
     return total
+
+
+def recovery_mass(kinds: tuple[JointKind, ...], design: Design) -> float:
+    """Return the mass of a recovery tank and of the paths to it [kg], 0 where there is none (`TANK_MASS`, our estimate)."""
+    if design.recovery is None:
+        return 0.0
+    return TANK_MASS * design.recovery.volume + TANK_VALVES_MASS * sum(len(kind.cylinders) for kind in kinds)
 
 
 def spring_mass(spring: tuple[float, float] | None, stroke: float) -> float:

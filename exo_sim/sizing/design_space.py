@@ -8,7 +8,7 @@ from functools import cached_property
 
 import numpy as np
 
-from exo_sim.rig import Attachment, Rig
+from exo_sim.rig import Attachment, Recovery, Rig
 from exo_sim.rig.own_catalogue import Catalogue, CatalogueValve
 from exo_sim.sizing.design import PLACES, Design, JointDesign
 from exo_sim.sizing.joint_kinds import JointKind
@@ -17,6 +17,8 @@ from exo_sim.sizing.joint_kinds import JointKind
 VALVE_AREAS = (2e-6, 40e-6)
 #: Lowest supply that is looked at, above the atmosphere [Pa].
 LEAST_SUPPLY = 3e5
+#: Pressures of a recovery tank that are looked at, as shares of the way from the atmosphere to the supply.
+TANK_SHARES = (0.08, 0.6)
 #: Most sizes above the smallest bore that suffices.
 MOST_ABOVE = 2
 #: Largest change of the angle between the two ends, seen from the joint [rad].
@@ -36,8 +38,10 @@ class Space:
         supply: Least and largest supply pressure, absolute [Pa].
         reach: How far an end may move from the owner's, each way [m].
         catalogue: What may be bought.
-        fixed: Numbers that are not to be chosen, by name: "supply", "hip.bore", "hip.valve", "hip.from", "hip.to".
+        fixed: Numbers that are not to be chosen, by name: "supply", "hip.bore", "hip.valve", "hip.from", "hip.to", "tank".
         springs: Whether each rod may have a spring beside it; it is the one with which the gas is least (`springs.beside`).
+        tank: Volume of a recovery tank [m^3]; 0 for none. Its pressure is chosen.
+        atmosphere: [Pa].
     """
 
     kinds: tuple[JointKind, ...]
@@ -46,6 +50,8 @@ class Space:
     catalogue: Catalogue = field(default_factory=Catalogue)
     fixed: tuple[tuple[str, float], ...] = ()
     springs: bool = False
+    tank: float = 0.0
+    atmosphere: float = 101325.0
 
     def bores(self, kind: JointKind) -> tuple[int, ...]:
         """Return the places in the catalogue that a kind of joint may choose from, by rising bore."""
@@ -73,6 +79,9 @@ class Space:
     def bounds(self) -> dict[str, tuple[float, float]]:
         """Bounds of the continuous variables, by name, in the order in which they are asked; valve areas by logarithm."""
         out = {"supply": self.supply}
+        if self.tank > 0.0:
+            low, high = (self.atmosphere + share * (end - self.atmosphere) for share, end in zip(TANK_SHARES, self.supply))
+            out["tank"] = (low, high)
         fixed = dict(self.fixed)
         for kind in self.kinds:
             radii = [float(np.hypot(*end)) for end in (kind.own.base, kind.own.rod)]
@@ -105,11 +114,21 @@ class Space:
             cylinder = self.catalogue.cylinders[bores[kind.name]]
             area = _to(area, PLACES["area"]) if valve is None else valve.area
             joints[kind.name] = JointDesign(cylinder, self.attachment(kind, numbers), area, valve, (springs or {}).get(kind.name))
-        return Design(_to(numbers["supply"], PLACES["pressure"]), joints, number)
+        supply = _to(numbers["supply"], PLACES["pressure"])
+        return Design(supply, joints, number, self._recovery(numbers, supply))
+
+    def _recovery(self, numbers: Mapping[str, float], supply: float) -> Recovery | None:
+        """Return the recovery tank, its pressure inside what a supply allows."""
+        if self.tank <= 0.0:
+            return None
+        low, high = (self.atmosphere + share * (supply - self.atmosphere) for share in TANK_SHARES)
+        return Recovery(self.tank, _to(min(max(float(numbers["tank"]), low), high), PLACES["pressure"]))
 
     def owners(self, rig: Rig) -> dict[str, float]:
         """Return the variables nearest to the owner's own machine, with the smallest bores that suffice."""
         out = {"supply": rig.supply.pressure}
+        if self.tank > 0.0:
+            out["tank"] = rig.recovery.pressure if rig.recovery is not None else 3.0 * self.atmosphere
         for kind in self.kinds:
             out[f"{kind.name}.above"] = 0.0
             out[f"{kind.name}.from"], out[f"{kind.name}.to"] = (

@@ -55,6 +55,7 @@ class Score:
         peak: Largest pressure in any chamber [Pa], 0 where it was not simulated.
         bores: Place in the catalogue by kind of joint.
         springs: Stiffness [N/m] and rest [m] of those beside the rods, by kind of joint.
+        most_gas: Drawn a cycle under the condition that draws most [kg].
     """
 
     margin: float
@@ -70,6 +71,7 @@ class Score:
     peak: float = 0.0
     bores: dict[str, int] = field(default_factory=dict)
     springs: dict[str, tuple[float, float]] = field(default_factory=dict)
+    most_gas: float = 0.0
 
     @property
     def feasible(self) -> bool:
@@ -102,7 +104,7 @@ class Task:
     def digest(self) -> str:
         """Short name of everything that a score depends on besides the design."""
         rig = self.rig
-        of_rig = rig.text, rig.effects, rig.wearer, rig.ankle, rig.supply, rig.body_masses, rig.joint_factors
+        of_rig = rig.text, rig.effects, rig.wearer, rig.ankle, rig.supply, rig.body_masses, rig.joint_factors, rig.cylinders
         text = repr((exo_sim.__version__, of_rig, self.conditions, self.space, self.step))
         return hashlib.sha256(text.encode() + rig.model.read_bytes()).hexdigest()[:16]
 
@@ -167,7 +169,7 @@ class Evaluator:
         ratings = [design.joints[kind.name].cylinder.rating for kind in self.kinds]
         over = _rounded(peak / min(self.task.space.limit, *ratings) - 1.0)
         return replace(
-            seen, simulated=True, finished=True, gas=gas, error=error, worst=found.worst, peak=peak,
+            seen, simulated=True, finished=True, gas=gas, most_gas=_rounded(found.most_gas), error=error, worst=found.worst, peak=peak,
             violations=(*seen.violations[:-1], over),
         )  # fmt: skip
 

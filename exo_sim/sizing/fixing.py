@@ -7,8 +7,11 @@ from collections.abc import Mapping, Sequence
 from exo_sim import units
 from exo_sim.errors import ScenarioError, UnitError, nearest
 
-#: What may be fixed: the supply, and of each kind of joint its bore, valve area, and how far the cylinder's ends are from the axis.
-UNITS = {"supply": "Pa", "bore": "m", "valve": "m^2", "from": "m", "to": "m"}
+#: What may be fixed: the supply, the pressure of a recovery tank, and of each kind of joint its bore, valve area, and how far the
+#: cylinder's ends are from the axis.
+UNITS = {"supply": "Pa", "tank": "Pa", "bore": "m", "valve": "m^2", "from": "m", "to": "m"}
+
+_SHARED = ("supply", "tank")
 
 
 def unit_of(name: str) -> str:
@@ -28,8 +31,8 @@ def fixed_numbers(texts: Sequence[str]) -> dict[str, float]:
         if not equals or not name:
             raise ScenarioError(f'--fix {text}: write it like supply="7 bar" or hip.bore="40 mm"')
         kind, _, word = name.rpartition(".")
-        if word not in UNITS or (word == "supply") != (not kind):
-            known = ["supply", *(f"{kind or 'hip'}.{each}" for each in UNITS if each != "supply")]
+        if word not in UNITS or (word in _SHARED) != (not kind):
+            known = [*_SHARED, *(f"{kind or 'hip'}.{each}" for each in UNITS if each not in _SHARED)]
             raise ScenarioError(f"--fix {name}: cannot be fixed{nearest(name, known)}; what can is {', '.join(known)}")
         try:
             number = units.parse(value.strip("\"'"), UNITS[word])

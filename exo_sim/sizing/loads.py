@@ -21,7 +21,7 @@ from exo_sim.gait.residual_reduction import worn
 from exo_sim.machine.build import PAYLOAD_LIMIT, build, carry
 from exo_sim.machine.person import COORDINATES, Person
 from exo_sim.machine.straps import fasten
-from exo_sim.rig import Ankle, Rig
+from exo_sim.rig import Ankle, Rig, Wearer
 
 JOINTS = COORDINATES[3:]
 #: The law that says what the joints must carry.
@@ -37,14 +37,24 @@ class Condition:
         scenario: Its name.
         payload: On the back [kg].
         speed: Factor on the recorded cadence.
+        height: Of the wearer [m], with the mass of the rig's at the same build; the rig's own when None.
     """
 
     scenario: str
     payload: float
     speed: float = 1.0
+    height: float | None = None
 
     def __str__(self) -> str:
-        return f"{self.scenario}, {self.payload:g} kg, cadence x {self.speed:g}"
+        wearer = "" if self.height is None else f", wearer {self.height:.2f} m"
+        return f"{self.scenario}, {self.payload:g} kg, cadence x {self.speed:g}{wearer}"
+
+    def worn(self, rig: Rig) -> Rig:
+        """Return the rig on this wearer: mass goes with the height's square, the body mass index stays."""
+        if self.height is None:
+            return rig
+        mass = rig.wearer.mass * (self.height / rig.wearer.height) ** 2
+        return replace(rig, wearer=Wearer(self.height, mass))
 
 
 @dataclass(frozen=True)
@@ -82,12 +92,12 @@ def joint_loads(rig: Rig, condition: Condition) -> JointLoads:
 
     Args:
         rig: The machine; its frame, wearer and ankle count, its cylinders do not.
-        condition: Scenario, payload, cadence. A scenario that adds load is sized for all of it.
+        condition: Scenario, payload, cadence, wearer. A scenario that adds load is sized for all of it.
 
     Raises:
         ModelError, ScenarioError: not a worn machine, no such scenario, a payload the frame cannot carry.
     """
-    scenario = scenarios.find(condition.scenario)
+    scenario, rig = scenarios.find(condition.scenario), condition.worn(rig)
     if scenario.added is not None:
         condition = replace(condition, payload=condition.payload + scenario.added.mass)
     person = Person(rig.wearer.height, rig.wearer.mass)

@@ -20,7 +20,9 @@ from exo_sim.sizing.evaluation import Evaluator, Score, Task
 from exo_sim.sizing.joint_kinds import JointKind, kinds_of
 from exo_sim.sizing.loads import Condition, JointLoads, joint_loads
 from exo_sim.sizing.published import PublishedClass, published_class
+from exo_sim.sizing.rods import RodCheck, rod_checks
 from exo_sim.sizing.search import Outcome, search, with_more
+from exo_sim.sizing.sensitivity import Sensitivity, sensitivity
 from exo_sim.sizing.workers import Workers
 from exo_sim.sizing.writing import sized_text
 
@@ -65,6 +67,8 @@ class Sizing:
         fine: The recommended design at half the time step, after two more cycles.
         without: What the rig's effects change.
         published: The published class beside it.
+        sensitivity: What would change the recommendation.
+        rods: What the walk with it asks of its rods.
     """
 
     task: Task
@@ -74,6 +78,8 @@ class Sizing:
     fine: Stride
     without: tuple[Without, ...]
     published: PublishedClass | None
+    sensitivity: Sensitivity
+    rods: tuple[RodCheck, ...] = ()
 
 
 def space_of(
@@ -123,7 +129,8 @@ def space_of(
     if not own:  # more than the standards' rating is allowed on the owner's word
         allowed = tuple(replace(one, rating=max(one.rating, most)) for one in catalogue.cylinders)
         catalogue = replace(catalogue, cylinders=allowed)
-    space = Space(kinds, (atmosphere + LEAST_SUPPLY, most), reach, catalogue, tuple(sorted(fixed.items())), springs)
+    tank = rig.recovery.volume if rig.recovery is not None else 0.0
+    space = Space(kinds, (atmosphere + LEAST_SUPPLY, most), reach, catalogue, tuple(sorted(fixed.items())), springs, tank, atmosphere)
     known = [*space.bounds, *(f"{kind.name}.bore" for kind in kinds)]
     for name, value in fixed.items():
         if name not in known:
@@ -213,7 +220,10 @@ def size(
     ]
     walks = any(condition.scenario.startswith("level_walk") for condition in conditions)
     published = published_class(rig, space) if walks else None
-    return Sizing(task, loads, outcome, choice, fine, tuple(without), published)
+    tell("changing one number at a time")
+    beside_it = sensitivity(task, outcome, choice.found, loads)
+    rods = rod_checks(choice.confirmed.walk) if choice.confirmed.walk is not None else ()
+    return Sizing(task, loads, outcome, choice, fine, tuple(without), published, beside_it, rods)
 
 
 def _unless_interrupted(outcome: Outcome) -> None:

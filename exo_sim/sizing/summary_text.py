@@ -11,10 +11,11 @@ from exo_sim.physics.compressed_air import exergy, free_air
 from exo_sim.simulation import gas_use
 from exo_sim.sizing.by_hand import Step
 from exo_sim.sizing.choice import fates
-from exo_sim.sizing.design import fit, spring_mass
+from exo_sim.sizing.design import fit, recovery_mass, spring_mass
 from exo_sim.sizing.joint_kinds import JointKind
 from exo_sim.sizing.loads import JointLoads
 from exo_sim.sizing.search import Found
+from exo_sim.sizing.sensitivity import cheaper
 from exo_sim.sizing.study import Sizing
 
 SCHEMA = "exo-sim/size/1"
@@ -46,8 +47,10 @@ def entry(kinds: tuple[JointKind, ...], found: Found) -> dict[str, Any]:
             name: {"from": [_mm(value) for value in one.attachment.base], "to": [_mm(value) for value in one.attachment.rod]}
             for name, one in joints.items()
         },
+        "recovery_pa": None if design.recovery is None else design.recovery.pressure,
         "torque_margin": score.margin,
         "gas_kg_per_stride": score.gas,
+        "gas_kg_per_stride_most": score.most_gas,
         "free_air_l_per_stride": 1e3 * free_air(score.gas),
         "exergy_j_per_stride": score.gas * exergy(design.supply),
         "actuator_mass_kg": score.mass,
@@ -72,7 +75,7 @@ def numbers(sizing: Sizing, folder: Path) -> dict[str, Any]:
         "fates": dict(fates(sizing.outcome, sizing.task)),
         "walked": [
             {"design": one.number, "torque_error_rms_nm": _finite(one.error), "pressure_peak_pa": _finite(one.peak),
-             "pressure_limit_pa": one.limit, "trouble": one.trouble or None}
+             "pressure_limit_pa": one.limit, "trouble": one.trouble or None, "condition": one.condition}
             for one in sizing.choice.walked
         ],
         "loads": [load_numbers(one) for one in sizing.loads],
@@ -84,6 +87,21 @@ def numbers(sizing: Sizing, folder: Path) -> dict[str, Any]:
                 "torque_margin": one.same.margin, "gas_kg_per_stride": one.same.gas, "torque_error_rms_nm": one.same.error}}
             for one in sizing.without
         ],
+        "conditions": [
+            {"condition": str(one.condition), "gas_kg_per_stride": _finite(one.gas), "torque_error_rms_nm": _finite(one.error),
+             "pressure_peak_pa": _finite(one.peak), "trouble": one.trouble or None}
+            for one in sizing.choice.everywhere
+        ],
+        "requirements": [one.__dict__ for one in sizing.sensitivity.requirements],
+        "neighbours": [
+            {"what": one.what, "fails": one.fails or None, "torque_margin": one.score.margin, "gas_kg_per_stride": one.score.gas,
+             "actuator_mass_kg": one.score.mass, "torque_error_rms_nm": one.score.error, "simulated": one.score.finished}
+            for one in sizing.sensitivity.neighbours
+        ],
+        "relaxed": [
+            {"requirement": one.requirement, "needs": one.needs, "design": entry(kinds, one.found)} for one in sizing.sensitivity.relaxed
+        ],
+        "rods": [{**one.__dict__, "buckling": _finite(one.buckling)} for one in sizing.rods],
         "published_class": None if sizing.published is None else sizing.published.__dict__,
         "report": folder / "report.html",
         "recording": None if sizing.choice.confirmed.walk is None else folder / "sized.rrd",
@@ -131,16 +149,51 @@ def words(sizing: Sizing, folder: Path) -> str:
             f"torso straps {straps['torso_rms']:.0f} N rms."
         )
         lines += gas_use.words(confirmed.summary["gas"])
+        lines += [*changes(sizing), *rods(sizing)]
     else:
         lines.append(f"It could not be walked with in closed loop: {confirmed.trouble}")
     lines.append(f"{folder / 'sized.toml'}, {folder / 'report.html'}" + (f", {folder / 'sized.rrd'}" if confirmed.walk is not None else ""))
     return "\n".join(lines)
 
 
+def changes(sizing: Sizing) -> list[str]:
+    """Return what would change the recommendation, in lines of text."""
+    tight = sizing.sensitivity.requirements[0]
+    lines = [f"Tightest requirement: {tight.name}, {tight.has} ({tight.asked} asked)."]
+    for one in sizing.sensitivity.relaxed:
+        score = one.found.score
+        lines.append(
+            f"With {one.requirement} of {one.needs} design {one.found.design.number} would do: {1e3 * score.gas:.2f} g, "
+            f"{score.mass:.1f} kg."
+        )
+    better = [one for one in sizing.sensitivity.neighbours if cheaper(one, sizing.choice.found.score)]
+    for one in better:
+        said = f"fails {one.fails}" if one.fails else "keeps all requirements of the search"
+        lines.append(f"One step cheaper: {one.what}: {1e3 * one.score.gas:.2f} g, {one.score.mass:.1f} kg; {said}.")
+    return lines
+
+
+def rods(sizing: Sizing) -> list[str]:
+    """Return what the walk asks of the rods, in lines of text: of both sides the worse."""
+    lines = []
+    for kind in sizing.task.space.kinds:
+        found = [one for one in sizing.rods if one.name in kind.cylinders]
+        if not found:
+            continue
+        worst, side = min(found, key=lambda one: one.buckling), [one.side for one in found if one.side is not None]
+        safety = f"buckles at {worst.buckling:.0f} times its push of {worst.push:.0f} N" if np.isfinite(worst.buckling) else "only pulls"
+        across = f"; at most {max(side):.0f} N across it by the cylinder's own weight and inertia" if side else ""
+        lines.append(f"{kind.name} rod: {safety}{across}; piston up to {max(one.speed for one in found):.2f} m/s.")
+    return lines
+
+
 def described(kinds: tuple[JointKind, ...], found: Found) -> list[str]:
     """Return a design in lines of text."""
     one = entry(kinds, found)
     lines = [f"supply {one['supply_pa'] / 1e5:.1f} bar, absolute"]
+    if (tank := found.design.recovery) is not None:
+        weight = recovery_mass(kinds, found.design)
+        lines[0] += f"; recovery tank {1e3 * tank.volume:g} l at {tank.pressure / 1e5:.1f} bar, {weight:.1f} kg with its valves"
     for kind in kinds:
         name = kind.name
         points = one["attachment_mm"][name]
@@ -158,7 +211,7 @@ def described(kinds: tuple[JointKind, ...], found: Found) -> list[str]:
             )
         )
     lines.append(
-        f"gas {1e3 * found.score.gas:.2f} g a cycle, cylinders {found.score.mass:.2f} kg, torque error {found.score.error:.2f} N m rms"
+        f"gas {1e3 * found.score.gas:.2f} g a cycle, actuators {found.score.mass:.2f} kg, torque error {found.score.error:.2f} N m rms"
     )
     return lines
 

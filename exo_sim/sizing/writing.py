@@ -35,6 +35,10 @@ def sized_text(rig: Rig, kinds: tuple[JointKind, ...], design: Design, folder: P
             if new.rating is not None and old.rating != new.rating:
                 ratings.append(Correction((*key, "rating"), new.rating, "Pa"))
             numbers.append(((*key, "valve", "area"), old.valve_area, new.valve_area, "m^2"))
+    if rig.recovery is not None and design.recovery is not None:
+        for word, unit in (("volume", "m^3"), ("pressure", "Pa")):
+            if "recovery" in tomlkit.parse(rig.text):
+                numbers.append((("recovery", word), getattr(rig.recovery, word), getattr(design.recovery, word), unit))
     said = tomlkit.parse(rig.text).get("bodies", {})
     for name, mass in rig.body_masses.items():  # with the cylinders' own
         owners = units.parse(str(said[name]["mass"]), "kg") if name in said else 0.0
@@ -56,6 +60,7 @@ def sized_text(rig: Rig, kinds: tuple[JointKind, ...], design: Design, folder: P
         for cylinder in kind.cylinders
     ]
     document = tomlkit.parse(improved(rig, effects, corrections, folder))
+    _with_edges_and_tank(document, rig, design)
     for kind in kinds:
         _with_stops(document, rig, kind)
     cylinders = document["cylinders"]
@@ -73,6 +78,21 @@ def sized_text(rig: Rig, kinds: tuple[JointKind, ...], design: Design, folder: P
             table.add(tomlkit.nl())
             cylinders[name]["attachment"] = table  # type: ignore[index]
     return tomlkit.dumps(document)
+
+
+def _with_edges_and_tank(document: tomlkit.TOMLDocument, rig: Rig, design: Design) -> None:
+    """Write valves that a sizing took to have edges of their own, and a recovery tank that the owner's file does not have."""
+    cylinders = document["cylinders"]
+    for name, cylinder in rig.cylinders.items():
+        valve = cylinders[name].get("valve")  # type: ignore[index, union-attr]
+        if cylinder.valve.independent and valve is not None and valve.get("kind") != "independent":
+            valve["kind"] = "independent"
+    if design.recovery is not None and "recovery" not in document:
+        table = tomlkit.table()
+        table["volume"] = f"{1e3 * design.recovery.volume:.4g} l"
+        table["pressure"] = f"{1e-5 * design.recovery.pressure:.4g} bar"
+        table["pressure"].comment("absolute; chambers give gas to this tank and take it from it")
+        document["recovery"] = table
 
 
 def _with_stops(document: tomlkit.TOMLDocument, rig: Rig, kind: JointKind) -> None:

@@ -75,3 +75,30 @@ def test_forces_beyond_the_supply_are_given_as_far_as_it_goes():
     most = 0.97 * P_S * c["area_1"] - P_A * c["area_1"]
     found = plan(paper_world(P_S)[0], c, np.full(64, 0.08), np.full(64, most + 300.0), 1.0)
     assert found.short == pytest.approx(300.0, rel=1e-3)
+
+
+def with_tank(pressure=3e5):
+    world, c = paper_world(P_S), cylinder()
+    world["tank_volume"], world["tank_pressure"], c["tank_area"] = 2e-3, pressure, c["valve_area"]
+    return world[0], c
+
+
+def test_a_tank_saves_gas_and_gets_no_less_than_it_gives():
+    world, c = with_tank()
+    x, force = np.full(64, 0.08), 500.0 + 500.0 * np.sin(2 * np.pi * PHASE)
+    plain, found = plan(paper_world(P_S)[0], cylinder(), x, force, 1.0), plan(world, c, x, force, 1.0)
+    rod = P_A * (c["area_1"] - c["area_2"])
+    assert np.allclose(found.pressure_1 * c["area_1"] - found.pressure_2 * c["area_2"] - rod, force, atol=1e-3)
+    assert found.gas < 0.8 * plain.gas and found.recovered > 0.0
+    # what a chamber needs is bought or taken back, and over the cycle it loses as much
+    needed = sum(drawn(v, p) for v, p in zip(volumes(c, x), (found.pressure_1, found.pressure_2)))
+    assert found.gas + found.recovered == pytest.approx(needed, rel=0.02)
+    # the tank gets its gas from a chamber above its own pressure, and gives it to one below
+    above = [np.maximum(p - 3e5, 0.0).max() for p in (found.pressure_1, found.pressure_2)]
+    assert max(above) > 0.0
+
+
+def test_a_tank_that_no_chamber_gets_above_is_of_no_use():
+    world, c = with_tank(10.9e5)
+    x, force = np.full(64, 0.08), 200.0 * np.sin(2 * np.pi * PHASE)
+    assert plan(world, c, x, force, 1.0).gas == pytest.approx(plan(paper_world(P_S)[0], cylinder(), x, force, 1.0).gas, rel=1e-6)

@@ -5,7 +5,7 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from exo_sim.control.metering import chamber_command, edge_command, follow, meter
+from exo_sim.control.metering import chamber_command, edge_command, follow, meter, through_tank
 from exo_sim.physics import state
 from exo_sim.physics.pneumatics import Pneumatics, paper_cylinder, paper_world
 
@@ -79,11 +79,29 @@ def test_near_a_plan_the_force_changes_at_the_rate_asked_for_and_both_pressures_
     v_1, v_2 = c["dead_volume_1"] + c["area_1"] * x, c["dead_volume_2"] + c["area_2"] * (c["stroke"] - x)
     planned_2 = 2e5  # chamber 1 as the force then asks
     planned_1 = (rate + planned_2 * c["area_2"]) / c["area_1"]
-    given = (p_1, 293.15, p_2, 293.15, v_1, v_2, P_S, 293.15, P_A, 293.15, 1.4, 287.05)
-    command = np.array(follow(c, rate, v, p_1, planned_1, p_2, planned_2, *given))
+    given = (p_1, 293.15, p_2, 293.15, v_1, v_2, P_S, 293.15, P_A, 293.15, 0.0, 0.0, 0.0, 1.4, 287.05)
+    command = np.array(follow(c, rate, v, p_1, planned_1, p_2, planned_2, *given)[:2])
     before, at = gas.forces(np.array([x]), np.zeros(1))[0], gas.pressures(np.array([x]))[0]
     later = np.array([x + v * gas.dt])
     gas.advance(np.array([x]), later, command)
     if np.abs(command).max() < 1.0:
         assert (gas.forces(later, np.zeros(1))[0] - before) / gas.dt == pytest.approx(rate, rel=0.05, abs=4e3)
         assert (gas.pressures(later)[0] - at) / gas.dt == pytest.approx([planned_1, planned_2], rel=0.1, abs=2e6)
+
+
+@pytest.mark.parametrize(
+    ("wanted", "p", "tank", "comes"),
+    [(1e5, 2e5, 3e5, True), (1e5, 2e5, 2.6e5, False), (1e5, 4e5, 3e5, False), (-1e5, 5e5, 3e5, True), (-1e5, 5e5, 3.4e5, False),
+     (-1e5, 2e5, 3e5, False)],
+)  # fmt: skip
+def test_the_tank_comes_first_where_pressures_allow_and_its_own_is_near(wanted, p, tank, comes):
+    share, left = through_tank(wanted, p, 293.15, 1e-4, 10e-6, tank, 280.0, 3e5, 1.4, 287.05)
+    assert (share > 0.0) == comes
+    assert left == (0.0 if comes else wanted)
+
+
+@pytest.mark.parametrize(("wanted", "p"), [(1e8, 2.8e5), (-1e8, 3.2e5)])
+def test_what_the_tank_cannot_give_or_take_is_left_to_the_other_edges(wanted, p):
+    share, left = through_tank(wanted, p, 293.15, 1e-4, 10e-6, 3e5, 280.0, 3e5, 1.4, 287.05)
+    assert share == 1.0 and 0.0 < left / wanted < 1.0
+    assert through_tank(wanted, p, 293.15, 1e-4, 0.0, 3e5, 280.0, 3e5, 1.4, 287.05) == (0.0, wanted)

@@ -51,3 +51,13 @@ def test_where_nothing_passed_the_residual_is_in_kilograms() -> None:
     change = np.zeros(state.integrated_size(1))
     change[state.MASS_1] = 1e-7
     assert balance(paper_world(), 1, change).mass_residual == 1e-7
+
+
+def test_what_one_chamber_gives_the_recovery_tank_keeps() -> None:
+    change, world = changes(), paper_world()
+    world["tank_volume"] = 1e-3
+    change[state.MASS_1], change[state.ENERGY_1] = change[state.MASS_1] - 1e-4, change[state.ENERGY_1] - 30.0
+    assert balance(world, 1, change).mass_residual == pytest.approx(1e-4 / 4e-3)
+    change[state.INTEGRATED + state.TANK_MASS], change[state.INTEGRATED + state.TANK_ENERGY] = 1e-4, 30.0
+    books = balance(world, 1, change)
+    assert books.mass_residual < 1e-15 and books.energy_residual < 1e-15 and books.recovered == pytest.approx(1e-4)

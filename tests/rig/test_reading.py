@@ -201,3 +201,16 @@ def test_whatever_a_rig_holds_it_is_read_or_refused_in_one_line(data: st.DataObj
         parse("\n".join(lines), BENCH)
     except RigError as error:
         assert "\n" not in str(error)
+
+
+RECOVERY = '[recovery]\nvolume = "2 l"\npressure = "3 bar"\n'
+EDGES = TEXT.replace("[cylinders.piston.valve]", '[cylinders.piston.valve]\nkind = "independent"')
+
+
+def test_a_recovery_tank_is_read_and_needs_edges_of_each_chambers_own() -> None:
+    found = parse(EDGES + RECOVERY, BENCH)
+    assert found.recovery is not None and (found.recovery.volume, found.recovery.pressure) == (2e-3, 3e5)
+    assert "kind = \"4-way\"" in refusal(TEXT + RECOVERY)
+    assert "must lie between atmosphere" in refusal(EDGES + RECOVERY.replace("3 bar", "8 bar"))
+    with pytest.raises(RigError, match="leave the table out"):
+        found.check_no_recovery("a recording")

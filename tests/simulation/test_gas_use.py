@@ -5,6 +5,8 @@ import pytest
 from simulation.walked import simulate
 
 from exo_sim import rig as rigs
+from exo_sim.rig.valve import with_edges, with_tank
+from exo_sim.simulation.gas_use import dryness
 from exo_sim.simulation.summary import Summary, span, summarise
 from exo_sim.simulation.walk import Request, default_rig
 
@@ -46,3 +48,25 @@ def test_pieces_say_what_the_whole_says(walked):
     found = pieces.numbers()["gas"]
     for key in ("mass_kg_per_stride", "positive_rod_work_w", "peak_flow_l_per_min"):
         assert found[key] == pytest.approx(whole[key], rel=0.02)
+
+
+def test_a_tank_saves_gas_at_the_same_torques_and_its_gain_is_taken_off():
+    edges = with_edges(rigs.read(default_rig()))
+    request = Request("level_walk", cycles=4, law="inverse_dynamics")
+    plain, tank = (simulate(rig, request) for rig in (edges, with_tank(edges, 2e-3)))
+    without, found = summarise(plain), summarise(tank)
+    gas = found["gas"]
+    assert gas["mass_kg_per_stride"] < 0.85 * without["gas"]["mass_kg_per_stride"]
+    assert gas["recovery"]["pressure_least_pa"] > 0.85 * tank.rig.recovery.pressure
+    assert gas["recovery"]["pressure_most_pa"] < 1.2 * tank.rig.recovery.pressure
+    drawn = sum(one["gas_kg_per_stride"] for one in found["cylinders"].values())
+    assert gas["mass_kg_per_stride"] == pytest.approx(drawn - gas["recovery"]["gain_kg_per_stride"])
+    assert found["books"]["gas_mass_residual"] < 1e-12 and found["books"]["gas_energy_residual"] < 1e-12
+    for joint in ("hip_r", "knee_r"):
+        errors = [each["joints"][joint]["torque_error_rms_nm"] for each in (found, without)]
+        assert errors[0] < errors[1] + 0.3
+
+
+def test_how_dry_the_air_must_be_goes_by_the_coldest_gas():
+    assert "class 4" in dryness(280.0) and "class 3" in dryness(255.0) and "class 1" in dryness(215.0)
+    assert "colder than" in dryness(200.0)

@@ -27,7 +27,7 @@ class MotionSizing:
 
     Attributes:
         study: All of it (`exo_sim.sizing.motion_result.MotionSizing`).
-        folder: Where `sized.toml` is.
+        folder: Where `sized.toml` and `report.html` are.
         chosen: The rig with the recommended design.
     """
 
@@ -47,9 +47,14 @@ class MotionSizing:
         return motion_result.numbers(self.study, self.folder)
 
     def save(self, folder: str | os.PathLike[str]) -> Path:
-        """Write `sized.toml` into a folder."""
+        """Write `sized.toml` and `report.html` into a folder."""
+        from exo_sim.outputs import replacing
+        from exo_sim.report.motion_page import motion_page
+
         place = Path(folder)
         motion_result.write(self.study, place)
+        with replacing(place / "report.html") as beside:
+            beside.write_text(motion_page(self.study, place), encoding="utf-8")
         return place
 
     def plot(self) -> Picture:
@@ -76,6 +81,8 @@ def size_motion(
     Raises:
         RigError, ModelError, RecordingError, ScenarioError: it cannot be carried out, or no design does it.
     """
+    from exo_sim.outputs import replacing
+    from exo_sim.report.motion_page import motion_page
     from exo_sim.rig.own_catalogue import read_catalogue
     from exo_sim.sizing.motion_search import RodJudge, loads_of, rod_space, search
 
@@ -88,4 +95,6 @@ def size_motion(
     with result_folder(out, "size") as (folder, temporary):
         study = motion_result.result(judge, search(judge, trials, seed, quiet))
         path = motion_result.write(study, folder)
+        with replacing(folder / "report.html") as beside:
+            beside.write_text(motion_page(study, folder), encoding="utf-8")
     return MotionSizing(study, folder, Rig.load(path), temporary)

@@ -11,6 +11,7 @@ import numpy as np
 from exo_sim.sizing.design import fitted
 from exo_sim.sizing.joint_kinds import JointKind
 from exo_sim.sizing.loads import JOINTS, JointLoads
+from exo_sim.sizing.motion_result import MotionSizing
 from exo_sim.sizing.screening import along, at
 from exo_sim.sizing.study import Sizing
 
@@ -129,6 +130,40 @@ def front(sizing: Sizing) -> str:
         panel.set(xlabel="gas a cycle [g]", ylabel=words)
     bar = figure.colorbar(dots, ax=panels[0][2])
     bar.set_label("torque margin [%]", fontsize=8)
+    return _svg(figure)
+
+
+def motion_front(found: MotionSizing) -> str:
+    """Return the front of a sizing along a motion in three views, gas against mass, margin and position error, as SVG; marks as `front`."""
+    figure, panels = _panels(1, 3, 3.0)
+    others = [one for one in found.designs if not one.fate]
+    scale = ("deg", 180.0 / np.pi) if any(link.turning for link in found.judge.links) else ("mm", 1e3)
+    for panel, key, factor, words in (
+        (panels[0][0], "mass", 1.0, "all cylinders [kg]"),
+        (panels[0][1], "margin", 100.0, "force in hand [% of the largest]"),
+        (panels[0][2], "position_error", scale[1], f"position error [{scale[0]} rms]"),
+    ):
+        panel.plot([1e3 * s.gas for s in others], [factor * getattr(s, key) for s in others], ".", ms=3, color="#c9ced4", zorder=0)
+        panel.plot([1e3 * s.gas for s in found.front], [factor * getattr(s, key) for s in found.front], "o", ms=4, color=_LOOP[0], zorder=2)
+        panel.plot([1e3 * found.chosen.gas], [factor * getattr(found.chosen, key)], "o", ms=11, mfc="none", mec=_LOOP[1], mew=1.8, zorder=4)
+        panel.set(xlabel="gas over the motion [g]", ylabel=words)
+    return _svg(figure)
+
+
+def motion_forces(found: MotionSizing) -> str:
+    """Return what each group's first rod must give along the motion inside what its cylinder can give, as SVG."""
+    groups = found.judge.space.groups
+    figure, panels = _panels(len(groups), 1, 2.4)
+    for row, (group, names) in zip(panels, groups.items()):
+        can, wanted = found.judge.envelope(found.chosen.rig, names[0])
+        motion = found.judge.loads.motion.time
+        time = np.linspace(motion[0], motion[-1], len(wanted))
+        row[0].fill_between(time, *can.still, color=_STILL, lw=0, zorder=0, label="can hold")
+        for i, bound in enumerate(can.moving):
+            row[0].plot(time, bound, color=_MOVING, lw=0.8, zorder=1, label=None if i else "can give at its speed")
+        row[0].plot(time, wanted, color=_LOOP[0], lw=1.4, zorder=2, label="wanted")
+        row[0].set(xlabel="time [s]", ylabel=f"{group}: rod force [N]")
+    panels[0][0].legend(fontsize=7, frameon=False, ncols=3)
     return _svg(figure)
 
 

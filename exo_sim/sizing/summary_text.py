@@ -168,9 +168,9 @@ def changes(sizing: Sizing) -> list[str]:
             f"{score.mass:.1f} kg."
         )
     better = [one for one in sizing.sensitivity.neighbours if cheaper(one, sizing.choice.found.score)]
-    for one in better:
-        said = f"fails {one.fails}" if one.fails else "keeps all requirements of the search"
-        lines.append(f"One step cheaper: {one.what}: {1e3 * one.score.gas:.2f} g, {one.score.mass:.1f} kg; {said}.")
+    for step in better:
+        said = f"fails {step.fails}" if step.fails else "keeps all requirements of the search"
+        lines.append(f"One step cheaper: {step.what}: {1e3 * step.score.gas:.2f} g, {step.score.mass:.1f} kg; {said}.")
     return lines
 
 

@@ -21,6 +21,7 @@ def test_the_push_is_the_walks_and_the_buckling_load_euler_s(walk):
     for name, one in found.items():
         assert one.push == pytest.approx(walk.columns[f"{name}.force"].max())
         entry = find(walk.rig.cylinders[name].bore, walk.rig.cylinders[name].rod)
+        assert entry is not None
         assert one.buckling * one.push == pytest.approx(5.0 * entry.buckling_force(one.length))  # the catalogue's is five-fold safe
         assert one.side is not None and 0.0 < one.side < 20.0 * entry.mass(walk.rig.cylinders[name].stroke) * 9.81
 

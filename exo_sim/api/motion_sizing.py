@@ -54,7 +54,7 @@ class MotionSizing:
         place = Path(folder)
         motion_result.write(self.study, place)
         with replacing(place / "report.html") as beside:
-            beside.write_text(motion_page(self.study, place), encoding="utf-8")
+            beside.write_text(motion_page(self.study), encoding="utf-8")
         return place
 
     def plot(self) -> Picture:
@@ -96,5 +96,5 @@ def size_motion(
         study = motion_result.result(judge, search(judge, trials, seed, quiet))
         path = motion_result.write(study, folder)
         with replacing(folder / "report.html") as beside:
-            beside.write_text(motion_page(study, folder), encoding="utf-8")
+            beside.write_text(motion_page(study), encoding="utf-8")
     return MotionSizing(study, folder, Rig.load(path), temporary)

@@ -126,7 +126,8 @@ def question(
     machine: Machine = rig_of(rig)
     masses = [quantity(one, "kg", "payload", low=0.0) for one in _several(payloads)]
     wearers: list[float | None] = [quantity(one, "m", "heights", low=0.5, high=3.0) for one in _several(heights)]
-    conditions = tuple(dict.fromkeys(Condition(*each) for each in product(_several(scenarios), masses, _several(speeds), wearers or [None])))
+    wearers = wearers or [None]
+    conditions = tuple(dict.fromkeys(Condition(*each) for each in product(_several(scenarios), masses, _several(speeds), wearers)))
     if robust:
         conditions = around(conditions)
     if valves == "independent":

@@ -18,7 +18,7 @@ _PACKAGES = ("mujoco", "numpy", "numba", "optuna")
 _ROWS = 40
 
 
-def motion_page(found: MotionSizing, folder: Path) -> str:
+def motion_page(found: MotionSizing) -> str:
     """Return the HTML; the same sizing and versions give the same bytes."""
     import jinja2
 
@@ -32,7 +32,6 @@ def motion_page(found: MotionSizing, folder: Path) -> str:
         described=motion_result.described(found),
         groups=groups,
         chosen=found.chosen,
-        limit=min(found.judge.space.supply[1], found.chosen.rig.supply.pressure),
         enough=ENOUGH_MARGIN,
         evaluated=len(found.designs),
         front=found.front,

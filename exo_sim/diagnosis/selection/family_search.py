@@ -304,6 +304,6 @@ def _errors_about(final: FittedModel, laws: Sequence[_Law]) -> dict[FreeParamete
     weights: dict[FreeParameter, list[tuple[float, float]]] = {}
     for law in laws:
         for q, error in law.errors.items():
-            if q in final.fit.values and (law.own or q.target is not Target.SENSOR):  # a sensor's error has one law
+            if q in final.effect_parameters and (law.own or q.target is not Target.SENSOR):  # a sensor's error has one law
                 weights.setdefault(q, []).append((law.weight, error**2 + (law.values[q] - final.fit.values[q]) ** 2))
     return {q: math.sqrt(sum(w * square for w, square in pairs) / sum(w for w, _ in pairs)) for q, pairs in weights.items()}

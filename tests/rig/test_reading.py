@@ -140,7 +140,7 @@ def test_missing_and_unreadable_files(tmp_path: Path) -> None:
     with pytest.raises(RigError, match="no such rig file"):
         read(tmp_path / "none.toml")
     (tmp_path / "bytes.toml").write_bytes(b"\xff\xfe\x00name")
-    with pytest.raises(RigError, match="cannot be read as text"):
+    with pytest.raises(RigError, match="is UTF-16 text"):
         read(tmp_path / "bytes.toml")
     with pytest.raises(RigError, match="cannot be read"):
         read(tmp_path)

@@ -55,10 +55,11 @@ def test_a_tank_saves_gas_at_the_same_torques_and_its_gain_is_taken_off():
     request = Request("level_walk", cycles=4, law="inverse_dynamics")
     plain, tank = (simulate(rig, request) for rig in (edges, with_tank(edges, 2e-3)))
     without, found = summarise(plain), summarise(tank)
-    gas = found["gas"]
+    gas, recovery = found["gas"], tank.rig.recovery
+    assert recovery is not None
     assert gas["mass_kg_per_stride"] < 0.85 * without["gas"]["mass_kg_per_stride"]
-    assert gas["recovery"]["pressure_least_pa"] > 0.85 * tank.rig.recovery.pressure
-    assert gas["recovery"]["pressure_most_pa"] < 1.2 * tank.rig.recovery.pressure
+    assert gas["recovery"]["pressure_least_pa"] > 0.85 * recovery.pressure
+    assert gas["recovery"]["pressure_most_pa"] < 1.2 * recovery.pressure
     drawn = sum(one["gas_kg_per_stride"] for one in found["cylinders"].values())
     assert gas["mass_kg_per_stride"] == pytest.approx(drawn - gas["recovery"]["gain_kg_per_stride"])
     assert found["books"]["gas_mass_residual"] < 1e-12 and found["books"]["gas_energy_residual"] < 1e-12

@@ -51,11 +51,10 @@ def nuisance_parameters(
         skew, most = priors.CARD_SKEW, healthy.MOST_CARD_SKEW
         zeros += (FreeParameter("card_delay", cylinder, "position.delay", "s", Target.SENSOR, skew, -most, most, (0.0, skew)),)
     if commanded and not supplied:
-        most = 1.0 - priors.SENSOR_SCALE_LEAST
-        spread = priors.SET_PRESSURE
+        widest, spread = 1.0 - float(priors.SENSOR_SCALE_LEAST), priors.SET_PRESSURE
         zeros += (
             FreeParameter(
-                SET_PRESSURE, "supply", "supply.scale", "1", Target.SENSOR, spread, 1.0 - most, 1.0 + most, (1.0, spread), neutral=1.0
+                SET_PRESSURE, "supply", "supply.scale", "1", Target.SENSOR, spread, 1.0 - widest, 1.0 + widest, (1.0, spread), neutral=1.0
             ),
         )  # fmt: skip
     for effect in declared().values() if at_rest else ():

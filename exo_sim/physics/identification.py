@@ -80,6 +80,7 @@ class Identification:
         of_dead_volume: A parameter that owners count among both dead volumes: a fit may begin where it is taken off these.
         within_speeds: Parameters that are speeds at which the law bends: a bend far from the speeds that occurred does not show.
         within_travels: Parameters that are positions near the travel: from far outside it a law that changes along it is a constant.
+        common: A parameter of the effect that this comes on top of, and own ones that are added to it: only the sums show.
         scale: Typical size of its parameters where neither its ranges nor the motion say it; 0 where they do.
         logarithmic: Whether its parameters span decades and are never zero: a fit moves their logarithms.
         neutral: Values at which it does nothing, where that is not zero.
@@ -114,6 +115,7 @@ class Identification:
     of_dead_volume: str = ""
     within_speeds: tuple[str, ...] = ()
     within_travels: tuple[str, ...] = ()
+    common: tuple[str, tuple[str, ...]] = ("", ())
     scale: float = 0.0
     logarithmic: bool = False
     neutral: Mapping[str, float] = field(default_factory=dict)
@@ -142,6 +144,7 @@ class Identification:
         """Names of parameters that this speaks of, by the field in which it does."""
         lists = {"forms": {name for form in self.forms for name in form}}
         lists |= {key: set(getattr(self, key)) for key in ("within_speeds", "within_travels")}
+        lists["common"] = set(self.common[1])
         tables = {key: set(getattr(self, key)) for key in ("neutral", "healthy", "least", "open_by", "known")}
         single = {key: {getattr(self, key)} - {""} for key in ("every_contact", "closed_by")}
         return lists | tables | single | {"twins.unless": {self.twins.unless} - {""}}

@@ -60,6 +60,7 @@ def test_nothing_special_is_asked_of_what_is_no_effect() -> None:
         (Identification(forms=(("stifness",),)), "identification.forms: 'stifness' is none of its parameters; did you mean \"stiffness\""),
         (Identification(within_speeds=("speed",)), "identification.within_speeds: 'speed'"),
         (Identification(within_travels=("place",)), "identification.within_travels: 'place'"),
+        (Identification(common=("width", ("lap",))), "identification.common: 'lap'"),
         (Identification(every_contact="softness"), "identification.every_contact: 'softness'"),
         (Identification(neutral={"rate": 1.0}), "identification.neutral: 'rate'"),
         (Identification(twins=Twins(unless="play")), "identification.twins.unless: 'play'"),

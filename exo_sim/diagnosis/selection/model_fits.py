@@ -8,6 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from exo_sim.diagnosis.estimation.candidate import Candidate
+from exo_sim.diagnosis.estimation.common_part import with_common_parts_split
 from exo_sim.diagnosis.estimation.correlation import correlation_time
 from exo_sim.diagnosis.estimation.least_squares import Fit, fit
 from exo_sim.diagnosis.estimation.parameters import FreeParameter
@@ -57,7 +58,7 @@ class ModelFits:
                 residual, parameters, begin, self.threads,
                 max_iterations=MOST_STEPS, correlation_length=length, known_columns=columns,
             )  # fmt: skip
-        fitted = FittedModel(tuple(candidates), done)
+        fitted = FittedModel(tuple(candidates), with_common_parts_split(done))
         if before is not None and self.deficit(before, fitted) <= 0.0:
             return before
         self._fitted[key] = fitted
@@ -167,7 +168,7 @@ class ModelFits:
             self._residual_of(model.candidates), parameters, model.fit.values, self.threads, max_iterations=12, tolerance=1e-6,
             correlation_length=length, known_columns=model.fit.columns, exact_jacobian=True, differenced_at=model.fit.differenced_at,
         )  # fmt: skip
-        better = FittedModel(model.candidates, done)
+        better = FittedModel(model.candidates, with_common_parts_split(done))
         self._fitted[key_of(model.candidates)] = better
         return better
 

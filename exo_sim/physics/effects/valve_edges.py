@@ -51,6 +51,7 @@ EFFECT = Effect(
         least={**{f"overlap_{edge}": 0.03 for edge in EDGES}, **{f"excess_{edge}": 0.15 for edge in EDGES}},
         is_law=True,
         on_top_of="valve_deadband",
+        common=("width", tuple(f"overlap_{edge}" for edge in EDGES)),
     ),
 )
 

@@ -13,6 +13,8 @@ from collections.abc import Iterable
 LONGEST_LINE = 1000
 #: Longer names are not searched for a nearest one, nor among more than so many: that takes the product of all lengths.
 _LONGEST_NAME, _MOST_NAMES = 100, 2000
+#: A further name is suggested beside the nearest one where its similarity, 0 to 1, is less by no more than this.
+_ALSO_LIKELY = 0.15
 _UNPRINTABLE = re.compile("[\x00-\x08\x0b-\x1f\x7f-\x9f\u061c\u200e\u200f\u2028-\u202e\u2066-\u2069\ud800-\udfff]")
 
 
@@ -62,6 +64,8 @@ def nearest(name: str, choices: Iterable[str]) -> str:
     few = [choice for choice in known if len(choice) <= _LONGEST_NAME][:_MOST_NAMES]
     close = difflib.get_close_matches(name, few, n=3, cutoff=0.6) if len(name) <= _LONGEST_NAME else []
     if close:
+        likeness = [difflib.SequenceMatcher(None, match, name).ratio() for match in close]
+        close = [match for match, alike in zip(close, likeness) if alike > likeness[0] - _ALSO_LIKELY]
         return "; did you mean " + " or ".join(f'"{match}"' for match in close) + "?"
     return "; there is: " + ", ".join(known) if known else ""
 

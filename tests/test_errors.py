@@ -7,6 +7,11 @@ def test_a_misspelt_name_is_answered_with_the_nearest() -> None:
     assert errors.nearest("presure_1", ["pressure_1", "pressure_2", "force"]).startswith('; did you mean "pressure_1"')
 
 
+def test_names_that_are_much_less_alike_are_not_suggested_beside_the_nearest() -> None:
+    known = ["pressure_1", "pressure_2", "pressure_centre"]
+    assert errors.nearest("presure_2", known) == '; did you mean "pressure_2" or "pressure_1"?'
+
+
 def test_a_foreign_name_is_answered_with_all_there_are() -> None:
     assert errors.nearest("xyz", ["squat", "stand"]) == "; there is: squat, stand"
     assert errors.nearest("xyz", []) == ""

@@ -12,9 +12,9 @@ def full_force(run: MotionRun, plant: PlantParameters) -> float:
     """Return the force by which what resists is called small or large [N, N m at the joint].
 
     It is what the supply presses on the piston. Where no cylinder drives the balance, or forces of other origin are larger, it is the
-    greatest that acted.
+    greatest that acted; nil in a swing that nothing drives, where any friction is all that takes energy.
     """
-    acted = float(np.percentile(np.abs(run.drive.force + run.external), 99.0)) or float(np.percentile(np.abs(run.inertia.force), 99.0))
+    acted = float(np.percentile(np.abs(run.drive.force + run.external), 99.0))
     if run.cylinder is None:
         return acted
     gauge = float(plant.world["supply_pressure"][0] - plant.world["atmosphere"][0])

@@ -29,3 +29,9 @@ def test_a_cylinder_open_to_the_room_counts_what_pulls_it() -> None:
     vented = motion_runs.plant()
     vented.world["supply_pressure"] = vented.world["atmosphere"]
     assert full_force(replace(pulled, drive=replace(pulled.drive, cylinder="piston")), vented) >= 500.0
+
+
+def test_in_a_free_swing_no_friction_is_small() -> None:
+    run = motion_runs.balance(np.zeros(TIME.size))
+    free = replace(run, external=np.zeros(TIME.size), external_recorded=False)
+    assert full_force(free, motion_runs.plant()) == 0.0

@@ -70,3 +70,8 @@ def test_damping_is_added_only_where_there_is_some_and_only_once() -> None:
     more = with_damping(model, nuisances)
     assert [q.effect for q in more[len(nuisances) :]] == ["joint_damping"]
     assert with_damping(model, more) == () and with_damping(bare, nuisances) == ()
+
+
+def test_seals_rub_in_every_cylinder_and_bearings_need_not() -> None:
+    assert "coulomb_friction" not in effects()
+    assert "coulomb_friction" in effects(behind_cylinder(RUN, np.full((TIME.size, 2), 1e5)))

@@ -5,6 +5,7 @@ from __future__ import annotations
 from exo_sim.diagnosis.findings import Finding
 from exo_sim.diagnosis.policy.confidence import EVEN_SHARE, LEAST_TOLD, STEEPNESS, UNTESTED
 from exo_sim.diagnosis.policy.verdicts import MOST_CONFIDENT
+from exo_sim.physics.declaration import identification_of
 
 
 def confidence(finding: Finding, share: float | None) -> float:
@@ -18,9 +19,28 @@ def confidence(finding: Finding, share: float | None) -> float:
     return min(finding.confidence, _borne(share))
 
 
-def is_doubtful(share: float | None) -> bool:
-    """Return whether a name with such a share, as of `confidence`, is more likely wrong than right whatever its odds."""
-    return _borne(share) < LEAST_TOLD
+def doubt(finding: Finding, share: float | None) -> str:
+    """Return why a name is more likely wrong than right whatever its odds, "" where nothing says so; arguments as of `confidence`.
+
+    Odds alone do not do: where time kept back tests nothing and the number may be nil, neither speaks for the name.
+    """
+    if share is None:
+        unsure = "time that no number was fitted to does not test it, and the interval of its number holds nil"
+        return unsure if _may_be_nil(finding) else ""
+    if _borne(share) >= LEAST_TOLD:
+        return ""
+    return (
+        f"of what is missing without it, it explains {100 * share:.0f} % of time that no number was fitted to: "
+        "names of which that is true are mostly wrong"
+    )
+
+
+def _may_be_nil(finding: Finding) -> bool:
+    """Return whether the intervals of all its numbers hold the values at which it does nothing."""
+    neutral = identification_of(finding.name).neutral
+    return bool(finding.parameters) and all(
+        one.low <= neutral.get(name, 0.0) <= one.high for name, one in finding.parameters.items()
+    )
 
 
 def _borne(share: float | None) -> float:

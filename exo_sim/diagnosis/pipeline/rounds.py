@@ -20,7 +20,7 @@ from exo_sim.diagnosis.data.split import split
 from exo_sim.diagnosis.estimation.budget import Budget
 from exo_sim.diagnosis.estimation.threads import Threads
 from exo_sim.diagnosis.findings import Finding, Kind
-from exo_sim.diagnosis.outcome.confidence import is_doubtful
+from exo_sim.diagnosis.outcome.confidence import doubt
 from exo_sim.diagnosis.pipeline.examine import examine, friction_to_add, left_open, validated
 from exo_sim.diagnosis.pipeline.gas_stage import Searched
 from exo_sim.diagnosis.pipeline.plan import Examination, Plan, Progress, Refuted
@@ -91,16 +91,13 @@ def _without_refuted(examination: Examination) -> Examination:
 
 
 def without_doubtful(examination: Examination) -> Examination:
-    """Return an examination without the findings that the test time makes more likely wrong than right: they are put aside."""
+    """Return an examination without the findings that are more likely wrong than right by the test time: they are put aside."""
     doubtful = {}
     for one in examination.results.all:
         for finding in one.findings:
-            share = examination.test.shares.get(f"{finding.name}@{finding.where}")
-            if is_doubtful(share):
-                doubtful[finding.name, finding.where] = (
-                    f"of what is missing without it, it explains {100 * (share or 0.0):.0f} % of time that no number was fitted to: "
-                    "names of which that is true are mostly wrong"
-                )
+            why = doubt(finding, examination.test.shares.get(f"{finding.name}@{finding.where}"))
+            if why:
+                doubtful[finding.name, finding.where] = why
     plan = replace(examination.plan, refuted={**examination.plan.refuted, **doubtful})
     return _without_refuted(replace(examination, plan=plan)) if doubtful else examination
 

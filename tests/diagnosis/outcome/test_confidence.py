@@ -2,10 +2,12 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import pytest
 
-from exo_sim.diagnosis.findings import Finding, Kind
-from exo_sim.diagnosis.outcome.confidence import confidence, is_doubtful
+from exo_sim.diagnosis.findings import Estimate, Finding, Kind
+from exo_sim.diagnosis.outcome.confidence import confidence, doubt
 from exo_sim.diagnosis.policy.confidence import UNTESTED
 from exo_sim.diagnosis.policy.verdicts import MOST_CONFIDENT
 
@@ -18,7 +20,7 @@ def test_great_odds_do_not_make_a_name_probable_that_explains_little_of_time_kep
     shares = (0.0, 0.05, 0.14, 0.3, 0.6, 1.0)
     found = [confidence(named(2000.0), share) for share in shares]
     assert found == sorted(found) and found[0] < 0.01 and found[-1] > 0.94
-    assert [is_doubtful(share) for share in shares] == [True, True, True, False, False, False]
+    assert [bool(doubt(named(2000.0), share)) for share in shares] == [True, True, True, False, False, False]
 
 
 def test_nothing_is_more_probable_than_it_was_weighed() -> None:
@@ -29,4 +31,15 @@ def test_nothing_is_more_probable_than_it_was_weighed() -> None:
 @pytest.mark.parametrize(("weighed", "said"), [(None, UNTESTED), (0.6, 0.6), (0.99, UNTESTED)])
 def test_what_was_not_tested_is_not_certain(weighed: float | None, said: float) -> None:
     assert confidence(named(300.0, weighed), None) == said
-    assert said < MOST_CONFIDENT and not is_doubtful(None)
+    assert said < MOST_CONFIDENT and not doubt(named(300.0, weighed), None)
+
+
+@pytest.mark.parametrize(("low", "share", "doubted"), [(0.0, None, True), (2.0, None, False), (0.0, 0.9, False)])
+def test_a_number_that_may_be_nil_and_that_nothing_tested_is_no_name(low: float, share: float | None, doubted: bool) -> None:
+    finding = replace(named(300.0), parameters={"coefficient": Estimate(30.0, "N s^2/m^2", low, 97.0)})
+    assert bool(doubt(finding, share)) is doubted
+
+
+def test_of_several_numbers_one_that_is_not_nil_will_do() -> None:
+    parts = {"conductance_1": Estimate(0.3, "W/K", 0.0, 0.6), "conductance_2": Estimate(0.6, "W/K", 0.3, 0.9)}
+    assert not doubt(replace(named(300.0), name="wall_heat_transfer", parameters=parts), None)

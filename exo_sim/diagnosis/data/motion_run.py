@@ -77,6 +77,11 @@ class Drive:
     levers: Mapping[str, Array]
     signals: Mapping[str, Array] = field(default_factory=dict)
 
+    @property
+    def usual_arm(self) -> float:
+        """Median size of the lever, by which a force at the joint is called one at the piston [m/rad, or 1]."""
+        return max(float(np.median(np.abs(self.arm))), 1e-9)
+
 
 @dataclass(frozen=True)
 class Imputed:

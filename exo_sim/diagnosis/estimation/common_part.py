@@ -34,9 +34,9 @@ def _families(parameters: Sequence[FreeParameter]) -> list[tuple[FreeParameter, 
     for effect in declared().values():
         base, (common, names) = effect.identification.on_top_of, effect.identification.common
         for whole in (q for q in parameters if common and (q.effect, q.parameter) == (base, common)):
-            parts = [by_key.get((effect.name, whole.where, name)) for name in names]
-            if all(part is not None for part in parts):
-                found.append((whole, tuple(part for part in parts if part is not None)))
+            keys = [(effect.name, whole.where, name) for name in names]
+            if all(key in by_key for key in keys):
+                found.append((whole, tuple(by_key[key] for key in keys)))
     return found
 
 

@@ -10,8 +10,8 @@ from exo_sim.diagnosis.estimation.correlation import Blocked
 from exo_sim.diagnosis.estimation.least_squares import Fit
 from exo_sim.diagnosis.estimation.parameters import FreeParameter
 
-#: 97.5 % quantile of the normal distribution.
-_Z = 1.959963984540054
+#: Standard errors from the middle of a 95 % interval to its ends: the 97.5 % quantile of the normal distribution.
+HALF_WIDTH = 1.959963984540054
 
 
 def standard_errors(rows: Blocked, fit: Fit, correlation_time: float) -> dict[FreeParameter, float]:
@@ -46,7 +46,7 @@ def standard_errors(rows: Blocked, fit: Fit, correlation_time: float) -> dict[Fr
 
 def interval(value: float, error: float) -> tuple[float, float]:
     """Return the ends of the 95 % interval of a number without bounds, given its standard error."""
-    return value - _Z * error, value + _Z * error
+    return value - HALF_WIDTH * error, value + HALF_WIDTH * error
 
 
 def bounded_interval(parameter: FreeParameter, value: float, error: float) -> tuple[float, float]:

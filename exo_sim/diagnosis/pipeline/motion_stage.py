@@ -87,7 +87,7 @@ def believed_balance(data: MachineData, name: str, runs: Sequence[MotionRun]) ->
         record, arm = np.zeros(1, CYLINDER), 1.0
     else:
         index = list(data.rig.cylinders).index(cylinder)
-        record, arm = assembly.cylinders(data.rig)[index : index + 1], float(np.median(np.abs(runs[0].drive.arm)))
+        record, arm = assembly.cylinders(data.rig)[index : index + 1], runs[0].drive.usual_arm
     return PlantParameters(assembly.world(data.rig), _with_joint_effects(data, name, record, arm))
 
 

@@ -10,7 +10,7 @@ from typing import Generic, TypeVar
 from exo_sim.diagnosis import wording
 from exo_sim.diagnosis.estimation.candidate import Candidate, drop_orphans
 from exo_sim.diagnosis.estimation.parameters import FreeParameter, Target
-from exo_sim.diagnosis.estimation.uncertainty import bounded_interval, interval
+from exo_sim.diagnosis.estimation.uncertainty import HALF_WIDTH, bounded_interval
 from exo_sim.diagnosis.findings import Estimate, Finding, Kind, Rejected
 from exo_sim.diagnosis.policy import verdicts
 from exo_sim.diagnosis.policy.acceptance import BESIDE_DISCREPANCY, CLEAN
@@ -141,7 +141,7 @@ class _Decision(Generic[Model]):
         The others bend to what is unknown beside them.
         """
         errors = self._errors(final)
-        firm = drop_orphans([c for c in named if c.is_law or _is_apart_from_healthy(c, final, errors)])
+        firm = drop_orphans([c for c in named if c.is_law or exceeds_healthy_limit(c, final, errors, HALF_WIDTH)])
         return (final, named) if firm == named else (self.fits.refined(self.fits.fit(firm, final)), firm)
 
     def _with_larger_part(self, named: tuple[Candidate, ...]) -> tuple[FittedModel, tuple[Candidate, ...]]:
@@ -277,14 +277,6 @@ def _is_reported(candidate: Candidate, model: FittedModel, errors: Mapping[FreeP
     if not candidate.is_law:
         return not bears or exceeds_healthy_limit(candidate, model)
     return any(q.healthy_limit > 0.0 for q in candidate.parameters) and exceeds_healthy_limit(candidate, model)
-
-
-def _is_apart_from_healthy(candidate: Candidate, model: FittedModel, errors: Mapping[FreeParameter, float]) -> bool:
-    """Return whether the 95 % interval of one of its numbers lies beyond what a healthy machine shows; `errors` are standard errors."""
-    limited = [q for q in candidate.parameters if q.healthy_limit > 0.0]
-    if not limited or candidate.additive:
-        return exceeds_healthy_limit(candidate, model)
-    return any(interval(abs(model.fit.values[q] - q.neutral), errors.get(q, 0.0))[0] > q.healthy_limit for q in limited)
 
 
 def _is_nozzle(candidate: Candidate, model: FittedModel) -> bool:

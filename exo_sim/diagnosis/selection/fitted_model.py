@@ -143,21 +143,23 @@ def is_more_than_healthy(candidate: Candidate, model: FittedModel, errors: Mappi
 
 
 def exceeds_healthy_limit(
-    candidate: Candidate, model: FittedModel, errors: Mapping[FreeParameter, float] | None = None
+    candidate: Candidate, model: FittedModel, errors: Mapping[FreeParameter, float] | None = None, times: float | None = None
 ) -> bool:
     """Return whether any parameter of a candidate is further from neutral than in a healthy machine (practical significance).
 
     Args:
         candidate: One of the model's.
         model: Its values.
-        errors: Standard errors; with them a parameter counts only if it is surely further out (`SURELY_MORE` of its own).
+        errors: Standard errors; with them a parameter counts only if it is surely further out.
+        times: By how many of its own; None for `SURELY_MORE`.
     """
     values, errors = model.fit.values, errors or {}
+    times = float(acceptance.SURELY_MORE) if times is None else times
     limited = [q for q in candidate.parameters if q.healthy_limit > 0.0]
     if candidate.additive:  # with what a healthy machine has of it, where the candidate does not stand for that
         parts = {q.slot: q for q in (*values, *candidate.parameters) if (q.effect, q.where) == candidate.at}
         return sum(abs(values[q] - q.neutral) for q in parts.values()) > max((q.healthy_limit for q in limited), default=0.0)
-    return not limited or any(abs(values[q] - q.neutral) - acceptance.SURELY_MORE * errors.get(q, 0.0) > q.healthy_limit for q in limited)
+    return not limited or any(abs(values[q] - q.neutral) - times * errors.get(q, 0.0) > q.healthy_limit for q in limited)
 
 
 def is_at_bound(candidate: Candidate, model: FittedModel) -> bool:

@@ -34,7 +34,7 @@ def candidates(runs: Sequence[MotionRun], plant: PlantParameters, where: str, re
     force = max(float(np.std(run.driving)), 0.1 * float(np.std(run.inertia.force)), 1e-6)
     speed = max(float(np.nanstd(velocity)), 1e-6)
     travel = max(float(np.nanstd(position)), 1e-6)
-    full = full_force(run, plant) / max(float(np.median(np.abs(run.drive.arm))), 1e-9)
+    full = full_force(run, plant) / run.drive.usual_arm
     near, far = full_travel(run, plant)
     length = max(far - near, 1e-3)
     resistance = {"N": healthy.DRY_FRICTION * full, "N/m": healthy.SPRING * full / length}  # of a healthy machine

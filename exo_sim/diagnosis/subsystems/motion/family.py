@@ -78,7 +78,7 @@ class _Builder:
         self.run = model.runs[0]
         lacking = model.residual({})
         missing = float(np.std(lacking * model.scale)) if lacking.size else 0.0
-        arm = max(float(np.median(np.abs(self.run.drive.arm))), 1e-9)
+        arm = self.run.drive.usual_arm
         known = float(model.nominal.cylinder[coulomb_friction.EFFECT.name]["force"][0])
         self.level = max(known, 0.5 * missing / arm, 1e-9)
         effort = max(run.effort for run in model.runs)

@@ -18,7 +18,7 @@ def full_force(run: MotionRun, plant: PlantParameters) -> float:
     if run.cylinder is None:
         return acted
     gauge = float(plant.world["supply_pressure"][0] - plant.world["atmosphere"][0])
-    return max(gauge * float(plant.cylinder["area_1"][0]) * float(np.median(np.abs(run.drive.arm))), acted)
+    return max(gauge * float(plant.cylinder["area_1"][0]) * run.drive.usual_arm, acted)
 
 
 def full_travel(run: MotionRun, plant: PlantParameters) -> tuple[float, float]:

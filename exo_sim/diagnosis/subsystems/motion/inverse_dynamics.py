@@ -250,7 +250,7 @@ def _run(
         breaks=tuple(dict.fromkeys(begin // every for begin in clock_breaks(recording.time))),
         kinematics=Kinematics(
             position, velocity,
-            max(STILL_NOISE * move.velocity_noise * float(np.median(np.abs(drive.arm))), STILL_SHARE * float(np.nanstd(velocity))),
+            max(STILL_NOISE * move.velocity_noise * drive.usual_arm, STILL_SHARE * float(np.nanstd(velocity))),
         ),
         inertia=Inertia(
             dynamics.inertial[:, dof], dynamics.bias[:, dof], dynamics.tilt[:, dof] / TILT,

@@ -96,7 +96,7 @@ class MotionModel(SubsystemModel):
     def _stiff_contact(self) -> float:
         """Return the stiffness of a dry contact that slides at once, whatever the level of its friction [N/m]."""
         missing = self.residual({}) * self.scale
-        arm = max(float(np.median(np.abs(self.runs[0].drive.arm))), 1e-9)
+        arm = self.runs[0].drive.usual_arm
         level = 0.5 * float(np.std(missing)) / arm if missing.size else 0.0
         return max(float(healthy.STIFF_CONTACT), level / healthy.STIFF_TRAVEL)
 
@@ -274,7 +274,7 @@ class MotionModel(SubsystemModel):
         place = np.concatenate([run.kinematics.position for run in self.runs])
         gauge = max((float(np.max(run.drive.gauge)) for run in self.runs if run.cylinder is not None), default=0.0)
         scale = float(np.median(self.scale)) if self.scale.size else 1.0
-        arm = max(float(np.median(np.abs(self.runs[0].drive.arm))), 1e-9)
+        arm = self.runs[0].drive.usual_arm
         forces = resisted(float(np.min(place)), float(np.max(place)), gauge, plants)
         return {do: arm * each[:, ::4] / scale for do, each in forces.items()}  # a row of the fit takes four of its samples
 

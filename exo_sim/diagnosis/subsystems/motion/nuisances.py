@@ -35,7 +35,8 @@ def nuisance_parameters(runs: Sequence[MotionRun], plant: PlantParameters, where
     spread = max(priors.FORCE_OF_ZEROS * lever, 1e-4 * force)
     if run.cylinder is None and not run.external_recorded:
         spread = 0.02 * float(np.std(inertia.force))
-    full = full_force(run, plant) / max(float(np.median(np.abs(run.drive.arm))), 1e-9)
+    full = full_force(run, plant) / run.drive.usual_arm
+    reach = (float(priors.SENSOR_SCALE_LEAST), float(priors.SENSOR_SCALE_MOST))
     found = []
     # a free swing scales with its mass: no recording of it holds the mass
     if inertia.has_mass and (run.drive.levers or run.external_recorded):
@@ -43,7 +44,7 @@ def nuisance_parameters(runs: Sequence[MotionRun], plant: PlantParameters, where
     unit = "N*m" if run.turning else "N"
     found.append(_of_sensor("offset", run.joint, "offset", unit, max(spread, 1e-6), (-1e6, 1e6), (0.0, spread)))
     found += [
-        _of_sensor("sensor_gain", column, f"{column}.scale", "1", priors.FORCE_SCALE, (0.8, 1.25), (1.0, priors.FORCE_SCALE), neutral=1.0)
+        _of_sensor("sensor_gain", column, f"{column}.scale", "1", priors.FORCE_SCALE, reach, (1.0, priors.FORCE_SCALE), neutral=1.0)
         for column in _scaled_columns(run)
     ]
     if run.drive.signals:

@@ -14,7 +14,7 @@ def full_force(run: MotionRun, plant: PlantParameters) -> float:
     It is what the supply presses on the piston. Where no cylinder drives the balance, or forces of other origin are larger, it is the
     greatest that acted; nil in a swing that nothing drives, where any friction is all that takes energy.
     """
-    acted = float(np.percentile(np.abs(run.drive.force + run.external), 99.0))
+    acted = float(np.percentile(np.abs(run.driving), 99.0))
     if run.cylinder is None:
         return acted
     gauge = float(plant.world["supply_pressure"][0] - plant.world["atmosphere"][0])

@@ -21,6 +21,9 @@ THROUGH: dict[str, tuple[str, ...]] = {
     "conventions/test_conventions.py": (
         "conventions/check.py", "conventions/gas_balance.py", "conventions/positions.py", "conventions/signs.py",
     ),
+    "control/own/test_running.py": (
+        "control/own/faults.py",
+    ),
     "diagnosis/pipeline/test_diagnose_benches.py": (
         "diagnosis/selection/remainder.py", "diagnosis/subsystems/gas/experiments.py",
     ),
@@ -79,7 +82,7 @@ THROUGH: dict[str, tuple[str, ...]] = {
         "simulation/held.py",
     ),
     "simulation/test_walk.py": (
-        "control/least_load.py", "control/own_faults.py", "control/strap_feedback.py", "control/stride_learning.py",
+        "control/least_load.py", "control/strap_feedback.py", "control/stride_learning.py",
         "control/tracking.py", "simulation/causal_calibration.py", "simulation/coupling.py", "simulation/loop_log.py",
         "simulation/reduction.py", "simulation/rehearsal.py", "simulation/views.py",
     ),

@@ -9,7 +9,7 @@ from typing import Any
 
 from exo_sim.errors import ScenarioError
 
-_OWN = Path(__file__).parents[1]
+_OWN = Path(__file__).parents[2]
 
 
 def is_interrupt(error: BaseException) -> bool:

@@ -6,7 +6,7 @@ import pytest
 
 from exo_sim.trials.cases import make_case, write_case
 from exo_sim.trials.leg_cases import make_leg_case
-from exo_sim.trials.rivals import main
+from exo_sim.trials.rivals.__main__ import main
 
 
 def diagnose(case, how, folder):
@@ -15,7 +15,7 @@ def diagnose(case, how, folder):
     return status, json.loads((folder / "out" / "diagnosis.json").read_text())
 
 
-@pytest.mark.parametrize("how", ["prune", "greedy", "threshold"])
+@pytest.mark.parametrize("how", ["prune", "greedy", "threshold", "ensemble"])
 @pytest.mark.parametrize("key, parameter, within", [
     ("coulomb_friction", "force", 0.05), ("piston_leakage", "area", 0.05), ("valve_offset", "shift", 0.15),
     ("viscous_friction", "coefficient", 0.1),

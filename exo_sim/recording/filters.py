@@ -95,11 +95,32 @@ def gaussian_derivatives(time: Array, values: Array, seconds: float) -> tuple[Ar
     return _back(time, even, quiet), _back(time, even, rate), _back(time, even, bend)
 
 
-def gaussian_smoothed(time: Array, values: Array, seconds: float) -> Array:
-    """Return the smoothed values that `gaussian_derivatives` returns, shape (n,)."""
+@dataclass(frozen=True)
+class EvenClock:
+    """The clock that a filter counts samples on.
+
+    Attributes:
+        usual: Usual time between two samples [s].
+        even: Times at that distance from each other, shape (m,) [s]; None where the given clock has them already.
+    """
+
+    usual: float
+    even: Array | None
+
+    @classmethod
+    def of(cls, time: Array) -> EvenClock:
+        """Return that of a clock, shape (n,) [s]."""
+        usual = float(np.median(np.diff(time)))
+        even = np.arange(time[0], time[-1] + 0.5 * usual, usual)
+        is_even = len(even) == len(time) and np.allclose(even, time, atol=0.02 * usual)
+        return cls(usual, None if is_even else even)
+
+
+def gaussian_smoothed(time: Array, values: Array, seconds: float, clock: EvenClock | None = None) -> Array:
+    """Return the smoothed values that `gaussian_derivatives` returns, shape (n,); `clock` is that of `time`, if it is known already."""
     if not np.isfinite(values).any():
         return values
-    _, grid, even, usual = _evenly(time, values)
+    _, grid, even, usual = _evenly(time, values, clock)
     return _back(time, even, _gaussian(grid, seconds, usual))
 
 
@@ -165,15 +186,12 @@ def _gaussian(grid: Array, seconds: float, usual: float) -> Array:
     return gaussian_filter1d(grid, min(gaussian_width(seconds) / usual, 0.02 * len(grid)), mode="nearest")
 
 
-def _evenly(time: Array, values: Array) -> tuple[Array, Array, Array | None, float]:
+def _evenly(time: Array, values: Array, clock: EvenClock | None = None) -> tuple[Array, Array, Array | None, float]:
     """Return values with gaps interpolated, the same on an even clock, that clock (None if it is the given one), and its step [s]."""
     bad = ~np.isfinite(values)
     filled = np.interp(time, time[~bad], values[~bad]) if bad.any() else values
-    usual = float(np.median(np.diff(time)))
-    even = np.arange(time[0], time[-1] + 0.5 * usual, usual)
-    if len(even) == len(time) and np.allclose(even, time, atol=0.02 * usual):
-        return filled, filled, None, usual
-    return filled, np.interp(even, time, filled), even, usual
+    clock = clock or EvenClock.of(time)
+    return filled, filled if clock.even is None else np.interp(clock.even, time, filled), clock.even, clock.usual
 
 
 def _back(time: Array, even: Array | None, values: Array) -> Array:

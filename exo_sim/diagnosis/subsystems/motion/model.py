@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from dataclasses import replace
-from functools import cached_property
+from functools import cached_property, lru_cache
 
 import numpy as np
 from numpy.typing import NDArray
@@ -33,8 +33,13 @@ from exo_sim.diagnosis.subsystems.motion.rows import rows_of
 from exo_sim.diagnosis.subsystems.motion.smoothing import smoothed_alike
 from exo_sim.physics.declaration import declared
 from exo_sim.physics.effects import presliding, sensor_bias, sensor_scale
+from exo_sim.physics.records import CYLINDER
+from exo_sim.recording.filters import EvenClock
 
 Array = NDArray[np.float64]
+
+#: So many forces of resistance are kept of each run: what sensors add to a balance is asked of one and the same.
+RESISTANCES = 8
 
 
 class MotionModel(SubsystemModel):
@@ -74,6 +79,8 @@ class MotionModel(SubsystemModel):
         self.noise = float(np.median(scale)) if scale.size else 0.0
         self.scale = scale if scatter is None else scale * scatter.at(self.speed)
         self._split, self._scatter = split, scatter
+        self._clocks = [EvenClock.of(run.time) for run in self.runs]
+        self._resisted = lru_cache(maxsize=RESISTANCES * len(self.runs))(self._resistance)
         contact = self.nominal.cylinder[presliding.EFFECT.name]
         if not first.turning and float(contact["stiffness"][0]) == 0.0:
             contact["stiffness"] = self._stiff_contact()
@@ -119,10 +126,8 @@ class MotionModel(SubsystemModel):
     def missing(self, plant: PlantParameters, index: int) -> Array:
         """Return the force that the balance of a run lacks at every sample [N or N m], shape (n,)."""
         run, sensors = self.runs[index], plant.sensors
-        path, inertia, passive = run.kinematics, run.inertia, run.passive
-        resisted = np.empty(len(run.time))
-        resistance_along(plant.cylinder[0], run.time, path.position, path.velocity, run.drive.gauge, resisted)
-        resisted = smoothed_alike(run.time, run.drive.arm * resisted)  # as the measured forces are: neither side steps at a reversal
+        inertia, passive = run.inertia, run.passive
+        resisted = self._resisted(plant.cylinder.tobytes(), index)
         mass = sensors.get("payload_mass", 1.0)
         moved = (
             inertia.force
@@ -145,6 +150,15 @@ class MotionModel(SubsystemModel):
                 found = found - response * sensors.get(name, 0.0)
             for name, response in run.imputed.leaks.items():
                 found = found - response * float(plant.cylinder[OUTWARD.name][name][0])
+        return found
+
+    def _resistance(self, cylinder: bytes, index: int) -> Array:
+        """Return what resists the motion of a run behind the filter of the balance, for the bytes of a record CYLINDER, shape (n,)."""
+        run, resisted = self.runs[index], np.empty(len(self.runs[index].time))
+        path, record = run.kinematics, np.frombuffer(cylinder, CYLINDER)
+        resistance_along(record[0], run.time, path.position, path.velocity, run.drive.gauge, resisted)
+        found = smoothed_alike(run.time, run.drive.arm * resisted, self._clocks[index])  # neither side of it steps at a reversal
+        found.flags.writeable = False
         return found
 
     def residual_of(self, plant: PlantParameters) -> Array:

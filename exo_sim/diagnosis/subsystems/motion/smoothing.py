@@ -6,7 +6,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from exo_sim.diagnosis.data.motion_run import MotionRun
-from exo_sim.recording.filters import gaussian_smoothed
+from exo_sim.recording.filters import EvenClock, gaussian_smoothed
 
 Array = NDArray[np.float64]
 
@@ -18,12 +18,17 @@ MOST_SAMPLES, FEWEST_IN_FILTER = 400_000, 6
 
 def smoothing_width(time: Array) -> float:
     """Return the width of the filter on this clock [s]."""
-    return max(SMOOTHING, FEWEST_IN_FILTER * float(np.median(np.diff(time))))
+    return _width(float(np.median(np.diff(time))))
 
 
-def smoothed_alike(time: Array, values: Array) -> Array:
-    """Return values behind the filter of the balance, shape (n,)."""
-    return gaussian_smoothed(time, values, smoothing_width(time))
+def _width(usual: float) -> float:
+    return max(SMOOTHING, FEWEST_IN_FILTER * usual)
+
+
+def smoothed_alike(time: Array, values: Array, clock: EvenClock | None = None) -> Array:
+    """Return values behind the filter of the balance, shape (n,); `clock` is that of `time`, if it is known already."""
+    clock = clock or EvenClock.of(time)
+    return gaussian_smoothed(time, values, _width(clock.usual), clock)
 
 
 def stride(time: Array) -> int:

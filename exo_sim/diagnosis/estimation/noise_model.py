@@ -12,9 +12,9 @@ from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.signal import lfilter
 
 from exo_sim.diagnosis.policy.priors import LEAST_INNOVATION
+from exo_sim.physics.compiled import kernel
 
 Array = NDArray[np.float64]
 
@@ -73,11 +73,23 @@ def _innovations(rows: Array, blocks: NDArray[np.int64], phi: float, theta: floa
     """Return the innovations of an ARMA(1,1) process, each block begun with its stationary spread; shape as `rows`."""
     if phi == 0.0:
         return rows
-    found = np.empty_like(rows)
+    found = np.empty(rows.shape)
     first = math.sqrt((1.0 - phi * phi) / (1.0 + theta * theta - 2.0 * phi * theta))
-    edges = np.concatenate([[0], np.flatnonzero(np.diff(blocks)) + 1, [len(blocks)]])
-    for begin, end in zip(edges[:-1], edges[1:], strict=True):
-        if end > begin:
-            found[begin:end] = lfilter([1.0, -phi], [1.0, -theta], rows[begin:end], axis=0)
-            found[begin] = first * rows[begin]
+    columns = np.ascontiguousarray(rows).reshape(len(rows), -1)
+    _filter(columns, np.ascontiguousarray(blocks), phi, theta, first, found.reshape(columns.shape))
     return found
+
+
+@kernel
+def _filter(rows, blocks, phi, theta, first, out):
+    """Write the innovations of columns (n, p) into `out`, the first of each block `first` times its row: blocks are too many for SciPy."""
+    n, p = rows.shape
+    for j in range(p):
+        state = 0.0
+        for i in range(n):
+            begins = i == 0 or blocks[i] != blocks[i - 1]
+            if begins:
+                state = 0.0
+            e = state + rows[i, j]
+            state = theta * e - phi * rows[i, j]
+            out[i, j] = first * rows[i, j] if begins else e

@@ -9,6 +9,7 @@ from dataclasses import dataclass, field
 import numpy as np
 from numpy.typing import NDArray
 
+from exo_sim.diagnosis.estimation.budget import IsSpent, never
 from exo_sim.diagnosis.estimation.parameters import FreeParameter
 from exo_sim.diagnosis.estimation.threads import SERIAL, Threads
 
@@ -117,6 +118,7 @@ def fit(
     exact_jacobian: bool = False,
     renewed: bool = True,
     differenced_at: float = math.inf,
+    is_spent: IsSpent = never,
 ) -> Fit:
     """Minimise r'r + w z'z inside the bounds, r the whitened residual, z that of the priors.
 
@@ -137,6 +139,7 @@ def fit(
         exact_jacobian: Whether the Jacobian is differenced anew where the fit ends.
         renewed: Whether it is differenced anew where known columns lead no further; else the fit ends there.
         differenced_at: Of the known columns, as of `Fit`.
+        is_spent: Asked before every step and every difference: the fit then ends where it is.
     """
     parameters = tuple(parameters)
     values = {q: float(np.clip(start[q], q.low, q.high)) for q in parameters}
@@ -165,6 +168,8 @@ def fit(
         return abs(differenced_at - float(r @ r)) <= worth * differenced_at < math.inf
 
     for _ in range(max_iterations):
+        if is_spent():
+            break
         weight = correlation_length * max(float(r @ r) / max(r.size, 1), 1.0)
         cost = float(r @ r + weight * (rows @ rows))
         whole = np.vstack([jac, math.sqrt(weight) * row_jac])
@@ -182,7 +187,7 @@ def fit(
                 break
             damping = max(damping * 10.0, 1e-3)
         if not improved:
-            if is_fresh() or not renewed:
+            if is_fresh() or not renewed or is_spent():
                 break
             jac, differenced_at, damping = differences(residual, parameters, values, r, threads), float(r @ r), 1e-4
             continue
@@ -192,14 +197,14 @@ def fit(
         values, r, rows = tried, new, new_rows
         damping = max(damping * 0.2, 1e-6)
         if gain < tolerance:
-            if is_fresh() or not renewed or float(r @ r) < NEAR_NOISE * r.size:
+            if is_fresh() or not renewed or float(r @ r) < NEAR_NOISE * r.size or is_spent():
                 break
             jac, differenced_at, damping = differences(residual, parameters, values, r, threads), float(r @ r), 1e-4
-        elif known_columns is None:
+        elif known_columns is None and not is_spent():
             jac, differenced_at = differences(residual, parameters, values, r, threads), float(r @ r)
         else:
             jac = jac + np.outer(nonlinearity, taken) / max(float(taken @ taken), 1e-300)
-    if exact_jacobian and not is_fresh():
+    if exact_jacobian and not is_fresh() and not is_spent():
         jac, differenced_at = differences(residual, parameters, values, r, threads), float(r @ r)
     return Fit(parameters, values, r, jac, float(rows @ rows), row_jac, weight, differenced_at)
 

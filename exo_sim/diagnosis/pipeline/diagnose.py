@@ -51,8 +51,8 @@ def diagnose(
         jobs: Threads; every core when absent. The answer does not depend on it.
         progress: Called with a few words on what is going on.
         folder: Where `improved.toml` will be, so that it finds its MJCF.
-        budget: Time after which nothing more is sought and the best answer so far comes [s]; what was begun is ended, so it takes longer
-            by some seconds. An answer that it ended early depends on the machine's speed.
+        budget: Time after which the best answer so far comes [s]: fits and searches end where they are, each stage at its share. An
+            answer that it ended early depends on the machine's speed.
 
     Raises:
         RecordingError, RigError, ModelError: one line each.
@@ -74,7 +74,8 @@ def _reported(stable: Examination, allowed: Budget, report: Progress, folder: Pa
     update = rig_update(data, results.all, found.unknown)
     report("running it")
     beside = data.rig.path.parent
-    kept, is_cut = accepted(data, update, beside, split)
+    allowed.allow_until(1.0)
+    kept, is_cut = accepted(data, update, beside, split, allowed.is_spent)
     remarks = (*data.remarks, *([_CUT] if is_cut else []), *([_STOPPED] if allowed.stopped else []))
     judged = {one.model.kind for one in results.all if not one.is_empty and not one.is_unresolved}
     questions = distinct(data.open_questions)

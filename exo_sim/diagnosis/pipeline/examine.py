@@ -14,6 +14,7 @@ from exo_sim.diagnosis.pipeline.gas_stage import Searched, examine_gas
 from exo_sim.diagnosis.pipeline.motion_stage import examine_motion
 from exo_sim.diagnosis.pipeline.plan import Examination, Plan, Progress, Results
 from exo_sim.diagnosis.pipeline.supply_stage import examine_supply
+from exo_sim.diagnosis.policy.budgets import VALIDATION_UNTIL
 from exo_sim.diagnosis.selection.subsystem_result import SubsystemResult
 from exo_sim.diagnosis.selection.unknown_effect import unknown_effects
 from exo_sim.diagnosis.subsystems.motion.model import MotionModel
@@ -46,6 +47,7 @@ def friction_to_add(examination: Examination) -> Friction | None:
 
 def validated(examination: Examination) -> Examination:
     """Return an examination with its unknown effects, and its errors on validation and test time."""
+    examination.plan.budget.allow_until(VALIDATION_UNTIL)
     examination = _without_doubtful_remainders(examination)
     split, results = examination.plan.split, examination.results.all
     unknown = unknown_effects(results)

@@ -16,7 +16,7 @@ from exo_sim.diagnosis.data.machine_data import MachineData
 from exo_sim.diagnosis.estimation.parameters import PlantParameters
 from exo_sim.diagnosis.estimation.threads import Threads
 from exo_sim.diagnosis.pipeline.plan import Plan, Progress
-from exo_sim.diagnosis.policy.budgets import FEW_SAMPLES, MOST_EFFORT
+from exo_sim.diagnosis.policy.budgets import FEW_SAMPLES, GAS_UNTIL, MOST_EFFORT
 from exo_sim.diagnosis.policy.recordings import FEWEST_ROWS, REVERSED
 from exo_sim.diagnosis.selection.decision import decide
 from exo_sim.diagnosis.selection.search import Search
@@ -52,7 +52,8 @@ def examine_gas(
     While the plan does not know the friction of pistons, a search ends at a transmission that gives if there are forces to ask.
     """
     found, done = [], (searched or Searched()).results
-    for name in data.cylinders:
+    for number, name in enumerate(data.cylinders):
+        plan.budget.allow_until(GAS_UNTIL * (number + 1) / len(data.cylinders))
         runs = [with_initial_pressure(data, run) for run in data.cylinders[name]]
         plant = believed_gas(data, plan, name, runs)
         model = GasModel(runs, plant, plan.split)
@@ -73,11 +74,12 @@ def examine_gas(
         key = (name, tuple(sorted(plan.split.test.items())), tuple(one.key for one in asked), friction)
         if key not in done:
             if model.size >= FEWEST_ROWS:
-                model = model.with_better_flow_law(nuisances, threads)
+                model = model.with_better_flow_law(nuisances, threads, plan.budget.is_spent)
             search = Search(
                 model, nuisances, asked, threads, _naming(report, name), cheap=sum(len(run.time) for run in runs) < FEW_SAMPLES,
                 practical_significance=model.practical_significance,
-                until=softens if plan.friction is None and joint in data.joints else None, is_spent=partial(_is_spent, plan, model),
+                until=softens if plan.friction is None and joint in data.joints else None, is_spent=plan.budget.is_spent,
+                is_enough=partial(_is_enough, model),
             )  # fmt: skip
             done[key] = decide(name, model, search.fits, search.run())
         found.append(done[key])
@@ -94,8 +96,8 @@ def believed_gas(data: MachineData, plan: Plan, cylinder: str, runs: Sequence[Cy
     return with_measured_supply(believed, runs).with_values((plan.friction or {}).get(cylinder, ()))
 
 
-def _is_spent(plan: Plan, model: GasModel) -> bool:
-    return model.effort > MOST_EFFORT or plan.budget.is_spent()
+def _is_enough(model: GasModel) -> bool:
+    return model.effort > MOST_EFFORT
 
 
 def _naming(report: Progress, part: str) -> Progress:

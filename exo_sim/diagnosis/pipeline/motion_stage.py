@@ -14,6 +14,7 @@ from exo_sim.diagnosis.estimation.linear_family import LinearFamily
 from exo_sim.diagnosis.estimation.parameters import FreeParameter, PlantParameters
 from exo_sim.diagnosis.estimation.threads import Threads
 from exo_sim.diagnosis.pipeline.plan import Plan, Progress
+from exo_sim.diagnosis.policy.budgets import FORCES_UNTIL, GAS_UNTIL
 from exo_sim.diagnosis.policy.recordings import FEWEST_ROWS
 from exo_sim.diagnosis.policy.verdicts import AS_GOOD, PLAINLY_LESS_DAMPING
 from exo_sim.diagnosis.selection.decision import decide
@@ -37,12 +38,17 @@ _LEVER_POWERS = {"N": -1, "N s/m": -2, "N s^2/m^2": -3, "N/m": -2, "m": 1, "m/s"
 
 def examine_motion(data: MachineData, plan: Plan, threads: Threads, report: Progress) -> tuple[SubsystemResult[MotionModel], ...]:
     """Return the result of every balance of forces."""
-    return tuple(_examined(data, name, runs, plan, threads, report) for name, runs in data.joints.items())
+    found = []
+    for number, (name, runs) in enumerate(data.joints.items()):
+        plan.budget.allow_until(GAS_UNTIL + (FORCES_UNTIL - GAS_UNTIL) * (number + 1) / len(data.joints))
+        found.append(_examined(data, name, runs, plan, threads, report))
+    return tuple(found)
 
 
 def _examined(
     data: MachineData, name: str, runs: Sequence[MotionRun], plan: Plan, threads: Threads, report: Progress
 ) -> SubsystemResult[MotionModel]:
+    is_spent = plan.budget.is_spent
     model = MotionModel(runs, believed_balance(data, name, runs), plan.split)
     nuisances = with_damping_if_too_large(model, nuisance_parameters(runs, model.nominal, model.where))
     asked = plan.without_refuted(candidates(runs, model.nominal, model.where))
@@ -54,14 +60,15 @@ def _examined(
         asked = plan.without_refuted(candidates(runs, model.nominal, model.where, model.slowest_resolved))
 
     def search(nuisances: Sequence[FreeParameter]) -> tuple[ModelFits, SearchResult]:
-        fits = ModelFits(model, nuisances, threads, cheap=True)
+        fits = ModelFits(model, nuisances, threads, True, is_spent)
         if model.size < FEWEST_ROWS:
             return fits, FamilySearch(fits, LinearFamily((), ()), joined((), 0)).run()
-        return fits, FamilySearch(fits, motion_family(model, nuisances, asked), model.discrepancy_basis(), standing).run()
+        family = motion_family(model, nuisances, asked, is_spent=is_spent)
+        return fits, FamilySearch(fits, family, model.discrepancy_basis(), standing).run()
 
     held, outcome = search(nuisances)
     freed = with_damping(model, nuisances)
-    if freed and _may_be_damping(outcome, ModelFits(model, freed, threads, cheap=True)):
+    if freed and not is_spent() and _may_be_damping(outcome, ModelFits(model, freed, threads, True, is_spent)):
         other, rival = search(freed)
         more = rival.final.parameter_count - outcome.final.parameter_count
         if more <= 0 and other.deficit(rival.final, outcome.final) < (AS_GOOD if more < 0 else -PLAINLY_LESS_DAMPING):

@@ -11,6 +11,7 @@ import numpy as np
 
 from exo_sim.diagnosis.data.machine_data import MachineData
 from exo_sim.diagnosis.data.split import Split
+from exo_sim.diagnosis.estimation.budget import IsSpent, never
 from exo_sim.diagnosis.findings import SignalFit
 from exo_sim.diagnosis.outcome.rig_update import RigUpdate
 from exo_sim.diagnosis.pipeline.rig_errors import WindowErrors
@@ -53,7 +54,9 @@ class Trial:
         return _mean(_logs(self.windows, self.spreads)) + _mean(_logs(self.free_run, self.spreads))
 
 
-def accepted(data: MachineData, update: RigUpdate, folder: Path, split: Split) -> tuple[Trial, bool]:
+def accepted(
+    data: MachineData, update: RigUpdate, folder: Path, split: Split, is_spent: IsSpent = never
+) -> tuple[Trial, bool]:
     """Return as much of an update as wins, with its errors, and whether something of it was left out.
 
     Args:
@@ -61,6 +64,7 @@ def accepted(data: MachineData, update: RigUpdate, folder: Path, split: Split) -
         update: What was found.
         folder: Of the rig as believed.
         split: Its test time counts.
+        is_spent: Whether the time is up: then it is all of the update, or nothing.
     """
     windows, free = WindowErrors(data, split), FreeRuns(data, split)
 
@@ -69,11 +73,11 @@ def accepted(data: MachineData, update: RigUpdate, folder: Path, split: Split) -
         inside, run = windows.errors(text), free.errors(text)
         return Trial(one, inside, run, {column: spread_of(data, column) for column in {*inside, *run}})
 
-    best = as_far_as_it_wins(update, tried)
+    best = as_far_as_it_wins(update, tried, is_spent)
     return best, best.update is not update
 
 
-def as_far_as_it_wins(update: RigUpdate, tried: Callable[[RigUpdate], Trial]) -> Trial:
+def as_far_as_it_wins(update: RigUpdate, tried: Callable[[RigUpdate], Trial], is_spent: IsSpent = never) -> Trial:
     """Return the trial of as much of an update as is not worse by either measure.
 
     Where it is worse, or a signal got worse, what one source gives is left out rank by rank, always what helps most; nothing that wins
@@ -82,10 +86,11 @@ def as_far_as_it_wins(update: RigUpdate, tried: Callable[[RigUpdate], Trial]) ->
     Args:
         update: All that was found.
         tried: Puts an update to the test.
+        is_spent: As of `accepted`.
     """
     best, trials = tried(update), 1
     while best.update.parts and (best.is_worse or best.hurts):
-        fewer = [tried(one) for one in best.update.reduced()] if trials < MOST_TRIALS else []
+        fewer = [tried(one) for one in best.update.reduced()] if trials < MOST_TRIALS and not is_spent() else []
         trials += len(fewer)
         next_best = min(fewer, key=lambda one: (one.is_worse, one.loss), default=None)
         if next_best is None:

@@ -39,7 +39,7 @@ def examine_until_stable(data: MachineData, threads: Threads, report: Progress, 
     plan, stable, searched = Plan(split(times), budget=budget), list[Examination](), Searched()
     for _ in range(MOST_ROUNDS):
         found = examine(data, plan, threads, report, searched)
-        friction = friction_to_add(found) if plan.friction is None else None
+        friction = friction_to_add(found) if plan.friction is None and not budget.is_spent() else None
         if friction is not None:
             report("examining the gas once more with the friction of its piston")
             plan = replace(plan, friction=friction)

@@ -48,7 +48,7 @@ def examine_supply(
     search = Search(
         model, nuisance_parameters(plant), plan.without_refuted(candidates(plant)), threads,
         lambda words: report(f"supply: {words}"), cheap=True,
-        practical_significance=model.practical_significance,
+        practical_significance=model.practical_significance, is_spent=plan.budget.is_spent,
     )  # fmt: skip
     found = decide("supply", model, search.fits, search.run())
     return (replace(found, has_unknown=False, deviations=()),)

@@ -56,6 +56,11 @@ RUNNERS_UP = Count(3, "candidates", "that were put aside are looked at once more
 FAMILY_FINALISTS = Count(25, "subsets", "that a climb meets are weighed with spreads of their own")
 MOST_CLIMBS = Count(4, "climbs", "each with the spreads of the best subset before it")
 
+# -- a time that was given -----------------------------------------------------------------------------------------------------
+GAS_UNTIL = Number(0.55, "share of the time", "the gas of all cylinders may take, in equal parts", "asserted")
+FORCES_UNTIL = Number(0.75, "share of the time", "is over when the balances of forces end, in equal parts", "asserted")
+VALIDATION_UNTIL = Number(0.85, "share of the time", "is over when what is held against the time kept back is refitted no more", "asserted")
+
 # -- a diagnosis ----------------------------------------------------------------------------------------------------------------
 MOST_REFUTATIONS = Count(6, "times", "effects are refuted on one division of time")
 MOST_ROUNDS = Count(

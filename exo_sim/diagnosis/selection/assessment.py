@@ -22,7 +22,7 @@ def assess(final: FittedModel, fits: ModelFits, comparisons: Comparisons, propos
     for candidate, without in zip(final.candidates, bare, strict=True):
         evidence[candidate.key] = comparisons.evidence(without, final)
         asked += [(candidate, rival, without) for rival in ([] if spent else _rivals(candidate, without, final, proposals))]
-    for candidate in (c for c in final.candidates if c.additive):
+    for candidate in (c for c in final.candidates if c.additive and not fits.is_spent()):
         whole = _with_all_parameters(candidate, final, fits, proposals)
         if whole is not None:
             complete[candidate.key] = whole

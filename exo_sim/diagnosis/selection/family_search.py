@@ -61,7 +61,7 @@ class FamilySearch:
     def __init__(self, fits: ModelFits, family: LinearFamily, basis: DiscrepancyBasis, standing: Sequence[str] = ()):
         self.fits, self.family = fits, family
         self.basis = basis
-        self.weighing = SubsetWeighing(family, basis, fits.model.blocks, standing)
+        self.weighing = SubsetWeighing(family, basis, fits.model.blocks, standing, fits.is_spent)
 
     def run(self) -> SearchResult:
         """Weigh, fit and assess."""

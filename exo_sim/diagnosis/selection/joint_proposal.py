@@ -18,8 +18,9 @@ from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.linalg import cho_solve
+from scipy.linalg.lapack import dpotrf, dpotrs
 
+from exo_sim.diagnosis.estimation.budget import IsSpent, never
 from exo_sim.diagnosis.estimation.candidate import Candidate
 from exo_sim.diagnosis.estimation.least_squares import prior_terms
 from exo_sim.diagnosis.estimation.noise_model import noise_model
@@ -82,7 +83,7 @@ class Proposal:
 
 
 def joint_proposals(
-    model: LeastSquaresModel, now: FittedModel, candidates: Sequence[Candidate], threads: Threads = SERIAL
+    model: LeastSquaresModel, now: FittedModel, candidates: Sequence[Candidate], threads: Threads = SERIAL, is_spent: IsSpent = never
 ) -> list[Proposal]:
     """Return sets of candidates that together make a fitted model more probable, best first; none where no set does.
 
@@ -93,9 +94,10 @@ def joint_proposals(
         now: A fitted model.
         candidates: All candidates; those whose effect is in the model already are left out.
         threads: Threads for the predictions.
+        is_spent: Whether the time is up: then nothing is proposed.
     """
-    directions = _directions(model, now, candidates, threads)
-    if not directions:
+    directions = _directions(model, now, candidates, threads, is_spent)
+    if not directions or is_spent():
         return []
     weighing = _Weighing(model, now, directions)
     found: dict[frozenset[tuple[str, str, str]], Proposal] = {}
@@ -108,7 +110,7 @@ def joint_proposals(
 
 
 def _directions(
-    model: LeastSquaresModel, now: FittedModel, candidates: Sequence[Candidate], threads: Threads
+    model: LeastSquaresModel, now: FittedModel, candidates: Sequence[Candidate], threads: Threads, is_spent: IsSpent
 ) -> list[Direction]:
     base, fixed = now.fit.residual, now.fixed
     level = math.sqrt(float(base @ base) / max(base.size, 1))
@@ -123,6 +125,8 @@ def _directions(
 
     def direction(pair: tuple[Candidate, tuple[float, ...] | None]) -> Direction | None:
         one, start = pair
+        if is_spent():
+            return None
         if one.is_law:
             columns = law_signatures(model, one, now, fixed)
             sizes = {q: (q.start + spread_of(q), q.start) for q in one.parameters}
@@ -197,10 +201,12 @@ class _Weighing:
             return -math.inf, np.zeros(0)
         at = np.concatenate([self._of[i] for i in chosen])
         normal = self._normal[np.ix_(at, at)] + np.eye(len(at))
-        factor = np.linalg.cholesky(normal)
-        amplitudes = cho_solve((factor, True), self._pull[at])
+        factor, failed = dpotrf(normal, lower=1, clean=1)  # thousands of subsets: checks take longer than the factors
+        if failed:
+            raise np.linalg.LinAlgError("the evidence of a subset is not finite")
+        amplitudes = dpotrs(factor, self._pull[at], lower=1)[0]
         value = 0.5 * float(self._pull[at] @ amplitudes) - float(np.sum(np.log(np.diag(factor))))
-        spreads = np.sqrt(np.diag(cho_solve((factor, True), np.eye(len(at)))))
+        spreads = np.sqrt(np.diag(dpotrs(factor, np.eye(len(at)), lower=1)[0]))
         position = 0
         for i in chosen:
             value += self._log_prior[i]

@@ -12,6 +12,7 @@ from dataclasses import replace
 
 import numpy as np
 
+from exo_sim.diagnosis.estimation.budget import IsSpent
 from exo_sim.diagnosis.estimation.candidate import Candidate, drop_orphans
 from exo_sim.diagnosis.policy import acceptance
 from exo_sim.diagnosis.policy.budgets import FIRST_LOOKED, MOST_EXTENSIONS, MOST_JOINT, STRAY, WORTH_A_ROUND
@@ -33,15 +34,15 @@ class JointSearch:
         proposals: The candidates.
         simplification: What leaves a model with no more than it needs.
         report: Called with a few words on what is going on.
-        is_spent: Whether the time is up: then nothing more is sought.
+        is_over: Whether nothing more is to be sought.
     """
 
     def __init__(
         self, fits: ModelFits, comparisons: Comparisons, proposals: Proposals, simplification: Simplification,
-        report: Callable[[str], None], is_spent: Callable[[], bool],
+        report: Callable[[str], None], is_over: IsSpent,
     ):  # fmt: skip
         self.fits, self.comparisons, self.proposals, self.simplification = fits, comparisons, proposals, simplification
-        self._report, self._is_spent = report, is_spent
+        self._report, self._is_over = report, is_over
 
     def beyond(self, now: FittedModel) -> FittedModel | None:
         """Return a model that is reached by asking all candidates together, and leaving out what is not missed.
@@ -50,7 +51,7 @@ class JointSearch:
         more than the model of a healthy machine would, or is no better than the model that there is.
         """
         reached = self._reached_from(now)
-        if not self._is_healthy(reached) and not self._is_spent():
+        if not self._is_healthy(reached) and not self._is_over():
             reached = self._reached_from(self.comparisons.baseline)
         if not self._is_healthy(reached):
             return None
@@ -67,10 +68,11 @@ class JointSearch:
         model, threads = self.fits.model, self.fits.threads
         best = now
         for _ in range(MOST_JOINT):
-            if self._is_spent():
+            if self._is_over():
                 break
             self._report(f"weighing {len(self.proposals.candidates)} candidates together")
-            fitted = [self._proposed(best, one) for one in joint_proposals(model, best, self.proposals.candidates, threads)]
+            proposals = joint_proposals(model, best, self.proposals.candidates, threads, self.fits.is_spent)
+            fitted = [self._proposed(best, one) for one in proposals]
             if not fitted:
                 break
             richer = min(fitted, key=lambda one: one.fit.sse)
@@ -87,7 +89,7 @@ class JointSearch:
 
         That is known in closed form. Where a fit without it shows that it is missed (an optimum may lie at a kink), it stays.
         """
-        while now.candidates:
+        while now.candidates and not self.fits.is_spent():
             kept = jointly_pruned(self.fits.model, now, self.fits.threads)
             if len(kept) == len(now.candidates):
                 break
@@ -103,7 +105,7 @@ class JointSearch:
         proposed with the others.
         """
         for _ in range(MOST_EXTENSIONS):
-            if self.comparisons.is_clean(now) or self._is_spent():
+            if self.comparisons.is_clean(now) or self._is_over():
                 break
             asked = self.proposals.additions(now)
             self._report(f"{len(asked)} more to be fitted beside {len(now.candidates)}")
@@ -130,7 +132,7 @@ class JointSearch:
             return float(residual @ residual) if np.isfinite(residual).all() else math.inf
 
         here = misfit(added)
-        while added and here > STRAY * now.fit.sse:
+        while added and here > STRAY * now.fit.sse and not self.fits.is_spent():
             fewer = [drop_orphans(tuple(c for c in added if c is not one), now.effects) for one in added]
             tried = self.fits.threads.predictions(misfit, fewer)
             best = int(np.argmin(tried))

@@ -70,7 +70,8 @@ class MarginalFits:
 
     def __init__(self, fits: ModelFits, basis: DiscrepancyBasis, spreads: Spreads, correlation_time: float):
         self.plain = fits
-        self.beside = ModelFits(BesideDiscrepancy(fits.model, basis, spreads, correlation_time), fits.nuisances, fits.threads, fits.cheap)
+        beside = BesideDiscrepancy(fits.model, basis, spreads, correlation_time)
+        self.beside = ModelFits(beside, fits.nuisances, fits.threads, fits.cheap, fits.is_spent)
 
     def fit(self, candidates: Sequence[Candidate], near: FittedModel | None = None, refined: bool = False) -> FittedModel:
         """Return a fit of these candidates, with the residual and the Jacobian of the subsystem."""

@@ -7,6 +7,7 @@ from collections.abc import Callable, Sequence
 import numpy as np
 from numpy.typing import NDArray
 
+from exo_sim.diagnosis.estimation.budget import IsSpent, never
 from exo_sim.diagnosis.estimation.candidate import Candidate
 from exo_sim.diagnosis.estimation.common_part import with_common_parts_split
 from exo_sim.diagnosis.estimation.correlation import correlation_time
@@ -30,11 +31,14 @@ class ModelFits:
         nuisances: Nuisance parameters, refitted with every set.
         threads: Threads; the results do not depend on how many.
         cheap: Whether predictions cost little: then every fit begins from several starts, and from scratch.
+        is_spent: Whether the time is up: then every fit ends where it is.
     """
 
     def __init__(
-        self, model: LeastSquaresModel, nuisances: Sequence[FreeParameter], threads: Threads = SERIAL, cheap: bool = False
-    ):
+        self, model: LeastSquaresModel, nuisances: Sequence[FreeParameter], threads: Threads = SERIAL, cheap: bool = False,
+        is_spent: IsSpent = never,
+    ):  # fmt: skip
+        self.is_spent = is_spent
         self.model, self.nuisances, self.threads, self.cheap = model, tuple(nuisances), threads, cheap
         self._fitted: dict[SetKey, FittedModel] = {}
 
@@ -56,7 +60,7 @@ class ModelFits:
             columns = near.fit.columns if near else None
             done = fit(
                 residual, parameters, begin, self.threads,
-                max_iterations=MOST_STEPS, correlation_length=length, known_columns=columns,
+                max_iterations=MOST_STEPS, correlation_length=length, known_columns=columns, is_spent=self.is_spent,
             )  # fmt: skip
         fitted = FittedModel(tuple(candidates), with_common_parts_split(done))
         if before is not None and self.deficit(before, fitted) <= 0.0:
@@ -78,7 +82,7 @@ class ModelFits:
         begin, length, _ = self._best_start(residual, options)
         done = fit(
             residual, parameters, begin, self.threads, max_iterations=FIRST_LOOK, tolerance=WORTH_A_LOOK,
-            correlation_length=length, known_columns=near.fit.columns, renewed=False
+            correlation_length=length, known_columns=near.fit.columns, renewed=False, is_spent=self.is_spent
         )
         looked = FittedModel(tuple(candidates), done)
         return before if before is not None and self.deficit(before, looked) <= 0.0 else looked
@@ -141,14 +145,17 @@ class ModelFits:
         length: float,
     ) -> Fit:
         """Return the best of several fits, from scratch; `options` are the starts, best first."""
-        tried = [
-            fit(residual, parameters, start, self.threads, max_iterations=24, tolerance=1e-5, correlation_length=length)
-            for start in options[:CHEAP_STARTS]
-        ]
+        def tried_from(start: dict[FreeParameter, float], length: float) -> Fit:
+            return fit(
+                residual, parameters, start, self.threads,
+                max_iterations=24, tolerance=1e-5, correlation_length=length, is_spent=self.is_spent,
+            )  # fmt: skip
+
+        tried = [tried_from(start, length) for start in options[: 1 if self.is_spent() else CHEAP_STARTS]]
         done = min(tried, key=lambda one: one.sse + one.prior_weight * one.penalty)
         missing = done.sse - self.model.size
         if length > acceptance.STIFF_PRIORS and missing > self.model.size:
-            free = fit(residual, parameters, options[0], self.threads, max_iterations=24, tolerance=1e-5)
+            free = tried_from(options[0], 1.0)
             done = free if free.sse - self.model.size < acceptance.LEFT_WHEN_FREE * missing else done
         return done
 
@@ -167,6 +174,7 @@ class ModelFits:
         done = fit(
             self._residual_of(model.candidates), parameters, model.fit.values, self.threads, max_iterations=12, tolerance=1e-6,
             correlation_length=length, known_columns=model.fit.columns, exact_jacobian=True, differenced_at=model.fit.differenced_at,
+            is_spent=self.is_spent,
         )  # fmt: skip
         better = FittedModel(model.candidates, with_common_parts_split(done))
         self._fitted[key_of(model.candidates)] = better

@@ -33,7 +33,7 @@ class Proposals:
         """Return the candidates that are not in a model with the drop in squared error that they promise, best first."""
         key = key_of(now.candidates)
         if key not in self._scored:
-            self._scored[key] = scores(self.fits.model, now, self.candidates, self.fits.threads, self._beside(now))
+            self._scored[key] = scores(self.fits.model, now, self.candidates, self.fits.threads, self._beside(now), self.fits.is_spent)
         return self._scored[key]
 
     def _beside(self, model: FittedModel) -> Signatures:
@@ -73,7 +73,7 @@ class Proposals:
             return one.at != candidate.at and (alike or not whole.is_large)
 
         asked = [one for one in self.candidates if is_asked(one)]
-        return scores(self.fits.model, without, asked, self.fits.threads, self._beside(whole))
+        return scores(self.fits.model, without, asked, self.fits.threads, self._beside(whole), self.fits.is_spent)
 
     def best(self, scored: Sequence[tuple[float, Candidate]]) -> list[Candidate]:
         """Return the few best of scored candidates, not too many forms of one effect among them."""

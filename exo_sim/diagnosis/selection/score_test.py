@@ -8,6 +8,7 @@ from collections.abc import Sequence
 import numpy as np
 from numpy.typing import NDArray
 
+from exo_sim.diagnosis.estimation.budget import IsSpent, never
 from exo_sim.diagnosis.estimation.candidate import Candidate, CandidateKey
 from exo_sim.diagnosis.estimation.least_squares import prior_terms
 from exo_sim.diagnosis.estimation.parameters import FreeParameter
@@ -43,7 +44,7 @@ class Signatures:
 
 def scores(
     model: LeastSquaresModel, now: FittedModel, candidates: Sequence[Candidate], threads: Threads = SERIAL,
-    signatures: Signatures | None = None,
+    signatures: Signatures | None = None, is_spent: IsSpent = never,
 ) -> list[tuple[float, Candidate]]:  # fmt: skip
     """Return the candidates that are not in a fitted model with the drop in squared error that their signature promises, best first.
 
@@ -53,6 +54,7 @@ def scores(
         candidates: What is scored.
         threads: Threads for the predictions.
         signatures: Of a neighbouring model; of this one when absent.
+        is_spent: Whether the time is up: what was not looked at then promises nothing.
     """
     signatures = signatures or Signatures(model, now)
     base = now.fit.residual
@@ -78,6 +80,8 @@ def scores(
 
     def score(candidate: Candidate) -> tuple[float, Candidate]:
         best = 0.0
+        if is_spent():
+            return best, candidate
         basis, target = clear_of(candidate)
         if candidate.is_law:
             return _promise_of_law(model, candidate, now, fixed_now, level, basis, target), candidate

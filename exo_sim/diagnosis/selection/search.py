@@ -11,6 +11,7 @@ from collections.abc import Callable, Sequence
 
 import numpy as np
 
+from exo_sim.diagnosis.estimation.budget import IsSpent, never
 from exo_sim.diagnosis.estimation.candidate import Candidate, drop_orphans
 from exo_sim.diagnosis.estimation.least_squares import Fit
 from exo_sim.diagnosis.estimation.parameters import FreeParameter
@@ -48,7 +49,8 @@ class Search:
         cheap: Whether predictions cost little: then all promising candidates are fitted, from scratch, and simpler ones tried.
         practical_significance: Drop of the root mean square residual, in units of the noise, below which nothing is a finding.
         until: Of a model that does not explain everything, whether to stop the search there.
-        is_spent: Whether the time is up: then nothing more is sought, and what was found is assessed.
+        is_spent: Whether the time is up: then whatever goes on ends with what it has, and what was found is assessed.
+        is_enough: Whether so much was tried that nothing more is sought; what was begun is ended.
     """
 
     def __init__(
@@ -63,14 +65,14 @@ class Search:
         cheap: bool = False,
         practical_significance: float = 0.0,
         until: Callable[[FittedModel], bool] | None = None,
-        is_spent: Callable[[], bool] | None = None,
+        is_spent: IsSpent = never,
+        is_enough: IsSpent = never,
     ):
-        self.fits = ModelFits(model, nuisances, threads, cheap)
+        self.fits = ModelFits(model, nuisances, threads, cheap, is_spent)
         self.proposals = Proposals(self.fits, candidates, practical_significance)
         self._most, self._practical_significance = most, practical_significance
         self._report = progress or (lambda words: None)
-        self._until = until or (lambda model: False)
-        self._is_spent = is_spent or (lambda: False)
+        self._until, self._is_enough = until or (lambda model: False), is_enough
 
     def run(self) -> SearchResult:
         """Grow sets side by side, swap and prune, then assess every finding and its rivals."""
@@ -80,7 +82,7 @@ class Search:
             return SearchResult(empty, empty)
         baseline = self.fits.refined(self.fits.fit(()))
         comparisons = Comparisons(self.fits, baseline, len(self.proposals.candidates), self._practical_significance)
-        return _Growth(self.fits, comparisons, self.proposals, self._report, self._until, self._is_spent).run(self._most)
+        return _Growth(self.fits, comparisons, self.proposals, self._report, self._until, self._is_enough).run(self._most)
 
 
 class _Growth:
@@ -88,19 +90,23 @@ class _Growth:
 
     def __init__(
         self, fits: ModelFits, comparisons: Comparisons, proposals: Proposals, report: Callable[[str], None],
-        until: Callable[[FittedModel], bool], is_spent: Callable[[], bool],
+        until: Callable[[FittedModel], bool], is_enough: IsSpent,
     ):  # fmt: skip
         self.fits, self.comparisons, self.proposals = fits, comparisons, proposals
-        self._report, self._until, self._is_spent = report, until, is_spent
+        self._report, self._until, self._is_enough = report, until, is_enough
         self.simplification = Simplification(fits, comparisons, proposals)
-        self.joint = JointSearch(fits, comparisons, proposals, self.simplification, report, is_spent)
+        self.joint = JointSearch(fits, comparisons, proposals, self.simplification, report, self._is_over)
+
+    def _is_over(self) -> bool:
+        """Return whether nothing more is to be sought."""
+        return self._is_enough() or self.fits.is_spent()
 
     def run(self, most: int) -> SearchResult:
         """Return the result with at most so many findings."""
         best = self.comparisons.baseline
         beam, together = [best], False
         for _ in range(most):
-            if self._is_spent():
+            if self._is_over():
                 break
             self._report(f"scoring {len(self.proposals.candidates)} candidates")
             grown = self._grown(beam)
@@ -113,13 +119,13 @@ class _Growth:
                 break
             before, best = best, tidied
             self._report(f"{len(best.candidates)} found, {best.candidates[-1].effect.replace('_', ' ')} last")
-            if not self.comparisons.is_clean(best) and self._until(best):
+            if not self.comparisons.is_clean(best) and self._goes_elsewhere(best):
                 return SearchResult(self.comparisons.baseline, self.fits.refined(best), interrupted=True)
             if not self.comparisons.is_clean(best) and not together:
                 together, reached = True, self.joint.beyond(best)
                 if reached is not None:
                     best = reached
-                    if self._until(best):
+                    if self._goes_elsewhere(best):
                         return SearchResult(self.comparisons.baseline, self.fits.refined(best), interrupted=True)
                     break
             if self._is_hopeless(before, best):
@@ -129,7 +135,7 @@ class _Growth:
                 beam += [model for model in self.comparisons.ranked(grown) if model.named not in (best.named, leader.named)][: BEAM - 1]
         found = self._assessed(best)
         for _ in range(MOST_SWAPS):
-            if self._is_spent():
+            if self._is_over():
                 break
             better = self._overtaken(found)
             if better is None:
@@ -137,10 +143,14 @@ class _Growth:
             found = self._assessed(better)
         return found
 
+    def _goes_elsewhere(self, model: FittedModel) -> bool:
+        """Return whether the search stops at a model for another subsystem to be asked first, and there is time to."""
+        return self._until(model) and not self.fits.is_spent()
+
     def _assessed(self, model: FittedModel) -> SearchResult:
         """Return the result of ending with what a model keeps when it is pruned."""
         settled = self.simplification.settled(self.fits.refined(self.simplification.pruned(model)))
-        return assess(settled, self.fits, self.comparisons, self.proposals, self._is_spent())
+        return assess(settled, self.fits, self.comparisons, self.proposals, self._is_over())
 
     def _is_hopeless(self, before: FittedModel, now: FittedModel) -> bool:
         """Return whether a further effect helped little against an error that no effect explains: another machine's recording."""

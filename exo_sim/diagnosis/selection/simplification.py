@@ -45,7 +45,7 @@ class Simplification:
     def pruned(self, now: FittedModel) -> FittedModel:
         """Leave out what would not be accepted any more beside the others."""
         shrunk = True
-        while shrunk and now.candidates:
+        while shrunk and now.candidates and not self.fits.is_spent():
             shrunk = False
             apart = [c for c in now.candidates if len(drop_orphans(now.without(c))) == len(now.without(c))]
             bare = self.fits.fit_rivals([(now.without(c), now) for c in apart], now, again=True)
@@ -60,7 +60,7 @@ class Simplification:
 
         Parameters that are vague only because they stand in for each other stay.
         """
-        while now.candidates:
+        while now.candidates and not self.fits.is_spent():
             if not all(is_more_than_healthy(c, now) for c in now.candidates):  # the last refinement made one healthy
                 fewer = self.pruned(now)
                 if fewer is not now:
@@ -100,6 +100,8 @@ class Simplification:
     def _simplest(self, now: FittedModel) -> FittedModel:
         """Put each finding in the form that needs fewest parameters for what it explains; where fits are cheap, or a simpler effect."""
         for candidate in now.candidates:
+            if self.fits.is_spent():
+                break
             best = now
             forms = self.proposals.replacements(candidate, now)
             sets = [tuple(form if c.key == candidate.key else c for c in now.candidates) for form in forms]

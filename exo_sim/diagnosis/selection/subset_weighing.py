@@ -15,6 +15,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from exo_sim.diagnosis.discrepancy.basis import DiscrepancyBasis
+from exo_sim.diagnosis.estimation.budget import IsSpent, never
 from exo_sim.diagnosis.estimation.candidate import Candidate
 from exo_sim.diagnosis.estimation.correlation import correlation_time
 from exo_sim.diagnosis.estimation.linear_family import LinearFamily, Term
@@ -43,12 +44,17 @@ class SubsetWeighing:
         basis: Of its discrepancy.
         blocks: Block of time of each row.
         standing: Effects that the machine as believed has anyhow.
+        is_spent: Whether the time is up: then the best that was met is climbed no further.
 
     Attributes:
         correlation_time: Of what everything together leaves, in rows; 1 until it was weighed.
     """
 
-    def __init__(self, family: LinearFamily, basis: DiscrepancyBasis, blocks: NDArray[np.int64], standing: Sequence[str] = ()):
+    def __init__(
+        self, family: LinearFamily, basis: DiscrepancyBasis, blocks: NDArray[np.int64], standing: Sequence[str] = (),
+        is_spent: IsSpent = never,
+    ):  # fmt: skip
+        self._is_spent = is_spent
         self.family, self.standing = family, frozenset(standing)
         self._evidence = [LinearEvidence(bend, basis) for bend in family.bends]
         self._basis, self._blocks = basis, blocks
@@ -89,6 +95,8 @@ class SubsetWeighing:
             self._weigh_around(0, start, spreads, found)
         best = max(found.values(), key=lambda one: one.score)
         for _ in range(MOST_CLIMBS):
+            if self._is_spent():
+                break
             self._weigh_around(best.bend, best.subset, best.spreads, found)
             best = max(found.values(), key=lambda one: one.score)
             for at in [candidate.at for candidate in self.candidates(best)]:
@@ -121,7 +129,7 @@ class SubsetWeighing:
         weighed: dict[tuple[int, Subset], float] = {}
         top = self._climbed(bend, start, spreads, weighed, pairs=True)
         for other in range(len(self.family.bends)):
-            if other != bend:
+            if other != bend and not self._is_spent():
                 self._climbed(other, top, spreads, weighed, pairs=False)
         for key in sorted(weighed, key=lambda key: -weighed[key])[:FAMILY_FINALISTS]:
             self._weigh(key, spreads, found)

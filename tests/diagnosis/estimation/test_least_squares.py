@@ -77,3 +77,25 @@ def test_an_error_that_is_not_theirs_does_not_bend_believed_numbers() -> None:
 def test_no_number_is_the_worst() -> None:
     found = fit(lambda v: np.full(5, np.nan), (A,), {A: 1.0})
     assert np.isfinite(found.residual).all() and found.sse > 1e8
+
+
+def test_a_fit_whose_time_is_up_ends_where_it_is() -> None:
+    calls: list[int] = []
+
+    def counted(values: dict[FreeParameter, float]) -> np.ndarray:
+        calls.append(1)
+        return decay(values)
+
+    steps: list[int] = []
+
+    def after_two() -> bool:
+        steps.append(1)
+        return len(steps) > 3
+
+    start = {A: 1.0, B: 0.3}
+    whole = fit(decay, (A, B), start, max_iterations=40, tolerance=1e-9, exact_jacobian=True)
+    ended = fit(counted, (A, B), start, max_iterations=40, tolerance=1e-9, exact_jacobian=True, is_spent=after_two)
+    assert whole.sse < ended.sse < float(decay(start) @ decay(start))
+    calls.clear()
+    at_once = fit(counted, (A, B), start, max_iterations=40, exact_jacobian=True, is_spent=lambda: True)
+    assert at_once.values == start and len(calls) == 1 + 2

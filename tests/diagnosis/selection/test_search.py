@@ -134,3 +134,32 @@ def test_of_what_adds_up_to_one_thing_the_whole_is_fitted_beside_a_part() -> Non
     found = search(Waves(slow=5.0), True, (part, whole, OTHER)).run()
     assert [c.form for c in found.final.candidates] == ["slow"]
     assert {q.parameter for q in found.complete[part.key].effect_parameters} == {"lag.slow", "lag.quick"}
+
+
+class Counted(Waves):
+    """Waves that count what is predicted of them."""
+
+    calls = 0
+
+    def residual(self, values: Any, fixed: Any = ()) -> Any:
+        type(self).calls += 1
+        return super().residual(values, fixed)
+
+
+@pytest.mark.parametrize("cheap", [False, True])
+@pytest.mark.parametrize("asked", [0, 4, 12])
+def test_a_search_whose_time_is_up_ends_with_what_it_has(cheap: bool, asked: int) -> None:
+    times: list[int] = []
+
+    def is_spent() -> bool:
+        times.append(1)
+        return len(times) > asked
+
+    Counted.calls = 0
+    Search(Counted(slow=3.0, quick=2.0), (), (BASE, ON_TOP, OTHER), cheap=cheap).run()
+    whole, Counted.calls = Counted.calls, 0
+    found = Search(Counted(slow=3.0, quick=2.0), (), (BASE, ON_TOP, OTHER), cheap=cheap, is_spent=is_spent).run()
+    assert Counted.calls < whole
+    assert found.final.meets_prerequisite(ON_TOP) or ON_TOP not in found.final.candidates
+    if asked == 0:
+        assert found.final.candidates == () and Counted.calls <= 6

@@ -16,6 +16,7 @@ from exo_sim.diagnosis.data.split import Split
 from exo_sim.diagnosis.discrepancy.curve import Curve
 from exo_sim.diagnosis.discrepancy.signal import Discrepancy
 from exo_sim.diagnosis.discrepancy.trace import Trace
+from exo_sim.diagnosis.estimation.budget import IsSpent, never
 from exo_sim.diagnosis.estimation.least_squares import Fit, fit
 from exo_sim.diagnosis.estimation.parameters import CARD_OF_PRESSURES, FreeParameter, PlantParameters
 from exo_sim.diagnosis.estimation.threads import SERIAL, Threads
@@ -176,7 +177,9 @@ class GasModel(SubsystemModel):
             responses.append(sides)
         return responses
 
-    def with_better_flow_law(self, nuisances: Sequence[FreeParameter], threads: Threads = SERIAL) -> GasModel:
+    def with_better_flow_law(
+        self, nuisances: Sequence[FreeParameter], threads: Threads = SERIAL, is_spent: IsSpent = never
+    ) -> GasModel:
         """Return the model under the form of the paper's flow law that fits better: the nozzle, or the ellipse that approximates it.
 
         The two differ by at most 0.152 % of choked flow; a healthy valve may follow either, and neither is a finding.
@@ -186,8 +189,10 @@ class GasModel(SubsystemModel):
         rival = copy(self)
         rival.nominal = self.nominal.copy()
         rival.nominal.cylinder[flow_law.EFFECT.name]["ratio"] = critical_ratio(float(self.nominal.world["k"][0]))
-        own = fit(self.residual, nuisances, {q: q.start for q in nuisances}, threads, max_iterations=4)
-        other = fit(rival.residual, nuisances, own.values, threads, max_iterations=4, known_columns=own.columns)
+        own = fit(self.residual, nuisances, {q: q.start for q in nuisances}, threads, max_iterations=4, is_spent=is_spent)
+        other = fit(
+            rival.residual, nuisances, own.values, threads, max_iterations=4, known_columns=own.columns, is_spent=is_spent
+        )
         return rival if other.sse < own.sse else self
 
     def over_whole_runs(self, plant: PlantParameters, split: Split) -> GasModel:

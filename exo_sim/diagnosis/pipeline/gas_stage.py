@@ -16,7 +16,7 @@ from exo_sim.diagnosis.data.machine_data import MachineData
 from exo_sim.diagnosis.estimation.parameters import PlantParameters
 from exo_sim.diagnosis.estimation.threads import Threads
 from exo_sim.diagnosis.pipeline.plan import Plan, Progress
-from exo_sim.diagnosis.policy.budgets import FEW_SAMPLES, GAS_UNTIL, MOST_EFFORT
+from exo_sim.diagnosis.policy.budgets import FEW_SAMPLES, FORCES_UNTIL, GAS_UNTIL, MOST_EFFORT
 from exo_sim.diagnosis.policy.recordings import FEWEST_ROWS, REVERSED
 from exo_sim.diagnosis.selection.decision import decide
 from exo_sim.diagnosis.selection.search import Search
@@ -53,7 +53,7 @@ def examine_gas(
     """
     found, done = [], (searched or Searched()).results
     for number, name in enumerate(data.cylinders):
-        plan.budget.allow_until(GAS_UNTIL * (number + 1) / len(data.cylinders))
+        plan.budget.allow_until((GAS_UNTIL if data.joints else FORCES_UNTIL) * (number + 1) / len(data.cylinders))
         runs = [with_initial_pressure(data, run) for run in data.cylinders[name]]
         plant = believed_gas(data, plan, name, runs)
         model = GasModel(runs, plant, plan.split)

@@ -17,6 +17,10 @@ Array = NDArray[np.float64]
 
 #: Delayed commands are cached up to so many samples.
 MOST_KEPT = 2_000_000
+#: A held command that changes by more than this within a step is followed in two parts; over smaller changes its mean does.
+SWITCHED = 0.1
+#: A part of a step below this share of it is none.
+_NO_PART = 1e-3
 #: Samples that estimate the pressure at the start of a window, and the longest time that they may span [s].
 START_SAMPLES, START_SECONDS = 15, 0.03
 
@@ -37,6 +41,19 @@ class Windows:
 
 
 @dataclass(frozen=True)
+class ArrivedCommands:
+    """Commands as they reach the valve over the step after each sample.
+
+    Attributes:
+        command: Towards both chambers, mean over the first part of the step and over the rest, shape (n, 4): 1, 2, 1, 2.
+        first: Length of the first part [s], shape (n,); 0 where the step is one part, over which the first mean holds.
+    """
+
+    command: Array
+    first: Array
+
+
+@dataclass(frozen=True)
 class GasInputs:
     """Inputs of one run, shape (n,) each; supply and exhaust are the rig's constants where they were not recorded."""
 
@@ -49,21 +66,20 @@ class GasInputs:
     supply_temperature: Array
     windows: Windows
     command_2: Array
-    _delayed: dict[float, Array] = field(default_factory=dict)
+    _delayed: dict[float, ArrivedCommands] = field(default_factory=dict)
 
     @cached_property
     def period(self) -> float:
         """Usual time between two samples [s]."""
         return float(np.median(np.diff(self.time)))
 
-    def command_after(self, delay: float) -> Array:
-        """Return the commands towards both chambers as they reach the valve `delay` seconds late, shape (n, 2)."""
+    def command_after(self, delay: float) -> ArrivedCommands:
+        """Return the commands towards both chambers as they reach the valve `delay` seconds late."""
         found = self._delayed.get(delay)
         if found is None:
             if len(self._delayed) > max(2, MOST_KEPT // len(self.time)):
                 self._delayed.clear()
-            late = [late_command(self.time, values, delay) for values in (self.command, self.command_2)]
-            found = self._delayed[delay] = np.stack(late, axis=1)
+            found = self._delayed[delay] = late_commands(self.time, np.stack([self.command, self.command_2], axis=1), delay)
         return found
 
 
@@ -138,12 +154,39 @@ def _start(values: Array, points: int) -> float:
     return float(start_weights(points) @ values[:points])
 
 
-def late_command(time: Array, command: Array, delay: float) -> Array:
-    """Return the mean over each step of a held command that arrives `delay` seconds late, shape (n,)."""
+def late_commands(time: Array, commands: Array, delay: float) -> ArrivedCommands:
+    """Return held commands, shape (n, 2), that arrive `delay` seconds late.
+
+    A valve that is switched over in the middle of a step passes neither what it does at the mean command nor, behind a dead-band,
+    anything like it: the step has two parts, divided where the largest change arrives.
+    """
+    n = len(time)
     if delay == 0.0:
-        return command
-    total = np.concatenate([[0.0], np.cumsum(command[:-1] * np.diff(time))])
+        return ArrivedCommands(np.hstack([commands, commands]), np.zeros(n))
     edges = np.append(time, 2 * time[-1] - time[-2]) - delay
-    passed = np.interp(edges, time, total)
-    passed += np.minimum(edges - time[0], 0.0) * command[0] + np.maximum(edges - time[-1], 0.0) * command[-1]
-    return np.diff(passed) / np.diff(edges)
+    total = np.vstack([np.zeros(2), np.cumsum(commands[:-1] * np.diff(time)[:, None], axis=0)])
+
+    def passed(at: Array) -> Array:
+        inside = np.stack([np.interp(at, time, column) for column in total.T], axis=1)
+        before, behind = np.minimum(at - time[0], 0.0)[:, None], np.maximum(at - time[-1], 0.0)[:, None]
+        return np.asarray(inside + before * commands[0] + behind * commands[-1])
+
+    at_edges = passed(edges)
+    first = np.zeros(n)
+    change = np.abs(np.diff(commands, axis=0)).max(axis=1)
+    switched = np.flatnonzero(change > SWITCHED)
+    switched = switched[np.argsort(change[switched], kind="stable")] + 1  # of several in one step the largest is written last
+    step = np.searchsorted(edges, time[switched], side="right") - 1
+    within = (step >= 0) & (step < n)
+    step, switched = step[within], switched[within]
+    first[step] = time[switched] - edges[step]
+    whole = np.diff(edges)
+    first[(first < _NO_PART * whole) | (first > (1.0 - _NO_PART) * whole)] = 0.0
+    means = np.diff(at_edges, axis=0) / whole[:, None]
+    early, late = means, means.copy()
+    parts = np.flatnonzero(first)
+    if parts.size:
+        between = passed(edges[parts] + first[parts])
+        early[parts] = (between - at_edges[parts]) / first[parts, None]
+        late[parts] = (at_edges[parts + 1] - between) / (whole - first)[parts, None]
+    return ArrivedCommands(np.hstack([early, late]), first)

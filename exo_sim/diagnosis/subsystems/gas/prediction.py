@@ -35,7 +35,7 @@ SETTLED = 1e-3
 
 @kernel
 def predict(
-    world, cylinders, vector, time, command, length, supply, exhaust, supply_temperature, starts, start_pressure,
+    world, cylinders, vector, time, command, first, length, supply, exhaust, supply_temperature, starts, start_pressure,
     work, scratch, out, inside, drawn, warmth,
 ):  # fmt: skip
     """Run one cylinder through a recording, its pressures set to the measured ones at the start of every window.
@@ -46,7 +46,9 @@ def predict(
         world, cylinders: Records, shape (1,) each; the world's supply and exhaust are overwritten at every sample.
         vector: State of one cylinder, filled.
         time, length, supply, exhaust, supply_temperature: Inputs, shape (n,).
-        command: Towards both chambers, shape (n, 2); the second counts where the valve has independent edges.
+        command: Towards both chambers over the first part of each step and over the rest, shape (n, 4); the second and fourth count
+            where the valve has independent edges.
+        first: Length of the first part [s], shape (n,); 0 where a step is one part.
         starts: Index of each window's first sample, increasing, shape (w,).
         start_pressure: Measured pressures there, shape (w, 2); NaN keeps the prediction.
         out: Predicted pressures where the sensors sit, shape (n, 2).
@@ -57,7 +59,7 @@ def predict(
         scratch: Shape (8, 2).
     """
     world, cylinders, vector, start_pressure, work, scratch = borrow((world, cylinders, vector, start_pressure, work, scratch))
-    time, command, length, supply, exhaust = borrow((time, command, length, supply, exhaust))
+    time, command, first, length, supply, exhaust = borrow((time, command, first, length, supply, exhaust))
     supply_temperature, starts, out, inside, drawn, warmth = borrow((supply_temperature, starts, out, inside, drawn, warmth))
     whole = drawn.size > 0
     n = time.size
@@ -109,8 +111,15 @@ def predict(
             dt = time[i + 1] - time[i]
             before = vector[state.DRAWN]
             if dt < 0.5:
-                x0[0], x1[0], u[0], u[1] = length[i], length[i + 1], command[i, 0], command[i, 1]
-                plant.advance(world[0], cylinders, vector, x0, x1, u, dt, work, scratch)
+                part, to = first[i], length[i + 1]
+                x1[0] = length[i]
+                for rest in range(0 if part > 0.0 else 1, 2):
+                    x0[0] = x1[0]
+                    span = dt if part == 0.0 else (part if rest == 0 else dt - part)
+                    x1[0] = to if rest == 1 else length[i] + (to - length[i]) * part / dt
+                    column = 2 if rest == 1 and part > 0.0 else 0
+                    u[0], u[1] = command[i, column], command[i, column + 1]
+                    plant.advance(world[0], cylinders, vector, x0, x1, u, span, work, scratch)
             if whole:
                 drawn[i] = (vector[state.DRAWN] - before) / dt
 
@@ -196,9 +205,9 @@ def run_gas(
     out, inside, drawn, warmth = np.empty((n, 2)), np.empty((rest, 2)), np.zeros(rest), np.empty((rest, 2))
     gas.memory[0, state.SPOOL] = gas.memory[0, state.PLAY] = feed.command[0]
     gas.memory[0, state.SPOOL_2] = gas.memory[0, state.PLAY_2] = feed.command_2[0]
+    arrived = feed.command_after(float(cylinder[valve_lag.EFFECT.name]["delay"][0]) + card_delay)
     predict(
-        world, cylinder, gas.vector, feed.time, feed.command_after(float(cylinder[valve_lag.EFFECT.name]["delay"][0]) + card_delay),
-        length, feed.supply, feed.exhaust, feed.supply_temperature, feed.windows.starts, start, gas._work, np.zeros((8, 2)),
-        out, inside, drawn, warmth,
+        world, cylinder, gas.vector, feed.time, arrived.command, arrived.first, length, feed.supply, feed.exhaust,
+        feed.supply_temperature, feed.windows.starts, start, gas._work, np.zeros((8, 2)), out, inside, drawn, warmth,
     )  # fmt: skip
     return GasPrediction(out, inside, drawn, warmth)

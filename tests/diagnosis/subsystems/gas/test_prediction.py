@@ -42,6 +42,20 @@ def test_a_late_card_shows_the_same_pressures_later() -> None:
     np.testing.assert_allclose(delayed[late + 1 :], prompt[1 : N - late], rtol=2e-3)
 
 
+@pytest.mark.parametrize("delay", [0.0005, 0.002, 0.0044])
+def test_a_slow_logger_s_switched_valve_is_followed_to_when_the_command_arrives(delay: float) -> None:
+    """At 200 Hz as at 10 kHz: the mean of both commands within a step would shut a valve that is thrown over."""
+    world, cylinder = machine()
+    cylinder["valve_deadband"]["width"], cylinder["valve_lag"]["delay"] = 0.2, delay
+    period, often, level = 5e-3, 50, np.full(200, 3e5)
+    command = np.repeat([1.0, -1.0, 1.0, 0.0, -1.0], 40)
+    slow = run_of(level, level, time=np.arange(200) * period, command=command, commanded=True)
+    many = np.repeat(level, often)
+    quick = run_of(many, many, time=np.arange(200 * often) * period / often, command=np.repeat(command, often), commanded=True)
+    seen = run_gas(inputs(slow, world, 10.0), world, cylinder).pressure
+    np.testing.assert_allclose(seen, run_gas(inputs(quick, world, 10.0), world, cylinder).pressure[::often], rtol=2e-4)
+
+
 @pytest.mark.parametrize("area", [4e-6, 2e-5])
 def test_a_hose_that_settles_at_once_is_no_other_than_one_that_settles_within_a_row(area: float) -> None:
     """The rows of a fit take 5 ms; what is stored in the hose is stored in the chamber instead."""

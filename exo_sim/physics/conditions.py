@@ -30,6 +30,8 @@ class Chamber(NamedTuple):
         depth: From the piston to this chamber's end of the stroke [m].
         speed: With which the depth grows [m/s].
         x, v: Position and speed of the piston, + outwards [m], [m/s].
+        bore_area: Of the barrel's cross-section [m^2].
+        stroke: [m].
     """
 
     side: int
@@ -42,6 +44,8 @@ class Chamber(NamedTuple):
     speed: float
     x: float
     v: float
+    bore_area: float
+    stroke: float
 
 
 class Motion(NamedTuple):

@@ -74,8 +74,8 @@ def chambers(world, c, y, base: int, x: float, v: float):
     if c.single_acting == 0.0:
         p_2 = chamber.pressure(y[base + ENERGY_2], v_2, k)
         t_2 = chamber.temperature(y[base + ENERGY_2], y[base + MASS_2], k, r)
-    one = Chamber(1, p_1, t_1, v_1, y[base + WALL_1], c.area_1, x, v, x, v)
-    return one, Chamber(2, p_2, t_2, v_2, y[base + WALL_2], c.area_2, c.stroke - x, -v, x, v)
+    one = Chamber(1, p_1, t_1, v_1, y[base + WALL_1], c.area_1, x, v, x, v, c.area_1, c.stroke)
+    return one, Chamber(2, p_2, t_2, v_2, y[base + WALL_2], c.area_2, c.stroke - x, -v, x, v, c.area_1, c.stroke)
 
 
 @kernel

@@ -13,6 +13,7 @@ from exo_sim.physics.effects import (
     critical_ratio,
     end_cushioning,
     exhaust_back_pressure,
+    heat_transfer_law,
     line_restriction,
     moving_wall_temperature,
     supply_droop,
@@ -69,7 +70,7 @@ def _lose(here, w, ambient, k, r, dy, base, mass, energy):
 @within
 def _warm_and_push(world, c, here, dy, base, energy, wall):
     """Give a chamber the heat from its wall and take from it the work on the piston."""
-    heat = heat_flow(c, here, world)
+    heat = heat_flow(c, here, world) * heat_transfer_law.factor(c.heat_transfer_law, here)
     work = here.p * here.area * here.speed
     dy[base + wall] = moving_wall_temperature.wall_rate(c.moving_wall_temperature, heat, here.wall, world.ambient)
     dy[base + energy] += heat

@@ -55,7 +55,7 @@ def pressed(here, change):
     """Return a chamber whose pressure has changed by a share of itself, isentropically within a few parts in a hundred."""
     return Chamber(
         here.side, here.p * (1.0 + change), here.t * (1.0 + 0.3 * change), here.volume, here.wall, here.area, here.depth, here.speed,
-        here.x, here.v,
+        here.x, here.v, here.bore_area, here.stroke,
     )  # fmt: skip
 
 
@@ -64,7 +64,7 @@ def warmed(here, change):
     """Return a chamber whose temperature and pressure have changed by a share of themselves, at constant volume."""
     return Chamber(
         here.side, here.p * (1.0 + change), here.t * (1.0 + change), here.volume, here.wall, here.area, here.depth, here.speed, here.x,
-        here.v,
+        here.v, here.bore_area, here.stroke,
     )  # fmt: skip
 
 

@@ -7,7 +7,7 @@ import math
 from exo_sim.physics import chamber
 from exo_sim.physics.balances import across_rate, heat_rate, outward_rate
 from exo_sim.physics.compiled import kernel
-from exo_sim.physics.effects import exhaust_back_pressure, line_restriction, supply_droop
+from exo_sim.physics.effects import exhaust_back_pressure, heat_transfer_law, line_restriction, supply_droop
 from exo_sim.physics.nodes import chambers, exhaust_state, path_areas, pressures, supply_state, tank_state, volumes
 from exo_sim.physics.plain import plain
 from exo_sim.physics.recovery import exchange_rate
@@ -49,7 +49,7 @@ def coupled_rate(one: float, other: float, product: float) -> float:
 def rate_of_effects(world, c, here, there, span):
     """Return a bound on how fast a chamber and its wall can settle by all that effects add to the chamber's balances [1/s]."""
     rate = across_rate(c, here, there, span, world) + outward_rate(c, here, there, span, world)
-    thermal = heat_rate(c, here, world)
+    thermal = heat_rate(c, here, world) * heat_transfer_law.steepest(c.heat_transfer_law, here)
     rate += thermal
     wall = c.moving_wall_temperature
     if wall.heat_capacity > 0.0:

@@ -101,7 +101,7 @@ def test_a_flow_that_declares_no_bound_is_bounded_by_its_slope(pressure: float) 
     A little below the pressure at which it opens the bound already sees what a step may lead to.
     """
     world = paper_world()[0]
-    here = Chamber(1, pressure, 293.15, 1e-5, 293.15, 8e-4, 0.05, 0.0, 0.05, 0.0)
+    here = Chamber(1, pressure, 293.15, 1e-5, 293.15, 8e-4, 0.05, 0.0, 0.05, 0.0, 8e-4, 0.1)
 
     estimated = settling.by_outward_flow(_blow_off)(Leak(1e-8), here, here, 1e-3, world)
     steepest = 1e-8 * 287.05 * 293.15 / 1e-5
@@ -110,7 +110,7 @@ def test_a_flow_that_declares_no_bound_is_bounded_by_its_slope(pressure: float) 
 
 def test_heat_that_declares_no_bound_is_bounded_by_its_slope() -> None:
     world = paper_world()[0]
-    here = Chamber(1, 3e5, 350.0, 1e-6, 293.15, 8e-4, 0.05, 0.0, 0.05, 0.0)
+    here = Chamber(1, 3e5, 350.0, 1e-6, 293.15, 8e-4, 0.05, 0.0, 0.05, 0.0, 8e-4, 0.1)
 
     estimated = settling.by_heat_flow(_radiation)(Wall(1.0), here, world)
     slope = 4e-7 * 350.0**3 * 0.4 * 350.0 / (3e5 * 1e-6)
@@ -124,7 +124,7 @@ def test_a_declared_bound_is_used_and_an_undeclared_one_estimated() -> None:
     made.of(leak)(flow.py_func)
     cylinder, world = paper_cylinder(0.032, 0.012, 0.1, 5e-6), paper_world()[0]
     cylinder["external_leakage"]["laminar_1"] = 1e-15
-    here = Chamber(1, 6e5, 293.15, 1e-5, 293.15, 8e-4, 0.05, 0.0, 0.05, 0.0)
+    here = Chamber(1, 6e5, 293.15, 1e-5, 293.15, 8e-4, 0.05, 0.0, 0.05, 0.0, 8e-4, 0.1)
     declared = outward_rate(cylinder[0], here, here, 1e-3, world)
     estimated = made.fastest("cylinder", settling.by_outward_flow)(cylinder[0], here, here, 1e-3, world)
     assert estimated == pytest.approx(declared, rel=0.03)

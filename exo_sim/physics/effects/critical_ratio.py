@@ -36,7 +36,12 @@ EFFECT = Effect(
     signature="the end of every fill, and every vent below twice the atmosphere, is slower",
     # the ellipse of 0.528 stands for the nozzle of the paper: a healthy valve may follow either
     identification=Identification(
-        forms=(("ratio",),), starts=((0.4,), (0.25,)), least={"ratio": 0.02}, neutral={"ratio": 0.528}, every_law=True
+        forms=(("ratio",), ("ratio", "index")),
+        starts=((0.4, 0.5), (0.25, 0.5)),
+        least={"ratio": 0.02},
+        neutral={"ratio": 0.528, "index": 0.5},
+        known={"index": (0.52, 0.04)},
+        every_law=True,
     ),
 )
 

@@ -30,9 +30,9 @@ EFFECT = Effect(
         "conductance_2 come on top of it."
     ),
     valid=(
-        "the exposed wall hardly changes: one conductance for any place of the piston, pressure and speed. Against a constant "
-        "coefficient times the exposed area a sealed chamber of a knee drive is 7 to 9 % off in pressure, against Eichelberg's "
-        "law 0.7 to 1.3 %."
+        "the exposed wall hardly changes: one conductance for any place of the piston, pressure and speed, unless the rig has "
+        "heat_transfer_law too. Against a constant coefficient times the exposed area a sealed chamber of a knee drive is 7 to 9 % off "
+        "in pressure, against Eichelberg's law 0.7 to 1.3 %."
     ),
     signature="after a fill the pressure relaxes to a plateau without motion; a driven sealed piston draws a loop that absorbs work",
     identification=Identification(proportional=True, wall_heat=1.0, forms=(("conductance",), ("conductance_1", "conductance_2"))),

@@ -44,6 +44,7 @@ OFF: Mapping[str, Mapping[str, float]] = {
 #: What must be on for an effect to have something to act upon.
 ALONGSIDE: Mapping[str, Mapping[str, Mapping[str, float]]] = {
     "moving_wall_temperature": {"wall_heat_transfer": {"conductance": 1.0}},
+    "heat_transfer_law": {"wall_heat_transfer": {"conductance": 1.0}},
     "friction_smoothing": {"coulomb_friction": {"force": 20.0}},
     "presliding": {"coulomb_friction": {"force": 20.0}},
 }

@@ -37,7 +37,7 @@ def test_porous_path_obeys_its_law_in_both_directions() -> None:
     p, world = paper_cylinder(0.032, 0.012, 0.1, 5e-6)["external_leakage"][0], paper_world()[0]
     p["laminar_1"], p["inertial"] = 2.3e-17, 4e18
     for pressure in (8.6e5, 3e5, 1.02e5, 5e4):
-        here = Chamber(1, pressure, 293.15, 1e-4, 293.15, 8e-4, 0.05, 0.0, 0.05, 0.0)
+        here = Chamber(1, pressure, 293.15, 1e-4, 293.15, 8e-4, 0.05, 0.0, 0.05, 0.0, 8e-4, 0.1)
         w = external_leakage.outward(p, here, here, world)
         assert w / 2.3e-17 + 4e18 * w * abs(w) == pytest.approx(pressure**2 - PA**2, rel=1e-12)
         assert external_leakage.outward(p, here._replace(side=2), here, world) == 0.0

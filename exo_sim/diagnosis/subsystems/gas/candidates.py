@@ -81,7 +81,7 @@ def _of_form(effect: Effect, cylinder: str, form: tuple[str, ...], plant: PlantP
     if porous:  # where both terms of the path's law take half of the drop from 5 bar
         starts = tuple((*(a for _ in form[:-1]), 2.0 / (a * a * 2.5e11)) for a in (1e-16, 1e-17, 1e-18))
     elif effect.identification.starts:
-        starts = effect.identification.starts
+        starts = tuple(start[: len(form)] for start in effect.identification.starts)
     elif effect.identification.starts_by_valve and valve > 0.0:
         starts = tuple(
             tuple(value * (valve if name == "area" else 1.0) for name, value in zip(form, values, strict=False))

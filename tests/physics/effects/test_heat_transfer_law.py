@@ -1,0 +1,54 @@
+"""Known limits of the law of heat transfer: one coefficient over the exposed wall, and Eichelberg's."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+import pytest
+from physics.air import CV
+from physics.stepping import bench, drive
+
+from exo_sim.physics import state
+
+CONDUCTANCE = 0.8
+
+
+def cooled(x: float, pressure: float, exposure: float, exponent: float) -> float:
+    """Return the conductance by which a chamber's gas, a little warmer than its wall, cools at constant volume [W/K]."""
+    gas = bench()
+    gas.cylinders["wall_heat_transfer"]["conductance"] = CONDUCTANCE
+    law = gas.cylinders["heat_transfer_law"]
+    law["exposure"], law["exponent"] = exposure, exponent
+    gas.fill(np.full(1, x), pressure, pressure, temperature=293.25)
+    mass = gas.integrated[0, state.MASS_1]
+    left = (drive(gas, np.full(101, x))[-1, 2] - 293.15) / 0.1
+    return -math.log(left) * mass * CV / (100 * gas.dt)
+
+
+@pytest.mark.parametrize("x", [0.02, 0.05, 0.09])
+def test_one_coefficient_acts_over_both_faces_and_the_barrel(x: float) -> None:
+    faces, barrel = math.pi / 2 * 0.032**2, math.pi * 0.032
+    coefficient = CONDUCTANCE / (faces + barrel * 0.05)
+    assert cooled(x, 6e5, 1.0, 0.0) == pytest.approx(coefficient * (faces + barrel * x), rel=1e-4)
+    half_way = 0.5 * (CONDUCTANCE + coefficient * (faces + barrel * x))
+    assert cooled(x, 6e5, 0.5, 0.0) == pytest.approx(half_way, rel=1e-4)
+
+
+def test_eichelberg_grows_with_the_root_of_pressure() -> None:
+    assert cooled(0.05, 4e5, 1.0, 0.5) == pytest.approx(CONDUCTANCE, rel=1e-3)
+    assert cooled(0.05, 6.4e5, 1.0, 0.5) / cooled(0.05, 1.6e5, 1.0, 0.5) == pytest.approx(2.0, rel=1e-4)
+
+
+def test_nil_is_one_conductance_at_any_place_and_pressure() -> None:
+    assert cooled(0.09, 2e5, 0.0, 0.0) == pytest.approx(CONDUCTANCE, rel=1e-4)
+
+
+def test_it_stays_stable_where_the_law_makes_heat_fast() -> None:
+    """Nearly all of the temperature is taken within one step: no overshoot past the wall's."""
+    gas = bench()
+    gas.cylinders["wall_heat_transfer"]["conductance"] = 60.0
+    gas.cylinders["heat_transfer_law"]["exponent"] = 1.0
+    gas.fill(np.full(1, 0.002), 9e5, 9e5, temperature=400.0)
+    temperature = drive(gas, np.full(40, 0.002))[:, 2]
+    assert (np.diff(temperature) <= 1e-9).all() and temperature[-1] == pytest.approx(293.15, abs=0.01)

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import mujoco
+
 from exo_sim.diagnosis.data.machine_data import MachineData
 from exo_sim.diagnosis.estimation.parameters import SET_PRESSURE, FreeParameter
 from exo_sim.diagnosis.estimation.uncertainty import bounded_interval, interval
@@ -13,6 +15,8 @@ from exo_sim.rig import Correction, JointFactors, Rig
 
 #: Numbers of the rig that every comparison refits.
 REFITTED = ("flow_capacity", "dead_volume", "payload_mass", SET_PRESSURE)
+#: What a worn machine's MJCF calls the body on its back (`docs/your_machine.md`).
+PAYLOAD = "payload"
 REFIT_NOTE = "refitted within what a data sheet allows, no finding"
 
 
@@ -63,9 +67,32 @@ def _correction(data: MachineData, off: Deviation) -> Correction:
 
 
 def _mass(data: MachineData, parameter: FreeParameter, factor: float, ends: tuple[float, float]) -> Correction:
-    """Return the mass of a joint's own body, given the factor on all that it moves."""
+    """Return the mass of the body that is most likely believed wrong, given the factor on all that a joint moves."""
     model = data.model
-    body = int(model.jnt_bodyid[model.joint(parameter.where).id])
-    whole, own = float(model.body_subtreemass[body]), float(model.body_mass[body])
+    root = int(model.jnt_bodyid[model.joint(parameter.where).id])
+    whole = float(model.body_subtreemass[root])
+    body = _load(data, root, (1.0 - ends[0]) * whole)
+    own = float(model.body_mass[body])
     value, low, high = (max(share * whole - (whole - own), 1e-6) for share in (factor, *ends))
     return Correction(("bodies", model.body(body).name, "mass"), value, "kg", (low, high), own)
+
+
+def _load(data: MachineData, root: int, taken: float) -> int:
+    """Return which of the bodies that move with `root` is what the machine carries, and can lose a mass of `taken` [kg].
+
+    That is the body called "payload"; else the one whose mass the owner says in the rig file, where he says one; else `root` itself.
+    """
+    model = data.model
+    moved = [i for i in range(root, model.nbody) if _is_carried(model, i, root)]
+    payload = [i for i in moved if model.body(i).name == PAYLOAD]
+    said = [i for i in moved if model.body(i).name in data.rig.body_masses]
+    for found in (payload, said):
+        if len(found) == 1 and float(model.body_mass[found[0]]) > taken:
+            return found[0]
+    return root
+
+
+def _is_carried(model: mujoco.MjModel, body: int, root: int) -> bool:
+    while body > root:
+        body = int(model.body_parentid[body])
+    return body == root

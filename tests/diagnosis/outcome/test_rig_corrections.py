@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import replace
+from pathlib import Path
 
 import benches
 import numpy as np
@@ -18,7 +19,7 @@ from exo_sim.diagnosis.selection.model_fits import ModelFits
 from exo_sim.diagnosis.selection.nuisance_calibration import Deviation
 from exo_sim.diagnosis.selection.subsystem_result import SubsystemResult
 from exo_sim.machine.linkage import linkages
-from exo_sim.machine.load import load
+from exo_sim.machine.load import load as load_model
 
 
 def factor(effect: str, where: str, name: str, target: Target = Target.FACTOR) -> FreeParameter:
@@ -34,7 +35,7 @@ FRICTION = FreeParameter("coulomb_friction", "piston", "force", "N", Target.CYLI
 @pytest.fixture(scope="module")
 def data(tmp_path_factory: pytest.TempPathFactory) -> MachineData:
     rig = benches.bench(tmp_path_factory.mktemp("corrections"), '[effects.coulomb_friction.piston]\nforce = "10 N"\n')
-    model = load(rig)
+    model = load_model(rig)
     return MachineData(rig, model, linkages(rig, model), (), (), {}, {})
 
 
@@ -77,3 +78,33 @@ def test_what_was_only_refitted_has_a_note_and_no_interval(data: MachineData) ->
 def test_what_the_rig_file_does_not_hold_is_not_corrected_in_it(data: MachineData) -> None:
     drag = replace(FRICTION, effect="viscous_friction", parameter="coefficient", unit="N s/m")
     assert corrections(data, replace(result({drag: 20.0}), deviations=(Deviation(drag, 2.0, 0.1),), refitted=((drag, 0.1),))) == []
+
+
+CARRYING = """
+<mujoco><worldbody><body name="frame">
+  <joint name="slide" type="slide" axis="1 0 0"/><geom type="sphere" size="0.05" mass="8"/>
+  <body name="{load}" pos="0 0 0.1"><geom type="sphere" size="0.05" mass="4"/></body>
+</body></worldbody><actuator><motor name="piston" joint="slide"/></actuator></mujoco>
+"""
+
+
+@pytest.mark.parametrize(
+    ("load", "said", "off", "body", "mass"),
+    [
+        ("payload", "", 1.25, "payload", 7.0),
+        ("crate", '[bodies.crate]\nmass = "4 kg"\n', 1.25, "crate", 7.0),
+        ("crate", "", 1.25, "frame", 11.0),
+        ("payload", "", 0.5, "frame", 2.0),  # 6 kg too many: more than the payload has
+    ],
+    ids=["payload", "said in the rig", "nothing said", "more than it has"],
+)
+def test_a_wrong_mass_is_that_of_what_is_carried_where_the_machine_says_what_that_is(
+    tmp_path: Path, load: str, said: str, off: float, body: str, mass: float
+) -> None:
+    rig = benches.bench(tmp_path, said)
+    rig.model.write_text(CARRYING.format(load=load))
+    model = load_model(rig)
+    (made,) = corrections(MachineData(rig, model, linkages(rig, model), (), (), {}, {}),
+                          replace(result({MASS: off}), deviations=(Deviation(MASS, off, 0.01),)))  # fmt: skip
+    assert made.key == ("bodies", body, "mass") and made.value == pytest.approx(mass)
+    assert made.interval is not None and made.interval[0] < mass < made.interval[1]

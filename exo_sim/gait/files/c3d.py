@@ -11,7 +11,7 @@ import numpy as np
 
 from exo_sim.errors import ScenarioError
 from exo_sim.gait.files.c3d_content import Content, read_content
-from exo_sim.gait.labels import assigned
+from exo_sim.gait.labels import assigned, meaning
 from exo_sim.gait.trial import GroundForce, Trial
 from exo_sim.inputs import check_regular, refusing
 
@@ -31,6 +31,14 @@ def read_angles(path: Path, named: Mapping[str, str]) -> tuple[Trial, GroundForc
     labels = [label.strip() for label in content.labels]
     values, rate, first = content.points, content.rate, content.first_frame
     column = {label.rsplit(":", 1)[-1]: i for i, label in reversed(list(enumerate(labels)))}
+    remarks: tuple[str, ...] = ()
+    if content.refused:
+        remarks = (f"{path}: its force plates are left aside, for ezc3d says: {content.refused}; hand in forces with --ground, if need be",)
+    if not any(meaning(label) or label in named.values() for label in column):
+        raise ScenarioError(
+            f"{path}: it holds {len(labels)} points ({', '.join(labels[:4])}{', ...' if len(labels) > 4 else ''}) and no joint angles, as "
+            "LHipAngles; markers are turned into angles by OpenSim's Inverse Kinematics, whose .mot is taken here (docs/your_gait.md)"
+        )
     angle_like = [label for label in column if re.search(r"angle", label, re.IGNORECASE) or label in named.values()]
     pelvis = next((label for label in angle_like if re.fullmatch(r"[LR]?_?pelvis_?angles?", label, re.IGNORECASE)), None)
     found = assigned(angle_like or column, str(path), {**({"tilt": pelvis} if pelvis else {}), **named})
@@ -43,7 +51,7 @@ def read_angles(path: Path, named: Mapping[str, str]) -> tuple[Trial, GroundForc
             angles[name] = -angle if name == "tilt" else angle
     time = (first + np.arange(values.shape[2])) / rate
     contacts, leaves = _events(content)
-    return Trial(path.stem, str(path), time, angles, contacts, leaves, source=path.name), _plates(content, path)
+    return Trial(path.stem, str(path), time, angles, contacts, leaves, path.name, remarks), _plates(content, path)
 
 
 def read_ground(path: Path) -> GroundForce:
@@ -55,7 +63,8 @@ def read_ground(path: Path) -> GroundForce:
     content = _read(path)
     found = _plates(content, path)
     if found is None:
-        raise ScenarioError(f"{path}: it holds no force plates")
+        why = f" that are read: ezc3d says {content.refused}" if content.refused else ""
+        raise ScenarioError(f"{path}: it holds no force plates{why}")
     return found
 
 

@@ -34,7 +34,8 @@ class Content:
         angle_unit: As the file says, "deg" where it does not.
         events: Context and label of each event.
         event_times: Minutes and seconds of each event, shape (2, m).
-        forces: Of each force plate, in the laboratory's axes, shape (3, k).
+        forces: Of each force plate, x, y and z, shape (3, k): in the laboratory's axes, or where ezc3d refuses the plates, in the plate's.
+        refused: Why there is no force of plates that the file names, or "".
     """
 
     rate: float
@@ -45,6 +46,7 @@ class Content:
     events: tuple[tuple[str, str], ...]
     event_times: NDArray[np.float64]
     forces: tuple[NDArray[np.float64], ...]
+    refused: str = ""
 
 
 def read_content(path: Path) -> Content:
@@ -63,7 +65,7 @@ def read_content(path: Path) -> Content:
         forces = tuple(held[f"force_{i}"] for i in range(words["plates"]))
         return Content(
             words["rate"], words["first_frame"], tuple(words["labels"]), held["points"], words["angle_unit"],
-            tuple((side, label) for side, label in words["events"]), held["event_times"], forces,
+            tuple((side, label) for side, label in words["events"]), held["event_times"], forces, words["refused"],
         )  # fmt: skip
 
 
@@ -73,7 +75,15 @@ def _taken(path: str) -> dict[str, Any]:
 
     plain = ezc3d.c3d(path)
     used = plain["parameters"].get("FORCE_PLATFORM", {}).get("USED", {"value": [0]})["value"]
-    content = ezc3d.c3d(path, extract_forceplat_data=True) if len(used) and used[0] > 0 else plain
+    content, by_hand, refused = plain, None, ""
+    if len(used) and used[0] > 0:
+        try:
+            content = ezc3d.c3d(path, extract_forceplat_data=True)
+        except Exception as error:  # it refuses what it wrote itself: whole numbers as fractions
+            try:
+                by_hand = _forces(plain, int(used[0]))
+            except (KeyError, IndexError, TypeError, ValueError):
+                refused = next(iter(str(error).splitlines()), type(error).__name__)
     point, event = content["parameters"]["POINT"], content["parameters"].get("EVENT", {})
     labels, points = [str(label) for label in point["LABELS"]["value"]], np.asarray(content["data"]["points"], dtype=float)[:3]
     rate = float(point["RATE"]["value"][0])
@@ -90,13 +100,40 @@ def _taken(path: str) -> dict[str, Any]:
         if given.ndim == 2 and len(given) == 2:
             times = given[:, : len(events)]
         events = events[: times.shape[1]]
-    plates = [np.asarray(plate["force"], dtype=float) for plate in content["data"].get("platform", [])]
+    plates = [np.asarray(plate["force"], dtype=float) for plate in content["data"].get("platform", [])] if by_hand is None else by_hand
     words = {
         "rate": rate, "first_frame": int(content["header"]["points"]["first_frame"]), "labels": labels,
-        "angle_unit": str(units[0]) if len(units) else "deg", "events": events, "plates": len(plates),
+        "angle_unit": str(units[0]) if len(units) else "deg", "events": events, "plates": len(plates), "refused": refused,
     }  # fmt: skip
     arrays = {f"force_{i}": force for i, force in enumerate(plates)}
     return {"words": np.array(json.dumps(words)), "points": points, "event_times": times, **arrays}
+
+
+def _forces(plain: Any, plates: int) -> list[NDArray[np.float64]]:
+    """Return the force of each plate from its channels, by the C3D format's types of plates, shape (3, k).
+
+    Raises:
+        KeyError, IndexError, TypeError, ValueError: a parameter is missing or cannot be, or a plate is of another type.
+    """
+    group = plain["parameters"]["FORCE_PLATFORM"]
+    analogs = np.asarray(plain["data"]["analogs"], dtype=float)[0]
+    channels = np.asarray(group["CHANNEL"]["value"], dtype=float).reshape(-1, plates, order="F")
+    found = []
+    for i in range(plates):
+        kind, rows = int(group["TYPE"]["value"][i]), channels[:, i].astype(int) - 1
+        if rows[:6].min() < 0:
+            raise ValueError("a plate names no channel")
+        measured = analogs[rows[rows >= 0]]
+        if kind in (1, 2):
+            found.append(measured[:3])
+        elif kind == 3:  # four sensors of three axes: x12, x34, y14, y23, z1 to z4
+            found.append(np.stack([measured[0:2].sum(axis=0), measured[2:4].sum(axis=0), measured[4:8].sum(axis=0)]))
+        elif kind == 4:
+            matrix = np.asarray(group["CAL_MATRIX"]["value"], dtype=float).reshape(6, 6, plates, order="F")[:, :, i]
+            found.append((matrix @ measured[:6])[:3])
+        else:
+            raise ValueError(f"a plate of type {kind}")
+    return found
 
 
 def _bounded(size: int) -> None:

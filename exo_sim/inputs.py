@@ -47,7 +47,9 @@ def check_regular(path: Path) -> None:
     """
     kind = path.stat().st_mode
     if not stat.S_ISREG(kind):
-        what = "a folder" if stat.S_ISDIR(kind) else "a pipe" if stat.S_ISFIFO(kind) else "a device"
+        if stat.S_ISDIR(kind):
+            raise ValueError("cannot be read: it is a folder, not a file; name a file in it")
+        what = "a pipe" if stat.S_ISFIFO(kind) else "a device"
         raise ValueError(f"cannot be read: it is {what}, not a file; save it to a file and name that")
 
 

@@ -76,6 +76,16 @@ def test_the_python_of_the_page_of_recordings_runs_on_files_like_the_reader_s(
     assert (tmp_path / "bench.parquet").is_file() and (tmp_path / "bench.rrd").is_file()
 
 
+def test_the_page_of_recordings_has_every_signal_that_is_measured() -> None:
+    from exo_sim import signals
+
+    page = (ROOT / "docs" / "recordings.md").read_text(encoding="utf-8")
+    for signal in signals.TABLE:
+        if signal.measured:
+            known = signal.name.removesuffix(f"_{signal.name[-1]}") if signal.name[-2:] in ("_y", "_z") else signal.name
+            assert re.search(rf"`(?:supply\.|exhaust\.)?{known}(?:_x)?(?: \[[^`]*)?`", page), signal.name
+
+
 @pytest.mark.parametrize(("page", "number"), [("walk.md", 0), ("your_gait.md", 1)])
 def test_a_scenario_file_of_a_page_is_a_scenario(page: str, number: int, tmp_path: Path) -> None:
     from exo_sim.gait import scenario_file

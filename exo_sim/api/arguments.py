@@ -24,6 +24,9 @@ Columns = str | os.PathLike[str] | Mapping[str, Any] | ColumnMap | None
 #: An SI number, or text with a unit.
 Quantity = float | str
 
+#: On the back where nobody says anything [kg].
+USUAL_PAYLOAD = 34.0
+
 
 def quantity(value: Quantity, unit: str, name: str, low: float = -math.inf, high: float = math.inf) -> float:
     """Return a quantity in SI.
@@ -65,6 +68,17 @@ def rig_of(rig: RigLike | None) -> Rig:
     if not isinstance(rig, str | os.PathLike):
         raise RigError(f"a rig is a path or exo.Rig, not a {type(rig).__name__}")
     return Rig.load(rig)
+
+
+def payload_of(machine: Rig, payload: Quantity | None) -> float:
+    """Return the mass on the back [kg]: what is asked for, else what the rig's `[bodies.payload]` says, else `USUAL_PAYLOAD`.
+
+    Raises:
+        UnitError, ScenarioError: as `quantity`.
+    """
+    if payload is None:
+        return machine.body_masses.get("payload", USUAL_PAYLOAD)
+    return quantity(payload, "kg", "payload", low=0.0)
 
 
 def reading_of(recording: RecordingLike, columns: Columns = None) -> Reading:

@@ -11,7 +11,7 @@ from functools import cached_property
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from exo_sim.api.arguments import Quantity, RigLike, check_target, quantity, reading_of, rig_of
+from exo_sim.api.arguments import Columns, Quantity, RigLike, check_target, columns_of, payload_of, reading_of, rig_of
 from exo_sim.api.notebook import html_table
 from exo_sim.api.recording import Recording
 from exo_sim.api.rig import Rig
@@ -140,10 +140,10 @@ class Run:
 
 def simulate(
     rig: RigLike | None = None, scenario: str | os.PathLike[str] | Recording | None = None, *,
-    gait: str | os.PathLike[str] | None = None, ground: str | os.PathLike[str] | None = None, whole: bool = False, payload: Quantity = 34.0,
-    speed: float | str = 1.0, strides: int | None = None, assist: str = "on", controller: Any = "model", demand: str = "least_load",
-    wearer: str | None = None, seed: int = 0, out: str | os.PathLike[str] | bool = False, quiet: bool = True,
-    tell: Callable[[str], None] = lambda words: None,
+    gait: str | os.PathLike[str] | None = None, ground: str | os.PathLike[str] | None = None, whole: bool = False,
+    payload: Quantity | None = None, speed: float | str = 1.0, strides: int | None = None, assist: str = "on", controller: Any = "model",
+    demand: str = "least_load", wearer: str | None = None, seed: int = 0, out: str | os.PathLike[str] | bool = False, quiet: bool = True,
+    tell: Callable[[str], None] = lambda words: None, columns: Columns = None,
 ) -> Run:  # fmt: skip
     """Simulate a person in the machine, or a machine that nobody wears following a motion.
 
@@ -154,7 +154,7 @@ def simulate(
         gait: Joint angles to walk by: `.mot`, `.sto`, `.c3d`, or a recording.
         ground: Ground forces of the same trial.
         whole: Walk every stride of `gait` as it was recorded, one after the other, instead of their mean; `strides` then counts trials.
-        payload: On the back: kilograms, or text like "75 lb".
+        payload: On the back: kilograms, or text like "75 lb"; what the rig's `[bodies.payload]` says when None, or else 34 kg.
         speed: Factor on the recorded cadence, 0.7 to 1.3, or text like "1.3 m/s".
         strides: How many strides or repetitions; the scenario's own number when None.
         assist: "on"; "off": valves closed; "vented": both chambers open to the atmosphere.
@@ -169,6 +169,7 @@ def simulate(
             with length. True names it after what is done, in the folder that you are in; False keeps the run in memory.
         quiet: No progress.
         tell: Takes remarks as soon as they are known.
+        columns: Foreign names in the table of a gait or a motion: a column map (TOML) or a dictionary.
 
     Raises:
         ScenarioError, RecordingError, RigError, ModelError: it cannot be carried out; one line each.
@@ -181,15 +182,16 @@ def simulate(
     from exo_sim.simulation.summary import summarise
     from exo_sim.simulation.walk import Request
 
-    mass, machine = quantity(payload, "kg", "payload", low=0.0), rig_of(rig)
+    machine = rig_of(rig)
+    mass = payload_of(machine, payload)
     if isinstance(controller, str):
         brought, called = own.load(controller) if own.is_path(controller) else controller, controller
     else:
         brought = own.of(controller)
         called = type(brought).__name__
     if _is_motion(scenario) and not is_worn(machine):
-        return _follow(machine, scenario, brought, called, out, seed, quiet, tell)  # type: ignore[arg-type]
-    name, given = what_to_do(scenario, gait, ground, whole)
+        return _follow(machine, scenario, brought, called, out, seed, quiet, tell, columns)  # type: ignore[arg-type]
+    name, given = what_to_do(scenario, gait, ground, whole, columns)
     target = _target(out, name)
     mine = None if isinstance(brought, str) else brought
     request = Request(
@@ -218,14 +220,15 @@ def simulate(
 
 def what_to_do(
     scenario: str | os.PathLike[str] | Recording | None, gait: str | os.PathLike[str] | None, ground: str | os.PathLike[str] | None,
-    whole: bool = False,
+    whole: bool = False, columns: Columns = None,
 ) -> tuple[str, Scenario | None]:
     """Return what a run is called, and the scenario where it is no built-in one.
 
     Raises:
-        ScenarioError: both a scenario and a gait were named, a ground without a gait, or the files cannot be read.
+        ScenarioError: both a scenario and a gait were named, a ground or columns without a gait, or the files cannot be read.
     """
     from exo_sim.gait import own_gait, scenario_file
+    from exo_sim.recording.column_map import read_column_map
 
     if isinstance(scenario, table_of.Recording):
         raise ScenarioError("a motion in memory is for machines that nobody wears; save a gait to a file and name it with gait")
@@ -234,7 +237,16 @@ def what_to_do(
     if gait is not None:
         if scenario is not None:
             raise ScenarioError(f'"{scenario}" and --gait {gait}: name one; a scenario file with a [gait] table holds more settings')
-        return Path(gait).stem, own_gait.scenario(own_gait.GaitFile(Path(gait), None if ground is None else Path(ground), whole=whole))
+        foreign = columns_of(columns)
+        if foreign is not None and Path(gait).suffix.lower() not in MOTIONS:
+            raise ScenarioError(
+                f'{gait}: a column map is for tables; labels are named in the [gait] table of a scenario file, like knee_l = "coordinate7"'
+            )
+        read = read_column_map(foreign) if isinstance(foreign, Path) else foreign
+        beside = None if ground is None else Path(ground)
+        return Path(gait).stem, own_gait.scenario(own_gait.GaitFile(Path(gait), beside, columns=read, whole=whole))
+    if columns is not None:
+        raise ScenarioError("columns: name the gait or the motion whose columns they are; a scenario file has a table [gait.columns]")
     if ground is not None:
         raise ScenarioError(f"--ground {ground}: name the gait that it belongs to with --gait")
     if whole:
@@ -260,7 +272,7 @@ def _is_motion(scenario: object) -> bool:
 
 def _follow(
     rig: Rig, motion: str | os.PathLike[str] | Recording, controller: Any, called: str, out: str | os.PathLike[str] | bool, seed: int,
-    quiet: bool, tell: Callable[[str], None],
+    quiet: bool, tell: Callable[[str], None], columns: Columns,
 ) -> Run:  # fmt: skip
     """Let a machine that nobody wears follow a motion."""
     from exo_sim.simulation import unworn_record
@@ -274,7 +286,7 @@ def _follow(
             raise RecordingError(f'"{source}" would be overwritten by the run; name another file with --out')
         check_writable(target.parent)
     begun = time.perf_counter()
-    reading = reading_of(motion)
+    reading = reading_of(motion, columns)
     for finding in reading.findings:
         if finding.severity != "info":
             tell(finding.says)

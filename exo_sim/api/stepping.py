@@ -5,7 +5,7 @@ from __future__ import annotations
 from functools import cached_property
 from typing import Any
 
-from exo_sim.api.arguments import Quantity, RigLike, quantity, rig_of
+from exo_sim.api.arguments import Quantity, RigLike, payload_of, quantity, rig_of
 from exo_sim.api.recording import Recording
 from exo_sim.api.rig import Rig
 from exo_sim.errors import ScenarioError
@@ -21,7 +21,7 @@ class Simulation:
     Args:
         rig: A path or `exo.Rig` of a worn machine; the one that comes with the package when None.
         scenario: One of `exo.scenarios()`, a scenario file, or a gait file.
-        payload: On the back: kilograms, or text with a unit.
+        payload: On the back: kilograms, or text with a unit; what the rig's `[bodies.payload]` says when None, or else 34 kg.
         speed: Factor on the recorded cadence, or text like "1.3 m/s".
         strides: How many strides or repetitions until `done`; the scenario's own number when None.
         period: Time that a command lasts: seconds, or text with a unit.
@@ -35,7 +35,7 @@ class Simulation:
     """
 
     def __init__(
-        self, rig: RigLike | None = None, scenario: str = "level_walk", *, payload: Quantity = 34.0, speed: float | str = 1.0,
+        self, rig: RigLike | None = None, scenario: str = "level_walk", *, payload: Quantity | None = None, speed: float | str = 1.0,
         strides: int | None = None, period: Quantity = 0.002,
     ) -> None:  # fmt: skip
         from exo_sim.control import own
@@ -45,7 +45,7 @@ class Simulation:
 
         self.rig: Rig = rig_of(rig)
         request = Request(
-            scenario, payload=quantity(payload, "kg", "payload", low=0.0), speed=speed, cycles=strides, controller="steps", driven="valves"
+            scenario, payload=payload_of(self.rig, payload), speed=speed, cycles=strides, controller="steps", driven="valves"
         )
         self._coupled = Coupled(self.rig, request)
         self.remarks = self._coupled.remarks

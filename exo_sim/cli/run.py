@@ -24,9 +24,11 @@ from exo_sim.cli.frame import verb
 @click.argument("scenario", required=False)
 @click.option("--gait", type=options.InputFile(), default=None, help="Walk as in these joint angles: .mot, .sto, .c3d, or a recording.")
 @click.option("--ground", type=options.InputFile(), default=None, help="Ground forces of the same trial, beside --gait.")
+@click.option("--columns", type=options.InputFile(), default=None, help="Column map (TOML) for foreign names in a table of angles.")
 @click.option("--whole", is_flag=True, help="Walk every stride of --gait as it was recorded, not the mean of them.")
 @click.option(
-    "--payload", type=options.Quantity("kg", low=0.0), default="34 kg", show_default=True, help="On the back."
+    "--payload", type=options.Quantity("kg", low=0.0), default=None,
+    help="On the back; when absent what the rig's [bodies.payload] says, or else 34 kg.",
 )
 @click.option("--speed", default="1.0", show_default=True, help='Factor on the recorded cadence, 0.7 to 1.3, or a speed like "1.3 m/s".')
 @click.option("--strides", type=click.IntRange(1, 10000), default=None, help="How many strides or repetitions.")
@@ -58,9 +60,9 @@ from exo_sim.cli.frame import verb
     help="prescribed (the default): the wearer's motion is given; torques: a body on own feet that yields to the straps.",
 )
 @click.option("--rig", type=options.RigFile(), default=None, help="The machine; the one in assets/ when absent.")
-def command(scenario: str | None, gait: Path | None, ground: Path | None, whole: bool, payload: float, speed: str,
-            strides: int | None, assist: str, controller: str, demand: str, wearer: str | None, rig: Path | None, out: Path | None,
-            as_json: bool, quiet: bool, seed: int) -> None:  # fmt: skip
+def command(scenario: str | None, gait: Path | None, ground: Path | None, columns: Path | None, whole: bool,
+            payload: float | None, speed: str, strides: int | None, assist: str, controller: str, demand: str, wearer: str | None,
+            rig: Path | None, out: Path | None, as_json: bool, quiet: bool, seed: int) -> None:  # fmt: skip
     """Simulate SCENARIO headless: a name of `exo-sim scenarios`, a scenario file (.toml) from anywhere, or a gait of your own (--gait).
 
     A machine that nobody wears follows a motion instead: SCENARIO is then a recording with the positions of its joints.
@@ -79,8 +81,8 @@ def command(scenario: str | None, gait: Path | None, ground: Path | None, whole:
     gc.freeze()  # what was imported stays: it need not be gone through again and again
     with printing.prints_on_stderr():
         done = simulate(
-            rig, scenario, gait=gait, ground=ground, whole=whole, payload=payload, speed=speed, strides=strides, assist=assist,
-            controller=controller, demand=demand, wearer=wearer, seed=seed, out=out or True, quiet=quiet,
+            rig, scenario, gait=gait, ground=ground, columns=columns, whole=whole, payload=payload, speed=speed, strides=strides,
+            assist=assist, controller=controller, demand=demand, wearer=wearer, seed=seed, out=out or True, quiet=quiet,
             tell=lambda words: printing.remark(f"exo-sim: {words}", quiet=quiet),
         )  # fmt: skip
     numbers = dict(done.summary)

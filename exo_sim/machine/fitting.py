@@ -12,6 +12,8 @@ from exo_sim.rig.schema import Ankle
 
 #: Geoms that a worn machine has: payload, floor, links that grow with the wearer, soles.
 _GEOMS = ("payload", "floor", *(f"{part}_{side}" for side in "lr" for part in ("thigh", "shank", "foot", "heel", "toe")))
+#: MuJoCo's number of `reduce="netforce"` of a contact sensor.
+_NET_FORCE = 3
 _JOINTS = ("torso_x", "torso_z", *COORDINATES[2:])
 
 
@@ -38,7 +40,7 @@ def require(spec: Any, path: Path) -> None:
         raise ModelError(
             f"{path}: carries no person: walking and sizing need a worn machine, with joints {joints[0]}, {joints[1]}, {joints[2]}"
             " and so on as in assets/exo.xml (docs/your_machine.md); `exo-sim run MOTION.csv --rig RIG` moves any machine along a recorded "
-            "motion; inspect, compare and diagnose take any"
+            "motion, `exo-sim size --motion MOTION.csv --rig RIG` sizes it; inspect, compare and diagnose take any"
         )
     missing = missing_parts(spec)
     said = "; ".join(f"a {kind} " + ", ".join(f'"{name}"' for name in names) for kind, names in missing.items() if names)
@@ -49,6 +51,30 @@ def require(spec: Any, path: Path) -> None:
         raise ModelError(f"{path}: a worn machine needs {said}{hint} (docs/your_machine.md lists what one must contain)")
     if present != list(joints):
         raise ModelError(f"{path}: a worn machine has the joints {', '.join(joints)}, in this order and no others")
+
+
+def ground_sensors(model: Any, path: Path) -> tuple[int, int]:
+    """Return where the ground's force on the left and the right foot begins among the sensor data of a compiled model: force, then place.
+
+    Raises:
+        ModelError: `ground_l` or `ground_r` measures something else.
+    """
+    import mujoco
+
+    field = mujoco.mjtConDataField
+    data = (1 << int(field.mjCONDATA_FORCE)) | (1 << int(field.mjCONDATA_POS))
+    found = []
+    for side in "lr":
+        sensor = model.sensor(f"ground_{side}")
+        of, on = (int(mujoco.mjtObj.mjOBJ_BODY), model.body(f"foot_{side}").id), (int(mujoco.mjtObj.mjOBJ_GEOM), model.geom("floor").id)
+        measured = int(sensor.type[0]), (int(sensor.objtype[0]), int(sensor.objid[0])), (int(sensor.reftype[0]), int(sensor.refid[0]))
+        if measured != (int(mujoco.mjtSensor.mjSENS_CONTACT), of, on) or list(model.sensor_intprm[sensor.id]) != [data, _NET_FORCE, 1]:
+            raise ModelError(
+                f'{path}: the sensor "ground_{side}" must be <contact name="ground_{side}" body1="foot_{side}" geom2="floor" num="1" '
+                'reduce="netforce" data="force pos"/>'
+            )
+        found.append(int(sensor.adr[0]))
+    return found[0], found[1]
 
 
 def fit(spec: Any, person: Person, ankle: Ankle) -> None:

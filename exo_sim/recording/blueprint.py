@@ -34,6 +34,7 @@ _PLOTS = (
     ("ground force", ("ground_force_x", "ground_force_y", "ground_force_z")),
     ("strap force", ("strap_force_x", "strap_force_y", "strap_force_z")),
     ("power of the wearer's joint", ("wearer_power",)),
+    ("where the ground pushes", ("pressure_centre",)),
     ("ground force on the wearer", ("wearer_force_x", "wearer_force_z")),
     ("centre of pressure", ("wearer_pressure_centre",)),
     ("power on the machine", tuple(f"{name}_power" for name in _WORKING)),
@@ -43,7 +44,7 @@ _PLOTS = (
 #: A tab of more plots than this has two columns.
 _MOST_ROWS = 4
 _OTHERS = "other joints"
-_SITES = {"ground_force": "ground", "strap_force": "straps", "wearer_force": "wearer", "wearer_pressure": "wearer"}
+_SITES = {"ground": "ground", "pressure": "ground", "strap": "straps", "wearer": "wearer"}
 
 
 def tabs(recording: Recording) -> dict[str, list[str]]:
@@ -60,7 +61,7 @@ def tabs(recording: Recording) -> dict[str, list[str]]:
         if signal.part in kinds:
             kinds[signal.part].add(part)
         elif signal.part == "site":
-            tab_of[key] = _SITES[signal.name.rsplit("_", 1)[0]]
+            tab_of[key] = _SITES[signal.name.split("_", 1)[0]]
         elif part in ("supply", "exhaust"):
             tab_of[key] = "supply"
     alone = kinds["cylinder"] | kinds["joint"]

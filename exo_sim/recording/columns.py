@@ -74,7 +74,9 @@ def signal_of(name: str) -> signals.Signal:
         known = sorted({s.name for s in signals.TABLE if s.part not in signals.SHARED_PARTS})
         found = next((s for s in signals.TABLE if s.name == signal_name and s.part not in signals.SHARED_PARTS), None)
     if found is None:
-        raise RecordingError(f'column "{name}": no signal is called "{signal_name}"{nearest(signal_name, known)}')
+        near = nearest(signal_name, known)
+        listed = near if part in signals.SHARED_PARTS or "mean" in near else " (docs/recordings.md lists them)"
+        raise RecordingError(f'column "{name}": no signal is called "{signal_name}"{listed}')
     return found
 
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from collections import Counter
 from collections.abc import Sequence
 from dataclasses import dataclass, field
@@ -18,6 +19,8 @@ from exo_sim.recording.finding import Finding
 
 #: Signals, in bytes of memory, beyond which a file is refused. One hour at 1 kHz is 29 MB a column.
 MOST_BYTES = 2_000_000_000
+#: What a clock is called in other people's files.
+_CLOCK = re.compile(r"\W*(?:.*[./])?(?:t|time|times|timestamp|stamp|clock|zeit)(?:\W.*)?$", re.IGNORECASE)
 
 
 @dataclass(frozen=True)
@@ -78,9 +81,11 @@ def select(name: str, headings: Sequence[str], column_map: ColumnMap | None = No
 
 def _time_first(name: str, chosen: list[Column], findings: list[Finding], headings: Sequence[str]) -> tuple[Column, ...]:
     times = [column for column in chosen if column.key == columns.TIME]
+    there = ", ".join(f'"{heading[:60]}"' for heading in list(headings)[:8]) + (", ..." if len(headings) > 8 else "")
     if not times:
-        there = ", ".join(f'"{heading[:60]}"' for heading in list(headings)[:8]) + (", ..." if len(headings) > 8 else "")
-        raise RecordingError(f'{name}: there is no column "time [s]"; name the clock so, or hand in a column map; there is: {there}')
+        clock = next((heading for heading in headings if _CLOCK.match(heading)), "")
+        line = f' with the line "{clock[:60]}" = "time [s]"' if clock else ""
+        raise RecordingError(f'{name}: there is no column "time [s]"; name the clock so, or hand in a column map{line}; there is: {there}')
     by_key: dict[str, Column] = {}
     for column in chosen:
         if column.key in by_key:
@@ -88,8 +93,10 @@ def _time_first(name: str, chosen: list[Column], findings: list[Finding], headin
             raise RecordingError(f'{name}: columns "{twin}" and "{column.source}" are both {column.key}; keep one')
         by_key[column.key] = column
     if len(chosen) == 1:
-        why = f" ({findings[0].says})" if findings else ""
-        says = f'{name}: there is no signal beside the time{why}; name columns like "piston.pressure_1 [Pa]"'
+        telling = [finding.says for finding in findings if finding.kind != "unknown column" or "did you mean" in finding.says]
+        why = f" ({telling[0]})" if telling else ""
+        says = f'{name}: there is no signal beside the time{why}; name columns like "piston.pressure_1 [Pa]", or hand in a column map'
+        says += f"; there is: {there}"
         raise RecordingError(says)
     if chosen[0].key != columns.TIME:
         says = f'"time" is not the first column of the file; "{times[0].source}" was taken'

@@ -83,7 +83,7 @@ MEANINGS = {
     },
     "cylinders.NAME.attachment.from": "x forward and z up of the first end, from the joint's axis, all joints at zero",
     "cylinders.NAME.attachment.to": "x forward and z up of the rod's end",
-    "bodies.NAME.mass": "replaces the mass of that body of the MJCF",
+    "bodies.NAME.mass": "replaces the mass of that body of the MJCF; of the body `payload`, what `run` carries when `--payload` is absent",
     "joints.NAME.inertia_factor": "on what that joint has to accelerate; gravity stays",
     "joints.NAME.range": "stops of that joint, inside the MJCF's own; a cylinder's stroke must cover what is between them",
     "joints.NAME.damping_factor": "on the MJCF's damping of that joint",

@@ -52,6 +52,10 @@ class Bodies(NamedTuple):
     qfrc_constraint: Array
     qfrc_passive: Array
     dof_damping: Array
+    site_xpos: Array
+    ground: Index
+    sole: Index
+    foot: Index
 
 
 class Wearer(NamedTuple):

@@ -57,6 +57,18 @@ def _log_powers(row, at, mechanics, plant, bodies, wearer):
 
 
 @kernel
+def _pressure_centre(foot, bodies):
+    """Return how far ahead of the foot's site, along its body's x axis, the ground pushes [m]; 0 where it does not."""
+    sensor, site, body = bodies.ground[foot], bodies.sole[foot], bodies.foot[foot]
+    if bodies.sensordata[sensor + 2] >= 0.0:
+        return 0.0
+    ahead = 0.0
+    for i in range(3):
+        ahead += (bodies.sensordata[sensor + 3 + i] - bodies.site_xpos[site, i]) * bodies.xmat[body, 3 * i]
+    return ahead
+
+
+@kernel
 def log_rest(row, cycles, with_gas, mechanics, plant, bodies, wearer, drives):
     """Write the columns behind the motion, in the order of `walk.columns`; forces on the ground are there after MuJoCo's step."""
     at = 19
@@ -72,8 +84,10 @@ def log_rest(row, cycles, with_gas, mechanics, plant, bodies, wearer, drives):
         row[at], row[at + 1] = wearer.force[i, 0], wearer.force[i, 1]
         at += 2
     for foot in range(2):
-        row[at], row[at + 1] = -bodies.sensordata[6 * foot], -bodies.sensordata[6 * foot + 2]
-        at += 2
+        sensor = bodies.ground[foot]
+        row[at + 2 * foot], row[at + 2 * foot + 1] = -bodies.sensordata[sensor], -bodies.sensordata[sensor + 2]
+        row[at + 4 + foot] = _pressure_centre(foot, bodies)
+    at += 6
     row[at] = cycles - np.floor(cycles)
     look_up(cycles, wearer.share, wearer.carried)
     row[at + 1], row[at + 2] = wearer.carried[0], wearer.carried[1]

@@ -12,6 +12,7 @@ from exo_sim.control import wearer_torques
 from exo_sim.control.valve_control import CONTROLLERS, controller_code
 from exo_sim.errors import ModelError
 from exo_sim.machine import wearer_body
+from exo_sim.machine.fitting import ground_sensors
 from exo_sim.machine.person import SEGMENTS
 from exo_sim.machine.straps import StrapSet
 from exo_sim.simulation import chamber_plans, loop, views
@@ -68,6 +69,8 @@ def wire(it: Simulation) -> tuple[loop.Settings, views.Mechanics, views.Plant, l
     mocap = [int(model.body_mocapid[i]) for i in person_body]
     if it.torques is None and mocap != list(range(len(SEGMENTS))):
         raise ModelError(f"{it.rig.model}: the person's bodies must be mocap, in the order {', '.join(SEGMENTS)}")
+    feet = np.array([model.body(f"foot_{side}").id for side in "lr"])
+    soles = np.array([model.site(f"foot_{side}").id for side in "lr"])
     straps = it.straps
     moving = _moving(it)
     plan, plan_added = (it.plan, it.plan_added) if it.planned else (chamber_plans.nothing(n), chamber_plans.nothing(n))
@@ -80,7 +83,8 @@ def wire(it: Simulation) -> tuple[loop.Settings, views.Mechanics, views.Plant, l
         loop.Bodies(
             data.xpos, data.xmat, data.xipos, data.cvel, data.subtree_com, data.mocap_pos, data.mocap_quat, data.xfrc_applied,
             data.sensordata, model.body_mass, model.body_inertia, model.body_subtreemass,
-            data.qfrc_constraint, data.qfrc_passive, _damping(model),
+            data.qfrc_constraint, data.qfrc_passive, _damping(model), data.site_xpos,
+            np.array(ground_sensors(model, it.rig.model)), soles, feet,
         ),
         loop.Wearer(
             position, slope, it.person.lengths(), model.body_pos[person_body, 1].copy(), it.demand,

@@ -159,6 +159,7 @@ def layout(rig: Rig, straps: StrapSet, gas: bool) -> list[tuple[str, str]]:
     out += [(f"{name}.torque", "N*m") for name in JOINTS] + [(f"{name}.torque_demanded", "N*m") for name in JOINTS]
     out += [(f"{name}.strap_force_{axis}", "N") for name in straps.names for axis in "xz"]
     out += [(f"foot_{side}.ground_force_{axis}", "N") for side in "lr" for axis in "xz"]
+    out += [(f"foot_{side}.pressure_centre", "m") for side in "lr"]
     out += [("gait.phase", "1"), ("gait.stance_l", "1"), ("gait.stance_r", "1")]
     out += [(f"ledger.{name}_power", "W") for name in POWERS]
     out += [(f"wearer.{segment}_{axis}", "1") for segment in SEGMENTS for axis in ("x", "z", "moment")]

@@ -5,10 +5,12 @@ import json
 import numpy as np
 import pytest
 
+from exo_sim.api.simulating import what_to_do
 from exo_sim.cli import main
-from exo_sim.errors import ExoSimError, ScenarioError
+from exo_sim.errors import ExoSimError, RecordingError, ScenarioError
 from exo_sim.gait import labels, own_gait, recorded_gait, scenario, scenario_file
 from exo_sim.gait.own_gait import GaitFile
+from exo_sim.gait.trial import JOINTS
 from exo_sim.machine.person import Person
 
 STRIDES, PERIOD = 4, 1.1
@@ -238,6 +240,36 @@ def test_a_speed_is_a_factor_or_in_metres_a_second():
             scenario.cadence(usual, speed)
     with pytest.raises(ScenarioError, match="goes nowhere"):
         scenario.motion("squat", Person(), "1 m/s")
+
+
+def test_a_table_with_foreign_names_takes_a_column_map(tmp_path, trial):
+    time, angles = trial
+    names = {f"{name[-1].upper()} {name[:-2]}": name for name in JOINTS}
+    rows = np.column_stack([time, *(np.degrees(angles[name]) for name in names.values())])
+    np.savetxt(tmp_path / "lab.csv", rows, delimiter=";", header=";".join(["t", *names]), comments="")
+    columns = {"t": "time [s]", **{foreign: f"{name}.position [deg]" for foreign, name in names.items()}}
+    with pytest.raises(RecordingError, match='no column "time'):
+        what_to_do(None, tmp_path / "lab.csv", None)
+    called, found = what_to_do(None, tmp_path / "lab.csv", None, columns=columns)
+    assert called == "lab" and found is not None and any("strides" in words for words in found.remarks)
+    for gait, hint in (("walk.mot", r"\[gait\] table"), (None, "name the gait")):
+        with pytest.raises(ScenarioError, match=hint):
+            what_to_do(None, gait, None, columns=columns)
+
+
+def test_angles_of_an_rrd_without_units_are_taken_as_radian_and_that_is_said(tmp_path, trial):
+    rr = pytest.importorskip("rerun")
+    time, angles = trial
+    with rr.RecordingStream("lab") as stream:
+        stream.save(tmp_path / "lab.rrd")
+        for name in JOINTS:
+            stream.send_columns(
+                f"{name}/position", [rr.TimeColumn("time", duration=time)], rr.Scalars.columns(scalars=angles[name])
+            )
+    found, _ = own_gait.read(GaitFile(tmp_path / "lab.rrd"))
+    np.testing.assert_allclose(found.angles["knee_l"], angles["knee_l"], atol=1e-9)
+    (said,) = found.remarks
+    assert "no unit is said there" in said and "hip_l.position [rad]" in said
 
 
 def test_a_gait_file_is_walked(tmp_path, capsys, trial):

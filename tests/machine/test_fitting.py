@@ -5,10 +5,12 @@ from __future__ import annotations
 import shutil
 from pathlib import Path
 
+import mujoco
 import numpy as np
 import pytest
 
 from exo_sim import rig as rigs
+from exo_sim.errors import ModelError
 from exo_sim.machine import fitting, mjcf
 from exo_sim.machine.build import build
 from exo_sim.machine.load import load
@@ -47,3 +49,26 @@ def test_what_a_machine_lacks_to_be_worn_is_listed_by_kind(repository: Path) -> 
     assert whole.keys() == {"joint", "body", "geom", "site", "contact sensor"} and not any(whole.values())
     bench = fitting.missing_parts(mjcf.read_spec(repository / "assets" / "bench.xml"))
     assert "torso_x" in bench["joint"] and "payload" in bench["geom"]
+
+
+GROUND = '<contact name="ground_l" body1="foot_l" geom2="floor" num="1" reduce="netforce" data="force pos"/>'
+
+
+def test_the_ground_is_found_whatever_other_sensors_the_machine_has(repository: Path) -> None:
+    text = (repository / "assets" / "exo.xml").read_text()
+    assert GROUND in text
+    model = mujoco.MjModel.from_xml_string(text.replace(GROUND, f'<jointpos joint="knee_l"/>{GROUND}<jointpos joint="knee_r"/>'))
+    assert fitting.ground_sensors(model, Path("mine.xml")) == (1, 8)
+
+
+@pytest.mark.parametrize(
+    ("old", "new"),
+    [("netforce", "mindist"), ("force pos", "force torque pos"), ('num="1"', 'num="2"'), ('body1="foot_l"', 'body1="foot_r"')],
+)
+def test_a_sensor_of_the_ground_that_measures_something_else_is_refused(repository: Path, old: str, new: str) -> None:
+    other = GROUND.replace(f'"{old}"', f'"{new}"') if "=" not in old else GROUND.replace(old, new)
+    if "torque" in new:
+        other = other.replace("force torque pos", "force torque pos")
+    model = mujoco.MjModel.from_xml_string((repository / "assets" / "exo.xml").read_text().replace(GROUND, other))
+    with pytest.raises(ModelError, match=r'mine\.xml: the sensor "ground_l" must be <contact name="ground_l" body1="foot_l"'):
+        fitting.ground_sensors(model, Path("mine.xml"))

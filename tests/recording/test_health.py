@@ -24,6 +24,7 @@ UNITS = {
     "supply.pressure": "Pa",
     "supply.temperature": "K",
     "foot.ground_force_z": "N",
+    "foot.pressure_centre": "m",
 }
 FACTS = Facts(ATMOSPHERE, SUPPLY, {"slide": (0.0, 0.16)})
 
@@ -65,6 +66,7 @@ def bench(
         "supply.pressure": _sensed(rng, np.full(len(true["1"]), SUPPLY), 300.0 * noise, 0.0),
         "supply.temperature": np.full(len(true["1"]), 293.15),
         "foot.ground_force_z": np.maximum(0.0, 800.0 * np.sin(2 * np.pi * 0.9 * true["time"])),
+        "foot.pressure_centre": np.where(np.sin(2 * np.pi * 0.9 * true["time"]) > 0.0, 0.2 * (0.9 * true["time"] % 1.0) - 0.06, 0.0),
     }
     return Recording("bench", true["time"], columns, UNITS)
 

@@ -1,5 +1,6 @@
 """Recordings as real ones are: what can be read is read and said, what cannot is refused in one line."""
 
+import re
 from pathlib import Path
 
 import numpy as np
@@ -251,3 +252,23 @@ def test_no_file_ends_in_a_traceback(tmp_path: Path, text: bytes, ending: str) -
     else:
         assert (np.diff(reading.recording.time) > 0).all()
         check(reading.recording)
+
+
+@pytest.mark.parametrize("clock", ["t", "Time (s)", "log.time", "timestamp", "t(ms)"])
+def test_a_clock_of_another_name_is_offered_as_a_line_of_a_column_map(tmp_path: Path, clock: str) -> None:
+    path = tmp_path / "lab.csv"
+    path.write_text(f"torque,{clock},P1\n" + "".join(f"0,{0.01 * i},3.0\n" for i in range(20)))
+    with pytest.raises(RecordingError, match=rf'with the line "{re.escape(clock)}" = "time \[s\]"; there is: "torque", '):
+        read(path)
+
+
+def test_where_no_column_is_a_signal_the_columns_are_listed(tmp_path: Path) -> None:
+    path = tmp_path / "lab.csv"
+    path.write_text("time [s],P1,stamp\n" + "".join(f"{0.01 * i},3.0,1\n" for i in range(20)))
+    with pytest.raises(RecordingError, match=r'no signal beside the time; .*column map; there is: "time \[s\]", "P1", "stamp"'):
+        read(path)
+
+
+def test_a_folder_is_refused_with_what_to_do(tmp_path: Path) -> None:
+    with pytest.raises(RecordingError, match="it is a folder, not a file; name a file in it"):
+        read(tmp_path)

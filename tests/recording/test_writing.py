@@ -24,6 +24,7 @@ UNITS = {
     "hip_r.position": "rad",
     "hip_r.torque": "N*m",
     "foot_r.ground_force_z": "N",
+    "foot_r.pressure_centre": "m",
     "torso.strap_force_z": "N",
     "supply.pressure": "Pa",
     "gait.stance_r": "1",

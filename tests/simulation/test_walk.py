@@ -266,6 +266,26 @@ def test_wrong_names_are_answered_with_the_nearest():
         Request("level_walk", cycles=0)
 
 
+def test_where_the_ground_pushes_balances_the_standing_machine(exo):
+    """Statics at the end of a stand: weight and springs are held by torques, straps and the ground's force where it is said to push."""
+    walk = simulate(exo, Request("stand", payload=20.0, cycles=1))
+    model, columns, row = walk.model, walk.columns, -1
+    at_rest = mujoco.MjData(model)
+    names = [model.joint(i).name for i in range(model.njnt)]
+    at_rest.qpos[:] = [columns[f"{name}.position"][row] for name in names]
+    mujoco.mj_forward(model, at_rest)
+    load = np.array([columns[f"{name}.torque"][row] if f"{name}.torque" in columns else 0.0 for name in names])
+    pushed = [(f"foot_{side}", "ground_force", columns[f"foot_{side}.pressure_centre"][row]) for side in "lr"]
+    for name, kind, ahead in (*pushed, *((name, "strap_force", 0.0) for name in walk.straps.names)):
+        body = int(model.site_bodyid[model.site(name).id])
+        moved = np.zeros((3, model.nv))
+        point = at_rest.site(name).xpos + ahead * at_rest.xmat[body].reshape(3, 3)[:, 0]
+        mujoco.mj_jac(model, at_rest, moved, None, point, body)
+        load += columns[f"{name}.{kind}_x"][row] * moved[0] + columns[f"{name}.{kind}_z"][row] * moved[2]
+    assert all(abs(ahead) > 0.01 for _, _, ahead in pushed)  # else the balance would not tell where
+    np.testing.assert_allclose(load, at_rest.qfrc_bias - at_rest.qfrc_passive, atol=1.0)
+
+
 def test_the_table_has_the_contracts_columns(on):
     table = record.recording(on, "walk")
     for part in ("hip_l", "knee_r"):

@@ -71,7 +71,10 @@ def of(given: Any, source: str = "", path: Path | None = None) -> Controller:
         except BaseException as error:
             if faults.is_interrupt(error):
                 raise
-            raise ScenarioError(f"controller {faults.place(error, path)}, while making {source}()") from None
+            raise ScenarioError(
+                f"controller {faults.place(error, path)}, while making {source}(); a controller is a class that needs no arguments, "
+                "with reset(context) and act(observation)"
+            ) from None
     for method in ("reset", "act"):
         if not callable(faults.attribute(given, method)):
             argument = "context" if method == "reset" else "observation"

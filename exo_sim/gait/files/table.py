@@ -22,17 +22,23 @@ def read_angles(path: Path, named: Mapping[str, str], columns: ColumnMap | None 
         RecordingError: the file cannot be read.
         ScenarioError: an angle is missing or no angle.
     """
-    recording = reader.read(path, columns).recording
+    reading = reader.read(path, columns)
+    recording, guessed = reading.recording, {finding.column for finding in reading.findings if finding.kind == "unit"}
     places = {key.removesuffix(".position"): key for key in recording.columns if key.endswith(".position")}
     given = {name: places.get(label, label) for name, label in named.items()}
     found = assigned(places.values(), str(path), given)
+    plain: list[str] = []
     for name, key in found.items():
         wanted = "m" if name in ("pelvis_x", "pelvis_z") else "rad"
-        if recording.units[key] != wanted:
+        if recording.units[key] != wanted and key in guessed:  # a file of rerun that says none: nothing was converted
+            plain.append(f"{key} [{wanted}]")
+        elif recording.units[key] != wanted:
             raise ScenarioError(f'{path}: "{key}" is in {recording.units[key]}; {name} must be in {wanted}')
+    said = f'{path}: no unit is said there, taken are {", ".join(plain)}; log a static component "unit" beside each to be sure'
     angles = {name: np.asarray(recording[key]) for name, key in found.items()}
     source = recording.metadata.get("source") or path.name
-    return Trial(path.stem, str(path), recording.time, angles, source=source), _ground(recording, str(path))
+    trial = Trial(path.stem, str(path), recording.time, angles, source=source, remarks=(said,) if plain else ())
+    return trial, _ground(recording, str(path))
 
 
 def read_ground(path: Path) -> GroundForce:

@@ -22,15 +22,16 @@ def check(recording: Recording, key: str, noise: Noise, facts: Facts) -> list[Fi
     if not len(values):
         return []
     part, signal = key.rsplit(".", 1)
-    if signal.startswith("pressure"):
+    unit = recording.units.get(key, "")
+    if unit == "Pa":
         return _pressure(key, values, noise, facts)
-    if signal.startswith("temperature"):
+    if unit == "K":
         return _temperature(key, values)
     if signal in VALVE_COMMANDS:
         return _command(key, values, noise)
     if signal == "position":
         strides = any(other.endswith(".ground_force_z") for other in recording.columns)
-        return _position(key, values, recording.units.get(key, ""), facts.joint_range.get(part), strides)
+        return _position(key, values, unit, facts.joint_range.get(part), strides)
     return []
 
 

@@ -32,7 +32,7 @@ def _missing(recording: Recording, key: str) -> list[Finding]:
 
 
 def _spikes(recording: Recording, key: str, noise: Noise) -> list[Finding]:
-    if not key.rsplit(".", 1)[-1].startswith(("pressure", "temperature", "position")):
+    if recording.units.get(key) not in ("Pa", "K") and not key.endswith(".position"):
         return []
     values = recording[key]
     if len(values) < 20:

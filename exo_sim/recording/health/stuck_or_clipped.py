@@ -27,7 +27,7 @@ from exo_sim.signals import VALVE_COMMANDS
 
 #: Signals whose flat spans mean something else: commands are held, nobody pushes.
 _FLAT_BY_NATURE = (*VALVE_COMMANDS, "external_force")
-_FORCES = ("ground_force_", "strap_force_", "force")
+_FORCES = ("ground_force_", "strap_force_", "force", "pressure_centre")
 _CHANCE = 1e-6
 _FEWEST = 20
 #: Seconds between samples up to which a corner in a curve is seen as one.
@@ -70,7 +70,7 @@ def _constant(recording: Recording, key: str, value: float) -> list[Finding]:
     signal = key.rsplit(".", 1)[-1]
     says = f'"{key}" reads exactly {value:.6g}{"" if unit == "1" else " " + unit} from first to last'
     grave = (
-        signal.startswith(("pressure", "temperature"))
+        unit in ("Pa", "K")
         and signal != "temperature"
         and not key.startswith(("supply.", "exhaust."))
     )

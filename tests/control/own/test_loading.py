@@ -32,6 +32,7 @@ def test_a_file_is_loaded_with_or_without_the_name_of_the_class(tmp_path):
         ("import sys\nsys.exit(0)\n", "Mine", r"mine\.py:2: SystemExit: 0"),
         ("class Mine:\n    def __init__(self): raise SystemExit\n    reset = act = None\n", "Mine", r"mine\.py:2: SystemExit: , while"),
         ("class Mine:\n    def __init__(self, a): pass\n    reset = act = __init__\n", "Mine", "while making"),
+        ("def mine(observation):\n    return 0.1\n", "mine", r"while making .*a class that needs no arguments, with reset"),
     ],
 )
 def test_a_file_that_cannot_be_loaded_is_one_line(tmp_path, text, name, hint):

@@ -43,7 +43,8 @@ def test_a_sound_one_is_read(sound: bytes, tmp_path: Path) -> None:
 def test_a_broken_one_ends_nobodys_process(sound: bytes, tmp_path: Path, at: int, put: bytes) -> None:
     path = tmp_path / "walk.c3d"
     path.write_bytes(sound[:at] + put + sound[at + len(put) :])
-    with pytest.raises(ScenarioError, match=r"walk\.c3d: (ezc3d cannot read it: .*Copy it again|no column for|it holds .* no joint angles)") as caught:
+    refused = r"walk\.c3d: (ezc3d cannot read it: .*Copy it again|no column for|it holds .* no joint angles)"
+    with pytest.raises(ScenarioError, match=refused) as caught:
         c3d.read_angles(path, {})
     assert "\n" not in str(caught.value)
 
@@ -76,7 +77,10 @@ def with_plates(path: Path, kind: int, more: dict[str, object] | None = None, ch
 
 @pytest.mark.parametrize(
     ("kind", "channels", "forces"),
-    [(2, 6, [(0.0, 1.0, 2.0), (6.0, 7.0, 8.0)]), (3, 8, [(1.0, 5.0, 22.0), (17.0, 21.0, 54.0)]), (4, 6, [(0.0, 2.0, 6.0), (6.0, 14.0, 24.0)])],
+    [
+        (2, 6, [(0.0, 1.0, 2.0), (6.0, 7.0, 8.0)]), (3, 8, [(1.0, 5.0, 22.0), (17.0, 21.0, 54.0)]),
+        (4, 6, [(0.0, 2.0, 6.0), (6.0, 14.0, 24.0)]),
+    ],
 )
 def test_plates_that_ezc3d_refuses_are_read_by_the_types_of_the_format(
     tmp_path: Path, kind: int, channels: int, forces: list[tuple[float, float, float]]

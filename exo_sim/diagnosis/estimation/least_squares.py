@@ -161,7 +161,7 @@ def fit(
     elif missing:
         differenced_at = math.inf
     damping = 1e-4
-    weight = 1.0
+    weight = correlation_length * max(float(r @ r) / max(r.size, 1), 1.0)
 
     def is_fresh() -> bool:
         """Return whether hardly anything was gained since the Jacobian was differenced."""

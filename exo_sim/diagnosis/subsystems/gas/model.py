@@ -17,6 +17,7 @@ from exo_sim.diagnosis.discrepancy.curve import Curve
 from exo_sim.diagnosis.discrepancy.signal import Discrepancy
 from exo_sim.diagnosis.discrepancy.trace import Trace
 from exo_sim.diagnosis.estimation.budget import IsSpent, never
+from exo_sim.diagnosis.estimation.kept_residuals import KeptResiduals
 from exo_sim.diagnosis.estimation.least_squares import Fit, fit
 from exo_sim.diagnosis.estimation.parameters import CARD_OF_PRESSURES, FreeParameter, PlantParameters
 from exo_sim.diagnosis.estimation.threads import SERIAL, Threads
@@ -94,6 +95,7 @@ class GasModel(SubsystemModel):
         self._rows = [[rows_of(one, side, self.split, group, on_test) for side in range(2)] for one in self.inputs]
         self.blocks = self._blocks()
         self._responses: list[list[Array]] | None = None
+        self._kept = KeptResiduals(self._predicted_residual)
         self.effort = 0
 
     def _blocks(self) -> NDArray[np.int64]:
@@ -151,6 +153,9 @@ class GasModel(SubsystemModel):
         return found
 
     def residual_of(self, plant: PlantParameters) -> Array:
+        return self._kept.of(plant)
+
+    def _predicted_residual(self, plant: PlantParameters) -> Array:
         if self._responses is None:
             self._responses = self._initial_responses()
         pieces = []
@@ -187,6 +192,7 @@ class GasModel(SubsystemModel):
         if float(self.nominal.cylinder[flow_law.EFFECT.name]["ratio"][0]) > 0.0:
             return self
         rival = copy(self)
+        rival._kept = KeptResiduals(rival._predicted_residual)
         rival.nominal = self.nominal.copy()
         rival.nominal.cylinder[flow_law.EFFECT.name]["ratio"] = critical_ratio(float(self.nominal.world["k"][0]))
         own = fit(self.residual, nuisances, {q: q.start for q in nuisances}, threads, max_iterations=4, is_spent=is_spent)

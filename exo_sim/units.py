@@ -33,6 +33,15 @@ LONGEST, LONGEST_UNIT = 120, 60
 #: Magnitudes in SI that no machine comes near: squares and cubes of what lies between are numbers, too.
 SMALLEST, LARGEST = 1e-50, 1e30
 
+#: Units that rigs and recordings are written in, as a factor on powers of metre, kilogram, second, kelvin and radian: to convert them the
+#: library that knows all others, which takes half a second to begin, is not loaded.
+_COMMON: dict[str, tuple[float, tuple[int, ...]]] = {
+    "m": (1.0, (1, 0, 0, 0, 0)), "cm": (1e-2, (1, 0, 0, 0, 0)), "mm": (1e-3, (1, 0, 0, 0, 0)),
+    "kg": (1.0, (0, 1, 0, 0, 0)), "g": (1e-3, (0, 1, 0, 0, 0)), "s": (1.0, (0, 0, 1, 0, 0)), "ms": (1e-3, (0, 0, 1, 0, 0)),
+    "K": (1.0, (0, 0, 0, 1, 0)), "rad": (1.0, (0, 0, 0, 0, 1)), "N": (1.0, (1, 1, -2, 0, 0)), "kN": (1e3, (1, 1, -2, 0, 0)),
+    "Pa": (1.0, (-1, 1, -2, 0, 0)), "kPa": (1e3, (-1, 1, -2, 0, 0)), "bar": (1e5, (-1, 1, -2, 0, 0)),
+    "J": (1.0, (2, 1, -2, 0, 0)), "W": (1.0, (2, 1, -3, 0, 0)),
+}  # fmt: skip
 _GAUGE = re.compile(r"\b(psig|barg|bar\s*\(g\)|bar\s+gauge|kpag|mpag|pag)(?![a-z])|\bgauge\b", re.IGNORECASE)
 _QUANTITY = re.compile(r"^\s*([-+]?(?:\d+\.?\d*|\.\d+)(?:[eE][-+]?\d+)?)\s*(.*?)\s*$")
 
@@ -56,8 +65,6 @@ def scale_and_offset(unit: str, si_unit: str) -> tuple[float, float]:
     Raises:
         UnitError: the unit is unknown, gauge, or of another kind than `si_unit`.
     """
-    import pint
-
     if len(unit) > LONGEST_UNIT:
         raise UnitError(f'unit "{unit[:20]}..." has {len(unit)} characters; write it like "{si_unit}"')
     if is_gauge(unit):
@@ -68,6 +75,11 @@ def scale_and_offset(unit: str, si_unit: str) -> tuple[float, float]:
         if unit == "%" and si_unit == "1":
             return 0.01, 0.0
         raise UnitError(f'unit "{unit or "(none)"}" cannot be converted to "{si_unit}"')
+    common, wanted = _in_common_units(unit), _in_common_units(si_unit)
+    if common is not None and wanted is not None and common[1] == wanted[1]:
+        return float(f"{common[0] / wanted[0]:.15g}"), 0.0
+    import pint
+
     registry = _registry()
     plain = " * ".join(name if power == 1 else f"{name} ** {power}" for name, power in powers(unit).items())
     try:
@@ -81,6 +93,17 @@ def scale_and_offset(unit: str, si_unit: str) -> tuple[float, float]:
         raise UnitError(f'cannot read the unit "{unit}"; write it like "{si_unit}"') from None
     # exact decimal scales (1 cm^3 is 1e-06, not 1.0000000000000002e-06)
     return float(f"{one - zero:.15g}"), float(f"{zero:.15g}")
+
+
+def _in_common_units(unit: str) -> tuple[float, tuple[int, ...]] | None:
+    """Return the factor of a unit made of common ones and its powers of metre, kilogram, second, kelvin and radian; None of others."""
+    scale, dimension = 1.0, (0, 0, 0, 0, 0)
+    for name, power in powers(unit).items():
+        if name not in _COMMON:
+            return None
+        factor, own = _COMMON[name]
+        scale, dimension = scale * factor**power, tuple(a + power * b for a, b in zip(dimension, own, strict=True))
+    return scale, dimension
 
 
 def split(text: str) -> tuple[float, str]:

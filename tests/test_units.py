@@ -1,6 +1,8 @@
 from __future__ import annotations
 
 import math
+import subprocess
+import sys
 
 import pytest
 from hypothesis import given
@@ -121,3 +123,22 @@ def test_whatever_is_written_as_a_unit_is_read_or_refused_in_one_line(unit: str,
         assert len(str(error)) < 400
     else:
         assert math.isfinite(scale) and math.isfinite(offset)
+
+
+@pytest.mark.parametrize(("unit", "si_unit"), [
+    ("mm", "m"), ("cm^3", "m^3"), ("mm²", "m^2"), ("bar", "Pa"), ("kPa", "Pa"), ("g", "kg"), ("ms", "s"), ("kN", "N"), ("K", "K"),
+    ("N*s/m", "N s/m"), ("N m/rad", "N*m/rad"), ("J/(kg K)", "J/(kg K)"), ("W/K", "W/K"), ("kg/(s Pa^2)", "kg/(s Pa^2)"), ("1/s", "1/s"),
+    ("bar/s", "Pa/s"), ("mm/s", "m/s"), ("N/mm", "N/m"), ("J/s", "W"), ("N/m^2", "Pa"), ("cm^2/ms", "m^2/s"), ("kg m/s^2", "kN"),
+])  # fmt: skip
+def test_common_units_convert_as_the_library_of_all_units_does(unit: str, si_unit: str, monkeypatch: pytest.MonkeyPatch) -> None:
+    units.scale_and_offset.cache_clear()
+    quick = units.scale_and_offset(unit, si_unit)
+    units.scale_and_offset.cache_clear()
+    monkeypatch.setattr(units, "_COMMON", {})
+    assert units.scale_and_offset(unit, si_unit) == quick
+    units.scale_and_offset.cache_clear()
+
+
+def test_common_units_load_no_library() -> None:
+    code = "import sys; from exo_sim import units; units.parse('3 bar', 'Pa'); units.parse('32 mm^2', 'm^2'); print('pint' in sys.modules)"
+    assert subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True).stdout == "False\n"

@@ -23,7 +23,6 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 from scipy import sparse
-from scipy.optimize import linprog
 
 from exo_sim.control.chamber_flows import BAR, GRAM, Columns, draw_rows, tank_rows
 
@@ -71,6 +70,8 @@ def plan(world: np.void, c: np.void, x: Array, force: Array, period: float, spri
         period: Of the cycle [s].
         spring: Whether a spring beside the rod is to be chosen, too: its force is linear in two numbers, so the program stays one.
     """
+    from scipy.optimize import linprog  # most machines follow no plan
+
     n, p_s, p_e = len(x), float(world["supply_pressure"]), float(world["exhaust_pressure"])
     price = _PRICE * float(c["stroke"]) / float(world["k"] * world["r"] * world["supply_temperature"]) / GRAM
     columns = Columns(n)

@@ -10,7 +10,6 @@ from __future__ import annotations
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.linalg import expm
 
 from exo_sim.control.least_load import Yielding
 from exo_sim.control.machine_dynamics import PHASES
@@ -29,6 +28,8 @@ _STEPS, _STRIDES = 4, 3
 
 def gains(it: Yielding, period: float) -> NDArray[np.float64]:
     """Return torques for each unit of stretch [N m/m], of its rate [N m s/m] and of lagged torque, shape (PHASES, m, 2 s + m)."""
+    from scipy.linalg import expm  # machines without this feedback do not ask for it
+
     m, s = len(it.driven), len(it.strap_stiffness)
     nx, dt = 18 + m, period / PHASES / _STEPS
     into = np.zeros((9, m))

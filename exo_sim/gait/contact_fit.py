@@ -12,7 +12,6 @@ from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.optimize import least_squares
 
 from exo_sim.gait import fourier
 from exo_sim.machine.person import Person, leg_points
@@ -74,6 +73,8 @@ def fit(
         person: Whose segments.
         least_spread: Spreads below this count as this [rad].
     """
+    from scipy.optimize import least_squares  # the gait that comes along was fitted
+
     phase = np.arange(2 * PHASES) / (2 * PHASES)
     joint_basis = np.concatenate([np.ones((len(phase), 1)), _basis(phase, range(1, HARMONICS + 1))], axis=1)
     path_basis = _basis(phase, PATH_HARMONICS)

@@ -13,7 +13,6 @@ from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.signal import find_peaks
 
 from exo_sim.errors import ScenarioError
 from exo_sim.gait.contact_fit import PHASES
@@ -115,6 +114,8 @@ def events(trial: Trial) -> tuple[dict[str, list[float]], dict[str, list[float]]
 
 def _peaks(time: Array, values: Array) -> list[float]:
     """Return when values are greatest, once a stride."""
+    from scipy.signal import find_peaks  # the gait that comes along has its strides
+
     even = np.arange(time[0], time[-1], 0.005)
     if len(even) < 3:
         return []
@@ -126,6 +127,8 @@ def _peaks(time: Array, values: Array) -> list[float]:
 
 def _stride_time(signal: Array) -> float:
     """Return the period of a signal at 200 Hz by its autocorrelation [s], `SHORTEST` at the least."""
+    from scipy.signal import find_peaks
+
     centred = signal - signal.mean()
     n = len(centred)
     first, last = round(SHORTEST / 0.005), min(round(LONGEST / 0.005), n - 20)

@@ -77,10 +77,11 @@ def corrected_balances(
             seconds = plant.sensors["position.delay"]
             late |= {data.joint_of(one.where): seconds, f"rod of {one.where}": seconds}
         for index, given in enumerate(whole.inputs):
+            behind = _behind_hose(whole, index)
             for side in range(2):
                 measured = given.run.pressure[side]
                 if measured is not None:
-                    change = _change(whole, index, side, measured, faults)
+                    change = _change(whole, index, side, measured, faults, behind)
                     if np.nanmax(np.abs(change)) > CORRECTED_PRESSURE:
                         changes[given.run.recording, f"{one.where}.pressure_{side + 1}"] = given.time, change
     return {
@@ -89,8 +90,18 @@ def corrected_balances(
     }
 
 
-def _change(whole: GasModel, index: int, side: int, measured: Array, faults: set[str]) -> Array:
-    """Return pressure in the chamber less what was measured, shape (n,) [Pa]."""
+def _behind_hose(whole: GasModel, index: int) -> tuple[Array, Array] | None:
+    """Return what is predicted in the chambers and at the sensors, shape (n, 2) each [Pa]; None where no hose lies between them."""
+    if not behind_hose(whole.nominal.cylinder):
+        return None
+    shown = whole.predict(whole.nominal, index)
+    return shown.inside, shown.pressure
+
+
+def _change(
+    whole: GasModel, index: int, side: int, measured: Array, faults: set[str], behind: tuple[Array, Array] | None
+) -> Array:
+    """Return pressure in the chamber less what was measured, shape (n,) [Pa]; `behind` of `_behind_hose`."""
     plant, time = whole.nominal, whole.inputs[index].time
 
     def fault(kind: str, none: float) -> float:
@@ -102,9 +113,9 @@ def _change(whole: GasModel, index: int, side: int, measured: Array, faults: set
     if late != 0.0:
         good = np.isfinite(true)
         true = np.interp(time + late, time[good], true[good])
-    if behind_hose(plant.cylinder):
-        shown = whole.predict(plant, index)
-        true = true + shown.inside[:, side] - shown.pressure[:, side]
+    if behind is not None:
+        inside, shown = behind
+        true = true + inside[:, side] - shown[:, side]
     return true - measured
 
 

@@ -57,9 +57,8 @@ def examine_gas(
         runs = [with_initial_pressure(data, run) for run in data.cylinders[name]]
         plant = believed_gas(data, plan, name, runs)
         model = GasModel(runs, plant, plan.split)
-        opposite = GasModel([run.turned for run in runs], plant, plan.split)
-        if model.size >= FEWEST_ROWS and np.sum(opposite.residual({}) ** 2) < REVERSED * np.sum(model.residual({}) ** 2):
-            model = opposite
+        if model.size >= FEWEST_ROWS and (turned := _better_turned(model, plan)) is not None:
+            model = turned
             data = replace(data, sensors=(*data.sensors, reversed_command(name)))
         data = replace(data, cylinders={**data.cylinders, name: model.all_runs})
         commanded = any(run.commanded for run in runs)
@@ -94,6 +93,13 @@ def believed_gas(data: MachineData, plan: Plan, cylinder: str, runs: Sequence[Cy
     drives = {link.cylinder: link.joint for link in data.links}
     believed = PlantParameters(assembly.world(data.rig), assembly.cylinders(data.rig, drives)[index : index + 1])
     return with_measured_supply(believed, runs).with_values((plan.friction or {}).get(cylinder, ()))
+
+
+def _better_turned(model: GasModel, plan: Plan) -> GasModel | None:
+    """Return the model with commands of the other sign, where that leaves by far less."""
+    opposite = GasModel([run.turned for run in model.all_runs], model.nominal, plan.split)
+    less = np.sum(opposite.residual({}) ** 2) < REVERSED * np.sum(model.residual({}) ** 2)
+    return opposite if less else None
 
 
 def _is_enough(model: GasModel) -> bool:

@@ -87,17 +87,17 @@ def rows_of(inputs: GasInputs, side: int, split: Split, seconds: float, on_test:
     good = np.isfinite(values)
     usable = split.in_test(inputs.run.recording, time) if on_test else split.in_training(inputs.run.recording, time)
     size = max(1, int(round(seconds / float(np.median(np.diff(time))))))
+    kept = good & usable
     window_of: list[int] = []
-    counts: list[int] = []
+    counts: list[NDArray[np.int64]] = []
     for w, (begin, end) in enumerate(zip(inputs.windows.starts, inputs.windows.stops, strict=True)):
-        for first in range(begin, end, size):
-            chosen = np.arange(first, min(first + size, end))
-            chosen = chosen[good[chosen] & usable[chosen]]
-            if chosen.size:
-                group[chosen] = len(counts)
-                counts.append(chosen.size)
-                window_of.append(w)
-    count = np.array(counts, dtype=float)
+        chosen = np.flatnonzero(kept[begin:end])
+        if chosen.size:
+            _, row, held = np.unique(chosen // size, return_inverse=True, return_counts=True)
+            group[begin + chosen] = len(window_of) + row
+            counts.append(held)
+            window_of += [w] * len(held)
+    count = np.concatenate(counts).astype(float) if counts else np.zeros(0)
     noise = inputs.run.noise[side]
     floor = max(healthy.GAS_FLOOR, healthy.GAS_FLOOR_SHARE * float(np.ptp(values[good])) if good.any() else 0.0)
     return Rows(group, np.array(window_of, dtype=int), count, np.sqrt(noise**2 / np.maximum(count, 1.0) + floor**2))

@@ -97,7 +97,8 @@ def scale_and_offset(unit: str, si_unit: str) -> tuple[float, float]:
 
 def _in_common_units(unit: str) -> tuple[float, tuple[int, ...]] | None:
     """Return the factor of a unit made of common ones and its powers of metre, kilogram, second, kelvin and radian; None of others."""
-    scale, dimension = 1.0, (0, 0, 0, 0, 0)
+    scale = 1.0
+    dimension: tuple[int, ...] = (0, 0, 0, 0, 0)
     for name, power in powers(unit).items():
         if name not in _COMMON:
             return None

@@ -3,18 +3,15 @@
 from __future__ import annotations
 
 import os
-import shutil
-import tempfile
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 from itertools import product
-from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from exo_sim.api.arguments import Quantity, RecordingLike, RigLike, quantity, reading_of, rig_of
-from exo_sim.api.notebook import html_table
 from exo_sim.api.result_folder import result_folder
 from exo_sim.api.rig import Rig
+from exo_sim.api.sizing_result import SizingResult
 from exo_sim.errors import ScenarioError, nearest
 from exo_sim.rig import Rig as Machine
 from exo_sim.sizing import summary_text
@@ -24,7 +21,6 @@ from exo_sim.sizing.study import Sizing as Study
 
 if TYPE_CHECKING:
     from exo_sim.api.motion_sizing import MotionSizing
-    from exo_sim.api.picture import Picture
 
 
 #: Designs to look at where nobody says how many: of a worn machine, and along a motion.
@@ -34,63 +30,18 @@ VALVES = ("rig", "independent")
 
 
 @dataclass(frozen=True, repr=False)
-class Sizing:
-    """The result of a search for actuators.
+class Sizing(SizingResult[Study]):
+    """The result of a search for actuators of a worn machine; `study` is a `exo_sim.sizing.study.Sizing`."""
 
-    Attributes:
-        study: All of it (`exo_sim.sizing.study.Sizing`).
-        folder: Where `sized.toml`, `report.html` and the journal of the search are.
-        chosen: The rig with the recommended design.
-    """
-
-    study: Study
-    folder: Path
-    chosen: Rig
-    _temporary: tempfile.TemporaryDirectory[str] | None = field(default=None)
-
-    @property
-    def front(self) -> list[dict[str, Any]]:
-        """Return the designs to choose from, none better than another in all: bores, supply, margin, gas, mass, torque error."""
-        return self.summary["pareto"]
+    _columns = (*SizingResult._columns, "torque_error_rms_nm")
 
     @property
     def summary(self) -> dict[str, Any]:
         """Return what `exo-sim size --json` prints."""
         return summary_text.numbers(self.study, self.folder)
 
-    def save(self, folder: str | os.PathLike[str]) -> Path:
-        """Write what the command writes (`sized.toml`, `report.html`, `sized.rrd`, the journal) into a folder.
-
-        Raises:
-            OutputError: it cannot be written.
-        """
-        from exo_sim.outputs import replacing
-
-        place = Path(folder)
-        self.chosen.save(place / "sized.toml")
-        for source in sorted(self.folder.iterdir()):
-            if source.is_file() and source.name != "sized.toml" and source.parent.resolve() != place.resolve():
-                with replacing(place / source.name) as beside:
-                    shutil.copyfile(source, beside)
-        return place
-
-    def plot(self) -> Picture:
-        """Draw the front: gas drawn against the mass of the cylinders, the recommended design marked."""
-        from exo_sim.api.picture import front
-
-        mass, gas = "actuator_mass_kg", "gas_kg_per_stride"
-        best = self.summary["recommended"]
-        return front([(one[mass], one[gas]) for one in self.front], (best[mass], best[gas]), "gas a cycle [g]")
-
     def __str__(self) -> str:
         return summary_text.words(self.study, self.folder)
-
-    def __repr__(self) -> str:
-        return f"<exo.Sizing of {self.chosen.name}: {len(self.front)} designs on the front>"
-
-    def _repr_html_(self) -> str:
-        keys = ("bore_mm", "supply_pa", "torque_margin", "gas_kg_per_stride", "actuator_mass_kg", "torque_error_rms_nm")
-        return html_table([[str(one[key]) for key in keys] for one in self.front], keys, f"sizing of {self.chosen.name}")
 
 
 @dataclass(frozen=True)
@@ -111,7 +62,7 @@ def question(
     valves: str = "rig", tank: Quantity | None = None,
 ) -> Question:  # fmt: skip
     """Return what a search is asked; arguments and errors as of `size`."""
-    from exo_sim.rig.own_catalogue import read_catalogue
+    from exo_sim.rig.own_catalogue import find_catalogue, read_catalogue
     from exo_sim.rig.valve import with_edges, with_tank
     from exo_sim.sizing.around import around
     from exo_sim.sizing.fixing import given_numbers
@@ -135,7 +86,7 @@ def question(
     if tank is not None:
         machine = with_tank(machine, quantity(tank, "m^3", "tank", low=0.0, high=1.0))
     limit = None if pressure_limit is None else quantity(pressure_limit, "Pa", "pressure_limit", low=0.0)
-    fixed, bought = given_numbers(fix), None if catalogue is None else read_catalogue(Path(catalogue))
+    fixed, bought = given_numbers(fix), None if catalogue is None else read_catalogue(find_catalogue(catalogue))
     loads = tuple(joint_loads(machine, condition) for condition in conditions)
     if travel == "task":
         machine = within_tasks(machine, loads)
@@ -171,12 +122,14 @@ def size(
         reach: How far an attachment point may move: metres, or text.
         pressure_limit: Largest pressure of supply and chambers, absolute: pascal, or text; when None, 10 bar above the atmosphere.
         joints: Those to size, like ("knee_l", "knee_r"); all that have cylinders when empty.
-        catalogue: TOML file with [[cylinder]] and [[valve]] to choose from, in place of what comes along.
+        catalogue: TOML file with [[cylinder]] and [[valve]] to choose from, or the name of a maker's that comes along ("smc", "festo");
+            the standards' when None.
         fix: What is not to be chosen, like {"supply": "7 bar", "hip.bore": "40 mm"}; SI numbers or text, or texts like "supply=7 bar".
         travel: "joint": strokes cover the joints' whole range; "task": what is asked for, and 10 degrees more each way, with stops there.
         springs: Whether a spring may stand beside each rod; for valves with independent edges.
         heights: Of wearers, one or several, every combination with the rest: metres, or text; the rig's own when empty.
-        robust: Whether a short, a tall and an unladen wearer at other cadences count as well (`sizing.around`).
+        robust: Whether a short, a tall and an unladen wearer at other cadences count as well (`sizing.around`),
+            and the recommended design must stand disturbances of the walk (`sizing.disturbances`).
         valves: "rig", or "independent": each chamber's edges have a command of their own, and both pressures are planned.
         tank: Volume of a recovery tank whose pressure is chosen, m^3 or text, for independent edges; the rig's own when None, 0 for none.
         own_mass: Whether the bodies carry the cylinders' own mass, that of the smallest which suffice (`sizing.own_mass`).
@@ -211,7 +164,7 @@ def size(
     )  # fmt: skip
     with result_folder(out, "size") as (folder, temporary):
         with Workers(jobs, scheduler) as workers:
-            study = search(asked.machine, asked.conditions, asked.space, trials or TRIALS, seed, workers, folder, quiet, tell)
+            study = search(asked.machine, asked.conditions, asked.space, trials or TRIALS, seed, workers, folder, quiet, tell, robust)
         with replacing(folder / "report.html") as beside:
             beside.write_text(page(study), encoding="utf-8")
     return Sizing(study, folder, Rig.load(folder / "sized.toml"), temporary)

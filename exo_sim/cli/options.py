@@ -96,6 +96,27 @@ class RigFile(InputFile):
         return f"[FILE|{'|'.join(included_machines())}]"
 
 
+class CatalogueFile(InputFile):
+    """A catalogue file, or the name of a maker's that comes with the package."""
+
+    name = "catalogue"
+
+    def convert(self, value: Any, param: click.Parameter | None, ctx: click.Context | None) -> Path:
+        from exo_sim.errors import RigError
+        from exo_sim.rig.own_catalogue import find_catalogue
+
+        try:
+            path = find_catalogue(value)
+        except RigError as error:
+            self.fail(str(error), param, ctx)
+        return super().convert(path, param, ctx)
+
+    def get_metavar(self, param: click.Parameter, ctx: click.Context | None = None) -> str:
+        from exo_sim.rig.own_catalogue import included_catalogues
+
+        return f"[FILE|{'|'.join(included_catalogues())}]"
+
+
 def included_machines() -> dict[str, Path]:
     """Return the rigs that come with the package, by name."""
     folder = Path(__file__).resolve().parents[1] / "assets"

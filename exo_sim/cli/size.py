@@ -14,6 +14,7 @@ from exo_sim.cli.frame import verb
 @verb(
     'exo-sim size --scenario level_walk --payload "34 kg" --out sized',
     'exo-sim size --scenario level_walk --scenario squat --payload "20 kg" --payload "34 kg" --trials 1000 --jobs 8',
+    "exo-sim size --catalogue smc --joints knee_l,knee_r",
     'exo-sim size --catalogue mine.toml --fix supply="7 bar" --fix hip.bore="40 mm"',
     'exo-sim size --valves independent --tank "2 l" --travel task --robust',
     "exo-sim size --motion motion.csv --rig bench.toml --out sized",
@@ -40,8 +41,8 @@ from exo_sim.cli.frame import verb
               help="Largest pressure of supply and chambers, absolute; when absent 10 bar above "
                    "the atmosphere, for which the catalogue's are rated.")
 @click.option("--joints", "only", default=None, help="Joints to size, like knee_l,knee_r; all that have cylinders when absent.")
-@click.option("--catalogue", type=options.InputFile(), default=None,
-              help="TOML file with [[cylinder]] and [[valve]] to choose from, in place of what comes along.")
+@click.option("--catalogue", type=options.CatalogueFile(), default=None,
+              help="TOML file with [[cylinder]] and [[valve]] to choose from, or a maker's that comes along; the standards' when absent.")
 @click.option("--fix", "fixes", multiple=True, metavar='NAME="VALUE"',
               help='Not to be chosen: supply="7 bar", hip.bore="40 mm", hip.valve="8 mm^2", hip.from="200 mm" or hip.to; may be repeated.')
 @click.option("--travel", type=click.Choice(["joint", "task"]), default="joint", show_default=True,
@@ -53,8 +54,10 @@ from exo_sim.cli.frame import verb
               help='Volume of a recovery tank like "2 l", its pressure is chosen; for independent edges. The rig\'s own when absent.')
 @click.option("--height", "heights", multiple=True, type=options.Quantity("m", low=0.5, high=3.0),
               help='Of the wearer, like "1.60 m", mass by the same body mass index; may be given again. The rig\'s when absent.')
-@click.option("--robust", is_flag=True, help="A short and fast, a tall and slow, and an unladen wearer count as well.")
-@click.option("--own-mass", is_flag=True, help="The bodies carry the cylinders' own mass: that of the smallest which suffice.")
+@click.option("--robust", is_flag=True,
+              help="A short and fast, a tall and slow, and an unladen wearer count as well; disturbances of the walk, too.")
+@click.option("--own-mass", is_flag=True,
+              help="The bodies carry the actuators' and the tank's own mass: that of the smallest which suffice.")
 @click.option("--jobs", type=click.IntRange(-1), default=-1, show_default=True,
               help="Processes, one thread each; -1: one a core.")
 @click.option("--scheduler", default=None, help="Address of a Dask scheduler, tcp://HOST:PORT, to score designs on its workers.")

@@ -2,11 +2,8 @@
 
 from __future__ import annotations
 
-from importlib import metadata
-from pathlib import Path
-
-import exo_sim
 from exo_sim.report import sizing_picture
+from exo_sim.report.sizing_frame import rendered, spread
 from exo_sim.simulation import gas_use
 from exo_sim.sizing import published, summary_text
 from exo_sim.sizing.by_hand import papers_example
@@ -14,21 +11,13 @@ from exo_sim.sizing.choice import fates
 from exo_sim.sizing.sensitivity import cheaper
 from exo_sim.sizing.study import Sizing
 
-_HERE = Path(__file__).parent
-_PACKAGES = ("mujoco", "numpy", "numba", "optuna")
-#: Rows of the front that are shown.
-_ROWS = 40
-
 
 def page(sizing: Sizing) -> str:
     """Return the HTML; the same sizing and versions give the same bytes."""
-    import jinja2
-
-    environment = jinja2.Environment(autoescape=True, trim_blocks=True, undefined=jinja2.StrictUndefined)
-    template = environment.from_string((_HERE / "sizing.html").read_text(encoding="utf-8"))
     kinds, front = sizing.task.space.kinds, sizing.outcome.front
-    shown = _spread(len(front), front.index(sizing.choice.found))
-    return template.render(
+    shown = spread(len(front), front.index(sizing.choice.found))
+    return rendered(
+        "sizing.html",
         z=sizing,
         c=sizing.choice.confirmed,
         kinds=kinds,
@@ -39,7 +28,7 @@ def page(sizing: Sizing) -> str:
         mean=sum(one.gas for one in sizing.choice.everywhere) / max(len(sizing.choice.everywhere), 1),
         fates=fates(sizing.outcome, sizing.task),
         gas=gas_use.rows(sizing.choice.confirmed.summary["gas"]) if "gas" in sizing.choice.confirmed.summary else [],
-        style=(_HERE / "diagnosis.css").read_text(encoding="utf-8"),
+        bought=summary_text.bought(sizing),
         conditions=[str(condition) for condition in sizing.task.conditions],
         described=summary_text.described(kinds, sizing.choice.found),
         simulated=sum(one.score.simulated for one in sizing.outcome.trials),
@@ -55,12 +44,5 @@ def page(sizing: Sizing) -> str:
         p=sizing.published,
         known=published,
         example=papers_example(),
-        versions=", ".join([f"exo-sim {exo_sim.__version__}", *(f"{name} {metadata.version(name)}" for name in _PACKAGES)]),
     )
 
-
-def _spread(count: int, chosen: int) -> list[int]:
-    """Return which rows to show: all, or evenly spread ones with the chosen among them."""
-    if count <= _ROWS:
-        return list(range(count))
-    return sorted({round(i * (count - 1) / (_ROWS - 2)) for i in range(_ROWS - 1)} | {chosen})

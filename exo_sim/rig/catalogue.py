@@ -3,6 +3,7 @@
 Bores and the rating of 1 MPa are the standards' own; rods and strokes are what makers' catalogues list with them (rods: Pneumax
 general catalogue, appendix A). Lengths and masses are our estimates for aluminium profile (ISO 15552) and stainless round (ISO 6432)
 cylinders, taken from no standard; makers differ by 15 % and more, so a chosen cylinder is to be looked up before it is bought.
+What makers publish is in `assets/catalogues`.
 """
 
 from __future__ import annotations
@@ -15,6 +16,9 @@ from exo_sim.rig.schema import Cylinder
 
 #: What both standards rate a cylinder for, above the atmosphere [Pa].
 RATED_PRESSURE = 1.0e6
+
+#: What the standards do not say: estimates of ours, by the words of a catalogue file.
+ESTIMATED = ("pivot_length", "mass_0", "mass_per_metre")
 
 _MM, _G_PER_10MM = 1e-3, 0.1
 #: Clearance that stays at each end of the stroke, and what port and a short hose add to each chamber.
@@ -38,6 +42,9 @@ class CatalogueCylinder:
         mass_per_length: [kg/m].
         rating: Largest pressure in it, absolute [Pa].
         maker: Who makes it; "" for the standard's own.
+        coldest: What its maker allows [K], None where it is not known.
+        source: Where its figures come from.
+        estimated: Those of its figures that are estimates, by the words of a catalogue file.
     """
 
     standard: str
@@ -49,6 +56,9 @@ class CatalogueCylinder:
     mass_per_length: float
     rating: float = RATED_PRESSURE + 101325.0
     maker: str = ""
+    coldest: float | None = None
+    source: str = ""
+    estimated: tuple[str, ...] = ()
 
     def mass(self, stroke: float) -> float:
         """Return the mass with a stroke [kg]."""
@@ -79,8 +89,9 @@ def _row(
     standard: str, strokes: tuple[int, ...], bore: float, rod: float, pivot: float, grams: float, per_10mm: float
 ) -> CatalogueCylinder:
     return CatalogueCylinder(
-        standard, bore * _MM, rod * _MM, tuple(s * _MM for s in strokes), pivot * _MM, grams * 1e-3, per_10mm * _G_PER_10MM
-    )
+        standard, bore * _MM, rod * _MM, tuple(s * _MM for s in strokes), pivot * _MM, grams * 1e-3, per_10mm * _G_PER_10MM,
+        source="the standard", estimated=ESTIMATED,
+    )  # fmt: skip
 
 
 #: All of them by rising bore. Columns: bore, rod, pivot length [mm], mass without stroke [g], mass of 10 mm of stroke [g].

@@ -1,12 +1,16 @@
-"""Read a catalogue of one's own: `[[cylinder]]` and `[[valve]]` tables in a TOML file."""
+"""Read a catalogue: `[[cylinder]]` and `[[valve]]` tables in a TOML file, one's own or one of the makers' that come along.
+
+What comes along says of each entry where its figures are from (`source`), and which of them are estimates (`estimated`).
+"""
 
 from __future__ import annotations
 
 import math
+import os
 from dataclasses import dataclass
 from pathlib import Path
 
-from exo_sim.errors import RigError
+from exo_sim.errors import RigError, nearest
 from exo_sim.inputs import refusing, text_of, toml
 from exo_sim.rig.catalogue import CATALOGUE, RATED_PRESSURE, CatalogueCylinder
 from exo_sim.rig.schema import VALVE_KINDS
@@ -14,6 +18,10 @@ from exo_sim.rig.table import Table
 from exo_sim.rig.valve import CONDUCTANCE, area_of
 
 _ATMOSPHERE = 101325.0
+_INCLUDED = Path(__file__).resolve().parents[1] / "assets" / "catalogues"
+#: Figures of an entry that its maker may leave open, so that they are estimates.
+_CYLINDER_FIGURES = ("rod", "strokes", "pivot_length", "mass_0", "mass_per_metre", "rating", "coldest")
+_VALVE_FIGURES = ("C", "b", "area", "lag", "mass")
 
 
 @dataclass(frozen=True)
@@ -27,6 +35,8 @@ class CatalogueValve:
         kind: "4-way" or "independent".
         lag: Time constant [s], 0 where none is given.
         mass: Of what one cylinder needs of it [kg].
+        source: Where its figures come from.
+        estimated: Those of its figures that are estimates, by the words of a catalogue file.
     """
 
     name: str
@@ -35,6 +45,8 @@ class CatalogueValve:
     kind: str = "4-way"
     lag: float = 0.0
     mass: float = 0.0
+    source: str = ""
+    estimated: tuple[str, ...] = ()
 
 
 @dataclass(frozen=True)
@@ -43,6 +55,25 @@ class Catalogue:
 
     cylinders: tuple[CatalogueCylinder, ...] = CATALOGUE
     valves: tuple[CatalogueValve, ...] = ()
+
+
+def included_catalogues() -> dict[str, Path]:
+    """Return the makers' catalogues that come with the package, by name."""
+    return {path.stem: path for path in sorted(_INCLUDED.glob("*.toml"))}
+
+
+def find_catalogue(name: str | os.PathLike[str]) -> Path:
+    """Return the path of a catalogue: a file, or the name of one that comes along where there is no such file.
+
+    Raises:
+        RigError: a plain name that is neither.
+    """
+    path, included = Path(name), included_catalogues()
+    if path.exists() or path.suffix or path.name != str(name):
+        return path
+    if str(name) not in included:
+        raise RigError(f'there is no file "{name}", and no catalogue of that name comes along{nearest(str(name), included)}')
+    return included[str(name)]
 
 
 def read_catalogue(path: Path) -> Catalogue:
@@ -79,8 +110,9 @@ def _cylinder(part: Table) -> CatalogueCylinder:
     if rod >= bore:
         raise part.fail("rod", f"must be thinner than the bore ({bore:g} m)")
     maker = part.text("maker", "")
+    estimated = _estimated(part, _CYLINDER_FIGURES)
     found = CatalogueCylinder(
-        standard=maker or "own",
+        standard=" ".join(word for word in (maker, part.text("series", "")) if word) or "own",
         bore=bore,
         rod=rod,
         strokes=_strokes(part),
@@ -89,9 +121,24 @@ def _cylinder(part: Table) -> CatalogueCylinder:
         mass_per_length=part.quantity("mass_per_metre", "kg/m", at_least=0.0, most=1e4),
         rating=part.quantity("rating", "Pa", default=RATED_PRESSURE + _ATMOSPHERE, above=_ATMOSPHERE, most=1e9),
         maker=maker,
+        coldest=part.quantity("coldest", "K", above=100.0, most=400.0) if part.has("coldest") else None,
+        source=part.text("source", ""),
+        estimated=estimated if part.has("pivot_length") else tuple(dict.fromkeys((*estimated, "pivot_length"))),
     )
     part.done()
     return found
+
+
+def _estimated(part: Table, known: tuple[str, ...]) -> tuple[str, ...]:
+    if not part.has("estimated"):
+        return ()
+    held = part.values["estimated"]
+    if not isinstance(held, list) or not all(isinstance(word, str) for word in held):
+        raise part.fail("estimated", 'must be a list of keys: give it like estimated = ["mass_0"]')
+    for word in held:
+        if word not in known:
+            raise part.fail("estimated", f'"{word}" is no key of this entry{nearest(word, known)}')
+    return tuple(str(word) for word in held)
 
 
 def _strokes(part: Table) -> tuple[float, ...]:
@@ -131,12 +178,14 @@ def _valve(part: Table, number: int) -> CatalogueValve:
     if area > 1e-2:
         raise part.fail("C" if part.has("C") else "area", "is larger than any valve's of this kind; is the unit right?")
     found = CatalogueValve(
-        name=part.text("name", "") or " ".join(word for word in (part.text("maker", ""), f"valve {number}") if word),
+        name=" ".join(word for word in (part.text("maker", ""), part.text("name", "") or f"valve {number}") if word),
         area=area,
         ratio=part.quantity("b", "1", default=0.0, at_least=0.02, most=0.6),
         kind=part.text("kind", "4-way", VALVE_KINDS),
         lag=part.quantity("lag", "s", default=0.0, at_least=0.0, most=1.0),
         mass=part.quantity("mass", "kg", default=0.0, at_least=0.0, most=100.0),
+        source=part.text("source", ""),
+        estimated=_estimated(part, _VALVE_FIGURES),
     )
     part.done()
     return found

@@ -122,9 +122,16 @@ def with_valve(effects: tuple[EffectSetting, ...], kind: JointKind, chosen: Join
     said = [(name, {parameter: value}) for name, parameter, value in valve_effects(chosen.valve)]
     if chosen.spring is not None:
         said.append(("return_spring", {"stiffness": chosen.spring[0], "rest": chosen.spring[1]}))
+    return with_effects(effects, kind.cylinders, said)
+
+
+def with_effects(
+    effects: tuple[EffectSetting, ...], cylinders: tuple[str, ...], said: list[tuple[str, dict[str, float]]]
+) -> tuple[EffectSetting, ...]:
+    """Return effects with those of some cylinders in place of the owner's: name and parameters each."""
     for name, parameters in said:
-        effects = tuple(one for one in effects if one.name != name or one.where not in kind.cylinders)
-        effects += tuple(EffectSetting(name, cylinder, parameters) for cylinder in kind.cylinders)
+        effects = tuple(one for one in effects if one.name != name or one.where not in cylinders)
+        effects += tuple(EffectSetting(name, cylinder, parameters) for cylinder in cylinders)
     return effects
 
 
@@ -156,7 +163,12 @@ def recovery_mass(kinds: tuple[JointKind, ...], design: Design) -> float:
     """Return the mass of a recovery tank and of the paths to it [kg], 0 where there is none (`TANK_MASS`, our estimate)."""
     if design.recovery is None:
         return 0.0
-    return TANK_MASS * design.recovery.volume + TANK_VALVES_MASS * sum(len(kind.cylinders) for kind in kinds)
+    return tank_mass(design) + TANK_VALVES_MASS * sum(len(kind.cylinders) for kind in kinds)
+
+
+def tank_mass(design: Design) -> float:
+    """Return the mass of a recovery tank alone [kg], 0 where there is none (`TANK_MASS`, our estimate)."""
+    return 0.0 if design.recovery is None else TANK_MASS * design.recovery.volume
 
 
 def spring_mass(spring: tuple[float, float] | None, stroke: float) -> float:

@@ -4,13 +4,16 @@ from __future__ import annotations
 
 import math
 from collections import Counter
+from collections.abc import Mapping
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
 from exo_sim.errors import ScenarioError
 from exo_sim.outputs import replacing
-from exo_sim.rig import Correction, Rig, improved
+from exo_sim.rig import Correction, EffectSetting, Finding, Rig, improved
+from exo_sim.sizing.bought_parts import too_cold
+from exo_sim.sizing.design import valve_effects
 from exo_sim.sizing.evaluation import ENOUGH_MARGIN
 from exo_sim.sizing.motion_search import RodDesign, RodJudge, front_of, recommended
 
@@ -51,26 +54,36 @@ def result(judge: RodJudge, designs: list[RodDesign]) -> MotionSizing:
     return MotionSizing(judge, designs, front, recommended(front))
 
 
-def sized_text(rig: Rig, chosen: RodDesign, names: tuple[str, ...], folder: Path) -> str:
+def sized_text(rig: Rig, chosen: RodDesign, groups: Mapping[str, tuple[str, ...]], folder: Path) -> str:
     """Return the owner's rig file with a design's numbers, the old ones in comments, for a file in `folder`."""
     numbers: list[tuple[tuple[str, ...], float, float, str]] = [
         (("supply", "pressure"), rig.supply.pressure, chosen.rig.supply.pressure, "Pa")
     ]
-    for name in names:
+    ratings = []
+    for name in (name for names in groups.values() for name in names):
         old, new = rig.cylinders[name], chosen.rig.cylinders[name]
         units = {"bore": "m", "rod": "m", "stroke": "m", "retracted_length": "m", "dead_volume_1": "m^3", "dead_volume_2": "m^3"}
         numbers += [(("cylinders", name, word), getattr(old, word), getattr(new, word), unit) for word, unit in units.items()]
         numbers.append((("cylinders", name, "valve", "area"), old.valve_area, new.valve_area, "m^2"))
+        if new.rating is not None and old.rating != new.rating:
+            ratings.append(Correction(("cylinders", name, "rating"), new.rating, "Pa"))
     corrections = [Correction(key, new, unit) for key, old, new, unit in numbers if not math.isclose(old, new, rel_tol=1e-7, abs_tol=1e-12)]
-    return improved(rig, [], corrections, folder)
+    corrections += ratings
+    effects = [
+        Finding(EffectSetting(name, cylinder, {parameter: value}), says=f"Of {part.valve.name}.")
+        for group, part in chosen.parts.items()
+        if part.valve is not None
+        for name, parameter, value in valve_effects(part.valve)
+        for cylinder in groups[group]
+    ]
+    return improved(rig, effects, corrections, folder)
 
 
 def write(found: MotionSizing, folder: Path) -> Path:
     """Write `sized.toml` into a folder; return its path."""
-    names = tuple(name for group in found.judge.space.groups.values() for name in group)
     folder.mkdir(parents=True, exist_ok=True)
     with replacing(folder / "sized.toml") as new:
-        new.write_text(sized_text(found.judge.rig, found.chosen, names, folder), encoding="utf-8")
+        new.write_text(sized_text(found.judge.rig, found.chosen, found.judge.space.groups, folder), encoding="utf-8")
     return folder / "sized.toml"
 
 
@@ -82,7 +95,8 @@ def entry(found: MotionSizing, one: RodDesign) -> dict[str, Any]:
         "rod_mm": {group: _mm(c.rod) for group, c in first.items()},
         "stroke_mm": {group: _mm(c.stroke) for group, c in first.items()},
         "supply_pa": one.rig.supply.pressure,
-        "part": dict(one.parts),
+        "part": {group: part.cylinder.standard for group, part in one.parts.items()},
+        "valve": {group: part.valve.name for group, part in one.parts.items() if part.valve is not None},
         "valve_area_mm2": {group: round(1e6 * c.valve_area, 3) for group, c in first.items()},
         "torque_margin": one.margin,
         "gas_kg_per_stride": one.gas,
@@ -104,13 +118,14 @@ def numbers(found: MotionSizing, folder: Path) -> dict[str, Any]:
         "chosen": folder / "sized.toml",
         "report": folder / "report.html",
         "recommended": entry(found, found.chosen),
+        "parts": {group: part.numbers() for group, part in found.chosen.parts.items()},
         "fates": dict(Counter(one.fate or "can be had" for one in found.designs)),
     }
 
 
 def words(found: MotionSizing, folder: Path) -> str:
     """Return the result for people."""
-    lines = [f"{len(found.designs)} designs, {len(found.front)} on the front", "", *described(found), *changes(found)]
+    lines = [f"{len(found.designs)} designs, {len(found.front)} on the front", "", *described(found), *changes(found), *bought(found)]
     return "\n".join([*lines, f"{folder / 'sized.toml'}, {folder / 'report.html'}"])
 
 
@@ -122,7 +137,7 @@ def described(found: MotionSizing) -> list[str]:
     for group in found.judge.space.groups:
         lines.append(
             f"{group}: {one['part'][group]}, bore {one['bore_mm'][group]:g}, rod {one['rod_mm'][group]:g}, stroke "
-            f"{one['stroke_mm'][group]:g} mm; valve {one['valve_area_mm2'][group]:.1f} mm^2"
+            f"{one['stroke_mm'][group]:g} mm; {one['valve'].get(group, 'valve')} {one['valve_area_mm2'][group]:.1f} mm^2"
         )
     error = f"{math.degrees(found.chosen.position_error):.2f} deg" if turns else f"{1e3 * found.chosen.position_error:.2f} mm"
     return [
@@ -130,6 +145,12 @@ def described(found: MotionSizing) -> list[str]:
         f"gas {1e3 * one['gas_kg_per_stride']:.2f} g over the motion, cylinders {one['actuator_mass_kg']:.2f} kg, force in hand "
         f"{100 * one['torque_margin']:.0f} %, position error {error} rms, force error {one['force_error_rms_n']:.1f} N rms",
     ]
+
+
+def bought(found: MotionSizing) -> list[str]:
+    """Return where the figures of the recommended parts come from, which are estimates, and which gets too cold, in lines of text."""
+    parts = found.chosen.parts.values()
+    return [*(line for part in parts for line in part.lines()), *too_cold(parts, found.chosen.coldest)]
 
 
 def changes(found: MotionSizing) -> list[str]:

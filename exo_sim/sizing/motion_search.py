@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import warnings
 from collections.abc import Mapping
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 
 import numpy as np
 from numpy.typing import NDArray
@@ -22,8 +22,9 @@ from exo_sim.rig import Rig, assembly
 from exo_sim.rig.control_step import longest_step
 from exo_sim.rig.own_catalogue import Catalogue
 from exo_sim.simulation.unworn import UnwornSimulation
+from exo_sim.sizing.bought_parts import BoughtParts
 from exo_sim.sizing.capability import Capability, capability, margin
-from exo_sim.sizing.design import END_CLEARANCE, PLACES
+from exo_sim.sizing.design import END_CLEARANCE, PLACES, valve_effects, with_effects
 from exo_sim.sizing.design_space import LEAST_SUPPLY, MOST_ABOVE, VALVE_AREAS
 from exo_sim.sizing.evaluation import AMPLE_MARGIN, ENOUGH_MARGIN
 from exo_sim.sizing.motion_loads import RodLoads, rod_loads
@@ -41,7 +42,8 @@ class RodDesign:
     Attributes:
         number: Of the trial.
         rig: The owner's with its numbers.
-        parts: What the catalogue calls the cylinders, by group.
+        parts: What is to be bought, by group.
+        coldest: Of the gas in the chambers [K], by group; empty where it was not moved.
         margin: Least force in hand at the speed of the motion, as a share of the largest wanted.
         gas: Drawn over the motion [kg].
         mass: Of all cylinders [kg].
@@ -53,7 +55,7 @@ class RodDesign:
 
     number: int
     rig: Rig
-    parts: Mapping[str, str]
+    parts: Mapping[str, BoughtParts]
     margin: float
     gas: float = np.inf
     mass: float = np.inf
@@ -61,6 +63,7 @@ class RodDesign:
     position_error: float = np.inf
     peak: float = np.inf
     fate: str = ""
+    coldest: Mapping[str, float] = field(default_factory=dict)
 
     @property
     def costs(self) -> tuple[float, float, float, float]:
@@ -152,7 +155,7 @@ class RodJudge:
         """Return the design that a set of variables stands for: supply, and by group "above" (bores above the smallest) and "valve"."""
         supply = float(np.round(numbers["supply"] / PLACES["pressure"])) * PLACES["pressure"]
         rig = replace(self.rig, supply=replace(self.rig.supply, pressure=supply))
-        parts: dict[str, str] = {}
+        parts: dict[str, BoughtParts] = {}
         mass, least = 0.0, float(np.inf)
         for group, names in self.space.groups.items():
             chosen = self._chosen(rig, group, names, numbers)
@@ -180,6 +183,10 @@ class RodJudge:
             error=max(rms(f"{name}.force", f"{name}.force_demanded") for name in rig.cylinders),
             position_error=max(rms(f"{joint}.position", f"{joint}.position_demanded") for joint in run.motion.joints), peak=peak,
             fate=f"{peak / 1e5:.1f} bar in a chamber, {limit / 1e5:.1f} allowed" if peak > limit * 1.0001 else "",
+            coldest={
+                group: min(float(run.columns[f"{name}.temperature_{side}"].min()) for name in names for side in (1, 2))
+                for group, names in self.space.groups.items()
+            },
         )  # fmt: skip
 
     @property
@@ -188,14 +195,17 @@ class RodJudge:
 
     def _chosen(
         self, rig: Rig, group: str, names: tuple[str, ...], numbers: Mapping[str, float]
-    ) -> tuple[Rig, str, float, float] | None:
+    ) -> tuple[Rig, BoughtParts, float, float] | None:
         """Return the rig with a group's cylinders, what they are called, their margin and mass; None where none can be had."""
         at = [self._index[name] for name in names]
         span = self.loads.span[at]
         travel = float(np.max(span[:, 1] - span[:, 0])) + 2 * END_CLEARANCE + PLACES["length"]
         area, valves = float(np.round(numbers[f"{group}.valve"] / PLACES["area"])) * PLACES["area"], self.space.catalogue.valves
-        if valves:
-            area = min(valves, key=lambda one: abs(np.log(one.area / numbers[f"{group}.valve"]))).area
+        valve = min(valves, key=lambda one: abs(np.log(one.area / numbers[f"{group}.valve"])), default=None)
+        if valve is not None:
+            area = valve.area
+            said = [(name, {parameter: value}) for name, parameter, value in valve_effects(valve)]
+            rig = replace(rig, effects=with_effects(rig.effects, names, said))
         wanted = self.space.fixed.get(f"{group}.bore")
         found = []
         for entry in self.space.catalogue.cylinders:
@@ -213,7 +223,8 @@ class RodJudge:
                 )  # fmt: skip
             candidate = replace(rig, cylinders=cylinders)
             held = min(self._margin(candidate, name) for name in names)
-            found.append((candidate, entry.standard, held, len(names) * entry.mass(stroke)))
+            mass = entry.mass(stroke) + (valve.mass if valve is not None else 0.0)
+            found.append((candidate, BoughtParts(group, entry, valve), held, len(names) * mass))
         if not found:
             return None
         enough = next((i for i, one in enumerate(found) if one[2] >= ENOUGH_MARGIN), int(np.argmax([one[2] for one in found])))

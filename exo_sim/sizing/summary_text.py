@@ -9,6 +9,7 @@ import numpy as np
 
 from exo_sim.physics.compressed_air import exergy, free_air
 from exo_sim.simulation import gas_use
+from exo_sim.sizing.bought_parts import BoughtParts, too_cold
 from exo_sim.sizing.by_hand import Step
 from exo_sim.sizing.choice import fates
 from exo_sim.sizing.design import fit, recovery_mass, spring_mass
@@ -101,6 +102,7 @@ def numbers(sizing: Sizing, folder: Path) -> dict[str, Any]:
         "relaxed": [
             {"requirement": one.requirement, "needs": one.needs, "design": entry(kinds, one.found)} for one in sizing.sensitivity.relaxed
         ],
+        "parts": {one.name: one.numbers() for one in parts(sizing)},
         "rods": [{**one.__dict__, "buckling": _finite(one.buckling)} for one in sizing.rods],
         "published_class": None if sizing.published is None else sizing.published.__dict__,
         "report": folder / "report.html",
@@ -149,7 +151,7 @@ def words(sizing: Sizing, folder: Path) -> str:
             f"torso straps {straps['torso_rms']:.0f} N rms."
         )
         lines += gas_use.words(confirmed.summary["gas"])
-        lines += [*changes(sizing), *rods(sizing)]
+        lines += [*changes(sizing), *rods(sizing), *bought(sizing)]
     else:
         lines.append(f"It could not be walked with in closed loop: {confirmed.trouble}")
     lines.append(f"{folder / 'sized.toml'}, {folder / 'report.html'}" + (f", {folder / 'sized.rrd'}" if confirmed.walk is not None else ""))
@@ -172,6 +174,21 @@ def changes(sizing: Sizing) -> list[str]:
         said = f"fails {step.fails}" if step.fails else "keeps all requirements of the search"
         lines.append(f"One step cheaper: {step.what}: {1e3 * step.score.gas:.2f} g, {step.score.mass:.1f} kg; {said}.")
     return lines
+
+
+def parts(sizing: Sizing) -> tuple[BoughtParts, ...]:
+    """Return what is to be bought for the recommended design."""
+    joints = sizing.choice.found.design.joints
+    return tuple(BoughtParts(kind.name, joints[kind.name].cylinder, joints[kind.name].valve) for kind in sizing.task.space.kinds)
+
+
+def bought(sizing: Sizing) -> list[str]:
+    """Return where the figures of the recommended parts come from, which are estimates, and which gets too cold, in lines of text."""
+    walk, least = sizing.choice.confirmed.walk, {}
+    if walk is not None:
+        for kind in sizing.task.space.kinds:
+            least[kind.name] = min(float(walk.columns[f"{name}.temperature_{side}"].min()) for name in kind.cylinders for side in (1, 2))
+    return [*(line for one in parts(sizing) for line in one.lines()), *too_cold(parts(sizing), least)]
 
 
 def rods(sizing: Sizing) -> list[str]:

@@ -21,6 +21,9 @@ def test_half_of_each_cylinder_hangs_at_each_of_its_ends(exo, condition, loads, 
     assert grown["thigh_l"] == pytest.approx(0.5 * (masses["hip_l"] + masses["knee_l"]))
     assert grown["shank_l"] == pytest.approx(0.5 * masses["knee_l"])
     assert grown["foot_l"] == 0.0
+    tank = load(with_masses(exo, masses, tank=0.6))
+    assert tank.body("torso").mass[0] - model.body("torso").mass[0] == pytest.approx(0.6)
+    assert tank.body_mass.sum() - model.body_mass.sum() == pytest.approx(0.6)
     own = joint_loads(heavy, condition)
     assert own.mass == pytest.approx(loads.mass + sum(masses.values()))
     assert np.abs(own.torque).max() > np.abs(loads.torque).max()

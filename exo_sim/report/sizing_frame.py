@@ -1,0 +1,35 @@
+"""What the pages of both kinds of sizing share: templates, style, how many designs a table shows, versions."""
+
+from __future__ import annotations
+
+from importlib import metadata
+from pathlib import Path
+from typing import Any
+
+import exo_sim
+
+_HERE = Path(__file__).parent
+_PACKAGES = ("mujoco", "numpy", "numba", "optuna")
+#: Rows of the front that are shown.
+ROWS = 40
+
+
+def rendered(template: str, **values: Any) -> str:
+    """Return a page of a template in this folder; the same values and versions give the same bytes."""
+    import jinja2
+
+    environment = jinja2.Environment(
+        autoescape=True, trim_blocks=True, undefined=jinja2.StrictUndefined, loader=jinja2.FileSystemLoader(_HERE)
+    )
+    return environment.get_template(template).render(
+        **values,
+        style=(_HERE / "diagnosis.css").read_text(encoding="utf-8"),
+        versions=", ".join([f"exo-sim {exo_sim.__version__}", *(f"{name} {metadata.version(name)}" for name in _PACKAGES)]),
+    )
+
+
+def spread(count: int, chosen: int) -> list[int]:
+    """Return which rows of a front to show: all, or evenly spread ones with the chosen among them."""
+    if count <= ROWS:
+        return list(range(count))
+    return sorted({round(i * (count - 1) / (ROWS - 2)) for i in range(ROWS - 1)} | {chosen})

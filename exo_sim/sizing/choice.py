@@ -2,13 +2,14 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
 from dataclasses import dataclass, replace
 
 import numpy as np
 
 from exo_sim.errors import ScenarioError
-from exo_sim.sizing.confirmation import Confirmed, confirm
+from exo_sim.rig import Rig
+from exo_sim.sizing.confirmation import Confirmed, confirm, confirm_disturbed
 from exo_sim.sizing.design import fitted
 from exo_sim.sizing.evaluation import ENOUGH_MARGIN, ENOUGH_TRACKING, OF_THE_CYCLE, Task, largest_torque
 from exo_sim.sizing.loads import Condition, JointLoads
@@ -38,9 +39,12 @@ class Walked:
 
 @dataclass(frozen=True)
 class UnderCondition:
-    """What the recommended design did in the closed loop of one condition: gas a cycle [kg], error [N m], largest pressure [Pa]."""
+    """What the recommended design did in the closed loop of one condition, disturbed or not.
 
-    condition: Condition
+    What it was, gas a cycle [kg], error [N m], largest pressure [Pa], why it failed or "".
+    """
+
+    condition: str
     gas: float
     error: float
     peak: float
@@ -163,8 +167,11 @@ def recommended(
     if len(tried[at].walks) > 1:
         gas = [found.gas for _, found in tried[at].walks]
         errors = [found.error for _, found in tried[at].walks]
+        plain = min(len(gas), len(task.conditions))
+        disturbances = f" and {len(gas) - plain} disturbances" if len(gas) > plain else ""
         words += (
-            f". Over {len(gas)} conditions it draws {1e3 * float(np.mean(gas)):.2f} g a cycle in the mean, {1e3 * max(gas):.2f} g "
+            f". Over {plain} conditions{disturbances} "
+            f"it draws {1e3 * float(np.mean(gas)):.2f} g a cycle in the mean, {1e3 * max(gas):.2f} g "
             f"at the most, and follows within {max(errors):.1f} N m rms"
         )
     everywhere = tuple(UnderCondition(place, found.gas, found.error, found.peak, found.trouble) for place, found in tried[at].walks)
@@ -176,7 +183,7 @@ class _Tried:
     """A design of the shortlist and its walks, the hardest condition's first; `excess` is the largest of all (`Confirmed.excess`)."""
 
     found: Found
-    walks: tuple[tuple[Condition, Confirmed], ...]
+    walks: tuple[tuple[str, Confirmed], ...]
     limits: tuple[float, float]
 
     @property
@@ -185,23 +192,29 @@ class _Tried:
 
     def worst(self, task: Task) -> Walked:
         place, walk = max(self.walks, key=lambda item: item[1].excess(*self.limits))
-        return Walked(self.found.design.number, walk.error, walk.peak, limit_of(self.found, task), walk.trouble, str(place))
+        return Walked(self.found.design.number, walk.error, walk.peak, limit_of(self.found, task), walk.trouble, place)
 
 
 def _walked_everywhere(
     one: Found, task: Task, loads: tuple[JointLoads, ...], joints: tuple[str, ...], limits: tuple[float, float]
 ) -> _Tried:
-    """Walk with a design under every condition, the hardest first, until one is beyond the limits."""
+    """Walk with a design under every condition, the hardest first, then the hardest disturbed, until one is beyond the limits."""
     rig, hardest = fitted(task.rig, task.space.kinds, one.design), _hardest(one, loads)
     order = [hardest, *(i for i in range(len(task.conditions)) if i != hardest)]
-    walks: list[tuple[Condition, Confirmed]] = []
-    for i in order:
-        walk = confirm(rig, task.conditions[i], joints)
-        beyond = walk.excess(*limits) > 1.0
-        walks.append((task.conditions[i], walk if not walks else replace(walk, walk=None)))  # whole walks are large: one is shown
-        if beyond:
+    walks: list[tuple[str, Confirmed]] = []
+    for place, walk in _walks(rig, [task.conditions[i] for i in order], task.disturbed, joints):
+        walks.append((place, walk if not walks else replace(walk, walk=None)))  # whole walks are large: one is shown
+        if walk.excess(*limits) > 1.0:
             break
     return _Tried(one, tuple(walks), limits)
+
+
+def _walks(rig: Rig, conditions: list[Condition], disturbed: bool, joints: tuple[str, ...]) -> Iterator[tuple[str, Confirmed]]:
+    for condition in conditions:
+        yield str(condition), confirm(rig, condition, joints)
+    if disturbed:
+        for one, walk in confirm_disturbed(rig, conditions[0], joints):
+            yield f"{conditions[0]}; {one.name}", walk
 
 
 def limit_of(found: Found, task: Task) -> float:

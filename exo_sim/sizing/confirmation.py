@@ -6,6 +6,7 @@ with the cylinders that are there, so it costs a second a design and is asked of
 
 from __future__ import annotations
 
+from collections.abc import Callable, Iterator
 from dataclasses import dataclass
 from typing import Any
 
@@ -14,6 +15,7 @@ from exo_sim.rig import Rig
 from exo_sim.simulation import summary
 from exo_sim.simulation.coupled import Simulation
 from exo_sim.simulation.walk import Request, Walk
+from exo_sim.sizing.disturbances import Disturbance, disturbances_of, disturbed
 from exo_sim.sizing.loads import Condition
 
 #: Cycles that are walked; what `summary` leaves out at the start does not count.
@@ -59,8 +61,29 @@ def confirm(rig: Rig, condition: Condition, joints: tuple[str, ...]) -> Confirme
     Raises:
         KeyboardInterrupt: Ctrl-C.
     """
+    return _walked(lambda: _simulation(rig, condition), joints)
+
+
+def confirm_disturbed(rig: Rig, condition: Condition, joints: tuple[str, ...]) -> Iterator[tuple[Disturbance, Confirmed]]:
+    """Walk with a fitted rig under each disturbance of a condition, as long as they are asked for; arguments as of `confirm`.
+
+    Raises:
+        ExoSimError: it does not walk undisturbed.
+        KeyboardInterrupt: Ctrl-C.
+    """
+    if not disturbances_of(condition):
+        return
+    for one, simulation in disturbed(_simulation(rig, condition), rig, condition):
+        yield one, _walked(lambda simulation=simulation: simulation, joints)  # type: ignore[misc]
+
+
+def _simulation(rig: Rig, condition: Condition) -> Simulation:
+    return Simulation(condition.worn(rig), Request(condition.scenario, condition.payload, condition.speed, CYCLES))
+
+
+def _walked(made: Callable[[], Simulation], joints: tuple[str, ...]) -> Confirmed:
     try:
-        walk = Simulation(condition.worn(rig), Request(condition.scenario, condition.payload, condition.speed, CYCLES)).run()
+        walk = made().run()
     except ExoSimError as error:
         return Confirmed(None, {}, float("inf"), float("inf"), str(error))
     if walk.interrupted:

@@ -93,12 +93,14 @@ class Task:
         conditions: What it must do.
         space: What may be chosen.
         step: Of the coupled cycle [s].
+        disturbed: Whether what is recommended must stand the disturbances of a walk, too (`sizing.disturbances`); scores do not ask.
     """
 
     rig: Rig
     conditions: tuple[Condition, ...]
     space: Space
     step: float = STEP
+    disturbed: bool = False
 
     @cached_property
     def digest(self) -> str:

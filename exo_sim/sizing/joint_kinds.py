@@ -75,6 +75,11 @@ def kinds_of(rig: Rig, only: tuple[str, ...] = ()) -> tuple[JointKind, ...]:
                 f'{rig.path}: cylinders.{link.cylinder} drives the sliding joint "{link.joint}"; sizing is for '
                 "cylinders that turn the joints of a worn machine"
             )
+        if link.joint.startswith("ankle") and rig.ankle.mode != "powered":
+            raise RigError(
+                f'{rig.path}: cylinders.{link.cylinder} drives an ankle, and ankle.mode = "{rig.ankle.mode}" asks nothing of it: write '
+                'mode = "powered" and the largest torque that is wanted of it'
+            )
         stem = link.joint[:-2] if link.joint.endswith(("_l", "_r")) else link.joint
         groups.setdefault(stem, []).append((link.cylinder, link.joint, link.dof))
     if not groups:

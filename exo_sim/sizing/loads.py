@@ -19,6 +19,7 @@ from exo_sim.gait import scenario as scenarios
 from exo_sim.gait.motion import phases
 from exo_sim.gait.residual_reduction import worn
 from exo_sim.machine.build import PAYLOAD_LIMIT, build, carry
+from exo_sim.machine.linkage import linkages
 from exo_sim.machine.person import COORDINATES, Person
 from exo_sim.machine.straps import fasten
 from exo_sim.rig import Ankle, Rig, Wearer
@@ -111,6 +112,9 @@ def joint_loads(rig: Rig, condition: Condition) -> JointLoads:
     dynamics = machine_dynamics.along(model, motion, person, straps)
     # an ankle without bounds: what it needs, too, is part of the picture; hip and knee do not depend on it
     torque = demand(LAW, dynamics, motion, straps, Ankle("powered", 0.0, _EVERYTHING))
+    for joint in {link.joint for link in linkages(rig, model)} & {"ankle_l", "ankle_r"}:  # asked of a cylinder no more than the rig says
+        at = JOINTS.index(joint)
+        torque[:, at] = np.clip(torque[:, at], -rig.ankle.torque, rig.ankle.torque)
     if not np.isfinite(torque).all():
         raise ScenarioError(f"{condition}: inverse dynamics has no solution; the machine cannot do this")
     human = _human(scenario.gait, dynamics.mass)

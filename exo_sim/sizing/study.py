@@ -164,6 +164,7 @@ def size(
     folder: Path,
     quiet: bool = True,
     tell: Callable[[str], None] = lambda words: None,
+    disturbed: bool = False,
 ) -> Sizing:
     """Search, choose, write `sized.toml`, walk with it, and record that.
 
@@ -177,12 +178,13 @@ def size(
         folder: For `sized.toml`, `sized.rrd`, `sized.parquet` and the journals that a second start goes on from.
         quiet: No progress bar.
         tell: Takes a remark.
+        disturbed: Whether the recommended design must also stand the disturbances of a walk (`sizing.disturbances`).
 
     Raises:
         ScenarioError: no design carries the loads.
         KeyboardInterrupt: with what was finished in the journal.
     """
-    task = Task(rig, conditions, space)
+    task = Task(rig, conditions, space, disturbed=disturbed)
     loads = tuple(joint_loads(rig, condition) for condition in conditions)
     joints = tuple(joint for kind in space.kinds for joint in kind.joints)
     journal = folder / "search.journal"

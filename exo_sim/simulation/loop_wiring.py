@@ -48,9 +48,10 @@ def wire(it: Simulation) -> tuple[loop.Settings, views.Mechanics, views.Plant, l
     position, slope = it.motion.tables()
     names = [model.actuator(i).name for i in range(model.nu)]
     powered = it.rig.ankle.mode == "powered" and it.request.assist == "on"
-    ankles = [names.index(f"ankle_{s}") if powered and f"ankle_{s}" in names else -1 for s in "lr"]
-    if powered and min(ankles) < 0:
-        raise ModelError(f"{it.rig.model}: a powered ankle needs the actuators ankle_l and ankle_r")
+    motors = [f"ankle_{s}" if powered and f"ankle_{s}" not in {link.joint for link in it.plugin.links} else "" for s in "lr"]
+    if any(name and name not in names for name in motors):
+        raise ModelError(f"{it.rig.model}: a powered ankle needs a cylinder, or the actuators ankle_l and ankle_r")
+    ankles = [names.index(name) if name else -1 for name in motors]
     numbers = np.zeros(12)
     numbers[loop.PERIOD], numbers[loop.ADVANCE] = it.motion.period, it.motion.advance
     gains = it.request.gains

@@ -30,7 +30,8 @@ def torque_limits(plugin: PneumaticPlugin, motion: Motion) -> Array:
     forces = largest_forces(cylinders["area_1"], cylinders["area_2"], supply, atmosphere, atmosphere)
     out = np.zeros((machine_dynamics.PHASES, 6, 2))
     if rig.ankle.mode == "powered":
-        out[:, [2, 5]] = [-rig.ankle.torque, rig.ankle.torque]
+        motors = [at for at in (2, 5) if at + 3 not in {link.dof for link in plugin.links}]
+        out[:, motors] = [-rig.ankle.torque, rig.ankle.torque]
     for i, position in enumerate(motion.position[machine_dynamics.PICK]):
         data.qpos[:] = position
         mujoco.mj_forward(model, data)

@@ -6,9 +6,23 @@ from pathlib import Path
 from typing import Any
 
 import click
+from click.core import ParameterSource
 
 from exo_sim.cli import options, printing
 from exo_sim.cli.frame import verb
+
+#: Options that ask something of a wearer or of the search for a worn machine.
+_WORN_ONLY = {
+    "scenarios": "--scenario", "payloads": "--payload", "speeds": "--speed", "reach": "--reach", "travel": "--travel",
+    "springs": "--springs", "valves": "--valves", "tank": "--tank", "heights": "--height", "robust": "--robust", "own_mass": "--own-mass",
+    "scheduler": "--scheduler", "quick": "--quick",
+}  # fmt: skip
+
+
+def _given(options: dict[str, str]) -> list[str]:
+    """Return which of some options stand on the command line, as they are written there."""
+    context = click.get_current_context()
+    return [said for name, said in options.items() if context.get_parameter_source(name) is ParameterSource.COMMANDLINE]
 
 
 @verb(
@@ -82,25 +96,30 @@ def command(scenarios: tuple[str, ...], payloads: tuple[float, ...], speeds: tup
         raise ScenarioError("--jobs 0: give a number of processes, or -1 for one a core")
     if quick and out is not None:
         raise ScenarioError("--quick writes no files: leave --out away, or --quick")
-    if motion is not None and (quick or rig is None):
-        said = "name the machine with --rig" if rig is None else "--quick is for machines that are worn: leave one of them away"
-        raise ScenarioError(f"--motion: {said}")
+    if motion is not None and rig is None:
+        raise ScenarioError("--motion: name the machine with --rig")
+    if motion is not None and (worn := _given(_WORN_ONLY)):
+        verb_form = "is" if len(worn) == 1 else "are"
+        raise ScenarioError(f"--motion: {', '.join(worn)} {verb_form} for machines that are worn: leave away one or the other")
+    joints = tuple(name.strip() for name in (only or "").split(",") if name.strip())
+    if only is not None and not joints:
+        raise ScenarioError(f'--joints "{only}": name at least one, like knee_l,knee_r, or leave it away for all')
     asked: dict[str, Any] = dict(
         scenarios=scenarios, payloads=payloads, speeds=speeds, reach=reach, pressure_limit=pressure_limit, catalogue=catalogue, fix=fixes,
         travel=travel, springs=springs, own_mass=own_mass, heights=heights, robust=robust, valves=valves, tank=tank,
-        joints=tuple(name.strip() for name in only.split(",")) if only is not None else (),
+        joints=joints,
     )  # fmt: skip
     if quick:
         from exo_sim.sizing.by_hand import joint_by_hand, papers_example
 
         found = question(rig or default_rig(), **asked)
         example = papers_example()
-        joints = {
+        by_joint = {
             f"{kind.name}, {one.condition}": joint_by_hand(found.machine, kind, one, pressure_limit)
             for one in found.loads
             for kind in found.space.kinds
         }
-        printing.show(summary_text.by_hand_numbers(example, joints), summary_text.by_hand_words(example, joints), as_json=as_json)
+        printing.show(summary_text.by_hand_numbers(example, by_joint), summary_text.by_hand_words(example, by_joint), as_json=as_json)
         return
     result = search(
         rig or default_rig(), **asked, motion=motion, trials=trials, jobs=jobs, scheduler=scheduler, seed=seed, out=out or Path("sized"),

@@ -135,7 +135,7 @@ def check_edges(path: Path, cylinders: Mapping[str, Cylinder]) -> None:
         if cylinder.valve_area > 0.0 and not cylinder.valve.independent:
             raise RigError(
                 f'{path}: cylinders.{name}.valve.kind = "4-way": a recovery tank is for chambers with edges of their own; '
-                'give every valve kind = "independent", or leave the tank out'
+                'give every valve kind = "independent" (or --valves independent), or leave the tank out'
             )
 
 

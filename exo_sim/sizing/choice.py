@@ -22,6 +22,19 @@ ENOUGH_IN_RUN = 0.05
 _WALKED = (0, 1, 2, 4, 7, 11, 16, 24, 36, 54)
 
 
+#: What lets designs through that a constraint keeps out.
+_WAYS_OUT = {
+    "dead centre": "allow more room (--reach), or move the attachment points",
+    "stroke": "ask for less travel (--travel task), or give longer strokes (--catalogue)",
+    "length": "ask for less travel (--travel task), allow more room (--reach), or give shorter cylinders (--catalogue)",
+    "buckling": "allow less pressure (--pressure-limit), or give thicker rods (--catalogue)",
+    "rating": "allow less pressure (--pressure-limit), or give cylinders that stand more (--catalogue)",
+    "torque": "allow more pressure (--pressure-limit), more room (--reach), larger bores (--catalogue), or less payload",
+    "coupled cycle": "give larger dead volumes or smaller valves, more trials, or less payload",
+    "chamber pressure": "allow more pressure (--pressure-limit), more trials, or less payload",
+}
+
+
 @dataclass(frozen=True)
 class Walked:
     """What walking with a design of the shortlist gave, under the condition that was worst of those it was walked under.
@@ -254,6 +267,5 @@ def nothing_found(outcome: Outcome, task: Task) -> ScenarioError:
     worst = int(np.argmax(violated.mean(axis=0)))
     return ScenarioError(
         f"none of {len(outcome.trials)} designs carries {'; '.join(map(str, task.conditions))}: "
-        f'"{names[worst]}" keeps {100 * violated[:, worst].mean():.0f} % of them out; allow more pressure '
-        "(--pressure-limit), more room (--reach), more trials, or less payload"
+        f'"{names[worst]}" keeps {100 * violated[:, worst].mean():.0f} % of them out; {_WAYS_OUT[names[worst].rpartition(": ")[2]]}'
     )

@@ -34,6 +34,11 @@ GROUPS = {
     ),
     "heat loss": ("wall_heat_transfer", "moving_wall_temperature"),
 }  # fmt: skip
+#: What a fixed number may be at the most, and how to say one that is more: valve area [m^2], distance from the axis [m], pressure [Pa].
+_MOST = {
+    "valve": (1e-3, "a valve of {0:g} m^2"), "from": (1.0, "an end {0:g} m from the axis"), "to": (1.0, "an end {0:g} m from the axis"),
+    "supply": (1e7, "a supply of {0:g} Pa"),
+}  # fmt: skip
 #: Step [s] and cycles before the one that counts, when the chosen design is looked at again.
 _FINE_STEP, _FINE_LEAD = 1e-3, 2.15
 #: How many of its best each search gives to the others.
@@ -108,7 +113,10 @@ def space_of(
     """
     kinds, own = kinds_of(rig, joints), catalogue is not None
     if springs and not all(rig.cylinders[name].valve.independent for kind in kinds for name in kind.cylinders):
-        raise RigError(f'{rig.path}: springs are chosen with the plan of both pressures: give the valves kind = "independent"')
+        raise RigError(
+            f'{rig.path}: springs are chosen with the plan of both pressures: give the valves kind = "independent", or ask for '
+            "--valves independent"
+        )
     catalogue = catalogue or Catalogue()
     catalogue = replace(catalogue, valves=_valves_for(rig, kinds, catalogue))
     fixed = dict(fixed or {})
@@ -130,6 +138,7 @@ def space_of(
         allowed = tuple(replace(one, rating=max(one.rating, most)) for one in catalogue.cylinders)
         catalogue = replace(catalogue, cylinders=allowed)
     tank = rig.recovery.volume if rig.recovery is not None else 0.0
+    _check_sense(fixed)
     space = Space(kinds, (atmosphere + LEAST_SUPPLY, most), reach, catalogue, tuple(sorted(fixed.items())), springs, tank, atmosphere)
     known = [*space.bounds, *(f"{kind.name}.bore" for kind in kinds)]
     for name, value in fixed.items():
@@ -142,6 +151,18 @@ def space_of(
     return space
 
 
+def _check_sense(fixed: Mapping[str, float]) -> None:
+    """Refuse fixed numbers that no machine of this kind has.
+
+    Raises:
+        ScenarioError: an area, a distance or a pressure that is far too large.
+    """
+    for name, value in fixed.items():
+        word = name.rpartition(".")[2]
+        if word in _MOST and value > _MOST[word][0]:
+            raise ScenarioError(f"--fix {name}: {_MOST[word][1].format(value)} no machine of this kind has; is the unit right?")
+
+
 def _valves_for(rig: Rig, kinds: tuple[JointKind, ...], catalogue: Catalogue) -> tuple[CatalogueValve, ...]:
     """Return the catalogue's valves of the kind that the rig's cylinders have."""
     wanted = {"independent" if rig.cylinders[name].valve.independent else "4-way" for kind in kinds for name in kind.cylinders}
@@ -150,7 +171,9 @@ def _valves_for(rig: Rig, kinds: tuple[JointKind, ...], catalogue: Catalogue) ->
     found = tuple(one for one in catalogue.valves if one.kind in wanted)
     if catalogue.valves and not found:
         kind = next(iter(wanted))
-        raise RigError(f'{rig.path}: its valves are of kind = "{kind}", of which the catalogue has none; change the rig or the catalogue')
+        raise RigError(
+            f'{rig.path}: its valves are of kind = "{kind}", of which the catalogue has none; change the rig (or --valves) or the catalogue'
+        )
     return found
 
 

@@ -2,13 +2,16 @@
 
 from dataclasses import replace
 
-from exo_sim.rig.catalogue import find
+from exo_sim.rig.catalogue import CATALOGUE
 from exo_sim.rig.own_catalogue import CatalogueValve
 from exo_sim.sizing.bought_parts import BoughtParts, too_cold
 
+#: Bore 40 mm.
+KNEE = CATALOGUE[7]
+
 
 def test_estimates_are_called_so_and_sources_are_named():
-    cylinder = replace(find(0.04), standard="Maker X", source="list 7", estimated=("mass_0",), coldest=253.15)
+    cylinder = replace(KNEE, standard="Maker X", source="list 7", estimated=("mass_0",), coldest=253.15)
     part = BoughtParts("knee", cylinder, CatalogueValve("Maker V1", 5e-6, 0.3, source="list 8"))
     assert part.lines() == [
         "knee: Maker X by list 7; estimates: mass without stroke.",
@@ -19,13 +22,13 @@ def test_estimates_are_called_so_and_sources_are_named():
 
 
 def test_the_standards_own_say_what_is_estimated():
-    assert BoughtParts("knee", find(0.04)).lines() == [
+    assert BoughtParts("knee", KNEE).lines() == [
         "knee: ISO 15552 by the standard; estimates: pivot length, mass without stroke, mass by length."
     ]
 
 
 def test_gas_colder_than_its_maker_allows_is_told():
-    parts = [BoughtParts(name, replace(find(0.04), standard="Maker X", coldest=least)) for name, least in (("hip", 253.15), ("knee", None))]
+    parts = [BoughtParts(name, replace(KNEE, standard="Maker X", coldest=least)) for name, least in (("hip", 253.15), ("knee", None))]
     (line,) = too_cold(parts, {"hip": 223.15, "knee": 200.0})
     assert line.startswith("hip: its gas falls to -50 C, Maker X is made for -20 C")
     assert too_cold(parts, {"hip": 260.0}) == too_cold(parts, {}) == []

@@ -29,6 +29,8 @@ def page(sizing: Sizing) -> str:
         fates=fates(sizing.outcome, sizing.task),
         gas=gas_use.rows(sizing.choice.confirmed.summary["gas"]) if "gas" in sizing.choice.confirmed.summary else [],
         bought=summary_text.bought(sizing),
+        beside=summary_text.spent(sizing),
+        followed={one.name: one for one in sizing.bandwidths},
         conditions=[str(condition) for condition in sizing.task.conditions],
         described=summary_text.described(kinds, sizing.choice.found),
         simulated=sum(one.score.simulated for one in sizing.outcome.trials),

@@ -56,7 +56,7 @@ def envelope_figure(sizing: Sizing) -> Figure:
                 last = slice(-round(walk.motion.period / walk.step), None)
                 seen = [walk.columns[f"{joint}.{signal}"][last] for signal in ("position", "velocity", "torque")]
                 for panel, across in zip(row, (seen[0], seen[1])):
-                    panel.plot(np.degrees(across), seen[2], color=_LOOP[1], lw=0.8, zorder=2, label="walked with it")
+                    panel.plot(np.degrees(across), seen[2], color=_INK, lw=0.7, zorder=2, label="walked with it")
             slack = np.minimum(found.slack(torque), found.still_slack(torque)) / np.abs(torque).max()
             thin = int(np.argmin(slack))
             if thinnest is None or slack[thin] < thinnest[0]:
@@ -88,6 +88,8 @@ def margins(sizing: Sizing) -> str:
     rig = fitted(sizing.task.rig, kinds, sizing.choice.found.design)
     for panel, kind in zip(panels[0], kinds):
         _margin(panel, sizing, kind, rig)
+    handles, words = panels[0][0].get_legend_handles_labels()
+    figure.legend(handles, words, loc="outside upper center", ncols=2, fontsize=7.5, frameon=False)
     return _svg(figure)
 
 
@@ -99,11 +101,10 @@ def _margin(panel: Axes, sizing: Sizing, kind: JointKind, rig: Any) -> None:
         phase, peak = np.linspace(0.0, 100.0, len(torque), endpoint=False), np.abs(torque).max()
         colour = _LOOP[i % len(_LOOP)]
         panel.plot(phase, 100 * found.slack(torque) / peak, color=colour, lw=1.4, label=f"{loads.condition}, moving")
-        panel.plot(phase, 100 * found.still_slack(torque) / peak, color=colour, lw=0.8, ls=":", label="held still")
+        panel.plot(phase, 100 * found.still_slack(torque) / peak, color=colour, lw=0.8, ls=":", label="held still" if i == 0 else None)
     panel.axhline(0.0, color=_INK, lw=0.6)
     panel.set(xlabel="cycle of the right leg [%]", ylabel=f"{kind.name}: torque left [% of peak]")
     panel.set_ylim(min(0.0, panel.get_ylim()[0]), None)
-    panel.legend(fontsize=7, frameon=False)
 
 
 def front(sizing: Sizing) -> str:

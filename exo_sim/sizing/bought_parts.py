@@ -25,8 +25,7 @@ class BoughtParts:
     cylinder: CatalogueCylinder
     valve: CatalogueValve | None = None
 
-    def lines(self) -> list[str]:
-        """Return where the figures of each part come from and which are estimates, in lines of text."""
+    def _said(self) -> list[str]:
         out = []
         for called, part in ((self.cylinder.standard, self.cylinder), (self.valve.name if self.valve else "", self.valve)):
             if part is None or not (part.source or part.estimated):
@@ -34,7 +33,7 @@ class BoughtParts:
             estimates = ", ".join(_CALLED.get(word, word) for word in part.estimated)
             said = [f"by {part.source}"] if part.source else []
             said += [f"estimates: {estimates}"] if estimates else ["no estimates"] if part.source else []
-            out.append(f"{self.name}: {called} {'; '.join(said)}.")
+            out.append(f"{called} {'; '.join(said)}.")
         return out
 
     def numbers(self) -> dict[str, Any]:
@@ -43,6 +42,15 @@ class BoughtParts:
         if self.valve is not None:
             out |= {"valve": self.valve.source or None, "valve_estimates": list(self.valve.estimated)}
         return out
+
+
+def provenance(parts: Iterable[BoughtParts]) -> list[str]:
+    """Return where the figures of each part come from and which are estimates, in lines of text; once for those that are alike."""
+    names: dict[str, list[str]] = {}
+    for one in parts:
+        for said in one._said():
+            names.setdefault(said, []).append(one.name)
+    return [f"{', '.join(alike)}: {said}" for said, alike in names.items()]
 
 
 def too_cold(parts: Iterable[BoughtParts], least: Mapping[str, float]) -> list[str]:

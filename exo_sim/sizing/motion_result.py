@@ -12,7 +12,7 @@ from typing import Any
 from exo_sim.errors import ScenarioError
 from exo_sim.outputs import replacing
 from exo_sim.rig import Correction, EffectSetting, Finding, Rig, improved
-from exo_sim.sizing.bought_parts import too_cold
+from exo_sim.sizing.bought_parts import provenance, too_cold
 from exo_sim.sizing.design import valve_effects
 from exo_sim.sizing.evaluation import ENOUGH_MARGIN
 from exo_sim.sizing.motion_search import RodDesign, RodJudge, front_of, recommended
@@ -150,7 +150,7 @@ def described(found: MotionSizing) -> list[str]:
 def bought(found: MotionSizing) -> list[str]:
     """Return where the figures of the recommended parts come from, which are estimates, and which gets too cold, in lines of text."""
     parts = found.chosen.parts.values()
-    return [*(line for part in parts for line in part.lines()), *too_cold(parts, found.chosen.coldest)]
+    return [*provenance(parts), *too_cold(parts, found.chosen.coldest)]
 
 
 def changes(found: MotionSizing) -> list[str]:

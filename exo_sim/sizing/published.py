@@ -7,7 +7,9 @@ from the literature at second hand, not verified.
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from dataclasses import dataclass, replace
+from typing import Any
 
 import numpy as np
 
@@ -27,6 +29,25 @@ PERSON, PAYLOAD, SUPPLY, VALVE = 75.0, 34.0, 1825014.0, 5e-6
 KNEE, ARM, NET, BORE, ROD_SPEED = 60.0, 0.050, 1.0e6, 0.040, (0.30, 0.35)
 #: Bore [m] and pressure [Pa] of the hydraulic prototype.
 HYDRAULIC = 0.019, 6.9e6
+#: What that prototype took in level walking at 0.9 m/s with 34 kg: hydraulic and electric power [W].
+HYDRAULIC_POWER, ELECTRIC_POWER = 1143.0, 200.0
+
+
+def power_words(summary: Mapping[str, Any]) -> list[str]:
+    """Return what the published machine and the wearer spend, to be read beside the power of the gas, in lines of text.
+
+    Args:
+        summary: Of a level walk, as `exo-sim run --json` gives it.
+    """
+    lines = [
+        f"beside it, from the literature at second hand: a hydraulic machine of this class took {HYDRAULIC_POWER:.0f} W of hydraulic and "
+        f"{ELECTRIC_POWER:.0f} W of electric power, level walking at 0.9 m/s with {PAYLOAD:g} kg"
+    ]
+    wearer, pack = summary["wearer"].get("metabolic_w"), summary.get("compared_with", {}).get("backpack", {}).get("metabolic_w")
+    if wearer is not None:
+        alone = f"; {pack:.0f} W with the payload as a backpack" if pack is not None else ""
+        lines.append(f"the wearer spends {wearer['value']:.0f} W ({wearer['low']:.0f} to {wearer['high']:.0f}, estimated){alone}")
+    return lines
 
 
 @dataclass(frozen=True)

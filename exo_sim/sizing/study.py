@@ -17,6 +17,7 @@ from exo_sim.sizing.coupled_stride import CoupledStride, Stride, mean_of
 from exo_sim.sizing.design import fitted
 from exo_sim.sizing.design_space import LEAST_SUPPLY, Space
 from exo_sim.sizing.evaluation import Evaluator, Score, Task
+from exo_sim.sizing.force_bandwidth import ForceBandwidth, force_bandwidths
 from exo_sim.sizing.joint_kinds import JointKind, kinds_of
 from exo_sim.sizing.loads import Condition, JointLoads, joint_loads
 from exo_sim.sizing.published import PublishedClass, published_class
@@ -74,6 +75,7 @@ class Sizing:
         published: The published class beside it.
         sensitivity: What would change the recommendation.
         rods: What the walk with it asks of its rods.
+        bandwidths: How fast one cylinder of each kind of joint follows the forces of that walk.
     """
 
     task: Task
@@ -85,6 +87,7 @@ class Sizing:
     published: PublishedClass | None
     sensitivity: Sensitivity
     rods: tuple[RodCheck, ...] = ()
+    bandwidths: tuple[ForceBandwidth, ...] = ()
 
 
 def space_of(
@@ -247,8 +250,10 @@ def size(
     published = published_class(rig, space) if walks else None
     tell("changing one number at a time")
     beside_it = sensitivity(task, outcome, choice.found, loads)
-    rods = rod_checks(choice.confirmed.walk) if choice.confirmed.walk is not None else ()
-    return Sizing(task, loads, outcome, choice, fine, tuple(without), published, beside_it, rods)
+    walk = choice.confirmed.walk
+    rods = rod_checks(walk) if walk is not None else ()
+    bandwidths = force_bandwidths(walk, tuple(kind.cylinders[-1] for kind in space.kinds)) if walk is not None else ()
+    return Sizing(task, loads, outcome, choice, fine, tuple(without), published, beside_it, rods, bandwidths)
 
 
 def _unless_interrupted(outcome: Outcome) -> None:

@@ -9,10 +9,12 @@ import numpy as np
 
 from exo_sim.physics.compressed_air import exergy, free_air
 from exo_sim.simulation import gas_use
-from exo_sim.sizing.bought_parts import BoughtParts, too_cold
+from exo_sim.sizing import published
+from exo_sim.sizing.bought_parts import BoughtParts, provenance, too_cold
 from exo_sim.sizing.by_hand import Step
 from exo_sim.sizing.choice import fates
 from exo_sim.sizing.design import fit, recovery_mass, spring_mass
+from exo_sim.sizing.force_bandwidth import NEEDED
 from exo_sim.sizing.joint_kinds import JointKind
 from exo_sim.sizing.loads import JointLoads
 from exo_sim.sizing.search import Found
@@ -103,6 +105,8 @@ def numbers(sizing: Sizing, folder: Path) -> dict[str, Any]:
             {"requirement": one.requirement, "needs": one.needs, "design": entry(kinds, one.found)} for one in sizing.sensitivity.relaxed
         ],
         "parts": {one.name: one.numbers() for one in parts(sizing)},
+        "bandwidths": [one.__dict__ for one in sizing.bandwidths],
+        "beside": spent(sizing),
         "rods": [{**one.__dict__, "buckling": _finite(one.buckling)} for one in sizing.rods],
         "published_class": None if sizing.published is None else sizing.published.__dict__,
         "report": folder / "report.html",
@@ -151,7 +155,7 @@ def words(sizing: Sizing, folder: Path) -> str:
             f"torso straps {straps['torso_rms']:.0f} N rms."
         )
         lines += gas_use.words(confirmed.summary["gas"])
-        lines += [*changes(sizing), *rods(sizing), *bought(sizing)]
+        lines += [*spent(sizing), *changes(sizing), *rods(sizing), *bought(sizing)]
     else:
         lines.append(f"It could not be walked with in closed loop: {confirmed.trouble}")
     lines.append(f"{folder / 'sized.toml'}, {folder / 'report.html'}" + (f", {folder / 'sized.rrd'}" if confirmed.walk is not None else ""))
@@ -188,7 +192,7 @@ def bought(sizing: Sizing) -> list[str]:
     if walk is not None:
         for kind in sizing.task.space.kinds:
             least[kind.name] = min(float(walk.columns[f"{name}.temperature_{side}"].min()) for name in kind.cylinders for side in (1, 2))
-    return [*(line for one in parts(sizing) for line in one.lines()), *too_cold(parts(sizing), least)]
+    return [*provenance(parts(sizing)), *too_cold(parts(sizing), least)]
 
 
 def rods(sizing: Sizing) -> list[str]:
@@ -202,7 +206,19 @@ def rods(sizing: Sizing) -> list[str]:
         safety = f"buckles at {worst.buckling:.0f} times its push of {worst.push:.0f} N" if np.isfinite(worst.buckling) else "only pulls"
         across = f"; at most {max(side):.0f} N across it by the cylinder's own weight and inertia" if side else ""
         lines.append(f"{kind.name} rod: {safety}{across}; piston up to {max(one.speed for one in found):.2f} m/s.")
+        lines += [
+            f"{kind.name} force: ±{one.amplitude:.0f} N followed up to {one.hertz:.0f} Hz; {100 * NEEDED:.0f} % of the demand lies below "
+            f"{one.needed:.1f} Hz."
+            for one in sizing.bandwidths
+            if one.name in kind.cylinders
+        ]
     return lines
+
+
+def spent(sizing: Sizing) -> list[str]:
+    """Return what the published machine of this class and the wearer spend, in lines of text; none where nobody walks on level ground."""
+    summary = sizing.choice.confirmed.summary
+    return published.power_words(summary) if sizing.published is not None and summary else []
 
 
 def described(kinds: tuple[JointKind, ...], found: Found) -> list[str]:

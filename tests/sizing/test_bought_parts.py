@@ -4,7 +4,7 @@ from dataclasses import replace
 
 from exo_sim.rig.catalogue import CATALOGUE
 from exo_sim.rig.own_catalogue import CatalogueValve
-from exo_sim.sizing.bought_parts import BoughtParts, too_cold
+from exo_sim.sizing.bought_parts import BoughtParts, provenance, too_cold
 
 #: Bore 40 mm.
 KNEE = CATALOGUE[7]
@@ -13,17 +13,17 @@ KNEE = CATALOGUE[7]
 def test_estimates_are_called_so_and_sources_are_named():
     cylinder = replace(KNEE, standard="Maker X", source="list 7", estimated=("mass_0",), coldest=253.15)
     part = BoughtParts("knee", cylinder, CatalogueValve("Maker V1", 5e-6, 0.3, source="list 8"))
-    assert part.lines() == [
+    assert provenance([part]) == [
         "knee: Maker X by list 7; estimates: mass without stroke.",
         "knee: Maker V1 by list 8; no estimates.",
     ]
     assert part.numbers() == {"cylinder": "list 7", "cylinder_estimates": ["mass_0"], "valve": "list 8", "valve_estimates": []}
-    assert BoughtParts("hip", replace(cylinder, source="", estimated=())).lines() == []
+    assert provenance([BoughtParts("hip", replace(cylinder, source="", estimated=()))]) == []
 
 
 def test_the_standards_own_say_what_is_estimated():
-    assert BoughtParts("knee", KNEE).lines() == [
-        "knee: ISO 15552 by the standard; estimates: pivot length, mass without stroke, mass by length."
+    assert provenance([BoughtParts("hip", KNEE), BoughtParts("knee", KNEE)]) == [
+        "hip, knee: ISO 15552 by the standard; estimates: pivot length, mass without stroke, mass by length."
     ]
 
 

@@ -35,6 +35,11 @@ class ForceBandwidth:
     hertz: float
     needed: float
 
+    @property
+    def words(self) -> str:
+        """Return how fast it follows, in words."""
+        return f"{self.hertz:.0f} Hz" + (" and more" if self.hertz >= FREQUENCIES[-1] else "")
+
 
 def force_bandwidths(walk: Walk, cylinders: tuple[str, ...]) -> tuple[ForceBandwidth, ...]:
     """Return what some cylinders of a walk can follow; valves move both chambers with one command, whatever their kind.

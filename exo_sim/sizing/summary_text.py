@@ -207,7 +207,7 @@ def rods(sizing: Sizing) -> list[str]:
         across = f"; at most {max(side):.0f} N across it by the cylinder's own weight and inertia" if side else ""
         lines.append(f"{kind.name} rod: {safety}{across}; piston up to {max(one.speed for one in found):.2f} m/s.")
         lines += [
-            f"{kind.name} force: ±{one.amplitude:.0f} N followed up to {one.hertz:.0f} Hz; {100 * NEEDED:.0f} % of the demand lies below "
+            f"{kind.name} force: ±{one.amplitude:.0f} N followed up to {one.words}; {100 * NEEDED:.0f} % of the demand lies below "
             f"{one.needed:.1f} Hz."
             for one in sizing.bandwidths
             if one.name in kind.cylinders

@@ -23,7 +23,7 @@ _WALKED = (0, 1, 2, 4, 7, 11, 16, 24, 36, 54)
 
 
 #: What lets designs through that a constraint keeps out.
-_WAYS_OUT = {
+WAYS_OUT = {
     "dead centre": "allow more room (--reach), or move the attachment points",
     "stroke": "ask for less travel (--travel task), or give longer strokes (--catalogue)",
     "length": "ask for less travel (--travel task), allow more room (--reach), or give shorter cylinders (--catalogue)",
@@ -267,5 +267,5 @@ def nothing_found(outcome: Outcome, task: Task) -> ScenarioError:
     worst = int(np.argmax(violated.mean(axis=0)))
     return ScenarioError(
         f"none of {len(outcome.trials)} designs carries {'; '.join(map(str, task.conditions))}: "
-        f'"{names[worst]}" keeps {100 * violated[:, worst].mean():.0f} % of them out; {_WAYS_OUT[names[worst].rpartition(": ")[2]]}'
+        f'"{names[worst]}" keeps {100 * violated[:, worst].mean():.0f} % of them out; {WAYS_OUT[names[worst].rpartition(": ")[2]]}'
     )

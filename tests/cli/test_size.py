@@ -93,6 +93,14 @@ def test_json_and_files(sized, capsys):
         (["--scheduler", "nonsense", "--trials", "1"], "tcp://HOST:PORT"),
         (["--speed", "3"], "0.7 to 1.3"),
         (["--quick"], "writes no files"),
+        (["--joints", ","], "name at least one"),
+        (["--catalogue", "smcc"], 'did you mean "smc"'),
+        (["--fix", "hip.valve=1 m^2"], "is the unit right"),
+        (["--fix", "hip.from=3 m"], "is the unit right"),
+        (["--springs"], "--valves independent"),
+        (["--tank", "2 l"], "--valves independent"),
+        (["--motion", __file__], "--rig"),
+        (["--motion", __file__, "--rig", "bench", "--robust", "--tank", "2 l"], "--tank, --robust are for machines that are worn"),
     ],
 )
 def test_bad_input_is_one_line(arguments, words, capsys, tmp_path):

@@ -10,8 +10,9 @@ import pytest
 from exo_sim.errors import OutputError, ScenarioError
 from exo_sim.rig import EffectSetting
 from exo_sim.sizing import evaluation, workers
-from exo_sim.sizing.choice import ENOUGH_MARGIN, nothing_found, recommended
-from exo_sim.sizing.evaluation import Task
+from exo_sim.sizing.choice import ENOUGH_MARGIN, WAYS_OUT, nothing_found, recommended
+from exo_sim.sizing.evaluation import OF_THE_CYCLE, Task
+from exo_sim.sizing.screening import CONSTRAINTS
 from exo_sim.sizing.search import search
 from exo_sim.sizing.study import space_of
 from exo_sim.sizing.workers import Workers
@@ -149,6 +150,11 @@ def test_what_keeps_every_design_out_is_named(exo, condition):
     assert not found.front
     error = nothing_found(found, starved)
     assert isinstance(error, ScenarioError) and "torque" in str(error) and "\n" not in str(error)
+    assert "larger bores" in str(error)
+
+
+def test_whatever_keeps_designs_out_there_is_a_way():
+    assert WAYS_OUT.keys() == {*CONSTRAINTS, *OF_THE_CYCLE}
 
 
 def test_friction_asks_for_more(task, judge, outcome):

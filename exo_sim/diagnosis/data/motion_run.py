@@ -8,7 +8,7 @@ in newtons, or newton metres at a turning joint; every array has shape (n,) unle
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 
 import numpy as np
 from numpy.typing import NDArray
@@ -154,3 +154,25 @@ class MotionRun:
     def effort(self) -> float:
         """Size of the forces that act: standard deviation of those that drive the motion and of those that it takes."""
         return float(np.std(self.driving)) + float(np.std(self.inertia.force[self.judged]))
+
+    def part(self, start: int, stop: int) -> MotionRun:
+        """Return the samples from `start` to before `stop` as a run of their own; its arrays are views."""
+        cut = slice(start, stop)
+
+        def each(signals: Mapping[str, Array]) -> dict[str, Array]:
+            return {name: values[cut] for name, values in signals.items()}
+
+        path, inertia, passive, drive, imputed = self.kinematics, self.inertia, self.passive, self.drive, self.imputed
+        return replace(
+            self, time=self.time[cut], breaks=(0, *(b - start for b in self.breaks if start < b < stop)),
+            kinematics=replace(path, position=path.position[cut], velocity=path.velocity[cut]),
+            inertia=replace(inertia, force=inertia.force[cut], bias=inertia.bias[cut], tilt=inertia.tilt[cut]),
+            passive=Passive(passive.force[cut], None if passive.damping is None else passive.damping[cut]),
+            drive=replace(
+                drive, force=drive.force[cut], arm=drive.arm[cut], gauge=drive.gauge[cut],
+                levers=each(drive.levers), signals=each(drive.signals),
+            ),
+            external=self.external[cut],
+            imputed=None if imputed is None else Imputed(each(imputed.uncertain), each(imputed.leaks)),
+            known=None if self.known is None else self.known[cut],
+        )  # fmt: skip

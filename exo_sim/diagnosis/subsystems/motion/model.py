@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from dataclasses import replace
-from functools import cached_property, lru_cache
+from functools import cached_property
 
 import numpy as np
 from numpy.typing import NDArray
@@ -22,24 +22,18 @@ from exo_sim.diagnosis.findings import Finding, Series, Subsystem
 from exo_sim.diagnosis.policy import healthy, significance
 from exo_sim.diagnosis.policy.nuisance_calibration import SURE
 from exo_sim.diagnosis.subsystem_model import Comparison, SubsystemModel
-from exo_sim.diagnosis.subsystems.healthy_leak import OUTWARD
 from exo_sim.diagnosis.subsystems.motion.contact_scatter import ContactScatter
 from exo_sim.diagnosis.subsystems.motion.discrepancy_basis import friction_discrepancy
 from exo_sim.diagnosis.subsystems.motion.experiments import resisted
 from exo_sim.diagnosis.subsystems.motion.full_scale import full_force
+from exo_sim.diagnosis.subsystems.motion.lacking_force import LackingForce, around
 from exo_sim.diagnosis.subsystems.motion.regimes import regimes
-from exo_sim.diagnosis.subsystems.motion.resistance import resistance_along
 from exo_sim.diagnosis.subsystems.motion.rows import rows_of
 from exo_sim.diagnosis.subsystems.motion.smoothing import smoothed_alike
 from exo_sim.physics.declaration import declared
 from exo_sim.physics.effects import presliding, sensor_bias, sensor_scale
-from exo_sim.physics.records import CYLINDER
-from exo_sim.recording.filters import EvenClock
 
 Array = NDArray[np.float64]
-
-#: So many forces of resistance are kept of each run: what sensors add to a balance is asked of one and the same.
-RESISTANCES = 8
 
 
 class MotionModel(SubsystemModel):
@@ -66,9 +60,11 @@ class MotionModel(SubsystemModel):
         self.nominal.cylinder["turning"] = float(first.turning and first.cylinder is None)
         self.unit = "N*m" if first.turning else "N"
         masks = [(split.in_test if on_test else split.in_training)(run.recording, run.time) for run in self.runs]
+        is_thinned = False
         if not on_test:
             total = sum(float(np.ptp(run.time)) for run in self.runs)
-            masks = [mask & spread(run.time, total) for run, mask in zip(self.runs, masks, strict=True)]
+            kept = [spread(run.time, total) for run in self.runs]
+            masks, is_thinned = [mask & one for mask, one in zip(masks, kept, strict=True)], not all(one.all() for one in kept)
         self._rows = [rows_of(run, usable) for run, usable in zip(self.runs, masks, strict=True)]
         blocks, offset = [], 0
         for rows in self._rows:
@@ -79,8 +75,11 @@ class MotionModel(SubsystemModel):
         self.noise = float(np.median(scale)) if scale.size else 0.0
         self.scale = scale if scatter is None else scale * scatter.at(self.speed)
         self._split, self._scatter = split, scatter
-        self._clocks = [EvenClock.of(run.time) for run in self.runs]
-        self._resisted = lru_cache(maxsize=RESISTANCES * len(self.runs))(self._resistance)
+        self._lacking = [LackingForce(run) for run in self.runs]
+        self._fitted = list(zip(self._lacking, self._rows, strict=True))
+        if is_thinned:
+            parts = [part for run, rows in zip(self.runs, self._rows, strict=True) for part in around(run, rows)]
+            self._fitted = [(LackingForce(run), rows) for run, rows in parts]
         contact = self.nominal.cylinder[presliding.EFFECT.name]
         if not first.turning and float(contact["stiffness"][0]) == 0.0:
             contact["stiffness"] = self._stiff_contact()
@@ -125,47 +124,10 @@ class MotionModel(SubsystemModel):
 
     def missing(self, plant: PlantParameters, index: int) -> Array:
         """Return the force that the balance of a run lacks at every sample [N or N m], shape (n,)."""
-        run, sensors = self.runs[index], plant.sensors
-        inertia, passive = run.inertia, run.passive
-        resisted = self._resisted(plant.cylinder.tobytes(), index)
-        mass = sensors.get("payload_mass", 1.0)
-        moved = (
-            inertia.force
-            + (sensors.get("inertia", 1.0) - 1.0) * (inertia.force - inertia.bias)
-            + sensors.get("zero", 0.0) * inertia.tilt
-        )
-        exerted = passive.force if passive.damping is None else passive.force + (sensors.get("damping", 1.0) - 1.0) * passive.damping
-        found = mass * moved - exerted - run.drive.force - run.external + resisted - sensors.get("offset", 0.0)
-        for column, lever in run.drive.levers.items():
-            found = found + lever * sensors.get(f"{column}.bias", 0.0)
-        for column, signal in run.drive.signals.items():
-            scale = sensors.get(f"{column}.scale", 1.0)
-            if scale != 1.0:
-                found = found + run.drive.levers[column] * signal * (1.0 - 1.0 / scale)
-        late = sensors.get("drive.delay", 0.0)
-        if late != 0.0:
-            found = found - late * np.gradient(run.drive.force + run.external, run.time)
-        if run.imputed is not None:
-            for name, response in run.imputed.uncertain.items():
-                found = found - response * sensors.get(name, 0.0)
-            for name, response in run.imputed.leaks.items():
-                found = found - response * float(plant.cylinder[OUTWARD.name][name][0])
-        return found
-
-    def _resistance(self, cylinder: bytes, index: int) -> Array:
-        """Return what resists the motion of a run behind the filter of the balance, for the bytes of a record CYLINDER, shape (n,)."""
-        run, resisted = self.runs[index], np.empty(len(self.runs[index].time))
-        path, record = run.kinematics, np.frombuffer(cylinder, CYLINDER)
-        resistance_along(record[0], run.time, path.position, path.velocity, run.drive.gauge, resisted)
-        found = smoothed_alike(run.time, run.drive.arm * resisted, self._clocks[index])  # neither side of it steps at a reversal
-        found.flags.writeable = False
-        return found
+        return self._lacking[index].of(plant)
 
     def residual_of(self, plant: PlantParameters) -> Array:
-        pieces = []
-        for index, rows in enumerate(self._rows):
-            if rows.compared.any():
-                pieces.append(rows.means(self.missing(plant, index)))
+        pieces = [rows.means(lacking.of(plant)) for lacking, rows in self._fitted if rows.compared.any()]
         return np.concatenate(pieces) / self.scale if pieces else np.zeros(0)
 
     def on_test_time(self, split: Split) -> MotionModel:

@@ -52,6 +52,7 @@ def validated(examination: Examination) -> Examination:
     split, results = examination.plan.split, examination.results.all
     unknown = unknown_effects(results)
     validation = held_out_errors(results, unknown, split.validation_as_test()) if split.validation else None
+    validation = validation and replace(validation, series=())  # only those of the test time are reported, and they are long
     return replace(examination, unknown=unknown, validation=validation, test=held_out_errors(results, unknown, split))
 
 

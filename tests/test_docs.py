@@ -112,6 +112,59 @@ def test_the_commands_of_a_page_exist(page: Path) -> None:
         verb.make_parser(click.Context(verb)).parse_args(rest)  # an option that is not there is refused
 
 
+def test_the_page_of_the_api_has_every_name_of_it() -> None:
+    import exo_sim
+
+    page = (ROOT / "docs" / "api.md").read_text(encoding="utf-8")
+    for line in Path(exo_sim.__file__).with_suffix(".pyi").read_text().splitlines():
+        if match := re.match(r"from (\S+) import (\w+) as (\w+)", line):
+            name = "Effects" if match[2] == "effects" else match[2]
+            assert f"::: {match[1]}.{name}\n" in page + "\n" or match[2] == "ExoSimError", line
+
+
+def test_the_column_map_of_the_page_of_recordings_is_one(tmp_path: Path) -> None:
+    from exo_sim.recording.column_map import read_column_map
+
+    (tmp_path / "map.toml").write_text(blocks(ROOT / "docs" / "recordings.md", "toml")[0])
+    found = read_column_map(tmp_path / "map.toml")
+    assert set(found.columns) == {"t(ms)", "Pos", "P1"} and not found.header and found.delimiter == ";"
+
+
+def test_the_gait_of_the_page_of_gaits_is_read_up_to_its_file(tmp_path: Path) -> None:
+    from exo_sim.errors import ScenarioError
+    from exo_sim.gait import scenario_file
+
+    (tmp_path / "mine.toml").write_text(blocks(ROOT / "docs" / "your_gait.md", "toml")[0])
+    with pytest.raises(ScenarioError, match=r'walk\.csv": there is no such gait file'):
+        scenario_file.read(tmp_path / "mine.toml")
+
+
+@pytest.mark.slow
+def test_the_diagnosis_of_the_page_of_python_runs(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    import benches
+
+    from exo_sim.recording import write_table
+
+    monkeypatch.chdir(tmp_path)
+    machine = benches.bench(tmp_path)
+    write_table("recording.csv", benches.recorded(machine))
+    write_table("another.csv", benches.recorded(machine, 2.0))
+    (block,) = blocks(ROOT / "docs" / "python.md", "python files")
+    exec(compile(block, "python.md", "exec"), {})
+    verdict = capsys.readouterr().out.split(maxsplit=1)[0]
+    assert verdict in ("consistent", "calibration", "mismatch", "undetermined") and (tmp_path / "found" / "improved.toml").is_file()
+
+
+def test_every_block_of_a_page_is_of_a_kind_that_a_test_knows() -> None:
+    """Python, commands, and tables for files are run, parsed or read by a test of this file or of `test_outside`; the rest is shown."""
+    known = {"sh", "python", "python run", "python files", "toml", "toml entry-point", ""}
+    for page in sorted((ROOT / "docs").glob("*.md")):
+        fences = re.findall(r"^```(.*)$", page.read_text(encoding="utf-8"), re.MULTILINE)
+        assert not set(fences) - known, (page.name, set(fences) - known)
+
+
 def test_the_reference_of_the_rig_is_what_the_reader_asks_for() -> None:
     found = runpy.run_path(str(ROOT / "scripts" / "document_rig"))["text"]()
     assert found == (ROOT / "docs" / "rig_reference.md").read_text(encoding="utf-8"), "run scripts/document_rig"

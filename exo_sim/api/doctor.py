@@ -74,7 +74,7 @@ class Health:
 
     def __str__(self) -> str:
         head = f"exo-sim {exo_sim.__version__}, Python {platform.python_version()}, {platform.platform()}"
-        rows = [[one.state, one.what, one.says, f"for {one.needed_by}" if one.needed_by else ""] for one in self.checks]
+        rows = [[one.state, one.what, f"for {one.needed_by}" if one.needed_by else "", one.says] for one in self.checks]
         return f"{head}\n{Path(exo_sim.__file__).parent}\n\n{table(rows)}"
 
     def __repr__(self) -> str:

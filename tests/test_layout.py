@@ -11,7 +11,7 @@ import pytest
 #: that are tried as the whole that they make, and what only a whole run, page or command shows. A new module has a test of its own.
 THROUGH: dict[str, tuple[str, ...]] = {
     "api/test_api.py": (
-        "api/arguments.py", "api/comparing.py", "api/diagnosing.py", "api/doctor.py", "api/effects.py", "api/errors.py",
+        "api/comparing.py", "api/diagnosing.py", "api/doctor.py", "api/effects.py", "api/errors.py",
         "api/inspecting.py", "api/model_logging.py", "api/notebook.py", "api/plots.py", "api/recording.py",
         "api/rig.py", "api/simulating.py", "api/sizing.py", "cli/doctor.py",
     ),

@@ -7,13 +7,14 @@ its answer is large enough to show: that is for the diagnosis.
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any
 
 import mujoco
 import numpy as np
 
 from exo_sim.machine.linkage import linkages
+from exo_sim.machine.touching import without_ground_force
 from exo_sim.physics.declaration import Effect, declared
 from exo_sim.recording.table import Recording
 from exo_sim.rig import Rig
@@ -65,6 +66,12 @@ def questions(recording: Recording, rig: Rig, model: mujoco.MjModel) -> list[Que
             names = [model.joint(i).name for i in range(model.njnt)]
             found += [_at_joint(effect, name, [c for c, j in joints.items() if j == name], recording) for name in names]
         found += [_shared(effect, place, recording, rig) for place in places if place in ("supply", "exhaust")]
+    if unknown := _unknown_contact(recording, model):
+        of_motion = {effect.name for effect in declared().values() if effect.cut == "motion"}
+        cells = {name for name in rig.cylinders if f"{name}.force" in recording}
+        found = [
+            replace(one, missing=(*one.missing, unknown)) if one.effect in of_motion and one.where not in cells else one for one in found
+        ]
     best: dict[tuple[str, str], Question] = {}
     for one in found:
         key = (one.effect, one.where)
@@ -123,6 +130,18 @@ def _driven(recording: Recording, joint: str, cylinders: Sequence[str]) -> bool:
 def _pushed(recording: Recording) -> bool:
     """Return whether forces of straps or of the ground on the machine were recorded."""
     return any(key.rsplit(".", 1)[-1].startswith(("strap_force_", "ground_force_")) for key in recording.columns)
+
+
+def _unknown_contact(recording: Recording, model: mujoco.MjModel) -> str:
+    """Return which column would tell what the ground does to a machine that stands on it, or ""."""
+    names = {key.rsplit(".", 1)[0] for key in recording.columns if ".ground_force_" in key}
+    sites = [mujoco.mj_name2id(model, mujoco.mjtObj.mjOBJ_SITE, name) for name in sorted(names)]
+    body = without_ground_force(model, [site for site in sites if site >= 0])
+    if not body:
+        return ""
+    there = [model.site(i).name for i in range(model.nsite) if model.body(int(model.site_bodyid[i])).name == body]
+    site = body if body in there or not there else there[0]
+    return f"{site}.ground_force_x and _z ({body} touches the ground)"
 
 
 def _happened(effect: Effect, recording: Recording, command: str, position: str) -> list[str]:

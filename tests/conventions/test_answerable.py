@@ -73,6 +73,27 @@ def test_forces_of_straps_and_ground_stand_in_for_an_outside_force(tmp_path: Pat
     assert asked(rig, pushed)["coulomb_friction", "slide"].answerable
 
 
+STANDING = """
+<mujoco><worldbody><geom name="floor" type="plane" size="1 1 1"/><body name="frame" pos="0 0 0.5">
+  <joint name="x" type="slide" axis="1 0 0"/><joint name="z" type="slide" axis="0 0 1"/><joint name="slide" type="slide" axis="0 1 0"/>
+  <geom type="sphere" size="0.05" mass="8" contype="0" conaffinity="0"/>
+  <body name="shoe" pos="0 0 -0.4"><geom type="sphere" size="0.05" mass="1"/><site name="sole" pos="0 0 -0.05"/></body>
+</body></worldbody><actuator><motor name="piston" joint="slide"/></actuator></mujoco>
+"""
+
+
+def test_a_machine_on_the_ground_asks_of_its_joints_only_with_the_grounds_force(tmp_path: Path, bench: tuple[Rig, Recording]) -> None:
+    rig = benches.bench(tmp_path)
+    rig.model.write_text(STANDING)
+    found = asked(rig, bench[1])
+    assert found["coulomb_friction", "slide"].missing == ("sole.ground_force_x and _z (shoe touches the ground)",)
+    assert not found["viscous_friction", "piston"].answerable and found["piston_leakage", "piston"].answerable
+    felt = {**bench[1].columns, "sole.ground_force_z": np.full(len(bench[1].time), 80.0)}
+    assert asked(rig, replace(bench[1], columns=felt))["coulomb_friction", "slide"].answerable
+    with_cell = {**bench[1].columns, "piston.force": np.ones(len(bench[1].time))}
+    assert asked(rig, replace(bench[1], columns=with_cell))["viscous_friction", "piston"].answerable
+
+
 def test_a_joint_and_a_cylinder_of_one_name_are_one_place(bench: tuple[Rig, Recording]) -> None:
     rig, recording = bench
     named = replace(rig, cylinders={"slide": replace(rig.cylinders["piston"], name="slide")})

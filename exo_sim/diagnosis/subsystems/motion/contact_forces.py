@@ -18,6 +18,7 @@ from scipy.ndimage import binary_dilation
 
 from exo_sim.diagnosis.policy.recordings import UNLOADED_NOISE, UNLOADED_SHARE
 from exo_sim.diagnosis.subsystems.motion.smoothing import smoothed_alike, smoothing_width, stride, thinned
+from exo_sim.machine.touching import without_ground_force
 from exo_sim.recording.filters import noise_gain, white_noise
 from exo_sim.recording.table import Recording
 
@@ -82,11 +83,9 @@ def site_forces(recording: Recording, model: mujoco.MjModel) -> tuple[list[SiteF
     if strange:
         return [], f"the model has no site {', '.join(strange[:2])}, where forces were recorded"
     found = [_site_force(recording, model, name, kind) for name, kind in sites]
-    on_ground = {int(model.site_bodyid[one.site]) for (_, kind), one in zip(sites, found, strict=True) if kind == GROUND}
-    touching = set(model.geom_bodyid[(model.geom_contype != 0) & (model.geom_bodyid != 0)].tolist())
-    lacking = sorted(model.body(body).name for body in touching - on_ground)
-    if lacking and (on_ground or model.nv > model.nu + 1):
-        return [], f"{lacking[0]} touches the ground, and the ground's force on it was not recorded"
+    lacking = without_ground_force(model, [one.site for (_, kind), one in zip(sites, found, strict=True) if kind == GROUND])
+    if lacking:
+        return [], f"{lacking} touches the ground, and the ground's force on it was not recorded"
     return found, ""
 
 

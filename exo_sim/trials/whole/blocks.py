@@ -9,7 +9,7 @@ from dataclasses import dataclass, field
 import numpy as np
 
 from exo_sim.trials.whole.catalogue import HOSE_BORES, Size, hose_conductance, throat_area
-from exo_sim.trials.whole.gas_laws import CONSTANT, GAP, ORIFICE
+from exo_sim.trials.whole.gas_laws import CLEARANCE, CONSTANT, GAP, ORIFICE
 from exo_sim.trials.whole.machine import Machine
 from exo_sim.trials.whole.makes import Make
 
@@ -138,12 +138,20 @@ def _lag(d: Draft) -> Fields:
         return {"lag": d.bulk * d.between(3e-3, 1.2e-2)}
     if d.make.laws.spool == "second":
         return {"spool_frequency": d.between(22.0, 70.0) / d.bulk, "spool_damping": d.between(0.6, 1.1)}
+    if d.make.laws.spool == "piloted":
+        delay = d.bulk * d.between(2e-3, 7e-3)
+        return {"delay": delay, "spool_frequency": d.between(30.0, 80.0) / d.bulk, "spool_damping": d.between(0.5, 0.9)}
+    if d.make.laws.spool == "uneven":
+        lag = d.bulk * d.between(3e-3, 9e-3)
+        return {"lag": lag, "lag_back": lag * d.between(1.4, 2.2)}
     return {"delay": d.bulk * d.between(4e-3, 1.4e-2), "lag": d.bulk * d.between(2e-3, 6e-3)}
 
 
 def _flow(d: Draft) -> Fields:
     ratio = max(0.53 - d.bulk * d.between(0.08, 0.34), 0.12)
-    return {"flow_law": d.make.laws.flow, "flow_b": ratio, "flow_m": d.between(*d.make.laws.flow_m), "crack": d.between(*d.make.laws.crack)}
+    laws = d.make.laws
+    fields = {"flow_law": laws.flow, "flow_b": ratio, "flow_m": d.between(*laws.flow_m), "crack": d.between(*laws.crack)}
+    return fields | ({"flow_laminar": d.between(*laws.laminar)} if laws.laminar else {})
 
 
 def _hose(d: Draft) -> Fields:
@@ -167,6 +175,9 @@ def _leak_size(d: Draft) -> Fields:
         return {"leak": area}
     if d.make.laws.leak == GAP:
         return {"leak": flow / squares}
+    if d.make.laws.leak == CLEARANCE:
+        turning = flow * d.between(0.25, 0.7)
+        return {"leak": turning * (flow / turning) ** 1.75 / squares, "leak_turning": turning}
     share = d.between(0.2, 0.6)  # of the drop that is inertial
     return {"leak": flow / (squares * (1.0 - share)), "leak_inertial": squares * share / flow**2}
 
@@ -184,6 +195,8 @@ def _leak_piston(d: Draft) -> Fields:
 
 def _leak_out_exact(m: Machine) -> dict[str, tuple[float, float, float]]:
     found = {}
+    if m["leak_law"] == CLEARANCE:
+        return {}
     for number in ("1", "2"):
         if m[f"leak_{number}"] > 0:
             found[("area_" if m["leak_law"] == ORIFICE else "laminar_") + number] = _about(m[f"leak_{number}"], 0.02)
@@ -201,6 +214,8 @@ def _leak_piston_exact(m: Machine) -> dict[str, tuple[float, float, float]]:
 def _lag_exact(m: Machine) -> dict[str, tuple[float, float, float]]:
     if m["spool_frequency"] > 0:
         return {}
+    if m["lag_back"] > 0:
+        return {"time_constant": (0.5 * (m["lag"] + m["lag_back"]), m["lag"], m["lag_back"])}
     found = {"time_constant": _about(m["lag"], 0.02)}
     return found | ({"delay": _about(m["delay"], 0.02)} if m["delay"] > 0 else {})
 
@@ -248,7 +263,7 @@ BLOCKS = {
         Block("shift", "valve_offset", "cylinder", "valve",
               lambda d: {"shift": float(d.rng.choice([-1.0, 1.0])) * d.bulk * d.between(0.008, 0.03)}, ("shift",), (), (),
               {"shift": "1"}, lambda m: {"shift": _about(m["shift"], 0.02)}),
-        Block("lag", "valve_lag", "cylinder", "valve", _lag, ("lag", "spool_frequency", "spool_damping", "delay"),
+        Block("lag", "valve_lag", "cylinder", "valve", _lag, ("lag", "lag_back", "spool_frequency", "spool_damping", "delay"),
               ("second_order_spool", "spool_dynamics", "valve_second_order"), ("spool_rate_limit",),
               {"time_constant": "s", "delay": "s"}, _lag_exact),
         Block("rate", "spool_rate_limit", "cylinder", "valve", lambda d: {"rate": d.between(15.0, 50.0) / d.bulk}, ("rate",), (),
@@ -257,16 +272,18 @@ BLOCKS = {
               {"width": "1"}, lambda m: {"width": _about(m["play"], 0.05)}),
         Block("null", "valve_null_leakage", "cylinder", "leak", lambda d: {"null_area": d.bulk * d.valve_area * d.between(0.003, 0.02)},
               ("null_area",), (), (), {"area": "m^2"}, lambda m: {"area": _about(m["null_area"], 0.05)}),
-        Block("flow", "critical_ratio", "cylinder", "flow", _flow, ("flow_law", "flow_b", "flow_m", "crack"),
+        Block("flow", "critical_ratio", "cylinder", "flow", _flow, ("flow_law", "flow_b", "flow_m", "flow_laminar", "crack"),
               ("subsonic_index", "iso_6358", "flow_law", "iso6358_flow"), ("subsonic_index", "cracking_pressure"), {"ratio": "1"},
               lambda m: {"ratio": (m["flow_b"], m["flow_b"] - 0.02, m["flow_b"] + 0.02)}
-              if m["flow_law"] == 0 and abs(m["flow_m"] - 0.5) < 0.02 else {}),
+              if m["flow_law"] == 0 and abs(m["flow_m"] - 0.5) < 0.02 and m["flow_laminar"] > 0.99 else {}),
         Block("hose", "line_restriction", "cylinder", "line", _hose,
               ("hose_kind", "hose_area", "hose_b", "hose_volume", "hose_bore", "hose_length", "hose_heat"),
               ("transmission_line", "line_dynamics", "hose_line", "pneumatic_line"), (), {"area": "m^2", "volume": "m^3"}, _hose_exact),
-        Block("leak_out", "external_leakage", "cylinder", "leak", _leak_out, ("leak_1", "leak_2", "leak_inertial"), (), (), _LEAK_UNITS,
+        Block("leak_out", "external_leakage", "cylinder", "leak", _leak_out, ("leak_1", "leak_2", "leak_inertial", "leak_turning"), (),
+              (), _LEAK_UNITS,
               _leak_out_exact),
-        Block("leak_piston", "piston_leakage", "cylinder", "leak", _leak_piston, ("leak_piston", "leak_inertial"), (), (), _LEAK_UNITS,
+        Block("leak_piston", "piston_leakage", "cylinder", "leak", _leak_piston, ("leak_piston", "leak_inertial", "leak_turning"),
+              (), (), _LEAK_UNITS,
               _leak_piston_exact),
         Block("silencer", "exhaust_back_pressure", "exhaust", "line",
               lambda d: {"exhaust_area": d.valve_area * d.between(0.9, 2.2) / d.bulk, "exhaust_volume": d.decade(2e-5, 1e-4)},

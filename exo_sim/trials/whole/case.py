@@ -105,7 +105,7 @@ def instrumented(
     rack = draw_rack(make.grade, rng, arm, 1.5 * m["supply"] * m["area_1"], m["ambient"], 101325.0)
     columns = tuple(name for name in ALWAYS if name != "pressure_2" or not make.single)
     columns += (("supply",) if rng.random() < 0.7 or built.machine["tank_volume"] + built.machine["regulator_droop"] > 0 else ())
-    columns += ("force",) if rng.random() < 0.25 else ()
+    columns += ("force",) if rng.random() < make.load_cell else ()
     true = as_built(built)
     known = rig_effects(m, make, built.known, runs[0])
     nearest = replace(true, effects=rig_effects(m, make, (*built.known, *built.hidden), runs[0]))

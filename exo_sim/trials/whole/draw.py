@@ -10,7 +10,7 @@ import numpy as np
 
 from exo_sim.errors import TrialError, nearest
 from exo_sim.trials.whole.blocks import BLOCKS, COMMON, OUTSIDE, SEAL, Draft
-from exo_sim.trials.whole.catalogue import SIZES
+from exo_sim.trials.whole.catalogue import SERIES
 from exo_sim.trials.whole.friction_laws import TANH
 from exo_sim.trials.whole.machine import Machine
 from exo_sim.trials.whole.makes import Make
@@ -141,7 +141,7 @@ def build(make: Make, cell: str, rng: np.random.Generator, only: Sequence[str] =
         travel: Of a piston that is led [m]; its cylinder is the shortest that allows for it.
         blocks: What is hidden and what is known, instead of a draw.
     """
-    size = SIZES[float(rng.choice(make.bores))]
+    size = SERIES[make.series][float(rng.choice(make.bores))]
     enough = [stroke for stroke in size.strokes if stroke > 1.15 * travel] or [1.2 * travel]
     stroke = enough[0] if travel else float(rng.choice(size.strokes))
     supply = 101325.0 + float(rng.uniform(3.8e5, 6.6e5))

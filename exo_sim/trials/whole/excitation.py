@@ -143,6 +143,40 @@ def _pulses(out: Program, rows: slice, t: Array, span: Range, rng: np.random.Gen
     out.feed[rows] = feed
 
 
+def _strokes(out: Program, rows: slice, t: Array, span: Range, rng: np.random.Generator) -> None:
+    """Moves from place to place of least jerk, and rests between them."""
+    goal, speed = np.full(len(t), span.middle), np.zeros(len(t))
+    at, place = rng.uniform(0.1, 0.4), span.middle
+    while at < t[-1]:
+        there = span.middle + span.travel * rng.uniform(0.3, 1.0) * (-1 if place > span.middle else 1)
+        longer = 1.875 * abs(there - place) / (span.fastest * rng.uniform(0.15, 0.6))
+        s = np.clip((t - at) / longer, 0.0, 1.0)
+        after = t >= at
+        goal[after] = place + (there - place) * (s**3 * (10 - 15 * s + 6 * s**2))[after]
+        speed[after] = (there - place) / longer * (30 * s**2 * (1 - s) ** 2)[after]
+        at += longer + rng.uniform(0.15, 0.8)
+        place = there
+    out.goal[rows], out.speed[rows], out.feed[rows] = goal, speed, _forward(speed, span)
+
+
+def _binary(out: Program, rows: slice, t: Array, span: Range, rng: np.random.Generator) -> None:
+    """The valve thrown from side to side by a pseudo-random binary sequence."""
+    out.mode[rows] = PULLED
+    clock = rng.uniform(0.05, 0.12)
+    sides = np.where(rng.random(int(t[-1] / clock) + 2) < 0.5, -1.0, 1.0)
+    out.feed[rows] = (span.dead + rng.uniform(0.3, 0.55)) * sides[(t / clock).astype(int)]
+
+
+def _hand(out: Program, rows: slice, t: Array, span: Range, rng: np.random.Generator) -> None:
+    """A joystick: slow, never twice the same, let go now and then."""
+    out.mode[rows] = PULLED
+    knots = np.arange(0.0, t[-1] + 1.0, 0.35)
+    wave = np.interp(t, knots, rng.normal(0.0, 0.45, len(knots)))
+    wide = max(3, round(0.18 / float(np.median(np.diff(t)))))
+    smooth = np.convolve(wave, np.ones(wide) / wide, "same")
+    out.feed[rows] = np.clip(np.where(abs(smooth) < 0.06, 0.0, smooth), -0.95, 0.95)
+
+
 def _holds(out: Program, rows: slice, t: Array, span: Range, rng: np.random.Generator) -> None:
     """Moves, and a valve closed for a second or three after each."""
     wish, at, moving = np.full(len(t), span.middle), 0.0, True
@@ -185,6 +219,9 @@ PROGRAMS: dict[str, Callable[[Program, slice, Array, Range, np.random.Generator]
     "holds": _holds,
     "forces": _forces,
     "switched": _switched,
+    "strokes": _strokes,
+    "binary": _binary,
+    "hand": _hand,
 }
 
 

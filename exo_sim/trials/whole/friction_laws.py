@@ -1,8 +1,10 @@
 """Laws of seal friction: a level over speed, pressures, place, dwell and warmth, and how a contact comes to it.
 
 The level falls from breakaway after an exponential or a Lorentzian with an exponent of its own (Armstrong-Helouvry, Dupont and Canudas
-de Wit 1994). It is reached through tanh of the speed, through a bristle (LuGre; Canudas de Wit and others 1995), or through a bristle
-that is elastic up to a limit (elasto-plastic; Dupont and others 2002).
+de Wit 1994), or after a hyperbolic secant, flat at rest and exponential in its tail. Pressure presses the lips that it reaches: both
+chambers' alike, their difference, the larger, or each the piston's lip on its side and the second the rod's as well. The level is
+reached through tanh of the speed, through a bristle (LuGre; Canudas de Wit and others 1995), or through a bristle that is elastic up to
+a limit (elasto-plastic; Dupont and others 2002).
 """
 
 from __future__ import annotations
@@ -12,8 +14,8 @@ import math
 from exo_sim.trials.whole.compiled import kernel
 
 TANH, LUGRE, ELASTOPLASTIC = 0, 1, 2
-EXPONENTIAL, LORENTZIAN = 0, 1
-SUM, DIFFERENCE, LARGER = 0, 1, 2
+EXPONENTIAL, LORENTZIAN, SECANT = 0, 1, 2
+SUM, DIFFERENCE, LARGER, LIPS = 0, 1, 2, 3
 
 
 @kernel
@@ -32,6 +34,9 @@ def level(v, x, p1, p2, rest, warmth, p):
         felt = gauge_1 + gauge_2
     elif p.pressure_law == DIFFERENCE:
         felt = abs(p1 - p2)
+    elif p.pressure_law == LIPS:
+        # the rod's lip is shorter than the piston's as the rod is thinner
+        felt = gauge_1 + (1.0 + math.sqrt(max(1.0 - p.area_2 / p.area_1, 0.0))) * gauge_2
     else:
         felt = max(gauge_1, gauge_2)
     sliding = p.coulomb + p.pressure_friction * felt
@@ -41,7 +46,12 @@ def level(v, x, p1, p2, rest, warmth, p):
         excess += p.dwell_gain * math.log10(1.0 + rest / 0.1)
     if excess > 0.0:
         s = (abs(v) / p.stribeck_speed) ** p.stribeck_exponent
-        sliding += excess * (math.exp(-s) if p.stribeck_law == EXPONENTIAL else 1.0 / (1.0 + s))
+        if p.stribeck_law == EXPONENTIAL:
+            sliding += excess * math.exp(-s)
+        elif p.stribeck_law == SECANT:
+            sliding += excess / math.cosh(min(s, 100.0))
+        else:
+            sliding += excess / (1.0 + s)
     if p.place_gain != 0.0:
         sliding *= 1.0 + p.place_gain * math.cos(2.0 * math.pi * x / p.place_pitch + p.place_phase)
     return sliding / (1.0 + p.warm_gain * warmth)

@@ -7,7 +7,7 @@ from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.signal import bessel, lfilter
+from scipy.signal import bessel, butter, lfilter
 
 from exo_sim.trials.whole.makes import Grade
 
@@ -23,7 +23,8 @@ class Channel:
         step: Step of the converter or encoder, 0 for none.
         low, high: Range; outside it the signal clips.
         cutoff: Of the card's filter [Hz], 0 for none.
-        order: Of the filter (Bessel, so that it delays all alike).
+        order: Of the filter.
+        shape: Of the filter: "bessel", which delays all alike, or "butterworth".
         delay: Of the card against the clock [s].
         offset, scale: shown = scale * true + offset.
     """
@@ -37,6 +38,7 @@ class Channel:
     delay: float = 0.0
     offset: float = 0.0
     scale: float = 1.0
+    shape: str = "bessel"
 
     @property
     def spread(self) -> float:
@@ -48,12 +50,22 @@ class Channel:
         """Delay of the filter at low frequencies and of the card together [s]."""
         if self.cutoff <= 0.0:
             return self.delay
-        b, a = bessel(self.order, 2 * math.pi * self.cutoff, analog=True, norm="mag")
+        b, a = _filter(self, 2 * math.pi * self.cutoff, analog=True)
         return self.delay + float(a[-2] / a[-1] - (b[-2] / b[-1] if len(b) > 1 else 0.0))
 
     def plain(self) -> dict[str, float]:
         """Return its numbers, with what is late altogether."""
-        return {**{key: float(value) for key, value in vars(self).items() if math.isfinite(value)}, "late": self.late}
+        numbers = {key: float(value) for key, value in vars(self).items() if key != "shape" and math.isfinite(value)}
+        return {**numbers, "late": self.late}
+
+
+def _filter(channel: Channel, cutoff: float, analog: bool = False) -> tuple[Array, Array]:
+    """Return numerator and denominator of a channel's filter; the cut-off is in rad/s, or a share of half the sample rate."""
+    if channel.shape == "butterworth":
+        b, a = butter(channel.order, cutoff, analog=analog)
+    else:
+        b, a = bessel(channel.order, cutoff, analog=analog, norm="mag")
+    return b, a
 
 
 @dataclass(frozen=True)
@@ -86,17 +98,18 @@ def draw_rack(grade: Grade, rng: np.random.Generator, lever_arm: float, force_ra
 
     def pressure() -> Channel:
         offset = room + float(rng.normal(0, grade.offset))
-        return Channel(noise, grade.pressure_range / levels, 0.0, grade.pressure_range, cutoff, grade.filter_order, late, offset)
+        step = grade.pressure_range / levels
+        return Channel(noise, step, 0.0, grade.pressure_range, cutoff, grade.filter_order, late, offset, shape=grade.filter_shape)
 
     if grade.encoder:
         position = Channel(0.0, float(rng.choice(grade.encoder)) / lever_arm)
     else:
         noise_x = float(rng.uniform(*grade.position_noise)) / lever_arm
-        position = Channel(noise_x, 0.0, cutoff=1.5 * cutoff, order=grade.filter_order, delay=0.3 * late)
+        position = Channel(noise_x, 0.0, cutoff=1.5 * cutoff, order=grade.filter_order, delay=0.3 * late, shape=grade.filter_shape)
     scale = 1.0 + float(np.clip(rng.normal(0, grade.force_scale), -2 * grade.force_scale, 2 * grade.force_scale))
     force = Channel(
         2e-4 * force_range, 2 * force_range / levels, -force_range, force_range, cutoff, grade.filter_order, 0.3 * late,
-        float(rng.normal(0, 2e-3)) * force_range, scale,
+        float(rng.normal(0, 2e-3)) * force_range, scale, grade.filter_shape,
     )  # fmt: skip
     return Rack(pressure(), pressure(), pressure(), position, force, grade.jitter)
 
@@ -105,7 +118,7 @@ def filtered(values: Array, channel: Channel, rate: float) -> Array:
     """Return a signal behind the channel's filter and delay, sampled as the input, shape (n,)."""
     out = values
     if channel.cutoff > 0.0:
-        b, a = bessel(channel.order, min(channel.cutoff / (0.5 * rate), 0.95), norm="mag")
+        b, a = _filter(channel, min(channel.cutoff / (0.5 * rate), 0.95))
         # in the steady state of the first value
         out = out[0] + lfilter(b, a, out - out[0])
     if channel.delay > 0.0:

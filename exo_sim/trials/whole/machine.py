@@ -25,11 +25,12 @@ FIELDS = (
     "exhaust_area", "exhaust_volume",
     # valve: edges are supply to 1, 1 to exhaust, supply to 2, 2 to exhaust
     "valve_area", "edge_s1", "edge_e1", "edge_s2", "edge_e2", "lap_s1", "lap_e1", "lap_s2", "lap_e2", "shift", "null_area",
-    "lag", "spool_frequency", "spool_damping", "delay", "rate", "play", "curve", "flow_law", "flow_b", "flow_m", "crack",
+    "lag", "lag_back", "spool_frequency", "spool_damping", "delay", "rate", "play", "curve", "flow_law", "flow_b", "flow_m",
+    "flow_laminar", "crack",
     # hose
     "hose_kind", "hose_area", "hose_b", "hose_volume", "hose_bore", "hose_length", "hose_heat",
     # leaks
-    "leak_law", "leak_piston", "leak_1", "leak_2", "leak_inertial", "relief_pressure", "relief_gain",
+    "leak_law", "leak_piston", "leak_1", "leak_2", "leak_inertial", "leak_turning", "relief_pressure", "relief_gain",
     # heat
     "heat_law", "heat_conductance", "heat_coefficient", "wall_capacity", "wall_outside",
     # cushion
@@ -57,9 +58,11 @@ _DEFAULTS = {
     "flow_law": 1.0,  # the nozzle
     "flow_b": 0.5282817877171742,
     "flow_m": 0.5,
+    "flow_laminar": 0.998,
     "hose_b": 0.4,
     "exhaust_volume": 3e-5,
     "leak_inertial": 1e20,
+    "leak_turning": 1.0,
     "stribeck_speed": 0.02,
     "stribeck_exponent": 1.0,
     "viscous_index": 1.0,
@@ -155,5 +158,5 @@ class Machine:
         if self["spool_frequency"] > 0:
             rates.append(2 * math.pi * self["spool_frequency"] * 1.5)
         if self["lag"] > 0:
-            rates.append(1.0 / self["lag"])
+            rates.append(1.0 / (min(self["lag"], self["lag_back"]) or self["lag"]))
         return rates

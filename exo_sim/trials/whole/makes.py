@@ -1,7 +1,8 @@
 """Makes of machine, alike in what they are and different in law, build, excitation and instruments.
 
-A to D and I are for learning, E to H and J are only reported on; no make shares its set of laws with another. I and J have one chamber: a
-spring or a weight brings their pistons back. K to N are worn by somebody who walks: K and L for learning, M and N reported on.
+A to D and I are for learning, E to H, J, O and P are only reported on; no make shares its set of laws with another. I and J have one
+chamber: a spring or a weight brings their pistons back. K to N are worn by somebody who walks: K and L for learning, M and N reported on.
+O and P were drawn up by somebody who did not work on the diagnosis, with laws, sizes, drives and cards that no other make has.
 """
 
 from __future__ import annotations
@@ -9,8 +10,20 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 from exo_sim.errors import TrialError, nearest
-from exo_sim.trials.whole.friction_laws import DIFFERENCE, ELASTOPLASTIC, EXPONENTIAL, LARGER, LORENTZIAN, LUGRE, SUM, TANH
-from exo_sim.trials.whole.gas_laws import CONSTANT, EICHELBERG, ELLIPSE, GAP, NOZZLE, ORIFICE, POROUS, WETTED
+from exo_sim.trials.whole.friction_laws import DIFFERENCE, ELASTOPLASTIC, EXPONENTIAL, LARGER, LIPS, LORENTZIAN, LUGRE, SECANT, SUM, TANH
+from exo_sim.trials.whole.gas_laws import (
+    CLEARANCE,
+    CONSTANT,
+    EICHELBERG,
+    ELLIPSE,
+    GAP,
+    NOZZLE,
+    ORIFICE,
+    POROUS,
+    SHARP,
+    STIRRED,
+    WETTED,
+)
 
 Range = tuple[float, float]
 
@@ -32,6 +45,8 @@ class Grade:
         gauge: Whether pressures were measured against the room and made absolute with 1013.25 hPa.
         offset: Standard deviation of each pressure's own offset [Pa].
         force_scale: Standard deviation of the load cell's scale.
+        filter_shape: Of the anti-alias filters, "bessel" or "butterworth".
+        lost: Share of the samples that never reach the file.
     """
 
     bits: int
@@ -46,11 +61,19 @@ class Grade:
     gauge: bool
     offset: float
     force_scale: float
+    filter_shape: str = "bessel"
+    lost: float = 0.0
 
 
 LABORATORY = Grade(16, (60.0, 180.0), 1.25e6, (250.0, 400.0), 2, (0.0, 1e-4), (1e-6, 5e-6), (3e-6, 1e-5), 0.0, False, 150.0, 0.005)
 WORKSHOP = Grade(14, (150.0, 400.0), 1.25e6, (120.0, 300.0), 2, (0.0, 6e-4), (1e-5,), (1e-5, 4e-5), 0.01, False, 500.0, 0.01)
 PLANT = Grade(12, (250.0, 700.0), 1.6e6, (60.0, 150.0), 1, (0.0, 2e-3), (), (3e-5, 8e-5), 0.04, True, 1500.0, 0.03)
+
+#: Converters of 24 bits behind a steep filter, a magnetic encoder of 12 to 13 bits; a microcontroller of 10 bits, its line losing some.
+SIGMA_DELTA = Grade(
+    24, (30.0, 100.0), 1e6, (150.0, 300.0), 4, (0.0, 3e-4), (2e-5, 5e-5), (1e-5, 4e-5), 2e-3, False, 300.0, 4e-3, "butterworth"
+)  # fmt: skip
+CONTROLLER = Grade(10, (300.0, 900.0), 1e6, (40.0, 90.0), 1, (0.0, 1.5e-3), (), (5e-5, 1.2e-4), 0.08, True, 2500.0, 0.02, lost=0.003)
 
 
 @dataclass(frozen=True)
@@ -64,10 +87,12 @@ class Laws:
         flow: Of the valve's paths; see `gas_laws`.
         flow_m: Range of the ellipse's subsonic index.
         crack: Range of the least difference of pressures at which anything flows [Pa].
-        spool: "first" or "second" order, or "delayed" and first order.
+        spool: "first" or "second" order, "delayed" and first order, "piloted": delayed and second order, or "uneven": first order, slower
+            to close than to open.
         heat, leak: See `gas_laws`.
         hose: "node" or "line".
         unequal: Whether the valve's four edges were ground one by one.
+        laminar: Range of the ratio of pressures above which the valve's flow is laminar; None where that is all but equal pressures.
     """
 
     contact: int
@@ -83,6 +108,7 @@ class Laws:
     flow_m: Range = (0.5, 0.5)
     crack: Range = (0.0, 0.0)
     unequal: bool = False
+    laminar: Range | None = None
 
 
 @dataclass(frozen=True)
@@ -91,7 +117,7 @@ class Make:
 
     Attributes:
         name, reported: Letter, and whether it may only be reported on.
-        bores: Of `catalogue.SIZES` [mm].
+        bores: Of the series of `catalogue.SERIES` [mm].
         build: "slide", "upright", "lever", or "legs": cylinders across hips and knees that their wearer leads.
         rate: Samples a second [Hz].
         laws: What its machines obey.
@@ -102,6 +128,8 @@ class Make:
         cylinder, joint: What owners call them; of legs the joints' names without the side.
         optional: Of `blocks.BLOCKS`, what its machines may have besides what all do.
         single: Chamber 2 is open to the room.
+        series: Of cylinders, of `catalogue.SERIES`.
+        load_cell: How often the rod's force is recorded; legs draw theirs in `walk.worn`.
     """
 
     name: str
@@ -118,6 +146,8 @@ class Make:
     joint: str
     optional: tuple[str, ...]
     single: bool = False
+    series: str = "iso"
+    load_cell: float = 0.25
 
 
 _TABLE = (
@@ -201,6 +231,19 @@ _TABLE = (
         "N", True, (25.0, 40.0), "legs", 200.0,
         Laws(TANH, EXPONENTIAL, (0.8, 1.6), DIFFERENCE, NOZZLE, "delayed", EICHELBERG, ORIFICE, "node"),
         True, PLANT, ("walk", "fast", "stand", "squats"), ("slow", "walk"), "", "", ("pressure", "asymmetry", "null"),
+    ),
+    Make(
+        "O", True, (38.1, 50.8, 63.5), "lever", 800.0,
+        Laws(LUGRE, SECANT, (1.1, 1.6), LIPS, SHARP, "uneven", STIRRED, ORIFICE, "node", (0.7, 0.85)),
+        False, SIGMA_DELTA, ("strokes", "binary", "holds", "hand"), ("hand", "strokes", "forces"),
+        "pusher", "beam", ("pressure", "asymmetry", "play", "null", "tank"), series="inch", load_cell=0.8,
+    ),
+    Make(
+        "P", True, (25.0, 40.0, 63.0), "upright", 250.0,
+        Laws(ELASTOPLASTIC, EXPONENTIAL, (2.2, 3.0), DIFFERENCE, ELLIPSE, "piloted", WETTED, CLEARANCE, "line", laminar=(0.94, 0.985),
+             unequal=True),
+        True, CONTROLLER, ("hand", "strokes", "triangles", "binary"), ("strokes", "tracking"),
+        "press", "ram_plate", ("pressure", "shift", "silencer", "regulator", "spring"), series="compact", load_cell=0.0,
     ),
 )  # fmt: skip
 MAKES = {make.name: make for make in _TABLE}

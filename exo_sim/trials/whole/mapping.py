@@ -15,7 +15,7 @@ from scipy.optimize import least_squares, minimize_scalar
 
 from exo_sim.trials.whole.catalogue import hose_conductance, throat_area
 from exo_sim.trials.whole.friction_laws import level, viscous
-from exo_sim.trials.whole.gas_laws import ELLIPSE, GAP, ORIFICE, conductance, flow_factor
+from exo_sim.trials.whole.gas_laws import CLEARANCE, ELLIPSE, GAP, ORIFICE, POROUS, conductance, flow_factor, leak
 from exo_sim.trials.whole.machine import Machine
 from exo_sim.trials.whole.makes import Make
 from exo_sim.trials.whole.running import Run
@@ -114,7 +114,7 @@ def _friction(m: Machine, keys: set[str], seen: Run) -> dict[str, Parameters]:
 def nearest_ratio(m: Machine) -> float:
     """Return the critical ratio of the half-power ellipse that is nearest to the machine's law of flow."""
     ratios = np.linspace(0.15, 0.98, 60)
-    own = np.array([flow_factor(r, m["flow_law"], m["flow_b"], m["flow_m"], m["heat_ratio"]) for r in ratios])
+    own = np.array([flow_factor(r, m["flow_law"], m["flow_b"], m["flow_m"], m["heat_ratio"], m["flow_laminar"]) for r in ratios])
 
     def miss(b: float) -> float:
         there = np.array([flow_factor(r, ELLIPSE, b, 0.5, m["heat_ratio"]) for r in ratios])
@@ -131,8 +131,8 @@ def mean_conductance(m: Machine, seen: Run) -> tuple[float, float]:
     means = []
     for number, length in (("1", log["piston"][rows]), ("2", m["stroke"] - log["piston"][rows])):
         values = [
-            conductance(m["heat_law"], m["heat_conductance"], m["heat_coefficient"], 2 * m[f"area_{number}"], barrel, x, p, t)
-            for x, p, t in zip(length, log[f"pressure_{number}"][rows], log[f"temperature_{number}"][rows])
+            conductance(m["heat_law"], m["heat_conductance"], m["heat_coefficient"], 2 * m[f"area_{number}"], barrel, x, p, t, v)
+            for x, p, t, v in zip(length, log[f"pressure_{number}"][rows], log[f"temperature_{number}"][rows], log["piston_speed"][rows])
         ]
         means.append(float(np.mean(values)))
     return means[0], means[1]
@@ -155,7 +155,7 @@ def _lag(m: Machine) -> Parameters:
         spread = math.sqrt(max(mean**2 - 2 / omega**2, 0.0))
         first = min(max(spread, 0.5 * mean), mean)
         return {"time_constant": (first, "s"), "delay": (max(mean - first, 0.0) + m["delay"], "s")}
-    parameters: Parameters = {"time_constant": (m["lag"], "s")}
+    parameters: Parameters = {"time_constant": (0.5 * (m["lag"] + m["lag_back"]) if m["lag_back"] > 0 else m["lag"], "s")}
     return parameters | ({"delay": (m["delay"], "s")} if m["delay"] > 0 else {})
 
 
@@ -168,19 +168,27 @@ def _hose(m: Machine) -> Parameters:
 
 def _leak_out(m: Machine) -> Parameters:
     kind, unit = ("area", "m^2") if m["leak_law"] == ORIFICE else ("laminar", "kg/(s Pa^2)")
-    found: Parameters = {f"{kind}_{n}": (m[f"leak_{n}"], unit) for n in ("1", "2") if m[f"leak_{n}"] > 0}
-    return found | ({"inertial": (m["leak_inertial"], "Pa^2 s^2/kg^2")} if m["leak_law"] == 2.0 else {})
+    found: Parameters = {}
+    for n in ("1", "2"):
+        size = m[f"leak_{n}"]
+        if size > 0:
+            found[f"{kind}_{n}"] = _as_gap(m, size, 4e5, m["ambient"]) if m["leak_law"] == CLEARANCE else size, unit
+    return found | ({"inertial": (m["leak_inertial"], "Pa^2 s^2/kg^2")} if m["leak_law"] == POROUS else {})
 
 
 def _leak_piston(m: Machine) -> Parameters:
     if m["leak_law"] == ORIFICE:
         return {"area": (m["leak_piston"], "m^2")}
     size = m["leak_piston"]
-    if m["leak_law"] != GAP:  # a porous path passes, at 3 bar between 5 and 2, what this gap does
-        drop = 5e5**2 - 2e5**2
-        inertial = m["leak_inertial"]
-        size = 0.5 * (math.sqrt(1 / size**2 + 4 * inertial * drop) - 1 / size) / inertial / drop
+    if m["leak_law"] != GAP:
+        size = _as_gap(m, size, 5e5, 2e5)
     return {"laminar": (size, "kg/(s Pa^2)")}
+
+
+def _as_gap(m: Machine, size: float, high: float, low: float) -> float:
+    """Return the size [kg/(s Pa^2)] of the gap that passes between two pressures [Pa] what the machine's leak of this size does."""
+    passed = leak(size, high, 293.15, low, 293.15, m["leak_law"], m["leak_inertial"], m["leak_turning"], m.packed()[0])
+    return float(passed) / (high**2 - low**2)
 
 
 def _laps(m: Machine) -> Parameters:

@@ -33,8 +33,9 @@ _SHEET = {"valve_area": 0.1, "dead_1": 0.2, "dead_2": 0.2, "inertia": 0.05, "sup
 _FREE = 0.5
 #: Offsets that pressures and load cells may have, in units of what can be seen.
 _OFFSET = 3.0
-_NOT_NUMBERS = {"flow_law", "hose_kind", "flow_m", "crack", "stribeck_exponent", "viscous_index", "leak_inertial", "place_phase",
-                "spool_damping", "hose_heat", "hose_b", "exhaust_volume", "regulator_overshoot", "tank_heat"}  # fmt: skip
+_NOT_NUMBERS = {"flow_law", "hose_kind", "flow_m", "flow_laminar", "crack", "stribeck_exponent", "viscous_index", "leak_inertial",
+                "leak_turning", "place_phase", "spool_damping", "hose_heat", "hose_b", "exhaust_volume", "regulator_overshoot",
+                "tank_heat"}  # fmt: skip
 
 
 @dataclass(frozen=True)

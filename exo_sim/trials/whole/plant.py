@@ -51,7 +51,7 @@ def opening(spool, lap, curve):
 @kernel
 def valve_path(area, p_a, t_a, p_b, t_b, p):
     """Return the mass flow of one path of the valve from a to b [kg/s]."""
-    return orifice(area, p_a, t_a, p_b, t_b, p.flow_law, p.flow_b, p.flow_m, p.crack, p)
+    return orifice(area, p_a, t_a, p_b, t_b, p.flow_law, p.flow_b, p.flow_m, p.crack, p, p.flow_laminar)
 
 
 @kernel
@@ -121,7 +121,9 @@ def spool_rates(y, u, p, out):
         if p.rate > 0.0:
             out[SPOOL] = min(max(out[SPOOL], -p.rate), p.rate)
     elif p.lag > 0.0:
-        out[SPOOL] = (u - y[SPOOL]) / p.lag
+        # a spring closes as slowly as it does, whatever the coil that opens
+        returning = p.lag_back > 0.0 and (u - y[SPOOL]) * y[SPOOL] < 0.0
+        out[SPOOL] = (u - y[SPOOL]) / (p.lag_back if returning else p.lag)
         if p.rate > 0.0:
             out[SPOOL] = min(max(out[SPOOL], -p.rate), p.rate)
 
@@ -201,20 +203,20 @@ def rates(y, place, u, p, out, said):
             net_2, h_2 = hose_rates(y, out, LINE_2, p2, t2, net_2, h_2, needle_2, p)
 
     # leaks
-    w = leak(p.leak_piston, p1, t1, p2, t2, p.leak_law, p.leak_inertial, p)
+    w = leak(p.leak_piston, p1, t1, p2, t2, p.leak_law, p.leak_inertial, p.leak_turning, p)
     carried = cp * w * (t1 if w > 0.0 else t2)
     net_1, net_2, h_1, h_2 = net_1 - w, net_2 + w, h_1 - carried, h_2 + carried
-    w = leak(p.leak_1, p1, t1, ambient, room, p.leak_law, p.leak_inertial, p)
+    w = leak(p.leak_1, p1, t1, ambient, room, p.leak_law, p.leak_inertial, p.leak_turning, p)
     if p.relief_gain > 0.0 and p1 > p.relief_pressure:
         w += orifice(p.relief_gain * (p1 - p.relief_pressure), p1, t1, ambient, room, ELLIPSE, 0.3, 0.5, 0.0, p)
     net_1, h_1 = net_1 - w, h_1 - cp * w * (t1 if w > 0.0 else room)
-    w = leak(p.leak_2, p2, t2, ambient, room, p.leak_law, p.leak_inertial, p)
+    w = leak(p.leak_2, p2, t2, ambient, room, p.leak_law, p.leak_inertial, p.leak_turning, p)
     net_2, h_2 = net_2 - w, h_2 - cp * w * (t2 if w > 0.0 else room)
 
     # walls
     barrel = 2.0 * math.sqrt(math.pi * p.area_1)
-    g1 = conductance(p.heat_law, p.heat_conductance, p.heat_coefficient, 2.0 * p.area_1, barrel, x, p1, t1)
-    g2 = conductance(p.heat_law, p.heat_conductance, p.heat_coefficient, 2.0 * p.area_2, barrel, p.stroke - x, p2, t2)
+    g1 = conductance(p.heat_law, p.heat_conductance, p.heat_coefficient, 2.0 * p.area_1, barrel, x, p1, t1, v)
+    g2 = conductance(p.heat_law, p.heat_conductance, p.heat_coefficient, 2.0 * p.area_2, barrel, p.stroke - x, p2, t2, v)
     q1, q2 = g1 * (y[W1] - t1), g2 * (y[W2] - t2)
     if p.wall_capacity > 0.0:
         out[W1] = (-q1 - p.wall_outside * (y[W1] - room)) / p.wall_capacity

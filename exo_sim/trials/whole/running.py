@@ -161,4 +161,8 @@ def recorded(one: Run, rack: Rack, built: Built, columns: tuple[str, ...], rng: 
             table[column] = one.at_samples(name)
         else:
             table[column] = shown(filtered(one.log[name], channel, rate)[:: one.sub], channel, rng)
+    if make.grade.lost > 0.0:
+        there = rng.random(len(one.time)) >= make.grade.lost
+        there[[0, -1]] = True
+        table = {column: values[there] for column, values in table.items()}
     return table

@@ -94,6 +94,23 @@ def test_a_card_filters_and_is_late():
     assert np.all(shown(ramp, channel, rng) == np.round(ramp))
 
 
+def test_a_butterworth_is_late_by_what_it_says():
+    channel = Channel(cutoff=100.0, order=4, shape="butterworth")
+    ramp = np.arange(2000.0)
+    assert (ramp - filtered(ramp, channel, 2000.0))[1000:].mean() / 2000.0 == pytest.approx(channel.late, abs=5e-5)
+    assert channel.plain()["cutoff"] == 100.0
+
+
+def test_a_line_loses_samples_and_keeps_their_times():
+    one = make_case("x", "P", seed=5, duration=6.0, weigh=False)
+    (table,) = one.recordings
+    steps = np.diff(table["time [s]"])
+    n = round(6.0 * MAKES["P"].rate)
+    assert n - 0.01 * n < len(steps) + 1 < n
+    assert len({len(values) for values in table.values()}) == 1
+    assert 1.7 < steps.max() * MAKES["P"].rate < 3.5 and steps.min() > 0
+
+
 def test_bad_wishes_are_named(capsys, tmp_path):
     with pytest.raises(TrialError, match='no make "Z"'):
         make_case("x", "Z")

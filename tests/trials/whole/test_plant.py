@@ -8,12 +8,34 @@ import numpy as np
 import pytest
 
 from exo_sim.trials.whole.catalogue import hose_conductance, throat_area
+from exo_sim.trials.whole.draw import build
 from exo_sim.trials.whole.excitation import Program
-from exo_sim.trials.whole.friction_laws import ELASTOPLASTIC, LUGRE, contact, level
-from exo_sim.trials.whole.gas_laws import ELLIPSE, GAP, NOZZLE, POROUS, flow_factor, leak, orifice
+from exo_sim.trials.whole.friction_laws import ELASTOPLASTIC, LIPS, LUGRE, SECANT, contact, level
+from exo_sim.trials.whole.gas_laws import CLEARANCE, ELLIPSE, GAP, NOZZLE, POROUS, SHARP, STIRRED, conductance, flow_factor, leak, orifice
 from exo_sim.trials.whole.loop import FED, GAINS, MEMO, POSITION
 from exo_sim.trials.whole.machine import Machine
-from exo_sim.trials.whole.plant import LINE_1, LINE_2, N1, N2, NT, NX, QD, STATES, U1, U2, UT, W1, W2, at_rest
+from exo_sim.trials.whole.makes import MAKES
+from exo_sim.trials.whole.plant import (
+    LINE_1,
+    LINE_2,
+    N1,
+    N2,
+    NT,
+    NX,
+    QD,
+    SPOOL,
+    STATES,
+    U1,
+    U2,
+    UT,
+    UX,
+    W1,
+    W2,
+    Q,
+    at_rest,
+    transmission,
+    valve_path,
+)
 from exo_sim.trials.whole.running import Run, advance
 
 BENCH = {
@@ -62,10 +84,95 @@ def test_choked_flow_of_air_has_the_published_factor():
 
 def test_leaks_are_what_they_say():
     p = Machine().packed()[0]
-    assert leak(1e-16, 3e5, 293.15, 2e5, 293.15, GAP, 0.0, p) == pytest.approx(1e-16 * 5e10)
-    w = leak(1e-15, 6e5, 293.15, 1e5, 293.15, POROUS, 1e20, p)
+    assert leak(1e-16, 3e5, 293.15, 2e5, 293.15, GAP, 0.0, 1.0, p) == pytest.approx(1e-16 * 5e10)
+    w = leak(1e-15, 6e5, 293.15, 1e5, 293.15, POROUS, 1e20, 1.0, p)
     assert w / 1e-15 + 1e20 * w * w == pytest.approx(36e10 - 1e10, rel=1e-9)
-    assert leak(1e-15, 1e5, 293.15, 6e5, 293.15, POROUS, 1e20, p) == pytest.approx(-w)
+    assert leak(1e-15, 1e5, 293.15, 6e5, 293.15, POROUS, 1e20, 1.0, p) == pytest.approx(-w)
+
+
+def test_a_sharp_edge_passes_more_the_deeper_it_blows_and_never_chokes():
+    slow = flow_factor(0.97, SHARP, 0.0, 0.5, 1.4) / flow_factor(0.97, NOZZLE, THROAT, 0.5, 1.4)
+    assert flow_factor(1e-9, SHARP, 0.0, 0.5, 1.4) == pytest.approx(1.0)
+    assert slow == pytest.approx(0.61 / 0.84, rel=0.02)
+    factors = [flow_factor(r, SHARP, 0.0, 0.5, 1.4) for r in np.linspace(0.0, 1.0, 101)]
+    assert np.all(np.diff(factors) < 0) and factors[-1] == 0.0
+
+
+def test_a_laminar_part_is_a_straight_line_from_the_ellipse_to_nothing():
+    at = [flow_factor(r, ELLIPSE, 0.3, 0.5, 1.4, 0.95) for r in (0.95, 0.975, 1.0)]
+    assert at[0] == flow_factor(0.95, ELLIPSE, 0.3, 0.5, 1.4)
+    assert at[1] == pytest.approx(0.5 * at[0]) and at[2] == 0.0
+    m = Machine({"flow_law": ELLIPSE, "flow_b": 0.3, "flow_laminar": 0.95})
+    assert valve_path(1e-6, 4e5, 293.15, 3.9e5, 293.15, m.packed()[0]) == pytest.approx(
+        0.5 * valve_path(1e-6, 4e5, 293.15, 3.8e5, 293.15, m.packed()[0])
+    )
+
+
+def test_a_clearance_is_a_gap_until_it_turns_turbulent():
+    p = Machine().packed()[0]
+    turning = 1e-16 * 7e10
+    assert leak(1e-16, 3e5, 293.15, 2e5, 293.15, CLEARANCE, 0.0, turning, p) == pytest.approx(1e-16 * 5e10)
+    assert leak(1e-16, 4e5, 293.15, 3e5, 293.15, CLEARANCE, 0.0, turning, p) == pytest.approx(turning)
+    w = leak(1e-16, 1e5, 293.15, 6e5, 293.15, CLEARANCE, 0.0, turning, p)
+    assert (-w / turning) ** 1.75 == pytest.approx(35e10 / 7e10)
+
+
+def test_what_a_piston_stirs_takes_more_heat_and_a_resting_one_some():
+    still, moving, fast = (conductance(STIRRED, 0.0, 40.0, 1e-3, 0.1, 0.05, 4e5, 293.15, v) for v in (0.0, 0.3, -0.63))
+    assert moving == pytest.approx(40.0 * (1e-3 + 0.1 * 0.05))
+    assert fast / moving == pytest.approx(2.0**0.7)
+    assert 0.1 < still / moving < 0.25
+
+
+def test_a_secant_is_flat_at_rest_and_a_rod_has_a_lip_of_its_own():
+    p = Machine({"coulomb": 10.0, "breakaway_excess": 8.0, "stribeck_speed": 0.02, "stribeck_law": SECANT}).packed()[0]
+    dry = [level(v, 0.0, 1e5, 1e5, 0.0, 0.0, p) for v in (1e-5, 0.02, 10.0)]
+    assert dry == pytest.approx([18.0, 10.0 + 8.0 / math.cosh(1.0), 10.0], abs=1e-4)
+    areas = {"area_1": 4e-4, "area_2": 3e-4, "pressure_law": LIPS, "pressure_friction": 1e-5, "ambient": 1e5}
+    p = Machine(areas).packed()[0]  # a rod half as thick as the piston
+    assert level(0.1, 0.0, 3e5, 1e5, 0.0, 0.0, p) == pytest.approx(2.0)
+    assert level(0.1, 0.0, 1e5, 3e5, 0.0, 0.0, p) == pytest.approx(3.0)
+
+
+def test_an_uneven_spool_opens_faster_than_its_spring_closes():
+    m = Machine({**BENCH, "inertia": 1e9, "lag": 5e-3, "lag_back": 1e-2})
+    u = np.where(np.arange(200) < 100, -0.5, 0.0)
+    spool = run(m, 0.2, u).states[:, SPOOL]
+    assert spool[5] == pytest.approx(-0.5 * (1 - math.exp(-1)), rel=1e-3)
+    assert spool[110] == pytest.approx(spool[100] * math.exp(-1), rel=1e-3)
+
+
+@pytest.mark.parametrize("make", ["O", "P"])
+@pytest.mark.parametrize("seed", [1, 3, 7])
+def test_books_of_drawn_machines_close_where_nothing_leaves(make, seed):
+    """A drawn machine between a tank that nothing fills and an exhaust that is shut: gas goes round and none is lost."""
+    drawn = build(MAKES[make], "whole", np.random.default_rng(seed)).machine
+    shut = {"tank_volume": 2e-3, "tank_feed": 0.0, "tank_heat": 0.0, "exhaust_area": 1e-30, "exhaust_volume": 1e-3, "leak_1": 0.0,
+            "leak_2": 0.0, "heat_conductance": 0.0, "heat_coefficient": 0.0, "hose_heat": 0.0, "regulator_droop": 0.0}  # fmt: skip
+    seals = {"coulomb": 0.0, "breakaway_excess": 0.0, "viscous": 0.0, "pressure_friction": 0.0, "damping": 0.0}
+    m = drawn.with_(**shut, **seals)
+    middle = 0.0 if m["lever"] else 0.5 * m["stroke"] - m["zero"]
+    u = 0.5 * np.cos(2 * np.pi * 8.0 * np.arange(250) / 1000)
+    p2 = (3.2e5 * m["area_1"] - m["ambient"] * (m["area_1"] - m["area_2"])) / m["area_2"]
+    one = run(m, 0.25, u, p1=3.2e5, p2=p2, x=middle)
+    s = one.states
+    gas, energy = s[:, N1] + s[:, N2] + s[:, NX] + s[:, NT], s[:, U1] + s[:, U2] + s[:, UX] + s[:, UT]
+    if m["hose_kind"] > 0:
+        cells = 1 if m["hose_kind"] == 1.0 else 3
+        for line in (LINE_1, LINE_2):
+            gas = gas + s[:, line : line + 2 * cells : 2].sum(1)
+            energy = energy + s[:, line + 1 : line + 2 * cells : 2].sum(1)
+    passed = np.ptp(s[:, NT])
+    assert passed > 1e-2 * s[0, N1] and np.ptp(gas) < 1e-10 * passed
+    if m["hose_kind"] != 2.0:  # gas that flows in a line has energy of motion as well
+        slope = np.array([transmission(q, m.packed()[0])[1] for q in s[:, Q]])
+        moving = 0.5 * (m["inertia"] + m["piston_mass"] * (slope**2 if m["lever"] else 1.0)) * s[:, QD] ** 2
+        weight = m["gravity"] * (np.sin(s[:, Q]) if m["lever"] else s[:, Q])
+        x = one.at_samples("piston")
+        assert 0.0 < x.min() < x.max() < m["stroke"]  # a stop would take some
+        spring = 0.5 * m["spring"] * (x - m["spring_rest"]) ** 2
+        total = energy + moving + weight + spring + m["ambient"] * (m["area_1"] - m["area_2"]) * x
+        assert np.ptp(total) < 1e-4 * (np.ptp(s[:, UT]) + np.ptp(moving))
 
 
 def test_a_hose_of_four_millimetres_and_a_metre():

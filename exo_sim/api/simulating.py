@@ -30,6 +30,11 @@ if TYPE_CHECKING:
 #: Endings of recordings that a machine can follow.
 MOTIONS = (".csv", ".tsv", ".txt", ".parquet", ".pq", ".rrd")
 
+#: What says how somebody walks, as it stands where nobody asked for anything.
+_AS_EVER = {
+    "gait": None, "ground": None, "whole": False, "payload": 34.0, "speed": 1.0, "strides": None, "assist": "on", "demand": "least_load",
+    "wearer": None,
+}  # fmt: skip
 #: What of a joint is printed.
 _JOINT = ("torque_peak_nm", "torque_error_rms_nm", "position_error_rms_rad", "position_error_rms_m", "force_peak_n")
 #: What `Run.plot` draws where it was recorded.
@@ -190,6 +195,10 @@ def simulate(
         brought = own.of(controller)
         called = type(brought).__name__
     if _is_motion(scenario) and not is_worn(machine):
+        _nobody_walks(
+            machine, gait=gait, ground=ground, whole=whole, payload=mass, speed=speed, strides=strides, assist=assist, demand=demand,
+            wearer=wearer,
+        )  # fmt: skip
         return _follow(machine, scenario, brought, called, out, seed, quiet, tell, columns)  # type: ignore[arg-type]
     name, given = what_to_do(scenario, gait, ground, whole, columns)
     target = _target(out, name)
@@ -268,6 +277,13 @@ def _is_motion(scenario: object) -> bool:
     if isinstance(scenario, table_of.Recording):
         return True
     return isinstance(scenario, str | os.PathLike) and Path(scenario).suffix.lower() in MOTIONS
+
+
+def _nobody_walks(rig: Rig, **given: object) -> None:
+    """Refuse what says how somebody walks where a machine that nobody wears follows a motion."""
+    for name, value in given.items():
+        if str(value) != str(_AS_EVER[name]):
+            raise ScenarioError(f"--{name} says how somebody walks, and nobody wears {rig.name}, which follows a motion: leave it out")
 
 
 def _follow(

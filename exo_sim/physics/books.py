@@ -9,14 +9,17 @@ from numpy.typing import NDArray
 
 from exo_sim.physics import state
 
+#: Share of what was there below which what passed is no measure: what is there is only known to its own rounding.
+_SLIGHT = 1e-6
+
 
 @dataclass
 class Books:
     """What went in and out, against what is there now.
 
     Attributes:
-        mass_residual: Gas unaccounted for, relative to what passed through.
-        energy_residual: Energy unaccounted for, relative to what passed through.
+        mass_residual: Gas unaccounted for, relative to what passed through, or to a millionth of what was there where less passed.
+        energy_residual: Energy unaccounted for, relative alike.
         drawn: Gas drawn from the supply by each cylinder [kg], shape (n,).
         heat: Heat into the gas of each cylinder [J], shape (n,).
         work: Work of the gas on each piston [J], shape (n,).
@@ -31,13 +34,14 @@ class Books:
     recovered: float = 0.0
 
 
-def balance(world: NDArray[np.void], cylinders: int, change: NDArray[np.float64]) -> Books:
+def balance(world: NDArray[np.void], cylinders: int, change: NDArray[np.float64], start: NDArray[np.float64] | None = None) -> Books:
     """Return the books of a machine.
 
     Args:
         world: Record WORLD, shape (1,).
         cylinders: How many there are.
         change: Of the integrated state since the books were opened, shape (integrated_size(cylinders),).
+        start: That state itself when they were opened; None measures by what passed alone.
     """
     inside = cylinders * state.INTEGRATED
     y, shared = change[:inside].reshape(cylinders, state.INTEGRATED), change[inside:]
@@ -58,6 +62,12 @@ def balance(world: NDArray[np.void], cylinders: int, change: NDArray[np.float64]
         off_energy += abs(shared[state.EXHAUST_ENERGY] + shared[state.RELEASED_ENTHALPY] - h_let_out.sum())
     passed = np.abs([drawn, let_out, leaked]).sum()
     carried = np.abs([h_drawn, h_let_out, h_leaked, y[:, state.WORK], y[:, state.HEAT]]).sum()
+    if start is not None:
+        first, first_shared = start[:inside].reshape(cylinders, state.INTEGRATED), start[inside:]
+        masses = [state.SUPPLY_MASS, state.EXHAUST_MASS, state.TANK_MASS]
+        energies = [state.SUPPLY_ENERGY, state.EXHAUST_ENERGY, state.TANK_ENERGY]
+        passed = max(passed, _SLIGHT * (first[:, mass].sum() + first_shared[masses].sum()))
+        carried = max(carried, _SLIGHT * (first[:, energy].sum() + first_shared[energies].sum()))
     return Books(
         float(off / passed) if passed > 0.0 else float(off),
         float(off_energy / carried) if carried > 0.0 else float(off_energy),

@@ -207,7 +207,8 @@ class Pneumatics:
     def books(self) -> Books:
         """Return what passed through since `fill`, and what the books cannot account for."""
         n = len(self.cylinders)
-        return balance(self.world, n, (self.vector - self._start)[: state.integrated_size(n)])
+        size = state.integrated_size(n)
+        return balance(self.world, n, (self.vector - self._start)[:size], self._start[:size])
 
 
 def _deflection(c: np.void, force: float) -> float:

@@ -8,6 +8,11 @@ from exo_sim.physics.plant import FOLLOWED, step
 from exo_sim.simulation.native import call, read_time
 from exo_sim.simulation.views import GAS_TIME, MUJOCO_TIME, STEP
 
+#: What `catch_up` returns where MuJoCo's clock is neither where the gas is nor one step further.
+OUT_OF_STEP = -1
+#: Share of a step within which two clocks agree; sums of steps round by far less.
+CLOCK_SLACK = 1e-3
+
 
 @kernel
 def moment_arm(actuator, dof, mechanics):
@@ -76,10 +81,14 @@ def advance_gas(mechanics, plant):
 def catch_up(mechanics, plant):
     """Bring the gas up to MuJoCo's clock; do nothing where it is there already. Return what became of it."""
     read_time(mechanics.get_state, mechanics.model, mechanics.data, plant.clock.ctypes.data + 8 * MUJOCO_TIME)
+    step_length = plant.clock[STEP]
+    ahead = plant.clock[MUJOCO_TIME] - plant.clock[GAS_TIME]
     became = FOLLOWED
-    if plant.clock[MUJOCO_TIME] > plant.clock[GAS_TIME] + 0.5 * plant.clock[STEP]:
+    if abs(ahead - step_length) <= CLOCK_SLACK * step_length:
         became = advance_gas(mechanics, plant)
         plant.clock[GAS_TIME] = plant.clock[MUJOCO_TIME]
+    elif not abs(ahead) <= CLOCK_SLACK * step_length:
+        became = OUT_OF_STEP
     return became
 
 

@@ -18,8 +18,9 @@ from exo_sim.rig import Rig, assembly
 from exo_sim.rig.schema import LARGEST_HEAT_CAPACITY_RATIO, LARGEST_PRESSURE
 from exo_sim.simulation import views
 from exo_sim.simulation.bound_arrays import Bound, straight, take_step
-from exo_sim.simulation.coupling import advance_gas, compute_forces, freshen_levers
+from exo_sim.simulation.coupling import CLOCK_SLACK, OUT_OF_STEP, advance_gas, compute_forces, freshen_levers
 
+_NOTHING = object()
 _CONTACT = ["effective_mass", "turning"]
 _CONTACT_OF_CYLINDER = [*_CONTACT, "arm"]
 
@@ -101,12 +102,12 @@ class PneumaticPlugin:
             addresses=np.array([model.jnt_qposadr[i] for i in ids], dtype=np.int64),
             turning=any(effect.turning for effect in rig.effects),
         )
-        self._stepped: mujoco.MjData | None = None  # what `step` was last called with, and the call for it
+        self._stepped: object = _NOTHING  # what `step` was last called with, and the call for it
         self._bound: Bound | None = None
         self._places, self._take_step = (0, 0), take_step
 
     def __getstate__(self) -> dict[str, object]:
-        return {**self.__dict__, "_bound": None, "_stepped": None, "_take_step": None}  # a copy's arrays are elsewhere
+        return {**self.__dict__, "_bound": None, "_stepped": _NOTHING, "_take_step": None}  # a copy's arrays are elsewhere
 
     def refit(self, rig: Rig) -> None:
         """Take the numbers of another rig: the same cylinders on the same actuators, with other sizes, supply or effects' values.
@@ -173,7 +174,8 @@ class PneumaticPlugin:
         """Fill the chambers with gas at rest, at the atmosphere unless pressures [Pa] are given, for the positions in `data`.
 
         Raises:
-            ModelError: `data` is of another model, or a pressure is none: absolute ones are above 0, and below `LARGEST_PRESSURE`.
+            ModelError: `data` is of another model, a piston is a stroke or more outside its stroke, or a pressure is none: absolute ones
+                are above 0, and below `LARGEST_PRESSURE`.
         """
         self._check_data(data)
         atmosphere = self.rig.environment.pressure
@@ -182,6 +184,13 @@ class PneumaticPlugin:
         mujoco.mj_forward(self.model, data)
         plant = self.plant
         plant.x[:] = data.actuator_length[plant.actuators] - plant.retracted
+        for link, x in zip(self.links, plant.x):
+            stroke = self.rig.cylinders[link.cylinder].stroke
+            if not -stroke <= x <= 2.0 * stroke and math.isfinite(x):
+                raise ModelError(
+                    f"{self.rig.path}: cylinder {link.cylinder}: its piston is at {x:g} m, its stroke is {stroke:g} m: start within it, or "
+                    "correct retracted_length"
+                )
         plant.q[:] = data.qpos[plant.addresses]
         plant.felt[:] = plant.command[:] = 0.0
         self._masses(data)
@@ -193,7 +202,7 @@ class PneumaticPlugin:
         """Return a pressure for each cylinder, shape (n,); how small it may be is asked where the chambers are filled."""
         try:
             pressures = np.broadcast_to(np.asarray(value, dtype=np.float64), (len(self.links),))
-        except (TypeError, ValueError):
+        except (TypeError, ValueError, OverflowError):
             raise ModelError(f"{name}: give one pressure in Pa, or one for each of {len(self.links)} cylinders") from None
         if (most := np.max(pressures, initial=0.0)) > LARGEST_PRESSURE and most < np.inf:
             raise ModelError(f"{self.rig.path}: {name} = {most:g} Pa at the start is more than any machine has, {LARGEST_PRESSURE:g} Pa")
@@ -201,6 +210,8 @@ class PneumaticPlugin:
 
     def _check_data(self, data: mujoco.MjData) -> None:
         """Refuse the state of another model: its arrays have other lengths or other meanings."""
+        if not isinstance(data, mujoco.MjData):
+            raise ModelError(f"the plug-in takes the MjData of its model, not {type(data).__name__}")
         if data.signature != self.model.signature:
             raise ModelError("the MjData belongs to another model than the one that the plug-in was made for")
 
@@ -236,11 +247,16 @@ class PneumaticPlugin:
         Does nothing where the gas is there already.
 
         Raises:
-            ModelError: `data` is of another model, a command is no number, or the gas is too fast to be followed.
+            ModelError: `data` is of another model, a command is no number, the gas is too fast to be followed, or MuJoCo's clock is
+                not one step further: the model's time step changed, or its state was reset and the plug-in was not.
         """
-        if data.time <= self.plant.clock[views.GAS_TIME] + 0.5 * self.dt:
-            return
         self._check_data(data)
+        ahead = data.time - self.plant.clock[views.GAS_TIME]
+        if abs(ahead) <= CLOCK_SLACK * self.dt:
+            return
+        if not abs(ahead - self.dt) <= CLOCK_SLACK * self.dt:
+            self.plant.clock[views.MUJOCO_TIME] = data.time
+            self.check(OUT_OF_STEP)
         self.check(advance_gas(views.mechanics(self.model, data), self.plant))
         self.plant.clock[views.GAS_TIME] = data.time
 
@@ -266,9 +282,25 @@ class PneumaticPlugin:
         Raises:
             ModelError: as `advance`.
         """
+        if became == OUT_OF_STEP:
+            raise self._out_of_step()
         if became != FOLLOWED:
             plant = self.plant
             raise self.pneumatics.refused(became, plant.x, plant.x1, plant.command)
+
+    def _out_of_step(self) -> ModelError:
+        """Return what put MuJoCo's clock elsewhere than one step behind the gas's, and what to do."""
+        now, gas = float(self.plant.clock[views.MUJOCO_TIME]), float(self.plant.clock[views.GAS_TIME])
+        if (step := float(self.model.opt.timestep)) != self.dt:
+            return ModelError(f"the model's time step became {step:g} s; the plug-in was made for {self.dt:g} s: make it anew for this one")
+        if not now >= gas:
+            return ModelError(
+                f"MuJoCo's clock went back from {gas:g} s to {now:g} s: call the plug-in's reset after mj_resetData, which MuJoCo calls "
+                "itself where a position, speed or force is no number"
+            )
+        return ModelError(
+            f"MuJoCo's clock is at {now:g} s and the gas at {gas:g} s: bring the gas up in every step of {self.dt:g} s, or call reset"
+        )
 
     def snapshot(self, data: mujoco.MjData) -> Snapshot:
         """Return MuJoCo's state and the gas's together."""

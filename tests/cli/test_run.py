@@ -94,6 +94,19 @@ def test_a_rig_without_the_machines_parts_is_refused(capsys, repository, tmp_pat
     assert list(tmp_path.iterdir()) == []
 
 
+@pytest.mark.parametrize(
+    "words",
+    [("--wearer", "torques"), ("--payload", "20 kg"), ("--speed", "1.2"), ("--strides", "3"), ("--assist", "off"), ("--demand", "causal"),
+     ("--whole",)],
+)  # fmt: skip
+def test_what_says_how_somebody_walks_is_refused_along_a_motion_that_nobody_walks(capsys, tmp_path, words):
+    out = tmp_path / "bench.rrd"
+    status, text, said = call(capsys, "run", "motion.csv", "--rig", "bench", *words, "--out", str(out))
+    assert (status, text) == (2, "") and said.count("\n") == 1
+    assert f"{words[0]} says how somebody walks, and nobody wears bench" in said
+    assert not out.exists()
+
+
 def test_a_payload_that_the_cylinders_cannot_carry_is_said(capsys, repository, tmp_path):
     assets = repository / "assets"
     weak = (assets / "exo.toml").read_text().replace("18.25 bar", "7 bar").replace("exo.xml", str(assets / "exo.xml"))

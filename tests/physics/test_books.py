@@ -61,3 +61,13 @@ def test_what_one_chamber_gives_the_recovery_tank_keeps() -> None:
     change[state.INTEGRATED + state.TANK_MASS], change[state.INTEGRATED + state.TANK_ENERGY] = 1e-4, 30.0
     books = balance(world, 1, change)
     assert books.mass_residual < 1e-15 and books.energy_residual < 1e-15 and books.recovered == pytest.approx(1e-4)
+
+
+def test_where_next_to_nothing_passed_the_measure_is_a_millionth_of_what_was_there() -> None:
+    """A shut machine whose piston breathes: its work is less than the rounding of the energy inside."""
+    start, change = np.zeros(state.integrated_size(1)), np.zeros(state.integrated_size(1))
+    start[state.MASS_1], start[state.ENERGY_1] = 1e-4, 25.0
+    change[state.WORK] = 1e-18
+    books = balance(paper_world(), 1, change, start)
+    assert books.energy_residual == pytest.approx(1e-18 / 25e-6) and books.mass_residual == 0.0
+    assert balance(paper_world(), 1, changes(), start).energy_residual == balance(paper_world(), 1, changes()).energy_residual

@@ -22,6 +22,24 @@ def bench(repository: Path) -> Rig:
     return read(repository / "assets" / "bench.toml")
 
 
+def started(rig: Rig) -> tuple[mujoco.MjModel, mujoco.MjData, PneumaticPlugin]:
+    model = load(rig)
+    data, plugin = mujoco.MjData(model), PneumaticPlugin(model, rig)
+    plugin.reset(data, 3e5, 3e5)
+    return model, data, plugin
+
+
+def steps(plugin: PneumaticPlugin, data: mujoco.MjData, count: int, short: bool) -> None:
+    for _ in range(count):
+        if short:
+            plugin.step(data)
+            continue
+        mujoco.mj_step1(plugin.model, data)
+        plugin.advance(data)
+        plugin.compute(data)
+        mujoco.mj_step2(plugin.model, data)
+
+
 @pytest.mark.parametrize("pressure", [np.nan, np.inf, 0.0, -1e5, [3e5, 3e5], "high"])
 def test_pressures_that_cannot_be(bench: Rig, pressure: Any) -> None:
     model = load(bench)
@@ -104,3 +122,63 @@ def test_a_thousand_resets_leave_nothing_behind(bench: Rig) -> None:
 
 def test_every_refusal_is_one_of_ours() -> None:
     assert issubclass(ModelError, ExoSimError) and issubclass(RigError, ExoSimError)
+
+
+@pytest.mark.filterwarnings("ignore:.*simulation is unstable")
+@pytest.mark.parametrize("short", [True, False])
+@pytest.mark.parametrize("factor", [0.25, 0.75, 2.0, -1.0, float("nan")])
+def test_a_time_step_that_changed_is_refused(bench: Rig, factor: float, short: bool) -> None:
+    model, data, plugin = started(bench)
+    steps(plugin, data, 5, short)
+    before = plugin.pressures().copy()
+    model.opt.timestep = factor * plugin.dt
+    with pytest.raises(ModelError, match=rf"time step became {factor * plugin.dt:g} s; the plug-in was made for {plugin.dt:g} s: make it"):
+        steps(plugin, data, 3, short)
+    np.testing.assert_allclose(plugin.pressures(), before, rtol=0.05)
+    model.opt.timestep = plugin.dt
+    mujoco.mj_resetData(model, data)
+    plugin.reset(data, 3e5, 3e5)
+    steps(plugin, data, 5, short)
+
+
+@pytest.mark.parametrize("short", [True, False])
+@pytest.mark.parametrize("field", ["qpos", "qvel", "qfrc_applied"])
+@pytest.mark.filterwarnings("ignore:.*simulation is unstable")
+def test_what_mujoco_reset_by_itself_is_no_machine_at_rest(bench: Rig, field: str, short: bool) -> None:
+    _, data, plugin = started(bench)
+    steps(plugin, data, 5, short)
+    getattr(data, field)[:] = np.nan
+    with pytest.raises(ModelError, match=r"MuJoCo's clock went back from 0.00[45] s to .* s: call the plug-in's reset after mj_resetData"):
+        steps(plugin, data, 3, short)
+
+
+@pytest.mark.parametrize("short", [True, False])
+def test_steps_without_the_gas_are_refused(bench: Rig, short: bool) -> None:
+    model, data, plugin = started(bench)
+    steps(plugin, data, 2, short)
+    for _ in range(3):
+        mujoco.mj_step(model, data)
+    with pytest.raises(ModelError, match=r"MuJoCo's clock is at 0.005 s and the gas at 0.001 s: bring the gas up in every step of 0.001 s"):
+        steps(plugin, data, 1, short)
+
+
+@pytest.mark.parametrize("data", [None, 3, "data"])
+def test_what_is_no_data_is_refused(bench: Rig, data: Any) -> None:
+    _, _, plugin = started(bench)
+    for of in (plugin.step, plugin.advance, plugin.compute, plugin.reset):
+        with pytest.raises(ModelError, match=f"takes the MjData of its model, not {type(data).__name__}"):
+            of(data)
+
+
+@pytest.mark.parametrize("place", [1e30, -5.0])
+def test_a_piston_far_outside_its_stroke_is_refused(bench: Rig, place: float) -> None:
+    _, data, plugin = started(bench)
+    data.qpos[:] = place
+    with pytest.raises(ModelError, match=r"cylinder piston: its piston is at .* its stroke is .* m: start within it"):
+        plugin.reset(data)
+
+
+def test_a_pressure_beyond_all_numbers_is_refused(bench: Rig) -> None:
+    _, data, plugin = started(bench)
+    with pytest.raises(ModelError, match="pressure_1: give one pressure in Pa"):
+        plugin.reset(data, 10**400)

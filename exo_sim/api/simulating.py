@@ -32,7 +32,7 @@ MOTIONS = (".csv", ".tsv", ".txt", ".parquet", ".pq", ".rrd")
 
 #: What says how somebody walks, as it stands where nobody asked for anything.
 _AS_EVER = {
-    "gait": None, "ground": None, "whole": False, "payload": 34.0, "speed": 1.0, "strides": None, "assist": "on", "demand": "least_load",
+    "gait": None, "ground": None, "whole": False, "payload": None, "speed": 1.0, "strides": None, "assist": "on", "demand": "least_load",
     "wearer": None,
 }  # fmt: skip
 #: What of a joint is printed.
@@ -196,7 +196,7 @@ def simulate(
         called = type(brought).__name__
     if _is_motion(scenario) and not is_worn(machine):
         _nobody_walks(
-            machine, gait=gait, ground=ground, whole=whole, payload=mass, speed=speed, strides=strides, assist=assist, demand=demand,
+            machine, gait=gait, ground=ground, whole=whole, payload=payload, speed=speed, strides=strides, assist=assist, demand=demand,
             wearer=wearer,
         )  # fmt: skip
         return _follow(machine, scenario, brought, called, out, seed, quiet, tell, columns)  # type: ignore[arg-type]

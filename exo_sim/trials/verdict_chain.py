@@ -161,6 +161,10 @@ class VerdictChain:
         if double:
             raise TrialError(f"{self.path}: more than one verdict on {min(double)}; one submission a case")
         missing = sorted(set(expected) - set(seen))
+        if missing and records and not self._signing.exists():
+            raise TrialError(
+                f"{self.path}: closed, and it lost {len(missing)} verdicts since, the first on {missing[0]}: bring back a copy of it"
+            )
         if missing:
             raise TrialError(
                 f"{self.path}: {len(missing)} verdicts are still to come, the first on {missing[0]}; trial run first"

@@ -52,6 +52,21 @@ COMMANDS = (
         "make", "bench", ("trial", "make", "--cases", "1", "--duration", "4 s", "--jobs", "1", "-q", "--out", "drawn"),
         ("drawn/manifest.json", "drawn.key"),
     ),
+    Command(
+        "wearer", "exo", ("run", "level_walk", "--rig", "exo.toml", "--wearer", "torques", "--strides", "2", "-q", "--out", "walk.rrd"),
+        ("walk.rrd", "walk.parquet"), ("walk.parquet",), ("*.unfinished-*.rrd",),
+    ),
+    Command(
+        "tank", "exo",
+        ("size", "--rig", "exo.toml", "--valves", "independent", "--tank", "2 l", "--trials", "4", "--jobs", "1", "-q", "--out", "sized"),
+        ("sized/sized.toml", "sized/report.html", "sized/sized.rrd"), ("sized/sized.toml",), ("sized/*.journal", "sized/sized.parquet"),
+    ),
+    Command(
+        "whole", "bench",
+        ("trial", "make", "--truth", "whole", "--make", "A", "--cell", "single", "--cases", "1", "--duration", "4 s", "--jobs", "1", "-q",
+         "--out", "drawn"),
+        ("drawn/manifest.json", "drawn.key"),
+    ),
     Command("score", "trial", ("trial", "score", "trial", "--jobs", "1", "-q"), ("trial/score.json", "trial/score.html", "trial.key")),
 )  # fmt: skip
 

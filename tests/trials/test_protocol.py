@@ -188,6 +188,19 @@ def test_bad_input_is_one_line(tmp_path, capsys):
         protocol.make(tmp_path / "t", draw_plans(1, 0), tmp_path / "key", quiet=True)
 
 
+def test_a_closed_ledger_that_lost_a_verdict_asks_for_no_further_run(tmp_path):
+    ledger = VerdictChain(tmp_path / "v.jsonl", tmp_path / "k")
+    for case in ("a", "b"):
+        ledger.append({"case": case, "diagnosis": "1"})
+    whole = (tmp_path / "v.jsonl").read_bytes()
+    (tmp_path / "v.jsonl").write_bytes(whole[:-40])
+    with pytest.raises(TrialError, match="1 verdicts are still to come, the first on b; trial run first"):
+        ledger.check(["a", "b"])
+    ledger.close()
+    with pytest.raises(TrialError, match="closed, and it lost 1 verdicts since, the first on b: bring back a copy of it"):
+        ledger.check(["a", "b"])
+
+
 def test_a_forged_signature_is_found_out(tmp_path):
     """Whoever rewrites a verdict and the hashes after it still lacks the signing key."""
     from exo_sim.trials.seal import canonical, digest

@@ -228,7 +228,7 @@ class Diagnosis:
         recordings: Names of the recordings.
         rig: Name of the rig.
         free_run: Errors of `improved.toml` and of the rig as believed, simulated in one run, by column.
-        held_out: Test spans of the (first held-out) recording; whole recordings are named in `held_out_recordings`.
+        held_out: By recording, spans of its time that are for the test.
         small: What the data show beyond doubt, but too little of it to matter.
         sensor_remarks: Plain sentences about clocks and sensors: what was used, repaired or left out.
         checks: What was asked of the recordings, and put right, before any physics: plain records of `what`, `columns` and `says`.
@@ -246,8 +246,7 @@ class Diagnosis:
     rejected: tuple[Rejected, ...] = ()
     signals: Mapping[str, SignalFit] = field(default_factory=dict)
     free_run: Mapping[str, SignalFit] = field(default_factory=dict)
-    held_out: tuple[tuple[float, float], ...] = ()
-    held_out_recordings: tuple[str, ...] = ()
+    held_out: Mapping[str, tuple[tuple[float, float], ...]] = field(default_factory=dict)
     unexplained: tuple[Unexplained, ...] = ()
     small: tuple[Finding, ...] = ()
     next_experiment: NextExperiment | None = None
@@ -291,8 +290,8 @@ class Diagnosis:
             "rejected": [{"name": r.name, "where": r.where, "why": r.why} for r in self.rejected],
             "fit": {
                 "signal": {name: vars(signal) for name, signal in self.signals.items()},
-                "held_out": [list(span) for span in self.held_out],
-                "held_out_recordings": list(self.held_out_recordings),
+                "held_out": [list(span) for span in next(iter(self.held_out.values()), ())],
+                "held_out_by_recording": {name: [list(span) for span in spans] for name, spans in self.held_out.items()},
                 "measure": self.measure,
                 "free_run": {name: vars(signal) for name, signal in self.free_run.items()},
             },

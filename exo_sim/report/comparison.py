@@ -70,11 +70,8 @@ def lanes(diagnosis: Diagnosis, shifts: Mapping[str, float], recorded: Sequence[
     kept: list[tuple[float, str]] = []
     for recording in recorded:
         shift = shifts[recording.name]
-        if diagnosis.held_out_recordings:
-            if recording.name in diagnosis.held_out_recordings:
-                kept += [(float(recording.time[0]), "held out"), (float(recording.time[-1]), "")]
-        else:
-            kept += [item for a, b in diagnosis.held_out for item in ((a + shift, "held out"), (b + shift, ""))]
+        spans = diagnosis.held_out.get(recording.name, ())
+        kept += [item for a, b in spans for item in ((a + shift, "held out"), (b + shift, ""))]
     if kept:
         found["held out"] = kept
     return {name: sorted(lane) for name, lane in found.items() if lane}

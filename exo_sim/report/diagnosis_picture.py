@@ -41,20 +41,18 @@ _STYLE: dict[Any, Any] = {
 
 
 def drawn(diagnosis: Diagnosis) -> list[tuple[str, list[Series]]]:
-    """Return the recordings that are worth a picture with their signals: one kept back, then where the mismatch was located."""
+    """Return the recordings that are worth a picture with their signals: first where the mismatch was located."""
     by_recording: dict[str, list[Series]] = {}
     for series in diagnosis.series:
         if np.isfinite(series.recorded).any() and np.isfinite(series.before).any():
             by_recording.setdefault(series.recording, []).append(series)
-    kept, located = set(diagnosis.held_out_recordings), [place.recording for place in diagnosis.located]
+    located = [place.recording for place in diagnosis.located]
 
     def rank(item: tuple[str, list[Series]]) -> tuple[bool, float]:
         worst = max(_rms(s.before - s.recorded) / max(s.noise, 1e-30) for s in item[1])
         return item[0] not in located, -worst
 
-    held = sorted((item for item in by_recording.items() if item[0] in kept), key=rank)
-    others = sorted((item for item in by_recording.items() if item[0] not in kept), key=rank)
-    chosen = [*held[:1], *others, *held[1:]][:MOST_RECORDINGS]
+    chosen = sorted(by_recording.items(), key=rank)[:MOST_RECORDINGS]
     return [(name, signals[:MOST_SIGNALS]) for name, signals in chosen]
 
 
@@ -174,9 +172,7 @@ def nearest_look(series: Series, held_out: Sequence[tuple[float, float]]) -> tup
 
 def _held_out(diagnosis: Diagnosis, recording: str, series: Series) -> list[tuple[float, float]]:
     first, last = float(series.time[0]), float(series.time[-1])
-    if diagnosis.held_out_recordings:
-        return [(first, last)] if recording in diagnosis.held_out_recordings else []
-    return [(max(a, first), min(b, last)) for a, b in diagnosis.held_out if b > first and a < last]
+    return [(max(a, first), min(b, last)) for a, b in diagnosis.held_out.get(recording, ()) if b > first and a < last]
 
 
 def _stretches(time: Array, error: Array, edges: Array) -> Array:

@@ -163,9 +163,10 @@ def proof(diagnosis: Diagnosis) -> str:
 
 def kept_back(diagnosis: Diagnosis) -> str:
     """Return which time took no part in choosing or fitting, in words."""
-    if diagnosis.held_out_recordings:
-        return f"{joined(diagnosis.held_out_recordings)}, kept back whole"
-    return f"the {amounts.spans(diagnosis.held_out)} kept back" if diagnosis.held_out else "the time kept back"
+    if len(diagnosis.held_out) == 1:
+        (spans,) = diagnosis.held_out.values()
+        return f"the {amounts.spans(spans)} kept back" if spans else "the time kept back"
+    return "the time kept back of every recording" if diagnosis.held_out else "the time kept back"
 
 
 def worst_signal(diagnosis: Diagnosis) -> tuple[str, SignalFit] | None:

@@ -31,7 +31,6 @@ def tidied(answer: Any) -> dict[str, Any] | None:
     if not isinstance(answer, Mapping) or not isinstance(answer.get("effects"), list):
         return None
     fit = _mapping(answer.get("fit"))
-    held_out = [pair for pair in _list(fit.get("held_out")) if isinstance(pair, list) and all(_number(end) is not None for end in pair)]
     return {
         "verdict": _text(answer.get("verdict")),
         "effects": [_effect(entry) for entry in _list(answer["effects"]) if isinstance(entry, Mapping) and _text(entry.get("name"))],
@@ -42,10 +41,15 @@ def tidied(answer: Any) -> dict[str, Any] | None:
         ],
         "fit": {
             "signal": {_text(key): _numbers(entry) for key, entry in _mapping(fit.get("signal")).items()},
-            "held_out": held_out,
-            "held_out_recordings": [_text(name) for name in _list(fit.get("held_out_recordings"))],
+            "held_out": _spans(fit.get("held_out")),
+            "held_out_by_recording": {_text(name): _spans(spans) for name, spans in _mapping(fit.get("held_out_by_recording")).items()},
         },
     }
+
+
+def _spans(value: Any) -> list[Any]:
+    """Return the spans of time in a list, pairs of numbers."""
+    return [pair for pair in _list(value) if isinstance(pair, list) and all(_number(end) is not None for end in pair)]
 
 
 def _effect(entry: Mapping[Any, Any]) -> dict[str, Any]:

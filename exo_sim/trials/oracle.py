@@ -72,7 +72,7 @@ def over_oracle(diagnosis: Mapping[str, Any] | None, oracle: Mapping[str, Any]) 
 
 def _kept(diagnosis: Mapping[str, Any]) -> tuple[Any, Any]:
     fit = diagnosis.get("fit") or {}
-    return fit.get("held_out"), fit.get("held_out_recordings")
+    return fit.get("held_out"), fit.get("held_out_by_recording")
 
 
 def held_out_errors(diagnosis: Mapping[str, Any]) -> dict[str, float]:

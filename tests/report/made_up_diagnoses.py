@@ -66,7 +66,7 @@ def whole(**changes: object) -> Diagnosis:
         "effects": (LEAK, NAMELESS, LATE, AREA),
         "rejected": (Rejected("valve_offset", "piston", "it fits worse <than> the leak"),),
         "signals": {"piston.pressure_1": SignalFit("Pa", 9423.0, 279.0, 250.0)},
-        "held_out": ((4.2, 6.0),),
+        "held_out": {"monday": ((4.2, 6.0),)},
         "unexplained": (Unexplained("piston/force balance", ("slide.position",), 0.02),),
         "next_experiment": NextExperiment("both explain it", "hold the valve closed", ("piston_leakage", "external_leakage")),
         "open_questions": (OpenQuestion("the joint's friction", ("coulomb_friction",), "the position was not recorded"),),

@@ -31,7 +31,7 @@ def test_overlays_differences_and_lanes_are_in_the_file(tmp_path):
 def test_recordings_follow_each_other_on_one_clock(tmp_path):
     names = ("monday", "tuesday")
     every = tuple(s for name in names for s in made_up.series(name))
-    diagnosis = made_up.whole(recordings=names, series=every, held_out_recordings=("tuesday",))
+    diagnosis = made_up.whole(recordings=names, series=every, held_out={"tuesday": ((4.2, 6.0),)})
     write_comparison(tmp_path / "comparison.rrd", diagnosis)
     back = read(tmp_path / "comparison.rrd").recording
     first = every[0]

@@ -129,15 +129,17 @@ def test_names_from_files_cannot_become_markup():
     assert "<script>" not in text and "<img" not in text
 
 
-def test_held_out_recordings_are_drawn_first():
+def test_recordings_in_which_the_mismatch_sits_are_drawn_first():
     recordings = ("monday", "tuesday", "wednesday")
     every = tuple(s for name in recordings for s in made_up.series(name))
-    diagnosis = made_up.whole(recordings=recordings, series=every, held_out_recordings=("wednesday",))
+    place = replace(made_up.whole().located[0], recording="wednesday")
+    kept = {name: ((4.2, 6.0),) for name in recordings}
+    diagnosis = made_up.whole(recordings=recordings, series=every, located=(place,), held_out=kept)
     drawn = [name for name, _ in diagnosis_picture.drawn(diagnosis)]
     assert drawn[0] == "wednesday" and len(drawn) == diagnosis_picture.MOST_RECORDINGS
     words, _ = read(page(diagnosis, made_up.RIG))
     assert "1 more recording in comparison.rrd" in words
-    assert "On wednesday, kept back whole, the error" in words
+    assert "On the time kept back of every recording, the error" in words
 
 
 def test_located_spans_are_drawn_with_the_signal_that_they_are_about():

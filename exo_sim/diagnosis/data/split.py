@@ -8,7 +8,7 @@ from dataclasses import dataclass, field
 import numpy as np
 from numpy.typing import NDArray
 
-from exo_sim.diagnosis.policy.validation import HELD_OUT_RECORDINGS, HELD_OUT_SHARE
+from exo_sim.diagnosis.policy.validation import HELD_OUT_SHARE
 
 #: By recording, spans (start, stop) of its time [s].
 Spans = Mapping[str, tuple[tuple[float, float], ...]]
@@ -47,20 +47,19 @@ def _inside(spans: Spans, recording: str, time: NDArray[np.float64]) -> NDArray[
 
 
 def split(times: Sequence[tuple[str, NDArray[np.float64]]], head: bool = False) -> Split:
-    """Hold out whole recordings where there are several (a quarter of them, at least one, the last), else a part of the only one.
+    """Hold out the end of every recording: its last 15 % for the test, the 15 % before them for validation.
 
-    The last 15 % of a lone recording are for the test, the 15 % before them for validation; several recordings have no validation.
+    Of every one, not some of them whole: a recording is often the only one at its pressure, load or amplitude, and what depends on that
+    shows in no other.
 
     Args:
         times: Name and clock of every recording.
-        head: Hold out the beginning of a lone recording instead, the test first.
+        head: Hold out the beginnings instead, the test first.
     """
-    if len(times) > 1:
-        count = max(1, int(HELD_OUT_RECORDINGS * len(times)))
-        return Split({name: ((float(time[0]), float(time[-1])),) for name, time in times[-count:]})
-    name, time = times[0]
-    start, stop = float(time[0]), float(time[-1])
-    half = 0.5 * HELD_OUT_SHARE * (stop - start)
-    if head:
-        return Split({name: ((start, start + half),)}, {name: ((start + half, start + 2.0 * half),)})
-    return Split({name: ((stop - half, stop),)}, {name: ((stop - 2.0 * half, stop - half),)})
+    test, validation = {}, {}
+    for name, time in times:
+        start, stop = float(time[0]), float(time[-1])
+        half = 0.5 * HELD_OUT_SHARE * (stop - start)
+        test[name] = ((start, start + half) if head else (stop - half, stop),)
+        validation[name] = ((start + half, start + 2.0 * half) if head else (stop - 2.0 * half, stop - half),)
+    return Split(test, validation)

@@ -136,6 +136,6 @@ def test_what_was_found_serves_a_run_that_no_measurement_corrects(bench: Path, t
     improved = rigs.read(tmp_path / "improved.toml")
     table = read(bench / "recording.parquet").recording
     run = replay(table, improved, load(improved)).free_run
-    (begin, end), key = found.held_out[0], "piston.pressure_1"
+    (begin, end), key = found.held_out["recording"][0], "piston.pressure_1"
     inside = (table.time >= begin) & (table.time <= end)
     assert rms(table[key][inside], run[key][inside]) == pytest.approx(found.free_run[key].after, rel=1e-9)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass
 
 import numpy as np
@@ -19,6 +20,8 @@ Array = NDArray[np.float64]
 GROUP = 0.02
 #: Length of a block of time [s].
 BLOCK = 1.0
+#: Beside an end of a stretch the filter has nothing to take: over so many standard deviations of it what it says is no motion.
+ENDS = 5.0
 #: Within the width of the filter speed changes by no more than this share of itself: friction at a mean speed is no mean friction.
 STEADY = 0.5
 
@@ -62,9 +65,9 @@ def rows_of(run: MotionRun, usable: NDArray[np.bool_]) -> Rows:
     moving = binary_erosion((np.abs(velocity) > run.kinematics.still) & ~turned, iterations=edge)
     moving &= np.abs(np.gradient(velocity, time)) * gaussian_width(smoothing_width(time)) < STEADY * np.abs(velocity)
     good = usable & moving & run.judged & np.isfinite(run.inertia.force + run.drive.force + run.external)
-    for begin in run.breaks:
-        good[max(0, begin - edge) : begin + edge] = False
-    good[-edge:] = False
+    ends = max(edge, math.ceil(ENDS * gaussian_width(smoothing_width(time)) / step))
+    for begin in (0, *run.breaks, len(time)):
+        good[max(0, begin - ends) : begin + ends] = False
     group = np.full(len(time), -1)
     blocks: list[int] = []
     for first in range(0, len(time), size):

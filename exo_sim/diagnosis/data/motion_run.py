@@ -23,11 +23,13 @@ class Kinematics:
     Attributes:
         position, velocity: There.
         still: Below this speed the sign of the velocity is not known.
+        velocity_noise: Standard deviation of the noise left in `velocity`.
     """
 
     position: Array
     velocity: Array
     still: float
+    velocity_noise: float = 0.0
 
 
 @dataclass(frozen=True)

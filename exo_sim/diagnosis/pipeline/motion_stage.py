@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from typing import cast
 
 import numpy as np
 from numpy.typing import NDArray
@@ -29,9 +30,12 @@ from exo_sim.diagnosis.subsystems.motion.family import motion_family
 from exo_sim.diagnosis.subsystems.motion.model import MotionModel
 from exo_sim.diagnosis.subsystems.motion.nuisances import nuisance_parameters, with_damping, with_damping_if_too_large
 from exo_sim.physics.declaration import declared, identification_of
+from exo_sim.physics.effects import friction_smoothing
 from exo_sim.physics.records import CYLINDER
 from exo_sim.rig import assembly
 
+#: Beside the speed at which friction builds up these are tried, in units of it.
+NEAR_CREEP = (1.0, 0.85, 1.18)
 #: A joint's number becomes its piston's with this power of the lever between them, by unit.
 _LEVER_POWERS = {"N": -1, "N s/m": -2, "N s^2/m^2": -3, "N/m": -2, "m": 1, "m/s": 1}
 
@@ -56,15 +60,23 @@ def _examined(
     standing = [one.name for one in declared().values() if one.cut == "motion" and model.nominal.is_on(one)]
     if model.size >= FEWEST_ROWS:
         every = SubsetWeighing(motion_family(model, nuisances, asked, bent=False), model.discrepancy_basis(), model.blocks, standing)
-        model = model.with_scatter(contact_scatter(every.left_by_everything(), model.speed))
+        model = model.with_contact(contact_scatter(every.left_by_everything(), model.speed))
         asked = plan.without_refuted(candidates(runs, model.nominal, model.where, model.slowest_resolved))
 
-    def search(nuisances: Sequence[FreeParameter]) -> tuple[ModelFits, SearchResult]:
+    def search_once(model: MotionModel, nuisances: Sequence[FreeParameter], creeps: Sequence[float] = ()) -> tuple[ModelFits, SearchResult]:
         fits = ModelFits(model, nuisances, threads, True, is_spent)
         if model.size < FEWEST_ROWS:
             return fits, FamilySearch(fits, LinearFamily((), ()), joined((), 0)).run()
-        family = motion_family(model, nuisances, asked, is_spent=is_spent)
+        family = motion_family(model, nuisances, asked, creeps=creeps, is_spent=is_spent)
         return fits, FamilySearch(fits, family, model.discrepancy_basis(), standing).run()
+
+    def search(nuisances: Sequence[FreeParameter]) -> tuple[ModelFits, SearchResult]:
+        fits, found = search_once(model, nuisances)
+        creep = _creep(found)
+        if creep > 0.0 and model.with_contact(None, creep).creeps and not is_spent():
+            weighted = model.with_contact(None, creep)
+            return search_once(weighted, nuisances, [creep * share for share in NEAR_CREEP])
+        return fits, found
 
     held, outcome = search(nuisances)
     freed = with_damping(model, nuisances)
@@ -72,8 +84,13 @@ def _examined(
         other, rival = search(freed)
         more = rival.final.parameter_count - outcome.final.parameter_count
         if more <= 0 and other.deficit(rival.final, outcome.final) < (AS_GOOD if more < 0 else -PLAINLY_LESS_DAMPING):
-            return decide(name, model, other, rival)
-    return decide(name, model, held, outcome)
+            return decide(name, cast(MotionModel, other.model), other, rival)
+    return decide(name, cast(MotionModel, held.model), held, outcome)
+
+
+def _creep(found: SearchResult) -> float:
+    """Return the speed at which dry friction has built up by what was found [m/s or rad/s]; 0 where it is there at once."""
+    return next((v for q, v in found.final.fit.values.items() if q.effect == friction_smoothing.EFFECT.name), 0.0)
 
 
 def _may_be_damping(outcome: SearchResult, freed: ModelFits) -> bool:

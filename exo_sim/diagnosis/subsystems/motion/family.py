@@ -57,7 +57,7 @@ UNNAMED = ("position", "time")
 
 def motion_family(
     model: MotionModel, nuisances: Sequence[FreeParameter], candidates: Sequence[Candidate], bent: bool = True,
-    is_spent: IsSpent = never,
+    creeps: Sequence[float] = (), is_spent: IsSpent = never,
 ) -> LinearFamily:
     """Return the family of a balance of forces.
 
@@ -66,11 +66,13 @@ def motion_family(
         nuisances: Its nuisance parameters; those that are a candidate's number are left to the candidate.
         candidates: What may be present.
         bent: Whether contacts that do not slide at once are in it.
+        creeps: Speeds at which friction has built up, where it is known that it builds up with speed [m/s or rad/s]; the likeliest
+            first.
         is_spent: Whether the time is up: then no more of them are.
     """
     asked = {q.slot for candidate in candidates for q in candidate.parameters}
     free = tuple(q for q in nuisances if q.prior is not None and q.slot not in asked)
-    return _Builder(model, free, candidates).family(bent, is_spent)
+    return _Builder(model, free, candidates).family(bent, creeps, is_spent)
 
 
 class _Builder:
@@ -99,13 +101,16 @@ class _Builder:
         self.unnamed = self._of_place_and_time(model.friction / model.noise if model.noise else 1.0)
         self._level = FreeParameter(coulomb_friction.EFFECT.name, model.where, "force", "N", Target.CYLINDER, 1.0, 0.0, 1e9)
 
-    def family(self, bent: bool, is_spent: IsSpent) -> LinearFamily:
-        bends = [self._bend(None, {})]
+    def family(self, bent: bool, creeps: Sequence[float], is_spent: IsSpent) -> LinearFamily:
+        bends = [] if creeps else [self._bend(None, {})]
         for candidate in self.candidates if bent else ():
             if candidate.effect in _BENDING:
                 (parameter,) = candidate.parameters
-                tried = [value for value in self._bending(candidate.effect) if parameter.low < value < parameter.high]
-                bends += [self._bend(candidate, {parameter: value}, len(tried)) for value in tried if not is_spent()]
+                usual = [value for value in self._bending(candidate.effect) if parameter.low < value < parameter.high]
+                known = creeps if candidate.effect == friction_smoothing.EFFECT.name else ()
+                for value in known if creeps else usual:
+                    if not bends or not is_spent():
+                        bends.append(self._bend(candidate, {parameter: value}, len(usual)))
         noise = self.model.noise or math.inf
         return LinearFamily(self.nuisances, tuple(bends), self.model.friction / noise, self.model.healthy_friction / noise)
 

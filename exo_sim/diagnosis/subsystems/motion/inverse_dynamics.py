@@ -242,6 +242,7 @@ def _run(
     pushed = pushed + np.where(known, contacts.force[:, dof], 0.0)
     variance += float(contacts.variance[dof])
     damping = float(model.dof_damping[dof].max())
+    velocity_noise = move.velocity_noise * drive.usual_arm
     return MotionRun(
         recording=recording.name,
         joint=name,
@@ -249,8 +250,7 @@ def _run(
         time=time,
         breaks=tuple(dict.fromkeys(begin // every for begin in clock_breaks(recording.time))),
         kinematics=Kinematics(
-            position, velocity,
-            max(STILL_NOISE * move.velocity_noise * drive.usual_arm, STILL_SHARE * float(np.nanstd(velocity))),
+            position, velocity, max(STILL_NOISE * velocity_noise, STILL_SHARE * float(np.nanstd(velocity))), velocity_noise,
         ),
         inertia=Inertia(
             dynamics.inertial[:, dof], dynamics.bias[:, dof], dynamics.tilt[:, dof] / TILT,

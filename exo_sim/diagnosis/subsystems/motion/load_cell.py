@@ -59,7 +59,7 @@ def rod_run(run: CylinderRun, rig: Rig) -> MotionRun | None:
         turning=False,
         time=thinned(time, every),
         breaks=tuple(dict.fromkeys(begin // every for begin in run.breaks)),
-        kinematics=Kinematics(position, velocity, still),
+        kinematics=Kinematics(position, velocity, still, rod.velocity_noise),
         inertia=Inertia(measured, measured, nothing, effective_mass=0.0, has_mass=False),
         passive=Passive(nothing),
         drive=Drive(force, run.cylinder, np.ones(n), gauge, levers, signals),

@@ -45,6 +45,7 @@ class MotionModel(SubsystemModel):
         split: Which time may be used.
         on_test: Whether the rows are those of the test time.
         scatter: Of the contact at low speeds; None where there is none.
+        creep: Speed at which dry friction has built up [m/s or rad/s]; 0 where it is there at once.
     """
 
     kind = Subsystem.MOTION
@@ -53,7 +54,7 @@ class MotionModel(SubsystemModel):
     plant_holds_curves = False
 
     def __init__(self, runs: Sequence[MotionRun], nominal: PlantParameters, split: Split, on_test: bool = False,
-                 scatter: ContactScatter | None = None):  # fmt: skip
+                 scatter: ContactScatter | None = None, creep: float = 0.0):  # fmt: skip
         first = runs[0]
         self.where, self.runs, self.nominal = first.cylinder or first.joint, tuple(runs), nominal.copy()
         self.nominal.cylinder["effective_mass"] = first.inertia.effective_mass
@@ -74,7 +75,7 @@ class MotionModel(SubsystemModel):
         scale = np.concatenate([rows.scale for rows in self._rows]) if self._rows else np.zeros(0)
         self.noise = float(np.median(scale)) if scale.size else 0.0
         self.scale = scale if scatter is None else scale * scatter.at(self.speed)
-        self._split, self._scatter = split, scatter
+        self._split, self._scatter, self._creep = split, scatter, creep
         self._lacking = [LackingForce(run) for run in self.runs]
         self._fitted = list(zip(self._lacking, self._rows, strict=True))
         if is_thinned:
@@ -83,6 +84,8 @@ class MotionModel(SubsystemModel):
         contact = self.nominal.cylinder[presliding.EFFECT.name]
         if not first.turning and float(contact["stiffness"][0]) == 0.0:
             contact["stiffness"] = self._stiff_contact()
+        if creep > 0.0:
+            self.scale = np.hypot(self.scale, self._of_velocity_noise(creep))
 
     @property
     def speed(self) -> Array:
@@ -95,9 +98,26 @@ class MotionModel(SubsystemModel):
         """Speed below which the contact scatters too much for a law of speed to show [m/s or rad/s]; 0 where it does not."""
         return 0.0 if self._scatter is None else self._scatter.settles_at()
 
-    def with_scatter(self, scatter: ContactScatter | None) -> MotionModel:
-        """Return the model with rows that are worth less where the contact scatters."""
-        return self if scatter is None else MotionModel(self.runs, self.nominal, self._split, scatter=scatter)
+    def with_contact(self, scatter: ContactScatter | None, creep: float = 0.0) -> MotionModel:
+        """Return the model with rows that are worth less where the contact scatters, or where friction turns with little speed.
+
+        Args:
+            scatter, creep: As of the model.
+        """
+        return MotionModel(self.runs, self.nominal, self._split, scatter=scatter, creep=creep) if scatter or creep > 0.0 else self
+
+    @property
+    def creeps(self) -> bool:
+        """Whether noise of the velocity makes rows worth plainly less where friction builds up."""
+        return bool(self.scale.size) and float(self.scale.max()) > healthy.SETTLED_SCATTER * self.noise
+
+    def _of_velocity_noise(self, creep: float) -> Array:
+        """Return what noise of the velocity leaves of friction that builds up as tanh(v/creep), standard deviation by row [N or N m]."""
+        noise = np.concatenate([
+            np.full(rows.block.size, run.kinematics.velocity_noise) for run, rows in zip(self.runs, self._rows, strict=True)
+        ])  # fmt: skip
+        slope = self.friction / creep / np.cosh(np.minimum(self.speed / creep, 50.0)) ** 2
+        return np.asarray(slope * noise)
 
     def _stiff_contact(self) -> float:
         """Return the stiffness of a dry contact that slides at once, whatever the level of its friction [N/m]."""
@@ -131,7 +151,7 @@ class MotionModel(SubsystemModel):
         return np.concatenate(pieces) / self.scale if pieces else np.zeros(0)
 
     def on_test_time(self, split: Split) -> MotionModel:
-        return MotionModel(self.runs, self.nominal, split, on_test=True, scatter=self._scatter)
+        return MotionModel(self.runs, self.nominal, split, on_test=True, scatter=self._scatter, creep=self._creep)
 
     @cached_property
     def friction(self) -> float:

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 from diagnosis import motion_runs
@@ -38,10 +40,25 @@ def test_rows_of_a_model_are_worth_less_where_the_contact_scatters() -> None:
     model = MotionModel([motion_runs.balance(np.zeros(TIME.size), 0.3)], motion_runs.plant(), parts)
     scatter = contact_scatter((1.0 + 9.0 * (SPEED < 2e-2)) * NOISE, SPEED)
     assert scatter is not None
-    less = model.with_scatter(scatter)
+    less = model.with_contact(scatter)
     np.testing.assert_allclose(less.scale, model.scale * scatter.at(model.speed))
     np.testing.assert_allclose(less.residual({}) * less.scale, model.residual({}) * model.scale)
     tested = less.on_test_time(parts)
     np.testing.assert_allclose(tested.scale, model.on_test_time(parts).scale * scatter.at(tested.speed))
     assert less.noise == model.noise and less.scale.max() > 3.0 * less.scale.min()
-    assert model.with_scatter(None) is model and MotionModel(model.runs, model.nominal, Split({})).slowest_resolved == 0.0
+    assert model.with_contact(None) is model and MotionModel(model.runs, model.nominal, Split({})).slowest_resolved == 0.0
+
+
+def test_noise_of_the_velocity_counts_where_friction_builds_up() -> None:
+    """F = F_c tanh(v/c): a noise of the velocity is worth F_c/c of it where the piston creeps, and nothing where it slides."""
+    plain = motion_runs.balance(10.0 * np.sign(motion_runs.VELOCITY), 0.3)
+    run = replace(plain, kinematics=replace(plain.kinematics, velocity_noise=1e-3))
+    model = MotionModel([run], motion_runs.plant(), Split({}))
+    creep = float(np.percentile(model.speed, 20.0))
+    less = model.with_contact(None, creep)
+    slope = model.friction / creep / np.cosh(model.speed / creep) ** 2
+    np.testing.assert_allclose(less.scale, np.hypot(model.scale, 1e-3 * slope))
+    assert less.creeps and not model.creeps
+    assert less.scale[np.argmax(model.speed)] == pytest.approx(model.noise, rel=0.01)
+    np.testing.assert_allclose(less.residual({}) * less.scale, model.residual({}) * model.scale)
+    assert not MotionModel([plain], motion_runs.plant(), Split({})).with_contact(None, creep).creeps

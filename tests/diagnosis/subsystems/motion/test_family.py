@@ -198,3 +198,11 @@ def test_a_rig_that_knows_its_friction_lacks_no_more_than_any_model_of_it() -> N
     uneven = smoothed_alike(TIME, 10.0 * (1.0 + 0.05 * np.cos(2.0 * np.pi * POSITION / 0.1)) * SIGN)
     found = searched(MotionModel([motion_runs.balance(uneven, 0.05)], knowing, Split({})))
     assert named(found) == {} and found.unnamed == ()
+
+
+def test_where_friction_is_known_to_build_up_with_speed_no_other_contact_is_weighed() -> None:
+    model = MotionModel([motion_runs.balance(lost(coulomb=6.0), 0.1)], motion_runs.plant(), Split({}))
+    asked = candidates(model.runs, model.nominal, model.where)
+    family = motion_family(model, nuisance_parameters(model.runs, model.nominal, model.where), asked, creeps=(2e-3, 1e-3))
+    assert [tuple(bend.values.values()) for bend in family.bends] == [(2e-3,), (1e-3,)]
+    assert {bend.candidate.effect for bend in family.bends if bend.candidate} == {"friction_smoothing"}

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Mapping
 from dataclasses import dataclass
 from types import MappingProxyType
@@ -63,6 +64,12 @@ def smooth_window(time: Array, seconds: float = POSITION_SMOOTHING) -> int:
     """Return an odd number of samples that spans about `seconds`, at least 5."""
     usual = float(np.median(np.diff(time)))
     return max(5, 2 * int(round(0.5 * seconds / usual)) + 1)
+
+
+def left_of_noise(time: Array, seconds: float = POSITION_SMOOTHING) -> float:
+    """Return what `smoothed` leaves of white noise in the values: ratio of standard deviations, that of a local cubic at its middle."""
+    m = (smooth_window(time, seconds) - 1) // 2
+    return math.sqrt(3.0 * (3.0 * m * m + 3.0 * m - 1.0) / ((2.0 * m - 1.0) * (2.0 * m + 1.0) * (2.0 * m + 3.0)))
 
 
 def smoothed(time: Array, values: Array, seconds: float = POSITION_SMOOTHING) -> tuple[Array, Array, Array]:

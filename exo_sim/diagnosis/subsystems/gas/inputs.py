@@ -17,6 +17,11 @@ Array = NDArray[np.float64]
 
 #: Delayed commands are cached up to so many samples.
 MOST_KEPT = 2_000_000
+#: What a valve was told before a recording begins, nobody knows; after this its spool has forgotten it [s]: a dead time and five lags of
+#: 12 ms each, the slowest of the learn makes. Make I: eleven windows were predicted to within the noise, the first was off by 12 kPa.
+FORGOTTEN = 0.08
+#: A stretch that is shorter than so many of these has no time to lose.
+_WORTH = 10.0
 #: A held command that changes by more than this within a step is followed in two parts; over smaller changes its mean does.
 SWITCHED = 0.1
 #: A part of a step below this share of it is none.
@@ -33,11 +38,18 @@ class Windows:
         starts, stops: First sample of each window and the one behind its last, shape (w,).
         pressure: Initial pressures, shape (w, 2): as measured; of a chamber that was not measured `CylinderRun.initial` at the very
             first, else NaN.
+        lead: Whether a window only leads in: what the valve does in it hangs on commands from before, and it is not compared, shape (w,).
     """
 
     starts: NDArray[np.int64]
     stops: NDArray[np.int64]
     pressure: Array
+    lead: NDArray[np.bool_]
+
+    @cached_property
+    def compared(self) -> NDArray[np.bool_]:
+        """Whether each sample is in a window that is compared, shape (n,)."""
+        return np.repeat(~self.lead, self.stops - self.starts)
 
 
 @dataclass(frozen=True)
@@ -100,16 +112,25 @@ def inputs(run: CylinderRun, world: NDArray[np.void], seconds: float) -> GasInpu
 
 
 def windows(run: CylinderRun, seconds: float) -> Windows:
-    """Cut a run into windows of about `seconds` that contain no break, each started where the pressures are quiet nearby."""
+    """Cut a run into windows of about `seconds` that contain no break, each started where the pressures are quiet nearby.
+
+    Where a valve works, a stretch begins with a window that leads in.
+    """
     starts: list[int] = []
     stops: list[int] = []
+    lead: list[bool] = []
     time = run.time
     restless = local_range(run.pressure, len(time))
     edges = [*run.breaks, len(time)]
+    works = run.commanded and not run.at_rest
     for begin, end in zip(edges[:-1], edges[1:], strict=True):
-        found = window_starts(time, begin, end, seconds, restless)
+        first = begin
+        if works and end > begin and time[end - 1] - time[begin] > _WORTH * FORGOTTEN:
+            first += int(np.searchsorted(time[begin:end], time[begin] + FORGOTTEN))
+        found = [begin] * (first > begin) + window_starts(time, first, end, seconds, restless)
         starts += found
         stops += [*found[1:], end]
+        lead += [start < first for start in found]
     pressure = np.full((len(starts), 2), np.nan)
     points = _start_points(time)
     for side, values in enumerate(run.pressure):
@@ -118,7 +139,7 @@ def windows(run: CylinderRun, seconds: float) -> Windows:
             continue
         for w, (begin, end) in enumerate(zip(starts, stops, strict=True)):
             pressure[w, side] = _start(values[begin:end], points)
-    return Windows(np.array(starts), np.array(stops), pressure)
+    return Windows(np.array(starts), np.array(stops), pressure, np.array(lead))
 
 
 def with_late_pressures(given: GasInputs, late: tuple[float, float]) -> GasInputs:

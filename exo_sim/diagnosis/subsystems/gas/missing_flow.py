@@ -40,7 +40,7 @@ def missing_flow(
         run = given.run
         measured = run.pressure[side]
         error = np.full(len(run.time), np.nan) if measured is None else measured - predicted.pressure[:, side]
-        usable = split.in_training(run.recording, run.time)
+        usable = split.in_training(run.recording, run.time) & given.windows.compared
         temperature = predicted.temperature[:, side]
         volume = _volume(plant, given.length, side)
         step = max(2, int(round(RISE / float(np.median(np.diff(run.time))))))

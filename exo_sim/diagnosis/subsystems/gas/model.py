@@ -31,7 +31,7 @@ from exo_sim.diagnosis.subsystems.gas.inputs import GasInputs, inputs, with_late
 from exo_sim.diagnosis.subsystems.gas.missing_flow import missing_flow
 from exo_sim.diagnosis.subsystems.gas.prediction import GasPrediction, effort_of, run_gas
 from exo_sim.diagnosis.subsystems.gas.regimes import regimes
-from exo_sim.diagnosis.subsystems.gas.rows import rows_of
+from exo_sim.diagnosis.subsystems.gas.rows import rows_of, stiffness_of
 from exo_sim.physics.declaration import identification_of
 from exo_sim.physics.effects import critical_ratio as flow_law
 from exo_sim.physics.effects import unknown
@@ -92,7 +92,9 @@ class GasModel(SubsystemModel):
         self._is_cut = self.split is not split
         group = GROUP * max(1.0, sum(len(run.time) * float(np.median(np.diff(run.time))) for run in self.runs) / LONG)
         self.inputs: list[GasInputs] = [inputs(run, nominal.world, window) for run in self.runs]
-        self._rows = [[rows_of(one, side, self.split, group, on_test) for side in range(2)] for one in self.inputs]
+        self._rows = [
+            [rows_of(one, side, self.split, group, on_test, stiffness_of(one, nominal, side)) for side in range(2)] for one in self.inputs
+        ]
         self.blocks = self._blocks()
         self._responses: list[list[Array]] | None = None
         self._kept = KeptResiduals(self._predicted_residual)
@@ -217,7 +219,7 @@ class GasModel(SubsystemModel):
                 measured = run.pressure[side]
                 if measured is None:
                     continue
-                mask = self.split.in_test(run.recording, run.time)
+                mask = self.split.in_test(run.recording, run.time) & self.inputs[index].windows.compared
                 first, second = (predicted[index][:, side] for predicted in pressures)
                 column = f"{self.where}.pressure_{side + 1}"
                 series = Series(run.recording, column, self.unit, run.time, measured, first, second, run.noise[side])
@@ -229,6 +231,7 @@ class GasModel(SubsystemModel):
         k = float(plant.world["k"][0])
         for given, errors in zip(self.inputs, self.errors(plant), strict=True):
             run = given.run
+            errors[~given.windows.compared] = math.nan
             if self._is_cut:
                 errors[~self.split.in_training(run.recording, run.time)] = math.nan
             for side in range(2):

@@ -2,16 +2,21 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import NDArray
 
 from exo_sim.diagnosis.data.split import Split
+from exo_sim.diagnosis.estimation.parameters import PlantParameters
 from exo_sim.diagnosis.policy import healthy
 from exo_sim.diagnosis.subsystems.gas.inputs import GasInputs
+from exo_sim.recording.filters import left_of_noise
 
 Array = NDArray[np.float64]
+
+#: A chamber is at least so long where the noise of its position is weighed, as a share of the stroke.
+SHORTEST = 0.01
 
 
 @dataclass(frozen=True)
@@ -22,7 +27,7 @@ class Rows:
         group: Row of each sample, -1 where it is not compared, shape (n,).
         window: Window of each row, shape (m,).
         count: Samples of each row, shape (m,).
-        scale: Standard deviation that noise and floor leave in each row [Pa], shape (m,).
+        scale: Standard deviation that noise, the position's noise and floor leave in each row [Pa], shape (m,).
     """
 
     group: NDArray[np.int64]
@@ -68,7 +73,7 @@ class Rows:
         return errors - (factor * overlap)[self.window] * response
 
 
-def rows_of(inputs: GasInputs, side: int, split: Split, seconds: float, on_test: bool) -> Rows:
+def rows_of(inputs: GasInputs, side: int, split: Split, seconds: float, on_test: bool, stiffness: Array | None = None) -> Rows:
     """Return the rows of one chamber.
 
     Args:
@@ -77,6 +82,7 @@ def rows_of(inputs: GasInputs, side: int, split: Split, seconds: float, on_test:
         split: Which time may be used.
         seconds: Length of a group.
         on_test: Whether the rows are those of the test time, else of the training time.
+        stiffness: By how much the pressure rises for each metre that the position is off [Pa/m], shape (n,); nil where absent.
     """
     time = inputs.time
     n = len(time)
@@ -84,7 +90,7 @@ def rows_of(inputs: GasInputs, side: int, split: Split, seconds: float, on_test:
     group = np.full(n, -1)
     if values is None:
         return Rows(group, np.zeros(0, int), np.zeros(0), np.zeros(0))
-    good = np.isfinite(values)
+    good = np.isfinite(values) & inputs.windows.compared
     usable = split.in_test(inputs.run.recording, time) if on_test else split.in_training(inputs.run.recording, time)
     size = max(1, int(round(seconds / float(np.median(np.diff(time))))))
     kept = good & usable
@@ -100,4 +106,21 @@ def rows_of(inputs: GasInputs, side: int, split: Split, seconds: float, on_test:
     count = np.concatenate(counts).astype(float) if counts else np.zeros(0)
     noise = inputs.run.noise[side]
     floor = max(healthy.GAS_FLOOR, healthy.GAS_FLOOR_SHARE * float(np.ptp(values[good])) if good.any() else 0.0)
-    return Rows(group, np.array(window_of, dtype=int), count, np.sqrt(noise**2 / np.maximum(count, 1.0) + floor**2))
+    rows = Rows(group, np.array(window_of, dtype=int), count, np.sqrt(noise**2 / np.maximum(count, 1.0) + floor**2))
+    if stiffness is None or not counts:
+        return rows
+    moved = inputs.run.position_noise * left_of_noise(time) * rows.means(stiffness)
+    return replace(rows, scale=np.hypot(rows.scale, moved))
+
+
+def stiffness_of(given: GasInputs, plant: PlantParameters, side: int) -> Array | None:
+    """Return by how much a chamber's pressure rises, adiabatically, for each metre that its piston is further in [Pa/m], shape (n,)."""
+    measured = given.run.pressure[side]
+    if measured is None:
+        return None
+    c = plant.cylinder[0]
+    areas, dead = (float(c["area_1"]), float(c["area_2"])), (float(c["dead_volume_1"]), float(c["dead_volume_2"]))
+    depth = given.length if side == 0 else float(c["stroke"]) - given.length
+    open_length = np.maximum(depth + dead[side] / areas[side], SHORTEST * float(c["stroke"]))
+    pressure = np.where(np.isfinite(measured), measured, np.nanmean(measured))
+    return np.asarray(float(plant.world["k"][0]) * pressure / open_length)

@@ -10,7 +10,7 @@ from hypothesis import strategies as st
 from numpy.typing import NDArray
 
 from exo_sim.diagnosis.data.cylinder_run import CylinderRun
-from exo_sim.diagnosis.subsystems.gas.inputs import START_SAMPLES, late_commands, windows
+from exo_sim.diagnosis.subsystems.gas.inputs import FORGOTTEN, START_SAMPLES, late_commands, windows
 from exo_sim.recording.windows import QUIET_REACH, window_starts
 
 N = 4000
@@ -127,3 +127,18 @@ def test_a_command_that_hardly_changes_is_not_divided() -> None:
     late = late_commands(time, np.stack([smooth, -smooth], axis=1), 0.3e-3)
     assert not late.first.any()
     np.testing.assert_allclose(late.command[1:, 0], smooth[1:] - 0.05 * 0.3, rtol=1e-12)
+
+
+def test_a_stretch_of_a_working_valve_is_led_in_until_commands_from_before_are_forgotten() -> None:
+    command = np.where(np.arange(N) % 200 < 100, 0.5, -0.5)
+    level = np.full(N, 4e5)
+    at = 2 * N // 3
+    short = N - 300
+    cut = windows(cylinder_runs.run_of(level, level, command=command, commanded=True, breaks=(0, at, short)), SECONDS)
+    leading = cut.starts[cut.lead]
+    assert leading.tolist() == [0, at]  # the last stretch is too short
+    np.testing.assert_allclose(cut.stops[cut.lead] - leading, FORGOTTEN / cylinder_runs.STEP, atol=1.0)
+    assert not cut.compared[0] and cut.compared[-1] and cut.compared.shape == (N,)
+    np.testing.assert_array_equal(cut.stops[:-1], cut.starts[1:])
+    held = cylinder_runs.run_of(level, level, command=np.full(N, 0.5), commanded=True)
+    assert not windows(held, SECONDS).lead.any()

@@ -28,10 +28,8 @@ def machine(hose_area: float = 0.0, hose_volume: float = 0.0) -> tuple[NDArray[n
 def given(world: NDArray[np.void]) -> GasInputs:
     time = np.arange(N) * STEP
     level = np.full(N, 3e5)
-    run = run_of(
-        level, level, length=0.1 + 0.03 * np.sin(9.0 * time), command=np.where(np.sin(5.0 * time) > 0.3, 0.6, 0.0), commanded=True
-    )
-    return inputs(run, world, 10.0)
+    run = run_of(level, level, length=0.1 + 0.03 * np.sin(9.0 * time), command=np.where(np.sin(5.0 * time) > 0.3, 0.6, 0.0))
+    return inputs(run, world, 10.0)  # one window: what leads in where a valve's command was recorded would start it anew
 
 
 def test_a_late_card_shows_the_same_pressures_later() -> None:

@@ -6,12 +6,15 @@ import numpy as np
 from diagnosis.cylinder_runs import STEP, run_of
 from hypothesis import given, settings
 from hypothesis import strategies as st
+from numpy.typing import NDArray
 
 from exo_sim.diagnosis.data.split import Split
+from exo_sim.diagnosis.estimation.parameters import PlantParameters
 from exo_sim.diagnosis.policy import healthy
 from exo_sim.diagnosis.subsystems.gas.inputs import GasInputs, inputs
-from exo_sim.diagnosis.subsystems.gas.rows import Rows, rows_of
-from exo_sim.physics.records import WORLD
+from exo_sim.diagnosis.subsystems.gas.rows import Rows, rows_of, stiffness_of
+from exo_sim.physics.records import CYLINDER, WORLD
+from exo_sim.recording.filters import smoothed
 
 N = 1000
 
@@ -71,3 +74,23 @@ def test_beyond_the_rows_is_what_rings_and_not_what_drifts() -> None:
     ringing = 50.0 * np.cos(np.pi * np.arange(N))
     assert np.abs(rows.beyond(slope)[5:-5]).max() < 1e-6
     assert np.std(rows.beyond(slope + ringing)) > 40.0
+
+
+def test_what_a_noisy_position_does_to_the_pressure_of_a_shut_chamber_is_noise_of_its_rows() -> None:
+    """A slow logger: p V^k holds in a shut chamber, so a position that scatters shows as a pressure that does."""
+    rng = np.random.default_rng(3)
+    time: NDArray[np.float64] = np.arange(N, dtype=np.float64) * 5e-3
+    truth = 0.05 + 0.02 * np.sin(3.0 * time)
+    world, cylinder = np.zeros(1, WORLD), np.zeros(1, CYLINDER)
+    world["k"], cylinder["area_1"], cylinder["area_2"], cylinder["stroke"] = 1.4, 8e-4, 7e-4, 0.1
+    cylinder["dead_volume_1"] = 8e-6
+
+    def pressure(length: np.ndarray) -> np.ndarray:
+        return np.asarray(4e5 * (0.06 / (length + 0.01)) ** 1.4)
+
+    seen = smoothed(time, truth + 8e-5 * rng.standard_normal(N))[0]
+    run = run_of(pressure(truth), time=time, length=seen, noise=(0.0, 0.0), position_noise=8e-5)
+    feed = inputs(run, world, 10.0)
+    rows = rows_of(feed, 0, Split({}), 5e-3, False, stiffness_of(feed, PlantParameters(world, cylinder), 0))
+    ratio = rows.means(pressure(truth) - pressure(seen)) / rows.scale
+    assert 0.9 < float(np.std(ratio)) < 1.1

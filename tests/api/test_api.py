@@ -246,7 +246,8 @@ def test_a_controller_of_ones_own_moves_the_bench() -> None:
     assert set(np.unique(np.round(ran.recording["piston.valve_command"], 6))) <= {-0.1, 0.0, 0.1}
 
 
-def test_a_model_is_logged_by_itself_and_read_back(tmp_path: Path) -> None:
+@pytest.mark.parametrize("named", [True, False], ids=["a stream", "the recording in use"])
+def test_a_model_is_logged_by_itself_and_read_back(tmp_path: Path, named: bool) -> None:
     """A ball that falls: its pose is in the file at every time that it was logged, its shape once."""
     import mujoco
     import rerun as rr
@@ -256,11 +257,12 @@ def test_a_model_is_logged_by_itself_and_read_back(tmp_path: Path) -> None:
     model = mujoco.MjModel.from_xml_string(text)
     data, stream = mujoco.MjData(model), rr.RecordingStream("test")
     stream.save(tmp_path / "ball.rrd")
-    for _ in range(5):
-        mujoco.mj_step(model, data, 10)
-        exo.log_model(model, data, stream)
+    with stream:
+        for _ in range(5):
+            mujoco.mj_step(model, data, 10)
+            exo.log_model(model, data, stream) if named else exo.log_model(model, data)
     stream.flush()
     stream.disconnect()
     chunks = [chunk for chunk in RrdReader(str(tmp_path / "ball.rrd")).stream() if "ball" in chunk.entity_path]
     assert sum(chunk.to_record_batch().num_rows for chunk in chunks if not chunk.is_static) == 5
-    assert any(chunk.is_static for chunk in chunks)
+    assert sum(chunk.is_static for chunk in chunks) == 1

@@ -170,6 +170,11 @@ def least_at(misfits: Array, contrast: float) -> float | None:
     return float(-0.5 * slope / curvature) if curvature > 0.0 else None
 
 
+def worse_without(misfits: Array) -> float:
+    """Return how many times a chamber's misfit as recorded is that with an atmosphere added: the two ways to write a pressure."""
+    return float(misfits[_OFFSETS.index(0.0)] / misfits[_OFFSETS.index(1.0)])
+
+
 def _terms(columns: CylinderColumns, cylinder: Cylinder, rig: Rig, chamber: int) -> tuple[Array, Array, Array]:
     """Return pressure, flow term and work term of one chamber, summed up over the rows, shape (n,) each."""
     command = columns.towards(chamber)

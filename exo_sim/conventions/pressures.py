@@ -11,7 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from exo_sim.conventions.check import Check, named
-from exo_sim.conventions.gas_balance import least_at, misfits_by_zero
+from exo_sim.conventions.gas_balance import least_at, misfits_by_zero, worse_without
 from exo_sim.conventions.machine import Machine, chamber_columns, columns_of
 from exo_sim.recording import noise
 from exo_sim.recording.table import Recording
@@ -35,7 +35,8 @@ _GAUGE, _GAUGE_BESIDE, _MOST_GAUGE, _ABSOLUTE = 0.65, 0.3, 1.6, 0.35
 #: How near to an atmosphere below the rig's a supply must be to count from there, as a share of it.
 _OFF_BY = 0.15
 #: Misfits must differ by this factor to tell the zero of one chamber, and of all columns together, which from so many atmospheres on
-#: is the atmosphere.
+#: is the atmosphere. Misfits as recorded must be so many times those with an atmosphere added, too: of 78 absolute columns of whole
+#: machines of learn makes a parabola's least alone calls two gauge, both together none.
 _CONTRAST, _COMMON_CONTRAST, _COMMON = 1.5, 1.1, 0.6
 
 
@@ -113,7 +114,7 @@ def absolute(recording: Recording, machine: Machine) -> tuple[Recording, list[Ch
     """
     chambers = chamber_columns(recording, machine)
     shared = _shared(recording, machine)
-    zeros = _zeros(_lifted(recording, shared, machine), machine)
+    zeros = _zeros(_lifted(recording, shared, machine), machine, bool(shared))
     common = _common_zero(recording, machine) if shared else None
     kinds = {
         key: _counts_from(recording[key], recording.time, machine, _kind(zeros.get(key), common, bool(shared))) for key in chambers
@@ -140,13 +141,18 @@ def _lifted(recording: Recording, keys: Sequence[str], machine: Machine) -> Reco
     return replace(recording, columns=dict(recording.columns) | {key: recording[key] + machine.atmosphere for key in keys})
 
 
-def _zeros(recording: Recording, machine: Machine) -> dict[str, float]:
+def _zeros(recording: Recording, machine: Machine, supply_is_gauge: bool) -> dict[str, float]:
     """Return what must be added to each chamber's pressure for its gas balance to hold best beside the supply as it stands.
 
-    In atmospheres, where the balance tells.
+    In atmospheres, where the balance tells: one that holds best with an atmosphere added also holds better with it than without,
+    plainly so where no supply counts from the atmosphere.
     """
-    found = {key: least_at(misfits, _CONTRAST) for key, misfits in _misfits(recording, machine, with_supply=False).items()}
-    return {key: zero for key, zero in found.items() if zero is not None}
+    found = {}
+    for key, misfits in _misfits(recording, machine, with_supply=False).items():
+        zero = least_at(misfits, _CONTRAST)
+        if zero is not None and (zero < _ABSOLUTE or worse_without(misfits) > (1.0 if supply_is_gauge else _CONTRAST)):
+            found[key] = zero
+    return found
 
 
 def _common_zero(recording: Recording, machine: Machine) -> float | None:

@@ -21,7 +21,7 @@ import pytest
 
 from exo_sim import rig as rigs
 from exo_sim.cli import main
-from exo_sim.conventions import Settled, asked, settle
+from exo_sim.conventions import Settled, asked, pressures, settle
 from exo_sim.conventions.machine import Machine
 from exo_sim.conventions.pressures import _counts_from, in_pascal
 from exo_sim.errors import RecordingError
@@ -258,3 +258,19 @@ def test_recordings_of_real_machines_are_asked_nothing(shared_data: Path, reposi
             assert held(read(table).recording, rig).checks == (), table
             count += 1
     assert count > 20
+
+
+@pytest.mark.parametrize(
+    ("misfits", "supply_is_gauge", "told"),
+    [
+        ((1.78, 1.023, 1.0, 1.081, 1.235), False, False),  # a single-acting cylinder whose rig knows a hose and a lag
+        ((2.69, 2.26, 1.15, 1.0, 1.13), False, True),  # such a one whose column is gauge
+        ((1.66, 1.36, 1.17, 1.0, 1.56), False, False),
+        ((1.66, 1.36, 1.17, 1.0, 1.56), True, True),
+    ],
+)
+def test_a_balance_that_holds_as_well_as_recorded_calls_no_column_gauge(
+    monkeypatch: pytest.MonkeyPatch, misfits: tuple[float, ...], supply_is_gauge: bool, told: bool
+) -> None:
+    monkeypatch.setattr(pressures, "_misfits", lambda *_, **__: {"ram.pressure_1": np.array(misfits)})
+    assert bool(pressures._zeros(cast(Recording, None), cast(Machine, None), supply_is_gauge)) is told

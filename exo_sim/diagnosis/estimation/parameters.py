@@ -10,7 +10,7 @@ from enum import StrEnum
 import numpy as np
 from numpy.typing import NDArray
 
-from exo_sim.physics.declaration import Effect
+from exo_sim.physics.declaration import Effect, declared
 
 #: Delay of both pressures of a cylinder together.
 CARD_OF_PRESSURES = "pressures.delay"
@@ -46,6 +46,12 @@ class PlantParameters:
         """Return whether any parameter of an effect differs from zero."""
         record = self.world if effect.name in (self.world.dtype.names or ()) else self.cylinder
         return any(float(record[effect.name][parameter.name][0]) != 0.0 for parameter in effect.parameters)
+
+    @property
+    def contained_effects(self) -> set[str]:
+        """Effects of which it has a richer form on, that says all that they say."""
+        richer = [effect for effect in declared().values() if effect.absorbs and self.is_on(effect)]
+        return {name for effect in richer for name, _ in effect.absorbs}
 
     def copy(self) -> PlantParameters:
         """Return a copy that shares no array."""

@@ -27,9 +27,9 @@ from exo_sim.diagnosis.selection.fitted_model import FittedModel, SearchResult, 
 from exo_sim.diagnosis.selection.linear_evidence import LinearEvidence, Posterior, Spreads
 from exo_sim.diagnosis.selection.marginal_fit import MarginalFits
 from exo_sim.diagnosis.selection.model_fits import ModelFits
+from exo_sim.diagnosis.selection.poorer_forms import no_richer_than_needed, poorer_where_alike
 from exo_sim.diagnosis.selection.subset_weighing import At, SubsetWeighing, Weighed
 from exo_sim.diagnosis.selection.unnamed import unnamed, unnamed_terms
-from exo_sim.physics.declaration import declared
 
 
 @dataclass(frozen=True)
@@ -77,7 +77,7 @@ class FamilySearch:
         near = FittedModel((), Fit((), values, np.zeros(0), np.zeros((0, 0))))
         kin = self._kin(best, finalists)
         rivals, laws = self._rivals(best, finalists), self._laws(best, finalists)
-        chosen = self._no_richer_than_needed(self._probable(best, finalists, kin), rivals)
+        chosen = no_richer_than_needed(self._probable(best, finalists, kin), rivals)
         spreads = self._widened(best, self._left_by(self.fits.fit(chosen, near), best))
         beside = MarginalFits(self.fits, self.basis, spreads, self.weighing.correlation_time)
         final = self._fitted(chosen, near, beside)
@@ -193,31 +193,6 @@ class FamilySearch:
         near = all(abs(plain.fit.values[q] - final.fit.values[q]) <= known.get(q, math.inf) for q in final.effect_parameters)
         return plain if near else final
 
-    def _no_richer_than_needed(
-        self, candidates: tuple[Candidate, ...], rivals: Mapping[CandidateKey, Sequence[tuple[Candidate, float]]]
-    ) -> tuple[Candidate, ...]:
-        """Return the effects, a richer form replaced by the poorer one where that explains the recording as well."""
-        found = []
-        for candidate in candidates:
-            effect = declared().get(candidate.effect)
-            absorbed = {name for name, _ in effect.absorbs} if effect else set()
-            poorer = [c for c, worse in rivals.get(candidate.key, []) if c.effect in absorbed and worse <= verdicts.AS_GOOD]
-            found.append(poorer[0] if poorer else candidate)
-        return tuple(found)
-
-    def _poorer_where_alike(self, candidates: tuple[Candidate, ...], values: Mapping[FreeParameter, float]) -> tuple[Candidate, ...]:
-        """Return the effects, a richer form replaced by the poorer one where what it tells apart is alike."""
-        known = {term.candidate.effect: term.candidate for term in self.family.bends[0].terms}
-        found = []
-        for candidate in candidates:
-            effect = declared().get(candidate.effect)
-            for poorer, parts in effect.absorbs if effect else ():
-                apart = [values[q] for q in candidate.parameters if q.parameter in {mine for mine, _ in parts}]
-                if poorer in known and apart and max(apart) - min(apart) < verdicts.ALIKE * max(apart):
-                    candidate = known[poorer]
-            found.append(candidate)
-        return tuple(found)
-
     def _of_poorer(
         self, final: FittedModel, best: Weighed, kin: Mapping[At, set[At]], probabilities: Mapping[At, float]
     ) -> dict[At, float]:
@@ -229,10 +204,11 @@ class FamilySearch:
 
     def _fitted(self, candidates: tuple[Candidate, ...], near: FittedModel, beside: MarginalFits) -> FittedModel:
         """Return the fit of these effects; those that a healthy machine has as well are nuisance parameters."""
+        asked = {term.candidate.effect: term.candidate for term in self.family.bends[0].terms}
         while True:
             final = beside.fit(candidates, near, refined=True)
             there = self._without_nil(candidates, final.fit.values)
-            kept = self._poorer_where_alike(tuple(c for c in there if exceeds_healthy_limit(c, final)), final.fit.values)
+            kept = poorer_where_alike([c for c in there if exceeds_healthy_limit(c, final)], final.fit.values, asked)
             if kept == candidates:
                 return final
             candidates = kept

@@ -14,7 +14,6 @@ from exo_sim.diagnosis.estimation.candidate import Candidate
 from exo_sim.diagnosis.estimation.parameters import CARD_OF_PRESSURES, FreeParameter, PlantParameters, Target
 from exo_sim.diagnosis.estimation.sensor_error import sensor_error
 from exo_sim.diagnosis.policy import healthy, priors
-from exo_sim.diagnosis.subsystems.gas.nuisances import contained_effects
 from exo_sim.diagnosis.subsystems.gas.place import measured_places, place_of
 from exo_sim.diagnosis.subsystems.healthy_leak import BY_UNIT, swept_volume
 from exo_sim.physics.declaration import Effect, Parameter, declared
@@ -30,7 +29,7 @@ def candidates(plant: PlantParameters, runs: Sequence[CylinderRun], cylinder: st
     commanded = valve and any(run.commanded for run in runs)
     steered = commanded and not all(run.stays_open for run in runs)
     moves = any(run.moves for run in runs)
-    measured, contained = measured_places(runs), contained_effects(plant)
+    measured, contained = measured_places(runs), plant.contained_effects
     single = float(plant.cylinder["single_acting"][0]) > 0.0
     found: list[Candidate] = []
     for effect in declared().values():

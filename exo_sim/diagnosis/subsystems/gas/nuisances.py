@@ -67,7 +67,7 @@ def nuisance_parameters(
 def _valve_imperfections(plant: PlantParameters, cylinder: str) -> tuple[FreeParameter, ...]:
     """Return what a healthy valve shows of the effects that the rig does not have on already, in this form or a richer one."""
     found = []
-    contained = contained_effects(plant)
+    contained = plant.contained_effects
     for effect in declared().values():
         if effect.name in contained:
             continue
@@ -82,11 +82,6 @@ def _valve_imperfections(plant: PlantParameters, cylinder: str) -> tuple[FreePar
                     )  # fmt: skip
                 )
     return tuple(found)
-
-
-def contained_effects(plant: PlantParameters) -> set[str]:
-    """Return the effects of which the rig has a richer form on, that says all that they say."""
-    return {name for effect in declared().values() if effect.absorbs and plant.is_on(effect) for name, _ in effect.absorbs}
 
 
 def known_effects(plant: PlantParameters, cylinder: str) -> tuple[FreeParameter, ...]:

@@ -48,13 +48,14 @@ def candidates(runs: Sequence[MotionRun], plant: PlantParameters, where: str, re
         "m": float(np.nanmean(position)), "m^2": 0.1 * force / pressure, "m/s": 0.1 * speed,
     }  # fmt: skip
     found: list[Candidate] = []
+    contained = plant.contained_effects
     for effect in declared().values():
         place, asked = "cylinder" if run.cylinder is not None else "joint", effect.identification
         if effect.cut != "motion" or asked.excluded:
             continue
         if place not in (asked.applicability.places or effect.places) or effect.name not in (plant.cylinder.dtype.names or ()):
             continue
-        if plant.is_on(effect) and not asked.though_on:
+        if (plant.is_on(effect) and not asked.though_on) or effect.name in contained:
             continue
         for form in asked.forms or (tuple(p.name for p in effect.parameters),):
             parameters, start = [], []

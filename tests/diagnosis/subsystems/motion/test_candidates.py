@@ -35,6 +35,14 @@ def test_what_the_machine_has_on_already_is_not_asked_again() -> None:
     assert "viscous_friction" not in {one.effect for one in candidates([RUN], on, "slide")}
 
 
+def test_of_an_effect_whose_richer_form_the_machine_has_nothing_is_asked() -> None:
+    on = plant()
+    on.cylinder["asymmetric_friction"]["forward"] = on.cylinder["asymmetric_friction"]["backward"] = 10.0
+    run = behind_cylinder(RUN, np.full((TIME.size, 2), 2e5))
+    assert "coulomb_friction" in {one.effect for one in candidates([run], plant(), "piston")}
+    assert "coulomb_friction" not in {one.effect for one in candidates([run], on, "piston")}
+
+
 def test_a_measured_pressure_may_be_off_by_a_bias_and_a_predicted_one_may_hide_a_leak() -> None:
     gauge = np.full((TIME.size, 2), 2e5)
     run = behind_cylinder(RUN, gauge)

@@ -1,0 +1,54 @@
+"""Richer forms of an effect replaced by poorer ones: friction of two directions by that of one."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+
+from exo_sim.diagnosis.estimation.candidate import Candidate, CandidateKey
+from exo_sim.diagnosis.estimation.parameters import FreeParameter
+from exo_sim.diagnosis.policy import verdicts
+from exo_sim.physics.declaration import declared
+
+
+def no_richer_than_needed(
+    candidates: Sequence[Candidate], rivals: Mapping[CandidateKey, Sequence[tuple[Candidate, float]]]
+) -> tuple[Candidate, ...]:
+    """Return the effects, a richer form replaced by the poorer one where that explains the recording as well.
+
+    Args:
+        candidates: The effects.
+        rivals: For each, what may stand in its place, and by how much its log-likelihood is lower.
+    """
+    found = []
+    for candidate in candidates:
+        effect = declared().get(candidate.effect)
+        absorbed = {name for name, _ in effect.absorbs} if effect else set()
+        poorer = [c for c, worse in rivals.get(candidate.key, []) if c.effect in absorbed and worse <= verdicts.AS_GOOD]
+        found.append(poorer[0] if poorer else candidate)
+    return tuple(found)
+
+
+def poorer_where_alike(
+    candidates: Sequence[Candidate], values: Mapping[FreeParameter, float], asked: Mapping[str, Candidate]
+) -> tuple[Candidate, ...]:
+    """Return the effects, a richer form replaced by the poorer one where what it tells apart is alike.
+
+    Of a poorer one that the rig has, its number is a nuisance parameter and part of what is told apart: nothing is left to be found.
+
+    Args:
+        candidates: The effects.
+        values: Of a model with them, its nuisance parameters too.
+        asked: Candidates by effect, the poorer forms among them.
+    """
+    found = []
+    for candidate in candidates:
+        kept: Candidate | None = candidate
+        effect = declared().get(candidate.effect)
+        for poorer, parts in effect.absorbs if effect else ():
+            known = {q.parameter: value for q, value in values.items() if (q.effect, q.where) == (poorer, candidate.where)}
+            whole = {mine: known.get(its, 0.0) for mine, its in parts}
+            apart = [whole[q.parameter] + values[q] for q in candidate.parameters if q.parameter in whole]
+            if (poorer in asked or known) and apart and max(apart) - min(apart) < verdicts.ALIKE * max(apart):
+                kept = asked.get(poorer)
+        found += [kept] if kept is not None else []
+    return tuple(found)

@@ -65,7 +65,7 @@ class HeldOutErrors:
         series: For the report.
         spans: The held-out time, by recording.
         shares: By the keys of `drops`, what a finding explains of the squared error that is missing beyond the noise without it; only where
-            predictions change with it by `LEAST_INFLUENCE`: else it was not tested.
+            predictions change with it by `LEAST_INFLUENCE` and something beyond the noise is missing without it: else it was not tested.
     """
 
     signals: Mapping[str, SignalFit] = field(default_factory=dict)
@@ -117,7 +117,7 @@ def held_out_errors(
             drops[key] = _finite(1.0 - error / lacking) if lacking > 0.0 else 0.0
             influence[key] = _finite(rms(other - residual))
             costs[key] = influence[key] * _noise_share(one, compared)
-            if influence[key] > validation.LEAST_INFLUENCE:
+            if influence[key] > validation.LEAST_INFLUENCE and lacking > 1.0:
                 shares[key] = share_explained(error, lacking)
         if effect is not None:
             drops[one.where] = _drop_with_unknown(model, one, error, own)

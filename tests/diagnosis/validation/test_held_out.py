@@ -3,13 +3,16 @@
 from __future__ import annotations
 
 import math
+from dataclasses import replace
 
 import numpy as np
 import pytest
 from diagnosis import waves
 
 from exo_sim.diagnosis.data.split import Split
+from exo_sim.diagnosis.estimation.parameters import PlantParameters
 from exo_sim.diagnosis.findings import Subsystem
+from exo_sim.diagnosis.policy.validation import LEAST_INFLUENCE
 from exo_sim.diagnosis.selection.decision import decide
 from exo_sim.diagnosis.selection.search import Search
 from exo_sim.diagnosis.selection.subsystem_result import SubsystemResult
@@ -39,6 +42,17 @@ def test_each_of_two_findings_is_worth_what_is_lost_without_it() -> None:
     errors = held_out_errors([result(waves.Waves(slow=3.0, quicker=0.6), waves.BASE, waves.OTHER)], (), SPLIT)
     assert errors.drops["base@piston"] > 0.5 > errors.drops["other@piston"] > 0.03
     assert all(share > 0.6 for share in errors.shares.values())  # little of the error, but of what is missing nearly all
+
+
+def test_what_changes_only_what_is_within_the_noise_is_not_tested() -> None:
+    class Quiet(waves.Waves):
+        def residual_of(self, plant: PlantParameters) -> waves.Array:
+            return 0.3 * super().residual_of(plant)
+
+    found = result(waves.Waves(slow=3.0), waves.BASE)
+    (at,) = held_out_errors([found], (), SPLIT).shares
+    quiet = held_out_errors([replace(found, model=Quiet(slow=3.0))], (), SPLIT)
+    assert quiet.influence[at] > LEAST_INFLUENCE and quiet.shares == {}
 
 
 def test_an_unknown_effect_that_no_curve_describes_lowers_nothing() -> None:

@@ -13,6 +13,12 @@ GAS_BOUND = Number(
     "discrepancy bound of the gas",
     "128 healthy benches with oddities: three left 16 to 20",
 )
+USUAL_LEVEL = Number(
+    0.6, "share of the supply",
+    "mean pressure of a chamber, for that bound: what a flow law gets wrong is in proportion to what drives the flow, and a chamber that a "
+    "light spring empties stays far below it",
+    "healthy learn makes A to D of whole machines: 0.58 to 0.81, the higher of both chambers; I, one chamber: 0.3, and twice its own bound",
+)  # fmt: skip
 BURSTS = Number(
     1.6, "level of the lively stretches over the median",
     "errors inside a row that are livelier come in bursts: a pressure rings",

@@ -110,13 +110,23 @@ class GasModel(SubsystemModel):
 
     @property
     def practical_significance(self) -> float:
-        levels = [float(np.nanmean(p)) for run in self.runs for p in run.pressure if p is not None]
-        scales = [float(np.median(rows.scale)) for run in self._rows for rows in run if rows.count.size]
-        return significance.GAS_SIGNIFICANT * max(levels, default=0.0) / max(scales, default=1.0)
+        return significance.GAS_SIGNIFICANT * self._level / self._scale
 
     @property
     def discrepancy_bound(self) -> float:
-        return healthy.GAS_BOUND * self.practical_significance
+        driven = [float(np.nanmean(one.supply)) for one in self.inputs if one.run.commanded]
+        level = max(self._level, healthy.USUAL_LEVEL * max(driven, default=0.0))
+        return healthy.GAS_BOUND * significance.GAS_SIGNIFICANT * level / self._scale
+
+    @property
+    def _level(self) -> float:
+        """Mean pressure of the chamber in which it is higher [Pa]."""
+        return max((float(np.nanmean(p)) for run in self.runs for p in run.pressure if p is not None), default=0.0)
+
+    @property
+    def _scale(self) -> float:
+        """Noise of a row, in the noisier chamber [Pa]."""
+        return max((float(np.median(rows.scale)) for run in self._rows for rows in run if rows.count.size), default=1.0)
 
     def predict(self, plant: PlantParameters, index: int, shift: float = 0.0, whole: bool = True) -> GasPrediction:
         """Predict what the sensors of one run would show; without `whole` nothing but that. `shift` as in `run_gas`."""

@@ -5,13 +5,16 @@ from __future__ import annotations
 import benches
 import numpy as np
 import pytest
+from diagnosis import cylinder_runs as cylinder_runs_of
 
 from exo_sim.diagnosis.data.cylinder_run import cylinder_runs
 from exo_sim.diagnosis.data.split import Split
 from exo_sim.diagnosis.estimation.parameters import PlantParameters
+from exo_sim.diagnosis.policy.healthy import GAS_BOUND, USUAL_LEVEL
 from exo_sim.diagnosis.subsystems.gas.model import GasModel
 from exo_sim.machine.linkage import linkages
 from exo_sim.machine.load import load
+from exo_sim.physics.records import CYLINDER, WORLD
 from exo_sim.recording import Recording
 from exo_sim.rig import Rig, assembly
 
@@ -77,3 +80,17 @@ def test_the_set_pressure_may_be_other_than_believed(rig: Rig, table: Recording)
     found, believed = (GasModel(runs, plant, PARTS).predict(one, 0).pressure for one in (scaled, plant))
     np.testing.assert_allclose(found, wanted, rtol=1e-9)
     assert np.ptp(found - believed) > 1e3
+
+
+def test_what_a_healthy_gas_may_miss_is_in_proportion_to_what_drives_it() -> None:
+    """A chamber that a light spring empties stays far below its supply, from which all of its flow comes."""
+    world = np.zeros(1, WORLD)
+    world["supply_pressure"] = 6e5
+
+    def bound(pressure: float, commanded: bool) -> float:
+        run = cylinder_runs_of.run_of(pressure + np.random.default_rng(1).normal(0.0, 100.0, 4000), commanded=commanded)
+        gas = GasModel([run], PlantParameters(world, np.zeros(1, CYLINDER)), PARTS)
+        return gas.discrepancy_bound / gas.practical_significance
+
+    assert bound(1.5e5, commanded=False) == bound(4e5, commanded=True) == pytest.approx(GAS_BOUND)
+    assert bound(1.5e5, commanded=True) == pytest.approx(GAS_BOUND * USUAL_LEVEL * 6e5 / 1.5e5, rel=1e-3)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Sequence
 
 from exo_sim.diagnosis.data.cylinder_run import CylinderRun
@@ -84,9 +85,18 @@ def _valve_imperfections(plant: PlantParameters, cylinder: str) -> tuple[FreePar
     return tuple(found)
 
 
-def known_effects(plant: PlantParameters, cylinder: str) -> tuple[FreeParameter, ...]:
-    """Return the parameters of effects that the rig has on already: an owner's numbers are estimates."""
-    found = []
+def known_effects(plant: PlantParameters, cylinder: str, period: float = 0.0) -> tuple[FreeParameter, ...]:
+    """Return the parameters of effects that the rig has on already: an owner's numbers are estimates.
+
+    Times are known no better than the clocks of the columns that show them: those of two cards, and a command that changes within a
+    sample.
+
+    Args:
+        plant: The machine as believed.
+        cylinder: Its name.
+        period: Of the samples [s].
+    """
+    found, clocks = [], math.hypot(priors.CARD_SKEW, 0.5 * period)
     for effect in declared().values():
         if effect.cut != "gas" or effect.identification.though_on:
             continue
@@ -95,7 +105,7 @@ def known_effects(plant: PlantParameters, cylinder: str) -> tuple[FreeParameter,
         for parameter in effect.parameters:
             value = float(record[effect.name][parameter.name][0])
             if value != 0.0 and not parameter.choices:
-                spread = priors.KNOWN_GAS * abs(value)
+                spread = math.hypot(priors.KNOWN_GAS * value, clocks if parameter.unit == "s" else 0.0)
                 found.append(
                     FreeParameter(
                         effect.name, where, parameter.name, parameter.unit, target, spread, parameter.low, parameter.high,

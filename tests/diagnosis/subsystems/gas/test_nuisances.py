@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import math
+
 import numpy as np
 import pytest
 
@@ -57,3 +59,16 @@ def test_the_set_pressure_is_free_where_nobody_recorded_the_supply() -> None:
     (factor,) = scale(supplied=False)
     assert factor.prior is not None and factor.prior[0] == factor.neutral == 1.0
     assert plant().with_values([(factor, 0.98)]).sensors == {"supply.scale": 0.98}
+
+
+def test_a_known_dead_time_is_known_no_better_than_the_clocks_are() -> None:
+    late = plant(0.0)
+    late.cylinder["valve_lag"]["delay"], late.cylinder["valve_lag"]["time_constant"] = 9e-3, 5e-3
+
+    def spread(period: float) -> float:
+        (one,) = (q for q in known_effects(late, "piston", period) if q.parameter == "delay")
+        assert one.prior is not None and one.prior[0] == 9e-3
+        return one.prior[1]
+
+    assert math.isclose(spread(0.0), math.hypot(0.9e-3, 1e-3), rel_tol=1e-6)
+    assert math.isclose(spread(5e-3), math.hypot(0.9e-3, 1e-3, 2.5e-3), rel_tol=1e-6)

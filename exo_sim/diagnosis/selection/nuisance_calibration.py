@@ -10,7 +10,8 @@ from exo_sim.diagnosis import wording
 from exo_sim.diagnosis.estimation.parameters import FreeParameter
 from exo_sim.diagnosis.estimation.uncertainty import bounded_interval, interval
 from exo_sim.diagnosis.findings import Estimate, Finding, Kind
-from exo_sim.diagnosis.policy.nuisance_calibration import MODEL_SHARE, MOVED, SURE, WORTH, WORTH_OF_EFFECT, WORTH_WHERE_LAW_IS_OPEN
+from exo_sim.diagnosis.policy.confidence import CALIBRATED, UNTESTED
+from exo_sim.diagnosis.policy.nuisance_calibration import LAW_SHARE, MODEL_SHARE, MOVED, OPEN_LAW_SHARE, SURE, WORTH
 from exo_sim.diagnosis.selection.fitted_model import FittedModel
 from exo_sim.physics.declaration import declared, identification_of
 
@@ -27,7 +28,8 @@ class Deviation:
 def deviations(model: FittedModel, errors: Mapping[FreeParameter, float]) -> tuple[Deviation, ...]:
     """Return the believed numbers that are surely off, and by enough to be worth correcting; `errors` are standard errors.
 
-    What a law is taken to be where nobody gave it is no believed number.
+    A number of an effect is of the rig's law, which is never quite the machine's: what that makes of it counts as an error, and of a
+    time what clocks leave open before any data. What a law is taken to be where nobody gave it is no believed number.
     """
     found, effects = [], model.effect_parameters
     for parameter, value in model.fit.values.items():
@@ -38,7 +40,14 @@ def deviations(model: FittedModel, errors: Mapping[FreeParameter, float]) -> tup
         if parameter.effect in declared() and laws.get(parameter.parameter) == parameter.prior:
             continue
         factor, error = value / whole, errors.get(parameter, math.inf) / abs(whole)
-        if abs(factor - 1.0) > max(SURE * error, WORTH.get(parameter.effect, WORTH_WHERE_LAW_IS_OPEN if laws else WORTH_OF_EFFECT)):
+        if parameter.effect in declared():
+            clocks = parameter.prior[1] if parameter.prior and parameter.unit == "s" else 0.0
+            error = math.hypot(error, clocks / abs(whole))
+            spread = math.hypot(error / max(abs(factor), 1e-12), OPEN_LAW_SHARE if laws else LAW_SHARE)
+            is_off, error = factor <= 0.0 or abs(math.log(factor)) > SURE * spread, spread * abs(factor)
+        else:
+            is_off = abs(factor - 1.0) > max(SURE * error, WORTH[parameter.effect])
+        if is_off:
             found.append(Deviation(parameter, factor, error))
     return tuple(found)
 
@@ -100,7 +109,9 @@ def _calibration(name: str, where: str, parts: Sequence[Deviation]) -> Finding:
         }
     odds = sum(((one.factor - 1.0) / max(one.error, 1e-12)) ** 2 for one in parts) / (2.0 * math.log(10.0))
     says = " ".join(wording.calibration(name, one.parameter.parameter, one.factor) for one in parts)
-    return Finding(name, where, Kind.CALIBRATION, says, estimates, odds, 0.0)
+    return Finding(
+        name, where, Kind.CALIBRATION, says, estimates, odds, 0.0, probability=float(UNTESTED if is_declared(name) else CALIBRATED)
+    )
 
 
 def is_declared(effect: str) -> bool:

@@ -11,6 +11,7 @@ from hypothesis import strategies as st
 from exo_sim.diagnosis.data.split import Split
 from exo_sim.diagnosis.estimation.least_squares import Fit
 from exo_sim.diagnosis.estimation.parameters import FreeParameter, PlantParameters, Target
+from exo_sim.diagnosis.policy.confidence import CALIBRATED, UNTESTED
 from exo_sim.diagnosis.policy.nuisance_calibration import MODEL_SHARE, SURE
 from exo_sim.diagnosis.selection.fitted_model import FittedModel
 from exo_sim.diagnosis.selection.nuisance_calibration import Deviation, calibration_findings, deviations, refitted_besides
@@ -107,7 +108,7 @@ def test_nothing_off_is_no_finding() -> None:
     assert calibration_findings([]) == []
 
 
-def test_a_number_of_a_law_that_the_rig_leaves_open_is_off_only_beyond_what_other_laws_make_of_it() -> None:
+def test_a_number_of_an_effect_is_off_only_beyond_what_other_laws_make_of_it() -> None:
     def of_rig(effect: str, name: str, believed: float) -> FreeParameter:
         return FreeParameter(effect, "piston", name, "N", Target.CYLINDER, 1.0, 0.0, 1e5, (believed, 0.5 * believed))
 
@@ -115,10 +116,31 @@ def test_a_number_of_a_law_that_the_rig_leaves_open_is_off_only_beyond_what_othe
         of_rig("coulomb_friction", "force", 10.0), of_rig("stribeck_friction", "breakaway", 20.0),
         FreeParameter("stribeck_friction", "piston", "exponent", "1", Target.CYLINDER, 0.75, 0.5, 2.0, (2.0, 0.75)),
     )  # fmt: skip
+    area = number("flow_capacity", "piston", "valve_area")
 
     def off(share: float) -> list[str]:
-        values = {plain: 10.0 * share, dip: 20.0 * share, law: 0.7}
+        values = {plain: 10.0 * share, dip: 20.0 * share, law: 0.7, area: share}
         found = deviations(FittedModel((), Fit((), values, np.zeros(0), np.zeros((0, 0)))), dict.fromkeys(values, 0.01))
         return [one.parameter.parameter for one in found]
 
-    assert off(0.95) == [] and off(0.85) == ["force"] and off(0.6) == ["force", "breakaway"]
+    assert off(1.0) == [] and off(0.7) == ["valve_area"]
+    assert off(0.6) == off(1.7) == ["force", "valve_area"]
+    assert off(0.4) == off(2.5) == ["force", "breakaway", "valve_area"]
+
+
+def test_a_calibration_is_as_probable_as_was_counted() -> None:
+    of_effect = FreeParameter("coulomb_friction", "piston", "force", "N", Target.CYLINDER, 1.0, 0.0, 1e5, (10.0, 5.0))
+    numbers = [Deviation(number("flow_capacity", "hip", "valve_area"), 0.5, 1e-3), Deviation(of_effect, 2.0, 0.2)]
+    assert {one.name: one.confidence for one in calibration_findings(numbers)} == {
+        "flow_capacity": float(CALIBRATED), "coulomb_friction": float(UNTESTED)
+    }  # fmt: skip
+
+
+def test_a_time_is_off_only_beyond_what_clocks_leave_open() -> None:
+    delay = FreeParameter("valve_lag", "piston", "delay", "s", Target.CYLINDER, 1e-3, 0.0, 1.0, (9e-3, 2.9e-3))
+
+    def off(value: float) -> bool:
+        trial = FittedModel((), Fit((), {delay: value}, np.zeros(0), np.zeros((0, 0))))
+        return bool(deviations(trial, {delay: 1e-4}))
+
+    assert not off(15e-3) and off(40e-3)

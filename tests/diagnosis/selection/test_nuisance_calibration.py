@@ -23,7 +23,9 @@ def gas(*sides: bool) -> GasModel:
     """Return the gas of a cylinder of which these chambers were recorded."""
     steady = np.full(400, 3e5)
     run = cylinder_runs.run_of(*(steady if there else None for there in sides))
-    return GasModel([run], PlantParameters(np.zeros(1, WORLD), np.zeros(1, CYLINDER)), Split({}))
+    cylinder = np.zeros(1, CYLINDER)
+    cylinder["area_1"], cylinder["area_2"], cylinder["stroke"] = 1e-3, 1e-3, 0.2
+    return GasModel([run], PlantParameters(np.zeros(1, WORLD), cylinder), Split({}))
 
 
 def test_the_dead_volume_of_a_chamber_that_nobody_recorded_is_not_observed() -> None:

@@ -86,10 +86,12 @@ def test_what_a_healthy_gas_may_miss_is_in_proportion_to_what_drives_it() -> Non
     """A chamber that a light spring empties stays far below its supply, from which all of its flow comes."""
     world = np.zeros(1, WORLD)
     world["supply_pressure"] = 6e5
+    cylinder = np.zeros(1, CYLINDER)
+    cylinder["area_1"], cylinder["area_2"], cylinder["stroke"] = 1e-3, 1e-3, 0.2
 
     def bound(pressure: float, commanded: bool) -> float:
         run = cylinder_runs_of.run_of(pressure + np.random.default_rng(1).normal(0.0, 100.0, 4000), commanded=commanded)
-        gas = GasModel([run], PlantParameters(world, np.zeros(1, CYLINDER)), PARTS)
+        gas = GasModel([run], PlantParameters(world, cylinder), PARTS)
         return gas.discrepancy_bound / gas.practical_significance
 
     assert bound(1.5e5, commanded=False) == bound(4e5, commanded=True) == pytest.approx(GAS_BOUND)

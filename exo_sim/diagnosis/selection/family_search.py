@@ -232,7 +232,10 @@ class FamilySearch:
         return replace(found, log10_odds=(finalists[0].score - max(rest, default=lowest)) / math.log(10.0))
 
     def _rivals(self, best: Weighed, finalists: Sequence[Weighed]) -> dict[CandidateKey, list[tuple[Candidate, float]]]:
-        """Return, for each effect, those that stand in its place in other subsets, and by how much these are less probable."""
+        """Return, for each effect, those that stand in its place in other subsets, and by how much these are less probable.
+
+        Also what stands in the place of several at once: drag beside dry friction slows a swing as damping alone does.
+        """
         mine = {c.at: c for c in self.weighing.candidates(best)}
         groups = {term.candidate.at: term.group for bend in self.family.bends for term in bend.terms}
         groups = {**{bend.candidate.at: "" for bend in self.family.bends if bend.candidate is not None}, **groups}
@@ -240,14 +243,11 @@ class FamilySearch:
         for other in finalists[1:]:
             theirs = {c.at: c for c in self.weighing.candidates(other)}
             gone, new = set(mine) - set(theirs), set(theirs) - set(mine)
-            if len(gone) != 1:
-                continue
-            (lost,) = gone
-            taking = [theirs[at] for at in new if _is_effect(theirs[at]) and (len(new) == 1 or groups[at] == groups[lost])]
-            if len(taking) != 1:
-                continue
-            key, rival = mine[lost].key, taking[0]
-            found[key].setdefault(rival.at, (rival, best.score - other.score))
+            fewer = len(gone) > 1 and len(new) == 1 and all(_is_effect(mine[at]) for at in gone)  # one does what several do together
+            for lost in gone if fewer or len(gone) == 1 else ():
+                taking = [theirs[at] for at in new if _is_effect(theirs[at]) and (len(new) == 1 or groups[at] == groups[lost])]
+                if len(taking) == 1:
+                    found[mine[lost].key].setdefault(taking[0].at, (taking[0], best.score - other.score))
         return {key: sorted(by.values(), key=lambda pair: pair[1]) for key, by in found.items()}
 
     def _runners_up(self, best: Weighed, posterior: Posterior) -> list[tuple[Candidate, float]]:

@@ -102,3 +102,14 @@ def test_what_a_healthy_machine_has_as_well_is_left_to_the_nuisance_parameters()
     for limit, named in ((0.1, {waves.BASE.at}), (2.0, set())):
         limited = replace(waves.BASE, parameters=(replace(size, healthy_limit=limit),))
         assert searched(model, term(model, limited)).final.named == named
+
+
+def test_what_does_alone_what_two_do_together_is_the_rival_of_both() -> None:
+    """Drag and dry friction slow a swing nearly as damping alone does: neither is dropped because that might do for both."""
+    one_wave, other_wave = waves.SHAPES["slow"], waves.SHAPES["quick"]
+    shapes = {"one": one_wave, "two": other_wave, "both": one_wave + other_wave + 0.3 * waves.SHAPES["quicker"]}
+    model = waves.Waves(shapes=shapes, one=2.0, two=1.4)
+    one, two, both = (waves.candidate(name, name) for name in shapes)
+    found = searched(model, term(model, one), term(model, two), term(model, both))
+    assert found.final.named == {one.at, two.at}
+    assert all(both.at in {rival.at for rival, _ in found.rivals[candidate.key]} for candidate in (one, two))

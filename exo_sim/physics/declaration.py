@@ -89,7 +89,7 @@ class Effect:
         valid: Where its law holds, and what it leaves out.
         signature: What it looks like in a recording.
         convention: What its numbers mean exactly, where they could be read in two ways.
-        asked: How a diagnosis puts the question.
+        identification: How a diagnosis puts the question.
 
     Raises:
         ModelError: an unknown family or place, or a question about a parameter that it does not have.

@@ -90,7 +90,8 @@ class Identification:
             to there; only what is larger is a finding.
         least: Parameters of which less than this is no finding.
         adds_up: Whether its parameters are parts of one thing: then their sum is held against `least`.
-        leaks: For a leak, its share of what empties a healthy cylinder in some minutes; 0 where it is none.
+        leaks: For a leak whose size is an area [m^2] or a laminar conductance [kg/(s Pa^2)], its share of what empties a healthy
+            cylinder in some minutes; 0 where it is none.
         wall_heat: For heat into the wall, its share of what a film of still gas passes in every cylinder; 0 where it is none.
         resists: For what resists a piston, its share of the dry friction and the stiffness that a healthy one has; 0 where it does not.
         every_contact: Stiffness that every dry contact has: the diagnosis gives the machine a healthy one, asks all the same, and only

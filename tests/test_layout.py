@@ -40,8 +40,10 @@ THROUGH: dict[str, tuple[str, ...]] = {
         "environments/dm.py", "environments/gym.py",
     ),
     "gait/test_motion.py": (
-        "gait/scenarios/level_walk.py", "gait/scenarios/level_walk_opensim.py", "gait/scenarios/payload_step.py",
-        "gait/scenarios/sit_to_stand.py", "gait/scenarios/squat.py", "gait/scenarios/stand.py",
+        "gait/scenarios/fast_walk.py", "gait/scenarios/level_walk.py", "gait/scenarios/level_walk_opensim.py",
+        "gait/scenarios/payload_step.py", "gait/scenarios/sit_to_stand.py", "gait/scenarios/slope_down.py", "gait/scenarios/slope_up.py",
+        "gait/scenarios/slow_walk.py", "gait/scenarios/squat.py", "gait/scenarios/stairs_down.py", "gait/scenarios/stairs_up.py",
+        "gait/scenarios/stand.py", "gait/scenarios/uneven_load.py",
     ),
     "gait/test_own_gait.py": (
         "gait/contact_fit.py", "gait/files/c3d.py", "gait/files/opensim.py", "gait/files/table.py", "gait/signs.py", "gait/standing.py",
@@ -79,12 +81,12 @@ THROUGH: dict[str, tuple[str, ...]] = {
         "cli/run_motion.py", "simulation/force_loops.py", "simulation/unworn_log.py", "simulation/wanted_motion.py",
     ),
     "simulation/test_torque_driven.py": (
-        "simulation/held.py",
+        "simulation/embodiment.py", "simulation/held.py",
     ),
     "simulation/test_walk.py": (
         "control/least_load.py", "control/strap_feedback.py", "control/stride_learning.py",
         "control/tracking.py", "simulation/causal_calibration.py", "simulation/coupling.py", "simulation/loop_log.py",
-        "simulation/reduction.py", "simulation/rehearsal.py", "simulation/views.py",
+        "simulation/reduction.py", "simulation/rehearsal.py", "simulation/valve_loop.py", "simulation/views.py",
     ),
     "sizing/test_search.py": (
         "sizing/confirmation.py", "sizing/first_designs.py",

@@ -147,7 +147,8 @@ def simulate(
     rig: RigLike | None = None, scenario: str | os.PathLike[str] | Recording | None = None, *,
     gait: str | os.PathLike[str] | None = None, ground: str | os.PathLike[str] | None = None, whole: bool = False,
     payload: Quantity | None = None, speed: float | str = 1.0, strides: int | None = None, assist: str = "on", controller: Any = "model",
-    demand: str = "least_load", wearer: str | None = None, seed: int = 0, out: str | os.PathLike[str] | bool = False, quiet: bool = True,
+    demand: str = "least_load", wearer: str | None = None, signals: str = "exact", seed: int = 0,
+    out: str | os.PathLike[str] | bool = False, quiet: bool = True,
     tell: Callable[[str], None] = lambda words: None, columns: Columns = None,
 ) -> Run:  # fmt: skip
     """Simulate a person in the machine, or a machine that nobody wears following a motion.
@@ -160,7 +161,8 @@ def simulate(
         ground: Ground forces of the same trial.
         whole: Walk every stride of `gait` as it was recorded, one after the other, instead of their mean; `strides` then counts trials.
         payload: On the back: kilograms, or text like "75 lb"; what the rig's `[bodies.payload]` says when None, or else 34 kg.
-        speed: Factor on the recorded cadence, 0.7 to 1.3, or text like "1.3 m/s".
+        speed: Factor on the recorded cadence, 0.7 to 1.3, strides staying as long; or text like "1.3 m/s", for which strides get longer
+            and quicker as people's do.
         strides: How many strides or repetitions; the scenario's own number when None.
         assist: "on"; "off": valves closed; "vented": both chambers open to the atmosphere.
         controller: How valves get forces: "model" inverts the gas equations, "pi" is plain PI; or a controller of your own, as an object
@@ -169,7 +171,9 @@ def simulate(
             "inverse_dynamics" or "virtual_support".
         wearer: "prescribed" (the default, where a scenario file does not say otherwise): the wearer's motion is given whatever happens;
             "torques": he is a body with mass on his own feet, moved by torques, and yields to the straps.
-        seed: Travels with the recording, is handed to a controller of your own, and is where the noise of the causal one's signals starts.
+        signals: What "model" and "pi" go by: "exact" (what is), or "measured" (what noisy pressure gauges and encoders show; nothing
+            measures the temperature of the gas).
+        seed: Travels with the recording, is handed to a controller of your own, and is where the noise of signals starts.
         out: Where the recording for the viewer (`.rrd`) is written while it runs, with its table beside it; memory then does not grow
             with length. True names it after what is done, in the folder that you are in; False keeps the run in memory.
         quiet: No progress.
@@ -205,7 +209,7 @@ def simulate(
     mine = None if isinstance(brought, str) else brought
     request = Request(
         name, payload=mass, speed=speed, cycles=strides, assist=assist, controller=called, law=demand, given=given, wearer=wearer,
-        driven="" if mine is None else "valves",
+        signals=signals, driven="" if mine is None else "valves",
     )  # fmt: skip
     if target is not None:
         import pyarrow.parquet  # noqa: F401 - both now, so that their start is not taken for work

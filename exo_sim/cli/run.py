@@ -59,10 +59,17 @@ from exo_sim.cli.frame import verb
     default=None,
     help="prescribed (the default): the wearer's motion is given; torques: a body on own feet that yields to the straps.",
 )
+@click.option(
+    "--signals",
+    type=options.Choice(["exact", "measured"]),
+    default="exact",
+    show_default=True,
+    help="What model and pi go by: what is, or what noisy gauges and encoders show, with no thermometer.",
+)
 @click.option("--rig", type=options.RigFile(), default=None, help="The machine; the one in assets/ when absent.")
 def command(scenario: str | None, gait: Path | None, ground: Path | None, columns: Path | None, whole: bool,
             payload: float | None, speed: str, strides: int | None, assist: str, controller: str, demand: str, wearer: str | None,
-            rig: Path | None, out: Path | None, as_json: bool, quiet: bool, seed: int) -> None:  # fmt: skip
+            signals: str, rig: Path | None, out: Path | None, as_json: bool, quiet: bool, seed: int) -> None:  # fmt: skip
     """Simulate SCENARIO headless: a name of `exo-sim scenarios`, a scenario file (.toml) from anywhere, or a gait of your own (--gait).
 
     A machine that nobody wears follows a motion instead: SCENARIO is then a recording with the positions of its joints.
@@ -82,7 +89,7 @@ def command(scenario: str | None, gait: Path | None, ground: Path | None, column
     with printing.prints_on_stderr():
         done = simulate(
             rig, scenario, gait=gait, ground=ground, columns=columns, whole=whole, payload=payload, speed=speed, strides=strides,
-            assist=assist, controller=controller, demand=demand, wearer=wearer, seed=seed, out=out or True, quiet=quiet,
+            assist=assist, controller=controller, demand=demand, wearer=wearer, signals=signals, seed=seed, out=out or True, quiet=quiet,
             tell=lambda words: printing.remark(f"exo-sim: {words}", quiet=quiet),
         )  # fmt: skip
     numbers = dict(done.summary)

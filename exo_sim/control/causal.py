@@ -18,6 +18,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from exo_sim.control.force_signals import ENCODER
 from exo_sim.control.gait_phase import PhaseObserver
 from exo_sim.control.least_load import LeastLoad
 from exo_sim.control.own import Context
@@ -26,8 +27,8 @@ from exo_sim.control.stride_learning import StrideLearning
 from exo_sim.gait.motion import SAMPLES
 from exo_sim.machine.straps import StrapSet
 
-#: Encoders of 14 bits a turn [rad]; standard deviation of a load cell's noise [N].
-ENCODER, LOAD_CELL = 2.0 * np.pi / 2**14, 2.0
+#: Standard deviation of a load cell's noise [N].
+LOAD_CELL = 2.0
 #: The demand grows from zero at the start [s], and strides that are looked at before learning begins.
 _RAMP = 0.5
 _HIPS_AND_KNEES = ("hip_l", "hip_r", "knee_l", "knee_r")

@@ -294,7 +294,7 @@ def _pulled(dynamics: MachineDynamics, straps: StrapSet) -> NDArray[np.float64]:
 def own_moments(motion: Motion, person: Person) -> NDArray[np.float64]:
     """Return the moments of the wearer's own body along the motion [N m], shape (PHASES, 6)."""
     poses, wrench = body_loads(motion, person, PICK)
-    ground = hold(poses, wrench, motion.share[PICK], motion.pressure_centre[PICK], motion.support[PICK], person)
+    ground = hold(poses, wrench, motion.share[PICK], motion.pressure_centre[PICK], motion.support[PICK], person, motion.ground.angle)
     return joint_moments(poses, wrench, ground.force, ground.place)
 
 

@@ -31,8 +31,8 @@ class MachineDynamics:
         contact: Jacobian of each of `CONTACTS`, x and z rows, (n, 4, 2, 9).
         pressure: Jacobian of the point under each foot at the centre of pressure, (n, 2, 2, 9).
         inertia: Mass matrix, (n, 9, 9).
-        tip: Place of each contact, (n, 4, 2).
-        tip_velocity: Its velocity in the reference motion, (n, 4, 2).
+        tip: Place of each contact, ahead and above the ground there, (n, 4, 2).
+        tip_velocity: Its velocity in the reference motion, along a slope and away from it, (n, 4, 2).
         mass_centre: Place of the whole machine's mass centre, (n, 2).
         pressure_point: Place of the centre of pressure, (n, 2, 2).
         strap: Jacobian of each strap's point, rows across and along the segment, (n, straps, 2, 9).
@@ -62,7 +62,7 @@ def along(model: mujoco.MjModel, motion: Motion, person: Person, straps: StrapSe
     data = mujoco.MjData(model)
     flags = model.opt.disableflags
     model.opt.disableflags = flags | mujoco.mjtDisableBit.mjDSBL_CONSTRAINT
-    rate = 1.0 / motion.period
+    rate, ground = 1.0 / motion.period, motion.ground
     root = model.body("torso").id
     foot = [model.body(f"foot_{side}").id for side in "lr"]
     tips = [model.geom(name) for name in CONTACTS]
@@ -94,8 +94,13 @@ def along(model: mujoco.MjModel, motion: Motion, person: Person, straps: StrapSe
             for j, tip in enumerate(tips):
                 centre = data.geom_xpos[tip.id].copy()
                 centre[2] -= tip.size[0]
-                contact[i, j], tip_place[i, j] = at(centre, foot[j // 2]), centre[[0, 2]]
+                contact[i, j] = at(centre, foot[j // 2])
+                gone = sample / SAMPLES * motion.advance  # what positions leave out
+                below = ground.height(centre[0] + gone) - ground.grade * gone
+                tip_place[i, j] = centre[0], centre[2] - below
                 tip_velocity[i, j] = contact[i, j] @ data.qvel
+                if not ground.tread:
+                    tip_velocity[i, j, 1] -= ground.grade * tip_velocity[i, j, 0]
             for j in range(2):
                 local = np.array([motion.pressure_centre[sample, j], place[j, 1], place[j, 2]])
                 point = data.xpos[foot[j]] + data.xmat[foot[j]].reshape(3, 3) @ local

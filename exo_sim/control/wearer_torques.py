@@ -93,9 +93,9 @@ def see(qpos, qvel, q, v, lengths, poses, mover):
 
 
 @kernel
-def ask(cycles, period, advance, position, slope, share, q, v, poses, mover):
+def ask(cycles, period, advance, climb, position, slope, share, q, v, poses, mover):
     """Write the torques of now, and the residual, into `mover.applied`."""
-    reference(cycles, period, advance, position, slope, mover.wanted, mover.wanted_rate)
+    reference(cycles, period, advance, climb, position, slope, mover.wanted, mover.wanted_rate)
     look_up(cycles, mover.torque, mover.planned)
     look_up(cycles, share, mover.carried)
     push = mover.load  # at the pelvis, by the legs

@@ -8,6 +8,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 from numpy.typing import NDArray
 
+from exo_sim.machine.ground import LEVEL, Ground
 from exo_sim.physics.compiled import kernel
 
 #: Samples of one stride or repetition.
@@ -23,14 +24,15 @@ class Motion:
     Attributes:
         period: Duration of a cycle [s].
         advance: How far the pelvis travels in a cycle [m].
-        position: Coordinates without the steady advance, shape (n, 9).
-        slope, curvature: First and second derivative of the coordinates by phase, the steady advance included in the
+        position: Coordinates without the steady advance and climb, shape (n, 9).
+        slope, curvature: First and second derivative of the coordinates by phase, the steady advance and climb included in the
             slope.
         share: How much of the load the left and the right foot carry, shape (n, 2); rows sum to 1.
         pressure_centre: Where under each foot, ahead of the ankle along the sole [m], shape (n, 2).
         contact: Whether heel_l, toe_l, heel_r, toe_r are meant to touch the ground, shape (n, 4).
         support: How far the machine is to carry the load itself, 0 (the wearer sits) to 1, shape (n,).
         trial: What is known of the strides where a cycle is a whole trial, else None.
+        ground: What is walked on.
     """
 
     period: float
@@ -43,6 +45,12 @@ class Motion:
     contact: NDArray[np.bool_]
     support: NDArray[np.float64]
     trial: WholeTrial | None = None
+    ground: Ground = LEVEL
+
+    @property
+    def climb(self) -> float:
+        """How far the ground rises in a cycle [m]."""
+        return self.ground.grade * self.advance
 
     @property
     def strides(self) -> int:
@@ -60,7 +68,7 @@ class Motion:
         return phases() if self.trial is None else self.trial.foot_phase[:, 1]
 
     def at(self, phase: NDArray[np.float64], first: int = 9) -> NDArray[np.float64]:
-        """Return the first coordinates without the steady advance at any phases [cycles], shape (n, first)."""
+        """Return the first coordinates without the steady advance and climb at any phases [cycles], shape (n, first)."""
         grid = np.linspace(0.0, 1.0, len(self.position) + 1)
         closed, phase = np.concatenate([self.position, self.position[:1]])[:, :first], phase % 1.0
         return np.stack([np.interp(phase, grid, column) for column in closed.T], axis=1)
@@ -113,6 +121,14 @@ class WholeTrial:
         return np.ascontiguousarray(np.concatenate([out, out[:1]]))
 
 
+def travelling(motion: Motion, position: NDArray[np.float64]) -> Motion:
+    """Return a motion with other coordinates, shape (n, 9), over the same ground."""
+    slope, curvature = derivatives(position)
+    slope[:, 0] += motion.advance
+    slope[:, 1] += motion.climb
+    return replace(motion, position=position, slope=slope, curvature=curvature)
+
+
 def derivatives(samples: NDArray[np.float64]) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
     """Return first and second derivative by phase of smooth periodic samples, shape (n, ...), by Fourier series."""
     n = len(samples)
@@ -140,6 +156,7 @@ def reference(
     cycles: float,
     period: float,
     advance: float,
+    climb: float,
     position: NDArray[np.float64],
     slope: NDArray[np.float64],
     q: NDArray[np.float64],
@@ -149,7 +166,7 @@ def reference(
 
     Args:
         cycles: Time since the start, in cycles.
-        period, advance: Of the motion.
+        period, advance, climb: Of the motion.
         position, slope: `Motion.tables()`, shape (n + 1, 9).
         q, v: Written: coordinates and their rates, shape (9,).
     """
@@ -164,7 +181,7 @@ def reference(
     step = 1.0 / n
     for j in range(position.shape[1]):
         a, b = position[i, j], position[i + 1, j]
-        steady = advance if j == 0 else 0.0
+        steady = advance if j == 0 else climb if j == 1 else 0.0
         sa, sb = (slope[i, j] - steady) * step, (slope[i + 1, j] - steady) * step
         q[j] = h00 * a + h10 * sa + h01 * b + h11 * sb + steady * cycles
         v[j] = ((d00 * (a - b) + d10 * sa + d11 * sb) * n + steady) / period

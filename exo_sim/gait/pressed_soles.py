@@ -7,12 +7,11 @@ follow, and the pelvis is lowered by what the feet sink on the mean, so that the
 
 from __future__ import annotations
 
-from dataclasses import replace
-
 import numpy as np
 from numpy.typing import NDArray
 
-from exo_sim.gait.motion import Motion, derivatives
+from exo_sim.gait.motion import Motion, travelling
+from exo_sim.machine.leg_angles import leg_to, turned
 from exo_sim.machine.person import LEG_START, Person, leg_points
 
 Array = NDArray[np.float64]
@@ -23,8 +22,6 @@ _HARMONICS = 24
 _DOWN, _SHARING = 40.0, 0.006
 #: Share of the mean sinking by which the pelvis is lowered: the rest goes to the knees, which then never have to stretch.
 _LOWERED = 0.8
-#: A leg is at least so much shorter than thigh and shank [m].
-_BENT = 5e-4
 
 
 def pressed(motion: Motion, person: Person, force: Array, centre: Array, stiffness: float, radius: float, toes: float) -> Motion:
@@ -48,7 +45,7 @@ def pressed(motion: Motion, person: Person, force: Array, centre: Array, stiffne
         thigh, knee, ankle = motion.position[:, 2] + position[:, first], position[:, first + 1], position[:, first + 2]
         tilt = thigh + knee + ankle
         place = leg_points(thigh, knee, ankle, person)["ankle"] + motion.position[:, :2]
-        heel, ball = (place + _turned(tilt, ahead, drop[1]) for ahead in (person.heel, person.toe))
+        heel, ball = (place + turned(tilt, ahead, drop[1]) for ahead in (person.heel, person.toe))
         above = np.stack([heel[:, 1], ball[:, 1]], axis=1) - radius
         load = _shared(force[:, foot, 1], centre[:, foot], above, person, toes)
         down = np.clip(load / _DOWN, 0.0, 1.0)
@@ -56,11 +53,9 @@ def pressed(motion: Motion, person: Person, force: Array, centre: Array, stiffne
         height = radius - load / stiffness + np.maximum(above, 0.0) * (1.0 - down)
         tilt = np.arcsin(np.clip((height[:, 1] - height[:, 0]) / span, -1.0, 1.0))
         low = np.stack([0.5 * (heel[:, 0] + ball[:, 0]), height.mean(axis=1)], axis=1)
-        wanted = _leg_to(low - _turned(tilt, middle, drop[1]) - position[:, :2], tilt, position[:, 2], person)
+        wanted = leg_to(low - turned(tilt, middle, drop[1]) - position[:, :2], tilt, position[:, 2], person)
         position[:, leg] += _smooth(wanted - position[:, leg], _HARMONICS * motion.strides)
-    slope, curvature = derivatives(position)
-    slope[:, 0] += motion.advance
-    return replace(motion, position=position, slope=slope, curvature=curvature)
+    return travelling(motion, position)
 
 
 def _shared(force: Array, centre: Array, above: Array, person: Person, toes: float) -> Array:
@@ -72,21 +67,6 @@ def _shared(force: Array, centre: Array, above: Array, person: Person, toes: flo
     part = np.where(near[:, ::-1] < 1e-6, 1.0, part) * near
     part[:, 1] *= 1.0 - np.clip((centre - person.toe) / toes, 0.0, 1.0)
     return np.asarray(force[:, None] * part)
-
-
-def _turned(angle: Array, ahead: float, up: float) -> Array:
-    cosine, sine = np.cos(angle), np.sin(angle)
-    return np.stack([ahead * cosine - up * sine, ahead * sine + up * cosine], axis=-1)
-
-
-def _leg_to(ankle: Array, tilt: Array, pitch: Array, person: Person) -> Array:
-    """Return hip, knee and ankle angles that bring the ankle to a place from the hip, the foot tilted so, shape (n, 3)."""
-    far = np.minimum(np.hypot(ankle[:, 0], ankle[:, 1]), person.thigh + person.shank - _BENT)
-    bend = (far**2 - person.thigh**2 - person.shank**2) / (2.0 * person.thigh * person.shank)
-    knee = -np.arccos(np.clip(bend, -1.0, 1.0))
-    thigh = np.arctan2(ankle[:, 0], -ankle[:, 1])
-    thigh -= np.arctan2(person.shank * np.sin(knee), person.thigh + person.shank * np.cos(knee))
-    return np.stack([thigh - pitch, knee, tilt - thigh - knee], axis=1)
 
 
 def _smooth(values: Array, harmonics: int) -> Array:

@@ -16,7 +16,7 @@ import mujoco
 import numpy as np
 from numpy.typing import NDArray
 
-from exo_sim.gait.motion import Motion, derivatives
+from exo_sim.gait.motion import Motion, travelling
 from exo_sim.machine import anthropometry, footing
 from exo_sim.machine.person import Person, poses_along
 from exo_sim.machine.wearer import backpack_wrench
@@ -58,12 +58,10 @@ class _Parameters:
         if self.heights:
             position[:, 0] += _basis(motion.phase, self.harmonics) @ rest[:n]
             position[:, 1] += _basis(motion.phase, self.heights) @ rest[n:]
-        slope, curvature = derivatives(position)
-        slope[:, 0] += motion.advance
         front = person.toe + _BEYOND_BALL * person.scale
         centre = np.clip(motion.pressure_centre + values[1], person.heel, front)
         trial = motion.trial and replace(motion.trial, mean=self.applied(motion.trial.mean, person, values))
-        return replace(motion, position=position, slope=slope, curvature=curvature, pressure_centre=centre, trial=trial)
+        return replace(travelling(motion, position), pressure_centre=centre, trial=trial)
 
 
 def reduced(motion: Motion, person: Person, carried: Load | None = None) -> Motion:
@@ -156,7 +154,7 @@ def _off_balance(motion: Motion, person: Person, carried: Load | None) -> NDArra
     if carried is not None:
         load = load + carried(motion, rows)
     share, support = motion.share[rows], motion.support[rows]
-    off = footing.off_balance(poses, load, share, motion.pressure_centre[rows], person)
+    off = footing.off_balance(poses, load, share, motion.pressure_centre[rows], person, motion.ground.angle)
     weight = -float(np.mean(load[:, 1]))
     felt = support / np.sqrt(len(load))
     out = [off[:, 0] * felt / (weight * _LEVER)]

@@ -4,13 +4,14 @@ from __future__ import annotations
 
 import importlib
 import pkgutil
-from collections.abc import Callable
-from dataclasses import dataclass
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass, field
 from pathlib import Path
 
 from exo_sim import units
 from exo_sim.errors import ScenarioError, UnitError, nearest
 from exo_sim.gait.motion import Motion
+from exo_sim.gait.other_ground import at_speed, on_slope
 from exo_sim.gait.variation import Variation
 from exo_sim.machine.person import Person
 
@@ -48,6 +49,9 @@ class Scenario:
         remarks: Plain sentences about what it was made of.
         variation: How its strides differ from the mean one, or None.
         wearer: What moves the wearer: "prescribed" or "torques".
+        pace: Speed at which a walk goes where none is asked for [m/s]; None for the recorded one.
+        grade: Rise over run of the slope that a level walk is taken to.
+        hung: Mass on bodies of the machine beside their own, by name [kg].
     """
 
     summary: str
@@ -59,6 +63,9 @@ class Scenario:
     remarks: tuple[str, ...] = ()
     variation: Variation | None = None
     wearer: str = "prescribed"
+    pace: float | None = None
+    grade: float = 0.0
+    hung: Mapping[str, float] = field(default_factory=dict)
 
 
 def names() -> tuple[str, ...]:
@@ -84,19 +91,45 @@ def find(name: str) -> Scenario:
 
 
 def motion(scenario: str | Scenario, person: Person, speed: float | str) -> Motion:
-    """Return a scenario's reference motion for one person at one cadence.
+    """Return a scenario's reference motion for one person at one speed.
 
     Args:
         scenario: The scenario or its name.
         person: Who does it.
-        speed: Factor on the recorded cadence within `SPEED_RANGE`, or the speed of walking like "1.3 m/s".
+        speed: Factor on the cadence within `SPEED_RANGE`, strides staying as long; or the speed of walking like "1.3 m/s", for which
+            strides get longer or shorter as well (`other_ground.at_speed`).
 
     Raises:
         ScenarioError: no such scenario, or a speed outside the range.
     """
     found = find(scenario) if isinstance(scenario, str) else scenario
     usual = found.motion(person)
-    return usual.at_cadence(cadence(usual, speed))
+    if found.pace is not None:
+        usual = at_speed(usual, person, found.pace / (usual.advance / usual.period))
+    scaled = usual.advance > 0.0 and usual.trial is None and usual.ground.level
+    wanted = _pace(speed)
+    if wanted is not None and scaled:
+        usual = at_speed(usual, person, wanted / (usual.advance / usual.period))
+    else:
+        usual = usual.at_cadence(cadence(usual, speed))
+    if not found.grade:
+        return usual
+    if not scaled:
+        raise ScenarioError("grade: only the mean stride of a level walk can be taken to a slope")
+    return on_slope(usual, person, found.grade)
+
+
+def _pace(speed: float | str) -> float | None:
+    """Return the speed that a text with a unit is [m/s]; None for a factor, or for what is neither."""
+    try:
+        float(speed)
+        return None
+    except ValueError:
+        pass
+    try:
+        return units.parse(speed, "m/s")
+    except UnitError:
+        return None
 
 
 def cadence(usual: Motion, speed: float | str) -> float:
@@ -104,7 +137,7 @@ def cadence(usual: Motion, speed: float | str) -> float:
 
     Args:
         usual: The motion at the recorded cadence.
-        speed: The factor itself, also as text, or the speed of walking like "1.3 m/s": strides stay as long, their time changes.
+        speed: The factor itself, also as text, or the speed of walking like "1.3 m/s", strides staying as long.
 
     Raises:
         ScenarioError: it is no speed, outside `SPEED_RANGE`, or a speed in space of a motion that goes nowhere.

@@ -1,6 +1,6 @@
 """Scenario files: what somebody does in the machine, in a TOML file from anywhere.
 
-One of three things makes the motion::
+One of four things makes the motion::
 
     summary = "my walk"              # optional, the line that lists show
     strides = 10                     # optional, how many strides or repetitions
@@ -23,6 +23,16 @@ One of three things makes the motion::
     knee   = ["-10 deg", "-90 deg"]  # flexion is negative
     ankle  = ["7 deg", "25 deg"]
     lean   = ["8 deg", "30 deg"]     # of the torso, forward
+
+    [stairs]                         # or: walking stairs, one foot a tread
+    rise   = "170 mm"                # of each tread; negative goes down
+    tread  = "290 mm"
+    period = "1.4 s"                 # of two treads
+
+    speed = "0.9 m/s"                # optional with a walk's mean stride: strides as long and as quick as people take them at that speed
+    grade = 0.08                     # optional with it: up a slope that rises so much a metre; negative goes down
+    [hung]                           # optional with any of them: mass on bodies of the machine beside their own, for a load that is uneven
+    thigh_l = "3 kg"
 
     [variation]                      # optional with any of them: strides that are not the mean one
     stride_time = 0.02               # standard deviation of the stride's time over its mean
@@ -52,16 +62,20 @@ from exo_sim.errors import ExoSimError, ScenarioError, UnitError, nearest
 from exo_sim.gait import own_gait, scenario
 from exo_sim.gait.motion import SAMPLES, Motion
 from exo_sim.gait.scenario import WEARERS, AddedLoad, Scenario
+from exo_sim.gait.stairs import DOWN, UP, walking_stairs
 from exo_sim.gait.standing import on_both_feet
 from exo_sim.gait.trial import JOINTS, PELVIS
 from exo_sim.gait.variation import Variation
 from exo_sim.inputs import refusing, text_of, toml
+from exo_sim.machine.ground import Ground
 from exo_sim.machine.person import Person
 from exo_sim.recording.column_map import ColumnMap, column_of
 from exo_sim.recording.columns import Column
 
-_MAKERS = ("gait", "like", "standing")
+_MAKERS = ("gait", "like", "standing", "stairs")
 _ANGLES = (*JOINTS, *PELVIS)
+#: Most that is hung on a body of the machine [kg].
+_MOST_HUNG = 20.0
 
 
 def read(path: str | Path) -> Scenario:
@@ -75,11 +89,11 @@ def read(path: str | Path) -> Scenario:
     hint = nearest(path.name, beside)
     with refusing(lambda says: ScenarioError(f"{path}: {says}"), f"there is no such scenario file{hint if 'mean' in hint else ''}"):
         values = toml(text_of(path))
-    _only(path, "", values, ("summary", "strides", "wearer", "added", "variation", *_MAKERS))
+    _only(path, "", values, ("summary", "strides", "wearer", "speed", "grade", "hung", "added", "variation", *_MAKERS))
     made_by = [key for key in _MAKERS if key in values]
     if len(made_by) != 1:
-        raise ScenarioError(f"{path}: one of [gait], [standing] and like makes a scenario; there {_are(made_by)}")
-    made = {"gait": _gait, "like": _like, "standing": _standing}[made_by[0]](path, values[made_by[0]])
+        raise ScenarioError(f"{path}: one of [gait], [standing], [stairs] and like makes a scenario; there {_are(made_by)}")
+    made = {"gait": _gait, "like": _like, "standing": _standing, "stairs": _stairs}[made_by[0]](path, values[made_by[0]])
     if "summary" in values:
         made = replace(made, summary=_text(path, "summary", values["summary"]))
     if "strides" in values:
@@ -92,6 +106,12 @@ def read(path: str | Path) -> Scenario:
         if wearer not in WEARERS:
             raise ScenarioError(f'{path}: wearer = "{wearer}"{nearest(wearer, WEARERS)}')
         made = replace(made, wearer=wearer)
+    if "speed" in values:
+        made = replace(made, pace=_quantity(path, "speed", values["speed"], "m/s"))
+    if "grade" in values:
+        made = replace(made, grade=_grade(path, values["grade"]))
+    if "hung" in values:
+        made = replace(made, hung=_hung(path, values["hung"]))
     if "variation" in values:
         made = replace(made, variation=_variation(path, values["variation"]))
     return replace(made, added=_added(path, values["added"])) if "added" in values else made
@@ -160,6 +180,41 @@ def _standing(path: Path, given: Any) -> Scenario:
         raise ScenarioError(f"{path}: standing.knee reaches {np.degrees(curves['knee'].max()):.0f} deg; flexion is negative")
 
     return Scenario(f"standing motion of {path.name}", partial(_on_both_feet, period, curves), cycle="repetition", cycles=5)
+
+
+def _stairs(path: Path, given: Any) -> Scenario:
+    table = _table(path, "stairs", given)
+    _only(path, "stairs", table, ("rise", "tread", "period"))
+    for key in ("rise", "tread"):
+        if key not in table:
+            raise ScenarioError(f'{path}: stairs.{key} is missing; stairs have rise and tread, like rise = "170 mm", tread = "290 mm"')
+    rise, tread = (_quantity(path, f"stairs.{key}", table[key], "m") for key in ("rise", "tread"))
+    period = _quantity(path, "stairs.period", table["period"], "s") if "period" in table else UP.period if rise > 0.0 else DOWN.period
+    if rise == 0.0 or not 0.8 <= period <= 5.0:
+        raise ScenarioError(f"{path}: stairs: rise {rise:g} m in a cycle of {period:g} s; write a rise other than nil, and 0.8 s to 5 s")
+    try:
+        Ground(rise / tread if tread else 1e9, tread or 1e-9)
+    except ScenarioError as error:
+        raise ScenarioError(f"{path}: {error}") from None
+    stairs = replace(UP if rise > 0.0 else DOWN, rise=rise, tread=tread, period=period)
+    return Scenario(f"stairs of {path.name}, drawn", partial(walking_stairs, stairs))
+
+
+def _grade(path: Path, given: Any) -> float:
+    if isinstance(given, bool) or not isinstance(given, int | float) or not np.isfinite(given):
+        raise ScenarioError(f"{path}: grade = {given!r}: write rise over run, like 0.08")
+    try:
+        return Ground(float(given)).grade
+    except ScenarioError as error:
+        raise ScenarioError(f"{path}: {error}") from None
+
+
+def _hung(path: Path, given: Any) -> dict[str, float]:
+    table = {name: _quantity(path, f"hung.{name}", mass, "kg") for name, mass in _table(path, "hung", given).items()}
+    for name, mass in table.items():
+        if not 0.0 <= mass <= _MOST_HUNG:
+            raise ScenarioError(f"{path}: hung.{name} = {mass:g} kg: write 0 kg to {_MOST_HUNG:g} kg")
+    return table
 
 
 def _on_both_feet(period: float, curves: Mapping[str, NDArray[np.float64]], person: Person) -> Motion:

@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING
 
 from exo_sim.errors import ModelError, ScenarioError, nearest
 from exo_sim.machine.fitting import fit, require
+from exo_sim.machine.ground import LEVEL, Ground
 from exo_sim.machine.person import Person
 from exo_sim.rig.schema import Ankle, JointFactors, Rig
 
@@ -26,6 +27,8 @@ def build(
     masses: Mapping[str, float] | None = None,
     joints: Mapping[str, JointFactors] | None = None,
     embodied: bool = False,
+    ground: Ground = LEVEL,
+    length: float = 0.0,
 ) -> mujoco.MjModel:
     """Read an MJCF of the kind of `assets/exo.xml` and fit it.
 
@@ -40,6 +43,7 @@ def build(
         masses: Of bodies that the rig knows better than the file [kg]; the payload's is `payload` all the same.
         joints: Factors on the file's numbers of joints, by joint.
         embodied: The wearer is there with mass, joints and soles (`wearer_body`), behind the machine; else only shown.
+        ground: What is walked on, and the `length` of the walk [m].
 
     Raises:
         ModelError: the file cannot be read, or lacks a joint or body that a worn machine needs.
@@ -63,6 +67,7 @@ def build(
         load.rgba[3] = 0.0
     if embodied:
         wearer_body.add(spec, person)
+    ground.lay(spec, length)
     model = mjcf.compiled(spec, path)
     for name, mass in (masses or {}).items():
         if name == "payload":
@@ -77,6 +82,26 @@ def build(
         mujoco.mj_setConst(model, mujoco.MjData(model))
     corrected(model, joints or {}, str(path))
     return model
+
+
+def with_hung(rig: Rig, hung: Mapping[str, float]) -> dict[str, float]:
+    """Return a rig's masses of bodies with some hung on them beside, by name [kg].
+
+    Raises:
+        ModelError: the MJCF cannot be read, or has no such body with mass.
+    """
+    from exo_sim.machine import mjcf
+
+    masses = dict(rig.body_masses)
+    if not hung:
+        return masses
+    model = mjcf.compiled(mjcf.read_spec(rig.model), rig.model)
+    of = {model.body(i).name: float(model.body_mass[i]) for i in range(model.nbody) if model.body_mass[i] > 0.0}
+    for name, mass in hung.items():
+        if name not in of:
+            raise ModelError(f"hung.{name} is not a body with mass in {rig.model}{nearest(name, of)}")
+        masses[name] = masses.get(name, of[name]) + mass
+    return masses
 
 
 def is_worn(rig: Rig) -> bool:

@@ -55,7 +55,7 @@ def soles(angle: NDArray[np.float64], person: Person) -> NDArray[np.float64]:
     """Return rear and front end of the part of each sole that touches when the foot is down [m ahead of the ankle].
 
     Args:
-        angle: Of the feet in space [rad], toes up positive, shape (n, 2).
+        angle: Of the feet to the ground [rad], toes up positive, shape (n, 2).
         person: Whose feet.
 
     Returns:
@@ -100,6 +100,7 @@ def hold(
     pressure_centre: NDArray[np.float64],
     support: NDArray[np.float64],
     person: Person,
+    slope: float = 0.0,
 ) -> Ground:
     """Hold a body against all loads on its segments, its own weight and inertia among them.
 
@@ -110,6 +111,7 @@ def hold(
         pressure_centre: Where under each foot the load is where nothing else decides, ahead of the ankle [m], shape (n, 2).
         support: How far the feet carry and not a seat, shape (n,).
         person: Whose feet.
+        slope: Angle of a sole that lies on the ground [rad].
     """
     load = totals(poses, wrench)
     seat = -load * (1.0 - support)[:, None]
@@ -120,7 +122,7 @@ def hold(
     along = np.clip(need[:, 0], -_FRICTION * up, _FRICTION * up)
     residual[:, 0] = need[:, 0] - along
 
-    bounds = soles(poses[:, FEET, 2], person)
+    bounds = soles(poses[:, FEET, 2] - slope, person)
     nominal = np.clip(pressure_centre, bounds[:, :, 0], bounds[:, :, 1])
     place = under_foot(poses, nominal, person.ankle_height)
     vertical = share * up[:, None]
@@ -162,17 +164,18 @@ def off_balance(
     share: NDArray[np.float64],
     pressure_centre: NDArray[np.float64],
     person: Person,
+    slope: float = 0.0,
 ) -> NDArray[np.float64]:
     """Return what is amiss where the centres of pressure are as expected.
 
     Args:
-        poses, share, pressure_centre, person: As in `hold`.
+        poses, share, pressure_centre, person, slope: As in `hold`.
         load: `totals`, shape (n, 3).
 
     Returns:
         The moment that is left [N m], and how far the horizontal force is from aiming at the pivot [N], shape (n, 2).
     """
-    bounds = soles(poses[:, FEET, 2], person)
+    bounds = soles(poses[:, FEET, 2] - slope, person)
     place = under_foot(poses, np.clip(pressure_centre, bounds[:, :, 0], bounds[:, :, 1]), person.ankle_height)
     vertical = -share * load[:, 1:2]
     horizontal = _aimed(-load[:, 0], vertical, share, place)

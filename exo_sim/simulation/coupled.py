@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 
 from exo_sim import progress
 from exo_sim.control import demand as law_of_demand
-from exo_sim.control import machine_dynamics, own, wearer_plan
+from exo_sim.control import machine_dynamics, own
 from exo_sim.control.causal import Calibration, Causal
 from exo_sim.control.least_load import SPARING, LeastLoad
 from exo_sim.errors import ScenarioError
@@ -22,7 +22,7 @@ from exo_sim.gait.residual_reduction import worn
 from exo_sim.gait.variation import Variation
 from exo_sim.machine import wearer_body
 from exo_sim.machine.attachment import attach
-from exo_sim.machine.build import PAYLOAD_LIMIT, build, carry
+from exo_sim.machine.build import PAYLOAD_LIMIT, build, carry, with_hung
 from exo_sim.machine.linkage import check_strokes
 from exo_sim.machine.load import check_effects
 from exo_sim.machine.person import COORDINATES, Person
@@ -32,10 +32,11 @@ from exo_sim.rig.control_step import check_step
 from exo_sim.simulation import chamber_plans, driven, loop, moved_wearer
 from exo_sim.simulation.causal_calibration import calibrated
 from exo_sim.simulation.divergence import WearerWatch
+from exo_sim.simulation.embodiment import embody
 from exo_sim.simulation.loop_wiring import wire
 from exo_sim.simulation.native import warnings_counted
 from exo_sim.simulation.plugin import PneumaticPlugin
-from exo_sim.simulation.rehearsal import expected_load, learn_from
+from exo_sim.simulation.rehearsal import learn_from
 from exo_sim.simulation.torque_limits import too_weak, torque_limits
 from exo_sim.simulation.walk import Request, Walk, as_columns, layout
 
@@ -53,7 +54,7 @@ class Simulation:
         rig: A worn machine; its wearer and ankle settings are used.
         request: What to simulate.
         controller: Somebody's own, loaded by `control.own`; None for the built-in one that the request names.
-        seed: What such a controller is given.
+        seed: Where the noise of gauges starts, and what such a controller is given.
 
     Attributes:
         calibration: What a causal controller begins with, where one was asked for.
@@ -66,12 +67,14 @@ class Simulation:
 
     def __init__(self, rig: Rig, request: Request, controller: own.Controller | None = None, seed: int = 0):
         self.rig, self.request = rig, request
+        self.seed = seed
         self._asked: own.RunningController | None = None
         self.person = Person(rig.wearer.height, rig.wearer.mass)
         scenario = request.found
         self.plain = scenarios.motion(scenario, self.person, request.speed)
         self.cycles = request.cycles if request.cycles is not None else scenario.cycles
-        self.model = build(rig.model, self.person, request.payload, rig.ankle, rig.body_masses, rig.joint_factors)
+        self.masses = with_hung(rig, scenario.hung)
+        self.model = self._built(request.payload)
         attach(self.model, rig)
         whole = worn(self.plain, self.person, self.model)
         self.motion = whole if whole.trial is None else whole.trial.mean  # on which torques are planned
@@ -84,7 +87,7 @@ class Simulation:
         check_effects(rig, self.model)
         self.data = mujoco.MjData(self.model)
         self.straps = fasten(self.model, self.person)
-        self._frame = _frame_mass(rig, self.person)
+        self._frame = float(self._built(0.0).body_subtreemass[self.model.body("torso").id])
         self.plugin = PneumaticPlugin(self.model, rig)
         if request.assist == "on" and not request.ideal:
             check_step(rig, float(self.model.opt.timestep))
@@ -105,13 +108,21 @@ class Simulation:
             self.plan, self.plan_added = (chamber_plans.played(plan, whole.trial, self.plugin) for plan in (self.plan, self.plan_added))
             self.demand, self.demand_added = whole.trial.played(self.demand), whole.trial.played(self.demand_added)
         if request.moved_by == "torques":
-            self._embody()
+            embody(self, _LOOKED_AT)
         self.remarks = (*scenario.remarks, *self.remarks)
         if controller is not None:
             self.controlled_by(controller, seed)
         elif self.calibration is not None:
             self.controlled_by(Causal(self.calibration), seed)
         self.reset()
+
+    def _built(self, payload: float) -> mujoco.MjModel:
+        """Return the model with a payload [kg] on the ground that is walked on."""
+        rig = self.rig
+        length = self.plain.advance * (self.cycles + 1)
+        return build(
+            rig.model, self.person, payload, rig.ankle, self.masses, rig.joint_factors, ground=self.plain.ground, length=length
+        )
 
     def _varied(self, motion: Motion, variation: Variation) -> Motion:
         """Return the motion with strides that differ from the mean one, on which torques were planned."""
@@ -122,31 +133,9 @@ class Simulation:
             self.cycles = math.ceil(self.cycles / varied.trial.strides)
         return varied
 
-    def _embody(self) -> None:
-        """Make the wearer a body: he goes by what the straps do to one whose motion is prescribed."""
-        if float(self.motion.support.min()) < 1.0:
-            raise ScenarioError(f'{self.request.scenario}: the wearer sits, and there is no chair for one with wearer "torques"')
-        usual = self.added, self.cycles
-        settling = self._settling if self.motion.trial is None else 0
-        try:
-            self.added, self.cycles = None, settling + max(1, math.ceil(_LOOKED_AT / self.motion.period))
-            self.reset()
-            plan = wearer_plan.plan(self.motion, self.person, expected_load(self.run(), settling))
-        finally:
-            self.added, self.cycles = usual
-        step = self.model.opt.timestep
-        self.model = build(
-            self.rig.model, self.person, self.request.payload, self.rig.ankle, self.rig.body_masses, self.rig.joint_factors, embodied=True
-        )
-        attach(self.model, self.rig)
-        self.model.opt.timestep = step
-        self.data = mujoco.MjData(self.model)
-        self.straps = fasten(self.model, self.person, one_sided=True)
-        self.plugin = PneumaticPlugin(self.model, self.rig)
-        self.motion, self.torques = plan.motion, plan.torque
-
     @property
-    def _settling(self) -> int:
+    def settling(self) -> int:
+        """How many cycles at the start of a rehearsal are left out."""
         return min(_SETTLING, max(1, math.ceil(_SETTLING_TIME / self.motion.period)))
 
     def controlled_by(self, controller: own.Controller, seed: int = 0) -> None:
@@ -164,10 +153,7 @@ class Simulation:
             return np.zeros((SAMPLES + 1, 6))
         model = self.model
         if payload != self.request.payload:
-            model = build(
-                self.rig.model, self.person, min(payload, PAYLOAD_LIMIT), self.rig.ankle, self.rig.body_masses,
-                self.rig.joint_factors,
-            )
+            model = self._built(min(payload, PAYLOAD_LIMIT))
             carry(model, payload)
         dynamics = machine_dynamics.along(model, self.motion, self.person, self.straps)
         limits = torque_limits(self.plugin, self.motion)
@@ -203,7 +189,7 @@ class Simulation:
     def _rehearse(self, plan: LeastLoad, payload: float) -> NDArray[np.float64]:
         """Walk a few cycles at a time and better the plan after each time; return the best of the torques tried."""
         ankle = self.rig.ankle
-        settling = self._settling
+        settling = self.settling
         usual = (self.added, self.cycles, self.demand)
         try:
             self.added, self.cycles = None, settling + max(1, math.ceil(_LOOKED_AT / self.motion.period))
@@ -375,8 +361,3 @@ def _closed(table: NDArray[np.float64]) -> NDArray[np.float64]:
     """Return a table with its first row repeated behind the last."""
     return np.ascontiguousarray(np.concatenate([table, table[:1]]))
 
-
-def _frame_mass(rig: Rig, person: Person) -> float:
-    """Return the machine's mass without payload [kg]."""
-    model = build(rig.model, person, 0.0, rig.ankle, rig.body_masses, rig.joint_factors)
-    return float(model.body_subtreemass[model.body("torso").id])

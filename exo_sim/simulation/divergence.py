@@ -71,7 +71,7 @@ class WearerWatch:
         check_numbers(self.data, rows, self.keys, self.name, when, advice)
         cycles = np.arange(start, stop, dtype=np.float64) * (self.step / self.motion.period)
         wanted = self.motion.at(cycles, 3)
-        far = np.hypot(rows[:, 1] - wanted[:, 0] - self.motion.advance * cycles, rows[:, 2] - wanted[:, 1])
+        far = np.hypot(rows[:, 1] - wanted[:, 0] - self.motion.advance * cycles, rows[:, 2] - wanted[:, 1] - self.motion.climb * cycles)
         if far.max() > _FALLEN_DISTANCE or np.abs(rows[:, 3] - wanted[:, 2]).max() > _FALLEN_PITCH:
             raise Diverged(f"{self.name}: the machine falls away from its wearer {when}; {advice}")
 
@@ -82,5 +82,5 @@ class WearerWatch:
         cycles = step * self.step / self.motion.period
         samples = len(self.motion.position)
         x, z, pitch = self.motion.position[int(cycles * samples) % samples, :3].tolist()
-        far = math.hypot(row[1] - x - self.motion.advance * cycles, row[2] - z)
+        far = math.hypot(row[1] - x - self.motion.advance * cycles, row[2] - z - self.motion.climb * cycles)
         return far < _NEAR * _FALLEN_DISTANCE and abs(row[3] - pitch) < _NEAR * _FALLEN_PITCH

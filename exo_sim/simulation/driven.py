@@ -19,6 +19,7 @@ from exo_sim.gait.motion import reference
 from exo_sim.simulation import loop
 from exo_sim.simulation.loop_wiring import wire
 from exo_sim.simulation.native import warnings_counted
+from exo_sim.simulation.valve_loop import Drives
 from exo_sim.simulation.walk import JOINTS, Walk, layout
 
 if TYPE_CHECKING:
@@ -51,10 +52,10 @@ def _observed(it: Simulation) -> list[tuple[int, str]]:
 def _reference(it: Simulation) -> Callable[[float], dict[str, tuple[float, float]]]:
     position, slope = it.motion.tables()
     q, v = np.empty(9), np.empty(9)
-    period, advance = it.motion.period, it.motion.advance
+    period, advance, climb = it.motion.period, it.motion.advance, it.motion.climb
 
     def at(time: float) -> dict[str, tuple[float, float]]:
-        reference(time / period, period, advance, position, slope, q, v)
+        reference(time / period, period, advance, climb, position, slope, q, v)
         return {name: (float(q[3 + j]), float(v[3 + j])) for j, name in enumerate(JOINTS)}
 
     return at
@@ -71,7 +72,7 @@ class Outside:
     def __init__(self, simulation: Simulation, wired: tuple[Any, ...] | None = None) -> None:
         self.simulation = simulation
         self._wired: Any = wire(simulation) if wired is None else wired
-        self._drives: loop.Drives = self._wired[5]
+        self._drives: Drives = self._wired[5]
         observed = _observed(simulation)
         self._places, self.signals = [place for place, _ in observed], tuple(key for _, key in observed)
         self._kind = ""
@@ -171,7 +172,8 @@ class Stepper:
         if self.first:
             q, v = np.empty(9), np.empty(9)
             position, slope = it.motion.tables()
-            reference(self.first * it.dt / it.motion.period, it.motion.period, it.motion.advance, position, slope, q, v)
+            period = it.motion.period
+            reference(self.first * it.dt / period, period, it.motion.advance, it.motion.climb, position, slope, q, v)
             it.place(q, v)
             atmosphere = it.rig.environment.pressure
             it.plugin.reset(it.data, atmosphere, atmosphere)

@@ -57,9 +57,10 @@ def held(
     centre: NDArray[np.float64],
     support: NDArray[np.float64],
     person: Person,
+    slope: float = 0.0,
 ) -> Held:
     """Hold a body; arguments are those of `footing.hold`."""
-    ground = footing.hold(poses, wrench, share, centre, support, person)
+    ground = footing.hold(poses, wrench, share, centre, support, person, slope)
     moments = footing.joint_moments(poses, wrench, ground.force, ground.place)
     turning = poses[:, :, 5]
     rates = np.stack([turning[:, i] - turning[:, 0 if i in (1, 4) else i - 1] for i in range(1, 7)], axis=1)

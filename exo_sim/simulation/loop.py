@@ -8,21 +8,18 @@ import numpy as np
 from numpy.typing import NDArray
 
 from exo_sim.control import wearer_torques
-from exo_sim.control.metering import follow, meter
-from exo_sim.control.valve_control import GIVEN, MODEL, PI, force_limits, invert, pi, spring_pull
+from exo_sim.control.valve_control import force_limits, spring_pull
 from exo_sim.control.wearer_torques import Mover
 from exo_sim.gait.motion import Motion, look_up, reference
 from exo_sim.machine.person import Person, pose_bodies, segment_poses
 from exo_sim.machine.straps import pull
 from exo_sim.physics.compiled import borrow, kernel
-from exo_sim.physics.forces import sensed_pressures
-from exo_sim.physics.nodes import tank_state, temperatures, volumes
 from exo_sim.physics.plant import FOLLOWED
-from exo_sim.physics.state import INTEGRATED
 from exo_sim.simulation import wearer_loop
 from exo_sim.simulation.coupling import advance_gas, compute_forces, moment_arm
 from exo_sim.simulation.loop_log import log_motion, log_rest
 from exo_sim.simulation.native import call
+from exo_sim.simulation.valve_loop import look_ahead, open_valves
 
 Array = NDArray[np.float64]
 Index = NDArray[np.int64]
@@ -31,7 +28,7 @@ IDEAL, GAS = 0, 1
 #: Where the joint torques asked for come from: tables over the phase, or `Drives.torques`.
 TABLES, TORQUES = 0, 1
 #: Rows of `Settings.numbers`.
-PERIOD, ADVANCE, PREVIEW, RAMP, ADDED, ADDED_AT, ADDED_OVER, PAYLOAD, CLOSING, PROPORTIONAL, INTEGRAL, DT = range(12)
+PERIOD, ADVANCE, CLIMB, PREVIEW, RAMP, ADDED, ADDED_AT, ADDED_OVER, PAYLOAD, DT = range(10)
 
 
 class Bodies(NamedTuple):
@@ -88,27 +85,6 @@ class Wearer(NamedTuple):
     carried: Array
     ground: Index
     mover: Mover
-
-
-class Drives(NamedTuple):
-    """Ankle motors, what the controllers of the cylinders remember, and what a controller from outside commands or asks for.
-
-    `plan` and `plan_added` are planned pressures over the phase, both chambers of each cylinder, shape (m + 1, 2 n), no rows where there
-    is no plan; `planned` and `planned_before` are those of this step and of the one before.
-    """
-
-    ankles: Index
-    wanted: Array
-    before: Array
-    integral: Array
-    made: Array
-    commands: Array
-    torques: Array
-    plan: Array
-    plan_added: Array
-    planned: Array
-    planned_before: Array
-    planned_added: Array
 
 
 class Settings(NamedTuple):
@@ -170,82 +146,6 @@ def _ask(cycles, time, fraction, settings, mechanics, plant, wearer, drives):
 
 
 @kernel
-def _look_ahead(cycles, time, fraction, settings, plant, drives):
-    """Write the planned pressures of this step; with less demand at the start they are nearer to the exhaust's."""
-    n, w = settings.numbers, plant.world[0]
-    drives.planned_before[:] = drives.planned
-    look_up(cycles, drives.plan, drives.planned)
-    if n[ADDED] > 0.0:
-        look_up(cycles, drives.plan_added, drives.planned_added)
-        for j in range(drives.planned.size):
-            drives.planned[j] += fraction * (drives.planned_added[j] - drives.planned[j])
-    if time < n[RAMP]:
-        for j in range(drives.planned.size):
-            drives.planned[j] = w.exhaust_pressure + time / n[RAMP] * (drives.planned[j] - w.exhaust_pressure)
-
-
-@kernel
-def _open_valves(first, settings, mechanics, plant, drives):
-    """From the force wanted to the command of each valve."""
-    n = settings.numbers
-    for i in range(plant.actuators.size):
-        c, w = plant.cylinders[i], plant.world[0]
-        x = plant.x[i]
-        v = mechanics.actuator_velocity[plant.actuators[i]]
-        p_1, p_2 = sensed_pressures(w, plant.cylinders, plant.vector, i, x)
-        force = p_1 * c.area_1 - p_2 * c.area_2 - w.atmosphere * (c.area_1 - c.area_2)
-        wanted = drives.wanted[i] + spring_pull(c, x)  # of the gas
-        error = wanted - force
-        if settings.controller == PI:
-            scale = (w.supply_pressure - w.atmosphere) * c.area_1
-            plant.command[i], drives.integral[i] = pi(
-                error, scale, drives.integral[i], n[PROPORTIONAL], n[INTEGRAL], n[DT]
-            )
-            if c.independent > 0.0:  # the chamber that does not push is let off
-                pushes = wanted >= 0.0 or c.single_acting > 0.0
-                plant.command[plant.actuators.size + i] = -1.0 if pushes else -plant.command[i]
-                plant.command[i] = plant.command[i] if pushes else -1.0
-        elif settings.controller == MODEL:
-            t_1, t_2 = temperatures(w, plant.vector, i * INTEGRATED)
-            v_1, v_2 = volumes(c, x)
-            rate = 0.0 if first else (drives.wanted[i] - drives.before[i]) / n[DT] + c.return_spring.stiffness * v
-            if c.independent > 0.0 and c.single_acting == 0.0 and drives.plan.shape[0] > 1:
-                ref_1, ref_2 = drives.planned[2 * i], drives.planned[2 * i + 1]
-                rate_1 = 0.0 if first else (ref_1 - drives.planned_before[2 * i]) / n[DT]
-                rate_2 = 0.0 if first else (ref_2 - drives.planned_before[2 * i + 1]) / n[DT]
-                p_t = t_t = 0.0
-                if w.tank_volume > 0.0:
-                    p_t, t_t = tank_state(w, plant.vector, plant.actuators.size * INTEGRATED)
-                u_1, u_2, w_1, w_2 = follow(
-                    c, rate + error / n[CLOSING], v, ref_1, rate_1, ref_2, rate_2, p_1, t_1, p_2, t_2, v_1, v_2, w.supply_pressure,
-                    w.supply_temperature, w.exhaust_pressure, w.ambient, p_t, t_t, w.tank_pressure, w.k, w.r,
-                )  # fmt: skip
-                plant.command[i], plant.command[plant.actuators.size + i] = u_1, u_2
-                if w.tank_volume > 0.0:
-                    plant.command[2 * plant.actuators.size + i], plant.command[3 * plant.actuators.size + i] = w_1, w_2
-                continue
-            if c.independent > 0.0:
-                plant.command[i], plant.command[plant.actuators.size + i] = meter(
-                    c, wanted, rate + error / n[CLOSING], v, p_1, t_1, p_2, t_2, v_1, v_2, w.supply_pressure,
-                    w.supply_temperature, w.exhaust_pressure, w.ambient, w.k, w.r,
-                )  # fmt: skip
-                continue
-            opening = invert(
-                rate + error / n[CLOSING], v, p_1, t_1, p_2, t_2, v_1, v_2, c.area_1, c.area_2, c.valve_area,
-                w.supply_pressure, w.supply_temperature, w.exhaust_pressure, w.ambient, w.k, w.r,
-            )  # fmt: skip
-            plant.command[i] = min(max(opening, -1.0), 1.0)
-        elif settings.controller == GIVEN:
-            plant.command[i] = min(max(drives.commands[i], -1.0), 1.0)
-            if c.independent > 0.0:
-                plant.command[plant.actuators.size + i] = min(max(drives.commands[plant.actuators.size + i], -1.0), 1.0)
-        else:
-            plant.command[i] = 0.0
-            if c.independent > 0.0:
-                plant.command[plant.actuators.size + i] = 0.0
-
-
-@kernel
 def run(first, count, settings, mechanics, plant, bodies, wearer, drives, log):
     """Take `count` steps, the first of the run being number 0; row i of `log` is what step first + i began with.
 
@@ -275,7 +175,7 @@ def run(first, count, settings, mechanics, plant, bodies, wearer, drives, log):
         if embodied:
             wearer_torques.see(mechanics.qpos, mechanics.qvel, wearer.q, wearer.v, wearer.lengths, wearer.poses, mover)
         else:
-            reference(cycles, n[PERIOD], n[ADVANCE], wearer.position, wearer.slope, wearer.q, wearer.v)
+            reference(cycles, n[PERIOD], n[ADVANCE], n[CLIMB], wearer.position, wearer.slope, wearer.q, wearer.v)
             segment_poses(wearer.q, wearer.v, wearer.lengths, wearer.poses)
             pose_bodies(wearer.poses, wearer.offset_y, bodies.mocap_pos, bodies.mocap_quat)
         pull(
@@ -286,8 +186,8 @@ def run(first, count, settings, mechanics, plant, bodies, wearer, drives, log):
         _ask(cycles, time, fraction, settings, mechanics, plant, wearer, drives)
         if settings.kind == GAS:
             if drives.plan.shape[0] > 1:
-                _look_ahead(cycles, time, fraction, settings, plant, drives)
-            _open_valves(k == 0, settings, mechanics, plant, drives)
+                look_ahead(cycles, min(time / n[RAMP], 1.0), n[ADDED] > 0.0, fraction, plant, drives)
+            open_valves(k, k == 0, dt, settings.controller, mechanics, plant, drives)
             compute_forces(mechanics, plant)
         else:
             for i in range(plant.actuators.size):
@@ -297,8 +197,9 @@ def run(first, count, settings, mechanics, plant, bodies, wearer, drives, log):
         log_motion(log[k - first], time, mechanics)
         if embodied:
             wearer_torques.ask(
-                cycles, n[PERIOD], n[ADVANCE], wearer.position, wearer.slope, wearer.share, wearer.q, wearer.v, wearer.poses, mover
-            )
+                cycles, n[PERIOD], n[ADVANCE], n[CLIMB], wearer.position, wearer.slope, wearer.share, wearer.q, wearer.v, wearer.poses,
+                mover,
+            )  # fmt: skip
             wearer_torques.apply(wearer.poses, wearer.wrench, mechanics.qfrc_applied, mover)
             wearer_loop.log_before(log[k - first, own:], mechanics.qpos, mechanics.qvel, mover)
         call(mechanics.step2, mechanics.model, mechanics.data)
@@ -312,9 +213,9 @@ def run(first, count, settings, mechanics, plant, bodies, wearer, drives, log):
 
 
 @kernel
-def _segments_along(cycles, period, advance, position, slope, lengths, q, v, out):
+def _segments_along(cycles, period, advance, climb, position, slope, lengths, q, v, out):
     for i in range(cycles.size):
-        reference(cycles[i], period, advance, position, slope, q, v)
+        reference(cycles[i], period, advance, climb, position, slope, q, v)
         segment_poses(q, v, lengths, out[i])
 
 
@@ -323,7 +224,7 @@ def person_along(time: Array, motion: Motion, person: Person) -> Array:
     position, slope = motion.tables()
     out = np.empty((len(time), 7, 6))
     _segments_along(
-        time / motion.period, motion.period, motion.advance, position, slope, person.lengths(), np.empty(9),
+        time / motion.period, motion.period, motion.advance, motion.climb, position, slope, person.lengths(), np.empty(9),
         np.empty(9), out,
     )  # fmt: skip
     return out

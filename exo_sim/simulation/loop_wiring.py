@@ -9,6 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from exo_sim.control import wearer_torques
+from exo_sim.control.force_signals import gauges
 from exo_sim.control.valve_control import CONTROLLERS, controller_code
 from exo_sim.errors import ModelError
 from exo_sim.machine import wearer_body
@@ -16,6 +17,7 @@ from exo_sim.machine.fitting import ground_sensors
 from exo_sim.machine.person import SEGMENTS
 from exo_sim.machine.straps import StrapSet
 from exo_sim.simulation import chamber_plans, loop, views
+from exo_sim.simulation.valve_loop import Drives
 from exo_sim.simulation.walk import STRAPPED
 
 if TYPE_CHECKING:
@@ -38,7 +40,7 @@ def _damping(model: mujoco.MjModel) -> NDArray[np.float64]:
     return np.ascontiguousarray(damping if damping.ndim == 1 else damping[:, 0])
 
 
-def wire(it: Simulation) -> tuple[loop.Settings, views.Mechanics, views.Plant, loop.Bodies, loop.Wearer, loop.Drives]:
+def wire(it: Simulation) -> tuple[loop.Settings, views.Mechanics, views.Plant, loop.Bodies, loop.Wearer, Drives]:
     """Return the arguments of `loop.run`: views into MuJoCo's and the gas's own arrays, and what the loop remembers.
 
     Raises:
@@ -52,12 +54,9 @@ def wire(it: Simulation) -> tuple[loop.Settings, views.Mechanics, views.Plant, l
     if any(name and name not in names for name in motors):
         raise ModelError(f"{it.rig.model}: a powered ankle needs a cylinder, or the actuators ankle_l and ankle_r")
     ankles = [names.index(name) if name else -1 for name in motors]
-    numbers = np.zeros(12)
-    numbers[loop.PERIOD], numbers[loop.ADVANCE] = it.motion.period, it.motion.advance
-    gains = it.request.gains
-    numbers[loop.PREVIEW], numbers[loop.RAMP] = gains.preview, RAMP
-    numbers[loop.CLOSING], numbers[loop.PROPORTIONAL] = gains.closing_time, gains.proportional
-    numbers[loop.INTEGRAL], numbers[loop.DT] = gains.integral, it.dt
+    numbers = np.zeros(10)
+    numbers[loop.PERIOD], numbers[loop.ADVANCE], numbers[loop.CLIMB] = it.motion.period, it.motion.advance, it.motion.climb
+    numbers[loop.PREVIEW], numbers[loop.RAMP], numbers[loop.DT] = it.request.gains.preview, RAMP, it.dt
     payload_body = int(model.geom("payload").bodyid[0])
     if it.added:
         numbers[loop.ADDED], numbers[loop.ADDED_OVER] = it.added.mass, it.added.over
@@ -94,10 +93,16 @@ def wire(it: Simulation) -> tuple[loop.Settings, views.Mechanics, views.Plant, l
             np.zeros((len(straps.names), 2)), np.zeros(len(straps.names)), groups(straps),
             np.zeros((7, 3)), np.zeros(6), np.zeros(6), np.zeros(2), *moving,
         ),
-        loop.Drives(np.array(ankles, dtype=np.int64), np.zeros(n), np.zeros(n), np.zeros(n), np.zeros(n),
+        Drives(np.array(ankles, dtype=np.int64), np.zeros(n), np.zeros(n), np.zeros(n), np.zeros(n),
                     np.zeros(min(it.plugin.pneumatics.commands, 2 * n)), np.zeros(6), plan, plan_added,
-                    np.zeros(2 * n), np.zeros(2 * n), np.zeros(2 * n)),
+                    np.zeros(2 * n), np.zeros(2 * n), np.zeros(2 * n), _gains(it), gauges(n, it.request.signals, it.seed)),
     )  # fmt: skip
+
+
+def _gains(it: Simulation) -> NDArray[np.float64]:
+    """Return the gains of each cylinder's force loop, columns as `valve_loop` has them, shape (n, 3)."""
+    of = [it.request.tuned.get(name, it.request.gains) for name in it.rig.cylinders]
+    return np.array([(one.closing_time, one.proportional, one.integral) for one in of]).reshape(len(of), 3)
 
 
 def _moving(it: Simulation) -> tuple[NDArray[np.int64], wearer_torques.Mover]:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from dataclasses import dataclass, field
 from pathlib import Path
 
@@ -10,6 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from exo_sim.control import demand as law_of_demand
+from exo_sim.control.force_signals import SIGNALS
 from exo_sim.control.least_load import Weights
 from exo_sim.control.valve_control import CONTROLLERS, ValveGains
 from exo_sim.errors import ScenarioError, nearest
@@ -47,6 +49,8 @@ class Request:
         rehearsals: How often the least-load demand is bettered before the run.
         weights: What counts in the least-load demand; None for its own, or `least_load.SPARING` where a rig's chambers are planned.
         gains: Of the valve controllers.
+        tuned: Gains of single cylinders, by name, in place of `gains`; the demand is read ahead as `gains` says for all.
+        signals: What the valve controllers go by, one of `force_signals.SIGNALS`: what is, or what gauges and encoders show.
         ideal: Forces come as demanded, without gas.
         step: Of the simulation [s]; None for the MJCF's own.
         given: The scenario itself, where it is not to be found by its name: `scenario` then is what to call it.
@@ -69,6 +73,8 @@ class Request:
     rehearsals: int = 5
     weights: Weights | None = None
     gains: ValveGains = field(default_factory=ValveGains)
+    tuned: Mapping[str, ValveGains] = field(default_factory=dict)
+    signals: str = "exact"
     ideal: bool = False
     step: float | None = None
     given: Scenario | None = None
@@ -84,6 +90,7 @@ class Request:
             ("law", self.law, law_of_demand.LAWS),
             ("driven", self.driven, DRIVEN),
             ("wearer", self.moved_by, WEARERS),
+            ("signals", self.signals, SIGNALS),
         ):
             if value not in choices:
                 raise ScenarioError(f'{name} "{value}"{nearest(value, choices)}')

@@ -85,10 +85,10 @@ def _on_rows(walk: Walk, wrench: NDArray[np.float64] | float) -> Held:
     own = along(walk, body_loads(motion, walk.person)[1])
     return held(
         walk.poses, own + wrench, along(walk, motion.share), along(walk, motion.pressure_centre), along(walk, motion.support),
-        walk.person,
+        walk.person, motion.ground.angle,
     )  # fmt: skip
 
 
 def _on_cycle(motion: Motion, person: Person, wrench: NDArray[np.float64] | float = 0.0) -> Held:
     poses, own = body_loads(motion, person)
-    return held(poses, own + wrench, motion.share, motion.pressure_centre, motion.support, person)
+    return held(poses, own + wrench, motion.share, motion.pressure_centre, motion.support, person, motion.ground.angle)

@@ -34,7 +34,7 @@ def test_legs_push_the_pelvis_where_it_should_be(pose):
     wanted[:3] += off
     position, slope = np.tile(wanted, (5, 1)), np.zeros((5, 9))
     share = np.tile([1.0, 0.0], (5, 1))
-    wearer_torques.ask(0.3, 1.0, 0.0, position, slope, share, q, np.zeros(9), poses, it)
+    wearer_torques.ask(0.3, 1.0, 0.0, 0.0, position, slope, share, q, np.zeros(9), poses, it)
     push = it.pelvis_stiffness * off
     np.testing.assert_allclose(it.applied[:3], it.held_stiffness * off)
     # a massless left leg whose foot is fixed: moving the pelvis, its joints do the work of the push

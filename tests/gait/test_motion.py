@@ -36,15 +36,16 @@ def test_positions_and_rates_belong_together(name):
     q, v, after, before = np.empty(9), np.empty(9), np.empty(9), np.empty(9)
     h = 1e-5
     for cycles in (0.0, 0.3712, 2.5, 7.999):
-        reference(cycles, motion.period, motion.advance, position, slope, q, v)
-        reference(cycles + h, motion.period, motion.advance, position, slope, after, v)
-        reference(cycles - h, motion.period, motion.advance, position, slope, before, v)
-        reference(cycles, motion.period, motion.advance, position, slope, q, v)
+        reference(cycles, motion.period, motion.advance, motion.climb, position, slope, q, v)
+        reference(cycles + h, motion.period, motion.advance, motion.climb, position, slope, after, v)
+        reference(cycles - h, motion.period, motion.advance, motion.climb, position, slope, before, v)
+        reference(cycles, motion.period, motion.advance, motion.climb, position, slope, q, v)
         np.testing.assert_allclose((after - before) / (2 * h * motion.period), v, atol=2e-3)
-        steady = np.eye(9)[0] * motion.advance * cycles
+        steady = (np.eye(9)[0] * motion.advance + np.eye(9)[1] * motion.climb) * cycles
         np.testing.assert_allclose(q - steady, motion.at(np.array([cycles]))[0], atol=5e-4)
     first, second = derivatives(motion.position)
     first[:, 0] += motion.advance
+    first[:, 1] += motion.climb
     np.testing.assert_allclose(first, motion.slope, atol=1e-9)
     np.testing.assert_allclose(second, motion.curvature, atol=1e-6)
 
@@ -56,11 +57,13 @@ def test_a_standing_foot_neither_floats_nor_sinks_nor_slides(name, height):
     motion = scenario.motion(name, person, 1.0)
     q = np.tile(motion.position, (2, 1))
     q[:, 0] += motion.advance * np.arange(2 * SAMPLES) / SAMPLES
+    q[:, 1] += motion.climb * np.arange(2 * SAMPLES) / SAMPLES
     for leg, first in ((0, 3), (1, 6)):
         points = leg_points(q[:, 2] + q[:, first], q[:, first + 1], q[:, first + 2], person)
         for k, tip in enumerate(("heel", "toe")):
             down = np.tile(motion.contact[:, 2 * leg + k], 2)
             at = points[tip] + q[:, :2]
+            at[:, 1] -= [motion.ground.height(x) for x in at[:, 0]]
             assert at[:, 1].min() > -3e-3
             lands = int(np.argmax(down[1:] & ~down[:-1])) + 1 if not down.all() else 0
             lasts = int(np.argmin(down[lands:])) if not down.all() else len(down)

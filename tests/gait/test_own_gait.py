@@ -232,7 +232,9 @@ def test_a_scenario_file_of_a_standing_motion(tmp_path):
 def test_a_speed_is_a_factor_or_in_metres_a_second():
     usual = scenario.motion("level_walk", Person(), 1.0)
     pace = usual.advance / usual.period
-    assert scenario.motion("level_walk", Person(), "1.3 m/s").period == pytest.approx(usual.advance / 1.3)
+    faster = scenario.motion("level_walk", Person(), "1.3 m/s")
+    assert faster.advance / faster.period == pytest.approx(1.3)
+    assert faster.period / usual.period == pytest.approx((1.3 / pace) ** -0.58)
     assert scenario.cadence(usual, "1.1") == 1.1
     assert scenario.cadence(usual, f"{3.6 * pace} km/h") == pytest.approx(1.0)
     for speed, hint in (("3 m/s", "times the recorded"), ("2", "0.7 to 1.3"), ("fast", "not a quantity"), ("1.2 kg", "m/s")):

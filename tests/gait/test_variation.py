@@ -24,7 +24,7 @@ def path(motion):
     position, slope = motion.tables()
     out = np.empty((2, 4000, 9))
     for i, cycles in enumerate(np.arange(4000) / 4000):
-        reference(cycles, motion.period, motion.advance, position, slope, out[0, i], out[1, i])
+        reference(cycles, motion.period, motion.advance, motion.climb, position, slope, out[0, i], out[1, i])
     return out, np.arange(4000) / 4000 * motion.period
 
 

@@ -1,0 +1,11 @@
+"""Walking up stairs, one foot a tread."""
+
+from functools import partial
+
+from exo_sim.gait.scenario import Scenario
+from exo_sim.gait.stairs import UP, walking_stairs
+
+SCENARIO = Scenario(
+    summary="walking up stairs of 170 by 290 mm, 86 treads a minute, drawn",
+    motion=partial(walking_stairs, UP),
+)

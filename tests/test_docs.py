@@ -94,6 +94,16 @@ def test_a_scenario_file_of_a_page_is_a_scenario(page: str, number: int, tmp_pat
     assert scenario_file.read(tmp_path / "mine.toml").variation is not None
 
 
+@pytest.mark.parametrize(("number", "climb"), [(1, 0.08), (2, 0.16 / 0.30)])
+def test_the_scenario_files_of_other_ground_climb(number: int, climb: float, tmp_path: Path) -> None:
+    from exo_sim.gait import scenario, scenario_file
+    from exo_sim.machine.person import Person
+
+    (tmp_path / "mine.toml").write_text(blocks(ROOT / "docs" / "walk.md", "toml")[number])
+    motion = scenario.motion(scenario_file.read(tmp_path / "mine.toml"), Person(), 1.0)
+    assert motion.climb / motion.advance == pytest.approx(climb)
+
+
 @pytest.mark.parametrize("page", [pytest.param(path, id=path.stem) for path in PAGES])
 def test_the_commands_of_a_page_exist(page: Path) -> None:
     lines = [shlex.split(line, comments=True) for block in blocks(page, "sh") for line in block.replace("\\\n", " ").splitlines()]

@@ -11,7 +11,6 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.optimize import linprog
 
 from exo_sim.gait.motion import Motion, phases, smooth, travelling
 from exo_sim.machine.footing import FEET
@@ -116,6 +115,8 @@ def within_reach(it: Paths, person: Person, ground: Ground, far: float, bob: flo
         far: From hip to ankle at the most [m].
         bob: By how much the pelvis may rise and fall more than it does, once a step, and a quarter of it twice a step [m].
     """
+    from scipy.optimize import linprog  # not for walks as they were recorded
+
     ankles, _ = ankle_paths(it, person, ground)
     along = np.clip(np.abs(ankles[:, :, 0] - it.pelvis[:, :1]), 0.0, 0.999 * far)
     room = (ankles[:, :, 1] + np.sqrt(far**2 - along**2)).min(axis=1) - it.pelvis[:, 1]

@@ -16,6 +16,7 @@ import mujoco
 import numpy as np
 from numpy.typing import NDArray
 
+from exo_sim.errors import ScenarioError
 from exo_sim.gait.motion import Motion, travelling
 from exo_sim.machine import anthropometry, footing
 from exo_sim.machine.person import Person, poses_along
@@ -32,6 +33,8 @@ _LEVER, _SHARE = 0.01, 0.007
 #: The centre of pressure may be expected so far ahead of the ball of the foot [m].
 _BEYOND_BALL = 0.03
 _STEPS, _DAMPING = 8, 1e-3
+#: Walks move trunk and pelvis by up to three of the scales above; by more than so many, nothing was found.
+_ABSURD = 15.0
 
 Load = Callable[[Motion, slice], NDArray[np.float64]]
 
@@ -74,6 +77,9 @@ def reduced(motion: Motion, person: Person, carried: Load | None = None) -> Moti
         person: Whose body; segments after `machine.anthropometry`.
         carried: Gives, for a motion and some of its samples, the load on the wearer beside the own body, about the pelvis: x, z [N]
             and about -y [N m], shape (n, 3).
+
+    Raises:
+        ScenarioError: no soles on the ground can hold it.
     """
     parameters = _Parameters(_WALKING, _HEIGHT) if motion.advance else _Parameters(_IN_PLACE, ())
     scales = parameters.scales()
@@ -97,6 +103,10 @@ def reduced(motion: Motion, person: Person, carried: Load | None = None) -> Moti
         else:
             break
         values, left = values + gone * step, tried
+    if np.abs(values / scales).max() > _ABSURD:
+        raise ScenarioError(
+            "no lean of the trunk lets soles on the ground hold this motion: for a moment the body would weigh nothing; write a lower speed"
+        )
     return parameters.applied(motion, person, values)
 
 

@@ -158,7 +158,12 @@ def test_the_same_request_gives_the_same_numbers(exo):
 @pytest.mark.parametrize("name", scenario.names())
 @pytest.mark.parametrize("payload", [0.0, 45.0])
 def test_every_scenario_keeps_its_feet(exo, name, payload):
-    walk = simulate(exo, Request(name, payload=payload, speed=1.3, rehearsals=1))
+    asked = Request(name, payload=payload, speed=1.3, rehearsals=1)
+    if name == "stairs_down":  # so quickly nobody falls
+        with pytest.raises(ScenarioError, match="the body would weigh nothing"):
+            simulate(exo, asked)
+        asked = dataclasses.replace(asked, speed=1.0)
+    walk = simulate(exo, asked)
     summary = summarise(walk)
     assert carried(summary) == pytest.approx(summary["supported_weight_n"], rel=5e-3)
     assert len(walk.time) * walk.step >= scenario.find(name).cycles * walk.motion.period

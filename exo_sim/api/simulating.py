@@ -33,7 +33,7 @@ MOTIONS = (".csv", ".tsv", ".txt", ".parquet", ".pq", ".rrd")
 #: What says how somebody walks, as it stands where nobody asked for anything.
 _AS_EVER = {
     "gait": None, "ground": None, "whole": False, "payload": None, "speed": 1.0, "strides": None, "assist": "on", "demand": "least_load",
-    "wearer": None,
+    "wearer": None, "signals": "exact",
 }  # fmt: skip
 #: What of a joint is printed.
 _JOINT = ("torque_peak_nm", "torque_error_rms_nm", "position_error_rms_rad", "position_error_rms_m", "force_peak_n")
@@ -201,7 +201,7 @@ def simulate(
     if _is_motion(scenario) and not is_worn(machine):
         _nobody_walks(
             machine, gait=gait, ground=ground, whole=whole, payload=payload, speed=speed, strides=strides, assist=assist, demand=demand,
-            wearer=wearer,
+            wearer=wearer, signals=signals,
         )  # fmt: skip
         return _follow(machine, scenario, brought, called, out, seed, quiet, tell, columns)  # type: ignore[arg-type]
     name, given = what_to_do(scenario, gait, ground, whole, columns)

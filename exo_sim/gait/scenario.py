@@ -104,19 +104,17 @@ def motion(scenario: str | Scenario, person: Person, speed: float | str) -> Moti
     """
     found = find(scenario) if isinstance(scenario, str) else scenario
     usual = found.motion(person)
+    scaled = usual.advance > 0.0 and usual.trial is None and usual.ground.level
+    if (found.pace is not None or found.grade) and not scaled:
+        raise ScenarioError("speed and grade of a scenario file are for the mean stride of a level walk; leave them out")
     if found.pace is not None:
         usual = at_speed(usual, person, found.pace / (usual.advance / usual.period))
-    scaled = usual.advance > 0.0 and usual.trial is None and usual.ground.level
     wanted = _pace(speed)
     if wanted is not None and scaled:
         usual = at_speed(usual, person, wanted / (usual.advance / usual.period))
     else:
         usual = usual.at_cadence(cadence(usual, speed))
-    if not found.grade:
-        return usual
-    if not scaled:
-        raise ScenarioError("grade: only the mean stride of a level walk can be taken to a slope")
-    return on_slope(usual, person, found.grade)
+    return on_slope(usual, person, found.grade) if found.grade else usual
 
 
 def _pace(speed: float | str) -> float | None:

@@ -274,6 +274,31 @@ def test_angles_of_an_rrd_without_units_are_taken_as_radian_and_that_is_said(tmp
     assert "no unit is said there" in said and "hip_l.position [rad]" in said
 
 
+def test_other_ground_in_a_scenario_file_and_what_is_refused_of_it(tmp_path):
+    def read(text):
+        (tmp_path / "mine.toml").write_text(text)
+        return scenario.find(str(tmp_path / "mine.toml"))
+
+    slow = read('like = "level_walk"\nspeed = "0.9 m/s"\ngrade = -0.05\n[hung]\nthigh_l = "2 kg"\n')
+    motion = scenario.motion(slow, Person(), 1.0)
+    assert np.hypot(motion.advance, motion.climb) / motion.period == pytest.approx(0.9)
+    assert motion.climb == pytest.approx(-0.05 * motion.advance) and slow.hung == {"thigh_l": 2.0}
+    down = scenario.motion(read('[stairs]\nrise = "-150 mm"\ntread = "300 mm"\n'), Person(), 1.0)
+    assert (down.advance, down.climb) == pytest.approx((0.6, -0.3))
+    for text, hint in (
+        ('like = "level_walk"\ngrade = 0.5\n', "write -0.15 to 0.15"),
+        ('like = "level_walk"\n[hung]\nthigh_l = "90 kg"\n', "hung.thigh_l = 90 kg"),
+        ('[stairs]\nrise = "170 mm"\n', "stairs.tread is missing"),
+        ('[stairs]\nrise = "170 mm"\ntread = "0 mm"\n', "write -0.15 to 0.15|which a foot fits"),
+        ('[stairs]\nrise = "170 mm"\ntread = "300 mm"\nperiod = "9 s"\n', "0.8 s to 5 s"),
+    ):
+        with pytest.raises(ScenarioError, match=hint):
+            read(text)
+    for line in ("grade = 0.05", 'speed = "1 m/s"'):
+        with pytest.raises(ScenarioError, match="the mean stride of a level walk"):
+            scenario.motion(read(f'like = "squat"\n{line}\n'), Person(), 1.0)
+
+
 def test_a_gait_file_is_walked(tmp_path, capsys, trial):
     path = write_mot(tmp_path / "mine.mot", *trial)
     given = ["--strides", "3", "--assist", "vented", "--json", "--speed", "1.1 m/s", "--out", str(tmp_path / "w.rrd")]

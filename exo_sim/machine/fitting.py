@@ -6,6 +6,7 @@ from pathlib import Path
 from typing import Any
 
 from exo_sim.errors import ModelError, nearest
+from exo_sim.machine.ground import STAIRS
 from exo_sim.machine.person import COORDINATES, REFERENCE_HEIGHT, SEGMENTS, Person
 from exo_sim.machine.straps import worn
 from exo_sim.rig.schema import Ankle
@@ -63,12 +64,18 @@ def ground_sensors(model: Any, path: Path) -> tuple[int, int]:
 
     field = mujoco.mjtConDataField
     data = (1 << int(field.mjCONDATA_FORCE)) | (1 << int(field.mjCONDATA_POS))
+    # the floor, or the stairs that `ground.lay` put in its place
+    grounds = [(int(mujoco.mjtObj.mjOBJ_GEOM), model.geom("floor").id)]
+    stairs = mujoco.mj_name2id(model, mujoco.mjtObj.mjOBJ_BODY, STAIRS)
+    grounds += [(int(mujoco.mjtObj.mjOBJ_BODY), stairs)] if stairs >= 0 else []
     found = []
     for side in "lr":
         sensor = model.sensor(f"ground_{side}")
-        of, on = (int(mujoco.mjtObj.mjOBJ_BODY), model.body(f"foot_{side}").id), (int(mujoco.mjtObj.mjOBJ_GEOM), model.geom("floor").id)
-        measured = int(sensor.type[0]), (int(sensor.objtype[0]), int(sensor.objid[0])), (int(sensor.reftype[0]), int(sensor.refid[0]))
-        if measured != (int(mujoco.mjtSensor.mjSENS_CONTACT), of, on) or list(model.sensor_intprm[sensor.id]) != [data, _NET_FORCE, 1]:
+        of = int(mujoco.mjtObj.mjOBJ_BODY), model.body(f"foot_{side}").id
+        measured = int(sensor.type[0]), (int(sensor.objtype[0]), int(sensor.objid[0]))
+        on = int(sensor.reftype[0]), int(sensor.refid[0])
+        tells = list(model.sensor_intprm[sensor.id])
+        if measured != (int(mujoco.mjtSensor.mjSENS_CONTACT), of) or on not in grounds or tells != [data, _NET_FORCE, 1]:
             raise ModelError(
                 f'{path}: the sensor "ground_{side}" must be <contact name="ground_{side}" body1="foot_{side}" geom2="floor" num="1" '
                 'reduce="netforce" data="force pos"/>'

@@ -15,6 +15,8 @@ if TYPE_CHECKING:
 STEEPEST_SLOPE, STEEPEST_STAIRS, TREADS = 0.15, 0.8, (0.22, 0.45)
 #: A staircase has so many treads at the most.
 MOST_TREADS = 200
+#: The body that stairs are.
+STAIRS = "stairs"
 #: Half of a tread's width, and of its thickness [m].
 _WIDE, _THICK = 1.0, 0.5
 
@@ -82,7 +84,7 @@ class Ground:
             raise ScenarioError(f"stairs of {count} treads: ask for fewer strides, for {MOST_TREADS} treads at the most")
         rise = self.grade * self.tread
         floor.pos = [0.0, 0.0, min(0.0, count * rise) - 2.0 * _THICK - 1.0]
-        stairs = spec.worldbody.add_body(name="stairs")
+        stairs = spec.worldbody.add_body(name=STAIRS)
         for i in range(-2, count - 2):
             stairs.add_geom(
                 name=f"tread_{i}", type=mujoco.mjtGeom.mjGEOM_BOX, size=[0.5 * self.tread, _WIDE, _THICK],
@@ -90,7 +92,7 @@ class Ground:
             )  # fmt: skip
         for side in "lr":
             sensor = spec.sensor(f"ground_{side}")
-            sensor.reftype, sensor.refname = mujoco.mjtObj.mjOBJ_BODY, "stairs"
+            sensor.reftype, sensor.refname = mujoco.mjtObj.mjOBJ_BODY, STAIRS
 
 
 LEVEL = Ground()

@@ -8,8 +8,8 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy import sparse
 
-from exo_sim.physics.gas import flow
 from exo_sim.physics.nodes import path_areas
+from exo_sim.physics.nozzle import flow
 
 Array = NDArray[np.float64]
 Rows = tuple[sparse.csr_matrix, Array]

@@ -10,8 +10,8 @@ off to the exhaust: it draws air from there when it grows. What a chamber needs 
 from __future__ import annotations
 
 from exo_sim.physics.compiled import kernel
-from exo_sim.physics.gas import choked_flow, flow
 from exo_sim.physics.nodes import path_areas
+from exo_sim.physics.nozzle import choked_flow, flow
 
 #: Share of a choked path's flow below which more opening would not help.
 _LEAST = 0.05

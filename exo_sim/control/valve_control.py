@@ -7,7 +7,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from exo_sim.physics.compiled import kernel
-from exo_sim.physics.gas import choked_flow, flow
+from exo_sim.physics.nozzle import choked_flow, flow
 
 CONTROLLERS = ("model", "pi")
 OFF, PI, MODEL, GIVEN = 0, 1, 2, 3

@@ -20,7 +20,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from exo_sim.physics.compiled import kernel
-from exo_sim.physics.gas import flow
+from exo_sim.physics.nozzle import flow
 from exo_sim.rig import Cylinder, Rig
 
 Array = NDArray[np.float64]

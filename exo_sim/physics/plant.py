@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import math
 
-from exo_sim.physics import gas
+from exo_sim.physics import nozzle
 from exo_sim.physics.compiled import inlined_kernel, kernel
 from exo_sim.physics.conditions import Motion
 from exo_sim.physics.effects import (
@@ -71,7 +71,7 @@ def regulator_gain(world, cylinders, spool) -> float:
     for i in range(len(cylinders)):
         a_s1, _, a_s2, _ = path_areas(cylinders[i], spool[i], spool[len(cylinders) + i])
         area += a_s1 + a_s2
-    steepest = gas.subsonic_flow_factor(gas.LAMINAR_RATIO, world.k) / (1.0 - gas.LAMINAR_RATIO)
+    steepest = nozzle.subsonic_flow_factor(nozzle.LAMINAR_RATIO, world.k) / (1.0 - nozzle.LAMINAR_RATIO)
     return world.supply_regulator.droop * area * steepest * math.sqrt(world.k / (world.r * world.supply_temperature))
 
 

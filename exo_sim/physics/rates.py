@@ -5,7 +5,7 @@ The same lines are compiled twice: as they stand, and for a cylinder to whose ga
 
 from __future__ import annotations
 
-from exo_sim.physics import chamber, gas
+from exo_sim.physics import chamber, nozzle
 from exo_sim.physics.balances import across_flow, heat_flow, outward_flow
 from exo_sim.physics.compiled import kernel
 from exo_sim.physics.conditions import Reservoir
@@ -88,8 +88,8 @@ def _through_valve(added: bool) -> Function:
             drawn = critical_ratio.flow(c.critical_ratio, a_supply, supply.p, supply.t, here.p, here.t, k, r)
             vented = critical_ratio.flow(c.critical_ratio, a_exhaust, here.p, here.t, exhaust.p, exhaust.t, k, r)
         else:
-            drawn = gas.flow(a_supply, supply.p, supply.t, here.p, here.t, k, r)
-            vented = gas.flow(a_exhaust, here.p, here.t, exhaust.p, exhaust.t, k, r)
+            drawn = nozzle.flow(a_supply, supply.p, supply.t, here.p, here.t, k, r)
+            vented = nozzle.flow(a_exhaust, here.p, here.t, exhaust.p, exhaust.t, k, r)
         h_drawn = chamber.enthalpy_flow(drawn, supply.t, here.t, k, r)
         return drawn, h_drawn, vented, chamber.enthalpy_flow(vented, here.t, exhaust.t, k, r)
 

@@ -6,7 +6,7 @@ tank is one volume, mixed, without heat from its wall: what it gets has cooled a
 
 from __future__ import annotations
 
-from exo_sim.physics import chamber, gas
+from exo_sim.physics import chamber, nozzle
 from exo_sim.physics.compiled import kernel
 from exo_sim.physics.effects import line_restriction
 from exo_sim.physics.nodes import chambers
@@ -44,7 +44,7 @@ def exchange(world, c, y, dy, base, shared, here, opening, tank, mass, energy, h
         mass, energy = hose_mass, hose_energy
         p = chamber.pressure(y[base + energy], c.line_restriction.volume, k)
         t = chamber.temperature(y[base + energy], y[base + mass], k, r)
-    w = gas.flow(min(opening, 1.0) * c.tank_area, p, t, tank.p, tank.t, k, r)
+    w = nozzle.flow(min(opening, 1.0) * c.tank_area, p, t, tank.p, tank.t, k, r)
     h = chamber.enthalpy_flow(w, t, tank.t, k, r)
     dy[base + mass] -= w
     dy[base + energy] -= h

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 
-from exo_sim.physics import gas
+from exo_sim.physics import nozzle
 from exo_sim.physics.compiled import kernel
 from exo_sim.physics.conditions import Chamber
 from exo_sim.physics.terms import Function, within
@@ -32,9 +32,9 @@ def path_rate(area: float, p_up: float, p_down: float, volume: float, span: floa
         return 0.0
     settling = settling_rate(area, volume, k, r)
     left = 1.0 - min(p_up, p_down) / max(p_up, p_down) - settling * span - 0.02
-    knee = 1.0 - gas.LAMINAR_RATIO
+    knee = 1.0 - nozzle.LAMINAR_RATIO
     if left <= knee:
-        return settling * gas.subsonic_flow_factor(gas.LAMINAR_RATIO, k) / knee
+        return settling * nozzle.subsonic_flow_factor(nozzle.LAMINAR_RATIO, k) / knee
     return settling * max(0.8 / math.sqrt(left), 1.0)
 
 

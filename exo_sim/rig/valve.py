@@ -10,7 +10,7 @@ from pathlib import Path
 from exo_sim.errors import RigError
 from exo_sim.physics.compressed_air import FREE_AIR_DENSITY, FREE_AIR_TEMPERATURE
 from exo_sim.physics.effects.valve_edges import EDGES
-from exo_sim.physics.gas import critical_flow_factor
+from exo_sim.physics.nozzle import critical_flow_factor
 from exo_sim.rig.schema import VALVE_KINDS, Cylinder, EffectSetting, Recovery, Rig, Valve
 from exo_sim.rig.table import Table
 

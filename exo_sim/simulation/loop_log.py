@@ -7,8 +7,8 @@ import numpy as np
 from exo_sim.gait.motion import look_up
 from exo_sim.physics.compiled import kernel
 from exo_sim.physics.forces import sensed_pressures
-from exo_sim.physics.gas import critical_ratio
 from exo_sim.physics.nodes import exhaust_state, supply_state, tank_state, temperatures
+from exo_sim.physics.nozzle import critical_ratio
 from exo_sim.physics.state import DRAWN, HELD, INTEGRATED, REMEMBERED, SHARED, TANK_MASS
 
 

@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 
 from exo_sim import __version__
-from exo_sim.physics.gas import critical_ratio
+from exo_sim.physics.nozzle import critical_ratio
 from exo_sim.recording.scene import Scene
 from exo_sim.recording.table import Recording
 from exo_sim.simulation.drawn import FRAME_RATE, machine_scene

@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 
 from exo_sim.physics.compiled import kernel
 from exo_sim.physics.conditions import Motion
-from exo_sim.physics.gas import flow
+from exo_sim.physics.nozzle import flow
 from exo_sim.physics.resistance import dry_level, steady_force
 
 Array = NDArray[np.float64]

@@ -5,7 +5,7 @@ import pytest
 from scipy import sparse
 
 from exo_sim.control.chamber_flows import FLOW_SHARE, GRAM, Columns, draw_rows, tank_rows
-from exo_sim.physics.gas import flow
+from exo_sim.physics.nozzle import flow
 from exo_sim.physics.pneumatics import paper_cylinder, paper_world
 
 N, PERIOD, P_S, P_T, AREA, K, R, T = 16, 1.0, 9e5, 3e5, 10e-6, 1.4, 287.05, 293.15

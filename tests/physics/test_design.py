@@ -6,7 +6,7 @@ import doctest
 
 import pytest
 
-from exo_sim.physics import design, gas
+from exo_sim.physics import design, nozzle
 
 
 def test_the_examples_of_the_docstrings_hold() -> None:
@@ -16,7 +16,7 @@ def test_the_examples_of_the_docstrings_hold() -> None:
 
 def test_the_throat_passes_what_it_was_sized_for() -> None:
     area = design.throat_area(0.0187, 1.8e6, 293.15)
-    assert gas.mass_flow(area, 1.8e6, 293.15, 1e5, 1.4, 287.05) == pytest.approx(0.0187, rel=1e-12)
+    assert nozzle.mass_flow(area, 1.8e6, 293.15, 1e5, 1.4, 287.05) == pytest.approx(0.0187, rel=1e-12)
 
 
 def test_free_air_and_mass_flow_are_the_same_gas() -> None:

@@ -6,8 +6,7 @@ import numpy as np
 import pytest
 from physics.stepping import bench
 
-from exo_sim.physics import gas as nozzle
-from exo_sim.physics import state
+from exo_sim.physics import nozzle, state
 from exo_sim.physics.conditions import Reservoir
 from exo_sim.physics.pneumatics import Pneumatics
 from exo_sim.physics.rates import cylinder_rates

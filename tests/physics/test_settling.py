@@ -7,7 +7,7 @@ import math
 import numpy as np
 import pytest
 
-from exo_sim.physics import gas
+from exo_sim.physics import nozzle
 from exo_sim.physics.settling import HOT, laminar_rate, path_rate, settling_rate, thermal_rate
 
 K, R, V, AREA = 1.4, 287.05, 2e-5, 5e-6
@@ -16,7 +16,7 @@ K, R, V, AREA = 1.4, 287.05, 2e-5, 5e-6
 def true_rate(p: float, down: float) -> float:
     """Return the rate at which the pressure of a volume at HOT settles through a nozzle, from a difference [1/s]."""
     d = 1e-5 * p
-    slope = (gas.mass_flow(AREA, p + d, HOT, down, K, R) - gas.mass_flow(AREA, p - d, HOT, down, K, R)) / (2 * d)
+    slope = (nozzle.mass_flow(AREA, p + d, HOT, down, K, R) - nozzle.mass_flow(AREA, p - d, HOT, down, K, R)) / (2 * d)
     return abs(float(slope)) * K * R * HOT / V
 
 
@@ -32,7 +32,7 @@ def test_a_longer_span_may_lead_to_where_it_is_steeper() -> None:
 
 def test_a_choked_path_empties_in_its_time_constant() -> None:
     """-dm/dt = C m for a choked nozzle at constant temperature; times k for the pressure of an adiabatic volume, at most."""
-    flow = gas.mass_flow(AREA, 5e5, HOT, 1e4, K, R) / (5e5 * V / (R * HOT))
+    flow = nozzle.mass_flow(AREA, 5e5, HOT, 1e4, K, R) / (5e5 * V / (R * HOT))
     assert flow < settling_rate(AREA, V, K, R) < 3.0 * flow * K
 
 

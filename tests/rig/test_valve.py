@@ -7,7 +7,7 @@ from benches import bench
 from exo_sim import rig as rigs
 from exo_sim.errors import RigError
 from exo_sim.physics import nodes
-from exo_sim.physics.gas import choked_flow
+from exo_sim.physics.nozzle import choked_flow
 from exo_sim.rig import assembly
 from exo_sim.rig.improved_text import Correction
 from exo_sim.rig.valve import area_of, conductance_of

@@ -8,7 +8,7 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from exo_sim.physics.gas import critical_flow_factor, flow
+from exo_sim.physics.nozzle import critical_flow_factor, flow
 from exo_sim.rig import EffectSetting, assembly
 from exo_sim.sizing.capability import driving_force, steady_pressure
 

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 
-from exo_sim.physics import gas
+from exo_sim.physics import nozzle
 from exo_sim.physics.compiled import kernel
 from exo_sim.physics.declaration import Effect, Identification, Parameter
 
@@ -53,8 +53,8 @@ _SUBSONIC = 0.02
 def mass_flow(p, area: float, p_up: float, t_up: float, p_down: float, k: float, r: float) -> float:
     """Return the mass flow of a valve path [kg/s]: ISO 6358 with the nozzle's choked capacity, or the nozzle where off."""
     if p.ratio <= 0.0:
-        return gas.mass_flow(area, p_up, t_up, p_down, k, r)
-    choked = gas.choked_flow(area, p_up, t_up, k, r)
+        return nozzle.mass_flow(area, p_up, t_up, p_down, k, r)
+    choked = nozzle.choked_flow(area, p_up, t_up, k, r)
     x = p_down / p_up
     if p.cracking > 0.0 or (p.index > 0.0 and p.index != 0.5):
         return choked * subsonic_share(x, p.ratio, p.index, p.cracking / p_up)
@@ -66,7 +66,7 @@ def ellipse(x: float, ratio: float) -> float:
     """Return the flow over choked flow at a ratio x of downstream to upstream pressure (ISO 6358:1989), linear near x = 1."""
     if x <= ratio:
         return 1.0
-    knee = gas.LAMINAR_RATIO
+    knee = nozzle.LAMINAR_RATIO
     y = (min(x, knee) - ratio) / (1.0 - ratio)
     share = math.sqrt(1.0 - y * y)
     return share if x < knee else share * max(1.0 - x, 0.0) / (1.0 - knee)
@@ -87,7 +87,7 @@ def subsonic_share(x: float, ratio: float, index: float, cracking: float) -> flo
         return 0.0
     if x <= chokes:
         return 1.0
-    knee = (gas.LAMINAR_RATIO - ratio) / (1.0 - ratio)
+    knee = (nozzle.LAMINAR_RATIO - ratio) / (1.0 - ratio)
     y = (x - chokes) / (closes - chokes)
     held = min(y, knee)
     share = (1.0 - held * held) ** (index if index > 0.0 else 0.5)

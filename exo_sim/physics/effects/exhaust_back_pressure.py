@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from exo_sim.physics import gas
+from exo_sim.physics import nozzle
 from exo_sim.physics.compiled import kernel
 from exo_sim.physics.declaration import Effect, Identification, Parameter
 from exo_sim.physics.identification import Applicability
@@ -48,4 +48,4 @@ def present(p) -> bool:
 @kernel
 def flow(p, p_node: float, t_node: float, p_out: float, t_out: float, k: float, r: float) -> float:
     """Return the mass flow from the exhaust manifold to the outside [kg/s]."""
-    return gas.flow(p.area, p_node, t_node, p_out, t_out, k, r)
+    return nozzle.flow(p.area, p_node, t_node, p_out, t_out, k, r)

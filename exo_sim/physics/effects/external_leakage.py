@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 
-from exo_sim.physics import gas
+from exo_sim.physics import nozzle
 from exo_sim.physics.declaration import Effect, Identification, Parameter
 from exo_sim.physics.settling import laminar_rate, path_rate
 from exo_sim.physics.terms import OUTWARD_FLOW
@@ -61,7 +61,7 @@ def outward(p, here, there, world):
     """
     area = p.area_1 if here.side == 1 else p.area_2
     laminar = p.laminar_1 if here.side == 1 else p.laminar_2
-    leaked = gas.flow(area, here.p, here.t, world.atmosphere, world.ambient, world.k, world.r)
+    leaked = nozzle.flow(area, here.p, here.t, world.atmosphere, world.ambient, world.k, world.r)
     if laminar > 0.0:
         drop = here.p * here.p - world.atmosphere * world.atmosphere
         resistance = 1.0 / laminar

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from exo_sim.physics import gas
+from exo_sim.physics import nozzle
 from exo_sim.physics.compiled import kernel
 from exo_sim.physics.declaration import Effect, Identification, Parameter
 from exo_sim.physics.effects import critical_ratio
@@ -73,7 +73,7 @@ def flow(p, area: float, p_a: float, t_a: float, p_b: float, t_b: float, k: floa
     `area` is the throttle's as a cushion leaves it.
     """
     if p.ratio <= 0.0:
-        return gas.flow(area, p_a, t_a, p_b, t_b, k, r)
+        return nozzle.flow(area, p_a, t_a, p_b, t_b, k, r)
     if p_a >= p_b:
-        return gas.choked_flow(area, p_a, t_a, k, r) * critical_ratio.ellipse(p_b / p_a, p.ratio)
-    return -gas.choked_flow(area, p_b, t_b, k, r) * critical_ratio.ellipse(p_a / p_b, p.ratio)
+        return nozzle.choked_flow(area, p_a, t_a, k, r) * critical_ratio.ellipse(p_b / p_a, p.ratio)
+    return -nozzle.choked_flow(area, p_b, t_b, k, r) * critical_ratio.ellipse(p_a / p_b, p.ratio)

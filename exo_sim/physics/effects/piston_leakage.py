@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 
-from exo_sim.physics import gas
+from exo_sim.physics import nozzle
 from exo_sim.physics.declaration import Effect, Identification, Parameter
 from exo_sim.physics.identification import Applicability
 from exo_sim.physics.settling import laminar_rate, path_rate
@@ -54,7 +54,7 @@ EFFECT = Effect(
 @ACROSS_FLOW.of(EFFECT)
 def across(p, one, two, world):
     """Return the mass flow from chamber 1 to 2 [kg/s]: an orifice, a laminar gap w = a (p1^2 - p2^2), or both."""
-    return gas.flow(p.area, one.p, one.t, two.p, two.t, world.k, world.r) + p.laminar * (one.p * one.p - two.p * two.p)
+    return nozzle.flow(p.area, one.p, one.t, two.p, two.t, world.k, world.r) + p.laminar * (one.p * one.p - two.p * two.p)
 
 
 @ACROSS_FLOW.settling(EFFECT)

@@ -6,7 +6,7 @@ import pytest
 from diagnosis import motion_runs
 
 from exo_sim.diagnosis.subsystems.healthy_leak import OUTWARD, external_leaks, swept_volume
-from exo_sim.physics import gas
+from exo_sim.physics import nozzle
 
 
 def test_the_swept_volume_is_area_times_stroke_and_leaks_are_in_proportion() -> None:
@@ -20,6 +20,6 @@ def test_the_swept_volume_is_area_times_stroke_and_leaks_are_in_proportion() -> 
 
 def test_a_healthy_cylinder_takes_minutes_to_empty() -> None:
     plant = motion_runs.plant()
-    flow = gas.mass_flow(external_leaks(plant)["area_1"], 6e5, 293.15, 101325.0, 1.4, 287.05)
+    flow = nozzle.mass_flow(external_leaks(plant)["area_1"], 6e5, 293.15, 101325.0, 1.4, 287.05)
     mass = 6e5 * swept_volume(plant) / (287.05 * 293.15)
     assert mass / flow > 60.0

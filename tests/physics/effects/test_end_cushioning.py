@@ -10,8 +10,7 @@ from physics.air import PA, K, R
 from physics.stepping import bench, hold
 from scipy.optimize import brentq
 
-from exo_sim.physics import gas as nozzle
-from exo_sim.physics import state
+from exo_sim.physics import nozzle, state
 from exo_sim.physics.effects import end_cushioning
 
 _Cushion = namedtuple("_Cushion", "length area")

@@ -9,8 +9,7 @@ import pytest
 from physics.air import PA, K, R
 from physics.stepping import hold, tank
 
-from exo_sim.physics import gas as nozzle
-from exo_sim.physics import state
+from exo_sim.physics import nozzle, state
 from exo_sim.physics.conditions import Chamber
 from exo_sim.physics.effects import external_leakage
 from exo_sim.physics.pneumatics import paper_cylinder, paper_world

@@ -7,8 +7,7 @@ import pytest
 from physics.air import PA, K, R
 from physics.stepping import hold, tank
 
-from exo_sim.physics import gas as nozzle
-from exo_sim.physics import state
+from exo_sim.physics import nozzle, state
 
 
 def test_droops_in_proportion_to_flow_and_recovers() -> None:

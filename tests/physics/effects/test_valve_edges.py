@@ -7,8 +7,7 @@ import pytest
 from physics.air import PA, K
 from physics.stepping import hold, tank
 
-from exo_sim.physics import gas as nozzle
-from exo_sim.physics import nodes
+from exo_sim.physics import nodes, nozzle
 from exo_sim.physics.effects.valve_edges import EDGES
 from exo_sim.physics.pneumatics import Pneumatics
 

@@ -36,7 +36,7 @@ from exo_sim.physics.declaration import identification_of
 from exo_sim.physics.effects import critical_ratio as flow_law
 from exo_sim.physics.effects import unknown
 from exo_sim.physics.effects.unknown import ACTS, DEPENDS_ON, KNOTS
-from exo_sim.physics.gas import critical_ratio
+from exo_sim.physics.nozzle import critical_ratio
 
 Array = NDArray[np.float64]
 

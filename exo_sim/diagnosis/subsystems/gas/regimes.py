@@ -8,7 +8,7 @@ from numpy.typing import NDArray
 from exo_sim.diagnosis.discrepancy.trace import near_reversal
 from exo_sim.diagnosis.policy.regimes import AT_REST, AT_REST_SHARE, CLOSED, SMALL_COMMAND
 from exo_sim.diagnosis.subsystems.gas.inputs import GasInputs
-from exo_sim.physics.gas import critical_ratio
+from exo_sim.physics.nozzle import critical_ratio
 
 
 def regimes(inputs: GasInputs, side: int, k: float) -> dict[str, NDArray[np.bool_]]:

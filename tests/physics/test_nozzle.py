@@ -6,7 +6,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from exo_sim.physics import gas
+from exo_sim.physics import nozzle
 from exo_sim.physics.declaration import declared
 from exo_sim.physics.records import CYLINDER
 
@@ -29,10 +29,10 @@ areas = st.floats(1e-9, 1e-4)
     ],
 )
 def test_critical_constants_follow_from_k(k: float, ratio: float, factor: float, speed: float) -> None:
-    assert gas.critical_ratio(k) == pytest.approx(ratio, abs=6e-11)
-    assert gas.critical_flow_factor(k) == pytest.approx(factor, abs=6e-11)
-    assert gas.critical_flow_factor(k) * math.sqrt(k) == pytest.approx(speed, abs=6e-9)
-    assert gas.throat_mach(gas.critical_ratio(k), k) == pytest.approx(1.0, abs=1e-12)
+    assert nozzle.critical_ratio(k) == pytest.approx(ratio, abs=6e-11)
+    assert nozzle.critical_flow_factor(k) == pytest.approx(factor, abs=6e-11)
+    assert nozzle.critical_flow_factor(k) * math.sqrt(k) == pytest.approx(speed, abs=6e-9)
+    assert nozzle.throat_mach(nozzle.critical_ratio(k), k) == pytest.approx(1.0, abs=1e-12)
 
 
 @pytest.mark.parametrize(
@@ -51,8 +51,8 @@ def test_critical_constants_follow_from_k(k: float, ratio: float, factor: float,
     ],
 )
 def test_flow_factor_and_throat_mach_number(ratio: float, factor: float, mach: float) -> None:
-    assert gas.flow_factor(ratio, K) == pytest.approx(factor, abs=6e-11)
-    assert gas.throat_mach(ratio, K) == pytest.approx(mach, abs=6e-11)
+    assert nozzle.flow_factor(ratio, K) == pytest.approx(factor, abs=6e-11)
+    assert nozzle.throat_mach(ratio, K) == pytest.approx(mach, abs=6e-11)
 
 
 @pytest.mark.parametrize(
@@ -69,45 +69,45 @@ def test_flow_factor_and_throat_mach_number(ratio: float, factor: float, mach: f
     ],
 )
 def test_mass_flow_through_five_square_millimetres(pressure: float, temperature: float, ratio: float, flow: float) -> None:
-    assert gas.mass_flow(5e-6, pressure, temperature, ratio * pressure, K, R) == pytest.approx(flow, rel=2e-10)
+    assert nozzle.mass_flow(5e-6, pressure, temperature, ratio * pressure, K, R) == pytest.approx(flow, rel=2e-10)
 
 
 @pytest.mark.parametrize(("r", "constant"), [(287.05, 0.040414899586), (287.058, 0.040414336422), (287.0, 0.040418419894)])
 def test_choked_constant_of_air(r: float, constant: float) -> None:
-    assert gas.critical_flow_factor(K) * math.sqrt(K / r) == pytest.approx(constant, abs=6e-13)
+    assert nozzle.critical_flow_factor(K) * math.sqrt(K / r) == pytest.approx(constant, abs=6e-13)
 
 
 def test_iso_conductance_and_throat_area() -> None:
     choked = 1e-8 * 1.185 * 1e5  # C rho p of ISO 6358 at the reference temperature
-    assert gas.mass_flow(5.020208972e-6, 1e5, 293.15, 0.0, K, R) == pytest.approx(choked, rel=1e-9)
+    assert nozzle.mass_flow(5.020208972e-6, 1e5, 293.15, 0.0, K, R) == pytest.approx(choked, rel=1e-9)
 
 
 def test_flow_law_is_smooth_at_the_critical_ratio_and_finite_at_equal_pressures() -> None:
-    at, h = gas.critical_ratio(K), 1e-6
-    assert abs(gas.flow_factor(at + h, K) - gas.flow_factor(at, K)) / h < 1e-5
-    assert gas.flow_factor(1.0, K) == 0.0
-    assert gas.flow_factor(1.0 - 1e-9, K) == pytest.approx(1e-9 * gas.flow_factor(0.999, K) / 1e-3, rel=1e-6)
+    at, h = nozzle.critical_ratio(K), 1e-6
+    assert abs(nozzle.flow_factor(at + h, K) - nozzle.flow_factor(at, K)) / h < 1e-5
+    assert nozzle.flow_factor(1.0, K) == 0.0
+    assert nozzle.flow_factor(1.0 - 1e-9, K) == pytest.approx(1e-9 * nozzle.flow_factor(0.999, K) / 1e-3, rel=1e-6)
 
 
 @given(areas, pressures, temperatures, pressures)
 def test_turning_the_path_round_turns_the_flow(area: float, p_a: float, t: float, p_b: float) -> None:
-    assert gas.flow(area, p_a, t, p_b, t, K, R) == -gas.flow(area, p_b, t, p_a, t, K, R)
-    assert gas.flow(area, p_a, t, p_a, t, K, R) == 0.0
+    assert nozzle.flow(area, p_a, t, p_b, t, K, R) == -nozzle.flow(area, p_b, t, p_a, t, K, R)
+    assert nozzle.flow(area, p_a, t, p_a, t, K, R) == 0.0
 
 
 @given(areas, pressures, temperatures, pressures, st.floats(1.0, 1.5))
 def test_flow_grows_with_upstream_and_never_with_downstream(area: float, p_a: float, t: float, p_b: float, more: float) -> None:
-    before = gas.flow(area, p_a, t, p_b, t, K, R)
-    assert gas.flow(area, p_a * more, t, p_b, t, K, R) >= before - 1e-12 * abs(before)
-    assert gas.flow(area, p_a, t, p_b * more, t, K, R) <= before + 1e-12 * abs(before)
+    before = nozzle.flow(area, p_a, t, p_b, t, K, R)
+    assert nozzle.flow(area, p_a * more, t, p_b, t, K, R) >= before - 1e-12 * abs(before)
+    assert nozzle.flow(area, p_a, t, p_b * more, t, K, R) <= before + 1e-12 * abs(before)
 
 
 @given(areas, pressures, temperatures, st.floats(0.0, 1.0), st.floats(0.1, 10.0))
 def test_scale_laws(area: float, p: float, t: float, ratio: float, scale: float) -> None:
-    flow = gas.mass_flow(area, p, t, ratio * p, K, R)
-    assert gas.mass_flow(area * scale, p, t, ratio * p, K, R) == pytest.approx(flow * scale, rel=1e-9)
-    assert gas.mass_flow(area, p * scale, t, ratio * p * scale, K, R) == pytest.approx(flow * scale, rel=1e-6, abs=1e-15)
-    assert gas.mass_flow(area, p, t * scale, ratio * p, K, R) == pytest.approx(flow / math.sqrt(scale), rel=1e-9)
+    flow = nozzle.mass_flow(area, p, t, ratio * p, K, R)
+    assert nozzle.mass_flow(area * scale, p, t, ratio * p, K, R) == pytest.approx(flow * scale, rel=1e-9)
+    assert nozzle.mass_flow(area, p * scale, t, ratio * p * scale, K, R) == pytest.approx(flow * scale, rel=1e-6, abs=1e-15)
+    assert nozzle.mass_flow(area, p, t * scale, ratio * p, K, R) == pytest.approx(flow / math.sqrt(scale), rel=1e-9)
 
 
 def test_ellipse_at_the_nozzles_ratio_is_the_nozzle_within_0_152_percent() -> None:
@@ -118,10 +118,10 @@ def test_ellipse_at_the_nozzles_ratio_is_the_nozzle_within_0_152_percent() -> No
     import numpy as np
 
     p = np.zeros(1, record)[0]
-    choked = gas.mass_flow(1e-6, 7e5, 293.15, 0.0, K, R)
-    p["ratio"] = gas.critical_ratio(K)
+    choked = nozzle.mass_flow(1e-6, 7e5, 293.15, 0.0, K, R)
+    p["ratio"] = nozzle.critical_ratio(K)
     worst = max(
-        abs(critical_ratio.mass_flow(p, 1e-6, 7e5, 293.15, r * 7e5, K, R) - gas.mass_flow(1e-6, 7e5, 293.15, r * 7e5, K, R))
+        abs(critical_ratio.mass_flow(p, 1e-6, 7e5, 293.15, r * 7e5, K, R) - nozzle.mass_flow(1e-6, 7e5, 293.15, r * 7e5, K, R))
         for r in np.linspace(0.5, 0.999, 2000)
     )
     assert worst / choked == pytest.approx(0.00152, abs=1e-5)

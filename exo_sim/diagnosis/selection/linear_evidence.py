@@ -94,11 +94,12 @@ class LinearEvidence:
         factor, failed = dpotrf(normal, lower=1, clean=1)  # tens of thousands of subsets: SciPy's checks take longer than the factors
         if failed:
             raise LinAlgError("the evidence of a subset is not finite")
-        half = dtrtrs(factor, self._moment[index] * (weight * scale), lower=1)[0]
+        moment = self._moment[index] * (weight * scale)
+        half = dtrtrs(factor, moment, lower=1)[0] if index.size else moment  # LAPACK complains of no rows
         evidence = -self.bend.target.size / correlation_time * math.log(spreads.noise) - 0.5 * weight * self._square
         evidence += 0.5 * float(half @ half) - float(np.log(np.diag(factor)).sum())
         evidence -= 0.5 * float(np.sum((amplitudes / self.basis.healthy) ** 2))
-        found = dtrtrs(factor, half, lower=1, trans=1)[0] * scale
+        found = (dtrtrs(factor, half, lower=1, trans=1)[0] if index.size else half) * scale
         sizes = found[p + d :]
         signed = [one for j in subset for one in self.bend.terms[j].one_sided]
         evidence += math.log(2.0) * sum(signed)

@@ -94,3 +94,12 @@ def test_spreads_are_estimated_where_the_evidence_is_greatest() -> None:
         Bend(None, {}, rng.standard_normal(rows), np.zeros((rows, 0)), ()), joined([("place", smooth, 2.0)], rows)
     ).estimated((), Spreads(1.0, (1.0,)), 1.0, sweeps=6)
     assert LEAST_AMPLITUDE * 2.0 <= quiet.amplitudes[0] < 0.1
+
+
+def test_nothing_at_all_has_the_density_of_noise_and_no_complaint_of_lapack(capfd: pytest.CaptureFixture[str]) -> None:
+    target = np.random.default_rng(5).standard_normal(ROWS)
+    evidence = LinearEvidence(Bend(None, {}, target, np.zeros((ROWS, 0)), ()), joined([], ROWS))
+    found = evidence.posterior((), Spreads(0.8, ()), 1.0)
+    density = multivariate_normal(np.zeros(ROWS), 0.64 * np.eye(ROWS)).logpdf(target) + 0.5 * ROWS * math.log(2.0 * math.pi)
+    assert found.log_evidence == pytest.approx(density, rel=1e-9)
+    assert capfd.readouterr() == ("", "")

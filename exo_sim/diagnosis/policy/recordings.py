@@ -21,6 +21,13 @@ FEWEST_IN_COLUMN = Count(10, "finite samples", "a column that is left with no mo
 FEWEST_ROWS = Count(30, "rows", "a balance with fewer is not fitted")
 FEWEST_OF_CHANNEL = Count(5, "finite samples", "a position or a slow channel with fewer is none")
 FEWEST_OF_FALL = Count(20, "finite samples", "a pressure with fewer does not show how it fell")
+LEAD_IN = Number(
+    0.08, "s",
+    "what a valve was told before a recording begins, nobody knows; its spool has forgotten it after a dead time and five lags of 12 ms each, "
+    "the slowest of the learn makes",
+    "make I of whole machines, seed 77, at its true numbers: eleven windows are predicted to within the noise, the first is off by 12 kPa",
+)  # fmt: skip
+WORTH_A_LEAD_IN = Number(10.0, "lead-ins", "a stretch that is shorter has no time to lose")
 FEWEST_TO_FIT = Count(20, "samples", "a run with no more training time is not fitted")
 STILL_LENGTH = Number(1e-4, "m", "a piston whose length varies by less does not move")
 STILL_COMMAND = Number(1e-3, "valve command", "a valve whose command varies by less is not moved")

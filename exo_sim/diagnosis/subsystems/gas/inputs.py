@@ -10,6 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from exo_sim.diagnosis.data.cylinder_run import CylinderRun
+from exo_sim.diagnosis.policy.recordings import LEAD_IN, WORTH_A_LEAD_IN
 from exo_sim.recording.filters import start_weights
 from exo_sim.recording.windows import local_range, window_starts
 
@@ -17,11 +18,6 @@ Array = NDArray[np.float64]
 
 #: Delayed commands are cached up to so many samples.
 MOST_KEPT = 2_000_000
-#: What a valve was told before a recording begins, nobody knows; after this its spool has forgotten it [s]: a dead time and five lags of
-#: 12 ms each, the slowest of the learn makes. Make I: eleven windows were predicted to within the noise, the first was off by 12 kPa.
-FORGOTTEN = 0.08
-#: A stretch that is shorter than so many of these has no time to lose.
-_WORTH = 10.0
 #: A held command that changes by more than this within a step is followed in two parts; over smaller changes its mean does.
 SWITCHED = 0.1
 #: A part of a step below this share of it is none.
@@ -125,8 +121,8 @@ def windows(run: CylinderRun, seconds: float) -> Windows:
     works = run.commanded and not run.at_rest
     for begin, end in zip(edges[:-1], edges[1:], strict=True):
         first = begin
-        if works and end > begin and time[end - 1] - time[begin] > _WORTH * FORGOTTEN:
-            first += int(np.searchsorted(time[begin:end], time[begin] + FORGOTTEN))
+        if works and end > begin and time[end - 1] - time[begin] > WORTH_A_LEAD_IN * LEAD_IN:
+            first += int(np.searchsorted(time[begin:end], time[begin] + LEAD_IN))
         found = [begin] * (first > begin) + window_starts(time, first, end, seconds, restless)
         starts += found
         stops += [*found[1:], end]

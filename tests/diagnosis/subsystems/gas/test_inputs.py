@@ -10,7 +10,8 @@ from hypothesis import strategies as st
 from numpy.typing import NDArray
 
 from exo_sim.diagnosis.data.cylinder_run import CylinderRun
-from exo_sim.diagnosis.subsystems.gas.inputs import FORGOTTEN, START_SAMPLES, late_commands, windows
+from exo_sim.diagnosis.policy.recordings import LEAD_IN
+from exo_sim.diagnosis.subsystems.gas.inputs import START_SAMPLES, late_commands, windows
 from exo_sim.recording.windows import QUIET_REACH, window_starts
 
 N = 4000
@@ -137,7 +138,7 @@ def test_a_stretch_of_a_working_valve_is_led_in_until_commands_from_before_are_f
     cut = windows(cylinder_runs.run_of(level, level, command=command, commanded=True, breaks=(0, at, short)), SECONDS)
     leading = cut.starts[cut.lead]
     assert leading.tolist() == [0, at]  # the last stretch is too short
-    np.testing.assert_allclose(cut.stops[cut.lead] - leading, FORGOTTEN / cylinder_runs.STEP, atol=1.0)
+    np.testing.assert_allclose(cut.stops[cut.lead] - leading, LEAD_IN / cylinder_runs.STEP, atol=1.0)
     assert not cut.compared[0] and cut.compared[-1] and cut.compared.shape == (N,)
     np.testing.assert_array_equal(cut.stops[:-1], cut.starts[1:])
     held = cylinder_runs.run_of(level, level, command=np.full(N, 0.5), commanded=True)

@@ -23,7 +23,7 @@ FEWEST_OF_CHANNEL = Count(5, "finite samples", "a position or a slow channel wit
 FEWEST_OF_FALL = Count(20, "finite samples", "a pressure with fewer does not show how it fell")
 LEAD_IN = Number(
     0.08, "s",
-    "what a valve was told before a recording begins, nobody knows; its spool has forgotten it after a dead time and five lags of 12 ms each, "
+    "what a valve was told before a recording begins, nobody knows; its spool has forgotten it after a dead time and five lags of 12 ms, "
     "the slowest of the learn makes",
     "make I of whole machines, seed 77, at its true numbers: eleven windows are predicted to within the noise, the first is off by 12 kPa",
 )  # fmt: skip

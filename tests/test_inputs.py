@@ -31,9 +31,10 @@ def test_what_is_no_toml_is_one_sentence(text: str, tmp_path: Path) -> None:
 
 def test_devices_pipes_and_folders_are_refused_unread(tmp_path: Path) -> None:
     os.mkfifo(tmp_path / "pipe")
-    for path in (tmp_path / "pipe", tmp_path, Path("/dev/zero")):
+    save = "save it to a file"
+    for path, remedy in ((tmp_path / "pipe", save), (tmp_path, "name a file in it"), (Path("/dev/zero"), save)):
         for reading in (check_regular, text_of):
-            with pytest.raises(ValueError, match="not a file; save it to a file"):
+            with pytest.raises(ValueError, match=f"not a file; {remedy}"):
                 reading(path)
         for reader in (read, read_column_map):
             with pytest.raises(ExoSimError, match="not a file"):

@@ -3,12 +3,12 @@
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 
 import numpy as np
 from numpy.typing import NDArray
 
-from exo_sim.machine.ground import LEVEL, Ground
+from exo_sim.machine.ground import Ground
 from exo_sim.physics.compiled import kernel
 
 #: Samples of one stride or repetition.
@@ -45,7 +45,7 @@ class Motion:
     contact: NDArray[np.bool_]
     support: NDArray[np.float64]
     trial: WholeTrial | None = None
-    ground: Ground = LEVEL
+    ground: Ground = field(default_factory=Ground)
 
     @property
     def climb(self) -> float:

@@ -103,6 +103,7 @@ def task() -> Task:
         joint = case.links[0].joint
         leak = next(c for c in candidates(plant, [run], name, joint) if (c.effect, c.form) == (CONCEALED, "area"))
     parameters = (*(replace(believed[key], prior=None) for key in NAMES[:3]), *leak.parameters)
+    run = replace(run, commanded=False)  # all begin with a valve that was shut: no window need lead in
     model = GasModel([run], plant, Split({}), window=2.0 * SECONDS)
     start = np.array([1.0, 1.0, 1.0, leak.starts[0][0] / LEAK])
     return Task(case.rig, spec, plant, run, model.inputs[0].windows.pressure[0], parameters, model, start)

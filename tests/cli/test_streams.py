@@ -52,7 +52,7 @@ def test_without_a_stderr_results_and_status_stay(stderr):
 def test_no_file_takes_the_place_of_a_closed_stream(tmp_path):
     out = tmp_path / "list.txt"
     done = shell(f"exo-sim scenarios --out {out} <&- 2>&-")
-    assert done.returncode == 0 and out.read_text().startswith("level_walk")
+    assert done.returncode == 0 and "level_walk" in out.read_text()
 
 
 def test_a_file_name_that_is_no_utf8_and_steers_terminals_is_one_printable_line():

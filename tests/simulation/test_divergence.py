@@ -17,7 +17,7 @@ KEYS = ("time", "torso_x.position", "torso_z.position", "torso_pitch.position")
 class Upright:
     """A wearer that goes ahead evenly, upright, 1 m high."""
 
-    period, advance = PERIOD, ADVANCE
+    period, advance, climb = PERIOD, ADVANCE, 0.0
     position = np.tile([0.0, 1.0, 0.0], (8, 1))
 
     def at(self, cycles, columns):

@@ -13,7 +13,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from exo_sim.diagnosis.policy.priors import LEAST_INNOVATION
+from exo_sim.diagnosis.policy import priors
 from exo_sim.physics.compiled import kernel
 
 Array = NDArray[np.float64]
@@ -66,7 +66,7 @@ def noise_model(residual: Array, blocks: NDArray[np.int64]) -> NoiseModel:
                 best = variance, phi, theta
     assert best is not None
     variance, phi, theta = best
-    return NoiseModel(phi, theta, max(math.sqrt(variance), LEAST_INNOVATION), blocks)
+    return NoiseModel(phi, theta, max(math.sqrt(variance), priors.LEAST_INNOVATION), blocks)
 
 
 def _innovations(rows: Array, blocks: NDArray[np.int64], phi: float, theta: float) -> Array:

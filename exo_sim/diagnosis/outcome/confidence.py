@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from exo_sim.diagnosis.findings import Finding
+from exo_sim.diagnosis.findings import Finding, Kind
 from exo_sim.diagnosis.policy.confidence import EVEN_SHARE, LEAST_TOLD, STEEPNESS, UNTESTED
 from exo_sim.diagnosis.policy.verdicts import MOST_CONFIDENT
 from exo_sim.physics.declaration import identification_of
@@ -19,14 +19,21 @@ def confidence(finding: Finding, share: float | None) -> float:
     return min(finding.confidence, _borne(share))
 
 
-def doubt(finding: Finding, share: float | None) -> str:
-    """Return why a name is more likely wrong than right whatever its odds, "" where nothing says so; arguments as of `confidence`.
+def doubt(finding: Finding, share: float | None, compared: bool = True) -> str:
+    """Return why a name is more likely wrong than right whatever its odds, "" where nothing says so.
 
-    Odds alone do not do: where time kept back tests nothing and the number may be nil, neither speaks for the name.
+    Odds alone do not do: where time kept back tests nothing and the number may be nil, neither speaks for the name. A sensor that is off
+    is off at all times: one that time kept back does not show stands in for something else.
+
+    Args:
+        finding, share: As of `confidence`.
+        compared: Whether there was time kept back with its signals.
     """
     if share is None:
-        unsure = "time that no number was fitted to does not test it, and the interval of its number holds nil"
-        return unsure if _may_be_nil(finding) else ""
+        untested = "time that no number was fitted to does not test it"
+        if compared and finding.kind is Kind.SENSOR:
+            return f"{untested}, where a sensor at fault would be as much at fault as before"
+        return f"{untested}, and the interval of its number holds nil" if _may_be_nil(finding) else ""
     if _borne(share) >= LEAST_TOLD:
         return ""
     return (

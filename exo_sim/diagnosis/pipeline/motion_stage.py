@@ -24,13 +24,12 @@ from exo_sim.diagnosis.selection.fitted_model import SearchResult
 from exo_sim.diagnosis.selection.model_fits import ModelFits
 from exo_sim.diagnosis.selection.subset_weighing import SubsetWeighing
 from exo_sim.diagnosis.selection.subsystem_result import SubsystemResult
-from exo_sim.diagnosis.subsystems.motion.candidates import candidates
+from exo_sim.diagnosis.subsystems.motion.candidates import candidates, creep_of
 from exo_sim.diagnosis.subsystems.motion.contact_scatter import contact_scatter
 from exo_sim.diagnosis.subsystems.motion.family import motion_family
 from exo_sim.diagnosis.subsystems.motion.model import MotionModel
 from exo_sim.diagnosis.subsystems.motion.nuisances import nuisance_parameters, with_damping, with_damping_if_too_large
 from exo_sim.physics.declaration import declared, identification_of
-from exo_sim.physics.effects import friction_smoothing
 from exo_sim.physics.records import CYLINDER
 from exo_sim.rig import assembly
 
@@ -72,7 +71,7 @@ def _examined(
 
     def search(nuisances: Sequence[FreeParameter]) -> tuple[ModelFits, SearchResult]:
         fits, found = search_once(model, nuisances)
-        creep = _creep(found)
+        creep = creep_of(found.final.fit.values)
         if creep > 0.0 and model.with_contact(None, creep).creeps and not is_spent():
             weighted = model.with_contact(None, creep)
             return search_once(weighted, nuisances, [creep * share for share in NEAR_CREEP])
@@ -86,11 +85,6 @@ def _examined(
         if more <= 0 and other.deficit(rival.final, outcome.final) < (AS_GOOD if more < 0 else -PLAINLY_LESS_DAMPING):
             return decide(name, cast(MotionModel, other.model), other, rival)
     return decide(name, cast(MotionModel, held.model), held, outcome)
-
-
-def _creep(found: SearchResult) -> float:
-    """Return the speed at which dry friction has built up by what was found [m/s or rad/s]; 0 where it is there at once."""
-    return next((v for q, v in found.final.fit.values.items() if q.effect == friction_smoothing.EFFECT.name), 0.0)
 
 
 def _may_be_damping(outcome: SearchResult, freed: ModelFits) -> bool:

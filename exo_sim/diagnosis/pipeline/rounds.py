@@ -95,7 +95,8 @@ def without_doubtful(examination: Examination) -> Examination:
     doubtful = {}
     for one in examination.results.all:
         for finding in one.findings:
-            why = doubt(finding, examination.test.shares.get(f"{finding.name}@{finding.where}"))
+            key = f"{finding.name}@{finding.where}"
+            why = doubt(finding, examination.test.shares.get(key), key in examination.test.drops)
             if why:
                 doubtful[finding.name, finding.where] = why
     plan = replace(examination.plan, refuted={**examination.plan.refuted, **doubtful})

@@ -43,3 +43,9 @@ def test_a_number_that_may_be_nil_and_that_nothing_tested_is_no_name(low: float,
 def test_of_several_numbers_one_that_is_not_nil_will_do() -> None:
     parts = {"conductance_1": Estimate(0.3, "W/K", 0.0, 0.6), "conductance_2": Estimate(0.6, "W/K", 0.3, 0.9)}
     assert not doubt(replace(named(300.0), name="wall_heat_transfer", parameters=parts), None)
+
+
+@pytest.mark.parametrize(("share", "compared", "doubted"), [(None, True, True), (None, False, False), (0.9, True, False)])
+def test_a_sensor_at_fault_shows_in_time_kept_back_as_well(share: float | None, compared: bool, doubted: bool) -> None:
+    finding = replace(named(300.0), name="sensor_scale", kind=Kind.SENSOR, parameters={"factor": Estimate(1.04, "1", 1.02, 1.06)})
+    assert bool(doubt(finding, share, compared)) is doubted

@@ -29,11 +29,11 @@ def test_what_can_be_is_nothing(key: str, values: np.ndarray, unit: str) -> None
 
 
 @pytest.mark.parametrize(
-    ("key", "values", "kind"),
-    [("piston.pressure_1", 3.0 + WAVE, "unit"), ("piston.pressure_1", 3e7 + 1e6 * WAVE, "unit"),
-     ("piston.pressure_1", 2e5 * np.maximum(WAVE, 0.0), "gauge"), ("piston.pressure_1", 2e6 + 1e5 * WAVE, "range"),
-     ("supply.temperature", 20.0 + WAVE, "unit"), ("supply.temperature", 2000.0 + WAVE, "range"),
-     ("piston.valve_command", 5.0 * WAVE, "unit"), ("piston.valve_command", 1.1 * WAVE, "range")],
+    ("key", "values", "unit", "kind"),
+    [("piston.pressure_1", 3.0 + WAVE, "Pa", "unit"), ("piston.pressure_1", 3e7 + 1e6 * WAVE, "Pa", "unit"),
+     ("piston.pressure_1", 2e5 * np.maximum(WAVE, 0.0), "Pa", "gauge"), ("piston.pressure_1", 2e6 + 1e5 * WAVE, "Pa", "range"),
+     ("supply.temperature", 20.0 + WAVE, "K", "unit"), ("supply.temperature", 2000.0 + WAVE, "K", "range"),
+     ("piston.valve_command", 5.0 * WAVE, "1", "unit"), ("piston.valve_command", 1.1 * WAVE, "1", "range")],
 )  # fmt: skip
-def test_what_cannot_be_is_said(key: str, values: np.ndarray, kind: str) -> None:
-    assert kinds(key, values, "Pa") == [kind]
+def test_what_cannot_be_is_said(key: str, values: np.ndarray, unit: str, kind: str) -> None:
+    assert kinds(key, values, unit) == [kind]

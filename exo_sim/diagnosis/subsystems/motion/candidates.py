@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import replace
 
 import numpy as np
@@ -104,6 +104,11 @@ def candidates(runs: Sequence[MotionRun], plant: PlantParameters, where: str, re
         zero = sensor_error(sensor_bias.EFFECT, column, f"{column}.bias", unit, level, (-1e7, 1e7), limit)
         found.append(replace(zero, prevalence=priors.FAULTY_ZERO))
     return tuple(found)
+
+
+def creep_of(values: Mapping[FreeParameter, float]) -> float:
+    """Return the speed at which dry friction has built up by what was fitted [m/s or rad/s]; 0 where it is there at once."""
+    return next((value for q, value in values.items() if q.effect == friction_smoothing.EFFECT.name), 0.0)
 
 
 def _contact_laws(plant: PlantParameters, where: str, turning: bool, at_joint: bool) -> list[Candidate]:

@@ -1,16 +1,15 @@
 """The straps between wearer and machine: explicit spring-dampers between points of two rigid bodies.
 
-MuJoCo's welds to mocap bodies would lag and drag (such bodies have no velocity), and their softness scales with mass;
-here
-stiffness is in N/m and the person's real velocity is used. A strap stands for all that holds at its place, so that most push as well as
-pull: of harness and cuff the pad pushes and the strap round the body pulls, a shoe does both. Shoulder straps only pull: the machine can
-hang on them, and cannot lift them. That counts where the wearer is a body (`one_sided`); one whose motion is prescribed is held both ways.
+MuJoCo's welds to mocap bodies would lag and drag (such bodies have no velocity), and their softness scales with mass; here stiffness is
+in N/m and the person's real velocity is used. A strap stands for all that holds at its place, so that most push as well as pull: of
+harness and cuff the pad pushes and the strap round the body pulls, a shoe does both. Shoulder straps only pull: the machine can hang on
+them, and cannot lift them. That counts where the wearer is a body (`one_sided`); one whose motion is prescribed is held both ways.
 """
 
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -74,6 +73,10 @@ class StrapSet:
     stiffness: NDArray[np.float64]
     damping: NDArray[np.float64]
     least: NDArray[np.float64]
+
+    def stiffened(self, factor: float) -> StrapSet:
+        """Return straps so many times as stiff; their damping grows with the root, which keeps the damping ratio of what hangs on them."""
+        return replace(self, stiffness=factor * self.stiffness, damping=math.sqrt(factor) * self.damping)
 
 
 def fasten(model: mujoco.MjModel, person: Person, straps: tuple[Strap, ...] | None = None, one_sided: bool = False) -> StrapSet:

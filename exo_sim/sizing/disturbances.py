@@ -7,7 +7,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterator
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
@@ -74,10 +74,8 @@ def disturbed(nominal: Simulation, rig: Rig, condition: Condition) -> Iterator[t
             variation=one.variation,
         )  # fmt: skip
         other = Simulation(condition.worn(rig), request)
-        other.straps = replace(
-            other.straps, stiffness=one.stiffness * other.straps.stiffness, damping=math.sqrt(one.stiffness) * other.straps.damping
-        )
-        demand, plan = _late(nominal.demand, one.late), _late(nominal.plan, one.late)
+        other.straps = other.straps.stiffened(one.stiffness)
+        demand, plan = late(nominal.demand, one.late), late(nominal.plan, one.late)
         if other.motion.trial is not None:
             demand, plan = other.motion.trial.played(demand), chamber_plans.played(plan, other.motion.trial, other.plugin)
         other.demand = other.demand_added = demand
@@ -85,7 +83,7 @@ def disturbed(nominal: Simulation, rig: Rig, condition: Condition) -> Iterator[t
         yield one, other
 
 
-def _late(table: NDArray[np.float64], share: float) -> NDArray[np.float64]:
+def late(table: NDArray[np.float64], share: float) -> NDArray[np.float64]:
     """Return a cycle's table, its first row repeated behind the last, so much of the cycle later."""
     if len(table) == 0 or share == 0.0:
         return table

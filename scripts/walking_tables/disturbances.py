@@ -6,14 +6,13 @@ import dataclasses
 import math
 from typing import Any
 
-import numpy as np
-
 from exo_sim.control.causal import Calibration, Causal
 from exo_sim.gait.variation import Variation
 from exo_sim.rig import Rig, Wearer
 from exo_sim.simulation.coupled import Simulation
 from exo_sim.simulation.summary import summarise
 from exo_sim.simulation.walk import Request
+from exo_sim.sizing.disturbances import late
 
 PAYLOAD = 34.0
 STRIDES = 12
@@ -71,16 +70,11 @@ def walked(exo: Rig, case: Case, nominal: Simulation, causal: bool) -> dict[str,
         "level_walk", PAYLOAD + case.payload, speed=case.speed, cycles=STRIDES, law="inverse_dynamics", variation=case.variation
     )
     other = Simulation(rig, request)
-    straps = other.straps
-    other.straps = dataclasses.replace(
-        straps, stiffness=case.stiffness * straps.stiffness, damping=math.sqrt(case.stiffness) * straps.damping
-    )
+    other.straps = other.straps.stiffened(case.stiffness)
     if causal:
         other.controlled_by(Causal(_of(nominal), first_phase=-case.late, late=case.wrong), seed=1)
     else:
-        late = case.late + case.wrong
-        shifted = np.roll(nominal.demand[:-1], round(late * (len(nominal.demand) - 1)), axis=0)
-        table = np.concatenate([shifted, shifted[:1]])
+        table = late(nominal.demand, case.late + case.wrong)
         other.demand = other.demand_added = table if other.motion.trial is None else other.motion.trial.played(table)
     return summarise(other.run())
 

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import dataclasses
-import math
 from pathlib import Path
 from typing import Any
 
@@ -28,10 +27,7 @@ def _walked(exo: Rig, case: Case, controller: own.Controller | None, nominal: Si
         driven="" if controller is None else "valves",
     )  # fmt: skip
     simulation = Simulation(rig, request, controller)
-    straps = simulation.straps
-    simulation.straps = dataclasses.replace(
-        straps, stiffness=case.stiffness * straps.stiffness, damping=math.sqrt(case.stiffness) * straps.damping
-    )
+    simulation.straps = simulation.straps.stiffened(case.stiffness)
     if nominal is not None:
         assert nominal.calibration is not None
         simulation.controlled_by(Causal(nominal.calibration), seed=1)

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import dataclasses
 import math
 from pathlib import Path
 from typing import Any
@@ -21,6 +20,7 @@ from exo_sim.simulation.coupled import Simulation
 from exo_sim.simulation.summary import summarise
 from exo_sim.simulation.walk import Request
 from exo_sim.simulation.wearer_alone import one_cycle
+from exo_sim.sizing.disturbances import late
 from walking_tables.disturbances import CASES, STRIDES, work
 
 PAYLOAD = 34.0
@@ -166,17 +166,13 @@ def _tried(exo: Rig, nominal: Simulation, name: str, causal: bool) -> dict[str, 
     case = CASES[name]
     other = Simulation(exo, Request("level_walk", PAYLOAD + case.payload, cycles=STRIDES, law="inverse_dynamics", wearer="torques"))
     other.motion, other.torques = nominal.motion, nominal.torques  # what the wearer expects
-    straps = other.straps
-    other.straps = dataclasses.replace(
-        straps, stiffness=case.stiffness * straps.stiffness, damping=math.sqrt(case.stiffness) * straps.damping
-    )
+    other.straps = other.straps.stiffened(case.stiffness)
     other.reset()
     if causal:
         assert nominal.calibration is not None
         other.controlled_by(Causal(nominal.calibration, first_phase=-case.late, late=case.wrong), seed=1)
     else:
-        shifted = np.roll(nominal.demand[:-1], round((case.late + case.wrong) * (len(nominal.demand) - 1)), axis=0)
-        other.demand = other.demand_added = np.concatenate([shifted, shifted[:1]])
+        other.demand = other.demand_added = late(nominal.demand, case.late + case.wrong)
     try:
         return summarise(other.run())
     except Diverged:

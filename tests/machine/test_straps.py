@@ -112,3 +112,11 @@ def test_a_force_on_a_foot_goes_into_the_ground_there():
     wrench[0, SEGMENTS.index("foot_l")] = [30.0, -100.0, 4.0]
     extra = extra_moments(poses, wrench, share, centre, person.ankle_height)[0]
     assert np.abs(extra[:3]).max() < 0.2
+
+
+def test_stiffened_straps_keep_their_damping_ratio(worn):
+    _, _, straps = worn
+    twice = straps.stiffened(2.0)
+    np.testing.assert_allclose(twice.stiffness, 2.0 * straps.stiffness)
+    np.testing.assert_allclose(twice.damping**2 / twice.stiffness, straps.damping**2 / straps.stiffness)
+    assert twice.names == straps.names

@@ -107,18 +107,22 @@ def _in_common_units(unit: str) -> tuple[float, tuple[int, ...]] | None:
     return scale, dimension
 
 
-def split(text: str) -> tuple[float, str]:
-    """Return number and unit of a quantity's text.
+def split(text: str, si_unit: str = "m") -> tuple[float, str]:
+    """Return number and unit of a quantity's text; the unit wanted is named where it is none.
 
     Raises:
         UnitError: it does not begin with a number, or is too long to be a quantity.
     """
     if len(text) > LONGEST:
-        raise UnitError(f'"{text[:20]}..." has {len(text)} characters; write a number and a unit, like "1 m"')
+        raise UnitError(f'"{text[:20]}..." has {len(text)} characters; write {_example(si_unit)}')
     match = _QUANTITY.match(text)
     if match is None:
-        raise UnitError(f'"{one_line(text)}" is not a quantity; write a number and a unit, like "1 m"')
+        raise UnitError(f'"{one_line(text)}" is not a quantity; write {_example(si_unit)}')
     return float(match.group(1)), match.group(2)
+
+
+def _example(si_unit: str) -> str:
+    return 'a number, like "1"' if si_unit == "1" else f'a number and a unit, like "1 {si_unit}"'
 
 
 def parse(text: object, si_unit: str) -> float:
@@ -135,7 +139,7 @@ def parse(text: object, si_unit: str) -> float:
         shown = str(text) if isinstance(text, bool) else f"a {type(text).__name__}"
         raise UnitError(f'{shown} is not a quantity; write it like "1 {si_unit}"')
     if isinstance(text, str):
-        value, unit = split(text)
+        value, unit = split(text, si_unit)
         if not unit and si_unit != "1":
             raise UnitError(f'"{text}" has no unit; write it with one, like "{text} {si_unit}"')
     elif isinstance(text, int) and abs(text) > LARGEST:

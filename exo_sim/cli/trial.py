@@ -50,8 +50,8 @@ def make(cases: int | None, every: int | None, truth: str, makes: str | None, hi
 
     if cases is not None and every is not None:
         raise TrialError("--cases and --every exclude each other: cases are drawn by chance, or every effect is")
-    if truth == "own" and (makes or hides):
-        raise TrialError(f"{'--make' if makes else '--cell'} is for whole machines; say --truth whole too, or leave it out")
+    if truth == "own" and (makes, hides) != (None, None):
+        raise TrialError(f"{'--cell' if makes is None else '--make'} is for whole machines; say --truth whole too, or leave it out")
     if truth != "own" and every is not None:
         raise TrialError("--every is for --truth own; whole machines are drawn with --cases")
     folder = out or Path("trial")

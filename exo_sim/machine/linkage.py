@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Collection
 from dataclasses import dataclass
 
 import mujoco
@@ -46,7 +47,7 @@ def linkages(rig: Rig, model: mujoco.MjModel) -> tuple[Linkage, ...]:
     names = [model.actuator(i).name for i in range(model.nu)]
     found = []
     for cylinder in rig.cylinders.values():
-        key = f'{rig.path}: cylinders.{cylinder.name}.actuator = "{cylinder.actuator}"'
+        key = _key(rig, cylinder)
         if cylinder.actuator not in names:
             raise ModelError(f"{key}: no such actuator in {rig.model.name}{nearest(cylinder.actuator, names)}")
         index = names.index(cylinder.actuator)
@@ -57,6 +58,23 @@ def linkages(rig: Rig, model: mujoco.MjModel) -> tuple[Linkage, ...]:
         turning = model.jnt_type[joint] == mujoco.mjtJoint.mjJNT_HINGE
         found.append(Linkage(cylinder.name, index, model.joint(joint).name, dof, bool(turning)))
     return tuple(found)
+
+
+def check_motors(rig: Rig, model: mujoco.MjModel, links: Collection[Linkage]) -> None:
+    """Refuse actuators that were edited after `linkages` found them: their force would be scaled or clipped in silence.
+
+    Raises:
+        ModelError: one is no plain motor any more, or clips what its cylinder exerts.
+    """
+    for link in links:
+        cylinder = rig.cylinders[link.cylinder]
+        key = _key(rig, cylinder)
+        _check_motor(model, link.actuator, key)
+        _check_reach(rig, model, cylinder, link.actuator, key)
+
+
+def _key(rig: Rig, cylinder: Cylinder) -> str:
+    return f'{rig.path}: cylinders.{cylinder.name}.actuator = "{cylinder.actuator}"'
 
 
 def _check_motor(model: mujoco.MjModel, index: int, key: str) -> None:

@@ -6,9 +6,9 @@ from exo_sim.physics.compiled import inlined_kernel, kernel
 from exo_sim.physics.forces import joint_forces, rod_forces
 from exo_sim.physics.plant import FOLLOWED, step
 from exo_sim.simulation.native import call, read_time
-from exo_sim.simulation.views import GAS_TIME, MUJOCO_TIME, STEP
+from exo_sim.simulation.views import GAS_TIME, MUJOCO_TIME, STEP, STEPPED
 
-#: What `catch_up` returns where MuJoCo's clock is neither where the gas is nor one step further.
+#: What `catch_up` returns where MuJoCo's clock is neither where the gas is nor one step further, or stood still over a step.
 OUT_OF_STEP = -1
 #: Share of a step within which two clocks agree; sums of steps round by far less.
 CLOCK_SLACK = 1e-3
@@ -86,8 +86,9 @@ def catch_up(mechanics, plant):
     became = FOLLOWED
     if abs(ahead - step_length) <= CLOCK_SLACK * step_length:
         became = advance_gas(mechanics, plant)
-        plant.clock[GAS_TIME] = plant.clock[MUJOCO_TIME]
-    elif not abs(ahead) <= CLOCK_SLACK * step_length:
+        if became == FOLLOWED:
+            plant.clock[GAS_TIME] = plant.clock[MUJOCO_TIME]
+    elif not abs(ahead) <= CLOCK_SLACK * step_length or plant.clock[STEPPED] != 0.0:
         became = OUT_OF_STEP
     return became
 
@@ -102,4 +103,5 @@ def coupled_step(mechanics, plant):
             freshen_levers(mechanics, plant)
         compute_forces(mechanics, plant)
         call(mechanics.step2, mechanics.model, mechanics.data)
+        plant.clock[STEPPED] = 1.0
     return became

@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 
 from exo_sim.errors import ModelError, RigError, nearest
 from exo_sim.machine import mjcf
-from exo_sim.machine.linkage import linkages, moment_row
+from exo_sim.machine.linkage import check_motors, linkages, moment_row
 from exo_sim.physics.books import Books
 from exo_sim.physics.plant import FOLLOWED
 from exo_sim.rig import Rig, assembly
@@ -174,10 +174,12 @@ class PneumaticPlugin:
         """Fill the chambers with gas at rest, at the atmosphere unless pressures [Pa] are given, for the positions in `data`.
 
         Raises:
-            ModelError: `data` is of another model, a piston is a stroke or more outside its stroke, or a pressure is none: absolute ones
-                are above 0, and below `LARGEST_PRESSURE`.
+            ModelError: `data` is of another model, the model's time step or motors were edited since the plug-in was made, a piston is a
+                stroke or more outside its stroke, or a pressure is none: absolute ones are above 0, and below `LARGEST_PRESSURE`.
         """
         self._check_data(data)
+        self._check_time_step()
+        check_motors(self.rig, self.model, self.links)
         atmosphere = self.rig.environment.pressure
         p_1 = self._pressure("pressure_1", atmosphere if pressure_1 is None else pressure_1)
         p_2 = self._pressure("pressure_2", atmosphere if pressure_2 is None else pressure_2)
@@ -196,7 +198,7 @@ class PneumaticPlugin:
         self._masses(data)
         self.pneumatics.fill(plant.x, p_1, p_2)
         self.pneumatics.settle_transmission(plant.x)
-        plant.clock[views.GAS_TIME] = data.time
+        plant.clock[[views.GAS_TIME, views.STEPPED]] = data.time, 0.0
 
     def _pressure(self, name: str, value: NDArray[np.float64] | float) -> NDArray[np.float64]:
         """Return a pressure for each cylinder, shape (n,); how small it may be is asked where the chambers are filled."""
@@ -214,6 +216,11 @@ class PneumaticPlugin:
             raise ModelError(f"the plug-in takes the MjData of its model, not {type(data).__name__}")
         if data.signature != self.model.signature:
             raise ModelError("the MjData belongs to another model than the one that the plug-in was made for")
+
+    def _check_time_step(self) -> None:
+        """Refuse a model whose time step was edited: the gas is followed at the one that the plug-in was made for."""
+        if (step := float(self.model.opt.timestep)) != self.dt:
+            raise ModelError(f"the model's time step became {step:g} s; the plug-in was made for {self.dt:g} s: make it anew for this one")
 
     def _masses(self, data: mujoco.MjData) -> None:
         """Set the mass that each dry contact holds: the inverse of J M^-1 J'."""
@@ -251,6 +258,8 @@ class PneumaticPlugin:
                 not one step further: the model's time step changed, or its state was reset and the plug-in was not.
         """
         self._check_data(data)
+        self._check_time_step()
+        self.plant.clock[views.STEPPED] = 0.0
         ahead = data.time - self.plant.clock[views.GAS_TIME]
         if abs(ahead) <= CLOCK_SLACK * self.dt:
             return
@@ -291,8 +300,7 @@ class PneumaticPlugin:
     def _out_of_step(self) -> ModelError:
         """Return what put MuJoCo's clock elsewhere than one step behind the gas's, and what to do."""
         now, gas = float(self.plant.clock[views.MUJOCO_TIME]), float(self.plant.clock[views.GAS_TIME])
-        if (step := float(self.model.opt.timestep)) != self.dt:
-            return ModelError(f"the model's time step became {step:g} s; the plug-in was made for {self.dt:g} s: make it anew for this one")
+        self._check_time_step()
         if not now >= gas:
             return ModelError(
                 f"MuJoCo's clock went back from {gas:g} s to {now:g} s: call the plug-in's reset after mj_resetData, which MuJoCo calls "
@@ -324,7 +332,7 @@ class PneumaticPlugin:
         for name in _CONTACT:
             gas.joints[name] = snapshot.contacts[1][name]
         plant.x[:] = snapshot.lengths
-        plant.clock[views.GAS_TIME] = snapshot.time
+        plant.clock[[views.GAS_TIME, views.STEPPED]] = snapshot.time, 0.0
         m = len(self.joint_names)
         plant.q[:], plant.felt[:] = snapshot.positions[:m], snapshot.positions[m:]
         mujoco.mj_forward(self.model, data)

@@ -16,8 +16,9 @@ Table = NDArray[np.float64]  # of two dimensions
 Index = NDArray[np.int64]
 ShortIndex = NDArray[np.int32]
 
-#: Places in `Plant.clock`, compiled into the kernel: how far the gas has come, what MuJoCo's clock said last, and the length of a step [s].
-GAS_TIME, MUJOCO_TIME, STEP = 0, 1, 2
+#: Places in `Plant.clock`, compiled into the kernel: how far the gas has come, what MuJoCo's clock said last, and the length of a step [s];
+#: and 1 where MuJoCo has been told to take a step since the gas was there, so that its clock must have moved.
+GAS_TIME, MUJOCO_TIME, STEP, STEPPED = 0, 1, 2, 3
 
 
 class Mechanics(NamedTuple):
@@ -57,7 +58,7 @@ class Plant(NamedTuple):
         q, q1, qd: The same as x, x1, v of each joint.
         own, felt: What each joint's contact exerts, and what of it stands in MuJoCo's applied forces.
         turning: Not zero where a cylinder's contact must know its lever at the joint in every step.
-        clock: Numbers at `GAS_TIME`, `MUJOCO_TIME`, `STEP`.
+        clock: Numbers at `GAS_TIME`, `MUJOCO_TIME`, `STEP`, `STEPPED`.
     """
 
     world: NDArray[np.void]
@@ -105,5 +106,5 @@ def plant(
     q, q1, qd, own, felt = np.zeros((5, m))
     return Plant(
         gas.world, gas.cylinders, gas.joints, gas.vector, gas.history, gas._work, gas._scratch, actuators, driven, retracted,
-        dofs, addresses, x, x1, v, command, force, q, q1, qd, own, felt, np.array([int(turning)]), np.array([0.0, 0.0, gas.dt]),
+        dofs, addresses, x, x1, v, command, force, q, q1, qd, own, felt, np.array([int(turning)]), np.array([0.0, 0.0, gas.dt, 0.0]),
     )  # fmt: skip

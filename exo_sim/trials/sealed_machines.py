@@ -50,13 +50,13 @@ def plans_of(truth: str, count: int, seed: int, makes: str | None, cells: str | 
         TrialError: there is no such make or cell, or Cantera is not there.
     """
     if truth != CANTERA:
-        return draw_plans(count, seed, letters(makes or "report"), cells_of(cells) if cells else ())
+        return draw_plans(count, seed, letters("report" if makes is None else makes), () if cells is None else cells_of(cells))
     from exo_sim.trials.cantera import case, network
 
     network.library()
-    if makes:
+    if makes is not None:
         raise TrialError("--make is for --truth whole: Cantera's machines are of one make")
-    return draw_plans(count, seed, (CANTERA,), cells_of(cells or "all", case.CELLS))
+    return draw_plans(count, seed, (CANTERA,), cells_of("all" if cells is None else cells, case.CELLS))
 
 
 def draw_plans(count: int, seed: int, makes: Sequence[str], cells: Sequence[str] = ()) -> tuple[WholePlan, ...]:

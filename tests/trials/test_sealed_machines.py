@@ -114,3 +114,12 @@ def test_as_a_user_makes_runs_and_scores_them(tmp_path, capsys):
     capsys.readouterr()
     assert main(["trial", "score", trial, "--key", key, "--jobs", "1"]) == 0
     assert "confidently wrong" in capsys.readouterr().out
+
+
+@pytest.mark.parametrize(
+    "makes, cells, says",
+    [("", None, 'no make ""'), ("A,", None, 'no make ""'), (None, "", 'no cell ""'), (None, "whole,,", 'no cell ""')],
+)
+def test_an_empty_list_of_makes_or_cells_is_no_list_left_out(makes: str | None, cells: str | None, says: str) -> None:
+    with pytest.raises(TrialError, match=says):
+        sealed.plans_of("whole", 1, 0, makes, cells)

@@ -72,21 +72,21 @@ THROUGH: dict[str, tuple[str, ...]] = {
         "simulation/replay/loop.py", "simulation/replay/machine.py",
     ),
     "simulation/test_coupled_step.py": (
-        "simulation/bound_arrays.py", "simulation/native.py",
+        "simulation/bound_arrays.py", "simulation/mujoco_calls.py",
     ),
-    "simulation/test_driven.py": (
+    "simulation/test_external_commands.py": (
         "assets/controllers/delayed_feedback.py", "assets/controllers/impedance.py", "assets/controllers/learnt_policy.py",
     ),
     "simulation/test_unworn.py": (
         "cli/run_motion.py", "simulation/force_loops.py", "simulation/unworn_log.py", "simulation/wanted_motion.py",
     ),
     "simulation/test_torque_driven.py": (
-        "simulation/embodiment.py", "simulation/held.py",
+        "simulation/torque_driven_wearer.py", "simulation/wearer_inverse_dynamics.py",
     ),
     "simulation/test_walk.py": (
         "control/least_load.py", "control/strap_feedback.py", "control/stride_learning.py",
-        "control/tracking.py", "simulation/causal_calibration.py", "simulation/coupling.py", "simulation/loop_log.py",
-        "simulation/reduction.py", "simulation/rehearsal.py", "simulation/valve_loop.py", "simulation/views.py",
+        "control/tracking.py", "simulation/causal_calibration.py", "simulation/coupled_step.py", "simulation/loop_log.py",
+        "simulation/running_statistics.py", "simulation/rehearsal.py", "simulation/valve_loop.py", "simulation/views.py",
     ),
     "sizing/test_search.py": (
         "sizing/confirmation.py", "sizing/first_designs.py",

@@ -58,7 +58,7 @@ class Comparison:
             OutputError: the ending is another, or it cannot be written.
         """
         from exo_sim.recording import write_rrd
-        from exo_sim.simulation.drawn import recorded_scene
+        from exo_sim.simulation.machine_scene import recorded_scene
 
         target = check_target(path)
         overlays = {"simulated": self.windowed.thinned(_MOST_SHOWN), "free_run": self.free_run.thinned(_MOST_SHOWN)}

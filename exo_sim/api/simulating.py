@@ -186,10 +186,10 @@ def simulate(
     """
     from exo_sim.control import own
     from exo_sim.machine.build import is_worn
-    from exo_sim.simulation import kept
-    from exo_sim.simulation.coupled import Simulation
+    from exo_sim.simulation import streamed_run
     from exo_sim.simulation.summary import summarise
     from exo_sim.simulation.walk import Request
+    from exo_sim.simulation.worn import Simulation
 
     machine = rig_of(rig)
     mass = payload_of(machine, payload)
@@ -226,7 +226,7 @@ def simulate(
         walk = simulation.run(quiet)
         numbers, interrupted = summarise(walk), walk.interrupted
     else:
-        numbers, interrupted = kept.run(simulation, target, target.with_suffix(".parquet"), seed, quiet)
+        numbers, interrupted = streamed_run.run(simulation, target, target.with_suffix(".parquet"), seed, quiet)
     summary = _summary(numbers, begun, prepared, simulation.remarks)
     return Run(machine, name, summary, simulation.remarks, target, interrupted, walk, seed)
 
@@ -296,7 +296,7 @@ def _follow(
 ) -> Run:  # fmt: skip
     """Let a machine that nobody wears follow a motion."""
     from exo_sim.simulation import unworn_record
-    from exo_sim.simulation.kept import interrupts_noted
+    from exo_sim.simulation.streamed_run import interrupts_noted
     from exo_sim.simulation.unworn import UnwornSimulation
 
     target = _target(out, f"{motion.name if isinstance(motion, table_of.Recording) else Path(motion).stem}_{rig.name}")

@@ -39,9 +39,9 @@ class Simulation:
         strides: int | None = None, period: Quantity = 0.002,
     ) -> None:  # fmt: skip
         from exo_sim.control import own
-        from exo_sim.simulation import driven
-        from exo_sim.simulation.coupled import Simulation as Coupled
+        from exo_sim.simulation import external_commands
         from exo_sim.simulation.walk import JOINTS, Request
+        from exo_sim.simulation.worn import Simulation as Coupled
 
         self.rig: Rig = rig_of(rig)
         request = Request(
@@ -49,7 +49,7 @@ class Simulation:
         )
         self._coupled = Coupled(self.rig, request)
         self.remarks = self._coupled.remarks
-        self._stepper = driven.Stepper(self._coupled)
+        self._stepper = external_commands.Stepper(self._coupled)
         step = self._coupled.dt
         seconds = quantity(period, "s", "period", low=step, high=1.0)
         self._substeps = max(1, round(seconds / step))

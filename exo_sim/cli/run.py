@@ -76,7 +76,7 @@ def command(scenario: str | None, gait: Path | None, ground: Path | None, column
     """
     import gc
 
-    import exo_sim.simulation.kept  # noqa: F401 - now, so that it is frozen with the rest
+    import exo_sim.simulation.streamed_run  # noqa: F401 - now, so that it is frozen with the rest
     from exo_sim.api.simulating import simulate
     from exo_sim.cli.run_motion import motion_words
     from exo_sim.errors import ScenarioError

@@ -22,12 +22,12 @@ from exo_sim.errors import Diverged, ScenarioError, nearest
 from exo_sim.machine.person import SEGMENTS
 from exo_sim.machine.wearer import extra_moments
 from exo_sim.rig import Rig
-from exo_sim.simulation.coupled import Simulation
-from exo_sim.simulation.driven import Stepper
+from exo_sim.simulation.external_commands import Stepper
 from exo_sim.simulation.loop import person_along
 from exo_sim.simulation.walk import JOINTS, Request, Walk, default_rig, layout
 from exo_sim.simulation.wearer_load import own as own_body
 from exo_sim.simulation.wearer_load import with_pack
+from exo_sim.simulation.worn import Simulation
 
 Array = NDArray[np.float64]
 

@@ -12,7 +12,7 @@ from exo_sim.diagnosis.findings import Diagnosis, Series
 from exo_sim.recording.rrd_file import Lane, write_rrd
 from exo_sim.recording.table import Recording
 from exo_sim.rig import Rig
-from exo_sim.simulation.drawn import recorded_scene
+from exo_sim.simulation.machine_scene import recorded_scene
 
 Array = NDArray[np.float64]
 

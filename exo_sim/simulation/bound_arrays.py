@@ -15,7 +15,7 @@ from numpy.typing import NDArray
 
 from exo_sim.physics.compiled import kernel
 from exo_sim.physics.records import CYLINDER, JOINT, WORLD
-from exo_sim.simulation.coupling import coupled_step
+from exo_sim.simulation.coupled_step import coupled_step
 from exo_sim.simulation.views import Mechanics, Plant
 
 _RECORDS = {"world": WORLD, "cylinders": CYLINDER, "joints": JOINT}

@@ -9,7 +9,7 @@ import numpy as np
 from exo_sim.physics import compressed_air, real_air
 from exo_sim.physics.compressed_air import Bottle
 from exo_sim.rig import Rig
-from exo_sim.simulation.reduction import Change, Least, Mean, Peak
+from exo_sim.simulation.running_statistics import Change, Least, Mean, Peak
 from exo_sim.simulation.walk import Walk
 
 #: A peak of flow is the mean over so long [s]: what a hose and a regulator feel.

@@ -16,9 +16,9 @@ from exo_sim.machine.straps import pull
 from exo_sim.physics.compiled import borrow, kernel
 from exo_sim.physics.plant import FOLLOWED
 from exo_sim.simulation import wearer_loop
-from exo_sim.simulation.coupling import advance_gas, compute_forces, moment_arm
+from exo_sim.simulation.coupled_step import advance_gas, compute_forces, moment_arm
 from exo_sim.simulation.loop_log import log_motion, log_rest
-from exo_sim.simulation.native import call
+from exo_sim.simulation.mujoco_calls import call
 from exo_sim.simulation.valve_loop import look_ahead, open_valves
 
 Array = NDArray[np.float64]

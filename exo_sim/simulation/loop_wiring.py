@@ -21,8 +21,8 @@ from exo_sim.simulation.valve_loop import Drives
 from exo_sim.simulation.walk import STRAPPED
 
 if TYPE_CHECKING:
-    from exo_sim.simulation.coupled import Simulation
     from exo_sim.simulation.walk import Request
+    from exo_sim.simulation.worn import Simulation
 
 #: Time over which the demand grows from zero at the start [s].
 RAMP = 0.5

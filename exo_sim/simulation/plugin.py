@@ -18,7 +18,7 @@ from exo_sim.rig import Rig, assembly
 from exo_sim.rig.schema import LARGEST_HEAT_CAPACITY_RATIO, LARGEST_PRESSURE
 from exo_sim.simulation import views
 from exo_sim.simulation.bound_arrays import Bound, straight, take_step
-from exo_sim.simulation.coupling import CLOCK_SLACK, OUT_OF_STEP, advance_gas, compute_forces, freshen_levers
+from exo_sim.simulation.coupled_step import CLOCK_SLACK, OUT_OF_STEP, advance_gas, compute_forces, freshen_levers
 
 _NOTHING = object()
 _CONTACT = ["effective_mass", "turning"]

@@ -10,7 +10,7 @@ from exo_sim.physics.pneumatics import Books
 from exo_sim.rig import Rig
 from exo_sim.rig.limits import Reached, passed
 from exo_sim.simulation import gas_use, work_balance
-from exo_sim.simulation.reduction import Change, Least, Mean, Peak, Rms, joined, values
+from exo_sim.simulation.running_statistics import Change, Least, Mean, Peak, Rms, joined, values
 from exo_sim.simulation.walk import JOINTS, Walk
 from exo_sim.simulation.wearer_load import alone, own, with_machine, with_pack, with_payload
 

@@ -21,7 +21,7 @@ from exo_sim.recording.table import Recording
 from exo_sim.rig import Rig
 from exo_sim.simulation.divergence import check_numbers
 from exo_sim.simulation.force_loops import ForceLoops
-from exo_sim.simulation.native import warnings_counted
+from exo_sim.simulation.mujoco_calls import warnings_counted
 from exo_sim.simulation.plugin import PneumaticPlugin
 from exo_sim.simulation.unworn_log import UnwornLog
 from exo_sim.simulation.wanted_motion import WantedMotion, check_reach, wanted

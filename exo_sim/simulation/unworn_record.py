@@ -11,7 +11,7 @@ from exo_sim import __version__
 from exo_sim.physics.nozzle import critical_ratio
 from exo_sim.recording.scene import Scene
 from exo_sim.recording.table import Recording
-from exo_sim.simulation.drawn import FRAME_RATE, machine_scene
+from exo_sim.simulation.machine_scene import FRAME_RATE, machine_scene
 from exo_sim.simulation.sensors import observe
 from exo_sim.simulation.unworn import MotionRun
 

@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from exo_sim.physics.pneumatics import Pneumatics
-from exo_sim.simulation.native import address
+from exo_sim.simulation.mujoco_calls import address
 
 Array = NDArray[np.float64]
 Table = NDArray[np.float64]  # of two dimensions

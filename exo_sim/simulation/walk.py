@@ -23,7 +23,7 @@ from exo_sim.machine.person import COORDINATES, SEGMENTS, Person
 from exo_sim.machine.straps import StrapSet
 from exo_sim.physics.pneumatics import Books
 from exo_sim.rig import Rig
-from exo_sim.simulation.moved_wearer import Moved
+from exo_sim.simulation.wearer_log import Moved
 
 ASSIST = ("on", "off", "vented")
 DRIVEN = ("", "valves", "torques")

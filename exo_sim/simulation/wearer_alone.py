@@ -19,9 +19,9 @@ from exo_sim.machine import wearer_body
 from exo_sim.machine.person import Person
 from exo_sim.machine.wearer import backpack_wrench
 from exo_sim.machine.wearer_body import Pack
-from exo_sim.simulation import moved_wearer, wearer_loop
-from exo_sim.simulation.moved_wearer import Moved
-from exo_sim.simulation.native import address, warnings_counted
+from exo_sim.simulation import wearer_log, wearer_loop
+from exo_sim.simulation.mujoco_calls import address, warnings_counted
+from exo_sim.simulation.wearer_log import Moved
 
 Array = NDArray[np.float64]
 
@@ -35,7 +35,7 @@ class Alone:
 
     Attributes:
         moved: What the wearer did, at every row.
-        columns: The log, as `moved_wearer.layout` names it.
+        columns: The log, as `wearer_log.layout` names it.
         step: [s].
         motion: What he went by.
         model: Of MuJoCo.
@@ -102,8 +102,8 @@ def walk_alone(plan: Plan, person: Person, pack: Pack | None, cycles: int, step:
     if not np.isfinite(log).all() or np.abs(log[:, 1] - wanted[:, 1]).max() > _FALLEN:
         advice = "walk nearer to the recorded cadence, or with less payload"
         raise Diverged(f"the wearer falls within {cycles} strides without the machine; {advice}")
-    columns = {key: column for (key, _), column in zip(moved_wearer.layout(), np.ascontiguousarray(log.T))}
-    it = moved_wearer.moved(columns, np.zeros((rows, 7, 3)), person)
+    columns = {key: column for (key, _), column in zip(wearer_log.layout(), np.ascontiguousarray(log.T))}
+    it = wearer_log.moved(columns, np.zeros((rows, 7, 3)), person)
     return Alone(it, columns, step, motion, model)
 
 

@@ -10,9 +10,9 @@ from exo_sim.gait.residual_reduction import body_loads, reduced, trunk, with_bac
 from exo_sim.machine.person import Person
 from exo_sim.machine.wearer import backpack_wrench
 from exo_sim.machine.wearer_body import Pack
-from exo_sim.simulation.held import Held, held
 from exo_sim.simulation.walk import Walk
 from exo_sim.simulation.wearer_alone import one_cycle
+from exo_sim.simulation.wearer_inverse_dynamics import Held, held
 
 
 def along(walk: Walk, table: NDArray[np.float64]) -> NDArray[np.float64]:

@@ -4,9 +4,9 @@ from __future__ import annotations
 
 from exo_sim.control import wearer_torques
 from exo_sim.physics.compiled import borrow, kernel
-from exo_sim.simulation.native import call
+from exo_sim.simulation.mujoco_calls import call
 
-#: Numbers that are logged of the wearer at each step, those of `moved_wearer.layout`.
+#: Numbers that are logged of the wearer at each step, those of `wearer_log.layout`.
 COUNT = 43
 
 

@@ -13,9 +13,9 @@ from exo_sim.machine import anthropometry
 from exo_sim.machine.anthropometry import GRAVITY
 from exo_sim.machine.metabolism import Metabolic, power
 from exo_sim.machine.person import SEGMENTS
-from exo_sim.simulation.held import Held
-from exo_sim.simulation.reduction import Change, Mean, Peak, Rms
+from exo_sim.simulation.running_statistics import Change, Mean, Peak, Rms
 from exo_sim.simulation.walk import JOINTS, POWERS, STRAPPED, Walk
+from exo_sim.simulation.wearer_inverse_dynamics import Held
 
 _JOINTS = ("hip", "knee", "ankle")
 #: Rows of `SEGMENTS` that straps of each part hold.

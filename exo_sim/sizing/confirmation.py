@@ -13,8 +13,8 @@ from typing import Any
 from exo_sim.errors import ExoSimError
 from exo_sim.rig import Rig
 from exo_sim.simulation import summary
-from exo_sim.simulation.coupled import Simulation
 from exo_sim.simulation.walk import Request, Walk
+from exo_sim.simulation.worn import Simulation
 from exo_sim.sizing.disturbances import Disturbance, disturbances_of, disturbed
 from exo_sim.sizing.loads import Condition
 

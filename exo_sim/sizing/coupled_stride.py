@@ -17,9 +17,9 @@ from exo_sim.machine.build import carry
 from exo_sim.machine.linkage import moment_row
 from exo_sim.rig import Rig
 from exo_sim.simulation import loop
-from exo_sim.simulation.coupled import Simulation
 from exo_sim.simulation.loop_wiring import wire
 from exo_sim.simulation.walk import Request, layout
+from exo_sim.simulation.worn import Simulation
 from exo_sim.sizing.loads import LAW, Condition
 
 #: Time step of the search [s]. Twice that of a run; `tests/sizing` holds the two against each other.

@@ -17,8 +17,8 @@ from exo_sim.gait.variation import Variation
 from exo_sim.machine.build import PAYLOAD_LIMIT
 from exo_sim.rig import Rig
 from exo_sim.simulation import chamber_plans
-from exo_sim.simulation.coupled import Simulation
 from exo_sim.simulation.walk import Request
+from exo_sim.simulation.worn import Simulation
 from exo_sim.sizing.loads import Condition
 
 

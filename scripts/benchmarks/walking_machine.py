@@ -13,8 +13,8 @@ import numpy as np
 
 from exo_sim.physics.compiled import borrow
 from exo_sim.rig import Rig
-from exo_sim.simulation.coupling import advance_gas, compute_forces
-from exo_sim.simulation.native import call
+from exo_sim.simulation.coupled_step import advance_gas, compute_forces
+from exo_sim.simulation.mujoco_calls import call
 from exo_sim.simulation.plugin import PneumaticPlugin
 from exo_sim.simulation.views import mechanics
 

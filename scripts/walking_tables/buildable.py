@@ -6,9 +6,9 @@ from pathlib import Path
 
 from exo_sim import rig as rigs
 from exo_sim.errors import Diverged
-from exo_sim.simulation.coupled import Simulation
 from exo_sim.simulation.summary import summarise
 from exo_sim.simulation.walk import Request, default_rig
+from exo_sim.simulation.worn import Simulation
 
 HEADING = "A machine of cylinders that can be bought"
 TEXT = """## A machine of cylinders that can be bought

@@ -9,9 +9,9 @@ from typing import Any
 from exo_sim.control.causal import Calibration, Causal
 from exo_sim.gait.variation import Variation
 from exo_sim.rig import Rig, Wearer
-from exo_sim.simulation.coupled import Simulation
 from exo_sim.simulation.summary import summarise
 from exo_sim.simulation.walk import Request
+from exo_sim.simulation.worn import Simulation
 from exo_sim.sizing.disturbances import late
 
 PAYLOAD = 34.0

@@ -11,9 +11,9 @@ import numpy as np
 
 from exo_sim.control.valve_control import ValveGains
 from exo_sim.rig import EffectSetting, Rig
-from exo_sim.simulation.coupled import Simulation
 from exo_sim.simulation.summary import span, summarise
 from exo_sim.simulation.walk import Request, Walk
+from exo_sim.simulation.worn import Simulation
 
 PAYLOAD = 34.0
 HEADING = "Force control, compared"

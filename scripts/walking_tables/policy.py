@@ -9,9 +9,9 @@ from typing import Any
 from exo_sim.control import own
 from exo_sim.control.causal import Causal
 from exo_sim.rig import Rig
-from exo_sim.simulation.coupled import Simulation
 from exo_sim.simulation.summary import summarise
 from exo_sim.simulation.walk import Request
+from exo_sim.simulation.worn import Simulation
 from walking_tables.disturbances import CASES, PAYLOAD, Case
 
 STRIDES = 6

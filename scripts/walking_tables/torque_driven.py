@@ -16,10 +16,10 @@ from exo_sim.gait.motion import phases
 from exo_sim.gait.residual_reduction import reduced
 from exo_sim.machine.person import Person
 from exo_sim.rig import Rig
-from exo_sim.simulation.coupled import Simulation
 from exo_sim.simulation.summary import summarise
 from exo_sim.simulation.walk import Request
 from exo_sim.simulation.wearer_alone import one_cycle
+from exo_sim.simulation.worn import Simulation
 from exo_sim.sizing.disturbances import late
 from walking_tables.disturbances import CASES, STRIDES, work
 

@@ -4,9 +4,9 @@ from __future__ import annotations
 
 from exo_sim.errors import Diverged
 from exo_sim.rig import Rig
-from exo_sim.simulation.coupled import Simulation
 from exo_sim.simulation.summary import summarise
 from exo_sim.simulation.walk import Request
+from exo_sim.simulation.worn import Simulation
 from walking_tables.disturbances import work
 
 HEADING = "Slopes, stairs, slow and fast, an uneven load"

@@ -13,9 +13,9 @@ from exo_sim.errors import ExoSimError, RigError
 from exo_sim.machine.linkage import check_strokes
 from exo_sim.machine.load import load
 from exo_sim.rig import parse, read
-from exo_sim.simulation.coupled import Simulation
 from exo_sim.simulation.plugin import PneumaticPlugin
 from exo_sim.simulation.walk import Request
+from exo_sim.simulation.worn import Simulation
 
 ROOT = Path(__file__).resolve().parents[2]
 BENCH = ROOT / "assets" / "bench.toml"

@@ -7,9 +7,9 @@ import pytest
 from exo_sim import rig as rigs
 from exo_sim.rig.catalogue import estimated_mass, find
 from exo_sim.rig.limits import rating
-from exo_sim.simulation.coupled import Simulation
 from exo_sim.simulation.summary import summarise
 from exo_sim.simulation.walk import Request
+from exo_sim.simulation.worn import Simulation
 
 
 @pytest.fixture(scope="module")

@@ -10,9 +10,9 @@ from exo_sim import rig as rigs
 from exo_sim.control import causal
 from exo_sim.control.causal import Calibration, Causal
 from exo_sim.gait.variation import Variation
-from exo_sim.simulation.coupled import Simulation
 from exo_sim.simulation.summary import summarise
 from exo_sim.simulation.walk import Request, Walk
+from exo_sim.simulation.worn import Simulation
 
 STRIDES = 9
 

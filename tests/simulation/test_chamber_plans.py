@@ -7,8 +7,8 @@ import pytest
 
 from exo_sim import rig as rigs
 from exo_sim.control.chamber_plan import INTERVALS
-from exo_sim.simulation.coupled import Simulation
 from exo_sim.simulation.walk import Request, default_rig
+from exo_sim.simulation.worn import Simulation
 
 
 @pytest.fixture(scope="module")

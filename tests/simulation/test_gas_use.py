@@ -39,7 +39,7 @@ def test_rod_work_is_what_the_gas_did_on_the_pistons(walked):
 
 
 def test_pieces_say_what_the_whole_says(walked):
-    from exo_sim.simulation.coupled import Simulation
+    from exo_sim.simulation.worn import Simulation
 
     whole, pieces = summarise(walked)["gas"], Summary()
     simulation = Simulation(walked.rig, Request("level_walk", cycles=7, law="inverse_dynamics"))

@@ -11,10 +11,10 @@ import pytest
 from exo_sim import rig
 from exo_sim.physics.plant import gives
 from exo_sim.simulation import loop
-from exo_sim.simulation.coupled import Simulation
 from exo_sim.simulation.loop_wiring import wire
 from exo_sim.simulation.plugin import PneumaticPlugin
 from exo_sim.simulation.walk import Request
+from exo_sim.simulation.worn import Simulation
 
 EFFECTS = {
     "backlash": '[effects.backlash.knee_r]\ngap = "1.0 deg"',

@@ -10,9 +10,9 @@ from exo_sim.control.valve_control import ValveGains
 from exo_sim.errors import ModelError, ScenarioError
 from exo_sim.gait import scenario
 from exo_sim.rig import EffectSetting
-from exo_sim.simulation.coupled import Simulation
 from exo_sim.simulation.summary import summarise
 from exo_sim.simulation.walk import Request
+from exo_sim.simulation.worn import Simulation
 
 
 @pytest.fixture(scope="module")

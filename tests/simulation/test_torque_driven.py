@@ -7,9 +7,9 @@ import exo_sim as exo
 from exo_sim import rig as rigs
 from exo_sim.errors import ScenarioError
 from exo_sim.simulation import record
-from exo_sim.simulation.coupled import Simulation
 from exo_sim.simulation.summary import summarise
 from exo_sim.simulation.walk import Request, default_rig
+from exo_sim.simulation.worn import Simulation
 
 
 @pytest.fixture(scope="module")

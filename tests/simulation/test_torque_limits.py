@@ -7,9 +7,9 @@ import pytest
 from exo_sim import rig as rigs
 from exo_sim.control import machine_dynamics
 from exo_sim.machine.linkage import moment_row
-from exo_sim.simulation.coupled import Simulation
 from exo_sim.simulation.torque_limits import too_weak, torque_limits
 from exo_sim.simulation.walk import Request, default_rig
+from exo_sim.simulation.worn import Simulation
 
 
 @pytest.fixture(scope="module")

@@ -16,11 +16,11 @@ from exo_sim.recording import Reading
 from exo_sim.recording import summary as inspected
 from exo_sim.rig import Ankle, Wearer
 from exo_sim.rig.schema import EffectSetting
-from exo_sim.simulation import coupled, loop, record, work_balance
-from exo_sim.simulation.coupled import Simulation
+from exo_sim.simulation import loop, record, work_balance, worn
 from exo_sim.simulation.summary import span, summarise, warnings
 from exo_sim.simulation.walk import JOINTS, POWERS, Request
 from exo_sim.simulation.wearer_load import by_straps, with_machine
+from exo_sim.simulation.worn import Simulation
 
 
 @pytest.fixture(scope="module")
@@ -239,7 +239,7 @@ def test_an_interrupt_is_an_interrupt_while_rehearsing_and_while_running(exo, mo
 def test_a_walk_that_was_stopped_is_as_good_as_it_goes(exo):
     (walk,) = Simulation(exo, Request("level_walk", assist="vented")).pieces(stop=iter([False] * 4 + [True]).__next__)
     assert walk.interrupted
-    assert len(walk.time) == 5 * coupled._CHUNK
+    assert len(walk.time) == 5 * worn._CHUNK
     table = record.recording(walk, "cut")
     assert len(table.time) == len(walk.time) and np.isfinite(by_straps(walk)).all()
     assert len(record.scene(walk).times) > 10

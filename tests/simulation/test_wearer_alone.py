@@ -13,7 +13,7 @@ from exo_sim.gait.residual_reduction import reduced, with_backpack
 from exo_sim.machine.anthropometry import GRAVITY
 from exo_sim.machine.person import Person
 from exo_sim.machine.wearer_body import Pack
-from exo_sim.simulation import moved_wearer, wearer_loop
+from exo_sim.simulation import wearer_log, wearer_loop
 from exo_sim.simulation.wearer_alone import one_cycle, walk_alone
 
 PERSON = Person()
@@ -29,7 +29,7 @@ def walked(request):
 
 
 def test_the_log_has_the_columns_that_are_named():
-    assert len(moved_wearer.layout()) == wearer_loop.COUNT
+    assert len(wearer_log.layout()) == wearer_loop.COUNT
 
 
 def test_residuals_are_within_the_published_guideline(walked):

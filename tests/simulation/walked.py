@@ -3,8 +3,8 @@
 from __future__ import annotations
 
 from exo_sim.rig import Rig
-from exo_sim.simulation.coupled import Simulation
 from exo_sim.simulation.walk import Request, Walk
+from exo_sim.simulation.worn import Simulation
 
 
 def simulate(rig: Rig, request: Request) -> Walk:

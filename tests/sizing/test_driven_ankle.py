@@ -10,10 +10,10 @@ from exo_sim.errors import RigError
 from exo_sim.machine.linkage import linkages
 from exo_sim.machine.load import load
 from exo_sim.rig import Ankle
-from exo_sim.simulation.coupled import Simulation
 from exo_sim.simulation.loop_wiring import wire
 from exo_sim.simulation.torque_limits import torque_limits
 from exo_sim.simulation.walk import Request
+from exo_sim.simulation.worn import Simulation
 from exo_sim.sizing.joint_kinds import kinds_of
 from exo_sim.sizing.loads import joint_loads
 

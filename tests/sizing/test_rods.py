@@ -5,8 +5,8 @@ import pytest
 
 from exo_sim import rig as rigs
 from exo_sim.rig.catalogue import find
-from exo_sim.simulation.coupled import Simulation
 from exo_sim.simulation.walk import Request, default_rig
+from exo_sim.simulation.worn import Simulation
 from exo_sim.sizing.rods import _rate, _side_load, rod_checks
 
 

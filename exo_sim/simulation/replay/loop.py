@@ -13,8 +13,8 @@ from exo_sim.physics.compiled import borrow, kernel
 from exo_sim.physics.nodes import sensed_pressures, volumes
 from exo_sim.physics.plant import FOLLOWED
 from exo_sim.physics.transmission import gives
-from exo_sim.simulation.coupling import advance_gas, compute_forces, freshen_levers
-from exo_sim.simulation.native import call
+from exo_sim.simulation.coupled_step import advance_gas, compute_forces, freshen_levers
+from exo_sim.simulation.mujoco_calls import call
 
 Array = NDArray[np.float64]
 Index = NDArray[np.int64]

@@ -7,7 +7,7 @@ import pytest
 from exo_sim import rig as rigs
 from exo_sim.recording import Recording, write_rrd
 from exo_sim.recording.scene import shapes_of_model
-from exo_sim.simulation.drawn import MOST_FRAMES, recorded_scene
+from exo_sim.simulation.machine_scene import MOST_FRAMES, recorded_scene
 
 TETRAHEDRON = """
 <mujoco>
@@ -41,7 +41,7 @@ def test_a_machine_without_recorded_positions_is_not_drawn(bench):
 
 
 def test_a_long_recording_has_a_bounded_number_of_frames(bench, monkeypatch):
-    monkeypatch.setattr("exo_sim.simulation.drawn.MOST_FRAMES", 50)
+    monkeypatch.setattr("exo_sim.simulation.machine_scene.MOST_FRAMES", 50)
     time = np.arange(0.0, 60.0, 0.01)
     scene = recorded_scene(Recording("r", time, {"slide.position": 0.0 * time}, {"slide.position": "m"}), bench)
     assert scene is not None and len(scene.times) == 50 < MOST_FRAMES

@@ -29,14 +29,14 @@ from exo_sim.machine.person import COORDINATES, Person
 from exo_sim.machine.straps import fasten
 from exo_sim.rig import Rig
 from exo_sim.rig.control_step import check_step
-from exo_sim.simulation import chamber_plans, driven, loop, moved_wearer
+from exo_sim.simulation import chamber_plans, external_commands, loop, wearer_log
 from exo_sim.simulation.causal_calibration import calibrated
 from exo_sim.simulation.divergence import WearerWatch
-from exo_sim.simulation.embodiment import embody
 from exo_sim.simulation.loop_wiring import wire
-from exo_sim.simulation.native import warnings_counted
+from exo_sim.simulation.mujoco_calls import warnings_counted
 from exo_sim.simulation.plugin import PneumaticPlugin
 from exo_sim.simulation.rehearsal import learn_from
+from exo_sim.simulation.torque_driven_wearer import embody
 from exo_sim.simulation.torque_limits import too_weak, torque_limits
 from exo_sim.simulation.walk import Request, Walk, as_columns, layout
 
@@ -145,7 +145,7 @@ class Simulation:
             controller: Whose.
             seed: What it is given.
         """
-        self._asked = own.RunningController(controller, driven.context(self, controller, seed), self.request.controller)
+        self._asked = own.RunningController(controller, external_commands.context(self, controller, seed), self.request.controller)
 
     def _demands(self, payload: float) -> NDArray[np.float64]:
         """Return the demand over the cycle for a payload, the first row repeated behind the last, (SAMPLES + 1, 6)."""
@@ -230,7 +230,7 @@ class Simulation:
     @property
     def keys(self) -> list[tuple[str, str]]:
         """Key and unit of every number that the loop logs behind the time, in its order."""
-        own_columns = [] if self.torques is None else moved_wearer.layout()
+        own_columns = [] if self.torques is None else wearer_log.layout()
         return layout(self.rig, self.straps, not self.request.ideal) + own_columns
 
     def run(self, quiet: bool = True) -> Walk:
@@ -260,9 +260,9 @@ class Simulation:
         cycles = self.cycles if most is None else max(FEWEST_CYCLES, int(most / per_cycle))
         keys = self.keys
         wired, watch = wire(self), self.watch()
-        advance: driven.Advance = lambda first, count, rows: loop.run(first, count, *wired, rows)  # noqa: E731
+        advance: external_commands.Advance = lambda first, count, rows: loop.run(first, count, *wired, rows)  # noqa: E731
         if self._asked is not None:
-            advance = driven.asking(self, self._asked, wired)
+            advance = external_commands.asking(self, self._asked, wired)
         begun = done = 0
         interrupted = False
         with self._payload_put_back(), progress.Bar(total * self.dt, self.request.scenario, unit="s", quiet=quiet) as bar:
@@ -324,10 +324,10 @@ class Simulation:
         time = np.asarray(np.arange(first, first + n) * self.dt, dtype=np.float64)
         if (trial := self.motion.trial) is not None:
             columns["gait.phase"] = trial.phase_at(time / self.motion.period)
-        moved = None if self.torques is None else moved_wearer.moved(columns, wrench, self.person)
+        moved = None if self.torques is None else wearer_log.moved(columns, wrench, self.person)
         poses = loop.person_along(time, self.motion, self.person) if moved is None else moved.poses
         if moved is not None:
-            columns, units = moved_wearer.shown(columns), moved_wearer.shown(units)
+            columns, units = wearer_log.shown(columns), wearer_log.shown(units)
         payload = np.full(n, self.request.payload)
         if self.added:
             at = self.added_at

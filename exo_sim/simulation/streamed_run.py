@@ -16,9 +16,9 @@ from exo_sim.recording.rrd_file import writing_rrd
 from exo_sim.recording.rrd_messages import unfinished
 from exo_sim.recording.table_file import writing_parquet
 from exo_sim.simulation import record
-from exo_sim.simulation.coupled import MOST_ROWS, Simulation
 from exo_sim.simulation.sensors import Observer
 from exo_sim.simulation.summary import Summary
+from exo_sim.simulation.worn import MOST_ROWS, Simulation
 
 #: Pieces from which a recording has no list of its contents, which would grow in memory with each.
 _LONG = 16

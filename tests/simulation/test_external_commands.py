@@ -9,9 +9,9 @@ from exo_sim import rig as rigs
 from exo_sim.cli import main
 from exo_sim.control import own
 from exo_sim.errors import ScenarioError
-from exo_sim.simulation.coupled import Simulation
-from exo_sim.simulation.driven import Stepper
+from exo_sim.simulation.external_commands import Stepper
 from exo_sim.simulation.walk import JOINTS, Request
+from exo_sim.simulation.worn import Simulation
 
 
 @pytest.fixture(scope="module")

@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 from exo_sim.machine.footing import FEET, TOES, Ground, under_foot
 from exo_sim.machine.person import Person, poses_along
 from exo_sim.machine.wearer_body import JOINTS, RADIUS
-from exo_sim.simulation.held import Held
+from exo_sim.simulation.wearer_inverse_dynamics import Held
 
 Array = NDArray[np.float64]
 Value = TypeVar("Value")

@@ -18,12 +18,12 @@ from exo_sim.errors import Diverged
 from exo_sim.gait.motion import reference
 from exo_sim.simulation import loop
 from exo_sim.simulation.loop_wiring import wire
-from exo_sim.simulation.native import warnings_counted
+from exo_sim.simulation.mujoco_calls import warnings_counted
 from exo_sim.simulation.valve_loop import Drives
 from exo_sim.simulation.walk import JOINTS, Walk, layout
 
 if TYPE_CHECKING:
-    from exo_sim.simulation.coupled import Simulation
+    from exo_sim.simulation.worn import Simulation
 
 Array = NDArray[np.float64]
 #: Advances a run: first step, number of steps, rows of the log; returns what became of the gas.

@@ -5,7 +5,7 @@ from __future__ import annotations
 from exo_sim.physics.compiled import inlined_kernel, kernel
 from exo_sim.physics.forces import joint_forces, rod_forces
 from exo_sim.physics.plant import FOLLOWED, step
-from exo_sim.simulation.native import call, read_time
+from exo_sim.simulation.mujoco_calls import call, read_time
 from exo_sim.simulation.views import GAS_TIME, MUJOCO_TIME, STEP, STEPPED
 
 #: What `catch_up` returns where MuJoCo's clock is neither where the gas is nor one step further, or stood still over a step.

@@ -15,11 +15,11 @@ from exo_sim import rig as rigs
 from exo_sim.cli import main
 from exo_sim.recording import Recording, read
 from exo_sim.rig import EffectSetting
-from exo_sim.simulation import kept
-from exo_sim.simulation.coupled import Simulation
+from exo_sim.simulation import streamed_run
 from exo_sim.simulation.sensors import Observer, observe
 from exo_sim.simulation.summary import Summary, summarise
 from exo_sim.simulation.walk import Request
+from exo_sim.simulation.worn import Simulation
 
 CYCLES = 8
 
@@ -97,7 +97,7 @@ def test_late_and_early_sensors_look_beyond_a_piece(exo, seconds):
 def test_files_written_in_pieces_hold_what_those_written_at_once_do(exo, tmp_path):
     numbers = {}
     for name, most in (("pieces", 100), ("whole", 10**9)):
-        numbers[name], interrupted = kept.run(simulation(exo), tmp_path / f"{name}.rrd", tmp_path / f"{name}.parquet", most=most)
+        numbers[name], interrupted = streamed_run.run(simulation(exo), tmp_path / f"{name}.rrd", tmp_path / f"{name}.parquet", most=most)
         assert not interrupted
     assert sorted(path.name for path in tmp_path.iterdir()) == ["pieces.parquet", "pieces.rrd", "whole.parquet", "whole.rrd"]
     assert_same(numbers["pieces"], numbers["whole"])
@@ -112,8 +112,8 @@ def test_files_written_in_pieces_hold_what_those_written_at_once_do(exo, tmp_pat
 
 def test_a_recording_of_many_pieces_has_no_list_of_contents_and_reads_the_same(exo, tmp_path, monkeypatch):
     for name, most in (("short", 16), ("long", 0)):
-        monkeypatch.setattr(kept, "_LONG", most)
-        kept.run(simulation(exo), tmp_path / f"{name}.rrd", tmp_path / f"{name}.parquet", most=100)
+        monkeypatch.setattr(streamed_run, "_LONG", most)
+        streamed_run.run(simulation(exo), tmp_path / f"{name}.rrd", tmp_path / f"{name}.parquet", most=100)
     short, long = (read(tmp_path / f"{name}.rrd") for name in ("short", "long"))
     assert short.findings == long.findings and list(short.recording.columns) == list(long.recording.columns)
     assert all(np.array_equal(short.recording[key], long.recording[key]) for key in long.recording.columns)
@@ -121,7 +121,7 @@ def test_a_recording_of_many_pieces_has_no_list_of_contents_and_reads_the_same(e
 
 def test_the_table_has_the_same_bytes_every_time(exo, tmp_path):
     for name in "ab":
-        kept.run(simulation(exo), tmp_path / "walk.rrd", tmp_path / f"{name}.parquet", most=100)
+        streamed_run.run(simulation(exo), tmp_path / "walk.rrd", tmp_path / f"{name}.parquet", most=100)
     assert (tmp_path / "a.parquet").read_bytes() == (tmp_path / "b.parquet").read_bytes()
 
 
@@ -142,22 +142,22 @@ def test_memory_does_not_grow_with_the_strides(exo):
 def test_stopping_keeps_what_was_done(exo, tmp_path, monkeypatch):
     ready = simulation(exo)
     asked = iter([False] * 15 + [True] * 99)
-    monkeypatch.setattr(kept, "interrupts_noted", lambda: _given(lambda: next(asked)))
-    numbers, interrupted = kept.run(ready, tmp_path / "w.rrd", tmp_path / "w.parquet", most=100)
+    monkeypatch.setattr(streamed_run, "interrupts_noted", lambda: _given(lambda: next(asked)))
+    numbers, interrupted = streamed_run.run(ready, tmp_path / "w.rrd", tmp_path / "w.parquet", most=100)
     assert interrupted and 3.0 < numbers["simulated_s"] < 4.5
     for ending in (".rrd", ".parquet"):
         assert len(read(tmp_path / f"w{ending}").recording.time) == round(numbers["simulated_s"] / ready.dt)
 
 
 def test_an_interrupt_while_the_last_rows_are_written_is_not_swallowed(exo, tmp_path, monkeypatch):
-    ready, rest = simulation(exo, cycles=2), kept.Observer.rest
+    ready, rest = simulation(exo, cycles=2), streamed_run.Observer.rest
 
     def interrupted_meanwhile(self):
         signal.raise_signal(signal.SIGINT)
         return rest(self)
 
-    monkeypatch.setattr(kept.Observer, "rest", interrupted_meanwhile)
-    _, interrupted = kept.run(ready, tmp_path / "w.rrd", tmp_path / "w.parquet")
+    monkeypatch.setattr(streamed_run.Observer, "rest", interrupted_meanwhile)
+    _, interrupted = streamed_run.run(ready, tmp_path / "w.rrd", tmp_path / "w.parquet")
     assert interrupted
     assert len(read(tmp_path / "w.parquet").recording.time) == ready.rows
 

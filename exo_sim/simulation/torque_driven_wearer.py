@@ -16,7 +16,7 @@ from exo_sim.simulation.plugin import PneumaticPlugin
 from exo_sim.simulation.rehearsal import expected_load
 
 if TYPE_CHECKING:
-    from exo_sim.simulation.coupled import Simulation
+    from exo_sim.simulation.worn import Simulation
 
 
 def embody(it: Simulation, looked_at: float) -> None:

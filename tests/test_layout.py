@@ -46,7 +46,8 @@ THROUGH: dict[str, tuple[str, ...]] = {
         "gait/scenarios/stand.py", "gait/scenarios/uneven_load.py",
     ),
     "gait/test_own_gait.py": (
-        "gait/contact_fit.py", "gait/files/c3d.py", "gait/files/opensim.py", "gait/files/table.py", "gait/signs.py", "gait/standing.py",
+        "gait/contact_fit.py", "gait/files/c3d.py", "gait/files/opensim_motion.py",
+        "gait/files/table.py", "gait/signs.py", "gait/standing.py",
         "gait/strides.py", "gait/trial.py",
     ),
     "machine/test_build.py": (
@@ -56,7 +57,7 @@ THROUGH: dict[str, tuple[str, ...]] = {
         "recording/csv_table.py",
     ),
     "recording/test_reader.py": (
-        "recording/clock.py", "recording/parquet_table.py",
+        "recording/clock_repair.py", "recording/parquet_table.py",
     ),
     "recording/test_summary.py": (
         "cli/inspect.py",
@@ -66,7 +67,7 @@ THROUGH: dict[str, tuple[str, ...]] = {
         "recording/viewer.py",
     ),
     "rig/test_reading.py": (
-        "rig/effects.py",
+        "rig/effect_tables.py",
     ),
     "simulation/replay/test_replay.py": (
         "simulation/replay/loop.py", "simulation/replay/machine.py",

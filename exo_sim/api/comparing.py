@@ -21,7 +21,7 @@ from exo_sim.recording import noise
 from exo_sim.simulation import replay as replays
 
 if TYPE_CHECKING:
-    from exo_sim.api.picture import Picture
+    from exo_sim.api.figure import Picture
     from exo_sim.simulation.replay import Replay
 
 #: Samples of a recording that the viewer is given; errors count all of them.

@@ -21,7 +21,7 @@ from exo_sim.plain_text import json_text
 from exo_sim.recording.table import Recording
 
 if TYPE_CHECKING:
-    from exo_sim.api.picture import Picture
+    from exo_sim.api.figure import Picture
 
 #: What is written, and what it holds.
 FILES = {

@@ -6,7 +6,7 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from exo_sim.api.picture import Picture
+from exo_sim.api.figure import Picture
 from exo_sim.errors import RecordingError, nearest
 from exo_sim.recording.columns import signal_of
 from exo_sim.recording.table import Recording

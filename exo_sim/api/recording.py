@@ -16,14 +16,14 @@ from exo_sim.plain_text import table as text_table
 from exo_sim.recording import columns as headings
 from exo_sim.recording import reader, table
 from exo_sim.recording.column_map import ColumnMap, column_map_of
+from exo_sim.recording.column_selection import RawTable, select
 from exo_sim.recording.finding import Finding
-from exo_sim.recording.selection import RawTable, select
 
 if TYPE_CHECKING:
     import pandas as pd
     import xarray as xr
 
-    from exo_sim.api.picture import Picture
+    from exo_sim.api.figure import Picture
 
 
 @dataclass(frozen=True, repr=False, eq=False)

@@ -22,7 +22,7 @@ from exo_sim.plain_text import table
 from exo_sim.recording import table as table_of
 
 if TYPE_CHECKING:
-    from exo_sim.api.picture import Picture
+    from exo_sim.api.figure import Picture
     from exo_sim.gait.scenario import Scenario
     from exo_sim.simulation.unworn import MotionRun
     from exo_sim.simulation.walk import Walk

@@ -14,7 +14,7 @@ from exo_sim.api.notebook import html_table
 from exo_sim.api.rig import Rig
 
 if TYPE_CHECKING:
-    from exo_sim.api.picture import Picture
+    from exo_sim.api.figure import Picture
 
 Study = TypeVar("Study")
 
@@ -68,7 +68,7 @@ class SizingResult(ABC, Generic[Study]):
 
     def plot(self) -> Picture:
         """Draw the front: gas drawn against the mass of the cylinders, the recommended design marked."""
-        from exo_sim.api.picture import front
+        from exo_sim.api.figure import front
 
         mass, gas = "actuator_mass_kg", "gas_kg_per_stride"
         best = self.summary["recommended"]

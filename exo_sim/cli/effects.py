@@ -17,7 +17,7 @@ def command(name: str | None, out: Path | None, as_json: bool, quiet: bool) -> N
     from exo_sim.errors import RigError, nearest
     from exo_sim.physics.declaration import declared
     from exo_sim.rig import pages
-    from exo_sim.rig.effects import CALIBRATIONS
+    from exo_sim.rig.effect_tables import CALIBRATIONS
 
     known = declared()
     if name is None:

@@ -34,7 +34,7 @@ def command(
             viewer.open_window(rrd)
             data, words = {"window": True, "recording": str(recording)}, f"opened {recording} in the rerun viewer"
         else:
-            from exo_sim.recording.picture import take_picture
+            from exo_sim.recording.rrd_picture import take_picture
 
             take_picture(rrd, out, at)
             data, words = {"window": False, "recording": str(recording), "picture": str(out)}, str(out)

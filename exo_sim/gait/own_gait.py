@@ -147,13 +147,13 @@ def read(gait: GaitFile) -> tuple[Trial, GroundForce | None]:
         ScenarioError: a format that is not read, or an angle is missing.
         RecordingError: a file cannot be read.
     """
-    from exo_sim.gait.files import c3d, opensim, table
+    from exo_sim.gait.files import c3d, opensim_motion, table
 
     if not gait.path.exists():
         raise ScenarioError(f'"{gait.path}": there is no such gait file')
     ending, ground = gait.path.suffix.lower(), None
     if ending in (".mot", ".sto"):
-        trial = opensim.read_angles(gait.path, gait.named)
+        trial = opensim_motion.read_angles(gait.path, gait.named)
     elif ending == ".c3d":
         trial, ground = c3d.read_angles(gait.path, gait.named)
     elif ending in (".csv", ".tsv", ".txt", ".parquet", ".pq", ".rrd"):
@@ -164,7 +164,7 @@ def read(gait: GaitFile) -> tuple[Trial, GroundForce | None]:
         if not gait.ground.exists():
             raise ScenarioError(f'"{gait.ground}": there is no such file of ground forces')
         kind = gait.ground.suffix.lower()
-        ground = (opensim if kind in (".mot", ".sto") else c3d if kind == ".c3d" else table).read_ground(gait.ground)
+        ground = (opensim_motion if kind in (".mot", ".sto") else c3d if kind == ".c3d" else table).read_ground(gait.ground)
     return _part(trial, gait), ground
 
 

@@ -15,8 +15,8 @@ from numpy.typing import NDArray
 from exo_sim.errors import RecordingError
 from exo_sim.inputs import is_number
 from exo_sim.recording.column_map import ColumnMap
+from exo_sim.recording.column_selection import RawTable, Selection, select
 from exo_sim.recording.finding import Finding
-from exo_sim.recording.selection import RawTable, Selection, select
 
 if TYPE_CHECKING:
     import pyarrow as pa

@@ -12,8 +12,8 @@ from exo_sim.errors import RecordingError
 from exo_sim.inputs import json_value, text_of
 from exo_sim.recording import columns
 from exo_sim.recording.column_map import ColumnMap
+from exo_sim.recording.column_selection import RawTable, Selection, select
 from exo_sim.recording.columns import Column
-from exo_sim.recording.selection import RawTable, Selection, select
 
 _MARKS = ("timestamp", "episode_index", "frame_index")
 #: How many folders above a file `meta/info.json` may lie.

@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 from exo_sim.errors import RecordingError
 from exo_sim.recording import columns
 from exo_sim.recording.column_map import ColumnMap
-from exo_sim.recording.selection import MOST_BYTES, RawTable, select
+from exo_sim.recording.column_selection import MOST_BYTES, RawTable, select
 
 _HDF5 = b"\x89HDF\r\n\x1a\n"
 #: A matrix with more columns than that is no table of signals; structs deeper than that are not walked.

@@ -9,9 +9,9 @@ from numpy.typing import NDArray
 
 from exo_sim.errors import RecordingError, printable
 from exo_sim.recording.column_map import ColumnMap
+from exo_sim.recording.column_selection import RawTable, select
 from exo_sim.recording.columns import Column
 from exo_sim.recording.lerobot_table import is_lerobot, read_lerobot
-from exo_sim.recording.selection import RawTable, select
 
 _NOT_OURS = (b"pandas", b"ARROW:schema")
 

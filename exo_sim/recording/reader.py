@@ -10,10 +10,10 @@ import numpy as np
 
 from exo_sim.errors import RecordingError, nearest, printable
 from exo_sim.inputs import check_regular
-from exo_sim.recording import clock
+from exo_sim.recording import clock_repair
 from exo_sim.recording.column_map import ColumnMap, read_column_map
+from exo_sim.recording.column_selection import RawTable
 from exo_sim.recording.finding import Finding
-from exo_sim.recording.selection import RawTable
 from exo_sim.recording.table import Recording
 from exo_sim.units import LARGEST, SMALLEST
 
@@ -123,7 +123,7 @@ def tidy(path: Path, raw: RawTable) -> Reading:
     Raises:
         RecordingError: too few rows, or nothing but empty columns.
     """
-    kept, clock_findings, breaks = clock.in_order(str(path), raw.time)
+    kept, clock_findings, breaks = clock_repair.in_order(str(path), raw.time)
     findings = [*raw.findings, *clock_findings]
     time = raw.time[kept]
     if len(time) < FEWEST_SAMPLES:

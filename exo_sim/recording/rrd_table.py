@@ -16,11 +16,11 @@ from numpy.typing import NDArray
 from exo_sim.errors import RecordingError
 from exo_sim.recording import columns
 from exo_sim.recording.column_map import ColumnMap
+from exo_sim.recording.column_selection import RawTable, Selection, select
 from exo_sim.recording.columns import Column
 from exo_sim.recording.finding import Finding
 from exo_sim.recording.one_clock import on_one_clock
 from exo_sim.recording.rrd_messages import is_unfinished, whole_messages
-from exo_sim.recording.selection import RawTable, Selection, select
 
 if TYPE_CHECKING:
     import pyarrow as pa

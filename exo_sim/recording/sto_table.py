@@ -8,8 +8,8 @@ import numpy as np
 
 from exo_sim.recording import columns
 from exo_sim.recording.column_map import ColumnMap
-from exo_sim.recording.foreign.opensim import is_translation, read_storage
-from exo_sim.recording.selection import RawTable, select
+from exo_sim.recording.column_selection import RawTable, select
+from exo_sim.recording.foreign.opensim_storage import is_translation, read_storage
 from exo_sim.recording.table import Recording
 
 #: How the labels of other quantities than coordinates end, in files of inverse dynamics, force plates and markers.

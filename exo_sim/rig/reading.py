@@ -8,7 +8,7 @@ from pathlib import Path
 from exo_sim import units
 from exo_sim.errors import RigError
 from exo_sim.inputs import refusing, text_of, toml
-from exo_sim.rig.effects import read_effects
+from exo_sim.rig.effect_tables import read_effects
 from exo_sim.rig.schema import (
     LARGEST_HEAT_CAPACITY_RATIO,
     LARGEST_PRESSURE,

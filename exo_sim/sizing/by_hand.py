@@ -7,7 +7,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from exo_sim.physics import design
+from exo_sim.physics import design_equations
 from exo_sim.rig import Rig
 from exo_sim.rig.catalogue import CATALOGUE, RATED_PRESSURE
 from exo_sim.sizing.joint_kinds import JointKind
@@ -34,11 +34,11 @@ def papers_example() -> list[Step]:
     cubic = _INCH**3
 
     def flow(p_1: float, p_2: float, rod_share: float = 0.0) -> float:
-        return design.supply_flow(design.HORSEPOWER, p_0, p_1, p_2, 1e-3, 1e-3 * (1.0 - rod_share), _ATMOSPHERE)
+        return design_equations.supply_flow(design_equations.HORSEPOWER, p_0, p_1, p_2, 1e-3, 1e-3 * (1.0 - rod_share), _ATMOSPHERE)
 
     q = flow(p_0, half_gauge)
-    mass = design.mass_flow(q, p_0, 293.15)
-    work = design.available_power(mass, p_0, 293.15)
+    mass = design_equations.mass_flow(q, p_0, 293.15)
+    work = design_equations.available_power(mass, p_0, 293.15)
     return [
         Step("supply flow, half of the gauge pressure as back-pressure", q / cubic, "in^3/s", "equation 39 as printed"),
         Step("with half of the absolute pressure instead", flow(p_0, 0.5 * p_0) / cubic, "in^3/s", "gauge or absolute"),
@@ -46,11 +46,11 @@ def papers_example() -> list[Step]:
              "areas that differ, atmosphere on the rod (equation 32)"),
         Step("with 10 % of the supply lost in the valve", flow(0.9 * p_0, half_gauge) / cubic, "in^3/s",
              "P1 below P0, which equation 38 takes as equal"),
-        Step("the same flow as free air", 1e3 * design.free_air(q, p_0), "L/s", "volume at 1 atm, not at 250 psi"),
+        Step("the same flow as free air", 1e3 * design_equations.free_air(q, p_0), "L/s", "volume at 1 atm, not at 250 psi"),
         Step("as mass", 1e3 * mass, "g/s", "equation 36"),
-        Step("smallest throat that passes it", 1e6 * design.throat_area(mass, p_0, 293.15), "mm^2", "equation 30, exact"),
-        Step("share of the work that the gas could do", 100.0 * design.HORSEPOWER / work, "%", "1 hp over the exergy"),
-        Step("exhaust temperature, enthalpy balance", design.exhaust_temperature(293.15, p_0, half_gauge), "K",
+        Step("smallest throat that passes it", 1e6 * design_equations.throat_area(mass, p_0, 293.15), "mm^2", "equation 30, exact"),
+        Step("share of the work that the gas could do", 100.0 * design_equations.HORSEPOWER / work, "%", "1 hp over the exergy"),
+        Step("exhaust temperature, enthalpy balance", design_equations.exhaust_temperature(293.15, p_0, half_gauge), "K",
              "equation 35 read as an energy balance would give 154.7 K"),
     ]  # fmt: skip
 
@@ -75,11 +75,11 @@ def joint_by_hand(rig: Rig, kind: JointKind, loads: JointLoads, supply: float | 
     net = p_0 - p_2
     area = abs(float(force[peak])) / net
     bore = next((entry for entry in CATALOGUE if math.pi / 4 * entry.bore**2 >= area), CATALOGUE[-1])
-    flow = design.supply_flow(max(power, 1e-9), p_0, p_0, p_2, area, area, p_a)
+    flow = design_equations.supply_flow(max(power, 1e-9), p_0, p_0, p_2, area, area, p_a)
     top = float(np.abs(rod_speed).max()) * math.pi / 4 * bore.bore**2
-    mass_top = design.mass_flow(top, p_0, rig.supply.temperature, rig.specific_gas_constant)
-    mass = design.mass_flow(flow, p_0, rig.supply.temperature, rig.specific_gas_constant)
-    throat = design.throat_area(mass_top, p_0, rig.supply.temperature, rig.heat_capacity_ratio, rig.specific_gas_constant)
+    mass_top = design_equations.mass_flow(top, p_0, rig.supply.temperature, rig.specific_gas_constant)
+    mass = design_equations.mass_flow(flow, p_0, rig.supply.temperature, rig.specific_gas_constant)
+    throat = design_equations.throat_area(mass_top, p_0, rig.supply.temperature, rig.heat_capacity_ratio, rig.specific_gas_constant)
     return [
         Step("largest torque", abs(float(torque[peak])), "N m", "the machine's own inverse dynamics"),
         Step("largest rod force", abs(float(force[peak])), "N", f"over an arm of {abs(1e3 * float(arm[peak])):.0f} mm"),

@@ -11,7 +11,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from exo_sim.trials.effects import Hidden, find, plant
+from exo_sim.trials.hidden_effects import Hidden, find, plant
 from exo_sim.trials.leg_cases import LegCase
 from exo_sim.trials.truth.bench import CYLINDER, JOINT, Bench, believed, draw_bench
 from exo_sim.trials.truth.drive import Truth, drive

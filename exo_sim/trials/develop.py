@@ -10,7 +10,7 @@ from pathlib import Path
 
 from exo_sim.errors import ExoSimError
 from exo_sim.trials.cases import Case, make_case, write_case
-from exo_sim.trials.effects import CALIBRATIONS, EFFECTS, LISTED, OUTSIDE, SENSORS
+from exo_sim.trials.hidden_effects import CALIBRATIONS, EFFECTS, LISTED, OUTSIDE, SENSORS
 from exo_sim.trials.leg_cases import FORCE, GAS, LegCase, make_leg_case
 from exo_sim.trials.truth.excitation import PROGRAMS
 

@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from exo_sim.errors import TrialError
-from exo_sim.trials.effects import Hidden, find, plant
+from exo_sim.trials.hidden_effects import Hidden, find, plant
 from exo_sim.trials.truth.bench import CYLINDER, JOINT, believed
 from exo_sim.trials.truth.drive import Truth
 from exo_sim.trials.truth.instruments import Instrument, measure

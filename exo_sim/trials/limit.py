@@ -27,7 +27,7 @@ from exo_sim.errors import TrialError
 from exo_sim.outputs import replacing
 from exo_sim.progress import each
 from exo_sim.trials.cases import COLUMNS, Case, instrument_of, make_case
-from exo_sim.trials.effects import EFFECTS, find
+from exo_sim.trials.hidden_effects import EFFECTS, find
 from exo_sim.trials.truth.drive import Truth, advance
 from exo_sim.trials.truth.excitation import Program
 from exo_sim.trials.truth.instruments import Instrument, measure

@@ -14,7 +14,7 @@ from typing import Any
 
 from exo_sim.recording import Recording, read, write_table
 from exo_sim.trials.cases import Case, make_case, write_case
-from exo_sim.trials.effects import EFFECTS
+from exo_sim.trials.hidden_effects import EFFECTS
 from exo_sim.trials.leg_cases import make_leg_case
 
 #: Length of a recording [s]: with 1000 samples a second long enough that fits are not counted as cheap.

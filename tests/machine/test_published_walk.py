@@ -16,7 +16,7 @@ from scipy.signal import butter, filtfilt
 
 from exo_sim.machine import anthropometry, footing
 from exo_sim.machine.person import SEGMENTS, Person
-from exo_sim.recording.foreign.opensim import OpenSimTable, read_storage
+from exo_sim.recording.foreign.opensim_storage import OpenSimTable, read_storage
 
 Array = np.ndarray
 

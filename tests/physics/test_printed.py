@@ -7,7 +7,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from exo_sim.physics import design, printed
+from exo_sim.physics import design_equations, printed
 from exo_sim.physics.printed import CORRECTED, PRINTED, Machine, Reading, double_acting, single_acting
 
 AREA_1, AREA_2 = math.pi / 4 * 0.032**2, math.pi / 4 * (0.032**2 - 0.012**2)
@@ -126,13 +126,13 @@ def test_other_closures() -> None:
 
 def test_equation_39() -> None:
     psi = 6894.757293168361
-    q = printed.flow_of_equation_39(design.HORSEPOWER, 250 * psi)
+    q = printed.flow_of_equation_39(design_equations.HORSEPOWER, 250 * psi)
     assert q / 0.0254**3 == pytest.approx(52.8, rel=1e-12)
     assert q == pytest.approx(8.652369792e-4, rel=1e-12)
-    absolute = printed.flow_of_equation_39(design.HORSEPOWER, 250 * psi, atmosphere=101325.0)
+    absolute = printed.flow_of_equation_39(design_equations.HORSEPOWER, 250 * psi, atmosphere=101325.0)
     assert absolute / 0.0254**3 == pytest.approx(49.868538076, rel=1e-9)
 
 
 def test_design_examples() -> None:
-    assert doctest.testmod(design).attempted > 8
-    assert doctest.testmod(design).failed == 0
+    assert doctest.testmod(design_equations).attempted > 8
+    assert doctest.testmod(design_equations).failed == 0

@@ -11,7 +11,7 @@ from hypothesis import strategies as st
 from pyarrow import parquet
 
 from exo_sim.errors import ExoSimError, RecordingError
-from exo_sim.recording import read, selection
+from exo_sim.recording import column_selection, read
 from exo_sim.recording.health import check
 from exo_sim.recording.reader import Reading
 
@@ -229,7 +229,7 @@ def test_a_billion_rows_are_refused_before_they_are_read(tmp_path: Path, monkeyp
         read(path)
     short = tmp_path / "short.parquet"
     parquet.write_table(pa.table({"time [s]": np.arange(1000.0), "p.pressure_1 [Pa]": np.arange(1000.0)}), short)
-    monkeypatch.setattr(selection, "MOST_BYTES", 10_000)
+    monkeypatch.setattr(column_selection, "MOST_BYTES", 10_000)
     with pytest.raises(RecordingError, match="cut it into pieces"):
         read(short)
 

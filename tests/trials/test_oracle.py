@@ -14,7 +14,7 @@ from exo_sim.rig import read
 from exo_sim.trials import oracle, protocol
 from exo_sim.trials.cases import make_case, truth_of, write_case
 from exo_sim.trials.cells import draw_plans
-from exo_sim.trials.effects import LISTED
+from exo_sim.trials.hidden_effects import LISTED
 
 TOOL = """
 import json, pathlib, sys, tomllib

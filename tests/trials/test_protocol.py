@@ -75,7 +75,7 @@ def test_an_honest_trial_is_scored(done, capsys):
 
 
 def test_truth_is_not_in_the_folder(trial):
-    from exo_sim.trials.effects import EFFECTS
+    from exo_sim.trials.hidden_effects import EFFECTS
 
     names = {effect.name.encode() for effect in EFFECTS.values() if not effect.known and effect.kind != "calibration"}
     names -= {b"wall_heat_transfer", b"coulomb_friction", b"viscous_friction"}  # may be known to the owner

@@ -11,7 +11,7 @@ from pathlib import Path
 from exo_sim.diagnosis.estimation.budget import Budget
 from exo_sim.diagnosis.estimation.threads import Threads
 from exo_sim.diagnosis.findings import Diagnosis, Finding, Kind, Rejected
-from exo_sim.diagnosis.outcome.confidence import confidence
+from exo_sim.diagnosis.outcome.finding_probability import confidence
 from exo_sim.diagnosis.outcome.localisation import located, unexplained
 from exo_sim.diagnosis.outcome.rig_update import rig_update
 from exo_sim.diagnosis.outcome.small import small_findings

@@ -20,7 +20,7 @@ from exo_sim.diagnosis.data.split import split
 from exo_sim.diagnosis.estimation.budget import Budget
 from exo_sim.diagnosis.estimation.threads import Threads
 from exo_sim.diagnosis.findings import Finding, Kind
-from exo_sim.diagnosis.outcome.confidence import doubt
+from exo_sim.diagnosis.outcome.finding_probability import doubt
 from exo_sim.diagnosis.pipeline.examine import examine, friction_to_add, left_open, validated
 from exo_sim.diagnosis.pipeline.gas_stage import Searched
 from exo_sim.diagnosis.pipeline.plan import Examination, Plan, Progress, Refuted

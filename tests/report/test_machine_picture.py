@@ -10,7 +10,7 @@ from matplotlib.image import imread
 from exo_sim import rig
 from exo_sim.machine.build import build
 from exo_sim.machine.person import Person
-from exo_sim.report import picture
+from exo_sim.report import machine_picture
 
 
 @pytest.fixture(scope="module")
@@ -34,14 +34,14 @@ def columns(model: mujoco.MjModel) -> dict[str, np.ndarray]:
 
 
 def test_a_stride_is_the_last_whole_cycle(columns: dict[str, np.ndarray]) -> None:
-    assert picture.stride(columns, 4) == [200, 225, 250, 275]
-    assert picture.stride({"slide.position": np.zeros(8)}, 4) == [0, 1, 3, 5]
+    assert machine_picture.stride(columns, 4) == [200, 225, 250, 275]
+    assert machine_picture.stride({"slide.position": np.zeros(8)}, 4) == [0, 1, 3, 5]
 
 
 def drawn(model: mujoco.MjModel, machine: rig.Rig, columns: dict[str, np.ndarray], rows: list[int]) -> np.ndarray:
     try:
-        return picture.moments(model, machine, columns, rows, size=(320, 120)).astype(int)
-    except picture.NoRenderer as reason:
+        return machine_picture.moments(model, machine, columns, rows, size=(320, 120)).astype(int)
+    except machine_picture.NoRenderer as reason:
         pytest.skip(str(reason))
 
 
@@ -63,8 +63,8 @@ def test_without_a_renderer_it_is_a_plot(
     model: mujoco.MjModel, machine: rig.Rig, columns: dict[str, np.ndarray], tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     def refuse(*arguments: object) -> None:
-        raise picture.NoRenderer("no display")
+        raise machine_picture.NoRenderer("no display")
 
-    monkeypatch.setattr(picture, "moments", refuse)
-    assert picture.save(tmp_path / "walk.png", model, machine, columns) == "no display"
+    monkeypatch.setattr(machine_picture, "moments", refuse)
+    assert machine_picture.save(tmp_path / "walk.png", model, machine, columns) == "no display"
     assert imread(tmp_path / "walk.png").std() > 0.01

@@ -1,4 +1,4 @@
-"""Sizing by hand: the paper's steady relations (equations 35-39) in the corrected form, and stiffness.
+"""The paper's steady relations between power, pressure and flow (equations 35-39) in the corrected form, and stiffness.
 
 All in SI with absolute pressures. The paper takes the exhaust density for the supply's in equation 38 and mixes gauge and absolute
 pressures in equation 39; `docs/paper.md` has both with their effect in numbers.

@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from exo_sim.errors import RecordingError
-from exo_sim.recording.foreign.opensim import is_translation, read_storage
+from exo_sim.recording.foreign.opensim_storage import is_translation, read_storage
 
 HEADER = "Coordinates\nversion=1\nnRows=3\nnColumns=3\ninDegrees=yes\n\nUnits are S.I. units\nendheader\n"
 BODY = "time\tpelvis_tx\tknee_angle_r\n0.0\t1.0\t-90\n0.1\t1.1\t-45\n0.2\t1.2\t0\n"

@@ -7,8 +7,8 @@ from dataclasses import replace
 import pytest
 
 from exo_sim.diagnosis.findings import Estimate, Finding, Kind
-from exo_sim.diagnosis.outcome.confidence import confidence, doubt
-from exo_sim.diagnosis.policy.confidence import UNTESTED
+from exo_sim.diagnosis.outcome.finding_probability import confidence, doubt
+from exo_sim.diagnosis.policy.probability import UNTESTED
 from exo_sim.diagnosis.policy.verdicts import MOST_CONFIDENT
 
 

@@ -7,7 +7,7 @@ import pytest
 
 from exo_sim.errors import OutputError, RecordingError
 from exo_sim.recording import Recording, write_rrd
-from exo_sim.recording.picture import take_picture
+from exo_sim.recording.rrd_picture import take_picture
 
 
 @pytest.mark.slow

@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from exo_sim.api.picture import front
+from exo_sim.api.figure import front
 
 
 def test_a_front_shows_every_design_in_grams_and_the_recommended_one() -> None:

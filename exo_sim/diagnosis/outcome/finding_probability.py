@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from exo_sim.diagnosis.findings import Finding, Kind
-from exo_sim.diagnosis.policy.confidence import EVEN_SHARE, LEAST_TOLD, STEEPNESS, UNTESTED
+from exo_sim.diagnosis.policy.probability import EVEN_SHARE, LEAST_TOLD, STEEPNESS, UNTESTED
 from exo_sim.diagnosis.policy.verdicts import MOST_CONFIDENT
 from exo_sim.physics.declaration import identification_of
 

@@ -8,7 +8,7 @@ import mujoco
 import numpy as np
 
 from exo_sim import rig as rigs
-from exo_sim.machine.load import load
+from exo_sim.machine.rig_model import load
 from exo_sim.recording import Recording
 from exo_sim.rig import Rig
 from exo_sim.simulation.plugin import PneumaticPlugin

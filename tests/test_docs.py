@@ -168,7 +168,7 @@ def test_the_diagnosis_of_the_page_of_python_runs(
 
 
 def test_every_block_of_a_page_is_of_a_kind_that_a_test_knows() -> None:
-    """Python, commands, and tables for files are run, parsed or read by a test of this file or of `test_outside`; the rest is shown."""
+    """Python, commands, and tables for files are run, parsed or read by a test here or in `test_external_effects`; the rest is shown."""
     known = {"sh", "python", "python run", "python files", "toml", "toml entry-point", ""}
     for page in sorted((ROOT / "docs").glob("*.md")):
         fences = re.findall(r"^```(.*)$", page.read_text(encoding="utf-8"), re.MULTILINE)

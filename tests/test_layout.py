@@ -47,10 +47,10 @@ THROUGH: dict[str, tuple[str, ...]] = {
     ),
     "gait/test_own_gait.py": (
         "gait/contact_fit.py", "gait/files/c3d.py", "gait/files/opensim_motion.py",
-        "gait/files/table.py", "gait/signs.py", "gait/standing.py",
-        "gait/strides.py", "gait/trial.py",
+        "gait/files/table.py", "gait/angle_signs.py", "gait/standing.py",
+        "gait/strides.py", "gait/walking_trial.py",
     ),
-    "machine/test_build.py": (
+    "machine/test_worn_model.py": (
         "machine/metabolism.py",
     ),
     "recording/test_hostile_tables.py": (

@@ -6,7 +6,7 @@ import tomllib
 from pathlib import Path
 
 from exo_sim import rig
-from exo_sim.machine.load import load
+from exo_sim.machine.rig_model import load
 from exo_sim.simulation.walk import default_rig
 
 

@@ -15,7 +15,7 @@ from exo_sim.api.recording import Recording
 from exo_sim.api.rig import Rig
 from exo_sim.conventions import Check, settle
 from exo_sim.errors import Diverged
-from exo_sim.machine.load import load
+from exo_sim.machine.rig_model import load
 from exo_sim.plain_text import table
 from exo_sim.recording import noise
 from exo_sim.simulation import replay as replays

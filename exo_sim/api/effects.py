@@ -8,7 +8,7 @@ from pathlib import Path
 
 from exo_sim.api.notebook import html_table
 from exo_sim.errors import RigError, nearest
-from exo_sim.physics import outside
+from exo_sim.physics import external_effects
 from exo_sim.physics.declaration import Effect, declared
 from exo_sim.plain_text import table
 
@@ -48,7 +48,7 @@ class Effects(Mapping[str, Effect]):
         Raises:
             ModelError: there is no such file, it declares no effect, or something was simulated before.
         """
-        outside.use(Path(path))
+        external_effects.use(Path(path))
         declared.cache_clear()
 
     def _rows(self) -> list[list[str]]:

@@ -72,7 +72,7 @@ def inspect(recording: RecordingLike, rig: RigLike | None = None, *, columns: Co
         found = summary.summarise(reading)
         return Inspection(found, summary.as_dict(found))
     from exo_sim import conventions
-    from exo_sim.machine.load import load
+    from exo_sim.machine.rig_model import load
     from exo_sim.recording.health import Facts
     from exo_sim.rig.limits import passed, reached_in
 

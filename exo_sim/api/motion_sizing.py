@@ -12,7 +12,7 @@ from exo_sim.api.result_folder import result_folder
 from exo_sim.api.rig import Rig
 from exo_sim.api.sizing_result import SizingResult
 from exo_sim.sizing import motion_result
-from exo_sim.sizing.fixing import given_numbers
+from exo_sim.sizing.fixed_numbers import given_numbers
 from exo_sim.sizing.motion_result import MotionSizing as Study
 
 if TYPE_CHECKING:

@@ -109,7 +109,7 @@ class Rig(schema.Rig):
         Raises:
             ModelError: MuJoCo refuses the MJCF, or it lacks a part that the rig names.
         """
-        from exo_sim.machine.load import load
+        from exo_sim.machine.rig_model import load
 
         return load(self)
 

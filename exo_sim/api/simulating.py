@@ -185,7 +185,7 @@ def simulate(
         Diverged: the simulation left the range of numbers that mean anything, or the machine fell.
     """
     from exo_sim.control import own
-    from exo_sim.machine.build import is_worn
+    from exo_sim.machine.worn_model import is_worn
     from exo_sim.simulation import streamed_run
     from exo_sim.simulation.summary import summarise
     from exo_sim.simulation.walk import Request

@@ -64,9 +64,9 @@ def question(
     """Return what a search is asked; arguments and errors as of `size`."""
     from exo_sim.rig.own_catalogue import find_catalogue, read_catalogue
     from exo_sim.rig.valve import with_edges, with_tank
-    from exo_sim.sizing.around import around
-    from exo_sim.sizing.fixing import given_numbers
+    from exo_sim.sizing.fixed_numbers import given_numbers
     from exo_sim.sizing.own_mass import carried
+    from exo_sim.sizing.robust_conditions import around
     from exo_sim.sizing.study import space_of
     from exo_sim.sizing.travel import TRAVELS, within_tasks
 

@@ -28,7 +28,7 @@ from exo_sim.gait.residual_reduction import body_loads
 from exo_sim.machine.footing import hold, joint_moments
 from exo_sim.machine.person import Person
 from exo_sim.machine.straps import StrapSet
-from exo_sim.machine.wearer import extra_moments
+from exo_sim.machine.wearer_moments import extra_moments
 from exo_sim.rig.schema import Ankle
 
 #: Harmonics of the torques.

@@ -20,7 +20,7 @@ from exo_sim import units
 from exo_sim.control import own
 from exo_sim.errors import Diverged, ScenarioError, nearest
 from exo_sim.machine.person import SEGMENTS
-from exo_sim.machine.wearer import extra_moments
+from exo_sim.machine.wearer_moments import extra_moments
 from exo_sim.rig import Rig
 from exo_sim.simulation.external_commands import Stepper
 from exo_sim.simulation.loop import person_along

@@ -6,7 +6,7 @@ import re
 from collections.abc import Iterable, Mapping
 
 from exo_sim.errors import ScenarioError, nearest
-from exo_sim.gait.trial import JOINTS, PELVIS
+from exo_sim.gait.walking_trial import JOINTS, PELVIS
 
 _PARTS = re.compile(r"[A-Z]+(?![a-z])|[A-Z]?[a-z]+|\d+")
 _LEFT, _RIGHT = {"l", "left", "lt", "li"}, {"r", "right", "rt", "re"}

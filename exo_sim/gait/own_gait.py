@@ -11,11 +11,11 @@ import numpy as np
 
 from exo_sim.errors import ScenarioError
 from exo_sim.gait import contact_fit, fourier, strides, whole_trial
+from exo_sim.gait.angle_signs import counted_as_machine
 from exo_sim.gait.recorded_gait import RecordedGait
 from exo_sim.gait.scenario import Scenario
-from exo_sim.gait.signs import counted_as_machine
-from exo_sim.gait.trial import GroundForce, Trial
 from exo_sim.gait.walking import walking_as
+from exo_sim.gait.walking_trial import GroundForce, Trial
 from exo_sim.machine.person import REFERENCE_HEIGHT, Person
 from exo_sim.recording.column_map import ColumnMap
 

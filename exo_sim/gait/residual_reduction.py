@@ -20,7 +20,7 @@ from exo_sim.errors import ScenarioError
 from exo_sim.gait.motion import Motion, travelling
 from exo_sim.machine import anthropometry, footing
 from exo_sim.machine.person import Person, poses_along
-from exo_sim.machine.wearer import backpack_wrench
+from exo_sim.machine.wearer_moments import backpack_wrench
 
 #: Samples of a cycle that are looked at.
 _EVERY = 8

@@ -64,8 +64,8 @@ from exo_sim.gait.motion import SAMPLES, Motion
 from exo_sim.gait.scenario import WEARERS, AddedLoad, Scenario
 from exo_sim.gait.stairs import DOWN, UP, walking_stairs
 from exo_sim.gait.standing import on_both_feet
-from exo_sim.gait.trial import JOINTS, PELVIS
 from exo_sim.gait.variation import Variation
+from exo_sim.gait.walking_trial import JOINTS, PELVIS
 from exo_sim.inputs import refusing, text_of, toml
 from exo_sim.machine.ground import Ground
 from exo_sim.machine.person import Person

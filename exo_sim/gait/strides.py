@@ -16,7 +16,7 @@ from numpy.typing import NDArray
 
 from exo_sim.errors import ScenarioError
 from exo_sim.gait.contact_fit import PHASES
-from exo_sim.gait.trial import GroundForce, Trial
+from exo_sim.gait.walking_trial import GroundForce, Trial
 from exo_sim.machine.person import Person, leg_points
 
 Array = NDArray[np.float64]

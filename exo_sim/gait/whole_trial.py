@@ -20,8 +20,8 @@ from exo_sim.gait.contact_fit import HARMONICS
 from exo_sim.gait.motion import SAMPLES, Motion, WholeTrial, derivatives, smooth
 from exo_sim.gait.recorded_gait import RecordedGait
 from exo_sim.gait.strides import Strides
-from exo_sim.gait.trial import Trial
 from exo_sim.gait.walking import LEAN, contacts, pressure_centres, shares, walking_as
+from exo_sim.gait.walking_trial import Trial
 from exo_sim.machine.person import Person, leg_points
 
 Array = NDArray[np.float64]

@@ -22,7 +22,7 @@ from numba.core import cgutils, config
 from numba.core.caching import FunctionCache
 from numba.extending import intrinsic
 
-from exo_sim.physics import kept_code, outside
+from exo_sim.physics import external_effects, kept_code
 
 Function = TypeVar("Function", bound=Callable[..., Any])
 
@@ -33,7 +33,7 @@ _COMPILED = re.compile(rb"kernel|intrinsic")
 def _sources() -> list[Path]:
     physics = Path(__file__).resolve().parent
     own = [path for path in sorted(_PACKAGE.rglob("*.py")) if physics in path.parents or _COMPILED.search(path.read_bytes())]
-    return own + [source.path for source in outside.sources()]
+    return own + [source.path for source in external_effects.sources()]
 
 
 def _key() -> str:

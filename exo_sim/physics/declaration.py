@@ -9,7 +9,7 @@ from dataclasses import dataclass, field
 from functools import cache
 
 from exo_sim.errors import ModelError, nearest
-from exo_sim.physics import outside
+from exo_sim.physics import external_effects
 from exo_sim.physics.identification import Identification
 
 __all__ = ["BESIDE_THE_GAS", "FAMILIES", "PLACES", "Effect", "Identification", "Parameter", "declared", "identification_of"]
@@ -148,7 +148,7 @@ def declared() -> dict[str, Effect]:
     for name in names:
         effect: Effect = importlib.import_module(f"{package.__name__}.{name}").EFFECT
         found[effect.name] = effect
-    for source in outside.sources():
+    for source in external_effects.sources():
         effect = source.effect()
         if not isinstance(effect, Effect):
             raise ModelError(f"{source.label}: {source.attribute} is a {type(effect).__name__}, no Effect of exo_sim.physics.declaration")

@@ -7,7 +7,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from exo_sim.machine.linkage import tendon_ends
-from exo_sim.machine.load import load
+from exo_sim.machine.rig_model import load
 from exo_sim.recording.scene import DrawnCylinder, Scene, shapes_of_model
 from exo_sim.recording.table import Recording
 from exo_sim.rig import Rig

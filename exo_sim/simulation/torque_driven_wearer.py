@@ -10,8 +10,8 @@ import mujoco
 from exo_sim.control import wearer_plan
 from exo_sim.errors import ScenarioError
 from exo_sim.machine.attachment import attach
-from exo_sim.machine.build import build
 from exo_sim.machine.straps import fasten
+from exo_sim.machine.worn_model import build
 from exo_sim.simulation.plugin import PneumaticPlugin
 from exo_sim.simulation.rehearsal import expected_load
 

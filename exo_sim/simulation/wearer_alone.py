@@ -17,8 +17,8 @@ from exo_sim.gait.motion import Motion
 from exo_sim.gait.residual_reduction import trunk
 from exo_sim.machine import wearer_body
 from exo_sim.machine.person import Person
-from exo_sim.machine.wearer import backpack_wrench
 from exo_sim.machine.wearer_body import Pack
+from exo_sim.machine.wearer_moments import backpack_wrench
 from exo_sim.simulation import wearer_log, wearer_loop
 from exo_sim.simulation.mujoco_calls import address, warnings_counted
 from exo_sim.simulation.wearer_log import Moved

@@ -8,8 +8,8 @@ from numpy.typing import NDArray
 from exo_sim.gait.motion import Motion
 from exo_sim.gait.residual_reduction import body_loads, reduced, trunk, with_backpack
 from exo_sim.machine.person import Person
-from exo_sim.machine.wearer import backpack_wrench
 from exo_sim.machine.wearer_body import Pack
+from exo_sim.machine.wearer_moments import backpack_wrench
 from exo_sim.simulation.walk import Walk
 from exo_sim.simulation.wearer_alone import one_cycle
 from exo_sim.simulation.wearer_inverse_dynamics import Held, held

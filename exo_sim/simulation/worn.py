@@ -22,11 +22,11 @@ from exo_sim.gait.residual_reduction import worn
 from exo_sim.gait.variation import Variation
 from exo_sim.machine import wearer_body
 from exo_sim.machine.attachment import attach
-from exo_sim.machine.build import PAYLOAD_LIMIT, build, carry, with_hung
 from exo_sim.machine.linkage import check_strokes
-from exo_sim.machine.load import check_effects
 from exo_sim.machine.person import COORDINATES, Person
+from exo_sim.machine.rig_model import check_effects
 from exo_sim.machine.straps import fasten
+from exo_sim.machine.worn_model import PAYLOAD_LIMIT, build, carry, with_hung
 from exo_sim.rig import Rig
 from exo_sim.rig.control_step import check_step
 from exo_sim.simulation import chamber_plans, external_commands, loop, wearer_log

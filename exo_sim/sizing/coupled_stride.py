@@ -13,8 +13,8 @@ from exo_sim.control.valve_control import force_limits
 from exo_sim.gait import scenario as scenarios
 from exo_sim.gait.motion import look_up
 from exo_sim.machine.attachment import attach
-from exo_sim.machine.build import carry
 from exo_sim.machine.linkage import moment_row
+from exo_sim.machine.worn_model import carry
 from exo_sim.rig import Rig
 from exo_sim.simulation import loop
 from exo_sim.simulation.loop_wiring import wire

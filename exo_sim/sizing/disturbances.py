@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 
 from exo_sim.gait import scenario as scenarios
 from exo_sim.gait.variation import Variation
-from exo_sim.machine.build import PAYLOAD_LIMIT
+from exo_sim.machine.worn_model import PAYLOAD_LIMIT
 from exo_sim.rig import Rig
 from exo_sim.simulation import chamber_plans
 from exo_sim.simulation.walk import Request

@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 from exo_sim.errors import RigError, ScenarioError, nearest
 from exo_sim.machine.attachment import attachments
 from exo_sim.machine.linkage import linkages
-from exo_sim.machine.load import load
+from exo_sim.machine.rig_model import load
 from exo_sim.rig import Attachment, Rig
 from exo_sim.sizing.linkage_geometry import length_and_arm
 

@@ -18,10 +18,10 @@ from exo_sim.gait import recorded_gait
 from exo_sim.gait import scenario as scenarios
 from exo_sim.gait.motion import phases
 from exo_sim.gait.residual_reduction import worn
-from exo_sim.machine.build import PAYLOAD_LIMIT, build, carry
 from exo_sim.machine.linkage import linkages
 from exo_sim.machine.person import COORDINATES, Person
 from exo_sim.machine.straps import fasten
+from exo_sim.machine.worn_model import PAYLOAD_LIMIT, build, carry
 from exo_sim.rig import Ankle, Rig, Wearer
 
 JOINTS = COORDINATES[3:]

@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from exo_sim.control.tracking import Tracking, TrackingGains
-from exo_sim.machine.load import load
+from exo_sim.machine.rig_model import load
 from exo_sim.recording.table import Recording
 from exo_sim.rig import Rig
 from exo_sim.simulation.plugin import PneumaticPlugin

@@ -16,7 +16,7 @@ from numpy.typing import NDArray
 from exo_sim import progress
 from exo_sim.errors import ExoSimError, RigError, ScenarioError, nearest
 from exo_sim.machine.linkage import linkages
-from exo_sim.machine.load import load
+from exo_sim.machine.rig_model import load
 from exo_sim.recording.table import Recording
 from exo_sim.rig import Rig, assembly
 from exo_sim.rig.control_step import longest_step

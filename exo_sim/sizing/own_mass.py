@@ -11,7 +11,7 @@ from __future__ import annotations
 from dataclasses import replace
 
 from exo_sim.machine.linkage import linkages, tendon_ends
-from exo_sim.machine.load import load
+from exo_sim.machine.rig_model import load
 from exo_sim.rig import Rig
 from exo_sim.sizing.design import TANK_VALVES_MASS, Design, fit, tank_mass
 from exo_sim.sizing.design_space import Space

@@ -11,7 +11,7 @@ from dataclasses import replace
 import numpy as np
 
 from exo_sim.machine.linkage import linkages
-from exo_sim.machine.load import load
+from exo_sim.machine.rig_model import load
 from exo_sim.rig import JointFactors, Rig
 from exo_sim.sizing.loads import JointLoads
 

@@ -7,7 +7,7 @@ import mujoco
 from benchmarks.figure import Asked, Figure, Said
 from benchmarks.walking_machine import ROOT, Machine, quickest
 from exo_sim import rig
-from exo_sim.machine.load import load
+from exo_sim.machine.rig_model import load
 from exo_sim.physics.declaration import Effect, Parameter, declared
 from exo_sim.rig import Rig
 

@@ -24,7 +24,7 @@ def resets(bases: Path, number: int) -> Outcome:
     import mujoco
 
     from exo_sim import rig as rigs
-    from exo_sim.machine.load import load
+    from exo_sim.machine.rig_model import load
     from exo_sim.simulation.plugin import PneumaticPlugin
 
     outcome = Outcome("resets")

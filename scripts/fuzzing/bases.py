@@ -47,7 +47,7 @@ def _bench(folder: Path) -> None:
     import mujoco
 
     from exo_sim import rig as rigs
-    from exo_sim.machine.load import load
+    from exo_sim.machine.rig_model import load
     from exo_sim.recording import Recording, write_rrd
     from exo_sim.recording.table_file import write_table
     from exo_sim.simulation.plugin import PneumaticPlugin

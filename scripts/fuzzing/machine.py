@@ -23,7 +23,7 @@ def drive(words: list[str]) -> int:
 
     from exo_sim import rig as rigs
     from exo_sim.errors import ExoSimError, one_line
-    from exo_sim.machine.load import load
+    from exo_sim.machine.rig_model import load
     from exo_sim.simulation.plugin import PneumaticPlugin
 
     try:

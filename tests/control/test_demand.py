@@ -7,9 +7,9 @@ from exo_sim.control.demand import demand, limit
 from exo_sim.control.machine_dynamics import PHASES, along
 from exo_sim.errors import ScenarioError
 from exo_sim.gait import scenario
-from exo_sim.machine.build import build
 from exo_sim.machine.person import Person
 from exo_sim.machine.straps import fasten
+from exo_sim.machine.worn_model import build
 from exo_sim.rig import Ankle
 
 

@@ -10,7 +10,7 @@ import numpy as np
 import pytest
 
 from exo_sim.conventions.answerable import Question, questions
-from exo_sim.machine.load import load
+from exo_sim.machine.rig_model import load
 from exo_sim.recording import Recording
 from exo_sim.rig import Rig
 

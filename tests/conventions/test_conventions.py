@@ -26,7 +26,7 @@ from exo_sim.conventions.machine import Machine
 from exo_sim.conventions.pressures import _counts_from, in_pascal
 from exo_sim.errors import RecordingError
 from exo_sim.machine.linkage import linkages
-from exo_sim.machine.load import load
+from exo_sim.machine.rig_model import load
 from exo_sim.recording import Recording, read, write_table
 from exo_sim.rig import Rig
 from exo_sim.trials.cases import make_case, write_case

@@ -10,7 +10,7 @@ from exo_sim.cli import main
 from exo_sim.errors import ExoSimError, RecordingError, ScenarioError
 from exo_sim.gait import labels, own_gait, recorded_gait, scenario, scenario_file
 from exo_sim.gait.own_gait import GaitFile
-from exo_sim.gait.trial import JOINTS
+from exo_sim.gait.walking_trial import JOINTS
 from exo_sim.machine.person import Person
 
 STRIDES, PERIOD = 4, 1.1

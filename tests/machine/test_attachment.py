@@ -9,9 +9,9 @@ import pytest
 from exo_sim import rig as rigs
 from exo_sim.errors import ModelError, RigError
 from exo_sim.machine.attachment import attach, attachments
-from exo_sim.machine.build import build
-from exo_sim.machine.load import load
 from exo_sim.machine.person import Person
+from exo_sim.machine.rig_model import load
+from exo_sim.machine.worn_model import build
 from exo_sim.rig import Attachment
 
 

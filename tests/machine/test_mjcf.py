@@ -14,7 +14,7 @@ import pytest
 from exo_sim import rig as rigs
 from exo_sim.errors import ModelError, RigError
 from exo_sim.machine import mujoco_words
-from exo_sim.machine.load import load
+from exo_sim.machine.rig_model import load
 from exo_sim.simulation.plugin import PneumaticPlugin
 
 MODEL = """

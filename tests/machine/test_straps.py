@@ -5,10 +5,10 @@ import numpy as np
 import pytest
 
 from exo_sim.errors import ModelError
-from exo_sim.machine.build import build
 from exo_sim.machine.person import SEGMENTS, Person, segment_poses
 from exo_sim.machine.straps import Strap, fasten, pull
-from exo_sim.machine.wearer import GRAVITY, backpack_wrench, extra_moments
+from exo_sim.machine.wearer_moments import GRAVITY, backpack_wrench, extra_moments
+from exo_sim.machine.worn_model import build
 from exo_sim.rig import Ankle
 
 

@@ -5,8 +5,8 @@ import numpy as np
 import pytest
 
 from exo_sim.machine import anthropometry, wearer_body
-from exo_sim.machine.build import build
 from exo_sim.machine.person import SEGMENTS, Person, poses_along
+from exo_sim.machine.worn_model import build
 from exo_sim.rig import Ankle
 
 

@@ -8,8 +8,8 @@ import pytest
 from matplotlib.image import imread
 
 from exo_sim import rig
-from exo_sim.machine.build import build
 from exo_sim.machine.person import Person
+from exo_sim.machine.worn_model import build
 from exo_sim.report import machine_picture
 
 

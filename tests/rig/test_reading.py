@@ -11,7 +11,7 @@ from hypothesis import strategies as st
 
 from exo_sim.errors import ExoSimError, RigError
 from exo_sim.machine.linkage import check_strokes
-from exo_sim.machine.load import load
+from exo_sim.machine.rig_model import load
 from exo_sim.rig import parse, read
 from exo_sim.simulation.plugin import PneumaticPlugin
 from exo_sim.simulation.walk import Request

@@ -10,7 +10,7 @@ import pytest
 from simulation.started import EVERYTHING, go, start
 
 from exo_sim.errors import ModelError, RigError
-from exo_sim.machine.load import load
+from exo_sim.machine.rig_model import load
 from exo_sim.recording.table import Recording
 from exo_sim.rig import parse, read
 from exo_sim.simulation.plugin import PneumaticPlugin

@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 from simulation.started import go, start
 
-from exo_sim.machine.load import load
+from exo_sim.machine.rig_model import load
 from exo_sim.rig import parse
 from exo_sim.simulation.plugin import PneumaticPlugin
 

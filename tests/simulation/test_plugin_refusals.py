@@ -12,7 +12,7 @@ import numpy as np
 import pytest
 
 from exo_sim.errors import ExoSimError, ModelError, RigError
-from exo_sim.machine.load import load
+from exo_sim.machine.rig_model import load
 from exo_sim.rig import Rig, read
 from exo_sim.simulation.plugin import PneumaticPlugin
 

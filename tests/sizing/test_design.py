@@ -4,7 +4,7 @@ import pytest
 
 from exo_sim import rig as rigs
 from exo_sim.machine.linkage import check_strokes
-from exo_sim.machine.load import load
+from exo_sim.machine.rig_model import load
 from exo_sim.sizing.design import actuator_mass, fit, fitted
 from exo_sim.sizing.screening import chosen_bores
 from exo_sim.sizing.writing import sized_text

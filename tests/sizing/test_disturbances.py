@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from exo_sim.machine.build import PAYLOAD_LIMIT
+from exo_sim.machine.worn_model import PAYLOAD_LIMIT
 from exo_sim.simulation.walk import Request
 from exo_sim.simulation.worn import Simulation
 from exo_sim.sizing.disturbances import DISTURBANCES, disturbances_of, disturbed

@@ -8,7 +8,7 @@ import pytest
 from exo_sim import rig as rigs
 from exo_sim.errors import RigError
 from exo_sim.machine.linkage import linkages
-from exo_sim.machine.load import load
+from exo_sim.machine.rig_model import load
 from exo_sim.rig import Ankle
 from exo_sim.simulation.loop_wiring import wire
 from exo_sim.simulation.torque_limits import torque_limits

@@ -5,7 +5,7 @@ import numpy as np
 import pytest
 
 from exo_sim.machine.linkage import moment_row
-from exo_sim.machine.load import load
+from exo_sim.machine.rig_model import load
 from exo_sim.sizing.linkage_geometry import length_and_arm
 
 

@@ -7,7 +7,7 @@ import pytest
 
 from exo_sim import rig as rigs
 from exo_sim.errors import RigError, ScenarioError
-from exo_sim.machine.load import load
+from exo_sim.machine.rig_model import load
 from exo_sim.recording.table import Recording
 from exo_sim.sizing import motion_result
 from exo_sim.sizing.motion_loads import rod_loads

@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from exo_sim.machine.load import load
+from exo_sim.machine.rig_model import load
 from exo_sim.sizing.loads import joint_loads
 from exo_sim.sizing.own_mass import masses_of, with_masses
 from exo_sim.sizing.screening import chosen_bores

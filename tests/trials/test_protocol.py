@@ -10,7 +10,7 @@ import pytest
 
 from exo_sim.cli import main
 from exo_sim.errors import TrialError
-from exo_sim.machine.load import load
+from exo_sim.machine.rig_model import load
 from exo_sim.rig import read
 from exo_sim.trials import protocol
 from exo_sim.trials.cells import draw_plans

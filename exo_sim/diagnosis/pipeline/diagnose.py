@@ -12,9 +12,9 @@ from exo_sim.diagnosis.estimation.budget import Budget
 from exo_sim.diagnosis.estimation.threads import Threads
 from exo_sim.diagnosis.findings import Diagnosis, Finding, Kind, Rejected
 from exo_sim.diagnosis.outcome.finding_probability import confidence
+from exo_sim.diagnosis.outcome.immaterial import small_findings
 from exo_sim.diagnosis.outcome.localisation import located, unexplained
 from exo_sim.diagnosis.outcome.rig_update import rig_update
-from exo_sim.diagnosis.outcome.small import small_findings
 from exo_sim.diagnosis.outcome.verdict import distinct, next_experiment, verdict_of
 from exo_sim.diagnosis.pipeline.plan import Examination, Progress
 from exo_sim.diagnosis.pipeline.reading import gather

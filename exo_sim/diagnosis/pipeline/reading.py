@@ -18,7 +18,7 @@ from exo_sim.diagnosis.policy.recordings import FEWEST_IN_COLUMN
 from exo_sim.diagnosis.policy.verdicts import GAUGE_ERROR, OBVIOUS_FAULT
 from exo_sim.errors import RecordingError, nearest
 from exo_sim.machine.linkage import linkages
-from exo_sim.machine.load import load
+from exo_sim.machine.rig_model import load
 from exo_sim.physics.effects import sensor_bias, sensor_scale
 from exo_sim.recording.column_map import ColumnMap
 from exo_sim.recording.health import Facts, blanked, check

@@ -17,7 +17,7 @@ from exo_sim.diagnosis.data.split import Split
 from exo_sim.diagnosis.findings import SignalFit
 from exo_sim.diagnosis.policy.budgets import LONGEST_FREE_RUN
 from exo_sim.errors import ExoSimError
-from exo_sim.machine.load import load
+from exo_sim.machine.rig_model import load
 from exo_sim.recording import noise
 from exo_sim.recording.table import Recording
 from exo_sim.rig import Rig, parse

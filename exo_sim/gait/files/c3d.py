@@ -12,7 +12,7 @@ import numpy as np
 from exo_sim.errors import ScenarioError
 from exo_sim.gait.files.c3d_content import Content, read_content
 from exo_sim.gait.labels import assigned, meaning
-from exo_sim.gait.trial import GroundForce, Trial
+from exo_sim.gait.walking_trial import GroundForce, Trial
 from exo_sim.inputs import check_regular, refusing
 
 #: What events of a C3D file are called.

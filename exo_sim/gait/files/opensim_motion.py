@@ -10,7 +10,7 @@ import numpy as np
 
 from exo_sim.errors import ScenarioError
 from exo_sim.gait.labels import assigned
-from exo_sim.gait.trial import GroundForce, Trial
+from exo_sim.gait.walking_trial import GroundForce, Trial
 from exo_sim.recording.foreign.opensim_storage import read_storage
 
 #: An angle beyond this many radian is in degrees.

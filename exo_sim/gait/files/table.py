@@ -9,7 +9,7 @@ import numpy as np
 
 from exo_sim.errors import ScenarioError
 from exo_sim.gait.labels import assigned
-from exo_sim.gait.trial import GroundForce, Trial
+from exo_sim.gait.walking_trial import GroundForce, Trial
 from exo_sim.recording import reader
 from exo_sim.recording.column_map import ColumnMap
 from exo_sim.recording.table import Recording

@@ -11,7 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from exo_sim.errors import RecordingError, nearest
-from exo_sim.machine.load import load
+from exo_sim.machine.rig_model import load
 from exo_sim.recording import health
 from exo_sim.recording.table import Recording
 from exo_sim.rig import Rig

@@ -19,7 +19,7 @@ from exo_sim.trials.real.honest import honest_errors
 from exo_sim.trials.real.judge import Mark, judge
 from exo_sim.trials.real.machines import real_case, rig_of
 from exo_sim.trials.real.table import by_make, summary
-from exo_sim.trials.spent import used_by
+from exo_sim.trials.resource_use import used_by
 from exo_sim.trials.tool import bring_back, command, environment, lay_out
 from exo_sim.trials.whole.runner import spread
 

@@ -18,7 +18,7 @@ from exo_sim.trials.whole.draw import Built, build
 from exo_sim.trials.whole.instruments import Rack, draw_rack
 from exo_sim.trials.whole.makes import Make, find
 from exo_sim.trials.whole.mapping import rig_effects
-from exo_sim.trials.whole.matters import matters, plain
+from exo_sim.trials.whole.materiality import matters, plain
 from exo_sim.trials.whole.owner import Owner, as_built, believed
 from exo_sim.trials.whole.running import Run, drive, recorded
 

@@ -16,7 +16,7 @@ from exo_sim.errors import TrialError
 from exo_sim.outputs import replacing
 from exo_sim.progress import each
 from exo_sim.trials.answer import read_answer
-from exo_sim.trials.spent import used_by
+from exo_sim.trials.resource_use import used_by
 from exo_sim.trials.tool import bring_back, command, environment, lay_out
 from exo_sim.trials.whole import fresh
 from exo_sim.trials.whole.judge import MATTERS, Mark, judge

@@ -10,7 +10,7 @@ import pytest
 
 from exo_sim.diagnosis.data.machine_data import MachineData
 from exo_sim.machine.linkage import linkages
-from exo_sim.machine.load import load
+from exo_sim.machine.rig_model import load
 
 
 def test_joints_and_tables_are_found_by_name_and_nothing_is_written_into_it(tmp_path: Path) -> None:

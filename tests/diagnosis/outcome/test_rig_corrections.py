@@ -19,7 +19,7 @@ from exo_sim.diagnosis.selection.model_fits import ModelFits
 from exo_sim.diagnosis.selection.nuisance_calibration import Deviation
 from exo_sim.diagnosis.selection.subsystem_result import SubsystemResult
 from exo_sim.machine.linkage import linkages
-from exo_sim.machine.load import load as load_model
+from exo_sim.machine.rig_model import load as load_model
 
 
 def factor(effect: str, where: str, name: str, target: Target = Target.FACTOR) -> FreeParameter:

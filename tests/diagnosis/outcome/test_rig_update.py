@@ -24,7 +24,7 @@ from exo_sim.diagnosis.selection.nuisance_calibration import Deviation
 from exo_sim.diagnosis.selection.subsystem_result import SubsystemResult
 from exo_sim.diagnosis.selection.unknown_effect import UnknownEffect
 from exo_sim.machine.linkage import linkages
-from exo_sim.machine.load import load
+from exo_sim.machine.rig_model import load
 from exo_sim.rig import Rig, parse
 
 AREA = FreeParameter("piston_leakage", "piston", "area", "m^2", Target.CYLINDER, 1e-8, 0.0, 1e-6)

@@ -11,7 +11,7 @@ from exo_sim.diagnosis.data.machine_data import MachineData
 from exo_sim.diagnosis.findings import Finding, Kind, OpenQuestion, Subsystem, Verdict
 from exo_sim.diagnosis.outcome.verdict import distinct, next_experiment, verdict_of
 from exo_sim.machine.linkage import linkages
-from exo_sim.machine.load import load
+from exo_sim.machine.rig_model import load
 
 BOTH = {Subsystem.GAS, Subsystem.MOTION}
 

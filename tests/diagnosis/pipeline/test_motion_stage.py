@@ -18,7 +18,7 @@ from exo_sim.diagnosis.pipeline.plan import Plan
 from exo_sim.diagnosis.selection.subsystem_result import SubsystemResult
 from exo_sim.diagnosis.subsystems.motion.model import MotionModel
 from exo_sim.machine.linkage import linkages
-from exo_sim.machine.load import load
+from exo_sim.machine.rig_model import load
 
 
 def examined(folder: Path, lost: np.ndarray, more: str = "", plan: Plan | None = None) -> SubsystemResult[MotionModel]:

@@ -12,7 +12,7 @@ import pytest
 from exo_sim.diagnosis.data.machine_data import MachineData
 from exo_sim.diagnosis.pipeline.sorting import sort
 from exo_sim.machine.linkage import linkages
-from exo_sim.machine.load import load
+from exo_sim.machine.rig_model import load
 from exo_sim.recording import Recording
 
 

@@ -22,7 +22,7 @@ from exo_sim.diagnosis.selection.subsystem_result import SubsystemResult
 from exo_sim.diagnosis.subsystems.gas.model import GasModel
 from exo_sim.diagnosis.subsystems.gas.nuisances import with_measured_supply
 from exo_sim.machine.linkage import linkages
-from exo_sim.machine.load import load
+from exo_sim.machine.rig_model import load
 from exo_sim.rig import assembly
 
 PLAN = Plan(Split({}))

@@ -17,7 +17,7 @@ from exo_sim.diagnosis.data.split import Split
 from exo_sim.diagnosis.pipeline.diagnose import diagnose
 from exo_sim.diagnosis.pipeline.reading import gather
 from exo_sim.diagnosis.validation.free_run import FreeRuns, _Sums
-from exo_sim.machine.load import load
+from exo_sim.machine.rig_model import load
 from exo_sim.recording import read
 from exo_sim.simulation.replay import replay, rms
 from exo_sim.trials.cases import make_case, write_case

@@ -7,7 +7,7 @@ from pathlib import Path
 import benches
 import mujoco
 
-from exo_sim.machine.load import load
+from exo_sim.machine.rig_model import load
 from exo_sim.recording.health import Facts
 from exo_sim.rig import parse
 

@@ -11,7 +11,7 @@ import pytest
 from exo_sim import rig as rigs
 from exo_sim.cli import main
 from exo_sim.errors import TrialError
-from exo_sim.machine.load import load
+from exo_sim.machine.rig_model import load
 from exo_sim.trials.cantera.case import BLOCKS, CELLS, MAKE, choose, make_case
 from exo_sim.trials.cantera.network import Cylinder
 from exo_sim.trials.sealed_machines import plans_of

@@ -10,7 +10,7 @@ import pytest
 
 from exo_sim import rig as rigs
 from exo_sim.errors import TrialError
-from exo_sim.machine.load import load
+from exo_sim.machine.rig_model import load
 from exo_sim.recording import read
 from exo_sim.trials.whole import case as cases
 from exo_sim.trials.whole.__main__ import main
@@ -19,7 +19,7 @@ from exo_sim.trials.whole.case import make_case, truth_of, write_case
 from exo_sim.trials.whole.draw import build, choose
 from exo_sim.trials.whole.instruments import Channel, filtered, shown
 from exo_sim.trials.whole.makes import MAKES
-from exo_sim.trials.whole.matters import matters
+from exo_sim.trials.whole.materiality import matters
 from exo_sim.trials.whole.running import drive
 
 

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from exo_sim import rig as rigs
-from exo_sim.machine.load import load
+from exo_sim.machine.rig_model import load
 from exo_sim.recording import read
 from exo_sim.simulation import replay as replays
 from exo_sim.trials.whole.case import make_case, truth_of, write_case

@@ -19,7 +19,7 @@ from exo_sim.trials.whole.instruments import Rack, draw_rack, filtered, shown
 from exo_sim.trials.whole.loop import FED, FORCES, MEMO
 from exo_sim.trials.whole.makes import Make, find
 from exo_sim.trials.whole.mapping import rig_effects
-from exo_sim.trials.whole.matters import matters
+from exo_sim.trials.whole.materiality import matters
 from exo_sim.trials.whole.owner import as_built, believed
 from exo_sim.trials.whole.plant import STATES, at_rest
 from exo_sim.trials.whole.running import Run, advance, span_of, ticks

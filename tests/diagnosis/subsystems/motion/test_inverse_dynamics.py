@@ -18,7 +18,7 @@ from exo_sim.diagnosis.subsystems.motion.model import MotionModel
 from exo_sim.diagnosis.subsystems.motion.rows import rows_of
 from exo_sim.diagnosis.subsystems.motion.smoothing import on_clock, smoothing_width, stride
 from exo_sim.machine.linkage import linkages
-from exo_sim.machine.load import load
+from exo_sim.machine.rig_model import load
 from exo_sim.recording import Recording
 from exo_sim.rig import Rig, assembly
 

@@ -19,7 +19,7 @@ from exo_sim.diagnosis.subsystems.motion import smoothing
 from exo_sim.diagnosis.subsystems.motion.load_cell import rod_run
 from exo_sim.diagnosis.subsystems.motion.smoothing import SMOOTHING, smoothed_alike
 from exo_sim.machine.linkage import linkages
-from exo_sim.machine.load import load
+from exo_sim.machine.rig_model import load
 from exo_sim.recording.filters import gaussian_derivatives
 from exo_sim.rig import Rig
 

@@ -11,7 +11,7 @@ import pytest
 
 from exo_sim import rig as rigs
 from exo_sim.errors import TrialError
-from exo_sim.machine.load import load
+from exo_sim.machine.rig_model import load
 from exo_sim.recording import read
 from exo_sim.trials.whole.makes import MAKES
 from exo_sim.trials.whole.walk import case as cases

@@ -11,7 +11,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from exo_sim.errors import ModelError
-from exo_sim.machine.load import corrected
+from exo_sim.machine.rig_model import corrected
 from exo_sim.rig import JointFactors
 
 PENDULUM = """
@@ -45,7 +45,7 @@ def test_a_joint_that_is_none_is_refused() -> None:
 
 
 def test_a_rig_file_says_so(repository: Path, tmp_path: Path) -> None:
-    from exo_sim.machine.load import load
+    from exo_sim.machine.rig_model import load
     from exo_sim.rig import read
 
     text = (repository / "assets" / "bench.toml").read_text()
@@ -58,7 +58,7 @@ def test_a_rig_file_says_so(repository: Path, tmp_path: Path) -> None:
 
 
 def test_a_machine_that_is_lighter_than_its_mjcf_is_simulated(repository: Path, tmp_path: Path) -> None:
-    from exo_sim.machine.load import load
+    from exo_sim.machine.rig_model import load
     from exo_sim.rig import read
     from exo_sim.simulation.plugin import PneumaticPlugin
 

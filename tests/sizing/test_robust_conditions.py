@@ -2,9 +2,9 @@
 
 import pytest
 
-from exo_sim.sizing.around import FAST, SHORT, SLOW, TALL, around
 from exo_sim.sizing.coupled_stride import CoupledStride, mean_of
 from exo_sim.sizing.loads import Condition, joint_loads
+from exo_sim.sizing.robust_conditions import FAST, SHORT, SLOW, TALL, around
 
 
 def test_corners_come_once_a_scenario_with_its_largest_payload():

@@ -12,7 +12,7 @@ from dataclasses import replace
 import numpy as np
 
 from exo_sim.errors import ScenarioError
-from exo_sim.gait.trial import JOINTS, Trial
+from exo_sim.gait.walking_trial import JOINTS, Trial
 
 #: Mean angles beyond which zero is another posture: ankle at a right angle, leg straight at 180 degrees [rad].
 _RIGHT_ANGLE, _HALF_TURN = np.radians(50.0), np.radians(100.0)

@@ -7,8 +7,8 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from exo_sim.physics import design_equations, printed
-from exo_sim.physics.printed import CORRECTED, PRINTED, Machine, Reading, double_acting, single_acting
+from exo_sim.physics import design_equations, paper_as_printed
+from exo_sim.physics.paper_as_printed import CORRECTED, PRINTED, Machine, Reading, double_acting, single_acting
 
 AREA_1, AREA_2 = math.pi / 4 * 0.032**2, math.pi / 4 * (0.032**2 - 0.012**2)
 MACHINE = Machine(AREA_1, AREA_2, 0.2, 20.0, 2e-6)
@@ -104,14 +104,14 @@ def test_venting_by_equation_42_fills_in_print() -> None:
 
 
 def test_printed_constants_jump_where_the_exact_law_is_smooth() -> None:
-    below, above = (printed.flow_factor(r, 1.4, PRINTED) for r in (0.53, 0.53 + 1e-12))
+    below, above = (paper_as_printed.flow_factor(r, 1.4, PRINTED) for r in (0.53, 0.53 + 1e-12))
     assert below - above == pytest.approx(0.00130004, abs=5e-9)
-    assert printed.literal_throat_mach(0.5282817877171742, 1.4) == pytest.approx(1.495349, abs=5e-7)
+    assert paper_as_printed.literal_throat_mach(0.5282817877171742, 1.4) == pytest.approx(1.495349, abs=5e-7)
 
 
 def test_what_the_print_cannot_say_is_refused() -> None:
     with pytest.raises(ValueError, match="one direction of flow"):
-        printed.flow_factor(1.0001, 1.4, PRINTED)
+        paper_as_printed.flow_factor(1.0001, 1.4, PRINTED)
     with pytest.raises(ValueError, match="without dead volume"):
         single_acting(MACHINE, PRINTED, 0.0, 2e5, 0.01)
 
@@ -126,10 +126,10 @@ def test_other_closures() -> None:
 
 def test_equation_39() -> None:
     psi = 6894.757293168361
-    q = printed.flow_of_equation_39(design_equations.HORSEPOWER, 250 * psi)
+    q = paper_as_printed.flow_of_equation_39(design_equations.HORSEPOWER, 250 * psi)
     assert q / 0.0254**3 == pytest.approx(52.8, rel=1e-12)
     assert q == pytest.approx(8.652369792e-4, rel=1e-12)
-    absolute = printed.flow_of_equation_39(design_equations.HORSEPOWER, 250 * psi, atmosphere=101325.0)
+    absolute = paper_as_printed.flow_of_equation_39(design_equations.HORSEPOWER, 250 * psi, atmosphere=101325.0)
     assert absolute / 0.0254**3 == pytest.approx(49.868538076, rel=1e-9)
 
 

@@ -13,7 +13,7 @@ from pathlib import Path
 import pytest
 
 from exo_sim.errors import ModelError
-from exo_sim.physics import outside
+from exo_sim.physics import external_effects
 
 
 def blocks(repository: Path, language: str) -> list[str]:
@@ -31,7 +31,7 @@ def example(repository: Path, tmp_path: Path) -> Path:
 
 
 def run(folder: Path, *words: str) -> subprocess.CompletedProcess[str]:
-    environment = {**os.environ, outside.VARIABLE: str(folder / "blow_off.py")}
+    environment = {**os.environ, external_effects.VARIABLE: str(folder / "blow_off.py")}
     return subprocess.run([sys.executable, *words], cwd=folder, env=environment, capture_output=True, text=True, timeout=1200, check=False)
 
 
@@ -143,7 +143,7 @@ def test_a_misspelt_declaration_says_what_there_is(example: Path, change: str, s
 def test_it_is_too_late_once_the_physics_is_loaded(example: Path) -> None:
     importlib.import_module("exo_sim.physics.compiled")
     with pytest.raises(ModelError, match="before anything that simulates is imported"):
-        outside.use(example / "blow_off.py")
+        external_effects.use(example / "blow_off.py")
 
 
 @pytest.fixture

@@ -8,9 +8,9 @@ import pytest
 
 from exo_sim import rig as rigs
 from exo_sim.errors import ModelError, ScenarioError
-from exo_sim.machine.build import build
 from exo_sim.machine.linkage import check_strokes, moment_row
 from exo_sim.machine.person import COORDINATES, SEGMENTS, Person
+from exo_sim.machine.worn_model import build
 from exo_sim.rig import Ankle, JointFactors
 
 

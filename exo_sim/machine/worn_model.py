@@ -52,7 +52,7 @@ def build(
     import mujoco
 
     from exo_sim.machine import mjcf, wearer_body
-    from exo_sim.machine.load import corrected
+    from exo_sim.machine.rig_model import corrected
 
     if not 0.0 <= payload <= PAYLOAD_LIMIT:
         raise ScenarioError(f"payload {payload:g} kg: the frame carries 0 to {PAYLOAD_LIMIT:g} kg")

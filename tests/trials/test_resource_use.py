@@ -10,7 +10,7 @@ from pathlib import Path
 import pytest
 
 from exo_sim.errors import TrialError
-from exo_sim.trials.spent import used_by
+from exo_sim.trials.resource_use import used_by
 
 
 def test_status_words_and_processor_time(tmp_path: Path) -> None:

@@ -6,7 +6,7 @@ from exo_sim.errors import RigError, ScenarioError
 from exo_sim.rig.catalogue import CATALOGUE
 from exo_sim.rig.own_catalogue import Catalogue, CatalogueValve
 from exo_sim.sizing.design import fitted
-from exo_sim.sizing.fixing import fixed_numbers
+from exo_sim.sizing.fixed_numbers import fixed_numbers
 from exo_sim.sizing.screening import chosen_bores
 from exo_sim.sizing.study import space_of
 from exo_sim.sizing.writing import sized_text

@@ -8,6 +8,8 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from exo_sim.diagnosis.policy.recordings import FEWEST_A_KNOT
+
 Array = NDArray[np.float64]
 
 #: Knots of the fitted curve.
@@ -58,7 +60,7 @@ def fit_curve(name: str, variable: Array, missing: Array, blocks: NDArray[np.int
         variable, missing: Rows, shape (n,).
         blocks: Block of time of each row.
     """
-    if len(variable) < 5 * KNOTS:
+    if len(variable) < FEWEST_A_KNOT * KNOTS:
         return None
     spread = np.percentile(variable, [1.0, 99.0])
     if not spread[1] - spread[0] > 1e-12:

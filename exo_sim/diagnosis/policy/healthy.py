@@ -17,12 +17,18 @@ USUAL_LEVEL = Number(
     0.6, "share of the supply",
     "mean pressure of a chamber, for that bound: what a flow law gets wrong is in proportion to what drives the flow, and a chamber that a "
     "light spring empties stays far below it",
-    "healthy learn makes A to D of whole machines: 0.58 to 0.81, the higher of both chambers; I, one chamber: 0.3, and twice its own bound",
+    "healthy learn makes A to D of whole machines: 0.58 to 0.81, the higher of both chambers; I, one chamber: 0.3, and twice its own "
+    "bound; five machines of our own making, no real one",
 )  # fmt: skip
 BURSTS = Number(
     1.6, "level of the lively stretches over the median",
     "errors inside a row that are livelier come in bursts: a pressure rings",
     "208 healthy benches: two above 1.2 (1.32 and 1.41, quiet sensors); ringing hoses at ten limits of detection: 2.8 to 5.3",
+)  # fmt: skip
+BURST_LENGTH = Count(50, "samples", "over so many the level of the error inside a row is taken")
+LIVELY = Number(
+    95.0, "percentile of those levels", "the lively stretches lie above it; a sensor's own noise is as loud in every stretch",
+    "together with that ratio",
 )  # fmt: skip
 SKEW = Number(1e-3, "s", "delay between two pressures of one card: their filters")
 MOST_CARD_SKEW = Number(2.5e-3, "s", "delay of the card of pressures behind position: filters of 100 to 300 Hz take 0.5 to 1.6 ms")

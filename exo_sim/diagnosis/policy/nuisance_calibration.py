@@ -21,7 +21,8 @@ LAW_SHARE = Number(
     0.14, "logarithm, one standard deviation",
     "by how much a number of an effect that the rig has on differs from the machine's own because its law has another form",
     "healthy machines with the laws of learn makes, whose owners knew such numbers within 5 %: of 29 that a fit moved by more than a tenth "
-    "none came nearer to the truth, the farthest was 0.42 away; areas, dead volumes and masses: 16 of 18 came nearer",
+    "none came nearer to the truth, the farthest was 0.42 away; areas, dead volumes and masses: 16 of 18 came nearer. Weak: few "
+    "machines, and within what these allow it was chosen by the answer of one test",
 )  # fmt: skip
 OPEN_LAW_SHARE = Number(
     0.2, "logarithm, one standard deviation",

@@ -5,12 +5,9 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
-Array = NDArray[np.float64]
+from exo_sim.diagnosis.policy.healthy import BURST_LENGTH, LIVELY
 
-#: Stretches over which the level of the fast error is taken, in samples.
-STRETCH = 50
-#: The lively stretches are those above this percentile of the levels; a sensor's own noise is as loud in every stretch.
-LIVELY = 95.0
+Array = NDArray[np.float64]
 
 
 def burst_ratio(fast: Array, noise: float) -> float:
@@ -20,8 +17,8 @@ def burst_ratio(fast: Array, noise: float) -> float:
         fast: Errors less the mean of their row, shape (n,).
         noise: Standard deviation of the sensor's white noise.
     """
-    count = len(fast) // STRETCH
+    count = len(fast) // BURST_LENGTH
     if count < 2:
         return 0.0
-    level = np.sqrt(np.mean(fast[: count * STRETCH].reshape(count, STRETCH) ** 2, axis=1))
+    level = np.sqrt(np.mean(fast[: count * BURST_LENGTH].reshape(count, BURST_LENGTH) ** 2, axis=1))
     return float(np.percentile(level, LIVELY) / max(noise, float(np.median(level)), 1e-12))

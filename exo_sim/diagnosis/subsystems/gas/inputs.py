@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from exo_sim.diagnosis.data.cylinder_run import CylinderRun
-from exo_sim.diagnosis.policy.recordings import LEAD_IN, WORTH_A_LEAD_IN
+from exo_sim.diagnosis.policy.recordings import LEAD_IN, NO_PART, SWITCHED, WORTH_A_LEAD_IN
 from exo_sim.recording.filters import start_weights
 from exo_sim.recording.windows import local_range, window_starts
 
@@ -18,10 +18,6 @@ Array = NDArray[np.float64]
 
 #: Delayed commands are cached up to so many samples.
 MOST_KEPT = 2_000_000
-#: A held command that changes by more than this within a step is followed in two parts; over smaller changes its mean does.
-SWITCHED = 0.1
-#: A part of a step below this share of it is none.
-_NO_PART = 1e-3
 #: Samples that estimate the pressure at the start of a window, and the longest time that they may span [s].
 START_SAMPLES, START_SECONDS = 15, 0.03
 
@@ -198,7 +194,7 @@ def late_commands(time: Array, commands: Array, delay: float) -> ArrivedCommands
     step, switched = step[within], switched[within]
     first[step] = time[switched] - edges[step]
     whole = np.diff(edges)
-    first[(first < _NO_PART * whole) | (first > (1.0 - _NO_PART) * whole)] = 0.0
+    first[(first < NO_PART * whole) | (first > (1.0 - NO_PART) * whole)] = 0.0
     means = np.diff(at_edges, axis=0) / whole[:, None]
     early, late = means, means.copy()
     parts = np.flatnonzero(first)

@@ -11,6 +11,7 @@ from scipy.ndimage import binary_erosion
 
 from exo_sim.diagnosis.data.motion_run import MotionRun
 from exo_sim.diagnosis.policy import healthy
+from exo_sim.diagnosis.policy.recordings import FILTER_ENDS, STEADY_SPEED
 from exo_sim.diagnosis.subsystems.motion.smoothing import smoothing_width
 from exo_sim.recording.filters import gaussian_width
 
@@ -20,10 +21,7 @@ Array = NDArray[np.float64]
 GROUP = 0.02
 #: Length of a block of time [s].
 BLOCK = 1.0
-#: Beside an end of a stretch the filter has nothing to take: over so many standard deviations of it what it says is no motion.
-ENDS = 5.0
-#: Within the width of the filter speed changes by no more than this share of itself: friction at a mean speed is no mean friction.
-STEADY = 0.5
+
 
 @dataclass(frozen=True)
 class Rows:
@@ -63,9 +61,9 @@ def rows_of(run: MotionRun, usable: NDArray[np.bool_]) -> Rows:
     edge = max(2, int(round(0.5 * smoothing_width(time) / step)))
     turned = np.diff(np.signbit(velocity), prepend=velocity[0] < 0.0)  # between two samples that both move
     moving = binary_erosion((np.abs(velocity) > run.kinematics.still) & ~turned, iterations=edge)
-    moving &= np.abs(np.gradient(velocity, time)) * gaussian_width(smoothing_width(time)) < STEADY * np.abs(velocity)
+    moving &= np.abs(np.gradient(velocity, time)) * gaussian_width(smoothing_width(time)) < STEADY_SPEED * np.abs(velocity)
     good = usable & moving & run.judged & np.isfinite(run.inertia.force + run.drive.force + run.external)
-    ends = max(edge, math.ceil(ENDS * gaussian_width(smoothing_width(time)) / step))
+    ends = max(edge, math.ceil(FILTER_ENDS * gaussian_width(smoothing_width(time)) / step))
     for begin in (0, *run.breaks, len(time)):
         good[max(0, begin - ends) : begin + ends] = False
     group = np.full(len(time), -1)

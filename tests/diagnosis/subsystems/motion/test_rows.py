@@ -8,7 +8,8 @@ import numpy as np
 import pytest
 from diagnosis import motion_runs
 
-from exo_sim.diagnosis.subsystems.motion.rows import BLOCK, ENDS, GROUP, rows_of
+from exo_sim.diagnosis.policy.recordings import FILTER_ENDS
+from exo_sim.diagnosis.subsystems.motion.rows import BLOCK, GROUP, rows_of
 from exo_sim.diagnosis.subsystems.motion.smoothing import smoothing_width
 from exo_sim.recording.filters import gaussian_width
 
@@ -36,7 +37,7 @@ def test_nothing_is_compared_within_half_a_filter_of_a_turn_or_break() -> None:
 
 def test_beside_an_end_of_a_recording_that_moves_the_filter_says_nothing() -> None:
     """A recording that was cut out of a swing: behind the filter it seems to start from rest."""
-    ends = int(ENDS * gaussian_width(smoothing_width(motion_runs.TIME)) / 1e-3)
+    ends = int(FILTER_ENDS * gaussian_width(smoothing_width(motion_runs.TIME)) / 1e-3)
     even = replace(RUN, breaks=(0, 4000), kinematics=replace(RUN.kinematics, velocity=np.full(N, 0.2)))
     compared = rows_of(even, ALL).compared
     for at in (0, 4000, N):

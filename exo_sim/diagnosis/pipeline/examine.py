@@ -51,8 +51,7 @@ def validated(examination: Examination) -> Examination:
     examination = _without_doubtful_remainders(examination)
     split, results = examination.plan.split, examination.results.all
     unknown = unknown_effects(results)
-    validation = held_out_errors(results, unknown, split.validation_as_test()) if split.validation else None
-    validation = validation and replace(validation, series=())  # only those of the test time are reported, and they are long
+    validation = held_out_errors(results, unknown, split.validation_as_test(), keep_series=False) if split.validation else None
     return replace(examination, unknown=unknown, validation=validation, test=held_out_errors(results, unknown, split))
 
 

@@ -84,9 +84,16 @@ class HeldOutErrors:
 
 
 def held_out_errors(
-    results: Sequence[SubsystemResult[SubsystemModel]], unknown: Sequence[UnknownEffect], split: Split
+    results: Sequence[SubsystemResult[SubsystemModel]], unknown: Sequence[UnknownEffect], split: Split, keep_series: bool = True
 ) -> HeldOutErrors:
-    """Predict the test time of a split with the machine as believed and as it was found to be."""
+    """Predict the test time of a split with the machine as believed and as it was found to be.
+
+    Args:
+        results: Of all subsystems.
+        unknown: Effects without a name, described.
+        split: Its test time is predicted.
+        keep_series: Whether the predictions themselves are kept: they are as long as the recordings.
+    """
     signals: dict[str, SignalFit] = {}
     drops: dict[str, float] = {}
     shares: dict[str, float] = {}
@@ -101,7 +108,8 @@ def held_out_errors(
         model = one.model.on_test_time(split)
         found = model.with_unknown(one.final_plant, effect.discrepancy) if effect else one.final_plant
         compared = model.compared(one.model.nominal, found, effect.discrepancy.best if effect else None)
-        series += [each.series for each in compared]
+        if keep_series:
+            series += [each.series for each in compared]
         own = _signals(compared)
         signals |= own
         if model.size == 0:

@@ -28,7 +28,9 @@ def result(model: waves.Waves, *candidates: waves.Candidate) -> SubsystemResult[
 
 
 def test_a_true_finding_takes_the_error_down_to_the_noise() -> None:
-    errors = held_out_errors([result(waves.Waves(slow=3.0), waves.BASE)], (), SPLIT)
+    one = result(waves.Waves(slow=3.0), waves.BASE)
+    errors = held_out_errors([one], (), SPLIT)
+    assert errors.series and held_out_errors([one], (), SPLIT, keep_series=False) == replace(errors, series=())
     signal = errors.signals["piston.pressure_1"]
     size = math.sqrt(1.0 + 9.0 * float(np.mean(waves.SHAPES["slow"] ** 2)))
     assert signal.before == pytest.approx(size, rel=0.05) and signal.after == pytest.approx(1.0, rel=0.06)

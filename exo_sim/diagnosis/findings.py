@@ -69,7 +69,7 @@ class Finding:
         where: The part, or the column.
         kind: What it is about.
         says: One plain sentence.
-        parameters: Estimates by name; for a calibration the corrected believed number or its factor.
+        parameters: Estimates by name; for a calibration the corrected nominal number or its factor.
         log10_odds: Odds against leaving it out.
         probability: That it is present, where it was weighed beside all others; None where only its odds are known.
         held_out_error_drop: By what share the held-out error falls when it is put in.
@@ -227,7 +227,7 @@ class Diagnosis:
     Attributes:
         recordings: Names of the recordings.
         rig: Name of the rig.
-        free_run: Errors of `improved.toml` and of the rig as believed, simulated in one run, by column.
+        free_run: Errors of `improved.toml` and of the rig as handed in, simulated in one run, by column.
         held_out: By recording, spans of its time that are for the test.
         small: What the data show beyond doubt, but too little of it to matter.
         sensor_remarks: Plain sentences about clocks and sensors: what was used, repaired or left out.

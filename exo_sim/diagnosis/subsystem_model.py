@@ -47,7 +47,7 @@ class SubsystemModel(ABC):
         balance: The equation that it holds, in words.
         where: The cylinder, joint or shared part.
         unit: Of the errors before whitening.
-        nominal: The plant as believed.
+        nominal: The nominal plant.
         blocks: Block of time of each row, shape (size,).
         hopeless_ratio: Residuals of more than so many times `discrepancy_bound` are not explained by naming effects.
         demands_larger_part: Whether an effect must explain the larger part of what is missing without it wherever something is left.

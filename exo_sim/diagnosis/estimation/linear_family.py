@@ -46,7 +46,7 @@ class Bend:
     Attributes:
         candidate: The effect that bends; None where nothing is bent.
         values: Its parameters.
-        target: What the machine as believed lacks, in units of the noise of a row, shape (n,).
+        target: What the nominal machine lacks, in units of the noise of a row, shape (n,).
         background: What the nuisance parameters add to the target, for each standard deviation of their prior, shape (n, p).
         terms: What may be present.
         alternatives: How many bends share the prior probability of the effect.
@@ -67,7 +67,7 @@ class LinearFamily:
     Attributes:
         nuisances: Nuisance parameters, p of them, each with a prior.
         bends: Nothing bent first.
-        whole: Size of all that the effects stand for, also of what the machine as believed has of it, in units of the noise of a row.
+        whole: Size of all that the effects stand for, also of what the nominal machine has of it, in units of the noise of a row.
         least: What is missing without a name is a finding from this root mean square on, in the same units: healthy machines have less.
     """
 

@@ -14,7 +14,7 @@ from exo_sim.physics.declaration import Effect, declared
 
 #: Delay of both pressures of a cylinder together.
 CARD_OF_PRESSURES = "pressures.delay"
-#: Set pressure of a supply that was not recorded, as a factor on what is believed.
+#: Set pressure of a supply that was not recorded, as a factor on the nominal one.
 SET_PRESSURE = "set_pressure"
 
 
@@ -35,7 +35,7 @@ class PlantParameters:
         world, cylinder: Records of `physics.records`, shape (1,) each.
         sensors: E.g. `"position.delay"`, `"pressure_1.bias"`, `"pressure_2.scale"` to a number; absent means a perfect sensor.
             `"pressures.delay"` comes on top of that of each pressure: they share a card; `"supply.scale"` is by how much the pressure of
-            a supply that was not recorded differs from what is believed.
+            a supply that was not recorded differs from the nominal one.
     """
 
     world: NDArray[np.void]

@@ -17,7 +17,7 @@ from exo_sim.physics.effects import sensor_bias
 
 
 def small_findings(results: Sequence[SubsystemResult[SubsystemModel]], findings: Sequence[Finding]) -> tuple[Finding, ...]:
-    """Return an entry for every number that surely differs from what was believed and is no finding.
+    """Return an entry for every number that surely differs from its nominal value and is no finding.
 
     A subsystem in which something has no name gives none: its numbers may stand for that.
 
@@ -41,8 +41,8 @@ def small_findings(results: Sequence[SubsystemResult[SubsystemModel]], findings:
 def _entry(one: SubsystemResult[SubsystemModel], parameter: FreeParameter, error: float) -> Finding | None:
     if parameter.prior is None:
         return None
-    value, (believed, _) = one.final.fit.values[parameter], parameter.prior
-    if abs(value - believed) <= BEYOND_DOUBT * max(error, MODEL_SHARE * abs(believed)):
+    value, (nominal, _) = one.final.fit.values[parameter], parameter.prior
+    if abs(value - nominal) <= BEYOND_DOUBT * max(error, MODEL_SHARE * abs(nominal)):
         return None
     name, where, called, unit, kind = parameter.effect, parameter.where, parameter.parameter, parameter.unit, Kind.CALIBRATION
     by_force = one.model.as_sensor_error(parameter, value)
@@ -58,7 +58,7 @@ def _entry(one: SubsystemResult[SubsystemModel], parameter: FreeParameter, error
     elif name == "sensor_zero":
         name, called, kind = sensor_bias.EFFECT.name, "value", Kind.SENSOR
     elif is_declared(name):
-        kind = Kind.MISSING_PHYSICS if believed == 0.0 else Kind.CALIBRATION
+        kind = Kind.MISSING_PHYSICS if nominal == 0.0 else Kind.CALIBRATION
     elif name not in REFITTED:
         return None
     return Finding(name, where, kind, wording.small(name, kind is Kind.CALIBRATION), {called: Estimate(value, unit, low, high)}, 0.0, 0.0)

@@ -1,4 +1,4 @@
-"""Believed numbers that a fit changed, as corrections of the rig file."""
+"""Nominal numbers that a fit changed, as corrections of the rig file."""
 
 from __future__ import annotations
 
@@ -42,32 +42,32 @@ def _is_the_rigs(rig: Rig, parameter: FreeParameter) -> bool:
 def _correction(data: MachineData, off: Deviation) -> Correction:
     parameter, factor, error = off.parameter, off.factor, max(off.error, MODEL_SHARE)
     if parameter.prior and is_declared(parameter.effect):
-        believed = parameter.prior[0]
+        nominal = parameter.prior[0]
         low, high = interval(factor, error)
         path = ("effects", parameter.effect, parameter.where, parameter.parameter)
-        return Correction(path, believed * factor, parameter.unit, (believed * low, believed * high))
+        return Correction(path, nominal * factor, parameter.unit, (nominal * low, nominal * high))
     low, high = bounded_interval(parameter, factor, error)
     if parameter.effect == "payload_mass":
         return _mass(data, parameter, factor, (low, high))
     if parameter.effect in ("joint_damping", "inertia"):
         held = data.rig.joint_factors.get(parameter.where, JointFactors())
-        name, believed = ("inertia_factor", held.inertia) if parameter.effect == "inertia" else ("damping_factor", held.damping)
-        low, factor, high = (max(number, 1e-3) * believed for number in (low, factor, high))
-        return Correction(("joints", parameter.where, name), factor, "1", (low, high), believed)
+        name, nominal = ("inertia_factor", held.inertia) if parameter.effect == "inertia" else ("damping_factor", held.damping)
+        low, factor, high = (max(number, 1e-3) * nominal for number in (low, factor, high))
+        return Correction(("joints", parameter.where, name), factor, "1", (low, high), nominal)
     if parameter.effect == SET_PRESSURE:
-        believed = data.rig.supply.pressure
-        return Correction(("supply", "pressure"), believed * factor, "Pa", (believed * low, believed * high), believed)
+        nominal = data.rig.supply.pressure
+        return Correction(("supply", "pressure"), nominal * factor, "Pa", (nominal * low, nominal * high), nominal)
     cylinder = data.rig.cylinders[parameter.where]
     if parameter.parameter == "valve_area":
-        key, believed, unit = ("cylinders", parameter.where, "valve", "area"), cylinder.valve_area, "m^2"
-        return Correction(key, believed * factor, unit, (believed * low, believed * high), believed)
-    believed = getattr(cylinder, parameter.parameter)
+        key, nominal, unit = ("cylinders", parameter.where, "valve", "area"), cylinder.valve_area, "m^2"
+        return Correction(key, nominal * factor, unit, (nominal * low, nominal * high), nominal)
+    nominal = getattr(cylinder, parameter.parameter)
     place = ("cylinders", parameter.where, parameter.parameter)
-    return Correction(place, believed * factor, "m^3", (believed * low, believed * high), believed)
+    return Correction(place, nominal * factor, "m^3", (nominal * low, nominal * high), nominal)
 
 
 def _mass(data: MachineData, parameter: FreeParameter, factor: float, ends: tuple[float, float]) -> Correction:
-    """Return the mass of the body that is most likely believed wrong, given the factor on all that a joint moves."""
+    """Return the mass of the body whose nominal mass is most likely wrong, given the factor on all that a joint moves."""
     model = data.model
     root = int(model.jnt_bodyid[model.joint(parameter.where).id])
     whole = float(model.body_subtreemass[root])

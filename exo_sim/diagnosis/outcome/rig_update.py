@@ -1,4 +1,4 @@
-"""The improved rig: effects switched on, believed numbers corrected, curves for unknown effects.
+"""The improved rig: effects switched on, nominal numbers corrected, curves for unknown effects.
 
 Nuisance parameters that were refitted within what a data sheet allows, and imperfections that a healthy machine shows, are no findings,
 but the reported errors are those with them: the file holds them too, as far as a rig can.
@@ -57,7 +57,7 @@ class Part:
 
 @dataclass(frozen=True)
 class RigUpdate:
-    """What changes in a rig: effects, and corrections of believed numbers."""
+    """What changes in a rig: effects, and corrections of nominal numbers."""
 
     rig: Rig
     parts: tuple[Part, ...]
@@ -70,7 +70,7 @@ class RigUpdate:
 
     @property
     def corrections(self) -> tuple[Correction, ...]:
-        """The corrections of believed numbers, each once: of what cylinders share, what the first of them says."""
+        """The corrections of nominal numbers, each once: of what cylinders share, what the first of them says."""
         every = [one for part in self.parts for one in part.corrections]
         return tuple({one.key: one for one in reversed(every)}.values())[::-1]
 

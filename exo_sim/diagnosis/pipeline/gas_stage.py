@@ -55,7 +55,7 @@ def examine_gas(
     for number, name in enumerate(data.cylinders):
         plan.budget.allow_until((GAS_UNTIL if data.joints else FORCES_UNTIL) * (number + 1) / len(data.cylinders))
         runs = [with_initial_pressure(data, run) for run in data.cylinders[name]]
-        plant = believed_gas(data, plan, name, runs)
+        plant = nominal_gas(data, plan, name, runs)
         model = GasModel(runs, plant, plan.split)
         if model.size >= FEWEST_ROWS and (turned := _better_turned(model, plan)) is not None:
             model = turned
@@ -88,12 +88,12 @@ def examine_gas(
     return data, tuple(found)
 
 
-def believed_gas(data: MachineData, plan: Plan, cylinder: str, runs: Sequence[CylinderRun]) -> PlantParameters:
-    """Return the plant as believed, without what was measured, with the friction that the plan knows."""
+def nominal_gas(data: MachineData, plan: Plan, cylinder: str, runs: Sequence[CylinderRun]) -> PlantParameters:
+    """Return the nominal plant, without what was measured, with the friction that the plan knows."""
     index = list(data.rig.cylinders).index(cylinder)
     drives = {link.cylinder: link.joint for link in data.links}
-    believed = PlantParameters(assembly.world(data.rig), assembly.cylinders(data.rig, drives)[index : index + 1])
-    return with_measured_supply(believed, runs).with_values((plan.friction or {}).get(cylinder, ()))
+    nominal = PlantParameters(assembly.world(data.rig), assembly.cylinders(data.rig, drives)[index : index + 1])
+    return with_measured_supply(nominal, runs).with_values((plan.friction or {}).get(cylinder, ()))
 
 
 def _better_turned(model: GasModel, plan: Plan) -> GasModel | None:

@@ -52,7 +52,7 @@ def _examined(
     data: MachineData, name: str, runs: Sequence[MotionRun], plan: Plan, threads: Threads, report: Progress
 ) -> SubsystemResult[MotionModel]:
     is_spent = plan.budget.is_spent
-    model = MotionModel(runs, believed_balance(data, name, runs), plan.split)
+    model = MotionModel(runs, nominal_balance(data, name, runs), plan.split)
     nuisances = with_damping_if_too_large(model, nuisance_parameters(runs, model.nominal, model.where))
     asked = plan.without_refuted(candidates(runs, model.nominal, model.where))
     report(f"{name}: weighing {len(asked)} effects side by side")
@@ -88,7 +88,7 @@ def _examined(
 
 
 def _may_be_damping(outcome: SearchResult, freed: ModelFits) -> bool:
-    """Return whether damping believed too large may explain what was found: it looks like that, or less of it gains plainly."""
+    """Return whether nominal damping that is too large may explain what was found: it looks like that, or less of it gains plainly."""
     chosen = outcome.final.candidates
     looks_like = {identification_of(one.effect).twins.damping for one in chosen}
     if -1 in looks_like:
@@ -98,8 +98,8 @@ def _may_be_damping(outcome: SearchResult, freed: ModelFits) -> bool:
     return freed.deficit(freed.fit(chosen, outcome.final), outcome.final) < -PLAINLY_LESS_DAMPING
 
 
-def believed_balance(data: MachineData, name: str, runs: Sequence[MotionRun]) -> PlantParameters:
-    """Return the plant as believed; what the rig says of the joint's own friction and springs is added to its piston's."""
+def nominal_balance(data: MachineData, name: str, runs: Sequence[MotionRun]) -> PlantParameters:
+    """Return the nominal plant; what the rig says of the joint's own friction and springs is added to its piston's."""
     cylinder = runs[0].cylinder
     if cylinder is None:
         record, arm = np.zeros(1, CYLINDER), 1.0

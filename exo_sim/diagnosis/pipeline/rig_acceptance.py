@@ -60,9 +60,9 @@ def accepted(
     """Return as much of an update as wins, with its errors, and whether something of it was left out.
 
     Args:
-        data: The recordings, and the rig as believed.
+        data: The recordings, and the rig as handed in.
         update: What was found.
-        folder: Of the rig as believed.
+        folder: Of the rig as handed in.
         split: Its test time counts.
         is_spent: Whether the time is up: then it is all of the update, or nothing.
     """

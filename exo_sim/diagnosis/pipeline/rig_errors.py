@@ -13,8 +13,8 @@ from exo_sim.diagnosis.data.split import Split
 from exo_sim.diagnosis.estimation.correlation import rms
 from exo_sim.diagnosis.findings import SignalFit
 from exo_sim.diagnosis.outcome.rig_update import curve_of
-from exo_sim.diagnosis.pipeline.gas_stage import believed_gas
-from exo_sim.diagnosis.pipeline.motion_stage import believed_balance
+from exo_sim.diagnosis.pipeline.gas_stage import nominal_gas
+from exo_sim.diagnosis.pipeline.motion_stage import nominal_balance
 from exo_sim.diagnosis.pipeline.plan import Plan
 from exo_sim.diagnosis.pipeline.reading import gather_again
 from exo_sim.diagnosis.policy.budgets import LEAD, LONGEST_FREE_RUN
@@ -35,7 +35,7 @@ class WindowErrors:
     A balance of which a pressure was not measured is left out: what fills it in is fitted.
 
     Args:
-        data: The recordings, and the rig as believed, after the examination.
+        data: The recordings, and the rig as handed in, after the examination.
         split: Its test time counts.
     """
 
@@ -54,7 +54,7 @@ class WindowErrors:
         self._before: Errors | None = None
 
     def errors(self, improved: str) -> dict[str, SignalFit]:
-        """Return the errors of the rig as believed and of an improved one; of long recordings only the test time is run, if that is short.
+        """Return the errors of the rig as handed in and of an improved one; of long recordings only the test time is run, if that is short.
 
         Args:
             improved: Text of the rig with what was found, as it would stand beside the rig.
@@ -76,11 +76,11 @@ class WindowErrors:
         data, split = gather_again(self._data, rig, self._tables), self._plan.split
         every: list[Comparison] = []
         for name, cylinder in data.cylinders.items():
-            plant = believed_gas(data, self._plan, name, cylinder)
+            plant = nominal_gas(data, self._plan, name, cylinder)
             every += GasModel(cylinder, plant, split).on_test_time(split).compared(plant, plant)
         for name, balances in data.joints.items():
             if name not in self._guessed:
-                model = MotionModel(balances, believed_balance(data, name, balances), split).on_test_time(split)
+                model = MotionModel(balances, nominal_balance(data, name, balances), split).on_test_time(split)
                 every += model.compared(model.nominal, model.nominal, curve_of(rig, model.where))
         parts: dict[str, list[Comparison]] = {}
         for one in every:

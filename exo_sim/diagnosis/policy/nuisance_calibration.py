@@ -1,15 +1,15 @@
-"""When a believed number is off."""
+"""When a nominal number is off."""
 
 from __future__ import annotations
 
 from exo_sim.diagnosis.policy.number import Number
 
-SURE = Number(3.0, "standard errors, or prior standard deviations", "a number so far from what was believed is off (probability 0.3 %)")
+SURE = Number(3.0, "standard errors, or prior standard deviations", "a number so far from its nominal value is off (probability 0.3 %)")
 MODEL_SHARE = Number(
     0.0015, "share, one standard deviation", "no equation describes a machine, nor a sensor its pressure, to better than this"
 )
 BEYOND_DOUBT = Number(
-    5.0, "standard errors", "what differs by more from what was believed is listed although it is too small to matter"
+    5.0, "standard errors", "what differs by more from its nominal value is listed although it is too small to matter"
 )
 WORTH = {
     "flow_capacity": Number(0.01, "share", "a valve's area is corrected from here on"),

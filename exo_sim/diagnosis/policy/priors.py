@@ -1,4 +1,4 @@
-"""How far believed numbers may be off: one standard deviation each."""
+"""How far nominal numbers may be off: one standard deviation each."""
 
 from __future__ import annotations
 

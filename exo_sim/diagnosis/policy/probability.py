@@ -19,6 +19,6 @@ LEAST_TOLD = Number(
     0.5, "probability", "a name that is less probable is put aside: it is more likely wrong than right", "derived"
 )
 CALIBRATED = Number(
-    0.85, "probability", "a believed area, dead volume or mass that is called off is so",
+    0.85, "probability", "a nominal area, dead volume or mass that is called off is so",
     "16 of 18 on healthy machines of learn makes and of their laws came nearer to the truth: (16 + 1)/(18 + 2)",
 )  # fmt: skip

@@ -66,9 +66,9 @@ NOZZLE_HIGH = Number(0.548, "critical pressure ratio", "see the former; the two 
 AT_BOUND = Number(0.01, "share of the value", "a number that ended so near to a bound was not found: something else acts")
 LEAST_CURVE = Number(0.2, "share of variance in cross-validation", "a curve that predicts less does not describe an unknown effect")
 PLAINLY_LESS_DAMPING = Number(
-    20.0, "log-likelihood", "damping believed too large takes the place of what was found where less of it gains so much"
+    20.0, "log-likelihood", "damping whose nominal value is too large takes the place of what was found where less of it gains so much"
 )
-LEAST_DAMPED = Number(0.9, "share of the believed damping", "damping is free from the start where no more of it is left by a fit ...")
+LEAST_DAMPED = Number(0.9, "share of the nominal damping", "damping is free from the start where no more of it is left by a fit ...")
 LEAST_LEFT = Number(0.8, "share of the squared error", "... and this much of the error: free damping hides viscous friction else")
 NIL = Number(1e-3, "share of its usual size", "an effect of which a fit left less is none")
 OBVIOUS_FAULT = Number(10.0, "log10 of odds", "of a sensor's fault that its column shows by itself, without any model")

@@ -55,7 +55,7 @@ class FamilySearch:
         fits: Fits of its subsystem.
         family: The family.
         basis: Of the discrepancy.
-        standing: Effects that the machine as believed has anyhow.
+        standing: Effects that the nominal machine has anyhow.
     """
 
     def __init__(self, fits: ModelFits, family: LinearFamily, basis: DiscrepancyBasis, standing: Sequence[str] = ()):

@@ -61,7 +61,7 @@ class BesideDiscrepancy:
 
 
 class MarginalFits:
-    """Fits beside a discrepancy, told as fits of the subsystem itself.
+    """Fits beside a discrepancy, stated as fits of the subsystem itself.
 
     Args:
         fits: Fits of the subsystem.

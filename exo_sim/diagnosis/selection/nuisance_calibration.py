@@ -18,7 +18,7 @@ from exo_sim.physics.declaration import declared, identification_of
 
 @dataclass(frozen=True)
 class Deviation:
-    """A believed number that is off: by which factor, and its standard error."""
+    """A nominal number that is off: by which factor, and its standard error."""
 
     parameter: FreeParameter
     factor: float
@@ -26,10 +26,10 @@ class Deviation:
 
 
 def deviations(model: FittedModel, errors: Mapping[FreeParameter, float]) -> tuple[Deviation, ...]:
-    """Return the believed numbers that are surely off, and by enough to be worth correcting; `errors` are standard errors.
+    """Return the nominal numbers that are surely off, and by enough to be worth correcting; `errors` are standard errors.
 
     A number of an effect is of the rig's law, which is never quite the machine's: what that makes of it counts as an error, and of a
-    time what clocks leave open before any data. What a law is taken to be where nobody gave it is no believed number.
+    time what clocks leave open before any data. What a law is taken to be where nobody gave it is no nominal number.
     """
     found, effects = [], model.effect_parameters
     for parameter, value in model.fit.values.items():
@@ -79,7 +79,7 @@ def refitted_besides(
 
 
 def calibration_findings(found: Sequence[Deviation]) -> list[Finding]:
-    """Return a finding for every believed number that is off; the two dead volumes of a cylinder are one finding."""
+    """Return a finding for every nominal number that is off; the two dead volumes of a cylinder are one finding."""
     kinds: dict[tuple[str, str], list[Deviation]] = {}
     for one in found:
         kinds.setdefault((one.parameter.effect, one.parameter.where), []).append(one)

@@ -43,7 +43,7 @@ class SubsetWeighing:
         family: The family.
         basis: Of its discrepancy.
         blocks: Block of time of each row.
-        standing: Effects that the machine as believed has anyhow.
+        standing: Effects that the nominal machine has anyhow.
         is_spent: Whether the time is up: then the best that was met is climbed no further.
 
     Attributes:

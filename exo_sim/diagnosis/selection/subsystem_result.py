@@ -28,7 +28,7 @@ class SubsystemResult(Generic[Model]):
         has_unknown: Whether something is missing that no candidate explains.
         is_unresolved: Whether what is left cannot be distinguished from what an unmeasured chamber may do.
         findings, rejected: For the report.
-        deviations: Believed numbers that are off, for the report.
+        deviations: Nominal numbers that are off, for the report.
         refitted: Nuisance parameters that are no finding but that the improved rig should hold as fitted, with standard errors.
     """
 

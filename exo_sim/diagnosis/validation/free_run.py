@@ -1,4 +1,4 @@
-"""Errors of one free run: the improved rig, and the rig as believed, simulated from the first measured state to the end."""
+"""Errors of one free run: the improved rig, and the rig as handed in, simulated from the first measured state to the end."""
 
 from __future__ import annotations
 
@@ -27,13 +27,13 @@ Array = NDArray[np.float64]
 
 
 class FreeRuns:
-    """Runs that no measurement corrects on their way, of the rig as believed and of any number of improved ones.
+    """Runs that no measurement corrects on their way, of the rig as handed in and of any number of improved ones.
 
     Where the clock jumps a run begins anew. Where a joint was driven by forces that nobody measured, motion is imposed in both runs
     and only pressures are predicted. A valve command with the wrong sign is reversed, for a rig cannot say that.
 
     Args:
-        data: The recordings, and the rig as believed.
+        data: The recordings, and the rig as handed in.
         split: Its test time counts.
     """
 

@@ -86,7 +86,7 @@ class HeldOutErrors:
 def held_out_errors(
     results: Sequence[SubsystemResult[SubsystemModel]], unknown: Sequence[UnknownEffect], split: Split, keep_series: bool = True
 ) -> HeldOutErrors:
-    """Predict the test time of a split with the machine as believed and as it was found to be.
+    """Predict the test time of a split with the nominal machine and as it was found to be.
 
     Args:
         results: Of all subsystems.

@@ -19,7 +19,7 @@ def menu(like: CylinderRun, plant: PlantParameters) -> dict[str, CylinderRun]:
 
     Args:
         like: A run of the cylinder, for its stroke, its sensors and whether its valve is commanded.
-        plant: The machine as believed, for its supply.
+        plant: The nominal machine, for its supply.
     """
     assert like.length is not None
     time = np.arange(0.0, LENGTH, STEP)
@@ -57,6 +57,7 @@ def menu(like: CylinderRun, plant: PlantParameters) -> dict[str, CylinderRun]:
 def _run(like: CylinderRun, time: Array, command: Array, length: Array, start: tuple[float, float]) -> CylinderRun:
     first, second = (np.full_like(time, value) if known is not None else None for value, known in zip(start, like.pressure, strict=True))
     return CylinderRun(
-        "experiment", like.cylinder, time, command, length, np.gradient(length, time), (first, second), None, None, None, None,
-        like.commanded, like.noise, (0,), start,
+        recording="experiment", cylinder=like.cylinder, time=time, command=command, length=length, speed=np.gradient(length, time),
+        pressure=(first, second), supply=None, exhaust=None, supply_temperature=None, force=None,
+        commanded=like.commanded, noise=like.noise, breaks=(0,), initial=start,
     )  # fmt: skip

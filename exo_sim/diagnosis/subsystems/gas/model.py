@@ -63,7 +63,7 @@ class GasModel(SubsystemModel):
 
     Args:
         runs: The runs, each with a position and at least one pressure.
-        nominal: The plant as believed.
+        nominal: The nominal plant.
         split: Which time may be used.
         window: Length of a window [s].
         on_test: Whether the rows are those of the test time; predictions then cover the whole runs.

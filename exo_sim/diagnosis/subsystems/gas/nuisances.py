@@ -23,13 +23,13 @@ def nuisance_parameters(
     at rest also loses heat to its walls, in every machine: where nothing else happens that is no finding.
 
     Args:
-        plant: The machine as believed.
+        plant: The nominal machine.
         cylinder: Its name.
         commanded: Whether a valve command was recorded; without one the valve has no free parameter.
         sides: Chambers whose pressure was recorded, of 1 and 2.
         at_rest: Whether neither valve nor piston ever moves.
         moves: Whether the piston moves: then the card of its position may be late.
-        supplied: Whether the supply's pressure was recorded; without that the set pressure is a believed number like others, and both
+        supplied: Whether the supply's pressure was recorded; without that the set pressure is a nominal number like others, and both
             pressures would seem to have a wrong gain in its place.
     """
     factors = tuple(
@@ -92,7 +92,7 @@ def known_effects(plant: PlantParameters, cylinder: str, period: float = 0.0) ->
     sample.
 
     Args:
-        plant: The machine as believed.
+        plant: The nominal machine.
         cylinder: Its name.
         period: Of the samples [s].
     """

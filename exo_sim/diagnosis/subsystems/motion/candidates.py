@@ -24,7 +24,7 @@ def candidates(runs: Sequence[MotionRun], plant: PlantParameters, where: str, re
 
     Args:
         runs: The balances.
-        plant: The machine as believed.
+        plant: The nominal machine.
         where: The cylinder or joint that what resists belongs to.
         resolved: Speed from which on a law of speed shows [m/s or rad/s].
     """
@@ -142,7 +142,7 @@ def _creeping_contact(plant: PlantParameters, where: str, turning: bool, at_join
 
 
 def _believed_base(effect: Effect, plant: PlantParameters) -> float:
-    """Return the believed size of what an effect comes on top of; 0 where it comes on top of nothing."""
+    """Return the nominal size of what an effect comes on top of; 0 where it comes on top of nothing."""
     base = effect.identification.on_top_of
     return float(plant.cylinder[base][declared()[base].parameters[0].name][0]) if base else 0.0
 

@@ -242,7 +242,7 @@ class _Builder:
         return effect.absorbs[0][0] if effect and effect.absorbs else ""
 
     def _known_of(self, effect: str) -> FreeParameter | None:
-        """Return the nuisance parameter that says how large an effect is which the machine as believed has; None where it has not."""
+        """Return the nuisance parameter that says how large an effect is which the nominal machine has; None where it has not."""
         return next((q for q in self.nuisances if q.effect == effect and q.prior is not None and q.prior[0] > 0.0), None)
 
     def _group(self, candidate: Candidate) -> str:

@@ -41,7 +41,7 @@ class MotionModel(SubsystemModel):
 
     Args:
         runs: The balances.
-        nominal: The machine as believed; its cylinder record holds what resists the motion.
+        nominal: The nominal machine; its cylinder record holds what resists the motion.
         split: Which time may be used.
         on_test: Whether the rows are those of the test time.
         scatter: Of the contact at low speeds; None where there is none.

@@ -25,7 +25,7 @@ def nuisance_parameters(runs: Sequence[MotionRun], plant: PlantParameters, where
 
     Args:
         runs: The balances.
-        plant: The machine as believed.
+        plant: The nominal machine.
         where: The cylinder or joint that what resists belongs to.
     """
     run = runs[0]

@@ -50,7 +50,7 @@ class SupplyModel(SubsystemModel):
 
     Args:
         runs: Pressure and drawn flow.
-        nominal: The machine as believed.
+        nominal: The nominal machine.
         split: Which time may be used.
         on_test: Whether the rows are those of the test time.
     """

@@ -1,6 +1,6 @@
 """One machine as its owner believes it to be: `rig.toml` read, checked, turned into records, and written back."""
 
-from exo_sim.rig.improved_text import Correction, Finding, improved
+from exo_sim.rig.improved_text import Correction, EffectEntry, improved
 from exo_sim.rig.reading import parse, read
 from exo_sim.rig.schema import (
     Ankle,
@@ -21,9 +21,9 @@ __all__ = [
     "Attachment",
     "Correction",
     "Cylinder",
+    "EffectEntry",
     "EffectSetting",
     "Environment",
-    "Finding",
     "JointFactors",
     "Recovery",
     "Rig",

@@ -25,7 +25,7 @@ _READABLE = {"m": ("mm", 1e-3, 1.0), "m^2": ("mm^2", 1e-6, 1e-2), "m^3": ("cm^3"
 
 
 @dataclass(frozen=True)
-class Finding:
+class EffectEntry:
     """An effect to switch on, or to set anew where the rig has it.
 
     Attributes:
@@ -60,7 +60,7 @@ class Correction:
     note: str = ""
 
 
-def improved(rig: Rig, effects: Sequence[Finding], corrections: Sequence[Correction], folder: Path) -> str:
+def improved(rig: Rig, effects: Sequence[EffectEntry], corrections: Sequence[Correction], folder: Path) -> str:
     """Return the text of the rig with effects switched on and numbers corrected, for a file in `folder`.
 
     Keeps the owner's order, comments and units. An effect that says all that another of the owner's says (asymmetric friction,
@@ -94,7 +94,7 @@ def _as_written(rig: Rig, correction: Correction) -> list[Correction]:
 def _written_into(
     document: tomlkit.TOMLDocument,
     rig: Rig,
-    effects: Sequence[Finding],
+    effects: Sequence[EffectEntry],
     corrections: Sequence[Correction],
     folder: Path,
 ) -> str:
@@ -154,7 +154,7 @@ def _correct(document: tomlkit.TOMLDocument, correction: Correction) -> None:
     _replace(document, correction.key, _amount(correction.value, unit, scale), "; ".join(notes))
 
 
-def _set_anew(document: tomlkit.TOMLDocument, effect: Effect, finding: Finding) -> bool:
+def _set_anew(document: tomlkit.TOMLDocument, effect: Effect, finding: EffectEntry) -> bool:
     """Replace the numbers of an effect that the owner's file has at this place already; say whether it had."""
     setting = finding.setting
     place = _place(document, setting)
@@ -185,7 +185,7 @@ def _place(document: tomlkit.TOMLDocument, setting: EffectSetting) -> tuple[str,
     return None
 
 
-def _absorb(document: tomlkit.TOMLDocument, rig: Rig, effect: Effect, finding: Finding) -> Finding:
+def _absorb(document: tomlkit.TOMLDocument, rig: Rig, effect: Effect, finding: EffectEntry) -> EffectEntry:
     """Take in what the owner's poorer form of this effect says, and remove that form."""
     for name, shares in effect.absorbs:
         held = rig.effect(name, finding.setting.where)
@@ -198,14 +198,14 @@ def _absorb(document: tomlkit.TOMLDocument, rig: Rig, effect: Effect, finding: F
             if own in intervals:
                 intervals[own] = (intervals[own][0] + more, intervals[own][1] + more)
         says = f"{finding.says} It takes the place of the former {name}.".strip()
-        finding = Finding(replace(finding.setting, parameters=numbers), intervals, says)
+        finding = EffectEntry(replace(finding.setting, parameters=numbers), intervals, says)
         del document["effects"][name][finding.setting.where]  # type: ignore[union-attr,index]
         if not document["effects"][name]:  # type: ignore[index]
             del document["effects"][name]  # type: ignore[union-attr]
     return finding
 
 
-def table_text(effect: Effect, finding: Finding) -> str:
+def table_text(effect: Effect, finding: EffectEntry) -> str:
     """Return an effect's table as text, each number with its interval in a comment."""
     setting = finding.setting
     rows = []

@@ -8,7 +8,7 @@ from typing import Any
 
 from exo_sim.physics.declaration import Effect, Parameter, declared
 from exo_sim.plain_text import table
-from exo_sim.rig.improved_text import Finding, table_text
+from exo_sim.rig.improved_text import EffectEntry, table_text
 from exo_sim.rig.schema import EffectSetting
 
 #: How each kind of place is named in the example.
@@ -38,7 +38,7 @@ def example(effect: Effect) -> str:
         keep = effect.any_of[0]
         single = {name: value for name, value in single.items() if name in keep}
     where = PLACES[effect.places[0]]
-    text = table_text(effect, Finding(EffectSetting(effect.name, where, single, False, curves)))
+    text = table_text(effect, EffectEntry(EffectSetting(effect.name, where, single, False, curves)))
     if effect.requires:
         text = example(declared()[effect.requires]) + "\n" + text
     return text

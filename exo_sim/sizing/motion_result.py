@@ -11,7 +11,7 @@ from typing import Any
 
 from exo_sim.errors import ScenarioError
 from exo_sim.outputs import replacing
-from exo_sim.rig import Correction, EffectSetting, Finding, Rig, improved
+from exo_sim.rig import Correction, EffectEntry, EffectSetting, Rig, improved
 from exo_sim.sizing.bought_parts import provenance, too_cold
 from exo_sim.sizing.design import valve_effects
 from exo_sim.sizing.evaluation import ENOUGH_MARGIN
@@ -70,7 +70,7 @@ def sized_text(rig: Rig, chosen: RodDesign, groups: Mapping[str, tuple[str, ...]
     corrections = [Correction(key, new, unit) for key, old, new, unit in numbers if not math.isclose(old, new, rel_tol=1e-7, abs_tol=1e-12)]
     corrections += ratings
     effects = [
-        Finding(EffectSetting(name, cylinder, {parameter: value}), says=f"Of {part.valve.name}.")
+        EffectEntry(EffectSetting(name, cylinder, {parameter: value}), says=f"Of {part.valve.name}.")
         for group, part in chosen.parts.items()
         if part.valve is not None
         for name, parameter, value in valve_effects(part.valve)

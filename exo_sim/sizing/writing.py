@@ -8,7 +8,7 @@ from pathlib import Path
 import tomlkit
 
 from exo_sim import units
-from exo_sim.rig import Correction, EffectSetting, Finding, Rig, improved
+from exo_sim.rig import Correction, EffectEntry, EffectSetting, Rig, improved
 from exo_sim.sizing.design import Design, fitted, valve_effects
 from exo_sim.sizing.joint_kinds import JointKind
 
@@ -47,14 +47,14 @@ def sized_text(rig: Rig, kinds: tuple[JointKind, ...], design: Design, folder: P
         Correction(key, new, unit) for key, old, new, unit in numbers if not math.isclose(old, new, rel_tol=1e-7)
     ] + ratings
     effects = [
-        Finding(EffectSetting(name, cylinder, {parameter: value}), says=f"Of {valve.name}.")
+        EffectEntry(EffectSetting(name, cylinder, {parameter: value}), says=f"Of {valve.name}.")
         for kind in kinds
         if (valve := design.joints[kind.name].valve) is not None
         for name, parameter, value in valve_effects(valve)
         for cylinder in kind.cylinders
     ]
     effects += [
-        Finding(EffectSetting("return_spring", cylinder, {"stiffness": spring[0], "rest": spring[1]}), says="A spring beside the rod.")
+        EffectEntry(EffectSetting("return_spring", cylinder, {"stiffness": spring[0], "rest": spring[1]}), says="A spring beside the rod.")
         for kind in kinds
         if (spring := design.joints[kind.name].spring) is not None
         for cylinder in kind.cylinders

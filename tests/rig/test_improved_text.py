@@ -7,7 +7,7 @@ from pathlib import Path
 
 import pytest
 
-from exo_sim.rig import Correction, EffectSetting, Finding, JointFactors, improved, parse, read
+from exo_sim.rig import Correction, EffectEntry, EffectSetting, JointFactors, improved, parse, read
 
 EXTRA = """
 [effects.coulomb_friction.piston]   # measured in May
@@ -73,7 +73,7 @@ def test_a_damping_believed_too_large_is_written_as_a_factor(bench: Path) -> Non
 
 def test_a_new_effect_is_a_new_table_at_the_end(bench: Path) -> None:
     rig = read(bench)
-    leak = Finding(
+    leak = EffectEntry(
         EffectSetting("piston_leakage", "piston", {"area": 3.0e-8}), {"area": (2.9e-8, 3.1e-8)}, "Gas leaks past the piston."
     )
     text = improved(rig, [leak], [], bench.parent)
@@ -86,8 +86,8 @@ def test_a_new_effect_is_a_new_table_at_the_end(bench: Path) -> None:
 def test_an_effect_that_is_there_is_set_anew_in_place(bench: Path) -> None:
     rig = parse(bench.read_text() + EXTRA, bench)
     found = [
-        Finding(EffectSetting("coulomb_friction", "piston", {"force": 12.5}), {"force": (12.1, 12.9)}),
-        Finding(EffectSetting("viscous_friction", "piston", {"coefficient": 44.0}), {"coefficient": (42.0, 46.0)}),
+        EffectEntry(EffectSetting("coulomb_friction", "piston", {"force": 12.5}), {"force": (12.1, 12.9)}),
+        EffectEntry(EffectSetting("viscous_friction", "piston", {"coefficient": 44.0}), {"coefficient": (42.0, 46.0)}),
     ]
     text = improved(rig, found, [], bench.parent)
     _, added = changed(rig.text, text)
@@ -99,7 +99,7 @@ def test_an_effect_that_is_there_is_set_anew_in_place(bench: Path) -> None:
 
 def test_the_richer_effect_takes_in_the_poorer_one(bench: Path) -> None:
     rig = parse(bench.read_text() + EXTRA, bench)
-    found = Finding(EffectSetting("asymmetric_friction", "piston", {"forward": 3.0, "backward": 1.0}), {"forward": (2.5, 3.5)})
+    found = EffectEntry(EffectSetting("asymmetric_friction", "piston", {"forward": 3.0, "backward": 1.0}), {"forward": (2.5, 3.5)})
     text = improved(rig, [found], [], bench.parent)
     again = parse(text, bench)
     assert again.effect("coulomb_friction", "piston") is None
@@ -120,8 +120,8 @@ def test_the_model_is_found_from_the_folder_it_is_written_to(bench: Path, tmp_pa
 )
 def test_effects_in_braces_or_dots_can_be_added_to(bench: Path, held: str) -> None:
     rig = parse(f"{held}\n{bench.read_text()}", bench)
-    leak = Finding(EffectSetting("coulomb_friction", "slide", {"force": 2.0}))
-    again = parse(improved(rig, [leak, Finding(EffectSetting("piston_leakage", "piston", {"area": 1e-8}))], [], bench.parent), bench)
+    leak = EffectEntry(EffectSetting("coulomb_friction", "slide", {"force": 2.0}))
+    again = parse(improved(rig, [leak, EffectEntry(EffectSetting("piston_leakage", "piston", {"area": 1e-8}))], [], bench.parent), bench)
     assert {(effect.name, effect.where) for effect in again.effects} == {
         ("coulomb_friction", "piston"),
         ("coulomb_friction", "slide"),

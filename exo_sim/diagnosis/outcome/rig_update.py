@@ -29,8 +29,7 @@ from exo_sim.diagnosis.subsystem_model import SubsystemModel
 from exo_sim.physics.effects import sensor_bias, sensor_scale
 from exo_sim.physics.effects.unknown import ACTS, DEPENDS_ON
 from exo_sim.physics.effects.unknown import EFFECT as UNKNOWN
-from exo_sim.rig import Correction, EffectSetting, Rig, improved
-from exo_sim.rig import Finding as Entry
+from exo_sim.rig import Correction, EffectEntry, EffectSetting, Rig, improved
 
 _NO_FINDING = "No finding: a healthy machine shows as much; it is in the errors that were reported."
 
@@ -51,7 +50,7 @@ class Part:
 
     source: str
     rank: Rank
-    entries: tuple[Entry, ...] = ()
+    entries: tuple[EffectEntry, ...] = ()
     corrections: tuple[Correction, ...] = ()
 
 
@@ -63,7 +62,7 @@ class RigUpdate:
     parts: tuple[Part, ...]
 
     @property
-    def entries(self) -> tuple[Entry, ...]:
+    def entries(self) -> tuple[EffectEntry, ...]:
         """The effects; a part of the machine holds each once."""
         every = [entry for part in self.parts for entry in part.entries]
         return tuple(reversed({(entry.setting.name, entry.setting.where): entry for entry in reversed(every)}.values()))
@@ -114,7 +113,7 @@ def rig_update(data: MachineData, results: Sequence[Result], unknown: Sequence[U
     return RigUpdate(data.rig, tuple(part for part in parts if part.entries or part.corrections))
 
 
-def _entry(candidate: Candidate, result: Result, finding: Finding, rig: Rig) -> Entry:
+def _entry(candidate: Candidate, result: Result, finding: Finding, rig: Rig) -> EffectEntry:
     if candidate.kind is Kind.SENSOR:
         return _sensor_entry(finding, rig)
     values = {parameter.parameter: result.final.fit.values[parameter] for parameter in candidate.parameters}
@@ -122,7 +121,7 @@ def _entry(candidate: Candidate, result: Result, finding: Finding, rig: Rig) -> 
     values = {**_healthy_part(candidate, result), **values}
     turning = any("rad" in parameter.unit or parameter.unit == "N*m" for parameter in candidate.parameters)
     intervals = {name: (e.low, e.high) for name, e in finding.parameters.items()}
-    return Entry(EffectSetting(candidate.effect, candidate.where, values, turning), intervals, wording.says(candidate.effect))
+    return EffectEntry(EffectSetting(candidate.effect, candidate.where, values, turning), intervals, wording.says(candidate.effect))
 
 
 def _healthy_part(candidate: Candidate, result: Result) -> dict[str, float]:
@@ -134,7 +133,7 @@ def _healthy_part(candidate: Candidate, result: Result) -> dict[str, float]:
     return {q.parameter: value for q, value in own.items() if q not in candidate.parameters and value > least}
 
 
-def _healthy(rig: Rig, result: Result, gas: Collection[str]) -> list[Entry]:
+def _healthy(rig: Rig, result: Result, gas: Collection[str]) -> list[EffectEntry]:
     """Return the entries of what was refitted and no number of the rig holds: zeros of sensors, imperfections of healthy machines.
 
     A pressure of a cylinder whose `gas` was judged is the gas's to calibrate, not the forces'.
@@ -161,18 +160,18 @@ def _healthy(rig: Rig, result: Result, gas: Collection[str]) -> list[Entry]:
             entries.append(_sensor_entry(Finding(name, where, Kind.CALIBRATION, _NO_FINDING, estimates, 0.0, 0.0), rig))
         else:
             intervals = {parameter: (e.low, e.high) for parameter, e in estimates.items()}
-            entries.append(Entry(EffectSetting(name, where, {p: e.value for p, e in estimates.items()}), intervals, _NO_FINDING))
+            entries.append(EffectEntry(EffectSetting(name, where, {p: e.value for p, e in estimates.items()}), intervals, _NO_FINDING))
     return entries
 
 
-def _sensor_error(column: str, name: str, parameter: str, value: float, error: float, rig: Rig) -> Entry:
+def _sensor_error(column: str, name: str, parameter: str, value: float, error: float, rig: Rig) -> EffectEntry:
     """Return an error of a sensor that was fitted as a nuisance parameter."""
     unit = "1" if name == sensor_scale.EFFECT.name else "Pa" if "pressure" in column else "N"
     estimate = Estimate(value, unit, *interval(value, error))
     return _sensor_entry(Finding(name, column, Kind.CALIBRATION, _NO_FINDING, {parameter: estimate}, 0.0, 0.0), rig)
 
 
-def _sensor_entry(finding: Finding, rig: Rig) -> Entry:
+def _sensor_entry(finding: Finding, rig: Rig) -> EffectEntry:
     """Return what the rig must say of a sensor: what it knew was taken off before anything was found, so both count."""
     known = rig.effect(finding.name, finding.where)
     scale = rig.effect(sensor_scale.EFFECT.name, finding.where)
@@ -186,10 +185,10 @@ def _sensor_entry(finding: Finding, rig: Rig) -> Entry:
 
     values = {name: both(name, e.value) for name, e in finding.parameters.items()}
     intervals = {name: (both(name, e.low), both(name, e.high)) for name, e in finding.parameters.items()}
-    return Entry(EffectSetting(finding.name, finding.where, values, turning), intervals, finding.says)
+    return EffectEntry(EffectSetting(finding.name, finding.where, values, turning), intervals, finding.says)
 
 
-def _curves(rig: Rig, unknown: Iterable[UnknownEffect]) -> list[Entry]:
+def _curves(rig: Rig, unknown: Iterable[UnknownEffect]) -> list[EffectEntry]:
     """Return the entries of unknown effects whose curve the simulator can follow."""
     entries = []
     for effect in unknown:
@@ -201,7 +200,7 @@ def _curves(rig: Rig, unknown: Iterable[UnknownEffect]) -> list[Entry]:
         shift = rig.environment.pressure if gauge else 0.0
         curves = {"at": tuple(float(v) + shift for v in best.at), "values": tuple(float(v) for v in best.values)}
         turning = effect.discrepancy.unit == "N*m" and where not in rig.cylinders
-        entries.append(Entry(EffectSetting(UNKNOWN.name, where, numbers, turning, curves), {}, effect.finding.says))
+        entries.append(EffectEntry(EffectSetting(UNKNOWN.name, where, numbers, turning, curves), {}, effect.finding.says))
     return entries
 
 

@@ -10,8 +10,7 @@ import pytest
 from exo_sim.diagnosis.findings import SignalFit
 from exo_sim.diagnosis.outcome.rig_update import Part, Rank, RigUpdate
 from exo_sim.diagnosis.pipeline.rig_acceptance import Trial, as_far_as_it_wins, is_worse
-from exo_sim.rig import EffectSetting, Rig
-from exo_sim.rig import Finding as Entry
+from exo_sim.rig import EffectEntry, EffectSetting, Rig
 
 
 @pytest.mark.parametrize(
@@ -39,7 +38,7 @@ def rig(tmp_path_factory: pytest.TempPathFactory) -> Rig:
 
 
 def part(source: str, rank: Rank) -> Part:
-    return Part(source, rank, (Entry(EffectSetting(f"{source}_{rank.name}", "piston", {})),))
+    return Part(source, rank, (EffectEntry(EffectSetting(f"{source}_{rank.name}", "piston", {})),))
 
 
 def weighed(worth: dict[str, tuple[float, float]], update: RigUpdate) -> Trial:

@@ -18,7 +18,7 @@ from exo_sim.physics.declaration import FAMILIES, Effect, Parameter, declared
 from exo_sim.physics.nodes import exhaust_state, supply_state
 from exo_sim.physics.pneumatics import Pneumatics, paper_cylinder, paper_world
 from exo_sim.physics.records import CYLINDER, JOINT
-from exo_sim.rig import EffectSetting, Finding, improved, parse
+from exo_sim.rig import EffectEntry, EffectSetting, improved, parse
 
 NAMES = sorted(declared())
 FRICTION = [name for name in NAMES if declared()[name].cut == "motion" and name != "return_spring"]
@@ -242,10 +242,10 @@ def test_rig_text_round_trips(name: str, where: str, turning: bool, repository: 
     if effect.requires:
         settings.append(EffectSetting(effect.requires, where, {"conductance": 1.0}))
     intervals = {key: (0.9 * value, 1.1 * value) for key, value in single.items()}
-    text = improved(parse(BENCH, path), [Finding(s, intervals if s is setting else {}, "Found.") for s in settings], [], path.parent)
+    text = improved(parse(BENCH, path), [EffectEntry(s, intervals if s is setting else {}, "Found.") for s in settings], [], path.parent)
     again = parse(text, path)
     assert again.effect(name, where) == setting
-    assert improved(again, [Finding(setting)], [], path.parent) == text
+    assert improved(again, [EffectEntry(setting)], [], path.parent) == text
 
 
 def test_a_joint_record_knows_every_effect_of_joints() -> None:

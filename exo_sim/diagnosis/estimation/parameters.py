@@ -35,7 +35,8 @@ class PlantParameters:
         world, cylinder: Records of `physics.records`, shape (1,) each.
         sensors: E.g. `"position.delay"`, `"pressure_1.bias"`, `"pressure_2.scale"` to a number; absent means a perfect sensor.
             `"pressures.delay"` comes on top of that of each pressure: they share a card; `"supply.scale"` is by how much the pressure of
-            a supply that was not recorded differs from the nominal one.
+            a supply that was not recorded differs from the nominal one. A `"position.delay"` below zero is one of the pressures' card:
+            `card_delays`.
     """
 
     world: NDArray[np.void]
@@ -125,6 +126,15 @@ class FreeParameter:
     def slope(self, value: float) -> float:
         """Return the derivative of the value with respect to its coordinate."""
         return value if self.logarithmic else self.scale
+
+
+def card_delays(sensors: Mapping[str, float]) -> tuple[float, float]:
+    """Return how late the position and the card of the pressures come [s].
+
+    No sensor shows what is yet to come: a position that seems early has pressures beside it that are late, behind their filter.
+    """
+    position = sensors.get("position.delay", 0.0)
+    return max(position, 0.0), sensors.get(CARD_OF_PRESSURES, 0.0) + max(-position, 0.0)
 
 
 #: Values of free parameters.

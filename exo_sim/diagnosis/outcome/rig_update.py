@@ -6,7 +6,7 @@ but the reported errors are those with them: the file holds them too, as far as 
 
 from __future__ import annotations
 
-from collections.abc import Collection, Iterable, Sequence
+from collections.abc import Collection, Iterable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from enum import IntEnum
 from pathlib import Path
@@ -17,7 +17,7 @@ from exo_sim.diagnosis import wording
 from exo_sim.diagnosis.data.machine_data import MachineData
 from exo_sim.diagnosis.discrepancy.curve import Curve
 from exo_sim.diagnosis.estimation.candidate import Candidate
-from exo_sim.diagnosis.estimation.parameters import FreeParameter
+from exo_sim.diagnosis.estimation.parameters import FreeParameter, card_delays
 from exo_sim.diagnosis.estimation.uncertainty import bounded_interval, interval
 from exo_sim.diagnosis.findings import Estimate, Finding, Kind, Subsystem
 from exo_sim.diagnosis.outcome.rig_corrections import REFIT_NOTE, corrections
@@ -26,7 +26,8 @@ from exo_sim.diagnosis.selection.nuisance_calibration import is_declared
 from exo_sim.diagnosis.selection.subsystem_result import SubsystemResult
 from exo_sim.diagnosis.selection.unknown_effect import UnknownEffect, effect_of
 from exo_sim.diagnosis.subsystem_model import SubsystemModel
-from exo_sim.physics.effects import sensor_bias, sensor_scale
+from exo_sim.diagnosis.subsystems.motion.model import MotionModel
+from exo_sim.physics.effects import sensor_bias, sensor_delay, sensor_scale
 from exo_sim.physics.effects.unknown import ACTS, DEPENDS_ON
 from exo_sim.physics.effects.unknown import EFFECT as UNKNOWN
 from exo_sim.rig import Correction, EffectEntry, EffectSetting, Rig, improved
@@ -99,7 +100,7 @@ def rig_update(data: MachineData, results: Sequence[Result], unknown: Sequence[U
         findings = tuple(each for each in corrected if each.note != REFIT_NOTE)
         parts.append(Part(source, Rank.FOUND, tuple(entries), findings))
         refitted = tuple(each for each in corrected if each.note == REFIT_NOTE)
-        parts.append(Part(source, Rank.REFITTED, tuple(_healthy(data.rig, one, gas)), refitted))
+        parts.append(Part(source, Rank.REFITTED, (*_healthy(data.rig, one, gas), *_late(data, one, gas)), refitted))
         effect = effect_of(unknown, one)
         parts.append(Part(source, Rank.CURVE, tuple(_curves(data.rig, [effect] if effect else []))))
     apart = [effect for effect in unknown if all(one.key != effect.result.key for one in results)]
@@ -162,6 +163,36 @@ def _healthy(rig: Rig, result: Result, gas: Collection[str]) -> list[EffectEntry
             intervals = {parameter: (e.low, e.high) for parameter, e in estimates.items()}
             entries.append(EffectEntry(EffectSetting(name, where, {p: e.value for p, e in estimates.items()}), intervals, _NO_FINDING))
     return entries
+
+
+def _late(data: MachineData, result: Result, gas: Collection[str]) -> list[EffectEntry]:
+    """Return the delays of sensors and their cards that a healthy machine shows as well.
+
+    Those of a cylinder whose `gas` was judged are the gas's to say.
+    """
+    values = result.final.fit.values
+    errors = {q.parameter: error for q, error in result.refitted if q.parameter.endswith(".delay")}
+    found = {q.parameter: values[q] for q, _ in result.refitted if q.parameter in errors}
+    if not found or (result.model.kind is Subsystem.MOTION and result.where in gas):
+        return []
+    late = _late_columns(data, result, found)
+    error = max(errors.values())
+    return [
+        _sensor_entry(Finding(sensor_delay.EFFECT.name, column, Kind.CALIBRATION, _NO_FINDING, {"seconds": estimate}, 0.0, 0.0), data.rig)
+        for column, value in late.items()
+        if value != 0.0 and all(column in table for table in data.as_read)
+        for estimate in [Estimate(value, "s", *interval(value, error))]
+    ]
+
+
+def _late_columns(data: MachineData, result: Result, found: Mapping[str, float]) -> dict[str, float]:
+    """Return by how much each column is late [s], given the delays that were fitted to a cylinder's gas or to a balance of forces."""
+    if isinstance(result.model, MotionModel):
+        run, behind = result.model.runs[0], found.get("drive.delay", 0.0)
+        return {f"{run.joint}.position": max(-behind, 0.0), **dict.fromkeys(run.drive.signals, max(behind, 0.0))}
+    position, card = card_delays(found)
+    pressures = {f"{result.where}.pressure_{side}": card + found.get(f"pressure_{side}.delay", 0.0) for side in (1, 2)}
+    return {f"{data.joint_of(result.where)}.position": position, **pressures}
 
 
 def _sensor_error(column: str, name: str, parameter: str, value: float, error: float, rig: Rig) -> EffectEntry:

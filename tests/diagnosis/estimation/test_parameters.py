@@ -7,7 +7,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from exo_sim.diagnosis.estimation.parameters import FreeParameter, PlantParameters, Target
+from exo_sim.diagnosis.estimation.parameters import FreeParameter, PlantParameters, Target, card_delays
 from exo_sim.physics.declaration import declared
 from exo_sim.physics.records import CYLINDER, WORLD
 
@@ -65,3 +65,12 @@ def test_a_value_comes_back_from_its_coordinate(value: float, logarithmic: bool,
 def test_a_fit_starts_at_the_prior_or_neutral() -> None:
     assert parameter("a", "p", Target.SENSOR, neutral=0.528).start == 0.528
     assert FreeParameter("a", "piston", "p", "1", Target.FACTOR, 1.0, 0.0, 2.0, (1.0, 0.1)).start == 1.0
+
+
+@pytest.mark.parametrize(
+    ("position", "card", "expected"), [(2e-3, 0.0, (2e-3, 0.0)), (-3e-3, 0.0, (0.0, 3e-3)), (-1e-3, 5e-3, (0.0, 6e-3))]
+)
+def test_a_position_that_seems_early_has_late_pressures_beside_it(
+    position: float, card: float, expected: tuple[float, float]
+) -> None:
+    assert card_delays({"position.delay": position, "pressures.delay": card}) == pytest.approx(expected)

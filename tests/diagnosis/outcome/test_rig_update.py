@@ -8,9 +8,10 @@ from pathlib import Path
 import benches
 import numpy as np
 import pytest
-from diagnosis import waves
+from diagnosis import motion_runs, waves
 
 from exo_sim.diagnosis.data.machine_data import MachineData
+from exo_sim.diagnosis.data.split import Split
 from exo_sim.diagnosis.discrepancy.curve import Curve
 from exo_sim.diagnosis.discrepancy.signal import Discrepancy
 from exo_sim.diagnosis.estimation.candidate import Candidate
@@ -23,6 +24,7 @@ from exo_sim.diagnosis.selection.model_fits import ModelFits
 from exo_sim.diagnosis.selection.nuisance_calibration import Deviation
 from exo_sim.diagnosis.selection.subsystem_result import SubsystemResult
 from exo_sim.diagnosis.selection.unknown_effect import UnknownEffect
+from exo_sim.diagnosis.subsystems.motion.model import MotionModel
 from exo_sim.machine.linkage import linkages
 from exo_sim.machine.rig_model import load
 from exo_sim.rig import Rig, parse
@@ -31,6 +33,8 @@ AREA = FreeParameter("piston_leakage", "piston", "area", "m^2", Target.CYLINDER,
 LEAK = Candidate("piston_leakage", "piston", "area", (AREA,), ((1e-8,),))
 VALVE = FreeParameter("flow_capacity", "piston", "valve_area", "1", Target.FACTOR, 0.1, 0.05, 10.0, (1.0, 0.1), neutral=1.0)
 ZERO = FreeParameter("sensor_zero", "piston.pressure_1", "pressure_1.bias", "Pa", Target.SENSOR, 500.0, -1e4, 1e4, (0.0, 500.0))
+
+CARD = FreeParameter("card_delay", "piston", "position.delay", "s", Target.SENSOR, 1e-3, -4e-3, 4e-3, (0.0, 1e-3))
 
 
 @pytest.fixture(scope="module")
@@ -89,3 +93,33 @@ def test_the_curve_of_an_unknown_effect_is_one_that_the_simulator_follows(data: 
     assert effect is not None and effect.curves["values"] == pytest.approx(tuple(np.sin(at)), rel=1e-5)
     beyond = replace(missing, curves=(replace(curve, variable="time"),))
     assert rig_update(data, [], [UnknownEffect(finding, beyond, result({}))]).entries == ()
+
+
+@pytest.mark.parametrize(("fitted", "late"), [(-3e-3, ("piston.pressure_1", "piston.pressure_2")), (2e-3, ("slide.position",))])
+def test_a_card_that_was_fitted_as_late_is_late_in_the_rig_and_no_sensor_is_early(
+    data: MachineData, fitted: float, late: tuple[str, ...]
+) -> None:
+    rig = read_back(rig_update(data, [replace(result({CARD: fitted}), refitted=((CARD, 1e-4),))], ()), data)
+    delays = {setting.where: setting.parameters["seconds"] for setting in rig.effects if setting.name == "sensor_delay"}
+    assert delays == pytest.approx(dict.fromkeys(late, abs(fitted)))
+
+
+def test_a_late_card_that_is_no_finding_stays_in_the_rig(data: MachineData) -> None:
+    card = FreeParameter("sensor_delay", "piston.pressure_1", "pressures.delay", "s", Target.SENSOR, 2e-3, -4e-3, 0.05)
+    one = replace(result({card: 5e-3, CARD: -1e-3}), refitted=((card, 1e-4), (CARD, 1e-4)))
+    rig = read_back(rig_update(data, [one], ()), data)
+    for side in (1, 2):
+        effect = rig.effect("sensor_delay", f"piston.pressure_{side}")
+        assert effect is not None and effect.parameters["seconds"] == pytest.approx(6e-3)
+
+
+def test_forces_say_how_late_a_sensor_is_where_no_gas_was_judged(data: MachineData) -> None:
+    balance = MotionModel([motion_runs.balance(np.zeros(motion_runs.TIME.size), 0.1)], motion_runs.plant(), Split({}))
+    delay = FreeParameter("drive_delay", balance.runs[0].joint, "drive.delay", "s", Target.SENSOR, 1e-3, -0.01, 0.01, (0.0, 1e-3))
+    final = FittedModel((), Fit((delay,), {delay: -2e-3}, np.zeros(4), np.zeros((4, 1))))
+    late = SubsystemResult(
+        "slide", balance, ModelFits(balance, ()), SearchResult(final, final), final, refitted=((delay, 1e-4),)
+    )
+    rig = read_back(rig_update(data, [late], ()), data)
+    effect = rig.effect("sensor_delay", f"{balance.runs[0].joint}.position")
+    assert effect is not None and effect.parameters["seconds"] == pytest.approx(2e-3)

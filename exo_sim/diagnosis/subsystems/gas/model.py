@@ -19,7 +19,7 @@ from exo_sim.diagnosis.discrepancy.trace import Trace
 from exo_sim.diagnosis.estimation.budget import IsSpent, never
 from exo_sim.diagnosis.estimation.kept_residuals import KeptResiduals
 from exo_sim.diagnosis.estimation.least_squares import Fit, fit
-from exo_sim.diagnosis.estimation.parameters import CARD_OF_PRESSURES, FreeParameter, PlantParameters
+from exo_sim.diagnosis.estimation.parameters import FreeParameter, PlantParameters, card_delays
 from exo_sim.diagnosis.estimation.threads import SERIAL, Threads
 from exo_sim.diagnosis.findings import Finding, Series, Subsystem
 from exo_sim.diagnosis.policy import healthy, priors, significance, verdicts
@@ -144,8 +144,8 @@ class GasModel(SubsystemModel):
             given = _without_gains(given, length_scale, scale, np.array(offset))
         if (supply := sensors.get("supply.scale", 1.0)) != 1.0:
             given = replace(given, supply=supply * given.supply)
-        cards = (sensors.get("position.delay", 0.0), sensors.get(CARD_OF_PRESSURES, 0.0))
-        out = run_gas(given, plant.world, plant.cylinder, shift, cards[0], offset, whole, cards[1])
+        length_delay, card_delay = card_delays(sensors)
+        out = run_gas(given, plant.world, plant.cylinder, shift, length_delay, offset, whole, card_delay)
         pressure = out.pressure
         pressure *= scale
         pressure += np.array(offset)

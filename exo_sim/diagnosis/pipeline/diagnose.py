@@ -19,7 +19,7 @@ from exo_sim.diagnosis.outcome.verdict import distinct, next_experiment, verdict
 from exo_sim.diagnosis.pipeline.plan import Examination, Progress
 from exo_sim.diagnosis.pipeline.reading import gather
 from exo_sim.diagnosis.pipeline.rig_acceptance import accepted
-from exo_sim.diagnosis.pipeline.rounds import examine_until_stable, with_test_findings, without_doubtful
+from exo_sim.diagnosis.pipeline.rounds import examine_until_stable, with_test_findings, without_doubtful, without_small
 from exo_sim.diagnosis.policy.budgets import MOST_REJECTED
 from exo_sim.diagnosis.selection.nuisance_calibration import calibration_findings
 from exo_sim.recording.column_map import ColumnMap
@@ -67,7 +67,7 @@ def diagnose(
 
 def _reported(stable: Examination, allowed: Budget, report: Progress, folder: Path | None) -> Diagnosis:
     """Return what an examination says, and the improved rig as far as it wins."""
-    found, in_the_test = with_test_findings(without_doubtful(stable))
+    found, in_the_test = with_test_findings(without_small(without_doubtful(stable)))
     findings = [*_findings(found), *in_the_test]
     data, results, test, split = found.data, found.results, found.test, found.plan.split
     report("writing the rig anew")
@@ -90,7 +90,7 @@ def _reported(stable: Examination, allowed: Budget, report: Progress, folder: Pa
         free_run=kept.free_run,
         held_out=split.test,
         unexplained=unexplained(results.all, found.unknown),
-        small=small_findings(results.all, findings),
+        small=(*found.small, *small_findings(results.all, [*findings, *found.small])),
         next_experiment=next_experiment(findings, questions, results.all),
         open_questions=questions,
         sensor_remarks=tuple(dict.fromkeys(remarks)),

@@ -87,6 +87,7 @@ class Examination:
         unknown: Unknown effects.
         test: Errors on the test time.
         validation: Errors on the validation time; None where there is none.
+        small: Findings that were taken back because they are too small to matter.
     """
 
     data: MachineData
@@ -95,6 +96,7 @@ class Examination:
     unknown: tuple[UnknownEffect, ...] = ()
     test: HeldOutErrors = field(default_factory=HeldOutErrors)
     validation: HeldOutErrors | None = None
+    small: tuple[Finding, ...] = ()
 
     @property
     def validation_ratio(self) -> float:

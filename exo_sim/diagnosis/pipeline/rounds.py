@@ -21,6 +21,7 @@ from exo_sim.diagnosis.estimation.budget import Budget
 from exo_sim.diagnosis.estimation.threads import Threads
 from exo_sim.diagnosis.findings import Finding, Kind
 from exo_sim.diagnosis.outcome.finding_probability import doubt
+from exo_sim.diagnosis.outcome.immaterial import too_small
 from exo_sim.diagnosis.pipeline.examine import examine, friction_to_add, left_open, validated
 from exo_sim.diagnosis.pipeline.gas_stage import Searched
 from exo_sim.diagnosis.pipeline.plan import Examination, Plan, Progress, Refuted
@@ -101,6 +102,15 @@ def without_doubtful(examination: Examination) -> Examination:
                 doubtful[finding.name, finding.where] = why
     plan = replace(examination.plan, refuted={**examination.plan.refuted, **doubtful})
     return _without_refuted(replace(examination, plan=plan)) if doubtful else examination
+
+
+def without_small(examination: Examination) -> Examination:
+    """Return an examination that holds what is too small to matter beside its findings, not among them."""
+    test = examination.test
+    small = tuple(finding for one in examination.results.all for finding in too_small(one, test.left, test.shares))
+    gone = {(finding.name, finding.where) for finding in small}
+    results = examination.results.keeping(lambda one, finding: (finding.name, finding.where) not in gone)
+    return replace(examination, results=results, small=small)
 
 
 def with_test_findings(examination: Examination) -> tuple[Examination, list[Finding]]:

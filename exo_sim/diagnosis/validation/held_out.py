@@ -12,9 +12,9 @@ from numpy.typing import NDArray
 from exo_sim.diagnosis.data.split import Spans, Split
 from exo_sim.diagnosis.estimation.candidate import drop_orphans
 from exo_sim.diagnosis.estimation.correlation import correlation_time, rms
-from exo_sim.diagnosis.estimation.parameters import PlantParameters
 from exo_sim.diagnosis.findings import Series, SignalFit, Subsystem
 from exo_sim.diagnosis.policy import validation
+from exo_sim.diagnosis.selection.fitted_model import FittedModel
 from exo_sim.diagnosis.selection.subsystem_result import SubsystemResult
 from exo_sim.diagnosis.selection.unknown_effect import UnknownEffect, effect_of
 from exo_sim.diagnosis.subsystem_model import Comparison, SubsystemModel
@@ -60,7 +60,8 @@ class HeldOutErrors:
         signals: By column, before and after.
         drops: By `effect@where` (by place for an unknown effect), the share by which the error falls with it.
         influence: By the keys of `drops`, how much predictions change with it [units of the noise].
-        costs: By the keys of `drops`, the same as a share of how much the predicted signals vary; 0 for a shared supply, which is measured.
+        left: By the keys of `drops`, the error of the time that was fitted when all the rest is fitted without it [units of the noise].
+        costs: By the keys of `drops`, `influence` as a share of how much the predicted signals vary; 0 for a shared supply: it is measured.
         balances: By subsystem and name.
         series: For the report.
         spans: The held-out time, by recording.
@@ -71,6 +72,7 @@ class HeldOutErrors:
     signals: Mapping[str, SignalFit] = field(default_factory=dict)
     drops: Mapping[str, float] = field(default_factory=dict)
     influence: Mapping[str, float] = field(default_factory=dict)
+    left: Mapping[str, float] = field(default_factory=dict)
     costs: Mapping[str, float] = field(default_factory=dict)
     balances: Mapping[tuple[Subsystem, str], BalanceError] = field(default_factory=dict)
     series: tuple[Series, ...] = ()
@@ -98,6 +100,7 @@ def held_out_errors(
     drops: dict[str, float] = {}
     shares: dict[str, float] = {}
     influence: dict[str, float] = {}
+    left: dict[str, float] = {}
     costs: dict[str, float] = {}
     balances: dict[tuple[Subsystem, str], BalanceError] = {}
     series: list[Series] = []
@@ -119,8 +122,9 @@ def held_out_errors(
         rows = model.size / max(correlation_time(residual, model.blocks), 1.0)
         odds = 0.5 * rows * math.log10(max(error, 1.0) ** 2)
         balances[one.key] = BalanceError(error, rms(one.final.fit.residual), model.discrepancy_bound, odds)
-        for key, without in _left_out(one):
-            other = model.residual_of(without)
+        for key, refitted in _left_out(one):
+            other = model.residual_of(one.plant_of(refitted))
+            left[key] = rms(refitted.fit.residual)
             lacking = rms(other)
             drops[key] = _finite(1.0 - error / lacking) if lacking > 0.0 else 0.0
             influence[key] = _finite(rms(other - residual))
@@ -130,7 +134,7 @@ def held_out_errors(
         if effect is not None:
             drops[one.where] = _drop_with_unknown(model, one, error, own)
             costs[one.where] = rms(model.residual_of(one.final_plant)) * _noise_share(one, compared)
-    return HeldOutErrors(signals, drops, influence, costs, balances, tuple(series), split.test, shares)
+    return HeldOutErrors(signals, drops, influence, left, costs, balances, tuple(series), split.test, shares)
 
 
 def share_explained(error: float, lacking: float) -> float:
@@ -182,13 +186,13 @@ def _noise_share(one: SubsystemResult[SubsystemModel], compared: Sequence[Compar
     return _finite(float(np.median(shares))) if shares else 0.0
 
 
-def _left_out(one: SubsystemResult[SubsystemModel]) -> list[tuple[str, PlantParameters]]:
-    """Return, for each finding, its key and the plant that is refitted without it and what comes on top of it."""
+def _left_out(one: SubsystemResult[SubsystemModel]) -> list[tuple[str, FittedModel]]:
+    """Return, for each finding, its key and the model that is refitted without it and what comes on top of it."""
     reported = {(finding.name, finding.where) for finding in one.findings}
     found = []
     for candidate in (candidate for candidate in one.named if candidate.at in reported):
         rest = drop_orphans([c for c in one.final.candidates if c.key != candidate.key])
-        found.append((f"{candidate.effect}@{candidate.where}", one.plant_of(one.fits.fit(rest, one.final))))
+        found.append((f"{candidate.effect}@{candidate.where}", one.fits.fit(rest, one.final)))
     return found
 
 

@@ -201,3 +201,10 @@ def test_names_that_explain_little_of_the_test_time_are_put_aside_and_it_is_said
     assert list(found.plan.refuted) == [SPRING] and "explains 3 %" in found.plan.refuted[SPRING]
     untested = examination(data, Plan(Split({})), gas_of(data, SPRING), None, errors())
     assert rounds.without_doubtful(untested) is untested
+
+
+def test_what_is_too_small_to_matter_is_held_beside_the_findings(data: MachineData) -> None:
+    left = {"piston_leakage@piston": 0.0, "return_spring@piston": 1e3}
+    before = examination(data, Plan(Split({})), gas_of(data, LEAK, SPRING), None, errors({LEAK: 0.0, SPRING: 0.0}, left=left))
+    after = rounds.without_small(before)
+    assert names(after) == ["return_spring"] and [finding.name for finding in after.small] == ["piston_leakage"]

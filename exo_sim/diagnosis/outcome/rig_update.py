@@ -27,6 +27,7 @@ from exo_sim.diagnosis.selection.subsystem_result import SubsystemResult
 from exo_sim.diagnosis.selection.unknown_effect import UnknownEffect, effect_of
 from exo_sim.diagnosis.subsystem_model import SubsystemModel
 from exo_sim.diagnosis.subsystems.motion.model import MotionModel
+from exo_sim.physics.declaration import declared
 from exo_sim.physics.effects import sensor_bias, sensor_delay, sensor_scale
 from exo_sim.physics.effects.unknown import ACTS, DEPENDS_ON
 from exo_sim.physics.effects.unknown import EFFECT as UNKNOWN
@@ -38,11 +39,15 @@ Result = SubsystemResult[SubsystemModel]
 
 
 class Rank(IntEnum):
-    """What an entry of an update is, in the order in which it is left out where it does not win."""
+    """What an entry of an update is, in the order in which it is left out where it does not win.
+
+    What was only refitted of the sensors is apart from what was of the machine: a filter before a card moves no piston.
+    """
 
     CURVE = 0
     REFITTED = 1
-    FOUND = 2
+    SENSORS = 2
+    FOUND = 3
 
 
 @dataclass(frozen=True)
@@ -100,7 +105,10 @@ def rig_update(data: MachineData, results: Sequence[Result], unknown: Sequence[U
         findings = tuple(each for each in corrected if each.note != REFIT_NOTE)
         parts.append(Part(source, Rank.FOUND, tuple(entries), findings))
         refitted = tuple(each for each in corrected if each.note == REFIT_NOTE)
-        parts.append(Part(source, Rank.REFITTED, (*_healthy(data.rig, one, gas), *_late(data, one, gas)), refitted))
+        healthy = _healthy(data.rig, one, gas)
+        zeros = tuple(entry for entry in healthy if declared()[entry.setting.name].cut == "sensor")
+        parts.append(Part(source, Rank.REFITTED, tuple(entry for entry in healthy if entry not in zeros), refitted))
+        parts.append(Part(source, Rank.SENSORS, (*zeros, *_late(data, one, gas))))
         effect = effect_of(unknown, one)
         parts.append(Part(source, Rank.CURVE, tuple(_curves(data.rig, [effect] if effect else []))))
     apart = [effect for effect in unknown if all(one.key != effect.result.key for one in results)]

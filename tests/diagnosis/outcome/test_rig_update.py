@@ -123,3 +123,9 @@ def test_forces_say_how_late_a_sensor_is_where_no_gas_was_judged(data: MachineDa
     rig = read_back(rig_update(data, [late], ()), data)
     effect = rig.effect("sensor_delay", f"{balance.runs[0].joint}.position")
     assert effect is not None and effect.parameters["seconds"] == pytest.approx(2e-3)
+
+
+def test_what_was_refitted_of_sensors_stands_though_what_was_of_the_machine_is_left_out(data: MachineData) -> None:
+    update = rig_update(data, [replace(result({VALVE: 1.02, ZERO: 800.0}), refitted=((VALVE, 0.01), (ZERO, 50.0)))], ())
+    (sensors,) = update.reduced()
+    assert sensors.corrections == () and [entry.setting.name for entry in sensors.entries] == ["sensor_bias"]

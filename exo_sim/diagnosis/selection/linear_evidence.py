@@ -60,6 +60,21 @@ class Posterior:
     left: Array
 
 
+@dataclass(frozen=True)
+class _Cleared:
+    """All terms in units of their spreads, projected clear of background and discrepancy, for one set of spreads.
+
+    Attributes:
+        normal: Their normal equations, shape (t, t).
+        pull: Right-hand side, shape (t,).
+        log_evidence: Of no term.
+    """
+
+    normal: Array
+    pull: Array
+    log_evidence: float
+
+
 class LinearEvidence:
     """The evidence for the subsets of one bend of a family.
 
@@ -79,6 +94,57 @@ class LinearEvidence:
         for term in bend.terms:
             self._columns.append(np.arange(first, first + term.columns.shape[1]))
             first += term.columns.shape[1]
+        self._signed = [sum(term.one_sided) for term in bend.terms]
+        self._one_sided = np.array([one for term in bend.terms for one in term.one_sided], dtype=bool)
+        self._latest: tuple[tuple[Spreads, float], _Cleared] | None = None
+
+    def log_evidence(self, subset: Subset, spreads: Spreads, correlation_time: float) -> float:
+        """Return the logarithm of a subset's evidence, as `posterior` does, at a small part of its cost.
+
+        What is always there is taken out once for all subsets that are weighed at the same spreads.
+        """
+        key = spreads, correlation_time
+        if self._latest is None or self._latest[0] != key:
+            self._latest = key, self._cleared(spreads, correlation_time)
+        cleared = self._latest[1]
+        if not subset:
+            return cleared.log_evidence
+        first = len(self._always)
+        at = np.concatenate([self._columns[j] for j in subset]) - first
+        factor, failed = dpotrf(cleared.normal[at[:, None], at], lower=1, clean=1)
+        if failed:
+            raise LinAlgError("the evidence of a subset is not finite")
+        half = dtrtrs(factor, cleared.pull[at], lower=1)[0]
+        if (dtrtrs(factor, half, lower=1, trans=1)[0][self._one_sided[at]] < 0.0).any():
+            return -math.inf
+        found = cleared.log_evidence + 0.5 * float(half @ half) - float(np.log(factor.diagonal()).sum())
+        return found + math.log(2.0) * sum(self._signed[j] for j in subset)
+
+    def _cleared(self, spreads: Spreads, correlation_time: float) -> _Cleared:
+        """Return all terms clear of what is always there."""
+        amplitudes = np.array(spreads.amplitudes)
+        d = self.basis.columns.shape[1]
+        scale = np.concatenate([
+            np.ones(len(self._always) - d), amplitudes[self.basis.kinds] if d else np.zeros(0), *(t.spread for t in self.bend.terms)
+        ])  # fmt: skip
+        weight = 1.0 / (spreads.noise**2 * correlation_time)
+        normal = self._gram * (weight * np.outer(scale, scale))
+        normal[np.diag_indices_from(normal)] += 1.0
+        moment = self._moment * (weight * scale)
+        evidence = -self.bend.target.size / correlation_time * math.log(spreads.noise) - 0.5 * weight * self._square
+        evidence -= 0.5 * float(np.sum((amplitudes / self.basis.healthy) ** 2))
+        first = len(self._always)
+        if first == 0:
+            return _Cleared(normal, moment, evidence)
+        factor, failed = dpotrf(normal[:first, :first], lower=1, clean=1)
+        if failed:
+            raise LinAlgError("the evidence of no term is not finite")
+        half = dtrtrs(factor, moment[:first], lower=1)[0]
+        evidence += 0.5 * float(half @ half) - float(np.log(factor.diagonal()).sum())
+        if not self.bend.terms:
+            return _Cleared(normal[first:, first:], moment[first:], evidence)
+        across = dtrtrs(factor, normal[:first, first:], lower=1)[0]
+        return _Cleared(normal[first:, first:] - across.T @ across, moment[first:] - across.T @ half, evidence)
 
     def posterior(self, subset: Subset, spreads: Spreads, correlation_time: float, whole: bool = False) -> Posterior:
         """Return the posterior of a subset; with `whole`, what is left of the target as well."""

@@ -147,7 +147,7 @@ class SubsetWeighing:
                 key = bend, tuple(sorted(set(chosen)))
                 if key in found or len(key[1]) != len(wanted):
                     continue
-                evidence = self._evidence[bend].posterior(key[1], best.spreads, self.correlation_time).log_evidence
+                evidence = self._evidence[bend].log_evidence(key[1], best.spreads, self.correlation_time)
                 found[key] = Weighed(*key, evidence + self._log_prior(*key), best.spreads)
         return [one for one in found.values() if one.score > -math.inf]
 
@@ -172,7 +172,7 @@ class SubsetWeighing:
         spreads = Spreads(1.0, tuple(float(scale) for scale in self._basis.healthy))
         chosen: list[int] = []
         for members in self._groups(0).values():
-            chosen.append(max(members, key=lambda j: plain.posterior((j,), spreads, 1.0).log_evidence))
+            chosen.append(max(members, key=lambda j: plain.log_evidence((j,), spreads, 1.0)))
         return tuple(sorted(chosen))
 
     def _climbed(
@@ -184,7 +184,7 @@ class SubsetWeighing:
             key = bend, subset
             if key not in weighed:
                 prior = self._log_prior(bend, subset)
-                found = self._evidence[bend].posterior(subset, spreads, self.correlation_time).log_evidence if prior > -math.inf else 0.0
+                found = self._evidence[bend].log_evidence(subset, spreads, self.correlation_time) if prior > -math.inf else 0.0
                 weighed[key] = found + prior
             return weighed[key]
 

@@ -103,3 +103,21 @@ def test_nothing_at_all_has_the_density_of_noise_and_no_complaint_of_lapack(capf
     density = multivariate_normal(np.zeros(ROWS), 0.64 * np.eye(ROWS)).logpdf(target) + 0.5 * ROWS * math.log(2.0 * math.pi)
     assert found.log_evidence == pytest.approx(density, rel=1e-9)
     assert capfd.readouterr() == ("", "")
+
+
+@pytest.mark.parametrize("one_sided", [False, True])
+@pytest.mark.parametrize("seed", [1, 2, 3])
+def test_the_evidence_alone_is_that_of_the_posterior(seed: int, one_sided: bool) -> None:
+    evidence, _, _ = problem(seed, one_sided)
+    for noise, amplitude, correlation in ((0.6, 0.2, 1.0), (1.3, 0.05, 4.0)):
+        spreads = Spreads(noise, (amplitude,))
+        for subset in ((), (0,), (1,), (0, 1)):
+            whole = evidence.posterior(subset, spreads, correlation).log_evidence
+            assert evidence.log_evidence(subset, spreads, correlation) == pytest.approx(whole, rel=1e-11)
+
+
+def test_the_evidence_alone_of_nothing_is_that_of_noise() -> None:
+    bend = Bend(None, {}, np.random.default_rng(4).standard_normal(50), np.zeros((50, 0)), ())
+    evidence = LinearEvidence(bend, joined((), 50))
+    spreads = Spreads(0.8, ())
+    assert evidence.log_evidence((), spreads, 2.0) == pytest.approx(evidence.posterior((), spreads, 2.0).log_evidence)

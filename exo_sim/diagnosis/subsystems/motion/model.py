@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
+from copy import copy
 from dataclasses import replace
 from functools import cached_property
 
@@ -16,6 +17,7 @@ from exo_sim.diagnosis.discrepancy.basis import DiscrepancyBasis
 from exo_sim.diagnosis.discrepancy.curve import Curve, fit_curves
 from exo_sim.diagnosis.discrepancy.signal import Discrepancy
 from exo_sim.diagnosis.discrepancy.trace import Trace
+from exo_sim.diagnosis.estimation.kept_residuals import KeptResiduals
 from exo_sim.diagnosis.estimation.least_squares import Fit
 from exo_sim.diagnosis.estimation.parameters import FreeParameter, PlantParameters
 from exo_sim.diagnosis.findings import Finding, Series, Subsystem
@@ -26,7 +28,7 @@ from exo_sim.diagnosis.subsystems.motion.contact_scatter import ContactScatter
 from exo_sim.diagnosis.subsystems.motion.discrepancy_basis import friction_discrepancy
 from exo_sim.diagnosis.subsystems.motion.experiments import resisted
 from exo_sim.diagnosis.subsystems.motion.full_scale import full_force
-from exo_sim.diagnosis.subsystems.motion.lacking_force import LackingForce, around
+from exo_sim.diagnosis.subsystems.motion.lacking_force import LackingForce, LackingRows, around
 from exo_sim.diagnosis.subsystems.motion.regimes import regimes
 from exo_sim.diagnosis.subsystems.motion.rows import rows_of
 from exo_sim.diagnosis.subsystems.motion.smoothing import smoothed_alike
@@ -74,16 +76,23 @@ class MotionModel(SubsystemModel):
         self.blocks: NDArray[np.int64] = np.concatenate(blocks) if blocks else np.zeros(0, int)
         scale = np.concatenate([rows.scale for rows in self._rows]) if self._rows else np.zeros(0)
         self.noise = float(np.median(scale)) if scale.size else 0.0
-        self.scale = scale if scatter is None else scale * scatter.at(self.speed)
-        self._split, self._scatter, self._creep = split, scatter, creep
+        self._plain_scale, self._split = scale, split
         self._lacking = [LackingForce(run) for run in self.runs]
-        self._fitted = list(zip(self._lacking, self._rows, strict=True))
+        parts = list(zip(self.runs, self._rows, strict=True))
         if is_thinned:
-            parts = [part for run, rows in zip(self.runs, self._rows, strict=True) for part in around(run, rows)]
-            self._fitted = [(LackingForce(run), rows) for run, rows in parts]
+            parts = [part for run, rows in parts for part in around(run, rows)]
+        self._fitted = [LackingRows(run, rows) for run, rows in parts if rows.compared.any()]
+        self._kept = KeptResiduals(self._missing_of_rows)
+        self._weigh(scatter, 0.0)
         contact = self.nominal.cylinder[presliding.EFFECT.name]
         if not first.turning and float(contact["stiffness"][0]) == 0.0:
             contact["stiffness"] = self._stiff_contact()
+        self._weigh(scatter, creep)
+
+    def _weigh(self, scatter: ContactScatter | None, creep: float) -> None:
+        """Say what rows are worth."""
+        self._scatter, self._creep = scatter, creep
+        self.scale = self._plain_scale if scatter is None else self._plain_scale * scatter.at(self.speed)
         if creep > 0.0:
             self.scale = np.hypot(self.scale, self._of_velocity_noise(creep))
 
@@ -104,7 +113,11 @@ class MotionModel(SubsystemModel):
         Args:
             scatter, creep: As of the model.
         """
-        return MotionModel(self.runs, self.nominal, self._split, scatter=scatter, creep=creep) if scatter or creep > 0.0 else self
+        if scatter is None and creep <= 0.0:
+            return self
+        other = copy(self)  # what was predicted of rows stays so, whatever they are worth
+        other._weigh(scatter, creep)
+        return other
 
     @property
     def creeps(self) -> bool:
@@ -147,8 +160,11 @@ class MotionModel(SubsystemModel):
         return self._lacking[index].of(plant)
 
     def residual_of(self, plant: PlantParameters) -> Array:
-        pieces = [rows.means(lacking.of(plant)) for lacking, rows in self._fitted if rows.compared.any()]
-        return np.concatenate(pieces) / self.scale if pieces else np.zeros(0)
+        return self._kept.of(plant) / self.scale
+
+    def _missing_of_rows(self, plant: PlantParameters) -> Array:
+        """Return the force that the balance lacks in each row [N or N m], shape (size,)."""
+        return np.concatenate([lacking.of(plant) for lacking in self._fitted]) if self._fitted else np.zeros(0)
 
     def on_test_time(self, split: Split) -> MotionModel:
         return MotionModel(self.runs, self.nominal, split, on_test=True, scatter=self._scatter, creep=self._creep)

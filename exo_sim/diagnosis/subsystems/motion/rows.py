@@ -7,6 +7,7 @@ from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
+from scipy import sparse
 from scipy.ndimage import binary_erosion
 
 from exo_sim.diagnosis.data.motion_run import MotionRun
@@ -46,6 +47,12 @@ class Rows:
         """Return the mean of each row of values at the samples, shape (m,)."""
         keep = self.compared
         return np.bincount(self.group[keep], weights=values[keep]) / np.bincount(self.group[keep])
+
+    def weights(self) -> sparse.csr_array:
+        """Return the matrix of `means`, shape (m, n)."""
+        keep = np.flatnonzero(self.compared)
+        group = self.group[keep]
+        return sparse.csr_array((1.0 / np.bincount(group)[group], (group, keep)), shape=(len(self.block), len(self.group)))
 
 
 def rows_of(run: MotionRun, usable: NDArray[np.bool_]) -> Rows:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 from numpy.typing import NDArray
+from scipy import sparse
 
 from exo_sim.diagnosis.data.motion_run import MotionRun
 from exo_sim.recording.filters import EvenClock, gaussian_smoothed
@@ -29,6 +30,43 @@ def smoothed_alike(time: Array, values: Array, clock: EvenClock | None = None) -
     """Return values behind the filter of the balance, shape (n,); `clock` is that of `time`, if it is known already."""
     clock = clock or EvenClock.of(time)
     return gaussian_smoothed(time, values, _width(clock.usual), clock)
+
+
+def before_filter(weights: sparse.csr_array, time: Array, clock: EvenClock) -> sparse.csr_array:
+    """Return weights that take from values what the given ones take from the same values behind the filter of the balance.
+
+    Args:
+        weights: Of the filtered values, shape (m, n).
+        time: Their clock, shape (n,) [s]; `clock` is that of it.
+    """
+    if clock.even is None:
+        return sparse.csr_array(weights @ _filter(time, clock.usual))
+    even = clock.even
+    return sparse.csr_array(weights @ _interpolation(time, even) @ _filter(even, clock.usual) @ _interpolation(even, time))
+
+
+def _filter(even: Array, usual: float) -> sparse.csr_array:
+    """Return the filter on an even clock as a matrix, shape (n, n): what it answers to one value, and at the ends the last value held."""
+    n = len(even)
+    impulse = np.zeros(n)
+    impulse[n // 2] = 1.0
+    answer = gaussian_smoothed(even, impulse, _width(usual), EvenClock(usual, None))
+    reach = n // 2 - int(np.flatnonzero(answer)[0])
+    offsets = np.arange(-reach, reach + 1)
+    inside = sparse.diags_array([answer[n // 2 + k] for k in offsets], offsets=offsets, shape=(n, n), format="csr")
+    beyond = answer.sum() - inside.sum(axis=1)
+    rows = np.flatnonzero(np.minimum(np.arange(n), np.arange(n)[::-1]) < reach)
+    held = sparse.csr_array((beyond[rows], (rows, np.where(rows < n // 2, 0, n - 1))), shape=(n, n))
+    return sparse.csr_array(inside + held)
+
+
+def _interpolation(at: Array, time: Array) -> sparse.csr_array:
+    """Return the matrix that interpolates values on a clock, shape (n,), to other times, shape (m,): shape (m, n)."""
+    first = np.clip(np.searchsorted(time, at, side="right") - 1, 0, len(time) - 2)
+    share = np.clip((at - time[first]) / (time[first + 1] - time[first]), 0.0, 1.0)
+    row = np.arange(len(at))
+    places = (np.concatenate([row, row]), np.concatenate([first, first + 1]))
+    return sparse.csr_array((np.concatenate([1.0 - share, share]), places), shape=(len(at), len(time)))
 
 
 def stride(time: Array) -> int:

@@ -1,4 +1,4 @@
-"""What a balance lacks: sensors ask for the same resistance, and of a long recording only what is fitted is predicted."""
+"""What a balance lacks: sensors ask for the same resistance, rows are means of it, of a long recording only what is fitted is predicted."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ from exo_sim.diagnosis.data.motion_run import MotionRun
 from exo_sim.diagnosis.data.split import Split
 from exo_sim.diagnosis.estimation.parameters import PlantParameters
 from exo_sim.diagnosis.subsystems.motion import lacking_force
-from exo_sim.diagnosis.subsystems.motion.lacking_force import MARGIN, LackingForce, around
+from exo_sim.diagnosis.subsystems.motion.lacking_force import MARGIN, LackingForce, LackingRows, around
 from exo_sim.diagnosis.subsystems.motion.model import MotionModel
 from exo_sim.diagnosis.subsystems.motion.rows import rows_of
 
@@ -64,11 +64,38 @@ def test_what_sensors_add_asks_for_no_other_resistance(monkeypatch: pytest.Monke
     assert len(asked) == 2
 
 
+def test_rows_are_means_of_what_is_lacking_at_the_samples() -> None:
+    n = len(motion_runs.TIME)
+    chance, column = np.random.default_rng(1), "slide.external_force"
+    run = motion_runs.balance(chance.standard_normal(n), 0.3)
+    drive = replace(run.drive, levers={column: 1.0 + 0.1 * np.sin(motion_runs.TIME)}, signals={column: chance.standard_normal(n)})
+    run = replace(run, drive=drive)
+    rows = rows_of(run, np.arange(n) < 0.7 * n)
+    at_samples, of_rows = LackingForce(run), LackingRows(run, rows)
+    for plant in (
+        rubbed(),
+        rubbed(9.0, offset=1.0, inertia=1.3, zero=0.1, payload_mass=0.9),
+        rubbed(0.0, **{f"{column}.bias": 2.0, f"{column}.scale": 1.1, "drive.delay": 2e-3}),
+    ):
+        np.testing.assert_allclose(of_rows.of(plant), rows.means(at_samples.of(plant)), rtol=1e-10, atol=1e-10)
+
+
+def test_a_resistance_that_is_no_number_somewhere_is_bridged_in_rows_as_it_is_at_samples() -> None:
+    run = motion_runs.balance(np.zeros_like(motion_runs.TIME), 0.3)
+    holed = run.drive.arm.copy()
+    holed[3000:3004] = np.nan
+    run = replace(run, drive=replace(run.drive, arm=holed))
+    rows = rows_of(run, np.ones(len(run.time), dtype=bool))
+    found = LackingRows(run, rows).of(rubbed())
+    assert np.isfinite(found).all()
+    np.testing.assert_allclose(found, rows.means(LackingForce(run).of(rubbed())), rtol=1e-12)
+
+
 def test_of_a_long_recording_only_what_is_fitted_is_predicted_and_it_is_the_same() -> None:
     times = int(np.ceil(400.0 / np.ptp(motion_runs.TIME)))
     run = long_run(times)
     model = MotionModel([run], rubbed(), Split({}))
-    assert sum(len(lacking.run.time) for lacking, _ in model._fitted) < 0.5 * len(run.time)
+    assert sum(len(lacking.run.time) for lacking in model._fitted) < 0.5 * len(run.time)
     for plant in (rubbed(), rubbed(9.0, offset=1.0), rubbed(0.0)):
         whole = np.concatenate([rows.means(LackingForce(run).of(plant)) for rows in model._rows]) / model.scale
         np.testing.assert_allclose(model.residual_of(plant), whole, rtol=1e-9, atol=1e-9)

@@ -27,6 +27,12 @@ def test_a_row_is_the_mean_of_a_whole_group_that_moves() -> None:
     np.testing.assert_array_equal(rows.block, [int(motion_runs.TIME[rows.group == i][0] / BLOCK) for i in range(len(rows.block))])
 
 
+def test_weights_are_the_means_as_a_matrix() -> None:
+    rows, values = rows_of(RUN, motion_runs.TIME < 4.0), np.random.default_rng(2).standard_normal(N)
+    assert rows.weights().shape == (len(rows.block), N)
+    np.testing.assert_allclose(rows.weights() @ values, rows.means(values), rtol=1e-12)
+
+
 def test_nothing_is_compared_within_half_a_filter_of_a_turn_or_break() -> None:
     reach = int(0.5 * smoothing_width(motion_runs.TIME) / 1e-3)
     rows = rows_of(replace(RUN, breaks=(0, 4000)), ALL)

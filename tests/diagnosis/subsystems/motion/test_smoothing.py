@@ -6,11 +6,13 @@ import numpy as np
 import pytest
 from diagnosis import motion_runs
 from diagnosis.motion_runs import TIME
+from scipy import sparse
 
 from exo_sim.diagnosis.subsystems.motion.smoothing import (
     FEWEST_IN_FILTER,
     MOST_SAMPLES,
     SMOOTHING,
+    before_filter,
     on_clock,
     smoothed_alike,
     smoothed_on_clock,
@@ -18,6 +20,7 @@ from exo_sim.diagnosis.subsystems.motion.smoothing import (
     stride,
     thinned,
 )
+from exo_sim.recording.filters import EvenClock
 
 
 @pytest.mark.parametrize(("rate", "width"), [(1000.0, SMOOTHING), (100.0, FEWEST_IN_FILTER / 100.0)])
@@ -46,3 +49,17 @@ def test_values_come_to_the_samples_that_were_kept() -> None:
     finer = np.linspace(TIME[0], TIME[-1], 4 * TIME.size)
     np.testing.assert_allclose(on_clock(run, finer, np.cos(finer)), values, atol=1e-6)
     np.testing.assert_allclose(smoothed_on_clock(run, TIME, values), smoothed_alike(TIME, values))
+
+
+@pytest.mark.parametrize("uneven", [False, True])
+@pytest.mark.parametrize("n", [40, 3000])
+def test_weights_before_the_filter_take_what_they_take_behind_it(uneven: bool, n: int) -> None:
+    chance = np.random.default_rng(n)
+    time = np.arange(n) * 1e-3
+    if uneven:
+        time = np.delete(time + 2e-4 * chance.random(n), [n // 3, n // 2])
+    values, weights = chance.standard_normal(len(time)), sparse.csr_array(chance.random((7, len(time))))
+    clock = EvenClock.of(time)
+    assert (clock.even is not None) == uneven
+    expected = weights @ smoothed_alike(time, values, clock)
+    np.testing.assert_allclose(before_filter(weights, time, clock) @ values, expected, rtol=1e-10, atol=1e-10)

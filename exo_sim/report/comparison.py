@@ -43,11 +43,12 @@ def write_comparison(path: Path, diagnosis: Diagnosis, recordings: Sequence[Reco
     end = None
     for name in names:
         own = [series for series in diagnosis.series if series.recording == name]
-        clock = measured[name].time if name in measured else own[0].time
-        shifts[name] = 0.0 if end is None else end + PAUSE - float(clock[0])
-        for kind, columns, units in _columns(own, clock, measured.get(name)):
-            pieces[kind].append(Recording(name, clock + shifts[name], columns, units).thinned(MOST_SHOWN))
-        end = float(clock[-1]) + shifts[name]
+        whole_clock = measured[name].time if name in measured else own[0].time
+        shifts[name] = 0.0 if end is None else end + PAUSE - float(whole_clock[0])
+        shown = measured.get(name, Recording(name, whole_clock, {}, {})).thinned(MOST_SHOWN)
+        for kind, columns, units in _columns(own, shown):
+            pieces[kind].append(Recording(name, shown.time + shifts[name], columns, units))
+        end = float(whole_clock[-1]) + shifts[name]
     if not pieces["recorded"]:
         return
     metadata = {"verdict": diagnosis.verdict, "rig": diagnosis.rig}
@@ -77,12 +78,9 @@ def lanes(diagnosis: Diagnosis, shifts: Mapping[str, float], recorded: Sequence[
     return {name: sorted(lane) for name, lane in found.items() if lane}
 
 
-def _columns(
-    own: Sequence[Series], clock: Array, measured: Recording | None
-) -> list[tuple[str, dict[str, Array], dict[str, str]]]:
-    """Return the columns of one recording as recorded, before and after, on one clock."""
-    recorded = dict(measured.columns) if measured is not None else {}
-    units = dict(measured.units) if measured is not None else {}
+def _columns(own: Sequence[Series], measured: Recording) -> list[tuple[str, dict[str, Array], dict[str, str]]]:
+    """Return the columns of one recording as recorded, before and after, on its clock."""
+    clock, recorded, units = measured.time, dict(measured.columns), dict(measured.units)
     before, after = {}, {}
     for series in own:
         units[series.signal] = series.unit

@@ -20,25 +20,21 @@ MOST_BYTES = 32_000_000
 
 
 class KeptResiduals:
-    """The latest residuals of one model, by plant.
+    """The latest residuals of one model, by plant."""
 
-    Args:
-        predict: Returns the residual of a plant, shape (n,).
-    """
-
-    def __init__(self, predict: Callable[[PlantParameters], Array]):
-        self._predict, self._lock = predict, Lock()
+    def __init__(self) -> None:
+        self._lock = Lock()
         self._kept: OrderedDict[_Key, Array] = OrderedDict()
         self._bytes = 0
 
-    def of(self, plant: PlantParameters) -> Array:
-        """Return the residual of a plant, which nobody may write to."""
+    def of(self, plant: PlantParameters, predict: Callable[[PlantParameters], Array]) -> Array:
+        """Return the residual of a plant, which nobody may write to; shape (n,), as `predict` returns it."""
         key = plant.world.tobytes(), plant.cylinder.tobytes(), tuple(sorted(plant.sensors.items()))
         with self._lock:
             if key in self._kept:
                 self._kept.move_to_end(key)
                 return self._kept[key]
-        residual = self._predict(plant)
+        residual = predict(plant)
         residual.flags.writeable = False
         with self._lock:
             if key not in self._kept:

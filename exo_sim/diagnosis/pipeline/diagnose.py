@@ -16,6 +16,7 @@ from exo_sim.diagnosis.outcome.immaterial import small_findings
 from exo_sim.diagnosis.outcome.localisation import located, unexplained
 from exo_sim.diagnosis.outcome.rig_update import rig_update
 from exo_sim.diagnosis.outcome.verdict import distinct, next_experiment, verdict_of
+from exo_sim.diagnosis.pipeline.freed_memory import return_large_arrays
 from exo_sim.diagnosis.pipeline.plan import Examination, Progress
 from exo_sim.diagnosis.pipeline.reading import gather
 from exo_sim.diagnosis.pipeline.rig_acceptance import accepted
@@ -59,6 +60,7 @@ def diagnose(
     """
     report, allowed = progress or (lambda words: None), Budget(budget)
     report("reading")
+    return_large_arrays()
     data = gather(recordings, rig, column_map)
     data.rig.check_no_recovery("a recording")
     with Threads(jobs or os.cpu_count() or 1) as threads:  # what is reported of rivals is fitted as well

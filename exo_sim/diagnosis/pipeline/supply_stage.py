@@ -60,6 +60,8 @@ def _runs(data: MachineData, gas: Sequence[SubsystemResult[GasModel]], plan: Pla
     measured: dict[str, tuple[Array, Array]] = {}
     cylinders: dict[str, int] = {}
     for one in gas:
+        if all(run.supply is None for run in one.model.all_runs):
+            continue
         whole = one.model.over_whole_runs(one.final_plant, plan.split)
         for index, run in enumerate(whole.runs):
             table = data.table(run.recording)

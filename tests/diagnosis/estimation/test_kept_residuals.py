@@ -29,26 +29,26 @@ class Predicted:
 
 def test_the_same_plant_is_predicted_once_whatever_the_order_of_its_sensors() -> None:
     predicted = Predicted()
-    kept = KeptResiduals(predicted)
-    first = kept.of(plant(1.0, 2.0, bias=3.0, scale=4.0))
-    assert kept.of(plant(1.0, 2.0, scale=4.0, bias=3.0)) is first and predicted.calls == 1
+    kept = KeptResiduals()
+    first = kept.of(plant(1.0, 2.0, bias=3.0, scale=4.0), predicted)
+    assert kept.of(plant(1.0, 2.0, scale=4.0, bias=3.0), predicted) is first and predicted.calls == 1
     for other in (plant(1.5, 2.0, bias=3.0, scale=4.0), plant(1.0, 2.5, bias=3.0, scale=4.0), plant(1.0, 2.0, bias=3.5, scale=4.0)):
-        assert kept.of(other) is not first
+        assert kept.of(other, predicted) is not first
     assert predicted.calls == 4
 
 
 def test_nobody_may_write_to_what_is_kept() -> None:
     with pytest.raises(ValueError, match="read-only"):
-        KeptResiduals(Predicted()).of(plant())[0] = 1.0
+        KeptResiduals().of(plant(), Predicted())[0] = 1.0
 
 
 def test_what_was_not_asked_for_longest_goes_first(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(kept_residuals, "MOST_BYTES", 2 * 800)
     predicted = Predicted()
-    kept = KeptResiduals(predicted)
+    kept = KeptResiduals()
     one, two, three = plant(1.0), plant(2.0), plant(3.0)
     for each in (one, two, one, three, one):
-        kept.of(each)
+        kept.of(each, predicted)
     assert predicted.calls == 3
-    kept.of(two)
+    kept.of(two, predicted)
     assert predicted.calls == 4

@@ -97,7 +97,7 @@ class GasModel(SubsystemModel):
         ]
         self.blocks = self._blocks()
         self._responses: list[list[Array]] | None = None
-        self._kept = KeptResiduals(self._predicted_residual)
+        self._kept = KeptResiduals()
         self.effort = 0
 
     def _blocks(self) -> NDArray[np.int64]:
@@ -165,7 +165,7 @@ class GasModel(SubsystemModel):
         return found
 
     def residual_of(self, plant: PlantParameters) -> Array:
-        return self._kept.of(plant)
+        return self._kept.of(plant, self._predicted_residual)
 
     def _predicted_residual(self, plant: PlantParameters) -> Array:
         if self._responses is None:
@@ -204,7 +204,7 @@ class GasModel(SubsystemModel):
         if float(self.nominal.cylinder[flow_law.EFFECT.name]["ratio"][0]) > 0.0:
             return self
         rival = copy(self)
-        rival._kept = KeptResiduals(rival._predicted_residual)
+        rival._kept = KeptResiduals()
         rival.nominal = self.nominal.copy()
         rival.nominal.cylinder[flow_law.EFFECT.name]["ratio"] = critical_ratio(float(self.nominal.world["k"][0]))
         own = fit(self.residual, nuisances, {q: q.start for q in nuisances}, threads, max_iterations=4, is_spent=is_spent)

@@ -30,6 +30,8 @@ RESISTANCES = 8
 #: Before and behind what is fitted of a long recording so much is predicted [s]: a contact then slides as if it had from the beginning,
 #: and the filter meets no end.
 MARGIN = 1.0
+#: So many samples at least are beside the rows when the filter is told for them: several of its widths on any clock.
+FEWEST_IN_MARGIN = 500
 
 
 @dataclass(frozen=True)
@@ -64,15 +66,15 @@ class Terms:
         """Return the terms of a run at its samples, or what `each` makes of them."""
         inertia, passive, drive, imputed = run.inertia, run.passive, run.drive, run.imputed
 
-        def all_of(signals: Mapping[str, Array] | None) -> dict[str, Array]:
-            return {name: each(values) for name, values in (signals or {}).items()}
+        def all_of(signals: Mapping[str, Array]) -> dict[str, Array]:
+            return {name: each(values) for name, values in signals.items()}
 
         return cls(
             each(inertia.force), each(inertia.bias), each(inertia.tilt), each(passive.force),
             None if passive.damping is None else each(passive.damping), each(drive.force), each(run.external),
             each(np.gradient(drive.force + run.external, run.time)), all_of(drive.levers),
             {column: each(drive.levers[column] * signal) for column, signal in drive.signals.items()},
-            all_of(imputed and imputed.uncertain), all_of(imputed and imputed.leaks),
+            all_of(imputed.uncertain if imputed else {}), all_of(imputed.leaks if imputed else {}),
         )  # fmt: skip
 
     def lacking(self, resisted: Array, plant: PlantParameters) -> Array:
@@ -111,8 +113,8 @@ class LackingForce:
     """
 
     def __init__(self, run: MotionRun):
-        self.run, self.clock = run, EvenClock.of(run.time)
-        self._resisted = lru_cache(maxsize=RESISTANCES)(self.resistance)
+        self.run = run
+        self._resisted = lru_cache(maxsize=RESISTANCES)(_Resistance(run).filtered)
 
     @cached_property
     def _terms(self) -> Terms:
@@ -122,50 +124,71 @@ class LackingForce:
         """Return the force that is lacking at every sample [N or N m], shape (n,)."""
         return self._terms.lacking(self._resisted(plant.cylinder.tobytes()), plant)
 
-    def resistance(self, cylinder: bytes) -> Array:
-        """Return what resists the motion behind the filter of the balance, for the bytes of a record CYLINDER, shape (n,)."""
-        found = smoothed_alike(self.run.time, self.unfiltered(cylinder, len(self.run.time)), self.clock)
-        found.flags.writeable = False
-        return found
-
-    def unfiltered(self, cylinder: bytes, count: int) -> Array:
-        """Return what resists the motion at the first `count` samples: neither side of a balance steps at a reversal behind the filter."""
-        run, path, resisted = self.run, self.run.kinematics, np.empty(count)
-        record = np.frombuffer(cylinder, CYLINDER)[0]
-        resistance_along(record, run.time[:count], path.position[:count], path.velocity[:count], run.drive.gauge[:count], resisted)
-        return run.drive.arm[:count] * resisted
-
 
 class LackingRows:
     """What the balance of one run lacks, as the means of its rows.
 
     Args:
         run: The balance.
-        rows: Its rows.
+        rows: Its rows, one at least.
     """
 
     def __init__(self, run: MotionRun, rows: Rows):
-        self.run, self._rows, self._samples = run, rows, LackingForce(run)
-        self._resisted = lru_cache(maxsize=RESISTANCES)(self._resistance)
+        self.run, self._rows = run, rows
+        self._resisted = lru_cache(maxsize=RESISTANCES)(_ResistanceOfRows(run, rows).means)
 
     @cached_property
     def _terms(self) -> Terms:
         return Terms.of(self.run, self._rows.means)
 
-    @cached_property
-    def _weights(self) -> sparse.csr_array:
-        """What rows take from the unfiltered samples, as far as they take any, shape (m, k)."""
-        weights = before_filter(self._rows.weights(), self.run.time, self._samples.clock)
-        return weights[:, : int(weights.indices.max()) + 1]
-
     def of(self, plant: PlantParameters) -> Array:
         """Return the mean of what is lacking over each row [N or N m], shape (m,)."""
         return self._terms.lacking(self._resisted(plant.cylinder.tobytes()), plant)
 
-    def _resistance(self, cylinder: bytes) -> Array:
-        resisted = self._samples.unfiltered(cylinder, self._weights.shape[1])
+
+class _Resistance:
+    """What resists the motion of one run, for the bytes of a record CYLINDER [N or N m]."""
+
+    def __init__(self, run: MotionRun):
+        self.run, self.clock = run, EvenClock.of(run.time)
+
+    def filtered(self, cylinder: bytes) -> Array:
+        """Return it at every sample behind the filter of the balance, shape (n,)."""
+        found = smoothed_alike(self.run.time, self.at_samples(cylinder, len(self.run.time)), self.clock)
+        found.flags.writeable = False
+        return found
+
+    def at_samples(self, cylinder: bytes, count: int) -> Array:
+        """Return it at the first `count` samples: neither side of a balance steps at a reversal behind the filter."""
+        run, path, resisted = self.run, self.run.kinematics, np.empty(count)
+        record = np.frombuffer(cylinder, CYLINDER)[0]
+        resistance_along(record, run.time[:count], path.position[:count], path.velocity[:count], run.drive.gauge[:count], resisted)
+        return run.drive.arm[:count] * resisted
+
+
+class _ResistanceOfRows:
+    """The same as means of rows."""
+
+    def __init__(self, run: MotionRun, rows: Rows):
+        self._samples, self._rows = _Resistance(run), rows
+        usual, compared = self._samples.clock.usual, np.flatnonzero(rows.compared)
+        margin = max(int(MARGIN / usual), FEWEST_IN_MARGIN)
+        self._part = slice(max(int(compared[0]) - margin, 0), min(int(compared[-1]) + 1 + margin, len(run.time)))
+
+    @cached_property
+    def _weights(self) -> sparse.csr_array:
+        """What rows take from the unfiltered samples of the part that they need, shape (m, k)."""
+        time, clock = self._samples.run.time[self._part], self._samples.clock
+        even = clock.even
+        if even is not None:
+            even = even[slice(*np.searchsorted(even, (time[0], np.nextafter(time[-1], np.inf))))]
+        return before_filter(self._rows.weights()[:, self._part], time, EvenClock(clock.usual, even))
+
+    def means(self, cylinder: bytes) -> Array:
+        """Return the mean over each row, shape (m,)."""
+        resisted = self._samples.at_samples(cylinder, self._part.stop)[self._part]
         if not np.isfinite(resisted).all():  # the filter bridges what is missing
-            return self._rows.means(self._samples.resistance(cylinder))
+            return self._rows.means(self._samples.filtered(cylinder))
         return np.asarray(self._weights @ resisted)
 
 

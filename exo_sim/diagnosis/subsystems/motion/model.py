@@ -82,7 +82,7 @@ class MotionModel(SubsystemModel):
         if is_thinned:
             parts = [part for run, rows in parts for part in around(run, rows)]
         self._fitted = [LackingRows(run, rows) for run, rows in parts if rows.compared.any()]
-        self._kept = KeptResiduals(self._missing_of_rows)
+        self._kept = KeptResiduals()
         self._weigh(scatter, 0.0)
         contact = self.nominal.cylinder[presliding.EFFECT.name]
         if not first.turning and float(contact["stiffness"][0]) == 0.0:
@@ -160,7 +160,7 @@ class MotionModel(SubsystemModel):
         return self._lacking[index].of(plant)
 
     def residual_of(self, plant: PlantParameters) -> Array:
-        return self._kept.of(plant) / self.scale
+        return self._kept.of(plant, self._missing_of_rows) / self.scale
 
     def _missing_of_rows(self, plant: PlantParameters) -> Array:
         """Return the force that the balance lacks in each row [N or N m], shape (size,)."""

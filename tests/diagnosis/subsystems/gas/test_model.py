@@ -2,6 +2,9 @@
 
 from __future__ import annotations
 
+import gc
+import weakref
+
 import benches
 import numpy as np
 import pytest
@@ -40,6 +43,21 @@ def test_a_prediction_of_nothing_but_pressures_is_the_same(rig: Rig, table: Reco
     assert plain.drawn.size == plain.inside.size == plain.temperature.size == 0
     measured = np.column_stack([table["piston.pressure_1"], table["piston.pressure_2"]])
     np.testing.assert_array_equal(gas.errors(plant)[0], measured[: len(whole.pressure)] - whole.pressure)
+
+
+def test_a_model_that_nobody_asks_any_more_holds_no_memory(rig: Rig, table: Recording) -> None:
+    """An hour's arrays hang on it: they cannot wait until the collector comes by."""
+    model = load(rig)
+    plant = PlantParameters(assembly.world(rig), assembly.cylinders(rig))
+    gc.disable()
+    try:
+        gas = GasModel(cylinder_runs(table, rig, model, linkages(rig, model)), plant, PARTS)
+        gas.residual_of(plant)
+        gone = weakref.ref(gas)
+        del gas
+        assert gone() is None
+    finally:
+        gc.enable()
 
 
 def test_a_bias_larger_than_a_reading_is_tried_and_no_refusal(rig: Rig, table: Recording) -> None:

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import gc
+import weakref
 from dataclasses import replace
 
 import numpy as np
@@ -121,3 +123,16 @@ def test_damping_is_freed_only_where_it_is_plainly_too_large() -> None:
         if freed:
             found = fit(model.residual, more, {q: q.start for q in more})
             assert found.values[more[-1]] == pytest.approx(0.3, abs=0.02)
+
+
+def test_a_model_that_nobody_asks_any_more_holds_no_memory() -> None:
+    """An hour's arrays hang on it: they cannot wait until the collector comes by."""
+    gc.disable()
+    try:
+        model = model_of(np.zeros(TIME.size))
+        model.residual({})
+        gone = weakref.ref(model)
+        del model
+        assert gone() is None
+    finally:
+        gc.enable()

@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 from diagnosis import motion_runs
 from diagnosis.motion_runs import TIME
+from numpy.typing import NDArray
 from scipy import sparse
 
 from exo_sim.diagnosis.subsystems.motion.smoothing import (
@@ -55,7 +56,7 @@ def test_values_come_to_the_samples_that_were_kept() -> None:
 @pytest.mark.parametrize("n", [40, 3000])
 def test_weights_before_the_filter_take_what_they_take_behind_it(uneven: bool, n: int) -> None:
     chance = np.random.default_rng(n)
-    time = np.arange(n) * 1e-3
+    time: NDArray[np.float64] = np.linspace(0.0, 1e-3 * (n - 1), n)
     if uneven:
         time = np.delete(time + 2e-4 * chance.random(n), [n // 3, n // 2])
     values, weights = chance.standard_normal(len(time)), sparse.csr_array(chance.random((7, len(time))))

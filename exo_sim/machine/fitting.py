@@ -5,6 +5,9 @@ from __future__ import annotations
 from pathlib import Path
 from typing import Any
 
+import numpy as np
+from numpy.typing import NDArray
+
 from exo_sim.errors import ModelError, nearest
 from exo_sim.machine.ground import STAIRS
 from exo_sim.machine.person import COORDINATES, REFERENCE_HEIGHT, SEGMENTS, Person
@@ -15,6 +18,8 @@ from exo_sim.rig.schema import Ankle
 _GEOMS = ("payload", "floor", *(f"{part}_{side}" for side in "lr" for part in ("thigh", "shank", "foot", "heel", "toe")))
 #: MuJoCo's number of `reduce="netforce"` of a contact sensor.
 _NET_FORCE = 3
+#: The segment below each that grows with the wearer.
+_BELOW = {f"{upper}_{side}": f"{lower}_{side}" for side in "lr" for upper, lower in (("thigh", "shank"), ("shank", "foot"))}
 _JOINTS = ("torso_x", "torso_z", *COORDINATES[2:])
 
 
@@ -99,6 +104,50 @@ def fit(spec: Any, person: Person, ankle: Ankle) -> None:
         joint.stiffness[0] = ankle.stiffness if ankle.mode == "sprung" else 0.0
 
 
+def _lengthen(link: Any, longer: float) -> None:
+    """Lengthen the geom of a link downwards, drawn from end to end or about its middle [m]; a mesh stays as it is."""
+    import mujoco
+
+    if np.isfinite(link.fromto[0]):
+        link.fromto[5] -= longer
+        return
+    kind = mujoco.mjtGeom
+    half = {kind.mjGEOM_BOX: 2, kind.mjGEOM_ELLIPSOID: 2, kind.mjGEOM_CAPSULE: 1, kind.mjGEOM_CYLINDER: 1}
+    if link.type in half:
+        link.size[half[link.type]] += longer / 2
+        link.pos[2] -= longer / 2
+
+
+def _spanning(spec: Any) -> list[tuple[Any, str, NDArray[np.float64]]]:
+    """Return the sites of tendons that reach from a thigh or a shank to the segment below, that segment, and its z in the site's frame."""
+    import mujoco
+
+    model = spec.copy().compile()
+    data = mujoco.MjData(model)
+    mujoco.mj_kinematics(model, data)
+    of_site = [_segment(model, int(body)) for body in model.site_bodyid]
+    found = {}
+    for tendon in range(model.ntendon):
+        first = int(model.tendon_adr[tendon])
+        wraps = range(first, first + int(model.tendon_num[tendon]))
+        sites = [int(model.wrap_objid[i]) for i in wraps if model.wrap_type[i] == mujoco.mjtWrap.mjWRAP_SITE]
+        reached = {of_site[site] for site in sites}
+        for site in sites:
+            below = _BELOW.get(of_site[site])
+            if below in reached:
+                segment = model.body(of_site[site]).id
+                frame = data.xmat[model.site_bodyid[site]].reshape(3, 3)
+                found[site] = (spec.sites[site], of_site[site][:-2], frame.T @ data.xmat[segment].reshape(3, 3)[:, 2])
+    return list(found.values())
+
+
+def _segment(model: Any, body: int) -> str:
+    """Return the segment that a body of a compiled model is fixed to; the world's name where it is none of them."""
+    while body and model.body(body).name not in SEGMENTS:
+        body = int(model.body_parentid[body])
+    return str(model.body(body).name)
+
+
 def _stretch(spec: Any, person: Person) -> None:
     """Lengthen (or shorten) the segments from the reference height to the person's."""
     reference = Person(REFERENCE_HEIGHT, person.mass)
@@ -108,16 +157,17 @@ def _stretch(spec: Any, person: Person) -> None:
         torso.pos = [torso.pos[0], torso.pos[1], leg]
     spec.joint("torso_z").ref = leg
     for key in spec.keys:
-        key.qpos[1] = leg
+        if len(key.qpos):
+            key.qpos[1] = leg
     change = {"thigh": person.thigh - reference.thigh, "shank": person.shank - reference.shank}
+    for site, segment, down in _spanning(spec):  # on the segment above a joint that the cylinder moves: next to that joint
+        site.pos = site.pos - change[segment] * down
     for side in "lr":
         shank, foot = spec.body(f"shank_{side}"), spec.body(f"foot_{side}")
         shank.pos = [shank.pos[0], shank.pos[1], shank.pos[2] - change["thigh"]]
         foot.pos = [foot.pos[0], foot.pos[1], foot.pos[2] - change["shank"]]
-        spec.geom(f"thigh_{side}").fromto[5] -= change["thigh"]
-        spec.geom(f"shank_{side}").fromto[5] -= change["shank"]
-        base = spec.site(f"knee_{side}_base")  # next to the knee, though on the thigh
-        base.pos = [base.pos[0], base.pos[1], base.pos[2] - change["thigh"]]
+        for segment, longer in change.items():
+            _lengthen(spec.geom(f"{segment}_{side}"), longer)
         for part in (*foot.geoms, *foot.sites):
             grown = [part.pos[0] * person.scale, part.pos[1], part.pos[2]]
             if part.name.startswith(("heel", "toe", "foot")):

@@ -46,18 +46,19 @@ def build(
         ground: What is walked on, and the `length` of the walk [m].
 
     Raises:
-        ModelError: the file cannot be read, or lacks a joint or body that a worn machine needs.
+        ModelError: the file cannot be read, lacks a joint or body that a worn machine needs, or is laid out otherwise.
         ScenarioError: a payload that the frame cannot carry.
     """
     import mujoco
 
-    from exo_sim.machine import mjcf, wearer_body
+    from exo_sim.machine import mjcf, wearer_body, worn_layout
     from exo_sim.machine.rig_model import corrected
 
     if not 0.0 <= payload <= PAYLOAD_LIMIT:
         raise ScenarioError(f"payload {payload:g} kg: the frame carries 0 to {PAYLOAD_LIMIT:g} kg")
     spec = mjcf.read_spec(path)
     require(spec, path)
+    worn_layout.check(mjcf.compiled(spec.copy(), path), path)
     fit(spec, person, ankle)
     load = spec.geom("payload")
     if payload > 0:

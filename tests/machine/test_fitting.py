@@ -16,6 +16,7 @@ from exo_sim.machine.person import Person
 from exo_sim.machine.rig_model import load
 from exo_sim.machine.worn_model import build
 from exo_sim.rig import Rig
+from exo_sim.rig.schema import Ankle
 
 
 def worn(repository: Path, folder: Path, *changes: tuple[str, str]) -> Rig:
@@ -72,3 +73,33 @@ def test_a_sensor_of_the_ground_that_measures_something_else_is_refused(reposito
     model = mujoco.MjModel.from_xml_string((repository / "assets" / "exo.xml").read_text().replace(GROUND, other))
     with pytest.raises(ModelError, match=r'mine\.xml: the sensor "ground_l" must be <contact name="ground_l" body1="foot_l"'):
         fitting.ground_sensors(model, Path("mine.xml"))
+
+
+def test_a_cylinder_of_any_name_keeps_its_stroke_on_a_taller_wearer(repository: Path, tmp_path: Path) -> None:
+    """Sites of a tendon keep their distance from the joint that it spans, also on a body turned and fixed to the thigh."""
+    lengths = []
+    for height in (1.70, 1.90):
+        text = (repository / "assets" / "exo.xml").read_text()
+        clamp = '<body pos="0 0 -0.05" euler="0 30 0"><site name="Knie0" pos="-0.06 0 -0.06"/></body>'
+        for old, new in ((' <site name="knee_l_base" pos="-0.06 0 -0.11"/>', clamp), ('site="knee_l_base"', 'site="Knie0"')):
+            assert old in text
+            text = text.replace(old, new)
+        (tmp_path / "mine.xml").write_text(text)
+        model = build(tmp_path / "mine.xml", Person(height, 80.0), 20.0, Ankle())
+        data = mujoco.MjData(model)
+        for angle in (0.0, -1.0):
+            data.joint("knee_l").qpos[0] = angle
+            mujoco.mj_forward(model, data)
+            lengths.append([float(data.tendon(name).length[0]) for name in ("knee_l", "knee_r", "hip_l")])
+    np.testing.assert_allclose(lengths[:2], lengths[2:], atol=1e-9)
+
+
+def test_a_link_that_is_a_box_grows_with_the_wearer(repository: Path, tmp_path: Path) -> None:
+    text = (repository / "assets" / "exo.xml").read_text()
+    capsule = 'name="shank_l" class="link" type="capsule" fromto="0 0 0 0 0 -0.369" size="0.02"'
+    assert capsule in text
+    box = 'name="shank_l" class="link" type="box" pos="0 0 -0.1845" size="0.02 0.02 0.1845"'
+    (tmp_path / "mine.xml").write_text(text.replace(capsule, box))
+    model, person = build(tmp_path / "mine.xml", Person(1.90, 80.0), 20.0, Ankle()), Person(1.90, 80.0)
+    link = model.geom("shank_l")
+    assert [2 * link.size[2], -2 * link.pos[2]] == pytest.approx([person.shank, person.shank])

@@ -6,6 +6,7 @@ from typing import Any
 
 import numpy as np
 
+from exo_sim.machine.linkage import linkages
 from exo_sim.physics import compressed_air, real_air
 from exo_sim.physics.compressed_air import Bottle
 from exo_sim.rig import Rig
@@ -46,7 +47,8 @@ def measure(walk: Walk, rows: slice) -> dict[str, Any]:
     """
     part = {key: column[rows] for key, column in walk.columns.items()}
     drawn = np.sum([part[f"{name}.gas_used"] for name in walk.rig.cylinders], axis=0)
-    power = [part[f"{name}.torque"] * part[f"{name}.velocity"] for name in walk.rig.cylinders]  # a cylinder is called as its joint
+    driven = dict.fromkeys(link.joint for link in linkages(walk.rig, walk.model))
+    power = [part[f"{name}.torque"] * part[f"{name}.velocity"] for name in driven]
     per_cycle = walk.motion.stride_time / walk.step
     cycles = len(drawn) / per_cycle
     over = min(max(1, round(PEAK_OVER / walk.step)), len(drawn) - 1)

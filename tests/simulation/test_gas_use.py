@@ -1,5 +1,7 @@
 """The gas of a walk in a designer's numbers, against the same numbers by another way."""
 
+import re
+
 import numpy as np
 import pytest
 from simulation.walked import simulate
@@ -36,6 +38,16 @@ def test_rod_work_is_what_the_gas_did_on_the_pistons(walked):
     seconds = (len(part["gait.phase"]) - 1) * walked.step
     assert gas["positive_rod_work_w"] + gas["negative_rod_work_w"] == pytest.approx(by_force / seconds, rel=0.02, abs=0.5)
     assert 0.0 < gas["efficiency"] < 1.0
+
+
+def test_cylinders_may_be_called_otherwise_than_their_joints(walked, tmp_path):
+    text = default_rig().read_text().replace('"exo.xml"', f'"{default_rig().with_name("exo.xml")}"')
+    (tmp_path / "rig.toml").write_text(re.sub(r"\[cylinders\.(hip|knee)_", r"[cylinders.\1_actuator_", text))
+    own = simulate(rigs.read(tmp_path / "rig.toml"), walked.request)
+    found, usual = summarise(own), summarise(walked)
+    assert list(found["cylinders"]) == ["hip_actuator_l", "knee_actuator_l", "hip_actuator_r", "knee_actuator_r"]
+    assert list(found["cylinders"].values()) == list(usual["cylinders"].values())
+    assert {key: found[key] for key in ("gas", "ledger", "joints")} == {key: usual[key] for key in ("gas", "ledger", "joints")}
 
 
 def test_pieces_say_what_the_whole_says(walked):

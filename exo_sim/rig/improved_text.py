@@ -102,10 +102,13 @@ def _written_into(
     for correction in corrections:
         _correct(document, correction)
     new: list[str] = []
+    said = ""
     for finding in effects:
         effect = declared()[finding.setting.name]
         if not _set_anew(document, effect, finding):
-            new.append(table_text(effect, _absorb(document, rig, effect, finding)))
+            absorbed = _absorb(document, rig, effect, finding)
+            new.append(table_text(effect, replace(absorbed, says="") if absorbed.says == said else absorbed))
+            said = absorbed.says
     text = tomlkit.dumps(document)
     return "\n".join([text.rstrip("\n") + "\n", *new]) if new else text
 

@@ -33,7 +33,7 @@ from exo_sim.physics.effects.unknown import ACTS, DEPENDS_ON
 from exo_sim.physics.effects.unknown import EFFECT as UNKNOWN
 from exo_sim.rig import Correction, EffectEntry, EffectSetting, Rig, improved
 
-_NO_FINDING = "No finding: a healthy machine shows as much; it is in the errors that were reported."
+_NO_FINDING = "No finding, a healthy machine shows as much. Fitted together with the numbers above, which predict best with it."
 
 Result = SubsystemResult[SubsystemModel]
 

@@ -133,7 +133,7 @@ def test_tables_that_say_the_same_share_one_comment(bench: Path) -> None:
     rig = read(bench)
     found = [("valve_deadband", {"width": 1e-3}, "No finding."), ("valve_offset", {"shift": 1e-3}, "No finding."),
              ("viscous_friction", {"coefficient": 20.0}, "Friction grows with speed.")]  # fmt: skip
-    text = improved(rig, [Finding(EffectSetting(name, "piston", values), {}, says) for name, values, says in found], [], bench.parent)
+    text = improved(rig, [EffectEntry(EffectSetting(name, "piston", values), {}, says) for name, values, says in found], [], bench.parent)
     assert text.count("# No finding.") == 1
     assert text.index("# No finding.") < text.index("[effects.valve_deadband") < text.index("[effects.valve_offset")
     assert "# Friction grows with speed.\n[effects.viscous_friction.piston]" in text

@@ -213,11 +213,12 @@ class Series:
 
 @dataclass(frozen=True)
 class OpenQuestion:
-    """A question that these recordings cannot answer, and why."""
+    """A question that these recordings cannot answer, why, and what to do for an answer."""
 
     question: str
     effects: tuple[str, ...]
     why: str
+    do: str = "record that signal as well"
 
 
 @dataclass(frozen=True)

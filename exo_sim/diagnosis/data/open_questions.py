@@ -22,3 +22,16 @@ def of_remainder(where: str) -> OpenQuestion:
     """Return the question what remains in a balance of forces one of whose pressures was not measured."""
     why = "it does not close, and one of its pressures was not recorded: the chamber may be at fault"
     return OpenQuestion(f"the rest of the balance of forces of {where}", _FORCES, why)
+
+
+def of_quick_motion(joint: str, recording: str, seconds: float) -> OpenQuestion:
+    """Return the question that a balance of forces would answer of a joint that turns round sooner than its forces are averaged [s]."""
+    why = f"it hardly ever moves one way for the {seconds:.2g} s over which forces are averaged"
+    do = f"move it more slowly as well, some seconds of strokes that take {4.0 * seconds:.1g} s or more each"
+    return OpenQuestion(f"the balance of forces at {joint} in {recording}", _FORCES, why, do)
+
+
+def of_little_motion(joint: str, recording: str, share: float) -> OpenQuestion:
+    """Return the same of a joint that is in motion for no more than this share of the time that may be fitted."""
+    why = f"it is in motion for {100.0 * share:.2g} % of the time, which is too little"
+    return OpenQuestion(f"the balance of forces at {joint} in {recording}", _FORCES, why, "record more of its motion")

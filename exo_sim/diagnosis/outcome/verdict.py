@@ -62,6 +62,6 @@ def next_experiment(
             return NextExperiment("something is missing that has no name", do, (UNKNOWN.name,))
     for question in questions:
         return NextExperiment(
-            f"{question.question} cannot be judged: {question.why}", "record that signal as well", question.effects
+            f"{question.question} cannot be judged: {question.why}", question.do, question.effects
         )
     return None

@@ -11,7 +11,7 @@ from exo_sim.diagnosis.data import open_questions
 from exo_sim.diagnosis.data.machine_data import MachineData
 from exo_sim.diagnosis.estimation.threads import Threads
 from exo_sim.diagnosis.pipeline.gas_stage import Searched, examine_gas
-from exo_sim.diagnosis.pipeline.motion_stage import examine_motion
+from exo_sim.diagnosis.pipeline.motion_stage import balances_left_open, examine_motion
 from exo_sim.diagnosis.pipeline.plan import Examination, Plan, Progress, Results
 from exo_sim.diagnosis.pipeline.supply_stage import examine_supply
 from exo_sim.diagnosis.policy.budgets import VALIDATION_UNTIL
@@ -34,6 +34,7 @@ def examine(data: MachineData, plan: Plan, threads: Threads, report: Progress, s
     data, gas = examine_gas(data, plan, threads, report, searched)
     data = with_corrected_pressures(with_imputed_pressures(data, gas, plan.split), gas, plan.split)
     results = Results(gas, examine_supply(data, gas, plan, threads, report), examine_motion(data, plan, threads, report))
+    data = replace(data, open_questions=(*data.open_questions, *balances_left_open(results.motion)))
     return Examination(data, plan, _shared_once(results))
 
 

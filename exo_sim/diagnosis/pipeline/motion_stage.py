@@ -8,12 +8,14 @@ from typing import cast
 import numpy as np
 from numpy.typing import NDArray
 
+from exo_sim.diagnosis.data import open_questions
 from exo_sim.diagnosis.data.machine_data import MachineData
 from exo_sim.diagnosis.data.motion_run import MotionRun
 from exo_sim.diagnosis.discrepancy.basis import joined
 from exo_sim.diagnosis.estimation.linear_family import LinearFamily
 from exo_sim.diagnosis.estimation.parameters import FreeParameter, PlantParameters
 from exo_sim.diagnosis.estimation.threads import Threads
+from exo_sim.diagnosis.findings import OpenQuestion
 from exo_sim.diagnosis.pipeline.plan import Plan, Progress
 from exo_sim.diagnosis.policy.budgets import FORCES_UNTIL, GAS_UNTIL
 from exo_sim.diagnosis.policy.recordings import FEWEST_ROWS
@@ -29,6 +31,7 @@ from exo_sim.diagnosis.subsystems.motion.contact_scatter import contact_scatter
 from exo_sim.diagnosis.subsystems.motion.family import motion_family
 from exo_sim.diagnosis.subsystems.motion.model import MotionModel
 from exo_sim.diagnosis.subsystems.motion.nuisances import nuisance_parameters, with_damping, with_damping_if_too_large
+from exo_sim.diagnosis.subsystems.motion.rows import one_way
 from exo_sim.physics.declaration import declared, identification_of
 from exo_sim.physics.records import CYLINDER
 from exo_sim.rig import assembly
@@ -46,6 +49,21 @@ def examine_motion(data: MachineData, plan: Plan, threads: Threads, report: Prog
         plan.budget.allow_until(GAS_UNTIL + (FORCES_UNTIL - GAS_UNTIL) * (number + 1) / len(data.joints))
         found.append(_examined(data, name, runs, plan, threads, report))
     return tuple(found)
+
+
+def balances_left_open(found: Sequence[SubsystemResult[MotionModel]]) -> tuple[OpenQuestion, ...]:
+    """Return the question of every balance of forces that was recorded and has too few rows to be judged."""
+    questions = []
+    for one in found:
+        if one.model.size < FEWEST_ROWS:
+            run = one.model.runs[0]
+            share = float(np.mean(np.abs(run.kinematics.velocity) > run.kinematics.still))
+            seconds = one_way(run.time)
+            if share * float(np.ptp(run.time)) > FEWEST_ROWS * seconds:
+                questions.append(open_questions.of_quick_motion(run.joint, run.recording, seconds))
+            else:
+                questions.append(open_questions.of_little_motion(run.joint, run.recording, share))
+    return tuple(questions)
 
 
 def _examined(

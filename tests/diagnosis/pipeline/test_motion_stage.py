@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from pathlib import Path
 
 import benches
@@ -11,9 +12,10 @@ from diagnosis import motion_runs
 from diagnosis.motion_runs import TIME, VELOCITY
 
 from exo_sim.diagnosis.data.machine_data import MachineData
+from exo_sim.diagnosis.data.motion_run import Kinematics
 from exo_sim.diagnosis.data.split import Split
 from exo_sim.diagnosis.estimation.threads import SERIAL
-from exo_sim.diagnosis.pipeline.motion_stage import examine_motion
+from exo_sim.diagnosis.pipeline.motion_stage import balances_left_open, examine_motion
 from exo_sim.diagnosis.pipeline.plan import Plan
 from exo_sim.diagnosis.selection.subsystem_result import SubsystemResult
 from exo_sim.diagnosis.subsystems.motion.model import MotionModel
@@ -59,3 +61,27 @@ def test_what_was_refuted_is_not_named_again(tmp_path: Path) -> None:
 def test_too_few_samples_are_no_balance(tmp_path: Path) -> None:
     everything = Plan(Split({"recording": ((0.0, 7.99),)}))
     assert names(examined(tmp_path, 30.0 * VELOCITY, plan=everything)) == []
+
+
+@pytest.mark.parametrize(("cycles", "says"), [(25.0, "one way"), (0.5, "")], ids=["quick", "slow"])
+def test_a_balance_of_a_joint_that_turns_round_too_soon_is_left_open_and_it_is_said_why(
+    tmp_path: Path, cycles: float, says: str
+) -> None:
+    turn = 2.0 * np.pi * cycles
+    moved = Kinematics(1e-3 * np.sin(turn * TIME), 1e-3 * turn * np.cos(turn * TIME), 1e-5)
+    run = replace(motion_runs.balance(np.zeros(TIME.size), 0.3), kinematics=moved)
+    rig = benches.bench(tmp_path, cylinder=False)
+    model = load(rig)
+    data = MachineData(rig, model, linkages(rig, model), (), (), {}, {"slide": (run,)})
+    questions = balances_left_open(examine_motion(data, Plan(Split({})), SERIAL, lambda words: None))
+    assert len(questions) == bool(says)
+    assert all(says in one.why and "slowly" in one.do for one in questions)
+
+
+def test_a_joint_that_hardly_moves_is_to_be_moved(tmp_path: Path) -> None:
+    rig = benches.bench(tmp_path, cylinder=False)
+    model, still = load(rig), np.zeros(TIME.size)
+    run = replace(motion_runs.balance(still, 0.3), kinematics=Kinematics(still, still, 1e-3))
+    data = MachineData(rig, model, linkages(rig, model), (), (), {}, {"slide": (run,)})
+    (question,) = balances_left_open(examine_motion(data, Plan(Split({})), SERIAL, lambda words: None))
+    assert "in motion for 0 %" in question.why and "motion" in question.do

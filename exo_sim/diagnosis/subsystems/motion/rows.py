@@ -55,6 +55,11 @@ class Rows:
         return sparse.csr_array((1.0 / np.bincount(group)[group], (group, keep)), shape=(len(self.block), len(self.group)))
 
 
+def one_way(time: Array) -> float:
+    """Return for how long a joint moves one way where a row of its balance is compared [s]; `time` of its samples."""
+    return GROUP + smoothing_width(time)
+
+
 def rows_of(run: MotionRun, usable: NDArray[np.bool_]) -> Rows:
     """Return the rows of one run; samples at rest, where dry friction takes any value up to its level, are not compared.
 

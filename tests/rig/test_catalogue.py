@@ -22,6 +22,14 @@ def test_bores_and_rods_of_the_standards():
     assert RATED_PRESSURE == 1e6
 
 
+def test_masses_are_to_the_scale_of_what_makers_publish():
+    published = 4.49, 4.76  # SMC CP96 and C96, bore 100 and stroke 100 mm: catalogue ES20-204B
+    assert published[0] < entry(0.100).mass(0.1) < published[1]
+    steel = 7850.0
+    for one in CATALOGUE:  # a barrel is no lighter than the rod that comes with each length of it
+        assert one.mass_per_length > 1.5 * math.pi / 4 * one.rod**2 * steel
+
+
 def test_larger_is_heavier_and_longer():
     for small, large in zip(CATALOGUE, CATALOGUE[1:]):
         assert small.mass(0.1) < large.mass(0.1)

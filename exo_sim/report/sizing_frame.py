@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from importlib import metadata
 from pathlib import Path
 from typing import Any
@@ -33,3 +34,14 @@ def spread(count: int, chosen: int) -> list[int]:
     if count <= ROWS:
         return list(range(count))
     return sorted({round(i * (count - 1) / (ROWS - 2)) for i in range(ROWS - 1)} | {chosen})
+
+
+def ranges(numbers: Sequence[int]) -> str:
+    """Return numbers as text, neighbours as a range: "1-3, 7"."""
+    runs: list[list[int]] = []
+    for number in sorted(numbers):
+        if runs and number == runs[-1][-1] + 1:
+            runs[-1].append(number)
+        else:
+            runs.append([number])
+    return ", ".join(str(run[0]) if len(run) == 1 else f"{run[0]}-{run[-1]}" for run in runs)

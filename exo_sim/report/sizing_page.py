@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from exo_sim.report import sizing_picture
-from exo_sim.report.sizing_frame import rendered, spread
+from exo_sim.report.sizing_frame import ranges, rendered, spread
 from exo_sim.simulation import gas_use
 from exo_sim.sizing import published, summary_text
 from exo_sim.sizing.by_hand import papers_example
@@ -26,7 +26,7 @@ def page(sizing: Sizing) -> str:
         everywhere=sizing.choice.everywhere,
         worst=max((one.gas for one in sizing.choice.everywhere), default=0.0),
         mean=sum(one.gas for one in sizing.choice.everywhere) / max(len(sizing.choice.everywhere), 1),
-        fates=fates(sizing.outcome, sizing.task),
+        fates=[(what, len(numbers), ranges(numbers)) for what, numbers in fates(sizing.outcome, sizing.task)],
         gas=gas_use.rows(sizing.choice.confirmed.summary["gas"]) if "gas" in sizing.choice.confirmed.summary else [],
         bought=summary_text.bought(sizing),
         beside=summary_text.spent(sizing),

@@ -2,9 +2,10 @@
 
 Bores and the rating of 1 MPa are the standards' own; rods and strokes are what makers' catalogues list with them (rods: Pneumax
 general catalogue, appendix A). Lengths and masses are our estimates for aluminium profile (ISO 15552) and stainless round (ISO 6432)
-cylinders, taken from no standard; makers differ by 15 % and more, so a chosen cylinder is to be looked up before it is bought. Masses are those of
-bare cylinders, as makers give them (trunnion, rod eye and hoses come on top), to the scale of what is published: bore 100 and stroke 100 mm weighs
-4.49 and 4.76 kg (SMC CP96 and C96, catalogue ES20-204B), 4.63 kg here. What makers publish is in `assets/catalogues`.
+cylinders, taken from no standard; makers differ by 15 % and more, so a chosen cylinder is to be looked up before it is bought. Masses
+are those of bare cylinders, as makers give them (trunnion, rod eye and hoses come on top), to the scale of what is published: bore 100
+and stroke 100 mm weighs 4.49 and 4.76 kg (SMC CP96 and C96, catalogue ES20-204B), 4.63 kg here. What makers publish is in
+`assets/catalogues`.
 """
 
 from __future__ import annotations

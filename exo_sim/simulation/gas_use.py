@@ -108,6 +108,7 @@ def numbers(measured: dict[str, Any], rig: Rig, period: float, bottle: Bottle | 
         "positive_rod_work_w": work,
         "negative_rod_work_w": measured["negative_rod_work_w"],
         "efficiency": work / (flow * each) if flow * each > 0.0 else 0.0,
+        "least_kg_per_stride": work * period / each if each > 0.0 else 0.0,
         "peak_flow_l_per_min": 6e4 * compressed_air.free_air(measured["peak_kg_per_s"]),
         "tank": {"volume_l": 1e3 * tank, "sag_pa": SAG * rig.supply.pressure},
         "chamber_temperature_least_k": measured["chamber_temperature_least_k"],
@@ -136,6 +137,8 @@ def rows(gas: dict[str, Any]) -> list[tuple[str, str]]:
          f"{100 * gas['compressor']['isothermal_efficiency']:.0f} %", f"{gas['compressor']['power_w']:.0f} W"),
         ("positive rod work", f"{gas['positive_rod_work_w']:.0f} W"),
         ("rod work over exergy", f"{100 * gas['efficiency']:.1f} %"),
+        ("least by exergy: positive rod work, no loss", f"{1e3 * gas['least_kg_per_stride']:.2f} g a cycle"),
+        ("rod work taken back, which is not counted there", f"{-gas['negative_rod_work_w']:.0f} W"),
         (f"tank that sags by {gas['tank']['sag_pa'] / 1e5:.2f} bar within a cycle", f"{gas['tank']['volume_l']:.2f} l"),
         ("coldest gas in a chamber", f"{gas['chamber_temperature_least_k'] - 273.15:.0f} C"),
         ("against ice", dryness(gas["chamber_temperature_least_k"])),
@@ -160,7 +163,8 @@ def words(gas: dict[str, Any]) -> list[str]:
     lines = [
         f"gas: {gas['free_air_l_per_min']:.0f} l/min of free air (ISO 8778), {1e3 * gas['mass_kg_per_stride']:.2f} g a cycle, "
         f"peak {gas['peak_flow_l_per_min']:.0f} l/min; exergy {gas['exergy_w']:.0f} W, of which "
-        f"{100 * gas['efficiency']:.1f} % becomes rod work ({gas['positive_rod_work_w']:.0f} W)",
+        f"{100 * gas['efficiency']:.1f} % becomes rod work ({gas['positive_rod_work_w']:.0f} W); "
+        f"least by exergy {1e3 * gas['least_kg_per_stride']:.2f} g",
         f"compressor {gas['compressor']['power_w']:.0f} W (isothermal, {100 * gas['compressor']['isothermal_efficiency']:.0f} %); tank "
         f"{gas['tank']['volume_l']:.2f} l for a sag of {gas['tank']['sag_pa'] / 1e5:.2f} bar; "
         f"coldest chamber {gas['chamber_temperature_least_k'] - 273.15:.0f} C: air {dryness(gas['chamber_temperature_least_k'])}",

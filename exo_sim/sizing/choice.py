@@ -11,7 +11,7 @@ from exo_sim.errors import ScenarioError
 from exo_sim.rig import Rig
 from exo_sim.sizing.confirmation import Confirmed, confirm, confirm_disturbed
 from exo_sim.sizing.design import fitted
-from exo_sim.sizing.evaluation import ENOUGH_MARGIN, ENOUGH_TRACKING, OF_THE_CYCLE, Task, largest_torque
+from exo_sim.sizing.evaluation import ENOUGH_MARGIN, ENOUGH_TRACKING, OF_THE_MACHINE, Task, largest_torque
 from exo_sim.sizing.loads import Condition, JointLoads
 from exo_sim.sizing.screening import CONSTRAINTS
 from exo_sim.sizing.search import Found, Outcome
@@ -20,7 +20,8 @@ from exo_sim.sizing.search import Found, Outcome
 ENOUGH_IN_RUN = 0.05
 #: Places in the shortlist that are walked with until one is good: neighbours are alike, so steps grow.
 _WALKED = (0, 1, 2, 4, 7, 11, 16, 24, 36, 54)
-
+#: What became of designs that keep every constraint.
+BETTERED, ON_THE_FRONT = "can be built, bettered by another", "on the front"
 
 #: What lets designs through that a constraint keeps out.
 WAYS_OUT = {
@@ -30,6 +31,7 @@ WAYS_OUT = {
     "buckling": "allow less pressure (--pressure-limit), or give thicker rods (--catalogue)",
     "rating": "allow less pressure (--pressure-limit), or give cylinders that stand more (--catalogue)",
     "torque": "allow more pressure (--pressure-limit), more room (--reach), larger bores (--catalogue), or less payload",
+    "joints not sized": "size them as well (--joints), or allow more pressure (--pressure-limit)",
     "coupled cycle": "give larger dead volumes or smaller valves, more trials, or less payload",
     "chamber pressure": "allow more pressure (--pressure-limit), more trials, or less payload",
 }
@@ -235,19 +237,16 @@ def limit_of(found: Found, task: Task) -> float:
     return min(task.space.limit, *(joint.cylinder.rating for joint in found.design.joints.values()))
 
 
-def fates(outcome: Outcome, task: Task) -> list[tuple[str, int]]:
-    """Return what became of all designs of a search: the first constraint that each fails, and how many failed it; the rest at the end."""
-    names = [f"{kind.name}: {words}" for kind in task.space.kinds for words in CONSTRAINTS] + list(OF_THE_CYCLE)
-    counts = dict.fromkeys(names, 0)
-    bettered = 0
+def fates(outcome: Outcome, task: Task) -> list[tuple[str, tuple[int, ...]]]:
+    """Return what became of all designs of a search and their numbers: the first constraint that each fails; the rest at the end."""
+    names = [f"failed: {kind.name}: {words}" for kind in task.space.kinds for words in CONSTRAINTS]
+    names += [*(f"failed: {words}" for words in OF_THE_MACHINE), BETTERED, ON_THE_FRONT]
+    numbers: dict[str, list[int]] = {name: [] for name in names}
+    front = {one.design.number for one in outcome.front}
     for one in outcome.trials:
-        first = next((name for name, value in zip(names, one.score.violations) if value > 0.0), None)
-        if first is not None:
-            counts[first] += 1
-        else:
-            bettered += one not in outcome.front
-    said = [(f"failed: {name}", count) for name, count in counts.items() if count]
-    return [*said, ("can be built, bettered by another", bettered), ("on the front", len(outcome.front))]
+        passed = ON_THE_FRONT if one.design.number in front else BETTERED
+        numbers[next((name for name, value in zip(names, one.score.violations) if value > 0.0), passed)].append(one.design.number)
+    return [(name, tuple(found)) for name, found in numbers.items() if found or name in (BETTERED, ON_THE_FRONT)]
 
 
 def _least(designs: list[Found] | tuple[Found, ...]) -> tuple[float, float]:
@@ -263,7 +262,7 @@ def _hardest(found: Found, loads: tuple[JointLoads, ...]) -> int:
 def nothing_found(outcome: Outcome, task: Task) -> ScenarioError:
     """Return the error that says what kept every design out."""
     violated = np.array([one.score.violations for one in outcome.trials]) > 0.0
-    names = [f"{kind.name}: {words}" for kind in task.space.kinds for words in CONSTRAINTS] + list(OF_THE_CYCLE)
+    names = [f"{kind.name}: {words}" for kind in task.space.kinds for words in CONSTRAINTS] + list(OF_THE_MACHINE)
     worst = int(np.argmax(violated.mean(axis=0)))
     return ScenarioError(
         f"none of {len(outcome.trials)} designs carries {'; '.join(map(str, task.conditions))}: "

@@ -17,6 +17,7 @@ from exo_sim.sizing.design import Design, actuator_mass, fitted
 from exo_sim.sizing.design_space import Space
 from exo_sim.sizing.first_designs import first_design
 from exo_sim.sizing.joint_kinds import JointKind
+from exo_sim.sizing.left_alone import kinds_left_alone, left_alone
 from exo_sim.sizing.loads import Condition, JointLoads, joint_loads
 from exo_sim.sizing.screening import chosen_bores, screen
 from exo_sim.sizing.springs import beside
@@ -29,8 +30,9 @@ AMPLE_MARGIN = 1.0
 ENOUGH_MARGIN = 0.25
 #: Largest torque error, as a share of the largest torque wanted.
 ENOUGH_TRACKING = 0.03
-#: Constraints of the coupled cycle, behind those of screening.
-OF_THE_CYCLE = ("coupled cycle", "chamber pressure")
+#: Constraints of the whole machine, behind those of screening: whether joints that are not sized carry their loads with the supply that is
+#: chosen, and two of the coupled cycle.
+OF_THE_MACHINE = ("joints not sized", "coupled cycle", "chamber pressure")
 #: Time step of a run [s]: a valve that settles its chamber sooner has no place in it.
 RUN_STEP = 0.5 * STEP
 #: Digits of a score that count, so that processors that round differently agree.
@@ -46,7 +48,7 @@ class Score:
         gas: Drawn a cycle by all cylinders, mean over conditions [kg].
         mass: Of all cylinders [kg].
         error: Rms of torque less torque demanded at the worst joint under the worst condition [N m].
-        violations: Constraints, those of screening and then `OF_THE_CYCLE`; above zero is violated.
+        violations: Constraints, those of screening and then `OF_THE_MACHINE`; above zero is violated.
         simulated: Whether it survived screening and went through the coupled cycle.
         finished: Whether it came through.
         by_joint: Margin by kind of joint.
@@ -107,7 +109,7 @@ class Task:
         """Short name of everything that a score depends on besides the design."""
         rig = self.rig
         of_rig = rig.text, rig.effects, rig.wearer, rig.ankle, rig.supply, rig.body_masses, rig.joint_factors, rig.cylinders
-        text = repr((exo_sim.__version__, of_rig, self.conditions, self.space, self.step))
+        text = repr((exo_sim.__version__, OF_THE_MACHINE, of_rig, self.conditions, self.space, self.step))
         return hashlib.sha256(text.encode() + rig.model.read_bytes()).hexdigest()[:16]
 
 
@@ -123,6 +125,9 @@ class Evaluator:
         self.kinds: tuple[JointKind, ...] = task.space.kinds
         self.loads: tuple[JointLoads, ...] = tuple(joint_loads(task.rig, condition) for condition in task.conditions)
         joints = tuple(joint for kind in self.kinds for joint in kind.joints)
+        self._others = kinds_left_alone(task.rig, self.kinds)
+        # where the largest supply that is allowed does not suffice for the others, none does: that is said, and not held against designs
+        self._others_can = self._left_alone(task.space.bounds["supply"][1]) >= 0.0
         self._strides = [CoupledStride(task.rig, condition, task.step, joints=joints) for condition in task.conditions]
 
     @property
@@ -145,6 +150,7 @@ class Evaluator:
         """Return the score of a design."""
         rig = self.task.rig
         screened = screen(rig, self.kinds, self.loads, design)
+        weak = _rounded(-self._left_alone(design.supply)) if self._others_can else 0.0
         mass = actuator_mass(self.kinds, design)
         place = screened.thinnest
         seen = Score(
@@ -152,13 +158,13 @@ class Evaluator:
             gas=UNKNOWN_GAS,
             mass=_rounded(min(mass, 1e3)),
             error=UNKNOWN_ERROR,
-            violations=(*(_rounded(value) for value in screened.violations), 0.0, 0.0),
+            violations=(*(_rounded(value) for value in screened.violations), weak, 0.0, 0.0),
             simulated=False,
             finished=False,
             by_joint={name: _rounded(value) for name, value in screened.by_joint.items()},
             thinnest=None if place is None else (place.joint, place.condition, place.phase),
         )
-        if not screened.survives:
+        if not screened.survives or weak > 0.0:
             return seen
         chosen = fitted(rig, self.kinds, design)
         if any(longest_step(chosen, cylinder) < RUN_STEP for cylinder in chosen.cylinders.values()):
@@ -174,6 +180,10 @@ class Evaluator:
             seen, simulated=True, finished=True, gas=gas, most_gas=_rounded(found.most_gas), error=error, worst=found.worst, peak=peak,
             violations=(*seen.violations[:-1], over),
         )  # fmt: skip
+
+    def _left_alone(self, supply: float) -> float:
+        """Return the least torque in hand of the joints that are not sized, as a share of their peak; 1 where there are none."""
+        return min((one.margin for one in left_alone(self.task.rig, self._others, self.loads, supply)), default=1.0)
 
     def coupled(self, rig: Rig) -> Stride:
         """Put a fitted rig through the cycle of every condition; return gas and error over all of them."""

@@ -9,7 +9,7 @@ import numpy as np
 
 from exo_sim.sizing.choice import limit_of
 from exo_sim.sizing.design import Design
-from exo_sim.sizing.evaluation import ENOUGH_MARGIN, ENOUGH_TRACKING, OF_THE_CYCLE, Score, Task, evaluator, largest_torque
+from exo_sim.sizing.evaluation import ENOUGH_MARGIN, ENOUGH_TRACKING, OF_THE_MACHINE, Score, Task, evaluator, largest_torque
 from exo_sim.sizing.loads import JointLoads
 from exo_sim.sizing.screening import CONSTRAINTS
 from exo_sim.sizing.search import Found, Outcome
@@ -106,7 +106,8 @@ def _steps(task: Task, chosen: Found) -> Iterator[tuple[str, Design]]:
 
     for sign in (-1.0, 1.0):
         supply = design.supply + sign * _PRESSURE
-        if space.supply[0] <= supply <= space.supply[1]:
+        low, high = space.bounds["supply"]
+        if low <= supply <= high:
             yield f"supply {supply / 1e5:.1f} bar", replace(design, supply=supply)
         if design.recovery is not None:
             pressure = design.recovery.pressure + sign * _PRESSURE
@@ -125,7 +126,8 @@ def _steps(task: Task, chosen: Found) -> Iterator[tuple[str, Design]]:
                 )
         for factor in (1.0 / _VALVE, _VALVE):
             area = numbers[f"{kind.name}.valve"] * factor
-            if space.valve_areas[0] <= area <= space.valve_areas[1]:
+            low, high = space.bounds[f"{kind.name}.valve"]
+            if low <= area <= high:
                 yield f"{kind.name}: valve {1e6 * area:.1f} mm²", moved(**{f"{kind.name}.valve": area})
         for end, words in (("to", "rod end"), ("from", "barrel end")):
             low, high = space.bounds[f"{kind.name}.{end}"]
@@ -137,7 +139,7 @@ def _steps(task: Task, chosen: Found) -> Iterator[tuple[str, Design]]:
 
 def _fails(score: Score, task: Task, design: Design, peak: float) -> str:
     """Return the first requirement that a design fails, with its number; "" where it keeps all of the search's."""
-    names = [f"{kind.name}: {words}" for kind in task.space.kinds for words in CONSTRAINTS] + list(OF_THE_CYCLE)
+    names = [f"{kind.name}: {words}" for kind in task.space.kinds for words in CONSTRAINTS] + list(OF_THE_MACHINE)
     first = next((i for i, value in enumerate(score.violations) if value > 0.0), None)
     if first is not None:
         return f"{names[first]}, by {100 * score.violations[first]:.0f} %"

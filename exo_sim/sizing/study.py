@@ -11,6 +11,7 @@ from exo_sim.outputs import replacing
 from exo_sim.rig import Rig
 from exo_sim.rig.catalogue import RATED_PRESSURE
 from exo_sim.rig.own_catalogue import Catalogue, CatalogueValve
+from exo_sim.sizing.ankle_motor import MotorDemand, ankle_motor
 from exo_sim.sizing.choice import Choice, nothing_found, recommended, shortlist
 from exo_sim.sizing.confirmation import Confirmed
 from exo_sim.sizing.coupled_stride import CoupledStride, Stride, mean_of
@@ -19,6 +20,7 @@ from exo_sim.sizing.design_space import LEAST_SUPPLY, Space
 from exo_sim.sizing.evaluation import Evaluator, Score, Task
 from exo_sim.sizing.force_bandwidth import ForceBandwidth, force_bandwidths
 from exo_sim.sizing.joint_kinds import JointKind, kinds_of
+from exo_sim.sizing.left_alone import LeftAlone, kinds_left_alone, left_alone
 from exo_sim.sizing.loads import Condition, JointLoads, joint_loads
 from exo_sim.sizing.published import PublishedClass, published_class
 from exo_sim.sizing.rods import RodCheck, rod_checks
@@ -76,6 +78,8 @@ class Sizing:
         sensitivity: What would change the recommendation.
         rods: What the walk with it asks of its rods.
         bandwidths: How fast one cylinder of each kind of joint follows the forces of that walk.
+        motor: What the motor of a driven ankle must give, where there is one.
+        others: What cylinders that are not sized can do with the recommended supply.
     """
 
     task: Task
@@ -88,6 +92,8 @@ class Sizing:
     sensitivity: Sensitivity
     rods: tuple[RodCheck, ...] = ()
     bandwidths: tuple[ForceBandwidth, ...] = ()
+    motor: MotorDemand | None = None
+    others: tuple[LeftAlone, ...] = ()
 
 
 def space_of(
@@ -253,7 +259,8 @@ def size(
     walk = choice.confirmed.walk
     rods = rod_checks(walk) if walk is not None else ()
     bandwidths = force_bandwidths(walk, tuple(kind.cylinders[-1] for kind in space.kinds)) if walk is not None else ()
-    return Sizing(task, loads, outcome, choice, fine, tuple(without), published, beside_it, rods, bandwidths)
+    motor, others_do = ankle_motor(rig, loads), left_alone(rig, kinds_left_alone(rig, space.kinds), loads, design.supply)
+    return Sizing(task, loads, outcome, choice, fine, tuple(without), published, beside_it, rods, bandwidths, motor, others_do)
 
 
 def _unless_interrupted(outcome: Outcome) -> None:

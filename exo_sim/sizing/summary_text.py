@@ -75,7 +75,8 @@ def numbers(sizing: Sizing, folder: Path) -> dict[str, Any]:
         "recommended": entry(kinds, sizing.choice.found),
         "why": sizing.choice.why,
         "finer": {"gas_kg_per_stride": sizing.fine.gas, "torque_error_rms_nm": sizing.fine.error},
-        "fates": dict(fates(sizing.outcome, sizing.task)),
+        "fates": {what: len(found) for what, found in fates(sizing.outcome, sizing.task)},
+        "designs_by_fate": {what: list(found) for what, found in fates(sizing.outcome, sizing.task)},
         "walked": [
             {"design": one.number, "torque_error_rms_nm": _finite(one.error), "pressure_peak_pa": _finite(one.peak),
              "pressure_limit_pa": one.limit, "trouble": one.trouble or None, "condition": one.condition}
@@ -107,6 +108,8 @@ def numbers(sizing: Sizing, folder: Path) -> dict[str, Any]:
         "parts": {one.name: one.numbers() for one in parts(sizing)},
         "bandwidths": [one.__dict__ for one in sizing.bandwidths],
         "beside": spent(sizing),
+        "not_sized": [one.__dict__ for one in sizing.others],
+        "ankle_motor": None if sizing.motor is None else sizing.motor.__dict__,
         "rods": [{**one.__dict__, "buckling": _finite(one.buckling)} for one in sizing.rods],
         "published_class": None if sizing.published is None else sizing.published.__dict__,
         "report": folder / "report.html",
@@ -134,6 +137,7 @@ def words(sizing: Sizing, folder: Path) -> str:
         f"{len(sizing.outcome.front)} on the front",
         "",
         *described(kinds, chosen),
+        *(one.words for one in sizing.others),
         "",
         f"Why: {sizing.choice.why}.",
     ]
@@ -196,7 +200,7 @@ def bought(sizing: Sizing) -> list[str]:
 
 
 def rods(sizing: Sizing) -> list[str]:
-    """Return what the walk asks of the rods, in lines of text: of both sides the worse."""
+    """Return what the walk asks of the rods, of both sides the worse, and the loads of the ankles' motors, in lines of text."""
     lines = []
     for kind in sizing.task.space.kinds:
         found = [one for one in sizing.rods if one.name in kind.cylinders]
@@ -212,7 +216,7 @@ def rods(sizing: Sizing) -> list[str]:
             for one in sizing.bandwidths
             if one.name in kind.cylinders
         ]
-    return lines
+    return lines if sizing.motor is None else [*lines, sizing.motor.words + "."]
 
 
 def spent(sizing: Sizing) -> list[str]:

@@ -54,6 +54,11 @@ def test_json_and_files(sized, capsys):
     margins = [entry["torque_margin"] for entry in data["pareto"]]
     assert margins == sorted(margins, reverse=True) and min(margins) >= 0.0
 
+    listed = sorted(number for numbers in data["designs_by_fate"].values() for number in numbers)
+    assert listed == list(range(data["evaluated"]))
+    assert {what: len(numbers) for what, numbers in data["designs_by_fate"].items()} == data["fates"]
+    assert sorted(data["designs_by_fate"]["on the front"]) == sorted(entry["design"] for entry in data["pareto"])
+
     chosen = data["recommended"]
     rig = rigs.read(out / "sized.toml")
     assert rig.cylinders["knee_r"].bore == pytest.approx(chosen["bore_mm"]["knee"] * 1e-3)

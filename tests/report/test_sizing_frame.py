@@ -2,7 +2,7 @@
 
 import pytest
 
-from exo_sim.report.sizing_frame import ROWS, spread
+from exo_sim.report.sizing_frame import ROWS, ranges, spread
 
 
 @pytest.mark.parametrize("chosen", [0, 7, 41, 499])
@@ -14,3 +14,8 @@ def test_a_long_front_is_thinned_evenly_with_the_chosen_in_it(chosen):
 
 def test_a_short_front_is_shown_whole():
     assert spread(ROWS, 3) == list(range(ROWS))
+
+
+def test_numbers_as_ranges():
+    assert ranges([4, 1, 2, 3, 9, 12, 11]) == "1-4, 9, 11-12"
+    assert ranges([]) == ""

@@ -24,6 +24,7 @@ def test_the_gas_of_the_ledger_is_that_of_the_cylinders(walked):
     assert gas["mass_kg_per_stride"] == pytest.approx(sum(one["gas_kg_per_stride"] for one in found["cylinders"].values()), rel=1e-9)
     assert gas["free_air_l_per_min"] == pytest.approx(gas["mass_kg_per_stride"] / walked.motion.period / 1.185 * 6e4)
     assert gas["exergy_w"] == pytest.approx(gas["mass_kg_per_s"] * 287.05 * 293.15 * np.log(supply / 101325.0))
+    assert gas["least_kg_per_stride"] == pytest.approx(gas["efficiency"] * gas["mass_kg_per_stride"])  # what it would be without loss
     assert gas["peak_flow_l_per_min"] > gas["free_air_l_per_min"]
     assert gas["bottle"]["lasts_s"] == pytest.approx(0.602 / gas["mass_kg_per_s"], rel=0.01)
 

@@ -14,6 +14,7 @@ from exo_sim.simulation.loop_wiring import wire
 from exo_sim.simulation.torque_limits import torque_limits
 from exo_sim.simulation.walk import Request
 from exo_sim.simulation.worn import Simulation
+from exo_sim.sizing.ankle_motor import ankle_motor
 from exo_sim.sizing.joint_kinds import kinds_of
 from exo_sim.sizing.loads import joint_loads
 
@@ -77,3 +78,10 @@ def test_a_rod_at_the_ankle_has_no_motor_beside_it(driven, exo):
     motored = Simulation(replace(exo, ankle=Ankle("powered", 0.0, MOST)), Request("level_walk", 34.0, 1.0, 1, law="inverse_dynamics"))
     assert min(wire(motored)[-1].ankles) >= 0
     assert torque_limits(motored.plugin, motored.motion)[:, 5] == pytest.approx(np.tile([-MOST, MOST], (len(limits), 1)))
+
+
+def test_a_rod_at_the_ankle_leaves_no_motor_to_buy(driven, exo, condition):
+    assert ankle_motor(driven, (joint_loads(driven, condition),)) is None
+    motored = replace(exo, ankle=driven.ankle)
+    motor = ankle_motor(motored, (joint_loads(motored, condition),))
+    assert motor is not None and motor.torque == MOST < motor.asked and 0.0 < motor.rms < MOST

@@ -11,7 +11,7 @@ from exo_sim.errors import OutputError, ScenarioError
 from exo_sim.rig import EffectSetting
 from exo_sim.sizing import evaluation, workers
 from exo_sim.sizing.choice import ENOUGH_MARGIN, WAYS_OUT, nothing_found, recommended
-from exo_sim.sizing.evaluation import OF_THE_CYCLE, Task
+from exo_sim.sizing.evaluation import OF_THE_MACHINE, Task
 from exo_sim.sizing.screening import CONSTRAINTS
 from exo_sim.sizing.search import search
 from exo_sim.sizing.study import space_of
@@ -154,7 +154,7 @@ def test_what_keeps_every_design_out_is_named(exo, condition):
 
 
 def test_whatever_keeps_designs_out_there_is_a_way():
-    assert WAYS_OUT.keys() == {*CONSTRAINTS, *OF_THE_CYCLE}
+    assert WAYS_OUT.keys() == {*CONSTRAINTS, *OF_THE_MACHINE}
 
 
 def test_friction_asks_for_more(task, judge, outcome):

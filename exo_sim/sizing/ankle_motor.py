@@ -7,7 +7,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from exo_sim.machine.linkage import linkages
-from exo_sim.machine.load import load
+from exo_sim.machine.rig_model import load
 from exo_sim.rig import Rig
 from exo_sim.sizing.force_bandwidth import NEEDED, needed
 from exo_sim.sizing.loads import JointLoads

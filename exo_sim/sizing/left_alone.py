@@ -5,7 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass, replace
 
 from exo_sim.machine.linkage import linkages
-from exo_sim.machine.load import load
+from exo_sim.machine.rig_model import load
 from exo_sim.rig import Rig
 from exo_sim.sizing.joint_kinds import JointKind, kinds_of
 from exo_sim.sizing.loads import JointLoads

@@ -59,20 +59,19 @@ class _Cycle:
     def __init__(self, world: np.void, c: np.void, n: int, period: float):
         self.k, self.r, self.t_s = float(world["k"]), float(world["r"]), float(world["supply_temperature"])
         self.p_s, self.p_e = float(world["supply_pressure"]), float(world["exhaust_pressure"])
-        at = np.arange(n)
-        self.unit = sparse.identity(n, format="csr")
-        self.following = sparse.csr_matrix((np.ones(n), (at, (at + 1) % n)), shape=(n, n))
-        self.middle = 0.5 * (self.unit + self.following)
         self.step = FLOW_SHARE * period / n / GRAM
         fed_1, _, fed_2, _ = path_areas(c, 1.0, 1.0)
         _, let_off_1, _, let_off_2 = path_areas(c, -1.0, -1.0)
         self.fed, self.let_off = (fed_1, fed_2), (let_off_1, let_off_2)
 
-    def raised(self, volume: Array) -> sparse.csr_matrix:
-        """Return what changes a chamber's pressures as planned, volumes given, shape (n,) [g at the supply's temperature]."""
+    def raised(self, volume: Array) -> tuple[Array, Array]:
+        """Return what changes a chamber's pressures as planned, volumes given, shape (n,) [g at the supply's temperature].
+
+        It is linear in the pressure at each interval's start and at its end: what a bar of either counts, shape (n,) each.
+        """
         after = np.roll(volume, -1)
-        rate = sparse.diags(0.5 * (volume + after)) @ (self.following - self.unit) + self.k * sparse.diags(after - volume) @ self.middle
-        return rate * (BAR / GRAM / (self.k * self.r * self.t_s))
+        filled, grown, unit = 0.5 * (volume + after), 0.5 * (self.k * (after - volume)), BAR / GRAM / (self.k * self.r * self.t_s)
+        return (grown - filled) * unit, (filled + grown) * unit
 
     def into(self, area: float, p_up: float) -> Callable[[float], float]:
         """Return the flow from a pressure into a chamber, by the chamber's [kg/s]."""
@@ -83,6 +82,50 @@ class _Cycle:
         return lambda p: float(flow(area, p, self.t_s, p_down, self.t_s, self.k, self.r))
 
 
+class _RowList:
+    """Rows of the program, gathered as the numbers that are not zero: a matrix for each block would cost more than the program itself."""
+
+    def __init__(self, columns: Columns):
+        self.columns, self.height = columns, 0
+        self._row: list[NDArray[np.intp]] = []
+        self._column: list[NDArray[np.intp]] = []
+        self._value: list[Array] = []
+        self._most: list[Array] = []
+
+    def add(self, at: NDArray[np.intp], most: float, **blocks: float | tuple[Array | float, Array | float]) -> None:
+        """Add a row for each of some intervals.
+
+        Args:
+            at: The intervals, shape (m,).
+            most: Right side of all of them.
+            **blocks: By the name of a variable what it counts in its own interval, or that and what it counts in the next.
+        """
+        rows = self.height + np.arange(len(at))
+        for name, value in blocks.items():
+            start = self.columns.of(name).start
+            for later, each in enumerate(value if isinstance(value, tuple) else (value,)):
+                self._row.append(rows)
+                self._column.append(start + (at + later) % self.columns.n)
+                self._value.append(np.broadcast_to(each, at.shape))
+        self._most.append(np.full(len(at), most))
+        self.height += len(at)
+
+    def add_balance(self, **signs: float) -> None:
+        """Add one row, at most zero, over all intervals: each variable by its sign."""
+        for name, sign in signs.items():
+            place, n = self.columns.of(name), self.columns.n
+            self._row.append(np.full(n, self.height))
+            self._column.append(np.arange(place.start, place.stop))
+            self._value.append(np.full(n, sign))
+        self._most.append(np.zeros(1))
+        self.height += 1
+
+    def rows(self) -> Rows:
+        """Return them with their right side."""
+        places = np.concatenate(self._row), np.concatenate(self._column)
+        return sparse.csr_matrix((np.concatenate(self._value), places), (self.height, self.columns.count)), np.concatenate(self._most)
+
+
 def draw_rows(world: np.void, c: np.void, x: Array, period: float) -> Rows:
     """Return the rows and the right side of what both chambers draw and what the valve lets through to supply and exhaust.
 
@@ -91,24 +134,19 @@ def draw_rows(world: np.void, c: np.void, x: Array, period: float) -> Rows:
         x: Piston position at even phases of the cycle [m], shape (n,).
         period: Of the cycle [s].
     """
-    n = len(x)
-    at, columns = _Cycle(world, c, n, period), Columns(n)
-    rows, most = [], []
+    cycle, found, every = _Cycle(world, c, len(x), period), _RowList(Columns(len(x))), np.arange(len(x))
     volumes = c["dead_volume_1"] + c["area_1"] * x, c["dead_volume_2"] + c["area_2"] * (c["stroke"] - x)
     for side, volume in enumerate(volumes, 1):
         p, drawn, taken, given = f"p_{side}", f"drawn_{side}", f"taken_{side}", f"given_{side}"
-        raised, unit = at.raised(volume), at.unit
-        rows.append(columns.row(**{p: raised, drawn: -unit, taken: -unit, given: unit}))
-        most.append(np.zeros(n))
+        now, then = cycle.raised(volume)
+        found.add(every, 0.0, **{p: (now, then), drawn: -1.0, taken: -1.0, given: 1.0})
         for share in _TANGENTS:
-            pressure = at.p_e + share * (at.p_s - at.p_e)
-            slope, start = _tangent(at.into(at.fed[side - 1], at.p_s), pressure, at.step)
-            rows.append(columns.row(**{p: -slope * at.middle, drawn: unit}))
-            most.append(np.full(n, start))
-            slope, start = _tangent(at.out_of(at.let_off[side - 1], at.p_e), pressure, at.step)
-            rows.append(columns.row(**{p: -raised - slope * at.middle, given: -unit}))
-            most.append(np.full(n, start))
-    return sparse.vstack(rows, format="csr"), np.concatenate(most)
+            pressure = cycle.p_e + share * (cycle.p_s - cycle.p_e)
+            slope, start = _tangent(cycle.into(cycle.fed[side - 1], cycle.p_s), pressure, cycle.step)
+            found.add(every, start, **{p: (-0.5 * slope, -0.5 * slope), drawn: 1.0})
+            slope, start = _tangent(cycle.out_of(cycle.let_off[side - 1], cycle.p_e), pressure, cycle.step)
+            found.add(every, start, **{p: (-now - 0.5 * slope, -then - 0.5 * slope), given: -1.0})
+    return found.rows()
 
 
 def tank_rows(world: np.void, c: np.void, below: NDArray[np.bool_], period: float) -> Rows:
@@ -120,22 +158,18 @@ def tank_rows(world: np.void, c: np.void, below: NDArray[np.bool_], period: floa
         period: Of the cycle [s].
     """
     n, p_t, area = below.shape[1], float(world["tank_pressure"]), float(c["tank_area"])
-    at, columns = _Cycle(world, c, n, period), Columns(n)
-    balance = [columns.row(**{f"{what}_{side}": sparse.csr_matrix(np.full((1, n), sign)) for side in (1, 2)})
-               for what, sign in (("taken", 1.0), ("given", -1.0))]  # fmt: skip
-    rows, most = [balance[0] + balance[1]], [np.zeros(1)]
+    cycle, found = _Cycle(world, c, n, period), _RowList(Columns(n))
+    found.add_balance(taken_1=1.0, taken_2=1.0, given_1=-1.0, given_2=-1.0)
     for side, low in enumerate(below, 1):
         for kind, where, ends, through in (
-            ("taken", low, (at.p_e, p_t), at.into(area, p_t)),
-            ("given", ~low, (p_t, at.p_s), at.out_of(area, p_t)),
+            ("taken", low, (cycle.p_e, p_t), cycle.into(area, p_t)),
+            ("given", ~low, (p_t, cycle.p_s), cycle.out_of(area, p_t)),
         ):
-            if not where.any():
-                continue
-            for share in _TANGENTS:
-                slope, start = _tangent(through, ends[0] + share * (ends[1] - ends[0]), at.step)
-                rows.append(columns.row(**{f"p_{side}": -slope * at.middle[where], f"{kind}_{side}": at.unit[where]}))
-                most.append(np.full(int(where.sum()), start))
-    return sparse.vstack(rows, format="csr"), np.concatenate(most)
+            at = np.flatnonzero(where)
+            for share in _TANGENTS if len(at) else ():
+                slope, start = _tangent(through, ends[0] + share * (ends[1] - ends[0]), cycle.step)
+                found.add(at, start, **{f"p_{side}": (-0.5 * slope, -0.5 * slope), f"{kind}_{side}": 1.0})
+    return found.rows()
 
 
 def _tangent(through: Callable[[float], float], p: float, step: float) -> tuple[float, float]:

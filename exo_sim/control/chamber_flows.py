@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 
 import numpy as np
 from numpy.typing import NDArray
@@ -92,13 +92,13 @@ class _RowList:
         self._value: list[Array] = []
         self._most: list[Array] = []
 
-    def add(self, at: NDArray[np.intp], most: float, **blocks: float | tuple[Array | float, Array | float]) -> None:
+    def add(self, at: NDArray[np.intp], most: float, blocks: Mapping[str, float | tuple[Array | float, Array | float]]) -> None:
         """Add a row for each of some intervals.
 
         Args:
             at: The intervals, shape (m,).
             most: Right side of all of them.
-            **blocks: By the name of a variable what it counts in its own interval, or that and what it counts in the next.
+            blocks: By the name of a variable what it counts in its own interval, or that and what it counts in the next.
         """
         rows = self.height + np.arange(len(at))
         for name, value in blocks.items():
@@ -139,13 +139,13 @@ def draw_rows(world: np.void, c: np.void, x: Array, period: float) -> Rows:
     for side, volume in enumerate(volumes, 1):
         p, drawn, taken, given = f"p_{side}", f"drawn_{side}", f"taken_{side}", f"given_{side}"
         now, then = cycle.raised(volume)
-        found.add(every, 0.0, **{p: (now, then), drawn: -1.0, taken: -1.0, given: 1.0})
+        found.add(every, 0.0, {p: (now, then), drawn: -1.0, taken: -1.0, given: 1.0})
         for share in _TANGENTS:
             pressure = cycle.p_e + share * (cycle.p_s - cycle.p_e)
             slope, start = _tangent(cycle.into(cycle.fed[side - 1], cycle.p_s), pressure, cycle.step)
-            found.add(every, start, **{p: (-0.5 * slope, -0.5 * slope), drawn: 1.0})
+            found.add(every, start, {p: (-0.5 * slope, -0.5 * slope), drawn: 1.0})
             slope, start = _tangent(cycle.out_of(cycle.let_off[side - 1], cycle.p_e), pressure, cycle.step)
-            found.add(every, start, **{p: (-now - 0.5 * slope, -then - 0.5 * slope), given: -1.0})
+            found.add(every, start, {p: (-now - 0.5 * slope, -then - 0.5 * slope), given: -1.0})
     return found.rows()
 
 
@@ -168,7 +168,7 @@ def tank_rows(world: np.void, c: np.void, below: NDArray[np.bool_], period: floa
             at = np.flatnonzero(where)
             for share in _TANGENTS if len(at) else ():
                 slope, start = _tangent(through, ends[0] + share * (ends[1] - ends[0]), cycle.step)
-                found.add(at, start, **{f"p_{side}": (-0.5 * slope, -0.5 * slope), f"{kind}_{side}": 1.0})
+                found.add(at, start, {f"p_{side}": (-0.5 * slope, -0.5 * slope), f"{kind}_{side}": 1.0})
     return found.rows()
 
 

@@ -27,7 +27,7 @@ def missing_parts(spec: Any) -> dict[str, list[str]]:
     """Return what a worn machine needs and this MJCF lacks, by kind; lists that are empty where it is one."""
     present = [joint.name for joint in spec.joints]
     missing = {"joint": [name for name in _JOINTS if name not in present]}
-    missing["body"] = [name for name in (*SEGMENTS, *(f"person_{segment}" for segment in SEGMENTS)) if spec.body(name) is None]
+    missing["body"] = [name for name in (*SEGMENTS, "payload", *(f"person_{segment}" for segment in SEGMENTS)) if spec.body(name) is None]
     missing["geom"] = [name for name in _GEOMS if spec.geom(name) is None]
     missing["site"] = [name for name in (*(strap.site for strap in worn()), "foot_l", "foot_r") if spec.site(name) is None]
     missing["contact sensor"] = [name for name in ("ground_l", "ground_r") if spec.sensor(name) is None]

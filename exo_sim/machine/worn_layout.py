@@ -28,6 +28,8 @@ def check(model: mujoco.MjModel, path: Path) -> None:
     mujoco.mj_kinematics(model, data)
     _axes(model, data, path)
     _person(model, path)
+    if model.body(model.geom("payload").bodyid[0]).name != "payload":
+        raise ModelError(f'{path}: the geom "payload" belongs to the body "payload", which the rig and --payload give a mass; put it there')
     _height(model, data, path)
     _soles(model, data, path)
 

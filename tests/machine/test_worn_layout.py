@@ -26,6 +26,7 @@ def test_the_machine_that_comes_along_passes(repository: Path, tmp_path: Path) -
 @pytest.mark.parametrize(
     ("old", "new", "says"),
     [
+        ('<geom name="payload"', '<geom mass="1" size="0.1"/></body><body name="box"><geom name="payload"', 'to the body "payload"'),
         (' ref="0.879"', "", r'torso_z" calls 0 m; write ref="0.879"'),
         ('axis="0 -1 0"', 'axis="0 1 0"', r'the joint "hip_l" of a worn machine is a hinge .* about the axis 0 -1 0'),
         ('type="slide" axis="1 0 0"', 'type="hinge" axis="1 0 0"', r'the joint "torso_x" of a worn machine is a slide'),

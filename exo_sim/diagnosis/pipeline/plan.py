@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
-from typing import TypeVar
+from typing import Protocol, TypeVar
 
 from exo_sim.diagnosis.coupling.piston_friction import Friction
 from exo_sim.diagnosis.data.machine_data import MachineData
@@ -54,6 +54,12 @@ Model = TypeVar("Model", bound=SubsystemModel)
 Keep = Callable[[SubsystemResult[SubsystemModel], Finding], bool]
 
 
+class Change(Protocol):
+    """What makes of a result another of the same subsystem."""
+
+    def __call__(self, one: SubsystemResult[Model], /) -> SubsystemResult[Model]: ...
+
+
 def _keeping(results: Sequence[SubsystemResult[Model]], keep: Keep) -> tuple[SubsystemResult[Model], ...]:
     return tuple(replace(one, findings=tuple(finding for finding in one.findings if keep(one, finding))) for one in results)
 
@@ -70,6 +76,10 @@ class Results:
     def all(self) -> tuple[SubsystemResult[SubsystemModel], ...]:
         """All of them: gas, supply, motion."""
         return (*self.gas, *self.supply, *self.motion)
+
+    def each(self, change: Change) -> Results:
+        """Return the results, each changed."""
+        return Results(tuple(map(change, self.gas)), tuple(map(change, self.supply)), tuple(map(change, self.motion)))
 
     def keeping(self, keep: Keep) -> Results:
         """Return the results with those findings that are to be kept."""

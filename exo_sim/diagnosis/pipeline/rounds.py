@@ -27,9 +27,11 @@ from exo_sim.diagnosis.pipeline.gas_stage import Searched
 from exo_sim.diagnosis.pipeline.plan import Examination, Plan, Progress, Refuted
 from exo_sim.diagnosis.policy import validation as policy
 from exo_sim.diagnosis.policy.budgets import MOST_REFUTATIONS, MOST_ROUNDS
+from exo_sim.diagnosis.selection.put_aside import without_findings
 from exo_sim.diagnosis.selection.subsystem_result import SubsystemResult
+from exo_sim.diagnosis.selection.unknown_effect import unknown_effects
 from exo_sim.diagnosis.subsystem_model import SubsystemModel
-from exo_sim.diagnosis.validation.held_out import is_refuted
+from exo_sim.diagnosis.validation.held_out import held_out_errors, is_refuted
 from exo_sim.physics.effects.unknown import EFFECT as UNKNOWN
 
 
@@ -85,10 +87,18 @@ def newly_refuted(examination: Examination) -> Refuted:
 
 
 def _without_refuted(examination: Examination) -> Examination:
-    """Return an examination without the findings that were refuted and found again."""
-    refuted = examination.plan.refuted
-    results = examination.results.keeping(lambda one, finding: (finding.name, finding.where) not in refuted)
-    return replace(examination, results=results)
+    """Return an examination without the findings that were refuted; the numbers of the others are found anew, and their errors."""
+    refuted, before = examination.plan.refuted, examination.results
+    results = before.each(lambda one: without_findings(one, refuted) if any((f.name, f.where) in refuted for f in one.findings) else one)
+    anew = [one for one, old in zip(results.all, before.all, strict=True) if one.final is not old.final]
+    if not anew:
+        return replace(examination, results=results)
+    unknown, split, gone = unknown_effects(results.all), examination.plan.split, [f"{name}@{where}" for name, where in refuted]
+    validation = examination.validation
+    if validation is not None:
+        validation = validation.updated(held_out_errors(anew, unknown, split.validation_as_test()), gone)
+    test = examination.test.updated(held_out_errors(anew, unknown, split), gone)
+    return replace(examination, results=results, unknown=unknown, validation=validation, test=test)
 
 
 def without_doubtful(examination: Examination) -> Examination:
@@ -101,7 +111,7 @@ def without_doubtful(examination: Examination) -> Examination:
             if why:
                 doubtful[finding.name, finding.where] = why
     plan = replace(examination.plan, refuted={**examination.plan.refuted, **doubtful})
-    return _without_refuted(replace(examination, plan=plan)) if doubtful else examination
+    return without_doubtful(_without_refuted(replace(examination, plan=plan))) if doubtful else examination
 
 
 def without_small(examination: Examination) -> Examination:

@@ -47,6 +47,10 @@ FRICTION_PLACE = Number(
     "learnt on real cylinders (O-ring bench, pulled seals, KDN drive) and on the makes A to D of whole machines",
 )  # fmt: skip
 FRICTION_SPEED = Number(0.04, "share of the friction", "how much its law of speed is wrong there", "as the former")
+FRICTION_DIRECTION = Number(
+    0.04, "share of the friction", "how much its law of speed differs between the directions: lips and rails are not symmetric",
+    "as the former; EMPS, whose viscous friction differs by a fifth either way, 0.13",
+)  # fmt: skip
 FRICTION_TIME = Number(0.04, "share of the friction", "how much it drifts within a recording", "as the former")
 UNNAMED_FRICTION = Number(
     0.4, "share of the friction", "by how much friction varies with place or time in a machine that is not healthy, one standard deviation",

@@ -275,8 +275,15 @@ def _is_reported(candidate: Candidate, model: FittedModel, errors: Mapping[FreeP
         return False
     bears = any(c.is_law and c.prerequisite == candidate.effect for c in model.candidates)
     if not candidate.is_law:
-        return not bears or exceeds_healthy_limit(candidate, model)
+        return (not bears or exceeds_healthy_limit(candidate, model)) and not _may_be_of_any_contact(candidate, model, errors)
     return any(q.healthy_limit > 0.0 for q in candidate.parameters) and exceeds_healthy_limit(candidate, model)
+
+
+def _may_be_of_any_contact(candidate: Candidate, model: FittedModel, errors: Mapping[FreeParameter, float]) -> bool:
+    """Return whether the interval of a number that every contact has reaches its bound, where any machine's begins."""
+    name = identification_of(candidate.effect).every_contact
+    asked = [q for q in candidate.parameters if name and q.parameter == name]
+    return any(bounded_interval(q, model.fit.values[q], errors.get(q, 0.0))[1] >= q.high for q in asked)
 
 
 def _is_nozzle(candidate: Candidate, model: FittedModel) -> bool:

@@ -23,7 +23,7 @@ from exo_sim.diagnosis.policy.recordings import FEWEST_ROWS
 from exo_sim.diagnosis.policy.verdicts import NIL
 from exo_sim.diagnosis.selection.comparisons import Comparisons
 from exo_sim.diagnosis.selection.evidence import Evidence
-from exo_sim.diagnosis.selection.fitted_model import FittedModel, SearchResult, exceeds_healthy_limit
+from exo_sim.diagnosis.selection.fitted_model import FittedModel, SearchResult, exceeds_healthy_limit, is_more_than_healthy
 from exo_sim.diagnosis.selection.linear_evidence import LinearEvidence, Posterior, Spreads
 from exo_sim.diagnosis.selection.marginal_fit import MarginalFits
 from exo_sim.diagnosis.selection.model_fits import ModelFits
@@ -70,7 +70,7 @@ class FamilySearch:
             empty = FittedModel((), Fit((), {}, np.zeros(0), np.zeros((0, 0))))
             return SearchResult(empty, empty)
         baseline = self.fits.refined(self.fits.fit(()))
-        finalists = self.weighing.finalists()
+        finalists = self._findings_first(self.weighing.finalists())
         best = finalists[0]
         posterior = self.weighing.posterior(best)
         values, _ = self._values(best, posterior)
@@ -99,6 +99,21 @@ class FamilySearch:
             unnamed=unnamed(self.weighing, self.basis, best, finalists, posterior),
             least_left=plain.fit.sse,
         )
+
+    def _findings_first(self, finalists: list[Weighed]) -> list[Weighed]:
+        """Return subsets, one first whose effects are all findings, of those about as probable as the best.
+
+        What is within what healthy machines show is no finding, and must not take the place of one: a spring of a few N/m, slack far
+        beyond the travel, pulls like the zero of a force sensor.
+        """
+        for one in finalists:
+            if finalists[0].score - one.score > verdicts.AS_GOOD:
+                break
+            values, _ = self._values(one, self.weighing.posterior(one))
+            model = FittedModel(self.weighing.candidates(one), Fit((), values, np.zeros(0), np.zeros((0, 0))))
+            if all(c.kind is Kind.UNKNOWN or is_more_than_healthy(c, model) for c in model.candidates):
+                return [one, *(other for other in finalists if other is not one)]
+        return finalists
 
     @staticmethod
     def _stands_in_the_fit(final: FittedModel, baseline: FittedModel, comparisons: Comparisons) -> bool:

@@ -3,8 +3,9 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, field
+from collections.abc import Collection, Mapping, Sequence
+from dataclasses import dataclass, field, replace
+from typing import TypeVar
 
 import numpy as np
 from numpy.typing import NDArray
@@ -20,6 +21,8 @@ from exo_sim.diagnosis.selection.unknown_effect import UnknownEffect, effect_of
 from exo_sim.diagnosis.subsystem_model import Comparison, SubsystemModel
 
 Array = NDArray[np.float64]
+Key = TypeVar("Key")
+Value = TypeVar("Value")
 
 
 @dataclass(frozen=True)
@@ -83,6 +86,27 @@ class HeldOutErrors:
     def ratio(self) -> float:
         """The largest ratio of a balance; infinite where no signal could be compared."""
         return max((one.ratio for one in self.balances.values()), default=0.0) if self.signals else math.inf
+
+    def updated(self, later: HeldOutErrors, gone: Collection[str]) -> HeldOutErrors:
+        """Return these errors with those of a later look at some subsystems in the place of theirs.
+
+        Args:
+            later: The later ones.
+            gone: Keys of `drops` that are no findings any more.
+        """
+
+        def both(mine: Mapping[Key, Value], theirs: Mapping[Key, Value]) -> dict[Key, Value]:
+            return {key: value for key, value in {**mine, **theirs}.items() if key not in gone}
+
+        seen = {(one.recording, one.signal): one for one in later.series}
+        return replace(
+            self,
+            signals={**self.signals, **later.signals},
+            drops=both(self.drops, later.drops), influence=both(self.influence, later.influence), costs=both(self.costs, later.costs),
+            shares={key: share for key, share in both(self.shares, later.shares).items() if key in later.shares or key not in later.drops},
+            balances={**self.balances, **later.balances},
+            series=tuple(seen.get((one.recording, one.signal), one) for one in self.series),
+        )  # fmt: skip
 
 
 def held_out_errors(

@@ -247,7 +247,7 @@ BLOCKS = {
               lambda m: {"breakaway": _about(m["coulomb"] + m["breakaway_excess"], 0.1)} if m["pressure_friction"] == 0 else {}),
         Block("viscous", "viscous_friction", "cylinder", "friction", _viscous, ("viscous", "viscous_index"), (), (),
               {"coefficient": "N*s/m"},
-              lambda m: {"coefficient": _about(m["viscous"] + m["damping"] * (m["lever"] == 0), 0.05)} if m["viscous_index"] == 1 else {}),
+              lambda m: {"coefficient": _about(m["viscous"], 0.05)} if m["viscous_index"] == 1 else {}),  # a joint's damping is in the MJCF
         Block("pressure", "pressure_dependent_friction", "cylinder", "friction", _pressure, ("pressure_friction",), (), (),
               {"coefficient": "m^2"}, lambda m: {"coefficient": _about(m["pressure_friction"], 0.05)} if m["pressure_law"] == 0 else {}),
         Block("asymmetry", "asymmetric_friction", "cylinder", "friction",

@@ -113,3 +113,16 @@ def test_beside_something_unknown_the_interval_of_a_name_lies_beyond_what_a_heal
     result = decide("piston", model, fits, SearchResult(bare, fits.refined(fits.fit((waves.BASE, shelf), bare))))
     assert result.has_unknown
     assert [one.name for one in result.findings] == named == [c.effect for c in result.final.candidates]
+
+
+@pytest.mark.parametrize(("softest", "named"), [(2.09, []), (4.0, ["presliding"])])
+def test_a_contact_that_may_be_as_firm_as_any_is_no_finding(softest: float, named: list[str]) -> None:
+    """Its number is what was fitted, but the interval reaches the stiffness from which on every contact has it."""
+    stiffness = FreeParameter("presliding", "piston", "stiffness", "1", Target.SENSOR, 1.0, -10.0, softest)
+    contact = Candidate("presliding", "piston", "stiffness", (stiffness,), ((1.0,),))
+    model = waves.Waves(shapes={"stiffness": waves.SHAPES["slow"]}, stiffness=2.0)
+    fits = ModelFits(model, ())
+    bare = fits.refined(fits.fit(()))
+    result = decide("piston", model, fits, SearchResult(bare, fits.refined(fits.fit((contact,), bare))))
+    assert [one.name for one in result.findings] == named
+    assert result.final.fit.values[stiffness] == pytest.approx(2.0, abs=0.2)

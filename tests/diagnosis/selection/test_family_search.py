@@ -104,6 +104,17 @@ def test_what_a_healthy_machine_has_as_well_is_left_to_the_nuisance_parameters()
         assert searched(model, term(model, limited)).final.named == named
 
 
+def test_what_a_healthy_machine_has_does_not_take_the_place_of_a_finding() -> None:
+    """A spring slack far away pulls like a force sensor's zero: with a stiffness that any machine has it is none, and the zero is found."""
+    model = waves.Waves(slow=3.0)
+    far = waves.candidate("far", "slow")
+    (size,) = far.parameters
+    far = replace(far, parameters=(replace(size, healthy_limit=5.0),), prevalence=0.2)
+    found = searched(model, term(model, far), term(model, waves.BASE))
+    assert found.probabilities[far.at] > found.probabilities[waves.BASE.at]
+    assert found.final.named == {waves.BASE.at}
+
+
 def test_what_does_alone_what_two_do_together_is_the_rival_of_both() -> None:
     """Drag and dry friction slow a swing nearly as damping alone does: neither is dropped because that might do for both."""
     one_wave, other_wave = waves.SHAPES["slow"], waves.SHAPES["quick"]

@@ -14,6 +14,7 @@ from exo_sim.diagnosis.estimation.parameters import PlantParameters
 from exo_sim.diagnosis.findings import Subsystem
 from exo_sim.diagnosis.policy.validation import LEAST_INFLUENCE
 from exo_sim.diagnosis.selection.decision import decide
+from exo_sim.diagnosis.selection.put_aside import without_findings
 from exo_sim.diagnosis.selection.search import Search
 from exo_sim.diagnosis.selection.subsystem_result import SubsystemResult
 from exo_sim.diagnosis.selection.unknown_effect import unknown_effects
@@ -55,6 +56,18 @@ def test_what_changes_only_what_is_within_the_noise_is_not_tested() -> None:
     (at,) = held_out_errors([found], (), SPLIT).shares
     quiet = held_out_errors([replace(found, model=Quiet(slow=3.0))], (), SPLIT)
     assert quiet.influence[at] > LEAST_INFLUENCE and quiet.shares == {}
+
+
+def test_a_later_look_takes_the_place_of_the_first_and_what_was_put_aside_goes() -> None:
+    whole = result(waves.Waves(slow=3.0, quicker=0.6), waves.BASE, waves.OTHER)
+    first = held_out_errors([whole], (), SPLIT)
+    later = held_out_errors([without_findings(whole, {waves.OTHER.at})], (), SPLIT)
+    both = first.updated(later, ["other@piston"])
+    assert set(both.drops) == set(both.shares) == set(both.influence) == set(both.costs) == {"base@piston"}
+    assert both.signals == later.signals and both.balances == later.balances and both.series == later.series
+    assert both.signals["piston.pressure_1"].after > first.signals["piston.pressure_1"].after
+    nothing = first.updated(HeldOutErrors(), [])
+    assert nothing.drops == first.drops and nothing.shares == first.shares and nothing.series == first.series
 
 
 def test_an_unknown_effect_that_no_curve_describes_lowers_nothing() -> None:

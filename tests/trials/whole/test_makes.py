@@ -9,11 +9,13 @@ from exo_sim import rig as rigs
 from exo_sim.machine.rig_model import load
 from exo_sim.recording import read
 from exo_sim.simulation import replay as replays
+from exo_sim.trials.whole.blocks import BLOCKS
 from exo_sim.trials.whole.case import make_case, truth_of, write_case
 from exo_sim.trials.whole.catalogue import SERIES
 from exo_sim.trials.whole.draw import build
 from exo_sim.trials.whole.excitation import PROGRAMS
-from exo_sim.trials.whole.makes import GROUPS, MAKES, letters
+from exo_sim.trials.whole.makes import GROUPS, MAKES, find, letters
+from exo_sim.trials.whole.owner import as_built
 
 OUTSIDERS = ("O", "P")
 
@@ -67,3 +69,10 @@ def test_a_fresh_recording_is_not_what_the_handed_in_rig_predicts(tmp_path, name
     seen = np.array([case.rack.pressure_1.spread, case.rack.pressure_2.spread, case.rack.position.spread])
     assert np.all(errors["rig.toml"] > 2 * seen)
     assert np.exp(np.mean(np.log(errors["truth/nearest.toml"] / errors["rig.toml"]))) < 0.8
+
+
+def test_damping_of_the_joint_stands_in_the_mjcf_and_is_no_viscous_friction_of_the_piston() -> None:
+    built = build(find("A"), "single", np.random.default_rng(3), ("viscous",))
+    (value, low, high) = BLOCKS["viscous"].exact(built.machine)["coefficient"]
+    assert value == built.machine["viscous"] and low < value < high and built.machine["damping"] > 0.0
+    assert f'damping="{built.machine["damping"]:.6g}"' in as_built(built).model()

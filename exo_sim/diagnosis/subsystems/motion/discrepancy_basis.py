@@ -1,6 +1,11 @@
-"""What every model of friction gets wrong: it depends a little on place, on speed beyond its law, and on how long the machine has run."""
+"""What every model of friction gets wrong.
+
+It depends a little on place, on speed beyond its law, the same or not the same in both directions, and on how long the machine has run.
+"""
 
 from __future__ import annotations
+
+from collections.abc import Sequence
 
 import numpy as np
 from numpy.typing import NDArray
@@ -10,7 +15,7 @@ from exo_sim.diagnosis.policy import healthy
 
 Array = NDArray[np.float64]
 
-#: Knots of the functions of place, of the logarithm of speed, and of time in each recording.
+#: Knots of the functions of place in each direction, of the logarithm of speed, and of time in each recording.
 PLACE, SPEED, TIME = 8, 7, 4
 
 
@@ -27,24 +32,29 @@ def friction_discrepancy(
         effort: Size of the forces that act, the same.
     """
     direction = np.sign(velocity)
-    place = []
-    for way in (direction > 0.0, direction < 0.0):
-        if np.count_nonzero(way) > healthy.FEWEST_FOR_FUNCTIONS:
-            found = smooth_functions(position[way], PLACE)
-            columns = np.zeros((len(position), found.shape[1]))
-            columns[way] = found
-            place.append(columns)
-    speed = smooth_functions(np.log(np.maximum(np.abs(velocity), 1e-12)), SPEED) * direction[:, None]
-    late = []
-    for index in np.unique(recording):
-        own = recording == index
-        if np.count_nonzero(own) > healthy.FEWEST_FOR_FUNCTIONS:
-            found = smooth_functions(time[own], TIME)
-            columns = np.zeros((len(time), found.shape[1]))
-            columns[own] = found
-            late.append(columns * direction[:, None])
+    ways = [direction > 0.0, direction < 0.0]
+    each = [recording == index for index in np.unique(recording)]
+    place = _functions(position, PLACE, ways)
+    speed = smooth_functions(np.log(np.maximum(np.abs(velocity), 1e-12)), SPEED)
+    apart = speed if all(np.count_nonzero(way) > healthy.FEWEST_FOR_FUNCTIONS for way in ways) else speed[:, :0]
+    late = [columns * direction[:, None] for columns in _functions(time, TIME, each)]
     kinds = (
-        ("position", place, healthy.FRICTION_PLACE), ("velocity", [speed], healthy.FRICTION_SPEED), ("time", late, healthy.FRICTION_TIME)
-    )  # fmt: skip
+        ("position", place, healthy.FRICTION_PLACE),
+        ("velocity", [speed * direction[:, None]], healthy.FRICTION_SPEED),
+        ("direction", [apart], healthy.FRICTION_DIRECTION),  # by speed: more at a speed one way, less the other
+        ("time", late, healthy.FRICTION_TIME),
+    )
     floor = healthy.FORCE_UNEXPLAINED * effort
     return joined([(n, np.hstack(c) * weight[:, None], share * friction + floor) for n, c, share in kinds if c], len(position))
+
+
+def _functions(variable: Array, knots: int, parts: Sequence[NDArray[np.bool_]]) -> list[Array]:
+    """Return smooth functions of a variable, shape (n, knots), for each part of the rows that is large enough for functions of its own."""
+    found = []
+    for part in parts:
+        if np.count_nonzero(part) > healthy.FEWEST_FOR_FUNCTIONS:
+            own = smooth_functions(variable[part], knots)
+            columns = np.zeros((len(variable), own.shape[1]))
+            columns[part] = own
+            found.append(columns)
+    return found

@@ -1,0 +1,47 @@
+"""What is left where findings are put aside: numbers that were found beside them are found anew."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+from diagnosis import waves
+
+from exo_sim.diagnosis.selection.decision import decide
+from exo_sim.diagnosis.selection.put_aside import without_findings
+from exo_sim.diagnosis.selection.search import Search
+from exo_sim.diagnosis.selection.subsystem_result import SubsystemResult
+
+#: A wave that is for the most part the slow one.
+NEAR = waves.SHAPES["slow"] + 0.5 * waves.SHAPES["quick"]
+LIKE = waves.candidate("like", "near")
+
+
+def result(bound: float) -> SubsystemResult[waves.Waves]:
+    model = waves.Waves(bound, shapes={**waves.SHAPES, "near": NEAR}, slow=3.0, near=2.0)
+    search = Search(model, (), (waves.BASE, LIKE), cheap=True)
+    found = decide("piston", model, search.fits, search.run())
+    assert {finding.name for finding in found.findings} == {"base", "like"}
+    return found
+
+
+def test_the_numbers_of_the_others_are_found_anew() -> None:
+    found = without_findings(result(bound=10.0), {LIKE.at})
+    (finding,) = found.findings
+    (estimate,) = finding.parameters.values()
+    slow = waves.SHAPES["slow"]
+    assert estimate.value == pytest.approx(3.0 + 2.0 * float(slow @ NEAR) / float(slow @ slow), abs=0.3)
+    assert found.final.named == {waves.BASE.at} and {c.at for c in found.named} == {waves.BASE.at}
+    assert np.mean(found.final.fit.residual**2) > 1.2
+
+
+def test_where_the_rest_alone_leaves_something_unknown_only_the_names_go() -> None:
+    before = result(bound=1.0)
+    found = without_findings(before, {waves.BASE.at, LIKE.at})
+    assert found.findings == ()
+    assert found.final is before.final and not found.has_unknown
+
+
+def test_a_name_that_is_not_there_changes_nothing() -> None:
+    before = result(bound=10.0)
+    after = without_findings(before, {waves.OTHER.at})
+    assert after.findings == before.findings and after.final is before.final

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from exo_sim.diagnosis.findings import Finding, Kind
-from exo_sim.diagnosis.policy.probability import EVEN_SHARE, LEAST_TOLD, STEEPNESS, UNTESTED
+from exo_sim.diagnosis.policy.probability import EVEN_SHARE, LEAST_TOLD, MAY_BE_NIL, STEEPNESS, UNTESTED
 from exo_sim.diagnosis.policy.verdicts import MOST_CONFIDENT
 from exo_sim.physics.declaration import identification_of
 
@@ -16,7 +16,8 @@ def confidence(finding: Finding, share: float | None) -> float:
         share: Of the squared error beyond the noise that is missing without it, what it explains of time kept back; None where its
             predictions do not change there, so that nothing was tested.
     """
-    return min(finding.confidence, _borne(share))
+    vague = finding.probability is not None and finding.kind is Kind.MISSING_PHYSICS and _may_be_nil(finding)
+    return min(finding.confidence, _borne(share), float(MAY_BE_NIL) if vague else 1.0)
 
 
 def doubt(finding: Finding, share: float | None, compared: bool = True) -> str:

@@ -8,7 +8,7 @@ import pytest
 
 from exo_sim.diagnosis.findings import Estimate, Finding, Kind
 from exo_sim.diagnosis.outcome.finding_probability import confidence, doubt
-from exo_sim.diagnosis.policy.probability import UNTESTED
+from exo_sim.diagnosis.policy.probability import MAY_BE_NIL, UNTESTED
 from exo_sim.diagnosis.policy.verdicts import MOST_CONFIDENT
 
 
@@ -38,6 +38,13 @@ def test_what_was_not_tested_is_not_certain(weighed: float | None, said: float) 
 def test_a_number_that_may_be_nil_and_that_nothing_tested_is_no_name(low: float, share: float | None, doubted: bool) -> None:
     finding = replace(named(300.0), parameters={"coefficient": Estimate(30.0, "N s^2/m^2", low, 97.0)})
     assert bool(doubt(finding, share)) is doubted
+
+
+@pytest.mark.parametrize(("low", "weighed", "said"), [(0.0, 1.0, MAY_BE_NIL), (0.0, 0.55, 0.55), (2.0, 0.9, 0.9), (0.0, None, 0.95)])
+def test_a_name_whose_number_may_be_nil_is_not_certain(low: float, weighed: float | None, said: float) -> None:
+    """Where names were weighed side by side, intervals span all laws; where they were not, numbers of an effect stand in for each other."""
+    finding = replace(named(300.0, weighed), parameters={"coefficient": Estimate(30.0, "N s^2/m^2", low, 97.0)})
+    assert confidence(finding, 1.0) == pytest.approx(float(said), abs=2e-3)
 
 
 def test_of_several_numbers_one_that_is_not_nil_will_do() -> None:

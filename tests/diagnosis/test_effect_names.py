@@ -14,7 +14,7 @@ ROOT = Path(exo_sim.diagnosis.__file__).parent
 ABOUT = {
     # errors of sensors: what a balance calls a zero, a gain or a delay, and a sensor that health or a sign found wrong
     "data/command_sign.py": {"sensor_scale"},
-    "outcome/rig_update.py": {"sensor_bias", "sensor_scale", "unknown"},
+    "outcome/rig_update.py": {"sensor_bias", "sensor_delay", "sensor_scale", "unknown"},
     "outcome/immaterial.py": {"sensor_bias"},
     "pipeline/reading.py": {"sensor_bias", "sensor_scale"},
     "subsystems/gas/candidates.py": {"sensor_bias", "sensor_delay", "sensor_scale"},

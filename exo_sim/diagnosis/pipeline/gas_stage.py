@@ -21,7 +21,7 @@ from exo_sim.diagnosis.policy.recordings import FEWEST_ROWS, REVERSED
 from exo_sim.diagnosis.selection.decision import decide
 from exo_sim.diagnosis.selection.search import Search
 from exo_sim.diagnosis.selection.subsystem_result import SubsystemResult
-from exo_sim.diagnosis.subsystems.gas.candidates import candidates
+from exo_sim.diagnosis.subsystems.gas.candidates import candidates, sample_period
 from exo_sim.diagnosis.subsystems.gas.model import GasModel
 from exo_sim.diagnosis.subsystems.gas.nuisances import known_effects, nuisance_parameters, with_measured_supply
 from exo_sim.rig import assembly
@@ -66,8 +66,9 @@ def examine_gas(
         at_rest = all(run.at_rest for run in runs)
         moves = any(run.moves for run in runs)
         supplied = all(run.supply is not None for run in runs)
-        period = max(float(np.median(np.diff(run.time))) for run in runs)
-        nuisances = nuisance_parameters(plant, name, commanded, sides, at_rest, moves, supplied) + known_effects(plant, name, period)
+        period = sample_period(runs)
+        nuisances = nuisance_parameters(plant, name, commanded, sides, at_rest, moves, supplied, period)
+        nuisances += known_effects(plant, name, period)
         joint = data.joint_of(name)
         asked = plan.without_refuted(candidates(plant, runs, name, joint))
         friction = None if plan.friction is None else tuple(plan.friction.get(name, ()))

@@ -32,6 +32,7 @@ def candidates(plant: PlantParameters, runs: Sequence[CylinderRun], cylinder: st
     measured, contained = measured_places(runs), plant.contained_effects
     single = float(plant.cylinder["single_acting"][0]) > 0.0
     found: list[Candidate] = []
+    period = sample_period(runs)
     for effect in declared().values():
         sense = effect.identification.applicability
         if effect.cut != "gas" or effect.identification.excluded or effect.name in contained or effect.places[0] in measured:
@@ -50,9 +51,28 @@ def candidates(plant: PlantParameters, runs: Sequence[CylinderRun], cylinder: st
             made = _of_form(effect, cylinder, form, plant)
             if effect.identification.starts_by_reach:
                 made = [replace(one, starts=_starts_within_reach(effect, form, plant, runs)) for one in made]
-            found += made
+            found += [_beyond_a_sample(one, period) for one in made]
     found += _sensor_faults(runs, cylinder, joint, moves)
     return tuple(found)
+
+
+def sample_period(runs: Sequence[CylinderRun]) -> float:
+    """Return the longest usual sample period of several runs [s]."""
+    return max(float(np.median(np.diff(run.time))) for run in runs)
+
+
+def _beyond_a_sample(candidate: Candidate, period: float) -> Candidate:
+    """Return a candidate of whose healthy delays none is shorter than a sample.
+
+    A card's filter is slower the slower it samples (it lets nothing beyond half that rate pass), and all pressures share it.
+    """
+    return replace(
+        candidate,
+        parameters=tuple(
+            replace(q, healthy_limit=max(q.healthy_limit, period)) if q.unit == "s" and q.healthy_limit > 0.0 else q
+            for q in candidate.parameters
+        ),
+    )
 
 
 def _starts_within_reach(
@@ -158,7 +178,7 @@ def _free(effect: Effect, parameter: Parameter, where: str, target: Target, plan
 
 def _sensor_faults(runs: Sequence[CylinderRun], cylinder: str, joint: str, moves: bool) -> list[Candidate]:
     found = []
-    period = max(float(np.median(np.diff(run.time))) for run in runs)
+    period = sample_period(runs)
     for side in (1, 2):
         if all(run.pressure[side - 1] is None for run in runs):
             continue

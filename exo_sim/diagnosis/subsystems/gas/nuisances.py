@@ -15,7 +15,7 @@ from exo_sim.physics.records import switch_off
 
 def nuisance_parameters(
     plant: PlantParameters, cylinder: str, commanded: bool, sides: Sequence[int], at_rest: bool = False, moves: bool = False,
-    supplied: bool = False,
+    supplied: bool = False, period: float = 0.0,
 ) -> tuple[FreeParameter, ...]:
     """Return the nuisance parameters of a cylinder's gas.
 
@@ -31,6 +31,7 @@ def nuisance_parameters(
         moves: Whether the piston moves: then the card of its position may be late.
         supplied: Whether the supply's pressure was recorded; without that the set pressure is a nominal number like others, and both
             pressures would seem to have a wrong gain in its place.
+        period: Of the samples [s]: a valve's dead time shorter than that is not told from the filter of a slow logger's card.
     """
     factors = tuple(
         FreeParameter(effect, cylinder, name, "1", Target.FACTOR, 0.1, 0.05, 10.0, (1.0, spread), neutral=1.0)
@@ -62,10 +63,10 @@ def nuisance_parameters(
         if effect.identification.wall_heat and not plant.is_on(effect):
             name, heat = effect.parameters[0].name, priors.REST_HEAT
             zeros += (FreeParameter(effect.name, cylinder, name, "W/K", Target.CYLINDER, heat, 0.0, 20.0 * heat, (0.0, heat)),)
-    return (*factors, *zeros, *_valve_imperfections(plant, cylinder)) if commanded else (*factors, *zeros)
+    return (*factors, *zeros, *_valve_imperfections(plant, cylinder, period)) if commanded else (*factors, *zeros)
 
 
-def _valve_imperfections(plant: PlantParameters, cylinder: str) -> tuple[FreeParameter, ...]:
+def _valve_imperfections(plant: PlantParameters, cylinder: str, period: float) -> tuple[FreeParameter, ...]:
     """Return what a healthy valve shows of the effects that the rig does not have on already, in this form or a richer one."""
     found = []
     contained = plant.contained_effects
@@ -75,6 +76,8 @@ def _valve_imperfections(plant: PlantParameters, cylinder: str) -> tuple[FreePar
         for name, (spread, most) in effect.identification.healthy.items():
             parameter = effect.parameter(name)
             if not plant.is_on(effect):
+                if parameter.unit == "s":
+                    spread, most = max(spread, 0.5 * period), max(most, period)
                 low = 0.0 if parameter.low >= 0.0 else -most
                 found.append(
                     FreeParameter(

@@ -56,3 +56,15 @@ def test_what_a_valve_shows_by_its_command_is_not_asked_of_one_that_stays_open(c
     names = {c.effect for c in candidates(plant, [cylinder_runs.run_of(level, level, command=command, commanded=True)], "piston", "slide")}
     assert ({"line_restriction", "valve_lag", "valve_deadband", "valve_edges"} <= names) is asked
     assert {"external_leakage", "wall_heat_transfer", "exhaust_back_pressure"} <= names
+
+
+@pytest.mark.parametrize(("period", "delay", "time_constant"), [(1e-3, 3e-3, 3e-3), (5e-3, 5e-3, 5e-3)])
+def test_a_valve_is_late_only_beyond_what_the_card_of_a_slow_logger_is(period: float, delay: float, time_constant: float) -> None:
+    plant = PlantParameters(np.zeros(1, WORLD), np.zeros(1, CYLINDER))
+    plant.cylinder["valve_area"], plant.cylinder["area_1"], plant.cylinder["stroke"] = 2e-6, 8e-4, 0.2
+    level = np.full(50, 3e5)
+    run = cylinder_runs.run_of(level, level, time=np.arange(50) * period, command=np.linspace(-0.2, 0.2, 50), commanded=True)
+    late = [c for c in candidates(plant, [run], "piston", "slide") if c.effect == "valve_lag"]
+    assert {c.form for c in late} == {"time_constant", "delay", "time_constant+delay"}
+    for q in (q for c in late for q in c.parameters):
+        assert q.healthy_limit == pytest.approx(delay if q.parameter == "delay" else time_constant)

@@ -72,3 +72,13 @@ def test_a_known_dead_time_is_known_no_better_than_the_clocks_are() -> None:
 
     assert math.isclose(spread(0.0), math.hypot(0.9e-3, 1e-3), rel_tol=1e-6)
     assert math.isclose(spread(5e-3), math.hypot(0.9e-3, 1e-3, 2.5e-3), rel_tol=1e-6)
+
+
+@pytest.mark.parametrize(("period", "most", "spread"), [(1e-3, 3e-3, 1e-3), (5e-3, 5e-3, 2.5e-3)])
+def test_the_card_of_a_slow_logger_filters_as_long_as_a_sample_takes(period: float, most: float, spread: float) -> None:
+    free = nuisance_parameters(plant(), "piston", True, (1, 2), period=period)
+    (dead_time,) = (q for q in free if (q.effect, q.parameter) == ("valve_lag", "delay"))
+    assert (dead_time.low, dead_time.high, dead_time.prior) == (0.0, most, (0.0, spread))
+    (width,) = (q for q in free if q.effect == "valve_deadband")  # which is no time
+    (same,) = (q for q in nuisance_parameters(plant(), "piston", True, (1, 2)) if q.effect == "valve_deadband")
+    assert width == same

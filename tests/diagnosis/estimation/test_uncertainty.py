@@ -7,7 +7,7 @@ import pytest
 
 from exo_sim.diagnosis.estimation.least_squares import Fit, fit
 from exo_sim.diagnosis.estimation.parameters import FreeParameter, Target
-from exo_sim.diagnosis.estimation.uncertainty import bounded_interval, interval, standard_errors
+from exo_sim.diagnosis.estimation.uncertainty import HALF_WIDTH, bounded_interval, interval, standard_errors
 
 N = 4000
 MEAN = FreeParameter("effect", "piston", "mean", "1", Target.SENSOR, 1.0, -10.0, 10.0)
@@ -54,6 +54,33 @@ def test_intervals_cover_nineteen_of_twenty() -> None:
         low, high = interval(found.values[MEAN], standard_errors(Rows(), found, 1.0)[MEAN])
         covered += low < 0.0 < high
     assert 0.9 <= covered / 200 <= 0.99
+
+
+def test_intervals_cover_as_many_where_blocks_are_as_few_as_parameters() -> None:
+    """A dozen blocks that share an error each, and ten parameters: residuals are small where the fit bent to them."""
+    rng, blocks = np.random.default_rng(4), np.arange(480) // 40
+    names = [FreeParameter("effect", "piston", f"size_{i}", "1", Target.SENSOR, 1.0, -100.0, 100.0) for i in range(10)]
+
+    class Few:
+        size = 480
+
+        @property
+        def blocks(self) -> np.ndarray:
+            return blocks
+
+    def of_shapes(noise: np.ndarray, shapes: np.ndarray) -> Fit:
+        return fit(lambda values: noise + shapes @ np.array([values[q] for q in names]), names, dict.fromkeys(names, 0.0), tolerance=1e-9)
+
+    covered, widths = 0, []
+    for _ in range(60):
+        shapes = rng.standard_normal((blocks.size, len(names)))
+        noise = np.repeat(rng.standard_normal(12), 40) * shapes[:, 0] + rng.standard_normal(blocks.size)
+        found = of_shapes(noise, shapes)
+        error = standard_errors(Few(), found, 1.0)[names[0]]
+        covered += abs(found.values[names[0]]) < HALF_WIDTH * error
+        widths.append(error)
+    assert 0.88 <= covered / 60 <= 1.0
+    assert 0.9 / np.sqrt(12) < np.median(widths) < 1.5 / np.sqrt(12)
 
 
 def test_an_interval_stays_inside_the_bounds() -> None:

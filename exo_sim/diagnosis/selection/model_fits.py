@@ -118,7 +118,7 @@ class ModelFits:
         """Return what is free, and the values from which a fit may begin."""
         start = near.fit.values if near else {}
         parameters = (*self.nuisances, *(q for candidate in candidates for q in candidate.parameters))
-        begun = {q: start.get(q, q.start) for q in parameters}
+        begun = {q: start.get(q, q.start) for q in parameters} | self._inherited(candidates, near)
         options = [begun]
         new = [q for q in parameters if q not in start]
         if near and new and (self.cheap or any(q.nonsmooth for q in new)):  # what is missing may have bent the nuisance parameters
@@ -128,6 +128,12 @@ class ModelFits:
                 options = [{**o, **dict(zip(candidate.parameters, values, strict=True))} for o in options for values in candidate.starts]
                 options += [candidate.beside(option) for option in options if candidate.displaced]
         return parameters, options
+
+    def _inherited(self, candidates: Sequence[Candidate], near: FittedModel | None) -> dict[FreeParameter, float]:
+        """Return where nuisance parameters begin whose number a candidate of a similar model held that is left out: where it held it."""
+        held = {q.slot: near.fit.values[q] for c in near.candidates for q in c.parameters} if near else {}
+        taken = {q.slot for c in candidates for q in c.parameters}
+        return {q: min(max(held[q.slot], q.low), q.high) for q in self.nuisances if q.slot in held and q.slot not in taken}
 
     def _best_start(
         self, residual: Callable[[dict[FreeParameter, float]], Array], options: Sequence[dict[FreeParameter, float]]

@@ -36,7 +36,7 @@ EFFECT = Effect(
         # a good proportional valve answers at about 100 Hz
         proportional=True,
         forms=(("time_constant",), ("delay",), ("time_constant", "delay")),
-        healthy={"delay": (1e-3, 3e-3)},
+        healthy={"time_constant": (1e-3, 3e-3), "delay": (1e-3, 3e-3)},
         least={"time_constant": 3e-3},
         adds_up=True,
     ),

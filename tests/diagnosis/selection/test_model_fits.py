@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 from diagnosis.waves import AT, BASE, OTHER, SHAPES, Waves, parameter
@@ -77,3 +79,14 @@ def test_a_look_does_not_replace_a_better_fit() -> None:
     fits = ModelFits(Waves(slow=3.0, quicker=-2.0), ())
     both = fits.refined(fits.fit((BASE, OTHER), fits.fit(())))
     assert fits.look((BASE, OTHER), fits.fit(()), again=True) is both
+
+
+def test_a_number_that_a_candidate_held_is_not_forgotten_where_the_candidate_is_left_out() -> None:
+    """What stands for the same number in every fit begins where the candidate had it, inside its own bounds."""
+    (size,) = BASE.parameters
+    healthy = parameter("healthy", "slow", (0.0, 1.0))
+    healthy = replace(healthy, parameter=size.parameter, high=2.0)
+    fits = ModelFits(Waves(slow=3.0), (healthy,))
+    found = fits.fit((BASE,))
+    assert fits._starts((), found)[1][0][healthy] == 2.0
+    assert fits._starts((BASE,), found)[1][0][healthy] == found.fit.values[healthy]

@@ -82,7 +82,7 @@ class JointSearch:
             self._report(f"{len(best.candidates)} together, {math.sqrt(best.fit.sse / model.size):.1f} times the noise left")
             if self.comparisons.is_clean(best):
                 break
-        return self._extended(self._jointly_pruned(best))
+        return self.extended(self._jointly_pruned(best))
 
     def _jointly_pruned(self, now: FittedModel) -> FittedModel:
         """Return a model without what is not missed beside the rest.
@@ -100,7 +100,7 @@ class JointSearch:
             self._report(f"{len(now.candidates)} worth their parameters")
         return now
 
-    def _extended(self, now: FittedModel) -> FittedModel:
+    def extended(self, now: FittedModel) -> FittedModel:
         """Return a model with what a whole fit finds beside it: an effect whose signature is not in proportion to its size is not
         proposed with the others.
         """

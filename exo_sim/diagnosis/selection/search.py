@@ -127,12 +127,26 @@ class _Growth:
                     best = reached
                     if self._goes_elsewhere(best):
                         return SearchResult(self.comparisons.baseline, self.fits.refined(best), interrupted=True)
-                    break
+                    return self._swapped(best)
             if self._is_hopeless(before, best):
-                break
+                return self._swapped(best)
             beam = [best]
             if not self.comparisons.is_clean(best):
                 beam += [model for model in self.comparisons.ranked(grown) if model.named not in (best.named, leader.named)][: BEAM - 1]
+        return self._swapped(self._completed(best))
+
+    def _completed(self, now: FittedModel) -> FittedModel:
+        """Return a model with further effects that explain the larger part of what is left together and none of them alone, if any do."""
+        if not now.candidates or self.comparisons.is_clean(now) or self._is_over():
+            return now
+        more = self.joint.extended(now)
+        if len(more.candidates) <= len(now.candidates):
+            return now
+        tidied = self.simplification.tidied(more)
+        return tidied if len(tidied.candidates) > len(now.candidates) and self.comparisons.accepts(now, tidied) else now
+
+    def _swapped(self, best: FittedModel) -> SearchResult:
+        """Return the assessed result of a model in which rivals that explain more took the places of findings."""
         found = self._assessed(best)
         for _ in range(MOST_SWAPS):
             if self._is_over():

@@ -95,6 +95,17 @@ def test_names_are_sought_on_beside_a_hopeless_error_only_while_each_halves_it(b
     assert len(found.final.candidates) == names
 
 
+def test_two_that_explain_the_larger_part_of_the_rest_only_together_are_found_together() -> None:
+    """Neither alone takes half of what is left beside the first, and a hum without a name keeps all of them above a healthy error."""
+    signs = np.random.default_rng(5).choice([-1.0, 1.0], (3, AT.size))
+    shapes = {**SHAPES, **dict(zip(("quick", "quicker", "hum"), signs, strict=True))}
+    library = (BASE, OTHER, candidate("third", "quick"))
+    both = Waves(1.2, shapes, slow=9.5, quick=1.0, quicker=1.0, hum=1.0)
+    assert {c.effect for c in search(both, False, library).run().final.candidates} == {"base", "other", "third"}
+    one = Waves(1.2, shapes, slow=9.5, quick=1.0, hum=1.4)
+    assert {c.effect for c in search(one, False, library).run().final.candidates} == {"base"}
+
+
 @pytest.mark.parametrize(("sizes", "interrupted"), [({"slow": 9.0, "quick": 4.0}, True), ({"slow": 9.0}, False)])
 def test_a_search_ends_where_it_is_asked_to_unless_everything_is_explained(sizes: dict[str, Any], interrupted: bool) -> None:
     library = (BASE, ON_TOP, OTHER)

@@ -92,10 +92,10 @@ def _on_loopback(folder: Path) -> str | None:
 
 def _no_viewer(error: Exception) -> str:
     why = str(error).splitlines()[0][:160] if str(error) else type(error).__name__
-    return (
-        f"no picture: the rerun viewer cannot paint here ({why}); "
-        "install a Vulkan driver (Debian: mesa-vulkan-drivers libvulkan1)"
-    )
+    driver = "install a Vulkan driver (Debian: mesa-vulkan-drivers libvulkan1)"
+    if isinstance(error, (ConnectionError, TimeoutError)):
+        return f"no picture: the rerun viewer did not answer ({why}); {driver}, or try again while the machine is less busy"
+    return f"no picture: the rerun viewer cannot paint here ({why}); {driver}"
 
 
 def _free_port() -> int:

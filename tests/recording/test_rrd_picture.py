@@ -31,3 +31,15 @@ def test_a_picture_shows_something(tmp_path: Path, capfd: pytest.CaptureFixture[
 def test_a_picture_of_nothing(tmp_path: Path) -> None:
     with pytest.raises(RecordingError, match="no such recording"):
         take_picture(tmp_path / "no.rrd", tmp_path / "a.png")
+
+
+def test_a_viewer_that_does_not_answer_is_not_said_to_lack_a_driver_alone(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    from rerun.experimental import ViewerClient
+
+    def late(**_: object) -> None:
+        raise ConnectionError("transport error")
+
+    monkeypatch.setattr(ViewerClient, "spawn", late)
+    (tmp_path / "a.rrd").write_bytes(b"")
+    with pytest.raises(OutputError, match=r"did not answer \(transport error\); install a Vulkan driver .* less busy"):
+        take_picture(tmp_path / "a.rrd", tmp_path / "a.png")

@@ -6,6 +6,7 @@ from collections.abc import Sequence
 
 from exo_sim.diagnosis.estimation.candidate import Candidate
 from exo_sim.diagnosis.estimation.parameters import FreeParameter
+from exo_sim.diagnosis.findings import Kind
 from exo_sim.diagnosis.policy.budgets import FINALISTS, FORMS_OF_ONE
 from exo_sim.diagnosis.selection.evidence import could_be_accepted
 from exo_sim.diagnosis.selection.fitted_model import FittedModel, SetKey, key_of
@@ -93,12 +94,14 @@ class Proposals:
     def replacements(self, candidate: Candidate, now: FittedModel) -> list[Candidate]:
         """Return what may stand in a candidate's place: other forms of its effect; where fits are cheap, simpler effects too.
 
+        Of one column all errors are tried: beside a zero that may drift, a scale looks like a bias until both are fitted.
         Of a large model they are no richer: it was reached from proposals of every form.
         """
         forms, richer = [], 0 if now.is_large else 2
         for form in self.candidates:
             more = len(form.parameters) - len(candidate.parameters)
-            same = form.at == candidate.at
+            column = form.where == candidate.where and form.kind is candidate.kind is Kind.SENSOR and form.at not in now.named
+            same = form.at == candidate.at or column
             simpler = self.fits.cheap and more < 0 and form.at not in now.named
             if form.key != candidate.key and now.meets_prerequisite(form) and (simpler or (same and more <= richer)):
                 forms.append(form)

@@ -2,10 +2,13 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import pytest
 from diagnosis.waves import AT, BASE, OTHER, SHAPES, Waves, candidate
 
 from exo_sim.diagnosis.estimation.candidate import Candidate
+from exo_sim.diagnosis.findings import Kind
 from exo_sim.diagnosis.policy.budgets import FORMS_OF_ONE
 from exo_sim.diagnosis.selection.fitted_model import FittedModel
 from exo_sim.diagnosis.selection.model_fits import ModelFits
@@ -46,6 +49,15 @@ def test_replacements_are_other_forms_whose_prerequisite_is_there() -> None:
     orphan = candidate("both", "quicker", prerequisite="absent")
     found, bare = proposals(RICH, PLAIN, OTHER, orphan, slow=3.0)
     assert found.replacements(PLAIN, bare) == [RICH]
+
+
+def test_another_error_of_the_same_column_may_stand_in_the_place_of_one() -> None:
+    scale, bias = (replace(candidate(effect, "slow"), kind=Kind.SENSOR) for effect in ("sensor_scale", "sensor_bias"))
+    elsewhere = replace(bias, where="slide.position")
+    found, bare = proposals(scale, bias, elsewhere, BASE, slow=3.0)
+    assert found.replacements(scale, bare) == [bias]
+    both = replace(bare, candidates=(scale, bias))
+    assert found.replacements(scale, both) == []
 
 
 def test_simpler_forms_have_fewer_parameters_and_those_that_are_kept() -> None:

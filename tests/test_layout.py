@@ -43,7 +43,7 @@ THROUGH: dict[str, tuple[str, ...]] = {
         "gait/scenarios/fast_walk.py", "gait/scenarios/level_walk.py", "gait/scenarios/level_walk_opensim.py",
         "gait/scenarios/payload_step.py", "gait/scenarios/sit_to_stand.py", "gait/scenarios/slope_down.py", "gait/scenarios/slope_up.py",
         "gait/scenarios/slow_walk.py", "gait/scenarios/squat.py", "gait/scenarios/stairs_down.py", "gait/scenarios/stairs_up.py",
-        "gait/scenarios/stand.py", "gait/scenarios/uneven_load.py",
+        "gait/scenarios/stand.py", "gait/scenarios/start_and_stop.py", "gait/scenarios/uneven_load.py",
     ),
     "gait/test_own_gait.py": (
         "gait/contact_fit.py", "gait/files/c3d.py", "gait/files/opensim_motion.py",

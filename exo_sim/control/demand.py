@@ -42,9 +42,8 @@ def demand(law: str, dynamics: MachineDynamics, motion: Motion, straps: StrapSet
         ankle: What the ankle can do.
 
     Returns:
-        hip, knee, ankle of the left, then of the right leg [N m], shape (SAMPLES, 6). Ankle columns are zero unless
-        it is
-        powered.
+        hip, knee, ankle of the left, then of the right leg [N m], shape (samples of the motion, 6). Ankle columns are zero
+        unless it is powered.
 
     Raises:
         ScenarioError: another law.
@@ -55,7 +54,7 @@ def demand(law: str, dynamics: MachineDynamics, motion: Motion, straps: StrapSet
         torque = _inverse_dynamics(dynamics, motion, straps)
     else:
         raise ScenarioError(f'unknown demand law "{law}"{nearest(law, LAWS)}')
-    return limit(_fine(torque * motion.support[PICK, None]), ankle)
+    return limit(_fine(torque * motion.support[PICK, None], len(motion.position)), ankle)
 
 
 def limit(torque: NDArray[np.float64], ankle: Ankle) -> NDArray[np.float64]:
@@ -66,11 +65,11 @@ def limit(torque: NDArray[np.float64], ankle: Ankle) -> NDArray[np.float64]:
     return limited
 
 
-def _fine(table: NDArray[np.float64]) -> NDArray[np.float64]:
-    """Keep the lower harmonics of PHASES values and evaluate them at all samples."""
+def _fine(table: NDArray[np.float64], count: int) -> NDArray[np.float64]:
+    """Keep the lower harmonics of each stride of values at even phases and evaluate them at `count` samples."""
     spectrum = np.fft.rfft(table, axis=0)
-    spectrum[_HARMONICS + 1 :] = 0.0
-    return np.fft.irfft(spectrum, SAMPLES, axis=0) * (SAMPLES / len(table))
+    spectrum[_HARMONICS * (count // SAMPLES) + 1 :] = 0.0
+    return np.fft.irfft(spectrum, count, axis=0) * (count / len(table))
 
 
 def _virtual_support(dynamics: MachineDynamics, motion: Motion) -> NDArray[np.float64]:

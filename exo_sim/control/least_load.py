@@ -22,7 +22,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from exo_sim.control.machine_dynamics import PHASES, PICK, MachineDynamics
+from exo_sim.control.machine_dynamics import PICK, MachineDynamics
 from exo_sim.gait.motion import SAMPLES, Motion
 from exo_sim.gait.residual_reduction import body_loads
 from exo_sim.machine.footing import hold, joint_moments
@@ -31,15 +31,15 @@ from exo_sim.machine.straps import StrapSet
 from exo_sim.machine.wearer_moments import extra_moments
 from exo_sim.rig.schema import Ankle
 
-#: Harmonics of the torques.
+#: Harmonics of the torques in a stride or repetition.
 HARMONICS = 10
 _ANKLES = (5, 8)
 #: A foot's tip on the ground: spring upward [N/m], dampers along and up [N s/m] (friction creeps, it has no spring).
 _GROUND_SPRING = 2e5
 _GROUND_DAMPER = np.array([2e4, 1e3])
 _LIFTINGS = 4
-#: Share of a full correction that one rehearsal makes.
-_STRIDE_GAIN = 0.5
+#: Share of a full correction that a rehearsal makes; halved where it made it worse, going on from the best so far.
+_SHARE = 0.5
 
 
 @dataclass(frozen=True)
@@ -53,7 +53,7 @@ class Weights:
         moving: By how much more a moment counts while its joint turns, where it costs work [s/rad].
         torso: Of a newton on the torso straps, up or down [m].
         torso_ahead: Of a newton on the torso straps, forward or back [m].
-        push: Of a newton that all straps together push the machine ahead [m].
+        push: Of a newton that all straps together push the machine ahead [m]: the wearer holds it against the ground, about a metre below.
         effort: Of a newton metre demanded, steady.
         smoothness: Of a newton metre demanded, for each harmonic.
     """
@@ -65,7 +65,7 @@ class Weights:
     moving: float = 0.5
     torso: float = 0.5
     torso_ahead: float = 0.1
-    push: float = 0.3
+    push: float = 1.0
     effort: float = 0.05
     smoothness: float = 0.05
 
@@ -87,7 +87,7 @@ SPARING = Weights(smoothness=0.15)
 
 @dataclass(frozen=True)
 class Yielding:
-    """How the machine gives way about its reference: inertia d'' + damping d' + stiffness d = torques, n = PHASES.
+    """How the machine gives way about its reference: inertia d'' + damping d' + stiffness d = torques, n phases.
 
     Attributes:
         inertia, damping, stiffness: Of straps and ground together, shape (n, 9, 9).
@@ -116,7 +116,8 @@ class LeastLoad:
         person: Who wears it.
         straps: Between them.
         ankle: What the ankle can do.
-        reach: Least and largest torque that the actuators can hold [N m], shape (PHASES, 6, 2).
+        reach: Least and largest torque that the actuators can hold [N m], shape (n, 6, 2), n phases of
+            `machine_dynamics.PICK`.
         weights: What counts as load.
     """
 
@@ -135,16 +136,20 @@ class LeastLoad:
         self._support = motion.support
         rate = motion.slope[PICK, 3:] / motion.period
         self._matters = np.maximum(motion.support[PICK], 1e-3)[:, None] * self.weights.of_loads(rate)
-        self._own = np.concatenate([self.weights.own * own_moments(motion, person), np.zeros((PHASES, 3))], axis=1)
-        harmonic = np.concatenate([[0], np.repeat(np.arange(1, HARMONICS + 1), 2)])
+        self._own = np.concatenate([self.weights.own * own_moments(motion, person), np.zeros((len(rate), 3))], axis=1)
+        self._strides = max(1, len(motion.position) // SAMPLES)
+        self._phases, self._harmonics = len(rate), HARMONICS * self._strides
+        harmonic = np.concatenate([[0], np.repeat(np.arange(1, self._harmonics + 1), 2)]) / self._strides
         effort = np.tile(np.hypot(self.weights.effort, self.weights.smoothness * harmonic), len(self._driven))
-        self._effort: NDArray[np.float64] = effort * float(np.sqrt(PHASES))
+        self._effort: NDArray[np.float64] = effort * float(np.sqrt(self._phases))
         self._reach = reach
-        self._coefficients = np.zeros(len(self._driven) * (2 * HARMONICS + 1))
+        self._coefficients = np.zeros(len(self._driven) * (2 * self._harmonics + 1))
         self._solve(dynamics, motion, person, straps, ankle)
         self._coefficients = self._within_reach(self._coefficients)
         self._gain = np.linalg.inv(self._effect.T @ self._effect + np.diag(self._effort**2))
         self._best: tuple[float, NDArray[np.float64]] = (np.inf, self._coefficients)
+        self._heard: NDArray[np.float64] | None = None
+        self._share = _SHARE
 
     @property
     def best(self) -> NDArray[np.float64]:
@@ -152,7 +157,7 @@ class LeastLoad:
         return self._best[1] if np.isfinite(self._best[0]) else self._coefficients
 
     def torque(self, best: bool = False) -> NDArray[np.float64]:
-        """Return hip, knee, ankle of the left, then of the right leg along the cycle [N m], shape (SAMPLES, 6).
+        """Return hip, knee, ankle of the left, then of the right leg along the cycle [N m], shape (samples of the motion, 6).
 
         Args:
             best: Those of the best rehearsal so far, else those to try next.
@@ -161,8 +166,8 @@ class LeastLoad:
 
     def table(self, coefficients: NDArray[np.float64]) -> NDArray[np.float64]:
         """Return the torques that harmonics make, as `torque`."""
-        out = np.zeros((SAMPLES, 6))
-        out[:, self._driven] = _basis(SAMPLES) @ coefficients.reshape(len(self._driven), -1).T
+        out = np.zeros((len(self._support), 6))
+        out[:, self._driven] = _basis(len(out), self._harmonics) @ coefficients.reshape(len(self._driven), -1).T
         return out * self._support[:, None]
 
     def restored(self, change: NDArray[np.float64], forces: NDArray[np.float64], share: float) -> NDArray[np.float64]:
@@ -170,7 +175,7 @@ class LeastLoad:
 
         Args:
             change: What it was so far.
-            forces: By how much the straps' forces on the machine, across and along, were others [N], shape (PHASES, 2 straps).
+            forces: By how much the straps' forces on the machine, across and along, were others [N], shape (n, 2 straps).
             share: Of the full correction, 0 to 1.
         """
         load = (np.einsum("nij,nj->ni", self._strap_map, forces) * self._matters).reshape(-1)
@@ -181,33 +186,36 @@ class LeastLoad:
         """Better the torques by what they did in a rehearsal.
 
         Args:
-            moments: The wearer's extra moments at PHASES even phases of a cycle [N m], shape (PHASES, 6).
-            straps: Force of all torso straps, ahead and up, and of all straps ahead, at the same phases [N], shape (PHASES, 3).
+            moments: The wearer's extra moments at the n even phases of a cycle [N m], shape (n, 6).
+            straps: Force of all torso straps, ahead and up, and of all straps ahead, at the same phases [N], shape (n, 3).
 
         Returns:
             The cost that was reached; `torque(best=True)` belongs to the least of all.
         """
         load = ((np.concatenate([moments, straps], axis=1) + self._own) * self._matters).reshape(-1)
-        held = self._effort**2 * self._coefficients
-        cost = float(load @ load + held @ self._coefficients)
+        tried = self._coefficients
+        cost = float(load @ load + (self._effort * tried) @ (self._effort * tried))
         if cost < self._best[0]:
-            self._best = (cost, self._coefficients)
-        step = self._gain @ (self._effect.T @ load + held)
-        self._coefficients = self._coefficients - _STRIDE_GAIN * step
-        self._coefficients = self._within_reach(self._coefficients)
+            self._best, self._heard = (cost, tried), load
+        else:
+            self._share *= 0.5
+        best = self._best[1]
+        step = self._gain @ (self._effect.T @ self._heard + self._effort**2 * best)
+        self._coefficients = self._within_reach(best - self._share * step)
         return cost
 
     def _within_reach(self, coefficients: NDArray[np.float64]) -> NDArray[np.float64]:
         """Return the harmonics that come closest to the torques cut off at what the actuators can hold."""
-        basis = _basis(PHASES)
+        basis = _basis(self._phases, self._harmonics)
         table = basis @ coefficients.reshape(len(self._driven), -1).T
         cut = np.clip(table, self._reach[:, self._driven, 0], self._reach[:, self._driven, 1])
         return np.asarray(np.linalg.lstsq(basis, cut, rcond=None)[0].T.reshape(-1), dtype=np.float64)
 
     def _solve(self, dynamics: MachineDynamics, motion: Motion, person: Person, straps: StrapSet, ankle: Ankle) -> None:
         """Find the effect of each torque harmonic on the loads, and the harmonics that make the loads least."""
-        first, second = _derivative_matrices(motion.period)
-        strap = dynamics.strap.reshape(PHASES, -1, 9)
+        n = self._phases
+        first, second = _derivative_matrices(motion.period, n)
+        strap = dynamics.strap.reshape(n, -1, 9)
         stiffness, damping = straps.stiffness.reshape(-1), straps.damping.reshape(-1)
         spring = np.einsum("nij,i,nik->njk", strap, stiffness, strap)
         damper = np.einsum("nij,i,nik->njk", strap, damping, strap)
@@ -216,10 +224,10 @@ class LeastLoad:
                 spring[:, joint, joint] += ankle.stiffness
         self._strap_map = np.concatenate([_wearer_map(dynamics, motion, person, straps), _pulled(dynamics, straps)], axis=1)
         loads = self._strap_map * self._matters[:, :, None]
-        inputs = np.zeros((PHASES, 9, len(self._driven), 2 * HARMONICS + 1))
+        inputs = np.zeros((n, 9, len(self._driven), 2 * self._harmonics + 1))
         for i, joint in enumerate(self._driven):
-            inputs[:, 3 + joint, i] = _basis(PHASES) * self._support[PICK, None]
-        columns = inputs.reshape(PHASES * 9, -1)
+            inputs[:, 3 + joint, i] = _basis(n, self._harmonics) * self._support[PICK, None]
+        columns = inputs.reshape(n * 9, -1)
         contact, up = dynamics.contact, dynamics.contact[:, :, 1]
         down = motion.contact[PICK].copy()
         for _ in range(_LIFTINGS):
@@ -230,7 +238,7 @@ class LeastLoad:
             reached += np.einsum("ncaj,nca->nj", contact, grip * dynamics.tip_velocity)
             fixed = -(dynamics.required + reached).reshape(-1, 1)
             system = _coupled(dynamics.inertia, c, k, first, second)
-            give = np.linalg.solve(system, np.concatenate([columns, fixed], axis=1)).reshape(PHASES, 9, -1)
+            give = np.linalg.solve(system, np.concatenate([columns, fixed], axis=1)).reshape(n, 9, -1)
             rate = np.tensordot(first, give, axes=1)
             force = -(stiffness[:, None] * (strap @ give) + damping[:, None] * (strap @ rate))
             load = (loads @ force).reshape(-1, give.shape[2])
@@ -247,12 +255,12 @@ class LeastLoad:
         self.yielding = Yielding(dynamics.inertia, c, k, strap, stiffness, damping, loads, tuple(self._driven))
 
 
-def _derivative_matrices(period: float) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
-    """Return the spectral first and second derivative by time on the phases, shape (PHASES, PHASES)."""
-    rate = 2j * np.pi * np.fft.fftfreq(PHASES, 1 / PHASES)
-    second = np.fft.ifft(rate[:, None] ** 2 * np.fft.fft(np.eye(PHASES), axis=0), axis=0).real
-    rate[PHASES // 2] = 0.0
-    first = np.fft.ifft(rate[:, None] * np.fft.fft(np.eye(PHASES), axis=0), axis=0).real
+def _derivative_matrices(period: float, n: int) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+    """Return the spectral first and second derivative by time on n even phases, shape (n, n)."""
+    rate = 2j * np.pi * np.fft.fftfreq(n, 1 / n)
+    second = np.fft.ifft(rate[:, None] ** 2 * np.fft.fft(np.eye(n), axis=0), axis=0).real
+    rate[n // 2] = 0.0
+    first = np.fft.ifft(rate[:, None] * np.fft.fft(np.eye(n), axis=0), axis=0).real
     return first / period, second / period**2
 
 
@@ -263,18 +271,18 @@ def _coupled(
     first: NDArray[np.float64],
     second: NDArray[np.float64],
 ) -> NDArray[np.float64]:
-    """Return M d'' + C d' + K d as one matrix over all phases, shape (9 PHASES, 9 PHASES)."""
+    """Return M d'' + C d' + K d as one matrix over all n phases, shape (9 n, 9 n)."""
     system = np.einsum("nij,nm->nimj", m, second) + np.einsum("nij,nm->nimj", c, first)
-    phase = np.arange(PHASES)
+    phase = np.arange(len(m))
     system[phase, :, phase, :] += k
-    return system.reshape(9 * PHASES, 9 * PHASES)
+    return system.reshape(9 * len(m), 9 * len(m))
 
 
-def _basis(count: int) -> NDArray[np.float64]:
-    """Return constant, cosines and sines of the harmonics at evenly spaced phases, shape (count, 2 HARMONICS + 1)."""
+def _basis(count: int, harmonics: int) -> NDArray[np.float64]:
+    """Return constant, cosines and sines of the harmonics at evenly spaced phases, shape (count, 2 harmonics + 1)."""
     phase = np.arange(count) / count
     columns = [np.ones(count)]
-    for h in range(1, HARMONICS + 1):
+    for h in range(1, harmonics + 1):
         columns += [np.cos(2 * np.pi * h * phase), np.sin(2 * np.pi * h * phase)]
     return np.stack(columns, axis=1)
 
@@ -292,7 +300,7 @@ def _pulled(dynamics: MachineDynamics, straps: StrapSet) -> NDArray[np.float64]:
 
 
 def own_moments(motion: Motion, person: Person) -> NDArray[np.float64]:
-    """Return the moments of the wearer's own body along the motion [N m], shape (PHASES, 6)."""
+    """Return the moments of the wearer's own body along the motion [N m], shape (n, 6)."""
     poses, wrench = body_loads(motion, person, PICK)
     ground = hold(poses, wrench, motion.share[PICK], motion.pressure_centre[PICK], motion.support[PICK], person, motion.ground.angle)
     return joint_moments(poses, wrench, ground.force, ground.place)

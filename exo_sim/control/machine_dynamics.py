@@ -15,15 +15,16 @@ from exo_sim.machine.straps import StrapSet
 if TYPE_CHECKING:
     import mujoco
 
-#: Phases at which a cycle is looked at, evenly spaced; every SAMPLES // PHASES-th sample of the motion.
+#: Phases at which a stride or repetition is looked at, evenly spaced, and which samples of a motion these are; a cycle of several strides
+#: has so many of each.
 PHASES = 64
-PICK = slice(0, SAMPLES, SAMPLES // PHASES)
+PICK = slice(0, None, SAMPLES // PHASES)
 CONTACTS = ("heel_l", "toe_l", "heel_r", "toe_r")
 
 
 @dataclass(frozen=True)
 class MachineDynamics:
-    """Along one cycle, n = PHASES. Generalised coordinates in the order of the model's joints (torso x, z, pitch;
+    """Along one cycle, n = PHASES for each stride of it. Generalised coordinates in the order of the model's joints (torso x, z, pitch;
     hip, knee, ankle).
 
     Attributes:
@@ -68,14 +69,16 @@ def along(model: mujoco.MjModel, motion: Motion, person: Person, straps: StrapSe
     tips = [model.geom(name) for name in CONTACTS]
     place = model.site_pos[[model.site(f"foot_{side}").id for side in "lr"]]
     nv, n_straps = model.nv, len(straps.names)
-    required, inertia = np.empty((PHASES, nv)), np.empty((PHASES, nv, nv))
-    tip_place, tip_velocity = np.empty((PHASES, 4, 2)), np.empty((PHASES, 4, 2))
-    contact = np.empty((PHASES, len(CONTACTS), 2, nv))
-    pressure = np.empty((PHASES, 2, 2, nv))
-    pressure_point = np.empty((PHASES, 2, 2))
-    mass_centre = np.empty((PHASES, 2))
-    strap, direction = np.empty((PHASES, n_straps, 2, nv)), np.empty((PHASES, n_straps, 2, 2))
-    poses = np.empty((PHASES, 7, 6))
+    samples = range(len(motion.position))[PICK]
+    n = len(samples)
+    required, inertia = np.empty((n, nv)), np.empty((n, nv, nv))
+    tip_place, tip_velocity = np.empty((n, 4, 2)), np.empty((n, 4, 2))
+    contact = np.empty((n, len(CONTACTS), 2, nv))
+    pressure = np.empty((n, 2, 2, nv))
+    pressure_point = np.empty((n, 2, 2))
+    mass_centre = np.empty((n, 2))
+    strap, direction = np.empty((n, n_straps, 2, nv)), np.empty((n, n_straps, 2, 2))
+    poses = np.empty((n, 7, 6))
     jacobian = np.empty((3, nv))
     lengths = person.lengths()
 
@@ -84,7 +87,7 @@ def along(model: mujoco.MjModel, motion: Motion, person: Person, straps: StrapSe
         return jacobian[[0, 2]]
 
     try:
-        for i, sample in enumerate(range(0, SAMPLES, SAMPLES // PHASES)):
+        for i, sample in enumerate(samples):
             data.qpos[:] = motion.position[sample]
             data.qvel[:] = motion.slope[sample] * rate
             data.qacc[:] = motion.curvature[sample] * rate**2
@@ -95,7 +98,7 @@ def along(model: mujoco.MjModel, motion: Motion, person: Person, straps: StrapSe
                 centre = data.geom_xpos[tip.id].copy()
                 centre[2] -= tip.size[0]
                 contact[i, j] = at(centre, foot[j // 2])
-                gone = sample / SAMPLES * motion.advance  # what positions leave out
+                gone = sample / len(motion.position) * motion.advance  # what positions leave out
                 below = ground.height(centre[0] + gone) - ground.grade * gone
                 tip_place[i, j] = centre[0], centre[2] - below
                 tip_velocity[i, j] = contact[i, j] @ data.qvel

@@ -12,7 +12,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 from numpy.typing import NDArray
 
-from exo_sim.gait.motion import Motion, phases, smooth, travelling
+from exo_sim.gait.motion import SAMPLES, Motion, phases, smooth, travelling
 from exo_sim.machine.footing import FEET
 from exo_sim.machine.ground import Ground
 from exo_sim.machine.leg_angles import leg_to, turned
@@ -22,6 +22,8 @@ Array = NDArray[np.float64]
 
 #: Phases from a foot's own heel strike over which it rolls from heel to ball, and back in the air.
 _ROLLS, _ROLLS_BACK = (0.13, 0.36), (0.66, 0.94)
+#: So long before and after a leg would be stretched too far the pelvis is lower, in strides.
+_BOW = 0.12
 
 
 @dataclass(frozen=True)
@@ -89,6 +91,22 @@ def walked(it: Paths, like: Motion, person: Person, ground: Ground, advance: flo
     return travelling(replace(like, advance=advance, period=period, ground=ground), position)
 
 
+def with_pelvis_ahead(motion: Motion, person: Person, ahead: Array) -> Motion:
+    """Return a motion with the pelvis so far ahead [m], shape (n,), of a walk from rest to rest.
+
+    Feet and trunk stay where they are, legs follow; where they do not reach, the pelvis is lower for a while.
+    """
+    poses = poses_along(motion.position, np.zeros_like(motion.position), person)
+    ankles = poses[:, FEET, :2]
+    far = float(np.hypot(*np.moveaxis(ankles - motion.position[:, None, :2], -1, 0)).max())
+    position = motion.position.copy()
+    position[:, 0] += ahead
+    position[:, 1] -= _lower(ankles, position[:, :2], far)
+    for row, first in zip(FEET, LEG_START.values()):
+        position[:, first : first + 3] = leg_to(poses[:, row, :2] - position[:, :2], poses[:, row, 2], position[:, 2], person)
+    return travelling(motion, position)
+
+
 def ankle_paths(it: Paths, person: Person, ground: Ground) -> tuple[Array, Array]:
     """Return where the ankles are [m], shape (n, 2, 2), and the feet's angle in space [rad], shape (n, 2)."""
     slope = ground.angle
@@ -103,6 +121,23 @@ def reach(it: Paths, person: Person, ground: Ground) -> float:
     """Return how far the hips are from an ankle at the most [m]."""
     ankles, _ = ankle_paths(it, person, ground)
     return float(np.hypot(*np.moveaxis(ankles - it.pelvis[:, None], -1, 0)).max())
+
+
+def bowed(it: Paths, person: Person, ground: Ground, far: float) -> Paths:
+    """Return paths of a walk from rest to rest with the pelvis lower for a while where legs would be stretched farther than said [m]."""
+    ankles, _ = ankle_paths(it, person, ground)
+    return replace(it, pelvis=it.pelvis - np.stack([np.zeros(len(ankles)), _lower(ankles, it.pelvis, far)], axis=1))
+
+
+def _lower(ankles: Array, pelvis: Array, far: float) -> Array:
+    """Return by how much a pelvis, shape (n, 2), is to be lower so that no ankle, shape (n, 2, 2), is farther than said [m], shape (n,)."""
+    from scipy.ndimage import gaussian_filter1d, maximum_filter1d  # not for walks as they were recorded
+
+    along = np.clip(np.abs(ankles[:, :, 0] - pelvis[:, :1]), 0.0, 0.999 * far)
+    short = pelvis[:, 1] - (ankles[:, :, 1] + np.sqrt(far**2 - along**2)).min(axis=1)
+    wide = round(_BOW * SAMPLES)
+    longest = maximum_filter1d(np.maximum(short, 0.0), 2 * wide + 1, mode="wrap")
+    return np.asarray(gaussian_filter1d(longest, 0.5 * wide, mode="wrap"))
 
 
 def within_reach(it: Paths, person: Person, ground: Ground, far: float, bob: float) -> Paths:

@@ -33,6 +33,7 @@ class Motion:
         support: How far the machine is to carry the load itself, 0 (the wearer sits) to 1, shape (n,).
         trial: What is known of the strides where a cycle is a whole trial, else None.
         ground: What is walked on.
+        from_rest: Whether a cycle begins and ends at rest, with steps between.
     """
 
     period: float
@@ -46,6 +47,7 @@ class Motion:
     support: NDArray[np.float64]
     trial: WholeTrial | None = None
     ground: Ground = field(default_factory=Ground)
+    from_rest: bool = False
 
     @property
     def climb(self) -> float:
@@ -65,7 +67,7 @@ class Motion:
     @property
     def phase(self) -> NDArray[np.float64]:
         """The phase of the right foot's stride at each sample, shape (n,); a whole trial counts its strides on."""
-        return phases() if self.trial is None else self.trial.foot_phase[:, 1]
+        return np.arange(len(self.position)) / len(self.position) if self.trial is None else self.trial.foot_phase[:, 1]
 
     def at(self, phase: NDArray[np.float64], first: int = 9) -> NDArray[np.float64]:
         """Return the first coordinates without the steady advance and climb at any phases [cycles], shape (n, first)."""

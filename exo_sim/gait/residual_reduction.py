@@ -3,7 +3,8 @@
 Recorded angles on a rigid chain break Newton's laws a little: the centre of pressure would have to leave the foot. As in residual
 reduction (Delp and others 2007, IEEE Transactions on Biomedical Engineering 54:1940) the trunk leans a little more or less along the
 cycle and the pelvis path is moved by millimetres, by damped Gauss-Newton steps, until the ground's force passes through the soles near
-where it is expected and aims at one point above the hips. The same is done for a body alone, with a backpack, and with the machine: it
+where it is expected and aims at one point above the hips. In a walk from rest to rest the pelvis is moved by more, over feet that stay.
+The same is done for a body alone, with a backpack, and with the machine: it
 says how each leans.
 """
 
@@ -17,6 +18,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from exo_sim.errors import ScenarioError
+from exo_sim.gait import pendulum
+from exo_sim.gait.footpaths import with_pelvis_ahead
 from exo_sim.gait.motion import Motion, travelling
 from exo_sim.machine import anthropometry, footing
 from exo_sim.machine.person import Person, poses_along
@@ -26,6 +29,8 @@ from exo_sim.machine.wearer_moments import backpack_wrench
 _EVERY = 8
 #: Harmonics of the trunk and of the pelvis ahead, and of the pelvis up: those that both legs share in walking, the lowest in place.
 _WALKING, _IN_PLACE, _HEIGHT = (2, 4, 6), (1, 2), (4, 6, 8)
+#: Of the trunk and of the pelvis ahead where what is carried is not the same left and right.
+_UNEVEN = (1, 2, 3, 4, 6)
 #: What is thought little of: trunk leaning and swaying [rad], pelvis ahead and up [m], centre of pressure along the sole [m].
 _LEAN, _SWAY, _AHEAD, _UP, _CENTRE = np.radians(6.0), np.radians(3.0), 1.5e-3, 0.4e-3, 0.02
 #: A moment is felt as the weight on this lever [m]; a force off its aim as this share of the weight.
@@ -33,6 +38,8 @@ _LEVER, _SHARE = 0.01, 0.007
 #: The centre of pressure may be expected so far ahead of the ball of the foot [m].
 _BEYOND_BALL = 0.03
 _STEPS, _DAMPING = 8, 1e-3
+#: Height of a body's mass above the ground over the body's height, about (Winter 2009, table 4.1); rounds in which the pelvis is moved.
+_MASS_HEIGHT, _ROUNDS = 0.56, 4
 #: Walks move trunk and pelvis by up to three of the scales above; by more than so many, nothing was found.
 _ABSURD = 15.0
 
@@ -67,7 +74,7 @@ class _Parameters:
         return replace(travelling(motion, position), pressure_centre=centre, trial=trial)
 
 
-def reduced(motion: Motion, person: Person, carried: Load | None = None) -> Motion:
+def reduced(motion: Motion, person: Person, carried: Load | None = None, uneven: bool = False) -> Motion:
     """Return a motion whose ground force passes through the soles, as nearly as leaning can do it.
 
     Of a whole trial the mean stride says how to lean; every stride is moved alike.
@@ -77,11 +84,13 @@ def reduced(motion: Motion, person: Person, carried: Load | None = None) -> Moti
         person: Whose body; segments after `machine.anthropometry`.
         carried: Gives, for a motion and some of its samples, the load on the wearer beside the own body, about the pelvis: x, z [N]
             and about -y [N m], shape (n, 3).
+        uneven: Whether it is not the same left and right.
 
     Raises:
         ScenarioError: no soles on the ground can hold it.
     """
-    parameters = _Parameters(_WALKING, _HEIGHT) if motion.advance else _Parameters(_IN_PLACE, ())
+    walks = motion.advance and not motion.from_rest
+    parameters = _Parameters(_UNEVEN if uneven else _WALKING, _HEIGHT) if walks else _Parameters(() if motion.from_rest else _IN_PLACE, ())
     scales = parameters.scales()
     values = np.zeros(len(scales))
     stride = motion if motion.trial is None else motion.trial.mean
@@ -107,7 +116,8 @@ def reduced(motion: Motion, person: Person, carried: Load | None = None) -> Moti
         raise ScenarioError(
             "no lean of the trunk lets soles on the ground hold this motion: for a moment the body would weigh nothing; write a lower speed"
         )
-    return parameters.applied(motion, person, values)
+    done = parameters.applied(motion, person, values)
+    return _over_its_feet(done, person, carried) if motion.from_rest else done
 
 
 def worn(motion: Motion, person: Person, model: mujoco.MjModel) -> Motion:
@@ -126,9 +136,15 @@ def worn(motion: Motion, person: Person, model: mujoco.MjModel) -> Motion:
     flags = model.opt.disableflags
     model.opt.disableflags = flags | mujoco.mjtDisableBit.mjDSBL_CONSTRAINT
     try:
-        return reduced(motion, person, load)
+        return reduced(motion, person, load, _uneven(model))
     finally:
         model.opt.disableflags = flags
+
+
+def _uneven(model: mujoco.MjModel) -> bool:
+    """Return whether a machine's legs do not weigh the same."""
+    mass = {model.body(i).name: float(model.body_mass[i]) for i in range(model.nbody)}
+    return any(abs(mass[name] - mass[f"{name[:-1]}r"]) > 1e-9 for name in mass if name.endswith("_l") and f"{name[:-1]}r" in mass)
 
 
 def with_backpack(motion: Motion, person: Person, place: tuple[float, float], mass: float, inertia: float) -> Motion:
@@ -168,11 +184,29 @@ def _off_balance(motion: Motion, person: Person, carried: Load | None) -> NDArra
     weight = -float(np.mean(load[:, 1]))
     felt = support / np.sqrt(len(load))
     out = [off[:, 0] * felt / (weight * _LEVER)]
-    if motion.advance:
+    if motion.advance and not motion.from_rest:
         jerky = np.fft.rfft(load[:, 1])[6:20] * 2 / len(load) / (weight * _SHARE)
         out += [off[:, 1] * felt / (weight * _SHARE), jerky.real, jerky.imag]
     return np.concatenate(out)
 
 
+def _over_its_feet(motion: Motion, person: Person, carried: Load | None) -> Motion:
+    """Return a motion that begins at rest with the pelvis ahead or back so that the ground's force passes where it is expected.
+
+    The body's pendulum says by how much (Kajita and others 2003, as in `start_and_stop`); feet and trunk stay as they are.
+    """
+    rows, grid = slice(0, None, _EVERY), np.arange(len(motion.position))
+    for _ in range(_ROUNDS):
+        poses, wrench = body_loads(motion, person, rows)
+        load = footing.totals(poses, wrench)
+        if carried is not None:
+            load = load + carried(motion, rows)
+        left = footing.off_balance(poses, load, motion.share[rows], motion.pressure_centre[rows], person)[:, 0]
+        off = np.interp(grid, grid[rows], left / float(np.mean(-load[:, 1])), period=len(grid))
+        motion = with_pelvis_ahead(motion, person, -pendulum.above(off, _MASS_HEIGHT * person.height, motion.period))
+    return motion
+
+
 def _basis(phase: NDArray[np.float64], harmonics: tuple[int, ...]) -> NDArray[np.float64]:
-    return np.stack([wave(2 * np.pi * h * phase) for h in harmonics for wave in (np.cos, np.sin)], axis=1)
+    waves = [wave(2 * np.pi * h * phase) for h in harmonics for wave in (np.cos, np.sin)]
+    return np.reshape(waves, (-1, len(phase))).T

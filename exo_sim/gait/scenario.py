@@ -42,7 +42,7 @@ class Scenario:
     Attributes:
         summary: One line for the list.
         motion: Gives the reference motion of a person.
-        cycle: What one cycle is called: "stride", "repetition", "second".
+        cycle: What one cycle is called: "stride", "repetition", "second", "walk".
         cycles: How many, unless asked otherwise.
         gait: Name of the recorded gait that the angles can be held against, or None.
         added: Load put on while it runs, or None.
@@ -104,7 +104,7 @@ def motion(scenario: str | Scenario, person: Person, speed: float | str) -> Moti
     """
     found = find(scenario) if isinstance(scenario, str) else scenario
     usual = found.motion(person)
-    scaled = usual.advance > 0.0 and usual.trial is None and usual.ground.level
+    scaled = usual.advance > 0.0 and usual.trial is None and usual.ground.level and not usual.from_rest
     if (found.pace is not None or found.grade) and not scaled:
         raise ScenarioError("speed and grade of a scenario file are for the mean stride of a level walk; leave them out")
     if found.pace is not None:
@@ -149,8 +149,9 @@ def cadence(usual: Motion, speed: float | str) -> float:
             wanted = units.parse(speed, "m/s")
         except UnitError as error:
             raise ScenarioError(f'speed {error} (or write a factor on the recorded cadence, like "1.1")') from None
-        if pace < 0.05:
-            raise ScenarioError(f'speed "{speed}": this motion goes nowhere; write a factor on its cadence, {low:g} to {high:g}') from None
+        if pace < 0.05 or usual.from_rest:
+            why = "begins and ends at rest" if usual.from_rest else "goes nowhere"
+            raise ScenarioError(f'speed "{speed}": this motion {why}; write a factor on its cadence, {low:g} to {high:g}') from None
         factor = wanted / pace
         if not low <= factor <= high:
             raise ScenarioError(

@@ -6,13 +6,13 @@ import numpy as np
 from numpy.typing import NDArray
 
 from exo_sim.control.least_load import LeastLoad
-from exo_sim.control.machine_dynamics import PHASES
+from exo_sim.control.machine_dynamics import PICK
 from exo_sim.simulation.walk import Walk
 from exo_sim.simulation.wearer_load import by_straps
 
 
 def cycle_mean(walk: Walk, values: NDArray[np.float64], settling: float) -> NDArray[np.float64]:
-    """Return the mean over whole cycles of values at PHASES even phases, each over its share of the cycle.
+    """Return the mean over whole cycles of values at the even phases of `machine_dynamics.PICK`, each over its share of the cycle.
 
     Args:
         walk: At least `settling` and one more cycle long.
@@ -22,10 +22,11 @@ def cycle_mean(walk: Walk, values: NDArray[np.float64], settling: float) -> NDAr
     period = walk.motion.period
     phase = walk.time / period
     use = (phase >= settling) & (phase < np.floor(phase[-1] + 1e-6))
-    box = np.floor(phase[use] * PHASES + 0.5).astype(int) % PHASES
-    total = np.zeros((PHASES, *values.shape[1:]))
+    phases = len(walk.motion.position[PICK])
+    box = np.floor(phase[use] * phases + 0.5).astype(int) % phases
+    total = np.zeros((phases, *values.shape[1:]))
     np.add.at(total, box, values[use])
-    count = np.bincount(box, minlength=PHASES)
+    count = np.bincount(box, minlength=phases)
     return total / count.reshape(-1, *([1] * (values.ndim - 1)))
 
 

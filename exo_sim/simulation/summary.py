@@ -12,7 +12,7 @@ from exo_sim.rig.limits import Reached, passed
 from exo_sim.simulation import gas_use, work_balance
 from exo_sim.simulation.running_statistics import Change, Least, Mean, Peak, Rms, joined, values
 from exo_sim.simulation.walk import JOINTS, Walk
-from exo_sim.simulation.wearer_load import alone, own, with_machine, with_pack, with_payload
+from exo_sim.simulation.wearer_load import alone, hung, own, with_machine, with_pack, with_payload
 
 #: What cylinders after ISO 15552 and ISO 6432 are rated for, 10 bar above the atmosphere [Pa], and where water freezes [K].
 RATED_PRESSURE, FREEZING = 11.0e5, 273.15
@@ -85,7 +85,7 @@ class Summary:
         out["wearer"]["metabolic_w"] = work_balance.cost_of(out["ledger"]["wearer_joints"], walk).as_json()
         out["compared_with"] = {
             "no_machine": work_balance.compared(alone(walk), walk),
-            "backpack": work_balance.compared(with_payload(walk, self._payload.value()), walk),
+            "backpack": work_balance.compared(with_payload(walk, self._payload.value() + hung(walk)), walk),
         }
 
 

@@ -18,7 +18,7 @@ Array = NDArray[np.float64]
 
 
 def torque_limits(plugin: PneumaticPlugin, motion: Motion) -> Array:
-    """Return least and largest torque that cylinders and ankle motors can hold along the cycle [N m], (PHASES, 6, 2).
+    """Return least and largest torque that cylinders and ankle motors can hold along the cycle [N m], (n, 6, 2), n phases.
 
     Args:
         plugin: The cylinders on their model.
@@ -28,11 +28,12 @@ def torque_limits(plugin: PneumaticPlugin, motion: Motion) -> Array:
     data = mujoco.MjData(model)
     supply, atmosphere = rig.supply.pressure, rig.environment.pressure
     forces = largest_forces(cylinders["area_1"], cylinders["area_2"], supply, atmosphere, atmosphere)
-    out = np.zeros((machine_dynamics.PHASES, 6, 2))
+    places = motion.position[machine_dynamics.PICK]
+    out = np.zeros((len(places), 6, 2))
     if rig.ankle.mode == "powered":
         motors = [at for at in (2, 5) if at + 3 not in {link.dof for link in plugin.links}]
         out[:, motors] = [-rig.ankle.torque, rig.ankle.torque]
-    for i, position in enumerate(motion.position[machine_dynamics.PICK]):
+    for i, position in enumerate(places):
         data.qpos[:] = position
         mujoco.mj_forward(model, data)
         for link, force in zip(plugin.links, forces):
@@ -46,7 +47,7 @@ def too_weak(links: Sequence[Linkage], payload: float, needed: Array, limits: Ar
     Args:
         links: The cylinders.
         payload: On the back [kg].
-        needed: Joint torques [N m], shape (PHASES, 6).
+        needed: Joint torques [N m], shape (n, 6).
         limits: As `torque_limits` returns them.
     """
     short = []

@@ -40,10 +40,10 @@ def by_straps(walk: Walk) -> NDArray[np.float64]:
 
 
 def with_pack(walk: Walk) -> Held:
-    """Return what the wearer would give with the same payload as a backpack and with this motion, at every row."""
+    """Return what the wearer would give with the same load as a backpack and with this motion, at every row."""
     position, acceleration = (along(walk, table) for table in trunk(walk.motion))
     place, inertia = pack(walk)
-    wrench = backpack_wrench(position, acceleration, place, walk.payload, inertia)
+    wrench = backpack_wrench(position, acceleration, place, walk.payload + hung(walk), inertia)
     return _on_rows(walk, wrench)
 
 
@@ -70,6 +70,11 @@ def with_payload(walk: Walk, mass: float) -> Held:
     return _on_cycle(
         motion, walk.person, backpack_wrench(position, acceleration, place, np.full(len(position), mass), inertia)
     )
+
+
+def hung(walk: Walk) -> float:
+    """Return what hangs on the machine beside the payload [kg]: a backpack with the same load holds it too."""
+    return sum(walk.request.found.hung.values())
 
 
 def pack(walk: Walk) -> tuple[tuple[float, float], float]:

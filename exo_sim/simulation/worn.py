@@ -17,7 +17,7 @@ from exo_sim.control.causal import Calibration, Causal
 from exo_sim.control.least_load import SPARING, LeastLoad
 from exo_sim.errors import ScenarioError
 from exo_sim.gait import scenario as scenarios
-from exo_sim.gait.motion import SAMPLES, Motion
+from exo_sim.gait.motion import Motion
 from exo_sim.gait.residual_reduction import worn
 from exo_sim.gait.variation import Variation
 from exo_sim.machine import wearer_body
@@ -95,7 +95,9 @@ class Simulation:
         self.remarks: tuple[str, ...] = ()
         self.torques: NDArray[np.float64] | None = None
         self.calibration: Calibration | None = None
-        self.demand = self.demand_added = np.zeros((SAMPLES + 1, 6))
+        if self.motion.from_rest and request.law == "causal":
+            raise ScenarioError(f'{request.scenario}: demand "causal" goes by the phase of a stride that comes again; write another demand')
+        self.demand = self.demand_added = np.zeros((len(self.motion.position) + 1, 6))
         self.plan = self.plan_added = chamber_plans.nothing(len(self.plugin.links))
         self.demand = self._demands(request.payload)
         knows = self.added is not None and request.law != "causal"
@@ -128,6 +130,8 @@ class Simulation:
         """Return the motion with strides that differ from the mean one, on which torques were planned."""
         if motion.trial is not None:
             raise ScenarioError(f"{self.request.scenario}: the strides of a whole trial are as they were recorded; leave out the variation")
+        if motion.from_rest:
+            raise ScenarioError(f"{self.request.scenario}: its strides follow from where it begins and ends; leave out the variation")
         varied = variation.applied(motion, self.cycles)
         if varied.trial is not None:
             self.cycles = math.ceil(self.cycles / varied.trial.strides)
@@ -148,9 +152,9 @@ class Simulation:
         self._asked = own.RunningController(controller, external_commands.context(self, controller, seed), self.request.controller)
 
     def _demands(self, payload: float) -> NDArray[np.float64]:
-        """Return the demand over the cycle for a payload, the first row repeated behind the last, (SAMPLES + 1, 6)."""
+        """Return the demand over the cycle for a payload, the first row repeated behind the last, (n + 1, 6)."""
         if self.request.assist != "on" or self.request.driven:
-            return np.zeros((SAMPLES + 1, 6))
+            return np.zeros((len(self.motion.position) + 1, 6))
         model = self.model
         if payload != self.request.payload:
             model = self._built(min(payload, PAYLOAD_LIMIT))
@@ -175,7 +179,7 @@ class Simulation:
         """Whether the chambers of this machine follow a plan."""
         asked = self.request
         within = asked.assist == "on" and asked.controller == "model" and not asked.ideal and not asked.driven
-        return within and chamber_plans.planned(self.plugin)
+        return within and chamber_plans.planned(self.plugin) and not self.motion.from_rest
 
     def lay_plans(self) -> None:
         """Plan the pressures of cylinders whose valves have independent edges for the demand as it stands."""

@@ -56,8 +56,9 @@ def test_a_standing_foot_neither_floats_nor_sinks_nor_slides(name, height):
     person = Person(height)
     motion = scenario.motion(name, person, 1.0)
     q = np.tile(motion.position, (2, 1))
-    q[:, 0] += motion.advance * np.arange(2 * SAMPLES) / SAMPLES
-    q[:, 1] += motion.climb * np.arange(2 * SAMPLES) / SAMPLES
+    cycles = np.arange(len(q)) / len(motion.position)
+    q[:, 0] += motion.advance * cycles
+    q[:, 1] += motion.climb * cycles
     for leg, first in ((0, 3), (1, 6)):
         points = leg_points(q[:, 2] + q[:, first], q[:, first + 1], q[:, first + 2], person)
         for k, tip in enumerate(("heel", "toe")):

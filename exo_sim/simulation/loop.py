@@ -198,7 +198,7 @@ def run(first, count, settings, mechanics, plant, bodies, wearer, drives, log):
         if embodied:
             wearer_torques.ask(
                 cycles, n[PERIOD], n[ADVANCE], n[CLIMB], wearer.position, wearer.slope, wearer.share, wearer.q, wearer.v, wearer.poses,
-                mover,
+                wearer.lengths, mover,
             )  # fmt: skip
             wearer_torques.apply(wearer.poses, wearer.wrench, mechanics.qfrc_applied, mover)
             wearer_loop.log_before(log[k - first, own:], mechanics.qpos, mechanics.qvel, mover)

@@ -46,7 +46,7 @@ def run(first, count, dt, period, advance, step1, step2, model, data, qpos, qvel
         row = log[k - first]
         call(step1, model, data)
         wearer_torques.see(qpos, qvel, q, v, lengths, poses, mover)
-        wearer_torques.ask(k * dt / period, period, advance, 0.0, position, slope, share, q, v, poses, mover)
+        wearer_torques.ask(k * dt / period, period, advance, 0.0, position, slope, share, q, v, poses, lengths, mover)
         wearer_torques.apply(poses, wrench, qfrc_applied, mover)
         log_before(row, qpos, qvel, mover)
         call(step2, model, data)

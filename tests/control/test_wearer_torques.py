@@ -34,7 +34,8 @@ def test_legs_push_the_pelvis_where_it_should_be(pose):
     wanted[:3] += off
     position, slope = np.tile(wanted, (5, 1)), np.zeros((5, 9))
     share = np.tile([1.0, 0.0], (5, 1))
-    wearer_torques.ask(0.3, 1.0, 0.0, 0.0, position, slope, share, q, np.zeros(9), poses, it)
+    it.placement[:] = 0.0
+    wearer_torques.ask(0.3, 1.0, 0.0, 0.0, position, slope, share, q, np.zeros(9), poses, PERSON.lengths(), it)
     push = it.pelvis_stiffness * off
     np.testing.assert_allclose(it.applied[:3], it.held_stiffness * off)
     # a massless left leg whose foot is fixed: moving the pelvis, its joints do the work of the push
@@ -42,6 +43,26 @@ def test_legs_push_the_pelvis_where_it_should_be(pose):
     for move in np.eye(3):
         rates = _with_foot_fixed(q, move)
         assert it.applied[3:6] @ rates == pytest.approx(push @ move, abs=1e-6)
+
+
+def test_the_swinging_foot_goes_by_the_ground_more_than_by_the_pelvis():
+    """Of a pelvis that is ahead of its path and goes on, the foot in the air is put behind, as high and as level as it was."""
+    it = wearer_torques.mover(PERSON, torque=np.zeros((4, 8)), dofs=DOFS)
+    wanted = np.array([0.0, 0.85, -0.1, 0.5, -0.6, 0.1, 0.2, -0.4, 0.2])
+    position, slope, share = np.tile(wanted, (5, 1)), np.zeros((5, 9)), np.tile([0.0, 1.0], (5, 1))
+    q, v = wanted.copy(), np.zeros(9)
+    q[0], v[0] = 0.03, 0.1
+    poses = poses_along(q[None], v[None], PERSON)[0]
+    wearer_torques.ask(0.3, 1.0, 0.0, 0.0, position, slope, share, q, v, poses, PERSON.lengths(), it)
+    before, after = (poses_along(one[None], np.zeros((1, 9)), PERSON)[0] for one in (wanted, it.wanted))
+    way = -it.placement[0] * 0.03 - it.placement[1] * 0.1
+    assert -0.03 < way < 0.0
+    np.testing.assert_allclose(after[3, :3] - before[3, :3], [way, 0.0, 0.0], atol=-0.2 * way)
+    np.testing.assert_allclose(after[4:7], before[4:7], atol=1e-12)  # the leg that stands has the reference's angles
+    q[0] = 2.0
+    wearer_torques.ask(0.3, 1.0, 0.0, 0.0, position, slope, share, q, v, poses, PERSON.lengths(), it)
+    far = before[3, 0] - poses_along(it.wanted[None], np.zeros((1, 9)), PERSON)[0, 3, 0]
+    assert 0.5 * it.placement[2] < far < 1.5 * it.placement[2]  # no farther than a step can be changed
 
 
 def _with_foot_fixed(q, move):

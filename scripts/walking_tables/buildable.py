@@ -19,9 +19,9 @@ and valves: its frame weighs @FRAME@ kg where that of `exo.toml` weighs 20. Its 
 
 """
 AFTER = """
-The cylinders are rated for 11 bar absolute. With 34 kg the gain over a backpack is small, with 45 kg there is none, and the wearer pulls
-the machine ahead: cylinders and valves are a good part of what is carried. It does not squat with 45 kg: deep in the squat the hip cylinder
-has too short a lever. Chambers get below freezing, so that its air must be dried.
+The cylinders are rated for 11 bar absolute, which squats with 20 kg pass a little. Walking, both payloads cost less than as a backpack,
+with 45 kg less plainly: cylinders and valves are a good part of what is carried. It does not squat with 45 kg: deep in the squat the hip
+cylinder has too short a lever. Chambers get below freezing, so that its air must be dried.
 """
 
 

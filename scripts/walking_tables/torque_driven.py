@@ -33,6 +33,8 @@ TEXT = f"""## {HEADING}
 machine's. Each sole touches with heel, ball and tip of the toes, so that the total centre of pressure cannot leave them. Torques move him
 (`exo_sim/control/wearer_torques.py`): inverse dynamics of the reference with the straps' load that he expects from a calibration walk,
 springs and dampers to the reference's angles, and what brings pelvis and trunk back through the legs that stand (virtual model control).
+The foot in the air is led most of the way to where the reference puts it on the ground, where a pelvis off its path would take it
+elsewhere.
 Shoulder straps only pull; the low torso strap stands for a belt with loops round the legs, which holds both ways, as pad and strap of a
 cuff together and a shoe do. Nothing is learnt from stride to stride. The same is done alone, with the payload as a backpack, and with the
 machine.
@@ -54,7 +56,8 @@ backpack.
 """
 LIMITS = """
 What this leaves out: all is in the sagittal plane; the wearer knows the time of his stride and keeps to it, so that a stumble is not
-answered by another step; muscles have no delay and no largest force. A run ends where he falls. He does so with the valves open, since
+answered by another step; gains were chosen with some of these rows in sight; where the residual passes the guideline it is the weak spring
+that keeps him walking; muscles have no delay and no largest force. A run ends where he falls. He does so with the valves open, since
 legs that drag the machine need another gait, and in a squat; sitting has no chair for him and is refused. The prescribed wearer stays the
 default. Of the treadmill recording (OpenSim) the reference itself is off balance, and here the residual passes the guideline.
 """

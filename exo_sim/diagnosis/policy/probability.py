@@ -16,9 +16,10 @@ UNTESTED = Number(
     0.8, "probability", "no name is called more probable of which held-out time shows nothing", "of two on learn makes one was right"
 )
 MAY_BE_NIL = Number(
-    0.75, "probability",
+    0.8, "probability",
     "no name that was weighed beside others is called more probable where laws that fit as well leave its number nil or far from it",
-    "of six on learn makes whose friction varies with place or time, and on a seal pressed by |p1 - p2|, five were right: (5 + 1)/(6 + 2)",
+    "eight on learn makes (beside friction that varies with place or time, seals under pressure) and the vented MBARI spring: seven "
+    "were right, (7 + 1)/(8 + 2)",
 )  # fmt: skip
 LEAST_TOLD = Number(
     0.5, "probability", "a name that is less probable is put aside: it is more likely wrong than right", "derived"

@@ -41,7 +41,7 @@ WAYS_OUT = {
 class Walked:
     """What walking with a design of the shortlist gave, under the condition that was worst of those it was walked under.
 
-    Error [N m], largest pressure and its limit [Pa], why it failed or "", and that condition.
+    Error [N m], largest pressure and its limit [Pa], why it failed or "", that condition, and the largest error that is allowed [N m].
     """
 
     number: int
@@ -50,6 +50,21 @@ class Walked:
     limit: float
     trouble: str
     condition: str = ""
+    most_error: float = np.inf
+
+    @property
+    def fails(self) -> str:
+        """What it fails in the closed loop, in words; "" where it keeps to its limits."""
+        if self.trouble:
+            return self.trouble
+        beyond = [
+            f"{what} beyond {most / unit:.1f} {of}"
+            for what, value, most, unit, of in (
+                ("error", self.error, self.most_error, 1.0, "N m rms"), ("pressure", self.peak, self.limit, 1e5, "bar"),
+            )
+            if not value <= most
+        ]  # fmt: skip
+        return " and ".join(beyond)
 
 
 @dataclass(frozen=True)
@@ -207,7 +222,7 @@ class _Tried:
 
     def worst(self, task: Task) -> Walked:
         place, walk = max(self.walks, key=lambda item: item[1].excess(*self.limits))
-        return Walked(self.found.design.number, walk.error, walk.peak, limit_of(self.found, task), walk.trouble, place)
+        return Walked(self.found.design.number, walk.error, walk.peak, limit_of(self.found, task), walk.trouble, place, self.limits[0])
 
 
 def _walked_everywhere(

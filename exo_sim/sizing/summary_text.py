@@ -79,7 +79,7 @@ def numbers(sizing: Sizing, folder: Path) -> dict[str, Any]:
         "designs_by_fate": {what: list(found) for what, found in fates(sizing.outcome, sizing.task)},
         "walked": [
             {"design": one.number, "torque_error_rms_nm": _finite(one.error), "pressure_peak_pa": _finite(one.peak),
-             "pressure_limit_pa": one.limit, "trouble": one.trouble or None, "condition": one.condition}
+             "pressure_limit_pa": one.limit, "trouble": one.trouble or None, "fails": one.fails or None, "condition": one.condition}
             for one in sizing.choice.walked
         ],
         "loads": [load_numbers(one) for one in sizing.loads],

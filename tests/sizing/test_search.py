@@ -10,7 +10,7 @@ import pytest
 from exo_sim.errors import OutputError, ScenarioError
 from exo_sim.rig import EffectSetting
 from exo_sim.sizing import evaluation, workers
-from exo_sim.sizing.choice import ENOUGH_MARGIN, WAYS_OUT, nothing_found, recommended
+from exo_sim.sizing.choice import ENOUGH_MARGIN, WAYS_OUT, Walked, nothing_found, recommended
 from exo_sim.sizing.evaluation import OF_THE_MACHINE, Task
 from exo_sim.sizing.screening import CONSTRAINTS
 from exo_sim.sizing.search import search
@@ -155,6 +155,14 @@ def test_what_keeps_every_design_out_is_named(exo, condition):
 
 def test_whatever_keeps_designs_out_there_is_a_way():
     assert WAYS_OUT.keys() == {*CONSTRAINTS, *OF_THE_MACHINE}
+
+
+def test_a_design_that_was_walked_with_says_what_it_fails():
+    kept = Walked(3, 2.0, 8e5, 11e5, "", "level_walk", 5.3)
+    assert kept.fails == ""
+    assert replace(kept, error=8.1).fails == "error beyond 5.3 N m rms"
+    assert replace(kept, error=8.1, peak=12e5).fails == "error beyond 5.3 N m rms and pressure beyond 11.0 bar"
+    assert replace(kept, error=np.inf, peak=np.inf, trouble="fell").fails == "fell"
 
 
 def test_friction_asks_for_more(task, judge, outcome):

@@ -2,8 +2,11 @@
 
 from __future__ import annotations
 
+import math
+
+from exo_sim.diagnosis.estimation.uncertainty import HALF_WIDTH
 from exo_sim.diagnosis.findings import Finding, Kind
-from exo_sim.diagnosis.policy.probability import EVEN_SHARE, LEAST_TOLD, MAY_BE_NIL, STEEPNESS, UNTESTED
+from exo_sim.diagnosis.policy.probability import EVEN_SHARE, LEAST_ERRORS, LEAST_TOLD, MAY_BE_NIL, STEEPNESS, UNTESTED
 from exo_sim.diagnosis.policy.verdicts import MOST_CONFIDENT
 from exo_sim.physics.declaration import identification_of
 
@@ -16,7 +19,7 @@ def confidence(finding: Finding, share: float | None) -> float:
         share: Of the squared error beyond the noise that is missing without it, what it explains of time kept back; None where its
             predictions do not change there, so that nothing was tested.
     """
-    vague = finding.probability is not None and finding.kind is Kind.MISSING_PHYSICS and _may_be_nil(finding)
+    vague = _is_weighed_physics(finding) and _may_be_nil(finding)
     return min(finding.confidence, _borne(share), float(MAY_BE_NIL) if vague else 1.0)
 
 
@@ -24,12 +27,15 @@ def doubt(finding: Finding, share: float | None, compared: bool = True) -> str:
     """Return why a name is more likely wrong than right whatever its odds, "" where nothing says so.
 
     Odds alone do not do: where time kept back tests nothing and the number may be nil, neither speaks for the name. A sensor that is off
-    is off at all times: one that time kept back does not show stands in for something else.
+    is off at all times: one that time kept back does not show stands in for something else. Where laws that fit as well leave a number
+    anywhere about nil, the law is in doubt and not the number alone.
 
     Args:
         finding, share: As of `confidence`.
         compared: Whether there was time kept back with its signals.
     """
+    if _is_weighed_physics(finding) and _errors_from_nil(finding) < LEAST_ERRORS:
+        return "laws of what the rig has that fit as well need none of it: its number is smaller than its own standard error"
     if share is None:
         untested = "time that no number was fitted to does not test it"
         if compared and finding.kind is Kind.SENSOR:
@@ -49,6 +55,21 @@ def _may_be_nil(finding: Finding) -> bool:
     return bool(finding.parameters) and all(
         one.low <= neutral.get(name, 0.0) <= one.high for name, one in finding.parameters.items()
     )
+
+
+def _is_weighed_physics(finding: Finding) -> bool:
+    """Return whether a finding is physics that was weighed beside others, with intervals over all their laws."""
+    return finding.probability is not None and finding.kind is Kind.MISSING_PHYSICS
+
+
+def _errors_from_nil(finding: Finding) -> float:
+    """Return by how many standard errors that number of a finding lies from nil that does so most; infinite where it has none."""
+    neutral = identification_of(finding.name).neutral
+    errors = [
+        abs(one.value - neutral.get(name, 0.0)) / max(max(one.high - one.value, one.value - one.low) / HALF_WIDTH, 1e-300)
+        for name, one in finding.parameters.items()
+    ]
+    return max(errors, default=math.inf)
 
 
 def _borne(share: float | None) -> float:

@@ -43,8 +43,19 @@ def test_a_number_that_may_be_nil_and_that_nothing_tested_is_no_name(low: float,
 @pytest.mark.parametrize(("low", "weighed", "said"), [(0.0, 1.0, MAY_BE_NIL), (0.0, 0.55, 0.55), (2.0, 0.9, 0.9), (0.0, None, 0.95)])
 def test_a_name_whose_number_may_be_nil_is_not_certain(low: float, weighed: float | None, said: float) -> None:
     """Where names were weighed side by side, intervals span all laws; where they were not, numbers of an effect stand in for each other."""
-    finding = replace(named(300.0, weighed), parameters={"coefficient": Estimate(30.0, "N s^2/m^2", low, 97.0)})
+    finding = replace(named(300.0, weighed), parameters={"coefficient": Estimate(50.0, "N s^2/m^2", low, 97.0)})
     assert confidence(finding, 1.0) == pytest.approx(float(said), abs=2e-3)
+
+
+@pytest.mark.parametrize(
+    ("value", "high", "weighed", "doubted"),
+    [(30.0, 257.0, 0.999, True), (30.0, 257.0, None, False), (30.0, 84.0, 0.999, False), (-30.0, 40.0, 0.999, True)],
+)
+def test_a_number_smaller_than_its_error_over_all_laws_is_no_name(
+    value: float, high: float, weighed: float | None, doubted: bool
+) -> None:
+    finding = replace(named(7.0, weighed), parameters={"coefficient": Estimate(value, "N s^2/m^2", min(value, 0.0), high)})
+    assert bool(doubt(finding, 0.9)) is doubted
 
 
 def test_of_several_numbers_one_that_is_not_nil_will_do() -> None:

@@ -15,13 +15,16 @@ Array = NDArray[np.float64]
 
 #: Standard errors from the middle of a 95 % interval to its ends: the 97.5 % quantile of the normal distribution.
 HALF_WIDTH = 1.959963984540054
+#: Share of a direction that a block of rows determines, or leaves to others, below which it counts as none or as all: rounding.
+_LEAST_PULL = 1e-9
 
 
 def standard_errors(rows: Blocked, fit: Fit, correlation_time: float) -> dict[FreeParameter, float]:
     """Return the standard error of every fitted parameter, in its unit.
 
-    The larger of two: least squares with the residual's own variance and correlation time, and the jackknife over blocks of time (CR3 of
-    MacKinnon, Nielsen and Webb 2023), which also holds for a misspecified model with correlated residuals, and for few blocks.
+    The larger of two: least squares with the residual's own variance and correlation time, and the sandwich estimator clustered by
+    blocks of time with the correction of Bell and McCaffrey (2002) for few blocks (CR2), which also holds for a misspecified model with
+    correlated residuals.
 
     Args:
         rows: Whose rows they are.
@@ -34,19 +37,20 @@ def standard_errors(rows: Blocked, fit: Fit, correlation_time: float) -> dict[Fr
     information = jac.T @ jac
     variance = max(fit.sse / max(fit.residual.size - len(fit.parameters), 1), 1.0) * correlation_time
     bread = np.linalg.pinv(information / variance + prior.T @ prior)
-    left_out = _jackknife(rows.blocks, jac, fit.residual, information + prior.T @ prior)
+    clustered = _clustered(rows.blocks, jac, fit.residual, information + prior.T @ prior)
     found = {}
     for j, parameter in enumerate(fit.parameters):
-        both = max(float(bread[j, j]), float(left_out[j]), 0.0)
+        both = max(float(bread[j, j]), float(clustered[j]), 0.0)
         found[parameter] = math.sqrt(both) * abs(parameter.slope(fit.values[parameter]))
     return found
 
 
-def _jackknife(blocks: NDArray[np.int64], jac: Array, residual: Array, information: Array) -> Array:
-    """Return the variance of each parameter by leaving out one block of rows after the other, shape (parameters,).
+def _clustered(blocks: NDArray[np.int64], jac: Array, residual: Array, information: Array) -> Array:
+    """Return the variance of each parameter by the scores of blocks of time, shape (parameters,).
 
-    One Gauss-Newton step without a block, with A the information of all rows and of the priors, is (A - J_b' J_b)^-1 J_b' r_b: unlike the
-    residuals themselves it does not shrink where a block holds a parameter down by itself.
+    With A the information of all rows and of the priors, and H_b = J_b A^-1 J_b' what a block of rows pulls the fit towards itself, its
+    residual counts as (I - H_b)^(-1/2) r_b: where rows are independent the variance is then unbiased, however few blocks there are. To
+    leave out one block after the other says nothing of a number that one block alone holds down.
 
     Args:
         blocks: Block of each row, shape (n,).
@@ -55,15 +59,17 @@ def _jackknife(blocks: NDArray[np.int64], jac: Array, residual: Array, informati
     """
     order = np.argsort(blocks, kind="stable")
     ends = np.flatnonzero(np.diff(blocks[order])) + 1
-    steps = []
+    inverse = np.linalg.pinv(information, hermitian=True)
+    sizes, axes = np.linalg.eigh(inverse)
+    root = axes * np.sqrt(np.maximum(sizes, 0.0))
+    scores = []
     for own in np.split(order, ends):
-        part = jac[own]
-        steps.append(np.linalg.pinv(information - part.T @ part, hermitian=True) @ (part.T @ residual[own]))
-    count = len(steps)
-    if count < 2:
-        return np.zeros(jac.shape[1])
-    moved = np.array(steps)
-    return np.asarray((count - 1) / count * np.sum(moved**2, axis=0))
+        part, left = jac[own] @ root, residual[own]
+        pulls, directions = np.linalg.eigh(part.T @ part)
+        score = part.T @ left
+        widened = np.where((pulls > _LEAST_PULL) & (pulls < 1.0 - _LEAST_PULL), 1.0 / np.sqrt(np.maximum(1.0 - pulls, _LEAST_PULL)), 1.0)
+        scores.append(root @ (directions @ (widened * (directions.T @ score))))
+    return np.asarray(np.sum(np.square(scores), axis=0))
 
 
 def interval(value: float, error: float) -> tuple[float, float]:

@@ -51,8 +51,7 @@ def linkages(rig: Rig, model: mujoco.MjModel) -> tuple[Linkage, ...]:
         if cylinder.actuator not in names:
             raise ModelError(f"{key}: no such actuator in {rig.model.name}{nearest(cylinder.actuator, names)}")
         index = names.index(cylinder.actuator)
-        _check_motor(model, index, key)
-        _check_reach(rig, model, cylinder, index, key)
+        _check_actuator(rig, model, cylinder, index)
         dof = _driven_dof(model, index, key)
         joint = int(model.dof_jntid[dof])
         turning = model.jnt_type[joint] == mujoco.mjtJoint.mjJNT_HINGE
@@ -67,10 +66,13 @@ def check_motors(rig: Rig, model: mujoco.MjModel, links: Collection[Linkage]) ->
         ModelError: one is no plain motor any more, or clips what its cylinder exerts.
     """
     for link in links:
-        cylinder = rig.cylinders[link.cylinder]
-        key = _key(rig, cylinder)
-        _check_motor(model, link.actuator, key)
-        _check_reach(rig, model, cylinder, link.actuator, key)
+        _check_actuator(rig, model, rig.cylinders[link.cylinder], link.actuator)
+
+
+def _check_actuator(rig: Rig, model: mujoco.MjModel, cylinder: Cylinder, index: int) -> None:
+    key = _key(rig, cylinder)
+    _check_motor(model, index, key)
+    _check_reach(rig, model, cylinder, index, key)
 
 
 def _key(rig: Rig, cylinder: Cylinder) -> str:

@@ -16,7 +16,7 @@ THROUGH: dict[str, tuple[str, ...]] = {
         "api/rig.py", "api/simulating.py", "api/sizing.py", "cli/doctor.py",
     ),
     "cli/test_size.py": (
-        "report/sizing_page.py", "report/sizing_picture.py", "sizing/by_hand.py", "sizing/summary_text.py",
+        "report/sizing_page.py", "report/sizing_picture.py", "sizing/hand_calculation.py", "sizing/summary_text.py",
     ),
     "conventions/test_conventions.py": (
         "conventions/check.py", "conventions/gas_balance.py", "conventions/positions.py", "conventions/signs.py",
@@ -96,13 +96,13 @@ THROUGH: dict[str, tuple[str, ...]] = {
         "__main__.py",
     ),
     "trials/test_protocol.py": (
-        "cli/trial.py", "trials/develop.py", "trials/page.py",
+        "cli/trial.py", "trials/develop.py", "trials/score_page.py",
     ),
     "trials/truth/test_plant.py": (
         "trials/compiled.py", "trials/truth/bench.py", "trials/truth/compiled.py", "trials/truth/loop.py", "trials/truth/valve.py",
     ),
     "trials/whole/test_case.py": (
-        "trials/whole/compiled.py", "trials/whole/mapping.py", "trials/whole/owner.py",
+        "trials/whole/compiled.py", "trials/whole/effect_sizes.py", "trials/whole/nearest_effects.py", "trials/whole/owner_rig.py",
     ),
 }  # fmt: skip
 LISTED = {module for modules in THROUGH.values() for module in modules}

@@ -134,9 +134,9 @@ def _compiled_code() -> Check:
     """Look where machine code is kept between starts."""
 
     def kept() -> str:
-        from exo_sim.physics import kept_code
+        from exo_sim.physics import compiled_cache
 
-        place = kept_code.root()
+        place = compiled_cache.root()
         place.mkdir(mode=0o700, parents=True, exist_ok=True)
         with tempfile.TemporaryFile(dir=place):
             pass

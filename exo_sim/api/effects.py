@@ -36,7 +36,7 @@ class Effects(Mapping[str, Effect]):
         Raises:
             RigError: there is none of this name.
         """
-        from exo_sim.rig.pages import text
+        from exo_sim.rig.effect_page import text
 
         return text(self[name])
 

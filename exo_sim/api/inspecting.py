@@ -9,7 +9,7 @@ from typing import Any
 from exo_sim.api.arguments import Columns, RecordingLike, RigLike, reading_of, rig_of
 from exo_sim.conventions.answerable import Question, questions
 from exo_sim.recording import summary, summary_text
-from exo_sim.recording.finding import Finding
+from exo_sim.recording.data_quality_finding import Finding
 
 
 @dataclass(frozen=True, repr=False)

@@ -17,7 +17,7 @@ from exo_sim.recording import columns as headings
 from exo_sim.recording import reader, table
 from exo_sim.recording.column_map import ColumnMap, column_map_of
 from exo_sim.recording.column_selection import RawTable, select
-from exo_sim.recording.finding import Finding
+from exo_sim.recording.data_quality_finding import Finding
 
 if TYPE_CHECKING:
     import pandas as pd

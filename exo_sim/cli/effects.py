@@ -16,7 +16,7 @@ def command(name: str | None, out: Path | None, as_json: bool, quiet: bool) -> N
     """List the effects with one line each, or print the page of the effect NAME: numbers, signature, rig text."""
     from exo_sim.errors import RigError, nearest
     from exo_sim.physics.declaration import declared
-    from exo_sim.rig import pages
+    from exo_sim.rig import effect_page
     from exo_sim.rig.effect_tables import CALIBRATIONS
 
     known = declared()
@@ -30,4 +30,4 @@ def command(name: str | None, out: Path | None, as_json: bool, quiet: bool) -> N
     if name not in known:
         raise RigError(f'there is no effect "{name}"{nearest(name, known)}')
     effect = known[name]
-    printing.show({"schema": "exo-sim/effects/1", "effect": pages.data(effect)}, pages.text(effect), as_json=as_json, out=out)
+    printing.show({"schema": "exo-sim/effects/1", "effect": effect_page.data(effect)}, effect_page.text(effect), as_json=as_json, out=out)

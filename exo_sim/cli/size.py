@@ -110,7 +110,7 @@ def command(scenarios: tuple[str, ...], payloads: tuple[float, ...], speeds: tup
         joints=joints,
     )  # fmt: skip
     if quick:
-        from exo_sim.sizing.by_hand import joint_by_hand, papers_example
+        from exo_sim.sizing.hand_calculation import joint_by_hand, papers_example
 
         found = question(rig or default_rig(), **asked)
         example = papers_example()

@@ -45,7 +45,7 @@ _JOBS = click.option(
 def make(cases: int | None, every: int | None, truth: str, makes: str | None, hides: str | None, duration: float, key: Path | None,
          jobs: int, out: Path | None, as_json: bool, quiet: bool, seed: int) -> None:  # fmt: skip
     """Draw cases as users would have them, with their truth sealed."""
-    from exo_sim.trials import cells, protocol
+    from exo_sim.trials import case_mix, protocol
     from exo_sim.trials.seal import digest_of
 
     if cases is not None and every is not None:
@@ -57,7 +57,7 @@ def make(cases: int | None, every: int | None, truth: str, makes: str | None, hi
     folder = out or Path("trial")
     key = key or folder.with_name(folder.name + ".key")
     if truth == "own":
-        plans = cells.draw_plans(cases or _CASES, seed) if every is None else cells.every_plan(every, seed)
+        plans = case_mix.draw_plans(cases or _CASES, seed) if every is None else case_mix.every_plan(every, seed)
         manifest = protocol.make(folder, plans, key, duration, jobs, quiet=quiet)
     else:
         from exo_sim.trials import sealed_machines as sealed
@@ -110,9 +110,9 @@ def run(folder: Path, tool: str | None, timeout: float, scheduler: str | None, j
 def score(folder: Path, key: Path | None, head: str | None, oracle: bool, jobs: int, out: Path | None, as_json: bool,
           quiet: bool) -> None:  # fmt: skip
     """Open the seals of FOLDER, check them and count."""
-    from exo_sim.trials.page import named_from, percent
     from exo_sim.trials.protocol import read_manifest
     from exo_sim.trials.score import score as open_and_count
+    from exo_sim.trials.score_page import named_from, percent
 
     key = key or folder.with_name(folder.name + ".key")
     if read_manifest(folder).get("truth", "own") != "own":

@@ -25,7 +25,7 @@ from numpy.typing import NDArray
 from exo_sim.control.machine_dynamics import PICK, MachineDynamics
 from exo_sim.gait.motion import SAMPLES, Motion
 from exo_sim.gait.residual_reduction import body_loads
-from exo_sim.machine.footing import hold, joint_moments
+from exo_sim.machine.ground_reaction import hold, joint_moments
 from exo_sim.machine.person import Person
 from exo_sim.machine.straps import StrapSet
 from exo_sim.machine.wearer_moments import extra_moments

@@ -1,6 +1,6 @@
 """What a wearer who is a body expects: a reference that he can stand on, and the moments that it asks of his joints.
 
-The moments are those of inverse dynamics for the reference with the load that is expected of straps or pack (`machine/footing.py`). The
+The moments are those of inverse dynamics for the reference with the load that is expected of straps or pack (`ground_reaction`). The
 toes have the moment of the expected centre of pressure ahead of the ball, and a rest angle along the ground.
 """
 
@@ -15,7 +15,7 @@ from exo_sim.gait.motion import Motion
 from exo_sim.gait.pressed_soles import pressed
 from exo_sim.gait.residual_reduction import body_loads
 from exo_sim.machine import wearer_body
-from exo_sim.machine.footing import FEET, TOES, Ground, hold, joint_moments
+from exo_sim.machine.ground_reaction import FEET, TOES, Ground, hold, joint_moments
 from exo_sim.machine.person import Person
 
 Array = NDArray[np.float64]

@@ -14,7 +14,7 @@ from exo_sim.conventions import positions, pressures, signs
 from exo_sim.conventions.check import Check
 from exo_sim.conventions.machine import Machine
 from exo_sim.errors import RecordingError
-from exo_sim.recording.finding import Finding
+from exo_sim.recording.data_quality_finding import Finding
 from exo_sim.recording.table import Recording
 from exo_sim.rig import Rig
 

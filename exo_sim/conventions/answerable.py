@@ -14,7 +14,7 @@ import mujoco
 import numpy as np
 
 from exo_sim.machine.linkage import linkages
-from exo_sim.machine.touching import without_ground_force
+from exo_sim.machine.unmeasured_contact import without_ground_force
 from exo_sim.physics.declaration import Effect, declared
 from exo_sim.recording.table import Recording
 from exo_sim.rig import Rig

@@ -13,8 +13,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from exo_sim.gait.motion import SAMPLES, Motion, phases, smooth, travelling
-from exo_sim.machine.footing import FEET
 from exo_sim.machine.ground import Ground
+from exo_sim.machine.ground_reaction import FEET
 from exo_sim.machine.leg_angles import leg_to, turned
 from exo_sim.machine.person import LEG_START, Person, poses_along
 

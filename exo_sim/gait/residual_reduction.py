@@ -21,7 +21,7 @@ from exo_sim.errors import ScenarioError
 from exo_sim.gait import pendulum
 from exo_sim.gait.footpaths import with_pelvis_ahead
 from exo_sim.gait.motion import Motion, travelling
-from exo_sim.machine import anthropometry, footing
+from exo_sim.machine import anthropometry, ground_reaction
 from exo_sim.machine.person import Person, poses_along
 from exo_sim.machine.wearer_moments import backpack_wrench
 
@@ -176,11 +176,11 @@ def _off_balance(motion: Motion, person: Person, carried: Load | None) -> NDArra
     """Return how far moment and aim of the ground's force are from what is expected, in units of what is felt."""
     rows = slice(0, None, _EVERY)
     poses, wrench = body_loads(motion, person, rows)
-    load = footing.totals(poses, wrench)
+    load = ground_reaction.totals(poses, wrench)
     if carried is not None:
         load = load + carried(motion, rows)
     share, support = motion.share[rows], motion.support[rows]
-    off = footing.off_balance(poses, load, share, motion.pressure_centre[rows], person, motion.ground.angle)
+    off = ground_reaction.off_balance(poses, load, share, motion.pressure_centre[rows], person, motion.ground.angle)
     weight = -float(np.mean(load[:, 1]))
     felt = support / np.sqrt(len(load))
     out = [off[:, 0] * felt / (weight * _LEVER)]
@@ -198,10 +198,10 @@ def _over_its_feet(motion: Motion, person: Person, carried: Load | None) -> Moti
     rows, grid = slice(0, None, _EVERY), np.arange(len(motion.position))
     for _ in range(_ROUNDS):
         poses, wrench = body_loads(motion, person, rows)
-        load = footing.totals(poses, wrench)
+        load = ground_reaction.totals(poses, wrench)
         if carried is not None:
             load = load + carried(motion, rows)
-        left = footing.off_balance(poses, load, motion.share[rows], motion.pressure_centre[rows], person)[:, 0]
+        left = ground_reaction.off_balance(poses, load, motion.share[rows], motion.pressure_centre[rows], person)[:, 0]
         off = np.interp(grid, grid[rows], left / float(np.mean(-load[:, 1])), period=len(grid))
         motion = with_pelvis_ahead(motion, person, -pendulum.above(off, _MASS_HEIGHT * person.height, motion.period))
     return motion

@@ -11,7 +11,7 @@ from pathlib import Path
 from exo_sim import units
 from exo_sim.errors import ScenarioError, UnitError, nearest
 from exo_sim.gait.motion import Motion
-from exo_sim.gait.other_ground import at_speed, on_slope
+from exo_sim.gait.speed_and_slope import at_speed, on_slope
 from exo_sim.gait.variation import Variation
 from exo_sim.machine.person import Person
 

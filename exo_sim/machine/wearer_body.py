@@ -14,7 +14,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from exo_sim.machine.anthropometry import body as segments_of
-from exo_sim.machine.footing import TOES
+from exo_sim.machine.ground_reaction import TOES
 from exo_sim.machine.person import COORDINATES, SEGMENTS, Person
 
 if TYPE_CHECKING:

@@ -1,7 +1,7 @@
 """What straps or a backpack do to the wearer: the moments that hip, knee and ankle must give in addition to those of the own body.
 
-Whatever they impose must reach the ground through the wearer's own legs, as `machine/footing.py` says. Beside the weight of the body it
-is small, so that here it counts as linear: centres of pressure move, and reach no edge. `footing.hold` has the edges.
+Whatever they impose must reach the ground through the wearer's own legs, as `ground_reaction` says. Beside the weight of the body it
+is small, so that here it counts as linear: centres of pressure move, and reach no edge. `ground_reaction.hold` has the edges.
 """
 
 from __future__ import annotations
@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from exo_sim.machine.anthropometry import GRAVITY as GRAVITY
-from exo_sim.machine.footing import joint_moments, linear_ground, totals
+from exo_sim.machine.ground_reaction import joint_moments, linear_ground, totals
 from exo_sim.machine.person import SEGMENTS
 
 

@@ -22,7 +22,7 @@ from numba.core import cgutils, config
 from numba.core.caching import FunctionCache
 from numba.extending import intrinsic
 
-from exo_sim.physics import external_effects, kept_code
+from exo_sim.physics import compiled_cache, external_effects
 
 Function = TypeVar("Function", bound=Callable[..., Any])
 
@@ -45,7 +45,7 @@ def _key() -> str:
     return digest.hexdigest()[:16]
 
 
-if (_folder := kept_code.folder(_key())) is not None:
+if (_folder := compiled_cache.folder(_key())) is not None:
     config.CACHE_DIR = str(_folder)  # type: ignore[attr-defined]
 
 

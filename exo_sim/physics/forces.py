@@ -7,7 +7,7 @@ from exo_sim.physics.compiled import inlined_kernel, kernel
 from exo_sim.physics.conditions import Motion
 from exo_sim.physics.cylinder import rod_force
 from exo_sim.physics.effects import unknown
-from exo_sim.physics.resistance import joint_dry_level, joint_resistance, move_bristle, piston_resistance
+from exo_sim.physics.friction import joint_dry_level, joint_resistance, move_bristle, piston_resistance
 from exo_sim.physics.transmission import carried, gives, piston_at
 
 

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from exo_sim.physics import chamber, cylinder, metering_edges
+from exo_sim.physics import chamber, cylinder, valve_areas
 from exo_sim.physics.compiled import kernel
 from exo_sim.physics.conditions import Chamber, Reservoir
 from exo_sim.physics.effects import (
@@ -137,4 +137,4 @@ def plain_path_areas(c, opening_1: float, opening_2: float) -> tuple[float, floa
     """Return the same for four edges that are alike."""
     if c.vented > 0.0:
         return 0.0, c.valve_area, 0.0, c.valve_area
-    return metering_edges.path_areas(opening_1, opening_2, c.valve_area, valve_null_leakage.closed_area(c.valve_null_leakage))
+    return valve_areas.path_areas(opening_1, opening_2, c.valve_area, valve_null_leakage.closed_area(c.valve_null_leakage))

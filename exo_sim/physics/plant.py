@@ -1,7 +1,7 @@
 """What happens in one step of the pneumatics, in which order.
 
 A plant is any number of cylinders on one supply and one exhaust. Its state is one vector (`state.py`), its numbers are records
-(`records.py`). With every effect off this is the paper: two chambers with their own mass and energy, four metering edges.
+(`plant_records.py`). With every effect off this is the paper: two chambers with their own mass and energy, four metering edges.
 """
 
 from __future__ import annotations
@@ -22,9 +22,9 @@ from exo_sim.physics.effects import (
     valve_offset,
 )
 from exo_sim.physics.forces import advance_joints
+from exo_sim.physics.friction import dry_level, move_bristle
 from exo_sim.physics.nodes import path_areas, pressures, temperatures, volumes, within
 from exo_sim.physics.rates import rates
-from exo_sim.physics.resistance import dry_level, move_bristle
 from exo_sim.physics.state import (
     BRISTLE,
     FASTER,

@@ -10,11 +10,11 @@ from numpy.typing import NDArray
 
 from exo_sim.errors import ModelError
 from exo_sim.physics import plant, state
-from exo_sim.physics.books import Books, balance
+from exo_sim.physics.conservation import Books, balance
 from exo_sim.physics.cylinder import rod_force
 from exo_sim.physics.forces import rod_forces, sensed_pressures
 from exo_sim.physics.plant import FOLLOWED
-from exo_sim.physics.records import CYLINDER, JOINT, WORLD
+from exo_sim.physics.plant_records import CYLINDER, JOINT, WORLD
 from exo_sim.physics.refusals import Refusal, unfillable, why
 from exo_sim.physics.transmission import gives, stiffness
 

@@ -6,7 +6,6 @@ The same lines are compiled twice: as they stand, and for a cylinder to whose ga
 from __future__ import annotations
 
 from exo_sim.physics import chamber, nozzle
-from exo_sim.physics.balances import across_flow, heat_flow, outward_flow
 from exo_sim.physics.compiled import kernel
 from exo_sim.physics.conditions import Reservoir
 from exo_sim.physics.effects import (
@@ -19,9 +18,9 @@ from exo_sim.physics.effects import (
     supply_droop,
     supply_regulator,
 )
+from exo_sim.physics.gas_effects_off import plain
 from exo_sim.physics.nodes import chambers, exhaust_state, path_areas, plain_path_areas, supply_state, tank_state
-from exo_sim.physics.plain import plain
-from exo_sim.physics.recovery import exchange_of_cylinder
+from exo_sim.physics.recovery_tank import exchange_of_cylinder
 from exo_sim.physics.state import (
     DRAWN,
     DRAWN_ENTHALPY,
@@ -52,6 +51,7 @@ from exo_sim.physics.state import (
     WALL_2,
     WORK,
 )
+from exo_sim.physics.summed_effects import across_flow, heat_flow, outward_flow
 from exo_sim.physics.terms import Function, within
 
 

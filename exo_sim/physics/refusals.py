@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 
 from exo_sim.physics import nodes, state
 from exo_sim.physics.conditions import Reservoir
-from exo_sim.physics.plain import effects_on_gas
+from exo_sim.physics.gas_effects_off import effects_on_gas
 from exo_sim.physics.plant import NO_COMMAND, opening
 from exo_sim.physics.step_length import rate_of_effects, side_rate
 

@@ -5,15 +5,15 @@ from __future__ import annotations
 import math
 
 from exo_sim.physics import chamber
-from exo_sim.physics.balances import across_rate, heat_rate, outward_rate
 from exo_sim.physics.compiled import kernel
 from exo_sim.physics.effects import exhaust_back_pressure, heat_transfer_law, line_restriction, supply_droop
+from exo_sim.physics.gas_effects_off import plain
 from exo_sim.physics.nodes import chambers, exhaust_state, path_areas, pressures, supply_state, tank_state, volumes
-from exo_sim.physics.plain import plain
-from exo_sim.physics.recovery import exchange_rate
+from exo_sim.physics.recovery_tank import exchange_rate
 from exo_sim.physics.runge_kutta_chebyshev import MOST_STAGES, REACH, enough_stages
 from exo_sim.physics.settling import HOT, path_rate, settling_rate
 from exo_sim.physics.state import HOSE_ENERGY_1, HOSE_ENERGY_2, HOSE_MASS_1, HOSE_MASS_2, INTEGRATED
+from exo_sim.physics.summed_effects import across_rate, heat_rate, outward_rate
 
 #: The longest step that accuracy allows [s]; stability asks for more stages, not for shorter steps.
 LONGEST_STEP = 1e-3

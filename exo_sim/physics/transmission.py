@@ -5,11 +5,11 @@ The piston is taken as massless: gas force less what resists it equals what the 
 
 from __future__ import annotations
 
-from exo_sim.physics.balances import piston_damping, piston_spring_force
 from exo_sim.physics.compiled import kernel
 from exo_sim.physics.conditions import Motion
 from exo_sim.physics.effects import backlash, friction_smoothing, transmission_compliance, unknown
-from exo_sim.physics.resistance import bristle_stiffness, sharp_level
+from exo_sim.physics.friction import bristle_stiffness, sharp_level
+from exo_sim.physics.summed_effects import piston_damping, piston_spring_force
 
 #: How far beyond its ends a piston behind a soft mount may be pushed [m]: there it rests on the end cap.
 END_GIVE = 1e-3

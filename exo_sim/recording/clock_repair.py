@@ -6,7 +6,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from exo_sim.errors import RecordingError
-from exo_sim.recording.finding import MOST_SPANS, Finding
+from exo_sim.recording.data_quality_finding import MOST_SPANS, Finding
 
 #: A clock that jumps back so far that more than this share of the rows would be lost is taken for two recordings in one
 #: file, and the longest is kept.

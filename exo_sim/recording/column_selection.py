@@ -15,7 +15,7 @@ from exo_sim.errors import RecordingError, UnitError
 from exo_sim.recording import columns
 from exo_sim.recording.column_map import ColumnMap
 from exo_sim.recording.columns import Column
-from exo_sim.recording.finding import Finding
+from exo_sim.recording.data_quality_finding import Finding
 
 #: Signals, in bytes of memory, beyond which a file is refused. One hour at 1 kHz is 29 MB a column.
 MOST_BYTES = 2_000_000_000

@@ -16,7 +16,7 @@ from exo_sim.errors import RecordingError
 from exo_sim.inputs import is_number
 from exo_sim.recording.column_map import ColumnMap
 from exo_sim.recording.column_selection import RawTable, Selection, select
-from exo_sim.recording.finding import Finding
+from exo_sim.recording.data_quality_finding import Finding
 
 if TYPE_CHECKING:
     import pyarrow as pa

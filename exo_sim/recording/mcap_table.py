@@ -13,7 +13,7 @@ from exo_sim.inputs import json_value
 from exo_sim.recording import columns
 from exo_sim.recording.column_map import ColumnMap
 from exo_sim.recording.column_selection import RawTable, Selection, select
-from exo_sim.recording.finding import Finding
+from exo_sim.recording.data_quality_finding import Finding
 from exo_sim.recording.one_clock import on_one_clock
 
 #: Arrays with more entries than that are pictures or point clouds, no signals.

@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 
 from exo_sim.errors import RecordingError
 from exo_sim.recording import columns
-from exo_sim.recording.finding import Finding
+from exo_sim.recording.data_quality_finding import Finding
 from exo_sim.signals import VALVE_COMMANDS
 
 

@@ -13,7 +13,7 @@ from exo_sim.inputs import check_regular
 from exo_sim.recording import clock_repair
 from exo_sim.recording.column_map import ColumnMap, read_column_map
 from exo_sim.recording.column_selection import RawTable
-from exo_sim.recording.finding import Finding
+from exo_sim.recording.data_quality_finding import Finding
 from exo_sim.recording.table import Recording
 from exo_sim.units import LARGEST, SMALLEST
 
@@ -102,7 +102,7 @@ def _reader(path: Path) -> Callable[[Path, ColumnMap | None], RawTable]:
 
         return read_rrd
     if ending in (".mot", ".sto"):
-        from exo_sim.recording.sto_table import read_sto
+        from exo_sim.recording.opensim_table import read_sto
 
         return read_sto
     if ending == ".mat":

@@ -18,7 +18,7 @@ from exo_sim.recording import columns
 from exo_sim.recording.column_map import ColumnMap
 from exo_sim.recording.column_selection import RawTable, Selection, select
 from exo_sim.recording.columns import Column
-from exo_sim.recording.finding import Finding
+from exo_sim.recording.data_quality_finding import Finding
 from exo_sim.recording.one_clock import on_one_clock
 from exo_sim.recording.rrd_messages import is_unfinished, whole_messages
 

@@ -9,7 +9,7 @@ import numpy as np
 
 from exo_sim.recording import health, noise
 from exo_sim.recording.columns import signal_of
-from exo_sim.recording.finding import Finding
+from exo_sim.recording.data_quality_finding import Finding
 from exo_sim.recording.gait_events import feet
 from exo_sim.recording.reader import Reading
 from exo_sim.recording.table import Recording

@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING
 from exo_sim.errors import OutputError
 from exo_sim.outputs import replacing
 from exo_sim.recording import columns
-from exo_sim.recording.sto_table import write_sto
+from exo_sim.recording.opensim_table import write_sto
 from exo_sim.recording.table import Recording
 
 if TYPE_CHECKING:

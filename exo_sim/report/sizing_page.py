@@ -6,8 +6,8 @@ from exo_sim.report import sizing_picture
 from exo_sim.report.sizing_frame import ranges, rendered, spread
 from exo_sim.simulation import gas_use
 from exo_sim.sizing import published, summary_text
-from exo_sim.sizing.by_hand import papers_example
-from exo_sim.sizing.choice import fates
+from exo_sim.sizing.hand_calculation import papers_example
+from exo_sim.sizing.recommendation import fates
 from exo_sim.sizing.sensitivity import cheaper
 from exo_sim.sizing.study import Sizing
 

@@ -7,8 +7,8 @@ from collections.abc import Mapping, Sequence
 import numpy as np
 from numpy.typing import NDArray
 
+from exo_sim.physics.plant_records import CYLINDER, JOINT, WORLD
 from exo_sim.physics.pneumatics import Pneumatics
-from exo_sim.physics.records import CYLINDER, JOINT, WORLD
 from exo_sim.rig.schema import EffectSetting, Rig
 
 

@@ -14,7 +14,7 @@ from numba.np.arrayobj import make_array, populate_array
 from numpy.typing import NDArray
 
 from exo_sim.physics.compiled import kernel
-from exo_sim.physics.records import CYLINDER, JOINT, WORLD
+from exo_sim.physics.plant_records import CYLINDER, JOINT, WORLD
 from exo_sim.simulation.coupled_step import coupled_step
 from exo_sim.simulation.views import Mechanics, Plant
 

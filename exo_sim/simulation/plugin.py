@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 from exo_sim.errors import ModelError, RigError, nearest
 from exo_sim.machine import mjcf
 from exo_sim.machine.linkage import check_motors, linkages, moment_row
-from exo_sim.physics.books import Books
+from exo_sim.physics.conservation import Books
 from exo_sim.physics.plant import FOLLOWED
 from exo_sim.rig import Rig, assembly
 from exo_sim.rig.schema import LARGEST_HEAT_CAPACITY_RATIO, LARGEST_PRESSURE

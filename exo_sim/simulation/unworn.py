@@ -16,7 +16,7 @@ from exo_sim.control.tracking import Tracking, TrackingGains
 from exo_sim.control.valve_control import CONTROLLERS, largest_forces
 from exo_sim.errors import ModelError, ScenarioError, nearest
 from exo_sim.machine.rig_model import load
-from exo_sim.physics.books import Books
+from exo_sim.physics.conservation import Books
 from exo_sim.recording.table import Recording
 from exo_sim.rig import Rig
 from exo_sim.simulation.divergence import check_numbers

@@ -7,8 +7,8 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from exo_sim.machine import footing
-from exo_sim.machine.footing import Ground
+from exo_sim.machine import ground_reaction
+from exo_sim.machine.ground_reaction import Ground
 from exo_sim.machine.person import Person
 
 _JOINTS = ("hip", "knee", "ankle")
@@ -40,7 +40,7 @@ class Held:
     @property
     def sole_powers(self) -> NDArray[np.float64]:
         """What the foot below each ankle gives as it yields between the rigid sole and the ground [W], shape (n, 2)."""
-        feet = self.poses[:, footing.FEET]
+        feet = self.poses[:, ground_reaction.FEET]
         arm = self.ground.place - (feet[:, :, :2] - self.poses[:, :1, :2])
         vx, vz = feet[:, :, 3] - arm[:, :, 1] * feet[:, :, 5], feet[:, :, 4] + arm[:, :, 0] * feet[:, :, 5]
         return np.asarray(self.ground.force[:, :, 0] * vx + self.ground.force[:, :, 1] * vz)
@@ -59,9 +59,9 @@ def held(
     person: Person,
     slope: float = 0.0,
 ) -> Held:
-    """Hold a body; arguments are those of `footing.hold`."""
-    ground = footing.hold(poses, wrench, share, centre, support, person, slope)
-    moments = footing.joint_moments(poses, wrench, ground.force, ground.place)
+    """Hold a body; arguments are those of `ground_reaction.hold`."""
+    ground = ground_reaction.hold(poses, wrench, share, centre, support, person, slope)
+    moments = ground_reaction.joint_moments(poses, wrench, ground.force, ground.place)
     turning = poses[:, :, 5]
     rates = np.stack([turning[:, i] - turning[:, 0 if i in (1, 4) else i - 1] for i in range(1, 7)], axis=1)
     return Held(poses, wrench, ground, moments, rates)

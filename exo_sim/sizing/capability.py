@@ -14,8 +14,8 @@ from numpy.typing import NDArray
 
 from exo_sim.physics.compiled import kernel
 from exo_sim.physics.conditions import Motion
+from exo_sim.physics.friction import dry_level, steady_force
 from exo_sim.physics.nozzle import flow
-from exo_sim.physics.resistance import dry_level, steady_force
 
 Array = NDArray[np.float64]
 _BISECTIONS = 22

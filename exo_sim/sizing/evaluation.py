@@ -17,10 +17,10 @@ from exo_sim.sizing.design import Design, actuator_mass, fitted
 from exo_sim.sizing.design_space import Space
 from exo_sim.sizing.first_designs import first_design
 from exo_sim.sizing.joint_kinds import JointKind
-from exo_sim.sizing.left_alone import kinds_left_alone, left_alone
 from exo_sim.sizing.loads import Condition, JointLoads, joint_loads
 from exo_sim.sizing.screening import chosen_bores, screen
 from exo_sim.sizing.springs import beside
+from exo_sim.sizing.unsized_joints import kinds_left_alone, left_alone
 
 #: What stands for gas [kg] and torque error [N m] of a design that was not simulated: worse than any that was.
 UNKNOWN_GAS, UNKNOWN_ERROR = 1.0, 1000.0

@@ -7,10 +7,10 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from exo_sim.sizing.choice import limit_of
 from exo_sim.sizing.design import Design
 from exo_sim.sizing.evaluation import ENOUGH_MARGIN, ENOUGH_TRACKING, OF_THE_MACHINE, Score, Task, evaluator, largest_torque
 from exo_sim.sizing.loads import JointLoads
+from exo_sim.sizing.recommendation import limit_of
 from exo_sim.sizing.screening import CONSTRAINTS
 from exo_sim.sizing.search import Found, Outcome
 

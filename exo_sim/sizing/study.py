@@ -12,7 +12,6 @@ from exo_sim.rig import Rig
 from exo_sim.rig.catalogue import RATED_PRESSURE
 from exo_sim.rig.own_catalogue import Catalogue, CatalogueValve
 from exo_sim.sizing.ankle_motor import MotorDemand, ankle_motor
-from exo_sim.sizing.choice import Choice, nothing_found, recommended, shortlist
 from exo_sim.sizing.confirmation import Confirmed
 from exo_sim.sizing.coupled_stride import CoupledStride, Stride, mean_of
 from exo_sim.sizing.design import fitted
@@ -20,14 +19,15 @@ from exo_sim.sizing.design_space import LEAST_SUPPLY, Space
 from exo_sim.sizing.evaluation import Evaluator, Score, Task
 from exo_sim.sizing.force_bandwidth import ForceBandwidth, force_bandwidths
 from exo_sim.sizing.joint_kinds import JointKind, kinds_of
-from exo_sim.sizing.left_alone import LeftAlone, kinds_left_alone, left_alone
 from exo_sim.sizing.loads import Condition, JointLoads, joint_loads
 from exo_sim.sizing.published import PublishedClass, published_class
+from exo_sim.sizing.recommendation import Choice, nothing_found, recommended, shortlist
 from exo_sim.sizing.rods import RodCheck, rod_checks
 from exo_sim.sizing.search import Outcome, search, with_more
 from exo_sim.sizing.sensitivity import Sensitivity, sensitivity
+from exo_sim.sizing.sized_rig import sized_text
+from exo_sim.sizing.unsized_joints import LeftAlone, kinds_left_alone, left_alone
 from exo_sim.sizing.workers import Workers
-from exo_sim.sizing.writing import sized_text
 
 #: Effects that a diagnosis may have found, by what a designer calls them.
 GROUPS = {

@@ -11,12 +11,12 @@ from exo_sim.physics.compressed_air import exergy, free_air
 from exo_sim.simulation import gas_use
 from exo_sim.sizing import published
 from exo_sim.sizing.bought_parts import BoughtParts, provenance, too_cold
-from exo_sim.sizing.by_hand import Step
-from exo_sim.sizing.choice import fates
 from exo_sim.sizing.design import fit, recovery_mass, spring_mass
 from exo_sim.sizing.force_bandwidth import NEEDED
+from exo_sim.sizing.hand_calculation import Step
 from exo_sim.sizing.joint_kinds import JointKind
 from exo_sim.sizing.loads import JointLoads
+from exo_sim.sizing.recommendation import fates
 from exo_sim.sizing.search import Found
 from exo_sim.sizing.sensitivity import cheaper
 from exo_sim.sizing.study import Sizing

@@ -13,7 +13,7 @@ from typing import TYPE_CHECKING, Any
 from exo_sim.errors import TrialError
 from exo_sim.outputs import alone_in, replacing
 from exo_sim.progress import each
-from exo_sim.trials.cells import Plan
+from exo_sim.trials.case_mix import Plan
 from exo_sim.trials.json_file import read_json
 from exo_sim.trials.seal import digest_of, new_key, seal, write_key
 from exo_sim.trials.tool import bring_back, command, lay_out, run_tool

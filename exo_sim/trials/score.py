@@ -10,10 +10,10 @@ from typing import Any
 from exo_sim.errors import TrialError
 from exo_sim.outputs import replacing
 from exo_sim.trials.answer import read_answer
-from exo_sim.trials.figures import figures
 from exo_sim.trials.judge import judge
 from exo_sim.trials.oracle import oracle_diagnoses, over_oracle
 from exo_sim.trials.protocol import check_inputs, ledger_of, read_manifest
+from exo_sim.trials.score_statistics import figures
 from exo_sim.trials.seal import digest_of, open_with, stored, unseal
 
 
@@ -95,7 +95,7 @@ def score(
     }
     with replacing(folder / "score.json") as beside:
         beside.write_text(json.dumps(result, indent=1) + "\n")
-    from exo_sim.trials.page import page
+    from exo_sim.trials.score_page import page
 
     with replacing(folder / "score.html") as beside:
         beside.write_text(page(result), encoding="utf-8")

@@ -21,11 +21,11 @@ from exo_sim.errors import TrialError
 from exo_sim.outputs import replacing
 from exo_sim.trials.protocol import seal_case
 from exo_sim.trials.score import open_trial
-from exo_sim.trials.whole import fresh, table
+from exo_sim.trials.whole import score_tables, unseen_recording
+from exo_sim.trials.whole.diagnose_cases import COMPARE, spread
 from exo_sim.trials.whole.draw import cells_of
 from exo_sim.trials.whole.judge import judge
 from exo_sim.trials.whole.makes import find, letters
-from exo_sim.trials.whole.runner import COMPARE, spread
 
 #: The one make whose cases Cantera computes; see `exo_sim.trials.cantera`.
 CANTERA = "cantera"
@@ -155,7 +155,7 @@ def score(
         done = there / "errors.json"
         if not done.exists():
             _lay_open(folder / "cases" / name, opened.truths[name], there)
-            found = fresh.errors(shlex.split(compare), there, folder / "run" / name / "improved.toml")
+            found = unseen_recording.errors(shlex.split(compare), there, folder / "run" / name / "improved.toml")
             with replacing(done) as beside:
                 beside.write_text(json.dumps(found, indent=1) + "\n")
         return dict(json.loads(done.read_text()))
@@ -166,12 +166,12 @@ def score(
     result = {
         "schema": "exo-sim/whole-score/1",
         "truth": opened.manifest["truth"],
-        "figures": table.plain(marks),
+        "figures": score_tables.plain(marks),
         "head": opened.records[-1]["hash"],
         "tool": opened.records[-1]["tool"],
         "marks": [_plain(asdict(mark)) for mark in marks],
     }
-    text = table.tables(marks)
+    text = score_tables.tables(marks)
     for file, content in (("score.json", json.dumps(result, indent=1, allow_nan=False)), ("score.md", text)):
         with replacing(folder / file) as beside:
             beside.write_text(content + "\n")

@@ -92,7 +92,7 @@ def _trial(folder: Path) -> None:
     import sys
 
     from exo_sim.trials import protocol
-    from exo_sim.trials.cells import draw_plans
+    from exo_sim.trials.case_mix import draw_plans
 
     folder.mkdir()
     protocol.make(folder / "trial", draw_plans(2, 11), folder / "trial.key", duration=4.0, quiet=True)

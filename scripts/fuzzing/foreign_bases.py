@@ -68,7 +68,7 @@ def recordings(folder: Path, time: NDArray[np.float64], columns: Columns, units:
     from scipy.io import savemat
 
     from exo_sim.recording import Recording
-    from exo_sim.recording.sto_table import write_sto
+    from exo_sim.recording.opensim_table import write_sto
 
     headings = ["time [s]", *(f"{key} [{unit}]" for key, unit in units.items())]
     table = np.column_stack([time, *columns.values()])

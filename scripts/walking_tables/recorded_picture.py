@@ -12,7 +12,7 @@ from scipy.io import loadmat
 from exo_sim.gait import recorded_gait, scenario
 from exo_sim.gait.motion import phases
 from exo_sim.gait.residual_reduction import body_loads, reduced
-from exo_sim.machine import footing
+from exo_sim.machine import ground_reaction
 from exo_sim.machine.person import Person
 from exo_sim.simulation.wearer_alone import one_cycle
 
@@ -47,8 +47,8 @@ def section(folder: Path) -> str:
     person = Person(1.70, gait.mass)
     motion = reduced(scenario.motion("level_walk", person, 1.0), person)
     poses, wrench = body_loads(motion, person)
-    ground = footing.hold(poses, wrench, motion.share, motion.pressure_centre, motion.support, person)
-    moments = footing.joint_moments(poses, wrench, ground.force, ground.place)
+    ground = ground_reaction.hold(poses, wrench, motion.share, motion.pressure_centre, motion.support, person)
+    moments = ground_reaction.joint_moments(poses, wrench, ground.force, ground.place)
     moved = one_cycle(motion, person)
     weight, phase = 9.81 * gait.mass, phases()
     data = loadmat(path, squeeze_me=True, struct_as_record=False)["ExperimentalData"]

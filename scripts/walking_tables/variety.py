@@ -21,7 +21,7 @@ Each is a short scenario (`exo-sim run slope_up`); in a scenario file `speed = "
 others. All are for a wearer whose motion is prescribed. None was recorded:
 
 - Speeds: stride time and stride length go with powers of speed, -0.58 and 0.42 (Grieve and Gear 1966), between 0.5 and 1.5 times the
-  recorded speed (`exo_sim/gait/other_ground.py`). That a fast stride has a shorter stance is left out.
+  recorded speed (`exo_sim/gait/speed_and_slope.py`). That a fast stride has a shorter stance is left out.
 - Slopes of 10 %: feet do to the ground what they did on level ground, and hips, knees and ankles follow. At heel strike hip and knee are
   more flexed uphill, as Lay, Hass and Gregor (2006) measured; that people slow down uphill is left out.
 - Stairs of 170 by 290 mm are drawn, with what Riener, Rabuffetti and Frigo (2002) say of them (`exo_sim/gait/stairs.py`).

@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 
 from exo_sim.diagnosis.data.motion_run import Drive, Inertia, Kinematics, MotionRun, Passive
 from exo_sim.diagnosis.estimation.parameters import PlantParameters
-from exo_sim.physics.records import CYLINDER, WORLD
+from exo_sim.physics.plant_records import CYLINDER, WORLD
 
 Array = NDArray[np.float64]
 

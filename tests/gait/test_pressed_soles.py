@@ -6,22 +6,22 @@ import pytest
 from exo_sim.gait import scenario
 from exo_sim.gait.pressed_soles import pressed
 from exo_sim.gait.residual_reduction import body_loads, reduced
-from exo_sim.machine import footing, wearer_body
+from exo_sim.machine import ground_reaction, wearer_body
 from exo_sim.machine.person import Person, poses_along
 
-PERSON, STIFFNESS, RADIUS, TOES = Person(), wearer_body.STIFFNESS, wearer_body.RADIUS, footing.TOES
+PERSON, STIFFNESS, RADIUS, TOES = Person(), wearer_body.STIFFNESS, wearer_body.RADIUS, ground_reaction.TOES
 
 
 @pytest.fixture(scope="module")
 def both():
     motion = reduced(scenario.motion("level_walk", PERSON, 1.0), PERSON)
-    ground = footing.hold(*body_loads(motion, PERSON), motion.share, motion.pressure_centre, motion.support, PERSON)
+    ground = ground_reaction.hold(*body_loads(motion, PERSON), motion.share, motion.pressure_centre, motion.support, PERSON)
     return motion, ground, pressed(motion, PERSON, ground.force, ground.centre, STIFFNESS, RADIUS, TOES)
 
 
 def height(motion, ahead):
     """Return how high the lowest point of what touches is, ahead of the right ankle."""
-    foot = poses_along(motion.position, motion.slope, PERSON)[:, footing.FEET[1]]
+    foot = poses_along(motion.position, motion.slope, PERSON)[:, ground_reaction.FEET[1]]
     low = PERSON.ankle_height - RADIUS
     return foot[:, 1] + ahead * np.sin(foot[:, 2]) - low * np.cos(foot[:, 2]) - RADIUS
 

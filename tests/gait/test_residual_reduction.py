@@ -6,14 +6,14 @@ import pytest
 from exo_sim.gait import recorded_gait, scenario
 from exo_sim.gait.motion import SAMPLES, phases
 from exo_sim.gait.residual_reduction import body_loads, reduced, with_backpack
-from exo_sim.machine import footing
+from exo_sim.machine import ground_reaction
 from exo_sim.machine.person import Person
 
 
 def held(motion, person):
     poses, wrench = body_loads(motion, person)
-    ground = footing.hold(poses, wrench, motion.share, motion.pressure_centre, motion.support, person)
-    return ground, footing.joint_moments(poses, wrench, ground.force, ground.place)
+    ground = ground_reaction.hold(poses, wrench, motion.share, motion.pressure_centre, motion.support, person)
+    return ground, ground_reaction.joint_moments(poses, wrench, ground.force, ground.place)
 
 
 @pytest.fixture(scope="module")

@@ -8,7 +8,7 @@ import pytest
 from exo_sim.errors import ScenarioError
 from exo_sim.gait.residual_reduction import body_loads, reduced
 from exo_sim.gait.stairs import DOWN, UP, walking_stairs
-from exo_sim.machine.footing import totals
+from exo_sim.machine.ground_reaction import totals
 from exo_sim.machine.person import Person, leg_points
 
 PERSON = Person()

@@ -7,7 +7,7 @@ from exo_sim.errors import ScenarioError
 from exo_sim.gait import scenario
 from exo_sim.gait.motion import SAMPLES
 from exo_sim.gait.residual_reduction import body_loads, reduced, trunk, with_backpack
-from exo_sim.machine.footing import hold, under_foot
+from exo_sim.machine.ground_reaction import hold, under_foot
 from exo_sim.machine.person import Person, leg_points, poses_along
 from exo_sim.machine.wearer_moments import backpack_wrench
 

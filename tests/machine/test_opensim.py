@@ -11,7 +11,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from exo_sim.machine import anthropometry, footing
+from exo_sim.machine import anthropometry, ground_reaction
 from exo_sim.machine.person import COORDINATES, Person, poses_along
 
 JOINTS = COORDINATES[3:]
@@ -35,10 +35,10 @@ def ours(opensim: dict[str, np.ndarray]) -> tuple[np.ndarray, np.ndarray]:
         for kind in ("force", "place")
     )
     place = place - q[:, None, :2]
-    load = footing.totals(poses, wrench)
+    load = ground_reaction.totals(poses, wrench)
     held = (place[:, :, 0] * force[:, :, 1] - place[:, :, 1] * force[:, :, 0]).sum(axis=1)
     left = np.column_stack([-load[:, :2] - force.sum(axis=1), -load[:, 2] - held])
-    return footing.joint_moments(poses, wrench, force, place), left
+    return ground_reaction.joint_moments(poses, wrench, force, place), left
 
 
 @pytest.mark.parametrize("joint", JOINTS)

@@ -14,9 +14,9 @@ import pytest
 from scipy.interpolate import CubicSpline
 from scipy.signal import butter, filtfilt
 
-from exo_sim.machine import anthropometry, footing
+from exo_sim.machine import anthropometry, ground_reaction
 from exo_sim.machine.person import SEGMENTS, Person
-from exo_sim.recording.foreign.opensim_storage import OpenSimTable, read_storage
+from exo_sim.recording.opensim_table import OpenSimTable, read_storage
 
 Array = np.ndarray
 
@@ -145,7 +145,7 @@ def test_joint_moments_are_the_published_ones(published: Path, monkeypatch: pyte
 
     force = on_feet("ground_force_vx", "ground_force_vy")
     place = on_feet("ground_force_px", "ground_force_py") - poses[:, :1, :2]
-    moments = footing.joint_moments(poses, wrench, force, place, on_feet("ground_torque_z")[:, :, 0])
+    moments = ground_reaction.joint_moments(poses, wrench, force, place, on_feet("ground_torque_z")[:, :, 0])
     for leg, side in enumerate("lr"):
         carried = force[:, leg] + wrench[:, 2 + 3 * leg, :2] + wrench[:, 3 + 3 * leg, :2]
         moments[:, 3 * leg + 1] -= (carried * slides[side]).sum(axis=1)

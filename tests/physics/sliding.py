@@ -9,8 +9,8 @@ from numpy.typing import NDArray
 
 from exo_sim.physics.conditions import Motion
 from exo_sim.physics.forces import joint_forces
-from exo_sim.physics.records import JOINT
-from exo_sim.physics.resistance import joint_dry_level, joint_resistance, move_bristle
+from exo_sim.physics.friction import joint_dry_level, joint_resistance, move_bristle
+from exo_sim.physics.plant_records import JOINT
 
 LUGRE = {
     "coulomb_friction": {"force": 15.0},

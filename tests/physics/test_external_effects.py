@@ -41,7 +41,7 @@ def test_the_page_s_effect_simulates(repository: Path, example: Path) -> None:
     script = blocks(repository, "python")[1] + """
 import json
 import numpy as np
-from exo_sim.physics.plain import effects_on_gas
+from exo_sim.physics.gas_effects_off import effects_on_gas
 from exo_sim.physics.pneumatics import Pneumatics, paper_cylinder, paper_world
 found = {"pressures": plugin.pressures().tolist(), "seen": "blow_off" in effects_on_gas(), "residuals": []}
 for conductance, dead in ((1e-7, 4e-6), (1e-5, 1e-8)):

@@ -9,7 +9,7 @@ import pytest
 from exo_sim.errors import ModelError
 from exo_sim.physics.declaration import declared, identification_of
 from exo_sim.physics.identification import Identification, ObservedMotion, Twins
-from exo_sim.physics.records import CYLINDER
+from exo_sim.physics.plant_records import CYLINDER
 
 NAMES = sorted(declared())
 

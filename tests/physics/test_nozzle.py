@@ -8,7 +8,7 @@ from hypothesis import strategies as st
 
 from exo_sim.physics import nozzle
 from exo_sim.physics.declaration import declared
-from exo_sim.physics.records import CYLINDER
+from exo_sim.physics.plant_records import CYLINDER
 
 K, R = 1.4, 287.05
 pressures = st.floats(2e4, 3e6)

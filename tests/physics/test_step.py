@@ -9,13 +9,13 @@ import pytest
 from numpy.typing import NDArray
 
 from exo_sim.physics import settling
-from exo_sim.physics.balances import outward_rate
 from exo_sim.physics.conditions import Chamber
 from exo_sim.physics.pneumatics import Pneumatics, paper_cylinder, paper_world
 from exo_sim.physics.runge_kutta_chebyshev import enough_stages
 from exo_sim.physics.state import integrated_size
 from exo_sim.physics.step import chebyshev_step, integrate
 from exo_sim.physics.step_length import step_length
+from exo_sim.physics.summed_effects import outward_rate
 from exo_sim.physics.terms import OUTWARD_FLOW, Term, within
 
 H = 1e-3

@@ -10,8 +10,8 @@ import pytest
 from exo_sim.errors import ModelError
 from exo_sim.physics import state
 from exo_sim.physics.declaration import Effect, Parameter, declared
+from exo_sim.physics.plant_records import CYLINDER, WORLD
 from exo_sim.physics.pneumatics import Pneumatics, paper_cylinder, paper_world
-from exo_sim.physics.records import CYLINDER, WORLD
 
 Numbers = Mapping[str, Mapping[str, float | np.ndarray]]
 

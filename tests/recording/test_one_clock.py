@@ -7,7 +7,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from exo_sim.recording.finding import Finding
+from exo_sim.recording.data_quality_finding import Finding
 from exo_sim.recording.one_clock import on_one_clock
 
 FAST, SLOW = np.linspace(0.0, 1.0, 101, dtype=np.float64), np.linspace(0.0, 1.0, 11, dtype=np.float64)

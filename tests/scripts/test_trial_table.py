@@ -8,7 +8,7 @@ import sys
 from pathlib import Path
 
 from exo_sim.trials import protocol
-from exo_sim.trials.cells import draw_plans
+from exo_sim.trials.case_mix import draw_plans
 from exo_sim.trials.score import score
 
 

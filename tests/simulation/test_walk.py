@@ -11,7 +11,7 @@ from simulation.walked import simulate
 from exo_sim import rig as rigs
 from exo_sim.errors import ScenarioError
 from exo_sim.gait import recorded_gait, scenario
-from exo_sim.machine import footing
+from exo_sim.machine import ground_reaction
 from exo_sim.recording import Reading
 from exo_sim.recording import summary as inspected
 from exo_sim.rig import Ankle, Wearer
@@ -104,7 +104,7 @@ def test_residuals_are_within_the_guideline_alone_and_with_a_backpack(on):
 
 def test_the_centre_of_pressure_is_under_the_soles_that_touch(on):
     it = with_machine(on)
-    bounds = footing.soles(it.poses[:, footing.FEET, 2], on.person)
+    bounds = ground_reaction.soles(it.poses[:, ground_reaction.FEET, 2], on.person)
     assert (it.ground.centre >= bounds[:, :, 0] - 1e-9).all() and (it.ground.centre <= bounds[:, :, 1] + 1e-9).all()
     force = it.ground.force
     assert (force[:, :, 1] >= -1e-9).all()

@@ -7,7 +7,7 @@ from exo_sim.machine.linkage import check_strokes
 from exo_sim.machine.rig_model import load
 from exo_sim.sizing.design import actuator_mass, fit, fitted
 from exo_sim.sizing.screening import chosen_bores
-from exo_sim.sizing.writing import sized_text
+from exo_sim.sizing.sized_rig import sized_text
 
 
 def _chosen(exo, space, loads, **changed):

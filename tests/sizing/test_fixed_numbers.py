@@ -8,8 +8,8 @@ from exo_sim.rig.own_catalogue import Catalogue, CatalogueValve
 from exo_sim.sizing.design import fitted
 from exo_sim.sizing.fixed_numbers import fixed_numbers
 from exo_sim.sizing.screening import chosen_bores
+from exo_sim.sizing.sized_rig import sized_text
 from exo_sim.sizing.study import space_of
-from exo_sim.sizing.writing import sized_text
 
 
 def test_fixed_numbers_are_read_in_si():

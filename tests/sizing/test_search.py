@@ -10,8 +10,8 @@ import pytest
 from exo_sim.errors import OutputError, ScenarioError
 from exo_sim.rig import EffectSetting
 from exo_sim.sizing import evaluation, workers
-from exo_sim.sizing.choice import ENOUGH_MARGIN, WAYS_OUT, Walked, nothing_found, recommended
 from exo_sim.sizing.evaluation import OF_THE_MACHINE, Task
+from exo_sim.sizing.recommendation import ENOUGH_MARGIN, WAYS_OUT, Walked, nothing_found, recommended
 from exo_sim.sizing.screening import CONSTRAINTS
 from exo_sim.sizing.search import search
 from exo_sim.sizing.study import space_of

@@ -20,7 +20,7 @@ from exo_sim.errors import ExoSimError, OutputError, TrialError
 from exo_sim.outputs import alone_in
 from exo_sim.trials import protocol
 from exo_sim.trials.answer import tidied
-from exo_sim.trials.cells import draw_plans
+from exo_sim.trials.case_mix import draw_plans
 from exo_sim.trials.judge import judge
 from exo_sim.trials.score import score
 from exo_sim.trials.seal import new_key, write_key

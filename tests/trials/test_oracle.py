@@ -12,8 +12,8 @@ import pytest
 from exo_sim.cli import main
 from exo_sim.rig import read
 from exo_sim.trials import oracle, protocol
+from exo_sim.trials.case_mix import draw_plans
 from exo_sim.trials.cases import make_case, truth_of, write_case
-from exo_sim.trials.cells import draw_plans
 from exo_sim.trials.hidden_effects import LISTED
 
 TOOL = """

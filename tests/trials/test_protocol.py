@@ -13,10 +13,10 @@ from exo_sim.errors import TrialError
 from exo_sim.machine.rig_model import load
 from exo_sim.rig import read
 from exo_sim.trials import protocol
-from exo_sim.trials.cells import draw_plans
-from exo_sim.trials.figures import clopper_pearson, figures, nine_of_ten
+from exo_sim.trials.case_mix import draw_plans
 from exo_sim.trials.judge import judge
 from exo_sim.trials.score import score
+from exo_sim.trials.score_statistics import clopper_pearson, figures, nine_of_ten
 from exo_sim.trials.seal import new_key, open_with, seal, unseal, write_key
 from exo_sim.trials.verdict_chain import START, VerdictChain
 

@@ -8,7 +8,7 @@ from pathlib import Path
 import pytest
 
 from exo_sim.trials import protocol
-from exo_sim.trials.cells import draw_plans
+from exo_sim.trials.case_mix import draw_plans
 from exo_sim.trials.score import score
 
 CASES, SEED, SECONDS = 16, 20, 10.0

@@ -11,7 +11,7 @@ from exo_sim.diagnosis.estimation.parameters import FreeParameter
 from exo_sim.diagnosis.estimation.uncertainty import bounded_interval
 from exo_sim.diagnosis.findings import Estimate, Finding, Kind
 from exo_sim.diagnosis.outcome.rig_corrections import REFITTED
-from exo_sim.diagnosis.policy.nuisance_calibration import BEYOND_DOUBT, MODEL_SHARE
+from exo_sim.diagnosis.policy.off_nominal import BEYOND_DOUBT, MODEL_SHARE
 from exo_sim.diagnosis.selection.nuisance_calibration import is_declared
 from exo_sim.diagnosis.selection.subsystem_result import SubsystemResult
 from exo_sim.diagnosis.subsystem_model import SubsystemModel

@@ -7,7 +7,7 @@ import mujoco
 from exo_sim.diagnosis.data.machine_data import MachineData
 from exo_sim.diagnosis.estimation.parameters import SET_PRESSURE, FreeParameter
 from exo_sim.diagnosis.estimation.uncertainty import bounded_interval, interval
-from exo_sim.diagnosis.policy.nuisance_calibration import MODEL_SHARE
+from exo_sim.diagnosis.policy.off_nominal import MODEL_SHARE
 from exo_sim.diagnosis.selection.nuisance_calibration import Deviation, is_declared
 from exo_sim.diagnosis.selection.subsystem_result import SubsystemResult
 from exo_sim.diagnosis.subsystem_model import SubsystemModel

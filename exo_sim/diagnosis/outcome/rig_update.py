@@ -21,7 +21,7 @@ from exo_sim.diagnosis.estimation.parameters import FreeParameter, card_delays
 from exo_sim.diagnosis.estimation.uncertainty import bounded_interval, interval
 from exo_sim.diagnosis.findings import Estimate, Finding, Kind, Subsystem
 from exo_sim.diagnosis.outcome.rig_corrections import REFIT_NOTE, corrections
-from exo_sim.diagnosis.policy.nuisance_calibration import LEAST_PART
+from exo_sim.diagnosis.policy.off_nominal import LEAST_PART
 from exo_sim.diagnosis.selection.nuisance_calibration import is_declared
 from exo_sim.diagnosis.selection.subsystem_result import SubsystemResult
 from exo_sim.diagnosis.selection.unknown_effect import UnknownEffect, effect_of

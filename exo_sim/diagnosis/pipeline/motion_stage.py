@@ -33,7 +33,7 @@ from exo_sim.diagnosis.subsystems.motion.model import MotionModel
 from exo_sim.diagnosis.subsystems.motion.nuisances import nuisance_parameters, with_damping, with_damping_if_too_large
 from exo_sim.diagnosis.subsystems.motion.rows import one_way
 from exo_sim.physics.declaration import declared, identification_of
-from exo_sim.physics.records import CYLINDER
+from exo_sim.physics.plant_records import CYLINDER
 from exo_sim.rig import assembly
 
 #: Beside the speed at which friction builds up these are tried, in units of it.

@@ -14,7 +14,7 @@ from exo_sim.diagnosis.estimation.uncertainty import HALF_WIDTH, bounded_interva
 from exo_sim.diagnosis.findings import Estimate, Finding, Kind, Rejected
 from exo_sim.diagnosis.policy import verdicts
 from exo_sim.diagnosis.policy.acceptance import BESIDE_DISCREPANCY, CLEAN
-from exo_sim.diagnosis.policy.nuisance_calibration import MODEL_SHARE
+from exo_sim.diagnosis.policy.off_nominal import MODEL_SHARE
 from exo_sim.diagnosis.selection.fitted_model import (
     FittedModel,
     SearchResult,

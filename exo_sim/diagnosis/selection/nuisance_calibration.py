@@ -10,7 +10,7 @@ from exo_sim.diagnosis import wording
 from exo_sim.diagnosis.estimation.parameters import FreeParameter
 from exo_sim.diagnosis.estimation.uncertainty import bounded_interval, interval
 from exo_sim.diagnosis.findings import Estimate, Finding, Kind
-from exo_sim.diagnosis.policy.nuisance_calibration import LAW_SHARE, MODEL_SHARE, MOVED, OPEN_LAW_SHARE, SURE, WORTH
+from exo_sim.diagnosis.policy.off_nominal import LAW_SHARE, MODEL_SHARE, MOVED, OPEN_LAW_SHARE, SURE, WORTH
 from exo_sim.diagnosis.policy.probability import CALIBRATED, UNTESTED
 from exo_sim.diagnosis.selection.fitted_model import FittedModel
 from exo_sim.physics.declaration import declared, identification_of

@@ -11,7 +11,7 @@ import numpy as np
 from exo_sim.errors import ScenarioError
 from exo_sim.gait.labels import assigned
 from exo_sim.gait.walking_trial import GroundForce, Trial
-from exo_sim.recording.foreign.opensim_storage import read_storage
+from exo_sim.recording.opensim_table import read_storage
 
 #: An angle beyond this many radian is in degrees.
 _TURN = 2.0 * np.pi

@@ -79,7 +79,7 @@ def path_areas(
     Args:
         command_1, command_2: Of the spool to each chamber, before any dead-band; opposite of each other where one spool serves both.
         width: Of the dead-band, which every overlap comes on top of.
-        area, closed_area: As of `metering_edges.path_areas`.
+        area, closed_area: As of `valve_areas.path_areas`.
     """
     return (
         area * (1.0 + p.excess_supply_1) * opening(command_1, width + p.overlap_supply_1) + closed_area,

@@ -8,7 +8,7 @@ from dataclasses import replace
 import numpy as np
 from numpy.typing import NDArray
 
-from exo_sim.recording.finding import Finding
+from exo_sim.recording.data_quality_finding import Finding
 from exo_sim.recording.health import clock, consistency, plausibility, samples, stuck_or_clipped
 from exo_sim.recording.health.facts import Facts
 from exo_sim.recording.noise import floors

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from exo_sim.recording.finding import Finding
+from exo_sim.recording.data_quality_finding import Finding
 from exo_sim.recording.health.spans import listed, where
 from exo_sim.recording.table import Recording
 

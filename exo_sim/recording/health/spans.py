@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
-from exo_sim.recording.finding import MOST_SPANS
+from exo_sim.recording.data_quality_finding import MOST_SPANS
 
 Rows = NDArray[np.intp]
 

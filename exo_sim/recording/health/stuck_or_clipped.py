@@ -19,7 +19,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from exo_sim.recording.columns import signal_of
-from exo_sim.recording.finding import Finding
+from exo_sim.recording.data_quality_finding import Finding
 from exo_sim.recording.health.spans import Rows, listed, runs, where
 from exo_sim.recording.noise import Noise
 from exo_sim.recording.table import Recording

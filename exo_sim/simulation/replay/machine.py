@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 from exo_sim.errors import RecordingError
 from exo_sim.machine.linkage import moment_row
 from exo_sim.physics import state
-from exo_sim.physics.records import switch_off
+from exo_sim.physics.plant_records import switch_off
 from exo_sim.recording.table import Recording
 from exo_sim.rig import Rig
 from exo_sim.simulation.plugin import PneumaticPlugin

@@ -14,8 +14,8 @@ from exo_sim.trials.whole.case import WholeCase, instrumented
 from exo_sim.trials.whole.draw import Built, build, cells_of
 from exo_sim.trials.whole.friction_laws import EXPONENTIAL, SUM, TANH
 from exo_sim.trials.whole.gas_laws import CONSTANT, ELLIPSE, ORIFICE
+from exo_sim.trials.whole.machine_run import Run, span_of, ticks
 from exo_sim.trials.whole.makes import LABORATORY, Laws, Make
-from exo_sim.trials.whole.running import Run, span_of, ticks
 
 Array = NDArray[np.float64]
 #: Effects that the reactors have.

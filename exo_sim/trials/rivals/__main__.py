@@ -20,10 +20,10 @@ from typing import Any
 
 import numpy as np
 
-from exo_sim.trials.rivals.balances import Regression, force_balance, gas_balance
 from exo_sim.trials.rivals.files import read, si
 from exo_sim.trials.rivals.selection import WAYS, Chosen, choose
 from exo_sim.trials.rivals.surrogate import NOTHING, explained
+from exo_sim.trials.rivals.weak_form import Regression, force_balance, gas_balance
 
 
 def diagnose(recordings: list[Path], rig_path: Path, how: str) -> dict[str, Any]:

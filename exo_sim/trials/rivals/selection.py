@@ -8,8 +8,8 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from exo_sim.trials.rivals.balances import Regression
 from exo_sim.trials.rivals.files import Array
+from exo_sim.trials.rivals.weak_form import Regression
 
 #: A term must lower the held-out error by this share to stay.
 SHARE = 0.03

@@ -6,8 +6,8 @@ import warnings
 
 import numpy as np
 
-from exo_sim.trials.rivals.balances import Regression
 from exo_sim.trials.rivals.selection import held_out
+from exo_sim.trials.rivals.weak_form import Regression
 
 #: Windows that the process is conditioned on; its cost grows with their cube.
 MOST_WINDOWS = 400

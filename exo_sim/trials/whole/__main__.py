@@ -12,7 +12,7 @@ import json
 from pathlib import Path
 
 from exo_sim.errors import ExoSimError, TrialError
-from exo_sim.trials.whole import runner
+from exo_sim.trials.whole import diagnose_cases
 from exo_sim.trials.whole.draw import CELLS, cells_of
 from exo_sim.trials.whole.judge import MATTERS, Mark
 from exo_sim.trials.whole.makes import MAKES, find, letters
@@ -43,8 +43,8 @@ def main(argv: list[str] | None = None) -> int:
     for one in (run, score):
         one.add_argument("folder", type=Path)
         one.add_argument("--out", type=Path, required=True)
-    run.add_argument("--tool", default=runner.DIAGNOSE, help="recordings, --rig and --out are appended")
-    run.add_argument("--compare", default=runner.COMPARE, help="recording, --rig, --out and --json are appended")
+    run.add_argument("--tool", default=diagnose_cases.DIAGNOSE, help="recordings, --rig and --out are appended")
+    run.add_argument("--compare", default=diagnose_cases.COMPARE, help="recording, --rig, --out and --json are appended")
     run.add_argument("--jobs", type=int, default=1)
     run.add_argument("--timeout", type=float, default=900.0)
     run.add_argument("--only", default="*", help="pattern of names of cases")
@@ -57,7 +57,7 @@ def main(argv: list[str] | None = None) -> int:
         if options.verb == "make":
             _make(options)
         elif options.verb == "run":
-            runner.run(
+            diagnose_cases.run(
                 options.folder,
                 options.out,
                 options.tool,
@@ -100,21 +100,21 @@ def _make(options: argparse.Namespace) -> None:
         else:
             write_case(make_case(name, letter, cell, seed, effects=keys, **settings), options.out / name)
 
-    runner.spread(one, plans, options.jobs, "making", quiet=False)
+    diagnose_cases.spread(one, plans, options.jobs, "making", quiet=False)
     print(f"{len(plans)} cases in {options.out}")
 
 
 def _score(options: argparse.Namespace) -> None:
-    from exo_sim.trials.whole import table
+    from exo_sim.trials.whole import score_tables
 
-    found = runner.marks(options.folder, options.out, options.matters)
+    found = diagnose_cases.marks(options.folder, options.out, options.matters)
     if not found:
         raise TrialError(f"{options.out} holds no answer; python -m exo_sim.trials.whole run {options.folder} --out {options.out}")
-    runner.write_marks(found, options.out / "marks.json")
+    diagnose_cases.write_marks(found, options.out / "marks.json")
     if options.json:
-        print(json.dumps(table.plain(found), indent=1))
+        print(json.dumps(score_tables.plain(found), indent=1))
         return
-    print(table.tables(found))
+    print(score_tables.tables(found))
     if options.cases:
         print("\n" + "\n".join(_line(mark) for mark in found))
 

@@ -13,14 +13,14 @@ from numpy.typing import NDArray
 
 from exo_sim.errors import TrialError
 from exo_sim.outputs import replacing
-from exo_sim.trials.whole.blocks import BLOCKS
 from exo_sim.trials.whole.draw import Built, build
+from exo_sim.trials.whole.hidden_effects import BLOCKS
 from exo_sim.trials.whole.instruments import Rack, draw_rack
+from exo_sim.trials.whole.machine_run import Run, drive, recorded
 from exo_sim.trials.whole.makes import Make, find
-from exo_sim.trials.whole.mapping import rig_effects
 from exo_sim.trials.whole.materiality import matters, plain
-from exo_sim.trials.whole.owner import Owner, as_built, believed
-from exo_sim.trials.whole.running import Run, drive, recorded
+from exo_sim.trials.whole.nearest_effects import rig_effects
+from exo_sim.trials.whole.owner_rig import Owner, as_built, believed
 
 Array = NDArray[np.float64]
 #: What every rig records; supply and load cell are there by chance.
@@ -67,7 +67,7 @@ def make_case(name: str, make: str, cell: str = "whole", seed: int = 0, *, effec
         make: Letter of `makes.MAKES`.
         cell: Of `draw.CELLS`.
         seed: Chance; the same seed gives the same case.
-        effects: Keys of `blocks.BLOCKS` that are hidden, instead of a draw.
+        effects: Keys of `hidden_effects.BLOCKS` that are hidden, instead of a draw.
         bulk: Factor on the sizes of what the machine has.
         duration: Length of a recording [s].
         recordings: How many.

@@ -9,11 +9,12 @@ from dataclasses import dataclass
 import numpy as np
 
 from exo_sim.errors import TrialError, nearest
-from exo_sim.trials.whole.blocks import BLOCKS, COMMON, OUTSIDE, SEAL, Draft
-from exo_sim.trials.whole.catalogue import SERIES
+from exo_sim.trials.whole.effect_sizes import Draft
 from exo_sim.trials.whole.friction_laws import TANH
+from exo_sim.trials.whole.hidden_effects import BLOCKS, COMMON, OUTSIDE, SEAL
 from exo_sim.trials.whole.machine import Machine
 from exo_sim.trials.whole.makes import Make
+from exo_sim.trials.whole.published_cylinders import SERIES
 
 GRAVITY = 9.81
 CELLS = ("whole", "single", "nothing", "outside")
@@ -29,7 +30,7 @@ class Built:
         make: Which make.
         bore, rod: As its data sheet says [m]; the machine's areas differ a little.
         machine: Its numbers.
-        hidden, known: Keys of `blocks.BLOCKS`: what its owner does not know of, and what stands in his rig.
+        hidden, known: Keys of `hidden_effects.BLOCKS`: what its owner does not know of, and what stands in his rig.
         lever_centre: Distance of a lever's mass centre from its joint [m], 0 on a slide.
         mass: What moves [kg], the piston included on a slide.
     """

@@ -11,7 +11,7 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from typing import Any
 
-from exo_sim.trials.whole.blocks import BLOCKS
+from exo_sim.trials.whole.hidden_effects import BLOCKS
 
 #: Multiples of what can be seen from which an effect is expected to be named.
 MATTERS = 2.0

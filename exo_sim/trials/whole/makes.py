@@ -126,7 +126,7 @@ class Make:
         programs: Of `excitation.PROGRAMS`, of `walk.gait.PACES` for legs, the recording's; `fresh` are those of the recording that nobody
             has seen.
         cylinder, joint: What owners call them; of legs the joints' names without the side.
-        optional: Of `blocks.BLOCKS`, what its machines may have besides what all do.
+        optional: Of `hidden_effects.BLOCKS`, what its machines may have besides what all do.
         single: Chamber 2 is open to the room.
         series: Of cylinders, of `catalogue.SERIES`.
         load_cell: How often the rod's force is recorded; legs draw theirs in `walk.worn`.

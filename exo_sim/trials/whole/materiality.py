@@ -15,12 +15,12 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from exo_sim.trials.whole.blocks import BLOCKS
 from exo_sim.trials.whole.draw import Built
+from exo_sim.trials.whole.hidden_effects import BLOCKS
 from exo_sim.trials.whole.instruments import Rack
 from exo_sim.trials.whole.machine import Machine
+from exo_sim.trials.whole.machine_run import Run, replayed
 from exo_sim.trials.whole.plant import N1, N2, QD, U1, U2
-from exo_sim.trials.whole.running import Run, replayed
 
 Array = NDArray[np.float64]
 
@@ -80,7 +80,7 @@ def matters(built: Built, truth: Run, rack: Rack, columns: Sequence[str], keys: 
         truth: A run with states.
         rack: Its instruments.
         columns: Signals that are recorded.
-        keys: Of `blocks.BLOCKS`, present in the machine.
+        keys: Of `hidden_effects.BLOCKS`, present in the machine.
     """
     m = built.machine
     seen = windows(truth, rack, columns)

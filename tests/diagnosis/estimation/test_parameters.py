@@ -9,7 +9,7 @@ from hypothesis import strategies as st
 
 from exo_sim.diagnosis.estimation.parameters import FreeParameter, PlantParameters, Target, card_delays
 from exo_sim.physics.declaration import declared
-from exo_sim.physics.records import CYLINDER, WORLD
+from exo_sim.physics.plant_records import CYLINDER, WORLD
 
 
 def plant() -> PlantParameters:

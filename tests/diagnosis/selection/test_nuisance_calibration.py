@@ -11,12 +11,12 @@ from hypothesis import strategies as st
 from exo_sim.diagnosis.data.split import Split
 from exo_sim.diagnosis.estimation.least_squares import Fit
 from exo_sim.diagnosis.estimation.parameters import FreeParameter, PlantParameters, Target
-from exo_sim.diagnosis.policy.nuisance_calibration import MODEL_SHARE, SURE
+from exo_sim.diagnosis.policy.off_nominal import MODEL_SHARE, SURE
 from exo_sim.diagnosis.policy.probability import CALIBRATED, UNTESTED
 from exo_sim.diagnosis.selection.fitted_model import FittedModel
 from exo_sim.diagnosis.selection.nuisance_calibration import Deviation, calibration_findings, deviations, refitted_besides
 from exo_sim.diagnosis.subsystems.gas.model import GasModel
-from exo_sim.physics.records import CYLINDER, WORLD
+from exo_sim.physics.plant_records import CYLINDER, WORLD
 
 
 def gas(*sides: bool) -> GasModel:

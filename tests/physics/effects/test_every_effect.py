@@ -16,8 +16,8 @@ from exo_sim import signals
 from exo_sim.physics import state
 from exo_sim.physics.declaration import FAMILIES, Effect, Parameter, declared
 from exo_sim.physics.nodes import exhaust_state, supply_state
+from exo_sim.physics.plant_records import CYLINDER, JOINT
 from exo_sim.physics.pneumatics import Pneumatics, paper_cylinder, paper_world
-from exo_sim.physics.records import CYLINDER, JOINT
 from exo_sim.rig import EffectEntry, EffectSetting, improved, parse
 
 NAMES = sorted(declared())

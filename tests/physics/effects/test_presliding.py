@@ -7,7 +7,7 @@ import math
 import pytest
 from physics.sliding import LUGRE, LUGRE_TABLE, contact, slide, steady_resistance
 
-from exo_sim.physics.resistance import dry_force
+from exo_sim.physics.friction import dry_force
 
 
 def test_steady_friction_is_lugres_table() -> None:

@@ -8,8 +8,8 @@ from physics.air import PA
 from physics.stepping import bench, drive
 
 from exo_sim.physics.conditions import Motion
+from exo_sim.physics.friction import dry_level
 from exo_sim.physics.pneumatics import paper_cylinder
-from exo_sim.physics.resistance import dry_level
 
 
 def test_level_is_the_area_times_both_gauge_pressures() -> None:

@@ -10,8 +10,8 @@ from physics.stepping import hold, tank
 from exo_sim.physics import state
 from exo_sim.physics.conditions import Motion
 from exo_sim.physics.effects import unknown
+from exo_sim.physics.friction import sharp_level
 from exo_sim.physics.pneumatics import paper_cylinder
-from exo_sim.physics.resistance import sharp_level
 
 
 def test_curve_is_straight_between_its_knots_and_flat_beyond() -> None:

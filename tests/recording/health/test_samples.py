@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from exo_sim.recording import Recording
-from exo_sim.recording.finding import Finding
+from exo_sim.recording.data_quality_finding import Finding
 from exo_sim.recording.health import samples
 from exo_sim.recording.noise import floor
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from exo_sim.recording.finding import MOST_SPANS
+from exo_sim.recording.data_quality_finding import MOST_SPANS
 from exo_sim.recording.health.spans import listed, runs, where
 
 TIME = np.arange(1000.0) * 0.01

@@ -3,9 +3,9 @@
 import numpy as np
 import pytest
 
-from exo_sim.trials.rivals.balances import Regression
 from exo_sim.trials.rivals.selection import WAYS, choose
 from exo_sim.trials.rivals.surrogate import NOTHING, explained
+from exo_sim.trials.rivals.weak_form import Regression
 
 
 def regression(rest, seed=3):

@@ -14,13 +14,13 @@ from exo_sim.machine.rig_model import load
 from exo_sim.recording import read
 from exo_sim.trials.whole import case as cases
 from exo_sim.trials.whole.__main__ import main
-from exo_sim.trials.whole.blocks import BLOCKS, OUTSIDE, SEAL
 from exo_sim.trials.whole.case import make_case, truth_of, write_case
 from exo_sim.trials.whole.draw import build, choose
+from exo_sim.trials.whole.hidden_effects import BLOCKS, OUTSIDE, SEAL
 from exo_sim.trials.whole.instruments import Channel, filtered, shown
+from exo_sim.trials.whole.machine_run import drive
 from exo_sim.trials.whole.makes import MAKES
 from exo_sim.trials.whole.materiality import matters
-from exo_sim.trials.whole.running import drive
 
 
 @pytest.fixture(scope="module")
@@ -149,7 +149,7 @@ def test_where_laws_agree_the_nearest_rig_is_the_machine(tmp_path, monkeypatch, 
     laws = replace(own.laws, flow=0, flow_m=(0.5, 0.5), unequal=False)
     quiet = replace(own.grade, offset=0.0, jitter=0.0, encoder=(1e-6,))
     monkeypatch.setitem(MAKES, make, replace(own, laws=laws, grade=quiet))
-    monkeypatch.setattr("exo_sim.trials.whole.running.filtered", lambda values, channel, rate: values)
+    monkeypatch.setattr("exo_sim.trials.whole.machine_run.filtered", lambda values, channel, rate: values)
     monkeypatch.setattr("exo_sim.trials.whole.draw.choose", lambda *_, **__: (keys, ()))
     case = make_case("x", make, seed=seed, duration=8.0, weigh=False)
     write_case(case, tmp_path)

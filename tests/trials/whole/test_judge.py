@@ -6,7 +6,7 @@ import json
 import sys
 from typing import Any
 
-from exo_sim.trials.whole import fresh, runner, table
+from exo_sim.trials.whole import diagnose_cases, score_tables, unseen_recording
 from exo_sim.trials.whole.judge import judge
 
 
@@ -94,7 +94,7 @@ def test_intervals_cover_what_the_truth_allows():
 def test_probabilities_are_kept_for_their_calibration():
     mark = judge(TRUTH, said(one("coulomb_friction", probability=0.97), one("return_spring", probability=0.6)))
     assert mark.probabilities == ((0.97, True), (0.6, False)) and not mark.confidently_wrong
-    assert table.calibration([mark])[0][0] == "0.600"
+    assert score_tables.calibration([mark])[0][0] == "0.600"
 
 
 def write_case(folder, truth):
@@ -118,14 +118,14 @@ def test_the_runner_goes_on_and_never_shows_the_truth(tmp_path):
     signal = {"ram.pressure_1": {"windowed_rms": 200.0, "free_run_rms": 300.0, "noise": 250.0}}
     compare.write_text(f"print({json.dumps(json.dumps({'signal': signal}))})\n")
     settings: dict[str, Any] = {"tool": f"{sys.executable} {tool}", "compare": f"{sys.executable} {compare}", "quiet": True}
-    assert runner.run(tmp_path / "cases", tmp_path / "out", only="c1", **settings) == 1
-    assert runner.run(tmp_path / "cases", tmp_path / "out", **settings) == 1
-    assert runner.run(tmp_path / "cases", tmp_path / "out", **settings) == 0
-    marks = runner.marks(tmp_path / "cases", tmp_path / "out")
+    assert diagnose_cases.run(tmp_path / "cases", tmp_path / "out", only="c1", **settings) == 1
+    assert diagnose_cases.run(tmp_path / "cases", tmp_path / "out", **settings) == 1
+    assert diagnose_cases.run(tmp_path / "cases", tmp_path / "out", **settings) == 0
+    marks = diagnose_cases.marks(tmp_path / "cases", tmp_path / "out")
     assert [mark.exact for mark in marks] == [True, True]
-    rows = table.rows(marks, table.NAMES)
+    rows = score_tables.rows(marks, score_tables.NAMES)
     assert rows[0][:3] == ["whole", "2", "100 % (54-100) of 6"] and len(rows) == 1
-    assert table.names(marks)[0][0] == "coulomb_friction"
+    assert score_tables.names(marks)[0][0] == "coulomb_friction"
 
 
 def of_make(make, reported, *entries, after=None):
@@ -135,29 +135,29 @@ def of_make(make, reported, *entries, after=None):
 
 def test_makes_for_learning_and_makes_reported_on_are_never_mixed():
     marks = [of_make("A", False, *ALL), of_make("B", False), of_make("C", False, ALL[0]), of_make("E", True, *ALL), of_make("F", True)]
-    learnt, reported = table.groups(marks).values()
+    learnt, reported = score_tables.groups(marks).values()
     assert {mark.make for mark in learnt} == {"A", "B", "C"} and {mark.make for mark in reported} == {"E", "F"}
-    recall = {name: table.figures(those)["recall"] for name, those in table.lines(learnt)}
+    recall = {name: score_tables.figures(those)["recall"] for name, those in score_tables.lines(learnt)}
     assert list(recall) == ["whole", *(f"whole{one} {make}" for make in "ABC" for one in (", make", " without"))]
     assert recall["whole"]["hits"] == 4 and recall["whole"]["of"] == 9
     assert recall["whole, make A"]["share"] == 1.0 and recall["whole without A"]["hits"] == 1 and recall["whole without A"]["of"] == 6
-    text = table.tables(marks)
-    assert text.count(f"| {table.LEARNT} |") == 2 and text.count(f"| {table.REPORTED} |") == 2
-    assert set(json.loads(json.dumps(table.plain(marks)))) == {table.LEARNT, table.REPORTED}
+    text = score_tables.tables(marks)
+    assert text.count(f"| {score_tables.LEARNT} |") == 2 and text.count(f"| {score_tables.REPORTED} |") == 2
+    assert set(json.loads(json.dumps(score_tables.plain(marks)))) == {score_tables.LEARNT, score_tables.REPORTED}
 
 
 def test_only_rigs_that_were_tried_count_as_worse():
-    found = table.figures([of_make("A", False, *ALL, after=0.5), of_make("A", False, *ALL, after=1.1), of_make("A", False)])
+    found = score_tables.figures([of_make("A", False, *ALL, after=0.5), of_make("A", False, *ALL, after=1.1), of_make("A", False)])
     assert found["worse"]["hits"] == 1 and found["worse"]["of"] == 2
     assert found["windowed_rms_after_over_before"] == {"median": 0.8, "most": 1.1}
     assert found["free_run_rms_after_over_before"] is None
     endless = [of_make("A", False, after=float("inf")), of_make("A", False, after=0.5), of_make("A", False, after=0.6)]
-    assert table.figures(endless)["windowed_rms_after_over_before"] == {"median": 0.6, "most": None}
-    assert "| 0.6 (most inf) |" in table.tables(endless)
+    assert score_tables.figures(endless)["windowed_rms_after_over_before"] == {"median": 0.6, "most": None}
+    assert "| 0.6 (most inf) |" in score_tables.tables(endless)
 
 
 def test_ratios_never_go_below_the_noise():
     a = {"s": {"windowed_rms": 10.0, "noise": 100.0}}
     b = {"s": {"windowed_rms": 400.0, "noise": 100.0}}
-    assert fresh._ratio(a, b, "windowed_rms") == 0.25
-    assert fresh._ratio({"s": {"windowed_rms": None, "noise": 1.0}}, b, "windowed_rms") == float("inf")
+    assert unseen_recording._ratio(a, b, "windowed_rms") == 0.25
+    assert unseen_recording._ratio({"s": {"windowed_rms": None, "noise": 1.0}}, b, "windowed_rms") == float("inf")

@@ -9,13 +9,13 @@ from exo_sim import rig as rigs
 from exo_sim.machine.rig_model import load
 from exo_sim.recording import read
 from exo_sim.simulation import replay as replays
-from exo_sim.trials.whole.blocks import BLOCKS
 from exo_sim.trials.whole.case import make_case, truth_of, write_case
-from exo_sim.trials.whole.catalogue import SERIES
 from exo_sim.trials.whole.draw import build
 from exo_sim.trials.whole.excitation import PROGRAMS
+from exo_sim.trials.whole.hidden_effects import BLOCKS
 from exo_sim.trials.whole.makes import GROUPS, MAKES, find, letters
-from exo_sim.trials.whole.owner import as_built
+from exo_sim.trials.whole.owner_rig import as_built
+from exo_sim.trials.whole.published_cylinders import SERIES
 
 OUTSIDERS = ("O", "P")
 

@@ -7,13 +7,13 @@ import math
 import numpy as np
 import pytest
 
-from exo_sim.trials.whole.catalogue import hose_conductance, throat_area
 from exo_sim.trials.whole.draw import build
 from exo_sim.trials.whole.excitation import Program
 from exo_sim.trials.whole.friction_laws import ELASTOPLASTIC, LIPS, LUGRE, SECANT, contact, level
 from exo_sim.trials.whole.gas_laws import CLEARANCE, ELLIPSE, GAP, NOZZLE, POROUS, SHARP, STIRRED, conductance, flow_factor, leak, orifice
 from exo_sim.trials.whole.loop import FED, GAINS, MEMO, POSITION
 from exo_sim.trials.whole.machine import Machine
+from exo_sim.trials.whole.machine_run import Run, advance
 from exo_sim.trials.whole.makes import MAKES
 from exo_sim.trials.whole.plant import (
     LINE_1,
@@ -36,7 +36,7 @@ from exo_sim.trials.whole.plant import (
     transmission,
     valve_path,
 )
-from exo_sim.trials.whole.running import Run, advance
+from exo_sim.trials.whole.published_cylinders import hose_conductance, throat_area
 
 BENCH = {
     "area_1": 8.04e-4, "area_2": 6.91e-4, "stroke": 0.1, "dead_1": 1.2e-5, "dead_2": 1.2e-5, "piston_mass": 0.1, "inertia": 3.0,

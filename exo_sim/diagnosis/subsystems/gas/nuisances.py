@@ -10,7 +10,7 @@ from exo_sim.diagnosis.estimation.parameters import SET_PRESSURE, FreeParameter,
 from exo_sim.diagnosis.policy import healthy, priors
 from exo_sim.diagnosis.subsystems.gas.place import measured_places, place_of
 from exo_sim.physics.declaration import declared
-from exo_sim.physics.records import switch_off
+from exo_sim.physics.plant_records import switch_off
 
 
 def nuisance_parameters(

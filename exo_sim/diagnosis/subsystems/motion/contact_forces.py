@@ -18,7 +18,7 @@ from scipy.ndimage import binary_dilation
 
 from exo_sim.diagnosis.policy.recordings import UNLOADED_NOISE, UNLOADED_SHARE
 from exo_sim.diagnosis.subsystems.motion.smoothing import smoothed_alike, smoothing_width, stride, thinned
-from exo_sim.machine.touching import without_ground_force
+from exo_sim.machine.unmeasured_contact import without_ground_force
 from exo_sim.recording.filters import noise_gain, white_noise
 from exo_sim.recording.table import Recording
 

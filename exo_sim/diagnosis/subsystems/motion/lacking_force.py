@@ -20,7 +20,7 @@ from exo_sim.diagnosis.subsystems.healthy_leak import OUTWARD
 from exo_sim.diagnosis.subsystems.motion.resistance import resistance_along
 from exo_sim.diagnosis.subsystems.motion.rows import Rows
 from exo_sim.diagnosis.subsystems.motion.smoothing import before_filter, smoothed_alike
-from exo_sim.physics.records import CYLINDER
+from exo_sim.physics.plant_records import CYLINDER
 from exo_sim.recording.filters import EvenClock
 
 Array = NDArray[np.float64]

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from exo_sim.physics.compiled import kernel
 from exo_sim.physics.conditions import Motion
-from exo_sim.physics.resistance import dry_level, move_bristle, piston_resistance
+from exo_sim.physics.friction import dry_level, move_bristle, piston_resistance
 
 
 @kernel

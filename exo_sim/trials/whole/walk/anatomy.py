@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from exo_sim.trials.whole.draw import GRAVITY
-from exo_sim.trials.whole.owner import Owner
+from exo_sim.trials.whole.owner_rig import Owner
 from exo_sim.trials.whole.walk.gait import JOINTS, RANGE
 
 Array = NDArray[np.float64]

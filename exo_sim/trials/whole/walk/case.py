@@ -11,18 +11,18 @@ import numpy as np
 from numpy.typing import NDArray
 
 from exo_sim.errors import TrialError
-from exo_sim.trials.whole.blocks import BLOCKS
 from exo_sim.trials.whole.case import beside, hidden_of, laws_of, write_files
 from exo_sim.trials.whole.draw import Built
 from exo_sim.trials.whole.excitation import Program, gains
+from exo_sim.trials.whole.hidden_effects import BLOCKS
 from exo_sim.trials.whole.instruments import Rack, draw_rack, filtered, shown
 from exo_sim.trials.whole.loop import FED, FORCES, MEMO
+from exo_sim.trials.whole.machine_run import Run, advance, span_of, ticks
 from exo_sim.trials.whole.makes import Make, find
-from exo_sim.trials.whole.mapping import rig_effects
 from exo_sim.trials.whole.materiality import matters
-from exo_sim.trials.whole.owner import as_built, believed
+from exo_sim.trials.whole.nearest_effects import rig_effects
+from exo_sim.trials.whole.owner_rig import as_built, believed
 from exo_sim.trials.whole.plant import STATES, at_rest
-from exo_sim.trials.whole.running import Run, advance, span_of, ticks
 from exo_sim.trials.whole.walk.anatomy import WornOwner
 from exo_sim.trials.whole.walk.gait import gait
 from exo_sim.trials.whole.walk.worn import Worn, draw_worn

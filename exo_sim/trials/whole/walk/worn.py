@@ -7,8 +7,8 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from exo_sim.trials.whole.blocks import COMMON, OUTSIDE, SEAL
 from exo_sim.trials.whole.draw import Built, build
+from exo_sim.trials.whole.hidden_effects import COMMON, OUTSIDE, SEAL
 from exo_sim.trials.whole.makes import Make
 from exo_sim.trials.whole.walk.anatomy import Seat, draw_seats, reach
 from exo_sim.trials.whole.walk.gait import JOINTS

@@ -9,7 +9,7 @@ from diagnosis import cylinder_runs
 from exo_sim.diagnosis.estimation.parameters import PlantParameters
 from exo_sim.diagnosis.policy.priors import WIDEST_IN_SERIES
 from exo_sim.diagnosis.subsystems.gas.candidates import candidates
-from exo_sim.physics.records import CYLINDER, WORLD
+from exo_sim.physics.plant_records import CYLINDER, WORLD
 
 
 def test_what_is_in_series_with_the_valve_is_not_sought_much_wider_than_it() -> None:

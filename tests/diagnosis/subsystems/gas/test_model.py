@@ -17,7 +17,7 @@ from exo_sim.diagnosis.policy.healthy import GAS_BOUND, USUAL_LEVEL
 from exo_sim.diagnosis.subsystems.gas.model import GasModel
 from exo_sim.machine.linkage import linkages
 from exo_sim.machine.rig_model import load
-from exo_sim.physics.records import CYLINDER, WORLD
+from exo_sim.physics.plant_records import CYLINDER, WORLD
 from exo_sim.recording import Recording
 from exo_sim.rig import Rig, assembly
 

@@ -9,7 +9,7 @@ import pytest
 
 from exo_sim.diagnosis.estimation.parameters import FreeParameter, PlantParameters
 from exo_sim.diagnosis.subsystems.gas.nuisances import known_effects, nuisance_parameters
-from exo_sim.physics.records import CYLINDER, WORLD
+from exo_sim.physics.plant_records import CYLINDER, WORLD
 
 
 def plant(conductance: float = 0.0) -> PlantParameters:

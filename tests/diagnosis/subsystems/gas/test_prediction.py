@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 
 from exo_sim.diagnosis.subsystems.gas.inputs import GasInputs, inputs
 from exo_sim.diagnosis.subsystems.gas.prediction import SETTLED, effort_of, run_gas
-from exo_sim.physics.records import CYLINDER, WORLD
+from exo_sim.physics.plant_records import CYLINDER, WORLD
 from exo_sim.physics.settling import settling_rate
 
 N = 1500

@@ -9,7 +9,7 @@ from diagnosis.cylinder_runs import run_of
 from exo_sim.diagnosis.policy.regimes import CLOSED
 from exo_sim.diagnosis.subsystems.gas.inputs import GasInputs, inputs
 from exo_sim.diagnosis.subsystems.gas.regimes import regimes
-from exo_sim.physics.records import WORLD
+from exo_sim.physics.plant_records import WORLD
 
 K = 1.4
 CRITICAL = 0.5283  # (2 / (k + 1))^(k / (k - 1)) for k = 1.4

@@ -13,7 +13,7 @@ from exo_sim.diagnosis.estimation.parameters import PlantParameters
 from exo_sim.diagnosis.policy import healthy
 from exo_sim.diagnosis.subsystems.gas.inputs import GasInputs, inputs
 from exo_sim.diagnosis.subsystems.gas.rows import Rows, rows_of, stiffness_of
-from exo_sim.physics.records import CYLINDER, WORLD
+from exo_sim.physics.plant_records import CYLINDER, WORLD
 from exo_sim.recording.filters import smoothed
 
 N = 1000

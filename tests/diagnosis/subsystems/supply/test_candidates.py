@@ -7,7 +7,7 @@ import numpy as np
 from exo_sim.diagnosis.estimation.parameters import PlantParameters, Target
 from exo_sim.diagnosis.subsystems.supply.candidates import candidates, nuisance_parameters
 from exo_sim.physics.declaration import declared
-from exo_sim.physics.records import CYLINDER, WORLD
+from exo_sim.physics.plant_records import CYLINDER, WORLD
 
 
 def plant(**on: dict[str, float]) -> PlantParameters:

@@ -14,7 +14,7 @@ from exo_sim.diagnosis.selection.search import Search
 from exo_sim.diagnosis.subsystems.supply.candidates import candidates, nuisance_parameters
 from exo_sim.diagnosis.subsystems.supply.model import SupplyModel, supply_run
 from exo_sim.diagnosis.subsystems.supply.prediction import follow_supply
-from exo_sim.physics.records import CYLINDER, WORLD
+from exo_sim.physics.plant_records import CYLINDER, WORLD
 
 TIME = np.arange(0.0, 12.0, 1e-3)
 DRAWN = 2e-3 * (np.sin(2.0 * TIME) > 0.3) * (0.4 + 0.6 * (np.sin(0.7 * TIME) > 0.0))

@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from exo_sim.diagnosis.subsystems.supply.prediction import follow_supply
-from exo_sim.physics.records import WORLD
+from exo_sim.physics.plant_records import WORLD
 
 TIME = np.arange(0.0, 2.0, 1e-3)
 

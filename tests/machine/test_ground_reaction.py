@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from exo_sim.machine import footing
+from exo_sim.machine import ground_reaction
 from exo_sim.machine.person import Person, poses_along
 
 PERSON = Person()
@@ -14,7 +14,7 @@ def stand(force, moment, share=(0.5, 0.5)):
     wrench = np.zeros((1, 7, 3))
     wrench[0, 0] = [*force, moment]
     share = np.array([share])
-    ground = footing.hold(UPRIGHT, wrench, share, np.full((1, 2), 0.04), np.ones(1), PERSON)
+    ground = ground_reaction.hold(UPRIGHT, wrench, share, np.full((1, 2), 0.04), np.ones(1), PERSON)
     return wrench, ground
 
 
@@ -45,13 +45,13 @@ def test_the_ground_does_not_pull():
 
 
 def test_a_tilted_foot_touches_with_its_end():
-    down, up = footing.soles(np.radians([[-20.0, 20.0]]), PERSON)[0]
+    down, up = ground_reaction.soles(np.radians([[-20.0, 20.0]]), PERSON)[0]
     assert down[0] > PERSON.toe - 0.02 and down[1] > PERSON.toe
     assert up[0] == PERSON.heel and up[1] < PERSON.heel + 0.02
 
 
 def test_moments_of_the_joints_are_those_of_statics():
     wrench, ground = stand((0.0, -800.0), 0.0, (1.0, 0.0))
-    moments = footing.joint_moments(UPRIGHT, wrench, ground.force, ground.place)[0]
+    moments = ground_reaction.joint_moments(UPRIGHT, wrench, ground.force, ground.place)[0]
     np.testing.assert_allclose(moments[:3], 0.0, atol=1e-3)  # the load is over the hip, and so is the foot's force
     np.testing.assert_allclose(moments[3:], 0.0, atol=1e-9)

@@ -1,58 +1,16 @@
-"""What a whole machine may hide: how large it is on real machines, which fields it sets, and what a right answer calls it."""
+"""What a whole machine may hide: which fields each effect sets, and what a right answer calls it."""
 
 from __future__ import annotations
 
-import math
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
 
 import numpy as np
 
-from exo_sim.trials.whole.catalogue import HOSE_BORES, Size, hose_conductance, throat_area
+from exo_sim.trials.whole import effect_sizes as sizes
+from exo_sim.trials.whole.effect_sizes import Draft, Fields
 from exo_sim.trials.whole.gas_laws import CLEARANCE, CONSTANT, GAP, ORIFICE
 from exo_sim.trials.whole.machine import Machine
-from exo_sim.trials.whole.makes import Make
-
-Fields = dict[str, float]
-
-
-@dataclass(frozen=True)
-class Draft:
-    """A machine while it is drawn: its make, cylinder and sizes.
-
-    Attributes:
-        make, size, stroke: Which.
-        supply: Absolute [Pa].
-        valve_area: Throat area of each path [m^2].
-        rng: Chance.
-        bulk: Factor on the sizes of everything, 1 for real ones.
-    """
-
-    make: Make
-    size: Size
-    stroke: float
-    supply: float
-    valve_area: float
-    rng: np.random.Generator
-    bulk: float = 1.0
-
-    def between(self, low: float, high: float) -> float:
-        """Return a number drawn evenly."""
-        return float(self.rng.uniform(low, high))
-
-    def decade(self, low: float, high: float) -> float:
-        """Return a number drawn evenly in its logarithm."""
-        return math.exp(self.between(math.log(low), math.log(high)))
-
-    @property
-    def bore_mm(self) -> float:
-        """Bore [mm]; what is published of seals is per millimetre."""
-        return self.size.bore * 1e3
-
-    @property
-    def thrust(self) -> float:
-        """Largest force of the gas [N]."""
-        return (self.supply - 101325.0) * self.size.area
 
 
 @dataclass(frozen=True)
@@ -86,111 +44,6 @@ class Block:
 
 def _about(value: float, share: float = 0.0) -> tuple[float, float, float]:
     return value, value * (1.0 - share), value * (1.0 + share)
-
-
-def _coulomb(d: Draft) -> Fields:
-    return {"coulomb": d.bulk * d.between(0.25, 0.85) * d.bore_mm**1.03}
-
-
-def _stribeck(d: Draft) -> Fields:
-    return {
-        "breakaway_excess": d.bulk * d.between(0.35, 1.2) * 0.5 * d.bore_mm**1.03,
-        "stribeck_speed": d.decade(8e-3, 6e-2),
-        "stribeck_exponent": d.between(*d.make.laws.exponent),
-    }
-
-
-def _viscous(d: Draft) -> Fields:
-    index = d.between(*d.make.laws.viscous_index)
-    return {"viscous": d.bulk * d.between(1.2, 4.5) * d.bore_mm, "viscous_index": index}
-
-
-def _pressure(d: Draft) -> Fields:
-    # mu pi D w of a lip a third to one and a half millimetres wide; |p1 - p2| and the larger are smaller than the sum
-    lip = d.bulk * d.between(0.12, 0.4) * math.pi * d.size.bore * d.between(3e-4, 1e-3)
-    return {"pressure_friction": lip * (1.0 if d.make.laws.pressure == 0 else 2.0)}
-
-
-def _heat(d: Draft) -> Fields:
-    coefficient = d.bulk * d.between(18.0, 75.0)
-    if d.make.laws.heat == CONSTANT:
-        wall = 2 * d.size.area + math.pi * d.size.bore * 0.5 * d.stroke
-        return {"heat_conductance": coefficient * wall}
-    return {"heat_coefficient": coefficient}
-
-
-def _wall(d: Draft) -> Fields:
-    # aluminium of 2 to 3 mm around a half of the barrel, and an end cap
-    barrel = math.pi * d.size.bore * 0.5 * d.stroke * d.between(2e-3, 3e-3) * 2700.0
-    return {"wall_capacity": 900.0 * barrel * d.between(0.25, 0.8) / d.bulk, "wall_outside": 10.0 * math.pi * d.size.bore * d.stroke}
-
-
-def _laps(d: Draft) -> Fields:
-    middle = d.bulk * d.between(0.015, 0.07)
-    edges = [max(middle + d.between(-0.004, 0.004), 0.002) for _ in range(4)]
-    if d.make.laws.unequal:
-        edges = [max(middle * d.between(0.75, 1.25), 0.002) for _ in range(4)]
-    return dict(zip(("lap_s1", "lap_e1", "lap_s2", "lap_e2"), edges))
-
-
-def _lag(d: Draft) -> Fields:
-    if d.make.laws.spool == "first":
-        return {"lag": d.bulk * d.between(3e-3, 1.2e-2)}
-    if d.make.laws.spool == "second":
-        return {"spool_frequency": d.between(22.0, 70.0) / d.bulk, "spool_damping": d.between(0.6, 1.1)}
-    if d.make.laws.spool == "piloted":
-        delay = d.bulk * d.between(2e-3, 7e-3)
-        return {"delay": delay, "spool_frequency": d.between(30.0, 80.0) / d.bulk, "spool_damping": d.between(0.5, 0.9)}
-    if d.make.laws.spool == "uneven":
-        lag = d.bulk * d.between(3e-3, 9e-3)
-        return {"lag": lag, "lag_back": lag * d.between(1.4, 2.2)}
-    return {"delay": d.bulk * d.between(4e-3, 1.4e-2), "lag": d.bulk * d.between(2e-3, 6e-3)}
-
-
-def _flow(d: Draft) -> Fields:
-    ratio = max(0.53 - d.bulk * d.between(0.08, 0.34), 0.12)
-    laws = d.make.laws
-    fields = {"flow_law": laws.flow, "flow_b": ratio, "flow_m": d.between(*laws.flow_m), "crack": d.between(*laws.crack)}
-    return fields | ({"flow_laminar": d.between(*laws.laminar)} if laws.laminar else {})
-
-
-def _hose(d: Draft) -> Fields:
-    wanted = d.valve_area * d.between(1.0, 3.0) / d.bulk
-    length = d.between(0.3, 1.6) if d.make.laws.hose == "node" else d.between(1.0, 3.0)
-    bores = [bore for bore in HOSE_BORES if throat_area(hose_conductance(bore, length)[0]) > 0.8 * wanted]
-    bore = bores[0] if bores else HOSE_BORES[-1]
-    sonic, ratio = hose_conductance(bore, length)
-    volume = 0.25 * math.pi * bore**2 * length
-    if d.make.laws.hose == "line":
-        return {"hose_kind": 2.0, "hose_bore": bore, "hose_length": length, "hose_heat": 3.0 * math.pi * bore * length * 4}
-    return {"hose_kind": 1.0, "hose_area": throat_area(sonic), "hose_b": ratio, "hose_volume": volume, "hose_heat": 0.0}
-
-
-def _leak_size(d: Draft) -> Fields:
-    area = d.bulk * d.decade(6e-9, 6e-8) * d.bore_mm / 32.0
-    # laminar paths are sized to pass as much at 6 bar against the room
-    flow = area * 6e5 * 0.040418 / math.sqrt(293.15)
-    squares = 6e5**2 - 1e5**2
-    if d.make.laws.leak == ORIFICE:
-        return {"leak": area}
-    if d.make.laws.leak == GAP:
-        return {"leak": flow / squares}
-    if d.make.laws.leak == CLEARANCE:
-        turning = flow * d.between(0.25, 0.7)
-        return {"leak": turning * (flow / turning) ** 1.75 / squares, "leak_turning": turning}
-    share = d.between(0.2, 0.6)  # of the drop that is inertial
-    return {"leak": flow / (squares * (1.0 - share)), "leak_inertial": squares * share / flow**2}
-
-
-def _leak_out(d: Draft) -> Fields:
-    fields = _leak_size(d)
-    size = fields.pop("leak")
-    return {("leak_1" if d.rng.random() < 0.5 else "leak_2"): size, **fields}
-
-
-def _leak_piston(d: Draft) -> Fields:
-    fields = _leak_size(d)
-    return {"leak_piston": fields.pop("leak"), **fields}
 
 
 def _leak_out_exact(m: Machine) -> dict[str, tuple[float, float, float]]:
@@ -240,30 +93,30 @@ _LEAK_UNITS = {
 BLOCKS = {
     block.key: block
     for block in (
-        Block("coulomb", "coulomb_friction", "cylinder", "friction", _coulomb, ("coulomb",), (), ("presliding",),
+        Block("coulomb", "coulomb_friction", "cylinder", "friction", sizes.coulomb, ("coulomb",), (), ("presliding",),
               {"force": "N"}, lambda m: {"force": _about(m["coulomb"], 0.03)}),
-        Block("stribeck", "stribeck_friction", "cylinder", "friction", _stribeck,
+        Block("stribeck", "stribeck_friction", "cylinder", "friction", sizes.stribeck,
               ("breakaway_excess", "stribeck_speed", "stribeck_exponent"), (), ("presliding",), {"breakaway": "N"},
               lambda m: {"breakaway": _about(m["coulomb"] + m["breakaway_excess"], 0.1)} if m["pressure_friction"] == 0 else {}),
-        Block("viscous", "viscous_friction", "cylinder", "friction", _viscous, ("viscous", "viscous_index"), (), (),
+        Block("viscous", "viscous_friction", "cylinder", "friction", sizes.viscous, ("viscous", "viscous_index"), (), (),
               {"coefficient": "N*s/m"},
               lambda m: {"coefficient": _about(m["viscous"], 0.05)} if m["viscous_index"] == 1 else {}),  # a joint's damping is in the MJCF
-        Block("pressure", "pressure_dependent_friction", "cylinder", "friction", _pressure, ("pressure_friction",), (), (),
+        Block("pressure", "pressure_dependent_friction", "cylinder", "friction", sizes.pressure, ("pressure_friction",), (), (),
               {"coefficient": "m^2"}, lambda m: {"coefficient": _about(m["pressure_friction"], 0.05)} if m["pressure_law"] == 0 else {}),
         Block("asymmetry", "asymmetric_friction", "cylinder", "friction",
               lambda d: {"asymmetry": float(d.rng.choice([-1.0, 1.0])) * d.between(0.12, 0.3) * min(d.bulk, 2.0)}, ("asymmetry",), (), (),
               {"forward": "N", "backward": "N"},
               lambda m: {"forward": _about(m["coulomb"] * (1 + m["asymmetry"]), 0.03),
                          "backward": _about(m["coulomb"] * (1 - m["asymmetry"]), 0.03)} if m["pressure_friction"] == 0 else {}),
-        Block("heat", "wall_heat_transfer", "cylinder", "wall", _heat, ("heat_conductance", "heat_coefficient"), (), (),
+        Block("heat", "wall_heat_transfer", "cylinder", "wall", sizes.heat, ("heat_conductance", "heat_coefficient"), (), (),
               {"conductance": "W/K"}, lambda m: {"conductance": _about(m["heat_conductance"], 0.02)} if m["heat_law"] == CONSTANT else {}),
-        Block("wall", "moving_wall_temperature", "cylinder", "wall", _wall, ("wall_capacity", "wall_outside")),
-        Block("deadband", "valve_deadband", "cylinder", "valve", _laps, ("lap_s1", "lap_e1", "lap_s2", "lap_e2"),
+        Block("wall", "moving_wall_temperature", "cylinder", "wall", sizes.wall, ("wall_capacity", "wall_outside")),
+        Block("deadband", "valve_deadband", "cylinder", "valve", sizes.laps, ("lap_s1", "lap_e1", "lap_s2", "lap_e2"),
               ("valve_edges", "valve_overlap", "unequal_edges", "edge_overlap"), ("valve_offset",), {"width": "1"}, _laps_exact),
         Block("shift", "valve_offset", "cylinder", "valve",
               lambda d: {"shift": float(d.rng.choice([-1.0, 1.0])) * d.bulk * d.between(0.008, 0.03)}, ("shift",), (), (),
               {"shift": "1"}, lambda m: {"shift": _about(m["shift"], 0.02)}),
-        Block("lag", "valve_lag", "cylinder", "valve", _lag, ("lag", "lag_back", "spool_frequency", "spool_damping", "delay"),
+        Block("lag", "valve_lag", "cylinder", "valve", sizes.lag, ("lag", "lag_back", "spool_frequency", "spool_damping", "delay"),
               ("second_order_spool", "spool_dynamics", "valve_second_order"), ("spool_rate_limit",),
               {"time_constant": "s", "delay": "s"}, _lag_exact),
         Block("rate", "spool_rate_limit", "cylinder", "valve", lambda d: {"rate": d.between(15.0, 50.0) / d.bulk}, ("rate",), (),
@@ -272,17 +125,17 @@ BLOCKS = {
               {"width": "1"}, lambda m: {"width": _about(m["play"], 0.05)}),
         Block("null", "valve_null_leakage", "cylinder", "leak", lambda d: {"null_area": d.bulk * d.valve_area * d.between(0.003, 0.02)},
               ("null_area",), (), (), {"area": "m^2"}, lambda m: {"area": _about(m["null_area"], 0.05)}),
-        Block("flow", "critical_ratio", "cylinder", "flow", _flow, ("flow_law", "flow_b", "flow_m", "flow_laminar", "crack"),
+        Block("flow", "critical_ratio", "cylinder", "flow", sizes.flow, ("flow_law", "flow_b", "flow_m", "flow_laminar", "crack"),
               ("subsonic_index", "iso_6358", "flow_law", "iso6358_flow"), ("subsonic_index", "cracking_pressure"), {"ratio": "1"},
               lambda m: {"ratio": (m["flow_b"], m["flow_b"] - 0.02, m["flow_b"] + 0.02)}
               if m["flow_law"] == 0 and abs(m["flow_m"] - 0.5) < 0.02 and m["flow_laminar"] > 0.99 else {}),
-        Block("hose", "line_restriction", "cylinder", "line", _hose,
+        Block("hose", "line_restriction", "cylinder", "line", sizes.hose,
               ("hose_kind", "hose_area", "hose_b", "hose_volume", "hose_bore", "hose_length", "hose_heat"),
               ("transmission_line", "line_dynamics", "hose_line", "pneumatic_line"), (), {"area": "m^2", "volume": "m^3"}, _hose_exact),
-        Block("leak_out", "external_leakage", "cylinder", "leak", _leak_out, ("leak_1", "leak_2", "leak_inertial", "leak_turning"), (),
+        Block("leak_out", "external_leakage", "cylinder", "leak", sizes.leak_out, ("leak_1", "leak_2", "leak_inertial", "leak_turning"), (),
               (), _LEAK_UNITS,
               _leak_out_exact),
-        Block("leak_piston", "piston_leakage", "cylinder", "leak", _leak_piston, ("leak_piston", "leak_inertial", "leak_turning"),
+        Block("leak_piston", "piston_leakage", "cylinder", "leak", sizes.leak_piston, ("leak_piston", "leak_inertial", "leak_turning"),
               (), (), _LEAK_UNITS,
               _leak_piston_exact),
         Block("silencer", "exhaust_back_pressure", "exhaust", "line",

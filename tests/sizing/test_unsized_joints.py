@@ -5,8 +5,8 @@ from dataclasses import replace
 import pytest
 
 from exo_sim.sizing.evaluation import OF_THE_MACHINE, Evaluator, Task
-from exo_sim.sizing.left_alone import kinds_left_alone, left_alone
 from exo_sim.sizing.study import space_of
+from exo_sim.sizing.unsized_joints import kinds_left_alone, left_alone
 
 
 @pytest.fixture(scope="module")

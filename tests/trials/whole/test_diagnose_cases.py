@@ -7,7 +7,7 @@ from pathlib import Path
 
 import pytest
 
-from exo_sim.trials.whole.runner import marks
+from exo_sim.trials.whole.diagnose_cases import marks
 
 _TRUTH = {"case": "one", "cell": "c", "make": "A", "reported_only": False, "hidden": [], "beside": [], "known": [], "columns": {}}
 _WRONG = {"name": ["a"], "where": 3, "parameters": [1], "evidence": "strong", "probability": "high", "ambiguous_with": 5}

@@ -9,7 +9,7 @@ from numba import types
 from numba.extending import intrinsic
 
 from exo_sim.physics.declaration import BESIDE_THE_GAS, declared
-from exo_sim.physics.records import CYLINDER
+from exo_sim.physics.plant_records import CYLINDER
 from exo_sim.physics.terms import TERMS
 
 #: Effects of a family that has nothing to do in the balances, by which the paths of the valve differ all the same.

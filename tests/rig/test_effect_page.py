@@ -8,7 +8,7 @@ import pytest
 
 from exo_sim.cli import main
 from exo_sim.physics.declaration import declared
-from exo_sim.rig import pages, parse
+from exo_sim.rig import effect_page, parse
 
 NAMES = sorted(declared())
 
@@ -34,7 +34,7 @@ def test_misspelt_effect_offers_the_nearest(capsys: pytest.CaptureFixture[str]) 
 @pytest.mark.parametrize("name", NAMES)
 def test_example_is_a_rig_text(name: str, repository: Path) -> None:
     path = repository / "assets" / "bench.toml"
-    rig = parse(path.read_text() + "\n" + pages.example(declared()[name]), path)
+    rig = parse(path.read_text() + "\n" + effect_page.example(declared()[name]), path)
     assert name in {effect.name for effect in rig.effects}
 
 

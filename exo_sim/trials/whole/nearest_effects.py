@@ -13,12 +13,12 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.optimize import least_squares, minimize_scalar
 
-from exo_sim.trials.whole.catalogue import hose_conductance, throat_area
 from exo_sim.trials.whole.friction_laws import level, viscous
 from exo_sim.trials.whole.gas_laws import CLEARANCE, ELLIPSE, GAP, ORIFICE, POROUS, conductance, flow_factor, leak
 from exo_sim.trials.whole.machine import Machine
+from exo_sim.trials.whole.machine_run import Run
 from exo_sim.trials.whole.makes import Make
-from exo_sim.trials.whole.running import Run
+from exo_sim.trials.whole.published_cylinders import hose_conductance, throat_area
 
 Array = NDArray[np.float64]
 Parameters = dict[str, tuple[float, str]]
@@ -31,7 +31,7 @@ def rig_effects(m: Machine, make: Make, keys: Collection[str], seen: Run) -> dic
     Args:
         m: The machine as it is.
         make: Its make.
-        keys: Of `blocks.BLOCKS`; those outside the list are left out.
+        keys: Of `hidden_effects.BLOCKS`; those outside the list are left out.
         seen: A run that says which speeds and pressures the machine meets.
     """
     found: dict[tuple[str, str], Parameters] = {}

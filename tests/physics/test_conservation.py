@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from exo_sim.physics import state
-from exo_sim.physics.books import balance
+from exo_sim.physics.conservation import balance
 from exo_sim.physics.pneumatics import paper_world
 
 

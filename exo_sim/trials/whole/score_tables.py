@@ -12,7 +12,7 @@ from typing import Any
 
 import numpy as np
 
-from exo_sim.trials.figures import clopper_pearson
+from exo_sim.trials.score_statistics import clopper_pearson
 from exo_sim.trials.whole.judge import Mark
 
 LEARNT, REPORTED = "makes for learning", "makes that are only reported on"

@@ -18,7 +18,7 @@ from exo_sim.progress import each
 from exo_sim.trials.answer import read_answer
 from exo_sim.trials.resource_use import used_by
 from exo_sim.trials.tool import bring_back, command, environment, lay_out
-from exo_sim.trials.whole import fresh
+from exo_sim.trials.whole import unseen_recording
 from exo_sim.trials.whole.judge import MATTERS, Mark, judge
 
 DIAGNOSE = f"{shlex.quote(sys.executable)} -m exo_sim diagnose --quiet"
@@ -72,7 +72,7 @@ def run(folder: Path, out: Path, tool: str = DIAGNOSE, compare: str = COMPARE, j
         if prove and not (answer / "fresh.json").exists():
             before = case / "truth" / "rigs.json"
             known = json.loads(before.read_text()) if before.exists() else None
-            errors = fresh.errors(shlex.split(compare), case, answer / "improved.toml", known)
+            errors = unseen_recording.errors(shlex.split(compare), case, answer / "improved.toml", known)
             if known is None and errors["before"] and errors["nearest"]:
                 _write(before, {key: errors[key] for key in ("before", "nearest")})
             _write(answer / "fresh.json", errors)

@@ -5,7 +5,7 @@ import pytest
 
 from exo_sim.errors import ScenarioError
 from exo_sim.gait import scenario
-from exo_sim.gait.other_ground import at_speed, on_slope
+from exo_sim.gait.speed_and_slope import at_speed, on_slope
 from exo_sim.machine.person import Person
 
 PERSON = Person()

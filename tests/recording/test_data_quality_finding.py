@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import json
 
-from exo_sim.recording.finding import Finding
+from exo_sim.recording.data_quality_finding import Finding
 
 
 def test_it_is_plain_json() -> None:

@@ -8,7 +8,9 @@ from __future__ import annotations
 
 import math
 
-from exo_sim.physics.balances import (
+from exo_sim.physics.compiled import kernel
+from exo_sim.physics.effects import friction_smoothing, presliding
+from exo_sim.physics.summed_effects import (
     joint_damping,
     joint_dry_friction,
     joint_spring_force,
@@ -18,8 +20,6 @@ from exo_sim.physics.balances import (
     piston_spring_force,
     piston_with_excess,
 )
-from exo_sim.physics.compiled import kernel
-from exo_sim.physics.effects import friction_smoothing, presliding
 
 #: How far a stuck piston (m) or joint (rad) gives before it slides where no presliding is declared.
 STUCK_TRAVEL = 1e-5

@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 from exo_sim.physics.declaration import BESIDE_THE_GAS, declared
-from exo_sim.physics.plain import effects_on_gas, plain
+from exo_sim.physics.gas_effects_off import effects_on_gas, plain
 from exo_sim.physics.pneumatics import paper_cylinder
 
 

@@ -1,7 +1,7 @@
 """Real cylinders and what is published of their parts.
 
 Bores, rods and strokes are those of ISO 6432 (8 to 25 mm) and ISO 15552 (32 to 125 mm), of tie-rod cylinders in inches (NFPA, ANSI B93.15:
-bores of 1 1/2, 2 and 2 1/2 in on a rod of 5/8 in), and of compact cylinders (ISO 21287). Sizes of effects (`blocks`) come from data
+bores of 1 1/2, 2 and 2 1/2 in on a rod of 5/8 in), and of compact cylinders (ISO 21287). Sizes of effects (`effect_sizes`) come from data
 sheets and papers: seal friction of 0.2 to 1 N per millimetre of bore and 1.3 to 2.5 times that at breakaway; viscous friction of 1 to
 5 N s/m per millimetre (Carneiro and de Almeida 2012); heat of 15 to 90 W/(m^2 K) at the wall; dead volumes of 4 to 20 % of the swept one
 with fittings; leaks from the tightness of new seals (ISO 10099) to a hundredfold for worn ones; valves with b of 0.15 to 0.48, dead bands

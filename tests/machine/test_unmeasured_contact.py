@@ -7,7 +7,7 @@ from pathlib import Path
 import mujoco
 import pytest
 
-from exo_sim.machine.touching import without_ground_force
+from exo_sim.machine.unmeasured_contact import without_ground_force
 
 
 @pytest.mark.parametrize(("sites", "lacking"), [((), "foot_l"), (("foot_l",), "foot_r"), (("foot_l", "foot_r"), "")])

@@ -9,7 +9,7 @@ import pytest
 from physics.sliding import contact
 
 from exo_sim.physics.conditions import Motion
-from exo_sim.physics.resistance import STUCK_TIME, bristle_stiffness, dry_force, joint_dry_level, joint_resistance, move_bristle
+from exo_sim.physics.friction import STUCK_TIME, bristle_stiffness, dry_force, joint_dry_level, joint_resistance, move_bristle
 
 
 def part(**effects: dict[str, float]) -> Any:

@@ -7,7 +7,7 @@ from pathlib import Path
 
 import pytest
 
-from exo_sim.physics import kept_code
+from exo_sim.physics import compiled_cache
 
 
 @pytest.fixture(params=["EXO_SIM_CACHE", "XDG_CACHE_HOME"])
@@ -34,13 +34,13 @@ def test_a_checkout_of_that_name_loses_nothing(cache: Path) -> None:
         (entry / "work.txt").write_text("mine")
         old(entry, 1000.0 + number)
     for number in range(8):
-        assert kept_code.folder(key(number)) is not None
+        assert compiled_cache.folder(key(number)) is not None
     assert all((cache / "exo-sim" / name / "work.txt").read_text() == "mine" for name in names)
 
 
 def test_old_versions_go_and_take_nothing_foreign_along(cache: Path) -> None:
     for number in range(7):
-        place = kept_code.folder(key(number))
+        place = compiled_cache.folder(key(number))
         assert place is not None
         (place / "module_1").mkdir()
         (place / "module_1" / "f.nbi").write_text("")
@@ -48,7 +48,7 @@ def test_old_versions_go_and_take_nothing_foreign_along(cache: Path) -> None:
         if number == 0:
             (place / "notes.txt").write_text("mine")
         old(place, 100.0 - number)
-    place = kept_code.folder(key(7))
+    place = compiled_cache.folder(key(7))
     assert place is not None
     left = {path.name for path in place.parent.iterdir()}
     assert left == {key(0), key(4), key(5), key(6), key(7)}
@@ -58,32 +58,32 @@ def test_old_versions_go_and_take_nothing_foreign_along(cache: Path) -> None:
 
 def test_a_link_is_not_followed(cache: Path, tmp_path_factory: pytest.TempPathFactory) -> None:
     elsewhere = tmp_path_factory.mktemp("elsewhere")
-    (elsewhere / kept_code.MARK).touch()
+    (elsewhere / compiled_cache.MARK).touch()
     (elsewhere / "f.nbc").write_text("mine")
-    assert kept_code.folder(key(99)) is not None
-    (kept_code.root() / key(98)).symlink_to(elsewhere)
+    assert compiled_cache.folder(key(99)) is not None
+    (compiled_cache.root() / key(98)).symlink_to(elsewhere)
     old(elsewhere, 1e6)
     for number in range(6):
-        kept_code.folder(key(number))
+        compiled_cache.folder(key(number))
     assert (elsewhere / "f.nbc").exists()
 
 
 @pytest.mark.parametrize(("mode", "which"), [(0o777, 0), (0o770, 0), (0o777, 1), (0o775, 2)])
 def test_code_that_others_could_have_put_there_is_not_used(cache: Path, mode: int, which: int) -> None:
-    place = kept_code.folder(key(1))
+    place = compiled_cache.folder(key(1))
     assert place is not None
     (place, *place.parents)[which].chmod(mode)
     with pytest.warns(UserWarning, match="can be written by others"):
-        assert kept_code.folder(key(1)) is None
+        assert compiled_cache.folder(key(1)) is None
 
 
 @pytest.mark.skipif(not hasattr(os, "geteuid") or os.geteuid() != 0, reason="only root can give a folder away")
 def test_a_folder_of_another_user_is_not_used(cache: Path) -> None:
-    place = kept_code.folder(key(1))
+    place = compiled_cache.folder(key(1))
     assert place is not None
     os.chown(place, 12345, 12345)
     with pytest.warns(UserWarning, match="can be written by others"):
-        assert kept_code.folder(key(1)) is None
+        assert compiled_cache.folder(key(1)) is None
 
 
 def test_the_command_says_so_in_one_line_and_works(tmp_path: Path) -> None:
@@ -102,4 +102,4 @@ def test_the_command_says_so_in_one_line_and_works(tmp_path: Path) -> None:
 
 def test_a_folder_that_cannot_be_made_costs_only_the_keeping(cache: Path) -> None:
     (cache / "exo-sim").write_text("a file")
-    assert kept_code.folder(key(1)) is None
+    assert compiled_cache.folder(key(1)) is None

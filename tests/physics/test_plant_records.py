@@ -5,8 +5,8 @@ from __future__ import annotations
 import numpy as np
 
 from exo_sim.physics.declaration import declared
+from exo_sim.physics.plant_records import CYLINDER, JOINT, WORLD, switch_off
 from exo_sim.physics.pneumatics import paper_world
-from exo_sim.physics.records import CYLINDER, JOINT, WORLD, switch_off
 
 
 def test_every_parameter_of_every_effect_has_a_place() -> None:

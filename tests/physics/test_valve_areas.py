@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import pytest
 
-from exo_sim.physics.metering_edges import path_areas
+from exo_sim.physics.valve_areas import path_areas
 
 
 @pytest.mark.parametrize(

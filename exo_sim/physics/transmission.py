@@ -19,11 +19,15 @@ NEARBY = 1e-6
 
 
 @kernel
+def plays(c) -> bool:
+    """Return whether the transmission carries nothing while its load reverses."""
+    return c.backlash.gap > 0.0 or c.drive_gap > 0.0
+
+
+@kernel
 def gives(c) -> bool:
     """Return whether the piston can be elsewhere than the joint has it."""
-    if transmission_compliance.present(c.transmission_compliance) or c.backlash.gap > 0.0:
-        return True
-    return c.drive_stiffness > 0.0 or c.drive_gap > 0.0
+    return transmission_compliance.present(c.transmission_compliance) or c.drive_stiffness > 0.0 or plays(c)
 
 
 @kernel

@@ -1,7 +1,8 @@
 """Pressures in the chambers as the judged gas knows them: sensor faults and a hose between sensor and chamber are taken off.
 
 The balances of forces are made of these pressures; uncorrected, a late sensor or one behind a hose looks like friction. Where it is the
-position that comes late, pressures are delayed alike. Where the transmission gives, friction is evaluated at the piston.
+position that comes late, pressures are delayed alike. Where the transmission gives, friction is evaluated at the piston
+(`piston_motion.py`).
 """
 
 from __future__ import annotations
@@ -12,6 +13,7 @@ from dataclasses import replace
 import numpy as np
 from numpy.typing import NDArray
 
+from exo_sim.diagnosis.coupling.piston_motion import at_piston
 from exo_sim.diagnosis.data import open_questions
 from exo_sim.diagnosis.data.machine_data import MachineData
 from exo_sim.diagnosis.data.motion_run import MotionRun
@@ -23,7 +25,7 @@ from exo_sim.diagnosis.selection.subsystem_result import SubsystemResult
 from exo_sim.diagnosis.subsystems.gas.model import GasModel
 from exo_sim.diagnosis.subsystems.gas.prediction import behind_hose
 from exo_sim.diagnosis.subsystems.motion.smoothing import smoothed_on_clock, smoothing_width
-from exo_sim.physics.transmission import gives, stiffness
+from exo_sim.physics.transmission import gives
 from exo_sim.recording.filters import restored
 from exo_sim.simulation.replay.external_drive import external_power
 
@@ -62,13 +64,13 @@ def corrected_balances(
     """Return the balances of forces, by joint, with every correction that a cylinder's gas asks for."""
     changes: dict[tuple[str, str], tuple[Array, Array]] = {}
     late: dict[str, float] = {}
-    springs: dict[str, float] = {}
+    soft: dict[str, NDArray[np.void]] = {}
     for one in gas:
         if one.is_empty or one.has_unknown:
             continue
         plant = one.final_plant
         if gives(plant.cylinder[0]):
-            springs[one.where] = float(stiffness(plant.cylinder[0]))
+            soft[one.where] = plant.cylinder
         if not one.named and not behind_hose(plant.cylinder):
             continue
         whole = one.model.over_whole_runs(plant, split)
@@ -85,7 +87,7 @@ def corrected_balances(
                     if np.nanmax(np.abs(change)) > CORRECTED_PRESSURE:
                         changes[given.run.recording, f"{one.where}.pressure_{side + 1}"] = given.time, change
     return {
-        joint: tuple(_at_piston(_delayed(_changed(run, changes), late.get(joint, 0.0)), springs) for run in runs)
+        joint: tuple(at_piston(_delayed(_changed(run, changes), late.get(joint, 0.0)), soft.get(run.cylinder or "")) for run in runs)
         for joint, runs in data.joints.items()
     }
 
@@ -133,18 +135,6 @@ def _changed(run: MotionRun, changes: Changes) -> MotionRun:
             side, full = int(column[-1]) - 1, restored(run.time, smooth, smoothing_width(run.time))
             gauge = gauge + np.column_stack([full if s == side else np.zeros_like(full) for s in range(2)])
     return run if force is run.drive.force else replace(run, drive=replace(run.drive, force=force, gauge=gauge, signals=signals))
-
-
-def _at_piston(run: MotionRun, springs: Mapping[str, float]) -> MotionRun:
-    """Return a run whose motion is that of its piston, which is ahead of the joint by the deflection of the transmission."""
-    spring = springs.get(run.cylinder or "")
-    if spring is None:
-        return run
-    carried = (run.demand - run.external) / np.where(np.abs(run.drive.arm) > 1e-6, run.drive.arm, 1.0)
-    ahead = restored(run.time, carried, smoothing_width(run.time)) / spring
-    path = run.kinematics
-    there = replace(path, position=path.position + ahead, velocity=path.velocity + np.gradient(ahead, run.time))
-    return replace(run, kinematics=there)
 
 
 def _delayed(run: MotionRun, seconds: float) -> MotionRun:

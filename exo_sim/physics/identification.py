@@ -57,6 +57,9 @@ class Twins:
         unless: A parameter that none of `measured` has: where it was fitted, they are distinguished.
         beside_constant: Effect that is the same as this one where a constant force, or a force sensor's bias, acts beside it.
         damping: 1 where it looks like more damping of a joint than was believed, -1 like less; 0 where neither.
+        unseen: Those that are the same where added to it they would not show: of play whose load never reverses only the give of its
+            contacts does ...
+        unseen_from: ... and where parameters are at least this: no contact gives as a strap does.
     """
 
     unmeasured: tuple[str, ...] = ()
@@ -64,6 +67,8 @@ class Twins:
     unless: str = ""
     beside_constant: str = ""
     damping: int = 0
+    unseen: tuple[str, ...] = ()
+    unseen_from: Mapping[str, float] = field(default_factory=dict)
 
 
 @dataclass(frozen=True)
@@ -148,7 +153,7 @@ class Identification:
         lists["common"] = set(self.common[1])
         tables = {key: set(getattr(self, key)) for key in ("neutral", "healthy", "least", "open_by", "known")}
         single = {key: {getattr(self, key)} - {""} for key in ("every_contact", "closed_by")}
-        return lists | tables | single | {"twins.unless": {self.twins.unless} - {""}}
+        return lists | tables | single | {"twins.unless": {self.twins.unless} - {""}, "twins.unseen_from": set(self.twins.unseen_from)}
 
     @property
     def though_on(self) -> bool:

@@ -17,7 +17,7 @@ NAMES = sorted(declared())
 @pytest.mark.parametrize("name", NAMES)
 def test_other_effects_and_numbers_that_it_speaks_of_exist(name: str) -> None:
     effect, asked = declared()[name], declared()[name].identification
-    spoken_of = {asked.on_top_of, asked.twins.beside_constant, *asked.twins.unmeasured, *asked.twins.measured} - {""}
+    spoken_of = {asked.on_top_of, asked.twins.beside_constant, *asked.twins.unmeasured, *asked.twins.measured, *asked.twins.unseen} - {""}
     assert spoken_of <= set(declared()) - {name}
     assert {asked.applicability.known_at_joint} - {""} <= set(CYLINDER.names or ())
     assert set(asked.applicability.places) <= set(effect.places)
@@ -63,6 +63,7 @@ def test_nothing_special_is_asked_of_what_is_no_effect() -> None:
         (Identification(common=("width", ("lap",))), "identification.common: 'lap'"),
         (Identification(every_contact="softness"), "identification.every_contact: 'softness'"),
         (Identification(neutral={"rate": 1.0}), "identification.neutral: 'rate'"),
+        (Identification(twins=Twins(unseen_from={"play": 1.0})), "identification.twins.unseen_from: 'play'"),
         (Identification(twins=Twins(unless="play")), "identification.twins.unless: 'play'"),
     ],
 )

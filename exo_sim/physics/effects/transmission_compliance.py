@@ -4,7 +4,10 @@ from __future__ import annotations
 
 from exo_sim.physics.compiled import kernel
 from exo_sim.physics.declaration import Effect, Identification, Parameter
-from exo_sim.physics.identification import Applicability
+from exo_sim.physics.identification import Applicability, Twins
+
+#: Contacts of hard parts give less than this [N/m]: those of printed lugs and bushes, the softest, 1e5 to 1e6 (see the range below).
+SOFTEST_CONTACT = 1e5
 
 EFFECT = Effect(
     name="transmission_compliance",
@@ -38,6 +41,7 @@ EFFECT = Effect(
         starts=((3e5,), (3e4,)),
         applicability=Applicability(moving=True, known_at_joint="drive_stiffness"),
         open_by={"stiffness": (0.96, 1.01)},  # mass and damping between piston and joint stiffen it where it moves fast
+        twins=Twins(unseen=("backlash",), unseen_from={"stiffness": SOFTEST_CONTACT}),
     ),
 )
 

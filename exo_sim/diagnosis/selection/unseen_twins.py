@@ -1,0 +1,67 @@
+"""What a recording cannot tell from a finding because it shows nothing else of it.
+
+An effect that is declared to look like the finding but for something more (play gives at its contacts, as a mount does, and opens where
+its load reverses) is as good a name for it where that something would not show.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+
+import numpy as np
+from numpy.typing import NDArray
+
+from exo_sim.diagnosis.estimation.candidate import Candidate, CandidateKey
+from exo_sim.diagnosis.estimation.correlation import correlation_time
+from exo_sim.diagnosis.estimation.least_squares import prior_terms
+from exo_sim.diagnosis.policy.verdicts import AS_GOOD
+from exo_sim.diagnosis.selection.fitted_model import FittedModel, LeastSquaresModel
+from exo_sim.physics.declaration import identification_of
+
+Array = NDArray[np.float64]
+
+
+def unseen_twins(
+    model: LeastSquaresModel, final: FittedModel, candidates: Sequence[Candidate]
+) -> dict[CandidateKey, list[tuple[Candidate, float]]]:
+    """Return, by finding, the declared twins that would not show beside it, each with the log-likelihood that it costs at most.
+
+    Args:
+        model: The subsystem.
+        final: The findings, with the Jacobian at their values.
+        candidates: All candidates of the subsystem.
+    """
+    found: dict[CandidateKey, list[tuple[Candidate, float]]] = {}
+    for finding in final.candidates:
+        names = _twins_of(finding, final)
+        for twin in candidates:
+            if twin.effect in names and twin.where == finding.where and twin.at not in final.named:
+                lost = max(_lost_by(model, final, twin, start) for start in twin.starts)
+                if lost <= AS_GOOD:
+                    found.setdefault(finding.key, []).append((twin, max(lost, 0.0)))
+    return found
+
+
+def _twins_of(finding: Candidate, final: FittedModel) -> tuple[str, ...]:
+    """Return the declared twins of a finding of this size."""
+    twins = identification_of(finding.effect).twins
+    sizes = {q.parameter: final.fit.values[q] for q in finding.parameters}
+    return twins.unseen if all(sizes.get(name, least) >= least for name, least in twins.unseen_from.items()) else ()
+
+
+def _lost_by(model: LeastSquaresModel, final: FittedModel, twin: Candidate, start: tuple[float, ...]) -> float:
+    """Return the log-likelihood that a model loses by an effect of a given size whatever else is free makes up for."""
+    fit = final.fit
+    values = {**fit.values, **dict(zip(twin.parameters, start, strict=True))}
+    change = model.residual(values, [*final.fixed, *twin.fixed]) - fit.residual
+    if not np.isfinite(change).all():
+        return math.inf
+    rows, prior_jacobian = prior_terms(fit.parameters, fit.values)
+    loose = [j for j, q in enumerate(fit.parameters) if q.low < fit.values[q] < q.high]
+    free = np.vstack([fit.jacobian, math.sqrt(fit.prior_weight) * prior_jacobian])[:, loose]
+    left = np.concatenate([change, np.zeros(len(rows))])
+    left -= free @ np.linalg.lstsq(free, left, rcond=None)[0]
+    before = np.concatenate([fit.residual, math.sqrt(fit.prior_weight) * rows])
+    more = float(left @ left + 2.0 * left @ before)
+    return 0.5 * more / max(correlation_time(fit.residual, model.blocks), 1.0)

@@ -149,6 +149,18 @@ class SubsystemModel(ABC):
     def on_test_time(self, split: Split) -> SubsystemModel:
         """Return the model whose rows are those of the test time; predictions run over half a second where they run over windows."""
 
+    def in_one_run(self, split: Split) -> SubsystemModel | None:
+        """Return the model that predicts each recording in one run from its first measured state, its rows those of the test time.
+
+        Its rows are plain errors in units of the noise: one state is begun with, and what it is uncertain by is not taken off.
+        None where rows are no predictions: a balance of forces is held against every moment, and nothing adds up in it unseen.
+        """
+        return None
+
+    def healthy_variants(self, plant: PlantParameters) -> tuple[PlantParameters, ...]:
+        """Return a plant with each imperfection of a healthy machine that it does not have and no nuisance parameter stands for."""
+        return ()
+
     @abstractmethod
     def compared(self, before: PlantParameters, after: PlantParameters, curve: Curve | None = None) -> list[Comparison]:
         """Return every measured signal with what two plants predict, and the errors on this model's own time.

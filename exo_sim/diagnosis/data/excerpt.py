@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 
 from exo_sim.diagnosis.data.cylinder_run import CylinderRun
 from exo_sim.diagnosis.data.split import Split
-from exo_sim.diagnosis.policy.budgets import BLOCKS, LEAD, LONGEST_FITTED, MOST_FITTED, WORTH_CUTTING
+from exo_sim.diagnosis.policy.budgets import BLOCKS, LEAD, LONGEST_FITTED, MOST_FITTED, MOST_IN_ONE_RUN, WORTH_CUTTING
 
 Array = NDArray[np.float64]
 
@@ -67,3 +67,12 @@ def kept_back(run: CylinderRun, split: Split) -> CylinderRun | None:
         return None
     start = int(np.searchsorted(run.time, run.time[inside[0]] - LEAD))
     return run.part(start, int(inside[-1]) + 1)
+
+
+def led_to_test(run: CylinderRun, split: Split, total: int) -> CylinderRun:
+    """Return a run; where the `total` samples of all are too many for one run, so much of it as ends with its test time."""
+    if total <= MOST_IN_ONE_RUN:
+        return run
+    inside = np.flatnonzero(split.in_test(run.recording, run.time))
+    stop = int(inside[-1]) + 1 if inside.size else len(run.time)
+    return run.part(max(0, stop - max(1, MOST_IN_ONE_RUN * len(run.time) // total)), stop)

@@ -34,15 +34,27 @@ def standard_errors(rows: Blocked, fit: Fit, correlation_time: float) -> dict[Fr
     if not fit.parameters or not fit.residual.size:
         return {}
     jac, prior = fit.jacobian, fit.prior_jacobian.reshape(-1, len(fit.parameters))
-    information = jac.T @ jac
-    variance = max(fit.sse / max(fit.residual.size - len(fit.parameters), 1), 1.0) * correlation_time
-    bread = np.linalg.pinv(information / variance + prior.T @ prior)
-    clustered = _clustered(rows.blocks, jac, fit.residual, information + prior.T @ prior)
+    bread = covariance(fit, correlation_time)
+    clustered = _clustered(rows.blocks, jac, fit.residual, jac.T @ jac + prior.T @ prior)
     found = {}
     for j, parameter in enumerate(fit.parameters):
         both = max(float(bread[j, j]), float(clustered[j]), 0.0)
         found[parameter] = math.sqrt(both) * abs(parameter.slope(fit.values[parameter]))
     return found
+
+
+def covariance(fit: Fit, correlation_time: float) -> Array:
+    """Return the covariance of the coordinates of the fitted parameters by least squares, shape (parameters, parameters).
+
+    Args:
+        fit: The fit, with the residual's own variance where that is more than the noise.
+        correlation_time: Of its residual, in rows.
+    """
+    if not fit.parameters:
+        return np.zeros((0, 0))
+    prior = fit.prior_jacobian.reshape(-1, len(fit.parameters))
+    variance = max(fit.sse / max(fit.residual.size - len(fit.parameters), 1), 1.0) * correlation_time
+    return np.asarray(np.linalg.pinv(fit.jacobian.T @ fit.jacobian / variance + prior.T @ prior))
 
 
 def _clustered(blocks: NDArray[np.int64], jac: Array, residual: Array, information: Array) -> Array:

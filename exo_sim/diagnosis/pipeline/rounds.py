@@ -32,6 +32,7 @@ from exo_sim.diagnosis.selection.subsystem_result import SubsystemResult
 from exo_sim.diagnosis.selection.unknown_effect import unknown_effects
 from exo_sim.diagnosis.subsystem_model import SubsystemModel
 from exo_sim.diagnosis.validation.held_out import held_out_errors, is_refuted
+from exo_sim.diagnosis.validation.long_run import Straying, straying
 from exo_sim.physics.effects.unknown import EFFECT as UNKNOWN
 
 
@@ -124,7 +125,7 @@ def without_small(examination: Examination) -> Examination:
 
 
 def with_test_findings(examination: Examination) -> tuple[Examination, list[Finding]]:
-    """Return a finding for every balance whose test time shows something that the rest of the time never met.
+    """Return a finding for every balance whose test time shows something that the rest of the time never met, or windows do not.
 
     So it is also where the fit of a lone recording looks healthy, and validation and test exceed the discrepancy bound. Where a pressure
     of the balance was imputed, that is an open question of the examination instead.
@@ -136,9 +137,13 @@ def with_test_findings(examination: Examination) -> tuple[Examination, list[Find
     unresolved = {one.key for one in examination.results.motion if one.is_unresolved}
     for one in examination.results.all:
         says = _in_the_test(examination, one)
-        if says and not one.has_unknown and one.key not in unresolved:
+        if one.has_unknown or one.key in unresolved:
+            continue
+        if says:
             error = examination.test.balances[one.key]
             found.append(Finding(UNKNOWN.name, one.where, Kind.UNKNOWN, says, {}, error.log10_odds, 0.0))
+        elif (strayed := straying(one, examination.plan.split)) is not None and strayed.beyond > policy.STRAYED:
+            found.append(Finding(UNKNOWN.name, one.where, Kind.UNKNOWN, _adds_up(one, strayed), {}, strayed.log10_odds, 0.0))
     return examination, found
 
 
@@ -155,3 +160,12 @@ def _in_the_test(examination: Examination, one: SubsystemResult[SubsystemModel])
     often = f"{test.ratio:.0f} times as much as in the rest" if ratio else "by more than any healthy machine's is"
     what = "something acts there that the rest never met" if ratio else "what holds of the rest does not hold there"
     return f"In the time kept back the {one.model.balance} of {one.where} is missed {often}: {what}; record more of it."
+
+
+def _adds_up(one: SubsystemResult[SubsystemModel], strayed: Straying) -> str:
+    """Return that something adds up which windows do not show, in words."""
+    return (
+        f"Run from its first measured state the {one.model.balance} of {one.where} strays over the time kept back by "
+        f"{strayed.error:.0f} times the noise; losses of a healthy machine and uncertain numbers explain {strayed.explained:.0f}. "
+        "Something slow acts that has no name and that windows do not show; record a long hold with every path closed."
+    )

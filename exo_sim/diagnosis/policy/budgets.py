@@ -73,6 +73,10 @@ MOST_ROUNDS = Count(
 LONGEST_FREE_RUN = Number(
     600.0, "s", "recordings that are longer together are not simulated once more: `compare` does it where it is asked to"
 )
+MOST_IN_ONE_RUN = Count(
+    600_000, "samples of a gas", "are predicted in one run, ten minutes at 1 kHz: of longer recordings what leads to the test time",
+    "0.65 to 0.75 microseconds a sample: half a second for each number that was fitted",
+)
 MOST_REJECTED = Count(20, "candidates", "that were rejected are listed at most")
 MOST_SPANS = Count(6, "spans of time", "are listed of one balance at most")
 RANKED = Count(3, "experiments", "that would separate two explanations are listed")

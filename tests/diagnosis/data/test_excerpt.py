@@ -8,9 +8,9 @@ import numpy as np
 import pytest
 
 from exo_sim.diagnosis.data.cylinder_run import CylinderRun
-from exo_sim.diagnosis.data.excerpt import excerpts, kept_back, spread
+from exo_sim.diagnosis.data.excerpt import excerpts, kept_back, led_to_test, spread
 from exo_sim.diagnosis.data.split import Split
-from exo_sim.diagnosis.policy.budgets import BLOCKS, LEAD, LONGEST_FITTED, MOST_FITTED
+from exo_sim.diagnosis.policy.budgets import BLOCKS, LEAD, LONGEST_FITTED, MOST_FITTED, MOST_IN_ONE_RUN
 
 
 def run(count: int, moving: bool = True) -> CylinderRun:
@@ -62,3 +62,12 @@ def test_of_a_long_balance_the_longest_is_fitted() -> None:
     kept = spread(time, 4.0 * LONGEST_FITTED)
     assert kept.mean() == pytest.approx(0.25, abs=0.01)
     assert [part.any() for part in np.array_split(kept, BLOCKS)] == [True] * BLOCKS
+
+
+def test_one_run_of_a_long_recording_leads_to_the_end_of_its_test_time() -> None:
+    long = run(MOST_IN_ONE_RUN + 1000)
+    assert led_to_test(long, Split({}), MOST_IN_ONE_RUN) is long
+    part = led_to_test(long, Split({"long": ((300.0, 500.0),)}), 2 * MOST_IN_ONE_RUN)
+    assert part.time[-1] == pytest.approx(500.0) and len(part.time) == pytest.approx(0.5 * MOST_IN_ONE_RUN, rel=0.01)
+    early = led_to_test(long, Split({"long": ((0.0, 1.0),)}), 2 * MOST_IN_ONE_RUN)
+    assert early.time[0] == 0.0 and early.time[-1] == pytest.approx(1.0)

@@ -30,6 +30,7 @@ from exo_sim.diagnosis.subsystems.gas.model import GasModel
 from exo_sim.diagnosis.subsystems.motion.inverse_dynamics import motion_runs
 from exo_sim.diagnosis.subsystems.motion.model import MotionModel
 from exo_sim.diagnosis.validation.held_out import BalanceError, HeldOutErrors
+from exo_sim.diagnosis.validation.long_run import Straying
 from exo_sim.machine.linkage import linkages
 from exo_sim.machine.rig_model import load
 from exo_sim.recording import Recording
@@ -208,3 +209,14 @@ def test_what_is_too_small_to_matter_is_held_beside_the_findings(data: MachineDa
     before = examination(data, Plan(Split({})), gas_of(data, LEAK, SPRING), None, errors({LEAK: 0.0, SPRING: 0.0}, left=left))
     after = rounds.without_small(before)
     assert names(after) == ["return_spring"] and [finding.name for finding in after.small] == ["piston_leakage"]
+
+
+@pytest.mark.parametrize(("size", "found"), [(30.0, 1), (4.0, 0)])
+def test_a_gas_that_strays_in_one_run_has_something_unknown_in_it(
+    monkeypatch: pytest.MonkeyPatch, data: MachineData, size: float, found: int
+) -> None:
+    monkeypatch.setattr(rounds, "straying", lambda one, split: Straying(size, 2.0, 1.0) if one.model.kind is Subsystem.GAS else None)
+    stable = examination(data, Plan(Split({})), gas_of(data), None, errors(balances={GAS: BalanceError(1.0, 1.0, 5.0, 0.0)}))
+    _, unknown = rounds.with_test_findings(stable)
+    assert [(one.kind, one.where) for one in unknown] == [(Kind.UNKNOWN, "piston")] * found
+    assert all("strays" in one.says and "30 times the noise" in one.says and one.log10_odds > 100.0 for one in unknown)

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import itertools
-import math
 from collections.abc import Sequence
 from dataclasses import replace
 
@@ -14,8 +13,8 @@ from exo_sim.diagnosis.estimation.candidate import Candidate
 from exo_sim.diagnosis.estimation.parameters import CARD_OF_PRESSURES, FreeParameter, PlantParameters, Target
 from exo_sim.diagnosis.estimation.sensor_error import sensor_error
 from exo_sim.diagnosis.policy import healthy, priors
+from exo_sim.diagnosis.subsystems.gas.healthy_limits import healthy_limit
 from exo_sim.diagnosis.subsystems.gas.place import measured_places, place_of
-from exo_sim.diagnosis.subsystems.healthy_leak import BY_UNIT, swept_volume
 from exo_sim.physics.declaration import Effect, Parameter, declared
 from exo_sim.physics.effects import sensor_bias, sensor_delay, sensor_scale
 
@@ -151,17 +150,6 @@ def _typical(parameter: Parameter, share: float) -> float:
     return low * (high / low) ** share if low > 0.0 else low + share * (high - low)
 
 
-def _healthy_limit(effect: Effect, parameter: Parameter, plant: PlantParameters) -> float:
-    """Return how much of a parameter a healthy machine has at most."""
-    c = plant.cylinder[0]
-    if effect.identification.leaks and parameter.unit in BY_UNIT:
-        return effect.identification.leaks * BY_UNIT[parameter.unit] * swept_volume(plant)
-    if effect.identification.wall_heat:
-        bore = math.sqrt(4.0 * float(c["area_1"]) / math.pi)
-        return effect.identification.wall_heat * healthy.FILM * math.pi * bore * (float(c["stroke"]) + 0.5 * bore)
-    return effect.identification.smallest(parameter.name)
-
-
 def _free(effect: Effect, parameter: Parameter, where: str, target: Target, plant: PlantParameters) -> FreeParameter:
     low, high = parameter.typical
     scale = effect.identification.known.get(parameter.name, (0.0, 0.0))[1] or abs(_typical(parameter, 0.5)) or 0.5 * (high - low)
@@ -171,7 +159,7 @@ def _free(effect: Effect, parameter: Parameter, where: str, target: Target, plan
     return FreeParameter(
         effect.name, where, parameter.name, parameter.unit, target, scale, parameter.low, most,
         effect.identification.known.get(parameter.name), neutral=effect.identification.neutral.get(parameter.name, 0.0),
-        nonsmooth=effect.identification.jerky, healthy_limit=_healthy_limit(effect, parameter, plant),
+        nonsmooth=effect.identification.jerky, healthy_limit=healthy_limit(effect, parameter, plant),
         logarithmic=parameter.low > 0.0 and high > LOGARITHMIC * low,
     )  # fmt: skip
 

@@ -11,7 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from exo_sim.diagnosis.data.cylinder_run import CylinderRun
-from exo_sim.diagnosis.data.excerpt import excerpts, kept_back
+from exo_sim.diagnosis.data.excerpt import excerpts, kept_back, led_to_test
 from exo_sim.diagnosis.data.split import Split
 from exo_sim.diagnosis.discrepancy.curve import Curve
 from exo_sim.diagnosis.discrepancy.signal import Discrepancy
@@ -27,6 +27,7 @@ from exo_sim.diagnosis.policy.recordings import FEWEST_TO_FIT
 from exo_sim.diagnosis.subsystem_model import Comparison, SubsystemModel
 from exo_sim.diagnosis.subsystems.gas.bursts import burst_ratio
 from exo_sim.diagnosis.subsystems.gas.experiments import menu
+from exo_sim.diagnosis.subsystems.gas.healthy_limits import with_healthy_losses
 from exo_sim.diagnosis.subsystems.gas.inputs import GasInputs, inputs, with_late_pressures
 from exo_sim.diagnosis.subsystems.gas.missing_flow import missing_flow
 from exo_sim.diagnosis.subsystems.gas.prediction import GasPrediction, effort_of, run_gas
@@ -220,6 +221,15 @@ class GasModel(SubsystemModel):
     def on_test_time(self, split: Split) -> GasModel:
         runs = [run for run in (kept_back(run, split) for run in self.all_runs) if run is not None]
         return GasModel(runs or self.all_runs, self.nominal, split, REPORTED_WINDOW, on_test=True)
+
+    def in_one_run(self, split: Split) -> GasModel:
+        runs = [led_to_test(run, split, sum(len(one.time) for one in self.all_runs)) for run in self.all_runs]
+        whole = GasModel(runs, self.nominal, split, math.inf, on_test=True)
+        whole._responses = [[np.zeros(rows.count.size) for rows in run] for run in whole._rows]
+        return whole
+
+    def healthy_variants(self, plant: PlantParameters) -> tuple[PlantParameters, ...]:
+        return with_healthy_losses(plant)
 
     def compared(self, before: PlantParameters, after: PlantParameters, curve: Curve | None = None) -> list[Comparison]:
         pressures = [[self.predict(plant, i, whole=False).pressure for i in range(len(self.runs))] for plant in (before, after)]

@@ -59,8 +59,18 @@ def require(spec: Any, path: Path) -> None:
         raise ModelError(f"{path}: a worn machine has the joints {', '.join(joints)}, in this order and no others")
 
 
+def tell_moments(spec: Any) -> None:
+    """Let the ground's contact sensors tell the moment about the place of the force as well: heel and toe are not rubbed alike."""
+    import mujoco
+
+    for side in "lr":
+        spec.sensor(f"ground_{side}").intprm[0] |= 1 << int(mujoco.mjtConDataField.mjCONDATA_TORQUE)
+
+
 def ground_sensors(model: Any, path: Path) -> tuple[int, int]:
-    """Return where the ground's force on the left and the right foot begins among the sensor data of a compiled model: force, then place.
+    """Return where the ground's wrench on the left and the right foot begins among the sensor data of a compiled model.
+
+    There are force, moment about the place of the force, and that place, three numbers each.
 
     Raises:
         ModelError: `ground_l` or `ground_r` measures something else.
@@ -68,7 +78,7 @@ def ground_sensors(model: Any, path: Path) -> tuple[int, int]:
     import mujoco
 
     field = mujoco.mjtConDataField
-    data = (1 << int(field.mjCONDATA_FORCE)) | (1 << int(field.mjCONDATA_POS))
+    data = sum(1 << int(one) for one in (field.mjCONDATA_FORCE, field.mjCONDATA_TORQUE, field.mjCONDATA_POS))
     # the floor, or the stairs that `ground.lay` put in its place
     grounds = [(int(mujoco.mjtObj.mjOBJ_GEOM), model.geom("floor").id)]
     stairs = mujoco.mj_name2id(model, mujoco.mjtObj.mjOBJ_BODY, STAIRS)

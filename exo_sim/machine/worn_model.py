@@ -7,7 +7,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from exo_sim.errors import ModelError, ScenarioError, nearest
-from exo_sim.machine.fitting import fit, require
+from exo_sim.machine.fitting import fit, require, tell_moments
 from exo_sim.machine.ground import LEVEL, Ground
 from exo_sim.machine.person import Person
 from exo_sim.rig.schema import Ankle, JointFactors, Rig
@@ -60,6 +60,7 @@ def build(
     require(spec, path)
     worn_layout.check(mjcf.compiled(spec.copy(), path), path)
     fit(spec, person, ankle)
+    tell_moments(spec)
     load = spec.geom("payload")
     if payload > 0:
         load.mass = payload

@@ -11,6 +11,9 @@ from exo_sim.physics.nodes import exhaust_state, supply_state, tank_state, tempe
 from exo_sim.physics.nozzle import critical_ratio
 from exo_sim.physics.state import DRAWN, HELD, INTEGRATED, REMEMBERED, SHARED, TANK_MASS
 
+#: A force that is shorter [N], or along the sole but for this share, meets the sole at no place to speak of.
+PRESSED, ALONG = 1.0, 0.1
+
 
 @kernel
 def _choked(c, u_1, u_2, p_1, p_2, p_s, p_e, critical):
@@ -58,14 +61,21 @@ def _log_powers(row, at, mechanics, plant, bodies, wearer):
 
 @kernel
 def _pressure_centre(foot, bodies):
-    """Return how far ahead of the foot's site, along its body's x axis, the ground pushes [m]; 0 where it does not."""
-    sensor, site, body = bodies.ground[foot], bodies.sole[foot], bodies.foot[foot]
-    if bodies.sensordata[sensor + 2] >= 0.0:
+    """Return how far ahead of the foot's site, along its body's x axis, the ground's force has no moment about y [m]; 0 in the air.
+
+    A sole that is tilted, or rubbed otherwise at heel and toe, is pushed along a line that misses the middle of its contacts.
+    """
+    at, site, body = bodies.ground[foot], bodies.sole[foot], bodies.foot[foot]
+    wrench = bodies.sensordata
+    x, z = wrench[at], wrench[at + 2]
+    if z >= 0.0:
         return 0.0
-    ahead = 0.0
-    for i in range(3):
-        ahead += (bodies.sensordata[sensor + 3 + i] - bodies.site_xpos[site, i]) * bodies.xmat[body, 3 * i]
-    return ahead
+    along, up = bodies.xmat[body, 0], bodies.xmat[body, 6]
+    ahead, above = wrench[at + 6] - bodies.site_xpos[site, 0], wrench[at + 8] - bodies.site_xpos[site, 2]
+    normal = along * z - up * x
+    if abs(normal) < max(PRESSED, ALONG * np.hypot(x, z)):
+        return along * ahead + up * above
+    return (ahead * z - above * x - wrench[at + 4]) / normal
 
 
 @kernel

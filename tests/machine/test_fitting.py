@@ -58,19 +58,31 @@ GROUND = '<contact name="ground_l" body1="foot_l" geom2="floor" num="1" reduce="
 def test_the_ground_is_found_whatever_other_sensors_the_machine_has(repository: Path) -> None:
     text = (repository / "assets" / "exo.xml").read_text()
     assert GROUND in text
-    model = mujoco.MjModel.from_xml_string(text.replace(GROUND, f'<jointpos joint="knee_l"/>{GROUND}<jointpos joint="knee_r"/>'))
-    assert fitting.ground_sensors(model, Path("mine.xml")) == (1, 8)
+    model = telling(text.replace(GROUND, f'<jointpos joint="knee_l"/>{GROUND}<jointpos joint="knee_r"/>'))
+    assert fitting.ground_sensors(model, Path("mine.xml")) == (1, 11)
+
+
+def telling(text: str) -> mujoco.MjModel:
+    spec = mujoco.MjSpec.from_string(text)
+    fitting.tell_moments(spec)
+    return spec.compile()
+
+
+def test_a_sensor_that_tells_the_moment_already_is_one_of_the_ground(repository: Path) -> None:
+    text = (repository / "assets" / "exo.xml").read_text().replace("force pos", "force torque pos")
+    assert fitting.ground_sensors(telling(text), Path("mine.xml")) == (0, 9)
 
 
 @pytest.mark.parametrize(
     ("old", "new"),
-    [("netforce", "mindist"), ("force pos", "force torque pos"), ('num="1"', 'num="2"'), ('body1="foot_l"', 'body1="foot_r"')],
+    [
+        ("netforce", "mindist"), ("force pos", "force dist pos"), ("force pos", "force"), ('num="1"', 'num="2"'),
+        ('body1="foot_l"', 'body1="foot_r"'),
+    ],
 )
 def test_a_sensor_of_the_ground_that_measures_something_else_is_refused(repository: Path, old: str, new: str) -> None:
     other = GROUND.replace(f'"{old}"', f'"{new}"') if "=" not in old else GROUND.replace(old, new)
-    if "torque" in new:
-        other = other.replace("force torque pos", "force torque pos")
-    model = mujoco.MjModel.from_xml_string((repository / "assets" / "exo.xml").read_text().replace(GROUND, other))
+    model = telling((repository / "assets" / "exo.xml").read_text().replace(GROUND, other))
     with pytest.raises(ModelError, match=r'mine\.xml: the sensor "ground_l" must be <contact name="ground_l" body1="foot_l"'):
         fitting.ground_sensors(model, Path("mine.xml"))
 

@@ -42,6 +42,7 @@ class Inertia:
         tilt: Derivative of `bias` with respect to the position's zero [1/rad or 1/m].
         effective_mass: Mass that the piston feels [kg]; 0 where it plays no part.
         has_mass: Whether a mass enters the balance.
+        carried: The part of `force` that a payload as heavy as all that moves would ask; None where a mass that is off is the whole of it.
     """
 
     force: Array
@@ -49,6 +50,7 @@ class Inertia:
     tilt: Array
     effective_mass: float
     has_mass: bool = True
+    carried: Array | None = None
 
 
 @dataclass(frozen=True)
@@ -168,7 +170,10 @@ class MotionRun:
         return replace(
             self, time=self.time[cut], breaks=(0, *(b - start for b in self.breaks if start < b < stop)),
             kinematics=replace(path, position=path.position[cut], velocity=path.velocity[cut]),
-            inertia=replace(inertia, force=inertia.force[cut], bias=inertia.bias[cut], tilt=inertia.tilt[cut]),
+            inertia=replace(
+                inertia, force=inertia.force[cut], bias=inertia.bias[cut], tilt=inertia.tilt[cut],
+                carried=None if inertia.carried is None else inertia.carried[cut],
+            ),
             passive=Passive(passive.force[cut], None if passive.damping is None else passive.damping[cut]),
             drive=replace(
                 drive, force=drive.force[cut], arm=drive.arm[cut], gauge=drive.gauge[cut],

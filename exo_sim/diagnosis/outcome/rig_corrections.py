@@ -11,12 +11,11 @@ from exo_sim.diagnosis.policy.off_nominal import MODEL_SHARE
 from exo_sim.diagnosis.selection.nuisance_calibration import Deviation, is_declared
 from exo_sim.diagnosis.selection.subsystem_result import SubsystemResult
 from exo_sim.diagnosis.subsystem_model import SubsystemModel
+from exo_sim.diagnosis.subsystems.motion.moving_masses import PAYLOAD
 from exo_sim.rig import Correction, JointFactors, Rig
 
 #: Numbers of the rig that every comparison refits.
 REFITTED = ("flow_capacity", "dead_volume", "payload_mass", SET_PRESSURE)
-#: What a worn machine's MJCF calls the body on its back (`docs/your_machine.md`).
-PAYLOAD = "payload"
 REFIT_NOTE = "refitted within what a data sheet allows, no finding"
 
 

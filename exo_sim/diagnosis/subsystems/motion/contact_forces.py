@@ -1,8 +1,8 @@
 """What straps and the ground do to the joints: forces recorded at sites of the model, as generalised forces.
 
 A strap pulls at its site. The ground pushes somewhere under the foot: where is known only if `<site>.pressure_centre` was recorded, so that
-while a foot is loaded the moment at the joints above it is not; a slide above it feels the force alone, wherever it acts. At those samples
-and joints the balance is not judged.
+while a foot is loaded the moment at the joints above it is not; a slide above it feels the force alone, wherever it acts. Nor does a place
+along the sole say much of a force along the sole. At those samples and joints the balance is not judged.
 """
 
 from __future__ import annotations
@@ -16,8 +16,8 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.ndimage import binary_dilation
 
-from exo_sim.diagnosis.policy.recordings import UNLOADED_NOISE, UNLOADED_SHARE
-from exo_sim.diagnosis.subsystems.motion.smoothing import smoothed_alike, smoothing_width, stride, thinned
+from exo_sim.diagnosis.policy.recordings import GLANCING, UNLOADED_NOISE, UNLOADED_SHARE
+from exo_sim.diagnosis.subsystems.motion.smoothing import reach, smoothed_alike, smoothing_width, stride, thinned
 from exo_sim.machine.unmeasured_contact import without_ground_force
 from exo_sim.recording.filters import noise_gain, white_noise
 from exo_sim.recording.table import Recording
@@ -40,6 +40,7 @@ class SiteForce:
         force: In space, 0 along axes that were not recorded [N], shape (n, 3).
         ahead: How far ahead of the site it acts, along the x axis of the site's body [m], shape (n,).
         recorded: Which axes were, shape (3,).
+        placed: Whether it acts at `ahead`, and not at the site.
         unplaced: Where the machine is loaded at a point that is not known, shape (n,).
         loaded: Where it is loaded at all, shape (n,).
         variance: What sensor noise leaves in it behind the filter of the balance, by axis [N^2], shape (3,).
@@ -49,6 +50,7 @@ class SiteForce:
     force: Array
     ahead: Array
     recorded: NDArray[np.bool_]
+    placed: bool
     unplaced: NDArray[np.bool_]
     loaded: NDArray[np.bool_]
     variance: Array
@@ -121,7 +123,7 @@ def _site_force(recording: Recording, model: mujoco.MjModel, name: str, kind: st
         ahead = np.interp(thinned(time, every), time[there], centre[there]) if there.any() else ahead
         unplaced = np.zeros_like(loaded)
     site = int(mujoco.mj_name2id(model, mujoco.mjtObj.mjOBJ_SITE, name))
-    return SiteForce(site, force, ahead, recorded, unplaced[::every], loaded[::every], variance)
+    return SiteForce(site, force, ahead, recorded, centre is not None, unplaced[::every], loaded[::every], variance)
 
 
 class AtJoints:
@@ -138,7 +140,7 @@ class AtJoints:
         self._model, self._forces = model, forces
         self._force, self._known = np.zeros((count, model.nv)), np.ones((count, model.nv), dtype=bool)
         self._variance, self._reached = np.zeros(model.nv), np.zeros(model.nv, dtype=bool)
-        self._time = time
+        self._time, self._glanced = time, np.zeros_like(self._known)
         if forces:  # a recording that begins or ends with a loaded foot begins with a jump
             inside = _REACH * smoothing_width(time)
             self._known[(time < time[0] + inside) | (time > time[-1] - inside)] = False
@@ -148,7 +150,8 @@ class AtJoints:
         moved, turned = np.zeros((2, 3, self._model.nv))
         for one in self._forces:
             body = int(self._model.site_bodyid[one.site])
-            point = data.site_xpos[one.site] + one.ahead[i] * data.xmat[body].reshape(3, 3)[:, 0]
+            ahead = data.xmat[body].reshape(3, 3)[:, 0]
+            point = data.site_xpos[one.site] + one.ahead[i] * ahead
             mujoco.mj_jac(self._model, data, moved, turned, point, body)
             reached = (np.abs(moved) > _NOTHING).any(axis=0) | (np.abs(turned) > _NOTHING).any(axis=0)
             self._reached |= reached
@@ -156,10 +159,13 @@ class AtJoints:
             self._variance += one.variance @ moved**2 / len(self._time)
             if one.unplaced[i]:
                 self._known[i] &= ~(np.abs(turned) > _NOTHING).any(axis=0)
+            elif one.placed and one.loaded[i] and abs(one.force[i] @ ahead) > GLANCING * float(np.linalg.norm(one.force[i])):
+                self._glanced[i] |= (np.abs(turned) > _NOTHING).any(axis=0)
             if one.loaded[i] and not one.recorded.all():
                 self._known[i] &= ~(np.abs(moved[~one.recorded]) > _NOTHING).any(axis=0)
 
     def gathered(self) -> ContactForces:
         """Return what came of all samples."""
+        self._known &= ~binary_dilation(self._glanced, np.ones((2 * reach(self._time) + 1, 1), dtype=bool))
         force = np.apply_along_axis(partial(smoothed_alike, self._time), 0, self._force) if self._forces else self._force
         return ContactForces(force, self._known, self._variance, self._reached)

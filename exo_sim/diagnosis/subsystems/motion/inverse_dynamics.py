@@ -1,8 +1,9 @@
 """Balances of forces of the joints: measured motion and pressures go in, the terms of the balance come out.
 
 Inverse dynamics of the MJCF give the force that the motion took, the pressures and the outside force the force that drove it. Both pass
-one filter, so that the acceleration is differentiated no more than that filter allows. Friction, gravity and centrifugal forces are
-evaluated at restored positions and velocities and filtered then; levers and masses count as constant over the filter's width.
+one filter, so that the acceleration is differentiated no more than that filter allows. Friction, gravity, centrifugal forces and what
+levers make of the forces of rods are evaluated at restored positions and velocities and filtered then; masses count as constant over the
+filter's width.
 """
 
 from __future__ import annotations
@@ -18,7 +19,9 @@ from numpy.typing import NDArray
 from exo_sim.diagnosis.data.motion_run import Drive, Inertia, Kinematics, MotionRun, Passive
 from exo_sim.diagnosis.policy.recordings import LEAST_KNOWN, STILL_NOISE, STILL_SHARE
 from exo_sim.diagnosis.subsystems.motion.contact_forces import AtJoints, ContactForces, SiteForce, site_forces
+from exo_sim.diagnosis.subsystems.motion.moving_masses import MovingMasses, payload, with_twice_the_payload
 from exo_sim.diagnosis.subsystems.motion.smoothing import smoothed_alike, smoothing_width, stride, thinned
+from exo_sim.diagnosis.subsystems.motion.stops import at_stop
 from exo_sim.machine.linkage import Linkage, moment_row
 from exo_sim.recording.filters import SmoothedMotion, gaussian_smoothed, noise_gain, restored, smoothed_motion, white_noise
 from exo_sim.recording.table import Recording
@@ -64,11 +67,13 @@ def motion_runs(
         driven = [link for link in links if link.joint == name]
         dof = int(model.jnt_dofadr[j])
         pushed = f"{name}.external_force" in recording or bool(dynamics.contacts.reached[dof])
-        reason = _why_not(recording, rig, driven, pushed) or _why_not_known(thin, dynamics.contacts.known[:, dof])
+        known = dynamics.contacts.known[:, dof]
+        free = ~at_stop(model, j, thin, moves[j])
+        reason = _why_not(recording, rig, driven, pushed) or _why_not_known(thin, known) or _why_not_free(thin, free)
         if reason:
             reasons.append((name, reason))
         else:
-            runs.append(_run(recording, rig, model, j, driven, moves[j], dynamics))
+            runs.append(_run(recording, rig, model, j, driven, moves[j], dynamics, known & free))
     return runs, reasons
 
 
@@ -101,12 +106,19 @@ def _why_not_known(time: Array, known: NDArray[np.bool_]) -> str:
     return "where the ground pushes is not known (record <foot>.pressure_centre), and the foot is hardly ever in the air"
 
 
+def _why_not_free(time: Array, free: NDArray[np.bool_]) -> str:
+    """Return why a joint that hardly ever leaves its stops cannot be judged, or ""."""
+    if float(free.mean()) * float(np.ptp(time)) >= LEAST_KNOWN:
+        return ""
+    return "it lies against a stop that the MJCF gives it (range) nearly all the time: what the stop pushes is not known"
+
+
 @dataclass(frozen=True)
 class _Dynamics:
     """Inverse dynamics of all joints.
 
     Attributes:
-        inertial, bias, passive: Generalised forces, smoothed alike, shape (n, nv).
+        inertial, bias, carried, passive: Generalised forces, smoothed alike, shape (n, nv); that of the payload is in the first as well.
         tilt: Derivative of `bias` with respect to the positions' zeros, smoothed, shape (n, nv).
         arms: dX/dq of each link's own degree of freedom, shape (n, links).
         lengths: Of the links' actuators, shape (n, links).
@@ -116,6 +128,7 @@ class _Dynamics:
 
     inertial: Array
     bias: Array
+    carried: Array | None
     passive: Array
     tilt: Array
     arms: Array
@@ -128,21 +141,20 @@ def _inverse(
     model: mujoco.MjModel, time: Array, motion: tuple[Array, Array, Array], links: tuple[Linkage, ...], forces: Sequence[SiteForce]
 ) -> _Dynamics:
     """Return the inverse dynamics along a motion: positions, velocities and accelerations, shape (n, nq) and (n, nv) twice."""
-    data = mujoco.MjData(model)
-    q, qd, qdd = motion
+    q = motion[0]
     n = len(q)
     free = model.opt.disableflags
     model.opt.disableflags |= int(mujoco.mjtDisableBit.mjDSBL_CONSTRAINT)
-    inertial, raw, passive = np.zeros((3, n, model.nv))
+    masses, body = MovingMasses(model, time, motion), payload(model)
+    heavier = None if body is None else MovingMasses(with_twice_the_payload(model, body), time, motion)
     arms, lengths = np.zeros((n, len(links))), np.zeros((n, len(links)))
     contacts = AtJoints(model, forces, time)
     simple = all(model.actuator_trntype[link.actuator] == int(mujoco.mjtTrn.mjTRN_JOINT) for link in links)
     try:
         for i in range(n):
-            data.qpos[:], data.qvel[:], data.qacc[:] = q[i], qd[i], qdd[i]
-            mujoco.mj_inverse(model, data)
-            inertial[i], passive[i] = data.qfrc_inverse + data.qfrc_passive, data.qfrc_passive
-            raw[i] = data.qfrc_bias
+            data = masses.move(i)
+            if heavier is not None:
+                heavier.move(i)
             contacts.add(i, data)
             if not simple or i == 0:
                 for k, link in enumerate(links):
@@ -153,11 +165,23 @@ def _inverse(
     if simple and n:
         arms[:] = arms[0]
     full = np.zeros((model.nv, model.nv))
-    mujoco.mj_fullM(model, data, full)
-    tilted = _gravity(model, q + TILT) - _gravity(model, q) if model.nq == model.nv else np.zeros_like(raw)
-    bias, passive, tilted = (np.apply_along_axis(partial(smoothed_alike, time), 0, one) for one in (raw, passive, tilted))
-    inertial += bias - raw  # its acceleration is smoothed already
-    return _Dynamics(inertial, bias, passive, tilted, arms, lengths, np.diag(full).copy(), contacts.gathered())
+    mujoco.mj_fullM(model, masses.data, full)
+    inertial, bias = masses.gathered()
+    carried = None if heavier is None else heavier.gathered()[0] - inertial
+    tilted = _gravity(model, q + TILT) - _gravity(model, q) if model.nq == model.nv else np.zeros_like(bias)
+    passive, tilted = (np.apply_along_axis(partial(smoothed_alike, time), 0, one) for one in (masses.passive, tilted))
+    return _Dynamics(inertial, bias, carried, passive, tilted, arms, lengths, np.diag(full).copy(), contacts.gathered())
+
+
+def _carried(model: mujoco.MjModel, joint: int, force: Array | None) -> Array | None:
+    """Return what a payload as heavy as all that a joint moves would ask of it, from what the payload does; None where it moves none."""
+    body, root = payload(model), int(model.jnt_bodyid[joint])
+    if force is None or body is None:
+        return None
+    above = body
+    while above > root:
+        above = int(model.body_parentid[above])
+    return force * float(model.body_subtreemass[root] / model.body_mass[body]) if above == root else None
 
 
 def _gravity(model: mujoco.MjModel, q: Array) -> Array:
@@ -184,6 +208,10 @@ def _drive(
     keep = noise_gain(0, seconds, float(np.median(np.diff(time))))
     atmosphere = rig.environment.pressure
 
+    def at_joint(lever: Array, values: Array) -> Array:
+        led = lever if every == 1 else np.interp(time, thinned(time, every), lever)
+        return thinned(gaussian_smoothed(time, led * values, seconds), every)
+
     def gauge_of(smooth: Array | None) -> Array:
         return np.zeros(n) if smooth is None else thinned(restored(time, smooth, seconds), every) - atmosphere
 
@@ -202,13 +230,12 @@ def _drive(
         smooth = [None if p is None else thinned(p, every) for p in behind]
         if cell is not None:  # what the piston loses is in the balance along its rod
             signals[f"{link.cylinder}.force"] = thinned(gaussian_smoothed(time, cell, seconds), every)
-            force += lever * signals[f"{link.cylinder}.force"]
+            force += at_joint(lever, cell)
             levers[f"{link.cylinder}.force"] = lever
             variance += float(np.mean(lever**2)) * (white_noise(cell) * keep) ** 2
         else:
-            p_1 = smooth[0] if smooth[0] is not None else np.full(n, atmosphere)
-            p_2 = np.full(n, atmosphere) if c.single_acting or smooth[1] is None else smooth[1]
-            force += lever * (p_1 * c.area_1 - p_2 * c.area_2 - atmosphere * (c.area_1 - c.area_2))
+            for p, area in zip(pressures, (c.area_1, 0.0 if c.single_acting else -c.area_2), strict=True):
+                force += np.zeros(n) if p is None else at_joint(lever, (p - atmosphere) * area)
             for s, (p, filtered, area) in enumerate(zip(pressures, smooth, (c.area_1, -c.area_2), strict=True)):
                 if p is not None and filtered is not None:
                     levers[f"{link.cylinder}.pressure_{s + 1}"] = lever * area
@@ -224,7 +251,7 @@ def _drive(
 
 def _run(
     recording: Recording, rig: Rig, model: mujoco.MjModel, joint: int, driven: Sequence[Linkage], move: SmoothedMotion,
-    dynamics: _Dynamics,
+    dynamics: _Dynamics, known: NDArray[np.bool_],
 ) -> MotionRun:  # fmt: skip
     name, dof = model.joint(joint).name, int(model.jnt_dofadr[joint])
     seconds, every, step = smoothing_width(recording.time), stride(recording.time), float(np.median(np.diff(recording.time)))
@@ -238,8 +265,8 @@ def _run(
         column = f"{name}.external_force"
         drive = replace(drive, levers={**drive.levers, column: np.ones(len(time))}, signals={**drive.signals, column: pushed})
         variance += (white_noise(external) * noise_gain(0, seconds, step)) ** 2
-    contacts, known = dynamics.contacts, dynamics.contacts.known[:, dof]
-    pushed = pushed + np.where(known, contacts.force[:, dof], 0.0)
+    contacts = dynamics.contacts
+    pushed = pushed + np.where(contacts.known[:, dof], contacts.force[:, dof], 0.0)
     variance += float(contacts.variance[dof])
     damping = float(model.dof_damping[dof].max())
     velocity_noise = move.velocity_noise * drive.usual_arm
@@ -255,6 +282,7 @@ def _run(
         inertia=Inertia(
             dynamics.inertial[:, dof], dynamics.bias[:, dof], dynamics.tilt[:, dof] / TILT,
             effective_mass=mass / max(float(np.median(drive.arm**2)), 1e-12),
+            carried=_carried(model, joint, None if dynamics.carried is None else dynamics.carried[:, dof]),
         ),
         passive=Passive(dynamics.passive[:, dof], -damping * smoothed_alike(time, move.velocity) if damping > 0.0 else None),
         drive=drive,

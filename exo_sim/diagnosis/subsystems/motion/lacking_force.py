@@ -39,7 +39,7 @@ class Terms:
     """What a balance consists of, but for what resists the motion: at every sample, or as means of rows, shape (k,) each.
 
     Attributes:
-        force, bias, tilt: As of `Inertia`.
+        force, bias, tilt, carried: As of `Inertia`; the last may be None.
         passive, damping: Of `Passive`; the latter may be None.
         drive, external: Forces that drive the motion.
         rate: Derivative of both together with respect to time.
@@ -51,6 +51,7 @@ class Terms:
     force: Array
     bias: Array
     tilt: Array
+    carried: Array | None
     passive: Array
     damping: Array | None
     drive: Array
@@ -70,7 +71,8 @@ class Terms:
             return {name: each(values) for name, values in signals.items()}
 
         return cls(
-            each(inertia.force), each(inertia.bias), each(inertia.tilt), each(passive.force),
+            each(inertia.force), each(inertia.bias), each(inertia.tilt),
+            None if inertia.carried is None else each(inertia.carried), each(passive.force),
             None if passive.damping is None else each(passive.damping), each(drive.force), each(run.external),
             each(np.gradient(drive.force + run.external, run.time)), all_of(drive.levers),
             {column: each(drive.levers[column] * signal) for column, signal in drive.signals.items()},
@@ -88,7 +90,8 @@ class Terms:
         moved = self.force + (sensors.get("inertia", 1.0) - 1.0) * (self.force - self.bias) + sensors.get("zero", 0.0) * self.tilt
         exerted = self.passive if self.damping is None else self.passive + (sensors.get("damping", 1.0) - 1.0) * self.damping
         mass = sensors.get("payload_mass", 1.0)
-        found = mass * moved - exerted - self.drive - self.external + resisted - sensors.get("offset", 0.0)
+        moved = mass * moved if self.carried is None else moved + (mass - 1.0) * self.carried
+        found = moved - exerted - self.drive - self.external + resisted - sensors.get("offset", 0.0)
         for column, lever in self.levers.items():
             found = found + lever * sensors.get(f"{column}.bias", 0.0)
         for column, signal in self.signals.items():

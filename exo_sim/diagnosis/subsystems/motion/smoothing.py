@@ -2,12 +2,15 @@
 
 from __future__ import annotations
 
+import math
+
 import numpy as np
 from numpy.typing import NDArray
 from scipy import sparse
 
 from exo_sim.diagnosis.data.motion_run import MotionRun
-from exo_sim.recording.filters import EvenClock, gaussian_smoothed
+from exo_sim.diagnosis.policy.recordings import FILTER_ENDS
+from exo_sim.recording.filters import EvenClock, gaussian_smoothed, gaussian_width
 
 Array = NDArray[np.float64]
 
@@ -24,6 +27,12 @@ def smoothing_width(time: Array) -> float:
 
 def _width(usual: float) -> float:
     return max(SMOOTHING, FEWEST_IN_FILTER * usual)
+
+
+def reach(time: Array) -> int:
+    """Return how many samples to either side the filter takes from on this clock."""
+    step = float(np.median(np.diff(time)))
+    return max(1, math.ceil(FILTER_ENDS * gaussian_width(_width(step)) / step))
 
 
 def smoothed_alike(time: Array, values: Array, clock: EvenClock | None = None) -> Array:

@@ -1,0 +1,31 @@
+"""Where a joint lies against a stop of its MJCF: what pushes it there, nobody recorded."""
+
+from __future__ import annotations
+
+import mujoco
+import numpy as np
+from numpy.typing import NDArray
+from scipy.ndimage import binary_dilation
+
+from exo_sim.diagnosis.policy.recordings import AT_STOP_NOISE
+from exo_sim.diagnosis.subsystems.motion.smoothing import reach
+from exo_sim.recording.filters import SmoothedMotion
+
+Array = NDArray[np.float64]
+
+
+def at_stop(model: mujoco.MjModel, joint: int, time: Array, move: SmoothedMotion) -> NDArray[np.bool_]:
+    """Return where the balance of a joint holds the push of a stop, shape (n,).
+
+    Args:
+        model: With the stops.
+        joint: Its index.
+        time: Of the samples, shape (n,) [s].
+        move: How it moved.
+    """
+    if not model.jnt_limited[joint]:
+        return np.zeros(len(time), dtype=bool)
+    low, high = model.jnt_range[joint]
+    near = float(model.jnt_margin[joint]) + AT_STOP_NOISE * move.position_noise
+    touching = (move.position < low + near) | (move.position > high - near)
+    return np.asarray(binary_dilation(touching, iterations=reach(time)))

@@ -7,20 +7,23 @@ import math
 from exo_sim.diagnosis.estimation.uncertainty import HALF_WIDTH
 from exo_sim.diagnosis.findings import Finding, Kind
 from exo_sim.diagnosis.policy.probability import EVEN_SHARE, LEAST_ERRORS, LEAST_TOLD, MAY_BE_NIL, STEEPNESS, UNTESTED
-from exo_sim.diagnosis.policy.verdicts import MOST_CONFIDENT
+from exo_sim.diagnosis.policy.verdicts import CONFIDENT_BESIDE_UNKNOWN, MOST_CONFIDENT
 from exo_sim.physics.declaration import identification_of
 
 
-def confidence(finding: Finding, share: float | None) -> float:
+def confidence(finding: Finding, share: float | None, of_doubtful_pressures: bool = False) -> float:
     """Return the probability that a finding is so: as weighed or from its odds, and no more than experience with such shares bears.
 
     Args:
         finding: With its odds.
         share: Of the squared error beyond the noise that is missing without it, what it explains of time kept back; None where its
             predictions do not change there, so that nothing was tested.
+        of_doubtful_pressures: Whether it is of forces whose pressures belong to a gas in which something has no name: a sensor behind a
+            hose that was not found shows another pressure than the piston feels.
     """
     vague = _is_weighed_physics(finding) and _may_be_nil(finding)
-    return min(finding.confidence, _borne(share), float(MAY_BE_NIL) if vague else 1.0)
+    most = float(CONFIDENT_BESIDE_UNKNOWN) if of_doubtful_pressures else 1.0
+    return min(finding.confidence, _borne(share), float(MAY_BE_NIL) if vague else 1.0, most)
 
 
 def doubt(finding: Finding, share: float | None, compared: bool = True) -> str:

@@ -109,10 +109,11 @@ def _findings(found: Examination) -> list[Finding]:
     """Return the findings of sensors and subsystems by kind and by what they cost the machine's predictions, then the unknown effects."""
     drops, costs, results = found.test.drops, found.test.costs, found.results.all
     findings = list({(f.name, f.where): f for f in reversed(found.data.sensors)}.values())[::-1]  # of several recordings, once
+    doubtful = {one.where for one in found.results.gas if one.has_unknown}
     for one in results:
         for f in one.findings:
             key = f"{f.name}@{f.where}"
-            probability = confidence(f, found.test.shares.get(key))
+            probability = confidence(f, found.test.shares.get(key), f.where in doubtful)
             proved = replace(f, held_out_error_drop=drops.get(key, 0.0), cost=costs.get(key, 0.0), probability=probability)
             findings += proved.at_each_place()
     for one in results:

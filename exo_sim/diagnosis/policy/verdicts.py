@@ -15,7 +15,9 @@ MOST_CONFIDENT = Number(
 )  # fmt: skip
 CONFIDENT_BESIDE_UNKNOWN = Number(
     0.8, "probability",
-    "nor one more probable than this that stands in a gas beside something without a name: it may be the name of a part of that",
+    "nor one more probable than this that stands in a gas beside something without a name, or in forces made of its pressures: it may be "
+    "the name of a part of that",
+    "a sealed bench whose hose, cushion and late valve had no name together: friction that depends on pressure was certain",
 )  # fmt: skip
 PROBABLE = Number(
     0.75, "probability", "an effect of the most probable subset is named from here on, alone or as one of those that exclude each other"

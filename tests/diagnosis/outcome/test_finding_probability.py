@@ -9,7 +9,7 @@ import pytest
 from exo_sim.diagnosis.findings import Estimate, Finding, Kind
 from exo_sim.diagnosis.outcome.finding_probability import confidence, doubt
 from exo_sim.diagnosis.policy.probability import MAY_BE_NIL, UNTESTED
-from exo_sim.diagnosis.policy.verdicts import MOST_CONFIDENT
+from exo_sim.diagnosis.policy.verdicts import CONFIDENT_BESIDE_UNKNOWN, MOST_CONFIDENT
 
 
 def named(log10_odds: float, weighed: float | None = None) -> Finding:
@@ -26,6 +26,11 @@ def test_great_odds_do_not_make_a_name_probable_that_explains_little_of_time_kep
 def test_nothing_is_more_probable_than_it_was_weighed() -> None:
     assert confidence(named(300.0, weighed=0.8), 1.0) == 0.8
     assert confidence(named(0.0), 1.0) == 0.5
+
+
+def test_a_name_of_forces_whose_pressures_nobody_understands_is_not_certain() -> None:
+    assert confidence(named(300.0), 1.0, of_doubtful_pressures=True) == CONFIDENT_BESIDE_UNKNOWN < confidence(named(300.0), 1.0)
+    assert confidence(named(300.0, weighed=0.6), 1.0, of_doubtful_pressures=True) == 0.6
 
 
 @pytest.mark.parametrize(("weighed", "said"), [(None, UNTESTED), (0.6, 0.6), (0.99, UNTESTED)])

@@ -16,6 +16,8 @@ from exo_sim.physics.declaration import Effect, declared
 CARD_OF_PRESSURES = "pressures.delay"
 #: Set pressure of a supply that was not recorded, as a factor on the nominal one.
 SET_PRESSURE = "set_pressure"
+#: Temperature of the gas where a recording begins: of the recording, not of the machine.
+INITIAL_TEMPERATURE = "initial_temperature"
 
 
 class Target(StrEnum):
@@ -36,7 +38,7 @@ class PlantParameters:
         sensors: E.g. `"position.delay"`, `"pressure_1.bias"`, `"pressure_2.scale"` to a number; absent means a perfect sensor.
             `"pressures.delay"` comes on top of that of each pressure: they share a card; `"supply.scale"` is by how much the pressure of
             a supply that was not recorded differs from the nominal one. A `"position.delay"` below zero is one of the pressures' card:
-            `card_delays`.
+            `card_delays`. How warm the gas is where a recording begins is beside them (`subsystems/gas/initial_temperature.py`).
     """
 
     world: NDArray[np.void]

@@ -22,6 +22,7 @@ from exo_sim.diagnosis.selection.decision import decide
 from exo_sim.diagnosis.selection.search import Search
 from exo_sim.diagnosis.selection.subsystem_result import SubsystemResult
 from exo_sim.diagnosis.subsystems.gas.candidates import candidates, sample_period
+from exo_sim.diagnosis.subsystems.gas.initial_temperature import initial_temperatures
 from exo_sim.diagnosis.subsystems.gas.model import GasModel
 from exo_sim.diagnosis.subsystems.gas.nuisances import known_effects, nuisance_parameters, with_measured_supply
 from exo_sim.rig import assembly
@@ -68,7 +69,7 @@ def examine_gas(
         supplied = all(run.supply is not None for run in runs)
         period = sample_period(runs)
         nuisances = nuisance_parameters(plant, name, commanded, sides, at_rest, moves, supplied, period)
-        nuisances += known_effects(plant, name, period)
+        nuisances += (*known_effects(plant, name, period), *initial_temperatures(model.all_runs))
         joint = data.joint_of(name)
         asked = plan.without_refuted(candidates(plant, runs, name, joint))
         friction = None if plan.friction is None else tuple(plan.friction.get(name, ()))

@@ -40,6 +40,12 @@ FARTHEST_SET_PRESSURE = Number(
     0.08, "share", "a measured supply that differs by more from the rig's is another supply: an input, not a sagging one"
 )
 INITIAL_PRESSURE = Number(1.0, "units of the sensor's noise", "initial pressure of a window, estimated from a few samples")
+INITIAL_WARMTH = Number(
+    30.0, "K", "by how much gas is off the temperature of the room where a recording begins in the midst of work: filled at once it would "
+    "be 117 K warmer, let out from 6 bar 120 K colder, and walls take most of that within seconds",
+    "a vessel of another maker's simulator, recorded 0.2 s after a fill: -40 and 21 K, and an error of 5.5 times the noise fell to 1.1",
+)  # fmt: skip
+MOST_INITIAL_WARMTH = Number(120.0, "K", "derived: adiabatic filling, and emptying from 6 bar")
 UNMEASURED_INITIAL = Number(1e4, "Pa", "initial pressure of a chamber that nobody measured, after the balance of forces gave it")
 SENSOR_BIAS_REACH = Number(1.2e5, "Pa", "largest bias of a pressure sensor that is asked for: an atmosphere and something")
 SENSOR_SCALE_TYPICAL = Number(0.02, "share", "typical error of a pressure sensor's scale, where a fit of it begins")

@@ -28,6 +28,14 @@ LEAD_IN = Number(
     "make I of whole machines, seed 77, at its true numbers: eleven windows are predicted to within the noise, the first is off by 12 kPa. "
     "One machine: that it is long enough for a slower valve is not shown",
 )  # fmt: skip
+QUIET_START = Number(
+    1.0, "s", "a recording whose pressures and piston rest for so long at first begins with gas that is as warm as its walls: some "
+    "settling times of a small chamber at rest",
+)  # fmt: skip
+QUIET_DRIFT = Number(
+    1e-3, "share of the pressure", "between the halves of that time a pressure that changes by less rests: gas of 1 K too much, which "
+    "settles in 1 s, changes it by 1.5e-3",
+)  # fmt: skip
 WORTH_A_LEAD_IN = Number(10.0, "lead-ins", "a stretch that is shorter has no time to lose")
 FEWEST_TO_FIT = Count(20, "samples", "a run with no more training time is not fitted")
 STILL_LENGTH = Number(1e-4, "m", "a piston whose length varies by less does not move")

@@ -7,7 +7,7 @@ from collections.abc import Collection, Mapping, Sequence
 from dataclasses import dataclass
 
 from exo_sim.diagnosis import wording
-from exo_sim.diagnosis.estimation.parameters import FreeParameter
+from exo_sim.diagnosis.estimation.parameters import INITIAL_TEMPERATURE, FreeParameter
 from exo_sim.diagnosis.estimation.uncertainty import bounded_interval, interval
 from exo_sim.diagnosis.findings import Estimate, Finding, Kind
 from exo_sim.diagnosis.policy.off_nominal import LAW_SHARE, MODEL_SHARE, MOVED, OPEN_LAW_SHARE, SURE, WORTH
@@ -58,6 +58,7 @@ def refitted_besides(
     """Return nuisance parameters that the improved rig should hold as fitted and that are no finding, with their standard errors.
 
     Those that are surely off; and beside anything that is written, all that the rig holds: numbers of one fit predict well together only.
+    How warm the gas was at the start is the recording's, not the rig's.
 
     Args:
         model: The fit.
@@ -69,6 +70,8 @@ def refitted_besides(
     moved = []
     for parameter, value in model.fit.values.items():
         error = errors.get(parameter, math.inf)
+        if parameter.effect == INITIAL_TEMPERATURE:
+            continue
         if parameter.prior and parameter not in reported and parameter not in effects and math.isfinite(error):
             moved.append((parameter, error, abs(value - parameter.prior[0])))
     surely = {parameter for parameter, error, by in moved if by > SURE * error}

@@ -28,6 +28,7 @@ from exo_sim.diagnosis.subsystem_model import Comparison, SubsystemModel
 from exo_sim.diagnosis.subsystems.gas.bursts import burst_ratio
 from exo_sim.diagnosis.subsystems.gas.experiments import menu
 from exo_sim.diagnosis.subsystems.gas.healthy_limits import with_healthy_losses
+from exo_sim.diagnosis.subsystems.gas.initial_temperature import warmth
 from exo_sim.diagnosis.subsystems.gas.inputs import GasInputs, inputs, with_late_pressures
 from exo_sim.diagnosis.subsystems.gas.missing_flow import missing_flow
 from exo_sim.diagnosis.subsystems.gas.prediction import GasPrediction, effort_of, run_gas
@@ -146,7 +147,7 @@ class GasModel(SubsystemModel):
         if (supply := sensors.get("supply.scale", 1.0)) != 1.0:
             given = replace(given, supply=supply * given.supply)
         length_delay, card_delay = card_delays(sensors)
-        out = run_gas(given, plant.world, plant.cylinder, shift, length_delay, offset, whole, card_delay)
+        out = run_gas(given, plant.world, plant.cylinder, shift, length_delay, offset, whole, card_delay, warmth(sensors, given.run))
         pressure = out.pressure
         pressure *= scale
         pressure += np.array(offset)

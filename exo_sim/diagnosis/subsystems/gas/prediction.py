@@ -171,7 +171,7 @@ def behind_hose(cylinder: NDArray[np.void]) -> bool:
 
 def run_gas(
     feed: GasInputs, world: NDArray[np.void], cylinder: NDArray[np.void], shift: float = 0.0, length_delay: float = 0.0,
-    offset: tuple[float, float] = (0.0, 0.0), whole: bool = True, card_delay: float = 0.0,
+    offset: tuple[float, float] = (0.0, 0.0), whole: bool = True, card_delay: float = 0.0, warmth: tuple[float, float] = (0.0, 0.0),
 ) -> GasPrediction:  # fmt: skip
     """Predict the pressures of one run.
 
@@ -183,6 +183,7 @@ def run_gas(
         offset: Subtracted from the measured start pressures [Pa]: bias of the sensors.
         card_delay: Delay of the card of the pressures, on whose clock the prediction runs: motion and command come later by it [s].
         whole: Whether more than the pressures at the sensors is wanted; else the rest of the prediction is empty.
+        warmth: By how much the gas of each chamber is warmer than the surroundings when the run begins [K].
     """
     world, cylinder = world.copy(), cylinder.copy()
     usual = feed.period
@@ -199,15 +200,17 @@ def run_gas(
     first = np.where(np.isfinite(start[0]), start[0], world["atmosphere"][0])
     world["supply_pressure"], world["exhaust_pressure"] = feed.supply[0], feed.exhaust[0]
     gas.fill(length[:1], first[:1], first[1:])
+    for mass, kelvin in zip((state.MASS_1, state.MASS_2), warmth, strict=True):
+        gas.integrated[:, mass] /= 1.0 + kelvin / world["ambient"][0]
     if bool(gives(cylinder[0])):
         gas.settle_transmission(length[:1])
     rest = n if whole else 0
-    out, inside, drawn, warmth = np.empty((n, 2)), np.empty((rest, 2)), np.zeros(rest), np.empty((rest, 2))
+    out, inside, drawn, temperature = np.empty((n, 2)), np.empty((rest, 2)), np.zeros(rest), np.empty((rest, 2))
     gas.memory[0, state.SPOOL] = gas.memory[0, state.PLAY] = feed.command[0]
     gas.memory[0, state.SPOOL_2] = gas.memory[0, state.PLAY_2] = feed.command_2[0]
     arrived = feed.command_after(float(cylinder[valve_lag.EFFECT.name]["delay"][0]) + card_delay)
     predict(
         world, cylinder, gas.vector, feed.time, arrived.command, arrived.first, length, feed.supply, feed.exhaust,
-        feed.supply_temperature, feed.windows.starts, start, gas._work, np.zeros((8, 2)), out, inside, drawn, warmth,
+        feed.supply_temperature, feed.windows.starts, start, gas._work, np.zeros((8, 2)), out, inside, drawn, temperature,
     )  # fmt: skip
-    return GasPrediction(out, inside, drawn, warmth)
+    return GasPrediction(out, inside, drawn, temperature)

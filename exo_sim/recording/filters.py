@@ -12,6 +12,8 @@ from numpy.typing import NDArray
 from scipy.ndimage import gaussian_filter1d
 from scipy.signal import savgol_coeffs, savgol_filter
 
+from exo_sim.recording.noise import white_noise
+
 Array = NDArray[np.float64]
 
 #: Positions are smoothed over this time [s]: a mass on gas moves more slowly, sensor noise is faster.
@@ -157,22 +159,6 @@ def noise_gain(order: int, seconds: float, step: float, passed: Mapping[int, flo
     power = (1.0 / (2.0 * s), 1.0 / (4.0 * s**3), 3.0 / (8.0 * s**5))[order] / np.sqrt(np.pi)
     both = sum(a * b * (0.5 * (j + k)) ** -(order + 0.5) for j, a in passed.items() for k, b in passed.items())
     return float(np.sqrt(step * power * both))
-
-
-def white_noise(values: Array | None) -> float:
-    """Return the standard deviation of a channel's white noise, from the median of its fourth differences (smooth signals vanish there)."""
-    if values is None:
-        return 0.0
-    good = values[np.isfinite(values)]
-    if good.size < 20:
-        return 0.0
-    fourth = np.diff(good, 4) / np.sqrt(70.0)
-    spread = 1.4826 * float(np.median(np.abs(fourth - np.median(fourth))))
-    if spread > 0.0:
-        return spread
-    steps = np.abs(np.diff(good))
-    steps = steps[steps > 0.0]
-    return float(steps.min()) / np.sqrt(12.0) if steps.size else 0.0
 
 
 def start_weights(points: int) -> Array:

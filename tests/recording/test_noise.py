@@ -29,6 +29,30 @@ def test_white_noise_comes_back_within_a_tenth(std: float, seed: int, n: int) ->
     assert found.signal_share < 0.1
 
 
+@pytest.mark.parametrize("seed", range(4))
+@pytest.mark.parametrize("step", [0.0, 1000.0])
+def test_both_estimators_agree_where_all_noise_is_white(step: float, seed: int) -> None:
+    values = motion(12000) + 800.0 * np.random.default_rng(seed).standard_normal(12000)
+    if step:
+        values = np.round(values / step) * step
+    found = noise.white_noise(values)
+    assert found == pytest.approx(noise.floor(values, np.arange(12000) / RATE).std, rel=0.08)
+    assert found == pytest.approx(np.hypot(800.0, step / np.sqrt(12.0)), rel=0.08)
+
+
+def test_of_correlated_noise_the_quick_estimate_sees_the_lesser_part() -> None:
+    r = np.exp(-1.0 / 5.0)
+    values = motion(24000) + 500.0 * lfilter([np.sqrt(1 - r * r)], [1.0, -r], np.random.default_rng(0).standard_normal(24500))[500:]
+    assert noise.white_noise(values) < 0.5 * noise.floor(values, np.arange(24000) / RATE).std
+
+
+def test_the_quick_estimate_of_few_or_resting_samples() -> None:
+    assert noise.white_noise(None) == noise.white_noise(np.arange(19.0)) == noise.white_noise(np.full(100, 2.0)) == 0.0
+    resting = np.full(1000, 2.0)
+    resting[500] = 5.0
+    assert noise.white_noise(resting) == pytest.approx(3.0 / np.sqrt(12.0))
+
+
 @pytest.mark.parametrize("samples", [2.0, 5.0])
 @pytest.mark.parametrize("seed", range(4))
 def test_correlated_noise_is_not_taken_for_less(samples: float, seed: int) -> None:

@@ -12,7 +12,8 @@ from numpy.typing import NDArray
 from exo_sim.diagnosis.policy.recordings import FEWEST_OF_CHANNEL, STILL_COMMAND, STILL_LENGTH
 from exo_sim.diagnosis.policy.regimes import SMALL_COMMAND
 from exo_sim.machine.linkage import Linkage, moment_row
-from exo_sim.recording.filters import forward_filled, smoothed, white_noise
+from exo_sim.recording.filters import forward_filled, smoothed
+from exo_sim.recording.noise import white_noise
 from exo_sim.recording.table import Recording
 from exo_sim.recording.windows import stretch_starts
 from exo_sim.rig import Rig

@@ -19,7 +19,8 @@ from scipy.ndimage import binary_dilation
 from exo_sim.diagnosis.policy.recordings import GLANCING, UNLOADED_NOISE, UNLOADED_SHARE
 from exo_sim.diagnosis.subsystems.motion.smoothing import reach, smoothed_alike, smoothing_width, stride, thinned
 from exo_sim.machine.unmeasured_contact import without_ground_force
-from exo_sim.recording.filters import noise_gain, white_noise
+from exo_sim.recording.filters import noise_gain
+from exo_sim.recording.noise import white_noise
 from exo_sim.recording.table import Recording
 
 Array = NDArray[np.float64]

@@ -23,7 +23,8 @@ from exo_sim.diagnosis.subsystems.motion.moving_masses import MovingMasses, payl
 from exo_sim.diagnosis.subsystems.motion.smoothing import smoothed_alike, smoothing_width, stride, thinned
 from exo_sim.diagnosis.subsystems.motion.stops import at_stop
 from exo_sim.machine.linkage import Linkage, moment_row
-from exo_sim.recording.filters import SmoothedMotion, gaussian_smoothed, noise_gain, restored, smoothed_motion, white_noise
+from exo_sim.recording.filters import SmoothedMotion, gaussian_smoothed, noise_gain, restored, smoothed_motion
+from exo_sim.recording.noise import white_noise
 from exo_sim.recording.table import Recording
 from exo_sim.recording.windows import clock_breaks
 from exo_sim.rig import Rig

@@ -20,7 +20,7 @@ from exo_sim.diagnosis.policy.regimes import DRAWING
 from exo_sim.diagnosis.subsystem_model import Comparison, SubsystemModel
 from exo_sim.diagnosis.subsystems.supply.prediction import follow_supply
 from exo_sim.physics.declaration import identification_of
-from exo_sim.recording.filters import white_noise
+from exo_sim.recording.noise import white_noise
 
 Array = NDArray[np.float64]
 

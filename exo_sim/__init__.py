@@ -17,7 +17,7 @@ _API = {
     "Inspection": "inspecting",
     "Recording": "recording",
     "Rig": "rig",
-    "Run": "simulating",
+    "Run": "simulated",
     "Simulation": "stepping",
     "Sizing": "sizing",
     "compare": "comparing",

@@ -10,7 +10,7 @@ from exo_sim.api.inspecting import inspect as inspect
 from exo_sim.api.model_logging import log_model as log_model
 from exo_sim.api.recording import Recording as Recording
 from exo_sim.api.rig import Rig as Rig
-from exo_sim.api.simulating import Run as Run
+from exo_sim.api.simulated import Run as Run
 from exo_sim.api.simulating import scenarios as scenarios
 from exo_sim.api.simulating import simulate as simulate
 from exo_sim.api.sizing import Sizing as Sizing

@@ -13,7 +13,7 @@ THROUGH: dict[str, tuple[str, ...]] = {
     "api/test_api.py": (
         "api/comparing.py", "api/diagnosing.py", "api/doctor.py", "api/effects.py", "api/errors.py",
         "api/inspecting.py", "api/model_logging.py", "api/notebook.py", "api/plots.py", "api/recording.py",
-        "api/rig.py", "api/simulating.py", "api/sizing.py", "cli/doctor.py",
+        "api/rig.py", "api/simulated.py", "api/simulating.py", "api/sizing.py", "cli/doctor.py",
     ),
     "cli/test_size.py": (
         "report/sizing_page.py", "report/sizing_picture.py", "sizing/hand_calculation.py", "sizing/summary_text.py",
@@ -78,6 +78,9 @@ THROUGH: dict[str, tuple[str, ...]] = {
     "simulation/test_external_commands.py": (
         "assets/controllers/delayed_feedback.py", "assets/controllers/impedance.py", "assets/controllers/learnt_policy.py",
     ),
+    "simulation/test_plugin.py": (
+        "simulation/snapshot.py",
+    ),
     "simulation/test_unworn.py": (
         "cli/run_motion.py", "simulation/force_loops.py", "simulation/unworn_log.py", "simulation/wanted_motion.py",
     ),
@@ -88,6 +91,7 @@ THROUGH: dict[str, tuple[str, ...]] = {
         "control/least_load.py", "control/strap_feedback.py", "control/stride_learning.py",
         "control/tracking.py", "simulation/causal_calibration.py", "simulation/coupled_step.py", "simulation/loop_log.py",
         "simulation/running_statistics.py", "simulation/rehearsal.py", "simulation/valve_loop.py", "simulation/views.py",
+        "simulation/worn_demand.py",
     ),
     "sizing/test_search.py": (
         "sizing/confirmation.py", "sizing/first_designs.py",

@@ -3,144 +3,22 @@
 from __future__ import annotations
 
 import os
-import shutil
 import time
-from collections.abc import Callable, Sequence
-from dataclasses import dataclass
-from functools import cached_property
+from collections.abc import Callable
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from exo_sim.api.arguments import Columns, Quantity, RigLike, check_target, columns_of, payload_of, reading_of, rig_of
-from exo_sim.api.notebook import html_table
+from exo_sim.api.arguments import Columns, Quantity, RigLike, columns_of, payload_of, rig_of
+from exo_sim.api.following import MOTIONS, follow, is_motion, nobody_walks
 from exo_sim.api.recording import Recording
-from exo_sim.api.rig import Rig
-from exo_sim.errors import RecordingError, ScenarioError
+from exo_sim.api.simulated import Run, summary_of, target_of
+from exo_sim.errors import ScenarioError
 from exo_sim.gait import scenario as scenario_files
 from exo_sim.outputs import check_writable
-from exo_sim.plain_text import table
 from exo_sim.recording import table as table_of
 
 if TYPE_CHECKING:
-    from exo_sim.api.figure import Picture
     from exo_sim.gait.scenario import Scenario
-    from exo_sim.simulation.unworn import MotionRun
-    from exo_sim.simulation.walk import Walk
-
-#: Endings of recordings that a machine can follow.
-MOTIONS = (".csv", ".tsv", ".txt", ".parquet", ".pq", ".rrd")
-
-#: What says how somebody walks, as it stands where nobody asked for anything.
-_AS_EVER = {
-    "gait": None, "ground": None, "whole": False, "payload": None, "speed": 1.0, "strides": None, "assist": "on", "demand": "least_load",
-    "wearer": None, "signals": "exact",
-}  # fmt: skip
-#: What of a joint is printed.
-_JOINT = ("torque_peak_nm", "torque_error_rms_nm", "position_error_rms_rad", "position_error_rms_m", "force_peak_n")
-#: What `Run.plot` draws where it was recorded.
-_SHOWN = ("position", "torque", "torque_demanded", "pressure_1", "pressure_2", "ground_force_z", "strap_force_z")
-
-
-@dataclass(frozen=True, repr=False)
-class Run:
-    """A simulation that was run.
-
-    Attributes:
-        rig: The machine.
-        scenario: What was done.
-        summary: What `exo-sim run --json` prints, without file names.
-        remarks: Plain sentences, such as that the cylinders cannot carry the payload.
-        path: The recording for the viewer where it was written while it ran, its table beside it as `.parquet`; else None.
-        interrupted: Whether it was stopped early.
-    """
-
-    rig: Rig
-    scenario: str
-    summary: dict[str, Any]
-    remarks: tuple[str, ...]
-    path: Path | None
-    interrupted: bool
-    _done: Walk | MotionRun | None
-    _seed: int
-
-    @property
-    def table(self) -> Path | None:
-        """Return where the table was written while it ran, or None."""
-        return None if self.path is None else self.path.with_suffix(".parquet")
-
-    @cached_property
-    def recording(self) -> Recording:
-        """Return every signal over time, as the rig's sensors show it."""
-        from exo_sim.simulation import record, unworn_record
-        from exo_sim.simulation.walk import Walk
-
-        if self._done is None:
-            assert self.table is not None
-            return Recording.load(self.table)
-        if isinstance(self._done, Walk):
-            return Recording.of(record.recording(self._done, self.scenario, self._seed))
-        return Recording.of(unworn_record.recording(self._done, self.scenario, self._seed))
-
-    def save(self, path: str | os.PathLike[str]) -> Path:
-        """Write the run: `.rrd` for the viewer with the scene, and its table beside it as `.parquet`; or a table alone.
-
-        Returns:
-            The path.
-
-        Raises:
-            OutputError: the ending is another, or it cannot be written.
-        """
-        target = Path(path)
-        if target.suffix.lower() != ".rrd":
-            return self.recording.save(target)
-        if self._done is None:
-            assert self.path is not None and self.table is not None
-            for source, goal in ((self.path, target), (self.table, target.with_suffix(".parquet"))):
-                _copied(source, goal)
-            return target
-        from exo_sim.outputs import replacing_all
-        from exo_sim.recording import write_rrd, write_table
-        from exo_sim.simulation import record, unworn_record
-        from exo_sim.simulation.walk import Walk
-
-        scene = record.scene(self._done) if isinstance(self._done, Walk) else unworn_record.scene(self._done)
-        with replacing_all(target, target.with_suffix(".parquet")) as (rrd, parquet):
-            write_rrd(rrd, self.recording, scene=scene)
-            write_table(parquet, self.recording)
-        return target
-
-    def plot(self, signals: Sequence[str] | None = None) -> Picture:
-        """Draw signals over time; torques, pressures and forces when `signals` is None."""
-        from exo_sim.api.plots import panels
-
-        there = {key.rsplit(".", 1)[1] for key in self.recording.columns}
-        return panels([("", self.recording)], [name for name in _SHOWN if name in there] if signals is None else signals)
-
-    def _rows(self) -> list[list[str]]:
-        straps = self.summary.get("strap_load_n", {})
-        rows = [["simulated", f"{self.summary['simulated_s']:.2f} s in {self.summary['wall_s']:.2f} s"]]
-        if "supported_weight_n" in self.summary:
-            rows.append(["weight of frame and payload", f"{self.summary['supported_weight_n']:.1f} N"])
-            rows.append(["ground carries", f"{self.summary['mean_ground_force_n']:.1f} N"])
-        if straps:
-            rows.append(["torso straps, up", f"{straps['torso_vertical_mean']:.0f} N mean, {straps['torso_rms']:.0f} N rms"])
-        for name, one in self.summary.get("joints", {}).items():
-            shown = [f"{key.replace('_', ' ')} {one[key]:.3g}" for key in _JOINT if key in one]
-            rows.append([name, ", ".join(shown)])
-        for name, one in self.summary.get("cylinders", {}).items():
-            gas = one.get("gas_kg_per_stride")
-            drawn = "" if gas is None else f", {1e3 * gas:.2f} g gas a cycle"
-            rows.append([f"cylinder {name}", f"{one['pressure_peak_pa'] / 1e5:.1f} bar peak{drawn}"])
-        return rows
-
-    def __str__(self) -> str:
-        return f"{self.scenario} in {self.rig.name}\n{table(self._rows())}"
-
-    def __repr__(self) -> str:
-        return f"<exo.Run {self.scenario} in {self.rig.name}: {self.summary['simulated_s']:.2f} s>"
-
-    def _repr_html_(self) -> str:
-        return html_table(self._rows(), caption=f"{self.scenario} in {self.rig.name}")
 
 
 def simulate(
@@ -198,14 +76,14 @@ def simulate(
     else:
         brought = own.of(controller)
         called = type(brought).__name__
-    if _is_motion(scenario) and not is_worn(machine):
-        _nobody_walks(
+    if is_motion(scenario) and not is_worn(machine):
+        nobody_walks(
             machine, gait=gait, ground=ground, whole=whole, payload=payload, speed=speed, strides=strides, assist=assist, demand=demand,
             wearer=wearer, signals=signals,
         )  # fmt: skip
-        return _follow(machine, scenario, brought, called, out, seed, quiet, tell, columns)  # type: ignore[arg-type]
+        return follow(machine, scenario, brought, called, out, seed, quiet, tell, columns)  # type: ignore[arg-type]
     name, given = what_to_do(scenario, gait, ground, whole, columns)
-    target = _target(out, name)
+    target = target_of(out, name)
     mine = None if isinstance(brought, str) else brought
     request = Request(
         name, payload=mass, speed=speed, cycles=strides, assist=assist, controller=called, law=demand, given=given, wearer=wearer,
@@ -227,7 +105,7 @@ def simulate(
         numbers, interrupted = summarise(walk), walk.interrupted
     else:
         numbers, interrupted = streamed_run.run(simulation, target, target.with_suffix(".parquet"), seed, quiet)
-    summary = _summary(numbers, begun, prepared, simulation.remarks)
+    summary = summary_of(numbers, begun, prepared, simulation.remarks)
     return Run(machine, name, summary, simulation.remarks, target, interrupted, walk, seed)
 
 
@@ -270,76 +148,8 @@ def what_to_do(
     return name, None
 
 
-def _target(out: str | os.PathLike[str] | bool, name: str) -> Path | None:
-    """Return where the recording for the viewer goes, or None."""
-    if out is False:
-        return None
-    return check_target(f"{name}.rrd" if out is True else out)
-
-
-def _is_motion(scenario: object) -> bool:
-    if isinstance(scenario, table_of.Recording):
-        return True
-    return isinstance(scenario, str | os.PathLike) and Path(scenario).suffix.lower() in MOTIONS
-
-
-def _nobody_walks(rig: Rig, **given: object) -> None:
-    """Refuse what says how somebody walks where a machine that nobody wears follows a motion."""
-    for name, value in given.items():
-        if str(value) != str(_AS_EVER[name]):
-            raise ScenarioError(f"--{name} says how somebody walks, and nobody wears {rig.name}, which follows a motion: leave it out")
-
-
-def _follow(
-    rig: Rig, motion: str | os.PathLike[str] | Recording, controller: Any, called: str, out: str | os.PathLike[str] | bool, seed: int,
-    quiet: bool, tell: Callable[[str], None], columns: Columns,
-) -> Run:  # fmt: skip
-    """Let a machine that nobody wears follow a motion."""
-    from exo_sim.simulation import unworn_record
-    from exo_sim.simulation.streamed_run import interrupts_noted
-    from exo_sim.simulation.unworn import UnwornSimulation
-
-    target = _target(out, f"{motion.name if isinstance(motion, table_of.Recording) else Path(motion).stem}_{rig.name}")
-    if target is not None:
-        source = None if isinstance(motion, table_of.Recording) else Path(motion)
-        if source and source.exists() and any(p.exists() and p.samefile(source) for p in (target, target.with_suffix(".parquet"))):
-            raise RecordingError(f'"{source}" would be overwritten by the run; name another file with --out')
-        check_writable(target.parent)
-    begun = time.perf_counter()
-    reading = reading_of(motion, columns)
-    for finding in reading.findings:
-        if finding.severity != "info":
-            tell(finding.says)
-    simulation = UnwornSimulation(rig, reading.recording, controller, called, seed)
-    prepared = time.perf_counter()
-    with interrupts_noted() as asked_to_stop:
-        done = simulation.run(quiet, asked_to_stop)
-    for words in simulation.remarks:
-        tell(words)
-    summary = _summary(unworn_record.summarise(done), begun, prepared, simulation.remarks)
-    name = reading.recording.name if target is None else target.stem
-    run = Run(rig, name, summary, simulation.remarks, target, done.interrupted or asked_to_stop(), done, seed)
-    if target is not None:
-        run.save(target)
-        run.summary["wall_s"] = time.perf_counter() - prepared
-    return run
-
-
-def _summary(numbers: dict[str, Any], begun: float, prepared: float, remarks: tuple[str, ...]) -> dict[str, Any]:
-    times = {"wall_s": time.perf_counter() - prepared, "prepared_s": prepared - begun}
-    first = {key: numbers.pop(key) for key in ("schema", "scenario", "simulated_s")}
-    return first | times | numbers | ({"remarks": list(remarks)} if remarks else {})
-
-
 def scenarios() -> dict[str, str]:
     """Return the names of all scenarios, each with one line that says what is done."""
     return {name: scenario_files.find(name).summary for name in scenario_files.names()}
 
 
-def _copied(source: Path, target: Path) -> None:
-    from exo_sim.outputs import replacing
-
-    if target.exists() and target.samefile(source):
-        return
-    with replacing(target) as beside:
-        shutil.copyfile(source, beside)

@@ -57,7 +57,7 @@ class Pneumatics:
         self.history = np.zeros((self.commands, ring + 1))
         self._work = np.zeros((5, state.integrated_size(n)))
         self._scratch = np.zeros((6, max(2 * n, self.commands)))
-        self._start = self.vector.copy()
+        self.start = self.vector.copy()
 
     @property
     def integrated(self) -> NDArray[np.float64]:
@@ -127,7 +127,7 @@ class Pneumatics:
         recovered = float(world["tank_pressure"]) * float(world["tank_volume"])
         shared[state.TANK_MASS] = recovered / (r * float(world["ambient"]))
         shared[state.TANK_ENERGY] = recovered / (k - 1.0)
-        self._start = self.vector.copy()
+        self.start = self.vector.copy()
 
     def settle_transmission(self, x: NDArray[np.float64]) -> None:
         """Put each piston where gas and transmission balance with the joints at x, the pressures kept (after `fill`)."""
@@ -143,7 +143,7 @@ class Pneumatics:
                 y[i, [state.MASS_1, state.MASS_2]] *= after / before
                 y[i, [state.ENERGY_1, state.ENERGY_2]] *= after / before
                 memory[i, state.PISTON] = piston
-        self._start = self.vector.copy()
+        self.start = self.vector.copy()
 
     def pressures(self, x: NDArray[np.float64]) -> NDArray[np.float64]:
         """Return both chamber pressures with the pistons at x, shape (n, 2) [Pa]."""
@@ -208,7 +208,7 @@ class Pneumatics:
         """Return what passed through since `fill`, and what the books cannot account for."""
         n = len(self.cylinders)
         size = state.integrated_size(n)
-        return balance(self.world, n, (self.vector - self._start)[:size], self._start[:size])
+        return balance(self.world, n, (self.vector - self.start)[:size], self.start[:size])
 
 
 def _deflection(c: np.void, force: float) -> float:

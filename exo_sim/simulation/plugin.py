@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
 
 import mujoco
 import numpy as np
@@ -19,34 +18,9 @@ from exo_sim.rig.schema import LARGEST_HEAT_CAPACITY_RATIO, LARGEST_PRESSURE
 from exo_sim.simulation import views
 from exo_sim.simulation.bound_arrays import Bound, straight, take_step
 from exo_sim.simulation.coupled_step import CLOCK_SLACK, OUT_OF_STEP, advance_gas, compute_forces, freshen_levers
+from exo_sim.simulation.snapshot import Snapshot
 
 _NOTHING = object()
-_CONTACT = ["effective_mass", "turning"]
-_CONTACT_OF_CYLINDER = [*_CONTACT, "arm"]
-
-
-@dataclass(frozen=True)
-class Snapshot:
-    """MuJoCo's state and the gas's, taken together.
-
-    Attributes:
-        physics: MuJoCo's `mjSTATE_INTEGRATION`.
-        gas: The pneumatic state vector.
-        history: Commands still under way to their valves.
-        lengths, positions: Where the pistons and joints were, and what the joints' friction exerted.
-        start: The gas at the start of the books.
-        contacts: What mass each dry contact holds, and the moment arms.
-        time: How far the gas has come [s].
-    """
-
-    physics: NDArray[np.float64]
-    gas: NDArray[np.float64]
-    history: NDArray[np.float64]
-    lengths: NDArray[np.float64]
-    positions: NDArray[np.float64]
-    start: NDArray[np.float64]
-    contacts: tuple[NDArray[np.void], NDArray[np.void]]
-    time: float
 
 
 class PneumaticPlugin:
@@ -312,27 +286,8 @@ class PneumaticPlugin:
 
     def snapshot(self, data: mujoco.MjData) -> Snapshot:
         """Return MuJoCo's state and the gas's together."""
-        kind = mujoco.mjtState.mjSTATE_INTEGRATION
-        physics = np.zeros(mujoco.mj_stateSize(self.model, kind))
-        mujoco.mj_getState(self.model, data, physics, kind)
-        gas, plant = self.pneumatics, self.plant
-        return Snapshot(
-            physics, gas.vector.copy(), gas.history.copy(), plant.x.copy(), np.concatenate([plant.q, plant.felt]), gas._start.copy(),
-            (gas.cylinders[_CONTACT_OF_CYLINDER].copy(), gas.joints[_CONTACT].copy()),
-            float(plant.clock[views.GAS_TIME]),
-        )
+        return Snapshot.of(self.model, data, self.pneumatics, self.plant)
 
     def restore(self, data: mujoco.MjData, snapshot: Snapshot) -> None:
         """Put both states back; what follows is what followed then, to the last bit."""
-        mujoco.mj_setState(self.model, data, snapshot.physics, mujoco.mjtState.mjSTATE_INTEGRATION)
-        gas, plant = self.pneumatics, self.plant
-        gas.vector[:], gas.history[:], gas._start[:] = snapshot.gas, snapshot.history, snapshot.start
-        for name in _CONTACT_OF_CYLINDER:
-            gas.cylinders[name] = snapshot.contacts[0][name]
-        for name in _CONTACT:
-            gas.joints[name] = snapshot.contacts[1][name]
-        plant.x[:] = snapshot.lengths
-        plant.clock[[views.GAS_TIME, views.STEPPED]] = snapshot.time, 0.0
-        m = len(self.joint_names)
-        plant.q[:], plant.felt[:] = snapshot.positions[:m], snapshot.positions[m:]
-        mujoco.mj_forward(self.model, data)
+        snapshot.put_back(self.model, data, self.pneumatics, self.plant)

@@ -11,10 +11,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from exo_sim import progress
-from exo_sim.control import demand as law_of_demand
-from exo_sim.control import machine_dynamics, own
+from exo_sim.control import own
 from exo_sim.control.causal import Calibration, Causal
-from exo_sim.control.least_load import SPARING, LeastLoad
 from exo_sim.errors import ScenarioError
 from exo_sim.gait import scenario as scenarios
 from exo_sim.gait.motion import Motion
@@ -30,21 +28,19 @@ from exo_sim.machine.worn_model import PAYLOAD_LIMIT, build, carry, with_hung
 from exo_sim.rig import Rig
 from exo_sim.rig.control_step import check_step
 from exo_sim.simulation import chamber_plans, external_commands, loop, wearer_log
-from exo_sim.simulation.causal_calibration import calibrated
 from exo_sim.simulation.divergence import WearerWatch
 from exo_sim.simulation.loop_wiring import wire
 from exo_sim.simulation.mujoco_calls import warnings_counted
 from exo_sim.simulation.plugin import PneumaticPlugin
-from exo_sim.simulation.rehearsal import learn_from
 from exo_sim.simulation.torque_driven_wearer import embody
-from exo_sim.simulation.torque_limits import too_weak, torque_limits
 from exo_sim.simulation.walk import Request, Walk, as_columns, layout
+from exo_sim.simulation.worn_demand import LOOKED_AT, rehearsed_demand
 
 _CHUNK = 250
 #: Rows of a piece of a long run, and whole cycles in it at the least: those that a summary leaves out, and one more.
 MOST_ROWS, FEWEST_CYCLES = 1 << 14, 3
-#: A rehearsal leaves out so many cycles or so much time [s] at its start, and looks at so much time after that [s].
-_SETTLING, _SETTLING_TIME, _LOOKED_AT = 2, 2.0, 1.5
+#: A rehearsal leaves out so many cycles or so much time [s] at its start.
+_SETTLING, _SETTLING_TIME = 2, 2.0
 
 
 class Simulation:
@@ -74,7 +70,7 @@ class Simulation:
         self.plain = scenarios.motion(scenario, self.person, request.speed)
         self.cycles = request.cycles if request.cycles is not None else scenario.cycles
         self.masses = with_hung(rig, scenario.hung)
-        self.model = self._built(request.payload)
+        self.model = self.built(request.payload)
         attach(self.model, rig)
         whole = worn(self.plain, self.person, self.model)
         self.motion = whole if whole.trial is None else whole.trial.mean  # on which torques are planned
@@ -87,7 +83,7 @@ class Simulation:
         check_effects(rig, self.model)
         self.data = mujoco.MjData(self.model)
         self.straps = fasten(self.model, self.person)
-        self._frame = float(self._built(0.0).body_subtreemass[self.model.body("torso").id])
+        self._frame = float(self.built(0.0).body_subtreemass[self.model.body("torso").id])
         self.plugin = PneumaticPlugin(self.model, rig)
         if request.assist == "on" and not request.ideal:
             check_step(rig, float(self.model.opt.timestep))
@@ -99,9 +95,10 @@ class Simulation:
             raise ScenarioError(f'{request.scenario}: demand "causal" goes by the phase of a stride that comes again; write another demand')
         self.demand = self.demand_added = np.zeros((len(self.motion.position) + 1, 6))
         self.plan = self.plan_added = chamber_plans.nothing(len(self.plugin.links))
-        self.demand = self._demands(request.payload)
-        knows = self.added is not None and request.law != "causal"
-        self.demand_added = self._demands(request.payload + self.added.mass) if self.added and knows else self.demand
+        self.demand, self.remarks = rehearsed_demand(self, request.payload)
+        self.demand_added = self.demand
+        if self.added and request.law != "causal":
+            self.demand_added, self.remarks = rehearsed_demand(self, request.payload + self.added.mass)
         self.lay_plans()
         if (variation := request.variation or scenario.variation) is not None:
             whole = self._varied(whole, variation)
@@ -110,7 +107,7 @@ class Simulation:
             self.plan, self.plan_added = (chamber_plans.played(plan, whole.trial, self.plugin) for plan in (self.plan, self.plan_added))
             self.demand, self.demand_added = whole.trial.played(self.demand), whole.trial.played(self.demand_added)
         if request.moved_by == "torques":
-            embody(self, _LOOKED_AT)
+            embody(self, LOOKED_AT)
         self.remarks = (*scenario.remarks, *self.remarks)
         if controller is not None:
             self.controlled_by(controller, seed)
@@ -118,7 +115,7 @@ class Simulation:
             self.controlled_by(Causal(self.calibration), seed)
         self.reset()
 
-    def _built(self, payload: float) -> mujoco.MjModel:
+    def built(self, payload: float) -> mujoco.MjModel:
         """Return the model with a payload [kg] on the ground that is walked on."""
         rig = self.rig
         length = self.plain.advance * (self.cycles + 1)
@@ -151,31 +148,13 @@ class Simulation:
         """
         self._asked = own.RunningController(controller, external_commands.context(self, controller, seed), self.request.controller)
 
-    def _demands(self, payload: float) -> NDArray[np.float64]:
-        """Return the demand over the cycle for a payload, the first row repeated behind the last, (n + 1, 6)."""
-        if self.request.assist != "on" or self.request.driven:
-            return np.zeros((len(self.motion.position) + 1, 6))
-        model = self.model
-        if payload != self.request.payload:
-            model = self._built(min(payload, PAYLOAD_LIMIT))
-            carry(model, payload)
-        dynamics = machine_dynamics.along(model, self.motion, self.person, self.straps)
-        limits = torque_limits(self.plugin, self.motion)
-        needed = law_of_demand.demand("inverse_dynamics", dynamics, self.motion, self.straps, self.rig.ankle)
-        self.remarks = () if self.request.ideal else too_weak(self.plugin.links, payload, needed[machine_dynamics.PICK], limits)
-        if self.request.law not in ("least_load", "causal"):
-            return _closed(law_of_demand.demand(self.request.law, dynamics, self.motion, self.straps, self.rig.ankle))
-        weights = self.request.weights or (SPARING if self._plans else None)
-        plan = LeastLoad(dynamics, self.motion, self.person, self.straps, self.rig.ankle, limits, weights)
-        return _closed(self._rehearse(plan, payload))
-
     @property
     def planned(self) -> bool:
         """Whether the chambers follow a plan now: one is made for the demand's own phases, which nobody else's torques keep to."""
-        return self._plans and self._asked is None
+        return self.plans_chambers and self._asked is None
 
     @property
-    def _plans(self) -> bool:
+    def plans_chambers(self) -> bool:
         """Whether the chambers of this machine follow a plan."""
         asked = self.request
         within = asked.assist == "on" and asked.controller == "model" and not asked.ideal and not asked.driven
@@ -184,34 +163,11 @@ class Simulation:
     def lay_plans(self) -> None:
         """Plan the pressures of cylinders whose valves have independent edges for the demand as it stands."""
         asked = self.request
-        if not self._plans:
+        if not self.plans_chambers:
             return
         self.plan = chamber_plans.pressures(self.plugin, self.motion, self.demand, asked.gains.preview)
         added = self.demand_added is not self.demand
         self.plan_added = chamber_plans.pressures(self.plugin, self.motion, self.demand_added, asked.gains.preview) if added else self.plan
-
-    def _rehearse(self, plan: LeastLoad, payload: float) -> NDArray[np.float64]:
-        """Walk a few cycles at a time and better the plan after each time; return the best of the torques tried."""
-        ankle = self.rig.ankle
-        settling = self.settling
-        usual = (self.added, self.cycles, self.demand)
-        try:
-            self.added, self.cycles = None, settling + max(1, math.ceil(_LOOKED_AT / self.motion.period))
-            if payload != self.request.payload:
-                carry(self.model, payload)
-            for _ in range(self.request.rehearsals):
-                self.demand = self.demand_added = _closed(law_of_demand.limit(plan.torque(), ankle))
-                self.lay_plans()
-                self.reset()
-                learn_from(plan, self.run(), settling)
-            if self.request.law == "causal":
-                self.demand = self.demand_added = _closed(law_of_demand.limit(plan.torque(best=True), ankle))
-                self.reset()
-                self.calibration = calibrated(plan, self.run(), settling)
-        finally:
-            self.added, self.cycles, self.demand = usual
-            carry(self.model, self.request.payload)
-        return law_of_demand.limit(plan.torque(best=self.request.rehearsals > 0), ankle)
 
     def reset(self) -> None:
         """Put the machine on the person at phase zero, moving with it, gas at rest at the pressures that hold it."""
@@ -359,9 +315,3 @@ class Simulation:
             moved=moved,
             first=first,
         )
-
-
-def _closed(table: NDArray[np.float64]) -> NDArray[np.float64]:
-    """Return a table with its first row repeated behind the last."""
-    return np.ascontiguousarray(np.concatenate([table, table[:1]]))
-

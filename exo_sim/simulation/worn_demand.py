@@ -1,0 +1,77 @@
+"""The joint torques that a worn machine is asked for over a cycle: those of a law, bettered by walking a few cycles with them."""
+
+from __future__ import annotations
+
+import math
+from typing import TYPE_CHECKING
+
+import numpy as np
+from numpy.typing import NDArray
+
+from exo_sim.control import demand as law_of_demand
+from exo_sim.control import machine_dynamics
+from exo_sim.control.least_load import SPARING, LeastLoad
+from exo_sim.machine.worn_model import PAYLOAD_LIMIT, carry
+from exo_sim.simulation.causal_calibration import calibrated
+from exo_sim.simulation.rehearsal import learn_from
+from exo_sim.simulation.torque_limits import too_weak, torque_limits
+
+if TYPE_CHECKING:
+    from exo_sim.simulation.worn import Simulation
+
+#: A rehearsal looks at so much time [s] after it has settled.
+LOOKED_AT = 1.5
+
+
+def rehearsed_demand(it: Simulation, payload: float) -> tuple[NDArray[np.float64], tuple[str, ...]]:
+    """Return the demand over the cycle for a payload [kg], the first row repeated behind the last, (n + 1, 6), and what is to be said.
+
+    Args:
+        it: Walks the rehearsals, and is as before after them; where its law is causal, it has got a calibration.
+        payload: On the back.
+    """
+    request = it.request
+    if request.assist != "on" or request.driven:
+        return np.zeros((len(it.motion.position) + 1, 6)), it.remarks
+    model = it.model
+    if payload != request.payload:
+        model = it.built(min(payload, PAYLOAD_LIMIT))
+        carry(model, payload)
+    dynamics = machine_dynamics.along(model, it.motion, it.person, it.straps)
+    limits = torque_limits(it.plugin, it.motion)
+    needed = law_of_demand.demand("inverse_dynamics", dynamics, it.motion, it.straps, it.rig.ankle)
+    remarks = () if request.ideal else too_weak(it.plugin.links, payload, needed[machine_dynamics.PICK], limits)
+    if request.law not in ("least_load", "causal"):
+        return _closed(law_of_demand.demand(request.law, dynamics, it.motion, it.straps, it.rig.ankle)), remarks
+    weights = request.weights or (SPARING if it.plans_chambers else None)
+    plan = LeastLoad(dynamics, it.motion, it.person, it.straps, it.rig.ankle, limits, weights)
+    return _closed(_rehearsed(it, plan, payload)), remarks
+
+
+def _rehearsed(it: Simulation, plan: LeastLoad, payload: float) -> NDArray[np.float64]:
+    """Walk a few cycles at a time and better the plan after each time; return the best of the torques tried."""
+    ankle = it.rig.ankle
+    settling = it.settling
+    usual = (it.added, it.cycles, it.demand)
+    try:
+        it.added, it.cycles = None, settling + max(1, math.ceil(LOOKED_AT / it.motion.period))
+        if payload != it.request.payload:
+            carry(it.model, payload)
+        for _ in range(it.request.rehearsals):
+            it.demand = it.demand_added = _closed(law_of_demand.limit(plan.torque(), ankle))
+            it.lay_plans()
+            it.reset()
+            learn_from(plan, it.run(), settling)
+        if it.request.law == "causal":
+            it.demand = it.demand_added = _closed(law_of_demand.limit(plan.torque(best=True), ankle))
+            it.reset()
+            it.calibration = calibrated(plan, it.run(), settling)
+    finally:
+        it.added, it.cycles, it.demand = usual
+        carry(it.model, it.request.payload)
+    return law_of_demand.limit(plan.torque(best=it.request.rehearsals > 0), ankle)
+
+
+def _closed(table: NDArray[np.float64]) -> NDArray[np.float64]:
+    """Return a table with its first row repeated behind the last."""
+    return np.ascontiguousarray(np.concatenate([table, table[:1]]))

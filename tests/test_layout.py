@@ -88,7 +88,7 @@ THROUGH: dict[str, tuple[str, ...]] = {
         "simulation/torque_driven_wearer.py", "simulation/wearer_inverse_dynamics.py",
     ),
     "simulation/test_walk.py": (
-        "control/least_load.py", "control/strap_feedback.py", "control/stride_learning.py",
+        "control/least_load.py", "control/strap_feedback.py", "control/strap_loads.py", "control/stride_learning.py",
         "control/tracking.py", "simulation/causal_calibration.py", "simulation/coupled_step.py", "simulation/loop_log.py",
         "simulation/running_statistics.py", "simulation/rehearsal.py", "simulation/valve_loop.py", "simulation/views.py",
         "simulation/worn_demand.py",

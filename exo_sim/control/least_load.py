@@ -9,8 +9,7 @@ reference. Phases are coupled through the derivatives, which are spectral, so th
 seen. Strap forces, and with them the wearer's extra moments, are linear in d, so the best torque harmonics are a linear
 least-squares problem.
 
-Contact is not linear, and gas lags. So the solution is then improved by rehearsal, stride by stride, as iterative
-learning
+Contact is not linear, and gas lags. So the solution is then improved by rehearsal, stride by stride, as iterative learning
 control does: what the straps really did over a cycle takes the place of the prediction, and the same least-squares gain
 gives the correction (norm-optimal learning, Amann, Owens and Rogers 1996).
 """
@@ -23,12 +22,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from exo_sim.control.machine_dynamics import PICK, MachineDynamics
+from exo_sim.control.strap_loads import force_sums, own_moments, wearer_moments_of
 from exo_sim.gait.motion import SAMPLES, Motion
-from exo_sim.gait.residual_reduction import body_loads
-from exo_sim.machine.ground_reaction import hold, joint_moments
 from exo_sim.machine.person import Person
 from exo_sim.machine.straps import StrapSet
-from exo_sim.machine.wearer_moments import extra_moments
 from exo_sim.rig.schema import Ankle
 
 #: Harmonics of the torques in a stride or repetition.
@@ -222,7 +219,7 @@ class LeastLoad:
         if ankle.mode == "sprung":
             for joint in _ANKLES:
                 spring[:, joint, joint] += ankle.stiffness
-        self._strap_map = np.concatenate([_wearer_map(dynamics, motion, person, straps), _pulled(dynamics, straps)], axis=1)
+        self._strap_map = np.concatenate([wearer_moments_of(dynamics, motion, person, straps), force_sums(dynamics, straps)], axis=1)
         loads = self._strap_map * self._matters[:, :, None]
         inputs = np.zeros((n, 9, len(self._driven), 2 * self._harmonics + 1))
         for i, joint in enumerate(self._driven):
@@ -285,42 +282,3 @@ def _basis(count: int, harmonics: int) -> NDArray[np.float64]:
     for h in range(1, harmonics + 1):
         columns += [np.cos(2 * np.pi * h * phase), np.sin(2 * np.pi * h * phase)]
     return np.stack(columns, axis=1)
-
-
-def _pulled(dynamics: MachineDynamics, straps: StrapSet) -> NDArray[np.float64]:
-    """Return the force of all torso straps, ahead and up, and of all straps ahead, for a unit force of each, shape (n, 3, 2 straps)."""
-    n = len(dynamics.strap)
-    out = np.zeros((n, 3, 2 * len(straps.names)))
-    for i, name in enumerate(straps.names):
-        direction = dynamics.strap_direction[:, i].transpose(0, 2, 1)
-        if name.startswith("torso"):
-            out[:, :2, 2 * i : 2 * i + 2] = direction
-        out[:, 2, 2 * i : 2 * i + 2] = direction[:, 0]
-    return out
-
-
-def own_moments(motion: Motion, person: Person) -> NDArray[np.float64]:
-    """Return the moments of the wearer's own body along the motion [N m], shape (n, 6)."""
-    poses, wrench = body_loads(motion, person, PICK)
-    ground = hold(poses, wrench, motion.share[PICK], motion.pressure_centre[PICK], motion.support[PICK], person, motion.ground.angle)
-    return joint_moments(poses, wrench, ground.force, ground.place)
-
-
-def _wearer_map(dynamics: MachineDynamics, motion: Motion, person: Person, straps: StrapSet) -> NDArray[np.float64]:
-    """Return the wearer's extra moments for a unit force of each strap on the machine, shape (n, 6, 2 straps)."""
-    n, n_straps = dynamics.strap.shape[:2]
-    out = np.empty((n, 6, 2 * n_straps))
-    for i in range(n_straps):
-        segment = straps.segment[i]
-        # directions are rows across, along; the anchor in space is across * x + along * z
-        direction = dynamics.strap_direction[:, i]
-        arm = straps.anchor[i, 0] * direction[:, 0] + straps.anchor[i, 1] * direction[:, 1]
-        for k in range(2):
-            force = -direction[:, k]
-            wrench = np.zeros((n, 7, 3))
-            wrench[:, segment, :2] = force
-            wrench[:, segment, 2] = arm[:, 0] * force[:, 1] - arm[:, 1] * force[:, 0]
-            out[:, :, 2 * i + k] = extra_moments(
-                dynamics.poses, wrench, motion.share[PICK], motion.pressure_centre[PICK], person.ankle_height
-            )
-    return out

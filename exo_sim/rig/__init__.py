@@ -1,6 +1,7 @@
 """One machine as its owner believes it to be: `rig.toml` read, checked, turned into records, and written back."""
 
-from exo_sim.rig.improved_text import Correction, EffectEntry, improved
+from exo_sim.rig.effect_text import EffectEntry
+from exo_sim.rig.improved_text import Correction, improved
 from exo_sim.rig.reading import parse, read
 from exo_sim.rig.schema import (
     Ankle,

@@ -8,7 +8,7 @@ from typing import Any
 
 from exo_sim.physics.declaration import Effect, Parameter, declared
 from exo_sim.plain_text import table
-from exo_sim.rig.improved_text import EffectEntry, table_text
+from exo_sim.rig.effect_text import EffectEntry, table_text
 from exo_sim.rig.schema import EffectSetting
 
 #: How each kind of place is named in the example.

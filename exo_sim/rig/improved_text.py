@@ -9,34 +9,28 @@ from __future__ import annotations
 import os
 import tomllib
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
 
 import tomlkit
-from tomlkit.items import InlineTable, Item, SingleKey
+from tomlkit.items import InlineTable, Item
 
-from exo_sim import signals, units
-from exo_sim.physics.declaration import Effect, Parameter, declared
+from exo_sim.physics.declaration import Effect, declared
+from exo_sim.rig.effect_text import (
+    EffectEntry,
+    amount,
+    as_written,
+    given_in,
+    interval_text,
+    key_of,
+    quoted,
+    readable,
+    table_text,
+    typed_unit,
+    unit_of,
+)
 from exo_sim.rig.schema import EffectSetting, Rig
-
-#: Units in which small numbers are read more easily, and below which SI number.
-_READABLE = {"m": ("mm", 1e-3, 1.0), "m^2": ("mm^2", 1e-6, 1e-2), "m^3": ("cm^3", 1e-6, 1e-2), "s": ("ms", 1e-3, 1.0)}
-
-
-@dataclass(frozen=True)
-class EffectEntry:
-    """An effect to switch on, or to set anew where the rig has it.
-
-    Attributes:
-        setting: The effect, its place and its numbers in SI.
-        intervals: What holds each number with 95 %, in SI.
-        says: A sentence for the comment above the table.
-    """
-
-    setting: EffectSetting
-    intervals: Mapping[str, tuple[float, float]] = field(default_factory=dict)
-    says: str = ""
 
 
 @dataclass(frozen=True)
@@ -141,20 +135,20 @@ def _point_at_model(document: tomlkit.TOMLDocument, rig: Rig, folder: Path) -> N
 def _correct(document: tomlkit.TOMLDocument, correction: Correction) -> None:
     old = _find(document, correction.key)
     unit, scale = correction.unit, 1.0
-    if isinstance(old, str) and (typed := _unit_of(old, correction.unit)):
+    if isinstance(old, str) and (typed := typed_unit(old, correction.unit)):
         unit, scale = typed
     elif old is None:
-        unit, scale = _readable(correction.value, correction.unit)
+        unit, scale = readable(correction.value, correction.unit)
     notes = []
     if old is not None:
-        notes.append(f"was {_quoted(old)}")
+        notes.append(f"was {quoted(old)}")
     elif correction.believed is not None:
-        notes.append(f"was {_quoted(_amount(correction.believed, unit, scale))}")
+        notes.append(f"was {quoted(amount(correction.believed, unit, scale))}")
     if correction.interval is not None:
-        notes.append(_interval(correction.interval, unit, scale))
+        notes.append(interval_text(correction.interval, unit, scale))
     if correction.note:
         notes.append(correction.note)
-    _replace(document, correction.key, _amount(correction.value, unit, scale), "; ".join(notes))
+    _replace(document, correction.key, amount(correction.value, unit, scale), "; ".join(notes))
 
 
 def _set_anew(document: tomlkit.TOMLDocument, effect: Effect, finding: EffectEntry) -> bool:
@@ -163,18 +157,18 @@ def _set_anew(document: tomlkit.TOMLDocument, effect: Effect, finding: EffectEnt
     place = _place(document, setting)
     if place is None:
         return False
-    for parameter, value in _given(effect, setting):
-        key = _key(parameter, setting)
-        unit, scale, written = _written(parameter, value, setting)
+    for parameter, value in given_in(effect, setting):
+        key = key_of(parameter, setting)
+        unit, scale, written = as_written(parameter, value, setting)
         old = _find(document, (*place, key))
-        if isinstance(old, str) and not parameter.choices and (typed := _unit_of(old, unit_of(parameter, setting))):
+        if isinstance(old, str) and not parameter.choices and (typed := typed_unit(old, unit_of(parameter, setting))):
             unit, scale = typed
-            written = _amount(float(value), unit, scale)
+            written = amount(float(value), unit, scale)
         if old is not None and _plain(old) == written:
             continue
-        notes = [f"was {_quoted(old)}"] if old is not None else []
+        notes = [f"was {quoted(old)}"] if old is not None else []
         if parameter.name in finding.intervals:
-            notes.append(_interval(finding.intervals[parameter.name], unit, scale))
+            notes.append(interval_text(finding.intervals[parameter.name], unit, scale))
         _replace(document, (*place, key), written, "; ".join(notes))
     return True
 
@@ -206,90 +200,6 @@ def _absorb(document: tomlkit.TOMLDocument, rig: Rig, effect: Effect, finding: E
         if not document["effects"][name]:  # type: ignore[index]
             del document["effects"][name]  # type: ignore[union-attr]
     return finding
-
-
-def table_text(effect: Effect, finding: EffectEntry) -> str:
-    """Return an effect's table as text, each number with its interval in a comment."""
-    setting = finding.setting
-    rows = []
-    for parameter, value in _given(effect, setting):
-        unit, scale, written = _written(parameter, value, setting)
-        note = ""
-        if parameter.name in finding.intervals:
-            note = _interval(finding.intervals[parameter.name], unit, scale)
-        rows.append((_key(parameter, setting), tomlkit.item(written).as_string(), note))
-    names, values = (max(len(row[i]) for row in rows) for i in (0, 1))
-    says = f"# {_one_line(finding.says)}\n" if finding.says else ""
-    lines = [
-        f"{key:{names}} = {value:{values}}  # {note}" if note else f"{key:{names}} = {value}"
-        for key, value, note in rows
-    ]
-    head = f"[effects.{setting.name}.{SingleKey(setting.where).as_string()}]"
-    return f"{says}{head}\n" + "".join(f"{line}\n" for line in lines)
-
-
-def _given(effect: Effect, setting: EffectSetting) -> list[tuple[Parameter, Any]]:
-    """Return the parameters that the setting holds, in the order of the declaration."""
-    held = {**setting.parameters, **setting.curves}
-    return [(parameter, held[parameter.name]) for parameter in effect.parameters if parameter.name in held]
-
-
-def unit_of(parameter: Parameter, setting: EffectSetting) -> str:
-    """Return the SI unit of a parameter at its place."""
-    if parameter.unit == "column":
-        part = [signal for signal in signals.TABLE if signal.name == setting.where.split(".", 1)[1]]
-        return part[0].units[1 if setting.turning and len(part[0].units) > 1 else 0]
-    choice = int(setting.parameters.get(parameter.unit_by[0], 0.0)) if parameter.unit_by else 0
-    return parameter.unit_at(setting.turning, choice)
-
-
-def _key(parameter: Parameter, setting: EffectSetting) -> str:
-    return "torque" if parameter.name == "force" and setting.turning else parameter.name
-
-
-def _written(parameter: Parameter, value: Any, setting: EffectSetting) -> tuple[str, float, Any]:
-    """Return unit and scale for the comment, and what stands in the file."""
-    if parameter.choices:
-        return "1", 1.0, parameter.choices[int(value)]
-    si = unit_of(parameter, setting)
-    if parameter.most:
-        unit, scale = _readable(max(map(abs, value)), si)
-        return unit, scale, [_amount(entry, unit, scale) for entry in value]
-    unit, scale = _readable(float(value), si)
-    return unit, scale, _amount(float(value), unit, scale)
-
-
-def _readable(value: float, si_unit: str) -> tuple[str, float]:
-    unit, scale, below = _READABLE.get(si_unit, (si_unit, 1.0, 0.0))
-    return (unit, scale) if 0.0 < abs(value) < below else (si_unit, 1.0)
-
-
-def _unit_of(text: str, si_unit: str) -> tuple[str, float] | None:
-    """Return unit and scale that the owner wrote, where it has no offset (not degrees Celsius)."""
-    typed = units.split(text)[1]
-    scale, offset = units.scale_and_offset(typed, si_unit)
-    return (typed, scale) if offset == 0.0 else None
-
-
-def _amount(value: float, unit: str, scale: float) -> str | float:
-    number = float(f"{value / scale:.7g}")
-    return number if unit in ("", "1") else f"{number:.7g} {unit}"
-
-
-def _interval(interval: tuple[float, float], unit: str, scale: float) -> str:
-    low, high = (bound / scale for bound in interval)
-    digits = 4
-    while digits < 12 and f"{low:.{digits}g}" == f"{high:.{digits}g}" and low != high:
-        digits += 1
-    return f"95 %: {low:.{digits}g} to {high:.{digits}g}{'' if unit in ('', '1') else ' ' + unit}"
-
-
-def _quoted(value: Any) -> str:
-    return _one_line(value.as_string() if isinstance(value, Item) else tomlkit.item(value).as_string())
-
-
-def _one_line(text: str) -> str:
-    return " ".join(str(text).split())
 
 
 def _plain(value: Any) -> Any:

@@ -9,6 +9,7 @@ import tempfile
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field, replace
 from functools import cache
+from itertools import zip_longest
 from pathlib import Path
 from typing import Any
 
@@ -166,10 +167,17 @@ REAL = {
 }
 
 
+def kinds() -> tuple[dict[str, Bench | Leg | Real], ...]:
+    """Return all cases by name, a dictionary for each kind: one effect, two, walking legs, sensors and clocks, real machines."""
+    alone: dict[str, Bench | Leg | Real] = {key.replace(":", "-"): Bench((key,)) for key in EFFECTS}
+    pairs: dict[str, Bench | Leg | Real] = {pair: Bench(tuple(pair.split("+"))) for pair in PAIRS}
+    return alone, pairs, dict(LEGS), dict(SPECIAL), dict(REAL)
+
+
 def _every() -> dict[str, Bench | Leg | Real]:
-    alone = {key.replace(":", "-"): Bench((key,)) for key in EFFECTS}
-    pairs = {pair: Bench(tuple(pair.split("+"))) for pair in PAIRS}
-    return {**alone, **pairs, **LEGS, **SPECIAL, **REAL}
+    """Return all cases by name, of each kind one in turn: whoever stops early has seen some of all."""
+    turns = zip_longest(*(kind.items() for kind in kinds()))
+    return {name: case for turn in turns for name, case in filter(None, turn)}
 
 
 def names(repository: Path) -> list[str]:
@@ -177,13 +185,14 @@ def names(repository: Path) -> list[str]:
     return [name for name, case in _every().items() if not isinstance(case, Real) or data(repository).is_dir()]
 
 
-def make(name: str, folder: Path, repository: Path) -> None:
-    """Write a case into its folder, unless it stands there already."""
+def make(name: str, folder: Path, repository: Path) -> bool:
+    """Write a case into its folder, unless it stands there already; return whether it had to be written."""
     if folder.exists():
-        return
+        return False
     folder.parent.mkdir(parents=True, exist_ok=True)
     with tempfile.TemporaryDirectory(dir=folder.parent) as beside:
         made = Path(beside) / name
         made.mkdir()
         _every()[name].write(name, made, repository)
         made.rename(folder)
+    return True

@@ -17,7 +17,7 @@ import contextlib, io, os, sys, time
 from pathlib import Path
 import exo_sim
 from exo_sim.cli import main
-checkout, cases, out, *names = sys.argv[1:]
+checkout, cases, out, every, *names = sys.argv[1:]
 assert Path(exo_sim.__file__).is_relative_to(checkout), exo_sim.__file__
 for name in names:
     case, folder = Path(cases) / name, Path(out) / name
@@ -32,7 +32,8 @@ for name in names:
         (folder / other).unlink(missing_ok=True)
     folder.mkdir(parents=True, exist_ok=True)
     (folder / "status").write_text(f"{status}\\n{said.getvalue()}".replace(str(cases), "CASES").replace(str(out), "OUT"))
-    print(f"{name}: exit status {status}, {time.process_time() - begun:.1f} s", flush=True)
+    done = [(Path(out) / one / "status").exists() for one in every.split(",")]
+    print(f"{sum(done)} of {len(done)}: {name}: exit status {status}, {time.process_time() - begun:.1f} s", flush=True)
 """
 
 
@@ -43,12 +44,14 @@ def ask(checkout: Path, cases: Path, out: Path, names: Sequence[str], processes:
         SystemExit: a process failed.
     """
     left = [name for name in names if not (out / name / "status").exists()]
+    if len(left) < len(names):
+        print(f"{len(names) - len(left)} of {len(names)} are answered already in {out}", file=sys.stderr, flush=True)
     if not left:
         return
     environment = {**os.environ, "PYTHONPATH": str(checkout), "OMP_NUM_THREADS": "1", "OPENBLAS_NUM_THREADS": "1"}
     running = []
     for first in range(min(processes, len(left))):
-        words = [str(checkout), str(cases), str(out), *left[first::processes]]
+        words = [str(checkout), str(cases), str(out), ",".join(names), *left[first::processes]]
         running.append(subprocess.Popen([sys.executable, "-c", ASKING, *words], cwd=checkout, env=environment, stdout=sys.stderr))
     if any([process.wait() for process in running]):
         raise SystemExit(f"same_answers: the program in {checkout} failed on one of its cases")

@@ -33,7 +33,7 @@ from exo_sim.diagnosis.subsystems.gas.inputs import GasInputs, inputs, with_late
 from exo_sim.diagnosis.subsystems.gas.missing_flow import missing_flow
 from exo_sim.diagnosis.subsystems.gas.prediction import GasPrediction, effort_of, run_gas
 from exo_sim.diagnosis.subsystems.gas.regimes import regimes
-from exo_sim.diagnosis.subsystems.gas.rows import rows_of, stiffness_of
+from exo_sim.diagnosis.subsystems.gas.rows import floor, rows_of, stiffness_of
 from exo_sim.physics.declaration import identification_of
 from exo_sim.physics.effects import critical_ratio as flow_law
 from exo_sim.physics.effects import unknown
@@ -288,10 +288,11 @@ class GasModel(SubsystemModel):
         """
         found = []
         for index, errors in enumerate(self.errors(plant)):
-            for side, noise in enumerate(self.inputs[index].run.noise):
+            run = self.inputs[index].run
+            for side, (noise, measured) in enumerate(zip(run.noise, run.pressure, strict=True)):
                 rows = self._rows[index][side]
-                if rows.count.size and float(np.median(rows.count)) > 2.0:
-                    found.append((rows.beyond(errors[:, side]), max(noise, healthy.GAS_FLOOR)))
+                if measured is not None and rows.count.size and float(np.median(rows.count)) > 2.0:
+                    found.append((rows.beyond(errors[:, side]), max(noise, floor(measured[np.isfinite(measured)]))))
         return found
 
     def column(self, variable: str) -> str:

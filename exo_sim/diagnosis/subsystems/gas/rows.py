@@ -105,12 +105,17 @@ def rows_of(inputs: GasInputs, side: int, split: Split, seconds: float, on_test:
             window_of += [w] * len(held)
     count = np.concatenate(counts).astype(float) if counts else np.zeros(0)
     noise = inputs.run.noise[side]
-    floor = max(healthy.GAS_FLOOR, healthy.GAS_FLOOR_SHARE * float(np.ptp(values[good])) if good.any() else 0.0)
-    rows = Rows(group, np.array(window_of, dtype=int), count, np.sqrt(noise**2 / np.maximum(count, 1.0) + floor**2))
+    left = floor(values[good])
+    rows = Rows(group, np.array(window_of, dtype=int), count, np.sqrt(noise**2 / np.maximum(count, 1.0) + left**2))
     if stiffness is None or not counts:
         return rows
     moved = inputs.run.position_noise * left_of_noise(time) * rows.means(stiffness)
     return replace(rows, scale=np.hypot(rows.scale, moved))
+
+
+def floor(pressure: Array) -> float:
+    """Return what the model of a healthy machine leaves of a prediction [Pa]; of the pressures that are compared, shape (n,) [Pa]."""
+    return max(float(healthy.GAS_FLOOR), healthy.GAS_FLOOR_SHARE * float(np.ptp(pressure)) if pressure.size else 0.0)
 
 
 def stiffness_of(given: GasInputs, plant: PlantParameters, side: int) -> Array | None:

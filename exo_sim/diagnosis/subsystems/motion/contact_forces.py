@@ -45,6 +45,7 @@ class SiteForce:
         unplaced: Where the machine is loaded at a point that is not known, shape (n,).
         loaded: Where it is loaded at all, shape (n,).
         variance: What sensor noise leaves in it behind the filter of the balance, by axis [N^2], shape (3,).
+        strayed: The same of `ahead` [m^2].
     """
 
     site: int
@@ -55,6 +56,7 @@ class SiteForce:
     unplaced: NDArray[np.bool_]
     loaded: NDArray[np.bool_]
     variance: Array
+    strayed: float
 
 
 @dataclass(frozen=True)
@@ -118,13 +120,14 @@ def _site_force(recording: Recording, model: mujoco.MjModel, name: str, kind: st
         loaded[:] = True
     loaded = binary_dilation(loaded, iterations=max(1, int(_REACH * seconds / step)))
     centre = recording.get(f"{name}.{CENTRE}") if kind == GROUND else None
+    strayed = 0.0 if centre is None else (white_noise(centre[loaded]) * noise_gain(0, seconds, step)) ** 2
     unplaced, ahead = loaded if kind == GROUND else np.zeros_like(loaded), np.zeros(n)
     if centre is not None:
         there = np.isfinite(centre)
         ahead = np.interp(thinned(time, every), time[there], centre[there]) if there.any() else ahead
         unplaced = np.zeros_like(loaded)
     site = int(mujoco.mj_name2id(model, mujoco.mjtObj.mjOBJ_SITE, name))
-    return SiteForce(site, force, ahead, recorded, centre is not None, unplaced[::every], loaded[::every], variance)
+    return SiteForce(site, force, ahead, recorded, centre is not None, unplaced[::every], loaded[::every], variance, strayed)
 
 
 class AtJoints:
@@ -157,7 +160,8 @@ class AtJoints:
             reached = (np.abs(moved) > _NOTHING).any(axis=0) | (np.abs(turned) > _NOTHING).any(axis=0)
             self._reached |= reached
             self._force[i] += one.force[i] @ moved
-            self._variance += one.variance @ moved**2 / len(self._time)
+            across = np.cross(ahead, one.force[i])
+            self._variance += (one.variance @ moved**2 + one.strayed * (across @ turned) ** 2) / len(self._time)
             if one.unplaced[i]:
                 self._known[i] &= ~(np.abs(turned) > _NOTHING).any(axis=0)
             elif one.placed and one.loaded[i] and abs(one.force[i] @ ahead) > GLANCING * float(np.linalg.norm(one.force[i])):

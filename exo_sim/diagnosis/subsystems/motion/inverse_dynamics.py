@@ -51,6 +51,7 @@ def motion_runs(
         why = f"the position of {', '.join(missing[:3])}{' and others' if len(missing) > 3 else ''} was not recorded"
         return [], [(name, why) for name in names if name not in missing] or [(name, why) for name in names]
     contacts, why = site_forces(recording, model)
+    why = why or _bound(model)
     if why:
         return [], [(name, why) for name in names]
     time = recording.time
@@ -74,8 +75,14 @@ def motion_runs(
         if reason:
             reasons.append((name, reason))
         else:
-            runs.append(_run(recording, rig, model, j, driven, moves[j], dynamics, known & free))
+            runs.append(_run(recording, rig, model, j, driven, moves, dynamics, known & free))
     return runs, reasons
+
+
+def _bound(model: mujoco.MjModel) -> str:
+    """Return what of the MJCF pushes and is in no recording, or ""."""
+    bound = [model.equality(i).name or f"number {i + 1}" for i in range(model.neq) if model.eq_active0[i]]
+    return f'the equality constraint "{bound[0]}" of the MJCF holds parts of it by a force that nobody recorded' if bound else ""
 
 
 def _motion(time: Array, position: Array, seconds: float, every: int) -> SmoothedMotion:
@@ -123,7 +130,7 @@ class _Dynamics:
         tilt: Derivative of `bias` with respect to the positions' zeros, smoothed, shape (n, nv).
         arms: dX/dq of each link's own degree of freedom, shape (n, links).
         lengths: Of the links' actuators, shape (n, links).
-        mass: Diagonal of the mass matrix at the end, shape (nv,).
+        mass: The mass matrix at the end, shape (nv, nv).
         contacts: What straps and the ground do.
     """
 
@@ -171,7 +178,7 @@ def _inverse(
     carried = None if heavier is None else heavier.gathered()[0] - inertial
     tilted = _gravity(model, q + TILT) - _gravity(model, q) if model.nq == model.nv else np.zeros_like(bias)
     passive, tilted = (np.apply_along_axis(partial(smoothed_alike, time), 0, one) for one in (masses.passive, tilted))
-    return _Dynamics(inertial, bias, carried, passive, tilted, arms, lengths, np.diag(full).copy(), contacts.gathered())
+    return _Dynamics(inertial, bias, carried, passive, tilted, arms, lengths, full, contacts.gathered())
 
 
 def _carried(model: mujoco.MjModel, joint: int, force: Array | None) -> Array | None:
@@ -251,15 +258,16 @@ def _drive(
 
 
 def _run(
-    recording: Recording, rig: Rig, model: mujoco.MjModel, joint: int, driven: Sequence[Linkage], move: SmoothedMotion,
+    recording: Recording, rig: Rig, model: mujoco.MjModel, joint: int, driven: Sequence[Linkage], moves: Sequence[SmoothedMotion],
     dynamics: _Dynamics, known: NDArray[np.bool_],
 ) -> MotionRun:  # fmt: skip
     name, dof = model.joint(joint).name, int(model.jnt_dofadr[joint])
     seconds, every, step = smoothing_width(recording.time), stride(recording.time), float(np.median(np.diff(recording.time)))
     time = thinned(recording.time, every)
-    mass = dynamics.mass[dof]
+    move, mass = moves[joint], float(dynamics.mass[dof, dof])
+    shaken = sum((dynamics.mass[dof, model.jnt_dofadr[k]] * one.position_noise) ** 2 for k, one in enumerate(moves))
     external = recording.get(f"{name}.external_force")
-    variance = (mass * move.position_noise * noise_gain(2, seconds, step)) ** 2
+    variance = float(shaken) * noise_gain(2, seconds, step) ** 2
     drive, position, velocity, variance = _drive(recording, rig, driven, dynamics, move, variance)
     pushed = np.zeros(len(time)) if external is None else thinned(gaussian_smoothed(recording.time, external, seconds), every)
     if external is not None:

@@ -48,7 +48,8 @@ class MovingMasses:
         data = self.data
         data.qpos[:], data.qvel[:], data.qacc[:] = (one[i] for one in self._motion)
         mujoco.mj_inverse(self._model, data)
-        self._whole[i], self.passive[i] = data.qfrc_inverse + data.qfrc_passive, data.qfrc_passive
+        self._whole[i] = data.qfrc_inverse + data.qfrc_passive
+        self.passive[i] = data.qfrc_passive + _dry(self._model, data)
         self._bias[i] = data.qfrc_bias
         if self._varies:
             mujoco.mj_mulM(self._model, data, self._quick[i], self._quicker[i])
@@ -60,6 +61,16 @@ class MovingMasses:
         bias = self._filtered(self._bias)
         found = self._whole + (bias - self._bias)
         return (found + (self._filtered(self._quick) - self._slow) if self._varies else found), bias
+
+
+def _dry(model: mujoco.MjModel, data: mujoco.MjData) -> Array:
+    """Return what the MJCF's `frictionloss` of joints and tendons does while they slide, shape (nv,): to MuJoCo it is a constraint."""
+    found = -model.dof_frictionloss * np.sign(data.qvel)
+    if model.ntendon and model.tendon_frictionloss.any():
+        lead = np.zeros((model.ntendon, model.nv))
+        mujoco.mju_sparse2dense(lead, data.ten_J, model.ten_J_rownnz, model.ten_J_rowadr, model.ten_J_colind)
+        found = found - (model.tendon_frictionloss * np.sign(data.ten_velocity)) @ lead
+    return np.asarray(found)
 
 
 def payload(model: mujoco.MjModel) -> int | None:

@@ -2,6 +2,9 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+from pathlib import Path
+
 import mujoco
 import numpy as np
 import pytest
@@ -120,3 +123,54 @@ def test_a_foot_that_is_always_down_without_its_place_is_not_judged(leg: Rig) ->
     runs, reasons = motion_runs(recorded(leg, forces=forces), leg, load(leg), ())
     assert [run.joint for run in runs] == ["height"]
     assert {name for name, _ in reasons} == {"hip", "knee"} and "pressure_centre" in reasons[0][1]
+
+
+def test_dry_friction_that_the_mjcf_holds_is_no_force_that_is_missing(leg: Rig, tmp_path: Path) -> None:
+    """MuJoCo's `frictionloss` of a joint and of a tendon: to it they are constraints, to the balance they resist the motion."""
+    tendon = '<tendon><spatial name="cord" frictionloss="20"><site site="shin"/><site site="cuff"/></spatial></tendon>'
+    text = LEG.replace('name="hip"', 'name="hip" frictionloss="3"').replace("</worldbody>", f"</worldbody>{tendon}")
+    (tmp_path / "leg.xml").write_text(text.replace('<site name="sole"', '<site name="shin" pos="0.05 0 -0.1"/><site name="sole"'))
+    rubbing = replace(leg, model=tmp_path / "leg.xml")
+    table = recorded(leg, centre=True)
+    model = load(rubbing)
+    data, reach = mujoco.MjData(model), np.zeros(len(TIME))
+    for i in range(len(TIME)):
+        data.qpos[:] = [MOTION[name][i] for name in MOTION]
+        mujoco.mj_fwdPosition(model, data)
+        reach[i] = data.ten_length[0]
+    before, after = balances(leg, table), balances(rubbing, table)
+    knee, cord = np.gradient(MOTION["knee"], TIME), np.gradient(reach, TIME)
+    lost = {"height": np.zeros(len(TIME)), "hip": 3.0 * np.sign(np.gradient(MOTION["hip"], TIME)), "knee": 20.0 * np.abs(cord) / knee}
+    for name, resisted in lost.items():
+        steady = np.abs(np.gradient(MOTION[name], TIME)) > 0.6 * np.abs(np.gradient(MOTION[name], TIME)).max()
+        steady[:200] = steady[-200:] = False
+        taken = before[name].passive.force - after[name].passive.force
+        np.testing.assert_allclose(taken[steady], resisted[steady], atol=0.02)
+
+
+def test_parts_that_an_equality_holds_are_not_judged(leg: Rig, tmp_path: Path) -> None:
+    link = '<equality><joint name="link" joint1="hip" joint2="knee"/></equality>'
+    (tmp_path / "leg.xml").write_text(LEG.replace("</worldbody>", f"</worldbody>{link}"))
+    bound = replace(leg, model=tmp_path / "leg.xml")
+    runs, reasons = motion_runs(recorded(leg), bound, load(bound), ())
+    assert not runs and {name for name, _ in reasons} == set(MOTION) and '"link"' in reasons[0][1]
+
+
+def test_a_force_along_the_sole_is_not_judged(leg: Rig) -> None:
+    """Of one that hardly presses the sole no place along it says where it turns the joints."""
+    flat = MOTION["hip"] + MOTION["knee"]
+    sliding = {"sole.ground_force_x": 150.0 * DOWN * np.cos(flat), "sole.ground_force_z": 150.0 * DOWN * np.sin(flat)}
+    runs = balances(leg, recorded(leg, forces=FORCES | sliding, centre=True))
+    assert not runs["knee"].judged[(TIME > 0.2) & (TIME < 2.9)].any() and runs["knee"].judged[(TIME > 3.3) & (TIME < 5.8)].all()
+    assert runs["height"].judged.mean() > 0.95
+
+
+def test_noise_of_the_centre_of_pressure_counts(leg: Rig) -> None:
+    table = recorded(leg, centre=True)
+    shaken = dict(table.columns) | {"sole.pressure_centre": CENTRE + 5e-3 * np.random.default_rng(1).standard_normal(len(TIME))}
+    before, after = (balances(leg, replace(table, columns=columns)) for columns in (table.columns, shaken))
+    more = {name: float(np.sqrt(max(after[name].noise ** 2 - before[name].noise ** 2, 0.0))) for name in MOTION}
+    assert more["height"] == 0.0
+    for name in ("hip", "knee"):
+        strayed = float(np.std((after[name].external - before[name].external)[after[name].judged]))
+        assert more[name] == pytest.approx(strayed, rel=0.2)

@@ -81,6 +81,11 @@ class SubsystemModel(ABC):
     def discrepancy_bound(self) -> float:
         """Largest root mean square residual that the model of a healthy machine leaves."""
 
+    @property
+    def structural_error(self) -> float:
+        """Largest error of a healthy machine's model in `unit`; 0 where no sensor's zero is fitted to it."""
+        return 0.0
+
     def apply(self, values: Values, fixed: Sequence[tuple[FreeParameter, float]] = ()) -> PlantParameters:
         """Return the nominal plant with these parameters changed."""
         return self.nominal.with_values((*values.items(), *fixed))

@@ -11,6 +11,7 @@ from exo_sim.diagnosis.estimation.parameters import FreeParameter
 from exo_sim.diagnosis.estimation.uncertainty import bounded_interval
 from exo_sim.diagnosis.findings import Estimate, Finding, Kind
 from exo_sim.diagnosis.outcome.rig_corrections import REFITTED
+from exo_sim.diagnosis.outcome.sensor_zeros import ZERO, error_of
 from exo_sim.diagnosis.policy.off_nominal import BEYOND_DOUBT, MODEL_SHARE
 from exo_sim.diagnosis.selection.nuisance_calibration import is_declared
 from exo_sim.diagnosis.selection.subsystem_result import SubsystemResult
@@ -31,7 +32,7 @@ def small_findings(results: Sequence[SubsystemResult[SubsystemModel]], findings:
     found: dict[tuple[str, str], Finding] = {}
     for one in results:
         for parameter, error in () if one.has_unknown or one.is_empty else one.refitted:
-            entry = _entry(one, parameter, error)
+            entry = _entry(one, parameter, error_of(one, parameter, error))
             if entry is not None and (entry.name, entry.where) not in reported:
                 at = entry.name, entry.where
                 before = found.get(at)
@@ -82,7 +83,7 @@ def _entry(one: SubsystemResult[SubsystemModel], parameter: FreeParameter, error
         low, high = sorted((scale * low, scale * high))
         value, kind = shown, Kind.SENSOR
         unit = "1" if name != sensor_bias.EFFECT.name else "Pa" if "pressure" in where else unit
-    elif name == "sensor_zero":
+    elif name == ZERO:
         name, called, kind = sensor_bias.EFFECT.name, "value", Kind.SENSOR
     elif is_declared(name):
         kind = Kind.MISSING_PHYSICS if nominal == 0.0 else Kind.CALIBRATION

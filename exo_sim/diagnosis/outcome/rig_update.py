@@ -21,6 +21,7 @@ from exo_sim.diagnosis.estimation.parameters import FreeParameter, card_delays
 from exo_sim.diagnosis.estimation.uncertainty import bounded_interval, interval
 from exo_sim.diagnosis.findings import Estimate, Finding, Kind, Subsystem
 from exo_sim.diagnosis.outcome.rig_corrections import REFIT_NOTE, corrections
+from exo_sim.diagnosis.outcome.sensor_zeros import ZERO, error_of, is_faulty
 from exo_sim.diagnosis.policy.off_nominal import LEAST_PART
 from exo_sim.diagnosis.selection.nuisance_calibration import is_declared
 from exo_sim.diagnosis.selection.subsystem_result import SubsystemResult
@@ -148,15 +149,17 @@ def _healthy(rig: Rig, result: Result, gas: Collection[str]) -> list[EffectEntry
     A pressure of a cylinder whose `gas` was judged is the gas's to calibrate, not the forces'.
     """
     parts: dict[tuple[str, str], dict[FreeParameter, float]] = {}
-    entries = []
+    entries, faulty = [], set[str]()
     for parameter, error in result.refitted:
         by_force = result.model.as_sensor_error(parameter, result.final.fit.values[parameter])
         if by_force is not None:
             column = by_force[0]
             if not ("pressure" in column and column.split(".")[0] in gas):
                 entries.append(_sensor_error(*by_force, error, rig))
-        elif parameter.effect == "sensor_zero":
-            parts.setdefault((sensor_bias.EFFECT.name, parameter.where), {})[parameter] = error
+        elif parameter.effect == ZERO:
+            parts.setdefault((sensor_bias.EFFECT.name, parameter.where), {})[parameter] = error_of(result, parameter, error)
+            if is_faulty(result, parameter, error):
+                faulty.add(parameter.where)
         elif is_declared(parameter.effect) and rig.effect(*parameter.key[:2]) is None and parameter.prior and not parameter.prior[0]:
             parts.setdefault((parameter.effect, parameter.where), {})[parameter] = error
     for (name, where), errors in parts.items():
@@ -166,7 +169,8 @@ def _healthy(rig: Rig, result: Result, gas: Collection[str]) -> list[EffectEntry
             for q, error in errors.items()
         }
         if name == sensor_bias.EFFECT.name:
-            entries.append(_sensor_entry(Finding(name, where, Kind.CALIBRATION, _NO_FINDING, estimates, 0.0, 0.0), rig))
+            says = wording.says(name) if where in faulty else _NO_FINDING
+            entries.append(_sensor_entry(Finding(name, where, Kind.CALIBRATION, says, estimates, 0.0, 0.0), rig))
         else:
             intervals = {parameter: (e.low, e.high) for parameter, e in estimates.items()}
             entries.append(EffectEntry(EffectSetting(name, where, {p: e.value for p, e in estimates.items()}), intervals, _NO_FINDING))

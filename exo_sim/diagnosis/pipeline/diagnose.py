@@ -15,6 +15,7 @@ from exo_sim.diagnosis.outcome.finding_probability import confidence
 from exo_sim.diagnosis.outcome.immaterial import small_findings
 from exo_sim.diagnosis.outcome.localisation import located, unexplained
 from exo_sim.diagnosis.outcome.rig_update import rig_update
+from exo_sim.diagnosis.outcome.sensor_zeros import faulty_zeros
 from exo_sim.diagnosis.outcome.verdict import distinct, next_experiment, verdict_of
 from exo_sim.diagnosis.pipeline.freed_memory import return_large_arrays
 from exo_sim.diagnosis.pipeline.plan import Examination, Progress
@@ -116,6 +117,7 @@ def _findings(found: Examination) -> list[Finding]:
             probability = confidence(f, found.test.shares.get(key), f.where in doubtful)
             proved = replace(f, held_out_error_drop=drops.get(key, 0.0), cost=costs.get(key, 0.0), probability=probability)
             findings += proved.at_each_place()
+    findings += faulty_zeros(results, findings)
     for one in results:
         findings += calibration_findings(one.deviations)
     findings.sort(key=lambda f: (list(Kind).index(f.kind), -f.cost, -f.log10_odds))

@@ -83,6 +83,13 @@ def test_what_was_only_refitted_says_so_and_a_zero_becomes_a_bias(data: MachineD
     assert bias is not None and bias.parameters["value"] == pytest.approx(800.0)
 
 
+@pytest.mark.parametrize(("value", "healthy"), [(800.0, True), (8000.0, False)])
+def test_a_zero_that_no_healthy_sensor_has_is_not_called_one(data: MachineData, value: float, healthy: bool) -> None:
+    update = rig_update(data, [replace(result({ZERO: value}), refitted=((ZERO, 50.0),))], ())
+    (entry,) = update.entries
+    assert entry.says.startswith("No finding") is healthy
+
+
 def test_the_curve_of_an_unknown_effect_is_one_that_the_simulator_follows(data: MachineData) -> None:
     at = np.linspace(0.0, 0.2, 13)
     curve = Curve("position", at, np.sin(at), 0.1 * at, 0.9)

@@ -116,9 +116,13 @@ class GasModel(SubsystemModel):
 
     @property
     def discrepancy_bound(self) -> float:
+        return self.structural_error / self._scale
+
+    @property
+    def structural_error(self) -> float:
         driven = [float(np.nanmean(one.supply)) for one in self.inputs if one.run.commanded]
         level = max(self._level, healthy.USUAL_LEVEL * max(driven, default=0.0))
-        return healthy.GAS_BOUND * significance.GAS_SIGNIFICANT * level / self._scale
+        return healthy.GAS_BOUND * significance.GAS_SIGNIFICANT * level
 
     @property
     def _level(self) -> float:

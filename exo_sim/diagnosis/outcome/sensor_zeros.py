@@ -1,0 +1,60 @@
+"""Zeros of pressure sensors that a fit moved: how surely, and whether further than a healthy sensor is off."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+
+from exo_sim.diagnosis import wording
+from exo_sim.diagnosis.estimation.parameters import FreeParameter
+from exo_sim.diagnosis.estimation.uncertainty import bounded_interval
+from exo_sim.diagnosis.findings import Estimate, Finding, Kind
+from exo_sim.diagnosis.policy.acceptance import SURELY_MORE
+from exo_sim.diagnosis.policy.healthy import ZERO_MODEL, ZEROS
+from exo_sim.diagnosis.policy.priors import PRESSURE_ZERO
+from exo_sim.diagnosis.policy.probability import UNTESTED
+from exo_sim.diagnosis.selection.subsystem_result import SubsystemResult
+from exo_sim.diagnosis.subsystem_model import SubsystemModel
+from exo_sim.physics.effects import sensor_bias
+
+Result = SubsystemResult[SubsystemModel]
+#: What a zero that every fit moves is called among nuisance parameters.
+ZERO = "sensor_zero"
+
+
+def error_of(one: Result, parameter: FreeParameter, error: float) -> float:
+    """Return the standard error of a refitted number, with what errors of the model do to a sensor's zero: they stand still as well."""
+    return math.hypot(error, ZERO_MODEL * one.model.structural_error) if parameter.effect == ZERO else error
+
+
+def is_faulty(one: Result, parameter: FreeParameter, error: float) -> bool:
+    """Return whether a sensor's zero is surely further off than a healthy one's; of what has something unknown in it nothing is sure.
+
+    Args:
+        one: The result that refitted it.
+        parameter: Any refitted number.
+        error: Its standard error by the fit.
+    """
+    if parameter.effect != ZERO or one.has_unknown or one.is_empty:
+        return False
+    return abs(one.final.fit.values[parameter]) - SURELY_MORE * error_of(one, parameter, error) > ZEROS * PRESSURE_ZERO
+
+
+def faulty_zeros(results: Sequence[Result], findings: Sequence[Finding]) -> tuple[Finding, ...]:
+    """Return a finding for every pressure sensor whose zero is surely further off than a healthy one's and that is not reported yet.
+
+    Args:
+        results: Of all subsystems.
+        findings: What is reported already.
+    """
+    reported = {(finding.name, finding.where) for finding in findings}
+    found = []
+    for one in results:
+        for q, error in one.refitted:
+            if is_faulty(one, q, error) and (sensor_bias.EFFECT.name, q.where) not in reported:
+                value, spread = one.final.fit.values[q], error_of(one, q, error)
+                odds = 0.5 * ((abs(value) - ZEROS * PRESSURE_ZERO) / spread) ** 2 / math.log(10.0)
+                estimate = Estimate(value, q.unit, *bounded_interval(q, value, spread))
+                name, says = sensor_bias.EFFECT.name, wording.says(sensor_bias.EFFECT.name)
+                found.append(Finding(name, q.where, Kind.SENSOR, says, {"value": estimate}, odds, 0.0, probability=float(UNTESTED)))
+    return tuple(found)

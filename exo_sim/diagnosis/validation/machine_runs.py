@@ -1,0 +1,161 @@
+"""Errors of the whole machine, simulated: the improved rig, and the rig as handed in, in one run or over windows."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from contextlib import suppress
+from dataclasses import replace
+
+import mujoco
+import numpy as np
+from numpy.typing import NDArray
+
+from exo_sim.diagnosis.data.command_sign import is_reversed_command
+from exo_sim.diagnosis.data.machine_data import MachineData
+from exo_sim.diagnosis.data.split import Split
+from exo_sim.diagnosis.findings import SignalFit
+from exo_sim.diagnosis.policy.budgets import LEAD, LONGEST_FREE_RUN
+from exo_sim.diagnosis.policy.recordings import FEWEST_TO_FIT
+from exo_sim.errors import ExoSimError
+from exo_sim.machine.rig_model import load
+from exo_sim.recording import noise
+from exo_sim.recording.table import Recording
+from exo_sim.rig import Rig, parse
+from exo_sim.simulation.replay import WINDOW as REPLAY_WINDOW
+from exo_sim.simulation.replay import Run, run, usable
+
+Array = NDArray[np.float64]
+#: By window: number of samples and sums of squared errors before and after, shape (3,).
+Blocks = dict[int, Array]
+
+#: Windows of one recording are numbered by this times its place among the recordings, and their own.
+MOST_BLOCKS = 1_000_000
+
+
+class MachineRuns:
+    """Runs of the rig as handed in and of any number of improved ones: motion and gas together, as whoever uses the rig runs it.
+
+    Where the clock jumps a run begins anew. Where a joint was driven by forces that nobody measured, motion is imposed in both runs
+    and only pressures are predicted. A valve command with the wrong sign is reversed, for a rig cannot say that.
+
+    Args:
+        data: The recordings, and the rig as handed in.
+        split: Its test time counts.
+        window: After so long the measured state is taken over [s]; never where infinite.
+    """
+
+    def __init__(self, data: MachineData, split: Split, window: float = math.inf) -> None:
+        self._data, self._split, self._window = data, split, window
+        self._tables = [judged_part(table, data) for table in data.as_read if table.name in split.test]
+        if window < math.inf:
+            around = [_around(table, split) for table in self._tables]
+            self._tables = [table for table in around if len(table.time) > FEWEST_TO_FIT]
+        self._believed: dict[tuple[int, str], tuple[Recording, Run | None]] = {}
+        self._machine: _Machine | None = None
+        self._known: tuple[str, dict[str, Sums]] | None = None
+
+    def errors(self, improved: str) -> dict[str, SignalFit]:
+        """Return, by column, the errors on the test time; empty where something would have to be assumed, or the recordings are long.
+
+        Args:
+            improved: Text of the rig with what was found, as it would stand beside the rig.
+        """
+        return {key: sums.result() for key, sums in self._sums(improved).items()}
+
+    def by_block(self, improved: str) -> dict[str, Blocks]:
+        """Return, by column, the squared errors of every window of the test time; arguments as `errors`."""
+        return {key: sums.blocks for key, sums in self._sums(improved).items()}
+
+    def _sums(self, improved: str) -> dict[str, Sums]:
+        if self._known and self._known[0] == improved:
+            return self._known[1]
+        total: dict[str, Sums] = {}
+        if sum(table.duration for table in self._tables) > LONGEST_FREE_RUN:
+            return total
+        with suppress(ExoSimError):  # nothing that can be predicted: what is missing has been said already
+            self._machine = self._machine or _Machine(self._data.rig)
+            found = _Machine(parse(improved, self._data.rig.path))
+            for number, table in enumerate(self._tables):
+                with suppress(ExoSimError):
+                    self._add(total, number, found, self._split.in_test(table.name, table.time))
+        self._known = improved, {key: sums for key, sums in total.items() if sums.count}
+        return self._known[1]
+
+    def _add(self, total: dict[str, Sums], number: int, improved: _Machine, mask: NDArray[np.bool_]) -> None:
+        """Add the errors of one recording, whose samples `mask` count."""
+        table = self._tables[number]
+        recorded, after = _run(table, improved, "auto", self._window)
+        if after is None or self._machine is None:
+            return
+        way = (number, "recorded" if after.imposed else "predicted")
+        if way not in self._believed:
+            self._believed[way] = _run(table, self._machine, way[1], self._window)
+        before = self._believed[way][1]
+        if before is None:
+            return
+        mask = mask & after.simulated
+        for key in (key for key in after.predicted.columns if key in before.predicted):
+            there = mask & np.isfinite(recorded[key])
+            if there.any():
+                sums = total.setdefault(key, Sums(table.units[key]))
+                block = number * MOST_BLOCKS + np.floor(table.time[there] / REPLAY_WINDOW).astype(np.int64)
+                sums.add(recorded[key][there], [one.predicted[key][there] for one in (before, after)], block)
+                sums.noise = max(sums.noise, noise.floor(recorded[key], recorded.time).std)
+
+
+class _Machine:
+    """A rig with its model."""
+
+    def __init__(self, rig: Rig) -> None:
+        self.rig: Rig = rig
+        self.model: mujoco.MjModel = load(rig)
+
+
+def judged_part(table: Recording, data: MachineData) -> Recording:
+    """Return a recording from where its gas is judged, its valve commands with the sign that they were found to have."""
+    starts = [run.time[0] for runs in data.cylinders.values() for run in runs if run.recording == table.name]
+    table = table.span(max(starts, default=-math.inf), math.inf)
+    wrong = {finding.where for finding in data.sensors if is_reversed_command(finding)}
+    return replace(table, columns={key: -values if key in wrong else values for key, values in table.columns.items()})
+
+
+class Sums:
+    """Squared errors of one column before and after, summed over any number of recordings."""
+
+    def __init__(self, unit: str) -> None:
+        self.unit, self.noise = unit, 0.0
+        self.blocks: Blocks = {}
+
+    @property
+    def count(self) -> int:
+        """Number of samples."""
+        return int(sum(block[0] for block in self.blocks.values()))
+
+    def add(self, recorded: Array, runs: Sequence[Array], block: NDArray[np.int64]) -> None:
+        """Count errors of shape (n,) before and after, each in its block; a sum is not finite where a simulation diverged."""
+        with np.errstate(over="ignore", invalid="ignore"):
+            numbers, at = np.unique(block, return_inverse=True)
+            squares = (np.ones(len(recorded)), *((run - recorded) ** 2 for run in runs))
+            sums = np.stack([np.bincount(at, weights=one) for one in squares], axis=1)
+        for number, own in zip(numbers.tolist(), sums, strict=True):
+            self.blocks[number] = self.blocks.get(number, np.zeros(3)) + own
+
+    def result(self) -> SignalFit:
+        """Return the root mean square errors."""
+        with np.errstate(over="ignore", invalid="ignore"):
+            count, *squares = np.sum(list(self.blocks.values()), axis=0)
+        before, after = np.sqrt(np.where(np.isfinite(squares), squares, math.nan) / count)
+        return SignalFit(self.unit, float(before), float(after), self.noise)
+
+
+def _around(table: Recording, split: Split) -> Recording:
+    """Return the part of a recording that its test time needs: from a lead before it on, in which the gas comes to its temperature."""
+    spans = split.test[table.name]
+    return table.span(min(start for start, _ in spans) - LEAD, np.nextafter(max(stop for _, stop in spans), math.inf))
+
+
+def _run(table: Recording, machine: _Machine, motion: str, window: float) -> tuple[Recording, Run | None]:
+    """Return what a rig's sensors let one believe of a recording, and its run."""
+    recorded, _ = usable(table, machine.rig, machine.model)
+    return recorded, run(recorded, machine.rig, machine.model, motion=motion, window=window)

@@ -34,6 +34,11 @@ class Split:
         """Return which samples are training data, shape (n,)."""
         return ~(self.in_test(recording, time) | _inside(self.validation, recording, time))
 
+    def all_kept_as_test(self) -> Split:
+        """Return the split whose test time is all that no parameter was fitted to, its validation time as well."""
+        names = {**self.validation, **self.test}
+        return Split({name: tuple(sorted((*self.validation.get(name, ()), *self.test.get(name, ())))) for name in names})
+
     def validation_as_test(self) -> Split:
         """Return the split with validation and test exchanged, the training data the same."""
         return Split(self.validation, self.test)

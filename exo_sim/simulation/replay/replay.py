@@ -118,11 +118,11 @@ def replay(
 
 
 @dataclass(frozen=True)
-class FreeRun:
-    """One run from the first measured state.
+class Run:
+    """A recording predicted over windows of one length, or in one run from the first measured state.
 
     Attributes:
-        predicted: As `Replay.free_run`.
+        predicted: As `Replay.windowed` or `Replay.free_run`.
         simulated: Which samples it covers, shape (n,); too short stretches between two jumps of the clock are left out.
         imposed: Whether motion was imposed as recorded.
     """
@@ -132,11 +132,14 @@ class FreeRun:
     imposed: bool
 
 
-def free_run(recording: Recording, rig: Rig, model: mujoco.MjModel, *, motion: str = "auto") -> FreeRun | None:
-    """Simulate what was recorded in one run; None where something that it depends on was not recorded.
+def run(
+    recording: Recording, rig: Rig, model: mujoco.MjModel, *, motion: str = "auto", window: float = math.inf
+) -> Run | None:  # fmt: skip
+    """Simulate what was recorded over windows, or in one run; None where something that it depends on was not recorded.
 
     Args:
         recording, rig, model, motion: As for `replay`.
+        window: Length of a window [s]; infinite for one run.
 
     Raises:
         RecordingError, ModelError: as `replay`.
@@ -145,11 +148,11 @@ def free_run(recording: Recording, rig: Rig, model: mujoco.MjModel, *, motion: s
     begun = [f"{c.name}.pressure_{side}" for c in rig.cylinders.values() for side in ((1,) if c.single_acting else (1, 2))]
     if machine.assumed() or any(key not in recording for key in begun):
         return None
-    values = machine.run(math.inf, bool(imposed), lambda share: None)
+    values = machine.run(window, bool(imposed), lambda share: None)
     simulated = np.zeros(len(recording.time), dtype=bool)
     for piece in machine.pieces:
         simulated[piece.first : piece.last] = True
-    return FreeRun(_shown(recording, rig, {key: values[key] for key in wanted}), simulated, bool(imposed))
+    return Run(_shown(recording, rig, {key: values[key] for key in wanted}), simulated, bool(imposed))
 
 
 def _ready(

@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from exo_sim.diagnosis.data.split import split
+from exo_sim.diagnosis.data.split import Split, split
 from exo_sim.diagnosis.policy.validation import HELD_OUT_SHARE
 
 
@@ -32,3 +32,9 @@ def test_of_several_each_gives_its_own_part(head: bool) -> None:
         alone = split([(name, time)], head)
         assert parts.test[name] == alone.test[name] and parts.validation[name] == alone.validation[name]
         assert parts.in_training(name, time).mean() == pytest.approx(1.0 - HELD_OUT_SHARE, abs=0.01)
+
+
+def test_all_that_was_kept_back_is_validation_and_test() -> None:
+    both = split([("one", np.arange(0.0, 100.0))]).all_kept_as_test()
+    assert np.array(both.test["one"]) == pytest.approx(np.array([[69.3, 84.15], [84.15, 99.0]])) and not both.validation
+    assert Split({"one": ((0.0, 1.0),)}).all_kept_as_test().test == {"one": ((0.0, 1.0),)}

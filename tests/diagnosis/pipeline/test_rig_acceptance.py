@@ -5,11 +5,12 @@ from __future__ import annotations
 import math
 
 import benches
+import numpy as np
 import pytest
 
 from exo_sim.diagnosis.findings import SignalFit
 from exo_sim.diagnosis.outcome.rig_update import Part, Rank, RigUpdate
-from exo_sim.diagnosis.pipeline.rig_acceptance import Trial, as_far_as_it_wins, is_worse
+from exo_sim.diagnosis.pipeline.rig_acceptance import Trial, as_far_as_it_wins, is_worse, uncertainty
 from exo_sim.rig import EffectEntry, EffectSetting, Rig
 
 
@@ -82,3 +83,29 @@ def test_where_nothing_wins_the_rig_stays_as_it_was(rig: Rig) -> None:
     parts = tuple(part(source, rank) for source in ("gas", "motion") for rank in Rank)
     worth = {f"{source}_{rank.name}": (1.2, 1.2) for source in ("gas", "motion") for rank in Rank}
     assert as_far_as_it_wins(RigUpdate(rig, parts), lambda update: weighed(worth, update)).update.parts == ()
+
+
+def test_errors_below_the_noise_are_none() -> None:
+    assert not is_worse({"a": SignalFit("Pa", 10.0, 90.0, 100.0)}, {}) and is_worse({"a": SignalFit("Pa", 10.0, 110.0, 100.0)}, {})
+
+
+@pytest.mark.parametrize(("after", "uncertain", "worse"), [(0.9, 0.05, False), (0.9, 0.2, True), (0.5, 0.2, False), (1.1, 0.0, True)])
+def test_over_windows_of_the_whole_machine_a_rig_is_surely_better_or_not_written(
+    rig: Rig, after: float, uncertain: float, worse: bool
+) -> None:
+    coupled = {"piston.pressure_1": SignalFit("Pa", 1.0, after, 0.0)}
+    trial = Trial(RigUpdate(rig, ()), {}, {}, {}, coupled, uncertain)
+    assert trial.is_worse is worse and trial.loss == pytest.approx(math.log(after))
+
+
+def test_how_sure_a_gain_is_shows_in_how_windows_differ() -> None:
+    """Of errors that fall by half in every window the gain is certain; a factor that scatters by s is known to s / sqrt(n)."""
+    rng = np.random.default_rng(4)
+    steady = {n: np.array([500.0, 500.0, 125.0]) for n in range(200)}
+    factors = np.exp(rng.normal(0.0, 0.1, 200))
+    scattered = {n: np.array([500.0, 500.0, 500.0 * f]) for n, f in enumerate(factors)}
+    assert uncertainty({"a": steady}, {}) == pytest.approx(0.0, abs=1e-12)
+    assert uncertainty({"a": scattered}, {}) == pytest.approx(0.05 / math.sqrt(200), rel=0.15)
+    assert uncertainty({"a": scattered, "b": steady}, {}) == pytest.approx(0.5 * uncertainty({"a": scattered}, {}))
+    assert uncertainty({"a": scattered}, {"a": 10.0}) == 0.0
+    assert uncertainty({"a": {0: steady[0], 1: scattered[1]}}, {}) == 0.0

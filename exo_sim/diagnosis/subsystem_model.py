@@ -11,6 +11,7 @@ from typing import ClassVar
 import numpy as np
 from numpy.typing import NDArray
 
+from exo_sim.diagnosis.data.machine_data import MachineData
 from exo_sim.diagnosis.data.split import Split
 from exo_sim.diagnosis.discrepancy.curve import Curve
 from exo_sim.diagnosis.discrepancy.signal import Discrepancy
@@ -129,6 +130,15 @@ class SubsystemModel(ABC):
     def as_sensor_error(self, parameter: FreeParameter, value: float) -> tuple[str, str, str, float] | None:
         """Return what a nuisance parameter says of a sensor: column, effect, its parameter and value; None where it says nothing."""
         return None
+
+    def late_columns(self, delays: Mapping[str, float], data: MachineData) -> Mapping[str, float]:
+        """Return by how much each column is late [s], given the delays that were fitted as nuisance parameters.
+
+        Args:
+            delays: By parameter, as `FreeParameter.parameter` has it [s].
+            data: The machine that it is a part of.
+        """
+        return {}
 
     def indistinguishable(self, findings: Sequence[Finding], fit: Fit) -> Mapping[tuple[str, str], tuple[str, ...]]:
         """Return, by name and place of a finding, other effects that would look the same in this subsystem.

@@ -6,7 +6,7 @@ but the reported errors are those with them: the file holds them too, as far as 
 
 from __future__ import annotations
 
-from collections.abc import Collection, Iterable, Mapping, Sequence
+from collections.abc import Collection, Iterable, Sequence
 from dataclasses import dataclass, replace
 from enum import IntEnum
 from pathlib import Path
@@ -17,7 +17,7 @@ from exo_sim.diagnosis import wording
 from exo_sim.diagnosis.data.machine_data import MachineData
 from exo_sim.diagnosis.discrepancy.curve import Curve
 from exo_sim.diagnosis.estimation.candidate import Candidate
-from exo_sim.diagnosis.estimation.parameters import FreeParameter, card_delays
+from exo_sim.diagnosis.estimation.parameters import FreeParameter
 from exo_sim.diagnosis.estimation.uncertainty import bounded_interval, interval
 from exo_sim.diagnosis.findings import Estimate, Finding, Kind, Subsystem
 from exo_sim.diagnosis.outcome.rig_corrections import REFIT_NOTE, corrections
@@ -27,7 +27,6 @@ from exo_sim.diagnosis.selection.nuisance_calibration import is_declared
 from exo_sim.diagnosis.selection.subsystem_result import SubsystemResult
 from exo_sim.diagnosis.selection.unknown_effect import UnknownEffect, effect_of
 from exo_sim.diagnosis.subsystem_model import SubsystemModel
-from exo_sim.diagnosis.subsystems.motion.model import MotionModel
 from exo_sim.physics.declaration import declared
 from exo_sim.physics.effects import sensor_bias, sensor_delay, sensor_scale
 from exo_sim.physics.effects.unknown import ACTS, DEPENDS_ON
@@ -187,7 +186,7 @@ def _late(data: MachineData, result: Result, gas: Collection[str]) -> list[Effec
     found = {q.parameter: values[q] for q, _ in result.refitted if q.parameter in errors}
     if not found or (result.model.kind is Subsystem.MOTION and result.where in gas):
         return []
-    late = _late_columns(data, result, found)
+    late = result.model.late_columns(found, data)
     error = max(errors.values())
     return [
         _sensor_entry(Finding(sensor_delay.EFFECT.name, column, Kind.CALIBRATION, _NO_FINDING, {"seconds": estimate}, 0.0, 0.0), data.rig)
@@ -195,16 +194,6 @@ def _late(data: MachineData, result: Result, gas: Collection[str]) -> list[Effec
         if value != 0.0 and all(column in table for table in data.as_read)
         for estimate in [Estimate(value, "s", *interval(value, error))]
     ]
-
-
-def _late_columns(data: MachineData, result: Result, found: Mapping[str, float]) -> dict[str, float]:
-    """Return by how much each column is late [s], given the delays that were fitted to a cylinder's gas or to a balance of forces."""
-    if isinstance(result.model, MotionModel):
-        run, behind = result.model.runs[0], found.get("drive.delay", 0.0)
-        return {f"{run.joint}.position": max(-behind, 0.0), **dict.fromkeys(run.drive.signals, max(behind, 0.0))}
-    position, card = card_delays(found)
-    pressures = {f"{result.where}.pressure_{side}": card + found.get(f"pressure_{side}.delay", 0.0) for side in (1, 2)}
-    return {f"{data.joint_of(result.where)}.position": position, **pressures}
 
 
 def _sensor_error(column: str, name: str, parameter: str, value: float, error: float, rig: Rig) -> EffectEntry:

@@ -24,6 +24,7 @@ from exo_sim.diagnosis.selection.model_fits import ModelFits
 from exo_sim.diagnosis.selection.nuisance_calibration import Deviation
 from exo_sim.diagnosis.selection.subsystem_result import SubsystemResult
 from exo_sim.diagnosis.selection.unknown_effect import UnknownEffect
+from exo_sim.diagnosis.subsystems.gas.model import GasModel
 from exo_sim.diagnosis.subsystems.motion.model import MotionModel
 from exo_sim.machine.linkage import linkages
 from exo_sim.machine.rig_model import load
@@ -44,8 +45,14 @@ def data(tmp_path_factory: pytest.TempPathFactory) -> MachineData:
     return MachineData(rig, model, linkages(rig, model), (), (), {}, {})
 
 
+class GasWaves(waves.Waves):
+    """Waves whose columns are as late as those of a gas."""
+
+    late_columns = GasModel.late_columns  # type: ignore[assignment]
+
+
 def result(values: dict[FreeParameter, float], *named: Candidate) -> SubsystemResult[waves.Waves]:
-    model = waves.Waves()
+    model = GasWaves()
     final = FittedModel(named, Fit(tuple(values), values, np.zeros(4), np.zeros((4, len(values)))))
     return SubsystemResult("piston", model, ModelFits(model, ()), SearchResult(final, final), final, named)
 

@@ -12,6 +12,7 @@ from numpy.typing import NDArray
 
 from exo_sim.diagnosis.data.cylinder_run import CylinderRun
 from exo_sim.diagnosis.data.excerpt import excerpts, kept_back, led_to_test
+from exo_sim.diagnosis.data.machine_data import MachineData
 from exo_sim.diagnosis.data.split import Split
 from exo_sim.diagnosis.discrepancy.curve import Curve
 from exo_sim.diagnosis.discrepancy.signal import Discrepancy
@@ -272,6 +273,11 @@ class GasModel(SubsystemModel):
     def discrepancies(self, plant: PlantParameters) -> tuple[Discrepancy, ...]:
         sides = {side for run in self._rows for side, rows in enumerate(run) if rows.count.size}
         return tuple(self._missing(plant, side) for side in sorted(sides))
+
+    def late_columns(self, delays: Mapping[str, float], data: MachineData) -> Mapping[str, float]:
+        position, card = card_delays(delays)
+        pressures = {f"{self.where}.pressure_{side}": card + delays.get(f"pressure_{side}.delay", 0.0) for side in (1, 2)}
+        return {f"{data.joint_of(self.where)}.position": position, **pressures}
 
     def main_discrepancy(self, plant: PlantParameters) -> Discrepancy:
         loudest = max(self.traces(plant), key=lambda trace: trace.excess)

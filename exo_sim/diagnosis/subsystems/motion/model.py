@@ -11,6 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from exo_sim.diagnosis.data.excerpt import spread
+from exo_sim.diagnosis.data.machine_data import MachineData
 from exo_sim.diagnosis.data.motion_run import MotionRun
 from exo_sim.diagnosis.data.split import Split
 from exo_sim.diagnosis.discrepancy.basis import DiscrepancyBasis
@@ -281,6 +282,10 @@ class MotionModel(SubsystemModel):
         if parameter.effect != "offset" or not columns:
             return None
         return columns[0], sensor_bias.EFFECT.name, "value", -value / float(np.median(drive.levers[columns[0]]))
+
+    def late_columns(self, delays: Mapping[str, float], data: MachineData) -> Mapping[str, float]:
+        run, behind = self.runs[0], delays.get("drive.delay", 0.0)
+        return {f"{run.joint}.position": max(-behind, 0.0), **dict.fromkeys(run.drive.signals, max(behind, 0.0))}
 
     def experiments(self, plants: Sequence[PlantParameters]) -> Mapping[str, Array]:
         place = np.concatenate([run.kinematics.position for run in self.runs])

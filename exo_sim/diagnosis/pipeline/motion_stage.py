@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 from exo_sim.diagnosis.data import open_questions
 from exo_sim.diagnosis.data.machine_data import MachineData
 from exo_sim.diagnosis.data.motion_run import MotionRun
+from exo_sim.diagnosis.data.split import Split
 from exo_sim.diagnosis.discrepancy.basis import joined
 from exo_sim.diagnosis.estimation.linear_family import LinearFamily
 from exo_sim.diagnosis.estimation.parameters import FreeParameter, PlantParameters
@@ -49,6 +50,12 @@ def examine_motion(data: MachineData, plan: Plan, threads: Threads, report: Prog
         plan.budget.allow_until(GAS_UNTIL + (FORCES_UNTIL - GAS_UNTIL) * (number + 1) / len(data.joints))
         found.append(_examined(data, name, runs, plan, threads, report))
     return tuple(found)
+
+
+def judged_balances(data: MachineData, split: Split) -> int:
+    """Return how many balances of forces have rows enough in the training time of a split."""
+    every = (MotionModel(runs, nominal_balance(data, name, runs), split).size for name, runs in data.joints.items())
+    return sum(size >= FEWEST_ROWS for size in every)
 
 
 def balances_left_open(found: Sequence[SubsystemResult[MotionModel]]) -> tuple[OpenQuestion, ...]:

@@ -7,6 +7,8 @@ The revisions, in this order:
 3. The validation error is much larger than what the fit leaves: the time that was fitted lacks something, and the beginning of the
    recording is held out instead of its end. The division with the smaller ratio of the two errors counts.
 
+Where a balance of forces has hardly any rows but those of the end (a piston that sticks until then), the beginning is held out first.
+
 No round is repeated: the first revision happens once for every set of refuted effects, the second at most `MOST_REFUTATIONS` times for
 a division of time, the third once.
 """
@@ -16,7 +18,7 @@ from __future__ import annotations
 from dataclasses import replace
 
 from exo_sim.diagnosis.data.machine_data import MachineData
-from exo_sim.diagnosis.data.split import split
+from exo_sim.diagnosis.data.split import Split, split
 from exo_sim.diagnosis.estimation.budget import Budget
 from exo_sim.diagnosis.estimation.threads import Threads
 from exo_sim.diagnosis.findings import Finding, Kind
@@ -24,6 +26,7 @@ from exo_sim.diagnosis.outcome.finding_probability import doubt
 from exo_sim.diagnosis.outcome.immaterial import too_small
 from exo_sim.diagnosis.pipeline.examine import examine, friction_to_add, left_open, validated
 from exo_sim.diagnosis.pipeline.gas_stage import Searched
+from exo_sim.diagnosis.pipeline.motion_stage import judged_balances
 from exo_sim.diagnosis.pipeline.plan import Examination, Plan, Progress, Refuted
 from exo_sim.diagnosis.policy import validation as policy
 from exo_sim.diagnosis.policy.budgets import MOST_REFUTATIONS, MOST_ROUNDS
@@ -40,7 +43,8 @@ def examine_until_stable(data: MachineData, threads: Threads, report: Progress, 
     """Return the examination that no revision changes any more, or the last one within the budget; without one there is no end."""
     budget = budget or Budget()
     times = [(table.name, table.time) for table in data.recordings]
-    plan, stable, searched = Plan(split(times), budget=budget), list[Examination](), Searched()
+    head = _moves_in_the_end(data, split(times), split(times, head=True))
+    plan, stable, searched = Plan(split(times, head=head), budget=budget), list[Examination](), Searched()
     for _ in range(MOST_ROUNDS):
         found = examine(data, plan, threads, report, searched)
         friction = friction_to_add(found) if plan.friction is None and not budget.is_spent() else None
@@ -60,9 +64,15 @@ def examine_until_stable(data: MachineData, threads: Threads, report: Progress, 
         stable.append(found)
         if len(stable) > 1 or found.validation_ratio <= policy.LACKING_RATIO or budget.is_spent():
             break
-        report("the validation time shows what the fit never met: the beginning is held out instead")
-        plan = Plan(split(times, head=True), budget=budget)
+        report(f"the validation time shows what the fit never met: the {'end' if head else 'beginning'} is held out instead")
+        plan = Plan(split(times, head=not head), budget=budget)
     return min(stable, key=lambda one: one.validation_ratio)
+
+
+def _moves_in_the_end(data: MachineData, end: Split, beginning: Split) -> bool:
+    """Return whether the beginning is to be held out, because without the end of the recordings fewer balances of forces can be judged."""
+    judged = judged_balances(data, end)
+    return judged < len(data.joints) and judged < judged_balances(data, beginning)
 
 
 def newly_refuted(examination: Examination) -> Refuted:

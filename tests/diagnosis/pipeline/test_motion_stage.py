@@ -15,7 +15,7 @@ from exo_sim.diagnosis.data.machine_data import MachineData
 from exo_sim.diagnosis.data.motion_run import Kinematics
 from exo_sim.diagnosis.data.split import Split
 from exo_sim.diagnosis.estimation.threads import SERIAL
-from exo_sim.diagnosis.pipeline.motion_stage import balances_left_open, examine_motion
+from exo_sim.diagnosis.pipeline.motion_stage import balances_left_open, examine_motion, judged_balances
 from exo_sim.diagnosis.pipeline.plan import Plan
 from exo_sim.diagnosis.selection.subsystem_result import SubsystemResult
 from exo_sim.diagnosis.subsystems.motion.model import MotionModel
@@ -85,3 +85,13 @@ def test_a_joint_that_hardly_moves_is_to_be_moved(tmp_path: Path) -> None:
     data = MachineData(rig, model, linkages(rig, model), (), (), {}, {"slide": (run,)})
     (question,) = balances_left_open(examine_motion(data, Plan(Split({})), SERIAL, lambda words: None))
     assert "in motion for 0 %" in question.why and "motion" in question.do
+
+
+def test_a_balance_counts_as_judged_where_rows_enough_are_left_to_fit(tmp_path: Path) -> None:
+    rig = benches.bench(tmp_path, cylinder=False)
+    model = load(rig)
+    run = motion_runs.balance(30.0 * VELOCITY, 0.3)
+    data = MachineData(rig, model, linkages(rig, model), (), (), {}, {"slide": (run,)})
+    last = float(TIME[-1])
+    assert judged_balances(data, Split({})) == 1
+    assert judged_balances(data, Split({run.recording: ((0.0, 0.999 * last),)})) == 0

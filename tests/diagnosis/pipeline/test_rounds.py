@@ -220,3 +220,17 @@ def test_a_gas_that_strays_in_one_run_has_something_unknown_in_it(
     _, unknown = rounds.with_test_findings(stable)
     assert [(one.kind, one.where) for one in unknown] == [(Kind.UNKNOWN, "piston")] * found
     assert all("strays" in one.says and "30 times the noise" in one.says and one.log10_odds > 100.0 for one in unknown)
+
+
+@pytest.mark.parametrize(("at_the_end", "at_the_beginning", "first"), [(2, 2, False), (1, 2, True), (1, 1, False), (0, 0, False)])
+def test_the_end_is_kept_where_only_it_moves(
+    monkeypatch: pytest.MonkeyPatch, data: MachineData, at_the_end: int, at_the_beginning: int, first: bool
+) -> None:
+    """A balance of forces that has rows without the beginning only is judged on the end; then the other division comes second."""
+    time = data.recordings[0].time
+    ends = rounds.split([(data.recordings[0].name, time)])
+    monkeypatch.setattr(rounds, "judged_balances", lambda data, parts: at_the_end if parts == ends else at_the_beginning)
+    off = errors(balances={GAS: BalanceError(9.0 * LACKING_RATIO, 1.0, 5.0, 9.0)})
+    more = replace(data, joints={**data.joints, "other": data.joints["slide"]})
+    _, plans = stable(monkeypatch, more, [()], off)
+    assert [plan.split == ends for plan in plans] == [not first, first]

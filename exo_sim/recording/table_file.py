@@ -31,7 +31,7 @@ def write_table(path: str | Path, recording: Recording) -> None:
     path = Path(path)
     ending = path.suffix.lower()
     if ending not in (".parquet", ".csv", ".sto"):
-        raise OutputError(f'cannot write "{path}": a table ends in .parquet or .csv, or in .sto')
+        raise OutputError(f'cannot write "{path}": a table ends in .parquet, .csv or .sto, a recording for the viewer in .rrd')
     with replacing(path) as beside:
         if ending == ".parquet":
             with writing_parquet(beside) as pieces:

@@ -43,12 +43,11 @@ def as_it_was(walk: Walk, name: str, seed: int = 0) -> Recording:
         for joint, values in zip(JOINTS, table.T):
             columns[f"{joint}.{signal}"], units[f"{joint}.{signal}"] = np.ascontiguousarray(values), unit
     for foot, side in enumerate("lr"):
-        name = f"foot_{side}"
         for signal, unit, values in (
             ("wearer_force_x", "N", it.ground.force[:, foot, 0]), ("wearer_force_z", "N", it.ground.force[:, foot, 1]),
             ("wearer_pressure_centre", "m", it.ground.centre[:, foot]),
         ):  # fmt: skip
-            columns[f"{name}.{signal}"], units[f"{name}.{signal}"] = np.ascontiguousarray(values), unit
+            columns[f"foot_{side}.{signal}"], units[f"foot_{side}.{signal}"] = np.ascontiguousarray(values), unit
     for k, (signal, unit) in enumerate((("residual_force_x", "N"), ("residual_force_z", "N"), ("residual_moment", "N*m"))):
         columns[f"ledger.{signal}"], units[f"ledger.{signal}"] = np.ascontiguousarray(it.ground.residual[:, k]), unit
     request = walk.request

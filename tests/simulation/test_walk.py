@@ -251,6 +251,7 @@ def test_where_the_ground_pushes_balances_the_standing_machine(exo):
 
 def test_the_table_has_the_contracts_columns(on):
     table = record.recording(on, "walk")
+    assert table.name == "walk"
     for part in ("hip_l", "knee_r"):
         for signal in ("valve_command", "pressure_1", "pressure_2", "temperature_1", "force", "position", "torque"):
             assert f"{part}.{signal}" in table

@@ -93,7 +93,7 @@ def search(
     study = optuna.create_study(directions=list(DIRECTIONS), sampler=_sampler(seed, 0))
     distributions = _distributions(space)
     for first in workers.first_designs(task, min(BATCH, trials), seed):
-        study.enqueue_trial({name: _as_asked(name, first[name]) for name in distributions})
+        study.enqueue_trial({name: _as_asked(first[name], within) for name, within in distributions.items()})
     found: list[Found] = []
     new, interrupted = 0, False
     narrow: float | None = None
@@ -184,8 +184,12 @@ def _distributions(space: Space) -> dict[str, Any]:
     return out
 
 
-def _as_asked(name: str, value: float) -> float | int:
-    return int(value) if name.endswith(".above") else value
+def _as_asked(value: float, within: Any) -> float | int:
+    """Return a number of a first design as the sampler takes it: rounded out of a range, of one size say, it is refused."""
+    import optuna
+
+    inside = min(max(value, within.low), within.high)
+    return int(inside) if isinstance(within, optuna.distributions.IntDistribution) else inside
 
 
 def _ask(study: optuna.Study, distributions: dict[str, Any]) -> optuna.Trial:

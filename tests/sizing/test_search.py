@@ -13,7 +13,7 @@ from exo_sim.sizing import evaluation, workers
 from exo_sim.sizing.evaluation import OF_THE_MACHINE, Task
 from exo_sim.sizing.recommendation import ENOUGH_MARGIN, WAYS_OUT, Walked, nothing_found, recommended
 from exo_sim.sizing.screening import CONSTRAINTS
-from exo_sim.sizing.search import search
+from exo_sim.sizing.search import _as_asked, search
 from exo_sim.sizing.study import space_of
 from exo_sim.sizing.workers import Workers
 
@@ -38,6 +38,20 @@ def test_nothing_on_the_front_is_bettered(outcome):
         for other in feasible:
             theirs = np.array([-other.objectives[0], *other.objectives[1:]])
             assert not (np.all(theirs <= mine) and np.any(theirs < mine))
+
+
+def test_a_catalogue_of_one_valve_is_a_range_that_its_own_first_design_fits():
+    """A first design computes its valve's area, which differs from the catalogue's by rounding; the sampler refused it."""
+    import optuna
+
+    area = 2.0080835887127047e-05
+    one = optuna.distributions.FloatDistribution(area, area, log=True)
+    for value in (np.nextafter(area, 0.0), area, np.nextafter(area, 1.0)):
+        study = optuna.create_study()
+        study.enqueue_trial({"knee.valve": _as_asked(float(value), one)})
+        assert study.ask({"knee.valve": one}).params == {"knee.valve": area}
+    above = _as_asked(2.0, optuna.distributions.IntDistribution(0, 3))
+    assert above == 2 and isinstance(above, int)
 
 
 def test_screened_out_designs_are_not_simulated(outcome):

@@ -6,8 +6,8 @@ chamber draws in an interval is linear in its pressures (corrected equations 13 
 
     m = max(0, (V dP + k P dV) / (k R T_s))
 
-so that the least gas of a whole cycle is a linear program, periodic, with the valve's flow and the supply's pressure as bounds. HiGHS
-(Huangfu and Hall 2018) solves it. A chamber at the exhaust's pressure grows from there and pays nothing for it; which intervals these are
+so that the least gas of a whole cycle is a linear program, periodic, with the valve's flow and the supply's pressure as bounds
+(`chamber_program` solves it). A chamber at the exhaust's pressure grows from there and pays nothing for it; which intervals these are
 is settled by solving again.
 
 With a recovery tank a chamber below the tank's pressure may be filled from it, one above may give to it; over a cycle each cylinder takes
@@ -22,22 +22,28 @@ from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy import sparse
 
-from exo_sim.control.chamber_flows import BAR, GRAM, Columns, draw_rows, tank_rows
+from exo_sim.control.chamber_flows import BAR, GRAM, ChamberRows
+from exo_sim.control.chamber_program import Program, solve
 
 Array = NDArray[np.float64]
 #: Intervals of a cycle.
 INTERVALS = 64
-#: Share of the supply's pressure that a plan fills a chamber to.
-FILLED_TO = 0.97
 _KILO = 1e3
 #: Springs beside a rod: the stiffest and the softest that is one [N/m], and how far from X = 0 they may be at rest [m].
 STIFFEST, _SOFTEST, _FARTHEST = 3e4, 100.0, 0.4
 #: A newton that is missing over an interval costs as much as the gas of so many newtons held at full stroke.
 _PRICE = 40.0
+#: Force below which none is missing [N].
+_LEAST_SHORT = 1e-2
 #: How often the program is solved at the most: while a pass betters the one before.
 _PASSES, _TANK_PASSES = 3, 6
+#: A pass betters the one before by more than this [g]; a pressure at the exhaust's is within this [bar], gas is drawn above this [g].
+_BETTER, _AT_EXHAUST, _DRAWN = 1e-4, 1e-3, 1e-6
+#: What a gram through the tank costs, of one drawn: little, but gas is not drawn to be led round through it.
+_EXCHANGED = 1e-3
+#: What a spring's two numbers count in its bounds: its rest within reach either way, no stiffer than the stiffest, and no less than none.
+_TURNED = np.array([[1.0, -_FARTHEST], [-1.0, -_FARTHEST], [0.0, 1.0], [0.0, -1.0]])
 
 
 @dataclass(frozen=True)
@@ -70,57 +76,44 @@ def plan(world: np.void, c: np.void, x: Array, force: Array, period: float, spri
         period: Of the cycle [s].
         spring: Whether a spring beside the rod is to be chosen, too: its force is linear in two numbers, so the program stays one.
     """
-    from scipy.optimize import linprog  # most machines follow no plan
-
-    n, p_s, p_e = len(x), float(world["supply_pressure"]), float(world["exhaust_pressure"])
+    n, p_e = len(x), float(world["exhaust_pressure"])
     price = _PRICE * float(c["stroke"]) / float(world["k"] * world["r"] * world["supply_temperature"]) / GRAM
-    columns = Columns(n)
     tank = bool(world["tank_volume"] > 0.0 and c["tank_area"] > 0.0)
     a_1, a_2 = float(c["area_1"]), float(c["area_2"])
-    unit = sparse.identity(n, format="csr")
-    by_spring = sparse.csr_matrix(np.stack([-np.ones(n), -x], axis=1) * _KILO)
-    balance = columns.row(p_1=a_1 * BAR * unit, p_2=-a_2 * BAR * unit, missing=unit, excess=-unit, spring=by_spring)
-    wanted = force + float(world["atmosphere"]) * (a_1 - a_2)
-    turned = columns.row(spring=sparse.csr_matrix([[1.0, -_FARTHEST], [-1.0, -_FARTHEST]]))
-    rows, most = draw_rows(world, c, x, period)
-    rows, most = sparse.vstack([rows, turned], format="csr"), np.concatenate([most, np.zeros(2)])
-    floor, pressures, drawn = p_e / BAR, columns.pair("p"), columns.pair("drawn")
-    stiffest = STIFFEST / _KILO if spring else 0.0
-    low, high, cost = np.zeros(columns.count), np.full(columns.count, np.inf), np.zeros(columns.count)
-    low[pressures], high[pressures] = floor, max(FILLED_TO * p_s, p_e) / BAR
-    if c["single_acting"] > 0.0:  # chamber 2 is open
-        high[columns.of("p_2")] = floor
-    low[columns.of("spring")], high[columns.of("spring")] = [-_FARTHEST * stiffest, 0.0], [_FARTHEST * stiffest, stiffest]
-    high[columns.pair("taken")] = high[columns.pair("given")] = 0.0
-    cost[drawn], cost[columns.of("missing")], cost[columns.of("excess")] = 1.0, price, price
+    chambers, cost, sign = ChamberRows(world, c, x, period), np.ones((n, 2, 2)), np.zeros((n, 2))
     if c["single_acting"] > 0.0:
-        cost[columns.of("drawn_2")] = 0.0
+        cost[:, 1, 0] = 0.0
+    ones = np.ones(n)
+    program = Program(
+        *chambers.rows(), cost, sign, price * np.stack([a_1 * BAR * ones, -a_2 * BAR * ones, -_KILO * ones, -_KILO * x], axis=1),
+        price * (force + float(world["atmosphere"]) * (a_1 - a_2)), _TURNED, np.array([0.0, 0.0, STIFFEST / _KILO if spring else 0.0, 0.0]),
+    )  # fmt: skip
     least, best = np.inf, None
-    limits, right = rows, most
     for _ in range(_TANK_PASSES if tank else _PASSES):
-        found = linprog(cost, limits, right, balance, wanted, np.stack([low, high], axis=1), method="highs")
-        if found.status != 0 or found.fun > least - 1e-4:
+        found = solve(program)
+        drawn = float(np.sum(program.cost[:, :, 0] * found.gas[:, :, 0]) + found.missing.sum())
+        if not found.found or drawn > least - _BETTER:
             break
-        least, best = float(found.fun), found.x
-        held = best[pressures].reshape(2, n)
-        idle = held < floor + 1e-3
-        free = (idle & np.roll(idle, -1, axis=1)) & (best[drawn].reshape(2, n) > 1e-6)
+        least, best, recovered = drawn, found, float(np.sum(np.maximum(program.sign, 0.0) * found.gas[:, :, 1]))
+        idle = found.pressure < chambers.floor + _AT_EXHAUST
+        free = idle & np.roll(idle, -1, axis=0) & (found.gas[:, :, 0] > _DRAWN) & (cost[:, :, 0] > 0.0)
+        before = sign
         if tank:
-            below = 0.5 * (held + np.roll(held, -1, axis=1)) < float(world["tank_pressure"]) / BAR
-            more, more_right = tank_rows(world, c, below, period)
-            limits, right = sparse.vstack([rows, more], format="csr"), np.concatenate([most, more_right])
-            high[columns.pair("taken")] = np.where(below, np.inf, 0.0).ravel()
-            high[columns.pair("given")] = np.where(below, 0.0, np.inf).ravel()
-        elif not free.any():
+            below = 0.5 * (found.pressure + np.roll(found.pressure, -1, axis=0)) < float(world["tank_pressure"]) / BAR
+            sign = np.where(below, 1.0, -1.0)
+            cost[:, :, 1] = _EXCHANGED
+        if not free.any() and np.array_equal(sign, before):
             break
-        cost[drawn][free.ravel()] = 0.0
-        high[pressures][(free | np.roll(free, 1, axis=1)).ravel()] = floor
+        cost[:, :, 0][free] = 0.0
+        chambers.keep_idle(*np.nonzero(free | np.roll(free, 1, axis=0)))
+        rows, most = chambers.rows(below if tank else None)
+        program = program._replace(rows=rows, most=most, sign=sign)
     if best is None:
         still = np.full(n, p_e)
         return ChamberPlan(still, still.copy(), 0.0, float(np.abs(force).max()))
-    missing = best[columns.of("missing").start : columns.of("excess").stop]
-    start, stiffness = (float(value) * _KILO for value in best[columns.of("spring")])
+    start, stiffness = (float(value) * _KILO for value in best.spring)
+    short, gas = float(best.missing.max()) / price, float(least - best.missing.sum())
     return ChamberPlan(
-        best[columns.of("p_1")] * BAR, best[columns.of("p_2")] * BAR, float(least - price * missing.sum()) * GRAM, float(missing.max()),
-        (stiffness, -start / stiffness) if stiffness > _SOFTEST else None, float(best[columns.pair("taken")].sum()) * GRAM,
+        best.pressure[:, 0] * BAR, best.pressure[:, 1] * BAR, gas * GRAM, short if short > _LEAST_SHORT else 0.0,
+        (stiffness, -start / stiffness) if stiffness > _SOFTEST else None, recovered * GRAM,
     )  # fmt: skip

@@ -11,7 +11,7 @@ from exo_sim.sizing.design import Design
 from exo_sim.sizing.evaluation import ENOUGH_MARGIN, ENOUGH_TRACKING, OF_THE_MACHINE, Score, Task, evaluator, largest_torque
 from exo_sim.sizing.loads import JointLoads
 from exo_sim.sizing.recommendation import limit_of
-from exo_sim.sizing.screening import CONSTRAINTS
+from exo_sim.sizing.screening import CONSTRAINTS, LEAST_ARM
 from exo_sim.sizing.search import Found, Outcome
 
 #: Steps to a neighbour: of a pressure [Pa], of a valve's area (a factor), of an end's distance from the joint's axis [m].
@@ -142,12 +142,37 @@ def _fails(score: Score, task: Task, design: Design, peak: float) -> str:
     names = [f"{kind.name}: {words}" for kind in task.space.kinds for words in CONSTRAINTS] + list(OF_THE_MACHINE)
     first = next((i for i, value in enumerate(score.violations) if value > 0.0), None)
     if first is not None:
-        return f"{names[first]}, by {100 * score.violations[first]:.0f} %"
+        return fails_in_words(names[first], score.violations[first])
     if score.margin < ENOUGH_MARGIN:
         return f"torque in hand {100 * score.margin:.0f} %, {100 * ENOUGH_MARGIN:.0f} % asked"
     if not score.error <= ENOUGH_TRACKING * peak:
         return f"torque error {score.error:.2f} N m rms, {ENOUGH_TRACKING * peak:.2f} allowed"
     return ""
+
+
+def fails_in_words(constraint: str, beyond: float) -> str:
+    """Return what a design fails, for people.
+
+    Args:
+        constraint: Of `screening.CONSTRAINTS`, behind its kind of joint ("knee: torque"), or of `evaluation.OF_THE_MACHINE`.
+        beyond: How far, as scores have it.
+    """
+    joint, _, name = constraint.rpartition(": ")
+    share = f"{100 * beyond:.0f} %"
+    words = {
+        "dead centre": f"moment arm {share} below the {1e3 * LEAST_ARM:g} mm asked for",
+        "stroke": "no stroke to be had is as long as its travel",
+        "length": f"pivots {share} nearer than its shortest length",
+        "buckling": f"push {share} beyond a fifth of what buckles its rod",
+        "rating": f"supply {share} beyond its rating",
+        "torque": f"torque short by {share} of its peak",
+        "joints not sized": f"joints not sized: torque short by {share} of its peak",
+        "coupled cycle": "the coupled cycle is not walked to its end",
+        "chamber pressure": f"chambers {share} beyond their largest pressure",
+    }[name]
+    if name == "torque" and beyond > 1.0:  # more than all of it is missing: the gas brakes
+        words = "valve too small for the joint's speed: the gas brakes instead of driving"
+    return f"{joint}: {words}" if joint else words
 
 
 def _relaxed(task: Task, outcome: Outcome, chosen: Found, peak: float) -> tuple[Relaxed, ...]:

@@ -4,9 +4,10 @@ from dataclasses import replace
 
 import pytest
 
-from exo_sim.sizing.evaluation import ENOUGH_MARGIN
+from exo_sim.sizing.evaluation import ENOUGH_MARGIN, OF_THE_MACHINE
+from exo_sim.sizing.screening import CONSTRAINTS
 from exo_sim.sizing.search import Found, Outcome
-from exo_sim.sizing.sensitivity import cheaper, sensitivity
+from exo_sim.sizing.sensitivity import cheaper, fails_in_words, sensitivity
 
 
 @pytest.fixture(scope="module")
@@ -45,3 +46,15 @@ def test_neighbours_differ_in_one_number_and_say_what_they_fail(found, task, jud
         assert bool(one.fails) == (max(one.score.violations) > 0.0 or one.score.margin < ENOUGH_MARGIN or "error" in one.fails)
         if cheaper(one, chosen.score):
             assert one.score.gas < chosen.score.gas or one.score.mass < chosen.score.mass
+
+
+def test_what_a_design_fails_is_said_in_words():
+    assert fails_in_words("knee: torque", 0.12) == "knee: torque short by 12 % of its peak"
+    # ten times the peak is no lack of strength: air does not get in and out as fast as the piston moves
+    assert fails_in_words("knee: torque", 9.34) == "knee: valve too small for the joint's speed: the gas brakes instead of driving"
+    assert fails_in_words("chamber pressure", 0.03) == "chambers 3 % beyond their largest pressure"
+
+
+@pytest.mark.parametrize("constraint", [*(f"hip: {name}" for name in CONSTRAINTS), *OF_THE_MACHINE])
+def test_every_constraint_has_words(constraint):
+    assert fails_in_words(constraint, 0.5).startswith("hip: ") == constraint.startswith("hip: ")

@@ -138,8 +138,13 @@ class FamilySearch:
         return replace(spreads, amplitudes=tuple(amplitudes))
 
     def _laws(self, best: Weighed, finalists: Sequence[Weighed]) -> list[_Law]:
-        """Return every law that the effects of the best subset may follow, by how probable it is."""
+        """Return every law that the effects of the best subset may follow, and may follow beside other effects, by how probable it is."""
         alike = self.weighing.alike(best, finalists)
+        known, wanted = {(one.bend, one.subset) for one in alike}, {c.at for c in self.weighing.candidates(best)}
+        alike += [
+            one for one in finalists
+            if (one.bend, one.subset) not in known and one.score > -math.inf and wanted & {c.at for c in self.weighing.candidates(one)}
+        ]  # fmt: skip
         highest = max(one.score for one in alike)
         probable = [(math.exp(one.score - highest), one) for one in alike]
         return [
@@ -290,7 +295,8 @@ def _errors_about(final: FittedModel, laws: Sequence[_Law]) -> dict[FreeParamete
     """Return standard deviations about the values of a model, over all laws that its effects may follow.
 
     Laws that fit about as well give a number other values (a dip that falls slowly with speed leaves less to the level at which a
-    contact slides): the mean square over them, by their probability, is what is not known of it.
+    contact slides), and so does another effect beside it that explains the rest as well: the mean square over them, by their
+    probability, is what is not known of it.
     """
     weights: dict[FreeParameter, list[tuple[float, float]]] = {}
     for law in laws:

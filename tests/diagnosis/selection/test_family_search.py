@@ -124,3 +124,17 @@ def test_what_does_alone_what_two_do_together_is_the_rival_of_both() -> None:
     found = searched(model, term(model, one), term(model, two), term(model, both))
     assert found.final.named == {one.at, two.at}
     assert all(both.at in {rival.at for rival, _ in found.rivals[candidate.key]} for candidate in (one, two))
+
+
+def test_a_number_is_known_no_better_than_the_effects_beside_it() -> None:
+    """What is beside the slow wave is quick, or quick and a little slow, and nothing tells which: the slow one is 3 or 2.2."""
+    model = waves.Waves(shapes={**waves.SHAPES, "tilted": waves.SHAPES["quick"] + 0.4 * waves.SHAPES["slow"]}, slow=3.0, quick=2.0)
+    plain, tilted = waves.candidate("plain", "quick"), waves.candidate("leaning", "tilted")
+    (size,) = waves.BASE.parameters
+    target = -model.residual({})
+    terms = (term(model, waves.BASE), term(model, plain), term(model, tilted))
+    family = LinearFamily((), (Bend(None, {}, target, np.zeros((target.size, 0)), terms),))
+    search = FamilySearch(ModelFits(model, (), cheap=True), family, joined([], target.size))
+    finalists = search.weighing.finalists()
+    laws = [(law.weight, law.values[size]) for law in search._laws(finalists[0], finalists) if size in law.errors]
+    assert {round(value) for weight, value in laws if weight > 0.5} == {2, 3} and min(weight for weight, _ in laws) > 0.0

@@ -2,18 +2,24 @@
 
 from __future__ import annotations
 
+import math
+
 import numpy as np
 import pytest
 from diagnosis import waves
 
+from exo_sim.diagnosis.estimation.uncertainty import HALF_WIDTH
+from exo_sim.diagnosis.findings import Estimate, Finding, Kind
 from exo_sim.diagnosis.selection.decision import decide
-from exo_sim.diagnosis.selection.put_aside import without_findings
+from exo_sim.diagnosis.selection.put_aside import open_to, without_findings
 from exo_sim.diagnosis.selection.search import Search
 from exo_sim.diagnosis.selection.subsystem_result import SubsystemResult
 
 #: A wave that is for the most part the slow one.
 NEAR = waves.SHAPES["slow"] + 0.5 * waves.SHAPES["quick"]
 LIKE = waves.candidate("like", "near")
+#: What an interval gains to either side where its number moved by one and the name that moved it is as likely right as wrong.
+MOVED = 0.5**0.5 * HALF_WIDTH
 
 
 def result(bound: float) -> SubsystemResult[waves.Waves]:
@@ -32,6 +38,7 @@ def test_the_numbers_of_the_others_are_found_anew() -> None:
     assert estimate.value == pytest.approx(3.0 + 2.0 * float(slow @ NEAR) / float(slow @ slow), abs=0.3)
     assert found.final.named == {waves.BASE.at} and {c.at for c in found.named} == {waves.BASE.at}
     assert np.mean(found.final.fit.residual**2) > 1.2
+    assert estimate.low < 3.0 < estimate.value < estimate.high  # as it was beside what may be right all the same
 
 
 def test_where_the_rest_alone_leaves_something_unknown_only_the_names_go() -> None:
@@ -45,3 +52,24 @@ def test_a_name_that_is_not_there_changes_nothing() -> None:
     before = result(bound=10.0)
     after = without_findings(before, {waves.OTHER.at})
     assert after.findings == before.findings and after.final is before.final
+
+
+def of(value: float, low: float, high: float) -> Finding:
+    return Finding("viscous_friction", "piston", Kind.MISSING_PHYSICS, "", {"coefficient": Estimate(value, "N*s/m", low, high)}, 9.0, 0.5)
+
+
+@pytest.mark.parametrize(
+    ("anew", "before", "low", "high"),
+    [
+        ((10.0, 9.0, 11.0), (10.0, 9.0, 11.0), 9.0, 11.0),
+        ((10.0, 9.0, 11.0), (6.0, 5.5, 6.5), 10.0 - math.hypot(1.0, MOVED * 4.0), 10.0 + math.hypot(1.0, MOVED * 4.0)),
+        ((10.0, 9.0, 11.0), (10.0, 7.0, 14.0), 7.0, 14.0),
+        ((10.0, 9.0, 11.0), (30.0, 29.0, 31.0), 0.0, 10.0 + math.hypot(1.0, MOVED * 20.0)),
+    ],
+    ids=["unmoved", "moved", "was less known", "not below nil"],
+)  # fmt: skip
+def test_an_interval_carries_what_a_number_was_beside_what_was_put_aside(
+    anew: tuple[float, float, float], before: tuple[float, float, float], low: float, high: float
+) -> None:
+    estimate = open_to(of(*anew), of(*before)).parameters["coefficient"]
+    assert (estimate.value, estimate.low, estimate.high) == pytest.approx((anew[0], low, high))

@@ -24,7 +24,8 @@ def standard_errors(rows: Blocked, fit: Fit, correlation_time: float) -> dict[Fr
 
     The larger of two: least squares with the residual's own variance and correlation time, and the sandwich estimator clustered by
     blocks of time with the correction of Bell and McCaffrey (2002) for few blocks (CR2), which also holds for a misspecified model with
-    correlated residuals.
+    correlated residuals. In both a row counts as little as its residual's variance and correlation leave of it: priors then hold what
+    rows that are missed by tens of standard deviations do not.
 
     Args:
         rows: Whose rows they are.
@@ -34,8 +35,8 @@ def standard_errors(rows: Blocked, fit: Fit, correlation_time: float) -> dict[Fr
     if not fit.parameters or not fit.residual.size:
         return {}
     jac, prior = fit.jacobian, fit.prior_jacobian.reshape(-1, len(fit.parameters))
-    bread = covariance(fit, correlation_time)
-    clustered = _clustered(rows.blocks, jac, fit.residual, jac.T @ jac + prior.T @ prior)
+    bread, inflation = covariance(fit, correlation_time), _inflation(fit, correlation_time)
+    clustered = _clustered(rows.blocks, jac / math.sqrt(inflation), fit.residual / math.sqrt(inflation), prior)
     found = {}
     for j, parameter in enumerate(fit.parameters):
         both = max(float(bread[j, j]), float(clustered[j]), 0.0)
@@ -53,22 +54,28 @@ def covariance(fit: Fit, correlation_time: float) -> Array:
     if not fit.parameters:
         return np.zeros((0, 0))
     prior = fit.prior_jacobian.reshape(-1, len(fit.parameters))
-    variance = max(fit.sse / max(fit.residual.size - len(fit.parameters), 1), 1.0) * correlation_time
-    return np.asarray(np.linalg.pinv(fit.jacobian.T @ fit.jacobian / variance + prior.T @ prior))
+    return np.asarray(np.linalg.pinv(fit.jacobian.T @ fit.jacobian / _inflation(fit, correlation_time) + prior.T @ prior))
 
 
-def _clustered(blocks: NDArray[np.int64], jac: Array, residual: Array, information: Array) -> Array:
-    """Return the variance of each parameter by the scores of blocks of time, shape (parameters,).
+def _inflation(fit: Fit, correlation_time: float) -> float:
+    """Return by how much the variance of a row's score exceeds that of noise alone: the residual's variance and correlation, 1 or more."""
+    return max(fit.sse / max(fit.residual.size - len(fit.parameters), 1), 1.0) * max(correlation_time, 1.0)
+
+
+def _clustered(blocks: NDArray[np.int64], jac: Array, residual: Array, prior: Array) -> Array:
+    """Return the variance of each parameter by the scores of blocks of time, and by those of the priors, shape (parameters,).
 
     With A the information of all rows and of the priors, and H_b = J_b A^-1 J_b' what a block of rows pulls the fit towards itself, its
     residual counts as (I - H_b)^(-1/2) r_b: where rows are independent the variance is then unbiased, however few blocks there are. To
-    leave out one block after the other says nothing of a number that one block alone holds down.
+    leave out one block after the other says nothing of a number that one block alone holds down. What a prior takes part in is as
+    uncertain as the prior's mean.
 
     Args:
         blocks: Block of each row, shape (n,).
         jac, residual: Of the fit, shapes (n, parameters) and (n,).
-        information: A, shape (parameters, parameters).
+        prior: Rows of the priors' information, shape (priors, parameters).
     """
+    information = jac.T @ jac + prior.T @ prior
     order = np.argsort(blocks, kind="stable")
     ends = np.flatnonzero(np.diff(blocks[order])) + 1
     inverse = np.linalg.pinv(information, hermitian=True)
@@ -81,7 +88,7 @@ def _clustered(blocks: NDArray[np.int64], jac: Array, residual: Array, informati
         score = part.T @ left
         widened = np.where((pulls > _LEAST_PULL) & (pulls < 1.0 - _LEAST_PULL), 1.0 / np.sqrt(np.maximum(1.0 - pulls, _LEAST_PULL)), 1.0)
         scores.append(root @ (directions @ (widened * (directions.T @ score))))
-    return np.asarray(np.sum(np.square(scores), axis=0))
+    return np.asarray(np.sum(np.square(scores), axis=0) + np.sum(np.square(inverse @ prior.T), axis=1))
 
 
 def interval(value: float, error: float) -> tuple[float, float]:

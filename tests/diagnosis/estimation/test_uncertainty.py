@@ -46,6 +46,35 @@ def test_a_prior_bounds_the_error() -> None:
     assert error(noise, 400.0, HELD) < 1.05e-3
 
 
+def test_what_priors_alone_tell_apart_is_as_uncertain_as_they_are() -> None:
+    """A valve's area and a volume that scale together: rows that are missed by more than noise do not make them vaguer than data sheets."""
+    rng = np.random.default_rng(5)
+    names = [FreeParameter("effect", "piston", name, "1", Target.SENSOR, 0.1, -10.0, 10.0, (1.0, 0.1)) for name in ("area", "volume")]
+    shape, blocks = rng.standard_normal(480), np.arange(480) // 40
+
+    class Few:
+        size = 480
+
+        @property
+        def blocks(self) -> np.ndarray:
+            return blocks
+
+    area, volume = names
+
+    def fitted_to(missed: np.ndarray) -> Fit:
+        def residual(values: dict[FreeParameter, float]) -> np.ndarray:
+            apart, together = values[area] - values[volume], values[area] + values[volume]
+            return np.asarray(missed + 1000.0 * shape * apart + 0.3 * np.roll(shape, 1) * together)
+
+        return fit(residual, names, dict.fromkeys(names, 1.0), tolerance=1e-9)
+
+    for _ in range(20):
+        found = fitted_to(20.0 * np.repeat(rng.standard_normal(12), 40) * shape)
+        errors = standard_errors(Few(), found, 10.0)
+        for name in names:
+            assert 0.06 < errors[name] < 0.11
+
+
 def test_intervals_cover_nineteen_of_twenty() -> None:
     rng, covered = np.random.default_rng(3), 0
     for _ in range(200):

@@ -28,7 +28,7 @@ EFFECT = Effect(
     any_of=(("area_1",), ("area_2",), ("laminar_1",), ("laminar_2",)),
     cut="gas",
     reveals=("pressure_1", "pressure_2"),
-    mistaken_for=("piston_leakage", "valve_null_leakage", "wall_heat_transfer", "sensor_bias"),
+    mistaken_for=("piston_leakage", "valve_null_leakage", "valve_edges", "wall_heat_transfer", "sensor_bias"),
     experiment="close every path at equal pressures and hold longer than five thermal time constants",
     convention="inertial belongs to both porous paths: p^2 - p_atm^2 = w/laminar + inertial w^2.",
     valid="the path neither opens nor closes with pressure; an area is a sharp-edged nozzle, laminar and inertial a porous path.",

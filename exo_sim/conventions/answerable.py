@@ -13,6 +13,7 @@ from typing import Any
 import mujoco
 import numpy as np
 
+from exo_sim.conventions.undriven import is_undriven
 from exo_sim.machine.linkage import linkages
 from exo_sim.machine.unmeasured_contact import without_ground_force
 from exo_sim.physics.declaration import Effect, declared
@@ -64,7 +65,7 @@ def questions(recording: Recording, rig: Rig, model: mujoco.MjModel) -> list[Que
             found += [_at_cylinder(effect, name, joints.get(name, ""), recording, rig) for name in rig.cylinders]
         if "joint" in places:
             names = [model.joint(i).name for i in range(model.njnt)]
-            found += [_at_joint(effect, name, [c for c, j in joints.items() if j == name], recording) for name in names]
+            found += [_at_joint(effect, name, [c for c, j in joints.items() if j == name], recording, rig) for name in names]
         found += [_shared(effect, place, recording, rig) for place in places if place in ("supply", "exhaust")]
     if unknown := _unknown_contact(recording, model):
         of_motion = {effect.name for effect in declared().values() if effect.cut == "motion"}
@@ -99,9 +100,9 @@ def _at_cylinder(effect: Effect, name: str, joint: str, recording: Recording, ri
     return Question(effect.name, name, (*dict.fromkeys(missing), *happened))
 
 
-def _at_joint(effect: Effect, joint: str, cylinders: Sequence[str], recording: Recording) -> Question:
+def _at_joint(effect: Effect, joint: str, cylinders: Sequence[str], recording: Recording, rig: Rig) -> Question:
     missing = _lacking(recording, [f"{joint}.position"], [])
-    if not _driven(recording, joint, cylinders) and not _pushed(recording):
+    if not _driven(recording, joint, cylinders) and not _pushed(recording) and not is_undriven(recording, rig):
         drives = [f"{joint}.external_force", *(f"{name}.pressure_1" for name in cylinders)]
         missing.append(" or ".join(drives))
     return Question(effect.name, joint, (*dict.fromkeys(missing), *_happened(effect, recording, "", f"{joint}.position")))

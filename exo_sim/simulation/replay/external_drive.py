@@ -8,6 +8,7 @@ import mujoco
 import numpy as np
 from numpy.typing import NDArray
 
+from exo_sim.conventions.undriven import is_undriven
 from exo_sim.machine.linkage import Linkage, moment_row
 from exo_sim.recording.filters import smoothed
 from exo_sim.recording.table import Recording
@@ -30,7 +31,8 @@ def externally_driven(recording: Recording, rig: Rig, model: mujoco.MjModel, lin
     """Return the joints that were driven or held by forces that nobody measured, and why.
 
     Friction and drag only dissipate. So where inverse dynamics, measured pressures and the measured outside force leave an unknown
-    force that supplies much power, a person or a test machine was at work. A joint whose pressures were not measured counts as free.
+    force that supplies much power, a person or a test machine was at work. A joint whose pressures were not measured counts as free, and
+    so does every joint of a machine that nothing drives: a pendulum that is let go, of which only the position is recorded.
     """
     joints = recorded_joints(recording, model)
     if len(joints) < model.njnt:
@@ -38,7 +40,7 @@ def externally_driven(recording: Recording, rig: Rig, model: mujoco.MjModel, lin
         why = f"the position of {', '.join(missing[:3])}{' and others' if len(missing) > 3 else ''} was not recorded"
         return {model.joint(j).name: why for j in joints}
     found = {}
-    balance = _power_shares(recording, rig, model, links, joints)
+    balance = {} if is_undriven(recording, rig) else _power_shares(recording, rig, model, links, joints)
     for j in joints:
         name = model.joint(j).name
         if has_samples(recording, f"{name}.external_force"):

@@ -15,6 +15,7 @@ from exo_sim.diagnosis.estimation.correlation import Blocked, correlation_time
 from exo_sim.diagnosis.estimation.least_squares import Fit
 from exo_sim.diagnosis.estimation.noise_model import noise_model
 from exo_sim.diagnosis.policy import acceptance
+from exo_sim.recording.noise import white_noise
 
 
 @dataclass(frozen=True)
@@ -112,6 +113,19 @@ def is_accepted(
         return True
     surely = evidence.log10_odds > acceptance.LEAST_ODDS and evidence.gain_per_row > acceptance.HEALTHY_GAIN
     return surely and evidence.share > wanted and steady
+
+
+def could_any_be_accepted(without: Fit, practical_significance: float) -> bool:
+    """Return whether any candidate at all could be worth a fit: what is white from row to row no law of the machine explains.
+
+    Args:
+        without: The fit that it would be added to.
+        practical_significance: As in `is_accepted`.
+    """
+    level = math.sqrt(without.sse / max(without.residual.size, 1))
+    if level**2 > acceptance.BEYOND_DOUBT_VARIANCE:
+        return True
+    return level - acceptance.STAYS_WHITE * white_noise(without.residual) >= practical_significance
 
 
 def could_be_accepted(promised: float, without: Fit, practical_significance: float) -> bool:

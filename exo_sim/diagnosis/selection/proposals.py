@@ -8,7 +8,7 @@ from exo_sim.diagnosis.estimation.candidate import Candidate
 from exo_sim.diagnosis.estimation.parameters import FreeParameter
 from exo_sim.diagnosis.findings import Kind
 from exo_sim.diagnosis.policy.budgets import FINALISTS, FORMS_OF_ONE
-from exo_sim.diagnosis.selection.evidence import could_be_accepted
+from exo_sim.diagnosis.selection.evidence import could_any_be_accepted, could_be_accepted
 from exo_sim.diagnosis.selection.fitted_model import FittedModel, SetKey, key_of
 from exo_sim.diagnosis.selection.model_fits import ModelFits
 from exo_sim.diagnosis.selection.score_test import Signatures, scores
@@ -31,8 +31,13 @@ class Proposals:
         self._latest: tuple[SetKey, Signatures] | None = None
 
     def scored(self, now: FittedModel) -> list[tuple[float, Candidate]]:
-        """Return the candidates that are not in a model with the drop in squared error that they promise, best first."""
+        """Return the candidates that are not in a model with the drop in squared error that they promise, best first.
+
+        Where fits cost much and none could be accepted, none is asked.
+        """
         key = key_of(now.candidates)
+        if not self.fits.cheap and not could_any_be_accepted(now.fit, self._practical_significance):
+            return []
         if key not in self._scored:
             self._scored[key] = scores(self.fits.model, now, self.candidates, self.fits.threads, self._beside(now), self.fits.is_spent)
         return self._scored[key]

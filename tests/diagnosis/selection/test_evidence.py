@@ -8,7 +8,14 @@ from hypothesis import strategies as st
 
 from exo_sim.diagnosis.estimation.least_squares import Fit
 from exo_sim.diagnosis.policy.acceptance import BEYOND_DOUBT_ODDS, BEYOND_DOUBT_SHARE, UNDERRATED
-from exo_sim.diagnosis.selection.evidence import compare, could_be_accepted, is_accepted, misfit, negative_log_likelihood
+from exo_sim.diagnosis.selection.evidence import (
+    compare,
+    could_any_be_accepted,
+    could_be_accepted,
+    is_accepted,
+    misfit,
+    negative_log_likelihood,
+)
 
 BLOCKS = np.repeat(np.arange(20), 200)
 
@@ -90,3 +97,24 @@ def test_at_the_noise_nothing_small_is_promised() -> None:
     noise = fit_of(np.random.default_rng(3).standard_normal(BLOCKS.size))
     assert not could_be_accepted(20.0, noise, 0.3)
     assert could_be_accepted(0.5 * noise.sse, noise, 0.3)
+
+
+def test_white_noise_that_is_too_small_to_matter_is_not_asked_for_its_cause() -> None:
+    noise = 0.9 * np.random.default_rng(2).standard_normal(BLOCKS.size)
+    assert not could_any_be_accepted(fit_of(noise), 0.5)
+    assert could_any_be_accepted(fit_of(noise), 0.2)  # in a quieter machine so much would matter
+
+
+def test_errors_that_hold_together_are_asked_however_small() -> None:
+    slow = 1.2 * np.sin(np.linspace(0.0, 60.0, BLOCKS.size)) + 0.1 * np.random.default_rng(2).standard_normal(BLOCKS.size)
+    assert could_any_be_accepted(fit_of(slow), 0.5)
+
+
+def test_bursts_are_no_noise() -> None:
+    residual = 0.3 * np.random.default_rng(2).standard_normal(BLOCKS.size)
+    residual[::20] += 4.0  # what a valve that opens late leaves
+    assert could_any_be_accepted(fit_of(residual), 0.5)
+
+
+def test_more_than_the_noise_is_always_asked() -> None:
+    assert could_any_be_accepted(fit_of(2.0 * np.random.default_rng(2).standard_normal(BLOCKS.size)), 5.0)

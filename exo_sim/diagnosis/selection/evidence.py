@@ -27,7 +27,6 @@ class Evidence:
         gain: Difference in log-likelihood on independent rows.
         share: Part of the explainable error that it explains.
         steady: Mean gain over blocks in units of its standard error.
-        gain_per_row: Gain in log-likelihood a row, all rows counted as independent.
         beside_discrepancy: As `log10_odds`, beside an ARMA(1,1) process that stands for noise and for what the richer model still misses:
             a shape of its own counts however small its share is, and what looks like the rest of the error counts for nothing.
     """
@@ -36,7 +35,6 @@ class Evidence:
     gain: float
     share: float
     steady: float
-    gain_per_row: float
     beside_discrepancy: float = 0.0
 
 
@@ -72,9 +70,8 @@ def compare(rows: Blocked, without: Fit, with_it: Fit, added: int, candidates: i
     gains = per_block[np.bincount(rows.blocks) > 0]
     error = float(gains.std(ddof=1)) / math.sqrt(gains.size) if gains.size > 1 else math.inf
     steady = float(gains.mean()) / error if error > 0.0 else math.inf
-    gain_per_row = 0.5 * (misfit(a / n) - misfit(b / n))
     beside = _beside_discrepancy(rows, without, with_it, added) - math.log10(max(candidates, 1))
-    return Evidence(odds, gain, max(a - b, 0.0) / explainable, steady, gain_per_row, beside)
+    return Evidence(odds, gain, max(a - b, 0.0) / explainable, steady, beside)
 
 
 def _beside_discrepancy(rows: Blocked, without: Fit, with_it: Fit, added: int) -> float:
@@ -111,8 +108,7 @@ def is_accepted(
     steady = evidence.steady > acceptance.STEADY_GAIN or evidence.share > acceptance.STEADY_SHARE
     if stands and evidence.beside_discrepancy > acceptance.BESIDE_DISCREPANCY and steady:
         return True
-    surely = evidence.log10_odds > acceptance.LEAST_ODDS and evidence.gain_per_row > acceptance.HEALTHY_GAIN
-    return surely and evidence.share > wanted and steady
+    return evidence.log10_odds > acceptance.LEAST_ODDS and evidence.share > wanted and steady
 
 
 def could_any_be_accepted(without: Fit, practical_significance: float) -> bool:

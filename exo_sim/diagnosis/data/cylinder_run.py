@@ -40,6 +40,7 @@ class CylinderRun:
         initial: Pressure at the first sample of a chamber that was not measured, from the balance of forces [Pa]; NaN where unknown.
         position_noise: Standard deviation of the white noise of `length` before it was smoothed [m].
         command_2: Towards chamber 2 where the valve has independent edges; None where one spool serves both.
+        settled: Whether the gas is known to be as warm as its walls where the run begins: it was held there before.
     """
 
     recording: str
@@ -59,6 +60,7 @@ class CylinderRun:
     initial: tuple[float, float] = (math.nan, math.nan)
     position_noise: float = 0.0
     command_2: Array | None = None
+    settled: bool = False
 
     def towards(self, side: int) -> Array:
         """Return the command that opens chamber 1 (side 0) or 2 (side 1) to the supply where it is above zero, shape (n,)."""
@@ -108,7 +110,7 @@ class CylinderRun:
             self, time=self.time[samples], command=self.command[samples], length=cut(self.length), speed=cut(self.speed),
             pressure=(cut(self.pressure[0]), cut(self.pressure[1])), supply=cut(self.supply), exhaust=cut(self.exhaust),
             supply_temperature=cut(self.supply_temperature), force=cut(self.force), command_2=cut(self.command_2),
-            breaks=breaks, initial=self.initial if from_the_start else (math.nan, math.nan),
+            breaks=breaks, initial=self.initial if from_the_start else (math.nan, math.nan), settled=self.settled and from_the_start,
         )  # fmt: skip
 
 

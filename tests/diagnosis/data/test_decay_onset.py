@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 from diagnosis import cylinder_runs
@@ -80,3 +82,13 @@ def test_of_two_chambers_the_one_held_longer_counts() -> None:
     one, other = held_then_falling(400, 100.0)[0], held_then_falling(700, 100.0)[0]
     for sides in ((one, other), (other, one)):
         assert N - len(from_decay_onset(cylinder_runs.run_of(*sides)).time) == pytest.approx(700, abs=4)
+
+
+def test_gas_that_was_held_for_a_second_has_settled_where_the_fall_begins() -> None:
+    for held, settled in ((1200, True), (300, False)):
+        pressure, _ = held_then_falling(held, 400.0)
+        run = cylinder_runs.run_of(pressure)
+        step = float(run.time[1] - run.time[0])
+        late = from_decay_onset(replace(run, time=run.time * 1e-3 / step))  # samples of 1 ms
+        assert late.settled is settled and not run.settled
+        assert late.part(0, 500).settled is settled and not late.part(500, 1000).settled

@@ -41,7 +41,12 @@ def warmth(sensors: Mapping[str, float], run: CylinderRun) -> tuple[float, float
 
 
 def begins_quietly(run: CylinderRun) -> bool:
-    """Return whether neither the piston nor a measured pressure changes in the first second: its gas then is as warm as its walls."""
+    """Return whether neither the piston nor a measured pressure changes in the first second: its gas then is as warm as its walls.
+
+    Nor before it: of a vessel that was held under pressure until it was left to decay, the gas has settled as well.
+    """
+    if run.settled:
+        return True
     first = run.time < run.time[0] + QUIET_START
     if first.sum() < 2 * FEWEST_OF_CHANNEL:
         return False

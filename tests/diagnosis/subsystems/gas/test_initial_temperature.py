@@ -62,6 +62,12 @@ def test_a_piston_that_moves_at_first_warms_its_gas() -> None:
     assert not begins_quietly(replace(run, length=0.1 + 0.01 * run.time))
 
 
+def test_gas_that_was_held_before_the_run_begins_is_asked_nothing() -> None:
+    """A print that leaks, held for 7 s and judged from its fall on: with its gas free by 30 K the leak's interval held nil."""
+    run = replace(recorded((25.0, 0.0)), settled=True)
+    assert begins_quietly(run) and initial_temperatures([run]) == ()
+
+
 def test_a_recording_of_a_few_samples_is_not_taken_to_begin_quietly() -> None:
     assert not begins_quietly(recorded((0.0, 0.0)).until(8))
 

@@ -76,10 +76,13 @@ def rates(y, u, dry, t, p, out):
     out_1 = mass_flow(e1, end_1, end_t1, exhaust, t_exhaust, b, zone, k, gas)
     in_2 = mass_flow(s2, supply, t_supply, end_2, end_t2, b, zone, k, gas)
     out_2 = mass_flow(e2, end_2, end_t2, exhaust, t_exhaust, b, zone, k, gas)
-    if p.cushion_area > 0.0:
-        if x < p.cushion_length and out_1 > 0.0:
+    # the needle sits in the end cap: a line, where there is one, begins behind it
+    cushions_1 = p.cushion_area > 0.0 and x < p.cushion_length
+    cushions_2 = p.cushion_area > 0.0 and p.stroke - x < p.cushion_length
+    if not lines:
+        if cushions_1 and out_1 > 0.0:
             out_1 = through_both(p.cushion_area, e1, end_1, end_t1, exhaust, t_exhaust, b, zone, k, gas)
-        if p.stroke - x < p.cushion_length and out_2 > 0.0:
+        if cushions_2 and out_2 > 0.0:
             out_2 = through_both(p.cushion_area, e2, end_2, end_t2, exhaust, t_exhaust, b, zone, k, gas)
     net_1 = in_1 - out_1
     net_2 = in_2 - out_2
@@ -95,6 +98,11 @@ def rates(y, u, dry, t, p, out):
         else:
             through_1 = mass_flow(p.line_area, end_1, end_t1, p1, y[T1], p.leak_ratio, zone, k, gas)
             through_2 = mass_flow(p.line_area, end_2, end_t2, p2, y[T2], p.leak_ratio, zone, k, gas)
+            needle = p.cushion_area
+            if cushions_1 and through_1 < 0.0:
+                through_1 = -through_both(needle, p.line_area, p1, y[T1], end_1, end_t1, p.leak_ratio, zone, k, gas)
+            if cushions_2 and through_2 < 0.0:
+                through_2 = -through_both(needle, p.line_area, p2, y[T2], end_2, end_t2, p.leak_ratio, zone, k, gas)
         carried_1 = cp * through_1 * (end_t1 if through_1 > 0 else y[T1])
         carried_2 = cp * through_2 * (end_t2 if through_2 > 0 else y[T2])
         out[ML1], out[TL1] = gas_rates(

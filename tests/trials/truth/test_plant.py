@@ -13,7 +13,7 @@ from exo_sim.trials.truth.flows import mass_flow, porous_flow
 from exo_sim.trials.truth.friction import friction_level
 from exo_sim.trials.truth.machine import Machine
 from exo_sim.trials.truth.plant import rates
-from exo_sim.trials.truth.state import M1, STATES, VP, XP, at_rest
+from exo_sim.trials.truth.state import M1, M2, ML1, ML2, STATES, VP, XP, at_rest
 
 AMBIENT = 101325.0
 #: A rigid litre on side 1: nothing moves, because what moves is too heavy.
@@ -164,6 +164,25 @@ def test_slow_laminar_leak_follows_its_law():
 def test_porous_path_obeys_its_law(difference):
     w = porous_flow(difference, 1e-16, 4e20)
     assert w / 1e-16 + 4e20 * w * abs(w) == pytest.approx(difference, rel=1e-9)
+
+
+@pytest.mark.parametrize("side, x", [(1, 0.005), (2, 0.195)])
+def test_a_needle_holds_back_what_leaves_the_chamber_before_its_line(side, x):
+    """The needle sits in the end cap: behind it the line empties freely, and what flows in passes beside it."""
+    needle, line = 5e-8, 4e-6
+    machine = Machine({**LITRE, "cushion_area": needle, "cushion_length": 0.02, "line_area": line, "line_volume": 1e-5})
+    record = machine.packed()[0]
+    mass, in_line = (M1, ML1) if side == 1 else (M2, ML2)
+
+    def rate(line_pressure):
+        y, out = at_rest(x, 6e5, 6e5, record), np.zeros(STATES)
+        y[in_line] *= line_pressure / 6e5
+        rates(y, 0.0, 0.0, 0.0, record, out)
+        return out[mass]
+
+    ratio = record["leak_ratio"]
+    assert rate(1.2e5) == pytest.approx(-mass_flow(needle, 6e5, 293.15, 1.2e5, 293.15, ratio, 1e-5, 1.4, 287.05), rel=1e-3)
+    assert rate(7e5) == pytest.approx(mass_flow(line, 7e5, 293.15, 6e5, 293.15, ratio, 1e-5, 1.4, 287.05), rel=1e-3)
 
 
 def test_atmosphere_on_the_rod_balances():

@@ -19,7 +19,7 @@ LAG = 0.010
 #: What a newton metre of feedback counts beside one in the wearer's joints.
 EFFORT = 0.15
 #: Share of the regulator's gains that is used: straps may be stiffer than they were thought.
-SHARE = 0.4
+SHARE = 0.3
 #: Forces are read through a low pass of this corner [rad/s].
 CORNER = 2.0 * np.pi * 25.0
 #: Steps of the regulator between two phases, and strides until its gains no longer change.

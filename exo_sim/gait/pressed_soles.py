@@ -17,9 +17,10 @@ from exo_sim.machine.person import LEG_START, Person, leg_points
 Array = NDArray[np.float64]
 
 #: Harmonics of the stride by which joints are moved.
-_HARMONICS = 24
-#: A foot counts as down from this load on [N], and heel or ball share the load up to this height [m].
-_DOWN, _SHARING = 40.0, 0.006
+_HARMONICS = 12
+#: A foot counts as wholly down from this load on [N]: with less, a heel that comes down is pulled to the ground in a jerk. Heel and ball
+#: share the load up to this height [m].
+_DOWN, _SHARING = 250.0, 0.012
 #: Share of the mean sinking by which the pelvis is lowered: the rest goes to the knees, which then never have to stretch.
 _LOWERED = 0.8
 

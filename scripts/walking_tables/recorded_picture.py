@@ -26,8 +26,11 @@ One stride of the right leg from heel strike, level walk at 1.2 m/s, without mac
 recorded stride (Falisse; the force scaled so that it sums to the body weight). Blue: motion prescribed. Red: wearer moved by torques, on
 his own soles. Largest force in the first fifth of the stride, over the body weight: @PEAKS@.
 
-The waves in the moments, eight or so a stride, are in the prescribed motion already: they come with the reference, whose angles and pelvis
-path end at the eighth harmonic. They are the smaller part of what is missed at the hip: @HIP@.
+What waves are left in the moments, most in the leg that swings, are in the prescribed motion already: they come with the reference, whose
+angles and pelvis path end at the eighth harmonic. They are the smaller part of what is missed at the hip:
+@HIP@.
+The larger part is a hip that holds more than was recorded in the first and last third of stance, where the reference's mass speeds up and
+slows down less than the recorded force says.
 
 """
 

@@ -59,7 +59,7 @@ What this leaves out: all is in the sagittal plane; the wearer knows the time of
 answered by another step; gains were chosen with some of these rows in sight; where the residual passes the guideline it is the weak spring
 that keeps him walking; muscles have no delay and no largest force. A run ends where he falls. He does so with the valves open, since
 legs that drag the machine need another gait, and in a squat; sitting has no chair for him and is refused. The prescribed wearer stays the
-default. Of the treadmill recording (OpenSim) the reference itself is off balance, and here the residual passes the guideline.
+default.
 """
 
 

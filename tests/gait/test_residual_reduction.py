@@ -34,7 +34,7 @@ def test_legs_and_path_stay_as_recorded(walker):
     thigh = motion.position[:, 2] + motion.position[:, 3] - plain.position[:, 2] - plain.position[:, 3]
     np.testing.assert_allclose(thigh, 0.0, atol=1e-12)
     np.testing.assert_array_equal(motion.position[:, [4, 5, 7, 8]], plain.position[:, [4, 5, 7, 8]])
-    assert np.abs(motion.position[:, 0] - plain.position[:, 0]).max() < 5e-3
+    assert np.abs(motion.position[:, 0] - plain.position[:, 0]).max() < 4e-3
     assert np.abs(motion.position[:, 1] - plain.position[:, 1]).max() < 1e-3
 
 
@@ -44,14 +44,20 @@ def test_a_backpack_makes_the_trunk_lean(walker):
     assert np.degrees(np.mean(motion.position[:, 2] - carrying.position[:, 2])) > 5.0
 
 
-def test_moments_are_near_the_recorded_ones(walker):
-    """Issue 18 asks for 0.2 N m/kg; knee and ankle are within it, the hip is not: these are the bounds that are reached."""
-    person, _, motion = walker
-    gait, moments = recorded_gait.load("falisse"), held(motion, person)[1]
-    for k, (name, bound) in enumerate((("hip", 0.34), ("knee", 0.2), ("ankle", 0.2))):
-        wanted = gait.moment[name](phases())
-        assert np.sqrt(np.mean((moments[:, 3 + k] - wanted) ** 2)) / person.mass < bound, name
-        assert np.corrcoef(moments[:, 3 + k], wanted)[0, 1] > 0.7, name
+@pytest.mark.parametrize("name, scene, reached", [
+    ("falisse", "level_walk", (0.28, 0.12, 0.15)),
+    ("opensim", "level_walk_opensim", (0.2, 0.19, 0.2)),
+])  # fmt: skip
+def test_moments_are_near_the_recorded_ones(name, scene, reached):
+    """Issue 18 asks for 0.2 N m/kg; the hip on Falisse is not within it: these are the bounds that are reached."""
+    gait = recorded_gait.load(name)
+    person = Person(1.70, gait.mass)
+    ground, moments = held(reduced(scenario.motion(scene, person, 1.0), person), person)
+    assert np.abs(ground.residual).max() < 1.0
+    for k, (joint, bound) in enumerate(zip(("hip", "knee", "ankle"), reached)):
+        wanted = gait.moment[joint](phases())
+        assert np.sqrt(np.mean((moments[:, 3 + k] - wanted) ** 2)) / person.mass < bound, joint
+        assert np.corrcoef(moments[:, 3 + k], wanted)[0, 1] > 0.75, joint
 
 
 @pytest.mark.real_data
@@ -66,7 +72,7 @@ def test_ground_forces_are_near_the_recorded_ones(walker, shared_data):
     phase = np.arange(SAMPLES) / SAMPLES
     wanted = np.stack([np.interp(phase, np.arange(100) / 100, one, period=1.0) for one in measured.T], axis=1)
     force = held(motion, person)[0].force[:, 1] / (person.mass * 9.81)
-    assert np.sqrt(np.mean((force[:, 1] - wanted[:, 1]) ** 2)) < 0.10
+    assert np.sqrt(np.mean((force[:, 1] - wanted[:, 1]) ** 2)) < 0.08
     assert np.corrcoef(force[:, 1], wanted[:, 1])[0, 1] > 0.98
-    assert np.corrcoef(force[:, 0], wanted[:, 0])[0, 1] > 0.88
+    assert np.corrcoef(force[:, 0], wanted[:, 0])[0, 1] > 0.96
     assert force[:, 1].max() < wanted[:, 1].max() + 0.08

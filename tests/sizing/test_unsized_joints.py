@@ -31,12 +31,12 @@ def test_a_design_whose_supply_is_too_low_for_them_is_not_walked_with(exo, condi
     judge, at = Evaluator(Task(exo, (condition,), knees)), OF_THE_MACHINE.index("joints not sized") - len(OF_THE_MACHINE)
     numbers = knees.owners(exo)
     enough = judge.score(numbers)
-    short = judge.score({**numbers, "supply": 7e5, "knee.above": 2.0})
+    short = judge.score({**numbers, "supply": 6e5, "knee.above": 1.0})
     assert enough.violations[at] < 0.0 and enough.simulated
     assert short.violations[at] > 0.0 and max(short.violations[:at]) <= 0.0 and not short.simulated
 
 
 def test_no_design_is_blamed_where_no_supply_that_is_allowed_suffices(exo, condition, knees):
-    low = replace(knees, fixed=(("supply", 7e5),))
-    score = Evaluator(Task(exo, (condition,), low)).score({**low.owners(exo), "knee.above": 2.0})
+    low = replace(knees, fixed=(("supply", 6e5),))
+    score = Evaluator(Task(exo, (condition,), low)).score({**low.owners(exo), "knee.above": 1.0})
     assert score.violations[OF_THE_MACHINE.index("joints not sized") - len(OF_THE_MACHINE)] == 0.0 and score.simulated

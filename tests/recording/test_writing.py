@@ -227,7 +227,7 @@ def test_writing_where_one_cannot(tmp_path: Path) -> None:
     (tmp_path / "file").write_text("x")
     with pytest.raises(OutputError):
         write_table(tmp_path / "file" / "a.parquet", walk())
-    with pytest.raises(OutputError, match=r"ends in \.parquet or \.csv"):
+    with pytest.raises(OutputError, match=r"ends in \.parquet, \.csv or \.sto"):
         write_table(tmp_path / "a.xlsx", walk())
     with pytest.raises(OutputError):
         write_rrd(tmp_path / "file" / "a.rrd", walk())

@@ -10,7 +10,7 @@ from dataclasses import dataclass
 
 import mujoco
 
-from exo_sim.conventions import positions, pressures, signs
+from exo_sim.conventions import parts, positions, pressures, signs
 from exo_sim.conventions.check import Check
 from exo_sim.conventions.machine import Machine
 from exo_sim.errors import RecordingError
@@ -51,7 +51,7 @@ def settle(recording: Recording, rig: Rig, model: mujoco.MjModel) -> Settled:
 def asked(recording: Recording, rig: Rig, model: mujoco.MjModel) -> Settled:
     """As `settle`, but refuses nothing: for those who want to hear all that is wrong."""
     machine, checks = Machine.of(rig, model), []
-    for step in (pressures.in_pascal, pressures.absolute, positions.in_place, signs.in_order):
+    for step in (parts.known, pressures.in_pascal, pressures.absolute, positions.in_place, signs.in_order):
         recording, found = step(recording, machine)
         checks += found
         if any(check.refused for check in found):
@@ -64,6 +64,6 @@ def findings(settled: Settled) -> list[Finding]:
     return [
         Finding(check.columns[0], check.what, check.says, severity="fault", use="used")
         if check.refused
-        else Finding(check.columns[0], check.what, check.says, severity="warning", use="repaired")
+        else Finding(check.columns[0], check.what, check.says, severity="warning", use="set aside" if check.what == "part" else "repaired")
         for check in settled.checks
     ]

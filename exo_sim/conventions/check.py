@@ -11,7 +11,7 @@ class Check:
     """One question to whoever recorded.
 
     Attributes:
-        what: One word or two for machines: "gauge", "unit", "swapped chambers", "turned valve", "stroke", "sign".
+        what: One word or two for machines: "gauge", "unit", "swapped chambers", "turned valve", "stroke", "sign", "part".
         columns: Which columns it is about.
         says: The question, and what was done or must be done, in one plain sentence.
         refused: True where nothing sensible can be computed until it is answered.

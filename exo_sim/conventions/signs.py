@@ -19,7 +19,7 @@ _EXPLAINED, _BETTER = 0.6, 4.0
 _RIVAL = 1.1
 #: Share of the variance that command or motion alone must explain for it to say anything.
 _SAYS = 0.05
-CLOCKS = {"milliseconds": 1e-3, "microseconds": 1e-6, "minutes": 60.0}
+CLOCKS = {"milliseconds": 1e-3, "microseconds": 1e-6, "minutes": 60.0, "seconds, not milliseconds": 1e3, "seconds, not microseconds": 1e6}
 
 
 @dataclass(frozen=True)

@@ -82,6 +82,7 @@ OTHERWISE: dict[str, tuple[Callable[[Recording], Recording], str, str]] = {
     "kPa": (lambda r: changed(r, PRESSURES, 1e-3), "unit", ""),
     "MPa": (lambda r: changed(r, PRESSURES, 1e-6), "unit", ""),
     "Pa under the heading of bar": (lambda r: changed(r, PRESSURES, 1e5), "unit", ""),
+    "seconds under the heading of ms": (lambda r: replace(r, time=1e-3 * r.time), "unit", "bench"),
     "milliseconds": (lambda r: replace(r, time=1e3 * r.time), "unit", ""),
     "degrees": (lambda r: changed(r, r"\.(position|velocity)", 180.0 / math.pi), "unit", "leg"),
     "degrees, rates in radian": (lambda r: changed(r, r"\.position", 180.0 / math.pi), "unit", "leg"),

@@ -12,6 +12,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass, replace
+from functools import lru_cache
 
 import mujoco
 import numpy as np
@@ -209,5 +210,13 @@ def _over_its_feet(motion: Motion, person: Person, carried: Load | None) -> Moti
 
 
 def _basis(phase: NDArray[np.float64], harmonics: tuple[int, ...]) -> NDArray[np.float64]:
-    waves = [wave(2 * np.pi * h * phase) for h in harmonics for wave in (np.cos, np.sin)]
-    return np.reshape(waves, (-1, len(phase))).T
+    """Return cosines and sines of these harmonics, shape (n, 2 harmonics): asked hundreds of times of the same phases."""
+    return _waves(np.ascontiguousarray(phase).tobytes(), harmonics)
+
+
+@lru_cache(maxsize=8)
+def _waves(phase: bytes, harmonics: tuple[int, ...]) -> NDArray[np.float64]:
+    at = np.frombuffer(phase)
+    waves = np.reshape([wave(2 * np.pi * h * at) for h in harmonics for wave in (np.cos, np.sin)], (-1, len(at))).T
+    waves.flags.writeable = False
+    return waves

@@ -16,7 +16,8 @@ EFFECT = Effect(
     says="The hose between valve and cylinder throttles the flow.",
     parameters=(
         Parameter(
-            "area", "m^2", 1e-8, 1e-3, (2e-6, 3e-5), "502 Pa s/m times C = 0.029 D^2/sqrt(L/D^1.25 + 510) in m^3/(s Pa), D and L in m, for 3-8 mm hoses of 0.3-2 m"
+            "area", "m^2", 1e-8, 1e-3, (2e-6, 3e-5),
+            "502 Pa s/m times C = 0.029 D^2/sqrt(L/D^1.25 + 510) in m^3/(s Pa), D and L in m, for 3-8 mm hoses of 0.3-2 m",
         ),
         Parameter(
             "volume",

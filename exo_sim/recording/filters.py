@@ -86,6 +86,12 @@ def smoothed(time: Array, values: Array, seconds: float = POSITION_SMOOTHING) ->
     return _back(time, even, out[0]), _back(time, even, out[1]), _back(time, even, out[2])
 
 
+def first_rate_gain(time: Array, seconds: float = POSITION_SMOOTHING) -> float:
+    """Return what `smoothed` makes of white noise in the first rate: its standard deviation for one of 1 in the values [1/s]."""
+    weights = savgol_coeffs(smooth_window(time, seconds), 3, deriv=1, delta=float(np.median(np.diff(time))), pos=0, use="dot")
+    return float(np.linalg.norm(weights))
+
+
 def gaussian_derivatives(time: Array, values: Array, seconds: float) -> tuple[Array, Array, Array]:
     """Return values, first and second derivative, shape (n,) each, all smoothed by the same Gaussian of `seconds`' width.
 

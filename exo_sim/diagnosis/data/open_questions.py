@@ -35,3 +35,10 @@ def of_little_motion(joint: str, recording: str, share: float) -> OpenQuestion:
     """Return the same of a joint that is in motion for no more than this share of the time that may be fitted."""
     why = f"it is in motion for {100.0 * share:.2g} % of the time, which is too little"
     return OpenQuestion(f"the balance of forces at {joint} in {recording}", _FORCES, why, "record more of its motion")
+
+
+def of_free_swing(joint: str, off: float, spread: float) -> OpenQuestion:
+    """Return the question why a joint that nothing drives swings otherwise than its rig, by so much of what it moves."""
+    why = f"run free it is {100.0 * off / spread:.2g} % of its motion off, and its forces show nothing but the noise of the position"
+    do = "record its position with less noise or more often, and let it swing until it rests"
+    return OpenQuestion(f"what makes {joint} swing otherwise than the rig", _FORCES, why, do)

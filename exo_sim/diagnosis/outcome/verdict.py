@@ -2,16 +2,24 @@
 
 from __future__ import annotations
 
-from collections.abc import Collection, Sequence
+import math
+from collections.abc import Collection, Mapping, Sequence
+
+import numpy as np
 
 from exo_sim.diagnosis import wording
 from exo_sim.diagnosis.data.machine_data import MachineData
-from exo_sim.diagnosis.findings import Finding, Kind, NextExperiment, OpenQuestion, Subsystem, Verdict
+from exo_sim.diagnosis.data.open_questions import of_free_swing
+from exo_sim.diagnosis.findings import Finding, Kind, NextExperiment, OpenQuestion, SignalFit, Subsystem, Verdict
 from exo_sim.diagnosis.outcome.experiments import in_which, ranked_experiments
 from exo_sim.diagnosis.policy.acceptance import LEAST_ODDS
+from exo_sim.diagnosis.policy.verdicts import FIRST_STATE, SWINGS_OFF
 from exo_sim.diagnosis.selection.subsystem_result import SubsystemResult
 from exo_sim.diagnosis.subsystem_model import SubsystemModel
 from exo_sim.physics.effects.unknown import EFFECT as UNKNOWN
+from exo_sim.recording.filters import first_rate_gain, smoothed
+from exo_sim.recording.noise import white_noise
+from exo_sim.recording.table import Recording
 
 
 def verdict_of(findings: Sequence[Finding], judged: Collection[Subsystem], data: MachineData) -> Verdict:
@@ -32,6 +40,34 @@ def verdict_of(findings: Sequence[Finding], judged: Collection[Subsystem], data:
     if not wanted <= set(judged):
         return Verdict.UNDETERMINED
     return Verdict.CALIBRATION if findings else Verdict.CONSISTENT
+
+
+def swings_astray(data: MachineData, free_run: Mapping[str, SignalFit]) -> tuple[OpenQuestion, ...]:
+    """Return the question of every joint that strays from its recording although nothing drives it.
+
+    What is driven drifts from its recording by nature; a swing has nothing but the rig and its first state.
+
+    Args:
+        data: The machine.
+        free_run: Errors of one run by column, as the rig that is written has them.
+    """
+    found = []
+    for joint, runs in data.joints.items():
+        fit = free_run.get(f"{joint}.position")
+        if fit is None or any(np.any(run.driving) for run in runs):
+            continue
+        spread = max(float(np.nanstd(run.kinematics.position)) for run in runs)
+        off = fit.after if math.isfinite(fit.after) else spread
+        if off > max(SWINGS_OFF * spread, FIRST_STATE * max(_by_first_rate(table, f"{joint}.position") for table in data.recordings)):
+            found.append(of_free_swing(joint, off, spread))
+    return tuple(found)
+
+
+def _by_first_rate(table: Recording, column: str) -> float:
+    """Return how far the noise of a position lets a swing stray by the rate that it begins with, one standard deviation."""
+    position, rate, _ = smoothed(table.time, table[column])
+    frequency = float(np.nanstd(rate)) / max(float(np.nanstd(position)), 1e-300)
+    return white_noise(table[column]) * first_rate_gain(table.time) / max(frequency, 1e-300)
 
 
 def distinct(questions: Sequence[OpenQuestion]) -> tuple[OpenQuestion, ...]:

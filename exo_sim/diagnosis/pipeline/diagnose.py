@@ -10,13 +10,13 @@ from pathlib import Path
 
 from exo_sim.diagnosis.estimation.budget import Budget
 from exo_sim.diagnosis.estimation.threads import Threads
-from exo_sim.diagnosis.findings import Diagnosis, Finding, Kind, Rejected
+from exo_sim.diagnosis.findings import Diagnosis, Finding, Kind, Rejected, Verdict
 from exo_sim.diagnosis.outcome.finding_probability import confidence
 from exo_sim.diagnosis.outcome.immaterial import small_findings
 from exo_sim.diagnosis.outcome.localisation import located, unexplained
 from exo_sim.diagnosis.outcome.rig_update import rig_update
 from exo_sim.diagnosis.outcome.sensor_zeros import faulty_zeros
-from exo_sim.diagnosis.outcome.verdict import distinct, next_experiment, verdict_of
+from exo_sim.diagnosis.outcome.verdict import distinct, next_experiment, swings_astray, verdict_of
 from exo_sim.diagnosis.pipeline.freed_memory import return_large_arrays
 from exo_sim.diagnosis.pipeline.plan import Examination, Progress
 from exo_sim.diagnosis.pipeline.reading import gather
@@ -81,9 +81,11 @@ def _reported(stable: Examination, allowed: Budget, report: Progress, folder: Pa
     kept, is_cut = accepted(data, update, beside, split, allowed.is_spent)
     remarks = (*data.remarks, *([_CUT] if is_cut else []), *([_STOPPED] if allowed.stopped else []))
     judged = {one.model.kind for one in results.all if not one.is_empty and not one.is_unresolved}
-    questions = distinct(data.open_questions)
+    verdict = verdict_of(findings, judged, data)
+    astray = swings_astray(data, kept.free_run) if verdict is Verdict.CONSISTENT else ()
+    questions = distinct((*data.open_questions, *astray))
     return Diagnosis(
-        verdict=verdict_of(findings, judged, data),
+        verdict=Verdict.UNDETERMINED if astray else verdict,
         recordings=tuple(table.name for table in data.recordings),
         rig=data.rig.name,
         located=located([one for one in results.all if one.findings or one.has_unknown]),

@@ -1,0 +1,45 @@
+"""A swing that nothing drives, filmed: what the noise of the position hides from the forces, one run still shows."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import numpy as np
+import pytest
+from scipy.integrate import solve_ivp
+
+import exo_sim as exo
+from exo_sim.recording.filters import first_rate_gain, smoothed
+from exo_sim.recording.table import Recording
+
+LENGTH, GRAVITY, NOISE = 1.45, 9.81, 1e-3
+TIME = np.arange(0.0, 40.0, 1.0 / 30.0)
+MJCF = f"""<mujoco><compiler angle="radian"/><option gravity="0 0 -{GRAVITY}"/>
+<worldbody><body name="bob"><joint name="string" type="hinge" axis="0 -1 0"/>
+<inertial pos="0 0 -{LENGTH}" mass="0.2" diaginertia="1e-6 1e-6 1e-6"/></body></worldbody></mujoco>
+"""
+
+
+def filmed(length: float) -> Recording:
+    """Return a swing of a bob on a string without friction, 30 frames a second."""
+    swing = solve_ivp(lambda _, s: [s[1], -GRAVITY / length * np.sin(s[0])], (0.0, 40.0), [0.3, 0.0], t_eval=TIME, rtol=1e-9, atol=1e-10)
+    angle = swing.y[0] + NOISE * np.random.default_rng(3).standard_normal(TIME.size)
+    return Recording("swing", TIME, {"string.position": angle}, {"string.position": "rad"})
+
+
+@pytest.mark.parametrize(("length", "verdict"), [(LENGTH, "consistent"), (1.02 * LENGTH, "undetermined")])
+def test_a_swing_that_strays_from_its_rig_is_not_consistent_with_it(tmp_path: Path, length: float, verdict: str) -> None:
+    (tmp_path / "machine.xml").write_text(MJCF)
+    (tmp_path / "rig.toml").write_text('name = "pendulum"\nmodel = "machine.xml"\n')
+    found = exo.diagnose(filmed(length), exo.Rig.load(tmp_path / "rig.toml"))
+    assert found.verdict == verdict
+    assert found.findings == ()
+    asked = [one for one in found.result.open_questions if one.question == "what makes string swing otherwise than the rig"]
+    assert len(asked) == (verdict == "undetermined")
+    assert all("less noise" in one.do for one in asked)
+
+
+def test_the_first_rate_of_a_filter_is_as_noisy_as_it_is_said_to_be() -> None:
+    time, rng = np.arange(200, dtype=np.float64) * 0.01, np.random.default_rng(1)
+    rates = [smoothed(time, rng.standard_normal(time.size))[1][0] for _ in range(400)]
+    assert np.std(rates) == pytest.approx(first_rate_gain(time), rel=0.1)

@@ -13,10 +13,15 @@ from exo_sim.diagnosis.coupling.piston_friction import softens
 from exo_sim.diagnosis.data.command_sign import reversed_command
 from exo_sim.diagnosis.data.cylinder_run import CylinderRun
 from exo_sim.diagnosis.data.machine_data import MachineData
-from exo_sim.diagnosis.estimation.parameters import PlantParameters
-from exo_sim.diagnosis.estimation.threads import Threads
+from exo_sim.diagnosis.estimation.budget import IsSpent, never
+from exo_sim.diagnosis.estimation.correlation import correlation_time
+from exo_sim.diagnosis.estimation.least_squares import fit
+from exo_sim.diagnosis.estimation.parameters import FreeParameter, PlantParameters
+from exo_sim.diagnosis.estimation.threads import SERIAL, Threads
+from exo_sim.diagnosis.estimation.uncertainty import HALF_WIDTH, standard_errors
 from exo_sim.diagnosis.pipeline.plan import Plan, Progress
 from exo_sim.diagnosis.policy.budgets import FEW_SAMPLES, FORCES_UNTIL, GAS_UNTIL, MOST_EFFORT
+from exo_sim.diagnosis.policy.priors import INITIAL_WARMTH, ROOM_WARM
 from exo_sim.diagnosis.policy.recordings import FEWEST_ROWS, REVERSED
 from exo_sim.diagnosis.selection.decision import decide
 from exo_sim.diagnosis.selection.search import Search
@@ -24,7 +29,7 @@ from exo_sim.diagnosis.selection.subsystem_result import SubsystemResult
 from exo_sim.diagnosis.subsystems.gas.candidates import candidates, sample_period
 from exo_sim.diagnosis.subsystems.gas.initial_temperature import initial_temperatures
 from exo_sim.diagnosis.subsystems.gas.model import GasModel
-from exo_sim.diagnosis.subsystems.gas.nuisances import known_effects, nuisance_parameters, with_measured_supply
+from exo_sim.diagnosis.subsystems.gas.nuisances import healthy_walls, known_effects, nuisance_parameters, with_measured_supply
 from exo_sim.rig import assembly
 
 _ENDED = "the search of its gas ended after the most predictions that are made; what it found until then is the answer"
@@ -69,7 +74,7 @@ def examine_gas(
         supplied = all(run.supply is not None for run in runs)
         period = sample_period(runs)
         nuisances = nuisance_parameters(plant, name, commanded, sides, at_rest, moves, supplied, period)
-        nuisances += (*known_effects(plant, name, period), *initial_temperatures(model.all_runs))
+        nuisances += known_effects(plant, name, period)
         joint = data.joint_of(name)
         asked = plan.without_refuted(candidates(plant, runs, name, joint))
         friction = None if plan.friction is None else tuple(plan.friction.get(name, ()))
@@ -77,6 +82,7 @@ def examine_gas(
         if key not in done:
             if model.size >= FEWEST_ROWS:
                 model = model.with_better_flow_law(nuisances, threads, plan.budget.is_spent)
+                nuisances += felt_temperatures(model, nuisances, threads, plan.budget.is_spent)
             search = Search(
                 model, nuisances, asked, threads, _naming(report, name), cheap=sum(len(run.time) for run in runs) < FEW_SAMPLES,
                 practical_significance=model.practical_significance,
@@ -96,6 +102,30 @@ def nominal_gas(data: MachineData, plan: Plan, cylinder: str, runs: Sequence[Cyl
     drives = {link.cylinder: link.joint for link in data.links}
     nominal = PlantParameters(assembly.world(data.rig), assembly.cylinders(data.rig, drives)[index : index + 1])
     return with_measured_supply(nominal, runs).with_values((plan.friction or {}).get(cylinder, ()))
+
+
+def felt_temperatures(
+    model: GasModel, nuisances: Sequence[FreeParameter], threads: Threads = SERIAL, is_spent: IsSpent = never
+) -> tuple[FreeParameter, ...]:
+    """Return the temperatures of the gas at the start of its recordings that are to be free: none where all are surely the room's.
+
+    Only walls make them felt: those of a healthy machine are fitted with them where the rig says nothing of walls. Beside an error that
+    is large they are not known, and free.
+    """
+    asked = initial_temperatures(model.all_runs)
+    if not asked:
+        return ()
+    walls = healthy_walls(model.nominal, model.where)
+    free = tuple({q.key: q for q in (*nuisances, *walls, *asked)}.values())
+    start = {q: q.start or (q.scale if q in walls else 0.0) for q in free}
+    found = fit(model.residual, free, start, threads, is_spent=is_spent)
+    errors = standard_errors(model, found, correlation_time(found.residual, model.blocks))
+    return () if all(_is_of_the_room(found.values[q], errors[q]) for q in asked) else asked
+
+
+def _is_of_the_room(warmth: float, error: float) -> bool:
+    """Return whether a temperature above the room's is nil as far as anybody can tell, and that is far enough [K]."""
+    return abs(warmth) < HALF_WIDTH * error and abs(warmth) + HALF_WIDTH * error < ROOM_WARM * INITIAL_WARMTH
 
 
 def _better_turned(model: GasModel, plan: Plan) -> GasModel | None:

@@ -176,10 +176,11 @@ def test_parts_of_a_lag_that_are_not_distinguished_are_inside_the_interval(tmp_p
     (tmp_path / "improved.toml").write_text(found.improved)
     effects = rigs.read(tmp_path / "improved.toml").effects
     late = {one.where: one.parameters["seconds"] for one in effects if one.name == "sensor_delay"}
-    assert late["knee_r.pressure_1"] <= 2.6e-3 and late["knee_r.pressure_1"] == pytest.approx(late["knee_r.position"], abs=1e-5)
+    behind = late.get("knee_r.pressure_1", 0.0)
+    assert behind <= 2.6e-3 and behind == pytest.approx(late.get("knee_r.position", 0.0), abs=1e-4)
     setting = next(one for one in effects if one.name == "valve_lag")
-    lag = sum(setting.parameters.values()) + late["knee_r.pressure_1"]
-    assert lag == pytest.approx(sum(hidden.parameters.values()), rel=0.05)
+    lag = sum(setting.parameters.values()) + behind
+    assert lag == pytest.approx(sum(hidden.parameters.values()), rel=0.02)
 
 
 @pytest.mark.slow

@@ -8,12 +8,15 @@ from pathlib import Path
 import benches
 import numpy as np
 import pytest
+from diagnosis.warm_vessel import recorded, vessel
 
-from exo_sim.diagnosis.data.split import split
+from exo_sim.diagnosis.data.split import Split, split
 from exo_sim.diagnosis.estimation.threads import SERIAL
-from exo_sim.diagnosis.pipeline.gas_stage import Searched, examine_gas
+from exo_sim.diagnosis.pipeline.gas_stage import Searched, examine_gas, felt_temperatures
 from exo_sim.diagnosis.pipeline.plan import Plan
 from exo_sim.diagnosis.pipeline.reading import gather
+from exo_sim.diagnosis.subsystems.gas.model import GasModel
+from exo_sim.diagnosis.subsystems.gas.nuisances import nuisance_parameters
 from exo_sim.recording import write_table
 
 #: A logger of 50 samples a second whose pressures come so late [s]; more than two sample periods, less than a quarter of a cycle.
@@ -55,3 +58,22 @@ def test_pressures_of_a_slow_logger_are_late_as_one_and_a_search_is_run_once(tmp
     _, (again,) = examine_gas(data, refuted_elsewhere, SERIAL, lambda words: None, searched)
     assert again is found
     assert len(searched.results) == 1
+
+
+@pytest.mark.parametrize("conductance", [0.4, 0.0], ids=["walls that the rig knows", "walls that it does not know"])
+@pytest.mark.parametrize(("warmth", "free"), [((25.0, 0.0), 2), ((0.0, -15.0), 2), ((0.0, 0.0), 0)])
+def test_the_temperature_at_the_start_is_free_where_it_is_not_surely_the_room_s(
+    warmth: tuple[float, float], free: int, conductance: float
+) -> None:
+    plant = vessel()
+    plant.cylinder["wall_heat_transfer"]["conductance"] = conductance
+    model = GasModel([recorded(warmth, travel=0.02)], plant, Split({}))
+    nuisances = nuisance_parameters(plant, "piston", True, (1, 2))
+    assert len(felt_temperatures(model, nuisances)) == free
+
+
+def test_gas_that_begins_quietly_is_not_fitted_for_it() -> None:
+    model = GasModel([recorded((0.0, 0.0))], vessel(), Split({}))
+    before = model.effort
+    assert felt_temperatures(model, ()) == ()
+    assert model.effort == before

@@ -59,11 +59,18 @@ def nuisance_parameters(
                 SET_PRESSURE, "supply", "supply.scale", "1", Target.SENSOR, spread, 1.0 - widest, 1.0 + widest, (1.0, spread), neutral=1.0
             ),
         )  # fmt: skip
-    for effect in declared().values() if at_rest else ():
-        if effect.identification.wall_heat and not plant.is_on(effect):
-            name, heat = effect.parameters[0].name, priors.REST_HEAT
-            zeros += (FreeParameter(effect.name, cylinder, name, "W/K", Target.CYLINDER, heat, 0.0, 20.0 * heat, (0.0, heat)),)
+    zeros += healthy_walls(plant, cylinder) if at_rest else ()
     return (*factors, *zeros, *_valve_imperfections(plant, cylinder, period)) if commanded else (*factors, *zeros)
+
+
+def healthy_walls(plant: PlantParameters, cylinder: str) -> tuple[FreeParameter, ...]:
+    """Return the heat that walls take from the gas in every machine, where the rig says nothing of it."""
+    heat = priors.REST_HEAT
+    return tuple(
+        FreeParameter(effect.name, cylinder, effect.parameters[0].name, "W/K", Target.CYLINDER, heat, 0.0, 20.0 * heat, (0.0, heat))
+        for effect in declared().values()
+        if effect.identification.wall_heat and not plant.is_on(effect)
+    )
 
 
 def _valve_imperfections(plant: PlantParameters, cylinder: str, period: float) -> tuple[FreeParameter, ...]:

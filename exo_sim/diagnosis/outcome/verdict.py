@@ -53,12 +53,14 @@ def swings_astray(data: MachineData, free_run: Mapping[str, SignalFit]) -> tuple
     """
     found = []
     for joint, runs in data.joints.items():
-        fit = free_run.get(f"{joint}.position")
+        column = f"{joint}.position"
+        fit = free_run.get(column)
         if fit is None or any(np.any(run.driving) for run in runs):
             continue
         spread = max(float(np.nanstd(run.kinematics.position)) for run in runs)
         off = fit.after if math.isfinite(fit.after) else spread
-        if off > max(SWINGS_OFF * spread, FIRST_STATE * max(_by_first_rate(table, f"{joint}.position") for table in data.recordings)):
+        by_noise = max(_by_first_rate(table, column) for table in data.recordings if column in table)
+        if off > max(SWINGS_OFF * spread, FIRST_STATE * by_noise):
             found.append(of_free_swing(joint, off, spread))
     return tuple(found)
 

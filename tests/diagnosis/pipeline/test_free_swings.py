@@ -39,6 +39,19 @@ def test_a_swing_that_strays_from_its_rig_is_not_consistent_with_it(tmp_path: Pa
     assert all("less noise" in one.do for one in asked)
 
 
+def test_a_recording_of_another_joint_alone_is_no_error(tmp_path: Path) -> None:
+    second = '<body name="other" pos="0 1 0"><joint name="chain" type="hinge" axis="0 -1 0"/>'
+    two = MJCF.replace("</worldbody>", f'{second}<inertial pos="0 0 -1" mass="0.2" diaginertia="1e-6 1e-6 1e-6"/></body></worldbody>')
+    (tmp_path / "machine.xml").write_text(two)
+    (tmp_path / "rig.toml").write_text('name = "pendulums"\nmodel = "machine.xml"\n')
+    string, chain = filmed(1.02 * LENGTH)["string.position"], filmed(1.0)["string.position"]
+    columns = {"string.position": string, "chain.position": chain}
+    both = Recording("both", TIME, columns, dict.fromkeys(columns, "rad"))
+    alone = Recording("alone", TIME, {"chain.position": chain}, {"chain.position": "rad"})
+    found = exo.diagnose([both, alone], exo.Rig.load(tmp_path / "rig.toml"))
+    assert any(one.question == "what makes string swing otherwise than the rig" for one in found.result.open_questions)
+
+
 def test_the_first_rate_of_a_filter_is_as_noisy_as_it_is_said_to_be() -> None:
     time, rng = np.arange(200, dtype=np.float64) * 0.01, np.random.default_rng(1)
     rates = [smoothed(time, rng.standard_normal(time.size))[1][0] for _ in range(400)]

@@ -6,7 +6,6 @@ nothing that was recorded says how fast. The balance is not judged there.
 
 from __future__ import annotations
 
-import math
 from dataclasses import replace
 
 import numpy as np
@@ -14,10 +13,9 @@ from numpy.typing import NDArray
 from scipy.ndimage import binary_dilation
 
 from exo_sim.diagnosis.data.motion_run import MotionRun
-from exo_sim.diagnosis.policy.recordings import FILTER_ENDS
-from exo_sim.diagnosis.subsystems.motion.smoothing import smoothing_width
+from exo_sim.diagnosis.subsystems.motion.smoothing import reach, smoothing_width
 from exo_sim.physics.transmission import plays, stiffness
-from exo_sim.recording.filters import gaussian_width, restored
+from exo_sim.recording.filters import restored
 
 Array = NDArray[np.float64]
 
@@ -49,5 +47,4 @@ def _open(time: Array, carried: Array) -> NDArray[np.bool_]:
     """
     negative = np.signbit(carried)
     reversed_ = np.diff(negative, prepend=negative[:1])
-    reach = math.ceil(FILTER_ENDS * gaussian_width(smoothing_width(time)) / float(np.median(np.diff(time))))
-    return np.asarray(binary_dilation(reversed_, iterations=reach)) if reversed_.any() else np.zeros(len(time), dtype=bool)
+    return np.asarray(binary_dilation(reversed_, iterations=reach(time))) if reversed_.any() else np.zeros(len(time), dtype=bool)

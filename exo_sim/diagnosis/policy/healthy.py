@@ -35,7 +35,7 @@ MOST_CARD_SKEW = Number(2.5e-3, "s", "delay of the card of pressures behind posi
 ZEROS = Number(4.0, "prior standard deviations of a zero", "a pressure sensor's bias is a finding from here on")
 ZERO_MODEL = Number(
     1.0, "discrepancy bounds of the gas, one standard deviation", "so far errors of the model move the zero of a pressure sensor",
-    "healthy learn makes A to D, I, K, L, seed 930: ten of 25 zeros were moved beyond doubt, by 0.8 to 2.1 bounds from the true ones",
+    "healthy learn makes A to D, I, K, L, seed 930: ten of some 25 zeros were moved beyond doubt, 0.8 to 2.1 bounds from the true ones",
 )  # fmt: skip
 SCALE = Number(0.003, "share", "a sensor's scale is a finding from here on")
 FILM = Number(2.0, "W/(m^2 K)", "heat transfer coefficient that no gas at rest goes below, on the wall of the whole cylinder")

@@ -36,8 +36,8 @@ CLEARLY_BEYOND = Number(
 STRAYED = Number(
     3.0, "standard deviations", "a gas that is predicted in one run and misses the test time by more than a healthy machine has something "
     "unknown in it",
-    "derived (probability 0.1 %); five healthy learn makes (seed 930) and two printed cylinders stay below what a healthy machine leaves; "
-    "one of these with its leak left out, which windows of 0.5 s do not show, exceeds it five times",
+    "derived (probability 0.1 %); a healthy learn make (A, seed 930; B, C, D, I by an earlier form) and two printed cylinders stay below "
+    "it; one of these with its leak left out, which windows of 0.5 s do not show, has five times what a healthy machine leaves",
 )  # fmt: skip
 HEALTHY_KNOWN = Number(
     1.0 / 3.0, "share, one standard deviation", "of what the errors and losses of a healthy machine add up to in one run: with the former, "

@@ -2,7 +2,7 @@
 
 The paper's valve moves both chambers with one spool, so both stay under pressure, and each stroke fills the chamber that grows with
 gas that pushes against the other. With an edge for each chamber the force leaves one number free. Where the cycle is known ahead,
-`chamber_plan` says which pressures cost least and `follow` keeps near them; where it is not, `meter` lets the chamber that does not push
+`pressure_plan` says which pressures cost least and `follow` keeps near them; where it is not, `meter` lets the chamber that does not push
 off to the exhaust: it draws air from there when it grows. What a chamber needs follows from the same inverse of its pressure dynamics as
 `valve_control.invert` (corrected equation 34).
 """

@@ -16,7 +16,7 @@ from exo_sim.machine import wearer_body
 from exo_sim.machine.fitting import ground_sensors
 from exo_sim.machine.person import SEGMENTS
 from exo_sim.machine.straps import StrapSet
-from exo_sim.simulation import chamber_plans, loop, views
+from exo_sim.simulation import loop, pressure_plans, views
 from exo_sim.simulation.valve_loop import Drives
 from exo_sim.simulation.walk import STRAPPED
 
@@ -73,7 +73,7 @@ def wire(it: Simulation) -> tuple[loop.Settings, views.Mechanics, views.Plant, l
     soles = np.array([model.site(f"foot_{side}").id for side in "lr"])
     straps = it.straps
     moving = _moving(it)
-    plan, plan_added = (it.plan, it.plan_added) if it.planned else (chamber_plans.nothing(n), chamber_plans.nothing(n))
+    plan, plan_added = (it.plan, it.plan_added) if it.planned else (pressure_plans.nothing(n), pressure_plans.nothing(n))
     return (
         loop.Settings(
             numbers, loop.IDEAL if it.request.ideal else loop.GAS, code, asked, model.body("torso").id, payload_body

@@ -27,7 +27,7 @@ from exo_sim.machine.straps import fasten
 from exo_sim.machine.worn_model import PAYLOAD_LIMIT, build, carry, with_hung
 from exo_sim.rig import Rig
 from exo_sim.rig.control_step import check_step
-from exo_sim.simulation import chamber_plans, external_commands, loop, wearer_log
+from exo_sim.simulation import external_commands, loop, pressure_plans, wearer_log
 from exo_sim.simulation.divergence import WearerWatch
 from exo_sim.simulation.loop_wiring import wire
 from exo_sim.simulation.mujoco_calls import warnings_counted
@@ -94,7 +94,7 @@ class Simulation:
         if self.motion.from_rest and request.law == "causal":
             raise ScenarioError(f'{request.scenario}: demand "causal" goes by the phase of a stride that comes again; write another demand')
         self.demand = self.demand_added = np.zeros((len(self.motion.position) + 1, 6))
-        self.plan = self.plan_added = chamber_plans.nothing(len(self.plugin.links))
+        self.plan = self.plan_added = pressure_plans.nothing(len(self.plugin.links))
         self.demand, self.remarks = rehearsed_demand(self, request.payload)
         self.demand_added = self.demand
         if self.added and request.law != "causal":
@@ -104,7 +104,7 @@ class Simulation:
             whole = self._varied(whole, variation)
         self.motion = whole
         if whole.trial is not None:
-            self.plan, self.plan_added = (chamber_plans.played(plan, whole.trial, self.plugin) for plan in (self.plan, self.plan_added))
+            self.plan, self.plan_added = (pressure_plans.played(plan, whole.trial, self.plugin) for plan in (self.plan, self.plan_added))
             self.demand, self.demand_added = whole.trial.played(self.demand), whole.trial.played(self.demand_added)
         if request.moved_by == "torques":
             embody(self, LOOKED_AT)
@@ -158,16 +158,16 @@ class Simulation:
         """Whether the chambers of this machine follow a plan."""
         asked = self.request
         within = asked.assist == "on" and asked.controller == "model" and not asked.ideal and not asked.driven
-        return within and chamber_plans.planned(self.plugin) and not self.motion.from_rest
+        return within and pressure_plans.planned(self.plugin) and not self.motion.from_rest
 
     def lay_plans(self) -> None:
         """Plan the pressures of cylinders whose valves have independent edges for the demand as it stands."""
         asked = self.request
         if not self.plans_chambers:
             return
-        self.plan = chamber_plans.pressures(self.plugin, self.motion, self.demand, asked.gains.preview)
+        self.plan = pressure_plans.pressures(self.plugin, self.motion, self.demand, asked.gains.preview)
         added = self.demand_added is not self.demand
-        self.plan_added = chamber_plans.pressures(self.plugin, self.motion, self.demand_added, asked.gains.preview) if added else self.plan
+        self.plan_added = pressure_plans.pressures(self.plugin, self.motion, self.demand_added, asked.gains.preview) if added else self.plan
 
     def reset(self) -> None:
         """Put the machine on the person at phase zero, moving with it, gas at rest at the pressures that hold it."""

@@ -16,7 +16,7 @@ from exo_sim.gait import scenario as scenarios
 from exo_sim.gait.variation import Variation
 from exo_sim.machine.worn_model import PAYLOAD_LIMIT
 from exo_sim.rig import Rig
-from exo_sim.simulation import chamber_plans
+from exo_sim.simulation import pressure_plans
 from exo_sim.simulation.walk import Request
 from exo_sim.simulation.worn import Simulation
 from exo_sim.sizing.loads import Condition
@@ -77,7 +77,7 @@ def disturbed(nominal: Simulation, rig: Rig, condition: Condition) -> Iterator[t
         other.straps = other.straps.stiffened(one.stiffness)
         demand, plan = late(nominal.demand, one.late), late(nominal.plan, one.late)
         if other.motion.trial is not None:
-            demand, plan = other.motion.trial.played(demand), chamber_plans.played(plan, other.motion.trial, other.plugin)
+            demand, plan = other.motion.trial.played(demand), pressure_plans.played(plan, other.motion.trial, other.plugin)
         other.demand = other.demand_added = demand
         other.plan = other.plan_added = plan
         yield one, other

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from exo_sim.control.chamber_plan import INTERVALS, plan
+from exo_sim.control.pressure_plan import INTERVALS, plan
 from exo_sim.rig import Rig, assembly
 from exo_sim.sizing.design import Design, fit, fitted
 from exo_sim.sizing.joint_kinds import JointKind

@@ -4,7 +4,7 @@ from dataclasses import replace
 
 import numpy as np
 
-from exo_sim.control.chamber_plan import STIFFEST, plan
+from exo_sim.control.pressure_plan import STIFFEST, plan
 from exo_sim.physics.pneumatics import paper_cylinder, paper_world
 from exo_sim.sizing.screening import chosen_bores
 from exo_sim.sizing.springs import beside

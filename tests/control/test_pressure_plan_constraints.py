@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from exo_sim.control.chamber_flows import FLOW_SHARE, GRAM, ChamberRows
+from exo_sim.control.pressure_plan_constraints import FLOW_SHARE, GRAM, ChamberRows
 from exo_sim.physics.nozzle import flow
 from exo_sim.physics.pneumatics import paper_cylinder, paper_world
 

@@ -1,4 +1,4 @@
-"""The normal equations of `chamber_program`: a chain of two pressures an interval, closed to a ring, with a border of five numbers.
+"""The normal equations of `pressure_plan_solver`: a chain of two pressures an interval, closed to a ring, with a border of five numbers.
 
 What belongs to an interval alone, both chambers' gases and the missing force, is eliminated first; then the chain, from its first interval
 to the last but one; the border is what is left: the last interval's pressures, the spring's two numbers, and the price of the tank's gas.
@@ -108,7 +108,7 @@ def factored(program, weight, held, chain):
 
     Args:
         program: The program.
-        weight: Of its rows, in the order of `chamber_program`.
+        weight: Of its rows, in the order of `pressure_plan_solver`.
         held: Whether there is no spring to choose.
         chain: Where to write.
     """

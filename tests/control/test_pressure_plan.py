@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from exo_sim.control.chamber_plan import plan
+from exo_sim.control.pressure_plan import plan
 from exo_sim.physics.pneumatics import paper_cylinder, paper_world
 
 P_S, P_A, K, R, T = 11e5, 101325.0, 1.4, 287.05, 293.15

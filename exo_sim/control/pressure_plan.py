@@ -7,7 +7,7 @@ chamber draws in an interval is linear in its pressures (corrected equations 13 
     m = max(0, (V dP + k P dV) / (k R T_s))
 
 so that the least gas of a whole cycle is a linear program, periodic, with the valve's flow and the supply's pressure as bounds
-(`chamber_program` solves it). A chamber at the exhaust's pressure grows from there and pays nothing for it; which intervals these are
+(`pressure_plan_solver` solves it). A chamber at the exhaust's pressure grows from there and pays nothing for it; which intervals these are
 is settled by solving again.
 
 With a recovery tank a chamber below the tank's pressure may be filled from it, one above may give to it; over a cycle each cylinder takes
@@ -23,8 +23,8 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from exo_sim.control.chamber_flows import BAR, GRAM, ChamberRows
-from exo_sim.control.chamber_program import Program, solve
+from exo_sim.control.pressure_plan_constraints import BAR, GRAM, ChamberRows
+from exo_sim.control.pressure_plan_solver import Program, solve
 
 Array = NDArray[np.float64]
 #: Intervals of a cycle.

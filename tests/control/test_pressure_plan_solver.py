@@ -5,8 +5,8 @@ import pytest
 from scipy import sparse
 from scipy.optimize import linprog
 
-from exo_sim.control.chamber_flows import ChamberRows
-from exo_sim.control.chamber_program import Program, solve
+from exo_sim.control.pressure_plan_constraints import ChamberRows
+from exo_sim.control.pressure_plan_solver import Program, solve
 from exo_sim.physics.pneumatics import paper_cylinder, paper_world
 
 N, P_S, PRICE = 64, 9e5, 0.03

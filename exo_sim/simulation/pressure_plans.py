@@ -1,4 +1,4 @@
-"""Planned chamber pressures of a worn machine: `control.chamber_plan` for each cylinder along the reference motion."""
+"""Planned chamber pressures of a worn machine: `control.pressure_plan` for each cylinder along the reference motion."""
 
 from __future__ import annotations
 
@@ -6,7 +6,7 @@ import mujoco
 import numpy as np
 from numpy.typing import NDArray
 
-from exo_sim.control.chamber_plan import INTERVALS, plan
+from exo_sim.control.pressure_plan import INTERVALS, plan
 from exo_sim.gait.motion import Motion, WholeTrial, look_up
 from exo_sim.machine.linkage import moment_row
 from exo_sim.simulation.plugin import PneumaticPlugin

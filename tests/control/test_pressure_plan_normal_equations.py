@@ -3,8 +3,8 @@
 import numpy as np
 import pytest
 
-from exo_sim.control.chamber_chain import empty_chain, factored, solved
-from exo_sim.control.chamber_program import Program
+from exo_sim.control.pressure_plan_normal_equations import empty_chain, factored, solved
+from exo_sim.control.pressure_plan_solver import Program
 
 N, M = 6, 5
 

@@ -1,4 +1,4 @@
-"""What a chamber draws along a cycle and what its paths let through, as rows of the linear program of `chamber_plan`."""
+"""What a chamber draws along a cycle and what its paths let through, as rows of the linear program of `pressure_plan`."""
 
 from __future__ import annotations
 
@@ -26,7 +26,7 @@ _ROOM = 1e-4
 
 
 class ChamberRows:
-    """Rows of both chambers of a cylinder, for `chamber_program.Program`; (n, 2, m, 4) and (n, 2, m) of its `rows` and `most`.
+    """Rows of both chambers of a cylinder, for `pressure_plan_solver.Program`; (n, 2, m, 4) and (n, 2, m) of its `rows` and `most`.
 
     The first row is what a chamber's pressures ask for, which it draws, or exchanges with the tank; the last four are bounds: nothing
     is drawn backwards, nothing exchanged backwards, and the least and the largest pressure.

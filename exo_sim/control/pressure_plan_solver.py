@@ -1,8 +1,8 @@
-"""The linear program of `chamber_plan`, solved by interior points along the cycle: compiled, a hundredth of a second and less.
+"""The linear program of `pressure_plan`, solved by interior points along the cycle: compiled, a hundredth of a second and less.
 
 Each interval of a cycle touches only its neighbours, so the normal equations are a cyclic chain of two pressures an interval
-(`chamber_chain`); a general solver does not see that. The method is Mehrotra's predictor and corrector (Mehrotra 1992; Wright, Primal-dual
-interior-point methods, 1997, chapter 10), started from any point. `tests/control` holds it against HiGHS.
+(`pressure_plan_normal_equations`); a general solver does not see that. The method is Mehrotra's predictor and corrector (Mehrotra 1992;
+Wright, Primal-dual interior-point methods, 1997, chapter 10), started from any point. `tests/control` holds it against HiGHS.
 """
 
 from __future__ import annotations
@@ -12,7 +12,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from exo_sim.control.chamber_chain import empty_chain, factored, solved
+from exo_sim.control.pressure_plan_normal_equations import empty_chain, factored, solved
 from exo_sim.physics.compiled import kernel
 
 Array = NDArray[np.float64]

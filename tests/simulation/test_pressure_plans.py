@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from exo_sim import rig as rigs
-from exo_sim.control.chamber_plan import INTERVALS
+from exo_sim.control.pressure_plan import INTERVALS
 from exo_sim.simulation.walk import Request, default_rig
 from exo_sim.simulation.worn import Simulation
 

@@ -25,7 +25,7 @@ THROUGH: dict[str, tuple[str, ...]] = {
         "control/own/faults.py",
     ),
     "diagnosis/pipeline/test_diagnose_benches.py": (
-        "diagnosis/selection/remainder.py", "diagnosis/subsystems/gas/experiments.py",
+        "diagnosis/selection/final_residual.py", "diagnosis/subsystems/gas/experiments.py",
     ),
     "diagnosis/policy/test_number.py": (
         "diagnosis/policy/significance.py",

@@ -15,7 +15,7 @@ ABOUT = {
     # errors of sensors: what a balance calls a zero, a gain or a delay, and a sensor that health or a sign found wrong
     "data/command_sign.py": {"sensor_scale"},
     "outcome/rig_update.py": {"sensor_bias", "sensor_delay", "sensor_scale", "unknown"},
-    "outcome/immaterial.py": {"sensor_bias"},
+    "outcome/small_findings.py": {"sensor_bias"},
     "outcome/sensor_zeros.py": {"sensor_bias"},
     "pipeline/reading.py": {"sensor_bias", "sensor_scale"},
     "subsystems/gas/candidates.py": {"sensor_bias", "sensor_delay", "sensor_scale"},

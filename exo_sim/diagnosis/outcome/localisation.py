@@ -9,7 +9,7 @@ import numpy as np
 from exo_sim.diagnosis.discrepancy.trace import Trace
 from exo_sim.diagnosis.findings import Located, Unexplained
 from exo_sim.diagnosis.policy import recordings
-from exo_sim.diagnosis.selection.remainder import remainder
+from exo_sim.diagnosis.selection.final_residual import final_residual
 from exo_sim.diagnosis.selection.subsystem_result import SubsystemResult
 from exo_sim.diagnosis.selection.unknown_effect import UnknownEffect, effect_of
 from exo_sim.diagnosis.subsystem_model import SubsystemModel
@@ -44,7 +44,7 @@ def unexplained(
     for one in results:
         if one.is_empty or one.is_unresolved:
             continue
-        left = remainder(one)
+        left = final_residual(one)
         beside = (one.named or one.has_unknown) and left.share > recordings.LISTED_REST
         if beside or left.times_noise > recordings.LOUD_REST:
             effect = effect_of(unknown, one)

@@ -12,10 +12,10 @@ from exo_sim.diagnosis.estimation.budget import Budget
 from exo_sim.diagnosis.estimation.threads import Threads
 from exo_sim.diagnosis.findings import Diagnosis, Finding, Kind, Rejected, Verdict
 from exo_sim.diagnosis.outcome.finding_probability import confidence
-from exo_sim.diagnosis.outcome.immaterial import small_findings
 from exo_sim.diagnosis.outcome.localisation import located, unexplained
 from exo_sim.diagnosis.outcome.rig_update import rig_update
 from exo_sim.diagnosis.outcome.sensor_zeros import faulty_zeros
+from exo_sim.diagnosis.outcome.small_findings import small_findings
 from exo_sim.diagnosis.outcome.verdict import distinct, next_experiment, swings_astray, verdict_of
 from exo_sim.diagnosis.pipeline.freed_memory import return_large_arrays
 from exo_sim.diagnosis.pipeline.plan import Examination, Progress

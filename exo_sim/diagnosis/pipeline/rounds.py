@@ -23,14 +23,14 @@ from exo_sim.diagnosis.estimation.budget import Budget
 from exo_sim.diagnosis.estimation.threads import Threads
 from exo_sim.diagnosis.findings import Finding, Kind
 from exo_sim.diagnosis.outcome.finding_probability import doubt
-from exo_sim.diagnosis.outcome.immaterial import too_small
+from exo_sim.diagnosis.outcome.small_findings import too_small
 from exo_sim.diagnosis.pipeline.examine import examine, friction_to_add, left_open, validated
 from exo_sim.diagnosis.pipeline.gas_stage import Searched
 from exo_sim.diagnosis.pipeline.motion_stage import judged_balances
 from exo_sim.diagnosis.pipeline.plan import Examination, Plan, Progress, Refuted
 from exo_sim.diagnosis.policy import validation as policy
 from exo_sim.diagnosis.policy.budgets import MOST_REFUTATIONS, MOST_ROUNDS
-from exo_sim.diagnosis.selection.put_aside import without_findings
+from exo_sim.diagnosis.selection.finding_removal import without_findings
 from exo_sim.diagnosis.selection.subsystem_result import SubsystemResult
 from exo_sim.diagnosis.selection.unknown_effect import unknown_effects
 from exo_sim.diagnosis.subsystem_model import SubsystemModel

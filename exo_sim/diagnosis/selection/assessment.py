@@ -7,9 +7,9 @@ from exo_sim.diagnosis.policy import acceptance
 from exo_sim.diagnosis.policy.budgets import FINALISTS, RUNNERS_UP
 from exo_sim.diagnosis.selection.comparisons import Comparisons
 from exo_sim.diagnosis.selection.fitted_model import FittedModel, SearchResult
+from exo_sim.diagnosis.selection.indistinguishable_effects import indistinguishable_effects
 from exo_sim.diagnosis.selection.model_fits import ModelFits
 from exo_sim.diagnosis.selection.proposals import Proposals
-from exo_sim.diagnosis.selection.unseen_twins import unseen_twins
 
 
 def assess(final: FittedModel, fits: ModelFits, comparisons: Comparisons, proposals: Proposals, spent: bool = False) -> SearchResult:
@@ -41,7 +41,7 @@ def assess(final: FittedModel, fits: ModelFits, comparisons: Comparisons, propos
     for (taken, more, _), model in zip(asked, models, strict=True):
         worse = fits.deficit(model, final) + comparisons.price((model, final)) * (model.parameter_count - final.parameter_count)
         by_finding[taken.key].append((more, worse))
-    for key, twins in unseen_twins(fits.model, final, proposals.candidates).items():
+    for key, twins in indistinguishable_effects(fits.model, final, proposals.candidates).items():
         same = {twin.at for twin, _ in twins}
         by_finding[key] = [*twins, *(pair for pair in by_finding[key] if pair[0].at not in same)]
     rivals = {key: tuple(sorted(found, key=lambda pair: pair[1])) for key, found in by_finding.items()}

@@ -27,9 +27,9 @@ from exo_sim.diagnosis.selection.fitted_model import FittedModel, SearchResult, 
 from exo_sim.diagnosis.selection.linear_evidence import LinearEvidence, Posterior, Spreads
 from exo_sim.diagnosis.selection.marginal_fit import MarginalFits
 from exo_sim.diagnosis.selection.model_fits import ModelFits
-from exo_sim.diagnosis.selection.poorer_forms import no_richer_than_needed, poorer_where_alike
+from exo_sim.diagnosis.selection.nonparametric_terms import nonparametric_terms, unnamed
+from exo_sim.diagnosis.selection.simpler_forms import no_richer_than_needed, poorer_where_alike
 from exo_sim.diagnosis.selection.subset_weighing import At, SubsetWeighing, Weighed
-from exo_sim.diagnosis.selection.unnamed import unnamed, unnamed_terms
 
 
 @dataclass(frozen=True)
@@ -132,7 +132,7 @@ class FamilySearch:
     def _widened(self, best: Weighed, spreads: Spreads) -> Spreads:
         """Return spreads with which what is missing without a name counts as discrepancy: no fit has numbers for it."""
         amplitudes = list(spreads.amplitudes)
-        for _, term in unnamed_terms(self.weighing.terms(best)):
+        for _, term in nonparametric_terms(self.weighing.terms(best)):
             kind = self.basis.names.index(term.candidate.form)
             amplitudes[kind] = math.hypot(amplitudes[kind], float(term.spread[0]))
         return replace(spreads, amplitudes=tuple(amplitudes))
@@ -195,7 +195,7 @@ class FamilySearch:
         """Return the effects of the best subset that are probable enough to be named: each of them, or another of its kin."""
         candidates = [c for c in self.weighing.candidates(best) if c.kind is not Kind.UNKNOWN]
         groups = {term.candidate.at: term.group for term in self.weighing.terms(best)}
-        least = verdicts.DECISIVE if unnamed_terms(self.weighing.terms(best)) else verdicts.PROBABLE
+        least = verdicts.DECISIVE if nonparametric_terms(self.weighing.terms(best)) else verdicts.PROBABLE
         probable = [c for c in candidates if self.weighing.probability_of_any(finalists, kin[c.at]) >= least]
         return drop_orphans(probable, self.weighing.standing | {groups[c.at] for c in probable if c.at in groups})
 

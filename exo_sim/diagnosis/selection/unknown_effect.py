@@ -12,7 +12,7 @@ from exo_sim.diagnosis import wording
 from exo_sim.diagnosis.discrepancy.curve import Curve
 from exo_sim.diagnosis.discrepancy.signal import Discrepancy
 from exo_sim.diagnosis.findings import Estimate, Finding, Kind
-from exo_sim.diagnosis.selection.remainder import remainder
+from exo_sim.diagnosis.selection.final_residual import final_residual
 from exo_sim.diagnosis.selection.subsystem_result import SubsystemResult
 from exo_sim.diagnosis.subsystem_model import SubsystemModel
 from exo_sim.physics.effects.unknown import EFFECT as UNKNOWN
@@ -50,7 +50,7 @@ def _unknown_effect(result: SubsystemResult[SubsystemModel]) -> UnknownEffect:
         with_what = " and ".join(one.variable for one in unnamed)
         says += f" Friction varies with {with_what} by {_percent(unnamed[0].share)} of all that acts."
     says += " It comes in fast bursts, as a pressure that rings does." if missing.bursts else ""
-    left = remainder(result)
+    left = final_residual(result)
     says += " " + wording.rest(left.share, left.error, left.noise, left.unit)
     size = {"size": Estimate(missing.size, missing.unit, 0.0, 2.0 * missing.size)}
     n, fit = model.size, result.final.fit

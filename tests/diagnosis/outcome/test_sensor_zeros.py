@@ -12,8 +12,8 @@ from diagnosis import waves
 from exo_sim.diagnosis.estimation.least_squares import Fit
 from exo_sim.diagnosis.estimation.parameters import FreeParameter, Target
 from exo_sim.diagnosis.findings import Finding, Kind
-from exo_sim.diagnosis.outcome.immaterial import small_findings
 from exo_sim.diagnosis.outcome.sensor_zeros import error_of, faulty_zeros, is_faulty
+from exo_sim.diagnosis.outcome.small_findings import small_findings
 from exo_sim.diagnosis.policy.healthy import ZERO_MODEL, ZEROS
 from exo_sim.diagnosis.policy.priors import PRESSURE_ZERO
 from exo_sim.diagnosis.selection.fitted_model import FittedModel, SearchResult

@@ -14,7 +14,7 @@ from exo_sim.diagnosis.estimation.parameters import PlantParameters
 from exo_sim.diagnosis.findings import Subsystem
 from exo_sim.diagnosis.policy.validation import LEAST_INFLUENCE
 from exo_sim.diagnosis.selection.decision import decide
-from exo_sim.diagnosis.selection.put_aside import without_findings
+from exo_sim.diagnosis.selection.finding_removal import without_findings
 from exo_sim.diagnosis.selection.search import Search
 from exo_sim.diagnosis.selection.subsystem_result import SubsystemResult
 from exo_sim.diagnosis.selection.unknown_effect import unknown_effects

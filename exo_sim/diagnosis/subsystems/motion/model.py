@@ -29,7 +29,7 @@ from exo_sim.diagnosis.subsystems.motion.contact_scatter import ContactScatter
 from exo_sim.diagnosis.subsystems.motion.discrepancy_basis import friction_discrepancy
 from exo_sim.diagnosis.subsystems.motion.experiments import resisted
 from exo_sim.diagnosis.subsystems.motion.full_scale import full_force
-from exo_sim.diagnosis.subsystems.motion.lacking_force import LackingForce, LackingRows, around
+from exo_sim.diagnosis.subsystems.motion.missing_force import MissingForce, MissingRows, around
 from exo_sim.diagnosis.subsystems.motion.regimes import regimes
 from exo_sim.diagnosis.subsystems.motion.rows import rows_of
 from exo_sim.diagnosis.subsystems.motion.smoothing import smoothed_alike
@@ -78,11 +78,11 @@ class MotionModel(SubsystemModel):
         scale = np.concatenate([rows.scale for rows in self._rows]) if self._rows else np.zeros(0)
         self.noise = float(np.median(scale)) if scale.size else 0.0
         self._plain_scale, self._split = scale, split
-        self._lacking = [LackingForce(run) for run in self.runs]
+        self._lacking = [MissingForce(run) for run in self.runs]
         parts = list(zip(self.runs, self._rows, strict=True))
         if is_thinned:
             parts = [part for run, rows in parts for part in around(run, rows)]
-        self._fitted = [LackingRows(run, rows) for run, rows in parts if rows.compared.any()]
+        self._fitted = [MissingRows(run, rows) for run, rows in parts if rows.compared.any()]
         self._kept = KeptResiduals()
         self._weigh(scatter, 0.0)
         contact = self.nominal.cylinder[presliding.EFFECT.name]

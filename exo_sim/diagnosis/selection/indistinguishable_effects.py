@@ -22,7 +22,7 @@ from exo_sim.physics.declaration import identification_of
 Array = NDArray[np.float64]
 
 
-def unseen_twins(
+def indistinguishable_effects(
     model: LeastSquaresModel, final: FittedModel, candidates: Sequence[Candidate]
 ) -> dict[CandidateKey, list[tuple[Candidate, float]]]:
     """Return, by finding, the declared twins that would not show beside it, each with the log-likelihood that it costs at most.

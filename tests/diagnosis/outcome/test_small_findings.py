@@ -12,7 +12,7 @@ from exo_sim.diagnosis.estimation.candidate import Candidate
 from exo_sim.diagnosis.estimation.least_squares import Fit
 from exo_sim.diagnosis.estimation.parameters import FreeParameter, Target
 from exo_sim.diagnosis.findings import Finding, Kind
-from exo_sim.diagnosis.outcome.immaterial import small_findings, too_small
+from exo_sim.diagnosis.outcome.small_findings import small_findings, too_small
 from exo_sim.diagnosis.selection.fitted_model import FittedModel, SearchResult
 from exo_sim.diagnosis.selection.model_fits import ModelFits
 from exo_sim.diagnosis.selection.subsystem_result import SubsystemResult

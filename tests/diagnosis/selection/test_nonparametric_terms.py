@@ -11,8 +11,8 @@ from exo_sim.diagnosis.estimation.candidate import Candidate
 from exo_sim.diagnosis.estimation.linear_family import Bend, LinearFamily, Term
 from exo_sim.diagnosis.findings import Kind
 from exo_sim.diagnosis.selection.linear_evidence import Spreads, Subset
+from exo_sim.diagnosis.selection.nonparametric_terms import nonparametric_terms, unnamed
 from exo_sim.diagnosis.selection.subset_weighing import SubsetWeighing, Weighed
-from exo_sim.diagnosis.selection.unnamed import unnamed, unnamed_terms
 
 SHAPE = np.sin(waves.AT / 9.0)
 UNKNOWN = Candidate("position", "piston", "position", (), ((),), kind=Kind.UNKNOWN)
@@ -44,4 +44,4 @@ def test_one_that_healthy_machines_have_does_not() -> None:
 
 def test_sizes_are_counted_over_all_terms() -> None:
     wide = Term(waves.OTHER, np.zeros((SHAPE.size, 2)), np.ones(2), (False, False), lambda sizes, before: {}, "wide")
-    assert [(first, term.candidate) for first, term in unnamed_terms([wide, TERM])] == [(2, UNKNOWN)]
+    assert [(first, term.candidate) for first, term in nonparametric_terms([wide, TERM])] == [(2, UNKNOWN)]

@@ -11,7 +11,7 @@ from diagnosis import waves
 from exo_sim.diagnosis.estimation.uncertainty import HALF_WIDTH
 from exo_sim.diagnosis.findings import Estimate, Finding, Kind
 from exo_sim.diagnosis.selection.decision import decide
-from exo_sim.diagnosis.selection.put_aside import open_to, without_findings
+from exo_sim.diagnosis.selection.finding_removal import open_to, without_findings
 from exo_sim.diagnosis.selection.search import Search
 from exo_sim.diagnosis.selection.subsystem_result import SubsystemResult
 

@@ -13,7 +13,7 @@ from exo_sim.diagnosis.subsystem_model import SubsystemModel
 
 
 @dataclass(frozen=True)
-class Remainder:
+class FinalResidual:
     """What is left.
 
     Attributes:
@@ -34,17 +34,17 @@ class Remainder:
         return self.error / self.noise if self.noise > 0.0 else 0.0
 
 
-def remainder(result: SubsystemResult[SubsystemModel]) -> Remainder:
+def final_residual(result: SubsystemResult[SubsystemModel]) -> FinalResidual:
     """Return what a result's final model misses on the time that it was fitted to."""
     n = result.model.size
     left = max(result.final.fit.sse - recordings.EXPLAINED_VARIANCE * n, 0.0) / max(result.search.baseline.fit.sse - n, 1e-9)
-    worst = Remainder(min(left, 1.0), 0.0, 0.0, result.model.unit)
+    worst = FinalResidual(min(left, 1.0), 0.0, 0.0, result.model.unit)
     squares: dict[str, tuple[float, int, float, str]] = {}
     for trace in result.model.traces(result.final_plant):
         good = trace.error[np.isfinite(trace.error)]
         total, count, noise, _ = squares.get(trace.where, (0.0, 0, 0.0, trace.unit))
         squares[trace.where] = (total + float(good @ good), count + good.size, max(noise, trace.noise), trace.unit)
     for total, count, noise, unit in squares.values():
-        one = Remainder(worst.share, math.sqrt(total / max(count, 1)), noise, unit)
+        one = FinalResidual(worst.share, math.sqrt(total / max(count, 1)), noise, unit)
         worst = max(worst, one, key=lambda each: each.times_noise)
     return worst

@@ -12,8 +12,8 @@ from exo_sim.diagnosis.estimation.candidate import Candidate
 from exo_sim.diagnosis.estimation.parameters import FreeParameter, Target
 from exo_sim.diagnosis.policy.verdicts import AS_GOOD
 from exo_sim.diagnosis.selection.fitted_model import FittedModel
+from exo_sim.diagnosis.selection.indistinguishable_effects import indistinguishable_effects
 from exo_sim.diagnosis.selection.model_fits import ModelFits
-from exo_sim.diagnosis.selection.unseen_twins import unseen_twins
 
 GIVES = waves.candidate("transmission_compliance", "slow")
 FREE = waves.parameter("sensor_zero", "level", prior=(0.0, 1.0))
@@ -22,7 +22,7 @@ FREE = waves.parameter("sensor_zero", "level", prior=(0.0, 1.0))
 def twins_of(twin: waves.Candidate, *found: waves.Candidate) -> list[tuple[str, float]]:
     fits = ModelFits(waves.Waves(slow=3.0), (FREE,), cheap=True)
     final = fits.refined(fits.fit(found))
-    pairs = unseen_twins(fits.model, final, (GIVES, twin, waves.OTHER)).get(GIVES.key, [])
+    pairs = indistinguishable_effects(fits.model, final, (GIVES, twin, waves.OTHER)).get(GIVES.key, [])
     return [(one.effect, lost) for one, lost in pairs]
 
 
@@ -53,6 +53,6 @@ def test_what_gives_as_a_strap_does_is_no_contact() -> None:
 
     def twins(value: float) -> int:
         fit = replace(bare.fit, values={**bare.fit.values, stiffness: value})
-        return len(unseen_twins(fits.model, FittedModel((mount,), fit), (play,)))
+        return len(indistinguishable_effects(fits.model, FittedModel((mount,), fit), (play,)))
 
     assert (twins(2e4), twins(6e5)) == (0, 1)

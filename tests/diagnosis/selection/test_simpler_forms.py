@@ -6,7 +6,7 @@ import pytest
 
 from exo_sim.diagnosis.estimation.candidate import Candidate
 from exo_sim.diagnosis.estimation.parameters import FreeParameter, Target
-from exo_sim.diagnosis.selection.poorer_forms import no_richer_than_needed, poorer_where_alike
+from exo_sim.diagnosis.selection.simpler_forms import no_richer_than_needed, poorer_where_alike
 
 
 def number(effect: str, name: str) -> FreeParameter:

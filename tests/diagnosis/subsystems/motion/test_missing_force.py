@@ -13,8 +13,8 @@ from numpy.typing import NDArray
 from exo_sim.diagnosis.data.motion_run import MotionRun
 from exo_sim.diagnosis.data.split import Split
 from exo_sim.diagnosis.estimation.parameters import PlantParameters
-from exo_sim.diagnosis.subsystems.motion import lacking_force
-from exo_sim.diagnosis.subsystems.motion.lacking_force import MARGIN, LackingForce, LackingRows, around
+from exo_sim.diagnosis.subsystems.motion import missing_force
+from exo_sim.diagnosis.subsystems.motion.missing_force import MARGIN, MissingForce, MissingRows, around
 from exo_sim.diagnosis.subsystems.motion.model import MotionModel
 from exo_sim.diagnosis.subsystems.motion.rows import rows_of
 
@@ -54,9 +54,9 @@ def long_run(times: int) -> MotionRun:
 
 def test_what_sensors_add_asks_for_no_other_resistance(monkeypatch: pytest.MonkeyPatch) -> None:
     asked: list[int] = []
-    plain = lacking_force.resistance_along
-    monkeypatch.setattr(lacking_force, "resistance_along", lambda *given: asked.append(1) or plain(*given))  # type: ignore[func-returns-value]
-    lacking = LackingForce(motion_runs.balance(np.zeros_like(motion_runs.TIME)))
+    plain = missing_force.resistance_along
+    monkeypatch.setattr(missing_force, "resistance_along", lambda *given: asked.append(1) or plain(*given))  # type: ignore[func-returns-value]
+    lacking = MissingForce(motion_runs.balance(np.zeros_like(motion_runs.TIME)))
     first = lacking.of(rubbed())
     np.testing.assert_allclose(lacking.of(rubbed(offset=2.0)), first - 2.0, atol=1e-12)
     assert len(asked) == 1
@@ -71,7 +71,7 @@ def test_rows_are_means_of_what_is_lacking_at_the_samples() -> None:
     drive = replace(run.drive, levers={column: 1.0 + 0.1 * np.sin(motion_runs.TIME)}, signals={column: chance.standard_normal(n)})
     run = replace(run, drive=drive)
     rows = rows_of(run, np.arange(n) < 0.7 * n)
-    at_samples, of_rows = LackingForce(run), LackingRows(run, rows)
+    at_samples, of_rows = MissingForce(run), MissingRows(run, rows)
     for plant in (
         rubbed(),
         rubbed(9.0, offset=1.0, inertia=1.3, zero=0.1, payload_mass=0.9),
@@ -86,9 +86,9 @@ def test_a_resistance_that_is_no_number_somewhere_is_bridged_in_rows_as_it_is_at
     holed[3000:3004] = np.nan
     run = replace(run, drive=replace(run.drive, arm=holed))
     rows = rows_of(run, np.ones(len(run.time), dtype=bool))
-    found = LackingRows(run, rows).of(rubbed())
+    found = MissingRows(run, rows).of(rubbed())
     assert np.isfinite(found).all()
-    np.testing.assert_allclose(found, rows.means(LackingForce(run).of(rubbed())), rtol=1e-12)
+    np.testing.assert_allclose(found, rows.means(MissingForce(run).of(rubbed())), rtol=1e-12)
 
 
 def test_of_a_long_recording_only_what_is_fitted_is_predicted_and_it_is_the_same() -> None:
@@ -97,7 +97,7 @@ def test_of_a_long_recording_only_what_is_fitted_is_predicted_and_it_is_the_same
     model = MotionModel([run], rubbed(), Split({}))
     assert sum(len(lacking.run.time) for lacking in model._fitted) < 0.5 * len(run.time)
     for plant in (rubbed(), rubbed(9.0, offset=1.0), rubbed(0.0)):
-        whole = np.concatenate([rows.means(LackingForce(run).of(plant)) for rows in model._rows]) / model.scale
+        whole = np.concatenate([rows.means(MissingForce(run).of(plant)) for rows in model._rows]) / model.scale
         np.testing.assert_allclose(model.residual_of(plant), whole, rtol=1e-9, atol=1e-9)
 
 

@@ -17,7 +17,7 @@ from exo_sim.diagnosis.selection.linear_evidence import Posterior
 from exo_sim.diagnosis.selection.subset_weighing import SubsetWeighing, Weighed
 
 
-def unnamed_terms(terms: Sequence[Term]) -> list[tuple[int, Term]]:
+def nonparametric_terms(terms: Sequence[Term]) -> list[tuple[int, Term]]:
     """Return the terms that are no effect of the list, each with where its sizes begin among those of all."""
     found, first = [], 0
     for term in terms:
@@ -45,10 +45,10 @@ def unnamed(
     family = weighing.family
     size = max(float(np.std(family.bends[best.bend].target)), family.whole, 1e-300)
     acting: dict[str, tuple[float, NDArray[np.float64]]] = {}
-    for first, term in unnamed_terms(weighing.terms(best)):
+    for first, term in nonparametric_terms(weighing.terms(best)):
         probability = weighing.probability_of_any(finalists, {term.candidate.at})
         acting[term.candidate.form] = probability, term.columns @ posterior.sizes[first : first + term.columns.shape[1]]
-    asked = {term.candidate.form for _, term in unnamed_terms(family.bends[0].terms)}
+    asked = {term.candidate.form for _, term in nonparametric_terms(family.bends[0].terms)}
     for kind, name in enumerate(basis.names):
         ratio = best.spreads.amplitudes[kind] / float(basis.healthy[kind])
         if name in asked and name not in acting and ratio > acceptance.CERTAIN:

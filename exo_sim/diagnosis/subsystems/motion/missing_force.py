@@ -108,7 +108,7 @@ class Terms:
         return found
 
 
-class LackingForce:
+class MissingForce:
     """What the balance of one run lacks.
 
     Args:
@@ -128,7 +128,7 @@ class LackingForce:
         return self._terms.lacking(self._resisted(plant.cylinder.tobytes()), plant)
 
 
-class LackingRows:
+class MissingRows:
     """What the balance of one run lacks, as the means of its rows.
 
     Args:

@@ -105,8 +105,9 @@ THROUGH: dict[str, tuple[str, ...]] = {
     "trials/truth/test_plant.py": (
         "trials/compiled.py", "trials/truth/bench.py", "trials/truth/compiled.py", "trials/truth/loop.py", "trials/truth/valve.py",
     ),
-    "trials/whole/test_case.py": (
-        "trials/whole/compiled.py", "trials/whole/effect_sizes.py", "trials/whole/nearest_effects.py", "trials/whole/owner_rig.py",
+    "trials/whole_machines/test_case.py": (
+        "trials/whole_machines/compiled.py", "trials/whole_machines/effect_sizes.py", "trials/whole_machines/nearest_effects.py",
+        "trials/whole_machines/owner_rig.py",
     ),
 }  # fmt: skip
 LISTED = {module for modules in THROUGH.values() for module in modules}

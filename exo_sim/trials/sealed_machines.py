@@ -21,11 +21,11 @@ from exo_sim.errors import TrialError
 from exo_sim.outputs import replacing
 from exo_sim.trials.protocol import seal_case
 from exo_sim.trials.score import open_trial
-from exo_sim.trials.whole import score_tables, unseen_recording
-from exo_sim.trials.whole.diagnose_cases import COMPARE, spread
-from exo_sim.trials.whole.draw import cells_of
-from exo_sim.trials.whole.judge import judge
-from exo_sim.trials.whole.makes import find, letters
+from exo_sim.trials.whole_machines import score_tables, unseen_recording
+from exo_sim.trials.whole_machines.diagnose_cases import COMPARE, spread
+from exo_sim.trials.whole_machines.draw import cells_of
+from exo_sim.trials.whole_machines.judge import judge
+from exo_sim.trials.whole_machines.makes import find, letters
 
 #: The one make whose cases Cantera computes; see `exo_sim.trials.cantera`.
 CANTERA = "cantera"
@@ -106,15 +106,15 @@ def make_one(plan: WholePlan, folder: Path, key: str, duration: float, fmt: str 
 def _write(plan: WholePlan, folder: Path, duration: float) -> None:
     if plan.make == CANTERA:
         from exo_sim.trials.cantera.case import make_case as make_cantera_case
-        from exo_sim.trials.whole.case import write_case
+        from exo_sim.trials.whole_machines.case import write_case
 
         write_case(make_cantera_case(plan.name, plan.cell, plan.seed, duration=duration), folder)
     elif find(plan.make).build == "legs":
-        from exo_sim.trials.whole.walk.case import make_worn_case, write_worn_case
+        from exo_sim.trials.whole_machines.walk.case import make_worn_case, write_worn_case
 
         write_worn_case(make_worn_case(plan.name, plan.make, plan.cell, plan.seed, duration=duration), folder)
     else:
-        from exo_sim.trials.whole.case import make_case, write_case
+        from exo_sim.trials.whole_machines.case import make_case, write_case
 
         write_case(make_case(plan.name, plan.make, plan.cell, plan.seed, duration=duration), folder)
 

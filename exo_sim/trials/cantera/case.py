@@ -10,12 +10,12 @@ from numpy.typing import NDArray
 
 from exo_sim.errors import TrialError, nearest
 from exo_sim.trials.cantera.network import Cylinder
-from exo_sim.trials.whole.case import WholeCase, instrumented
-from exo_sim.trials.whole.draw import Built, build, cells_of
-from exo_sim.trials.whole.friction_laws import EXPONENTIAL, SUM, TANH
-from exo_sim.trials.whole.gas_laws import CONSTANT, ELLIPSE, ORIFICE
-from exo_sim.trials.whole.machine_run import Run, span_of, ticks
-from exo_sim.trials.whole.makes import LABORATORY, Laws, Make
+from exo_sim.trials.whole_machines.case import WholeCase, instrumented
+from exo_sim.trials.whole_machines.draw import Built, build, cells_of
+from exo_sim.trials.whole_machines.friction_laws import EXPONENTIAL, SUM, TANH
+from exo_sim.trials.whole_machines.gas_laws import CONSTANT, ELLIPSE, ORIFICE
+from exo_sim.trials.whole_machines.machine_run import Run, span_of, ticks
+from exo_sim.trials.whole_machines.makes import LABORATORY, Laws, Make
 
 Array = NDArray[np.float64]
 #: Effects that the reactors have.

@@ -18,10 +18,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from exo_sim.errors import TrialError
-from exo_sim.trials.whole.gas_laws import ELLIPSE, NOZZLE, orifice
-from exo_sim.trials.whole.loop import LOG
-from exo_sim.trials.whole.machine import FIELDS, Machine
-from exo_sim.trials.whole.plant import opening
+from exo_sim.trials.whole_machines.gas_laws import ELLIPSE, NOZZLE, orifice
+from exo_sim.trials.whole_machines.loop import LOG
+from exo_sim.trials.whole_machines.machine import FIELDS, Machine
+from exo_sim.trials.whole_machines.plant import opening
 
 Array = NDArray[np.float64]
 AIR = "O2:0.2095, N2:0.7812, AR:0.0093"

@@ -20,7 +20,7 @@ import tomlkit
 from exo_sim.recording import Recording, write_table
 from exo_sim.trials.real.balance import balance_error, read_machine
 from exo_sim.trials.real.case import BALANCE, TAIL, RealCase
-from exo_sim.trials.whole.unseen_recording import compared
+from exo_sim.trials.whole_machines.unseen_recording import compared
 
 
 def errors(case: RealCase, rig: Path, compare: str) -> tuple[dict[str, float] | None, tuple[str, ...]]:

@@ -21,7 +21,7 @@ from exo_sim.trials.real.machines import real_case, rig_of
 from exo_sim.trials.real.table import by_make, summary
 from exo_sim.trials.resource_use import used_by
 from exo_sim.trials.tool import bring_back, command, environment, lay_out
-from exo_sim.trials.whole.diagnose_cases import spread
+from exo_sim.trials.whole_machines.diagnose_cases import spread
 
 
 def write_case(case: RealCase, repository: Path, folder: Path) -> None:

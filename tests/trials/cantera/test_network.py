@@ -15,8 +15,8 @@ from exo_sim.machine.rig_model import load
 from exo_sim.trials.cantera.case import BLOCKS, CELLS, MAKE, choose, make_case
 from exo_sim.trials.cantera.network import Cylinder
 from exo_sim.trials.sealed_machines import plans_of
-from exo_sim.trials.whole.case import truth_of, write_case
-from exo_sim.trials.whole.machine import Machine
+from exo_sim.trials.whole_machines.case import truth_of, write_case
+from exo_sim.trials.whole_machines.machine import Machine
 
 SHUT = {
     "area_1": 5e-4, "area_2": 4.5e-4, "stroke": 0.1, "dead_1": 5e-6, "dead_2": 5e-6, "piston_mass": 0.1, "inertia": 2.0, "supply": 6e5,

@@ -21,8 +21,8 @@ THROUGH: dict[str, tuple[str, ...]] = {
     "conventions/test_conventions.py": (
         "conventions/check.py", "conventions/gas_balance.py", "conventions/positions.py", "conventions/signs.py",
     ),
-    "control/own/test_running.py": (
-        "control/own/faults.py",
+    "control/user_controller/test_running.py": (
+        "control/user_controller/faults.py",
     ),
     "diagnosis/pipeline/test_diagnose_benches.py": (
         "diagnosis/selection/final_residual.py", "diagnosis/subsystems/gas/experiments.py",

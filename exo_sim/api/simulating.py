@@ -62,7 +62,7 @@ def simulate(
         ScenarioError, RecordingError, RigError, ModelError: it cannot be carried out; one line each.
         Diverged: the simulation left the range of numbers that mean anything, or the machine fell.
     """
-    from exo_sim.control import own
+    from exo_sim.control import user_controller
     from exo_sim.machine.worn_model import is_worn
     from exo_sim.simulation import streamed_run
     from exo_sim.simulation.summary import summarise
@@ -72,9 +72,9 @@ def simulate(
     machine = rig_of(rig)
     mass = payload_of(machine, payload)
     if isinstance(controller, str):
-        brought, called = own.load(controller) if own.is_path(controller) else controller, controller
+        brought, called = user_controller.load(controller) if user_controller.is_path(controller) else controller, controller
     else:
-        brought = own.of(controller)
+        brought = user_controller.of(controller)
         called = type(brought).__name__
     if is_motion(scenario) and not is_worn(machine):
         nobody_walks(

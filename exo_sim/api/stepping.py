@@ -38,7 +38,7 @@ class Simulation:
         self, rig: RigLike | None = None, scenario: str = "level_walk", *, payload: Quantity | None = None, speed: float | str = 1.0,
         strides: int | None = None, period: Quantity = 0.002,
     ) -> None:  # fmt: skip
-        from exo_sim.control import own
+        from exo_sim.control import user_controller
         from exo_sim.simulation import external_commands
         from exo_sim.simulation.walk import JOINTS, Request
         from exo_sim.simulation.worn import Simulation as Coupled
@@ -54,7 +54,7 @@ class Simulation:
         seconds = quantity(period, "s", "period", low=step, high=1.0)
         self._substeps = max(1, round(seconds / step))
         self.duration = self._coupled.cycles * self._coupled.motion.period
-        self._context = own.Context(
+        self._context = user_controller.Context(
             self.rig, tuple(self.rig.cylinders), JOINTS, self._stepper.outside.signals, self._substeps * step, step, self.duration
         )
         self._kind = ""
@@ -80,10 +80,10 @@ class Simulation:
             ScenarioError: no such cylinder or joint, or no number.
             Diverged: the machine fell, or the numbers mean nothing any more.
         """
-        from exo_sim.control import own
+        from exo_sim.control import user_controller
 
         if commands is not None:
-            read = own.read(commands, self._context, self._kind)
+            read = user_controller.read(commands, self._context, self._kind)
             self._kind = read.kind
             self._stepper.outside.command(read)
         count = self._substeps if steps is None else steps

@@ -21,9 +21,9 @@ from numpy.typing import NDArray
 from exo_sim.control.force_signals import ENCODER
 from exo_sim.control.gait_phase import PhaseObserver
 from exo_sim.control.least_load import LeastLoad
-from exo_sim.control.own import Context
 from exo_sim.control.strap_feedback import SHARE, StrapFeedback
 from exo_sim.control.stride_learning import StrideLearning
+from exo_sim.control.user_controller import Context
 from exo_sim.gait.motion import SAMPLES
 from exo_sim.machine.straps import StrapSet
 
@@ -55,7 +55,7 @@ class Calibration:
 
 @dataclass
 class Causal:
-    """Torques of the joints from what the machine measures; a controller as `control.own` has them.
+    """Torques of the joints from what the machine measures; a controller as `control.user_controller` has them.
 
     Attributes:
         calibration: Known beforehand.

@@ -17,7 +17,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from exo_sim import rig as rigs
 from exo_sim import units
-from exo_sim.control import own
+from exo_sim.control import user_controller
 from exo_sim.errors import Diverged, ScenarioError, nearest
 from exo_sim.machine.person import SEGMENTS
 from exo_sim.machine.wearer_moments import extra_moments
@@ -84,7 +84,7 @@ class Episode:
             raise ScenarioError(f"time_limit = {time_limit:g} s: write a time of at least one control step ({control_timestep:g} s)")
         self.control_timestep, self.time_limit, self.random_start = control_timestep, time_limit, random_start
         self.steps_limit = round(time_limit / control_timestep)
-        self._kind = own.TORQUES if actions == "torques" else own.VALVES
+        self._kind = user_controller.TORQUES if actions == "torques" else user_controller.VALVES
         self._driven = self._driven_joints(machine)
         cylinders = list(machine.cylinders)
         self.action_names = tuple(f"{JOINTS[j]}.torque" for j in self._driven) if actions == "torques" else tuple(
@@ -153,10 +153,10 @@ class Episode:
         """
         given = np.clip(np.nan_to_num(np.asarray(action, dtype=np.float64)), -1.0, 1.0)
         values = given
-        if self._kind == own.TORQUES:
+        if self._kind == user_controller.TORQUES:
             values = np.zeros(6)
             values[self._driven] = TORQUE * given
-        self._stepper.outside.command(own.Commands(self._kind, values))
+        self._stepper.outside.command(user_controller.Commands(self._kind, values))
         self.steps += 1
         try:
             self._row = self._stepper.steps(self.substeps)

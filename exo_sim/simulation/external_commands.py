@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import NDArray
 
-from exo_sim.control import own
+from exo_sim.control import user_controller
 from exo_sim.control.valve_control import GIVEN, controller_code
 from exo_sim.errors import Diverged
 from exo_sim.gait.motion import reference
@@ -30,13 +30,13 @@ Array = NDArray[np.float64]
 Advance = Callable[[int, int, Array], int]
 
 
-def context(simulation: Simulation, controller: Any, seed: int = 0) -> own.Context:
+def context(simulation: Simulation, controller: Any, seed: int = 0) -> user_controller.Context:
     """Return what a controller of a worn machine gets to know."""
     it = simulation
     source = it.request.controller
-    every = own.period_of(controller, it.dt, source)
+    every = user_controller.period_of(controller, it.dt, source)
     duration = it.cycles * it.motion.period
-    return own.Context(
+    return user_controller.Context(
         rig=it.rig, cylinders=tuple(it.rig.cylinders), joints=JOINTS, signals=tuple(key for _, key in _observed(it)),
         period=every * it.dt, step=it.dt, duration=duration, cycle=it.motion.stride_time, scenario=it.request.scenario,
         payload=it.request.payload, seed=seed, reference=_reference(it),
@@ -77,18 +77,18 @@ class Outside:
         self._places, self.signals = [place for place, _ in observed], tuple(key for _, key in observed)
         self._kind = ""
 
-    def command(self, commands: own.Commands) -> None:
+    def command(self, commands: user_controller.Commands) -> None:
         """Let commands count from the next step on."""
         if commands.kind != self._kind:
             self._kind = commands.kind
-            valves = commands.kind == own.VALVES
+            valves = commands.kind == user_controller.VALVES
             named = self.simulation.request.controller
             settings = self._wired[0]._replace(
                 controller=GIVEN if valves else controller_code(named if named in ("pi", "model") else "model"),
                 asked=loop.TABLES if valves else loop.TORQUES,
             )
             self._wired = (settings, *self._wired[1:])
-        target = self._drives.commands if commands.kind == own.VALVES else self._drives.torques
+        target = self._drives.commands if commands.kind == user_controller.VALVES else self._drives.torques
         n = len(commands.values)
         target[:n] = commands.values
         if n < len(target):  # one command a cylinder moves both sides of a valve with independent edges as a 4-way valve would
@@ -109,7 +109,7 @@ class Outside:
         return seen
 
 
-def asking(simulation: Simulation, asked: own.RunningController, wired: tuple[Any, ...]) -> Advance:
+def asking(simulation: Simulation, asked: user_controller.RunningController, wired: tuple[Any, ...]) -> Advance:
     """Return what moves a run on with a controller asked every so many steps."""
     outside = Outside(simulation, wired)
     every = max(1, round(asked.context.period / simulation.dt))
@@ -127,7 +127,7 @@ def asking(simulation: Simulation, asked: own.RunningController, wired: tuple[An
                 except KeyboardInterrupt:
                     if at == first:  # a piece has a row at the least: a step under the commands as they stand
                         outside.run(at, 1, rows[:1])
-                    raise own.Interrupted(max(at - first, 1)) from None
+                    raise user_controller.Interrupted(max(at - first, 1)) from None
             stop = 1 if at == 0 else at + every - (at - 1) % every
             stop = min(stop, first + count)
             became = outside.run(at, stop - at, rows[at - first : stop - first])

@@ -10,7 +10,7 @@ from pathlib import Path
 from types import FrameType
 from typing import Any
 
-from exo_sim.control.own import RunningController
+from exo_sim.control.user_controller import RunningController
 from exo_sim.outputs import replacing_all
 from exo_sim.recording.rrd_file import writing_rrd
 from exo_sim.recording.rrd_messages import unfinished

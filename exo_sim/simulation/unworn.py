@@ -11,7 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from exo_sim import progress
-from exo_sim.control import own
+from exo_sim.control import user_controller
 from exo_sim.control.tracking import Tracking, TrackingGains
 from exo_sim.control.valve_control import CONTROLLERS, largest_forces
 from exo_sim.errors import ModelError, ScenarioError, nearest
@@ -77,7 +77,7 @@ class UnwornSimulation:
     """
 
     def __init__(
-        self, rig: Rig, recording: Recording, controller: str | own.Controller = "model", source: str = "", seed: int = 0
+        self, rig: Rig, recording: Recording, controller: str | user_controller.Controller = "model", source: str = "", seed: int = 0
     ) -> None:
         if not rig.cylinders:
             raise ModelError(f"{rig.path}: no [cylinders.NAME]: nothing moves the machine")
@@ -110,14 +110,14 @@ class UnwornSimulation:
         self._external = [(int(self.model.joint(name).dofadr[0]), values) for name, values in self.motion.external.items()]
         self._log = UnwornLog(self.plugin, self.motion)
         self._force_loops = ForceLoops(self.plugin, controller if isinstance(controller, str) else "model", self.dt)
-        self._asked: own.RunningController | None = None
+        self._asked: user_controller.RunningController | None = None
         if not isinstance(controller, str):
-            every = own.period_of(controller, self.dt, self.controller_name)
-            context = own.Context(
+            every = user_controller.period_of(controller, self.dt, self.controller_name)
+            context = user_controller.Context(
                 rig, tuple(rig.cylinders), tuple(names), tuple(self._log.units), every * self.dt, self.dt,
                 float(self.motion.time[-1]), scenario=self.motion.name, seed=seed, reference=self.motion.at,
             )  # fmt: skip
-            self._asked = own.RunningController(controller, context, self.controller_name)
+            self._asked = user_controller.RunningController(controller, context, self.controller_name)
         self.reset()
 
     def reset(self) -> None:
@@ -131,7 +131,7 @@ class UnwornSimulation:
         self._tracking.reset()
         self._force_loops.reset()
         self._felt = np.zeros(len(self._external))
-        self._given: own.Commands | None = None
+        self._given: user_controller.Commands | None = None
         self._step = 0
 
     @property
@@ -182,7 +182,7 @@ class UnwornSimulation:
         """Return a row of the log by names, with "time" [s]."""
         return {"time": (self._step - 1) * self.dt, **dict(zip(self._log.units, row.tolist()))}
 
-    def command(self, commands: own.Commands | None) -> None:
+    def command(self, commands: user_controller.Commands | None) -> None:
         """Let commands from outside count from the next step on; None gives the machine back to the built-in controller."""
         self._given = commands
 
@@ -196,7 +196,7 @@ class UnwornSimulation:
             data.qfrc_applied[dof] += now - self._felt[i]
             self._felt[i] = now
         rods = self._wanted_rods(min(k, self.rows - 1))
-        if self._given is not None and self._given.kind == own.VALVES:
+        if self._given is not None and self._given.kind == user_controller.VALVES:
             plugin.plant.command[:] = np.clip(self._given.values, -1.0, 1.0)
         elif self._given is None and self._asked is not None:
             plugin.plant.command[:] = 0.0
@@ -212,7 +212,7 @@ class UnwornSimulation:
     def _wanted_rods(self, k: int) -> Array:
         data, motion = self.data, self.motion
         if self._given is not None:
-            if self._given.kind == own.VALVES:
+            if self._given.kind == user_controller.VALVES:
                 return np.full(len(self._limits), math.nan)
             force = self._given.values
         else:

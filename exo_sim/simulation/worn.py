@@ -11,7 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from exo_sim import progress
-from exo_sim.control import own
+from exo_sim.control import user_controller
 from exo_sim.control.causal import Calibration, Causal
 from exo_sim.errors import ScenarioError
 from exo_sim.gait import scenario as scenarios
@@ -49,7 +49,7 @@ class Simulation:
     Args:
         rig: A worn machine; its wearer and ankle settings are used.
         request: What to simulate.
-        controller: Somebody's own, loaded by `control.own`; None for the built-in one that the request names.
+        controller: Somebody's own, loaded by `control.user_controller`; None for the built-in one that the request names.
         seed: Where the noise of gauges starts, and what such a controller is given.
 
     Attributes:
@@ -61,10 +61,10 @@ class Simulation:
         ModelError, RigError, ScenarioError: the machine cannot be built, or cannot do this.
     """
 
-    def __init__(self, rig: Rig, request: Request, controller: own.Controller | None = None, seed: int = 0):
+    def __init__(self, rig: Rig, request: Request, controller: user_controller.Controller | None = None, seed: int = 0):
         self.rig, self.request = rig, request
         self.seed = seed
-        self._asked: own.RunningController | None = None
+        self._asked: user_controller.RunningController | None = None
         self.person = Person(rig.wearer.height, rig.wearer.mass)
         scenario = request.found
         self.plain = scenarios.motion(scenario, self.person, request.speed)
@@ -139,14 +139,15 @@ class Simulation:
         """How many cycles at the start of a rehearsal are left out."""
         return min(_SETTLING, max(1, math.ceil(_SETTLING_TIME / self.motion.period)))
 
-    def controlled_by(self, controller: own.Controller, seed: int = 0) -> None:
+    def controlled_by(self, controller: user_controller.Controller, seed: int = 0) -> None:
         """Let somebody's controller ask for torques or move the valves.
 
         Args:
             controller: Whose.
             seed: What it is given.
         """
-        self._asked = own.RunningController(controller, external_commands.context(self, controller, seed), self.request.controller)
+        context = external_commands.context(self, controller, seed)
+        self._asked = user_controller.RunningController(controller, context, self.request.controller)
 
     @property
     def planned(self) -> bool:
@@ -237,7 +238,7 @@ class Simulation:
                     try:
                         with warnings_counted():
                             self.plugin.check(advance(done, count, rows))
-                    except own.Interrupted as cut:
+                    except user_controller.Interrupted as cut:
                         if not stop():
                             raise KeyboardInterrupt from None
                         count, rows = cut.rows, rows[: cut.rows]

@@ -6,7 +6,7 @@ import dataclasses
 from pathlib import Path
 from typing import Any
 
-from exo_sim.control import own
+from exo_sim.control import user_controller
 from exo_sim.control.causal import Causal
 from exo_sim.rig import Rig
 from exo_sim.simulation.summary import summarise
@@ -19,7 +19,7 @@ JOINTS = ("hip", "knee", "ankle")
 HEADING = "Over strides that are not the one learnt on"
 
 
-def _walked(exo: Rig, case: Case, controller: own.Controller | None, nominal: Simulation | None) -> dict[str, Any]:
+def _walked(exo: Rig, case: Case, controller: user_controller.Controller | None, nominal: Simulation | None) -> dict[str, Any]:
     """Walk with somebody's controller, or with causal control calibrated on a nominal stride; return the summary."""
     rig = exo if case.wearer is None else dataclasses.replace(exo, wearer=case.wearer)
     request = Request(
@@ -47,7 +47,7 @@ def section(exo: Rig, policy: Path) -> str:
     wins = 0
     cases = {name: case for name, case in CASES.items() if case.late == case.wrong == 0.0 and case.wearer is None}
     for name, case in cases.items():
-        learnt = _walked(exo, case, own.load(f"{policy}:LearntPolicy"), None)["wearer"]
+        learnt = _walked(exo, case, user_controller.load(f"{policy}:LearntPolicy"), None)["wearer"]
         built_in = _walked(exo, case, None, nominal)["wearer"]
         pairs = [(learnt["extra_moment_rms_nm"][joint], built_in["extra_moment_rms_nm"][joint]) for joint in JOINTS]
         wins += sum(one < other for one, other in pairs)

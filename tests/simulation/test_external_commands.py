@@ -7,7 +7,7 @@ import pytest
 
 from exo_sim import rig as rigs
 from exo_sim.cli import main
-from exo_sim.control import own
+from exo_sim.control import user_controller
 from exo_sim.errors import ScenarioError
 from exo_sim.simulation.external_commands import Stepper
 from exo_sim.simulation.walk import JOINTS, Request
@@ -71,11 +71,11 @@ def test_stepping_by_hand_is_the_same_run(exo):
     request = Request("level_walk", cycles=1, controller="Push", driven="torques")
     whole = Simulation(exo, request, Push()).run()
     stepper = Stepper(Simulation(exo, request))
-    context = own.Context(exo, tuple(exo.cylinders), JOINTS, (), 0.01, 0.001, 1.0)
+    context = user_controller.Context(exo, tuple(exo.cylinders), JOINTS, (), 0.01, 0.001, 1.0)
     row = stepper.reset()
     for _ in range(40):
         observation = stepper.outside.observation(row)
-        stepper.outside.command(own.read(Push().act(observation), context))
+        stepper.outside.command(user_controller.read(Push().act(observation), context))
         row = stepper.steps(10)
     walk = stepper.walk()
     for key in ("hip_r.torque", "knee_l.pressure_1", "torso_z.position"):

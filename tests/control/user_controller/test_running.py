@@ -5,7 +5,7 @@ from typing import Any
 
 import pytest
 
-from exo_sim.control import own
+from exo_sim.control import user_controller
 from exo_sim.errors import ScenarioError
 
 
@@ -36,9 +36,9 @@ def test_whatever_comes_out_of_somebodys_code_is_one_line(context, error):
             raise error
 
     with pytest.raises(ScenarioError, match=rf"test_running\.py:\d+: {type(error).__name__}.*, in act of Mine at 0\.250 s"):
-        own.RunningController(Mine(), context).act({"time": 0.25})
+        user_controller.RunningController(Mine(), context).act({"time": 0.25})
     with pytest.raises(ScenarioError, match=f"{type(error).__name__}.*, in reset of Mine"):
-        own.RunningController(Mine(), None).reset()  # type: ignore[arg-type]
+        user_controller.RunningController(Mine(), None).reset()  # type: ignore[arg-type]
 
 
 @pytest.mark.parametrize("returned", [{"knee_l": 10**400}, {"knee_l": Odd()}, {Odd(): 0.0}, [Odd()] * 4])
@@ -53,7 +53,7 @@ def test_what_cannot_be_read_as_commands_is_one_line(context, returned):
     with pytest.raises(
         ScenarioError, match=r"controller Mine, at 0\.250 s: what act returned cannot be read \((Overflow|ZeroDivision)Error"
     ):
-        own.RunningController(Mine(), context).act({"time": 0.25})
+        user_controller.RunningController(Mine(), context).act({"time": 0.25})
 
 
 def test_an_interrupt_goes_through_somebodys_code(context):
@@ -61,18 +61,18 @@ def test_an_interrupt_goes_through_somebodys_code(context):
         def reset(self, context: object) -> None: ...
 
         def act(self, observation: object) -> None:
-            assert own.RunningController.is_asked(sys._getframe())
+            assert user_controller.RunningController.is_asked(sys._getframe())
             raise KeyboardInterrupt
 
-    assert not own.RunningController.is_asked(sys._getframe())
+    assert not user_controller.RunningController.is_asked(sys._getframe())
     with pytest.raises(KeyboardInterrupt):
-        own.RunningController(Mine(), context).act({"time": 0.25})
+        user_controller.RunningController(Mine(), context).act({"time": 0.25})
 
 
 def test_what_fails_inside_names_file_and_line(tmp_path, context):
     mine = tmp_path / "mine.py"
     mine.write_text("class Mine:\n    def reset(self, context): pass\n    def act(self, observation):\n        return 1 / 0\n")
-    asked = own.RunningController(own.load(f"{mine}:Mine"), context, "mine.py:Mine")
+    asked = user_controller.RunningController(user_controller.load(f"{mine}:Mine"), context, "mine.py:Mine")
     asked.reset()
     with pytest.raises(ScenarioError, match=r"mine\.py:4: ZeroDivisionError: division by zero, in act of mine\.py:Mine at 0\.250 s"):
         asked.act({"time": 0.25})
@@ -86,7 +86,7 @@ def test_commands_that_look_like_torques_are_remarked_on(context):
         def act(self, observation):
             return {"knee_l": 30.0}
 
-    asked = own.RunningController(Strong(), context)
+    asked = user_controller.RunningController(Strong(), context)
     asked.reset()
     for i in range(12):
         asked.act({"time": 0.001 * i})

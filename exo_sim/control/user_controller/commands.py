@@ -10,7 +10,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from exo_sim.control.own.protocol import Context
+from exo_sim.control.user_controller.protocol import Context
 from exo_sim.errors import ScenarioError, nearest
 
 VALVES, TORQUES = "valves", "torques"

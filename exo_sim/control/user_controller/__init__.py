@@ -11,10 +11,10 @@ for a joint's torque [N m] (of a sliding joint, its force [N]), which the built-
 then makes. One kind at a time; what is left out is 0.
 """
 
-from exo_sim.control.own.commands import TORQUES, VALVES, Commands, read
-from exo_sim.control.own.loading import is_path, load, of
-from exo_sim.control.own.protocol import PERIOD, Context, Controller, period_of
-from exo_sim.control.own.running import Interrupted, RunningController
+from exo_sim.control.user_controller.commands import TORQUES, VALVES, Commands, read
+from exo_sim.control.user_controller.loading import is_path, load, of
+from exo_sim.control.user_controller.protocol import PERIOD, Context, Controller, period_of
+from exo_sim.control.user_controller.running import Interrupted, RunningController
 
 __all__ = [
     "PERIOD",

@@ -4,20 +4,20 @@
 import numpy as np
 import pytest
 
-from exo_sim.control import own
+from exo_sim.control import user_controller
 from exo_sim.errors import ScenarioError
 
 
 def test_commands_by_name_or_in_the_order_of_the_cylinders(context):
     assert context.cylinders == ("hip_l", "knee_l", "hip_r", "knee_r")
     for returned in ({"knee_l": 0.5, "hip_r": -1}, {"knee_l.valve_command": 0.5, "hip_r": -1.0}, [0.0, 0.5, -1.0, 0.0]):
-        found = own.read(returned, context)
-        assert found.kind == own.VALVES
+        found = user_controller.read(returned, context)
+        assert found.kind == user_controller.VALVES
         np.testing.assert_array_equal(found.values, [0.0, 0.5, -1.0, 0.0])
-    found = own.read({"knee_r.torque": 20.0, "ankle_l": 3.0}, context)
-    assert found.kind == own.TORQUES
+    found = user_controller.read({"knee_r.torque": 20.0, "ankle_l": 3.0}, context)
+    assert found.kind == user_controller.TORQUES
     np.testing.assert_array_equal(found.values, [0.0, 0.0, 3.0, 0.0, 20.0, 0.0])
-    assert own.read({}, context, own.TORQUES).kind == own.TORQUES
+    assert user_controller.read({}, context, user_controller.TORQUES).kind == user_controller.TORQUES
 
 
 @pytest.mark.parametrize(
@@ -34,4 +34,4 @@ def test_commands_by_name_or_in_the_order_of_the_cylinders(context):
 )
 def test_what_is_no_command_is_said(context, returned, hint):
     with pytest.raises(ScenarioError, match=hint):
-        own.read(returned, context)
+        user_controller.read(returned, context)

@@ -1,7 +1,7 @@
 import pytest
 
 from exo_sim import rig as rigs
-from exo_sim.control import own
+from exo_sim.control import user_controller
 
 
 @pytest.fixture(scope="module")
@@ -9,4 +9,4 @@ def context(repository):
     """Return what a controller of the machine that comes along is given."""
     rig = rigs.read(repository / "exo_sim" / "assets" / "exo.toml")
     joints = tuple(f"{joint}_{side}" for side in "lr" for joint in ("hip", "knee", "ankle"))
-    return own.Context(rig, tuple(rig.cylinders), joints, (), 0.002, 0.001, 1.0)
+    return user_controller.Context(rig, tuple(rig.cylinders), joints, (), 0.002, 0.001, 1.0)

@@ -7,8 +7,8 @@ import sys
 from pathlib import Path
 from typing import Any
 
-from exo_sim.control.own import faults
-from exo_sim.control.own.protocol import Controller
+from exo_sim.control.user_controller import faults
+from exo_sim.control.user_controller.protocol import Controller
 from exo_sim.errors import ScenarioError, nearest
 from exo_sim.inputs import check_regular
 

@@ -5,7 +5,7 @@ from pathlib import Path
 
 import pytest
 
-from exo_sim.control import own
+from exo_sim.control import user_controller
 from exo_sim.errors import ScenarioError
 
 
@@ -16,9 +16,9 @@ def write(path: Path, body: str) -> Path:
 
 def test_a_file_is_loaded_with_or_without_the_name_of_the_class(tmp_path):
     path = write(tmp_path / "mine.py", "        return {}\n")
-    assert own.load(f"{path}:Mine").act({}) == {}
-    assert own.load(str(path)).act({}) == {}
-    assert own.is_path("mine.py:Mine") and own.is_path("mine.py") and not own.is_path("model")
+    assert user_controller.load(f"{path}:Mine").act({}) == {}
+    assert user_controller.load(str(path)).act({}) == {}
+    assert user_controller.is_path("mine.py:Mine") and user_controller.is_path("mine.py") and not user_controller.is_path("model")
 
 
 @pytest.mark.parametrize(
@@ -38,19 +38,19 @@ def test_a_file_is_loaded_with_or_without_the_name_of_the_class(tmp_path):
 def test_a_file_that_cannot_be_loaded_is_one_line(tmp_path, text, name, hint):
     (tmp_path / "mine.py").write_text(text)
     with pytest.raises(ScenarioError, match=hint) as error:
-        own.load(f"{tmp_path / 'mine.py'}:{name}")
+        user_controller.load(f"{tmp_path / 'mine.py'}:{name}")
     assert "\n" not in str(error.value)
     with pytest.raises(ScenarioError, match=r'did you mean "mine\.py"'):
-        own.load(f"{tmp_path / 'mines.py'}:Mine")
+        user_controller.load(f"{tmp_path / 'mines.py'}:Mine")
 
 
 def test_a_pipe_or_a_device_is_not_waited_for(tmp_path):
     os.mkfifo(tmp_path / "mine.py")
     with pytest.raises(ScenarioError, match=r'mine\.py" cannot be read: it is a pipe'):
-        own.load(f"{tmp_path / 'mine.py'}:Mine")
+        user_controller.load(f"{tmp_path / 'mine.py'}:Mine")
     (tmp_path / "zero.py").symlink_to("/dev/zero")
     with pytest.raises(ScenarioError, match="it is a device"):
-        own.load(str(tmp_path / "zero.py"))
+        user_controller.load(str(tmp_path / "zero.py"))
 
 
 @pytest.mark.parametrize(
@@ -66,10 +66,10 @@ def test_a_pipe_or_a_device_is_not_waited_for(tmp_path):
 def test_one_that_fails_when_it_is_looked_at_is_one_line(tmp_path, body):
     (tmp_path / "mine.py").write_text(body)
     with pytest.raises(ScenarioError, match=r"controller .*mine\.py:\d+: \w+"):
-        own.load(f"{tmp_path}/mine.py:Mine")
+        user_controller.load(f"{tmp_path}/mine.py:Mine")
 
 
 def test_a_file_that_is_no_source_is_named(tmp_path):
     (tmp_path / "mine.py").write_bytes(b"class Mine:\0")
     with pytest.raises(ScenarioError, match=r"controller .*/mine\.py: SyntaxError: .*null bytes"):
-        own.load(f"{tmp_path}/mine.py:Mine")
+        user_controller.load(f"{tmp_path}/mine.py:Mine")

@@ -8,7 +8,7 @@ from typing import Any, Protocol
 
 import numpy as np
 
-from exo_sim.control.own import faults
+from exo_sim.control.user_controller import faults
 from exo_sim.errors import ScenarioError
 from exo_sim.rig import Rig
 

@@ -7,9 +7,9 @@ from types import FrameType
 
 import numpy as np
 
-from exo_sim.control.own import faults
-from exo_sim.control.own.commands import VALVES, Commands, read
-from exo_sim.control.own.protocol import Context, Controller
+from exo_sim.control.user_controller import faults
+from exo_sim.control.user_controller.commands import VALVES, Commands, read
+from exo_sim.control.user_controller.protocol import Context, Controller
 from exo_sim.errors import ScenarioError
 
 

@@ -20,7 +20,7 @@ ELSEWHERE = ("add_an_effect.md",)
 WITH_FILES = ("recordings.md",)
 #: Pages whose Python takes more than a few seconds.
 NOTEBOOKS = ("one_diagnosis.md",)  # a block goes on where the one before it ended
-SLOW = ("walk.md", *NOTEBOOKS)
+SLOW = ("run_a_walk.md", *NOTEBOOKS)
 PAGES = sorted(path for path in (ROOT / "docs").glob("*.md") if path.name not in ELSEWHERE)
 
 
@@ -86,7 +86,7 @@ def test_the_page_of_recordings_has_every_signal_that_is_measured() -> None:
             assert re.search(rf"`(?:supply\.|exhaust\.)?{known}(?:_x)?(?: \[[^`]*)?`", page), signal.name
 
 
-@pytest.mark.parametrize(("page", "number"), [("walk.md", 0), ("your_gait.md", 1)])
+@pytest.mark.parametrize(("page", "number"), [("run_a_walk.md", 0), ("your_gait.md", 1)])
 def test_a_scenario_file_of_a_page_is_a_scenario(page: str, number: int, tmp_path: Path) -> None:
     from exo_sim.gait import scenario_file
 
@@ -99,7 +99,7 @@ def test_the_scenario_files_of_other_ground_climb(number: int, climb: float, tmp
     from exo_sim.gait import scenario, scenario_file
     from exo_sim.machine.person import Person
 
-    (tmp_path / "mine.toml").write_text(blocks(ROOT / "docs" / "walk.md", "toml")[number])
+    (tmp_path / "mine.toml").write_text(blocks(ROOT / "docs" / "run_a_walk.md", "toml")[number])
     motion = scenario.motion(scenario_file.read(tmp_path / "mine.toml"), Person(), 1.0)
     assert motion.climb / motion.advance == pytest.approx(climb)
 

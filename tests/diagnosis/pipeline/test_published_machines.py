@@ -1,4 +1,4 @@
-"""What is found in the recordings of real machines, against what was published of them (docs/diagnosis.md)."""
+"""What is found in the recordings of real machines, against what was published of them (docs/how_the_diagnosis_works.md)."""
 
 from __future__ import annotations
 

@@ -94,7 +94,7 @@ def _at_cylinder(effect: Effect, name: str, joint: str, recording: Recording, ri
             wanted += [f"{name}.{command}" for command in cylinder.commands]
     shown = [signal if "." in signal else keys.get(signal, f"{name}.{signal}") for signal in effect.reveals]
     missing += _lacking(recording, wanted, shown)
-    if effect.cut == "motion" and f"{name}.force" not in recording and not _driven(recording, joint, [name]):
+    if effect.cut == "motion" and f"{name}.force" not in recording and not _drive_is_recorded(recording, joint, [name]):
         missing.append(f"{name}.pressure_1, {name}.force or {joint}.external_force, one of them")
     happened = _happened(effect, recording, f"{name}.{cylinder.commands[0]}", keys["position"])
     return Question(effect.name, name, (*dict.fromkeys(missing), *happened))
@@ -102,7 +102,7 @@ def _at_cylinder(effect: Effect, name: str, joint: str, recording: Recording, ri
 
 def _at_joint(effect: Effect, joint: str, cylinders: Sequence[str], recording: Recording, rig: Rig) -> Question:
     missing = _lacking(recording, [f"{joint}.position"], [])
-    if not _driven(recording, joint, cylinders) and not _pushed(recording) and not is_undriven(recording, rig):
+    if not _drive_is_recorded(recording, joint, cylinders) and not _pushed(recording) and not is_undriven(recording, rig):
         drives = [f"{joint}.external_force", *(f"{name}.pressure_1" for name in cylinders)]
         missing.append(" or ".join(drives))
     return Question(effect.name, joint, (*dict.fromkeys(missing), *_happened(effect, recording, "", f"{joint}.position")))
@@ -124,7 +124,7 @@ def _lacking(recording: Recording, wanted: Sequence[str], one_of: Sequence[str])
     return missing
 
 
-def _driven(recording: Recording, joint: str, cylinders: Sequence[str]) -> bool:
+def _drive_is_recorded(recording: Recording, joint: str, cylinders: Sequence[str]) -> bool:
     return f"{joint}.external_force" in recording or any(f"{name}.pressure_1" in recording for name in cylinders)
 
 

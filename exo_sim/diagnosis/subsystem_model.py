@@ -54,6 +54,9 @@ class SubsystemModel(ABC):
         demands_larger_part: Whether an effect must explain the larger part of what is missing without it wherever something is left.
         names_stand_beside_unknown: Whether effects were weighed beside a discrepancy, so that their names stand although something is left.
         plant_holds_curves: Whether the curve of an unknown effect can be put into a plant (see `with_unknown`).
+        calibrates_pressures: Whether it says what the pressure sensors of its cylinder and their card show: another subsystem of the same
+            cylinder then leaves them to it.
+        is_input_of_others: Whether the others are predicted from its measured signal: what it lacks puts none of them off.
     """
 
     kind: ClassVar[Subsystem]
@@ -62,6 +65,8 @@ class SubsystemModel(ABC):
     demands_larger_part: ClassVar[bool] = False
     names_stand_beside_unknown: ClassVar[bool] = False
     plant_holds_curves: ClassVar[bool] = True
+    calibrates_pressures: ClassVar[bool] = False
+    is_input_of_others: ClassVar[bool] = False
     where: str
     unit: str
     nominal: PlantParameters

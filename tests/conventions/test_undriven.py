@@ -10,7 +10,7 @@ from scipy.integrate import solve_ivp
 
 import exo_sim as exo
 from exo_sim.conventions.answerable import questions
-from exo_sim.conventions.undriven import is_undriven
+from exo_sim.conventions.undriven import drives, is_undriven
 from exo_sim.machine.rig_model import load
 from exo_sim.recording.table import Recording
 
@@ -46,7 +46,13 @@ def swing(**columns: np.ndarray) -> Recording:
 def test_a_pendulum_that_is_let_go_is_undriven_and_can_be_asked(rig: exo.Rig) -> None:
     table = swing()
     assert is_undriven(table, rig)
-    assert not is_undriven(swing(**{"string.external_force": np.zeros(2500)}), rig)
+    assert is_undriven(swing(**{"string.external_force": np.zeros(2500)}), rig)
+    assert not is_undriven(swing(**{"string.external_force": np.full(2500, 0.1)}), rig)
+
+
+@pytest.mark.parametrize(("force", "acts"), [([0.0, 0.0], False), ([0.0, np.nan], False), ([0.3, 0.3], True), ([0.0, -0.1], True)])
+def test_a_force_that_is_zero_throughout_drives_nothing(force: list[float], acts: bool) -> None:
+    assert drives(np.array(force)) is acts
 
 
 def test_a_machine_with_a_cylinder_is_not_undriven() -> None:

@@ -10,7 +10,7 @@ import mujoco
 from exo_sim.conventions import Check
 from exo_sim.diagnosis.data.cylinder_run import CylinderRun
 from exo_sim.diagnosis.data.motion_run import MotionRun
-from exo_sim.diagnosis.findings import Finding, OpenQuestion
+from exo_sim.diagnosis.findings import Finding, OpenQuestion, Subsystem
 from exo_sim.machine.linkage import Linkage
 from exo_sim.recording.table import Recording
 from exo_sim.rig import Rig
@@ -45,6 +45,20 @@ class MachineData:
     open_questions: tuple[OpenQuestion, ...] = ()
     externally_driven: frozenset[str] = frozenset()
     checks: tuple[Check, ...] = ()
+
+    @property
+    def needed_for_verdict(self) -> frozenset[Subsystem]:
+        """The kinds of subsystem of which one must have been judged before the machine can be said to be as its rig.
+
+        Forces are not among them where a body floats, joints hang on the machine that no cylinder moves, or somebody led every piston by
+        forces that were not measured: the gas is judged all the same.
+        """
+        if not self.rig.cylinders:
+            return frozenset({Subsystem.MOTION})
+        floats = any(int(kind) in (mujoco.mjtJoint.mjJNT_FREE, mujoco.mjtJoint.mjJNT_BALL) for kind in self.model.jnt_type)
+        free = floats or self.model.njnt > len(self.rig.cylinders) + 1
+        led = bool(self.externally_driven) and all(link.joint in self.externally_driven for link in self.links)
+        return frozenset({Subsystem.GAS} if free or led else {Subsystem.GAS, Subsystem.MOTION})
 
     def joint_of(self, cylinder: str) -> str:
         """Return the joint that a cylinder drives."""

@@ -19,7 +19,7 @@ from exo_sim.diagnosis.discrepancy.curve import Curve
 from exo_sim.diagnosis.estimation.candidate import Candidate
 from exo_sim.diagnosis.estimation.parameters import FreeParameter
 from exo_sim.diagnosis.estimation.uncertainty import bounded_interval, interval
-from exo_sim.diagnosis.findings import Estimate, Finding, Kind, Subsystem
+from exo_sim.diagnosis.findings import Estimate, Finding, Kind
 from exo_sim.diagnosis.outcome.rig_corrections import REFIT_NOTE, corrections
 from exo_sim.diagnosis.outcome.sensor_zeros import ZERO, error_of, is_faulty
 from exo_sim.diagnosis.policy.off_nominal import LEAST_PART
@@ -93,7 +93,7 @@ class RigUpdate:
 
 def rig_update(data: MachineData, results: Sequence[Result], unknown: Sequence[UnknownEffect]) -> RigUpdate:
     """Return what was found as an update of the rig."""
-    gas = {one.where for one in results if one.model.kind is Subsystem.GAS and not one.is_empty}
+    calibrated = {one.where for one in results if one.model.calibrates_pressures and not one.is_empty}
     parts: list[Part] = []
     for one in results:
         source = f"{one.model.kind} of {one.name}"
@@ -105,10 +105,10 @@ def rig_update(data: MachineData, results: Sequence[Result], unknown: Sequence[U
         findings = tuple(each for each in corrected if each.note != REFIT_NOTE)
         parts.append(Part(source, Rank.FOUND, tuple(entries), findings))
         refitted = tuple(each for each in corrected if each.note == REFIT_NOTE)
-        healthy = _healthy(data.rig, one, gas)
+        healthy = _healthy(data.rig, one, calibrated)
         zeros = tuple(entry for entry in healthy if declared()[entry.setting.name].cut == "sensor")
         parts.append(Part(source, Rank.REFITTED, tuple(entry for entry in healthy if entry not in zeros), refitted))
-        parts.append(Part(source, Rank.SENSORS, (*zeros, *_late(data, one, gas))))
+        parts.append(Part(source, Rank.SENSORS, (*zeros, *_late(data, one, calibrated))))
         effect = effect_of(unknown, one)
         parts.append(Part(source, Rank.CURVE, tuple(_curves(data.rig, [effect] if effect else []))))
     apart = [effect for effect in unknown if all(one.key != effect.result.key for one in results)]
@@ -142,10 +142,10 @@ def _healthy_part(candidate: Candidate, result: Result) -> dict[str, float]:
     return {q.parameter: value for q, value in own.items() if q not in candidate.parameters and value > least}
 
 
-def _healthy(rig: Rig, result: Result, gas: Collection[str]) -> list[EffectEntry]:
+def _healthy(rig: Rig, result: Result, calibrated: Collection[str]) -> list[EffectEntry]:
     """Return the entries of what was refitted and no number of the rig holds: zeros of sensors, imperfections of healthy machines.
 
-    A pressure of a cylinder whose `gas` was judged is the gas's to calibrate, not the forces'.
+    Where the pressures of a cylinder were `calibrated` by its gas, its forces say nothing of them.
     """
     parts: dict[tuple[str, str], dict[FreeParameter, float]] = {}
     entries, faulty = [], set[str]()
@@ -153,7 +153,7 @@ def _healthy(rig: Rig, result: Result, gas: Collection[str]) -> list[EffectEntry
         by_force = result.model.as_sensor_error(parameter, result.final.fit.values[parameter])
         if by_force is not None:
             column = by_force[0]
-            if not ("pressure" in column and column.split(".")[0] in gas):
+            if not ("pressure" in column and column.split(".")[0] in calibrated):
                 entries.append(_sensor_error(*by_force, error, rig))
         elif parameter.effect == ZERO:
             parts.setdefault((sensor_bias.EFFECT.name, parameter.where), {})[parameter] = error_of(result, parameter, error)
@@ -176,15 +176,15 @@ def _healthy(rig: Rig, result: Result, gas: Collection[str]) -> list[EffectEntry
     return entries
 
 
-def _late(data: MachineData, result: Result, gas: Collection[str]) -> list[EffectEntry]:
+def _late(data: MachineData, result: Result, calibrated: Collection[str]) -> list[EffectEntry]:
     """Return the delays of sensors and their cards that a healthy machine shows as well.
 
-    Those of a cylinder whose `gas` was judged are the gas's to say.
+    Where the pressures of a cylinder were `calibrated` by its gas, its forces say nothing of their delay.
     """
     values = result.final.fit.values
     errors = {q.parameter: error for q, error in result.refitted if q.parameter.endswith(".delay")}
     found = {q.parameter: values[q] for q, _ in result.refitted if q.parameter in errors}
-    if not found or (result.model.kind is Subsystem.MOTION and result.where in gas):
+    if not found or (result.where in calibrated and not result.model.calibrates_pressures):
         return []
     late = result.model.late_columns(found, data)
     error = max(errors.values())

@@ -7,6 +7,7 @@ from collections.abc import Collection, Mapping, Sequence
 
 import numpy as np
 
+from exo_sim.conventions.undriven import drives
 from exo_sim.diagnosis import wording
 from exo_sim.diagnosis.data.machine_data import MachineData
 from exo_sim.diagnosis.data.open_questions import of_free_swing
@@ -32,12 +33,7 @@ def verdict_of(findings: Sequence[Finding], judged: Collection[Subsystem], data:
     """
     if any(f.kind is not Kind.CALIBRATION for f in findings):
         return Verdict.MISMATCH
-    free = any(int(kind) in (0, 1) for kind in data.model.jnt_type) or data.model.njnt > len(data.rig.cylinders) + 1
-    driven = bool(data.externally_driven) and not any(link.joint not in data.externally_driven for link in data.links)
-    wanted = {Subsystem.MOTION}
-    if data.rig.cylinders:
-        wanted = {Subsystem.GAS} if free or driven else {Subsystem.GAS, Subsystem.MOTION}
-    if not wanted <= set(judged):
+    if not data.needed_for_verdict <= set(judged):
         return Verdict.UNDETERMINED
     return Verdict.CALIBRATION if findings else Verdict.CONSISTENT
 
@@ -55,7 +51,7 @@ def swings_astray(data: MachineData, free_run: Mapping[str, SignalFit]) -> tuple
     for joint, runs in data.joints.items():
         column = f"{joint}.position"
         fit = free_run.get(column)
-        if fit is None or any(np.any(run.driving) for run in runs):
+        if fit is None or any(drives(run.driving) for run in runs):
             continue
         spread = max(float(np.nanstd(run.kinematics.position)) for run in runs)
         off = fit.after if math.isfinite(fit.after) else spread

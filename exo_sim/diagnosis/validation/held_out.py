@@ -204,7 +204,7 @@ def _signals(compared: Sequence[Comparison]) -> dict[str, SignalFit]:
 
 def _noise_share(one: SubsystemResult[SubsystemModel], compared: Sequence[Comparison]) -> float:
     """Return the noise as a share of what the predicted signals vary: it turns units of the noise into what a prediction is off by."""
-    if one.model.kind is Subsystem.SUPPLY:
+    if one.model.is_input_of_others:
         return 0.0
     shares = [each.series.noise / spread for each in compared if (spread := float(np.nanstd(each.series.recorded))) > 0.0]
     return _finite(float(np.median(shares))) if shares else 0.0

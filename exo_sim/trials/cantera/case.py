@@ -8,12 +8,13 @@ from collections.abc import Callable, Sequence
 import numpy as np
 from numpy.typing import NDArray
 
-from exo_sim.errors import TrialError, nearest
+from exo_sim.errors import TrialError
 from exo_sim.trials.cantera.network import Cylinder
 from exo_sim.trials.whole_machines.case import WholeCase, instrumented
 from exo_sim.trials.whole_machines.draw import Built, build, cells_of
 from exo_sim.trials.whole_machines.friction_laws import EXPONENTIAL, SUM, TANH
 from exo_sim.trials.whole_machines.gas_laws import CONSTANT, ELLIPSE, ORIFICE
+from exo_sim.trials.whole_machines.hidden_effects import check_keys
 from exo_sim.trials.whole_machines.machine_run import Run, span_of, ticks
 from exo_sim.trials.whole_machines.makes import LABORATORY, Laws, Make
 
@@ -45,9 +46,7 @@ def make_case(name: str, cell: str = "single", seed: int = 0, *, effects: Sequen
         TrialError: a cell or effect is unknown, Cantera is not installed, or no machine that moves was drawn.
     """
     cells_of(cell, CELLS)
-    for key in effects:
-        if key not in BLOCKS:
-            raise TrialError(f'no effect "{key}" of --truth cantera{nearest(key, BLOCKS)}')
+    check_keys(effects, BLOCKS, "--truth cantera")
     for attempt in range(_TRIES):
         rng = np.random.default_rng([seed, attempt, 20265])
         built = build(MAKE, cell, rng, bulk=bulk, blocks=choose(cell, rng, effects))

@@ -95,7 +95,7 @@ class Cylinder:
         self._net.rtol, self._net.atol, self._net.max_time_step = _RELATIVE, _ABSOLUTE, _LONGEST
 
     def run(self, times: Array) -> dict[str, Array]:
-        """Return the log at times [s] that grow from 0, shape (n,): the columns of `whole.loop.LOG`.
+        """Return the log at times [s] that grow from 0, shape (n,): the columns of `whole_machines.loop.LOG`.
 
         Raises:
             TrialError: the integrator gave up.

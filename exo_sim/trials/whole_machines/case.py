@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 from exo_sim.errors import TrialError
 from exo_sim.outputs import replacing
 from exo_sim.trials.whole_machines.draw import Built, build
-from exo_sim.trials.whole_machines.hidden_effects import BLOCKS
+from exo_sim.trials.whole_machines.hidden_effects import BLOCKS, check_keys
 from exo_sim.trials.whole_machines.instruments import Rack, draw_rack
 from exo_sim.trials.whole_machines.machine_run import Run, drive, recorded
 from exo_sim.trials.whole_machines.makes import Make, find
@@ -77,9 +77,7 @@ def make_case(name: str, make: str, cell: str = "whole", seed: int = 0, *, effec
         TrialError: a make or effect is unknown, or no machine that moves was drawn.
     """
     kind = find(make)
-    for key in effects:
-        if key not in BLOCKS:
-            raise TrialError(f'no effect "{key}" of whole machines; there is: {", ".join(sorted(BLOCKS))}')
+    check_keys(effects)
     for attempt in range(_TRIES):
         rng = np.random.default_rng([seed, ord(make), attempt, 20262])
         built = build(kind, cell, rng, effects, bulk)

@@ -2,11 +2,12 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Collection, Mapping, Sequence
 from dataclasses import dataclass, field
 
 import numpy as np
 
+from exo_sim.errors import TrialError, nearest
 from exo_sim.trials.whole_machines import effect_sizes as sizes
 from exo_sim.trials.whole_machines.effect_sizes import Draft, Fields
 from exo_sim.trials.whole_machines.gas_laws import CLEARANCE, CONSTANT, GAP, ORIFICE
@@ -193,3 +194,19 @@ SEAL = ("coulomb", "stribeck", "viscous")
 #: What whole machines draw the rest of their effects from, with the chance that one is there at all.
 COMMON = {"heat": 0.95, "deadband": 0.85, "lag": 0.85, "flow": 0.8, "hose": 0.6, "leak_out": 0.35, "leak_piston": 0.35}
 OUTSIDE = ("place", "dwell", "warm", "relief", "edges", "curve")
+
+
+def check_keys(keys: Sequence[str], known: Collection[str] = tuple(BLOCKS), of: str = "whole machines") -> None:
+    """Check that effects can be hidden.
+
+    Args:
+        keys: Of effects that somebody asked for.
+        known: Those that there are.
+        of: What has them, for the message.
+
+    Raises:
+        TrialError: there is none of such a name.
+    """
+    for key in keys:
+        if key not in known:
+            raise TrialError(f'no effect "{key}" of {of}{nearest(key, known)}')

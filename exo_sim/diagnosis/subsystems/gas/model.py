@@ -79,6 +79,7 @@ class GasModel(SubsystemModel):
     balance = "energy balance"
     hopeless_ratio = verdicts.HOPELESS_GAS
     demands_larger_part = True  # no two valves are alike
+    calibrates_pressures = True
     unit = "Pa"
 
     def __init__(

@@ -6,6 +6,7 @@ from collections.abc import Sequence
 
 import numpy as np
 
+from exo_sim.conventions.undriven import drives
 from exo_sim.diagnosis.data.motion_run import MotionRun
 from exo_sim.diagnosis.estimation.least_squares import fit
 from exo_sim.diagnosis.estimation.parameters import FreeParameter, PlantParameters, Target
@@ -39,7 +40,7 @@ def nuisance_parameters(runs: Sequence[MotionRun], plant: PlantParameters, where
     reach = (float(priors.SENSOR_SCALE_LEAST), float(priors.SENSOR_SCALE_MOST))
     found = []
     # a free swing scales with its mass: no recording of it holds the mass
-    if inertia.has_mass and any(_is_driven(each) for each in runs):
+    if inertia.has_mass and any(drives(each.driving) for each in runs):
         found.append(_of_sensor("payload_mass", run.joint, "payload_mass", "1", 0.02, (0.2, 5.0), (1.0, priors.MASS), neutral=1.0))
     unit = "N*m" if run.turning else "N"
     found.append(_of_sensor("offset", run.joint, "offset", unit, max(spread, 1e-6), (-1e6, 1e6), (0.0, spread)))
@@ -76,11 +77,6 @@ def nuisance_parameters(runs: Sequence[MotionRun], plant: PlantParameters, where
                 bounds = (parameter.low, parameter.high)
                 found.append(_of_cylinder(effect.name, where, parameter.name, unit, known, bounds, (value, known)))
     return tuple(found)
-
-
-def _is_driven(run: MotionRun) -> bool:
-    """Return whether any recorded force acts: a column of zeros says that none does."""
-    return float(np.ptp(run.driving)) > NEGLIGIBLE * run.effort
 
 
 def _scaled_columns(run: MotionRun) -> list[str]:

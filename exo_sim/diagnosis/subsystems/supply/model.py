@@ -56,6 +56,7 @@ class SupplyModel(SubsystemModel):
     """
 
     kind = Subsystem.SUPPLY
+    is_input_of_others = True
     balance = "mass balance"
     unit = "Pa"
     where = "supply"

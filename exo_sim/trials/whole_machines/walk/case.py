@@ -14,7 +14,7 @@ from exo_sim.errors import TrialError
 from exo_sim.trials.whole_machines.case import beside, hidden_of, laws_of, write_files
 from exo_sim.trials.whole_machines.draw import Built
 from exo_sim.trials.whole_machines.excitation import Program, gains
-from exo_sim.trials.whole_machines.hidden_effects import BLOCKS
+from exo_sim.trials.whole_machines.hidden_effects import BLOCKS, check_keys
 from exo_sim.trials.whole_machines.instruments import Rack, draw_rack, filtered, shown
 from exo_sim.trials.whole_machines.loop import FED, FORCES, MEMO
 from exo_sim.trials.whole_machines.machine_run import Run, advance, span_of, ticks
@@ -59,15 +59,13 @@ class WornCase:
 
 def make_worn_case(name: str, make: str, cell: str = "whole", seed: int = 0, *, effects: Sequence[str] = (), bulk: float = 1.0,
                    duration: float = 20.0, recordings: int = 1, weigh: bool = True) -> WornCase:  # fmt: skip
-    """Draw a case; arguments as in `whole.case.make_case`.
+    """Draw a case; arguments as in `whole_machines.case.make_case`.
 
     Raises:
         TrialError: a make or effect is unknown, or twelve machines in a row diverged.
     """
     kind = find(make)
-    for key in effects:
-        if key not in BLOCKS:
-            raise TrialError(f'no effect "{key}" of whole machines; there is: {", ".join(sorted(BLOCKS))}')
+    check_keys(effects)
     for attempt in range(_TRIES):
         rng = np.random.default_rng([seed, ord(make), attempt, 20263])
         worn = draw_worn(kind, cell, rng, effects, bulk)

@@ -12,18 +12,18 @@ from __future__ import annotations
 import math
 import warnings
 from collections.abc import Mapping, Sequence
-from dataclasses import asdict, dataclass, field
+from dataclasses import dataclass, field
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, Literal
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
 from exo_sim import progress
-from exo_sim.errors import OutputError
 from exo_sim.sizing.design import Design
 from exo_sim.sizing.design_space import MOST_ABOVE, Space
 from exo_sim.sizing.evaluation import ENOUGH_MARGIN, ENOUGH_TRACKING, Score, Task, largest_torque
 from exo_sim.sizing.loads import joint_loads
+from exo_sim.sizing.search_journal import DIRECTIONS, SearchJournal
 from exo_sim.sizing.workers import Workers
 
 if TYPE_CHECKING:
@@ -31,11 +31,8 @@ if TYPE_CHECKING:
 
 #: Designs asked for together, and NSGA-II's population: fixed, so that the number of workers does not matter.
 BATCH = 40
-_GRACE = 2
 #: Share of the pressure limit that the second half keeps free: the demand of `exo-sim run` presses the gas harder.
 _HEADROOM = 0.05
-_NO_JOURNAL = "is no journal of a search; remove it or name another folder with --out"
-DIRECTIONS: tuple[Literal["maximize", "minimize"], ...] = ("maximize", "minimize", "minimize", "minimize")
 
 
 @dataclass(frozen=True)
@@ -89,7 +86,7 @@ def search(
 
     optuna.logging.set_verbosity(optuna.logging.WARNING)
     space = task.space
-    book = _Journal(journal, f"{task.digest} seed {seed}")
+    book = SearchJournal(journal, f"{task.digest} seed {seed}")
     study = optuna.create_study(directions=list(DIRECTIONS), sampler=_sampler(seed, 0))
     distributions = _distributions(space)
     for first in workers.first_designs(task, min(BATCH, trials), seed):
@@ -128,7 +125,7 @@ def with_more(
     task: Task, outcome: Outcome, more: Sequence[Mapping[str, Any]], seed: int, workers: Workers, journal: Path | None = None
 ) -> Outcome:
     """Return what a search came to with some more designs, given as variables, among its own; the journal keeps these, too."""
-    book, distributions = _Journal(journal, f"{task.digest} seed {seed}"), _distributions(task.space)
+    book, distributions = SearchJournal(journal, f"{task.digest} seed {seed}"), _distributions(task.space)
     own = [one.numbers for one in outcome.trials]
     first = len(own)
     others = [dict(numbers) for i, numbers in enumerate(more) if numbers not in own and numbers not in more[:i]]
@@ -228,96 +225,3 @@ def _narrowed(
         study.enqueue_trial(dict(one.numbers))
         _tell(study, _ask(study, distributions), one.score, most_error)
     return study
-
-
-class _Journal:
-    """Finished designs in Optuna's journal storage; one study of one search.
-
-    Args:
-        path: The file; None keeps nothing.
-        name: What the search is; a journal of another name is refused.
-    """
-
-    def __init__(self, path: Path | None, name: str):
-        self._study: optuna.Study | None = None
-        self._scores: dict[int, tuple[dict[str, Any], Score]] = {}
-        if path is None:
-            return
-        import optuna
-        from optuna.storages import JournalStorage
-        from optuna.storages.journal import JournalFileBackend, JournalFileOpenLock
-
-        if path.parent.exists() and not path.parent.is_dir():
-            raise OutputError(f'cannot write into "{path.parent}": it is a file; name a folder with --out')
-        try:
-            path.parent.mkdir(parents=True, exist_ok=True)
-            _mend(path)
-            # whoever was killed holding the lock is not waited for long
-            with warnings.catch_warnings():
-                warnings.simplefilter("ignore", UserWarning)
-                lock = JournalFileOpenLock(str(path.resolve()), grace_period=_GRACE)
-            storage = JournalStorage(JournalFileBackend(str(path), lock_obj=lock))
-            names = optuna.get_all_study_names(storage)
-            if names and names != [name]:
-                raise OutputError(
-                    f'{path} holds another search (other rig, loads, bounds or seed); name another folder with --out, '
-                    "or remove that file"
-                )
-            self._study = optuna.create_study(
-                storage=storage, study_name=name, directions=list(DIRECTIONS), load_if_exists=True
-            )
-            for trial in self._study.get_trials(deepcopy=False):
-                self._take(trial)
-        except OSError as error:
-            raise OutputError(f'cannot write "{path}": {error.strerror or error}; write elsewhere') from None
-        except (OutputError, MemoryError):
-            raise
-        except Exception:  # of many kinds, on files that something else wrote
-            raise OutputError(f"{path} {_NO_JOURNAL}") from None
-
-    def _take(self, trial: optuna.trial.FrozenTrial) -> None:
-        score = trial.user_attrs["score"]
-        thinnest = score["thinnest"]
-        score = {
-            **score,
-            "violations": tuple(score["violations"]),
-            "thinnest": tuple(thinnest) if thinnest else None,
-            "springs": {name: tuple(spring) for name, spring in score.get("springs", {}).items()},
-        }
-        self._scores[trial.user_attrs["number"]] = (trial.params, Score(**score))
-
-    def score(self, number: int, params: dict[str, Any]) -> Score | None:
-        """Return the score of a finished design, None where it was not finished or is another one."""
-        held = self._scores.get(number)
-        return held[1] if held is not None and held[0] == params else None
-
-    def keep(self, number: int, params: dict[str, Any], score: Score, distributions: dict[str, Any]) -> None:
-        """Write a finished design down."""
-        if self._study is None:
-            return
-        import optuna
-
-        self._study.add_trial(
-            optuna.create_trial(
-                params=params, distributions=distributions, values=list(score.objectives),
-                user_attrs={"number": number, "score": asdict(score)},
-            )
-        )  # fmt: skip
-
-
-def _mend(path: Path) -> None:
-    """Take away the line that a killed search was writing.
-
-    Raises:
-        OutputError: the file is no journal; it is left alone.
-    """
-    if not path.exists():
-        return
-    if not path.is_file():  # a pipe would be waited for
-        raise OutputError(f"{path} {_NO_JOURNAL}")
-    with path.open("r+b") as file:
-        text = file.read()
-        if text and not text.startswith(b'{"op_code"'):
-            raise OutputError(f"{path} {_NO_JOURNAL}")
-        if not text.endswith(b"\n"):
-            file.truncate(text.rfind(b"\n") + 1)

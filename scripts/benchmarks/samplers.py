@@ -16,7 +16,8 @@ from exo_sim import rig
 from exo_sim.sizing.design_space import MOST_ABOVE
 from exo_sim.sizing.evaluation import ENOUGH_MARGIN, ENOUGH_TRACKING, Score, Task, evaluator, largest_torque
 from exo_sim.sizing.loads import Condition
-from exo_sim.sizing.search import BATCH, DIRECTIONS, search
+from exo_sim.sizing.search import BATCH, search
+from exo_sim.sizing.search_journal import DIRECTIONS
 from exo_sim.sizing.study import space_of
 from exo_sim.sizing.workers import Workers
 

@@ -9,12 +9,12 @@ from typing import Generic, TypeVar
 
 from exo_sim.diagnosis import wording
 from exo_sim.diagnosis.estimation.candidate import Candidate, drop_orphans
-from exo_sim.diagnosis.estimation.parameters import FreeParameter, Target
+from exo_sim.diagnosis.estimation.parameters import FreeParameter
 from exo_sim.diagnosis.estimation.uncertainty import HALF_WIDTH, bounded_interval
-from exo_sim.diagnosis.findings import Estimate, Finding, Kind, Rejected
+from exo_sim.diagnosis.findings import Finding, Kind, Rejected
 from exo_sim.diagnosis.policy import verdicts
 from exo_sim.diagnosis.policy.acceptance import BESIDE_DISCREPANCY, CLEAN
-from exo_sim.diagnosis.policy.off_nominal import MODEL_SHARE
+from exo_sim.diagnosis.selection.candidate_finding import finding_of, with_all_parts, with_twins
 from exo_sim.diagnosis.selection.fitted_model import (
     FittedModel,
     SearchResult,
@@ -23,15 +23,12 @@ from exo_sim.diagnosis.selection.fitted_model import (
     is_more_than_healthy,
 )
 from exo_sim.diagnosis.selection.model_fits import ModelFits
-from exo_sim.diagnosis.selection.nuisance_calibration import deviations, is_declared, refitted_besides
+from exo_sim.diagnosis.selection.nuisance_calibration import deviations, refitted_besides
 from exo_sim.diagnosis.selection.subsystem_result import SubsystemResult
 from exo_sim.diagnosis.subsystem_model import SubsystemModel
 from exo_sim.physics.declaration import identification_of
 
 Model = TypeVar("Model", bound=SubsystemModel)
-
-#: How a parameter of a sensor is called in a finding.
-_SENSOR_PARAMETERS = {"bias": "value", "scale": "factor", "delay": "seconds"}
 
 
 def decide(name: str, model: Model, fits: ModelFits, search: SearchResult) -> SubsystemResult[Model]:
@@ -80,11 +77,11 @@ class _Decision(Generic[Model]):
         reported = tuple(c for c in named if _is_reported(c, final, errors))
         laws = {q for c in named if c not in reported for q in c.parameters}
         named = reported
-        findings = [self._with_all_parts(self._finding(c, final, errors), c) for c in named]
+        findings = [with_all_parts(finding_of(c, final, errors, search), c, search, self.fits) for c in named]
         if alone:
             findings = [replace(f, probability=min(f.confidence, float(verdicts.CONFIDENT_BESIDE_UNKNOWN))) for f in findings]
         twins = self.model.indistinguishable(findings, final.fit)
-        findings = [_ambiguous_with(f, twins.get((f.name, f.where), ())) for f in findings]
+        findings = [with_twins(f, twins.get((f.name, f.where), ())) for f in findings]
         observed = {parameter: error for parameter, error in errors.items() if self.model.is_observed(parameter)}
         off = () if alone and not named else deviations(final, observed)  # alone they bend to what has no name
         refitted = refitted_besides(final, observed, {one.parameter for one in off}, bool(named or laws))
@@ -218,52 +215,6 @@ class _Decision(Generic[Model]):
         left = self.model.discrepancies(self.model.apply(final.fit.values, final.fixed))
         return max((one.pattern for one in left), default=0.0)
 
-    def _finding(self, candidate: Candidate, final: FittedModel, errors: Mapping[FreeParameter, float]) -> Finding:
-        estimates = {}
-        for parameter in candidate.parameters:
-            value = final.fit.values[parameter]
-            low, high = bounded_interval(parameter, value, max(errors.get(parameter, 0.0), MODEL_SHARE * abs(value)))
-            if is_declared(candidate.effect):
-                low, high = _widened_by_law(candidate, parameter, low, high)
-            estimates[_called(parameter)] = Estimate(value, parameter.unit, low, high)
-        evidence = self.search.evidence.get(candidate.key)
-        rivals = [
-            (rival, worse)
-            for rival, worse in self.search.rivals.get(candidate.key, [])
-            if worse <= verdicts.AS_GOOD and rival.effect != candidate.effect
-        ]
-        weights = {candidate.effect: 1.0, **{r.effect: math.exp(-max(worse, 0.0)) for r, worse in reversed(rivals)}}
-        total = sum(weights.values())
-        return Finding(
-            candidate.effect, candidate.where, candidate.kind, wording.says(candidate.effect), estimates,
-            evidence.log10_odds if evidence else 0.0, 0.0, tuple(dict.fromkeys(r.effect for r, _ in rivals)),
-            {name: weight / total for name, weight in weights.items()} if rivals else {},
-            probability=self.search.probabilities.get(candidate.at), also=candidate.also,
-        )  # fmt: skip
-
-    def _with_all_parts(self, finding: Finding, candidate: Candidate) -> Finding:
-        """Return a finding whose intervals also cover its parameters in the model that has all parameters of the effect."""
-        whole = self.search.complete.get(candidate.key)
-        if whole is None:
-            return finding
-        errors = self.fits.standard_errors(whole)
-        estimates = dict(finding.parameters)
-        for parameter, value in whole.fit.values.items():
-            own = estimates.get(parameter.parameter)
-            at = (parameter.effect, parameter.where)
-            if own is not None and at == (finding.name, finding.where) and parameter in whole.effect_parameters:
-                low, high = bounded_interval(parameter, value, errors.get(parameter, 0.0))
-                estimates[parameter.parameter] = replace(own, low=min(own.low, low), high=max(own.high, high))
-        return replace(finding, parameters=estimates)
-
-
-def _called(parameter: FreeParameter) -> str:
-    """Return how a parameter is called in a finding."""
-    if parameter.target is not Target.SENSOR:
-        return parameter.parameter
-    name = parameter.parameter.rsplit(".", 1)[-1]
-    return _SENSOR_PARAMETERS.get(name, name)
-
 
 def _is_reported(candidate: Candidate, model: FittedModel, errors: Mapping[FreeParameter, float]) -> bool:
     """Return whether a candidate is a finding.
@@ -290,26 +241,6 @@ def _is_nozzle(candidate: Candidate, model: FittedModel) -> bool:
     if not identification_of(candidate.effect).every_law:
         return False
     return verdicts.NOZZLE_LOW < model.fit.values[candidate.parameters[0]] < verdicts.NOZZLE_HIGH
-
-
-def _widened_by_law(candidate: Candidate, parameter: FreeParameter, low: float, high: float) -> tuple[float, float]:
-    """Return the ends of an interval widened by what the law itself leaves open; a form with more of the law leaves less open."""
-    asked = identification_of(candidate.effect)
-    if asked.closed_by and asked.closed_by in {q.parameter for q in candidate.parameters}:
-        return low, high
-    down, up = asked.open_by.get(parameter.parameter, (1.0, 1.0))
-    return max(low * down, parameter.low), min(high * up, parameter.high)
-
-
-def _ambiguous_with(finding: Finding, twins: Sequence[str]) -> Finding:
-    """Return a finding that names its twins beside its rivals, all equally probable."""
-    for twin in twins:
-        if twin not in finding.ambiguous_with:
-            names = (finding.name, *finding.ambiguous_with, twin)
-            finding = replace(
-                finding, ambiguous_with=(*finding.ambiguous_with, twin), probabilities=dict.fromkeys(names, 1.0 / len(names))
-            )
-    return finding
 
 
 def _without_repetition(rejected: Sequence[Rejected], findings: Sequence[Finding]) -> tuple[Rejected, ...]:

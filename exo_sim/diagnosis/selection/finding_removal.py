@@ -34,8 +34,8 @@ def without_findings(result: SubsystemResult[Model], names: Collection[tuple[str
         return only_named
     final = result.fits.refined(result.fits.fit(kept, result.final))
     anew = decide(result.name, result.model, result.fits, replace(result.search, final=final))
-    told = {(f.name, f.where) for f in only_named.findings}
-    if anew.has_unknown != result.has_unknown or {(f.name, f.where) for f in anew.findings} != told:
+    kept_names = {(f.name, f.where) for f in only_named.findings}
+    if anew.has_unknown != result.has_unknown or {(f.name, f.where) for f in anew.findings} != kept_names:
         return only_named
     before = {(f.name, f.where): f for f in result.findings}
     opened = tuple(open_to(f, before[f.name, f.where]) for f in anew.findings)

@@ -1,0 +1,69 @@
+"""What is stated of a candidate: its numbers with their intervals, its odds, and the names that explain as much."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import replace
+
+import pytest
+from diagnosis import waves
+
+from exo_sim.diagnosis.estimation.candidate import Candidate
+from exo_sim.diagnosis.estimation.parameters import FreeParameter, Target
+from exo_sim.diagnosis.estimation.uncertainty import HALF_WIDTH
+from exo_sim.diagnosis.findings import Estimate, Finding, Kind
+from exo_sim.diagnosis.policy import verdicts
+from exo_sim.diagnosis.policy.off_nominal import MODEL_SHARE
+from exo_sim.diagnosis.selection.candidate_finding import finding_of, with_all_parts, with_twins
+from exo_sim.diagnosis.selection.fitted_model import FittedModel, SearchResult
+from exo_sim.diagnosis.selection.search import Search
+
+BASE = waves.BASE.parameters[0]
+
+
+@pytest.fixture(scope="module")
+def search() -> Search:
+    return Search(waves.Waves(slow=3.0), (), (waves.BASE,), cheap=True)
+
+
+@pytest.fixture(scope="module")
+def found(search: Search) -> SearchResult:
+    return search.run()
+
+
+@pytest.mark.parametrize(("error", "half"), [(0.5, 0.5), (0.0, None)])
+def test_an_interval_is_never_narrower_than_what_models_are_off_by(found: SearchResult, error: float, half: float | None) -> None:
+    finding = finding_of(waves.BASE, found.final, {BASE: error}, found)
+    ((name, estimate),) = finding.parameters.items()
+    wide = HALF_WIDTH * (half if half is not None else MODEL_SHARE * estimate.value)
+    assert name == "slow" and estimate.value == found.final.fit.values[BASE]
+    assert (estimate.low, estimate.high) == pytest.approx((estimate.value - wide, estimate.value + wide))
+
+
+def test_rivals_weigh_by_what_they_explain_less(found: SearchResult) -> None:
+    near, far = waves.candidate("near", "slow"), waves.candidate("far", "slow")
+    rivals = {waves.BASE.key: [(near, 1.0), (far, verdicts.AS_GOOD + 0.1), (waves.BASE, 0.0)]}
+    finding = finding_of(waves.BASE, found.final, {}, replace(found, rivals=rivals))
+    assert finding.ambiguous_with == ("near",)
+    assert finding.probabilities == pytest.approx({"base": 1.0 / (1.0 + math.exp(-1.0)), "near": 1.0 / (1.0 + math.e)})
+
+
+def test_the_interval_covers_what_the_whole_law_says(search: Search, found: SearchResult) -> None:
+    law = FreeParameter("leak", "piston", "area", "m^2", Target.SENSOR, 1.0, 0.0, 10.0)
+    leak = Candidate("leak", "piston", "area", (law,), ((1.0,),))
+    fit = search.fits.fit((waves.BASE,)).fit
+    whole = FittedModel((leak,), replace(fit, parameters=(law,), values={law: 2.0}))
+    alone = Finding("leak", "piston", Kind.MISSING_PHYSICS, "", {"area": Estimate(3.0, "m^2", 2.9, 3.1)}, 9.0, 0.5)
+    assert with_all_parts(alone, leak, found, search.fits) is alone
+    both = with_all_parts(alone, leak, replace(found, complete={leak.key: whole}), search.fits).parameters["area"]
+    assert (both.value, both.high) == (3.0, 3.1) and 1.5 < both.low < 2.0
+    elsewhere = replace(alone, where="other")
+    assert with_all_parts(elsewhere, leak, replace(found, complete={leak.key: whole}), search.fits) == elsewhere
+
+
+def test_twins_are_as_probable_as_the_name_and_are_named_once() -> None:
+    finding = Finding("mount", "hip", Kind.MISSING_PHYSICS, "", {}, 9.0, 0.5, ambiguous_with=("play",))
+    more = with_twins(finding, ("play", "belt"))
+    assert more.ambiguous_with == ("play", "belt")
+    assert more.probabilities == pytest.approx(dict.fromkeys(("mount", "play", "belt"), 1.0 / 3.0))
+    assert with_twins(finding, ()) is finding

@@ -6,7 +6,7 @@ import math
 
 from exo_sim.diagnosis.estimation.uncertainty import HALF_WIDTH
 from exo_sim.diagnosis.findings import Finding, Kind
-from exo_sim.diagnosis.policy.probability import EVEN_SHARE, LEAST_ERRORS, LEAST_TOLD, MAY_BE_NIL, STEEPNESS, UNTESTED
+from exo_sim.diagnosis.policy.probability import EVEN_SHARE, LEAST_ERRORS, LEAST_PROBABILITY, MAY_BE_NIL, STEEPNESS, UNTESTED
 from exo_sim.diagnosis.policy.verdicts import CONFIDENT_BESIDE_UNKNOWN, MOST_CONFIDENT
 from exo_sim.physics.declaration import identification_of
 
@@ -44,7 +44,7 @@ def doubt(finding: Finding, share: float | None, compared: bool = True) -> str:
         if compared and finding.kind is Kind.SENSOR:
             return f"{untested}, where a sensor at fault would be as much at fault as before"
         return f"{untested}, and the interval of its number holds nil" if _may_be_nil(finding) else ""
-    if _borne(share) >= LEAST_TOLD:
+    if _borne(share) >= LEAST_PROBABILITY:
         return ""
     return (
         f"of what is missing without it, it explains {100 * share:.0f} % of time that no number was fitted to: "

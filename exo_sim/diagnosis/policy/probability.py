@@ -26,7 +26,7 @@ LEAST_ERRORS = Number(
     "asserted: its 68 % interval holds nil; seen on one healthy learn make (I, seed 711), where drag "
     "stood for a rig's own friction that bends otherwise: 0.26 standard errors",
 )  # fmt: skip
-LEAST_TOLD = Number(
+LEAST_PROBABILITY = Number(
     0.5, "probability", "a name that is less probable is put aside: it is more likely wrong than right", "derived"
 )
 CALIBRATED = Number(

@@ -10,7 +10,7 @@ from typing import TypeVar
 from exo_sim.diagnosis.estimation.candidate import drop_orphans
 from exo_sim.diagnosis.estimation.uncertainty import HALF_WIDTH
 from exo_sim.diagnosis.findings import Estimate, Finding
-from exo_sim.diagnosis.policy.probability import LEAST_TOLD
+from exo_sim.diagnosis.policy.probability import LEAST_PROBABILITY
 from exo_sim.diagnosis.selection.decision import decide
 from exo_sim.diagnosis.selection.subsystem_result import SubsystemResult
 from exo_sim.diagnosis.subsystem_model import SubsystemModel
@@ -58,7 +58,7 @@ def open_to(finding: Finding, before: Finding) -> Finding:
         old = before.parameters.get(name)
         if old is None:
             return one
-        by = HALF_WIDTH * math.sqrt(LEAST_TOLD) * abs(old.value - one.value)
+        by = HALF_WIDTH * math.sqrt(LEAST_PROBABILITY) * abs(old.value - one.value)
         low = one.value - math.hypot(max(one.value - one.low, old.value - old.low), by)
         high = one.value + math.hypot(max(one.high - one.value, old.high - old.value), by)
         return replace(one, low=max(low, min(one.low, old.low, 0.0)), high=high)

@@ -52,13 +52,13 @@ class NumberLog:
         self._names = {id(value): name for name, value in numbers()}
         for kind in (Number, Count, Traced):
             plain = int if issubclass(kind, int) else float
-            kind.__array_priority__ = Traced.__array_priority__  # type: ignore[attr-defined]
+            setattr(kind, "__array_priority__", Traced.__array_priority__)  # noqa: B010
             for name in _COMPARED:
                 setattr(kind, f"__{name}__", self._comparison(getattr(operator, name), plain))
             for name in _COMPUTED:
                 function = getattr(operator, name)
                 setattr(kind, f"__{name}__", self._arithmetic(function, plain))
-                setattr(kind, f"__r{name}__", self._arithmetic(lambda own, other, f=function: f(other, own), plain))
+                setattr(kind, f"__r{name}__", self._arithmetic(_reflected(function), plain))
             setattr(kind, "__neg__", self._arithmetic(lambda own, other: -own, plain, alone=True))  # noqa: B010
 
     def _origins(self, value: Any) -> frozenset[str]:
@@ -105,6 +105,10 @@ def numbers() -> Iterator[tuple[str, Number | Count]]:
             for key, one in every:
                 if name.isupper() and isinstance(one, (Number, Count)):
                     yield f"{module.name}.{name}" + (f"[{key}]" if key else ""), one
+
+
+def _reflected(function: Callable[[Any, Any], Any]) -> Callable[[Any, Any], Any]:
+    return lambda own, other: function(other, own)
 
 
 def _bare(value: Any) -> Any:

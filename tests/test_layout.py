@@ -24,9 +24,6 @@ THROUGH: dict[str, tuple[str, ...]] = {
     "control/user_controller/test_running.py": (
         "control/user_controller/faults.py",
     ),
-    "diagnosis/pipeline/test_diagnose_benches.py": (
-        "diagnosis/selection/final_residual.py", "diagnosis/subsystems/gas/experiments.py",
-    ),
     "diagnosis/policy/test_number.py": (
         "diagnosis/policy/significance.py",
     ),
@@ -47,17 +44,14 @@ THROUGH: dict[str, tuple[str, ...]] = {
     ),
     "gait/test_own_gait.py": (
         "gait/contact_fit.py", "gait/files/c3d.py", "gait/files/opensim_motion.py",
-        "gait/files/table.py", "gait/angle_signs.py", "gait/standing.py",
-        "gait/strides.py", "gait/walking_trial.py",
-    ),
-    "machine/test_worn_model.py": (
-        "machine/metabolism.py",
+        "gait/files/table.py", "gait/standing.py",
+        "gait/walking_trial.py",
     ),
     "recording/test_hostile_tables.py": (
         "recording/csv_table.py",
     ),
     "recording/test_reader.py": (
-        "recording/clock_repair.py", "recording/parquet_table.py",
+        "recording/parquet_table.py",
     ),
     "recording/test_summary.py": (
         "cli/inspect.py",
@@ -88,9 +82,9 @@ THROUGH: dict[str, tuple[str, ...]] = {
         "simulation/torque_driven_wearer.py", "simulation/wearer_inverse_dynamics.py",
     ),
     "simulation/test_walk.py": (
-        "control/least_load.py", "control/strap_feedback.py", "control/strap_loads.py", "control/stride_learning.py",
-        "control/tracking.py", "simulation/causal_calibration.py", "simulation/coupled_step.py", "simulation/loop_log.py",
-        "simulation/running_statistics.py", "simulation/rehearsal.py", "simulation/valve_loop.py", "simulation/views.py",
+        "control/least_load.py", "control/strap_feedback.py", "control/strap_loads.py",
+        "simulation/causal_calibration.py", "simulation/coupled_step.py", "simulation/loop_log.py",
+        "simulation/rehearsal.py", "simulation/valve_loop.py", "simulation/views.py",
         "simulation/worn_demand.py",
     ),
     "sizing/test_search.py": (
@@ -103,7 +97,7 @@ THROUGH: dict[str, tuple[str, ...]] = {
         "cli/trial.py", "trials/develop.py", "trials/score_page.py",
     ),
     "trials/truth/test_plant.py": (
-        "trials/compiled.py", "trials/truth/bench.py", "trials/truth/compiled.py", "trials/truth/loop.py", "trials/truth/valve.py",
+        "trials/compiled.py", "trials/truth/bench.py", "trials/truth/compiled.py", "trials/truth/loop.py",
     ),
     "trials/whole_machines/test_case.py": (
         "trials/whole_machines/compiled.py", "trials/whole_machines/effect_sizes.py", "trials/whole_machines/nearest_effects.py",

@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 from exo_sim.errors import RecordingError
 from exo_sim.recording.clock_repair import in_order
 
-STEADY: NDArray[np.float64] = np.arange(20) * 0.01
+STEADY: NDArray[np.float64] = np.asarray(np.arange(20) * 0.01, dtype=np.float64)
 
 
 def kept(time: NDArray[np.float64]) -> tuple[NDArray[np.float64], list[str], tuple[float, ...]]:
@@ -43,7 +43,7 @@ def test_of_a_clock_that_stands_still_the_first_row_of_each_counts() -> None:
 
 
 def test_a_short_step_back_is_dropped_and_nothing_is_predicted_across_it() -> None:
-    time: NDArray[np.float64] = np.arange(100) * 0.01
+    time: NDArray[np.float64] = np.asarray(np.arange(100) * 0.01, dtype=np.float64)
     time[50:53] -= 0.03
     found, says, breaks = kept(time)
     assert (np.diff(found) > 0).all() and "steps back once" in says[0]

@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from exo_sim.errors import ModelError, RigError, nearest
-from exo_sim.machine import mujoco_words  # noqa: F401 - its warnings are ours from here on
+from exo_sim.machine import mujoco_warnings  # noqa: F401 - its warnings are ours from here on
 from exo_sim.rig import Cylinder, Rig
 
 #: How far a piston may be asked beyond its stroke before the rig is refused [m].

@@ -12,7 +12,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from exo_sim.errors import ModelError, one_line
-from exo_sim.machine import mujoco_words  # noqa: F401 - its warnings are ours from here on
+from exo_sim.machine import mujoco_warnings  # noqa: F401 - its warnings are ours from here on
 from exo_sim.machine.named_files import check_named
 
 #: Time steps between which a machine can be simulated [s].

@@ -9,6 +9,7 @@ from __future__ import annotations
 import math
 
 from exo_sim.physics import nozzle
+from exo_sim.physics.balances import rates
 from exo_sim.physics.compiled import inlined_kernel, kernel
 from exo_sim.physics.conditions import Motion
 from exo_sim.physics.effects import (
@@ -24,7 +25,6 @@ from exo_sim.physics.effects import (
 from exo_sim.physics.forces import advance_joints
 from exo_sim.physics.friction import dry_level, move_bristle
 from exo_sim.physics.nodes import path_areas, pressures, temperatures, volumes, within
-from exo_sim.physics.rates import rates
 from exo_sim.physics.state import (
     BRISTLE,
     FASTER,

@@ -8,10 +8,10 @@ do not reach grows from stage to stage until it shows there, and such a step is 
 
 from __future__ import annotations
 
+from exo_sim.physics.balances import rates
 from exo_sim.physics.compiled import inlined_kernel, kernel
 from exo_sim.physics.effects import exhaust_back_pressure, supply_droop
 from exo_sim.physics.gas_effects_off import plain
-from exo_sim.physics.rates import rates
 from exo_sim.physics.runge_kutta_chebyshev import COEFFICIENTS, MOST_STAGES, REACH, enough_stages
 from exo_sim.physics.state import CONTENTS, HOSE_MASS_1, INTEGRATED, SHARED_CONTENTS
 

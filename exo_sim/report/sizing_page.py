@@ -5,7 +5,7 @@ from __future__ import annotations
 from exo_sim.report import sizing_picture
 from exo_sim.report.sizing_frame import ranges, rendered, spread
 from exo_sim.simulation import gas_use
-from exo_sim.sizing import published, summary_text
+from exo_sim.sizing import published_machine, summary_text
 from exo_sim.sizing.hand_calculation import papers_example
 from exo_sim.sizing.recommendation import fates
 from exo_sim.sizing.sensitivity import cheaper
@@ -44,7 +44,7 @@ def page(sizing: Sizing) -> str:
         ],
         others=[summary_text.described(kinds, one.choice.found) for one in sizing.without],
         p=sizing.published,
-        known=published,
+        known=published_machine,
         example=papers_example(),
     )
 

@@ -20,7 +20,7 @@ from exo_sim.sizing.evaluation import Evaluator, Score, Task
 from exo_sim.sizing.force_bandwidth import ForceBandwidth, force_bandwidths
 from exo_sim.sizing.joint_kinds import JointKind, kinds_of
 from exo_sim.sizing.loads import Condition, JointLoads, joint_loads
-from exo_sim.sizing.published import PublishedClass, published_class
+from exo_sim.sizing.published_machine import PublishedClass, published_class
 from exo_sim.sizing.recommendation import Choice, nothing_found, recommended, shortlist
 from exo_sim.sizing.rods import RodCheck, rod_checks
 from exo_sim.sizing.search import Outcome, search, with_more

@@ -9,7 +9,7 @@ import numpy as np
 
 from exo_sim.physics.compressed_air import exergy, free_air
 from exo_sim.simulation import gas_use
-from exo_sim.sizing import published
+from exo_sim.sizing import published_machine
 from exo_sim.sizing.bought_parts import BoughtParts, provenance, too_cold
 from exo_sim.sizing.design import fit, recovery_mass, spring_mass
 from exo_sim.sizing.force_bandwidth import NEEDED
@@ -222,7 +222,7 @@ def rods(sizing: Sizing) -> list[str]:
 def spent(sizing: Sizing) -> list[str]:
     """Return what the published machine of this class and the wearer spend, in lines of text; none where nobody walks on level ground."""
     summary = sizing.choice.confirmed.summary
-    return published.power_words(summary) if sizing.published is not None and summary else []
+    return published_machine.power_words(summary) if sizing.published is not None and summary else []
 
 
 def described(kinds: tuple[JointKind, ...], found: Found) -> list[str]:

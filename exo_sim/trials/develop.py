@@ -65,7 +65,7 @@ def main(argv: list[str] | None = None) -> int:
                 }  # fmt: skip
                 size: float | list[float]
                 if options.size.endswith("x"):
-                    from exo_sim.trials.limit import sized
+                    from exo_sim.trials.detection_limit import sized
 
                     size = sized(keys, float(options.size[:-1]))
                 else:

@@ -6,7 +6,7 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from typing import Any
 
-from exo_sim.trials.limit import NEEDED
+from exo_sim.trials.detection_limit import NEEDED
 
 #: Names that may be reported beside anything: believed numbers always are a little off.
 CALIBRATIONS = ("flow_capacity", "dead_volume", "payload_mass")

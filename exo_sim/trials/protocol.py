@@ -73,7 +73,7 @@ def make(
 def make_one(plan: Plan, folder: Path, key: str, duration: float, fmt: str = "parquet") -> tuple[str, dict[str, Any]]:
     """Write one case and its sealed truth; return its entry of the manifest."""
     from exo_sim.trials.cases import make_case, truth_of, write_case
-    from exo_sim.trials.limit import concealed, distance, limit, sized
+    from exo_sim.trials.detection_limit import concealed, distance, limit, sized
 
     size = [sized([one], times)[0] for one, times in zip(plan.effects, plan.times)]
 
@@ -116,9 +116,9 @@ def _make_leg(
     plan: Plan, folder: Path, key: str, size: Sequence[float], duration: float, fmt: str
 ) -> tuple[str, dict[str, Any]]:
     from exo_sim.trials.cases import truth_of, write_case
+    from exo_sim.trials.detection_limit import limit
     from exo_sim.trials.leg_cases import actual, make_leg_case
-    from exo_sim.trials.leg_limit import distance
-    from exo_sim.trials.limit import limit
+    from exo_sim.trials.leg_detection_limit import distance
 
     case = make_leg_case(plan.name, plan.effects, plan.seed, size, duration=duration)
     where = folder / "cases" / plan.name

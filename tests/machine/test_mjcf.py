@@ -13,7 +13,7 @@ import pytest
 
 from exo_sim import rig as rigs
 from exo_sim.errors import ModelError, RigError
-from exo_sim.machine import mujoco_words
+from exo_sim.machine import mujoco_warnings
 from exo_sim.machine.rig_model import load
 from exo_sim.simulation.plugin import PneumaticPlugin
 
@@ -157,11 +157,11 @@ def test_mujocos_warnings_are_given_once_and_leave_no_file(tmp_path: Path) -> No
 
 
 def test_a_warning_is_never_raised_into_mujoco(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(mujoco_words, "_given", set())
+    monkeypatch.setattr(mujoco_warnings, "_given", set())
     model = mujoco.MjModel.from_xml_string(MODEL.format(step="0.001", joint="", mass="8", motor=""))
     data = mujoco.MjData(model)
     data.qvel[:] = float("nan")
     with warnings.catch_warnings():
         warnings.simplefilter("error")
         mujoco.mj_step(model, data)
-    assert mujoco_words._given
+    assert mujoco_warnings._given

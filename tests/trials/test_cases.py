@@ -9,8 +9,8 @@ import pytest
 from exo_sim.errors import TrialError
 from exo_sim.trials.case_mix import EXCLUSIVE, LEG, SHARES, draw_plans, every_plan
 from exo_sim.trials.cases import make_case, write_case
+from exo_sim.trials.detection_limit import NEEDED, concealed, distance, ideal_limit, limit, reference_limits
 from exo_sim.trials.hidden_effects import EFFECTS, LISTED, OUTSIDE, find, plant
-from exo_sim.trials.limit import NEEDED, concealed, distance, ideal_limit, limit, reference_limits
 from exo_sim.trials.truth.instruments import Instrument, measure
 
 SHORT: dict[str, Any] = {"duration": 4.0, "known": ()}

@@ -98,7 +98,7 @@ def test_what_a_leg_cannot_show_is_refused():
 
 
 def test_distance_of_a_leg_is_nothing_without_and_large_with():
-    from exo_sim.trials.leg_limit import distance
+    from exo_sim.trials.leg_detection_limit import distance
 
     assert distance(make_leg_case("a", [], 3, known=(), duration=8.0)) == pytest.approx(0.0, abs=1e-6)
     near, far = (distance(make_leg_case("a", ["valve_offset"], 3, s, known=(), duration=8.0)) for s in (1e-4, 1e-3))

@@ -7,9 +7,9 @@ import pytest
 from physics.stepping import bench
 
 from exo_sim.physics import nozzle, state
+from exo_sim.physics.balances import cylinder_rates
 from exo_sim.physics.conditions import Reservoir
 from exo_sim.physics.pneumatics import Pneumatics
-from exo_sim.physics.rates import cylinder_rates
 
 SUPPLY, EXHAUST = Reservoir(7e5, 293.15), Reservoir(101325.0, 293.15)
 K, R = 1.4, 287.05

@@ -1,4 +1,4 @@
-"""How far a leg's recording is from the same leg without what is hidden: the likelihood ratio of `limit`.
+"""How far a leg's recording is from the same leg without what is hidden: the likelihood ratio of `detection_limit`.
 
 The joint is led, so nothing drifts away and the whole recording is one window: the same motion and the same command
 drive the cylinder with and without the effect.
@@ -12,8 +12,8 @@ from dataclasses import replace
 import numpy as np
 from numpy.typing import NDArray
 
+from exo_sim.trials.detection_limit import UNCERTAIN
 from exo_sim.trials.leg_cases import LegCase, with_faults
-from exo_sim.trials.limit import UNCERTAIN
 from exo_sim.trials.truth.instruments import measure
 from exo_sim.trials.truth.loop import run_led
 from exo_sim.trials.truth.machine import Machine

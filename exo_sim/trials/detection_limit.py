@@ -237,7 +237,7 @@ def limit(key: str, seed: int | None = None, settings: Mapping[str, object] | No
     Args:
         key: Of `effects.EFFECTS`.
         seed, settings: Compute the ideal limit on this bench; without them the median of the reference benches is used
-            (`limits.json`, written by `python -m exo_sim.trials.limit`).
+            (`limits.json`, written by `python -m exo_sim.trials.detection_limit`).
     """
     ideal = reference_limits()[key] if seed is None else ideal_limit(key, seed, settings or {})
     return float(np.hypot(ideal, NEEDED * find(key).healthy))

@@ -30,9 +30,6 @@ THROUGH: dict[str, tuple[str, ...]] = {
     "diagnosis/pipeline/test_sorting.py": (
         "simulation/replay/external_drive.py",
     ),
-    "diagnosis/selection/test_search.py": (
-        "diagnosis/subsystem_model.py",
-    ),
     "environments/test_environments.py": (
         "environments/dm.py", "environments/gym.py",
     ),

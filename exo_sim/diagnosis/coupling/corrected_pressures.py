@@ -132,7 +132,7 @@ def _changed(run: MotionRun, changes: Changes) -> MotionRun:
         if column in signals:
             signals[column] = signals[column] + smooth
         if run.cylinder is not None and column.startswith(f"{run.cylinder}.pressure_"):
-            side, full = int(column[-1]) - 1, restored(run.time, smooth, smoothing_width(run.time))
+            side, full = int(column[-1]) - 1, restored(run.time, smooth, smoothing_width(run.time, run.smoothing))
             gauge = gauge + np.column_stack([full if s == side else np.zeros_like(full) for s in range(2)])
     return run if force is run.drive.force else replace(run, drive=replace(run.drive, force=force, gauge=gauge, signals=signals))
 

@@ -122,7 +122,7 @@ class _Unmeasured:
         leaks = {name: response(self._pressure(leaky, initial)) / size for name, size, leaky in self._with_leaks(plant)}
         if not all(np.isfinite(change).all() for change in (pressure, *uncertain.values(), *leaks.values())):
             return None
-        missed = smoothed_alike(self.table.time, self.whole.errors(plant)[self.index][:, 1 - self.side])
+        missed = smoothed_alike(self.table.time, self.whole.errors(plant)[self.index][:, 1 - self.side], asked=run.smoothing)
         other = rms(missed[self._usable(self.table.time)])
         return replace(
             run,

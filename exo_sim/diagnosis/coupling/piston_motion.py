@@ -30,21 +30,22 @@ def at_piston(run: MotionRun, cylinder: NDArray[np.void] | None) -> MotionRun:
     if cylinder is None:
         return run
     carried = (run.demand - run.external) / np.where(np.abs(run.drive.arm) > 1e-6, run.drive.arm, 1.0)
-    ahead = restored(run.time, carried, smoothing_width(run.time)) / float(stiffness(cylinder[0]))
+    ahead = restored(run.time, carried, smoothing_width(run.time, run.smoothing)) / float(stiffness(cylinder[0]))
     path = run.kinematics
     there = replace(path, position=path.position + ahead, velocity=path.velocity + np.gradient(ahead, run.time))
-    known = run.judged & ~_open(run.time, carried) if plays(cylinder[0]) else run.known
+    known = run.judged & ~_open(run, carried) if plays(cylinder[0]) else run.known
     return replace(run, kinematics=there, known=known)
 
 
-def _open(time: Array, carried: Array) -> NDArray[np.bool_]:
+def _open(run: MotionRun, carried: Array) -> NDArray[np.bool_]:
     """Return where play may be open: about every reversal of what is carried, as far as the filter of the balance spreads it.
 
     While play is open nothing is carried, and the noise of a balance reverses what is hardly anything many times.
 
     Args:
-        time, carried: Of the samples [s], [N], shape (n,).
+        run: The balance.
+        carried: Of its samples [N], shape (n,).
     """
     negative = np.signbit(carried)
     reversed_ = np.diff(negative, prepend=negative[:1])
-    return np.asarray(binary_dilation(reversed_, iterations=reach(time))) if reversed_.any() else np.zeros(len(time), dtype=bool)
+    return np.asarray(binary_dilation(reversed_, iterations=reach(run.time, run.smoothing))) if reversed_.any() else np.zeros_like(reversed_)

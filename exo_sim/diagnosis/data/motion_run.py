@@ -43,6 +43,7 @@ class Inertia:
         effective_mass: Mass that the piston feels [kg]; 0 where it plays no part.
         has_mass: Whether a mass enters the balance.
         carried: The part of `force` that a payload as heavy as all that moves would ask; None where a mass that is off is the whole of it.
+        noise: Standard deviation that noise of the positions, differentiated twice, leaves in one smoothed sample of `force`.
     """
 
     force: Array
@@ -51,6 +52,7 @@ class Inertia:
     effective_mass: float
     has_mass: bool = True
     carried: Array | None = None
+    noise: float = 0.0
 
 
 @dataclass(frozen=True)
@@ -116,6 +118,7 @@ class MotionRun:
         noise: Standard deviation that sensor noise leaves in one smoothed sample of the balance.
         imputed: Set where a pressure of the drive was not measured but predicted.
         known: Where all forces were recorded; None for everywhere. Elsewhere the balance is not judged.
+        smoothing: Width of the filter that noise of the positions asks for [s]; 0 where the least of the clock will do.
     """
 
     recording: str
@@ -133,6 +136,7 @@ class MotionRun:
     every: int = 1
     imputed: Imputed | None = None
     known: NDArray[np.bool_] | None = None
+    smoothing: float = 0.0
 
     @property
     def cylinder(self) -> str | None:

@@ -65,7 +65,7 @@ def balances_left_open(found: Sequence[SubsystemResult[MotionModel]]) -> tuple[O
         if one.model.size < FEWEST_ROWS:
             run = one.model.runs[0]
             share = float(np.mean(np.abs(run.kinematics.velocity) > run.kinematics.still))
-            seconds = one_way(run.time)
+            seconds = one_way(run)
             if share * float(np.ptp(run.time)) > FEWEST_ROWS * seconds:
                 questions.append(open_questions.of_quick_motion(run.joint, run.recording, seconds))
             else:

@@ -81,13 +81,13 @@ def are_recorded(recording: Recording) -> bool:
     return bool(_sites(recording))
 
 
-def site_forces(recording: Recording, model: mujoco.MjModel) -> tuple[list[SiteForce], str]:
-    """Return the forces on the machine, and why they do not tell what pushes it, or ""."""
+def site_forces(recording: Recording, model: mujoco.MjModel, smoothing: float = 0.0) -> tuple[list[SiteForce], str]:
+    """Return the forces on the machine, and why they do not tell what pushes it, or ""; `smoothing` is what noise asks for [s]."""
     sites = _sites(recording)
     strange = [name for name, _ in sites if mujoco.mj_name2id(model, mujoco.mjtObj.mjOBJ_SITE, name) < 0]
     if strange:
         return [], f"the model has no site {', '.join(strange[:2])}, where forces were recorded"
-    found = [_site_force(recording, model, name, kind) for name, kind in sites]
+    found = [_site_force(recording, model, name, kind, smoothing) for name, kind in sites]
     lacking = without_ground_force(model, [one.site for (_, kind), one in zip(sites, found, strict=True) if kind == GROUND])
     if lacking:
         return [], f"{lacking} touches the ground, and the ground's force on it was not recorded"
@@ -100,9 +100,9 @@ def _sites(recording: Recording) -> list[tuple[str, str]]:
     return sorted({(one[0], one[1]) for one in parts if len(one) == 2 and one[1] in (STRAP, GROUND)})
 
 
-def _site_force(recording: Recording, model: mujoco.MjModel, name: str, kind: str) -> SiteForce:
+def _site_force(recording: Recording, model: mujoco.MjModel, name: str, kind: str, smoothing: float) -> SiteForce:
     time = recording.time
-    seconds, every, step = smoothing_width(time), stride(time), float(np.median(np.diff(time)))
+    seconds, every, step = smoothing_width(time, smoothing), stride(time), float(np.median(np.diff(time)))
     n = len(thinned(time, every))
     force, recorded, variance = np.zeros((n, 3)), np.zeros(3, dtype=bool), np.zeros(3)
     loaded = np.zeros(len(time), dtype=bool)
@@ -137,16 +137,17 @@ class AtJoints:
         model: Of the machine.
         forces: On it.
         time: Of the samples, shape (n,).
+        smoothing: Width of the filter that noise asks for [s].
     """
 
-    def __init__(self, model: mujoco.MjModel, forces: Sequence[SiteForce], time: Array) -> None:
+    def __init__(self, model: mujoco.MjModel, forces: Sequence[SiteForce], time: Array, smoothing: float = 0.0) -> None:
         count = len(time)
-        self._model, self._forces = model, forces
+        self._model, self._forces, self._smoothing = model, forces, smoothing
         self._force, self._known = np.zeros((count, model.nv)), np.ones((count, model.nv), dtype=bool)
         self._variance, self._reached = np.zeros(model.nv), np.zeros(model.nv, dtype=bool)
         self._time, self._glanced = time, np.zeros_like(self._known)
         if forces:  # a recording that begins or ends with a loaded foot begins with a jump
-            inside = _REACH * smoothing_width(time)
+            inside = _REACH * smoothing_width(time, smoothing)
             self._known[(time < time[0] + inside) | (time > time[-1] - inside)] = False
 
     def add(self, i: int, data: mujoco.MjData) -> None:
@@ -171,6 +172,6 @@ class AtJoints:
 
     def gathered(self) -> ContactForces:
         """Return what came of all samples."""
-        self._known &= ~binary_dilation(self._glanced, np.ones((2 * reach(self._time) + 1, 1), dtype=bool))
-        force = np.apply_along_axis(partial(smoothed_alike, self._time), 0, self._force) if self._forces else self._force
+        self._known &= ~binary_dilation(self._glanced, np.ones((2 * reach(self._time, self._smoothing) + 1, 1), dtype=bool))
+        force = np.apply_along_axis(partial(smoothed_alike, self._time, asked=self._smoothing), 0, self._force) if self._forces else self._force
         return ContactForces(force, self._known, self._variance, self._reached)

@@ -1,7 +1,8 @@
 """Balances of forces of the joints: measured motion and pressures go in, the terms of the balance come out.
 
 Inverse dynamics of the MJCF give the force that the motion took, the pressures and the outside force the force that drove it. Both pass
-one filter, so that the acceleration is differentiated no more than that filter allows. Friction, gravity, centrifugal forces and what
+one filter, so that the acceleration is differentiated no more than that filter allows; where it is noise of the positions that says what
+the balance is worth, a wider one (`filter_width`). Friction, gravity, centrifugal forces and what
 levers make of the forces of rods are evaluated at restored positions and velocities and filtered then; masses count as constant over the
 filter's width.
 """
@@ -17,8 +18,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from exo_sim.diagnosis.data.motion_run import Drive, Inertia, Kinematics, MotionRun, Passive
+from exo_sim.diagnosis.policy.healthy import FORCE_FLOOR_SHARE
 from exo_sim.diagnosis.policy.recordings import LEAST_KNOWN, STILL_NOISE, STILL_SHARE
 from exo_sim.diagnosis.subsystems.motion.contact_forces import AtJoints, ContactForces, SiteForce, site_forces
+from exo_sim.diagnosis.subsystems.motion.filter_width import AskedWidth, asked_width
 from exo_sim.diagnosis.subsystems.motion.moving_masses import MovingMasses, payload, with_twice_the_payload
 from exo_sim.diagnosis.subsystems.motion.smoothing import smoothed_alike, smoothing_width, stride, thinned
 from exo_sim.diagnosis.subsystems.motion.stops import at_stop
@@ -42,6 +45,22 @@ def motion_runs(
 
     Every joint of the model must have been recorded: a joint whose motion is unknown may carry any force.
     """
+    runs, reasons = _balances(recording, rig, model, links, None)
+    if not any(run.inertia.noise > FORCE_FLOOR_SHARE * run.effort for run in runs):
+        return runs, reasons
+    names = [model.joint(j).name for j in range(model.njnt)]
+    asked = asked_width(recording.time, [recording[f"{name}.position"] for name in names])
+    if asked.seconds <= smoothing_width(recording.time):
+        return runs, reasons
+    smoother = _balances(recording, rig, model, links, asked)
+    return smoother if len(smoother[0]) == len(runs) else (runs, reasons)
+
+
+def _balances(
+    recording: Recording, rig: Rig, model: mujoco.MjModel, links: tuple[Linkage, ...], asked: AskedWidth | None
+) -> tuple[list[MotionRun], list[tuple[str, str]]]:
+    """Return what `motion_runs` returns, behind the least filter of the clock or the one that is asked for."""
+    smoothing = 0.0 if asked is None else asked.seconds
     names = [model.joint(j).name for j in range(model.njnt)]
     plain = [
         int(kind) in (int(mujoco.mjtJoint.mjJNT_SLIDE), int(mujoco.mjtJoint.mjJNT_HINGE)) for kind in model.jnt_type
@@ -50,32 +69,33 @@ def motion_runs(
     if missing:
         why = f"the position of {', '.join(missing[:3])}{' and others' if len(missing) > 3 else ''} was not recorded"
         return [], [(name, why) for name in names if name not in missing] or [(name, why) for name in names]
-    contacts, why = site_forces(recording, model)
+    contacts, why = site_forces(recording, model, smoothing)
     why = why or _bound(model)
     if why:
         return [], [(name, why) for name in names]
     time = recording.time
-    seconds, every = smoothing_width(time), stride(time)
-    moves = [_motion(time, recording[f"{name}.position"], seconds, every) for name in names]
+    seconds, every = smoothing_width(time, smoothing), stride(time)
+    noise = (None,) * len(names) if asked is None else asked.noise
+    moves = [_motion(time, recording[f"{name}.position"], seconds, every, one) for name, one in zip(names, noise, strict=True)]
     thin = thinned(time, every)
     n = len(thin)
     q, qd, qdd = np.zeros((n, model.nq)), np.zeros((n, model.nv)), np.zeros((n, model.nv))
     for j, move in enumerate(moves):
         q[:, model.jnt_qposadr[j]], qd[:, model.jnt_dofadr[j]] = move.position, move.velocity
         qdd[:, model.jnt_dofadr[j]] = move.acceleration
-    dynamics = _inverse(model, thin, (q, qd, qdd), links, contacts)
+    dynamics = _inverse(model, thin, (q, qd, qdd), links, contacts, smoothing)
     runs, reasons = [], []
     for j, name in enumerate(names):
         driven = [link for link in links if link.joint == name]
         dof = int(model.jnt_dofadr[j])
         pushed = f"{name}.external_force" in recording or bool(dynamics.contacts.reached[dof])
         known = dynamics.contacts.known[:, dof]
-        free = ~at_stop(model, j, thin, moves[j])
+        free = ~at_stop(model, j, thin, moves[j], smoothing)
         reason = _why_not(recording, rig, driven, pushed) or _why_not_known(thin, known) or _why_not_free(thin, free)
         if reason:
             reasons.append((name, reason))
         else:
-            runs.append(_run(recording, rig, model, j, driven, moves, dynamics, known & free))
+            runs.append(_run(recording, rig, model, j, driven, moves, dynamics, known & free, asked))
     return runs, reasons
 
 
@@ -85,9 +105,9 @@ def _bound(model: mujoco.MjModel) -> str:
     return f'the equality constraint "{bound[0]}" of the MJCF holds parts of it by a force that nobody recorded' if bound else ""
 
 
-def _motion(time: Array, position: Array, seconds: float, every: int) -> SmoothedMotion:
+def _motion(time: Array, position: Array, seconds: float, every: int, noise: float | None) -> SmoothedMotion:
     """Return how a joint moved, at every so many samples."""
-    whole = smoothed_motion(time, position, seconds)
+    whole = smoothed_motion(time, position, seconds, noise)
     position, velocity, acceleration = (thinned(one, every) for one in (whole.position, whole.velocity, whole.acceleration))
     return replace(whole, position=position, velocity=velocity, acceleration=acceleration)
 
@@ -146,17 +166,18 @@ class _Dynamics:
 
 
 def _inverse(
-    model: mujoco.MjModel, time: Array, motion: tuple[Array, Array, Array], links: tuple[Linkage, ...], forces: Sequence[SiteForce]
-) -> _Dynamics:
+    model: mujoco.MjModel, time: Array, motion: tuple[Array, Array, Array], links: tuple[Linkage, ...], forces: Sequence[SiteForce],
+    smoothing: float,
+) -> _Dynamics:  # fmt: skip
     """Return the inverse dynamics along a motion: positions, velocities and accelerations, shape (n, nq) and (n, nv) twice."""
     q = motion[0]
     n = len(q)
     free = model.opt.disableflags
     model.opt.disableflags |= int(mujoco.mjtDisableBit.mjDSBL_CONSTRAINT)
-    masses, body = MovingMasses(model, time, motion), payload(model)
-    heavier = None if body is None else MovingMasses(with_twice_the_payload(model, body), time, motion)
+    masses, body = MovingMasses(model, time, motion, smoothing), payload(model)
+    heavier = None if body is None else MovingMasses(with_twice_the_payload(model, body), time, motion, smoothing)
     arms, lengths = np.zeros((n, len(links))), np.zeros((n, len(links)))
-    contacts = AtJoints(model, forces, time)
+    contacts = AtJoints(model, forces, time, smoothing)
     simple = all(model.actuator_trntype[link.actuator] == int(mujoco.mjtTrn.mjTRN_JOINT) for link in links)
     try:
         for i in range(n):
@@ -177,7 +198,7 @@ def _inverse(
     inertial, bias = masses.gathered()
     carried = None if heavier is None else heavier.gathered()[0] - inertial
     tilted = _gravity(model, q + TILT) - _gravity(model, q) if model.nq == model.nv else np.zeros_like(bias)
-    passive, tilted = (np.apply_along_axis(partial(smoothed_alike, time), 0, one) for one in (masses.passive, tilted))
+    passive, tilted = (np.apply_along_axis(partial(smoothed_alike, time, asked=smoothing), 0, one) for one in (masses.passive, tilted))
     return _Dynamics(inertial, bias, carried, passive, tilted, arms, lengths, full, contacts.gathered())
 
 
@@ -208,10 +229,11 @@ def _gravity(model: mujoco.MjModel, q: Array) -> Array:
 
 
 def _drive(
-    recording: Recording, rig: Rig, driven: Sequence[Linkage], dynamics: _Dynamics, move: SmoothedMotion, variance: float
+    recording: Recording, rig: Rig, driven: Sequence[Linkage], dynamics: _Dynamics, move: SmoothedMotion, variance: float,
+    seconds: float,
 ) -> tuple[Drive, Array, Array, float]:
     """Return the drive, position and velocity where friction acts, and the balance's variance with that of the drive added."""
-    time, seconds, every = recording.time, smoothing_width(recording.time), stride(recording.time)
+    time, every = recording.time, stride(recording.time)
     n = len(dynamics.arms)
     keep = noise_gain(0, seconds, float(np.median(np.diff(time))))
     atmosphere = rig.environment.pressure
@@ -259,16 +281,19 @@ def _drive(
 
 def _run(
     recording: Recording, rig: Rig, model: mujoco.MjModel, joint: int, driven: Sequence[Linkage], moves: Sequence[SmoothedMotion],
-    dynamics: _Dynamics, known: NDArray[np.bool_],
+    dynamics: _Dynamics, known: NDArray[np.bool_], asked: AskedWidth | None,
 ) -> MotionRun:  # fmt: skip
     name, dof = model.joint(joint).name, int(model.jnt_dofadr[joint])
-    seconds, every, step = smoothing_width(recording.time), stride(recording.time), float(np.median(np.diff(recording.time)))
+    smoothing, every, step = asked.seconds if asked else 0.0, stride(recording.time), float(np.median(np.diff(recording.time)))
+    seconds = smoothing_width(recording.time, smoothing)
     time = thinned(recording.time, every)
     move, mass = moves[joint], float(dynamics.mass[dof, dof])
-    shaken = sum((dynamics.mass[dof, model.jnt_dofadr[k]] * one.position_noise) ** 2 for k, one in enumerate(moves))
+    masses = [float(dynamics.mass[dof, model.jnt_dofadr[k]]) for k in range(len(moves))]
+    lost = (0.0,) * len(moves) if asked is None else asked.bias
+    shaken = sum((mass * one.position_noise * noise_gain(2, seconds, step)) ** 2 for mass, one in zip(masses, moves, strict=True))
     external = recording.get(f"{name}.external_force")
-    variance = float(shaken) * noise_gain(2, seconds, step) ** 2
-    drive, position, velocity, variance = _drive(recording, rig, driven, dynamics, move, variance)
+    variance = shaken + sum((mass * bias) ** 2 for mass, bias in zip(masses, lost, strict=True))
+    drive, position, velocity, variance = _drive(recording, rig, driven, dynamics, move, variance, seconds)
     pushed = np.zeros(len(time)) if external is None else thinned(gaussian_smoothed(recording.time, external, seconds), every)
     if external is not None:
         column = f"{name}.external_force"
@@ -292,12 +317,14 @@ def _run(
             dynamics.inertial[:, dof], dynamics.bias[:, dof], dynamics.tilt[:, dof] / TILT,
             effective_mass=mass / max(float(np.median(drive.arm**2)), 1e-12),
             carried=_carried(model, joint, None if dynamics.carried is None else dynamics.carried[:, dof]),
+            noise=float(np.sqrt(shaken)),
         ),
-        passive=Passive(dynamics.passive[:, dof], -damping * smoothed_alike(time, move.velocity) if damping > 0.0 else None),
+        passive=Passive(dynamics.passive[:, dof], -damping * smoothed_alike(time, move.velocity, asked=smoothing) if damping > 0.0 else None),
         drive=drive,
         external=pushed,
         noise=float(np.sqrt(variance)),
         external_recorded=external is not None or bool(contacts.reached[dof]),
         known=None if known.all() else known,
         every=every,
+        smoothing=smoothing,
     )  # fmt: skip

@@ -157,7 +157,7 @@ class _Resistance:
 
     def filtered(self, cylinder: bytes) -> Array:
         """Return it at every sample behind the filter of the balance, shape (n,)."""
-        found = smoothed_alike(self.run.time, self.at_samples(cylinder, len(self.run.time)), self.clock)
+        found = smoothed_alike(self.run.time, self.at_samples(cylinder, len(self.run.time)), self.clock, self.run.smoothing)
         found.flags.writeable = False
         return found
 
@@ -185,7 +185,7 @@ class _ResistanceOfRows:
         even = clock.even
         if even is not None:
             even = even[slice(*np.searchsorted(even, (time[0], np.nextafter(time[-1], np.inf))))]
-        return before_filter(self._rows.weights()[:, self._part], time, EvenClock(clock.usual, even))
+        return before_filter(self._rows.weights()[:, self._part], time, EvenClock(clock.usual, even), self._samples.run.smoothing)
 
     def means(self, cylinder: bytes) -> Array:
         """Return the mean over each row, shape (m,)."""

@@ -214,7 +214,7 @@ class MotionModel(SubsystemModel):
             variables = _variables(run)
             if curve is not None and curve.variable in variables:
                 way = -np.sign(run.kinematics.velocity) if curve.resists else 1.0
-                second = second - smoothed_alike(run.time, way * run.drive.arm * curve(variables[curve.variable]))
+                second = second - smoothed_alike(run.time, way * run.drive.arm * curve(variables[curve.variable]), asked=run.smoothing)
             moving = np.where(run.judged & (np.abs(run.kinematics.velocity) > run.kinematics.still), 1.0, np.nan)
             noise = self.noise or run.noise
             balance = (run.demand * moving, (run.demand - first) * moving, (run.demand - second) * moving)

@@ -27,10 +27,11 @@ class MovingMasses:
         model: Of the machine, its constraints off.
         time: Of the samples, shape (n,) [s].
         motion: Restored positions (n, nq) and velocities (n, nv), and smoothed accelerations (n, nv).
+        smoothing: Width of the filter that noise asks for [s].
     """
 
-    def __init__(self, model: mujoco.MjModel, time: Array, motion: tuple[Array, Array, Array]) -> None:
-        self._model, self._time, self._motion = model, time, motion
+    def __init__(self, model: mujoco.MjModel, time: Array, motion: tuple[Array, Array, Array], smoothing: float = 0.0) -> None:
+        self._model, self._time, self._motion, self._smoothing = model, time, motion, smoothing
         self.data = mujoco.MjData(model)
         n = len(time)
         self._whole, self._bias, self._quick, self._slow = np.zeros((4, n, model.nv))
@@ -41,7 +42,7 @@ class MovingMasses:
             self._slower = self._filtered(self._quicker)
 
     def _filtered(self, values: Array) -> Array:
-        return np.apply_along_axis(partial(smoothed_alike, self._time), 0, values)
+        return np.apply_along_axis(partial(smoothed_alike, self._time, asked=self._smoothing), 0, values)
 
     def move(self, i: int) -> mujoco.MjData:
         """Take sample `i`, and return what MuJoCo knows of it."""

@@ -22,6 +22,8 @@ Array = NDArray[np.float64]
 GROUP = 0.02
 #: Length of a block of time [s].
 BLOCK = 1.0
+#: ... and no less than so many widths of the filter: what two blocks share is then a tenth of one.
+INDEPENDENT = 5.0
 
 
 @dataclass(frozen=True)
@@ -55,9 +57,9 @@ class Rows:
         return sparse.csr_array((1.0 / np.bincount(group)[group], (group, keep)), shape=(len(self.block), len(self.group)))
 
 
-def one_way(time: Array) -> float:
-    """Return for how long a joint moves one way where a row of its balance is compared [s]; `time` of its samples."""
-    return GROUP + smoothing_width(time)
+def one_way(run: MotionRun) -> float:
+    """Return for how long a joint moves one way where a row of its balance is compared [s]."""
+    return GROUP + smoothing_width(run.time, run.smoothing)
 
 
 def rows_of(run: MotionRun, usable: NDArray[np.bool_]) -> Rows:
@@ -69,13 +71,14 @@ def rows_of(run: MotionRun, usable: NDArray[np.bool_]) -> Rows:
     """
     time, velocity = run.time, run.kinematics.velocity
     step = float(np.median(np.diff(time)))
-    size = max(1, int(round(GROUP / step)))
-    edge = max(2, int(round(0.5 * smoothing_width(time) / step)))
+    width = smoothing_width(time, run.smoothing)
+    size = max(1, int(round(GROUP * width / smoothing_width(time) / step)))
+    edge = max(2, int(round(0.5 * width / step)))
     turned = np.diff(np.signbit(velocity), prepend=velocity[0] < 0.0)  # between two samples that both move
     moving = binary_erosion((np.abs(velocity) > run.kinematics.still) & ~turned, iterations=edge)
-    moving &= np.abs(np.gradient(velocity, time)) * gaussian_width(smoothing_width(time)) < STEADY_SPEED * np.abs(velocity)
+    moving &= np.abs(np.gradient(velocity, time)) * gaussian_width(width) < STEADY_SPEED * np.abs(velocity)
     good = usable & moving & run.judged & np.isfinite(run.inertia.force + run.drive.force + run.external)
-    ends = max(edge, math.ceil(FILTER_ENDS * gaussian_width(smoothing_width(time)) / step))
+    ends = max(edge, math.ceil(FILTER_ENDS * gaussian_width(width) / step))
     for begin in (0, *run.breaks, len(time)):
         good[max(0, begin - ends) : begin + ends] = False
     group = np.full(len(time), -1)
@@ -84,7 +87,7 @@ def rows_of(run: MotionRun, usable: NDArray[np.bool_]) -> Rows:
         chosen = np.arange(first, min(first + size, len(time)))
         if good[chosen].all():
             group[chosen] = len(blocks)
-            blocks.append(int((time[first] - time[0]) / BLOCK))
+            blocks.append(int((time[first] - time[0]) / max(BLOCK, INDEPENDENT * width)))
     # neighbouring samples share the smoothing window: averaging a group of them gains little
     per_row = max(1.0, run.every * GROUP / max(step, 1e-9))
     scale = np.hypot(run.noise, healthy.FORCE_FLOOR_SHARE * run.effort) if blocks else 0.0

@@ -14,52 +14,60 @@ from exo_sim.recording.filters import EvenClock, gaussian_smoothed, gaussian_wid
 
 Array = NDArray[np.float64]
 
-#: Motion and forces are smoothed alike over this time [s].
+#: Motion and forces are smoothed alike over this time at least [s].
 SMOOTHING = 0.031
 #: Of a long recording at most so many samples are kept, while the filter spans at least so many of them.
 MOST_SAMPLES, FEWEST_IN_FILTER = 400_000, 6
 
 
-def smoothing_width(time: Array) -> float:
-    """Return the width of the filter on this clock [s]."""
-    return _width(float(np.median(np.diff(time))))
+def smoothing_width(time: Array, asked: float = 0.0) -> float:
+    """Return the width of the filter on this clock [s]: what noise asks for (see `filter_width`), and no less than the clock does."""
+    return _width(float(np.median(np.diff(time))), asked)
 
 
-def _width(usual: float) -> float:
-    return max(SMOOTHING, FEWEST_IN_FILTER * usual)
+def _width(usual: float, asked: float) -> float:
+    return max(SMOOTHING, FEWEST_IN_FILTER * usual, asked)
 
 
-def reach(time: Array) -> int:
-    """Return how many samples to either side the filter takes from on this clock."""
+def reach(time: Array, asked: float = 0.0) -> int:
+    """Return how many samples to either side the filter takes from on this clock; `asked` as of `smoothing_width`."""
     step = float(np.median(np.diff(time)))
-    return max(1, math.ceil(FILTER_ENDS * gaussian_width(_width(step)) / step))
+    return max(1, math.ceil(FILTER_ENDS * gaussian_width(_width(step, asked)) / step))
 
 
-def smoothed_alike(time: Array, values: Array, clock: EvenClock | None = None) -> Array:
-    """Return values behind the filter of the balance, shape (n,); `clock` is that of `time`, if it is known already."""
+def smoothed_alike(time: Array, values: Array, clock: EvenClock | None = None, asked: float = 0.0) -> Array:
+    """Return values behind the filter of the balance, shape (n,).
+
+    Args:
+        time, values: Shape (n,).
+        clock: That of `time`, if it is known already.
+        asked: As of `smoothing_width`.
+    """
     clock = clock or EvenClock.of(time)
-    return gaussian_smoothed(time, values, _width(clock.usual), clock)
+    return gaussian_smoothed(time, values, _width(clock.usual, asked), clock)
 
 
-def before_filter(weights: sparse.csr_array, time: Array, clock: EvenClock) -> sparse.csr_array:
+def before_filter(weights: sparse.csr_array, time: Array, clock: EvenClock, asked: float = 0.0) -> sparse.csr_array:
     """Return weights that take from values what the given ones take from the same values behind the filter of the balance.
 
     Args:
         weights: Of the filtered values, shape (m, n).
         time: Their clock, shape (n,) [s]; `clock` is that of it.
+        asked: As of `smoothing_width`.
     """
+    width = _width(clock.usual, asked)
     if clock.even is None:
-        return sparse.csr_array(weights @ _filter(time, clock.usual))
+        return sparse.csr_array(weights @ _filter(time, clock.usual, width))
     even = clock.even
-    return sparse.csr_array(weights @ _interpolation(time, even) @ _filter(even, clock.usual) @ _interpolation(even, time))
+    return sparse.csr_array(weights @ _interpolation(time, even) @ _filter(even, clock.usual, width) @ _interpolation(even, time))
 
 
-def _filter(even: Array, usual: float) -> sparse.csr_array:
+def _filter(even: Array, usual: float, width: float) -> sparse.csr_array:
     """Return the filter on an even clock as a matrix, shape (n, n): what it answers to one value, and at the ends the last value held."""
     n = len(even)
     impulse = np.zeros(n)
     impulse[n // 2] = 1.0
-    answer = gaussian_smoothed(even, impulse, _width(usual), EvenClock(usual, None))
+    answer = gaussian_smoothed(even, impulse, width, EvenClock(usual, None))
     reach = n // 2 - int(np.flatnonzero(answer)[0])
     offsets = np.arange(-reach, reach + 1)
     inside = sparse.diags_array([answer[n // 2 + k] for k in offsets], offsets=offsets, shape=(n, n), format="csr")
@@ -96,4 +104,4 @@ def on_clock(run: MotionRun, time: Array, values: Array) -> Array:
 
 def smoothed_on_clock(run: MotionRun, time: Array, values: Array) -> Array:
     """Return values on a recording's clock as a balance has them: smoothed, at the samples that it keeps."""
-    return on_clock(run, time, smoothed_alike(time, values))
+    return on_clock(run, time, smoothed_alike(time, values, asked=run.smoothing))

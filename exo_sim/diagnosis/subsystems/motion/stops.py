@@ -14,7 +14,7 @@ from exo_sim.recording.filters import SmoothedMotion
 Array = NDArray[np.float64]
 
 
-def at_stop(model: mujoco.MjModel, joint: int, time: Array, move: SmoothedMotion) -> NDArray[np.bool_]:
+def at_stop(model: mujoco.MjModel, joint: int, time: Array, move: SmoothedMotion, smoothing: float = 0.0) -> NDArray[np.bool_]:
     """Return where the balance of a joint holds the push of a stop, shape (n,).
 
     Args:
@@ -22,10 +22,11 @@ def at_stop(model: mujoco.MjModel, joint: int, time: Array, move: SmoothedMotion
         joint: Its index.
         time: Of the samples, shape (n,) [s].
         move: How it moved.
+        smoothing: Width of the filter that noise asks for [s].
     """
     if not model.jnt_limited[joint]:
         return np.zeros(len(time), dtype=bool)
     low, high = model.jnt_range[joint]
     near = float(model.jnt_margin[joint]) + AT_STOP_NOISE * move.position_noise
     touching = (move.position < low + near) | (move.position > high - near)
-    return np.asarray(binary_dilation(touching, iterations=reach(time)))
+    return np.asarray(binary_dilation(touching, iterations=reach(time, smoothing)))

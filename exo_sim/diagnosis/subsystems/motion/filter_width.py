@@ -1,0 +1,149 @@
+"""How wide the filter of a balance should be, from the noise and the bandwidth of the positions that are differentiated twice.
+
+White noise of a position leaves in an acceleration behind a Gaussian of standard deviation s what goes with s^-5/2; what the restored
+motion lacks goes with s^4 of the fastest part of it. Widths are tried one after the other, each wider by a factor: from one to the next the
+acceleration changes by noise, whose size is known, and by motion that is lost, which is the rest (Lepski 1991, Theory of Probability and its Applications 35: the comparison of
+neighbours). The width with the least sum of both is asked for.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from exo_sim.diagnosis.policy.recordings import FILTER_ENDS
+from exo_sim.diagnosis.subsystems.motion.smoothing import smoothing_width
+from exo_sim.recording.filters import RESTORED, gaussian_derivatives, gaussian_width, noise_gain, restored
+from exo_sim.recording.noise import white_noise
+from exo_sim.recording.windows import clock_breaks
+
+Array = NDArray[np.float64]
+
+#: Every width is this much wider than the one before.
+WIDER = 1.25
+#: The widest filter, as a share of the longest stretch without a jump of the clock: its ends then cost a fifth of it.
+WIDEST = 0.08
+#: Noise that is not white shows as a change that falls at least with this power of the width between the first widths. White noise falls
+#: with its 2.5th; the acceleration of a mass has the spectrum of a force, which does not rise with frequency, and falls with its 0.5th.
+NOISY_FALL = 1.5
+#: A change is more than noise where its square exceeds that by so many standard errors; waves of noise are as long as two standard
+#: deviations of the filter.
+BEYOND_CHANCE = 2.0
+#: A joint whose position varies by less than so many standard deviations of its noise does not move.
+MOVES = 5.0
+
+
+@dataclass(frozen=True)
+class AskedWidth:
+    """What the positions of one recording ask of the filter of its balances.
+
+    Attributes:
+        seconds: Width of the filter [s].
+        noise: Standard deviation of the noise of each position [m or rad], shape (joints,).
+        bias: What the restored acceleration of each joint lacks behind a filter that is wider than the least, root mean square
+            [m/s^2 or rad/s^2]; 0 behind the least.
+    """
+
+    seconds: float
+    noise: tuple[float, ...]
+    bias: tuple[float, ...]
+
+
+@dataclass(frozen=True)
+class _Risk:
+    """What is wrong with an acceleration behind filters of these widths [s]: noise and bias, root mean square, shape (k,) each.
+
+    Attributes:
+        position: Standard deviation of white noise of the position that would leave as much.
+    """
+
+    widths: Array
+    position: Array
+    noise: Array
+    bias: Array
+
+    @property
+    def best(self) -> int:
+        return int(np.argmin(self.noise**2 + self.bias**2))
+
+
+def asked_width(time: Array, positions: Sequence[Array]) -> AskedWidth:
+    """Return the width that the positions of all joints ask for: that of the joint that moves and asks for the least.
+
+    Args:
+        time: Of the samples, shape (n,) [s].
+        positions: Of the joints, shape (n,) each.
+    """
+    plain = tuple(white_noise(values) for values in positions)
+    least = smoothing_width(time)
+    edges = [*clock_breaks(time), len(time)]
+    first, last = max(zip(edges, edges[1:], strict=False), key=lambda edge: edge[1] - edge[0])
+    found = []
+    for values, noise in zip(positions, plain, strict=True):
+        if noise > 0.0 and float(np.nanstd(values)) > MOVES * noise:
+            found.append(_risk(time[first:last], values[first:last], least, noise))
+    wide = min((risk.best for risk in found), default=0)
+    if wide == 0:
+        return AskedWidth(least, plain, (0.0,) * len(plain))
+    moving = iter(found)
+    noises, biases = [], []
+    for values, noise in zip(positions, plain, strict=True):
+        risk = next(moving) if noise > 0.0 and float(np.nanstd(values)) > MOVES * noise else None
+        noises.append(noise if risk is None else float(risk.position[wide]))
+        biases.append(0.0 if risk is None else float(risk.bias[wide]))
+    return AskedWidth(float(found[0].widths[wide]), tuple(noises), tuple(biases))
+
+
+def _risk(time: Array, values: Array, least: float, noise: float) -> _Risk:
+    """Return what is wrong with the acceleration of one joint behind filters from the least width on."""
+    step = float(np.median(np.diff(time)))
+    widths = [least]
+    while widths[-1] * WIDER < WIDEST * float(time[-1] - time[0]):
+        widths.append(widths[-1] * WIDER)
+    ends = math.ceil(2.0 * FILTER_ENDS * gaussian_width(widths[-1]) / step)
+    inner = slice(ends, max(len(time) - ends, ends))
+    changes, expected = [], []
+    last = None
+    for seconds in widths:
+        now = _restored_acceleration(time, values, seconds)[inner]
+        if last is not None:
+            changes.append(float(np.sqrt(np.mean((now - last) ** 2))) if now.size else math.inf)
+            expected.append(noise * _gain_of_change(seconds / WIDER, seconds, step))
+        last = now
+    factors, lost = _coloured(changes, expected), []
+    for change, usual, factor, seconds in zip(changes, expected, factors[1:], widths[1:], strict=True):
+        waves = max(step * (inner.stop - inner.start) / (2.0 * gaussian_width(seconds)), 1.0)
+        chance = 1.0 + BEYOND_CHANCE * math.sqrt(2.0 / waves)
+        known = (factor * usual) ** 2
+        lost.append(math.sqrt(change**2 - known) if change**2 > chance * known else 0.0)
+    left = np.array([factor * noise_gain(2, seconds, step) for factor, seconds in zip(factors, widths, strict=True)])
+    return _Risk(np.array(widths), noise * np.array(factors), noise * left, np.concatenate([[0.0], np.cumsum(lost)]))
+
+
+def _coloured(changes: Sequence[float], expected: Sequence[float]) -> list[float]:
+    """Return by how much the noise at each width exceeds what white noise of its finest differences would be, shape (k + 1,).
+
+    Args:
+        changes, expected: Of the acceleration from each width to the next, and what white noise makes of it, shape (k,).
+    """
+    factors, noisy = [1.0], True
+    for k, change in enumerate(changes):
+        noisy = noisy and k + 1 < len(changes) and change > changes[k + 1] * WIDER**NOISY_FALL  # behind the first motion all is motion
+        factors.append(max(factors[-1], change / expected[k]) if noisy else factors[-1])
+    return [factors[min(1, len(factors) - 1)], *factors[1:]]
+
+
+def _restored_acceleration(time: Array, values: Array, seconds: float) -> Array:
+    return restored(time, gaussian_derivatives(time, values, seconds)[2], seconds)
+
+
+def _gain_of_change(narrow: float, wide: float, step: float) -> float:
+    """Return what white noise of size 1 makes of the change of a restored acceleration from one width to another, standard deviation."""
+    frequency = np.linspace(0.0, math.pi / step, 4001)
+    passed = [np.exp(-0.5 * (frequency * gaussian_width(seconds)) ** 2) for seconds in (narrow, wide)]
+    through = [sum(weight * one**power for power, weight in RESTORED.items()) for one in passed]
+    return math.sqrt(step / math.pi * float(np.trapezoid(frequency**4 * (through[1] - through[0]) ** 2, frequency)))

@@ -78,7 +78,7 @@ def smoothed(time: Array, values: Array, seconds: float = POSITION_SMOOTHING) ->
     """Return values, first and second derivative by local cubics, shape (n,) each; missing samples are bridged."""
     if not np.isfinite(values).any():
         return values, values, values
-    filled, grid, even, usual = _evenly(time, values)
+    filled, grid, even, usual = evenly(time, values)
     window = min(smooth_window(time, seconds), 2 * ((len(grid) - 1) // 2) + 1)
     if window < 5:
         return filled, np.gradient(filled, time), np.zeros_like(filled)
@@ -99,7 +99,7 @@ def gaussian_derivatives(time: Array, values: Array, seconds: float) -> tuple[Ar
     """
     if not np.isfinite(values).any():
         return values, values, values
-    _, grid, even, usual = _evenly(time, values)
+    _, grid, even, usual = evenly(time, values)
     quiet = _gaussian(grid, seconds, usual)
     # differences of the smoothed signal: a cut-off derivative kernel would answer a constant
     rate, bend = np.gradient(quiet, usual), np.zeros_like(quiet)
@@ -135,7 +135,7 @@ def gaussian_smoothed(time: Array, values: Array, seconds: float, clock: EvenClo
     """Return the smoothed values that `gaussian_derivatives` returns, shape (n,); `clock` is that of `time`, if it is known already."""
     if not np.isfinite(values).any():
         return values
-    _, grid, even, usual = _evenly(time, values, clock)
+    _, grid, even, usual = evenly(time, values, clock)
     return _back(time, even, _gaussian(grid, seconds, usual))
 
 
@@ -185,7 +185,7 @@ def _gaussian(grid: Array, seconds: float, usual: float) -> Array:
     return gaussian_filter1d(grid, min(gaussian_width(seconds) / usual, 0.02 * len(grid)), mode="nearest")
 
 
-def _evenly(time: Array, values: Array, clock: EvenClock | None = None) -> tuple[Array, Array, Array | None, float]:
+def evenly(time: Array, values: Array, clock: EvenClock | None = None) -> tuple[Array, Array, Array | None, float]:
     """Return values with gaps interpolated, the same on an even clock, that clock (None if it is the given one), and its step [s]."""
     bad = ~np.isfinite(values)
     filled = np.interp(time, time[~bad], values[~bad]) if bad.any() else values

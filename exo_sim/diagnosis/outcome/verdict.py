@@ -18,8 +18,8 @@ from exo_sim.diagnosis.policy.verdicts import FIRST_STATE, SWINGS_OFF
 from exo_sim.diagnosis.selection.subsystem_result import SubsystemResult
 from exo_sim.diagnosis.subsystem_model import SubsystemModel
 from exo_sim.physics.effects.unknown import EFFECT as UNKNOWN
-from exo_sim.recording.filters import first_rate_gain, smoothed
-from exo_sim.recording.noise import white_noise
+from exo_sim.recording.filters import smoothed
+from exo_sim.recording.local_state import first_rate_error
 from exo_sim.recording.table import Recording
 
 
@@ -65,7 +65,7 @@ def _by_first_rate(table: Recording, column: str) -> float:
     """Return how far the noise of a position lets a swing stray by the rate that it begins with, one standard deviation."""
     position, rate, _ = smoothed(table.time, table[column])
     frequency = float(np.nanstd(rate)) / max(float(np.nanstd(position)), 1e-300)
-    return white_noise(table[column]) * first_rate_gain(table.time) / max(frequency, 1e-300)
+    return first_rate_error(table.time, table[column]) / max(frequency, 1e-300)
 
 
 def distinct(questions: Sequence[OpenQuestion]) -> tuple[OpenQuestion, ...]:

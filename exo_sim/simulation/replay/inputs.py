@@ -12,6 +12,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from exo_sim.recording.filters import forward_filled, smoothed, start_weights
+from exo_sim.recording.local_state import LEAST, LocalStates, is_noisy
 from exo_sim.recording.table import Recording
 from exo_sim.recording.windows import clock_breaks, local_range
 from exo_sim.recording.windows import window_starts as starts_of_windows
@@ -99,6 +100,26 @@ def motion(pieces: Sequence[Steps], time: Array, values: Array, earlier: float) 
         position.append(np.interp(piece.time, clock, there))
         velocity.append(np.interp(piece.time, clock, rate - earlier * change))
     return np.concatenate(position), np.concatenate(velocity)
+
+
+def start_motion(
+    pieces: Sequence[Steps], starts: NDArray[np.int64], time: Array, values: Array, earlier: float
+) -> tuple[Array, Array] | None:
+    """Return position and velocity, as `motion` does, at the steps at which windows begin, shape (w,) each; None where `motion` will do.
+
+    A window begins with one rate, and all of it strays with that: where the position is noisy it comes of a longer span.
+    """
+    place, rate = np.full((2, len(starts)), math.nan)
+    for piece in pieces:
+        own = np.flatnonzero((starts >= piece.offset) & (starts < piece.offset + len(piece.time)))
+        clock, there = time[piece.first : piece.last], values[piece.first : piece.last]
+        if np.isfinite(there).sum() < LEAST or not is_noisy(clock, there):
+            return None
+        states = LocalStates(clock, there)
+        for w in own:
+            found = states.at(float(piece.time[starts[w] - piece.offset]))
+            place[w], rate[w] = found.position, found.rate - earlier * found.change
+    return place, rate
 
 
 def start_pressures(pieces: Sequence[Steps], starts: NDArray[np.int64], time: Array, values: Array | None) -> Array:

@@ -157,20 +157,30 @@ class RecordedMachine:
                 pressure[:, i, side - 1] = fed.start_pressures(pieces, starts, time, measured[2 * i + side - 1])
         external = [fed.between(pieces, time, recording.get(f"{name}.external_force"), 0.0) for name in self.names]
         model = self.model
+        position, velocity = (self.position, self.velocity) if imposed else self._begun(starts)
         return Feed(
             command,
             np.ascontiguousarray(np.array(external or np.zeros((0, n))).T),
             fed.between(pieces, time, recording.get("supply.pressure"), rig.supply.pressure, half),
             fed.between(pieces, time, recording.get("supply.temperature"), rig.supply.temperature, half),
             fed.between(pieces, time, recording.get("exhaust.pressure"), rig.environment.pressure, half),
-            self.position,
-            self.velocity,
+            position,
+            velocity,
             np.array([model.jnt_qposadr[j] for j in self.joints], dtype=np.int64),
             np.array([model.jnt_dofadr[j] for j in self.joints], dtype=np.int64),
             imposed,
             starts,
             pressure,
         )
+
+    def _begun(self, starts: NDArray[np.int64]) -> tuple[Array, Array]:
+        """Return measured motion, in which windows begin with what a noisy position says best."""
+        position, velocity = self.position.copy(), self.velocity.copy()
+        for j, name in enumerate(self.names):
+            found = fed.start_motion(self.pieces, starts, self.recording.time, self.recording[f"{name}.position"], 0.5 * self.dt)
+            if found is not None:
+                position[starts, j], velocity[starts, j] = found
+        return position, velocity
 
     def _machine(self, data: mujoco.MjData, feed: Feed) -> tuple[Mechanics, Plant]:
         """Fill the machine with gas at its first measured state and return all that the loop works on."""

@@ -1,0 +1,116 @@
+"""Position and rate at one moment of a noisy recording: a local cubic over as long a span as noise and motion ask for.
+
+Of a cubic over a span T noise leaves in the rate what goes with T^-3/2; motion that is no cubic leaves what goes with T^3 and more. Spans
+are tried one after the other, all along the recording: from one to the next the rate changes by noise, of which the kernels of both say
+how much, and by motion, which is the rest. The span with the least sum of both is taken.
+"""
+
+from __future__ import annotations
+
+import itertools
+import math
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.signal import oaconvolve, savgol_coeffs
+
+from exo_sim.recording.filters import QUIET, evenly, first_rate_gain, smoothed
+from exo_sim.recording.noise import white_noise
+
+Array = NDArray[np.float64]
+
+#: Every span holds so many times the samples of the one before, from the least to the longest one, and no more than a share of all samples.
+LONGER, LEAST, MOST, MOST_SHARE = 1.25, 5, 2001, 0.25
+#: A change is more than noise where its square exceeds that by so many standard errors.
+BEYOND_CHANCE = 2.0
+
+
+@dataclass(frozen=True)
+class Span:
+    """Over how many samples a rate is taken, and what is wrong with it then.
+
+    Attributes:
+        samples: An odd number.
+        noise, bias: What noise and what motion leave in the rate, root mean square [1/s times the unit of the values].
+    """
+
+    samples: int
+    noise: float
+    bias: float
+
+    @property
+    def error(self) -> float:
+        """Both together."""
+        return math.hypot(self.noise, self.bias)
+
+
+@dataclass(frozen=True)
+class LocalState:
+    """A motion at one moment: value, first and second derivative, and the standard error of the rate."""
+
+    position: float
+    rate: float
+    change: float
+    error: float
+
+
+class LocalStates:
+    """The motion of one stretch of a recording at any of its moments.
+
+    Args:
+        time: Without jumps, shape (n,) [s]; n at least 5.
+        values: Measured, shape (n,); NaN where missing.
+        noise: Standard deviation of their white noise; estimated where absent.
+    """
+
+    def __init__(self, time: Array, values: Array, noise: float | None = None) -> None:
+        there = np.isfinite(values)
+        self._time, self._values = time[there], values[there]
+        self._noise = white_noise(values) if noise is None else noise
+        _, grid, _, step = evenly(time, values)
+        self.inside, self.at_end = (_best_span(grid, step, self._noise, at_end) for at_end in (False, True))
+
+    def at(self, moment: float) -> LocalState:
+        """Return the motion at a moment; near an end of the stretch samples are taken from one side."""
+        time = self._time
+        nearest = int(np.searchsorted(time, moment))
+        half = self.inside.samples // 2
+        span = self.inside if half <= nearest < len(time) - half else self.at_end
+        count = min(span.samples, len(time))
+        first = min(max(nearest - count // 2, 0), len(time) - count)
+        clock = time[first : first + count] - moment
+        length = max(float(np.abs(clock).max()), 1e-12)
+        place, rate, bend, _ = np.linalg.lstsq((clock / length)[:, None] ** np.arange(4), self._values[first : first + count], rcond=None)[0]
+        return LocalState(float(place), float(rate) / length, 2.0 * float(bend) / length**2, span.error)
+
+
+def is_noisy(time: Array, values: Array) -> bool:
+    """Return whether the rate that `smoothed` returns holds much noise: four standard deviations more than a share of what it varies."""
+    return 4.0 * white_noise(values) * first_rate_gain(time) >= QUIET * float(np.nanstd(smoothed(time, values)[1]))
+
+
+def first_rate_error(time: Array, values: Array) -> float:
+    """Return the standard error of the rate with which a motion is begun at the first sample [1/s times the unit of the values]."""
+    return LocalStates(time, values).at_end.error if is_noisy(time, values) else white_noise(values) * first_rate_gain(time)
+
+
+def _best_span(grid: Array, step: float, noise: float, at_end: bool) -> Span:
+    """Return the span whose rate is best, in its middle or at its beginning."""
+    most = min(MOST, int(MOST_SHARE * len(grid)))
+    counts = [LEAST]
+    while (more := 2 * (int(max(LONGER * counts[-1], counts[-1] + 2)) // 2) + 1) <= most:
+        counts.append(more)
+    kernels = [savgol_coeffs(count, 3, deriv=1, delta=step, pos=0 if at_end else count // 2, use="dot") for count in counts]
+    spans = [Span(counts[0], noise * float(np.linalg.norm(kernels[0])), 0.0)]
+    for (count, kernel), (longer, other) in itertools.pairwise(zip(counts, kernels, strict=True)):
+        ahead = 0 if at_end else (longer - count) // 2
+        change = other.copy()
+        change[ahead : ahead + count] -= kernel
+        found = oaconvolve(grid, change[::-1], mode="valid")
+        known = noise * float(np.linalg.norm(change))
+        chance = 1.0 + BEYOND_CHANCE * math.sqrt(2.0 * max(longer / len(found), 2.0 / len(found)))
+        square = float(np.mean(found**2))
+        lost = math.sqrt(square - known**2) if square > chance * known**2 else 0.0
+        spans.append(Span(longer, noise * float(np.linalg.norm(other)), spans[-1].bias + lost))
+    return min(spans, key=lambda one: one.error)

@@ -22,7 +22,7 @@ Array = NDArray[np.float64]
 
 #: Every span holds so many times the samples of the one before, from the least to the longest one, and no more than a share of all samples.
 LONGER, LEAST, MOST, MOST_SHARE = 1.25, 5, 2001, 0.25
-#: A change is more than noise where its square exceeds that by so many standard errors.
+#: A change is more than noise where its square exceeds that by so many standard errors; samples a span apart are independent.
 BEYOND_CHANCE = 2.0
 
 
@@ -81,7 +81,8 @@ class LocalStates:
         first = min(max(nearest - count // 2, 0), len(time) - count)
         clock = time[first : first + count] - moment
         length = max(float(np.abs(clock).max()), 1e-12)
-        place, rate, bend, _ = np.linalg.lstsq((clock / length)[:, None] ** np.arange(4), self._values[first : first + count], rcond=None)[0]
+        powers = (clock / length)[:, None] ** np.arange(4)
+        place, rate, bend, _ = np.linalg.lstsq(powers, self._values[first : first + count], rcond=None)[0]
         return LocalState(float(place), float(rate) / length, 2.0 * float(bend) / length**2, span.error)
 
 
@@ -109,7 +110,7 @@ def _best_span(grid: Array, step: float, noise: float, at_end: bool) -> Span:
         change[ahead : ahead + count] -= kernel
         found = oaconvolve(grid, change[::-1], mode="valid")
         known = noise * float(np.linalg.norm(change))
-        chance = 1.0 + BEYOND_CHANCE * math.sqrt(2.0 * max(longer / len(found), 2.0 / len(found)))
+        chance = 1.0 + BEYOND_CHANCE * math.sqrt(2.0 * longer / len(found))
         square = float(np.mean(found**2))
         lost = math.sqrt(square - known**2) if square > chance * known**2 else 0.0
         spans.append(Span(longer, noise * float(np.linalg.norm(other)), spans[-1].bias + lost))

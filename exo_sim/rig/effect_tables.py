@@ -17,6 +17,7 @@ CALIBRATIONS = {
     "dead_volume": "[cylinders.NAME] dead_volume_1 and dead_volume_2",
     "payload_mass": "[bodies.NAME] mass",
     "joint_damping": "[joints.NAME] damping_factor",
+    "joint_inertia": "[joints.NAME] inertia_factor",
 }
 
 

@@ -48,4 +48,6 @@ def _open(run: MotionRun, carried: Array) -> NDArray[np.bool_]:
     """
     negative = np.signbit(carried)
     reversed_ = np.diff(negative, prepend=negative[:1])
-    return np.asarray(binary_dilation(reversed_, iterations=reach(run.time, run.smoothing))) if reversed_.any() else np.zeros_like(reversed_)
+    if not reversed_.any():
+        return np.zeros_like(reversed_)
+    return np.asarray(binary_dilation(reversed_, iterations=reach(run.time, run.smoothing)))

@@ -43,6 +43,7 @@ class Inertia:
         effective_mass: Mass that the piston feels [kg]; 0 where it plays no part.
         has_mass: Whether a mass enters the balance.
         carried: The part of `force` that a payload as heavy as all that moves would ask; None where a mass that is off is the whole of it.
+        alone: Whether no other joint moves: then an inertia that is off is the joint's own.
         noise: Standard deviation that noise of the positions, differentiated twice, leaves in one smoothed sample of `force`.
     """
 
@@ -52,6 +53,7 @@ class Inertia:
     effective_mass: float
     has_mass: bool = True
     carried: Array | None = None
+    alone: bool = False
     noise: float = 0.0
 
 

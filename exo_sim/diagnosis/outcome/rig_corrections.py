@@ -15,7 +15,7 @@ from exo_sim.diagnosis.subsystems.motion.moving_masses import PAYLOAD
 from exo_sim.rig import Correction, JointFactors, Rig
 
 #: Numbers of the rig that every comparison refits.
-REFITTED = ("flow_capacity", "dead_volume", "payload_mass", SET_PRESSURE)
+REFITTED = ("flow_capacity", "dead_volume", "payload_mass", "joint_inertia", SET_PRESSURE)
 REFIT_NOTE = "refitted within what a data sheet allows, no finding"
 
 
@@ -24,10 +24,9 @@ def corrections(data: MachineData, result: SubsystemResult[SubsystemModel]) -> l
     found = [_correction(data, one) for one in result.deviations if _is_the_rigs(data.rig, one.parameter)]
     values = result.final.fit.values
     for parameter, error in result.refitted:
-        alone = parameter.effect == "inertia" and data.model.nv == 1  # else it also holds what the other joints take of it
         whole = parameter.prior[0] if parameter.prior else 0.0
         held = parameter.effect in REFITTED or (is_declared(parameter.effect) and _is_the_rigs(data.rig, parameter))
-        if whole and (alone or held):
+        if whole and held:
             made = _correction(data, Deviation(parameter, values[parameter] / whole, error / abs(whole)))
             found.append(Correction(made.key, made.value, made.unit, None, made.believed, REFIT_NOTE))
     return found
@@ -48,9 +47,9 @@ def _correction(data: MachineData, off: Deviation) -> Correction:
     low, high = bounded_interval(parameter, factor, error)
     if parameter.effect == "payload_mass":
         return _mass(data, parameter, factor, (low, high))
-    if parameter.effect in ("joint_damping", "inertia"):
+    if parameter.effect in ("joint_damping", "joint_inertia"):
         held = data.rig.joint_factors.get(parameter.where, JointFactors())
-        name, nominal = ("inertia_factor", held.inertia) if parameter.effect == "inertia" else ("damping_factor", held.damping)
+        name, nominal = ("inertia_factor", held.inertia) if parameter.effect == "joint_inertia" else ("damping_factor", held.damping)
         low, factor, high = (max(number, 1e-3) * nominal for number in (low, factor, high))
         return Correction(("joints", parameter.where, name), factor, "1", (low, high), nominal)
     if parameter.effect == SET_PRESSURE:

@@ -82,7 +82,7 @@ def _reported(stable: Examination, allowed: Budget, report: Progress, folder: Pa
     remarks = (*data.remarks, *([_CUT] if is_cut else []), *([_STOPPED] if allowed.stopped else []))
     judged = {one.model.kind for one in results.all if not one.is_empty and not one.is_unresolved}
     verdict = verdict_of(findings, judged, data)
-    astray = swings_astray(data, kept.free_run) if verdict is Verdict.CONSISTENT else ()
+    astray = swings_astray(data, kept.free_run) if verdict in (Verdict.CONSISTENT, Verdict.CALIBRATION) else ()
     questions = distinct((*data.open_questions, *astray))
     return Diagnosis(
         verdict=Verdict.UNDETERMINED if astray else verdict,

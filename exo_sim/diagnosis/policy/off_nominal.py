@@ -15,6 +15,10 @@ WORTH = {
     "flow_capacity": Number(0.01, "share", "a valve's area is corrected from here on"),
     "dead_volume": Number(0.03, "share", "a dead volume is corrected from here on"),
     "payload_mass": Number(0.005, "share", "a mass is corrected from here on"),
+    "joint_inertia": Number(
+        0.01, "share", "the inertia of a joint is corrected from here on: twice as much as what it weighs, for the period of a swing goes "
+        "with its root",
+    ),
     "joint_damping": Number(0.15, "share", "a joint's damping is corrected from here on"),
 }
 LAW_SHARE = Number(
@@ -29,5 +33,9 @@ OPEN_LAW_SHARE = Number(
     "the same of an effect whose law the rig leaves open: laws that fit as well give it other values",
     "as the former: the velocity of a Stribeck dip, four times, was 0.27 to 0.52 away",
 )  # fmt: skip
+BEYOND_SHEET = {
+    "payload_mass": Number(3.0, "prior standard deviations", "a mass that a fit moved by more is off, however well it is known what it is"),
+    "joint_inertia": Number(3.0, "prior standard deviations", "the same of an inertia"),
+}
 MOVED = Number(1e-3, "share", "a parameter that a fit moved by less did not move")
 LEAST_PART = Number(0.05, "share of an additive effect", "a smaller part of it is not written into the improved rig")

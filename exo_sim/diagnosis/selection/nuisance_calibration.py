@@ -10,7 +10,7 @@ from exo_sim.diagnosis import wording
 from exo_sim.diagnosis.estimation.parameters import INITIAL_TEMPERATURE, FreeParameter
 from exo_sim.diagnosis.estimation.uncertainty import bounded_interval, interval
 from exo_sim.diagnosis.findings import Estimate, Finding, Kind
-from exo_sim.diagnosis.policy.off_nominal import LAW_SHARE, MODEL_SHARE, MOVED, OPEN_LAW_SHARE, SURE, WORTH
+from exo_sim.diagnosis.policy.off_nominal import BEYOND_SHEET, LAW_SHARE, MODEL_SHARE, MOVED, OPEN_LAW_SHARE, SURE, WORTH
 from exo_sim.diagnosis.policy.probability import CALIBRATED, UNTESTED
 from exo_sim.diagnosis.selection.fitted_model import FittedModel
 from exo_sim.physics.declaration import declared, identification_of
@@ -46,7 +46,8 @@ def deviations(model: FittedModel, errors: Mapping[FreeParameter, float]) -> tup
             spread = math.hypot(error / max(abs(factor), 1e-12), OPEN_LAW_SHARE if laws else LAW_SHARE)
             is_off, error = factor <= 0.0 or abs(math.log(factor)) > SURE * spread, spread * abs(factor)
         else:
-            is_off = abs(factor - 1.0) > max(SURE * error, WORTH[parameter.effect])
+            far = parameter.prior is not None and abs(factor - 1.0) > BEYOND_SHEET.get(parameter.effect, math.inf) * parameter.prior[1]
+            is_off = far or abs(factor - 1.0) > max(SURE * error, WORTH[parameter.effect])
         if is_off:
             found.append(Deviation(parameter, factor, error))
     return tuple(found)

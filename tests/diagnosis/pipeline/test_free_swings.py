@@ -20,18 +20,68 @@ MJCF = f"""<mujoco><compiler angle="radian"/><option gravity="0 0 -{GRAVITY}"/>
 """
 
 
-def filmed(length: float) -> Recording:
-    """Return a swing of a bob on a string without friction, 30 frames a second."""
-    swing = solve_ivp(lambda _, s: [s[1], -GRAVITY / length * np.sin(s[0])], (0.0, 40.0), [0.3, 0.0], t_eval=TIME, rtol=1e-9, atol=1e-10)
-    angle = swing.y[0] + NOISE * np.random.default_rng(3).standard_normal(TIME.size)
+def filmed(length: float, noise: float = NOISE, damping: float = 0.0) -> Recording:
+    """Return a swing of a bob on a string, 30 frames a second; `damping` [1/s] takes its speed."""
+
+    def changes(_: float, state: list[float]) -> list[float]:
+        return [state[1], -GRAVITY / length * np.sin(state[0]) - damping * state[1]]
+
+    swing = solve_ivp(changes, (0.0, 40.0), [0.3, 0.0], t_eval=TIME, rtol=1e-9, atol=1e-10)
+    angle = swing.y[0] + noise * np.random.default_rng(3).standard_normal(TIME.size)
     return Recording("swing", TIME, {"string.position": angle}, {"string.position": "rad"})
 
 
-@pytest.mark.parametrize(("length", "verdict"), [(LENGTH, "consistent"), (1.02 * LENGTH, "undetermined")])
-def test_a_swing_that_strays_from_its_rig_is_not_consistent_with_it(tmp_path: Path, length: float, verdict: str) -> None:
+@pytest.fixture
+def rig(tmp_path: Path) -> exo.Rig:
     (tmp_path / "machine.xml").write_text(MJCF)
     (tmp_path / "rig.toml").write_text('name = "pendulum"\nmodel = "machine.xml"\n')
-    found = exo.diagnose(filmed(length), exo.Rig.load(tmp_path / "rig.toml"))
+    return exo.Rig.load(tmp_path / "rig.toml")
+
+
+@pytest.mark.parametrize("length", [1.02, 1.2])
+def test_the_period_of_a_swing_says_its_inertia(rig: exo.Rig, length: float) -> None:
+    found = exo.diagnose(filmed(length * LENGTH), rig)
+    assert found.verdict == "calibration"
+    (only,) = found.findings
+    factor = only.parameters["factor"]
+    assert only.name == "joint_inertia"
+    assert factor.low < length < factor.high  # gravity's moment goes with the length, inertia with its square
+    assert found.result.free_run["string.position"].after < 10.0 * NOISE
+
+
+def test_an_inertia_that_noise_hides_in_part_does_not_settle_why_a_swing_strays(rig: exo.Rig) -> None:
+    found = exo.diagnose(filmed(1.2 * LENGTH, 4.0 * NOISE), rig)
+    assert [one.name for one in found.findings] == ["joint_inertia"]
+    assert found.verdict == "undetermined"
+    assert any(one.question == "what makes string swing otherwise than the rig" for one in found.result.open_questions)
+
+
+@pytest.mark.parametrize("noise", [NOISE, 4.0 * NOISE])
+def test_a_swing_as_its_rig_has_it_strays_by_no_more_than_its_noise(rig: exo.Rig, noise: float) -> None:
+    found = exo.diagnose(filmed(LENGTH, noise), rig)
+    assert found.verdict == "consistent"
+    assert found.result.free_run["string.position"].after < 2.0 * noise
+
+
+def test_a_filmed_swing_keeps_its_friction(rig: exo.Rig) -> None:
+    found = exo.diagnose(filmed(LENGTH, damping=0.05), rig)
+    assert found.verdict == "mismatch"
+    (only,) = found.findings
+    assert only.name == "viscous_friction"
+    said = only.parameters["coefficient"]
+    assert said.low < 0.05 * 0.2 * LENGTH**2 < said.high
+    assert said.value == pytest.approx(0.05 * 0.2 * LENGTH**2, rel=0.1)
+    run = found.result.free_run["string.position"]
+    assert run.after < 0.1 * run.before
+
+
+def test_friction_that_the_forces_hardly_show_is_not_passed_over(rig: exo.Rig) -> None:
+    assert exo.diagnose(filmed(LENGTH, damping=0.02), rig).verdict != "consistent"
+
+
+@pytest.mark.parametrize(("length", "verdict"), [(LENGTH, "consistent"), (1.02 * LENGTH, "undetermined")])
+def test_a_swing_that_strays_from_its_rig_is_not_consistent_with_it(rig: exo.Rig, length: float, verdict: str) -> None:
+    found = exo.diagnose(filmed(length, 4.0 * NOISE), rig)
     assert found.verdict == verdict
     assert found.findings == ()
     asked = [one for one in found.result.open_questions if one.question == "what makes string swing otherwise than the rig"]

@@ -91,6 +91,14 @@ def test_beside_what_was_found_all_that_the_rig_holds_is_written_as_fitted() -> 
     assert written(named=False) == ["valve_area", "dead_volume_1", "pressure_1.bias"]  # numbers of one fit
 
 
+@pytest.mark.parametrize(("factor", "error", "off"), [(1.02, 0.003, True), (1.02, 0.03, False), (0.78, 0.12, True), (0.9, 0.12, False)])
+def test_a_mass_is_off_where_that_is_sure_or_further_than_a_data_sheet_allows(factor: float, error: float, off: bool) -> None:
+    for name in ("payload_mass", "joint_inertia"):
+        parameter = FreeParameter(name, "arm", name, "1", Target.SENSOR, 0.02, 0.2, 5.0, (1.0, 0.05), neutral=1.0)
+        found = deviations(FittedModel((), Fit((), {parameter: factor}, np.zeros(0), np.zeros((0, 0)))), {parameter: error})
+        assert [one.parameter for one in found] == [parameter] * off
+
+
 def test_cylinders_and_kinds_stay_apart() -> None:
     numbers = [
         Deviation(volume(1, "hip"), 1.3, 0.01),

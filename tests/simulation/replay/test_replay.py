@@ -81,6 +81,17 @@ def test_a_mass_without_cylinder_obeys_the_recorded_force(tmp_path):
     assert rms(position, out.windowed["slide.position"]) < 2e-6
 
 
+def test_a_noisy_position_lets_a_run_stray_by_no_more_than_its_noise(tmp_path):
+    rig = benches.bench(tmp_path, cylinder=False)
+    time = np.arange(3000) / 1000.0
+    position = 20.0 / 8.0 / 9.0 * (1.0 - np.cos(3.0 * time)) + 0.2 * time  # at 0.2 m/s from the first sample on
+    noisy = position + 1e-3 * np.random.default_rng(8).standard_normal(time.size)
+    columns = {"slide.position": noisy, "slide.external_force": 20.0 * np.cos(3.0 * time)}
+    out = replay(benches.recording(time, columns), rig)
+    assert rms(position, out.free_run["slide.position"]) < 4e-2  # from 15 ms of samples a rate of 0.12 m/s more or less: 0.2 m
+    assert rms(position, out.windowed["slide.position"]) < 1e-3
+
+
 def test_sensors_of_the_rig_are_taken_off_before_and_put_on_after(tmp_path):
     plain = benches.bench(tmp_path)
     true = benches.recorded(plain)

@@ -173,5 +173,6 @@ class AtJoints:
     def gathered(self) -> ContactForces:
         """Return what came of all samples."""
         self._known &= ~binary_dilation(self._glanced, np.ones((2 * reach(self._time, self._smoothing) + 1, 1), dtype=bool))
-        force = np.apply_along_axis(partial(smoothed_alike, self._time, asked=self._smoothing), 0, self._force) if self._forces else self._force
+        each = partial(smoothed_alike, self._time, asked=self._smoothing)
+        force = np.apply_along_axis(each, 0, self._force) if self._forces else self._force
         return ContactForces(force, self._known, self._variance, self._reached)

@@ -2,8 +2,8 @@
 
 White noise of a position leaves in an acceleration behind a Gaussian of standard deviation s what goes with s^-5/2; what the restored
 motion lacks goes with s^4 of the fastest part of it. Widths are tried one after the other, each wider by a factor: from one to the next the
-acceleration changes by noise, whose size is known, and by motion that is lost, which is the rest (Lepski 1991, Theory of Probability and its Applications 35: the comparison of
-neighbours). The width with the least sum of both is asked for.
+acceleration changes by noise, whose size is known, and by motion that is lost, which is the rest (neighbours are compared as by Lepski
+1991, Theory of Probability and its Applications 35). The width with the least sum of both is asked for.
 """
 
 from __future__ import annotations

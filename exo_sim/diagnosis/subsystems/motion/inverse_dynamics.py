@@ -303,6 +303,7 @@ def _run(
     pushed = pushed + np.where(contacts.known[:, dof], contacts.force[:, dof], 0.0)
     variance += float(contacts.variance[dof])
     damping = float(model.dof_damping[dof].max())
+    damped = -damping * smoothed_alike(time, move.velocity, asked=smoothing) if damping > 0.0 else None
     velocity_noise = move.velocity_noise * drive.usual_arm
     return MotionRun(
         recording=recording.name,
@@ -317,9 +318,10 @@ def _run(
             dynamics.inertial[:, dof], dynamics.bias[:, dof], dynamics.tilt[:, dof] / TILT,
             effective_mass=mass / max(float(np.median(drive.arm**2)), 1e-12),
             carried=_carried(model, joint, None if dynamics.carried is None else dynamics.carried[:, dof]),
+            alone=model.nv == 1,
             noise=float(np.sqrt(shaken)),
         ),
-        passive=Passive(dynamics.passive[:, dof], -damping * smoothed_alike(time, move.velocity, asked=smoothing) if damping > 0.0 else None),
+        passive=Passive(dynamics.passive[:, dof], damped),
         drive=drive,
         external=pushed,
         noise=float(np.sqrt(variance)),

@@ -52,7 +52,8 @@ def nuisance_parameters(runs: Sequence[MotionRun], plant: PlantParameters, where
         skew = priors.CARD_SKEW
         found.append(_of_sensor("drive_delay", run.joint, "drive.delay", "s", skew, (-10.0 * skew, 10.0 * skew), (0.0, skew)))
     if run.turning:
-        found.append(_of_sensor("inertia", run.joint, "inertia", "1", 0.01, (0.5, 2.0), (1.0, priors.INERTIA), neutral=1.0))
+        name = "joint_inertia" if inertia.alone else "inertia"  # beside other joints it also holds what those take of it
+        found.append(_of_sensor(name, run.joint, "inertia", "1", 0.01, (0.5, 2.0), (1.0, priors.INERTIA), neutral=1.0))
     if float(np.std(inertia.tilt)) > 0.0:
         found.append(_of_sensor("zero", run.joint, "zero", "rad", 0.005, (-0.3, 0.3), (0.0, priors.ANGLE_ZERO)))
     for name in dict.fromkeys(name for each in runs if each.imputed is not None for name in each.imputed.uncertain):

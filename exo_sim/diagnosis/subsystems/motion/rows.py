@@ -22,8 +22,8 @@ Array = NDArray[np.float64]
 GROUP = 0.02
 #: Length of a block of time [s].
 BLOCK = 1.0
-#: ... and no less than so many widths of the filter: what two blocks share is then a tenth of one.
-INDEPENDENT = 5.0
+#: ... and no less than so many widths of the filter: ten of its standard deviations, of which noise shares three with the next block.
+INDEPENDENT = 2.5
 
 
 @dataclass(frozen=True)

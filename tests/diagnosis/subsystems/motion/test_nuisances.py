@@ -29,6 +29,8 @@ def test_mass_and_offset_are_free_where_a_force_was_measured() -> None:
 
 def test_a_hinge_may_have_another_inertia_and_a_tilted_one_another_zero() -> None:
     assert "inertia" not in effects() and "inertia" in effects(replace(RUN, turning=True))
+    alone = effects(replace(RUN, turning=True, inertia=replace(RUN.inertia, alone=True)))
+    assert "joint_inertia" in alone and "inertia" not in alone  # beside other joints it is no number of the joint's own
     tilted = replace(RUN, inertia=replace(RUN.inertia, tilt=np.sin(TIME)))
     assert "zero" not in effects() and "zero" in effects(tilted)
 

@@ -10,7 +10,8 @@ from numpy.typing import NDArray
 
 from exo_sim.physics import chamber, state
 from exo_sim.physics.compiled import borrow, kernel
-from exo_sim.physics.nodes import sensed_pressures, volumes
+from exo_sim.physics.effects.line_restriction import present
+from exo_sim.physics.nodes import pressures, sensed_pressures, volumes
 from exo_sim.physics.plant import FOLLOWED
 from exo_sim.physics.transmission import gives
 from exo_sim.simulation.coupled_step import advance_gas, compute_forces, freshen_levers
@@ -21,6 +22,8 @@ Index = NDArray[np.int64]
 
 #: Beyond this speed (m/s, rad/s) or pressure [Pa] a simulation has left what can be.
 FASTEST, HIGHEST = 1e5, 1e9
+#: Least pressure that a window begins with [Pa], whatever was measured.
+LOWEST = 1000.0
 
 
 class Feed(NamedTuple):
@@ -52,43 +55,48 @@ class Feed(NamedTuple):
 
 
 @kernel
-def _rescale(vector, mass, energy, volume, k, change):
-    """Raise a volume's pressure by `change` [Pa] with its temperature kept."""
-    p = chamber.pressure(vector[energy], volume, k)
-    factor = max(p + change, 1000.0) / p
+def _fill(vector, mass, energy, volume, k, pressure):
+    """Give a volume another pressure [Pa] with its temperature kept."""
+    factor = max(pressure, LOWEST) / chamber.pressure(vector[energy], volume, k)
     vector[mass] *= factor
     vector[energy] *= factor
 
 
 @kernel
 def _set_pressures(mechanics, plant, targets):
-    """Give each chamber its measured pressure where there is one; temperature, spool and contacts are carried on."""
+    """Give each chamber its measured pressure where there is one; temperature, spool and contacts are carried on.
+
+    A hose's gas changes by what its sensor was missed by before the piston is put to where it was measured: that leap compresses
+    nothing.
+    """
     world = plant.world[0]
     n = len(plant.cylinders)
     memory = n * state.INTEGRATED + state.SHARED
     for i in range(n):
         c = plant.cylinders[i]
         place = memory + i * state.REMEMBERED
+        base = i * state.INTEGRATED
+        before = _piston(plant, i)
+        seen_1, seen_2 = sensed_pressures(world, c, plant.vector, base, before)
+        p_1, p_2 = pressures(world, c, plant.vector, base, before)
         x = mechanics.actuator_length[plant.actuators[i]] - plant.retracted[i]
         at = x
         if gives(c):  # the transmission stays as far deflected as it was
             plant.vector[place + state.PISTON] += x - plant.x[i]
             at = plant.vector[place + state.PISTON]
         plant.x[i] = x
-        base = i * state.INTEGRATED
         v_1, v_2 = volumes(c, at)
-        seen_1, seen_2 = sensed_pressures(world, c, plant.vector, base, at)
-        hose = c.line_restriction.area > 0.0
         for side in range(2):
             target = targets[i, side]
             if math.isnan(target) or (side == 1 and c.single_acting > 0.0):
                 continue
             change = target - (seen_1 if side == 0 else seen_2)
-            volume = v_1 if side == 0 else v_2
-            _rescale(plant.vector, base + 2 * side, base + 2 * side + 1, volume, world.k, change)
-            if hose:
-                mass, energy = base + state.HOSE_MASS_1 + 2 * side, base + state.HOSE_ENERGY_1 + 2 * side
-                _rescale(plant.vector, mass, energy, c.line_restriction.volume, world.k, change)
+            p, volume = (p_1, v_1) if side == 0 else (p_2, v_2)
+            _fill(plant.vector, base + 2 * side, base + 2 * side + 1, volume, world.k, p + change)
+            if present(c.line_restriction):
+                mass, energy, hose = base + state.HOSE_MASS_1 + 2 * side, base + state.HOSE_ENERGY_1 + 2 * side, c.line_restriction.volume
+                p_hose = chamber.pressure(plant.vector[energy], hose, world.k)
+                _fill(plant.vector, mass, energy, hose, world.k, p_hose + change)
 
 
 @kernel

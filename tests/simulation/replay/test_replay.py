@@ -33,6 +33,18 @@ def test_a_free_run_repeats_what_the_plug_in_did_step_by_step(tmp_path):
         assert rms(recording[key], out.windowed[key]) < bound
 
 
+def test_a_window_that_puts_the_piston_right_leaves_the_gas_of_a_hose_alone(tmp_path):
+    hose = '[effects.line_restriction.piston]\narea = "2 mm^2"\nvolume = "60 cm^3"\nsensor = "SENSOR"\n'
+    for sensor in ("chamber", "valve"):
+        believed = benches.bench(tmp_path, hose.replace("SENSOR", sensor))
+        recording = benches.recorded(believed)
+        damped = rigs.parse(f'{believed.text}[effects.viscous_friction.slide]\ncoefficient = "60 N*s/m"\n', believed.path)
+        out = replay(recording, damped, window=0.1)
+        for side in (1, 2):  # a leap of the piston pressed the chamber together, and the hose took it over
+            key = f"piston.pressure_{side}"
+            assert rms(recording[key], out.windowed[key]) < rms(recording[key], out.free_run[key])
+
+
 def test_a_valve_with_independent_edges_is_repeated_from_its_two_commands(tmp_path):
     rig = benches.bench(tmp_path, '[effects.valve_lag.piston]\ntime_constant = "6 ms"\ndelay = "3 ms"\n')
     rig = rigs.parse(rig.text.replace('area = "2 mm^2"', 'kind = "independent"\narea = "2 mm^2"\narea_exhaust_2 = "3 mm^2"'), rig.path)

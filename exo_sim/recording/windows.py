@@ -20,6 +20,8 @@ JUMP = 20.0
 HOLE = 0.03
 #: Samples over which the range of a pressure is taken.
 RANGE_SAMPLES = 30
+#: A window holds so many samples at least.
+FEWEST_IN_WINDOW = 5
 #: How far a window's start may be moved to where the pressures are quieter, in lengths of a window.
 QUIET_REACH = 0.25
 
@@ -59,7 +61,7 @@ def local_range(pressures: Iterable[Array | None], n: int) -> Array:
 
 
 def window_starts(time: Array, begin: int, end: int, seconds: float, restless: Array) -> list[int]:
-    """Return the first samples of the windows of about `seconds` that a stretch without breaks is cut into.
+    """Return the first samples of the windows of about `seconds` that a stretch without breaks is cut into, longer on a slow clock.
 
     Args:
         time: Of all samples, shape (n,).
@@ -68,7 +70,7 @@ def window_starts(time: Array, begin: int, end: int, seconds: float, restless: A
         restless: Result of `local_range`, shape (n,).
     """
     span = time[end - 1] - time[begin] if end > begin else 0.0
-    count = max(1, int(round(span / seconds)))
+    count = max(1, min(int(round(span / seconds)), (end - begin) // FEWEST_IN_WINDOW))
     even = np.searchsorted(time[begin:end], time[begin] + span * np.arange(count) / count) + begin
     marks = [*(int(cut) for cut in even), end]
     found = marks[:-1]

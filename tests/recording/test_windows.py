@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from exo_sim.recording.windows import RANGE_SAMPLES, clock_breaks, local_range, stretch_starts, window_starts
+from exo_sim.recording.windows import FEWEST_IN_WINDOW, RANGE_SAMPLES, clock_breaks, local_range, stretch_starts, window_starts
 
 TIME = np.arange(1000, dtype=float) * 1e-3
 
@@ -40,3 +40,9 @@ def test_a_window_begins_where_it_is_quiet() -> None:
     restless[:] = 1.0
     restless[900] = 0.0  # too far
     assert window_starts(TIME, 0, 1000, 0.5, restless) == [0, 500]
+
+
+def test_on_a_slow_clock_a_window_holds_a_few_samples_however_short_it_is_asked_for() -> None:
+    slow = 0.5 * np.arange(60)
+    assert window_starts(slow, 0, 60, 0.5, np.zeros(60)) == list(range(0, 60, FEWEST_IN_WINDOW))
+    assert window_starts(slow, 0, 3, 0.5, np.zeros(60)) == [0]

@@ -21,14 +21,16 @@ REFIT_NOTE = "refitted within what a data sheet allows, no finding"
 
 def corrections(data: MachineData, result: SubsystemResult[SubsystemModel]) -> list[Correction]:
     """Return the corrections of what is reported as off, then of what was only refitted, as far as the rig holds these numbers."""
-    found = [_correction(data, one) for one in result.deviations if _is_the_rigs(data.rig, one.parameter)]
+    made = [_correction(data, one) for one in result.deviations if _is_the_rigs(data.rig, one.parameter)]
+    found = [one for one in made if one is not None]
     values = result.final.fit.values
     for parameter, error in result.refitted:
         whole = parameter.prior[0] if parameter.prior else 0.0
         held = parameter.effect in REFITTED or (is_declared(parameter.effect) and _is_the_rigs(data.rig, parameter))
         if whole and held:
-            made = _correction(data, Deviation(parameter, values[parameter] / whole, error / abs(whole)))
-            found.append(Correction(made.key, made.value, made.unit, None, made.believed, REFIT_NOTE))
+            one = _correction(data, Deviation(parameter, values[parameter] / whole, error / abs(whole)))
+            if one is not None:
+                found.append(Correction(one.key, one.value, one.unit, None, one.believed, REFIT_NOTE))
     return found
 
 
@@ -37,7 +39,8 @@ def _is_the_rigs(rig: Rig, parameter: FreeParameter) -> bool:
     return not is_declared(parameter.effect) or rig.effect(parameter.effect, parameter.where) is not None
 
 
-def _correction(data: MachineData, off: Deviation) -> Correction:
+def _correction(data: MachineData, off: Deviation) -> Correction | None:
+    """Return a deviation as a correction; None of the mass of a body without a name, which a rig file cannot say."""
     parameter, factor, error = off.parameter, off.factor, max(off.error, MODEL_SHARE)
     if parameter.prior and is_declared(parameter.effect):
         nominal = parameter.prior[0]
@@ -64,13 +67,15 @@ def _correction(data: MachineData, off: Deviation) -> Correction:
     return Correction(place, nominal * factor, "m^3", (nominal * low, nominal * high), nominal)
 
 
-def _mass(data: MachineData, parameter: FreeParameter, factor: float, ends: tuple[float, float]) -> Correction:
+def _mass(data: MachineData, parameter: FreeParameter, factor: float, ends: tuple[float, float]) -> Correction | None:
     """Return the mass of the body whose nominal mass is most likely wrong, given the factor on all that a joint moves."""
     model = data.model
     root = int(model.jnt_bodyid[model.joint(parameter.where).id])
     whole = float(model.body_subtreemass[root])
     body = _load(data, root, (1.0 - ends[0]) * whole)
     own = float(model.body_mass[body])
+    if not model.body(body).name:
+        return None
     value, low, high = (max(share * whole - (whole - own), 1e-6) for share in (factor, *ends))
     return Correction(("bodies", model.body(body).name, "mass"), value, "kg", (low, high), own)
 

@@ -6,16 +6,19 @@ from collections.abc import Mapping, Sequence
 from dataclasses import replace
 
 import numpy as np
+from numpy.typing import NDArray
 
 from exo_sim.diagnosis.data import open_questions
 from exo_sim.diagnosis.data.cylinder_run import CylinderRun, cylinder_runs
 from exo_sim.diagnosis.data.decay_onset import from_decay_onset
 from exo_sim.diagnosis.data.machine_data import MachineData
 from exo_sim.diagnosis.data.motion_run import MotionRun
-from exo_sim.diagnosis.policy.recordings import FEWEST_A_SECOND, FEWEST_FOR_EVENTS, QUIET, SAME_SIGNAL
+from exo_sim.diagnosis.policy.recordings import FEWEST_A_SECOND, FEWEST_FOR_EVENTS, QUIET, SAME_SIGNAL, SLOW_CHANGE, SLOW_NOISE
 from exo_sim.diagnosis.subsystems.motion.contact_forces import are_recorded
 from exo_sim.diagnosis.subsystems.motion.inverse_dynamics import motion_runs
 from exo_sim.diagnosis.subsystems.motion.load_cell import rod_run
+from exo_sim.recording.noise import white_noise
+from exo_sim.recording.table import Recording
 from exo_sim.rig import Rig
 from exo_sim.simulation.replay.external_drive import external_power, externally_driven
 
@@ -39,13 +42,16 @@ def sort(data: MachineData) -> MachineData:
             else:
                 cylinders[run.cylinder] = (*cylinders.get(run.cylinder, ()), run)
                 judged_once = True
-            rod = rod_run(run, data.rig) if rate >= FEWEST_A_SECOND else None
+            rod = rod_run(run, data.rig) if rate >= FEWEST_A_SECOND or _moves_slowly(table) else None
             if rod is not None:
                 joints[f"rod of {run.cylinder}"] = (*joints.get(f"rod of {run.cylinder}", ()), rod)
         for name in data.rig.cylinders:
             if name not in cylinders and f"{name}.pressure_1" not in table and f"{name}.pressure_2" not in table:
                 open_.append(open_questions.of_gas(name, table.name, "no pressure of it was recorded"))
-        if rate < FEWEST_A_SECOND:
+        if rate < FEWEST_A_SECOND and not _moves_slowly(table):
+            why = f"{rate:.3g} samples a second do not show how it moves"
+            names = [data.model.joint(j).name for j in range(data.model.njnt)]
+            open_ += [open_questions.of_balance(name, table.name, why) for name in names if f"{name}.position" in table]
             continue
         runs, reasons = motion_runs(table, data.rig, data.model, data.links)
         outside = externally_driven(table, data.rig, data.model, data.links) if runs else {}
@@ -82,7 +88,7 @@ def _why_no_gas(run: CylinderRun, rig: Rig, rate: float) -> str:
     """Return why the gas of a run cannot be judged, or ""; `rate` in samples a second."""
     if run.length is None:
         return "the position of its joint was not recorded, so its volumes are not known"
-    if rate < FEWEST_A_SECOND:
+    if rate < FEWEST_A_SECOND and not (run.at_rest and _is_slow(run)):
         return f"{rate:.3g} samples a second do not show what the gas does"
     if rate < FEWEST_FOR_EVENTS and not run.at_rest:
         return f"{rate:.3g} samples a second do not show what a valve or a moving piston does to the gas"
@@ -96,6 +102,23 @@ def _why_no_gas(run: CylinderRun, rig: Rig, rate: float) -> str:
     if not run.commanded and run.supply is not None:
         return "its valve command was not recorded"
     return ""
+
+
+def _is_slow(run: CylinderRun) -> bool:
+    """Return whether a slow logger shows how the pressures of a run change."""
+    return all(_changes_slowly(p, noise) for p, noise in zip(run.pressure, run.noise, strict=True) if p is not None)
+
+
+def _moves_slowly(table: Recording) -> bool:
+    """Return whether a slow logger shows how a machine moves; dry friction turns between any two samples."""
+    return all(_changes_slowly(values, white_noise(values)) for key, values in table.columns.items() if key.endswith(".position"))
+
+
+def _changes_slowly(values: NDArray[np.float64], noise: float) -> bool:
+    """Return whether a signal changes by more than noise and a small share of all that it changes between two samples."""
+    there = values[np.isfinite(values)]
+    most = float(np.abs(np.diff(there)).max(initial=0.0))
+    return most <= SLOW_CHANGE * (float(np.ptp(there)) if there.size else 0.0) + SLOW_NOISE * noise
 
 
 def _open_to_supply(run: CylinderRun) -> bool:

@@ -4,7 +4,13 @@ from __future__ import annotations
 
 from exo_sim.diagnosis.policy.number import Count, Number
 
-FEWEST_A_SECOND = Number(8.0, "samples a second", "fewer do not show what gas does")
+FEWEST_A_SECOND = Number(8.0, "samples a second", "fewer do not show what gas does, unless it does it slowly: a vessel that is closed ...")
+SLOW_CHANGE = Number(
+    0.1, "share of all that a pressure changes", "... where between two samples it changes by less: ten samples show a curve ..."
+)
+SLOW_NOISE = Number(
+    6.0, "standard deviations of the pressure's noise", "... besides what noise does: the largest of a thousand differences is as large"
+)
 FEWEST_FOR_EVENTS = Number(25.0, "samples a second", "fewer do not show what a valve or a moving piston does to it")
 QUIET = Number(3.0, "standard deviation in units of the noise", "a pressure that varies less says nothing")
 CLEAR_FALL = Number(100.0, "fall in units of the noise", "a smaller fall of pressure does not show its onset")

@@ -15,6 +15,7 @@ from exo_sim.physics.effects import line_restriction, valve_lag
 from exo_sim.physics.pneumatics import Pneumatics
 from exo_sim.physics.settling import settling_rate
 from exo_sim.physics.transmission import gives
+from exo_sim.recording.windows import JUMP
 
 Array = NDArray[np.float64]
 
@@ -29,13 +30,15 @@ HOSE_STEP = 5e-4
 HOSE_EFFORT, SENSED_EFFORT = 2, 3
 #: Of a slow logger's sample neither a shorter part is resolved, nor do steps behind a hose get shorter.
 RESOLVED = 0.2
+#: Over a gap in the clock that is longer than this, and a jump of it, nothing is predicted [s].
+GAP = 0.5
 #: What settles faster than this, behind a choked path, is not resolved [s]: a fifth of the shortest row of a fit.
 SETTLED = 1e-3
 
 
 @kernel
 def predict(
-    world, cylinders, vector, time, command, first, length, supply, exhaust, supply_temperature, starts, start_pressure,
+    world, cylinders, vector, time, gap, command, first, length, supply, exhaust, supply_temperature, starts, start_pressure,
     work, scratch, out, inside, drawn, warmth,
 ):  # fmt: skip
     """Run one cylinder through a recording, its pressures set to the measured ones at the start of every window.
@@ -110,7 +113,7 @@ def predict(
         if i + 1 < n:
             dt = time[i + 1] - time[i]
             before = vector[state.DRAWN]
-            if dt < 0.5:
+            if dt < gap:
                 part, to = first[i], length[i + 1]
                 x1[0] = length[i]
                 for rest in range(0 if part > 0.0 else 1, 2):
@@ -210,7 +213,7 @@ def run_gas(
     gas.memory[0, state.SPOOL_2] = gas.memory[0, state.PLAY_2] = feed.command_2[0]
     arrived = feed.command_after(float(cylinder[valve_lag.EFFECT.name]["delay"][0]) + card_delay)
     predict(
-        world, cylinder, gas.vector, feed.time, arrived.command, arrived.first, length, feed.supply, feed.exhaust,
+        world, cylinder, gas.vector, feed.time, max(GAP, JUMP * usual), arrived.command, arrived.first, length, feed.supply, feed.exhaust,
         feed.supply_temperature, feed.windows.starts, start, gas._work, np.zeros((8, 2)), out, inside, drawn, temperature,
     )  # fmt: skip
     return GasPrediction(out, inside, drawn, temperature)

@@ -10,7 +10,8 @@ import pytest
 import exo_sim as exo
 from exo_sim.recording.table import Recording
 
-MJCF = """<mujoco><worldbody><body><joint name="slide" type="slide" axis="1 0 0" range="0 0.05"/><geom size="0.01" mass="1"/></body></worldbody>
+MJCF = """<mujoco>
+<worldbody><body><joint name="slide" type="slide" axis="1 0 0" range="0 0.05"/><geom size="0.01" mass="1"/></body></worldbody>
 <actuator><motor name="chamber" joint="slide"/></actuator></mujoco>"""
 RIG = """name = "vessel"
 model = "machine.xml"

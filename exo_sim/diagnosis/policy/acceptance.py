@@ -78,7 +78,9 @@ FAR_FROM_RIVALLING = Number(
     1.5, "ratio of squared errors",
     "a set that leaves so many times what the best does after its first look is not fitted to the end: its last steps gain little",
 )  # fmt: skip
-CERTAIN = Number(2.5, "standard errors", "a finding has a parameter that is so far from neutral (two-sided error 1.2 %) ...")
+CERTAIN = Number(
+    2.5, "standard errors", "a finding has a parameter that is so far from neutral ...", "derived from a two-sided error of 1.2 %"
+)
 VAGUE_LOSS = Number(
     30.0, "log-likelihood",
     "... or the model without it is worse by so much: its parameter is then vague only because nuisance parameters stand in for it",
@@ -91,8 +93,10 @@ STIFF_PRIORS = Number(
     3.0, "rows of correlation", "above this the weight of the priors may hold nuisance parameters back: the fit is repeated without it"
 )
 LEFT_WHEN_FREE = Number(
-    0.01, "share of what was missing", "the repeated fit counts if it leaves no more: then it was a nuisance parameter that was off"
-)
+    0.01, "share of what was missing", "the repeated fit counts if it leaves no more: then it was a nuisance parameter that was off",
+    "a weight of 35 % too much that alone makes an unchanging error is found so (tests of the search); of 214 repeated fits in 80 benches, "
+    "legs and real machines and three whole machines none left so little",
+)  # fmt: skip
 LONGEST_CORRELATION = Number(60.0, "rows", "the largest weight of the priors")
 UNCORRELATED = Number(
     0.05, "autocorrelation",

@@ -39,8 +39,13 @@ ZERO_MODEL = Number(
 )  # fmt: skip
 SCALE = Number(0.003, "share", "a sensor's scale is a finding from here on")
 FILM = Number(2.0, "W/(m^2 K)", "heat transfer coefficient that no gas at rest goes below, on the wall of the whole cylinder")
-LEAK_AREA = Number(1.8e-5, "m^2 per m^3 of swept volume", "a leak that takes minutes to empty a cylinder by half")
-LEAK_LAMINAR = Number(1.8e-13, "kg/(s Pa^2) per m^3 of swept volume", "the same of a laminar gap")
+LEAK_AREA = Number(
+    1.8e-5, "m^2 per m^3 of swept volume", "a leak that takes minutes to empty a cylinder by half",
+    "derived: choked, at room temperature, 194 s",
+)  # fmt: skip
+LEAK_LAMINAR = Number(
+    1.8e-13, "kg/(s Pa^2) per m^3 of swept volume", "the same of a laminar gap", "derived: from 3 bar 220 s, from 7 bar 94 s"
+)
 
 # -- forces ---------------------------------------------------------------------------------------------------------------------
 FORCE_FLOOR_SHARE = Number(0.008, "share of the forces that act", "what the model of a healthy machine leaves of a balance of forces")

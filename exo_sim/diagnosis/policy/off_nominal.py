@@ -4,7 +4,10 @@ from __future__ import annotations
 
 from exo_sim.diagnosis.policy.number import Number
 
-SURE = Number(3.0, "standard errors, or prior standard deviations", "a number so far from its nominal value is off (probability 0.3 %)")
+SURE = Number(
+    3.0, "standard errors, or prior standard deviations", "a number so far from its nominal value is off",
+    "derived from a two-sided error of 0.3 %",
+)  # fmt: skip
 MODEL_SHARE = Number(
     0.0015, "share, one standard deviation", "no equation describes a machine, nor a sensor its pressure, to better than this"
 )

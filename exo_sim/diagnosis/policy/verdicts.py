@@ -8,6 +8,7 @@ from exo_sim.diagnosis.policy.number import Number
 AS_GOOD = Number(
     3.0, "log-likelihood, parameters paid for",
     "a rival that is worse by less explains the recording as well: a Bayes factor of 20, the usual bound of strong evidence",
+    "derived from the scale of Kass and Raftery (1995)",
 )  # fmt: skip
 MOST_CONFIDENT = Number(
     0.95, "probability", "no finding is called more probable, however great its odds: laws that nobody has thought of are in none of them",
@@ -70,10 +71,14 @@ ALONE_SHARE_HOPELESS = Number(
 )  # fmt: skip
 ALONE_STEADY = Number(3.0, "mean gain over blocks in units of its standard error", "... so steady a gain")
 STRAINED = Number(
-    3.5, "prior standard deviations", "a nuisance parameter that is further from its mean (probability 0.05 %) speaks for something missing"
+    3.5, "prior standard deviations", "a nuisance parameter that is further from its mean speaks for something missing",
+    "derived from a two-sided error of 0.05 %: a machine has a dozen of them",
+)  # fmt: skip
+_ellipse = "derived: the laws differ by 1.4 % of choked flow at most there, by 0.17 % at 0.528"
+NOZZLE_LOW = Number(
+    0.508, "critical pressure ratio", "between this and the next the ISO ellipse stands for the paper's nozzle (0.528)", _ellipse
 )
-NOZZLE_LOW = Number(0.508, "critical pressure ratio", "between this and the next the ISO ellipse stands for the paper's nozzle (0.528)")
-NOZZLE_HIGH = Number(0.548, "critical pressure ratio", "see the former; the two laws differ by 0.15 % of choked flow at most")
+NOZZLE_HIGH = Number(0.548, "critical pressure ratio", "see the former", _ellipse)
 AT_BOUND = Number(0.01, "share of the value", "a number that ended so near to a bound was not found: something else acts")
 LEAST_CURVE = Number(0.2, "share of variance in cross-validation", "a curve that predicts less does not describe an unknown effect")
 PLAINLY_LESS_DAMPING = Number(

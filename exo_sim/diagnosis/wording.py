@@ -32,6 +32,15 @@ def calibration(name: str, parameter: str, factor: float) -> str:
     return f"The {what} is {abs(factor - 1.0) * 100:.1f} % {'larger' if factor > 1.0 else 'smaller'} than believed."
 
 
+def beyond_data_sheet(name: str) -> str:
+    """Return what a number may stand for that is further off than any data sheet allows and that no effect on the list explains."""
+    what = {
+        "dead_volume": "a hose, a tank or volume that nobody counted, or a number that is wrong",
+        "flow_capacity": "something that throttles beside the valve, another valve or another gas, or a number that is wrong",
+    }
+    return f"No data sheet leaves so much open, and no effect on the list explains it as well: {what[name]}."
+
+
 def rejected(candidate: Candidate, instead_of: Candidate, worse: float) -> str:
     """Return why a rival was rejected."""
     if candidate.effect == instead_of.effect:

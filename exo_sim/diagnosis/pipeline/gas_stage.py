@@ -25,6 +25,7 @@ from exo_sim.diagnosis.policy.priors import INITIAL_WARMTH, ROOM_WARM
 from exo_sim.diagnosis.policy.recordings import FEWEST_ROWS, REVERSED
 from exo_sim.diagnosis.selection.decision import decide
 from exo_sim.diagnosis.selection.search import Search
+from exo_sim.diagnosis.selection.strained_nuisances import relieved
 from exo_sim.diagnosis.selection.subsystem_result import SubsystemResult
 from exo_sim.diagnosis.subsystems.gas.candidates import candidates, sample_period
 from exo_sim.diagnosis.subsystems.gas.initial_temperature import initial_temperatures
@@ -89,7 +90,8 @@ def examine_gas(
                 until=softens if plan.friction is None and joint in data.joints else None, is_spent=plan.budget.is_spent,
                 is_enough=partial(_is_enough, model),
             )  # fmt: skip
-            done[key] = decide(name, model, search.fits, search.run())
+            end, fits = relieved(search.run(), search.fits, search.proposals, model, plan.split)
+            done[key] = decide(name, model, fits, end)
         found.append(done[key])
         if found[-1].model.effort > MOST_EFFORT:
             data = replace(data, remarks=(*data.remarks, f"{name}: {_ENDED}"))

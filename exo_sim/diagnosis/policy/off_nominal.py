@@ -24,6 +24,8 @@ WORTH = {
     ),
     "joint_damping": Number(0.15, "share", "a joint's damping is corrected from here on"),
 }
+#: Numbers that a data sheet gives: further off than that allows they are physics that the rig leaves out, not a number to correct.
+OF_DATA_SHEETS = ("flow_capacity", "dead_volume")
 LAW_SHARE = Number(
     0.14, "logarithm, one standard deviation",
     "by how much a number of an effect that the rig has on differs from the machine's own because its law has another form",
@@ -40,5 +42,18 @@ BEYOND_SHEET = {
     "payload_mass": Number(3.0, "prior standard deviations", "a mass that a fit moved by more is off, however well it is known what it is"),
     "joint_inertia": Number(3.0, "prior standard deviations", "the same of an inertia"),
 }
+HELD_WITHIN = Number(
+    2.0, "prior standard deviations",
+    "a number that a fit moved further than any data sheet allows is held within so many while effects are asked that it may stand for",
+    "derived: 95 % of data sheets",
+)  # fmt: skip
+FAR_FROM_STRAINED = Number(
+    0.1, "share of the squared error",
+    "an effect that leaves so much more than such a number did is not fitted to the end in its place: it does not explain as much",
+)  # fmt: skip
+WRONG_NUMBER = Number(
+    0.03, "share of rigs", "in which an area or a dead volume is wrong by more than its data sheet allows and nothing else is: a misprint, "
+    "another part", "asserted, as the share of sensors whose zero is off",
+)  # fmt: skip
 MOVED = Number(1e-3, "share", "a parameter that a fit moved by less did not move")
 LEAST_PART = Number(0.05, "share of an additive effect", "a smaller part of it is not written into the improved rig")

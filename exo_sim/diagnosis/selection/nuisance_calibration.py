@@ -13,6 +13,7 @@ from exo_sim.diagnosis.findings import Estimate, Finding, Kind
 from exo_sim.diagnosis.policy.off_nominal import BEYOND_SHEET, LAW_SHARE, MODEL_SHARE, MOVED, OPEN_LAW_SHARE, SURE, WORTH
 from exo_sim.diagnosis.policy.probability import CALIBRATED, UNTESTED
 from exo_sim.diagnosis.selection.fitted_model import FittedModel
+from exo_sim.diagnosis.selection.strained_nuisances import is_beyond_data_sheet
 from exo_sim.physics.declaration import declared, identification_of
 
 
@@ -83,7 +84,10 @@ def refitted_besides(
 
 
 def calibration_findings(found: Sequence[Deviation]) -> list[Finding]:
-    """Return a finding for every nominal number that is off; the two dead volumes of a cylinder are one finding."""
+    """Return a finding for every nominal number that is off; the two dead volumes of a cylinder are one finding.
+
+    One that is further off than any data sheet allows is no calibration: what it stands for is not in the rig.
+    """
     kinds: dict[tuple[str, str], list[Deviation]] = {}
     for one in found:
         kinds.setdefault((one.parameter.effect, one.parameter.where), []).append(one)
@@ -111,11 +115,13 @@ def _calibration(name: str, where: str, parts: Sequence[Deviation]) -> Finding:
             for one in parts
             if (q := one.parameter).prior
         }
-    odds = sum(((one.factor - 1.0) / max(one.error, 1e-12)) ** 2 for one in parts) / (2.0 * math.log(10.0))
     says = " ".join(wording.calibration(name, one.parameter.parameter, one.factor) for one in parts)
-    return Finding(
-        name, where, Kind.CALIBRATION, says, estimates, odds, 0.0, probability=float(UNTESTED if is_declared(name) else CALIBRATED)
-    )
+    is_physics = name in OF_DATA_SHEETS and any(is_beyond_data_sheet(one.parameter, one.factor, one.error) for one in parts)
+    if is_physics:
+        says += " " + wording.beyond_data_sheet(name)
+    odds = sum(((one.factor - 1.0) / max(one.error, 1e-12)) ** 2 for one in parts) / (2.0 * math.log(10.0))
+    kind = Kind.MISSING_PHYSICS if is_physics else Kind.CALIBRATION
+    return Finding(name, where, kind, says, estimates, odds, 0.0, probability=float(UNTESTED if is_declared(name) else CALIBRATED))
 
 
 def is_declared(effect: str) -> bool:

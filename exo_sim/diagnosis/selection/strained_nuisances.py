@@ -1,0 +1,209 @@
+"""Numbers of the rig that a fit moved further than any data sheet allows: what they stand for is asked once more with them held within it.
+
+A search refits them beside every effect, and physics that looks like one of them is never missed: a hose is a larger dead volume, a slow
+spool the lag that every valve has. Held within its data sheet such a number leaves the error that it took, and what is declared to be
+mistaken for it is asked beside that.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Collection, Mapping, Sequence
+from dataclasses import replace
+from typing import TypeVar
+
+import numpy as np
+
+from exo_sim.diagnosis.data.split import Split
+from exo_sim.diagnosis.estimation.candidate import Candidate
+from exo_sim.diagnosis.estimation.correlation import rms
+from exo_sim.diagnosis.estimation.parameters import FreeParameter
+from exo_sim.diagnosis.findings import Kind
+from exo_sim.diagnosis.policy.acceptance import SURELY_MORE
+from exo_sim.diagnosis.policy.off_nominal import FAR_FROM_STRAINED, HELD_WITHIN, WORTH, WRONG_NUMBER
+from exo_sim.diagnosis.policy.verdicts import AT_BOUND, STRAINED
+from exo_sim.diagnosis.selection.comparisons import Comparisons
+from exo_sim.diagnosis.selection.fitted_model import FittedModel, SearchResult, is_at_bound, is_more_than_healthy
+from exo_sim.diagnosis.selection.model_fits import ModelFits
+from exo_sim.diagnosis.selection.proposals import Proposals
+from exo_sim.diagnosis.subsystem_model import SubsystemModel
+from exo_sim.physics.declaration import declared
+
+Model = TypeVar("Model", bound=SubsystemModel)
+
+
+def is_beyond_data_sheet(parameter: FreeParameter, value: float, error: float) -> bool:
+    """Return whether a number is surely further from what is believed than its data sheet allows, or as far as it may go at all.
+
+    Args:
+        parameter: A nuisance parameter with a prior.
+        value: Of a fit.
+        error: Its standard error.
+    """
+    if parameter.prior is None:
+        return False
+    mean, spread = parameter.prior
+    return abs(value - mean) - SURELY_MORE * error > STRAINED * spread or _is_at_end(parameter, value)
+
+
+def strained(model: FittedModel, errors: Mapping[FreeParameter, float]) -> tuple[FreeParameter, ...]:
+    """Return the numbers of the rig, and what healthy parts show, that a fit moved beyond any data sheet; `errors` are standard errors.
+
+    Not those of sensors, whose zeros errors of the model move, nor an owner's numbers of an effect, whose law may differ.
+    """
+    return tuple(
+        q for q, value in model.fit.values.items()
+        if _is_of_a_part(q) and not _is_overridden(q, model) and is_beyond_data_sheet(q, value, errors.get(q, math.inf))
+    )  # fmt: skip
+
+
+def relieved(search: SearchResult, fits: ModelFits, proposals: Proposals, model: Model, split: Split) -> tuple[SearchResult, ModelFits]:
+    """Return a search whose strained numbers gave way to effects that explain as much with them held within their data sheets.
+
+    Such an effect is accepted against the model with the numbers held, as any other is; it must also leave no more than the strained
+    numbers do, nor in time kept back. Where the strained numbers by themselves explain the rest as well, the finding says so. Where no
+    effect does all that, the search stays as it is.
+
+    Args:
+        search: What was found with the numbers free.
+        fits: The fits of that search.
+        proposals: Its candidates.
+        model: The subsystem.
+        split: Of the time, its validation time kept back.
+
+    Returns:
+        The search, and the fits that its final model belongs to.
+    """
+    asked_already: set[str] = set()
+    while not search.interrupted and search.final.fit.residual.size and not fits.is_spent():
+        pressed = [q for q in strained(search.final, fits.standard_errors(search.final)) if q.effect not in asked_already]
+        if not pressed:
+            break
+        effect = pressed[0].effect
+        asked_already.add(effect)
+        search, fits = _relieved_of(tuple(q for q in pressed if q.effect == effect), search, fits, proposals, model, split)
+    return search, fits
+
+
+def absorbers(pressed: Sequence[FreeParameter], now: FittedModel, candidates: Sequence[Candidate]) -> list[Candidate]:
+    """Return the candidates that some strained numbers may stand for: declared to be mistaken for them, or of these very numbers.
+
+    Args:
+        pressed: The numbers, of one effect or calibration.
+        now: The model that they are strained in.
+        candidates: All of the subsystem.
+    """
+    names, slots = {q.effect for q in pressed}, {q.slot for q in pressed}
+    found = []
+    for c in candidates:
+        same = bool(slots & {q.slot for q in c.parameters})
+        alike = c.kind is Kind.MISSING_PHYSICS and c.effect in declared() and bool(names & set(declared()[c.effect].mistaken_for))
+        if (same or alike) and not c.is_law and c.at not in now.named and now.meets_prerequisite(c):
+            found.append(c)
+    return found
+
+
+def _relieved_of(
+    pressed: tuple[FreeParameter, ...], search: SearchResult, fits: ModelFits, proposals: Proposals, model: Model, split: Split
+) -> tuple[SearchResult, ModelFits]:
+    final = search.final
+    asked = absorbers(pressed, final, proposals.candidates)
+    if not asked:
+        return search, fits
+    within = {q: _within_data_sheet(q) for q in pressed}
+    bounded = ModelFits(fits.model, [within.get(q, q) for q in fits.nuisances], fits.threads, fits.cheap, fits.is_spent)
+    near = _of_parameters(final, within)
+    own = _own(pressed, final)
+    held = bounded.fit(final.candidates, near)
+    alone = bounded.fit((*final.candidates, own), _at_prior_means(near, within.values()))
+    comparisons = Comparisons(bounded, search.baseline, len(proposals.candidates), model.practical_significance)
+    looked = bounded.fit_rivals([((*final.candidates, c), near) for c in asked], alone)
+    tried = [bounded.refined(one) for one in looked if one.fit.sse < (1.0 + FAR_FROM_STRAINED) * alone.fit.sse]
+    kept_back = model.on_test_time(split.validation_as_test()) if split.validation else None
+
+    def stands(one: FittedModel) -> bool:
+        candidate = one.candidates[-1]
+        gives_way = not any(_is_at_end(q, one.fit.values[q]) for q in within.values() if not _is_overridden(q, one))
+        found = is_more_than_healthy(candidate, one, bounded.standard_errors(one)) and not is_at_bound(candidate, one)
+        return gives_way and found and comparisons.accepts(held, one) and _explains_as_well(one, alone, model, kept_back)
+
+    standing = [one for one in tried if stands(one)]
+    if not standing:
+        return search, fits
+    best, *others = comparisons.ranked(standing)
+    chosen = best.candidates[-1]
+    if own.effect != chosen.effect:
+        others.append(alone)
+    price, told = comparisons.price((best, *others)), []
+    for rival, one in ((other.candidates[-1], other) for other in others):
+        worse = bounded.deficit(one, best) + price * (one.parameter_count - best.parameter_count) + _log_odds(chosen) - _log_odds(rival)
+        told += [(rival, max(worse, 0.0))] if rival.at != chosen.at else []
+    evidence = {**search.evidence, chosen.key: comparisons.evidence(held, best)}
+    rivals = {**search.rivals, chosen.key: tuple(sorted(told, key=lambda pair: pair[1]))}
+    return replace(search, final=best, evidence=evidence, rivals=rivals), bounded
+
+
+def _explains_as_well(one: FittedModel, other: FittedModel, model: Model, kept_back: SubsystemModel | None) -> bool:
+    """Return whether a model leaves no more than another in the time that was fitted and in time kept back, but for what is too little
+    to matter.
+    """
+    slack = model.practical_significance
+    if rms(one.fit.residual) - rms(other.fit.residual) > slack:
+        return False
+    if kept_back is None or not kept_back.size:
+        return True
+    left = [kept_back.residual(m.fit.values, m.fixed) for m in (one, other)]
+    return bool(np.isfinite(left[0]).all()) and rms(left[0]) - rms(left[1]) <= slack
+
+
+def _log_odds(candidate: Candidate) -> float:
+    """Return the logarithm of the share of machines that have an effect, or whose number is wrong and nothing else."""
+    return math.log(candidate.prevalence)
+
+
+def _own(pressed: Sequence[FreeParameter], final: FittedModel) -> Candidate:
+    """Return the candidate that the strained numbers by themselves are."""
+    free = tuple(replace(q, prior=None) for q in pressed)
+    values = tuple(final.fit.values[q] for q in pressed)
+    first = pressed[0]
+    form = "+".join(q.parameter for q in pressed)
+    return Candidate(first.effect, first.where, form, free, (values,), kind=Kind.CALIBRATION, prevalence=float(WRONG_NUMBER))
+
+
+def _within_data_sheet(q: FreeParameter) -> FreeParameter:
+    if q.prior is None:
+        return q
+    mean, spread = q.prior
+    return replace(q, low=max(q.low, mean - HELD_WITHIN * spread), high=min(q.high, mean + HELD_WITHIN * spread))
+
+
+def _of_parameters(model: FittedModel, instead: Mapping[FreeParameter, FreeParameter]) -> FittedModel:
+    """Return a model with other bounds of some parameters, for a fit to begin with."""
+    fit = model.fit
+    parameters = tuple(instead.get(q, q) for q in fit.parameters)
+    values = {instead.get(q, q): v for q, v in fit.values.items()}
+    return replace(model, fit=replace(fit, parameters=parameters, values=values))
+
+
+def _at_prior_means(model: FittedModel, parameters: Collection[FreeParameter]) -> FittedModel:
+    means = {q: q.prior[0] for q in parameters if q.prior is not None}
+    return replace(model, fit=replace(model.fit, values={**model.fit.values, **means}))
+
+
+def _is_of_a_part(q: FreeParameter) -> bool:
+    """Return whether a nuisance parameter is a number of the rig, or what a healthy part shows of an effect."""
+    return q.prior is not None and (q.effect in WORTH or (q.effect in declared() and q.prior[0] == 0.0))
+
+
+def _is_overridden(q: FreeParameter, model: FittedModel) -> bool:
+    """Return whether an effect of a model holds the very number that a nuisance parameter stands for."""
+    return q.slot in {own.slot for c in model.candidates for own in c.parameters}
+
+
+def _is_at_end(q: FreeParameter, value: float) -> bool:
+    """Return whether a nuisance parameter ended at a bound beyond which it would go on, away from what is believed."""
+    if q.prior is None:
+        return False
+    mean, spread = q.prior
+    near = AT_BOUND * spread
+    return (value - q.low < near and q.low < mean) or (q.high - value < near and q.high > mean)

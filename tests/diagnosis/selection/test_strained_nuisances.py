@@ -1,0 +1,123 @@
+"""Numbers that a fit moved further than any data sheet allows give way to the physics that they stand for, where that explains as much."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import pytest
+from diagnosis import waves
+
+from exo_sim.diagnosis.data.split import Split
+from exo_sim.diagnosis.estimation.candidate import Candidate
+from exo_sim.diagnosis.estimation.parameters import FreeParameter
+from exo_sim.diagnosis.policy.off_nominal import HELD_WITHIN
+from exo_sim.diagnosis.selection.decision import decide
+from exo_sim.diagnosis.selection.fitted_model import SearchResult
+from exo_sim.diagnosis.selection.model_fits import ModelFits
+from exo_sim.diagnosis.selection.proposals import Proposals
+from exo_sim.diagnosis.selection.strained_nuisances import absorbers, is_beyond_data_sheet, relieved, strained
+
+#: One standard deviation of what data sheets leave open of the number.
+OPEN = 1.0
+VOLUME = waves.parameter("dead_volume", "slow", prior=(0.0, OPEN))
+HOSE = waves.candidate("line_restriction", "hose")
+#: Some of what a hose does is that of a larger volume.
+SHAPES = {**waves.SHAPES, "hose": waves.SHAPES["slow"] + 0.1 * waves.SHAPES["quick"], "same": waves.SHAPES["slow"]}
+KEPT = Split({}, {"recording": ((0.0, 1.0),)})
+
+
+class Volume(waves.Waves):
+    """Waves of which the slow one is taken by a dead volume if nothing else does; less than a hundredth of the noise does not matter."""
+
+    @property
+    def practical_significance(self) -> float:
+        return 0.01
+
+
+class Misleading(Volume):
+    """Time kept back that shows nothing of what a hose would do."""
+
+    def on_test_time(self, split: Split) -> Volume:
+        return Volume(shapes=self.shapes, slow=6.0, quick=-0.6)
+
+
+def ended(model: Volume, *candidates: Candidate, volume: FreeParameter = VOLUME) -> tuple[SearchResult, ModelFits, Proposals]:
+    """Return a search that found nothing, as where what is left beside a strained number is too little to ask."""
+    fits = ModelFits(model, (volume,))
+    begun = fits.nominal()
+    alone = fits.refined(fits.fit((), replace(begun, fit=replace(begun.fit, values={volume: 6.0}))))
+    return SearchResult(alone, alone), fits, Proposals(fits, candidates, 0.0)
+
+
+@pytest.mark.parametrize(
+    ("value", "error", "beyond"), [(3.4, 0.0, False), (3.6, 0.0, True), (3.6, 0.1, False), (6.0, 0.5, True), (-6.0, 0.5, True)]
+)
+def test_a_number_is_beyond_its_data_sheet_where_no_error_explains_it(value: float, error: float, beyond: bool) -> None:
+    assert is_beyond_data_sheet(VOLUME, value, error) is beyond
+
+
+def test_a_number_at_the_end_of_what_it_may_be_is_beyond_however_narrow_that_is() -> None:
+    narrow = replace(VOLUME, low=0.0, high=OPEN)
+    assert is_beyond_data_sheet(narrow, OPEN, 3.0)
+    assert not is_beyond_data_sheet(narrow, 0.0, 3.0)  # there it is what is believed
+
+
+def test_what_an_effect_of_the_model_says_itself_is_not_strained() -> None:
+    own = waves.candidate("valve_lag", "slow")
+    lag = waves.parameter("valve_lag", "slow", prior=(0.0, OPEN))
+    search, fits, _ = ended(Volume(shapes=SHAPES, slow=6.0), volume=lag)
+    assert strained(search.final, {lag: 0.1}) == (lag,)
+    assert strained(fits.fit((own,), search.final), {lag: 0.1}) == ()
+
+
+def test_a_hose_takes_back_what_the_dead_volume_took() -> None:
+    model = Volume(shapes=SHAPES, hose=6.0)
+    search, fits, proposals = ended(model, waves.BASE, HOSE)
+    assert search.final.fit.values[VOLUME] > 5.0
+    found, bounded = relieved(search, fits, proposals, model, KEPT)
+    assert {c.effect for c in found.final.candidates} == {"line_restriction"}
+    assert found.final.fit.values[HOSE.parameters[0]] == pytest.approx(6.0, abs=0.5)
+    assert all(abs(v) < HELD_WITHIN * OPEN for q, v in found.final.fit.values.items() if q.effect == "dead_volume")
+    (finding,) = decide("piston", model, bounded, found).findings
+    assert finding.name == "line_restriction" and finding.log10_odds > 100.0
+
+
+def test_where_the_number_alone_explains_as_much_the_finding_says_so() -> None:
+    model = Volume(shapes=SHAPES, slow=6.0)
+    search, fits, proposals = ended(model, waves.candidate("line_restriction", "same"))
+    found, bounded = relieved(search, fits, proposals, model, KEPT)
+    (finding,) = decide("piston", model, bounded, found).findings
+    assert finding.name == "line_restriction" and finding.ambiguous_with == ("dead_volume",)
+    assert finding.probabilities["line_restriction"] > finding.probabilities["dead_volume"] > 0.1
+
+
+@pytest.mark.parametrize(
+    ("model", "candidate"),
+    [
+        (Volume(shapes=SHAPES, slow=6.0), waves.candidate("line_restriction", "quicker")),  # explains something else
+        (Volume(shapes=SHAPES, slow=6.0), waves.candidate("piston_leakage", "same")),  # not declared to be like it
+        (Volume(shapes=SHAPES, slow=0.5), waves.candidate("line_restriction", "same")),  # within its data sheet
+        (Misleading(shapes=SHAPES, hose=6.0), HOSE),  # time kept back says no
+    ],
+)
+def test_without_an_effect_that_explains_as_much_everything_stays_as_it_is(model: Volume, candidate: Candidate) -> None:
+    search, fits, proposals = ended(model, candidate)
+    assert relieved(search, fits, proposals, model, KEPT) == (search, fits)
+
+
+def test_more_than_healthy_parts_show_is_asked_as_the_effect_itself() -> None:
+    lag = replace(waves.parameter("valve_lag", "slow", prior=(0.0, 1.0)), low=0.0, high=3.0)
+    own = waves.candidate("valve_lag", "slow")
+    model = Volume(shapes=SHAPES, slow=3.4)
+    search, fits, proposals = ended(model, own, waves.BASE, volume=lag)
+    assert search.final.fit.values[lag] == pytest.approx(3.0)
+    found, _ = relieved(search, fits, proposals, model, KEPT)
+    assert found.final.fit.values[own.parameters[0]] == pytest.approx(3.4, abs=0.2)
+
+
+def test_who_is_asked_is_declared_with_the_effects() -> None:
+    search, _, _ = ended(Volume(shapes=SHAPES, slow=6.0))
+    there = [waves.candidate(name, "quick") for name in ("line_restriction", "valve_lag", "heat_transfer_law", "piston_leakage")]
+    law = replace(there[2], is_law=True)
+    assert [c.effect for c in absorbers((VOLUME,), search.final, (there[0], there[1], law, there[3]))] == ["line_restriction"]
+

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
+
 from exo_sim.diagnosis.estimation.candidate import Candidate
 from exo_sim.diagnosis.policy.verdicts import NOTHING_EXPLAINED
 from exo_sim.physics.declaration import declared
@@ -32,13 +34,14 @@ def calibration(name: str, parameter: str, factor: float) -> str:
     return f"The {what} is {abs(factor - 1.0) * 100:.1f} % {'larger' if factor > 1.0 else 'smaller'} than believed."
 
 
-def beyond_data_sheet(name: str) -> str:
-    """Return what a number may stand for that is further off than any data sheet allows and that no effect on the list explains."""
+def beyond_data_sheet(name: str, rivals: Sequence[str]) -> str:
+    """Return what a number may stand for that is further off than any data sheet allows; `rivals` are effects that explain as much."""
     what = {
         "dead_volume": "a hose, a tank or volume that nobody counted, or a number that is wrong",
         "flow_capacity": "something that throttles beside the valve, another valve or another gas, or a number that is wrong",
     }
-    return f"No data sheet leaves so much open, and no effect on the list explains it as well: {what[name]}."
+    explained = f"{' or '.join(map(name_of, rivals))} would explain as much" if rivals else "no effect on the list explains it as well"
+    return f"No data sheet leaves so much open, and {explained}: {what[name]}."
 
 
 def rejected(candidate: Candidate, instead_of: Candidate, worse: float) -> str:

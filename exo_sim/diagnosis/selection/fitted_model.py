@@ -121,6 +121,7 @@ class SearchResult:
         errors: Standard deviations of parameters that also count what every model of a machine gets wrong.
         least_left: Sum of squares that the same effects leave where nothing but that decides their numbers; infinite where it is `final`'s.
         unnamed: What is missing beside the names, the largest first.
+        stands_for: By effect and place of nominal numbers that are further off than any data sheet allows, effects that explain as much.
         interrupted: Whether it ended before everything was explained, because it was asked to.
     """
 
@@ -134,6 +135,7 @@ class SearchResult:
     errors: Mapping[FreeParameter, float] = field(default_factory=dict)
     least_left: float = math.inf
     unnamed: tuple[Unnamed, ...] = ()
+    stands_for: Mapping[tuple[str, str], tuple[str, ...]] = field(default_factory=dict)
     interrupted: bool = False
 
 

@@ -19,11 +19,18 @@ from exo_sim.physics.declaration import declared, identification_of
 
 @dataclass(frozen=True)
 class Deviation:
-    """A nominal number that is off: by which factor, and its standard error."""
+    """A nominal number that is off.
+
+    Attributes:
+        parameter: The number.
+        factor, error: By which factor it is off, and its standard error.
+        stands_for: Effects that explain nearly as much in its place.
+    """
 
     parameter: FreeParameter
     factor: float
     error: float
+    stands_for: tuple[str, ...] = ()
 
 
 def deviations(model: FittedModel, errors: Mapping[FreeParameter, float]) -> tuple[Deviation, ...]:
@@ -117,11 +124,14 @@ def _calibration(name: str, where: str, parts: Sequence[Deviation]) -> Finding:
         }
     says = " ".join(wording.calibration(name, one.parameter.parameter, one.factor) for one in parts)
     is_physics = name in OF_DATA_SHEETS and any(is_beyond_data_sheet(one.parameter, one.factor, one.error) for one in parts)
+    rivals = tuple(dict.fromkeys(rival for one in parts for rival in one.stands_for)) if is_physics else ()
     if is_physics:
-        says += " " + wording.beyond_data_sheet(name)
+        says += " " + wording.beyond_data_sheet(name, rivals)
     odds = sum(((one.factor - 1.0) / max(one.error, 1e-12)) ** 2 for one in parts) / (2.0 * math.log(10.0))
     kind = Kind.MISSING_PHYSICS if is_physics else Kind.CALIBRATION
-    return Finding(name, where, kind, says, estimates, odds, 0.0, probability=float(UNTESTED if is_declared(name) else CALIBRATED))
+    shares = dict.fromkeys((name, *rivals), 1.0 / (1 + len(rivals))) if rivals else {}
+    probability = float(UNTESTED if is_declared(name) else CALIBRATED)
+    return Finding(name, where, kind, says, estimates, odds, 0.0, rivals, shares, probability=probability)
 
 
 def is_declared(effect: str) -> bool:

@@ -8,20 +8,20 @@ mistaken for it is asked beside that.
 from __future__ import annotations
 
 import math
-from collections.abc import Collection, Mapping, Sequence
+from collections.abc import Collection, Iterable, Mapping, Sequence
 from dataclasses import replace
 from typing import TypeVar
 
 import numpy as np
 
 from exo_sim.diagnosis.data.split import Split
-from exo_sim.diagnosis.estimation.candidate import Candidate
+from exo_sim.diagnosis.estimation.candidate import Candidate, drop_orphans
 from exo_sim.diagnosis.estimation.correlation import rms
 from exo_sim.diagnosis.estimation.parameters import FreeParameter
 from exo_sim.diagnosis.findings import Kind
 from exo_sim.diagnosis.policy.acceptance import SURELY_MORE
 from exo_sim.diagnosis.policy.off_nominal import FAR_FROM_STRAINED, HELD_WITHIN, WORTH, WRONG_NUMBER
-from exo_sim.diagnosis.policy.verdicts import AT_BOUND, STRAINED
+from exo_sim.diagnosis.policy.verdicts import AS_GOOD, AT_BOUND, STRAINED
 from exo_sim.diagnosis.selection.comparisons import Comparisons
 from exo_sim.diagnosis.selection.fitted_model import FittedModel, SearchResult, is_at_bound, is_more_than_healthy
 from exo_sim.diagnosis.selection.model_fits import ModelFits
@@ -61,8 +61,8 @@ def relieved(search: SearchResult, fits: ModelFits, proposals: Proposals, model:
     """Return a search whose strained numbers gave way to effects that explain as much with them held within their data sheets.
 
     Such an effect is accepted against the model with the numbers held, as any other is; it must also leave no more than the strained
-    numbers do, nor in time kept back. Where the strained numbers by themselves explain the rest as well, the finding says so. Where no
-    effect does all that, the search stays as it is.
+    numbers do, nor in time kept back. Where the numbers by themselves are as probable, the finding says so; where they are more so, or no
+    effect does all that, the search stays as it is, but for what they may stand for. So it is where the search found such an effect itself.
 
     Args:
         search: What was found with the numbers free.
@@ -82,7 +82,8 @@ def relieved(search: SearchResult, fits: ModelFits, proposals: Proposals, model:
         effect = pressed[0].effect
         asked_already.add(effect)
         search, fits = _relieved_of(tuple(q for q in pressed if q.effect == effect), search, fits, proposals, model, split)
-    return search, fits
+    comparisons = Comparisons(fits, search.baseline, len(proposals.candidates), model.practical_significance)
+    return (search if search.interrupted or fits.is_spent() else _with_numbers_as_rivals(search, fits, comparisons)), fits
 
 
 def absorbers(pressed: Sequence[FreeParameter], now: FittedModel, candidates: Sequence[Candidate]) -> list[Candidate]:
@@ -132,15 +133,39 @@ def _relieved_of(
         return search, fits
     best, *others = comparisons.ranked(standing)
     chosen = best.candidates[-1]
-    if own.effect != chosen.effect:
-        others.append(alone)
-    price, told = comparisons.price((best, *others)), []
-    for rival, one in ((other.candidates[-1], other) for other in others):
-        worse = bounded.deficit(one, best) + price * (one.parameter_count - best.parameter_count) + _log_odds(chosen) - _log_odds(rival)
-        told += [(rival, max(worse, 0.0))] if rival.at != chosen.at else []
+    by_itself = _worse(alone, best, own, chosen, comparisons)
+    if own.effect != chosen.effect and by_itself < 0.0:
+        alike = dict.fromkeys(one.candidates[-1].effect for one in (best, *others) if -by_itself < AS_GOOD)
+        return replace(search, stands_for={**search.stands_for, (own.effect, own.where): tuple(alike)}), fits
+    told = [(one.candidates[-1], max(_worse(one, best, one.candidates[-1], chosen, comparisons), 0.0)) for one in others]
+    told += [(own, by_itself)] if own.effect != chosen.effect else []
     evidence = {**search.evidence, chosen.key: comparisons.evidence(held, best)}
-    rivals = {**search.rivals, chosen.key: tuple(sorted(told, key=lambda pair: pair[1]))}
+    rivals = {**search.rivals, chosen.key: _sorted((c, worse) for c, worse in told if c.at != chosen.at)}
     return replace(search, final=best, evidence=evidence, rivals=rivals), bounded
+
+
+def _with_numbers_as_rivals(search: SearchResult, fits: ModelFits, comparisons: Comparisons) -> SearchResult:
+    """Return a search in which numbers of the rig that an effect takes a part of are rivals of it where they alone explain as much."""
+    final, rivals = search.final, dict(search.rivals)
+    for c in final.candidates:
+        taken = {key: per_unit * final.fit.values[q] for q, key, per_unit in c.displaced}
+        numbers = tuple(q for q in fits.nuisances if q.key in taken)
+        if not numbers or any(own.effect == numbers[0].effect for own, _ in rivals.get(c.key, ())):
+            continue
+        own = replace(_own(numbers, final), starts=(tuple(1.0 + taken[q.key] for q in numbers),))
+        alone = fits.fit(drop_orphans([*final.without(c), own]), final)
+        rivals[c.key] = _sorted([*rivals.get(c.key, ()), (own, max(_worse(alone, final, own, c, comparisons), 0.0))])
+    return replace(search, rivals=rivals)
+
+
+def _worse(one: FittedModel, best: FittedModel, rival: Candidate, chosen: Candidate, comparisons: Comparisons) -> float:
+    """Return by how much less probable one model is than another, in log-probability: parameters, and how usual both are, paid for."""
+    price = comparisons.price((one, best)) * (one.parameter_count - best.parameter_count)
+    return comparisons.fits.deficit(one, best) + price + math.log(chosen.prevalence / rival.prevalence)
+
+
+def _sorted(rivals: Iterable[tuple[Candidate, float]]) -> tuple[tuple[Candidate, float], ...]:
+    return tuple(sorted(rivals, key=lambda pair: pair[1]))
 
 
 def _explains_as_well(one: FittedModel, other: FittedModel, model: Model, kept_back: SubsystemModel | None) -> bool:
@@ -154,11 +179,6 @@ def _explains_as_well(one: FittedModel, other: FittedModel, model: Model, kept_b
         return True
     left = [kept_back.residual(m.fit.values, m.fixed) for m in (one, other)]
     return bool(np.isfinite(left[0]).all()) and rms(left[0]) - rms(left[1]) <= slack
-
-
-def _log_odds(candidate: Candidate) -> float:
-    """Return the logarithm of the share of machines that have an effect, or whose number is wrong and nothing else."""
-    return math.log(candidate.prevalence)
 
 
 def _own(pressed: Sequence[FreeParameter], final: FittedModel) -> Candidate:

@@ -11,6 +11,7 @@ from exo_sim.diagnosis.data.split import Split
 from exo_sim.diagnosis.estimation.candidate import Candidate
 from exo_sim.diagnosis.estimation.parameters import FreeParameter
 from exo_sim.diagnosis.policy.off_nominal import HELD_WITHIN
+from exo_sim.diagnosis.policy.verdicts import AS_GOOD
 from exo_sim.diagnosis.selection.decision import decide
 from exo_sim.diagnosis.selection.fitted_model import SearchResult
 from exo_sim.diagnosis.selection.model_fits import ModelFits
@@ -89,6 +90,27 @@ def test_where_the_number_alone_explains_as_much_the_finding_says_so() -> None:
     (finding,) = decide("piston", model, bounded, found).findings
     assert finding.name == "line_restriction" and finding.ambiguous_with == ("dead_volume",)
     assert finding.probabilities["line_restriction"] > finding.probabilities["dead_volume"] > 0.1
+
+
+def test_where_the_number_is_more_probable_it_stays_the_finding_and_says_what_it_may_stand_for() -> None:
+    model = Volume(shapes=SHAPES, slow=6.0)
+    same = waves.candidate("line_restriction", "same")
+    search, fits, proposals = ended(model, replace(same, prevalence=0.02))
+    found, bounded = relieved(search, fits, proposals, model, KEPT)
+    assert found.final is search.final and bounded is fits
+    assert found.stands_for == {("dead_volume", "piston"): ("line_restriction",)}
+
+
+def test_a_hose_that_a_search_found_itself_is_held_against_the_number_as_well() -> None:
+    same = waves.candidate("line_restriction", "same")
+    same = replace(same, displaced=((same.parameters[0], VOLUME.key, 1.0),))
+    model = Volume(shapes=SHAPES, slow=6.0)
+    _, fits, proposals = ended(model, same)
+    named = fits.refined(fits.fit((same,)))
+    found, _ = relieved(SearchResult(fits.fit(()), named), fits, proposals, model, KEPT)
+    assert found.final is named
+    ((rival, worse),) = found.rivals[same.key]
+    assert rival.effect == "dead_volume" and worse < AS_GOOD
 
 
 @pytest.mark.parametrize(

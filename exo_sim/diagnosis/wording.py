@@ -8,6 +8,12 @@ from exo_sim.diagnosis.estimation.candidate import Candidate
 from exo_sim.diagnosis.policy.verdicts import NOTHING_EXPLAINED
 from exo_sim.physics.declaration import declared
 
+#: What a number may stand for that is further off than any data sheet allows.
+STANDS_FOR = {
+    "dead_volume": "a hose, a tank or volume that nobody counted, or a number that is wrong",
+    "flow_capacity": "something that throttles beside the valve, another valve or another gas, or a number that is wrong",
+}
+
 
 def name_of(effect: str) -> str:
     """Return an effect's name in words."""
@@ -36,12 +42,8 @@ def calibration(name: str, parameter: str, factor: float) -> str:
 
 def beyond_data_sheet(name: str, rivals: Sequence[str]) -> str:
     """Return what a number may stand for that is further off than any data sheet allows; `rivals` are effects that explain as much."""
-    what = {
-        "dead_volume": "a hose, a tank or volume that nobody counted, or a number that is wrong",
-        "flow_capacity": "something that throttles beside the valve, another valve or another gas, or a number that is wrong",
-    }
     explained = f"{' or '.join(map(name_of, rivals))} would explain as much" if rivals else "no effect on the list explains it as well"
-    return f"No data sheet leaves so much open, and {explained}: {what[name]}."
+    return f"No data sheet leaves so much open, and {explained}: {STANDS_FOR[name]}."
 
 
 def rejected(candidate: Candidate, instead_of: Candidate, worse: float) -> str:

@@ -8,7 +8,6 @@ from collections.abc import Sequence
 from exo_sim.diagnosis.findings import Diagnosis, Estimate, Finding, SignalFit, Unexplained
 from exo_sim.diagnosis.policy.recordings import LOUD_DRIFT, LOUD_REST
 from exo_sim.diagnosis.wording import name_of
-from exo_sim.physics.declaration import declared
 from exo_sim.report import amounts
 
 #: What a verdict is called on a page.
@@ -116,8 +115,6 @@ def first_step(diagnosis: Diagnosis) -> str:
     costly = sorted((f for f in diagnosis.effects if f.kind in ("missing_physics", "unknown")), key=lambda f: -f.cost)
     if costly and costly[0].kind == "missing_physics":
         first = costly[0]
-        if first.name not in declared():
-            return f"Check {_placed(first)} by hand: no data sheet leaves so much open."
         held = f"[effects.{first.name}.{first.where}]"
         if held not in diagnosis.improved:
             return f"Settle {_placed(first)} first: it costs the predictions most, and improved.toml does without it."

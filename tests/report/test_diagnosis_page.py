@@ -220,8 +220,6 @@ def test_what_costs_most_comes_first() -> None:
     found = Diagnosis(Verdict.MISMATCH, ("monday",), "bench", effects=(cheap, dear), improved=improved)
     assert "piston leakage at piston matters most" in diagnosis_words.first_step(found)
     assert "does without it" in diagnosis_words.first_step(replace(found, improved=""))
-    nobody_knows = Finding("dead_volume", "piston", Kind.MISSING_PHYSICS, "", {}, 9.0, 0.0, cost=0.3)
-    assert "Check dead volume at piston by hand" in diagnosis_words.first_step(replace(found, effects=(nobody_knows, cheap)))
     stuck = Finding("sensor_stuck", "slide.position", Kind.SENSOR, "", {}, 10.0, 0.0)
     assert "Check the sensor of slide.position" in diagnosis_words.first_step(replace(found, effects=(dear, stuck)))
     assert diagnosis_words.first_step(Diagnosis(Verdict.CONSISTENT, ("monday",), "bench")) == ""

@@ -24,8 +24,6 @@ WORTH = {
     ),
     "joint_damping": Number(0.15, "share", "a joint's damping is corrected from here on"),
 }
-#: Numbers that a data sheet gives: further off than that allows they are physics that the rig leaves out, not a number to correct.
-OF_DATA_SHEETS = ("flow_capacity", "dead_volume")
 LAW_SHARE = Number(
     0.14, "logarithm, one standard deviation",
     "by how much a number of an effect that the rig has on differs from the machine's own because its law has another form",

@@ -93,7 +93,7 @@ def refitted_besides(
 def calibration_findings(found: Sequence[Deviation]) -> list[Finding]:
     """Return a finding for every nominal number that is off; the two dead volumes of a cylinder are one finding.
 
-    One that is further off than any data sheet allows is no calibration: what it stands for is not in the rig.
+    One that is further off than any data sheet allows says what it may stand for.
     """
     kinds: dict[tuple[str, str], list[Deviation]] = {}
     for one in found:
@@ -123,15 +123,14 @@ def _calibration(name: str, where: str, parts: Sequence[Deviation]) -> Finding:
             if (q := one.parameter).prior
         }
     says = " ".join(wording.calibration(name, one.parameter.parameter, one.factor) for one in parts)
-    is_physics = name in OF_DATA_SHEETS and any(is_beyond_data_sheet(one.parameter, one.factor, one.error) for one in parts)
-    rivals = tuple(dict.fromkeys(rival for one in parts for rival in one.stands_for)) if is_physics else ()
-    if is_physics:
+    beyond = name in wording.STANDS_FOR and any(is_beyond_data_sheet(one.parameter, one.factor, one.error) for one in parts)
+    rivals = tuple(dict.fromkeys(rival for one in parts for rival in one.stands_for)) if beyond else ()
+    if beyond:
         says += " " + wording.beyond_data_sheet(name, rivals)
     odds = sum(((one.factor - 1.0) / max(one.error, 1e-12)) ** 2 for one in parts) / (2.0 * math.log(10.0))
-    kind = Kind.MISSING_PHYSICS if is_physics else Kind.CALIBRATION
     shares = dict.fromkeys((name, *rivals), 1.0 / (1 + len(rivals))) if rivals else {}
     probability = float(UNTESTED if is_declared(name) else CALIBRATED)
-    return Finding(name, where, kind, says, estimates, odds, 0.0, rivals, shares, probability=probability)
+    return Finding(name, where, Kind.CALIBRATION, says, estimates, odds, 0.0, rivals, shares, probability=probability)
 
 
 def is_declared(effect: str) -> bool:

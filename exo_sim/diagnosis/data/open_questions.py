@@ -37,6 +37,12 @@ def of_little_motion(joint: str, recording: str, share: float) -> OpenQuestion:
     return OpenQuestion(f"the balance of forces at {joint} in {recording}", _FORCES, why, "record more of its motion")
 
 
+def of_undecided(effect: str, where: str, do: str) -> OpenQuestion:
+    """Return the question whether an effect acts that numbers of the rig and its sensors, within their data sheets, stand in for."""
+    why = "it is probable, but masses and sensors that are off within what data sheets allow explain this recording as well"
+    return OpenQuestion(f"whether there is {effect} at {where}", _FORCES, why, do)
+
+
 def of_free_swing(joint: str, off: float, spread: float) -> OpenQuestion:
     """Return the question why a joint that nothing drives swings otherwise than its rig, by so much of what it moves."""
     why = f"run free it is {100.0 * off / spread:.2g} % of its motion off, and its forces show nothing but the noise of the position"

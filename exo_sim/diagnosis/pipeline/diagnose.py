@@ -18,6 +18,7 @@ from exo_sim.diagnosis.outcome.sensor_zeros import faulty_zeros
 from exo_sim.diagnosis.outcome.small_findings import small_findings
 from exo_sim.diagnosis.outcome.verdict import distinct, next_experiment, swings_astray, verdict_of
 from exo_sim.diagnosis.pipeline.freed_memory import return_large_arrays
+from exo_sim.diagnosis.pipeline.motion_stage import undecided
 from exo_sim.diagnosis.pipeline.plan import Examination, Progress
 from exo_sim.diagnosis.pipeline.reading import gather
 from exo_sim.diagnosis.pipeline.rig_acceptance import accepted
@@ -83,7 +84,7 @@ def _reported(stable: Examination, allowed: Budget, report: Progress, folder: Pa
     judged = {one.model.kind for one in results.all if not one.is_empty and not one.is_unresolved}
     verdict = verdict_of(findings, judged, data)
     astray = swings_astray(data, kept.free_run) if verdict in (Verdict.CONSISTENT, Verdict.CALIBRATION) else ()
-    questions = distinct((*data.open_questions, *astray))
+    questions = distinct((*data.open_questions, *astray, *undecided(results.motion)))
     return Diagnosis(
         verdict=Verdict.UNDETERMINED if astray else verdict,
         recordings=tuple(table.name for table in data.recordings),

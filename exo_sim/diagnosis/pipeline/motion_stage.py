@@ -8,6 +8,7 @@ from typing import cast
 import numpy as np
 from numpy.typing import NDArray
 
+from exo_sim.diagnosis import wording
 from exo_sim.diagnosis.data import open_questions
 from exo_sim.diagnosis.data.machine_data import MachineData
 from exo_sim.diagnosis.data.motion_run import MotionRun
@@ -71,6 +72,16 @@ def balances_left_open(found: Sequence[SubsystemResult[MotionModel]]) -> tuple[O
             else:
                 questions.append(open_questions.of_little_motion(run.joint, run.recording, share))
     return tuple(questions)
+
+
+def undecided(found: Sequence[SubsystemResult[MotionModel]]) -> tuple[OpenQuestion, ...]:
+    """Return the question of every effect that nuisance parameters stand in for, and that nothing was found in the place of."""
+    return tuple(
+        open_questions.of_undecided(wording.name_of(one.effect), one.where, declared()[one.effect].experiment)
+        for result in found
+        for one in result.search.undecided
+        if not result.findings and one.effect in declared()
+    )
 
 
 def _examined(

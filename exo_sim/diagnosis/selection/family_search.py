@@ -85,7 +85,9 @@ class FamilySearch:
         final = self._predicting_best(final, plain, _errors_about(final, laws))
         probabilities = self.weighing.probabilities(finalists)
         comparisons = Comparisons(self.fits, baseline, len(self.family.bends[0].terms), 0.0)
+        undecided: tuple[Candidate, ...] = ()
         if final.candidates and not self._stands_in_the_fit(final, baseline, comparisons):
+            undecided = tuple(c for c in final.candidates if not c.is_law and probabilities.get(c.at, 0.0) > verdicts.PROBABLE)
             final, plain = baseline, baseline
         kept = {candidate.key for candidate in final.candidates}
         return SearchResult(
@@ -98,6 +100,7 @@ class FamilySearch:
             errors=_errors_about(final, laws),
             unnamed=unnamed(self.weighing, self.basis, best, finalists, posterior),
             least_left=plain.fit.sse,
+            undecided=undecided,
         )
 
     def _findings_first(self, finalists: list[Weighed]) -> list[Weighed]:

@@ -122,6 +122,7 @@ class SearchResult:
         least_left: Sum of squares that the same effects leave where nothing but that decides their numbers; infinite where it is `final`'s.
         unnamed: What is missing beside the names, the largest first.
         stands_for: By effect and place of nominal numbers that are further off than any data sheet allows, effects that explain as much.
+        undecided: Candidates that were weighed as probable although nuisance parameters explain as much and leave nothing but noise.
         interrupted: Whether it ended before everything was explained, because it was asked to.
     """
 
@@ -136,6 +137,7 @@ class SearchResult:
     least_left: float = math.inf
     unnamed: tuple[Unnamed, ...] = ()
     stands_for: Mapping[tuple[str, str], tuple[str, ...]] = field(default_factory=dict)
+    undecided: tuple[Candidate, ...] = ()
     interrupted: bool = False
 
 

@@ -15,12 +15,14 @@ from exo_sim.diagnosis.data.machine_data import MachineData
 from exo_sim.diagnosis.data.motion_run import Kinematics
 from exo_sim.diagnosis.data.split import Split
 from exo_sim.diagnosis.estimation.threads import SERIAL
-from exo_sim.diagnosis.pipeline.motion_stage import balances_left_open, examine_motion, judged_balances
+from exo_sim.diagnosis.pipeline.motion_stage import balances_left_open, examine_motion, judged_balances, undecided
 from exo_sim.diagnosis.pipeline.plan import Plan
 from exo_sim.diagnosis.selection.subsystem_result import SubsystemResult
+from exo_sim.diagnosis.subsystems.motion.candidates import candidates
 from exo_sim.diagnosis.subsystems.motion.model import MotionModel
 from exo_sim.machine.linkage import linkages
 from exo_sim.machine.rig_model import load
+from exo_sim.physics.declaration import declared
 
 
 def examined(folder: Path, lost: np.ndarray, more: str = "", plan: Plan | None = None) -> SubsystemResult[MotionModel]:
@@ -85,6 +87,18 @@ def test_a_joint_that_hardly_moves_is_to_be_moved(tmp_path: Path) -> None:
     data = MachineData(rig, model, linkages(rig, model), (), (), {}, {"slide": (run,)})
     (question,) = balances_left_open(examine_motion(data, Plan(Split({})), SERIAL, lambda words: None))
     assert "in motion for 0 %" in question.why and "motion" in question.do
+
+
+def test_a_probable_effect_that_zeros_and_scales_stand_in_for_is_an_open_question_with_its_experiment(tmp_path: Path) -> None:
+    found = examined(tmp_path, np.zeros(TIME.size))
+    candidate = next(one for one in candidates(found.model.runs, found.model.nominal, "slide") if one.effect == "coulomb_friction")
+    doubted = replace(found, search=replace(found.search, undecided=(candidate,)))
+    (question,) = undecided([doubted])
+    assert question.question == "whether there is Coulomb friction at slide"
+    assert question.do == declared()["coulomb_friction"].experiment
+    assert undecided([found]) == ()
+    named = examined(tmp_path, 30.0 * VELOCITY)
+    assert undecided([replace(named, search=replace(named.search, undecided=(candidate,)))]) == ()
 
 
 def test_a_balance_counts_as_judged_where_rows_enough_are_left_to_fit(tmp_path: Path) -> None:

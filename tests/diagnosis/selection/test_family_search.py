@@ -138,3 +138,17 @@ def test_a_number_is_known_no_better_than_the_effects_beside_it() -> None:
     finalists = search.weighing.finalists()
     laws = [(law.weight, law.values[size]) for law in search._laws(finalists[0], finalists) if size in law.errors]
     assert {round(value) for weight, value in laws if weight > 0.5} == {2, 3} and min(weight for weight, _ in laws) > 0.0
+
+
+@pytest.mark.parametrize(("prior", "named", "undecided"), [(0.7, False, True), (0.2, True, False), (2.0, False, False)])
+def test_a_probable_name_that_a_nuisance_parameter_stands_in_for_is_not_passed_over(prior: float, named: bool, undecided: bool) -> None:
+    """A nuisance parameter that must move by three standard deviations leaves a name neither sure nor out of the question."""
+    model = waves.Waves(slow=2.2)
+    model._error *= 0.9  # what is left is noise and no more
+    zero, base = waves.parameter("zero", "slow", (0.0, prior)), replace(waves.BASE, prevalence=0.5)
+    nominal = model.residual({})
+    background = (model.residual({zero: prior}) - nominal)[:, None]
+    plain = Bend(None, {}, -nominal, background, (term(model, base),))
+    found = FamilySearch(ModelFits(model, (zero,), cheap=True), LinearFamily((zero,), (plain,)), joined([], nominal.size)).run()
+    assert bool(found.final.candidates) == named
+    assert [one.at for one in found.undecided] == [base.at] * undecided

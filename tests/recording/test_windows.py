@@ -43,6 +43,6 @@ def test_a_window_begins_where_it_is_quiet() -> None:
 
 
 def test_on_a_slow_clock_a_window_holds_a_few_samples_however_short_it_is_asked_for() -> None:
-    slow = 0.5 * np.arange(60)
+    slow = np.asarray(0.5 * np.arange(60), dtype=np.float64)
     assert window_starts(slow, 0, 60, 0.5, np.zeros(60)) == list(range(0, 60, FEWEST_IN_WINDOW))
     assert window_starts(slow, 0, 3, 0.5, np.zeros(60)) == [0]

@@ -24,7 +24,8 @@ ABOUT = {
     "pipeline/rounds.py": {"unknown"},
     "selection/unknown_effect.py": {"unknown"},
     # the nozzle or the ellipse that stands for it; the curve of what is unknown
-    "subsystems/gas/model.py": {"critical_ratio", "unknown"},
+    "subsystems/gas/model.py": {"critical_ratio"},
+    "subsystems/gas/unknown_curve.py": {"unknown"},
     # where the pressure sensor sits, and when a command arrives
     "subsystems/gas/prediction.py": {"line_restriction", "valve_lag"},
     # the leak that every cylinder has

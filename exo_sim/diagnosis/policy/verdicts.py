@@ -74,7 +74,7 @@ STRAINED = Number(
     3.5, "prior standard deviations", "a nuisance parameter that is further from its mean speaks for something missing",
     "derived from a two-sided error of 0.05 %: a machine has a dozen of them",
 )  # fmt: skip
-_ellipse = "derived: the laws differ by 1.4 % of choked flow at most there, by 0.17 % at 0.528"
+_ellipse = "derived: the laws differ by 1.4 % of choked flow at most there, by 0.15 % at 0.5283"
 NOZZLE_LOW = Number(
     0.508, "critical pressure ratio", "between this and the next the ISO ellipse stands for the paper's nozzle (0.528)", _ellipse
 )

@@ -29,16 +29,15 @@ from exo_sim.diagnosis.subsystem_model import Comparison, SubsystemModel
 from exo_sim.diagnosis.subsystems.gas.bursts import burst_ratio
 from exo_sim.diagnosis.subsystems.gas.experiments import menu
 from exo_sim.diagnosis.subsystems.gas.healthy_limits import with_healthy_losses
-from exo_sim.diagnosis.subsystems.gas.initial_temperature import warmth
-from exo_sim.diagnosis.subsystems.gas.inputs import GasInputs, inputs, with_late_pressures
+from exo_sim.diagnosis.subsystems.gas.inputs import GasInputs, inputs
 from exo_sim.diagnosis.subsystems.gas.missing_flow import missing_flow
-from exo_sim.diagnosis.subsystems.gas.prediction import GasPrediction, effort_of, run_gas
+from exo_sim.diagnosis.subsystems.gas.prediction import GasPrediction, effort_of
 from exo_sim.diagnosis.subsystems.gas.regimes import regimes
 from exo_sim.diagnosis.subsystems.gas.rows import floor, rows_of, stiffness_of
+from exo_sim.diagnosis.subsystems.gas.sensed_prediction import sensed
+from exo_sim.diagnosis.subsystems.gas.unknown_curve import with_curve
 from exo_sim.physics.declaration import identification_of
 from exo_sim.physics.effects import critical_ratio as flow_law
-from exo_sim.physics.effects import unknown
-from exo_sim.physics.effects.unknown import ACTS, DEPENDS_ON, KNOTS
 from exo_sim.physics.nozzle import critical_ratio
 
 Array = NDArray[np.float64]
@@ -137,30 +136,10 @@ class GasModel(SubsystemModel):
         return max((float(np.median(rows.scale)) for run in self._rows for rows in run if rows.count.size), default=1.0)
 
     def predict(self, plant: PlantParameters, index: int, shift: float = 0.0, whole: bool = True) -> GasPrediction:
-        """Predict what the sensors of one run would show; without `whole` nothing but that. `shift` as in `run_gas`."""
-        sensors = plant.sensors
+        """Predict what the sensors of one run would show; arguments as of `sensed`."""
         given = self.inputs[index]
         self.effort += effort_of(len(given.time), given.period, plant.cylinder)
-        late = (sensors.get("pressure_1.delay", 0.0), sensors.get("pressure_2.delay", 0.0))
-        if any(late):
-            given = with_late_pressures(given, late)
-        length_scale = sensors.get("position.scale", 1.0)
-        offset = (sensors.get("pressure_1.bias", 0.0), sensors.get("pressure_2.bias", 0.0))
-        scale = np.array([sensors.get("pressure_1.scale", 1.0), sensors.get("pressure_2.scale", 1.0)])
-        plain = length_scale == 1.0 and (scale == 1.0).all()
-        if not plain:
-            given = _without_gains(given, length_scale, scale, np.array(offset))
-        if (supply := sensors.get("supply.scale", 1.0)) != 1.0:
-            given = replace(given, supply=supply * given.supply)
-        length_delay, card_delay = card_delays(sensors)
-        out = run_gas(given, plant.world, plant.cylinder, shift, length_delay, offset, whole, card_delay, warmth(sensors, given.run))
-        pressure = out.pressure
-        pressure *= scale
-        pressure += np.array(offset)
-        for side in range(2):
-            if late[side] != 0.0:
-                pressure[:, side] = np.interp(given.time - late[side], given.time, pressure[:, side])
-        return GasPrediction(pressure, out.inside, out.drawn, out.temperature)
+        return sensed(given, plant, shift, whole)
 
     def errors(self, plant: PlantParameters) -> list[Array]:
         """Return measured less predicted pressure of every run, shape (n, 2) [Pa]; NaN where nothing was measured."""
@@ -334,26 +313,10 @@ class GasModel(SubsystemModel):
         return np.concatenate([rows.means(p) / rows.scale for p, rows in sides if rows.count.size])
 
     def with_unknown(self, plant: PlantParameters, discrepancy: Discrepancy) -> PlantParameters:
-        best = discrepancy.best
-        if best is None or best.variable not in DEPENDS_ON:
-            return plant
-        changed = plant.copy()
-        record = changed.cylinder[unknown.EFFECT.name]
-        record["acts"], record["depends_on"] = ACTS.index(discrepancy.acts), DEPENDS_ON.index(best.variable)
-        count = len(best.at)
-        tail = best.at[-1] + 1e-6 * (1.0 + np.arange(KNOTS - count)) * max(abs(best.at[-1]), 1.0)
-        record["at"][0] = np.concatenate([best.at, tail])
-        record["values"][0] = np.concatenate([best.values, np.full(KNOTS - count, best.values[-1])])
-        return changed
+        return with_curve(plant, discrepancy)
 
 
 def _training_part(run: CylinderRun, split: Split) -> CylinderRun | None:
     """Return a run up to the end of its training time, for nothing later is predicted; None where it has none."""
     usable = np.flatnonzero(split.in_training(run.recording, run.time))
     return run.until(int(usable[-1]) + 1) if usable.size > FEWEST_TO_FIT else None
-
-
-def _without_gains(given: GasInputs, length_scale: float, scale: Array, offset: Array) -> GasInputs:
-    """Return the inputs with the gains of the sensors taken off."""
-    pressure = (given.windows.pressure - offset) / scale + offset
-    return replace(given, length=given.length / length_scale, windows=replace(given.windows, pressure=pressure))

@@ -154,6 +154,10 @@ class SubsystemModel(ABC):
         """
         return {}
 
+    def twins_of_number(self, parameter: FreeParameter) -> tuple[str, ...]:
+        """Return effects that nothing in these recordings could tell from a nominal number that is off."""
+        return ()
+
     def experiments(self, plants: Sequence[PlantParameters]) -> Mapping[str, Array]:
         """Return what plants predict of experiments that could be made, in units of what noise and floor leave of a row.
 

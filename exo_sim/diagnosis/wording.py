@@ -46,6 +46,11 @@ def beyond_data_sheet(name: str, rivals: Sequence[str]) -> str:
     return f"No data sheet leaves so much open, and {explained}: {STANDS_FOR[name]}."
 
 
+def twins(effects: Sequence[str]) -> str:
+    """Return that effects would look the same as a number that is off."""
+    return f"In these recordings {' or '.join(map(name_of, effects))} of the force that was measured would look the same."
+
+
 def rejected(candidate: Candidate, instead_of: Candidate, worse: float) -> str:
     """Return why a rival was rejected."""
     if candidate.effect == instead_of.effect:

@@ -84,7 +84,10 @@ class _Decision(Generic[Model]):
         findings = [with_twins(f, twins.get((f.name, f.where), ())) for f in findings]
         observed = {parameter: error for parameter, error in errors.items() if self.model.is_observed(parameter)}
         off = () if alone and not named else deviations(final, observed)  # alone they bend to what has no name
-        off = tuple(replace(d, stands_for=search.stands_for.get((d.parameter.effect, d.parameter.where), ())) for d in off)
+        off = tuple(
+            replace(d, stands_for=search.stands_for.get((q.effect, q.where), ()), twins=self.model.twins_of_number(q))
+            for d, q in ((one, one.parameter) for one in off)
+        )
         refitted = refitted_besides(final, observed, {one.parameter for one in off}, bool(named or laws))
         refitted += tuple((q, errors[q]) for q in errors if q in laws)
         return replace(

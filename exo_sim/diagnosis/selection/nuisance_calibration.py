@@ -25,12 +25,14 @@ class Deviation:
         parameter: The number.
         factor, error: By which factor it is off, and its standard error.
         stands_for: Effects that explain nearly as much in its place.
+        twins: Effects that nothing in the recordings could tell from it.
     """
 
     parameter: FreeParameter
     factor: float
     error: float
     stands_for: tuple[str, ...] = ()
+    twins: tuple[str, ...] = ()
 
 
 def deviations(model: FittedModel, errors: Mapping[FreeParameter, float]) -> tuple[Deviation, ...]:
@@ -127,10 +129,13 @@ def _calibration(name: str, where: str, parts: Sequence[Deviation]) -> Finding:
     rivals = tuple(dict.fromkeys(rival for one in parts for rival in one.stands_for)) if beyond else ()
     if beyond:
         says += " " + wording.beyond_data_sheet(name, rivals)
+    twins = tuple(dict.fromkeys(twin for one in parts for twin in one.twins))
+    if twins:
+        says += f" {wording.twins(twins)}"
     odds = sum(((one.factor - 1.0) / max(one.error, 1e-12)) ** 2 for one in parts) / (2.0 * math.log(10.0))
     shares = dict.fromkeys((name, *rivals), 1.0 / (1 + len(rivals))) if rivals else {}
     probability = float(UNTESTED if is_declared(name) else CALIBRATED)
-    return Finding(name, where, Kind.CALIBRATION, says, estimates, odds, 0.0, rivals, shares, probability=probability)
+    return Finding(name, where, Kind.CALIBRATION, says, estimates, odds, 0.0, (*rivals, *twins), shares, probability=probability)
 
 
 def is_declared(effect: str) -> bool:

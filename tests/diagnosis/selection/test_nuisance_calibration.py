@@ -115,6 +115,12 @@ def test_a_mass_is_off_where_that_is_sure_or_further_than_a_data_sheet_allows(fa
         assert [one.parameter for one in found] == [parameter] * off
 
 
+def test_a_number_that_nothing_tells_from_an_effect_says_so() -> None:
+    (found,) = calibration_findings([Deviation(number("payload_mass", "slide", "payload_mass"), 0.9, 0.01, twins=("sensor_scale",))])
+    assert found.ambiguous_with == ("sensor_scale",)
+    assert "sensor scale" in found.says and "10.0 % smaller" in found.says
+
+
 def test_cylinders_and_kinds_stay_apart() -> None:
     numbers = [
         Deviation(volume(1, "hip"), 1.3, 0.01),

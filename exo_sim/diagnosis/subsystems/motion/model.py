@@ -295,6 +295,11 @@ class MotionModel(SubsystemModel):
         forces = resisted(float(np.min(place)), float(np.max(place)), gauge, plants)
         return {do: arm * each[:, ::4] / scale for do, each in forces.items()}  # a row of the fit takes four of its samples
 
+    def twins_of_number(self, parameter: FreeParameter) -> tuple[str, ...]:
+        """One measured force, and all that resists it, in another unit moves another mass; springs and dampers of the MJCF would tell."""
+        scaled = all(len(run.drive.levers) == 1 and run.inertia.carried is None and not run.passive.force.any() for run in self.runs)
+        return (sensor_scale.EFFECT.name,) if parameter.effect == "payload_mass" and scaled else ()
+
     def indistinguishable(self, findings: Sequence[Finding], fit: Fit) -> Mapping[tuple[str, str], tuple[str, ...]]:
         """Some friction is another one beside a constant force: a force sensor's bias, or what closed the balance."""
         names = {finding.name for finding in findings}

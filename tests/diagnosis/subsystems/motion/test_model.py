@@ -11,7 +11,7 @@ import pytest
 from diagnosis import motion_runs
 from diagnosis.motion_runs import ACCELERATION, MASS, POSITION, TIME, VELOCITY
 
-from exo_sim.diagnosis.data.motion_run import Imputed
+from exo_sim.diagnosis.data.motion_run import Imputed, Passive
 from exo_sim.diagnosis.data.split import Split, split
 from exo_sim.diagnosis.estimation.least_squares import Fit, fit
 from exo_sim.diagnosis.estimation.parameters import FreeParameter, Target
@@ -107,6 +107,17 @@ def test_what_an_imputed_pressure_leaves_open_is_free_in_the_balance() -> None:
     size = next(value for q, value in found.values.items() if q.parameter == "start of recording")
     assert size == pytest.approx(2.0, abs=0.3)
     assert {c.effect for c in candidates(model.runs, model.nominal, model.where)} >= {"external_leakage", "coulomb_friction"}
+
+
+def test_a_mass_that_one_measured_force_moves_is_known_as_well_as_the_scale_of_that_force() -> None:
+    run = motion_runs.balance(np.zeros(TIME.size), 0.1)
+    single = replace(run, drive=replace(run.drive, levers={"slide.external_force": np.ones(TIME.size)}))
+    sprung = replace(single, passive=Passive(0.1 * POSITION))
+    mass = FreeParameter("payload_mass", "slide", "payload_mass", "1", Target.SENSOR, 0.02, 0.2, 5.0, (1.0, 0.05), neutral=1.0)
+    for runs, twins in (([single], ("sensor_scale",)), ([single, run], ()), ([sprung], ())):
+        model = MotionModel(runs, motion_runs.plant(), Split({}))
+        assert model.twins_of_number(mass) == twins
+        assert model.twins_of_number(replace(mass, effect="joint_inertia")) == ()
 
 
 def test_damping_is_freed_only_where_it_is_plainly_too_large() -> None:

@@ -16,19 +16,16 @@ THROUGH: dict[str, tuple[str, ...]] = {
         "api/rig.py", "api/simulated.py", "api/simulating.py", "api/sizing.py", "cli/doctor.py",
     ),
     "cli/test_size.py": (
-        "report/sizing_page.py", "report/sizing_picture.py", "sizing/hand_calculation.py", "sizing/summary_text.py",
+        "report/sizing_page.py", "report/sizing_picture.py", "sizing/summary_text.py",
     ),
     "conventions/test_conventions.py": (
-        "conventions/check.py", "conventions/gas_balance.py", "conventions/positions.py", "conventions/signs.py",
+        "conventions/check.py", "conventions/gas_balance.py", "conventions/signs.py",
     ),
     "control/user_controller/test_running.py": (
         "control/user_controller/faults.py",
     ),
     "diagnosis/policy/test_number.py": (
         "diagnosis/policy/significance.py",
-    ),
-    "diagnosis/pipeline/test_sorting.py": (
-        "simulation/replay/external_drive.py",
     ),
     "environments/test_environments.py": (
         "environments/dm.py", "environments/gym.py",
@@ -40,7 +37,7 @@ THROUGH: dict[str, tuple[str, ...]] = {
         "gait/scenarios/stand.py", "gait/scenarios/start_and_stop.py", "gait/scenarios/uneven_load.py",
     ),
     "gait/test_own_gait.py": (
-        "gait/contact_fit.py", "gait/files/c3d.py", "gait/files/opensim_motion.py",
+        "gait/files/c3d.py", "gait/files/opensim_motion.py",
         "gait/files/table.py", "gait/standing.py",
         "gait/walking_trial.py",
     ),

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, field, replace
 from enum import StrEnum
 from typing import Any
@@ -31,7 +31,7 @@ class Verdict(StrEnum):
 
 
 class Kind(StrEnum):
-    """What a finding is about, in the order in which findings are listed."""
+    """What a finding is about."""
 
     MISSING_PHYSICS = "missing_physics"
     UNKNOWN = "unknown"
@@ -133,6 +133,12 @@ class Finding:
         return found
 
 
+def in_order(findings: Iterable[Finding]) -> list[Finding]:
+    """Return findings as they are listed: physics, named or not, by what its absence costs; then sensors, then nominal numbers."""
+    last = {Kind.SENSOR: 1, Kind.CALIBRATION: 2}
+    return sorted(findings, key=lambda f: (last.get(f.kind, 0), -f.cost, -f.log10_odds))
+
+
 @dataclass(frozen=True)
 class Located:
     """Where the mismatch is: part, equation, when, in which regime."""
@@ -218,7 +224,7 @@ class OpenQuestion:
     question: str
     effects: tuple[str, ...]
     why: str
-    do: str = "record that signal as well"
+    do: str = "record the missing signal as well"
 
 
 @dataclass(frozen=True)
@@ -270,8 +276,8 @@ class Diagnosis:
         """What the errors of `signals` are, in words."""
         balances = [name.endswith(".force_balance") for name in self.signals]
         if balances and all(balances):
-            return "rms of what the forces' balance leaves over"
-        return "rms of 0.5 s predictions" + ("; of forces, of what their balance leaves over" if any(balances) else "")
+            return "rms of what the balance of forces leaves"
+        return "rms error of 0.5 s predictions" + ("; for a force balance, rms of what it leaves" if any(balances) else "")
 
     def as_dict(self) -> dict[str, Any]:
         """Return the JSON of the contract."""

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 
 from exo_sim.diagnosis.estimation.candidate import Candidate
-from exo_sim.diagnosis.policy.verdicts import NOTHING_EXPLAINED
+from exo_sim.diagnosis.policy.verdicts import FAR_WORSE, NOTHING_EXPLAINED
 from exo_sim.physics.declaration import declared
 
 #: What a number may stand for that is further off than any data sheet allows.
@@ -52,10 +52,11 @@ def twins(effects: Sequence[str]) -> str:
 
 
 def rejected(candidate: Candidate, instead_of: Candidate, worse: float) -> str:
-    """Return why a rival was rejected."""
+    """Return why a rival was rejected, whose log-likelihood is `worse` lower."""
+    how = "far worse" if worse > FAR_WORSE else "worse"
     if candidate.effect == instead_of.effect:
-        return f"in the form {candidate.form} it fits worse (log-likelihood {worse:.1f} lower)"
-    return f"in place of {name_of(instead_of.effect)} it fits worse (log-likelihood {worse:.1f} lower)"
+        return f"in the form {name_of(candidate.form)} it fits {how}"
+    return f"in place of {name_of(instead_of.effect)} it fits {how}"
 
 
 def no_gain(candidate: Candidate, share: float) -> str:

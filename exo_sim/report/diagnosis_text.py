@@ -57,6 +57,8 @@ def _findings(diagnosis: Diagnosis) -> list[str]:
         lines += [f"    {name} = {value}  (95 %: {span})" for name, value, span in diagnosis_words.numbers(finding)]
         if proof := diagnosis_words.evidence(finding):
             lines += _wrapped(proof, "    ")
+        if cost := diagnosis_words.cost(finding):
+            lines += _wrapped(cost[0].lower() + cost[1:].rstrip("."), "    ")
         if rivals := diagnosis_words.rivals(finding):
             listed = [f"{diagnosis_words.name_of(name)}{'' if p is None else f' {amounts.share(p)}'}" for name, p in rivals]
             lines += _wrapped(f"cannot be distinguished: {', '.join(listed)}", "    ")
@@ -70,7 +72,7 @@ def _fit(diagnosis: Diagnosis) -> list[str]:
     lines = [f"Error on held-out time ({diagnosis.measure})"]
     lines += [_row(name, width, fit) for name, fit in diagnosis.signals.items()]
     if diagnosis.free_run:
-        lines.append("... and of improved.toml in one run from the first measured state")
+        lines.append("... and of improved.toml in one free run from the first measured state, which nothing corrects")
         lines += [_row(name, width, run) for name, run in diagnosis.free_run.items()]
     return lines
 

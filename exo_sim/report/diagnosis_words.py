@@ -8,6 +8,7 @@ from collections.abc import Sequence
 from exo_sim.diagnosis.findings import Diagnosis, Estimate, Finding, SignalFit, Unexplained
 from exo_sim.diagnosis.policy.recordings import LOUD_DRIFT, LOUD_REST
 from exo_sim.diagnosis.wording import name_of
+from exo_sim.physics.declaration import declared
 from exo_sim.report import amounts
 
 #: What a verdict is called on a page.
@@ -17,6 +18,8 @@ VERDICTS = {
     "mismatch": "Mismatch",
     "undetermined": "Cannot tell",
 }
+#: Of how much signals vary: what costs less is not told as a share.
+LEAST_COST = 5e-4
 _CORRECTED = ("sensor_bias", "sensor_scale", "sensor_delay")
 KINDS = {
     "missing_physics": "missing physics",
@@ -108,7 +111,7 @@ def small(finding: Finding) -> str:
 
 
 def first_step(diagnosis: Diagnosis) -> str:
-    """Return what to do first, in one sentence; empty where there is nothing to do."""
+    """Return what to do first, in a sentence or two; empty where there is nothing to do."""
     by_kind = {kind: [f for f in diagnosis.effects if f.kind == kind] for kind in KINDS}
     if sensors := [f for f in by_kind["sensor"] if f.name not in _CORRECTED]:
         return f"Check the sensor of {sensors[0].where}, then record again: what it shows was set aside."
@@ -118,7 +121,10 @@ def first_step(diagnosis: Diagnosis) -> str:
         held = f"[effects.{first.name}.{first.where}]"
         if held not in diagnosis.improved:
             return f"Settle {_placed(first)} first: it costs the predictions most, and improved.toml does without it."
-        return f"Simulate with improved.toml; {_placed(first)} matters most to its predictions."
+        check = on_the_machine(first)
+        return f"Simulate with improved.toml; {_placed(first)} matters most to its predictions." + (
+            f" To see it on the machine: {check}." if check else ""
+        )
     if costly and diagnosis.next_experiment is not None:
         return f"Find out what acts at {costly[0].where}: {diagnosis.next_experiment.do}."
     if by_kind["calibration"] or by_kind["sensor"]:
@@ -183,6 +189,29 @@ def evidence(finding: Finding) -> str:
     if finding.held_out_error_drop > 0.0:
         words.append(f"held-out error {amounts.share(finding.held_out_error_drop)} lower with it")
     return "; ".join(words)
+
+
+def cost(finding: Finding) -> str:
+    """Return what leaving a finding out costs the machine's own predictions, as a sentence; "" where that is not known or nothing."""
+    if finding.cost < LEAST_COST:
+        return ""
+    return f"Left out, it puts the predictions off by {amounts.share(finding.cost)} of how much these signals vary."
+
+
+def on_the_machine(finding: Finding) -> str:
+    """Return the experiment that shows missing physics by itself, as its effect declares it; "" where it has a rival or declares none."""
+    effect = declared().get(finding.name)
+    return effect.experiment if effect and finding.kind == "missing_physics" and not finding.ambiguous_with else ""
+
+
+def weighed_against(diagnosis: Diagnosis) -> list[tuple[str, str]]:
+    """Return (names with places, why not) of what was put aside, names that share a reason together."""
+    by_reason: dict[str, dict[str, list[str]]] = {}
+    for one in diagnosis.rejected:
+        names = by_reason.setdefault(one.why, {}).setdefault(one.where, [])
+        if name_of(one.name) not in names:
+            names.append(name_of(one.name))
+    return [("; ".join(f"{joined(names)} at {where}" for where, names in places.items()), why) for why, places in by_reason.items()]
 
 
 def likelihood(probability: float) -> str:

@@ -7,7 +7,7 @@ import math
 
 import pytest
 
-from exo_sim.diagnosis.findings import SCHEMA, Diagnosis, Estimate, Finding, Kind, NextExperiment, SignalFit, Verdict
+from exo_sim.diagnosis.findings import SCHEMA, Diagnosis, Estimate, Finding, Kind, NextExperiment, SignalFit, Verdict, in_order
 from exo_sim.diagnosis.policy.verdicts import MOST_CONFIDENT
 
 LEAK = Finding("piston_leakage", "piston", Kind.MISSING_PHYSICS, "It leaks.", {"area": Estimate(3e-8, "m^2", 2e-8, 4e-8)}, 1.0, 0.41237)
@@ -58,3 +58,12 @@ def test_the_measure_says_what_the_errors_are() -> None:
 def test_the_largest_error_of_a_signal_is_never_zero_or_nothing() -> None:
     assert SignalFit("Pa", 3.0, 2.0, 1.0).largest == 3.0
     assert SignalFit("Pa", math.nan, 0.0, 0.0).largest == 1.0
+
+
+def test_physics_comes_by_its_cost_whether_it_has_a_name_or_not_then_sensors_and_numbers() -> None:
+    def one(kind: Kind, cost: float) -> Finding:
+        return Finding(f"{kind} {cost}", "piston", kind, "", {}, 9.0, 0.0, cost=cost)
+
+    dear, cheap = one(Kind.UNKNOWN, 0.3), one(Kind.MISSING_PHYSICS, 0.1)
+    late, off = one(Kind.SENSOR, 0.9), one(Kind.CALIBRATION, 0.0)
+    assert in_order([off, late, cheap, dear]) == [dear, cheap, late, off]

@@ -6,7 +6,7 @@ import pytest
 from diagnosis.waves import BASE, OTHER, candidate
 
 from exo_sim.diagnosis import wording
-from exo_sim.diagnosis.policy.verdicts import NOTHING_EXPLAINED
+from exo_sim.diagnosis.policy.verdicts import FAR_WORSE, NOTHING_EXPLAINED
 from exo_sim.physics.declaration import declared
 
 
@@ -33,8 +33,13 @@ def test_the_reason_follows_from_the_share() -> None:
 
 
 def test_another_form_is_no_other_effect() -> None:
-    assert wording.rejected(candidate("base", "quick"), BASE, 4.0) == "in the form quick it fits worse (log-likelihood 4.0 lower)"
-    assert wording.rejected(OTHER, BASE, 4.25).startswith("in place of base it fits worse")
+    assert wording.rejected(candidate("base", "quick"), BASE, 4.0) == "in the form quick it fits worse"
+    assert wording.rejected(OTHER, BASE, 4.25) == "in place of base it fits worse"
+
+
+@pytest.mark.parametrize("worse", [FAR_WORSE + 0.1, 17153.1, float("inf")])
+def test_how_much_worse_a_rival_is_is_said_in_words(worse: float) -> None:
+    assert wording.rejected(OTHER, BASE, worse) == "in place of base it fits far worse"
 
 
 def test_the_experiment_is_that_of_the_effect_mistaken_for_fewer() -> None:

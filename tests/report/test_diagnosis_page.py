@@ -7,7 +7,8 @@ import numpy as np
 import pytest
 from report import made_up_diagnoses as made_up
 
-from exo_sim.diagnosis.findings import Diagnosis, Estimate, Finding, Kind, SignalFit, Unexplained, Verdict
+from exo_sim.diagnosis.findings import Diagnosis, Estimate, Finding, Kind, Rejected, SignalFit, Unexplained, Verdict
+from exo_sim.physics.declaration import declared
 from exo_sim.report import diagnosis_picture, diagnosis_text, diagnosis_words
 from exo_sim.report.diagnosis_page import page
 
@@ -211,6 +212,30 @@ def test_nobody_is_sent_to_a_rig_that_holds_nothing_new() -> None:
     found = Diagnosis(Verdict.CALIBRATION, ("monday",), "bench", effects=(off,), improved="[rig]")
     assert "improved.toml" in diagnosis_words.first_step(found)
     assert diagnosis_words.first_step(replace(found, improves=False)).startswith("Keep the rig as it is")
+
+
+def test_what_leaving_it_out_costs_and_how_to_see_it_on_the_machine_are_said() -> None:
+    leak = replace(made_up.LEAK, ambiguous_with=(), probabilities={}, cost=0.183)
+    experiment = declared()["piston_leakage"].experiment
+    words, _ = read(page(made_up.whole(effects=(leak,)), made_up.RIG))
+    assert "puts the predictions off by 18 % of how much these signals vary" in words
+    assert f"To see it on the machine: {experiment}." in words
+    assert diagnosis_words.cost(replace(leak, cost=0.0)) == ""
+    assert diagnosis_words.on_the_machine(made_up.LEAK) == ""  # two look the same: the next experiment settles it
+    assert diagnosis_words.on_the_machine(replace(leak, name="made_up")) == ""
+
+
+def test_what_was_put_aside_for_one_reason_stands_together() -> None:
+    put_aside = tuple(
+        Rejected(name, where, why)
+        for name, where, why in (
+            ("viscous_friction", "piston", "nothing"), ("wall_heat_transfer", "piston", "worse"), ("return_spring", "piston", "nothing"),
+            ("viscous_friction", "slide", "nothing"), ("viscous_friction", "piston", "nothing"),
+        )
+    )  # fmt: skip
+    assert diagnosis_words.weighed_against(made_up.whole(rejected=put_aside)) == [
+        ("viscous friction and return spring at piston; viscous friction at slide", "nothing"), ("wall heat transfer at piston", "worse"),
+    ]  # fmt: skip
 
 
 def test_what_costs_most_comes_first() -> None:

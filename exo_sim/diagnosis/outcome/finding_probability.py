@@ -47,8 +47,8 @@ def doubt(finding: Finding, share: float | None, compared: bool = True) -> str:
     if _borne(share) >= LEAST_PROBABILITY:
         return ""
     return (
-        f"of what is missing without it, it explains {100 * share:.0f} % of time that no number was fitted to: "
-        "names of which that is true are mostly wrong"
+        f"it explains {100 * share:.0f} % of what is missing without it, on time that no number was fitted to: "
+        "names that explain so little are mostly wrong"
     )
 
 

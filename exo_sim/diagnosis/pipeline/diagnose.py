@@ -10,7 +10,7 @@ from pathlib import Path
 
 from exo_sim.diagnosis.estimation.budget import Budget
 from exo_sim.diagnosis.estimation.threads import Threads
-from exo_sim.diagnosis.findings import Diagnosis, Finding, Kind, Rejected, Verdict
+from exo_sim.diagnosis.findings import Diagnosis, Finding, Rejected, Verdict, in_order
 from exo_sim.diagnosis.outcome.finding_probability import confidence
 from exo_sim.diagnosis.outcome.localisation import located, unexplained
 from exo_sim.diagnosis.outcome.rig_update import rig_update
@@ -110,7 +110,7 @@ def _reported(stable: Examination, allowed: Budget, report: Progress, folder: Pa
 
 
 def _findings(found: Examination) -> list[Finding]:
-    """Return the findings of sensors and subsystems by kind and by what they cost the machine's predictions, then the unknown effects."""
+    """Return what was found: physics with or without a name by what it costs the machine's predictions, then sensors, then numbers."""
     drops, costs, results = found.test.drops, found.test.costs, found.results.all
     findings = list({(f.name, f.where): f for f in reversed(found.data.sensors)}.values())[::-1]  # of several recordings, once
     doubtful = {one.where for one in found.results.gas if one.has_unknown}
@@ -123,9 +123,9 @@ def _findings(found: Examination) -> list[Finding]:
     findings += faulty_zeros(results, findings)
     for one in results:
         findings += calibration_findings(one.deviations)
-    findings.sort(key=lambda f: (list(Kind).index(f.kind), -f.cost, -f.log10_odds))
     unknown = (effect.finding for effect in found.unknown)
-    return [*findings, *(replace(f, held_out_error_drop=drops.get(f.where, 0.0), cost=costs.get(f.where, 0.0)) for f in unknown)]
+    findings += [replace(f, held_out_error_drop=drops.get(f.where, 0.0), cost=costs.get(f.where, 0.0)) for f in unknown]
+    return in_order(findings)
 
 
 def _rejected(found: Examination, findings: Sequence[Finding]) -> tuple[Rejected, ...]:

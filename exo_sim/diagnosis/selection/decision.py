@@ -120,7 +120,7 @@ class _Decision(Generic[Model]):
         found += [Rejected(*c.at, wording.no_gain(c, share)) for c, share in search.runners_up]
         if unknown:
             found += [
-                Rejected(*c.at, f"explains only {100 * search.evidence[c.key].share:.0f} % and leaves the rest as it was")
+                Rejected(*c.at, f"it explains only {100 * search.evidence[c.key].share:.0f} % and leaves the rest as it was")
                 for c in accepted
                 if c.key in search.evidence
             ]

@@ -1,4 +1,4 @@
-"""Simulate what was recorded and show both; no naming."""
+"""Simulate what was recorded and show both."""
 
 from __future__ import annotations
 
@@ -23,12 +23,12 @@ from exo_sim.cli.frame import verb
     type=options.Choice(["auto", "predicted", "recorded"]),
     default="auto",
     show_default=True,
-    help="Whether positions are predicted too, or led as recorded; auto leads them where unmeasured forces moved them.",
+    help="Whether positions are predicted too or taken as recorded; auto: as recorded where forces that nobody measured moved them.",
 )
 def command(
     recording: Path, rig: Path, columns: Path | None, motion: str, out: Path | None, as_json: bool, quiet: bool
 ) -> None:
-    """Hold RECORDING, a .csv, .parquet or .rrd file, against what the rig would have done.
+    """Compare RECORDING (.csv, .parquet or .rrd) with what the rig would have done.
 
     Every measured pressure and position is predicted twice: over windows of 0.5 s, each from the measured state, and in
     one run from the first.

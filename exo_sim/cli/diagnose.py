@@ -1,4 +1,4 @@
-"""Find what physics a rig leaves out: locate, name, model and prove it."""
+"""Find what physics a rig leaves out, tested on held-out time."""
 
 from __future__ import annotations
 
@@ -19,13 +19,13 @@ from exo_sim.cli.frame import verb
 @click.argument("recordings", type=options.InputFile(), nargs=-1, required=True, metavar="RECORDING...")
 @click.option("--rig", type=options.RigFile(), required=True, help="The machine as it is believed to be.")
 @click.option("--columns", type=options.InputFile(), default=None, help="Column map (TOML) for foreign names.")
-@click.option("--budget", type=options.Quantity("s", low=1.0), default=None, help="Time after which the best answer so far comes.")
-@click.option("--jobs", type=click.IntRange(1, 1024), default=None, help="Threads; all cores when absent. No answer depends on it.")
+@click.option("--budget", type=options.Quantity("s", low=1.0), default=None, help="Wall-clock time after which the search ends with the best answer so far.")
+@click.option("--jobs", type=click.IntRange(1, 1024), default=None, help="Threads; all cores when absent. The answer does not depend on it.")
 def command(
     recordings: tuple[Path, ...], rig: Path, columns: Path | None, budget: float | None, jobs: int | None, out: Path | None,
     as_json: bool, quiet: bool, seed: int,
 ) -> int:  # fmt: skip
-    """Hold one or more RECORDINGS of one machine against its rig.
+    """Find what the rig of a machine leaves out, from one or more RECORDINGS of it.
 
     Exit status: 0 where they agree, at most after believed numbers were corrected; 3 where physics is missing or a sensor
     is at fault; 4 where the recordings cannot tell; 2 for unusable input.

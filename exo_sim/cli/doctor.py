@@ -1,4 +1,4 @@
-"""Say what of this tool works on this machine: packages, graphics, compiled code."""
+"""Check what works here: packages, graphics, compiled code."""
 
 from __future__ import annotations
 

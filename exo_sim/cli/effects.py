@@ -1,4 +1,4 @@
-"""List the physics that the paper leaves out, or print one effect's page."""
+"""List the effects beyond the paper, or print the page of one."""
 
 from __future__ import annotations
 

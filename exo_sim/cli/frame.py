@@ -34,6 +34,16 @@ class Verb(click.Command):
 class VerbGroup(click.Group):
     """A verb that has verbs of its own, like `exo-sim trial make`."""
 
+    def format_commands(self, ctx: click.Context, formatter: click.HelpFormatter) -> None:
+        if verbs := self.one_liners(ctx):
+            with formatter.section("Verbs"):
+                formatter.write_dl(verbs)
+
+    def one_liners(self, ctx: click.Context) -> list[tuple[str, str]]:
+        """Return (verb, what it does in one line) for the list."""
+        held = [(name, self.get_command(ctx, name)) for name in self.list_commands(ctx)]
+        return [(name, (verb.help or "").split("\n", 1)[0].removesuffix(".")) for name, verb in held if verb is not None]
+
     def resolve_command(
         self, ctx: click.Context, args: list[str]
     ) -> tuple[str | None, click.Command | None, list[str]]:
@@ -56,10 +66,8 @@ class Program(VerbGroup):
         assert isinstance(command, click.Command)
         return command
 
-    def format_commands(self, ctx: click.Context, formatter: click.HelpFormatter) -> None:
-        if verbs := [(name, _one_line(name)) for name in self.list_commands(ctx)]:
-            with formatter.section("Verbs"):
-                formatter.write_dl(verbs)
+    def one_liners(self, ctx: click.Context) -> list[tuple[str, str]]:
+        return [(name, _one_line(name)) for name in self.list_commands(ctx)]
 
 
 def _one_line(name: str) -> str:
@@ -115,7 +123,7 @@ def _common(out: str, seed: bool) -> list[click.Parameter]:
     ]
     if seed:
         seeds = click.IntRange(0, 2**32 - 1)
-        options.append(click.Option(["--seed"], type=seeds, default=0, show_default=True, help="Where chance starts."))
+        options.append(click.Option(["--seed"], type=seeds, default=0, show_default=True, help="Seed of the random numbers."))
     return [*options, _debug()]
 
 
@@ -126,7 +134,7 @@ def _debug() -> click.Option:
 
 program = Program(
     name="exo-sim",
-    help="Simulate a person walking in a pneumatic exoskeleton, and hold it against recordings of real machines.",
+    help="Simulate a person walking in a pneumatic exoskeleton, and compare it with recordings of real machines.",
     epilog="exo-sim VERB --help shows its options and an example.",
     context_settings=dict(_NAMES),
     params=[_debug()],

@@ -34,7 +34,7 @@ class Quantity(click.ParamType):
         return si
 
     def get_metavar(self, param: click.Parameter, ctx: click.Context | None = None) -> str:
-        return "NUMBER" if self.si_unit == "1" else f'"N {self.si_unit}"'
+        return "NUMBER" if self.si_unit == "1" else f'"NUMBER {self.si_unit}"'
 
 
 class Choice(click.Choice[str]):

@@ -28,45 +28,45 @@ from exo_sim.cli.frame import verb
 @click.option("--whole", is_flag=True, help="Walk every stride of --gait as it was recorded, not the mean of them.")
 @click.option(
     "--payload", type=options.Quantity("kg", low=0.0), default=None,
-    help="On the back; when absent what the rig's [bodies.payload] says, or else 34 kg.",
+    help="Mass on the back; when absent what the rig's [bodies.payload] says, else 34 kg.",
 )
 @click.option("--speed", default="1.0", show_default=True, help='Factor on the recorded cadence, 0.7 to 1.3, or a speed like "1.3 m/s".')
-@click.option("--strides", type=click.IntRange(1, 10000), default=None, help="How many strides or repetitions.")
+@click.option("--strides", type=click.IntRange(1, 10000), default=None, help="How many strides or repetitions; the scenario says it when absent.")
 @click.option(
     "--assist",
     type=options.Choice(["on", "off", "vented"]),
     default="on",
     show_default=True,
-    help="vented: both chambers open to the atmosphere; off: valves closed.",
+    help="on: valves driven; off: valves closed; vented: both chambers open to the atmosphere.",
 )
 @click.option(
     "--controller",
     type=options.ControllerName(),
     default="model",
     show_default=True,
-    help="How valves get forces: model (the gas equations inverted) or pi; or FILE.py:NAME, a class of your own.",
+    help="Turns wanted forces into valve commands: model (the gas equations inverted) or pi; or FILE.py:NAME, a class of your own.",
 )
 @click.option(
     "--demand",
     type=options.Choice(["least_load", "causal", "inverse_dynamics", "virtual_support"]),
     default="least_load",
     show_default=True,
-    help="Law by which joint torques are asked for: least_load knows the wearer's motion beforehand, causal what the machine measures.",
+    help="Which joint torques are wanted: least_load knows the wearer's motion beforehand, causal only what the machine measures.",
 )
 @click.option(
     "--wearer",
     type=options.Choice(["prescribed", "torques"]),
     default=None,
-    help="prescribed (the default): the wearer's motion is given; torques: a body on own feet that yields to the straps.",
+    help="prescribed (the default): the wearer's motion is given; torques: he is a body on his own feet that yields to the straps.",
 )
 @click.option(
     "--signals",
     type=options.Choice(["exact", "measured"]),
     default="exact",
     show_default=True,
-    help="What model and pi go by: what is, or what noisy gauges and encoders show, with no thermometer.",
+    help="What model and pi are given: the true state, or what noisy gauges and encoders show, without temperatures.",
 )
-@click.option("--rig", type=options.RigFile(), default=None, help="The machine; the one in assets/ when absent.")
+@click.option("--rig", type=options.RigFile(), default=None, help="The machine; exo when absent.")
 def command(scenario: str | None, gait: Path | None, ground: Path | None, columns: Path | None, whole: bool,
             payload: float | None, speed: str, strides: int | None, assist: str, controller: str, demand: str, wearer: str | None,
             signals: str, rig: Path | None, out: Path | None, as_json: bool, quiet: bool, seed: int) -> None:  # fmt: skip
@@ -136,7 +136,7 @@ def _words(data: dict[str, Any]) -> str:
             lines += [*gas_use.words(data["gas"]), ""]
         books = data["books"]
         lines += [*(f"warning: {one}" for one in data.get("warnings", ())), *([""] if data.get("warnings") else [])]
-        lines += [f"books: gas mass {books['gas_mass_residual']:.0e}, energy {books['gas_energy_residual']:.0e}"]
+        lines += [f"conservation error, relative: gas mass {books['gas_mass_residual']:.0e}, energy {books['gas_energy_residual']:.0e}"]
     return "\n".join([*lines, f"recording {data['recording']}, table {data['table']}"])
 
 

@@ -28,6 +28,6 @@ def motion_words(data: dict[str, Any]) -> str:
         f"{data['scenario']}: {data['simulated_s']:.2f} s simulated in {data['wall_s']:.2f} s", "",
         printing.table(rows, ["joint", "error rms", "error peak", "made rms", "made peak"]), "",
         printing.table(cylinders, ["cylinder", "peak bar", "paths choked %", "force error rms N", "gas g"]), "",
-        f"books: gas mass {books['gas_mass_residual']:.0e}, energy {books['gas_energy_residual']:.0e}",
+        f"conservation error, relative: gas mass {books['gas_mass_residual']:.0e}, energy {books['gas_energy_residual']:.0e}",
         f"recording {data['recording']}, table {data['table']}",
     ])  # fmt: skip

@@ -10,7 +10,7 @@ from exo_sim.cli.frame import verb
 
 @verb("exo-sim scenarios", out="File for the list; stdout when absent.")
 def command(out: Path | None, as_json: bool, quiet: bool) -> None:
-    """List the scenarios with one line each. A new one is one short file in exo_sim/gait/scenarios/."""
+    """List the scenarios with one line each. One of your own is a .toml file (docs/your_gait.md)."""
     from exo_sim.gait import scenario
 
     found = {name: scenario.find(name) for name in scenario.names()}

@@ -40,11 +40,11 @@ def _given(options: dict[str, str]) -> list[str]:
 @click.option("--scenario", "scenarios", multiple=True, default=("level_walk",), show_default=True,
               help="What the machine must do; may be given again.")
 @click.option("--payload", "payloads", multiple=True, type=options.Quantity("kg", low=0.0), default=("34 kg",),
-              show_default=True, help="On the back; may be given again.")
+              show_default=True, help="Mass on the back; may be given again.")
 @click.option("--speed", "speeds", multiple=True, type=float, default=(1.0,), show_default=True,
               help="Factor on the recorded cadence, 0.7 to 1.3; may be given again.")
 @click.option("--rig", type=options.RigFile(), default=None,
-              help="The machine, with what a diagnosis found of it; the one in assets/ when absent.")
+              help="The machine, with what a diagnosis found of it; exo when absent.")
 @click.option("--motion", type=options.InputFile(), default=None,
               help="For a machine that nobody wears (--rig): a recording with the positions of its joints, and forces from outside if any.")
 @click.option("--trials", type=click.IntRange(1, 1000000), default=None,
@@ -75,7 +75,7 @@ def _given(options: dict[str, str]) -> list[str]:
 @click.option("--jobs", type=click.IntRange(-1), default=-1, show_default=True,
               help="Processes, one thread each; -1: one a core.")
 @click.option("--scheduler", default=None, help="Address of a Dask scheduler, tcp://HOST:PORT, to score designs on its workers.")
-@click.option("--quick", is_flag=True, help="By hand: the paper's design equations 35 to 39. No search.")
+@click.option("--quick", is_flag=True, help="No search: the paper's design equations (35 to 39) by hand.")
 def command(scenarios: tuple[str, ...], payloads: tuple[float, ...], speeds: tuple[float, ...], rig: Path | None,
             motion: Path | None, trials: int | None, reach: float, pressure_limit: float | None, only: str | None, catalogue: Path | None,
             fixes: tuple[str, ...], travel: str, springs: bool, valves: str,

@@ -1,4 +1,4 @@
-"""The sealed proving ground: draw truths, diagnose them blind, open the seals and count."""
+"""Draw sealed cases, diagnose them blind, open the seals, count."""
 
 from __future__ import annotations
 
@@ -75,7 +75,7 @@ def make(cases: int | None, every: int | None, truth: str, makes: str | None, hi
 @verb("exo-sim trial run trial", name="run", out="File for the summary; verdicts go into FOLDER.")
 @_FOLDER
 @click.option("--tool", default=None, help="Command to diagnose with; exo-sim diagnose when absent.")
-@click.option("--timeout", type=options.Quantity("s", low=1.0), default="600 s", show_default=True, help="For a case.")
+@click.option("--timeout", type=options.Quantity("s", low=1.0), default="600 s", show_default=True, help="Longest time for one case.")
 @click.option("--scheduler", default=None, help="Address of a Dask scheduler to spread the cases over.")
 @_JOBS
 def run(folder: Path, tool: str | None, timeout: float, scheduler: str | None, jobs: int, out: Path | None,

@@ -110,7 +110,8 @@ def _findings(summary: Summary) -> str:
     title = f"{len(wrong)} thing{'' if len(wrong) == 1 else 's'} look{'s' if len(wrong) == 1 else ''} wrong"
     lines = [title if wrong else "Nothing looks wrong; worth knowing"]
     for finding in summary.findings:
-        after = "" if finding.use == "used" else f" [{finding.use}]"
+        said = finding.use == "used" or finding.use in finding.says
+        after = "" if said else f" [{finding.use}]"
         lines.append(f"  {_MARKS[finding.severity]} {finding.says}{after}")
     return "\n".join(lines)
 

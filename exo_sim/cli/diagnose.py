@@ -19,8 +19,8 @@ from exo_sim.cli.frame import verb
 @click.argument("recordings", type=options.InputFile(), nargs=-1, required=True, metavar="RECORDING...")
 @click.option("--rig", type=options.RigFile(), required=True, help="The machine as it is believed to be.")
 @click.option("--columns", type=options.InputFile(), default=None, help="Column map (TOML) for foreign names.")
-@click.option("--budget", type=options.Quantity("s", low=1.0), default=None, help="Wall-clock time after which the search ends with the best answer so far.")
-@click.option("--jobs", type=click.IntRange(1, 1024), default=None, help="Threads; all cores when absent. The answer does not depend on it.")
+@click.option("--budget", type=options.Quantity("s", low=1.0), default=None, help="After this time the best answer so far comes.")
+@click.option("--jobs", type=click.IntRange(1, 1024), default=None, help="Threads; all cores when absent. The answer is the same.")
 def command(
     recordings: tuple[Path, ...], rig: Path, columns: Path | None, budget: float | None, jobs: int | None, out: Path | None,
     as_json: bool, quiet: bool, seed: int,

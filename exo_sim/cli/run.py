@@ -31,7 +31,7 @@ from exo_sim.cli.frame import verb
     help="Mass on the back; when absent what the rig's [bodies.payload] says, else 34 kg.",
 )
 @click.option("--speed", default="1.0", show_default=True, help='Factor on the recorded cadence, 0.7 to 1.3, or a speed like "1.3 m/s".')
-@click.option("--strides", type=click.IntRange(1, 10000), default=None, help="How many strides or repetitions; the scenario says it when absent.")
+@click.option("--strides", type=click.IntRange(1, 10000), default=None, help="Strides or repetitions; the scenario's when absent.")
 @click.option(
     "--assist",
     type=options.Choice(["on", "off", "vented"]),

@@ -91,7 +91,7 @@ class MotionModel(SubsystemModel):
         self._weigh(scatter, creep)
 
     def _weigh(self, scatter: ContactScatter | None, creep: float) -> None:
-        """Say what rows are worth."""
+        """Set what each row is worth, by where its contact scatters and how noise of the velocity moves friction that creeps."""
         self._scatter, self._creep = scatter, creep
         self.scale = self._plain_scale if scatter is None else self._plain_scale * scatter.at(self.speed)
         if creep > 0.0:

@@ -16,6 +16,10 @@ _SURELY_CHOKED = 0.44
 _AIR = 1.4
 _CHOKED_AIR = (2.0 / (_AIR + 1.0)) ** ((_AIR + 1.0) / (2.0 * (_AIR - 1.0)))
 
+#: The same of the gamma where the flow becomes linear.
+_LINEAR_POWER = LAMINAR_RATIO ** (1.0 / _AIR)
+_LINEAR_AIR = math.sqrt(2.0 / (_AIR - 1.0) * (_LINEAR_POWER * (_LINEAR_POWER - LAMINAR_RATIO)))
+
 
 @kernel
 def critical_ratio(k: float) -> float:
@@ -49,6 +53,14 @@ def subsonic_flow_factor(ratio: float, k: float) -> float:
 
 
 @kernel
+def laminar_flow_factor(k: float) -> float:
+    """Return gamma at the pressure ratio above which the flow falls linearly."""
+    if k == _AIR:
+        return _LINEAR_AIR
+    return subsonic_flow_factor(LAMINAR_RATIO, k)
+
+
+@kernel
 def flow_factor(ratio: float, k: float) -> float:
     """Return gamma for any downstream/upstream pressure ratio from 0 to 1 (equations 28 and 29), linear above 0.999.
 
@@ -61,7 +73,7 @@ def flow_factor(ratio: float, k: float) -> float:
         if 2.0 * y >= (k + 1.0) * ratio:  # where gamma's slope vanishes: the critical ratio, without a second power
             return critical_flow_factor(k)
         return math.sqrt(2.0 / (k - 1.0) * max(y * (y - ratio), 0.0))
-    return subsonic_flow_factor(LAMINAR_RATIO, k) * max(1.0 - ratio, 0.0) / (1.0 - LAMINAR_RATIO)
+    return laminar_flow_factor(k) * max(1.0 - ratio, 0.0) / (1.0 - LAMINAR_RATIO)
 
 
 @kernel

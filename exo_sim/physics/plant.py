@@ -71,7 +71,7 @@ def regulator_gain(world, cylinders, spool) -> float:
     for i in range(len(cylinders)):
         a_s1, _, a_s2, _ = path_areas(cylinders[i], spool[i], spool[len(cylinders) + i])
         area += a_s1 + a_s2
-    steepest = nozzle.subsonic_flow_factor(nozzle.LAMINAR_RATIO, world.k) / (1.0 - nozzle.LAMINAR_RATIO)
+    steepest = nozzle.laminar_flow_factor(world.k) / (1.0 - nozzle.LAMINAR_RATIO)
     return world.supply_regulator.droop * area * steepest * math.sqrt(world.k / (world.r * world.supply_temperature))
 
 

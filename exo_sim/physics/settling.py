@@ -34,7 +34,7 @@ def path_rate(area: float, p_up: float, p_down: float, volume: float, span: floa
     left = 1.0 - min(p_up, p_down) / max(p_up, p_down) - settling * span - 0.02
     knee = 1.0 - nozzle.LAMINAR_RATIO
     if left <= knee:
-        return settling * nozzle.subsonic_flow_factor(nozzle.LAMINAR_RATIO, k) / knee
+        return settling * nozzle.laminar_flow_factor(k) / knee
     return settling * max(0.8 / math.sqrt(left), 1.0)
 
 

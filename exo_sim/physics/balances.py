@@ -6,7 +6,7 @@ The same lines are compiled twice: as they stand, and for a cylinder to whose ga
 from __future__ import annotations
 
 from exo_sim.physics import chamber, nozzle
-from exo_sim.physics.compiled import kernel
+from exo_sim.physics.compiled import inlined_kernel, kernel
 from exo_sim.physics.conditions import Reservoir
 from exo_sim.physics.effects import (
     critical_ratio,
@@ -174,7 +174,7 @@ def _of_cylinder(added: bool) -> Function:
 _rates_with_effects, _rates_of_plain_cylinder = _of_cylinder(True), _of_cylinder(False)
 
 
-@kernel
+@inlined_kernel
 def cylinder_rates(world, c, y, dy, base, x, v, opening_1, opening_2, supply, exhaust):
     """Write d/dt of one cylinder's integrated state; return its flows from the supply and into the exhaust, with enthalpies.
 

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 
-from exo_sim.physics.compiled import kernel
+from exo_sim.physics.compiled import inlined_kernel, kernel
 
 #: Above this pressure ratio the flow falls linearly to zero: the nozzle's slope is infinite at equal pressures.
 LAMINAR_RATIO = 0.999
@@ -31,7 +31,7 @@ def critical_ratio(k: float) -> float:
     return (2.0 / (k + 1.0)) ** (k / (k - 1.0))
 
 
-@kernel
+@inlined_kernel
 def critical_flow_factor(k: float) -> float:
     """Return gamma of choked flow, exactly (the paper's equation 29 prints 0.58)."""
     if k == _AIR:
@@ -52,7 +52,7 @@ def subsonic_flow_factor(ratio: float, k: float) -> float:
     return math.sqrt(2.0 / (k - 1.0) * max(y * (y - ratio), 0.0))
 
 
-@kernel
+@inlined_kernel
 def laminar_flow_factor(k: float) -> float:
     """Return gamma at the pressure ratio above which the flow falls linearly."""
     if k == _AIR:
@@ -60,7 +60,7 @@ def laminar_flow_factor(k: float) -> float:
     return subsonic_flow_factor(LAMINAR_RATIO, k)
 
 
-@kernel
+@inlined_kernel
 def flow_factor(ratio: float, k: float) -> float:
     """Return gamma for any downstream/upstream pressure ratio from 0 to 1 (equations 28 and 29), linear above 0.999.
 
@@ -82,7 +82,7 @@ def choked_flow(area: float, pressure: float, temperature: float, k: float, r: f
     return critical_flow_factor(k) * math.sqrt(k / (r * temperature)) * pressure * area
 
 
-@kernel
+@inlined_kernel
 def mass_flow(area: float, pressure: float, temperature: float, pressure_down: float, k: float, r: float) -> float:
     """Return the mass flow from a stagnant upstream gas [kg/s] (equation 27).
 
@@ -97,7 +97,7 @@ def mass_flow(area: float, pressure: float, temperature: float, pressure_down: f
     return flow_factor(pressure_down / pressure, k) * math.sqrt(k / (r * temperature)) * pressure * area
 
 
-@kernel
+@inlined_kernel
 def flow(area: float, p_a: float, t_a: float, p_b: float, t_b: float, k: float, r: float) -> float:
     """Return the mass flow from a to b [kg/s], negative where b is upstream: the upstream gas decides (equations 30, 31)."""
     if area <= 0.0:

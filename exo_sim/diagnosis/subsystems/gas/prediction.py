@@ -15,7 +15,7 @@ from exo_sim.physics.effects import line_restriction, valve_lag
 from exo_sim.physics.pneumatics import Pneumatics
 from exo_sim.physics.settling import settling_rate
 from exo_sim.physics.transmission import gives
-from exo_sim.recording.windows import JUMP
+from exo_sim.recording import windows
 
 Array = NDArray[np.float64]
 
@@ -212,8 +212,9 @@ def run_gas(
     gas.memory[0, state.SPOOL] = gas.memory[0, state.PLAY] = feed.command[0]
     gas.memory[0, state.SPOOL_2] = gas.memory[0, state.PLAY_2] = feed.command_2[0]
     arrived = feed.command_after(float(cylinder[valve_lag.EFFECT.name]["delay"][0]) + card_delay)
+    gap = max(GAP, windows.JUMP * usual)
     predict(
-        world, cylinder, gas.vector, feed.time, max(GAP, JUMP * usual), arrived.command, arrived.first, length, feed.supply, feed.exhaust,
+        world, cylinder, gas.vector, feed.time, gap, arrived.command, arrived.first, length, feed.supply, feed.exhaust,
         feed.supply_temperature, feed.windows.starts, start, gas._work, np.zeros((8, 2)), out, inside, drawn, temperature,
     )  # fmt: skip
     return GasPrediction(out, inside, drawn, temperature)

@@ -9,6 +9,7 @@ from dataclasses import dataclass
 from exo_sim.diagnosis.estimation.parameters import FreeParameter
 from exo_sim.diagnosis.findings import Kind
 from exo_sim.diagnosis.policy.priors import PREVALENCE
+from exo_sim.physics.declaration import declared
 
 #: Identifies a free parameter: effect, place, name.
 ParameterKey = tuple[str, str, str]
@@ -62,6 +63,12 @@ class Candidate:
         """Effect and place, whatever the form."""
         return self.effect, self.where
 
+    @property
+    def bears(self) -> frozenset[str]:
+        """Effects on top of which others may come where it is in a model: itself, and those of which it is the richer form."""
+        effect = declared().get(self.effect)
+        return frozenset((self.effect, *(poorer for poorer, _ in effect.absorbs))) if effect else frozenset((self.effect,))
+
     def beside(self, values: Mapping[FreeParameter, float]) -> dict[FreeParameter, float]:
         """Return values of free parameters with what this candidate displaces taken off, inside their bounds."""
         taken = {key: per_unit * values[own] for own, key, per_unit in self.displaced}
@@ -79,7 +86,7 @@ class Candidate:
 
 
 def drop_orphans(candidates: Sequence[Candidate], standing: Collection[str] = ()) -> tuple[Candidate, ...]:
-    """Return the candidates whose prerequisite is among them or standing, repeatedly until none is without."""
-    effects = {candidate.effect for candidate in candidates} | set(standing)
-    kept = tuple(candidate for candidate in candidates if not candidate.prerequisite or candidate.prerequisite in effects)
+    """Return the candidates whose prerequisite one of them bears or is standing, repeatedly until none is without."""
+    borne = {name for candidate in candidates for name in candidate.bears} | set(standing)
+    kept = tuple(candidate for candidate in candidates if not candidate.prerequisite or candidate.prerequisite in borne)
     return kept if len(kept) == len(candidates) else drop_orphans(kept, standing)

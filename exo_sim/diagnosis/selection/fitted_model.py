@@ -58,9 +58,9 @@ class FittedModel:
         return {candidate.at for candidate in self.candidates}
 
     @property
-    def effects(self) -> set[str]:
-        """Effects that are in it, wherever."""
-        return {candidate.effect for candidate in self.candidates}
+    def bears(self) -> set[str]:
+        """Effects that are in it, wherever, in this form or a richer one."""
+        return {name for candidate in self.candidates for name in candidate.bears}
 
     @property
     def is_large(self) -> bool:
@@ -69,7 +69,7 @@ class FittedModel:
 
     def meets_prerequisite(self, candidate: Candidate) -> bool:
         """Return whether the effect that a candidate comes on top of is in it."""
-        return not candidate.prerequisite or candidate.prerequisite in self.effects
+        return not candidate.prerequisite or candidate.prerequisite in self.bears
 
     def without(self, candidate: Candidate) -> tuple[Candidate, ...]:
         """Return all of its candidates but one."""

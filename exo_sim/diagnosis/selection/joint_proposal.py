@@ -172,12 +172,12 @@ class _Weighing:
         self._of = [np.arange(a, b) for a, b in zip(edges[:-1], edges[1:], strict=True)]
         self._raw = np.hstack([one.columns for one in directions])
         self._log_prior = [one.candidate.prior_log_odds for one in directions]
-        self._standing = {c.effect for c in now.candidates}
+        self._standing = now.bears
         self._whiten(self._base)
 
     def _has_orphan(self, chosen: Chosen) -> bool:
         """Return whether what a direction comes on top of is neither in the model nor chosen."""
-        there = self._standing | {self.directions[i].candidate.effect for i in chosen}
+        there = self._standing.union(*(self.directions[i].candidate.bears for i in chosen))
         return any(self.directions[i].candidate.prerequisite not in ("", *there) for i in chosen)
 
     def _whiten(self, residual: Array) -> None:

@@ -133,7 +133,7 @@ class JointSearch:
 
         here = misfit(added)
         while added and here > STRAY * now.fit.sse and not self.fits.is_spent():
-            fewer = [drop_orphans(tuple(c for c in added if c is not one), now.effects) for one in added]
+            fewer = [drop_orphans(tuple(c for c in added if c is not one), now.bears) for one in added]
             tried = self.fits.threads.predictions(misfit, fewer)
             best = int(np.argmin(tried))
             here, added = tried[best], fewer[best]

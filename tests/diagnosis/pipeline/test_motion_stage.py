@@ -44,6 +44,33 @@ def test_viscous_friction_that_was_put_in_is_found_with_its_size(tmp_path: Path)
     assert estimate.value == pytest.approx(30.0, rel=0.05) and estimate.low < 30.0 < estimate.high
 
 
+@pytest.mark.parametrize("known", [False, True], ids=["hidden", "known"])
+def test_a_dip_of_a_seal_that_differs_by_direction_is_found_beside_it(tmp_path: Path, known: bool) -> None:
+    level = np.where(VELOCITY > 0.0, 12.0, 22.0)
+    lost = np.tanh(VELOCITY / 1e-3) * (level + (35.0 - level) * np.exp(-np.abs(VELOCITY) / 0.02)) + 60.0 * VELOCITY
+    rig = benches.bench(tmp_path, '[effects.asymmetric_friction.piston]\nforward = "12 N"\nbackward = "22 N"\n' if known else "")
+    model = load(rig)
+    run = motion_runs.behind_cylinder(motion_runs.balance(lost, 0.3), np.full((TIME.size, 2), 2e5))
+    data = MachineData(rig, model, linkages(rig, model), (), (), {}, {"slide": (run,)})
+    (found,) = examine_motion(data, Plan(Split({})), SERIAL, lambda words: None)
+    wanted = {"stribeck_friction", "viscous_friction"} | (set() if known else {"asymmetric_friction"})
+    assert set(names(found)) == wanted and not found.has_unknown
+    dip = next(finding for finding in found.findings if finding.name == "stribeck_friction")
+    assert dip.parameters["breakaway"].value == pytest.approx(35.0, rel=0.1)
+
+
+def test_a_dip_is_found_beside_friction_of_pressure_that_the_rig_has(tmp_path: Path) -> None:
+    gauge = 2e5 * np.stack([1.0 + 0.8 * np.sin(2.0 * TIME), 1.0 + 0.8 * np.cos(1.3 * TIME)], axis=1)
+    level = 10.0 + 4e-5 * gauge.sum(axis=1)
+    lost = np.tanh(VELOCITY / 1e-3) * (level + np.maximum(60.0 - level, 0.0) * np.exp(-np.abs(VELOCITY) / 0.02)) + 60.0 * VELOCITY
+    rig = benches.bench(tmp_path, '[effects.pressure_dependent_friction.piston]\ncoefficient = "4e-5 m^2"\n')
+    model = load(rig)
+    run = motion_runs.behind_cylinder(motion_runs.balance(lost, 0.3), gauge)
+    data = MachineData(rig, model, linkages(rig, model), (), (), {}, {"slide": (run,)})
+    (found,) = examine_motion(data, Plan(Split({})), SERIAL, lambda words: None)
+    assert {"stribeck_friction", "viscous_friction"} <= set(names(found)) and not found.has_unknown
+
+
 def test_nothing_that_was_lost_is_nothing_that_is_found(tmp_path: Path) -> None:
     found = examined(tmp_path, np.zeros(TIME.size))
     assert names(found) == [] and not found.has_unknown

@@ -148,6 +148,6 @@ def _believed_base(effect: Effect, plant: PlantParameters) -> float:
 
 
 def _missing_prerequisite(effect: Effect, plant: PlantParameters) -> str:
-    """Return the effect that this one comes on top of, "" where it needs none or the rig has it."""
+    """Return the effect that this one comes on top of, "" where it needs none or the rig has it, in this form or a richer one."""
     base = effect.identification.on_top_of
-    return "" if not base or plant.is_on(declared()[base]) else base
+    return "" if not base or plant.is_on(declared()[base]) or base in plant.contained_effects else base

@@ -99,6 +99,7 @@ class _Builder:
         self.two_pressures = bool((np.ptp(both, axis=0) > VARIED_PRESSURE * self.pressure).all())
         self.has_pressure = self.pressure > 0.0 and float(np.std(gauge)) > VARIED_PRESSURE * self.pressure
         self.unnamed = self._of_place_and_time(model.friction / model.noise if model.noise else 1.0)
+        self.standing_level = self._standing_level(float(gauge.max(initial=0.0)))
         self._level = FreeParameter(coulomb_friction.EFFECT.name, model.where, "force", "N", Target.CYLINDER, 1.0, 0.0, 1e9)
 
     def family(self, bent: bool, creeps: Sequence[float], is_spent: IsSpent) -> LinearFamily:
@@ -270,11 +271,13 @@ class _Builder:
             next(q for q in candidate.parameters if q.parameter == name) for name in ("breakaway", "velocity", "exponent")
         )
         step, most = STEP * self.level, priors.BREAKAWAY * self.level
+        sliding = self.level + self.standing_level  # a breakaway below all that slides is none
         found = []
         speeds = np.geomspace(DIP_LOW * self.slowest, max(DIP_HIGH * self.fastest, 1.01 * DIP_LOW * self.slowest), DIPS)
         for speed, power in itertools.product(map(float, speeds), EXPONENTS):
             shape = {velocity: speed, exponent: power}
-            column = (residual({**about, breakaway: self.level + step, **shape}) - base) / step
+            flat = residual({**about, breakaway: sliding, **shape}) if self.standing_level > 0.0 else base
+            column = (residual({**about, breakaway: sliding + step, **shape}) - flat) / step
             if not _shows(column):
                 continue
 
@@ -286,6 +289,13 @@ class _Builder:
             Term(candidate, column[:, None], np.minimum(self._spread([column]), most), (True,), parameters, candidate.effect, len(found))
             for column, parameters in found
         ]
+
+    def _standing_level(self, pressure: float) -> float:
+        """Return the most dry friction that the nominal machine has beside Coulomb's, at this pressure above the atmosphere [Pa]."""
+        record = self.model.nominal.cylinder
+        level = float(record[pressure_dependent_friction.EFFECT.name]["coefficient"][0]) * pressure
+        richer = (declared()[name] for name in _richer_than(coulomb_friction.EFFECT.name))
+        return level + max((float(record[one.name][part.name][0]) for one in richer for part in one.parameters), default=0.0)
 
     def _level_of(self, values: Values) -> float:
         """Return the level of dry friction that slides, at the pressures that are usual."""

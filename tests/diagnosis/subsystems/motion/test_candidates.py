@@ -39,8 +39,10 @@ def test_of_an_effect_whose_richer_form_the_machine_has_nothing_is_asked() -> No
     on = plant()
     on.cylinder["asymmetric_friction"]["forward"] = on.cylinder["asymmetric_friction"]["backward"] = 10.0
     run = behind_cylinder(RUN, np.full((TIME.size, 2), 2e5))
-    assert "coulomb_friction" in {one.effect for one in candidates([run], plant(), "piston")}
-    assert "coulomb_friction" not in {one.effect for one in candidates([run], on, "piston")}
+    asked, still_asked = ({one.effect: one for one in candidates([run], machine, "piston")} for machine in (plant(), on))
+    assert "coulomb_friction" in asked and "coulomb_friction" not in still_asked
+    # the richer form bears what comes on top of the poorer one
+    assert asked["stribeck_friction"].prerequisite == "coulomb_friction" and still_asked["stribeck_friction"].prerequisite == ""
 
 
 def test_a_measured_pressure_may_be_off_by_a_bias_and_a_predicted_one_may_hide_a_leak() -> None:

@@ -13,6 +13,7 @@ from exo_sim.machine.attachment import attach
 from exo_sim.machine.person import Person
 from exo_sim.physics.declaration import declared
 from exo_sim.rig import JointFactors, Rig
+from exo_sim.rig.assembly import joints_with_effects
 
 
 def spec(rig: Rig) -> mujoco.MjSpec:
@@ -89,12 +90,28 @@ def _stop(model: mujoco.MjModel, name: str, ends: tuple[float, float], source: s
     model.jnt_limited[joint] = True
 
 
-def check_effects(rig: Rig, model: mujoco.MjModel) -> None:
-    """Refuse an effect on a hinge in the units of a slide, or the reverse.
+def check_places(rig: Rig, model: mujoco.MjModel) -> None:
+    """Refuse an effect on a joint that the model lacks.
 
     Raises:
-        ModelError: 1 N where 1 N m must stand.
+        ModelError: the line proposes joints, and cylinders where the effect can act on one.
     """
+    joints = [model.joint(i).name for i in range(model.njnt)]
+    of_joints = joints_with_effects(rig)
+    for effect in rig.effects:
+        if effect.where in of_joints and effect.where not in joints:
+            cylinders = rig.cylinders if "cylinder" in declared()[effect.name].places else ()
+            offered = nearest(effect.where, {*joints, *cylinders})
+            raise ModelError(f'{rig.path}: [effects.{effect.name}.{effect.where}]: {rig.model.name} has no joint "{effect.where}"{offered}')
+
+
+def check_effects(rig: Rig, model: mujoco.MjModel) -> None:
+    """Refuse an effect on a joint that the model lacks, one on a hinge in the units of a slide, or the reverse.
+
+    Raises:
+        ModelError: as `check_places`; 1 N where 1 N m must stand.
+    """
+    check_places(rig, model)
     kinds = {int(mujoco.mjtJoint.mjJNT_HINGE): True, int(mujoco.mjtJoint.mjJNT_SLIDE): False}
     turns = {model.joint(i).name: kinds.get(int(model.jnt_type[i])) for i in range(model.njnt)}
     for effect in rig.effects:

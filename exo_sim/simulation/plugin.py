@@ -8,9 +8,10 @@ import mujoco
 import numpy as np
 from numpy.typing import NDArray
 
-from exo_sim.errors import ModelError, RigError, nearest
+from exo_sim.errors import ModelError, RigError
 from exo_sim.machine import mjcf
 from exo_sim.machine.linkage import check_motors, linkages, moment_row
+from exo_sim.machine.rig_model import check_places
 from exo_sim.physics.conservation import Books
 from exo_sim.physics.plant import FOLLOWED
 from exo_sim.rig import Rig, assembly
@@ -57,12 +58,8 @@ class PneumaticPlugin:
                 f"{rig.specific_gas_constant:g} J/(kg K)"
             )
         self.links = linkages(rig, model)
-        names = assembly.joints_with_effects(rig)
-        known = [model.joint(i).name for i in range(model.njnt)]
-        for name in names:
-            if name not in known:
-                raise ModelError(f'{rig.path}: effects act on joint "{name}", which {rig.model.name} lacks{nearest(name, known)}')
-        self.joint_names = names
+        check_places(rig, model)
+        self.joint_names = names = assembly.joints_with_effects(rig)
         self.dt = float(model.opt.timestep)
         drives = {link.cylinder: link.joint for link in self.links}
         self.pneumatics = assembly.pneumatics(rig, self.dt, names, drives)

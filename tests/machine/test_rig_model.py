@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from pathlib import Path
 
+import benches
 import mujoco
 import numpy as np
 import pytest
@@ -11,7 +12,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from exo_sim.errors import ModelError
-from exo_sim.machine.rig_model import corrected
+from exo_sim.machine.rig_model import corrected, load
 from exo_sim.rig import JointFactors
 
 PENDULUM = """
@@ -45,7 +46,6 @@ def test_a_joint_that_is_none_is_refused() -> None:
 
 
 def test_a_rig_file_says_so(repository: Path, tmp_path: Path) -> None:
-    from exo_sim.machine.rig_model import load
     from exo_sim.rig import read
 
     text = (repository / "assets" / "bench.toml").read_text()
@@ -57,8 +57,13 @@ def test_a_rig_file_says_so(repository: Path, tmp_path: Path) -> None:
     np.testing.assert_array_equal(heavy.body_mass, plain.body_mass)
 
 
+def test_an_effect_on_a_joint_that_the_model_lacks_is_refused_where_the_model_is_loaded(tmp_path: Path) -> None:
+    rig = benches.bench(tmp_path, '[effects.coulomb_friction.pistom]\nforce = "5 N"\n')
+    with pytest.raises(ModelError, match=r'\[effects\.coulomb_friction\.pistom\]: bench\.xml has no joint "pistom"; did you mean "piston"'):
+        load(rig)
+
+
 def test_a_machine_that_is_lighter_than_its_mjcf_is_simulated(repository: Path, tmp_path: Path) -> None:
-    from exo_sim.machine.rig_model import load
     from exo_sim.rig import read
     from exo_sim.simulation.plugin import PneumaticPlugin
 

@@ -110,8 +110,9 @@ def _findings(summary: Summary) -> str:
     title = f"{len(wrong)} thing{'' if len(wrong) == 1 else 's'} look{'s' if len(wrong) == 1 else ''} wrong"
     lines = [title if wrong else "Nothing looks wrong; worth knowing"]
     for finding in summary.findings:
-        said = finding.use == "used" or finding.use in finding.says
-        after = "" if said else f" [{finding.use}]"
+        use = "these rows are left out" if finding.use == "set aside" and finding.rows else finding.use
+        said = use == "used" or use in finding.says
+        after = "" if said else f" [{use}]"
         lines.append(f"  {_MARKS[finding.severity]} {finding.says}{after}")
     return "\n".join(lines)
 

@@ -138,6 +138,15 @@ def test_inspect_with_a_rig_and_a_fault(tmp_path: Path, repository: Path, capsys
     assert noticed["slide.position", "unit"] == "warning"
 
 
+def test_rows_that_are_missing_are_left_out_and_their_column_is_not_set_aside() -> None:
+    recording = walk()
+    columns = dict(recording.columns)
+    columns["knee_r.pressure_1"] = np.where((recording.time > 2.0) & (recording.time < 4.0), np.nan, columns["knee_r.pressure_1"])
+    said = summary_text.text(summary.summarise(Reading(Recording("walk", recording.time, columns, recording.units), ())))
+    (line,) = [line for line in said.splitlines() if "has no number in" in line]
+    assert line.endswith("[these rows are left out]")
+
+
 def test_inspect_of_nothing(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     (tmp_path / "empty.csv").write_text("")
     assert main(["inspect", str(tmp_path / "empty.csv")]) == 2

@@ -10,7 +10,7 @@ from dataclasses import dataclass
 
 import mujoco
 
-from exo_sim.conventions import positions, pressures, signs, unknown_parts
+from exo_sim.conventions import joint_units, positions, pressures, signs, unknown_parts
 from exo_sim.conventions.check import Check
 from exo_sim.conventions.machine import Machine
 from exo_sim.errors import RecordingError
@@ -51,7 +51,10 @@ def settle(recording: Recording, rig: Rig, model: mujoco.MjModel) -> Settled:
 def asked(recording: Recording, rig: Rig, model: mujoco.MjModel) -> Settled:
     """As `settle`, but refuses nothing: for those who want to hear all that is wrong."""
     machine, checks = Machine.of(rig, model), []
-    for step in (unknown_parts.known, pressures.in_pascal, pressures.absolute, positions.in_place, signs.in_order):
+    steps = (
+        unknown_parts.known, joint_units.of_their_kind, pressures.in_pascal, pressures.absolute, positions.in_place, signs.in_order
+    )  # fmt: skip
+    for step in steps:
         recording, found = step(recording, machine)
         checks += found
         if any(check.refused for check in found):

@@ -29,6 +29,8 @@ _TRAVEL, _FAR = 1.5, 5.0
 _HARDLY = 0.03
 #: Share of the pressure changes that must follow from the motion in the unit that is taken, and must not in the heading's.
 _EXPLAINED, _UNEXPLAINED = 0.7, 0.3
+#: A travel beyond which no stroke can be meant and the unit must be another [m]: rodless cylinders are made up to about 6 m.
+_LONGEST = 10.0
 #: By what factor the misfit of the gas balance must fall with another gear.
 _BETTER = 4.0
 
@@ -65,7 +67,10 @@ def _one(recording: Recording, machine: Machine, link: Linkage, key: str) -> tup
         scaled = not possible if link.turning else used > _TRAVEL or outside > _FAR  # else the zero is off, not the unit
         fitting = {unit: factor for unit, factor in units.items() if scaled and _fits(factor * position, machine, link)}
         if fitting:
-            return _converted(recording, key, *_best(fitting, recording, machine, link, key))
+            taken, factor, shown = _best(fitting, recording, machine, link, key)
+            if not shown and not link.turning and _reach(position) < _LONGEST:
+                return recording, [_unit_or_stroke(position, machine, link, key, tuple(fitting))]
+            return _converted(recording, key, taken, factor)
         return recording, [_refusal(position, machine, link, key)] if outside > _IMPOSSIBLE else []
     if used < _HARDLY and cylinder.valve_area > 0.0:
         larger = {unit: 1.0 / factor for unit, factor in (TURNING if link.turning else SLIDING).items()}
@@ -145,18 +150,24 @@ def _explained(recording: Recording, machine: Machine, link: Linkage, key: str, 
     return explained(columns, cylinder, machine.rig) if columns is not None else Explained(0.0, 0.0, 0, 0.0, 0.0)
 
 
+def _reach(position: Array) -> float:
+    """Return between how far ends a joint moves [m]."""
+    low, high = (float(np.nanquantile(position, q)) for q in (0.01, 0.99))
+    return high - low
+
+
 def _best(
     fitting: Mapping[str, float], recording: Recording, machine: Machine, link: Linkage, key: str
-) -> tuple[str, float]:
-    """Return the unit in which pressures follow the motion best, where they say so; else the one that uses most of the stroke."""
+) -> tuple[str, float, bool]:
+    """Return the unit in which pressures follow the motion best, its factor and True; where they say nothing that of most travel, False."""
     shares = {unit: _explained(recording, machine, link, key, factor) for unit, factor in fitting.items()}
     likeliest = max(shares, key=lambda unit: shares[unit].share)
     best = shares[likeliest]
     others = [share.share for unit, share in shares.items() if unit != likeliest]
     if best.share > _EXPLAINED and best.worked > 0.1 and best.share > max(others, default=-1.0) + 0.2:
-        return likeliest, fitting[likeliest]
+        return likeliest, fitting[likeliest], True
     unit = max(fitting, key=lambda unit: fitting[unit])
-    return unit, fitting[unit]
+    return unit, fitting[unit], False
 
 
 def _converted(recording: Recording, key: str, unit: str, factor: float) -> tuple[Recording, list[Check]]:
@@ -183,6 +194,17 @@ def is_rate_of(velocity: Array, position: Array, time: Array) -> bool:
     moved, way = moved[good], way[good]
     size = float(moved @ moved)
     return size > 0.0 and 0.5 < float(way @ moved) / size < 2.0
+
+
+def _unit_or_stroke(position: Array, machine: Machine, link: Linkage, key: str, units: tuple[str, ...]) -> Check:
+    """Refuse a travel that is longer than the stroke where either of both may be wrong and no pressure tells which."""
+    cylinder, rig = machine.cylinder(link), machine.rig
+    says = (
+        f'"{key}" moves by {1e3 * _reach(position):.4g} mm, the stroke of {link.cylinder} is {1e3 * cylinder.stroke:.4g} mm: either '
+        f"stroke in cylinders.{link.cylinder} of {rig.path} is too short, or the column is in {' or '.join(units)} and its heading wrong; "
+        "correct one of them"
+    )
+    return Check("stroke", (key,), says, refused=True)
 
 
 def _refusal(position: Array, machine: Machine, link: Linkage, key: str) -> Check:

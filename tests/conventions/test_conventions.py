@@ -176,6 +176,18 @@ def test_a_piston_outside_its_stroke_is_refused_and_says_what_would_fit(machines
         assert any(low - 1.0 < 1e3 * one.retracted_length < high + 1.0 for one in true.cylinders.values())
 
 
+def test_a_stroke_that_is_short_by_ten_is_not_taken_for_another_unit(machines: dict[str, Path], tmp_path: Path) -> None:
+    recording, true = recorded(machines["bench_"])
+    cylinder = true.cylinders["piston"]
+    numbers = f'stroke = "{0.1 * cylinder.stroke!r} m"\nretracted_length = "0 m"'
+    rig = with_rig(machines["bench_"], tmp_path, r"(?s)stroke\s*=.*?retracted_length\s*=[^\n]*", numbers)
+    from_zero = changed(recording, r"slide\.position", offset=-cylinder.retracted_length)
+    says = "stroke in cylinders.piston of .* is too short, or the column is in .*inches"
+    with pytest.raises(RecordingError, match=says) as caught:
+        settle(from_zero, rig, load(rig))
+    assert "\n" not in str(caught.value)
+
+
 @pytest.mark.parametrize("gear", ["-3", "-1", "0.2", "5", "1000"])
 def test_a_gear_that_is_none_of_the_machines_is_refused_by_name(machines: dict[str, Path], tmp_path: Path, gear: str) -> None:
     recording, _ = recorded(machines["bench_"])

@@ -19,6 +19,7 @@ from exo_sim.diagnosis.estimation.parameters import FreeParameter, Target
 from exo_sim.diagnosis.findings import Kind
 from exo_sim.diagnosis.policy import acceptance, verdicts
 from exo_sim.diagnosis.policy.budgets import RUNNERS_UP
+from exo_sim.diagnosis.policy.off_nominal import HELD_WITHIN
 from exo_sim.diagnosis.policy.recordings import FEWEST_ROWS
 from exo_sim.diagnosis.policy.verdicts import NIL
 from exo_sim.diagnosis.selection.comparisons import Comparisons
@@ -30,6 +31,7 @@ from exo_sim.diagnosis.selection.model_fits import ModelFits
 from exo_sim.diagnosis.selection.nonparametric_terms import nonparametric_terms, unnamed
 from exo_sim.diagnosis.selection.simpler_forms import no_richer_than_needed, poorer_where_alike
 from exo_sim.diagnosis.selection.subset_weighing import At, SubsetWeighing, Weighed
+from exo_sim.physics.declaration import declared
 
 
 @dataclass(frozen=True)
@@ -77,7 +79,8 @@ class FamilySearch:
         near = FittedModel((), Fit((), values, np.zeros(0), np.zeros((0, 0))))
         kin = self._kin(best, finalists)
         rivals, laws = self._rivals(best, finalists), self._laws(best, finalists)
-        chosen = no_richer_than_needed(self._probable(best, finalists, kin), rivals)
+        probable = self._probable(best, finalists, kin)
+        chosen = no_richer_than_needed(probable, rivals)
         spreads = self._widened(best, self._left_by(self.fits.fit(chosen, near), best))
         beside = MarginalFits(self.fits, self.basis, spreads, self.weighing.correlation_time)
         final = self._fitted(chosen, near, beside)
@@ -85,10 +88,10 @@ class FamilySearch:
         final = self._predicting_best(final, plain, _errors_about(final, laws))
         probabilities = self.weighing.probabilities(finalists)
         comparisons = Comparisons(self.fits, baseline, len(self.family.bends[0].terms), 0.0)
-        undecided: tuple[Candidate, ...] = ()
         if final.candidates and not self._stands_in_the_fit(final, baseline, comparisons):
-            undecided = tuple(c for c in final.candidates if not c.is_law and probabilities.get(c.at, 0.0) > verdicts.PROBABLE)
             final, plain = baseline, baseline
+        gone = [c for c in probable if c not in final.candidates and not c.is_law]
+        passed_over = [c for c in gone if probabilities.get(c.at, 0.0) > verdicts.PROBABLE]
         kept = {candidate.key for candidate in final.candidates}
         return SearchResult(
             baseline,
@@ -100,7 +103,7 @@ class FamilySearch:
             errors=_errors_about(final, laws),
             unnamed=unnamed(self.weighing, self.basis, best, finalists, posterior),
             least_left=plain.fit.sse,
-            undecided=undecided,
+            undecided=tuple(c for c in passed_over if self._is_strained_without(c, probable, plain)),
         )
 
     def _findings_first(self, finalists: list[Weighed]) -> list[Weighed]:
@@ -117,6 +120,16 @@ class FamilySearch:
             if all(c.kind is Kind.UNKNOWN or is_more_than_healthy(c, model) for c in model.candidates):
                 return [one, *(other for other in finalists if other is not one)]
         return finalists
+
+    def _is_strained_without(self, candidate: Candidate, probable: Sequence[Candidate], final: FittedModel) -> bool:
+        """Return whether nuisance parameters stand in for an effect of the best subset: without it they are plainly further off."""
+        kept = [c for c in probable if c.effect not in self._poorer_than(candidate)]
+        return final.fit.penalty - self.fits.fit(kept, final).fit.penalty > HELD_WITHIN**2
+
+    @staticmethod
+    def _poorer_than(candidate: Candidate) -> set[str]:
+        effect = declared().get(candidate.effect)
+        return {name for name, _ in effect.absorbs} if effect else set()
 
     @staticmethod
     def _stands_in_the_fit(final: FittedModel, baseline: FittedModel, comparisons: Comparisons) -> bool:

@@ -122,7 +122,7 @@ class SearchResult:
         least_left: Sum of squares that the same effects leave where nothing but that decides their numbers; infinite where it is `final`'s.
         unnamed: What is missing beside the names, the largest first.
         stands_for: By effect and place of nominal numbers that are further off than any data sheet allows, effects that explain as much.
-        undecided: Candidates that were weighed as probable although nuisance parameters explain as much and leave nothing but noise.
+        undecided: Candidates that were weighed as probable and gave way to nuisance parameters that are plainly further off without them.
         interrupted: Whether it ended before everything was explained, because it was asked to.
     """
 

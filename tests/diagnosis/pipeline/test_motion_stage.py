@@ -125,7 +125,9 @@ def test_a_probable_effect_that_zeros_and_scales_stand_in_for_is_an_open_questio
     assert question.do == declared()["coulomb_friction"].experiment
     assert undecided([found]) == ()
     named = examined(tmp_path, 30.0 * VELOCITY)
-    assert undecided([replace(named, search=replace(named.search, undecided=(candidate,)))]) == ()
+    drag = named.named[0]
+    assert drag.effect == "viscous_friction"
+    assert undecided([replace(named, search=replace(named.search, undecided=(drag,)))]) == ()
 
 
 def test_a_balance_counts_as_judged_where_rows_enough_are_left_to_fit(tmp_path: Path) -> None:

@@ -206,3 +206,15 @@ def test_where_friction_is_known_to_build_up_with_speed_no_other_contact_is_weig
     family = motion_family(model, nuisance_parameters(model.runs, model.nominal, model.where), asked, creeps=(2e-3, 1e-3))
     assert [tuple(bend.values.values()) for bend in family.bends] == [(2e-3,), (1e-3,)]
     assert {bend.candidate.effect for bend in family.bends if bend.candidate} == {"friction_smoothing"}
+
+
+@pytest.mark.parametrize(("beside", "asked"), [(2.4, True), (0.3, False)])
+def test_a_constant_force_beyond_what_zeros_make_leaves_friction_that_differs_by_direction_open(beside: float, asked: bool) -> None:
+    """Zeros of 0.96 N, one standard deviation, are not what 2.4 N are made of, and do not exclude them."""
+    plant = motion_runs.plant()
+    plant.cylinder["coulomb_friction"]["force"] = 12.0
+    run = motion_runs.behind_cylinder(motion_runs.balance(lost(coulomb=12.0) + beside, 0.1), np.zeros((TIME.size, 2)))
+    run = replace(run, drive=replace(run.drive, levers={"piston.pressure_1": np.full(TIME.size, 8e-4)}))
+    found = searched(MotionModel([run], plant, Split({})))
+    assert named(found) == {}
+    assert [c.effect for c in found.undecided] == ["asymmetric_friction"] * asked

@@ -13,21 +13,6 @@ from exo_sim.unit_text import powers
 if TYPE_CHECKING:
     import pint
 
-#: What the rest of the program may ask for: the kind of quantity and the SI unit it is returned in.
-SI_UNITS = {
-    "length": "m",
-    "area": "m^2",
-    "volume": "m^3",
-    "pressure": "Pa",
-    "temperature": "K",
-    "mass": "kg",
-    "time": "s",
-    "force": "N",
-    "torque": "N*m",
-    "angle": "rad",
-    "number": "1",
-}
-
 #: Longest text of a quantity and of a unit, in characters; longer ones are refused unread.
 LONGEST, LONGEST_UNIT = 120, 60
 #: Magnitudes in SI that no machine comes near: squares and cubes of what lies between are numbers, too.

@@ -75,9 +75,10 @@ def test_what_cannot_be_read_is_one_line_that_says_why(text: object, si_unit: st
 
 
 MAGNITUDES = st.floats(1e-45, 1e29)
+SI_UNITS = ("m", "m^2", "m^3", "Pa", "K", "kg", "s", "N", "N*m", "rad", "1", "W/K")
 
 
-@given(st.just(0.0) | MAGNITUDES | MAGNITUDES.map(lambda size: -size), st.sampled_from([*units.SI_UNITS.values(), "W/K"]))
+@given(st.just(0.0) | MAGNITUDES | MAGNITUDES.map(lambda size: -size), st.sampled_from(SI_UNITS))
 def test_what_is_written_is_read_back(value: float, si_unit: str) -> None:
     assert units.parse(units.write(value, si_unit), si_unit) == pytest.approx(value, rel=1e-14, abs=0.0)
 

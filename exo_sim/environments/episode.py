@@ -25,8 +25,7 @@ from exo_sim.rig import Rig
 from exo_sim.simulation.external_commands import Stepper
 from exo_sim.simulation.loop import person_along
 from exo_sim.simulation.walk import JOINTS, Request, Walk, default_rig, layout
-from exo_sim.simulation.wearer_load import own as own_body
-from exo_sim.simulation.wearer_load import with_pack
+from exo_sim.simulation.wearer_load import by_backpack
 from exo_sim.simulation.worn import Simulation
 
 Array = NDArray[np.float64]
@@ -103,7 +102,7 @@ class Episode:
         self._backpack = 1.0
         self._row = self._stepper.reset()
         cycle = self._cycle()
-        self._backpack = float(np.sqrt(np.mean((with_pack(cycle).moments - own_body(cycle).moments) ** 2)))
+        self._backpack = float(np.sqrt(np.mean(by_backpack(cycle) ** 2)))
         self._backpack = max(self._backpack, _LEAST_LOAD)
         self.fallen = False
         self.steps = 0

@@ -18,9 +18,6 @@ from exo_sim.physics.plant_records import CYLINDER, JOINT, WORLD
 from exo_sim.physics.refusals import Refusal, unfillable, why
 from exo_sim.physics.transmission import gives, stiffness
 
-#: Longest dead time that a valve's history is kept for [s]; the bound of `valve_lag.delay`.
-LONGEST_DELAY = 0.1
-
 
 class Pneumatics:
     """Cylinders, shared supply and exhaust, friction of joints; their state is `vector` and `history`.

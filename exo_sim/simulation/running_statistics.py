@@ -5,22 +5,10 @@ from __future__ import annotations
 import math
 from collections.abc import Mapping
 from dataclasses import dataclass
-from typing import Any, Protocol, Self
+from typing import Any, Self
 
 import numpy as np
 from numpy.typing import ArrayLike
-
-
-class Reduction(Protocol):
-    """A number over some rows."""
-
-    def joined(self, later: Self) -> Self:
-        """Return the number over these rows and later ones."""
-        ...
-
-    def value(self) -> float:
-        """Return the number."""
-        ...
 
 
 @dataclass(frozen=True)

@@ -7,7 +7,7 @@ import mujoco
 from exo_sim.diagnosis.data.machine_data import MachineData
 from exo_sim.diagnosis.estimation.parameters import SET_PRESSURE, FreeParameter
 from exo_sim.diagnosis.estimation.uncertainty import bounded_interval, interval
-from exo_sim.diagnosis.policy.off_nominal import MODEL_SHARE
+from exo_sim.diagnosis.policy.off_nominal import HELD_WITHIN, MODEL_SHARE
 from exo_sim.diagnosis.selection.nuisance_calibration import Deviation, is_declared
 from exo_sim.diagnosis.selection.subsystem_result import SubsystemResult
 from exo_sim.diagnosis.subsystem_model import SubsystemModel
@@ -16,11 +16,16 @@ from exo_sim.rig import Correction, JointFactors, Rig
 
 #: Numbers of the rig that every comparison refits.
 REFITTED = ("flow_capacity", "dead_volume", "payload_mass", "joint_inertia", SET_PRESSURE)
-REFIT_NOTE = "refitted within what a data sheet allows, no finding"
+#: What is said of a number that was only refitted, within 95 % of data sheets or beyond.
+WITHIN_SHEET = "refitted within what a data sheet allows, no finding"
+BEYOND_SHEET = "refitted further than a data sheet allows; no finding, for it is uncertain or something without a name bends it"
 
 
 def corrections(data: MachineData, result: SubsystemResult[SubsystemModel]) -> list[Correction]:
-    """Return the corrections of what is reported as off, then of what was only refitted, as far as the rig holds these numbers."""
+    """Return the corrections of what is reported as off, then of what was only refitted, as far as the rig holds these numbers.
+
+    The latter have no interval.
+    """
     made = [_correction(data, one) for one in result.deviations if _is_the_rigs(data.rig, one.parameter)]
     found = [one for one in made if one is not None]
     values = result.final.fit.values
@@ -30,8 +35,13 @@ def corrections(data: MachineData, result: SubsystemResult[SubsystemModel]) -> l
         if whole and held:
             one = _correction(data, Deviation(parameter, values[parameter] / whole, error / abs(whole)))
             if one is not None:
-                found.append(Correction(one.key, one.value, one.unit, None, one.believed, REFIT_NOTE))
+                found.append(Correction(one.key, one.value, one.unit, None, one.believed, _note(parameter, values[parameter])))
     return found
+
+
+def _note(parameter: FreeParameter, value: float) -> str:
+    mean, spread = parameter.prior or (value, 0.0)
+    return BEYOND_SHEET if abs(value - mean) > HELD_WITHIN * spread else WITHIN_SHEET
 
 
 def _is_the_rigs(rig: Rig, parameter: FreeParameter) -> bool:

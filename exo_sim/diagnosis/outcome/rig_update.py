@@ -20,7 +20,7 @@ from exo_sim.diagnosis.estimation.candidate import Candidate
 from exo_sim.diagnosis.estimation.parameters import FreeParameter
 from exo_sim.diagnosis.estimation.uncertainty import bounded_interval, interval
 from exo_sim.diagnosis.findings import Estimate, Finding, Kind
-from exo_sim.diagnosis.outcome.rig_corrections import REFIT_NOTE, corrections
+from exo_sim.diagnosis.outcome.rig_corrections import corrections
 from exo_sim.diagnosis.outcome.sensor_zeros import ZERO, error_of, is_faulty
 from exo_sim.diagnosis.policy.off_nominal import LEAST_PART
 from exo_sim.diagnosis.selection.nuisance_calibration import is_declared
@@ -102,9 +102,9 @@ def rig_update(data: MachineData, results: Sequence[Result], unknown: Sequence[U
             _entry(c, one, each, data.rig) for c in one.named if c.at in reported for each in reported[c.at].at_each_place()
         ]
         corrected = corrections(data, one)
-        findings = tuple(each for each in corrected if each.note != REFIT_NOTE)
+        findings = tuple(each for each in corrected if each.interval is not None)
         parts.append(Part(source, Rank.FOUND, tuple(entries), findings))
-        refitted = tuple(each for each in corrected if each.note == REFIT_NOTE)
+        refitted = tuple(each for each in corrected if each.interval is None)
         healthy = _healthy(data.rig, one, calibrated)
         zeros = tuple(entry for entry in healthy if declared()[entry.setting.name].cut == "sensor")
         parts.append(Part(source, Rank.REFITTED, tuple(entry for entry in healthy if entry not in zeros), refitted))

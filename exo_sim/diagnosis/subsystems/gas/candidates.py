@@ -40,7 +40,8 @@ def candidates(plant: PlantParameters, runs: Sequence[CylinderRun], cylinder: st
             continue
         if (sense.moving and not moves) or (sense.two_chambers and single):
             continue
-        if plant.is_on(effect) and not effect.identification.though_on:
+        if plant.is_on(effect):
+            found += _left_open(effect, cylinder, plant)
             continue
         if sense.known_at_joint and float(plant.cylinder[sense.known_at_joint][0]) > 0.0:
             continue
@@ -53,6 +54,17 @@ def candidates(plant: PlantParameters, runs: Sequence[CylinderRun], cylinder: st
             found += [_beyond_a_sample(one, period) for one in made]
     found += _sensor_faults(runs, cylinder, joint, moves)
     return tuple(found)
+
+
+def _left_open(effect: Effect, cylinder: str, plant: PlantParameters) -> list[Candidate]:
+    """Return what an owner who gave a law that every machine follows in some form left open of it: a law, no finding."""
+    declares = effect.identification
+    found = []
+    for name, (mean, spread) in declares.known.items() if declares.every_law else ():
+        if float(plant.cylinder[effect.name][name][0]) == 0.0:
+            starts = ((mean - spread,), (mean + spread,))
+            found += [replace(one, is_law=True, starts=starts) for one in _of_form(effect, cylinder, (name,), plant)]
+    return found
 
 
 def sample_period(runs: Sequence[CylinderRun]) -> float:

@@ -108,7 +108,7 @@ def known_effects(plant: PlantParameters, cylinder: str, period: float = 0.0) ->
     """
     found, clocks = [], math.hypot(priors.CARD_SKEW, 0.5 * period)
     for effect in declared().values():
-        if effect.cut != "gas" or effect.identification.though_on:
+        if effect.cut != "gas":
             continue
         where, target = place_of(effect, cylinder)
         record = plant.world if target is Target.WORLD else plant.cylinder

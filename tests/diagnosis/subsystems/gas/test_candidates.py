@@ -68,3 +68,22 @@ def test_a_valve_is_late_only_beyond_what_the_card_of_a_slow_logger_is(period: f
     assert {c.form for c in late} == {"time_constant", "delay", "time_constant+delay"}
     for q in (q for c in late for q in c.parameters):
         assert q.healthy_limit == pytest.approx(delay if q.parameter == "delay" else time_constant)
+
+
+@pytest.mark.parametrize(
+    ("ratio", "index", "asked"),
+    [
+        (0.0, 0.0, {("ratio", False), ("ratio+index", False)}),  # nobody said how the valve chokes: another ratio is missing physics
+        (0.38, 0.0, {("index", True)}),  # the owner's b is a number of his, and what he left open of its law no finding
+        (0.38, 0.55, set()),
+    ],
+)
+def test_a_flow_law_that_the_owner_gave_is_no_missing_physics(ratio: float, index: float, asked: set[tuple[str, bool]]) -> None:
+    plant = PlantParameters(np.zeros(1, WORLD), np.zeros(1, CYLINDER))
+    plant.cylinder["valve_area"], plant.cylinder["area_1"], plant.cylinder["stroke"] = 2e-6, 8e-4, 0.2
+    plant.cylinder["critical_ratio"]["ratio"], plant.cylinder["critical_ratio"]["index"] = ratio, index
+    level = np.full(50, 3e5)
+    run = cylinder_runs.run_of(level, level, command=np.linspace(-0.2, 0.2, 50), commanded=True)
+    found = [c for c in candidates(plant, [run], "piston", "slide") if c.effect == "critical_ratio"]
+    assert {(c.form, c.is_law) for c in found} == asked
+    assert all(q.low < value < q.high for c in found for start in c.starts for q, value in zip(c.parameters, start, strict=False))

@@ -43,6 +43,14 @@ def test_walls_that_the_rig_knows_are_not_asked_twice() -> None:
     assert HEAT in {(q.effect, q.parameter) for q in known_effects(plant(0.7), "piston")}
 
 
+def test_the_critical_ratio_of_a_data_sheet_is_an_estimate_as_every_number_of_the_owner_is() -> None:
+    one = plant()
+    assert not [q for q in known_effects(one, "piston") if q.effect == "critical_ratio"]
+    one.cylinder["critical_ratio"]["ratio"] = 0.38
+    (ratio,) = (q for q in known_effects(one, "piston") if q.effect == "critical_ratio")
+    assert ratio.prior == (0.38, pytest.approx(0.038)) and ratio.low < 0.3 < 0.5 < ratio.high
+
+
 def test_a_valve_that_nobody_commanded_has_no_free_parameter() -> None:
     names = {effect for effect, _ in free(plant(), rests=True)}
     assert names == {"dead_volume", "sensor_zero", "wall_heat_transfer"}

@@ -101,7 +101,8 @@ class Identification:
         resists: For what resists a piston, its share of the dry friction and the stiffness that a healthy one has; 0 where it does not.
         every_contact: Stiffness that every dry contact has: the diagnosis gives the machine a healthy one, asks all the same, and only
             one that is softer is a finding; "" where it is none.
-        every_law: True where every machine follows some form of this law: the diagnosis chooses a healthy one, and asks all the same.
+        every_law: True where every machine follows some form of this law: the diagnosis chooses a healthy one where the
+            owner gave none, and asks all the same.
         on_top_of: Effect that must be there for it to be asked.
         excluded: True where no diagnosis puts the question; a rig may have the effect all the same.
         open_by: Factors on the ends of a parameter's interval, for what the model itself leaves open ...
@@ -158,7 +159,7 @@ class Identification:
     @property
     def though_on(self) -> bool:
         """Whether it is asked though the machine has it: then it is the diagnosis that gave it what every machine has."""
-        return self.every_law or bool(self.every_contact)
+        return bool(self.every_contact)
 
     def smallest(self, parameter: str) -> float:
         """Return what less of a parameter is no finding."""

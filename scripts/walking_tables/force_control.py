@@ -202,10 +202,12 @@ def _said(level: dict[tuple[str, str], Shown], up: dict[tuple[str, str], Shown],
     return [
         f"PI's error is {min(ratios):.1f} to {max(ratios):.1f} times that of the model-based law, and it takes {100 * min(gas):+.0f} to "
         f"{100 * max(gas):+.0f} % more gas. In level walking the",
-        f"wearer's metabolic power is {min(power):+.0f} to {max(power):+.0f} W with it, less than the estimate can tell: for him PI, "
-        "tuned, is as good there. Up the",
-        f"slope, with gains tuned on level ground, it is {min(uphill):+.0f} to {max(uphill):+.0f} W, most with lag. From row to row PI's "
-        f"proportional gain changes by",
+        f"wearer's metabolic power is {min(power[:2]):+.0f} to {max(power[:2]):+.0f} W with it without lag, and {min(power[2:]):+.0f} to "
+        f"{max(power[2:]):+.0f} W with lag. Up the",
+        f"slope, with gains tuned on level ground, it is {min(uphill):+.0f} to {max(uphill):+.0f} W. A few watts are less than the "
+        "estimate can tell: without lag",
+        "PI, tuned, is as good for him on the level. From row to row PI's "
+        "proportional gain changes by",
         f"up to a factor of {spread('pi', 'proportional'):.1f}, the closing time of the model-based law by "
         f"{spread('model', 'closing_time'):.1f}.",
     ]

@@ -129,3 +129,10 @@ def test_ellipse_at_the_nozzles_ratio_is_the_nozzle_within_0_152_percent() -> No
         p["ratio"] = b
         for r, expected in zip((0.6, 0.8, 0.9), share):
             assert critical_ratio.mass_flow(p, 1e-6, 7e5, 293.15, r * 7e5, K, R) / choked == pytest.approx(expected, abs=6e-5)
+
+
+@pytest.mark.parametrize("k", [1.2, K, 1.667])
+def test_flow_is_continuous_where_it_becomes_linear(k: float) -> None:
+    """For air gamma there is a number that was computed beforehand, for other gases it is computed."""
+    assert nozzle.laminar_flow_factor(k) == pytest.approx(nozzle.subsonic_flow_factor(nozzle.LAMINAR_RATIO, k), rel=1e-14)
+    assert nozzle.flow_factor(nozzle.LAMINAR_RATIO, k) == pytest.approx(nozzle.flow_factor(nozzle.LAMINAR_RATIO - 1e-12, k), rel=1e-8)

@@ -287,3 +287,20 @@ def test_a_balance_that_holds_as_well_as_recorded_calls_no_column_gauge(
 ) -> None:
     monkeypatch.setattr(pressures, "_misfits", lambda *_, **__: {"ram.pressure_1": np.array(misfits)})
     assert bool(pressures._zeros(cast(Recording, None), cast(Machine, None), supply_is_gauge)) is told
+
+
+@pytest.mark.parametrize(
+    ("misfits", "told"),
+    [
+        ([(1.26, 1.125, 1.03, 1.0, 1.19), (1.763, 1.49, 1.208, 1.0, 1.219)], True),  # a cart whose chambers were written gauge
+        ([(1.03, 1.0, 1.19, 1.787, 3.3), (1.208, 1.0, 1.219, 3.911, 6.951)], False),  # the same, absolute
+        ([(4.63, 1.0, 1.9, 3.64, 7.5), (17.87, 15.77, 12.1, 1.0, 19.97)], False),  # one gauge sensor beside an absolute one
+        ([(1.763, 1.49, 1.208, 1.0, 1.219)], False),  # one chamber alone is not enough
+    ],
+)
+def test_chambers_that_never_vent_tell_together_that_they_are_gauge(
+    monkeypatch: pytest.MonkeyPatch, misfits: list[tuple[float, ...]], told: bool
+) -> None:
+    of_chambers = {f"ram.pressure_{side + 1}": np.array(each) for side, each in enumerate(misfits)}
+    monkeypatch.setattr(pressures, "_misfits", lambda *_, **__: of_chambers)
+    assert pressures._together_gauge(cast(Recording, None), cast(Machine, None)) is told

@@ -5,6 +5,8 @@ A TOML file::
     [file]                       # optional, for CSV
     header = false               # the columns are then called "1", "2", ...
     delimiter = ";"
+    decimal = ","                # decimal commas
+    skip = 3                     # lines above the column names
     episode = 3                  # of a LeRobot file with several
 
     [columns]                    # foreign name = contract name, with the unit the foreign numbers are in
@@ -28,6 +30,9 @@ from exo_sim.inputs import refusing, text_of, toml
 from exo_sim.recording import columns
 from exo_sim.recording.columns import Column
 
+#: Lines above the column names that may be skipped: they must lie in the beginning of the file that is looked at.
+MOST_SKIPPED = 1000
+
 
 @dataclass(frozen=True)
 class ColumnMap:
@@ -38,6 +43,8 @@ class ColumnMap:
         columns: Foreign name to where it goes.
         header: False where a CSV has no heading line; its columns are called "1", "2", ...
         delimiter: What stands between the numbers of a CSV; found out where it is None.
+        decimal: "." or ",": what stands before the decimals in a CSV.
+        skip: How many lines of a CSV stand above the column names.
         episode: Which episode of a file with several; None for the only one.
     """
 
@@ -46,6 +53,8 @@ class ColumnMap:
     header: bool = True
     delimiter: str | None = None
     episode: int | None = None
+    decimal: str = "."
+    skip: int = 0
 
 
 def read_column_map(path: str | Path) -> ColumnMap:
@@ -73,7 +82,7 @@ def column_map_of(tables: Mapping[str, Any], path: Path) -> ColumnMap:
         raise RecordingError(f'column map "{path}": no [columns]; write lines like "P1" = "piston.pressure_1 [bar]"')
     if not isinstance(options, dict):
         raise RecordingError(f'column map "{path}": [file] must be a table')
-    _known(path, "key of [file]", options, ("header", "delimiter", "episode"))
+    _known(path, "key of [file]", options, ("header", "delimiter", "decimal", "skip", "episode"))
     header, delimiter = options.get("header", True), options.get("delimiter")
     if not isinstance(header, bool):
         raise RecordingError(f'column map "{path}": header = {header!r}; write true or false')
@@ -82,7 +91,13 @@ def column_map_of(tables: Mapping[str, Any], path: Path) -> ColumnMap:
     episode = options.get("episode")
     if episode is not None and (isinstance(episode, bool) or not isinstance(episode, int)):
         raise RecordingError(f'column map "{path}": episode = {episode!r}; write a number, like 3')
-    return ColumnMap(path, {name: _entry(path, name, entry) for name, entry in entries.items()}, header, delimiter, episode)
+    decimal, skip = options.get("decimal", "."), options.get("skip", 0)
+    if decimal not in (".", ",") or decimal == delimiter:
+        raise RecordingError(f'column map "{path}": decimal = {decimal!r}; write "," or ".", not the delimiter')
+    if isinstance(skip, bool) or not isinstance(skip, int) or not 0 <= skip <= MOST_SKIPPED:
+        raise RecordingError(f'column map "{path}": skip = {skip!r}; write how many lines stand above the names, 0 to {MOST_SKIPPED}')
+    read = {name: _entry(path, name, entry) for name, entry in entries.items()}
+    return ColumnMap(path, read, header, delimiter, episode, decimal, skip)
 
 
 def _known(path: Path, what: str, table: Mapping[str, object], choices: tuple[str, ...]) -> None:

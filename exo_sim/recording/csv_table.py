@@ -28,6 +28,11 @@ _MOST_TORN = 0.01
 _SAMPLE = 1 << 18
 _MOST_COLUMNS = 5000
 _UTF8 = "utf-8"
+_COMMAS = 'decimal commas; write decimal points, or hand in a column map with [file] decimal = ","'
+#: Lines from the beginning in which column names are looked for below a preamble.
+_PREAMBLE = 60
+#: Time of day as logs write it.
+_CLOCK_TEXT = re.compile(r"(?:\d{4}-\d\d-\d\d[T ])?\d{1,2}:\d\d(?::\d\d(?:[.,]\d+)?)?$")
 #: What ends a line for the parser of the rows; other characters that some programs take for line ends are part of a cell.
 _LINE_END = re.compile(r"\r\n|\n|\r")
 #: Those: tabulators and form feeds of old printers, separators, and the line ends of Unicode.
@@ -46,13 +51,20 @@ def read_csv(path: Path, column_map: ColumnMap | None = None) -> RawTable:
     lines = _LINE_END.split(sample)
     if not lines[-1]:
         lines.pop()
-    skipped = next((i for i, line in enumerate(lines) if line.strip() and not line.lstrip().startswith("#")), None)
+    above = column_map.skip if column_map else 0
+    asked = f'skip = {above} of column map "{column_map.path}"' if column_map else ""
+    named = (i for i, line in enumerate(lines) if i >= above and line.strip() and not line.lstrip().startswith("#"))
+    skipped = next(named, None)
+    if skipped is None and above:
+        raise RecordingError(f'"{path}": {asked} leaves no line of the {len(lines)} there are')
     if skipped is None:
         raise RecordingError(f'"{path}": there are only comments in it; the first other line must name the columns')
     if skipped == len(lines) - 1 and (found := _NO_LINE_END.search(lines[skipped])):
         end = f"U+{ord(found[0]):04X}"
         raise RecordingError(f'"{path}": there is a heading and no row below it: {end} ends no line; end each with a line feed')
-    delimiter = (column_map.delimiter if column_map else None) or max(_DELIMITERS, key=lines[skipped].count)
+    decimal = column_map.decimal if column_map else "."
+    among = [each for each in _DELIMITERS if each != decimal]
+    delimiter = (column_map.delimiter if column_map else None) or max(among, key=lines[skipped].count)
     headings = _headings(path, lines[skipped], skipped, delimiter)
     if column_map and not column_map.header:
         headings = [str(number) for number in range(1, len(headings) + 1)]
@@ -62,13 +74,15 @@ def read_csv(path: Path, column_map: ColumnMap | None = None) -> RawTable:
             f'"{path}": line {skipped + 1} holds numbers where the column names should be; add a line like '
             '"time [s],piston.pressure_1 [Pa]", or hand in a column map with header = false'
         )
+    _refuse_preamble(path, headings, lines, skipped, delimiter, column_map)
     selection = select(str(path), headings, column_map)
     selection.refuse_if_too_long(str(path), _rows(path, sample, lines, skipped))
-    _refuse_decimal_comma(path, lines[skipped + 1 :], delimiter, len(headings))
+    if decimal == ".":
+        _refuse_decimal_comma(path, lines[skipped + 1 :], delimiter, len(headings))
     if encoding != _UTF8:
         says = f'"{path.name}" is not UTF-8 text; it was read as {encoding}, in which every byte is a character'
         selection.findings.append(Finding(path.name, "encoding", says, severity="info", use="repaired"))
-    return _Parse(path, headings, skipped + 1, delimiter, selection, encoding).table()
+    return _Parse(path, headings, skipped + 1, delimiter, selection, encoding, decimal).table()
 
 
 def _sample(path: Path) -> tuple[str, str]:
@@ -101,6 +115,33 @@ def _headings(path: Path, line: str, skipped: int, delimiter: str) -> list[str]:
     return headings
 
 
+def _refuse_preamble(
+    path: Path, headings: list[str], lines: list[str], at: int, delimiter: str, column_map: ColumnMap | None
+) -> None:
+    """Refuse a first line with fewer cells than the rows below where a later line of words has as many: it says what to skip."""
+    if column_map and not column_map.header:
+        return
+    rows = [(i, _cells(line, delimiter)) for i, line in enumerate(lines[:_PREAMBLE]) if i > at and line.strip()]
+    first = next((i for i, cells in rows if sum(map(_is_numeric, cells)) > 1), None)
+    if first is None:
+        return
+    width = len(_cells(lines[first], delimiter))
+    between = [i for i, cells in rows if i < first and len(cells) == width and all(cells) and not any(map(_is_numeric, cells))]
+    if len(headings) < width and between:
+        raise RecordingError(
+            f'"{path}": line {at + 1} has {len(headings)} cells, line {between[0] + 1} has {width} as the rows below have: the column '
+            f"names? Hand in a column map with [file] skip = {between[0]}"
+        )
+
+
+def _cells(line: str, delimiter: str) -> list[str]:
+    return [cell.strip() for cell in line.split(delimiter)]
+
+
+def _is_numeric(cell: str) -> bool:
+    return is_number(cell) or is_number(cell.replace(",", ".", 1))
+
+
 def _rows(path: Path, sample: str, lines: list[str], skipped: int) -> float:
     body = lines[skipped + 1 : -1] or lines[skipped + 1 :]
     if not body:
@@ -114,7 +155,7 @@ def _refuse_decimal_comma(path: Path, body: list[str], delimiter: str, width: in
         comma = next((cell for cell in cells if cell.count(",") == 1 and is_number(cell.replace(",", "."))), None)
         if delimiter != "," and comma is not None:
             where = f'"{path}": row {number} holds "{comma.strip()}"'
-            raise RecordingError(f"{where}: decimal commas; write decimal points")
+            raise RecordingError(f"{where}: {_COMMAS}")
         if delimiter == "," and len(cells) == 2 * width and all(is_number(cell) for cell in cells):
             raise RecordingError(
                 f'"{path}": row {number} has {len(cells)} cells under {width} column names: decimal commas? '
@@ -126,10 +167,10 @@ class _Parse:
     """One pass over the file, block by block, into one array a column."""
 
     def __init__(
-        self, path: Path, headings: list[str], skip: int, delimiter: str, selection: Selection, encoding: str
+        self, path: Path, headings: list[str], skip: int, delimiter: str, selection: Selection, encoding: str, decimal: str
     ) -> None:
         self.path, self.headings, self.skip, self.delimiter, self.selection = path, headings, skip, delimiter, selection
-        self.encoding = encoding
+        self.encoding, self.decimal = encoding, decimal
         self.torn: list[tuple[int, str]] = []
         self.words: dict[str, tuple[int, int, str]] = {}  # column: how many, first row, first word
 
@@ -176,7 +217,8 @@ class _Parse:
                     ),
                     parse_options=arrow.ParseOptions(delimiter=self.delimiter, invalid_row_handler=self._on_torn),
                     convert_options=arrow.ConvertOptions(
-                        column_types=dict.fromkeys(sources, type_), include_columns=sources, null_values=_MISSING
+                        column_types=dict.fromkeys(sources, type_), include_columns=sources, null_values=_MISSING,
+                        decimal_point=self.decimal,
                     ),
                 )  # fmt: skip
         except pa.ArrowInvalid as error:
@@ -200,11 +242,11 @@ class _Parse:
             if cell is None or cell in _MISSING:
                 continue
             try:
-                numbers[row] = float(cell)
+                numbers[row] = float(cell.replace(",", ".", 1) if self.decimal == "," else cell)
             except ValueError:
                 if is_number(cell.replace(",", ".", 1)):
                     where = f'"{self.path}": row {done + row + 1} of "{source}" holds "{cell}"'
-                    raise RecordingError(f"{where}: decimal commas; write decimal points") from None
+                    raise RecordingError(f"{where}: {_COMMAS}") from None
                 count, first, word = self.words.get(source, (0, done + row + 1, cell))
                 self.words[source] = (count + 1, first, word)
         return numbers
@@ -227,6 +269,11 @@ class _Parse:
         findings = []
         by_source = {column.source: column for column in self.selection.columns}
         for source, (count, first, word) in self.words.items():
+            if count == rows and _CLOCK_TEXT.match(word):
+                raise RecordingError(
+                    f'"{self.path}": column "{source}" holds times of day, first "{word[:30]}"; write it in seconds from the first row on, '
+                    "in pandas: (times - times.iloc[0]).dt.total_seconds() of times = pd.to_datetime(...)"
+                )
             if count == rows:
                 raise RecordingError(
                     f'"{self.path}": column "{source}" holds words, first "{word[:20]}"; it must hold numbers'

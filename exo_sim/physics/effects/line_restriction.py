@@ -30,7 +30,7 @@ EFFECT = Effect(
             default=5e-6,
         ),
         Parameter(
-            "ratio", "1", 0.02, 0.6, (0.2, 0.5), "ISO 6358 b = 474 C/D^2 (C in dm^3/(s bar), D in mm): 0.28-0.43 for the same hoses",
+            "ratio", "1", 0.02, 0.6, (0.2, 0.5), "b = 474 C/D^2 (ISO 6358; C in m^3/(s Pa), D in m): 0.24-0.55 for the same hoses",
             required=False,
         ),
         Parameter(

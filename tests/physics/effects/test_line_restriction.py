@@ -42,3 +42,10 @@ def test_wide_hose_only_adds_its_volume() -> None:
         each.fill(np.zeros(1), 2e5, 2e5)
         hold(each, 1.0, 0.05)
     assert gas.pressures(np.zeros(1)) == pytest.approx(paper.pressures(np.zeros(1)), rel=1e-4)
+
+
+def test_the_critical_ratio_of_a_hose_in_the_units_that_the_effect_names() -> None:
+    """b = 474 C/D^2 with C = 0.029 D^2/sqrt(L/D^1.25 + 510), all in SI, of hoses of 3 to 8 mm and 0.3 to 2 m."""
+    ratios = [474.0 * 0.029 / math.sqrt(length / bore**1.25 + 510.0) for bore in (0.003, 0.008) for length in (0.3, 2.0)]
+    (said,) = [one.source for one in line_restriction.EFFECT.parameters if one.name == "ratio"]
+    assert f"C in m^3/(s Pa), D in m): {min(ratios):.2f}-{max(ratios):.2f}" in said

@@ -72,7 +72,8 @@ MEANINGS = {
     "cylinders.NAME.rating": "largest pressure that the cylinder is made for, absolute; beyond it `run` and `inspect` warn",
     "cylinders.NAME.valve.area": "effective throat area of each path at full command; command +1 opens supply to chamber 1",
     "cylinders.NAME.valve.kind": "independent: each chamber has a command of its own, +1 opens it to the supply, -1 to the exhaust",
-    "cylinders.NAME.valve.C": "sonic conductance of ISO 6358 of each path, in place of the area",
+    "cylinders.NAME.valve.C": "sonic conductance of ISO 6358 of each path, in place of the area; in dm^3/(s bar) about a catalogue's "
+    "nominal flow in l/min (6 to 5 bar gauge) over 255 where b is 0.3 (240 at 0.2, 272 at 0.4), or 4.5 times Kv in m^3/h, to 10 %",
     "cylinders.NAME.valve.b": "critical pressure ratio of ISO 6358 of every path; a nozzle when absent",
     **{f"cylinders.NAME.valve.area_{edge}": f"effective throat area {words}; `area` when absent" for edge, words in _EDGE_WORDS.items()},
     **{f"cylinders.NAME.valve.C_{edge}": f"sonic conductance {words}, in place of its area" for edge, words in _EDGE_WORDS.items()},

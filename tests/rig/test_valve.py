@@ -7,6 +7,7 @@ from benches import bench
 from exo_sim import rig as rigs
 from exo_sim.errors import RigError
 from exo_sim.physics import nodes
+from exo_sim.physics.effects.critical_ratio import ellipse
 from exo_sim.physics.nozzle import choked_flow
 from exo_sim.rig import assembly
 from exo_sim.rig.improved_text import Correction
@@ -98,3 +99,10 @@ def test_a_corrected_area_is_written_to_the_keys_that_say_it(tmp_path):
     again = rigs.parse(text, rig.path)
     assert areas(again, 1.0, -1.0) == pytest.approx(0.5 * areas(rig, 1.0, -1.0))
     assert areas(again, -1.0, 1.0) == pytest.approx(0.5 * areas(rig, -1.0, 1.0))
+
+
+@pytest.mark.parametrize(("b", "litres_per_minute"), [(0.2, 240.0), (0.3, 255.0), (0.4, 272.0)])
+def test_a_catalogue_s_nominal_flow_of_a_conductance_of_one(b: float, litres_per_minute: float) -> None:
+    """What docs/rig_reference.md says of 1 dm^3/(s bar) from 6 to 5 bar gauge, by ISO 6358."""
+    inlet, outlet = 7.01325, 6.01325
+    assert 60.0 * inlet * ellipse(outlet / inlet, b) == pytest.approx(litres_per_minute, rel=3e-3)

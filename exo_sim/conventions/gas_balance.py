@@ -96,6 +96,7 @@ class Explained:
         intervals: How many there were; 0 where the recording says nothing of it.
         driven: Share of the variance that the valve alone explains at best: whether it says anything of the command.
         worked: The same of the motion.
+        opened: Factor of the rig's valve with which it is explained best.
     """
 
     share: float
@@ -103,6 +104,7 @@ class Explained:
     intervals: int
     driven: float
     worked: float
+    opened: float = 1.0
 
 
 _NOTHING = Explained(0.0, 0.0, 0, 0.0, 0.0)
@@ -136,7 +138,7 @@ def explained(columns: CylinderColumns, cylinder: Cylinder, rig: Rig, chambers: 
     fitted = lsq_linear(terms_ / scale, change, (bounds[0] * scale, bounds[1] * scale), method="bvls")
     left = float(np.sum((terms_ / scale @ fitted.x - change) ** 2))
     alone = [float((term @ change) ** 2 / max(term @ term, 1e-300)) / total for term in terms_.T]
-    return Explained(1.0 - left / total, left, len(change), alone[0], alone[1])
+    return Explained(1.0 - left / total, left, len(change), alone[0], alone[1], float(fitted.x[0] / scale[0]))
 
 
 #: Atmospheres that are tried in search of the zero from which pressures count.

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable
 from dataclasses import dataclass, replace
 from functools import partial
@@ -73,7 +74,11 @@ def _read(columns: CylinderColumns, cylinder: Cylinder, ask: Callable[[CylinderC
     best, way = ranked[0]
     if best.share < _EXPLAINED or plain.misfit < _BETTER * best.misfit:
         return None
-    rivals = [other for found, other in ranked[1:] if found.misfit < _RIVAL * best.misfit]
+    if way.clock:  # two clocks whose valves lie within the bounds explain the same: the rig's own valve tells
+        like = [pair for pair in ranked if pair[1].clock and pair[0].misfit < _RIVAL * best.misfit]
+        clocks = [(found, other) for found, other in like if replace(other, clock=way.clock) == way]
+        best, way = min(clocks, key=lambda pair: abs(math.log(pair[0].opened)))
+    rivals = [other for found, other in ranked if other != way and found.misfit < _RIVAL * best.misfit]
     if not driven and rivals:  # chambers swapped or position reversed: without a valve both explain the same
         return None
     return way if not rivals or best.worked > _SAYS else None

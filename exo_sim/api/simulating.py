@@ -97,7 +97,8 @@ def simulate(
         check_writable(target.parent)
     simulation = Simulation(machine, request, mine, seed)
     prepared = time.perf_counter()
-    for words in simulation.remarks:
+    before = simulation.remarks
+    for words in before:
         tell(words)
     walk = None
     if target is None:
@@ -105,6 +106,8 @@ def simulate(
         numbers, interrupted = summarise(walk), walk.interrupted
     else:
         numbers, interrupted = streamed_run.run(simulation, target, target.with_suffix(".parquet"), seed, quiet)
+    for words in simulation.remarks[len(before) :]:  # what only the run showed, of a controller's commands
+        tell(words)
     summary = summary_of(numbers, begun, prepared, simulation.remarks)
     return Run(machine, name, summary, simulation.remarks, target, interrupted, walk, seed)
 

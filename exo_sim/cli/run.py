@@ -106,9 +106,10 @@ def _words(data: dict[str, Any]) -> str:
 
     straps, wearer = data["strap_load_n"], data["wearer"]
     carried = data["mean_ground_force_n"] + straps["vertical_mean"]
+    pace = data["simulated_s"] / data["wall_s"]
     lines = [
         f"{data['scenario']}: {data['simulated_s']:.2f} s simulated in {data['wall_s']:.2f} s, "
-        f"{data['simulated_s'] / data['wall_s']:.0f} times real time (prepared in {data['prepared_s']:.2f} s)",
+        f"{pace:.{0 if pace >= 10.0 else 2}f} times real time (prepared in {data['prepared_s']:.2f} s)",
         f"weight of frame and payload {data['supported_weight_n']:.1f} N; ground and straps carry {carried:.1f} N, "
         f"the ground {100 * data['mean_ground_force_n'] / data['supported_weight_n']:.0f} %",
         f"torso straps, up: mean {straps['torso_vertical_mean']:.0f} N, rms {straps['torso_rms']:.0f} N, "

@@ -246,6 +246,19 @@ def test_a_controller_of_ones_own_moves_the_bench() -> None:
     assert set(np.unique(np.round(ran.recording["piston.valve_command"], 6))) <= {-0.1, 0.0, 0.1}
 
 
+def test_commands_far_beyond_full_are_told_after_a_walk() -> None:
+    class Torques:
+        def reset(self, context: Any) -> None: ...
+
+        def act(self, observation: dict[str, float]) -> dict[str, float]:
+            return {"knee_r": 3.0}
+
+    said: list[str] = []
+    ran = exo.simulate(scenario="level_walk", strides=1, demand="inverse_dynamics", controller=Torques(), tell=said.append)
+    (words,) = [each for each in said if "beyond -1 to 1" in each]
+    assert '"knee_l.torque"' in words and words in ran.summary["remarks"] and said == list(ran.remarks)
+
+
 @pytest.mark.parametrize("named", [True, False], ids=["a stream", "the recording in use"])
 def test_a_model_is_logged_by_itself_and_read_back(tmp_path: Path, named: bool) -> None:
     """A ball that falls: its pose is in the file at every time that it was logged, its shape once."""

@@ -79,7 +79,8 @@ MEANINGS = {
     **{f"cylinders.NAME.valve.C_{edge}": f"sonic conductance {words}, in place of its area" for edge, words in _EDGE_WORDS.items()},
     **{f"cylinders.NAME.valve.b_{edge}": f"as b, {words}: all edges share one" for edge, words in _EDGE_WORDS.items()},
     **{
-        f"cylinders.NAME.valve.overlap_{edge}": f"command at which the path {words} begins to open; below zero it is open at rest"
+        f"cylinders.NAME.valve.overlap_{edge}": f"command at which the path {words} begins to open, a dead band of this edge: "
+        "[effects.valve_deadband] comes on top; below zero it is open at rest"
         for edge, words in _EDGE_WORDS.items()
     },
     "cylinders.NAME.attachment.from": "x forward and z up of the first end, from the joint's axis, all joints at zero",

@@ -133,6 +133,8 @@ def _point_at_model(document: tomlkit.TOMLDocument, rig: Rig, folder: Path) -> N
 
 
 def _correct(document: tomlkit.TOMLDocument, correction: Correction) -> None:
+    *place, name = correction.key
+    correction = replace(correction, key=(*place, _key_in(document, place, name, name)))
     old = _find(document, correction.key)
     unit, scale = correction.unit, 1.0
     if isinstance(old, str) and (typed := typed_unit(old, correction.unit)):
@@ -158,7 +160,7 @@ def _set_anew(document: tomlkit.TOMLDocument, effect: Effect, finding: EffectEnt
     if place is None:
         return False
     for parameter, value in given_in(effect, setting):
-        key = key_of(parameter, setting)
+        key = _key_in(document, place, parameter.name, key_of(parameter, setting))
         unit, scale, written = as_written(parameter, value, setting)
         old = _find(document, (*place, key))
         if isinstance(old, str) and not parameter.choices and (typed := typed_unit(old, unit_of(parameter, setting))):
@@ -171,6 +173,13 @@ def _set_anew(document: tomlkit.TOMLDocument, effect: Effect, finding: EffectEnt
             notes.append(interval_text(finding.intervals[parameter.name], unit, scale))
         _replace(document, (*place, key), written, "; ".join(notes))
     return True
+
+
+def _key_in(document: tomlkit.TOMLDocument, place: Sequence[str], name: str, new: str) -> str:
+    """Return the key by which the owner's file calls a parameter, or `new`: the force of an effect on what turns may be called torque."""
+    held = _find(document, place)
+    names = (name, "torque") if place[0] == "effects" and name == "force" else (name,)
+    return next((key for key in names if isinstance(held, Mapping) and key in held), new)
 
 
 def _place(document: tomlkit.TOMLDocument, setting: EffectSetting) -> tuple[str, ...] | None:

@@ -97,6 +97,18 @@ def test_an_effect_that_is_there_is_set_anew_in_place(bench: Path) -> None:
     assert parse(text, bench).effect("viscous_friction", "piston").parameters == {"coefficient": 44.0}  # type: ignore[union-attr]
 
 
+@pytest.mark.parametrize("key", ["force", "torque"])
+def test_friction_of_what_turns_keeps_the_key_that_the_owner_took(bench: Path, key: str) -> None:
+    rig = parse(f'{bench.read_text()}\n[effects.coulomb_friction.elbow]\n{key} = "1.6 N m"\n', bench)
+    found = EffectEntry(EffectSetting("coulomb_friction", "elbow", {"force": 1.5}, turning=True), {"force": (1.4, 1.6)})
+    refitted = Correction(("effects", "coulomb_friction", "elbow", "force"), 1.5, "N*m")
+    for text in (improved(rig, [found], [], bench.parent), improved(rig, [], [refitted], bench.parent)):
+        removed, added = changed(rig.text, text)
+        assert removed == [f'{key} = "1.6 N m"']
+        assert len(added) == 1 and added[0].startswith(f'{key} = "1.5 N m"')
+        assert parse(text, bench).effect("coulomb_friction", "elbow").parameters == {"force": 1.5}  # type: ignore[union-attr]
+
+
 def test_the_richer_effect_takes_in_the_poorer_one(bench: Path) -> None:
     rig = parse(bench.read_text() + EXTRA, bench)
     found = EffectEntry(EffectSetting("asymmetric_friction", "piston", {"forward": 3.0, "backward": 1.0}), {"forward": (2.5, 3.5)})

@@ -99,8 +99,9 @@ class PneumaticPlugin:
 
     @property
     def command(self) -> NDArray[np.float64]:
-        """Valve commands, -1 to 1, one a cylinder in the rig's order, shape (n,). Set it before `advance`.
+        """Valve commands, -1 to 1, one a cylinder in the rig's order, shape (n,).
 
+        `advance` takes the gas through the step that has passed with what stands here then.
         Of a valve with independent edges it is the command towards chamber 1.
         """
         return self.plant.command[: len(self.links)]
@@ -243,6 +244,7 @@ class PneumaticPlugin:
     def step(self, data: mujoco.MjData) -> None:
         """Bring the gas up to now, write the forces, and let MuJoCo take one step under them: one compiled call.
 
+        After it `data` is one step ahead of the gas. Positions and pressures of one moment are read between `advance` and `mj_step2`.
         An error that MuJoCo itself calls fatal ends the process here; in the long form it is raised.
 
         Raises:

@@ -17,8 +17,8 @@ from exo_sim.rig import Correction, JointFactors, Rig
 #: Numbers of the rig that every comparison refits.
 REFITTED = ("flow_capacity", "dead_volume", "payload_mass", "joint_inertia", SET_PRESSURE)
 #: What is said of a number that was only refitted, within 95 % of data sheets or beyond.
-WITHIN_SHEET = "refitted within what a data sheet allows, no finding"
-BEYOND_SHEET = "refitted further than a data sheet allows; no finding, for it is uncertain or something without a name bends it"
+WITHIN_SHEET_NOTE = "refitted within what a data sheet allows, no finding"
+BEYOND_SHEET_NOTE = "refitted further than a data sheet allows; no finding, for it is uncertain or something without a name bends it"
 
 
 def corrections(data: MachineData, result: SubsystemResult[SubsystemModel]) -> list[Correction]:
@@ -41,7 +41,7 @@ def corrections(data: MachineData, result: SubsystemResult[SubsystemModel]) -> l
 
 def _note(parameter: FreeParameter, value: float) -> str:
     mean, spread = parameter.prior or (value, 0.0)
-    return BEYOND_SHEET if abs(value - mean) > HELD_WITHIN * spread else WITHIN_SHEET
+    return BEYOND_SHEET_NOTE if abs(value - mean) > HELD_WITHIN * spread else WITHIN_SHEET_NOTE
 
 
 def _is_the_rigs(rig: Rig, parameter: FreeParameter) -> bool:

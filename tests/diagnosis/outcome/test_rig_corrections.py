@@ -13,7 +13,7 @@ from diagnosis import waves
 from exo_sim.diagnosis.data.machine_data import MachineData
 from exo_sim.diagnosis.estimation.least_squares import Fit
 from exo_sim.diagnosis.estimation.parameters import FreeParameter, Target
-from exo_sim.diagnosis.outcome.rig_corrections import BEYOND_SHEET, WITHIN_SHEET, corrections
+from exo_sim.diagnosis.outcome.rig_corrections import BEYOND_SHEET_NOTE, WITHIN_SHEET_NOTE, corrections
 from exo_sim.diagnosis.selection.fitted_model import FittedModel, SearchResult
 from exo_sim.diagnosis.selection.model_fits import ModelFits
 from exo_sim.diagnosis.selection.nuisance_calibration import Deviation
@@ -70,7 +70,7 @@ def test_a_joints_damping_is_a_factor_that_never_reaches_zero(data: MachineData)
     assert made.key == ("joints", "slide", "damping_factor") and made.value == pytest.approx(1e-3)
 
 
-@pytest.mark.parametrize(("by", "note"), [(1.02, WITHIN_SHEET), (0.41, BEYOND_SHEET), (1.3, BEYOND_SHEET)])
+@pytest.mark.parametrize(("by", "note"), [(1.02, WITHIN_SHEET_NOTE), (0.41, BEYOND_SHEET_NOTE), (1.3, BEYOND_SHEET_NOTE)])
 def test_what_was_only_refitted_has_a_note_that_is_true_of_it_and_no_interval(data: MachineData, by: float, note: str) -> None:
     (made,) = corrections(data, replace(result({AREA: by}), refitted=((AREA, 0.01),)))
     assert made.note == note and made.interval is None and made.value == pytest.approx(by * 2e-6)

@@ -16,14 +16,12 @@ from numpy.typing import NDArray
 from scipy.signal import oaconvolve, savgol_coeffs
 
 from exo_sim.recording.filters import QUIET, evenly, first_rate_gain, smoothed
-from exo_sim.recording.noise import white_noise
+from exo_sim.recording.noise import beyond_noise, white_noise
 
 Array = NDArray[np.float64]
 
 #: Every span holds so many times the samples of the one before, from the least to the longest one, and no more than a share of all samples.
 LONGER, LEAST, MOST, MOST_SHARE = 1.25, 5, 2001, 0.25
-#: A change is more than noise where its square exceeds that by so many standard errors; samples a span apart are independent.
-BEYOND_CHANCE = 2.0
 
 
 @dataclass(frozen=True)
@@ -110,8 +108,6 @@ def _best_span(grid: Array, step: float, noise: float, at_end: bool) -> Span:
         change[ahead : ahead + count] -= kernel
         found = oaconvolve(grid, change[::-1], mode="valid")
         known = noise * float(np.linalg.norm(change))
-        chance = 1.0 + BEYOND_CHANCE * math.sqrt(2.0 * longer / len(found))
-        square = float(np.mean(found**2))
-        lost = math.sqrt(square - known**2) if square > chance * known**2 else 0.0
+        lost = beyond_noise(float(np.mean(found**2)), known**2, len(found) / longer)  # samples a span apart are independent
         spans.append(Span(longer, noise * float(np.linalg.norm(other)), spans[-1].bias + lost))
     return min(spans, key=lambda one: one.error)

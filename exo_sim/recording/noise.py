@@ -19,6 +19,7 @@ both say the same.
 
 from __future__ import annotations
 
+import math
 from collections.abc import Mapping
 from dataclasses import dataclass
 
@@ -32,6 +33,9 @@ _BLOCK = 256
 _QUANTILE, _NORMAL_QUANTILE = 0.3, -0.5244005127080409
 _MOST_SAMPLES = 200_000
 _CORRELATIONS = np.concatenate(([0.0], np.exp(-1.0 / np.geomspace(0.4, 10.0, 24))))  # of neighbouring samples
+
+#: A change is more than noise where its square exceeds that by so many standard errors.
+BEYOND_CHANCE = 2.0
 
 
 @dataclass(frozen=True)
@@ -215,3 +219,15 @@ def _parts(strides: NDArray[np.float64], variances: NDArray[np.float64]) -> tupl
             best = cost, (float(weights[0]), extra, float(correlation), float(weights[1]))
     assert best is not None
     return best[1]
+
+
+def beyond_noise(square: float, noise: float, independent: float) -> float:
+    """Return what a change holds beside noise, root mean square; 0 where it is no larger than noise by itself may be.
+
+    Args:
+        square: Mean square of the change.
+        noise: The same that noise makes of it.
+        independent: How many independent values the mean is of.
+    """
+    chance = 1.0 + BEYOND_CHANCE * math.sqrt(2.0 / independent)
+    return math.sqrt(square - noise) if square > chance * noise else 0.0

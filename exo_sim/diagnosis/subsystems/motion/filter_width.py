@@ -18,7 +18,7 @@ from numpy.typing import NDArray
 from exo_sim.diagnosis.policy.recordings import FILTER_ENDS
 from exo_sim.diagnosis.subsystems.motion.smoothing import smoothing_width
 from exo_sim.recording.filters import RESTORED, gaussian_derivatives, gaussian_width, noise_gain, restored
-from exo_sim.recording.noise import white_noise
+from exo_sim.recording.noise import beyond_noise, white_noise
 from exo_sim.recording.windows import clock_breaks
 
 Array = NDArray[np.float64]
@@ -30,9 +30,6 @@ WIDEST = 0.08
 #: Noise that is not white shows as a change that falls at least with this power of the width between the first widths. White noise falls
 #: with its 2.5th; the acceleration of a mass has the spectrum of a force, which does not rise with frequency, and falls with its 0.5th.
 NOISY_FALL = 1.5
-#: A change is more than noise where its square exceeds that by so many standard errors; waves of noise are as long as two standard
-#: deviations of the filter.
-BEYOND_CHANCE = 2.0
 #: A joint whose position varies by less than so many standard deviations of its noise does not move.
 MOVES = 5.0
 
@@ -82,20 +79,17 @@ def asked_width(time: Array, positions: Sequence[Array]) -> AskedWidth:
     least = smoothing_width(time)
     edges = [*clock_breaks(time), len(time)]
     first, last = max(zip(edges, edges[1:], strict=False), key=lambda edge: edge[1] - edge[0])
-    found = []
-    for values, noise in zip(positions, plain, strict=True):
-        if noise > 0.0 and float(np.nanstd(values)) > MOVES * noise:
-            found.append(_risk(time[first:last], values[first:last], least, noise))
-    wide = min((risk.best for risk in found), default=0)
+    risks = [
+        _risk(time[first:last], values[first:last], least, noise) if noise > 0.0 and float(np.nanstd(values)) > MOVES * noise else None
+        for values, noise in zip(positions, plain, strict=True)
+    ]
+    moving = [risk for risk in risks if risk is not None]
+    wide = min((risk.best for risk in moving), default=0)
     if wide == 0:
         return AskedWidth(least, plain, (0.0,) * len(plain))
-    moving = iter(found)
-    noises, biases = [], []
-    for values, noise in zip(positions, plain, strict=True):
-        risk = next(moving) if noise > 0.0 and float(np.nanstd(values)) > MOVES * noise else None
-        noises.append(noise if risk is None else float(risk.position[wide]))
-        biases.append(0.0 if risk is None else float(risk.bias[wide]))
-    return AskedWidth(float(found[0].widths[wide]), tuple(noises), tuple(biases))
+    noises = tuple(noise if risk is None else float(risk.position[wide]) for noise, risk in zip(plain, risks, strict=True))
+    biases = tuple(0.0 if risk is None else float(risk.bias[wide]) for risk in risks)
+    return AskedWidth(float(moving[0].widths[wide]), noises, biases)
 
 
 def _risk(time: Array, values: Array, least: float, noise: float) -> _Risk:
@@ -116,10 +110,8 @@ def _risk(time: Array, values: Array, least: float, noise: float) -> _Risk:
         last = now
     factors, lost = _coloured(changes, expected), []
     for change, usual, factor, seconds in zip(changes, expected, factors[1:], widths[1:], strict=True):
-        waves = max(step * (inner.stop - inner.start) / (2.0 * gaussian_width(seconds)), 1.0)
-        chance = 1.0 + BEYOND_CHANCE * math.sqrt(2.0 / waves)
-        known = (factor * usual) ** 2
-        lost.append(math.sqrt(change**2 - known) if change**2 > chance * known else 0.0)
+        waves = max(step * (inner.stop - inner.start) / (2.0 * gaussian_width(seconds)), 1.0)  # of noise: two standard deviations long
+        lost.append(beyond_noise(change**2, (factor * usual) ** 2, waves))
     left = np.array([factor * noise_gain(2, seconds, step) for factor, seconds in zip(factors, widths, strict=True)])
     return _Risk(np.array(widths), noise * np.array(factors), noise * left, np.concatenate([[0.0], np.cumsum(lost)]))
 

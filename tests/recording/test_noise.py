@@ -111,3 +111,9 @@ def test_all_columns_at_once() -> None:
     found = noise.floors(recording)
     assert set(found) == {"p.pressure_1", "p.valve_command"}
     assert found["p.valve_command"].std == 0.0
+
+
+def test_a_change_holds_what_noise_does_not_make_and_nothing_where_chance_may():
+    assert noise.beyond_noise(25.0, 9.0, 200.0) == 4.0
+    assert noise.beyond_noise(9.0 * 1.19, 9.0, 200.0) == 0.0  # two standard errors of a mean of 200 squares are a fifth
+    assert noise.beyond_noise(9.0 * 1.21, 9.0, 200.0) > 0.0

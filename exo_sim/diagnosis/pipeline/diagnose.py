@@ -30,7 +30,6 @@ from exo_sim.recording.reader import Reading
 from exo_sim.rig import Rig
 
 _STOPPED = "the time that was given was up before everything had been sought: this is the best answer until then"
-_CUT = "improved.toml holds less than what was found: with all of it the time kept back is predicted worse than as believed"
 
 
 def diagnose(
@@ -77,10 +76,10 @@ def _reported(stable: Examination, allowed: Budget, report: Progress, folder: Pa
     report("writing the rig anew")
     update = rig_update(data, results.all, found.unknown)
     report("running it")
-    beside = data.rig.path.parent
     allowed.allow_until(1.0)
-    kept, is_cut = accepted(data, update, beside, split, allowed.is_spent)
-    remarks = (*data.remarks, *([_CUT] if is_cut else []), *([_STOPPED] if allowed.stopped else []))
+    kept, said = accepted(data, update, split, allowed.is_spent)
+    is_cut = kept.update is not update
+    remarks = (*data.remarks, *said, *([_STOPPED] if allowed.stopped else []))
     judged = {one.model.kind for one in results.all if not one.is_empty and not one.is_unresolved}
     verdict = verdict_of(findings, judged, data)
     astray = swings_astray(data, kept.free_run) if verdict in (Verdict.CONSISTENT, Verdict.CALIBRATION) else ()
@@ -102,7 +101,7 @@ def _reported(stable: Examination, allowed: Budget, report: Progress, folder: Pa
         sensor_remarks=tuple(dict.fromkeys(remarks)),
         checks=tuple(check.as_dict() for check in data.checks),
         series=test.series,
-        improved=kept.update.text(folder or beside),
+        improved=kept.update.text(folder or data.rig.path.parent),
         improves=bool(kept.update.parts),
         tables=data.as_read,
         stopped=allowed.stopped,

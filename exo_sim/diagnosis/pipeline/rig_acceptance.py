@@ -9,7 +9,6 @@ from __future__ import annotations
 import math
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
-from pathlib import Path
 
 import numpy as np
 
@@ -22,9 +21,15 @@ from exo_sim.diagnosis.pipeline.rig_errors import WindowErrors
 from exo_sim.diagnosis.policy.budgets import MOST_TRIALS
 from exo_sim.diagnosis.policy.validation import DIVERGED, FEWEST_BLOCKS, MOST_WORSE, SIGNAL_WORSE, SURELY_BETTER, WORTH_LEAVING_OUT
 from exo_sim.diagnosis.validation.machine_runs import Blocks, MachineRuns
+from exo_sim.errors import ModelError, RigError
+from exo_sim.rig import parse
 from exo_sim.simulation.replay import WINDOW
 
 Fits = Mapping[str, SignalFit]
+
+_CUT = "improved.toml holds less than what was found: with all of it the time kept back is predicted worse than as believed"
+_REFUSED = "improved.toml holds less than what was found: a rig with all of it is refused, {}"
+_UNPROVED = "improved.toml was not put to the test: nothing of the time kept back can be predicted, or the recordings are too long"
 
 
 @dataclass(frozen=True)
@@ -37,6 +42,7 @@ class Trial:
         spreads: Standard deviations of the signals, as far as they are recorded.
         coupled: Errors of the whole machine over windows.
         uncertain: Standard error of the mean logarithm of the latter.
+        is_refused: Whether the rig cannot be read, or cannot be a machine.
     """
 
     update: RigUpdate
@@ -45,6 +51,7 @@ class Trial:
     spreads: Mapping[str, float]
     coupled: Fits = field(default_factory=dict)
     uncertain: float = 0.0
+    is_refused: bool = False
 
     @property
     def is_worse(self) -> bool:
@@ -53,6 +60,8 @@ class Trial:
         These are many, so that they say how far another recording's would differ: what is better by less is hardly likelier to be better
         there than worse, and the rig handed in is its owner's.
         """
+        if self.is_refused:
+            return True
         surely = _mean(_logs(self.coupled, self.spreads)) + SURELY_BETTER * self.uncertain
         return is_worse(self.windows, self.spreads) or is_worse(self.free_run, self.spreads) or surely > math.log1p(MOST_WORSE)
 
@@ -63,35 +72,47 @@ class Trial:
         return max(logs, default=0.0) > math.log1p(SIGNAL_WORSE)
 
     @property
+    def is_proved(self) -> bool:
+        """Whether anything could be predicted with it at all."""
+        return bool(self.windows or self.free_run or self.coupled)
+
+    @property
     def loss(self) -> float:
         """Mean logarithm of the errors over those of the rig handed in, all measures counted alike."""
+        if self.is_refused:
+            return math.inf
         return sum(_mean(_logs(fits, self.spreads)) for fits in (self.windows, self.free_run, self.coupled))
 
 
 def accepted(
-    data: MachineData, update: RigUpdate, folder: Path, split: Split, is_spent: IsSpent = never
-) -> tuple[Trial, bool]:
-    """Return as much of an update as wins, with its errors, and whether something of it was left out.
+    data: MachineData, update: RigUpdate, split: Split, is_spent: IsSpent = never
+) -> tuple[Trial, tuple[str, ...]]:
+    """Return as much of an update as wins, with its errors, and remarks: that something was left out, or that nothing could be tried.
 
     Args:
         data: The recordings, and the rig as handed in.
         update: What was found.
-        folder: Of the rig as handed in.
         split: Its test time counts.
         is_spent: Whether the time is up: then it is all of the update, or nothing.
     """
+    refusals: list[str] = []
     windows, free = WindowErrors(data, split), MachineRuns(data, split)
     whole = MachineRuns(data, split.all_kept_as_test(), WINDOW)
 
     def tried(one: RigUpdate) -> Trial:
-        text = one.text(folder)
-        inside, run, coupled = windows.errors(text), free.errors(text), whole.errors(text)
+        try:
+            rig = parse(one.text(data.rig.path.parent), data.rig.path)
+            inside, run, coupled = windows.errors(rig), free.errors(rig), whole.errors(rig)
+        except (RigError, ModelError) as refusal:
+            refusals.append(str(refusal))
+            return Trial(one, {}, {}, {}, is_refused=True)
         spreads = {column: spread_of(data, column) for column in {*inside, *run, *coupled}}
         floors = {column: fit.noise for column, fit in coupled.items()}
-        return Trial(one, inside, run, spreads, coupled, uncertainty(whole.by_block(text), floors))
+        return Trial(one, inside, run, spreads, coupled, uncertainty(whole.by_block(rig), floors))
 
     best = as_far_as_it_wins(update, tried, is_spent)
-    return best, best.update is not update
+    said = ((_CUT, best.update is not update and not refusals), (_UNPROVED, bool(best.update.parts) and not best.is_proved))
+    return best, (*(_REFUSED.format(why) for why in refusals[:1]), *(words for words, is_so in said if is_so))
 
 
 def as_far_as_it_wins(update: RigUpdate, tried: Callable[[RigUpdate], Trial], is_spent: IsSpent = never) -> Trial:

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping
-from contextlib import suppress
 
 import numpy as np
 
@@ -22,8 +21,7 @@ from exo_sim.diagnosis.subsystem_model import Comparison
 from exo_sim.diagnosis.subsystems.gas.model import GasModel
 from exo_sim.diagnosis.subsystems.motion.model import MotionModel
 from exo_sim.diagnosis.validation.machine_runs import judged_part
-from exo_sim.errors import ExoSimError
-from exo_sim.rig import Rig, parse
+from exo_sim.rig import Rig
 
 #: Rms error, unit and noise of the sensor, by column or balance.
 Errors = Mapping[str, tuple[float, str, float]]
@@ -53,23 +51,23 @@ class WindowErrors:
         self._guessed = {joint for joint, runs in data.joints.items() if any(run.imputed is not None for run in runs)}
         self._before: Errors | None = None
 
-    def errors(self, improved: str) -> dict[str, SignalFit]:
+    def errors(self, improved: Rig) -> dict[str, SignalFit]:
         """Return the errors of the rig as handed in and of an improved one; of long recordings only the test time is run, if that is short.
 
-        Args:
-            improved: Text of the rig with what was found, as it would stand beside the rig.
+        What only the rig as handed in predicts has no error after that is a number.
+
+        Raises:
+            RigError, ModelError: the improved rig cannot be a machine.
         """
         if sum(table.duration for table in self._tables) > LONGEST_FREE_RUN:
             return {}
-        found: dict[str, SignalFit] = {}
-        with suppress(ExoSimError):
-            if self._before is None:
-                self._before = self._of(self._data.rig)
-            after = self._of(parse(improved, self._data.rig.path))
-            for key, (error, unit, noise) in self._before.items():
-                if key in after:
-                    found[key] = SignalFit(unit, error, after[key][0], noise)
-        return found
+        if self._before is None:
+            self._before = self._of(self._data.rig)
+        after = self._of(improved)
+        return {
+            key: SignalFit(unit, error, after[key][0] if key in after else math.nan, noise)
+            for key, (error, unit, noise) in self._before.items()
+        }
 
     def _of(self, rig: Rig) -> Errors:
         """Return the errors of one rig."""
@@ -88,6 +86,5 @@ class WindowErrors:
         found = {}
         for key, those in parts.items():
             error = rms(np.concatenate([one.error_after for one in those]))
-            if math.isfinite(error):
-                found[key] = (error, those[0].series.unit, max(one.series.noise for one in those))
+            found[key] = (error, those[0].series.unit, max(one.series.noise for one in those))
         return found

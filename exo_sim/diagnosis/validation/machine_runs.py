@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
-from contextlib import suppress
 from dataclasses import replace
 
 import mujoco
@@ -17,11 +16,11 @@ from exo_sim.diagnosis.data.split import Split
 from exo_sim.diagnosis.findings import SignalFit
 from exo_sim.diagnosis.policy.budgets import LEAD, LONGEST_FREE_RUN
 from exo_sim.diagnosis.policy.recordings import FEWEST_TO_FIT
-from exo_sim.errors import ExoSimError
+from exo_sim.errors import RecordingError
 from exo_sim.machine.rig_model import load
 from exo_sim.recording import noise
 from exo_sim.recording.table import Recording
-from exo_sim.rig import Rig, parse
+from exo_sim.rig import Rig
 from exo_sim.simulation.replay import WINDOW as REPLAY_WINDOW
 from exo_sim.simulation.replay import Run, run, usable
 
@@ -51,49 +50,55 @@ class MachineRuns:
         if window < math.inf:
             around = [_around(table, split) for table in self._tables]
             self._tables = [table for table in around if len(table.time) > FEWEST_TO_FIT]
-        self._believed: dict[tuple[int, str], tuple[Recording, Run | None]] = {}
-        self._machine: _Machine | None = None
-        self._known: tuple[str, dict[str, Sums]] | None = None
+        self._believed: dict[tuple[int, str], tuple[Recording, Run] | None] = {}
+        self._machine = _Machine(data.rig)
+        self._known: tuple[Rig, dict[str, Sums]] | None = None
 
-    def errors(self, improved: str) -> dict[str, SignalFit]:
+    def errors(self, improved: Rig) -> dict[str, SignalFit]:
         """Return, by column, the errors on the test time; empty where something would have to be assumed, or the recordings are long.
 
-        Args:
-            improved: Text of the rig with what was found, as it would stand beside the rig.
+        What the rig as handed in predicts and the improved one cannot has no error after that is a number.
+
+        Raises:
+            RigError, ModelError: the improved rig cannot be a machine.
         """
         return {key: sums.result() for key, sums in self._sums(improved).items()}
 
-    def by_block(self, improved: str) -> dict[str, Blocks]:
+    def by_block(self, improved: Rig) -> dict[str, Blocks]:
         """Return, by column, the squared errors of every window of the test time; arguments as `errors`."""
         return {key: sums.blocks for key, sums in self._sums(improved).items()}
 
-    def _sums(self, improved: str) -> dict[str, Sums]:
-        if self._known and self._known[0] == improved:
+    def _sums(self, improved: Rig) -> dict[str, Sums]:
+        if self._known and self._known[0] is improved:
             return self._known[1]
         total: dict[str, Sums] = {}
         if sum(table.duration for table in self._tables) > LONGEST_FREE_RUN:
             return total
-        with suppress(ExoSimError):  # nothing that can be predicted: what is missing has been said already
-            self._machine = self._machine or _Machine(self._data.rig)
-            found = _Machine(parse(improved, self._data.rig.path))
-            for number, table in enumerate(self._tables):
-                with suppress(ExoSimError):
-                    self._add(total, number, found, self._split.in_test(table.name, table.time))
+        machine = _Machine(improved)
+        for number, table in enumerate(self._tables):
+            self._add(total, number, machine, self._split.in_test(table.name, table.time))
         self._known = improved, {key: sums for key, sums in total.items() if sums.count}
         return self._known[1]
+
+    def _before(self, number: int, motion: str) -> tuple[Recording, Run] | None:
+        """Return a recording as the rig handed in sees it, and its run; None where something that it depends on was not recorded."""
+        if (number, motion) not in self._believed:
+            self._believed[number, motion] = _run(self._tables[number], self._machine, motion, self._window)
+        return self._believed[number, motion]
 
     def _add(self, total: dict[str, Sums], number: int, improved: _Machine, mask: NDArray[np.bool_]) -> None:
         """Add the errors of one recording, whose samples `mask` count."""
         table = self._tables[number]
-        recorded, after = _run(table, improved, "auto", self._window)
-        if after is None or self._machine is None:
+        ran = _run(table, improved, "auto", self._window)
+        if ran is None:
+            if (alone := self._before(number, "auto")) is None:
+                return
+            ran = alone[0], _lost(alone[1])
+        recorded, after = ran
+        believed = self._before(number, "recorded" if after.imposed else "predicted")
+        if believed is None:
             return
-        way = (number, "recorded" if after.imposed else "predicted")
-        if way not in self._believed:
-            self._believed[way] = _run(table, self._machine, way[1], self._window)
-        before = self._believed[way][1]
-        if before is None:
-            return
+        before = believed[1]
         mask = mask & after.simulated
         for key in (key for key in after.predicted.columns if key in before.predicted):
             there = mask & np.isfinite(recorded[key])
@@ -155,7 +160,17 @@ def _around(table: Recording, split: Split) -> Recording:
     return table.span(min(start for start, _ in spans) - LEAD, np.nextafter(max(stop for _, stop in spans), math.inf))
 
 
-def _run(table: Recording, machine: _Machine, motion: str, window: float) -> tuple[Recording, Run | None]:
-    """Return what a rig's sensors let one believe of a recording, and its run."""
-    recorded, _ = usable(table, machine.rig, machine.model)
-    return recorded, run(recorded, machine.rig, machine.model, motion=motion, window=window)
+def _lost(ran: Run) -> Run:
+    """Return a run that predicts no number."""
+    columns = {key: np.full_like(values, math.nan) for key, values in ran.predicted.columns.items()}
+    return replace(ran, predicted=replace(ran.predicted, columns=columns))
+
+
+def _run(table: Recording, machine: _Machine, motion: str, window: float) -> tuple[Recording, Run] | None:
+    """Return what a rig's sensors let one believe of a recording, and its run; None where that cannot be run."""
+    try:
+        recorded, _ = usable(table, machine.rig, machine.model)
+        found = run(recorded, machine.rig, machine.model, motion=motion, window=window)
+    except RecordingError:  # nothing that can be predicted: what is missing has been said already
+        return None
+    return None if found is None else (recorded, found)

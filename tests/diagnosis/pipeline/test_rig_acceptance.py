@@ -3,15 +3,20 @@
 from __future__ import annotations
 
 import math
+from dataclasses import replace
 
 import benches
 import numpy as np
 import pytest
 
+from exo_sim.diagnosis.data.machine_data import MachineData
+from exo_sim.diagnosis.data.split import Split
 from exo_sim.diagnosis.findings import SignalFit
 from exo_sim.diagnosis.outcome.rig_update import Part, Rank, RigUpdate
-from exo_sim.diagnosis.pipeline.rig_acceptance import Trial, as_far_as_it_wins, is_worse, uncertainty
+from exo_sim.diagnosis.pipeline.reading import gather
+from exo_sim.diagnosis.pipeline.rig_acceptance import Trial, accepted, as_far_as_it_wins, is_worse, uncertainty
 from exo_sim.rig import EffectEntry, EffectSetting, Rig
+from exo_sim.trials.cases import make_case, write_case
 
 
 @pytest.mark.parametrize(
@@ -83,6 +88,43 @@ def test_where_nothing_wins_the_rig_stays_as_it_was(rig: Rig) -> None:
     parts = tuple(part(source, rank) for source in ("gas", "motion") for rank in Rank)
     worth = {f"{source}_{rank.name}": (1.2, 1.2) for source in ("gas", "motion") for rank in Rank}
     assert as_far_as_it_wins(RigUpdate(rig, parts), lambda update: weighed(worth, update)).update.parts == ()
+
+
+def test_a_rig_that_is_refused_is_written_without_what_makes_it_so(rig: Rig) -> None:
+    """What cannot be read has no errors, and is not taken for one that has none."""
+    parts = part("gas", Rank.FOUND), part("gas", Rank.REFITTED), part("motion", Rank.FOUND)
+
+    def tried(update: RigUpdate) -> Trial:
+        names = {entry.setting.name for entry in update.entries}
+        return Trial(update, {}, {}, {}, is_refused=True) if "motion_FOUND" in names else weighed({"gas_FOUND": (0.5, 0.5)}, update)
+
+    kept = as_far_as_it_wins(RigUpdate(rig, parts), tried)
+    assert {entry.setting.name for entry in kept.update.entries} == {"gas_FOUND", "gas_REFITTED"}
+
+
+@pytest.fixture(scope="module")
+def leaking(tmp_path_factory: pytest.TempPathFactory) -> MachineData:
+    folder = tmp_path_factory.mktemp("leak")
+    write_case(make_case("a", ("piston_leakage",), 11, 0.5, duration=10.0, known="none"), folder, "parquet")
+    return gather([folder / "recording.parquet"], folder / "rig.toml")
+
+
+def leak(data: MachineData, area: float) -> RigUpdate:
+    entry = EffectEntry(EffectSetting("piston_leakage", "piston", {"area": area}))
+    return RigUpdate(data.rig, (Part("gas of piston", Rank.FOUND, (entry,)),))
+
+
+def test_a_text_that_is_no_rig_is_refused_aloud(leaking: MachineData) -> None:
+    kept, said = accepted(leaking, leak(leaking, 1.0), Split({leaking.recordings[0].name: ((7.0, 9.0),)}))
+    assert kept.update.parts == () and len(said) == 1 and "piston_leakage" in said[0]
+
+
+def test_where_nothing_can_be_tried_it_is_said(leaking: MachineData) -> None:
+    table = leaking.as_read[0]
+    less = replace(table, columns={key: values for key, values in table.columns.items() if key != "piston.valve_command"})
+    nothing = replace(leaking, as_read=(less,), recordings=(less,), cylinders={}, joints={})
+    kept, said = accepted(nothing, leak(leaking, 3.6e-8), Split({less.name: ((7.0, 9.0),)}))
+    assert kept.update.parts and len(said) == 1 and "not put to the test" in said[0]
 
 
 def test_errors_below_the_noise_are_none() -> None:

@@ -11,19 +11,20 @@ from exo_sim.diagnosis.data.split import Split
 from exo_sim.diagnosis.pipeline import rig_errors
 from exo_sim.diagnosis.pipeline.reading import gather
 from exo_sim.diagnosis.pipeline.rig_errors import WindowErrors
+from exo_sim.rig import Rig, parse
 from exo_sim.trials.cases import make_case, write_case
 from exo_sim.trials.oracle import oracle_rig
 
 BALANCE = "piston.force_balance"
 
 
-def case(folder: Path, effect: str) -> tuple[WindowErrors, str, str]:
+def case(folder: Path, effect: str) -> tuple[WindowErrors, Rig, Rig]:
     """Write a case of ten seconds; return its errors over the seventh to ninth, its rig and that with the truth in it."""
     write_case(make_case("a", (effect,), 11, 0.5, duration=10.0, known="none"), folder, "parquet", open_truth=True)
     data = gather([folder / "recording.parquet"], folder / "rig.toml")
     believed = (folder / "rig.toml").read_text()
     right = oracle_rig(believed, json.loads((folder / "truth.json").read_text())["hidden"])
-    return WindowErrors(data, Split({data.recordings[0].name: ((7.0, 9.0),)})), believed, right
+    return WindowErrors(data, Split({data.recordings[0].name: ((7.0, 9.0),)})), data.rig, parse(right, data.rig.path)
 
 
 @pytest.mark.parametrize(
@@ -42,7 +43,8 @@ def test_the_truth_lowers_the_errors_of_its_own_signals(tmp_path: Path, effect: 
 def test_a_curve_of_force_counts_in_the_balance(tmp_path: Path) -> None:
     errors, believed, _ = case(tmp_path, "viscous_friction")
     effect = '\n[effects.unknown.piston]\nacts = "force"\ndepends_on = "velocity"\nat = ["-1 m/s", "1 m/s"]\nvalues = ["{} N", "{} N"]\n'
-    against, along = (errors.errors(believed + effect.format(*values))[BALANCE] for values in ((20.0, -20.0), (-20.0, 20.0)))
+    curves = (parse(believed.text + effect.format(*values), believed.path) for values in ((20.0, -20.0), (-20.0, 20.0)))
+    against, along = (errors.errors(curved)[BALANCE] for curved in curves)
     assert against.after < against.before < along.after
 
 

@@ -16,10 +16,14 @@ from exo_sim.diagnosis.data.machine_data import MachineData
 from exo_sim.diagnosis.data.split import Split
 from exo_sim.diagnosis.pipeline.diagnose import diagnose
 from exo_sim.diagnosis.pipeline.reading import gather
+from exo_sim.diagnosis.validation import machine_runs
 from exo_sim.diagnosis.validation.machine_runs import MachineRuns, Sums
+from exo_sim.errors import ModelError, RecordingError
 from exo_sim.machine.rig_model import load
 from exo_sim.recording import read
-from exo_sim.simulation.replay import WINDOW, replay, rms
+from exo_sim.recording.table import Recording
+from exo_sim.rig import Rig
+from exo_sim.simulation.replay import WINDOW, replay, rms, usable
 from exo_sim.trials.cases import make_case, write_case
 from exo_sim.trials.oracle import oracle_rig
 
@@ -31,12 +35,12 @@ def bench(tmp_path_factory: pytest.TempPathFactory) -> Path:
     return folder
 
 
-def with_truth(folder: Path, effect: str, seed: int = 11, size: float = 0.5) -> tuple[MachineData, str]:
-    """Write a case; return it, and the text of its rig with the truth in it."""
+def with_truth(folder: Path, effect: str, seed: int = 11, size: float = 0.5) -> tuple[MachineData, Rig]:
+    """Write a case; return it, and its rig with the truth in it."""
     case = make_case("a", (effect,), seed, size, duration=10.0, known="none")
     write_case(case, folder, "parquet", open_truth=True)
     rig = oracle_rig((folder / "rig.toml").read_text(), json.loads((folder / "truth.json").read_text())["hidden"])
-    return gather([folder / "recording.parquet"], folder / "rig.toml"), rig
+    return gather([folder / "recording.parquet"], folder / "rig.toml"), rigs.parse(rig, folder / "rig.toml")
 
 
 def kept(case: MachineData, start: float = 7.0, stop: float = 9.0) -> Split:
@@ -46,7 +50,7 @@ def kept(case: MachineData, start: float = 7.0, stop: float = 9.0) -> Split:
 def test_errors_are_those_of_compare_on_the_time_that_was_kept(bench: Path) -> None:
     path = bench / "recording.parquet"
     case = gather([path], bench / "rig.toml")
-    found = MachineRuns(case, kept(case)).errors((bench / "rig.toml").read_text())
+    found = MachineRuns(case, kept(case)).errors(case.rig)
     table = read(path).recording
     run = replay(table, case.rig, load(case.rig)).free_run
     inside = (table.time >= 7.0) & (table.time <= 9.0)
@@ -60,14 +64,14 @@ def test_over_windows_the_whole_machine_is_run_around_what_was_kept(bench: Path)
     """From three seconds before on: then the gas has come to the temperature that it has in a run over all of the recording."""
     path = bench / "recording.parquet"
     case = gather([path], bench / "rig.toml")
-    runs, text = MachineRuns(case, kept(case), WINDOW), (bench / "rig.toml").read_text()
-    found, blocks = runs.errors(text), runs.by_block(text)
+    runs, rig = MachineRuns(case, kept(case), WINDOW), case.rig
+    found, blocks = runs.errors(rig), runs.by_block(rig)
     table = read(path).recording
     run = replay(table, case.rig, load(case.rig)).windowed
     inside = (table.time >= 7.0) & (table.time <= 9.0)
     for key, fit in found.items():
         assert fit.before == fit.after == pytest.approx(rms(table[key][inside], run[key][inside]), rel=0.2)
-        assert fit.after < 0.9 * MachineRuns(case, kept(case)).errors(text)[key].after
+        assert fit.after < 0.9 * MachineRuns(case, kept(case)).errors(rig)[key].after
         assert set(blocks[key]) >= {14, 15, 16, 17} and sum(block[0] for block in blocks[key].values()) == inside.sum()
 
 
@@ -130,7 +134,26 @@ def test_a_vessel_is_run_from_where_it_is_judged(tmp_path: Path) -> None:
 def test_recordings_that_are_long_are_left_to_compare(bench: Path) -> None:
     case = gather([bench / "recording.parquet"], bench / "rig.toml")
     case = replace(case, as_read=(replace(case.as_read[0], time=case.as_read[0].time * 100.0),))
-    assert MachineRuns(case, kept(case, 700.0, 900.0)).errors((bench / "rig.toml").read_text()) == {}
+    assert MachineRuns(case, kept(case, 700.0, 900.0)).errors(case.rig) == {}
+
+
+def test_a_rig_that_cannot_be_run_where_the_one_handed_in_can_is_lost(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    case, right = with_truth(tmp_path, "piston_leakage")
+
+    def refusing(recording: Recording, rig: Rig, *rest: object) -> object:
+        if rig is right:
+            raise RecordingError("nothing in it can be predicted")
+        return usable(recording, rig, *rest)
+
+    monkeypatch.setattr(machine_runs, "usable", refusing)
+    found = MachineRuns(case, kept(case)).errors(right)
+    assert found and all(math.isfinite(fit.before) and math.isnan(fit.after) for fit in found.values())
+
+
+def test_a_rig_that_can_be_no_machine_is_refused(tmp_path: Path) -> None:
+    case, right = with_truth(tmp_path, "piston_leakage")
+    with pytest.raises(ModelError, match="nowhere"):
+        MachineRuns(case, kept(case)).errors(replace(right, cylinders={"nowhere": right.cylinders["piston"]}))
 
 
 def test_a_simulation_that_was_lost_has_no_error() -> None:

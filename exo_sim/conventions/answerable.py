@@ -13,6 +13,7 @@ from typing import Any
 import mujoco
 import numpy as np
 
+from exo_sim.conventions.fed_chambers import fed_cylinders
 from exo_sim.conventions.undriven import is_undriven
 from exo_sim.machine.linkage import linkages
 from exo_sim.machine.unmeasured_contact import without_ground_force
@@ -56,13 +57,13 @@ def questions(recording: Recording, rig: Rig, model: mujoco.MjModel) -> list[Que
         ModelError: the model lacks a part of the rig.
     """
     joints = {link.cylinder: model.joint(int(model.dof_jntid[link.dof])).name for link in linkages(rig, model)}
-    found = []
+    fed, found = fed_cylinders(recording, rig, model), []
     for effect in declared().values():
         if effect.cut in ("sensor", "any") or effect.identification.excluded:
             continue
         places = effect.identification.applicability.places or effect.places
         if "cylinder" in places:
-            found += [_at_cylinder(effect, name, joints.get(name, ""), recording, rig) for name in rig.cylinders]
+            found += [_at_cylinder(effect, name, joints.get(name, ""), recording, rig, name in fed) for name in rig.cylinders]
         if "joint" in places:
             names = [model.joint(i).name for i in range(model.njnt)]
             found += [_at_joint(effect, name, [c for c, j in joints.items() if j == name], recording, rig) for name in names]
@@ -80,7 +81,7 @@ def questions(recording: Recording, rig: Rig, model: mujoco.MjModel) -> list[Que
     return list(best.values())
 
 
-def _at_cylinder(effect: Effect, name: str, joint: str, recording: Recording, rig: Rig) -> Question:
+def _at_cylinder(effect: Effect, name: str, joint: str, recording: Recording, rig: Rig, is_fed: bool) -> Question:
     cylinder, missing = rig.cylinders[name], []
     keys = {"position": f"{joint}.position"}
     if effect.needs_valve and cylinder.valve_area <= 0.0:
@@ -94,6 +95,8 @@ def _at_cylinder(effect: Effect, name: str, joint: str, recording: Recording, ri
             wanted += [f"{name}.{command}" for command in cylinder.commands]
     shown = [signal if "." in signal else keys.get(signal, f"{name}.{signal}") for signal in effect.reveals]
     missing += _lacking(recording, wanted, shown)
+    if effect.cut == "gas" and is_fed:
+        missing.append(f"a command of what lets gas into {name}")
     if effect.cut == "motion" and f"{name}.force" not in recording and not _drive_is_recorded(recording, joint, [name]):
         missing.append(f"{name}.pressure_1, {name}.force or {joint}.external_force, one of them")
     happened = _happened(effect, recording, f"{name}.{cylinder.commands[0]}", keys["position"])

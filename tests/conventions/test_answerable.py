@@ -48,6 +48,13 @@ def test_without_a_command_the_valve_is_not_asked(bench: tuple[Rig, Recording]) 
     assert found["coulomb_friction", "piston"].answerable
 
 
+def test_of_chambers_that_something_unknown_feeds_the_gas_is_not_asked(tmp_path: Path) -> None:
+    rig = benches.bench(tmp_path)
+    found = asked(rig, without(benches.recorded(rig, 4.0), "piston.valve_command"))
+    assert "a command of what lets gas into piston" in found["piston_leakage", "piston"].missing
+    assert found["coulomb_friction", "piston"].answerable
+
+
 def test_a_machine_that_stands_still_with_closed_valves_answers_little(bench: tuple[Rig, Recording]) -> None:
     rig, recording = bench
     n = len(recording.time)

@@ -30,6 +30,7 @@ class MachineData:
         remarks: Plain sentences about clocks and sensors.
         open_questions: What cannot be judged, and why.
         externally_driven: Joints that somebody moved or held by forces that were not measured.
+        fed: Cylinders that were fed by something of which no command was recorded.
         checks: What was asked of the recordings, and put right, before any physics.
     """
 
@@ -44,6 +45,7 @@ class MachineData:
     remarks: tuple[str, ...] = ()
     open_questions: tuple[OpenQuestion, ...] = ()
     externally_driven: frozenset[str] = frozenset()
+    fed: frozenset[str] = frozenset()
     checks: tuple[Check, ...] = ()
 
     @property
@@ -51,9 +53,9 @@ class MachineData:
         """The kinds of subsystem of which one must have been judged before the machine can be said to be as its rig.
 
         Forces are not among them where a body floats, joints hang on the machine that no cylinder moves, or somebody led every piston by
-        forces that were not measured: the gas is judged all the same.
+        forces that were not measured: the gas is judged all the same. Gas is not where what feeds every cylinder is no part of the rig.
         """
-        if not self.rig.cylinders:
+        if all(name in self.fed and cylinder.valve_area <= 0.0 for name, cylinder in self.rig.cylinders.items()):
             return frozenset({Subsystem.MOTION})
         floats = any(int(kind) in (mujoco.mjtJoint.mjJNT_FREE, mujoco.mjtJoint.mjJNT_BALL) for kind in self.model.jnt_type)
         free = floats or self.model.njnt > len(self.rig.cylinders) + 1

@@ -8,6 +8,7 @@ from dataclasses import replace
 import numpy as np
 from numpy.typing import NDArray
 
+from exo_sim.conventions.fed_chambers import fed_cylinders
 from exo_sim.diagnosis.data import open_questions
 from exo_sim.diagnosis.data.cylinder_run import CylinderRun, cylinder_runs
 from exo_sim.diagnosis.data.decay_onset import from_decay_onset
@@ -22,21 +23,24 @@ from exo_sim.recording.table import Recording
 from exo_sim.rig import Rig
 from exo_sim.simulation.replay.external_drive import external_power, externally_driven
 
+_FED = "something lets gas in of which no command was recorded"
+
 
 def sort(data: MachineData) -> MachineData:
     """Return the data with every balance that can be judged, and the questions that cannot."""
     cylinders: dict[str, tuple[CylinderRun, ...]] = {}
     joints: dict[str, tuple[MotionRun, ...]] = {}
-    remarks, open_, driven = list(data.remarks), list(data.open_questions), set(data.externally_driven)
+    remarks, open_, driven, fed = list(data.remarks), list(data.open_questions), set(data.externally_driven), set(data.fed)
     judged_once = False
     for table in data.recordings:
         rate = 1.0 / max(float(np.median(np.diff(table.time))), 1e-9)
+        fed |= fed_cylinders(table, data.rig, data.model)
         for whole in cylinder_runs(table, data.rig, data.model, data.links):
             run = from_decay_onset(whole) if whole.at_rest else whole
             if run is not whole:
                 held = f"{run.time[0] - whole.time[0]:.3g} s"
                 remarks.append(f"{table.name}: {run.cylinder} is held under pressure for its first {held}; judged from its fall on")
-            why = _why_no_gas(run, data.rig, rate)
+            why = _FED if run.cylinder in fed else _why_no_gas(run, data.rig, rate)
             if why:
                 open_.append(open_questions.of_gas(run.cylinder, table.name, why))
             else:
@@ -67,7 +71,7 @@ def sort(data: MachineData) -> MachineData:
         remarks.append("nothing in these recordings can be held against the rig")
     return replace(
         data, cylinders=cylinders, joints=joints, remarks=tuple(remarks), open_questions=tuple(open_),
-        externally_driven=frozenset(driven),
+        externally_driven=frozenset(driven), fed=frozenset(fed),
     )  # fmt: skip
 
 

@@ -38,6 +38,7 @@ class Feed(NamedTuple):
         imposed: Whether motion is imposed as measured; else it is predicted.
         starts: Steps at which the measured state is taken over, rising, shape (w,).
         pressure: Measured pressures there, shape (w, cylinders, 2); NaN keeps the predicted one.
+        led: Pressures that are imposed at every step, shape (n, cylinders, 2), NaN where they are predicted; shape (0, 0, 0) where all are.
     """
 
     command: Array
@@ -52,6 +53,7 @@ class Feed(NamedTuple):
     imposed: bool
     starts: Index
     pressure: Array
+    led: Array
 
 
 @kernel
@@ -159,6 +161,8 @@ def run(first, stop, window, mechanics, plant, feed, filled, shown_pressure, sho
                 shown_pressure[k] = np.nan
                 shown_position[k] = np.nan
                 continue
+            if feed.led.size > 0:
+                _set_pressures(mechanics, plant, feed.led[k])
         for i in range(n):
             seen = sensed_pressures(
                 plant.world[0], plant.cylinders[i], plant.vector, i * state.INTEGRATED, _piston(plant, i)

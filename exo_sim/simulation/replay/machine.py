@@ -3,12 +3,13 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 
 import mujoco
 import numpy as np
 from numpy.typing import NDArray
 
+from exo_sim.conventions.fed_chambers import fed_cylinders
 from exo_sim.errors import RecordingError
 from exo_sim.machine.linkage import moment_row
 from exo_sim.physics import state
@@ -16,7 +17,7 @@ from exo_sim.physics.plant_records import switch_off
 from exo_sim.recording.table import Recording
 from exo_sim.rig import Rig
 from exo_sim.simulation.plugin import PneumaticPlugin
-from exo_sim.simulation.replay import inputs as fed
+from exo_sim.simulation.replay import inputs
 from exo_sim.simulation.replay.external_drive import externally_driven
 from exo_sim.simulation.replay.loop import Feed, run
 from exo_sim.simulation.views import Mechanics, Plant, mechanics
@@ -46,20 +47,21 @@ class RecordedMachine:
         self.model.opt.disableflags |= int(mujoco.mjtDisableBit.mjDSBL_AUTORESET)
         self.plugin = PneumaticPlugin(model, rig)
         self.dt = float(model.opt.timestep)
-        self.joints = fed.recorded_joints(recording, model)
+        self.joints = inputs.recorded_joints(recording, model)
         self.names = [model.joint(j).name for j in self.joints]
         if recording.duration > MOST_STEPS * self.dt:
             raise RecordingError(
                 f'"{recording.name}": {recording.duration:.3g} s in steps of {self.dt:g} s are too many to simulate; '
                 "is its clock in seconds? Else cut it into pieces"
             )
-        self.pieces = fed.steps(recording.time, self.dt)
+        self.led = fed_cylinders(recording, rig, model)
+        self.pieces = inputs.steps(recording.time, self.dt)
         if not self.pieces:
             raise RecordingError(f'"{recording.name}": its clock jumps at every few samples; nothing can be simulated')
         n = sum(len(piece.time) for piece in self.pieces)
         # mj_step2 lets velocities leap before positions: a velocity is that of half a step ago, and then its error is of second order
         moves = [
-            fed.motion(self.pieces, recording.time, recording[f"{name}.position"], 0.5 * self.dt) for name in self.names
+            inputs.motion(self.pieces, recording.time, recording[f"{name}.position"], 0.5 * self.dt) for name in self.names
         ]
         empty = np.zeros((0, n))
         self.position = np.ascontiguousarray(np.array([there for there, _ in moves] or empty).T)
@@ -75,11 +77,15 @@ class RecordedMachine:
         """Return the columns that can be predicted."""
         found = []
         for link in self.plugin.links:
-            if self._length_known(link.actuator):
+            if link.cylinder not in self.led and self._length_known(link.actuator):
                 found += [f"{link.cylinder}.pressure_1", f"{link.cylinder}.pressure_2"]
         if not imposed and len(self.joints) == self.model.njnt:
             found += [f"{name}.position" for name in self.names]
         return found
+
+    def imposed_pressures(self) -> list[str]:
+        """Return of which cylinders the pressures are imposed as recorded, in plain sentences."""
+        return [f"pressures of {name} are led as recorded: gas is let in that no recorded command speaks of" for name in sorted(self.led)]
 
     def assumed(self) -> list[str]:
         """Return what had to be assumed, in plain sentences."""
@@ -89,7 +95,7 @@ class RecordedMachine:
             else f"{c.name}.{command} was not recorded: that side of its valve is taken as closed"
             for c in self.rig.cylinders.values()
             for command in c.commands
-            if c.valve_area > 0.0 and f"{c.name}.{command}" not in self.recording
+            if c.valve_area > 0.0 and f"{c.name}.{command}" not in self.recording and c.name not in self.led
         ]
 
     def _length_known(self, actuator: int) -> bool:
@@ -144,7 +150,7 @@ class RecordedMachine:
         recording, rig, pieces, time = self.recording, self.rig, self.pieces, self.recording.time
         n = sum(len(piece.time) for piece in pieces)
         measured = [recording.get(f"{name}.pressure_{side}") for name in rig.cylinders for side in (1, 2)]
-        starts = fed.window_starts(pieces, window, time, measured)
+        starts = inputs.window_starts(pieces, window, time, measured)
         cylinders, half = list(rig.cylinders), 0.5 * self.dt
         command = np.zeros((n, self.plugin.pneumatics.commands))
         pressure = np.full((len(starts), len(cylinders), 2), math.nan)
@@ -152,18 +158,18 @@ class RecordedMachine:
             for side, signal in enumerate(rig.cylinders[name].commands):
                 values = recording.get(f"{name}.{signal}")
                 if values is not None:
-                    command[:, i + side * len(cylinders)] = np.clip(fed.held(pieces, time, values), -1.0, 1.0)
+                    command[:, i + side * len(cylinders)] = np.clip(inputs.held(pieces, time, values), -1.0, 1.0)
             for side in (1, 2):
-                pressure[:, i, side - 1] = fed.start_pressures(pieces, starts, time, measured[2 * i + side - 1])
-        external = [fed.between(pieces, time, recording.get(f"{name}.external_force"), 0.0) for name in self.names]
+                pressure[:, i, side - 1] = inputs.start_pressures(pieces, starts, time, measured[2 * i + side - 1])
+        external = [inputs.between(pieces, time, recording.get(f"{name}.external_force"), 0.0) for name in self.names]
         model = self.model
         position, velocity = (self.position, self.velocity) if imposed else self._begun(starts)
         return Feed(
             command,
             np.ascontiguousarray(np.array(external or np.zeros((0, n))).T),
-            fed.between(pieces, time, recording.get("supply.pressure"), rig.supply.pressure, half),
-            fed.between(pieces, time, recording.get("supply.temperature"), rig.supply.temperature, half),
-            fed.between(pieces, time, recording.get("exhaust.pressure"), rig.environment.pressure, half),
+            inputs.between(pieces, time, recording.get("supply.pressure"), rig.supply.pressure, half),
+            inputs.between(pieces, time, recording.get("supply.temperature"), rig.supply.temperature, half),
+            inputs.between(pieces, time, recording.get("exhaust.pressure"), rig.environment.pressure, half),
             position,
             velocity,
             np.array([model.jnt_qposadr[j] for j in self.joints], dtype=np.int64),
@@ -171,13 +177,26 @@ class RecordedMachine:
             imposed,
             starts,
             pressure,
+            self._imposed(measured),
         )
+
+    def _imposed(self, measured: Sequence[Array | None]) -> Array:
+        """Return the pressures that are imposed at every step, shape (n, cylinders, 2), or (0, 0, 0) where all are predicted."""
+        if not self.led:
+            return np.zeros((0, 0, 0))
+        n = sum(len(piece.time) for piece in self.pieces)
+        found = np.full((n, len(self.rig.cylinders), 2), math.nan)
+        for i, name in enumerate(self.rig.cylinders):
+            if name in self.led:
+                for side in range(2):
+                    found[:, i, side] = inputs.between(self.pieces, self.recording.time, measured[2 * i + side], math.nan)
+        return found
 
     def _begun(self, starts: NDArray[np.int64]) -> tuple[Array, Array]:
         """Return measured motion, in which windows begin with what a noisy position says best."""
         position, velocity = self.position.copy(), self.velocity.copy()
         for j, name in enumerate(self.names):
-            found = fed.start_motion(self.pieces, starts, self.recording.time, self.recording[f"{name}.position"], 0.5 * self.dt)
+            found = inputs.start_motion(self.pieces, starts, self.recording.time, self.recording[f"{name}.position"], 0.5 * self.dt)
             if found is not None:
                 position[starts, j], velocity[starts, j] = found
         return position, velocity

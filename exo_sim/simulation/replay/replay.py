@@ -109,7 +109,7 @@ def replay(
     remarks = list(check_belongs(recording, rig, model))
     machine, imposed, wanted = _ready(recording, rig, model, motion)
     remarks += [f"motion of {name} is led as recorded: {why}" for name, why in imposed.items()]
-    remarks += machine.assumed()
+    remarks += [*machine.imposed_pressures(), *machine.assumed()]
     report = progress or (lambda share: None)
     windowed = machine.run(window, bool(imposed), lambda share: report(0.5 * share))
     free = machine.run(math.inf, bool(imposed), lambda share: report(0.5 + 0.5 * share))
@@ -137,6 +137,9 @@ def run(
 ) -> Run | None:  # fmt: skip
     """Simulate what was recorded over windows, or in one run; None where something that it depends on was not recorded.
 
+    Pressures that are led belong to the motion that was recorded with them: away from it whatever feeds the chambers would have done
+    something else, so that there is no one run under them.
+
     Args:
         recording, rig, model, motion: As for `replay`.
         window: Length of a window [s]; infinite for one run.
@@ -146,7 +149,7 @@ def run(
     """
     machine, imposed, wanted = _ready(recording, rig, model, motion)
     begun = [f"{c.name}.pressure_{side}" for c in rig.cylinders.values() for side in ((1,) if c.single_acting else (1, 2))]
-    if machine.assumed() or any(key not in recording for key in begun):
+    if machine.assumed() or (machine.led and window == math.inf) or any(key not in recording for key in begun):
         return None
     values = machine.run(window, bool(imposed), lambda share: None)
     simulated = np.zeros(len(recording.time), dtype=bool)

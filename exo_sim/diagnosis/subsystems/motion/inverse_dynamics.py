@@ -9,7 +9,7 @@ filter's width.
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Collection, Sequence
 from dataclasses import dataclass, replace
 from functools import partial
 
@@ -17,6 +17,7 @@ import mujoco
 import numpy as np
 from numpy.typing import NDArray
 
+from exo_sim.conventions.fed_chambers import fed_cylinders
 from exo_sim.diagnosis.data.motion_run import Drive, Inertia, Kinematics, MotionRun, Passive
 from exo_sim.diagnosis.policy.healthy import FORCE_FLOOR_SHARE
 from exo_sim.diagnosis.policy.recordings import LEAST_KNOWN, STILL_NOISE, STILL_SHARE
@@ -84,14 +85,14 @@ def _balances(
         q[:, model.jnt_qposadr[j]], qd[:, model.jnt_dofadr[j]] = move.position, move.velocity
         qdd[:, model.jnt_dofadr[j]] = move.acceleration
     dynamics = _inverse(model, thin, (q, qd, qdd), links, contacts, smoothing)
-    runs, reasons = [], []
+    fed, runs, reasons = fed_cylinders(recording, rig, model), [], []
     for j, name in enumerate(names):
         driven = [link for link in links if link.joint == name]
         dof = int(model.jnt_dofadr[j])
         pushed = f"{name}.external_force" in recording or bool(dynamics.contacts.reached[dof])
         known = dynamics.contacts.known[:, dof]
         free = ~at_stop(model, j, thin, moves[j], smoothing)
-        reason = _why_not(recording, rig, driven, pushed) or _why_not_known(thin, known) or _why_not_free(thin, free)
+        reason = _why_not(recording, rig, driven, pushed, fed) or _why_not_known(thin, known) or _why_not_free(thin, free)
         if reason:
             reasons.append((name, reason))
         else:
@@ -112,8 +113,8 @@ def _motion(time: Array, position: Array, seconds: float, every: int, noise: flo
     return replace(whole, position=position, velocity=velocity, acceleration=acceleration)
 
 
-def _why_not(recording: Recording, rig: Rig, driven: Sequence[Linkage], external: bool) -> str:
-    """Return why the balance of a joint that these cylinders drive cannot be judged, or ""."""
+def _why_not(recording: Recording, rig: Rig, driven: Sequence[Linkage], external: bool, fed: Collection[str]) -> str:
+    """Return why the balance of a joint that these cylinders drive, of which some are fed without a command, cannot be judged, or ""."""
     for link in driven:
         if f"{link.cylinder}.force" in recording:
             continue
@@ -122,7 +123,8 @@ def _why_not(recording: Recording, rig: Rig, driven: Sequence[Linkage], external
         if lacking:
             return f"{link.cylinder}.{lacking[0]} was not recorded"
         commands = rig.cylinders[link.cylinder].commands
-        if not any(f"{link.cylinder}.{command}" in recording for command in commands) and not external:
+        commanded = any(f"{link.cylinder}.{command}" in recording for command in commands)
+        if not commanded and not external and link.cylinder not in fed:
             return f"nothing that was recorded drives {link.cylinder}: what moved it from outside is not known"
     return ""
 

@@ -138,7 +138,7 @@ def run(
     """Simulate what was recorded over windows, or in one run; None where something that it depends on was not recorded.
 
     Pressures that are led belong to the motion that was recorded with them: away from it whatever feeds the chambers would have done
-    something else, so that there is no one run under them.
+    something else, so that a rig is not judged by how far it strays under them.
 
     Args:
         recording, rig, model, motion: As for `replay`.
@@ -149,7 +149,7 @@ def run(
     """
     machine, imposed, wanted = _ready(recording, rig, model, motion)
     begun = [f"{c.name}.pressure_{side}" for c in rig.cylinders.values() for side in ((1,) if c.single_acting else (1, 2))]
-    if machine.assumed() or (machine.led and window == math.inf) or any(key not in recording for key in begun):
+    if machine.assumed() or machine.led or any(key not in recording for key in begun):
         return None
     values = machine.run(window, bool(imposed), lambda share: None)
     simulated = np.zeros(len(recording.time), dtype=bool)

@@ -5,10 +5,10 @@ from __future__ import annotations
 import math
 
 from exo_sim.diagnosis.estimation.uncertainty import HALF_WIDTH
-from exo_sim.diagnosis.findings import Finding, Kind
+from exo_sim.diagnosis.findings import Estimate, Finding, Kind
 from exo_sim.diagnosis.policy.probability import EVEN_SHARE, LEAST_ERRORS, LEAST_PROBABILITY, MAY_BE_NIL, STEEPNESS, UNTESTED
 from exo_sim.diagnosis.policy.verdicts import CONFIDENT_BESIDE_UNKNOWN, MOST_CONFIDENT
-from exo_sim.physics.declaration import identification_of
+from exo_sim.physics.declaration import declared, identification_of
 
 
 def confidence(finding: Finding, share: float | None, of_doubtful_pressures: bool = False) -> float:
@@ -53,11 +53,27 @@ def doubt(finding: Finding, share: float | None, compared: bool = True) -> str:
 
 
 def _may_be_nil(finding: Finding) -> bool:
-    """Return whether the intervals of all its numbers hold the values at which it does nothing."""
-    neutral = identification_of(finding.name).neutral
-    return bool(finding.parameters) and all(
-        one.low <= neutral.get(name, 0.0) <= one.high for name, one in finding.parameters.items()
-    )
+    """Return whether the intervals of all its sizes hold the values at which it does nothing."""
+    sizes = _sizes(finding)
+    return bool(sizes) and all(one.low <= nil <= one.high for one, nil in sizes)
+
+
+def _sizes(finding: Finding) -> list[tuple[Estimate, float]]:
+    """Return the numbers that say how large a finding is, each with its value at which the effect does nothing.
+
+    A shape (the speed of a dip) is never nil. A richer form of an effect does nothing of its own where its numbers are alike.
+    """
+    neutral, effect = identification_of(finding.name).neutral, declared().get(finding.name)
+    found = []
+    for name, one in finding.parameters.items():
+        nil = neutral.get(name, 0.0)
+        if effect is None or effect.parameter(name).low <= nil:
+            found.append((one, nil))
+    if effect is None or not effect.absorbs or len(found) < 2:
+        return found
+    weights = [1.0 / max(one.high - one.low, 1e-300) ** 2 for one, _ in found]
+    mean = sum(weight * one.value for weight, (one, _) in zip(weights, found, strict=True)) / sum(weights)
+    return [(one, mean) for one, _ in found]
 
 
 def _is_weighed_physics(finding: Finding) -> bool:
@@ -66,11 +82,9 @@ def _is_weighed_physics(finding: Finding) -> bool:
 
 
 def _errors_from_nil(finding: Finding) -> float:
-    """Return by how many standard errors that number of a finding lies from nil that does so most; infinite where it has none."""
-    neutral = identification_of(finding.name).neutral
+    """Return by how many standard errors that size of a finding lies from nil that does so most; infinite where it has none."""
     errors = [
-        abs(one.value - neutral.get(name, 0.0)) / max(max(one.high - one.value, one.value - one.low) / HALF_WIDTH, 1e-300)
-        for name, one in finding.parameters.items()
+        abs(one.value - nil) / max(max(one.high - one.value, one.value - one.low) / HALF_WIDTH, 1e-300) for one, nil in _sizes(finding)
     ]
     return max(errors, default=math.inf)
 

@@ -72,3 +72,15 @@ def test_of_several_numbers_one_that_is_not_nil_will_do() -> None:
 def test_a_sensor_at_fault_shows_in_time_kept_back_as_well(share: float | None, compared: bool, doubted: bool) -> None:
     finding = replace(named(300.0), name="sensor_scale", kind=Kind.SENSOR, parameters={"factor": Estimate(1.04, "1", 1.02, 1.06)})
     assert bool(doubt(finding, share, compared)) is doubted
+
+
+@pytest.mark.parametrize(("backward", "said"), [((18.0, 14.0, 22.0), MAY_BE_NIL), ((24.0, 22.0, 26.0), 0.9)])
+def test_friction_of_two_directions_may_be_that_of_one(backward: tuple[float, float, float], said: float) -> None:
+    """Both numbers are far from nil: what may be nil is what they tell apart."""
+    parts = {"forward": Estimate(16.0, "N", 13.0, 19.0), "backward": Estimate(backward[0], "N", *backward[1:])}
+    assert confidence(replace(named(300.0, 0.9), name="asymmetric_friction", parameters=parts), 1.0) == pytest.approx(float(said), abs=2e-3)
+
+
+def test_how_quickly_a_dip_falls_does_not_say_that_there_is_one() -> None:
+    parts = {"breakaway": Estimate(300.0, "N", 0.0, 3e4), "velocity": Estimate(0.02, "m/s", 0.018, 0.022)}
+    assert doubt(replace(named(300.0, 0.999), name="stribeck_friction", parameters=parts), 0.9)

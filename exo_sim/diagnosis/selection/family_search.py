@@ -10,6 +10,7 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
+from numpy.typing import NDArray
 
 from exo_sim.diagnosis.discrepancy.basis import DiscrepancyBasis
 from exo_sim.diagnosis.estimation.candidate import Candidate, CandidateKey, drop_orphans
@@ -32,6 +33,8 @@ from exo_sim.diagnosis.selection.nonparametric_terms import nonparametric_terms,
 from exo_sim.diagnosis.selection.simpler_forms import no_richer_than_needed, poorer_where_alike
 from exo_sim.diagnosis.selection.subset_weighing import At, SubsetWeighing, Weighed
 from exo_sim.physics.declaration import declared
+
+Array = NDArray[np.float64]
 
 
 @dataclass(frozen=True)
@@ -88,7 +91,7 @@ class FamilySearch:
         final = self._predicting_best(final, plain, _errors_about(final, laws))
         probabilities = self.weighing.probabilities(finalists)
         comparisons = Comparisons(self.fits, baseline, len(self.family.bends[0].terms), 0.0)
-        if final.candidates and not self._stands_in_the_fit(final, baseline, comparisons):
+        if final.candidates and comparisons.is_clean(baseline) and not self._stands_in_the_fit(final, baseline, best.spreads):
             final, plain = baseline, baseline
         gone = [c for c in probable if c not in final.candidates and not c.is_law]
         passed_over = [c for c in gone if probabilities.get(c.at, 0.0) > verdicts.PROBABLE]
@@ -131,19 +134,29 @@ class FamilySearch:
         effect = declared().get(candidate.effect)
         return {name for name, _ in effect.absorbs} if effect else set()
 
-    @staticmethod
-    def _stands_in_the_fit(final: FittedModel, baseline: FittedModel, comparisons: Comparisons) -> bool:
+    def _stands_in_the_fit(self, final: FittedModel, baseline: FittedModel, spreads: Spreads) -> bool:
         """Return whether names are decisive also where nuisance parameters are fitted as they act, and not along lines.
 
-        Asked where these leave nothing but noise: a law that the rig has bends further than a line does.
+        Asked where these leave nothing but noise: a law that the rig has bends further than a line does. Each model is held against the
+        noise and the discrepancy that it leaves itself, as subsets are: a machine may be quieter than its sensors' noise is taken for.
         """
-        return not comparisons.is_clean(baseline) or comparisons.evidence(baseline, final).log10_odds > acceptance.LEAST_ODDS
+        price = 0.5 * math.log(max(self.fits.model.size, 2)) * (final.parameter_count - baseline.parameter_count)
+        gain = self._evidence_left(final, spreads) - self._evidence_left(baseline, spreads) - price
+        return gain + sum(c.prior_log_odds for c in final.candidates) > acceptance.LEAST_ODDS * math.log(10.0)
+
+    def _evidence_left(self, model: FittedModel, spreads: Spreads) -> float:
+        """Return the logarithm of the evidence of what a model leaves, its priors included."""
+        found, _ = self._of_remainder(model.fit.residual, spreads)
+        return found - 0.5 * model.fit.penalty
+
+    def _of_remainder(self, left: Array, spreads: Spreads) -> tuple[float, Spreads]:
+        """Return the logarithm of the evidence of a remainder, and the spreads of noise and discrepancy that maximise it."""
+        bend = Bend(None, {}, left, np.zeros((left.size, 0)), ())
+        return LinearEvidence(bend, self.basis).estimated((), spreads, self.weighing.correlation_time, sweeps=3)
 
     def _left_by(self, plain: FittedModel, best: Weighed) -> Spreads:
         """Return the spreads of what a fit leaves: shapes between those that were weighed are no discrepancy."""
-        left = plain.fit.residual
-        bend = Bend(None, {}, left, np.zeros((left.size, 0)), ())
-        return LinearEvidence(bend, self.basis).estimated((), best.spreads, self.weighing.correlation_time, sweeps=3)[1]
+        return self._of_remainder(plain.fit.residual, best.spreads)[1]
 
     def _widened(self, best: Weighed, spreads: Spreads) -> Spreads:
         """Return spreads with which what is missing without a name counts as discrepancy: no fit has numbers for it."""

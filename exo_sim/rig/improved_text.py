@@ -58,7 +58,7 @@ def improved(rig: Rig, effects: Sequence[EffectEntry], corrections: Sequence[Cor
     """Return the text of the rig with effects switched on and numbers corrected, for a file in `folder`.
 
     Keeps the owner's order, comments and units. An effect that says all that another of the owner's says (asymmetric friction,
-    Coulomb friction) takes that one's numbers in and its place.
+    Coulomb friction) takes that one's place.
     """
     corrections = [each for one in corrections for each in _as_written(rig, one)]
     text = _written_into(tomlkit.parse(rig.text), rig, effects, corrections, folder)
@@ -192,19 +192,11 @@ def _place(document: tomlkit.TOMLDocument, setting: EffectSetting) -> tuple[str,
 
 
 def _absorb(document: tomlkit.TOMLDocument, rig: Rig, effect: Effect, finding: EffectEntry) -> EffectEntry:
-    """Take in what the owner's poorer form of this effect says, and remove that form."""
-    for name, shares in effect.absorbs:
-        held = rig.effect(name, finding.setting.where)
-        if held is None:
+    """Put an effect in the place of the owner's poorer form of it, and remove that form."""
+    for name, _ in effect.absorbs:
+        if rig.effect(name, finding.setting.where) is None:
             continue
-        numbers, intervals = dict(finding.setting.parameters), dict(finding.intervals)
-        for own, other in shares:
-            more = held.parameters.get(other, 0.0)
-            numbers[own] = numbers.get(own, 0.0) + more
-            if own in intervals:
-                intervals[own] = (intervals[own][0] + more, intervals[own][1] + more)
-        says = f"{finding.says} It takes the place of the former {name}.".strip()
-        finding = EffectEntry(replace(finding.setting, parameters=numbers), intervals, says)
+        finding = replace(finding, says=f"{finding.says} It takes the place of the former {name}.".strip())
         del document["effects"][name][finding.setting.where]  # type: ignore[union-attr,index]
         if not document["effects"][name]:  # type: ignore[index]
             del document["effects"][name]  # type: ignore[union-attr]

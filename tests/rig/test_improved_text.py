@@ -109,9 +109,9 @@ def test_friction_of_what_turns_keeps_the_key_that_the_owner_took(bench: Path, k
         assert parse(text, bench).effect("coulomb_friction", "elbow").parameters == {"force": 1.5}  # type: ignore[union-attr]
 
 
-def test_the_richer_effect_takes_in_the_poorer_one(bench: Path) -> None:
+def test_the_richer_effect_takes_the_place_of_the_poorer_one(bench: Path) -> None:
     rig = parse(bench.read_text() + EXTRA, bench)
-    found = EffectEntry(EffectSetting("asymmetric_friction", "piston", {"forward": 3.0, "backward": 1.0}), {"forward": (2.5, 3.5)})
+    found = EffectEntry(EffectSetting("asymmetric_friction", "piston", {"forward": 13.0, "backward": 11.0}), {"forward": (12.5, 13.5)})
     text = improved(rig, [found], [], bench.parent)
     again = parse(text, bench)
     assert again.effect("coulomb_friction", "piston") is None

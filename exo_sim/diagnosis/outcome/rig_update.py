@@ -126,11 +126,26 @@ def _entry(candidate: Candidate, result: Result, finding: Finding, rig: Rig) -> 
     if candidate.kind is Kind.SENSOR:
         return _sensor_entry(finding, rig)
     values = {parameter.parameter: result.final.fit.values[parameter] for parameter in candidate.parameters}
-    values |= {parameter.parameter: value for parameter, value in candidate.fixed}
+    values |= {parameter.parameter: value for parameter, value in candidate.fixed if parameter.effect == candidate.effect}
     values = {**_healthy_part(candidate, result), **values}
     turning = any("rad" in parameter.unit or parameter.unit == "N*m" for parameter in candidate.parameters)
     intervals = {name: (e.low, e.high) for name, e in finding.parameters.items()}
+    for name, less in _said_of_the_joint(candidate, result, rig).items():
+        values[name] = max(values[name] - less, 0.0)
+        intervals[name] = tuple(max(end - less, 0.0) for end in intervals[name])  # type: ignore[assignment]
     return EffectEntry(EffectSetting(candidate.effect, candidate.where, values, turning), intervals, wording.says(candidate.effect))
+
+
+def _said_of_the_joint(candidate: Candidate, result: Result, rig: Rig) -> dict[str, float]:
+    """Return by how much less of an effect a piston has than was found, for its joint keeps what the rig says there of the poorer form."""
+    held = dict[str, float]()
+    for poorer, shares in declared()[candidate.effect].absorbs:
+        if any(q.effect == poorer for q, _ in candidate.fixed):
+            own = rig.effect(poorer, candidate.where)
+            for mine, its in shares:
+                whole = float(result.model.nominal.cylinder[poorer][its][0])
+                held[mine] = whole - (own.parameters.get(its, 0.0) if own else 0.0)
+    return held
 
 
 def _healthy_part(candidate: Candidate, result: Result) -> dict[str, float]:

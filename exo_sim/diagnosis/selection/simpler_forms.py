@@ -33,11 +33,11 @@ def poorer_where_alike(
 ) -> tuple[Candidate, ...]:
     """Return the effects, a richer form replaced by the poorer one where what it tells apart is alike.
 
-    Of a poorer one that the rig has, its number is a nuisance parameter and part of what is told apart: nothing is left to be found.
+    Of a poorer one that the rig has, whose place the richer one took, nothing is left to be found.
 
     Args:
         candidates: The effects.
-        values: Of a model with them, its nuisance parameters too.
+        values: Of a model with them.
         asked: Candidates by effect, the poorer forms among them.
     """
     found = []
@@ -45,9 +45,8 @@ def poorer_where_alike(
         kept: Candidate | None = candidate
         effect = declared().get(candidate.effect)
         for poorer, parts in effect.absorbs if effect else ():
-            known = {q.parameter: value for q, value in values.items() if (q.effect, q.where) == (poorer, candidate.where)}
-            whole = {mine: known.get(its, 0.0) for mine, its in parts}
-            apart = [whole[q.parameter] + values[q] for q in candidate.parameters if q.parameter in whole]
+            known = any(q.effect == poorer for q, _ in candidate.fixed)
+            apart = [values[q] for q in candidate.parameters if q.parameter in dict(parts)]
             if (poorer in asked or known) and apart and max(apart) - min(apart) < verdicts.ALIKE * max(apart):
                 kept = asked.get(poorer)
         found += [kept] if kept is not None else []

@@ -19,12 +19,14 @@ from exo_sim.diagnosis.estimation.least_squares import Fit
 from exo_sim.diagnosis.estimation.parameters import FreeParameter, Target
 from exo_sim.diagnosis.findings import Estimate, Finding, Kind
 from exo_sim.diagnosis.outcome.rig_update import RigUpdate, rig_update
+from exo_sim.diagnosis.pipeline.motion_stage import nominal_balance
 from exo_sim.diagnosis.selection.fitted_model import FittedModel, SearchResult
 from exo_sim.diagnosis.selection.model_fits import ModelFits
 from exo_sim.diagnosis.selection.nuisance_calibration import Deviation
 from exo_sim.diagnosis.selection.subsystem_result import SubsystemResult
 from exo_sim.diagnosis.selection.unknown_effect import UnknownEffect
 from exo_sim.diagnosis.subsystems.gas.model import GasModel
+from exo_sim.diagnosis.subsystems.motion.candidates import candidates
 from exo_sim.diagnosis.subsystems.motion.model import MotionModel
 from exo_sim.machine.linkage import linkages
 from exo_sim.machine.rig_model import load
@@ -66,6 +68,27 @@ def test_a_finding_is_switched_on_with_its_number(data: MachineData) -> None:
     one = replace(result({AREA: 3e-8}, LEAK), findings=(finding,))
     effect = read_back(rig_update(data, [one], ()), data).effect("piston_leakage", "piston")
     assert effect is not None and effect.parameters["area"] == pytest.approx(3e-8)
+
+
+@pytest.mark.parametrize("at_joint", [0.0, 4.0])
+def test_friction_of_two_directions_replaces_what_the_rig_says_of_its_piston(tmp_path: Path, at_joint: float) -> None:
+    """What it says of the joint stays there and is part of what was found."""
+    said = '[effects.coulomb_friction.piston]\nforce = "20 N"\n' + f'[effects.coulomb_friction.slide]\nforce = "{at_joint} N"\n'
+    rig = benches.bench(tmp_path, said)
+    model = load(rig)
+    data = MachineData(rig, model, linkages(rig, model), (), (), {}, {})
+    run = motion_runs.behind_cylinder(motion_runs.balance(np.zeros(motion_runs.TIME.size)), np.zeros((motion_runs.TIME.size, 2)))
+    balance = MotionModel([run], nominal_balance(data, "slide", [run]), Split({}))
+    (apart,) = (c for c in candidates(balance.runs, balance.nominal, "piston") if c.effect == "asymmetric_friction")
+    values = dict(zip(apart.parameters, (20.0, 28.0), strict=True))
+    final = FittedModel((apart,), Fit(tuple(values), values, np.zeros(4), np.zeros((4, 2))))
+    whole = {q.parameter: Estimate(value, "N", value - 1.0, value + 1.0) for q, value in values.items()}
+    finding = Finding("asymmetric_friction", "piston", Kind.MISSING_PHYSICS, "", whole, 9.0, 0.5)
+    one = SubsystemResult("slide", balance, ModelFits(balance, ()), SearchResult(final, final), final, (apart,), findings=(finding,))
+    again = read_back(rig_update(data, [one], ()), data)
+    assert again.effect("coulomb_friction", "piston") is None and again.effect("coulomb_friction", "slide") is not None
+    written = again.effect("asymmetric_friction", "piston")
+    assert written is not None and written.parameters == pytest.approx({"forward": 20.0 - at_joint, "backward": 28.0 - at_joint})
 
 
 def test_a_finding_that_was_taken_back_is_not(data: MachineData) -> None:

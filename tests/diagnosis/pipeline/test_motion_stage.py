@@ -20,6 +20,7 @@ from exo_sim.diagnosis.pipeline.plan import Plan
 from exo_sim.diagnosis.selection.subsystem_result import SubsystemResult
 from exo_sim.diagnosis.subsystems.motion.candidates import candidates
 from exo_sim.diagnosis.subsystems.motion.model import MotionModel
+from exo_sim.diagnosis.subsystems.motion.smoothing import smoothed_alike
 from exo_sim.machine.linkage import linkages
 from exo_sim.machine.rig_model import load
 from exo_sim.physics.declaration import declared
@@ -57,6 +58,28 @@ def test_a_dip_of_a_seal_that_differs_by_direction_is_found_beside_it(tmp_path: 
     assert set(names(found)) == wanted and not found.has_unknown
     dip = next(finding for finding in found.findings if finding.name == "stribeck_friction")
     assert dip.parameters["breakaway"].value == pytest.approx(35.0, rel=0.1)
+
+
+@pytest.mark.parametrize(("out", "back"), [(16.0, 24.0), (20.0, 20.0)])
+def test_friction_that_differs_by_direction_is_no_scale_of_a_pressure(tmp_path: Path, out: float, back: float) -> None:
+    """A pressure that reads 1.2 % too much pushes like 4 N beside 20 N of friction that the rig has, and leaves little beside the noise."""
+    gauge = 4e5 * np.stack([1.0 + 0.1 * np.sin(0.8 * TIME), 1.0 + 0.1 * np.cos(1.3 * TIME)], axis=1)
+    lost = smoothed_alike(TIME, np.where(VELOCITY > 0.0, out, -back)) + 60.0 * VELOCITY
+    known = '[effects.coulomb_friction.piston]\nforce = "20 N"\n[effects.viscous_friction.piston]\ncoefficient = "60 N s/m"\n'
+    rig = benches.bench(tmp_path, known)
+    model = load(rig)
+    run = motion_runs.behind_cylinder(motion_runs.balance(lost, 0.3), gauge)
+    columns = {"piston.pressure_1": 8e-4, "piston.pressure_2": -7e-4}
+    levers = {name: np.full(TIME.size, area) for name, area in columns.items()}
+    signals = {name: gauge[:, k] for k, name in enumerate(columns)}
+    run = replace(run, drive=replace(run.drive, levers=levers, signals=signals))
+    data = MachineData(rig, model, linkages(rig, model), (), (), {}, {"slide": (run,)})
+    (found,) = examine_motion(data, Plan(Split({})), SERIAL, lambda words: None)
+    assert names(found) == ["asymmetric_friction"] * (out != back) and not found.has_unknown
+    for finding in found.findings:
+        levels = finding.parameters
+        assert levels["forward"].low < out < levels["forward"].high and levels["backward"].low < back < levels["backward"].high
+        assert levels["forward"].value == pytest.approx(out, rel=0.15) and levels["backward"].value == pytest.approx(back, rel=0.15)
 
 
 def test_a_dip_is_found_beside_friction_of_pressure_that_the_rig_has(tmp_path: Path) -> None:

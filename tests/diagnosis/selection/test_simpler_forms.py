@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import pytest
 
 from exo_sim.diagnosis.estimation.candidate import Candidate
@@ -25,9 +27,10 @@ def test_where_the_rig_has_none_the_poorer_one_is_found_instead(forward: float, 
     assert poorer_where_alike([APART], {FORWARD: forward, BACKWARD: backward}, {"coulomb_friction": PLAIN}) == (kept,)
 
 
-@pytest.mark.parametrize(("more", "kept"), [(1.5, ()), (6.0, (APART,))])
-def test_what_the_rig_has_is_part_of_both_directions(more: float, kept: tuple[Candidate, ...]) -> None:
-    assert poorer_where_alike([APART], {FORCE: 20.0, FORWARD: 0.0, BACKWARD: more}, {}) == kept
+@pytest.mark.parametrize(("backward", "named"), [(21.5, False), (26.0, True)])
+def test_what_the_rig_has_and_is_alike_is_no_finding(backward: float, named: bool) -> None:
+    instead = replace(APART, fixed=((FORCE, 0.0),))
+    assert poorer_where_alike([instead], {FORWARD: 20.0, BACKWARD: backward}, {}) == (instead,) * named
 
 
 def test_a_poorer_form_that_explains_as_much_is_taken() -> None:

@@ -89,7 +89,7 @@ def candidates(runs: Sequence[MotionRun], plant: PlantParameters, where: str, re
                 seen = ObservedMotion(force, speed, travel, float(np.nanmean(position)), _believed_base(effect, plant))
                 starts = asked.starts_by_motion(seen)
             found.append(
-                Candidate(effect.name, where, "+".join(form), tuple(parameters), starts,
+                Candidate(effect.name, where, "+".join(form), tuple(parameters), starts, fixed=_taken_in(effect, plant, where),
                           prerequisite=_missing_prerequisite(effect, plant), prevalence=asked.prevalence)
             )  # fmt: skip
     found += _contact_laws(plant, where, turning, run.cylinder is None)
@@ -139,6 +139,15 @@ def _creeping_contact(plant: PlantParameters, where: str, turning: bool, at_join
         (0.0, velocity.typical[1]),
     )  # fmt: skip
     return [Candidate(effect.name, where, "velocity", (parameter,), ((1e-3,),), proportional=False, is_law=True)]
+
+
+def _taken_in(effect: Effect, plant: PlantParameters, where: str) -> tuple[tuple[FreeParameter, float], ...]:
+    """Return what an effect takes the place of where the rig has it, the poorer form, as none: its own numbers are then the whole."""
+    poorer = [(name, its) for name, shares in effect.absorbs if plant.is_on(declared()[name]) for its in dict(shares).values()]
+    return tuple(
+        (FreeParameter(name, where, its, declared()[name].parameter(its).unit, Target.CYLINDER, 1.0, 0.0, 0.0), 0.0)
+        for name, its in dict.fromkeys(poorer)
+    )
 
 
 def _believed_base(effect: Effect, plant: PlantParameters) -> float:

@@ -193,16 +193,32 @@ class _Builder:
         if hidden:
             return self._shaped(candidate, hidden, residual)
         known = self._known_of(self._absorbed(candidate))
-        one_sided = tuple(q.low >= q.neutral and known is None for q in candidate.parameters)
+        if known is not None:
+            return [self._about_known(candidate, known, columns)]
+        one_sided = tuple(q.low >= q.neutral for q in candidate.parameters)
 
         def parameters(sizes: Array, before: Values) -> dict[FreeParameter, float]:
-            # of a poorer form that the machine has, a richer one may also take something away
-            taken = {} if known is None else {known: max(before[known] + min(0.0, float(sizes.min())), known.low)}
-            given = 0.0 if known is None else before[known] - taken[known]
-            return {**taken, **{q: q.neutral + given + float(size) for q, size in zip(candidate.parameters, sizes, strict=True)}}
+            return {q: q.neutral + float(size) for q, size in zip(candidate.parameters, sizes, strict=True)}
 
         group = candidate.kind.value if candidate.kind is Kind.SENSOR else self._group(candidate)
         return [Term(candidate, np.column_stack(columns), self._spread(columns), one_sided, parameters, group)]
+
+    def _about_known(self, candidate: Candidate, known: FreeParameter, columns: Sequence[Array]) -> Term:
+        """Return what the richer form of an effect that the rig has tells apart, about the number that is fitted of the poorer one.
+
+        Args:
+            candidate: The richer form, of two numbers.
+            known: The poorer form's number, a nuisance parameter.
+            columns: What each of the two adds.
+        """
+        first, second = candidate.parameters
+        apart = columns[0] - columns[1]
+
+        def parameters(sizes: Array, before: Values) -> dict[FreeParameter, float]:
+            level, half = before[known], float(sizes[0])
+            return {first: max(level + half, 0.0), second: max(level - half, 0.0)}
+
+        return Term(candidate, apart[:, None], self._spread([apart]), (False,), parameters, self._group(candidate))
 
     def _shaped(
         self, candidate: Candidate, hidden: Sequence[FreeParameter], residual: Callable[[dict[FreeParameter, float]], Array]
@@ -272,6 +288,9 @@ class _Builder:
         )
         step, most = STEP * self.level, priors.BREAKAWAY * self.level
         sliding = self.level + self.standing_level  # a breakaway below all that slides is none
+        believable = replace(breakaway, prior=(sliding, priors.BREAKAWAY * sliding))  # below all speeds that occurred it is not seen
+        candidate = replace(candidate, parameters=tuple(believable if q is breakaway else q for q in candidate.parameters))
+        breakaway = believable
         found = []
         speeds = np.geomspace(DIP_LOW * self.slowest, max(DIP_HIGH * self.fastest, 1.01 * DIP_LOW * self.slowest), DIPS)
         for speed, power in itertools.product(map(float, speeds), EXPONENTS):

@@ -12,10 +12,12 @@ from diagnosis.motion_runs import ACCELERATION, MASS, POSITION, TIME, VELOCITY
 
 from exo_sim.diagnosis.data.split import Split
 from exo_sim.diagnosis.estimation.candidate import Candidate
+from exo_sim.diagnosis.estimation.least_squares import Fit
 from exo_sim.diagnosis.estimation.parameters import FreeParameter, Target
 from exo_sim.diagnosis.policy.priors import BREAKAWAY
 from exo_sim.diagnosis.selection.family_search import FamilySearch
-from exo_sim.diagnosis.selection.fitted_model import SearchResult
+from exo_sim.diagnosis.selection.fitted_model import FittedModel, SearchResult
+from exo_sim.diagnosis.selection.linear_evidence import Spreads
 from exo_sim.diagnosis.selection.model_fits import ModelFits
 from exo_sim.diagnosis.subsystems.motion.candidates import candidates
 from exo_sim.diagnosis.subsystems.motion.family import DIPS, _Builder, motion_family
@@ -78,9 +80,9 @@ def test_a_level_that_the_rig_has_and_that_differs_by_direction_is_found_beside_
     run = motion_runs.behind_cylinder(motion_runs.balance(ways + 60.0 * VELOCITY, 0.1), np.zeros((TIME.size, 2)))
     found = searched(MotionModel([run], plant, Split({})))
     assert set(named(found)) == {"asymmetric_friction", "viscous_friction"}
-    values = {q.parameter: value for q, value in found.final.fit.values.items() if q.effect in ("coulomb_friction", "asymmetric_friction")}
-    assert values["force"] + values["forward"] == pytest.approx(15.0, rel=0.05)
-    assert values["force"] + values["backward"] == pytest.approx(7.0, rel=0.1)
+    values = {q.parameter: value for q, value in found.final.fit.values.items() if q.effect == "asymmetric_friction"}
+    assert values["forward"] == pytest.approx(15.0, rel=0.05) and values["backward"] == pytest.approx(7.0, rel=0.1)
+    assert [value for _, value in found.final.fixed] == [0.0], "the whole friction of each direction, in the place of what the rig has"
 
 
 def test_no_dip_is_many_times_the_level_that_slides() -> None:
@@ -218,3 +220,28 @@ def test_a_constant_force_beyond_what_zeros_make_leaves_friction_that_differs_by
     found = searched(MotionModel([run], plant, Split({})))
     assert named(found) == {}
     assert [c.effect for c in found.undecided] == ["asymmetric_friction"] * asked
+
+
+@pytest.mark.parametrize(("with_it", "stands"), [(0.4, True), (0.595, False)])
+def test_names_stand_by_what_they_leave_of_a_machine_that_is_quieter_than_its_noise_is_taken_for(with_it: float, stands: bool) -> None:
+    model = MotionModel([motion_runs.balance(lost(coulomb=6.0), 0.1)], motion_runs.plant(), Split({}))
+    nuisances = nuisance_parameters(model.runs, model.nominal, model.where)
+    asked = candidates(model.runs, model.nominal, model.where)
+    basis = model.discrepancy_basis()
+    search = FamilySearch(ModelFits(model, nuisances, cheap=True), motion_family(model, nuisances, asked, bent=False), basis)
+    left = np.random.default_rng(3).standard_normal(model.size)
+    friction = next(one for one in asked if one.effect == "coulomb_friction")
+    plain, named = (
+        FittedModel(names, Fit((), {}, level * left, np.zeros((model.size, 0)))) for names, level in (((), 0.6), ((friction,), with_it))
+    )
+    spreads = Spreads(0.6, tuple(float(scale) for scale in basis.healthy))
+    assert search._stands_in_the_fit(named, plain, spreads) is stands
+
+
+def test_a_dip_that_is_seen_at_no_speed_is_as_high_as_seals_are() -> None:
+    """Fitted without its prior, a dip that falls below all speeds that occurred has any height."""
+    asked = candidates((motion_runs.balance(lost(coulomb=12.0), 0.1),), motion_runs.plant(), "slide")
+    model = MotionModel([motion_runs.balance(lost(coulomb=12.0), 0.1)], motion_runs.plant(), Split({}))
+    dips = [t for t in motion_family(model, (), asked, bent=False).bends[0].terms if t.candidate.effect == "stribeck_friction"]
+    (prior,) = {q.prior for t in dips for q in t.candidate.parameters if q.parameter == "breakaway"}
+    assert prior is not None and prior[1] == pytest.approx(BREAKAWAY * prior[0])

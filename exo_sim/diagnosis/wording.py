@@ -68,6 +68,14 @@ def no_gain(candidate: Candidate, share: float) -> str:
     return "what is left is as small as a healthy machine's, and adding it does not lower it steadily"
 
 
+def unsure_beside_unknown(share: float) -> str:
+    """Return why a candidate does not stand beside something without a name; `share` is what it explains of what is missing."""
+    return (
+        f"beside something without a name it explains {100 * share:.0f} % of what is missing, "
+        "and time that no number was fitted to does not surely bear it out"
+    )
+
+
 def small(effect: str, believed: bool) -> str:
     """Return what is said of an effect, or of a `believed` number, that shows beyond doubt but is too small to matter."""
     what = f"{name_of(effect)} other than believed" if believed else name_of(effect)

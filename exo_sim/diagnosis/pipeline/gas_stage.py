@@ -91,7 +91,7 @@ def examine_gas(
                 is_enough=partial(_is_enough, model),
             )  # fmt: skip
             end, fits = relieved(search.run(), search.fits, search.proposals, model, plan.split)
-            done[key] = decide(name, model, fits, end)
+            done[key] = decide(name, model, fits, end, plan.split)
         found.append(done[key])
         if found[-1].model.effort > MOST_EFFORT:
             data = replace(data, remarks=(*data.remarks, f"{name}: {_ENDED}"))

@@ -16,6 +16,7 @@ a division of time, the third once.
 from __future__ import annotations
 
 from dataclasses import replace
+from typing import TypeVar
 
 from exo_sim.diagnosis.data.machine_data import MachineData
 from exo_sim.diagnosis.data.split import Split, split
@@ -37,6 +38,8 @@ from exo_sim.diagnosis.subsystem_model import SubsystemModel
 from exo_sim.diagnosis.validation.held_out import held_out_errors, is_refuted
 from exo_sim.diagnosis.validation.long_run import Straying, straying
 from exo_sim.physics.effects.unknown import EFFECT as UNKNOWN
+
+Model = TypeVar("Model", bound=SubsystemModel)
 
 
 def examine_until_stable(data: MachineData, threads: Threads, report: Progress, budget: Budget | None = None) -> Examination:
@@ -99,12 +102,16 @@ def newly_refuted(examination: Examination) -> Refuted:
 
 def _without_refuted(examination: Examination) -> Examination:
     """Return an examination without the findings that were refuted; the numbers of the others are found anew, and their errors."""
-    refuted, before = examination.plan.refuted, examination.results
-    results = before.each(lambda one: without_findings(one, refuted) if any((f.name, f.where) in refuted for f in one.findings) else one)
+    refuted, before, split = examination.plan.refuted, examination.results, examination.plan.split
+
+    def rest(one: SubsystemResult[Model]) -> SubsystemResult[Model]:
+        return without_findings(one, refuted, split) if any((f.name, f.where) in refuted for f in one.findings) else one
+
+    results = before.each(rest)
     anew = [one for one, old in zip(results.all, before.all, strict=True) if one.final is not old.final]
     if not anew:
         return replace(examination, results=results)
-    unknown, split, gone = unknown_effects(results.all), examination.plan.split, [f"{name}@{where}" for name, where in refuted]
+    unknown, gone = unknown_effects(results.all), [f"{name}@{where}" for name, where in refuted]
     validation = examination.validation
     if validation is not None:
         validation = validation.updated(held_out_errors(anew, unknown, split.validation_as_test()), gone)

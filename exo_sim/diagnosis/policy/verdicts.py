@@ -64,12 +64,6 @@ PLAIN_ODDS = Number(
     30.0, "log10 of odds", "above these a finding need not surely exceed a healthy machine's: only nuisance parameters that "
     "could stand in for it make it vague",
 )  # fmt: skip
-ALONE_SHARE = Number(0.9, "share of what is missing without it", "beside something unknown a finding stands with this, the former, and ...")
-ALONE_SHARE_HOPELESS = Number(
-    0.97, "share of what is missing without it",
-    "... with this instead where what is left is hopeless: a relief valve passed for a leak with 0.95",
-)  # fmt: skip
-ALONE_STEADY = Number(3.0, "mean gain over blocks in units of its standard error", "... so steady a gain")
 STRAINED = Number(
     3.5, "prior standard deviations", "a nuisance parameter that is further from its mean speaks for something missing",
     "derived from a two-sided error of 0.05 %: a machine has a dozen of them",

@@ -5,15 +5,17 @@ from __future__ import annotations
 import math
 from collections.abc import Mapping, Sequence
 from dataclasses import replace
+from functools import cached_property
 from typing import Generic, TypeVar
 
 from exo_sim.diagnosis import wording
+from exo_sim.diagnosis.data.split import Split
 from exo_sim.diagnosis.estimation.candidate import Candidate, drop_orphans
 from exo_sim.diagnosis.estimation.parameters import FreeParameter
 from exo_sim.diagnosis.estimation.uncertainty import HALF_WIDTH, bounded_interval
 from exo_sim.diagnosis.findings import Finding, Kind, Rejected
 from exo_sim.diagnosis.policy import verdicts
-from exo_sim.diagnosis.policy.acceptance import BESIDE_DISCREPANCY, CLEAN
+from exo_sim.diagnosis.policy.acceptance import BESIDE_DISCREPANCY, CLEAN, STEADY_GAIN
 from exo_sim.diagnosis.selection.candidate_finding import finding_of, with_all_parts, with_twins
 from exo_sim.diagnosis.selection.fitted_model import (
     FittedModel,
@@ -22,6 +24,7 @@ from exo_sim.diagnosis.selection.fitted_model import (
     is_at_bound,
     is_more_than_healthy,
 )
+from exo_sim.diagnosis.selection.kept_back_gain import gain_in_errors
 from exo_sim.diagnosis.selection.model_fits import ModelFits
 from exo_sim.diagnosis.selection.nuisance_calibration import deviations, refitted_besides
 from exo_sim.diagnosis.selection.subsystem_result import SubsystemResult
@@ -31,14 +34,15 @@ from exo_sim.physics.declaration import identification_of
 Model = TypeVar("Model", bound=SubsystemModel)
 
 
-def decide(name: str, model: Model, fits: ModelFits, search: SearchResult) -> SubsystemResult[Model]:
+def decide(name: str, model: Model, fits: ModelFits, search: SearchResult, split: Split | None = None) -> SubsystemResult[Model]:
     """Return the result of a finished search; of an interrupted one, what other subsystems need to go on.
 
     Args:
         name: What identifies the subsystem among those of its kind.
         model, fits, search: What was searched, and what was found.
+        split: Of the time, its validation time kept back; without one no name stands beside something unknown in a gas.
     """
-    return _Decision(model, fits, _off_bounds(fits, search)).result(name)
+    return _Decision(model, fits, _off_bounds(fits, search), split).result(name)
 
 
 def _off_bounds(fits: ModelFits, search: SearchResult) -> SearchResult:
@@ -55,8 +59,8 @@ def _off_bounds(fits: ModelFits, search: SearchResult) -> SearchResult:
 class _Decision(Generic[Model]):
     """What stands of one search."""
 
-    def __init__(self, model: Model, fits: ModelFits, search: SearchResult):
-        self.model, self.fits, self.search = model, fits, search
+    def __init__(self, model: Model, fits: ModelFits, search: SearchResult, split: Split | None):
+        self.model, self.fits, self.search, self.split = model, fits, search, split
 
     def result(self, name: str) -> SubsystemResult[Model]:
         search, end = self.search, self.search.final
@@ -83,7 +87,7 @@ class _Decision(Generic[Model]):
         twins = self.model.indistinguishable(findings, final.fit)
         findings = [with_twins(f, twins.get((f.name, f.where), ())) for f in findings]
         observed = {parameter: error for parameter, error in errors.items() if self.model.is_observed(parameter)}
-        off = () if alone and not named else deviations(final, observed)  # alone they bend to what has no name
+        off = () if alone else deviations(final, observed)  # they bend to what has no name
         off = tuple(
             replace(d, stands_for=search.stands_for.get((q.effect, q.where), ()), twins=self.model.twins_of_number(q))
             for d, q in ((one, one.parameter) for one in off)
@@ -120,7 +124,7 @@ class _Decision(Generic[Model]):
         found += [Rejected(*c.at, wording.no_gain(c, share)) for c, share in search.runners_up]
         if unknown:
             found += [
-                Rejected(*c.at, f"it explains only {100 * search.evidence[c.key].share:.0f} % and leaves the rest as it was")
+                Rejected(*c.at, wording.unsure_beside_unknown(search.evidence[c.key].share))
                 for c in accepted
                 if c.key in search.evidence
             ]
@@ -129,8 +133,7 @@ class _Decision(Generic[Model]):
     def _beyond_doubt(self, final: FittedModel, named: tuple[Candidate, ...]) -> tuple[FittedModel, tuple[Candidate, ...]]:
         """Return the findings that stand beside an unknown effect, and the model with nothing but them."""
         end = self.search.final
-        least = verdicts.ALONE_SHARE_HOPELESS if self._is_hopeless(end) else verdicts.ALONE_SHARE
-        apart = [c for c in named if self._stands_alone(c, least)]
+        apart = [c for c in named if self._stands_alone(c)]
         kept = drop_orphans([c for c in apart if identification_of(c.effect).applicability.bursts or not self._has_bursts(end)])
         if not kept:
             return self.search.baseline, kept
@@ -177,12 +180,25 @@ class _Decision(Generic[Model]):
         evidence = self.search.evidence.get(candidate.key)
         return evidence is not None and max(evidence.log10_odds, evidence.beside_discrepancy) > verdicts.PLAIN_ODDS
 
-    def _stands_alone(self, candidate: Candidate, least: float) -> bool:
-        """Return whether a finding is beyond doubt although something else is left: it explains at least this share of what is missing."""
-        evidence = self.search.evidence.get(candidate.key)
-        if evidence is None or not self._is_plain(candidate):
+    def _stands_alone(self, candidate: Candidate) -> bool:
+        """Return whether a finding is beyond doubt although something else is left.
+
+        Beside all others its odds leave no doubt, and time that was kept back is predicted better with it, block for block.
+        """
+        kept_back = self._kept_back
+        if kept_back is None or not kept_back.size or not self._is_plain(candidate):
             return False
-        return evidence.share > least and evidence.steady > verdicts.ALONE_STEADY
+        end = self.search.final
+        without = self.fits.fit(drop_orphans(end.without(candidate)), end)
+        left = [kept_back.residual(one.fit.values, one.fixed) for one in (without, end)]
+        return gain_in_errors(kept_back, *left) > STEADY_GAIN
+
+    @cached_property
+    def _kept_back(self) -> SubsystemModel | None:
+        """The subsystem over validation time."""
+        if self.split is None or not self.split.validation:
+            return None
+        return self.model.on_test_time(self.split.validation_as_test())
 
     def _is_unknown(self, final: FittedModel, named: Sequence[Candidate]) -> bool:
         """Return whether too much is left for the names to be accepted, or nuisance parameters are strained too far."""

@@ -7,6 +7,7 @@ from collections.abc import Collection
 from dataclasses import replace
 from typing import TypeVar
 
+from exo_sim.diagnosis.data.split import Split
 from exo_sim.diagnosis.estimation.candidate import drop_orphans
 from exo_sim.diagnosis.estimation.uncertainty import HALF_WIDTH
 from exo_sim.diagnosis.findings import Estimate, Finding
@@ -18,7 +19,9 @@ from exo_sim.diagnosis.subsystem_model import SubsystemModel
 Model = TypeVar("Model", bound=SubsystemModel)
 
 
-def without_findings(result: SubsystemResult[Model], names: Collection[tuple[str, str]]) -> SubsystemResult[Model]:
+def without_findings(
+    result: SubsystemResult[Model], names: Collection[tuple[str, str]], split: Split | None = None
+) -> SubsystemResult[Model]:
     """Return a result without some of its findings and what comes on top of them.
 
     Where the rest alone would leave something unknown, its numbers stay as they were found: only the names go.
@@ -26,6 +29,7 @@ def without_findings(result: SubsystemResult[Model], names: Collection[tuple[str
     Args:
         result: A result.
         names: Effect and place of each.
+        split: As of `decide`.
     """
     kept = drop_orphans([c for c in result.final.candidates if c.at not in names])
     gone = {c.at for c in result.final.candidates} - {c.at for c in kept}
@@ -33,7 +37,7 @@ def without_findings(result: SubsystemResult[Model], names: Collection[tuple[str
     if not gone:
         return only_named
     final = result.fits.refined(result.fits.fit(kept, result.final))
-    anew = decide(result.name, result.model, result.fits, replace(result.search, final=final))
+    anew = decide(result.name, result.model, result.fits, replace(result.search, final=final), split)
     kept_names = {(f.name, f.where) for f in only_named.findings}
     if anew.has_unknown != result.has_unknown or {(f.name, f.where) for f in anew.findings} != kept_names:
         return only_named

@@ -8,10 +8,12 @@ import numpy as np
 import pytest
 from diagnosis import waves
 
+from exo_sim.diagnosis.data.split import Split
 from exo_sim.diagnosis.estimation.candidate import Candidate
 from exo_sim.diagnosis.estimation.least_squares import Fit
 from exo_sim.diagnosis.estimation.parameters import FreeParameter, Target
 from exo_sim.diagnosis.selection.decision import decide
+from exo_sim.diagnosis.selection.evidence import Evidence
 from exo_sim.diagnosis.selection.fitted_model import FittedModel, SearchResult, is_at_bound
 from exo_sim.diagnosis.selection.model_fits import ModelFits
 from exo_sim.diagnosis.selection.search import Search
@@ -53,7 +55,23 @@ def test_more_than_a_healthy_machine_leaves_is_unknown(bound: float, unknown: bo
 def test_beside_something_unknown_only_what_is_beyond_doubt_is_named() -> None:
     plain = decided(waves.Waves(1.5, slow=9.5, quick=4.0), waves.BASE)
     assert plain.has_unknown and plain.named == () and plain.final.candidates == ()
-    assert any("explains only" in one.why for one in plain.rejected)
+    assert any("beside something without a name" in one.why for one in plain.rejected)
+
+
+@pytest.mark.parametrize(("wave", "named"), [("slow", ["base"]), ("burst", [])])
+def test_beside_something_unknown_a_name_stands_that_time_kept_back_surely_bears_out(wave: str, named: list[str]) -> None:
+    """A wave gains in every block of it, a burst in one, however high its odds are."""
+    shapes = {**waves.SHAPES, "burst": np.where((waves.AT >= 80.0) & (waves.AT < 120.0), 1.0, 0.0)}
+    model, one = waves.Waves(1.5, shapes, **{wave: 9.5, "quick": 4.0}), waves.candidate("base", wave)
+    fits = ModelFits(model, ())
+    bare = fits.refined(fits.fit(()))
+    final = fits.refined(fits.fit((one,), bare))
+    evidence = Evidence(log10_odds=99.0, gain=230.0, share=0.6, steady=1.0)
+    search = SearchResult(bare, final, {one.key: evidence})
+    result = decide("piston", model, fits, search, Split({}, {"recording": ((0.0, 400.0),)}))
+    assert result.has_unknown
+    assert [finding.name for finding in result.findings] == named == [c.effect for c in result.final.candidates]
+    assert decide("piston", model, fits, search).findings == ()  # nothing was kept back
 
 
 def test_an_interrupted_search_is_not_judged_but_handed_on() -> None:

@@ -161,6 +161,10 @@ class Identification:
         """Whether it is asked though the machine has it: then it is the diagnosis that gave it what every machine has."""
         return bool(self.every_contact)
 
+    def beside(self, parameter: str) -> float:
+        """Return what a healthy machine shows of a parameter beside its nominal value: one standard deviation."""
+        return self.healthy.get(parameter, (0.0, 0.0))[0]
+
     def smallest(self, parameter: str) -> float:
         """Return what less of a parameter is no finding."""
         return self.least.get(parameter, self.healthy.get(parameter, (0.0, 0.0))[1])

@@ -38,23 +38,25 @@ class Deviation:
 def deviations(model: FittedModel, errors: Mapping[FreeParameter, float]) -> tuple[Deviation, ...]:
     """Return the nominal numbers that are surely off, and by enough to be worth correcting; `errors` are standard errors.
 
-    A number of an effect is of the rig's law, which is never quite the machine's: what that makes of it counts as an error, and of a
-    time what clocks leave open before any data. What a law is taken to be where nobody gave it is no nominal number.
+    A number of an effect is of the rig's law, which is never quite the machine's: what that makes of it counts as an error, and what is
+    open before any data: of a time what clocks leave open, of others what a healthy machine shows beside them. What a law is taken to be
+    where nobody gave it is no nominal number.
     """
     found, effects = [], model.effect_parameters
     for parameter, value in model.fit.values.items():
         whole = parameter.prior[0] if parameter.prior and parameter.effect in declared() else 1.0
         if whole == 0.0 or (parameter.effect not in WORTH and parameter.effect not in declared()) or parameter in effects:
             continue
-        laws = identification_of(parameter.effect).known
-        if parameter.effect in declared() and laws.get(parameter.parameter) == parameter.prior:
+        declares = identification_of(parameter.effect)
+        if parameter.effect in declared() and declares.known.get(parameter.parameter) == parameter.prior:
             continue
         factor, error = value / whole, errors.get(parameter, math.inf) / abs(whole)
         if parameter.effect in declared():
             clocks = parameter.prior[1] if parameter.prior and parameter.unit == "s" else 0.0
-            error = math.hypot(error, clocks / abs(whole))
-            spread = math.hypot(error / max(abs(factor), 1e-12), OPEN_LAW_SHARE if laws else LAW_SHARE)
-            is_off, error = factor <= 0.0 or abs(math.log(factor)) > SURE * spread, spread * abs(factor)
+            error = math.hypot(error, (clocks or declares.beside(parameter.parameter)) / abs(whole))
+            spread = math.hypot(error / max(abs(factor), 1e-12), OPEN_LAW_SHARE if declares.known else LAW_SHARE)
+            is_off = abs(math.log(factor)) > SURE * spread if factor > 0.0 else 1.0 - factor > SURE * error
+            error = spread * abs(factor)
         else:
             far = parameter.prior is not None and abs(factor - 1.0) > BEYOND_SHEET.get(parameter.effect, math.inf) * parameter.prior[1]
             is_off = far or abs(factor - 1.0) > max(SURE * error, WORTH[parameter.effect])

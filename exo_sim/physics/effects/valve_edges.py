@@ -47,6 +47,7 @@ EFFECT = Effect(
         forms=((*(f"overlap_{edge}" for edge in EDGES), *(f"excess_{edge}" for edge in EDGES)),),
         starts=((*(0.0 for _ in EDGES), *(0.0 for _ in EDGES)), (*(0.004, -0.004, 0.004, -0.004), *(0.0 for _ in EDGES))),
         jerky=True,
+        healthy={f"excess_{edge}": (0.05, 0.15) for edge in EDGES},
         known={**{f"overlap_{edge}": (0.0, 0.01) for edge in EDGES}, **{f"excess_{edge}": (0.0, 0.05) for edge in EDGES}},
         least={**{f"overlap_{edge}": 0.03 for edge in EDGES}, **{f"excess_{edge}": 0.15 for edge in EDGES}},
         is_law=True,

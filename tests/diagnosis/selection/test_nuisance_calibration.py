@@ -176,3 +176,13 @@ def test_a_time_is_off_only_beyond_what_clocks_leave_open() -> None:
         return bool(deviations(trial, {delay: 1e-4}))
 
     assert not off(15e-3) and off(40e-3)
+
+
+def test_an_edge_is_off_only_beyond_what_edges_of_one_spool_differ_by() -> None:
+    edge = FreeParameter("valve_edges", "piston", "excess_exhaust_1", "1", Target.CYLINDER, 0.05, -0.95, 4.0, (-0.02, 0.05))
+
+    def off(value: float) -> bool:
+        trial = FittedModel((), Fit((), {edge: value}, np.zeros(0), np.zeros((0, 0))))
+        return bool(deviations(trial, {edge: 1e-3}))
+
+    assert not off(-0.06) and not off(0.03) and off(0.4)

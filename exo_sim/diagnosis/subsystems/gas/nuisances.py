@@ -74,24 +74,28 @@ def healthy_walls(plant: PlantParameters, cylinder: str) -> tuple[FreeParameter,
 
 
 def _valve_imperfections(plant: PlantParameters, cylinder: str, period: float) -> tuple[FreeParameter, ...]:
-    """Return what a healthy valve shows of the effects that the rig does not have on already, in this form or a richer one."""
+    """Return what a healthy valve shows of the effects that the rig does not have on already, in this form or a richer one.
+
+    Of an effect that the rig has on these are the numbers that it leaves out.
+    """
     found = []
-    contained = plant.contained_effects
+    contained, single = plant.contained_effects, float(plant.cylinder["single_acting"][0]) > 0.0
     for effect in declared().values():
         if effect.name in contained:
             continue
         for name, (spread, most) in effect.identification.healthy.items():
             parameter = effect.parameter(name)
-            if not plant.is_on(effect):
-                if parameter.unit == "s":
-                    spread, most = max(spread, 0.5 * period), max(most, period)
-                low = 0.0 if parameter.low >= 0.0 else -most
-                found.append(
-                    FreeParameter(
-                        effect.name, cylinder, name, parameter.unit, Target.CYLINDER, spread, low, most, (0.0, spread),
-                        nonsmooth=effect.identification.jerky,
-                    )  # fmt: skip
-                )
+            if float(plant.cylinder[effect.name][name][0]) != 0.0 or (single and name.endswith("_2")):
+                continue
+            if parameter.unit == "s":
+                spread, most = max(spread, 0.5 * period), max(most, period)
+            low = 0.0 if parameter.low >= 0.0 else -most
+            found.append(
+                FreeParameter(
+                    effect.name, cylinder, name, parameter.unit, Target.CYLINDER, spread, low, most, (0.0, spread),
+                    nonsmooth=effect.identification.jerky and not name.startswith("excess"),
+                )  # fmt: skip
+            )
     return tuple(found)
 
 
@@ -99,7 +103,7 @@ def known_effects(plant: PlantParameters, cylinder: str, period: float = 0.0) ->
     """Return the parameters of effects that the rig has on already: an owner's numbers are estimates.
 
     Times are known no better than the clocks of the columns that show them: those of two cards, and a command that changes within a
-    sample.
+    sample; other numbers no better than what a healthy machine shows beside them.
 
     Args:
         plant: The nominal machine.
@@ -115,7 +119,8 @@ def known_effects(plant: PlantParameters, cylinder: str, period: float = 0.0) ->
         for parameter in effect.parameters:
             value = float(record[effect.name][parameter.name][0])
             if value != 0.0 and not parameter.choices:
-                spread = math.hypot(priors.KNOWN_GAS * value, clocks if parameter.unit == "s" else 0.0)
+                beside = clocks if parameter.unit == "s" else effect.identification.beside(parameter.name)
+                spread = math.hypot(priors.KNOWN_GAS * value, beside)
                 found.append(
                     FreeParameter(
                         effect.name, where, parameter.name, parameter.unit, target, spread, parameter.low, parameter.high,

@@ -90,3 +90,32 @@ def test_the_card_of_a_slow_logger_filters_as_long_as_a_sample_takes(period: flo
     (width,) = (q for q in free if q.effect == "valve_deadband")  # which is no time
     (same,) = (q for q in nuisance_parameters(plant(), "piston", True, (1, 2)) if q.effect == "valve_deadband")
     assert width == same
+
+
+def excesses(one: PlantParameters) -> dict[str, FreeParameter]:
+    free_ones = (*nuisance_parameters(one, "piston", True, (1, 2)), *known_effects(one, "piston"))
+    return {q.parameter: q for q in free_ones if q.effect == "valve_edges"}
+
+
+def test_no_valve_has_four_edges_of_one_size() -> None:
+    edges = excesses(plant())
+    assert set(edges) == {"excess_supply_1", "excess_exhaust_1", "excess_supply_2", "excess_exhaust_2"}
+    assert all(q.prior == (0.0, 0.05) and not q.nonsmooth and q.low == -q.high for q in edges.values())
+    single = plant()
+    single.cylinder["single_acting"] = 1.0
+    assert set(excesses(single)) == {"excess_supply_1", "excess_exhaust_1"}
+
+
+def test_edges_that_a_data_sheet_tells_apart_are_as_open_as_others() -> None:
+    given = plant()
+    given.cylinder["valve_edges"]["excess_exhaust_1"] = -0.1
+    edges = excesses(given)
+    assert len(edges) == 4 and edges["excess_exhaust_1"].prior == (-0.1, pytest.approx(math.hypot(0.01, 0.05)))
+    assert edges["excess_supply_2"].prior == (0.0, 0.05)
+
+
+def test_a_dead_time_that_a_rig_with_a_lag_leaves_out_is_free_as_it_is_without() -> None:
+    slow = plant()
+    slow.cylinder["valve_lag"]["time_constant"] = 4e-3
+    (delay,) = (q for q in nuisance_parameters(slow, "piston", True, (1, 2)) if q.effect == "valve_lag")
+    assert delay.parameter == "delay" and delay.prior == (0.0, 1e-3)

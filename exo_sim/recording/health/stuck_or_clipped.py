@@ -30,6 +30,8 @@ _FLAT_BY_NATURE = (*VALVE_COMMANDS, "external_force")
 _FORCES = ("ground_force_", "strap_force_", "force", "pressure_centre")
 _CHANCE = 1e-6
 _FEWEST = 20
+#: A column of so few readings, neighbouring steps of its converter, shows its rounding and not whether it stops.
+_FEW_READINGS = 4
 #: Seconds between samples up to which a corner in a curve is seen as one.
 _QUICK = 0.01
 
@@ -43,7 +45,7 @@ def check(recording: Recording, key: str, noise: Mapping[str, Noise]) -> list[Fi
         return []
     if np.all(present == present[0]):
         return _constant(recording, key, float(present[0]))
-    if signal in _FLAT_BY_NATURE:
+    if signal in _FLAT_BY_NATURE or len(np.unique(present)) <= _FEW_READINGS:
         return []
     held = runs(np.diff(values) == 0.0)
     held[:, 1] += 1  # a run of n equal differences spans n + 1 samples

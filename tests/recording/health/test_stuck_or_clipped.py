@@ -40,3 +40,11 @@ def test_a_stuck_one_is_found_in_its_rows() -> None:
 
 def test_one_that_runs_into_its_end_is_clipped() -> None:
     assert set(kinds(np.minimum(CLEAN, 3.5e5))) == {"clipped"}
+
+
+def test_a_regulated_supply_that_toggles_between_steps_of_a_coarse_converter_is_nothing() -> None:
+    step = 1222.0
+    for offset in (0.0, 0.35, 0.45):
+        values = step * np.round(600.0 + offset + RNG.normal(0.0, 0.25, TIME.size))
+        assert len(np.unique(values)) <= 4
+        assert kinds(values) == {}

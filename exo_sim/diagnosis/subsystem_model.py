@@ -13,6 +13,7 @@ from numpy.typing import NDArray
 
 from exo_sim.diagnosis.data.machine_data import MachineData
 from exo_sim.diagnosis.data.split import Split
+from exo_sim.diagnosis.discrepancy.basis import DiscrepancyBasis, joined
 from exo_sim.diagnosis.discrepancy.curve import Curve
 from exo_sim.diagnosis.discrepancy.signal import Discrepancy
 from exo_sim.diagnosis.discrepancy.trace import Trace
@@ -119,6 +120,10 @@ class SubsystemModel(ABC):
     def discrepancy_over(self, plant: PlantParameters, variables: Sequence[str]) -> Discrepancy:
         """Return what a plant misses as that which depends on these variables, their curves first."""
         return self.main_discrepancy(plant)
+
+    def healthy_discrepancy(self, plant: PlantParameters) -> DiscrepancyBasis:
+        """Return what a healthy machine shows beside the numbers of a fit, as columns for the rows of the residual around a plant's."""
+        return joined((), self.size)
 
     def has_bursts(self, plant: PlantParameters) -> bool:
         """Return whether errors come in bursts too fast for the rows of the fit."""

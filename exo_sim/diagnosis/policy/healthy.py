@@ -20,6 +20,13 @@ USUAL_LEVEL = Number(
     "healthy learn makes A to D of whole machines: 0.58 to 0.81, the higher of both chambers; I, one chamber: 0.3, and twice its own "
     "bound; five machines of our own making, no real one",
 )  # fmt: skip
+LAW_ERROR = Number(
+    0.1, "share of what an effect of the rig does, one standard deviation",
+    "what its law gets wrong of it, another share for each edge of the valve and for opening and closing: spools close more slowly than "
+    "they open, hoses are lines",
+    "learnt: greatest marginal likelihood of nine machines that leave much (six healthy ones of makes drawn at random and one of a "
+    "stranger's, two with something outside the list): 92, 114, 123, 115, 102 above nil at 0.03, 0.05, 0.1, 0.15, 0.2",
+)  # fmt: skip
 BURSTS = Number(
     1.6, "level of the lively stretches over the median",
     "errors inside a row that are livelier come in bursts: a pressure rings",

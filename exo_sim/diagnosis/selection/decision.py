@@ -25,6 +25,7 @@ from exo_sim.diagnosis.selection.fitted_model import (
     is_more_than_healthy,
 )
 from exo_sim.diagnosis.selection.kept_back_gain import gain_in_errors
+from exo_sim.diagnosis.selection.left_beside import left_beside
 from exo_sim.diagnosis.selection.model_fits import ModelFits
 from exo_sim.diagnosis.selection.nuisance_calibration import deviations, refitted_besides
 from exo_sim.diagnosis.selection.subsystem_result import SubsystemResult
@@ -208,7 +209,7 @@ class _Decision(Generic[Model]):
         if all(not identification_of(c.effect).applicability.bursts for c in named) and self._has_bursts(final):
             return True
         left = min(end.sse, self.search.least_left) / n
-        if left < CLEAN or math.sqrt(left) < self.model.discrepancy_bound:
+        if left < CLEAN or math.sqrt(left) < self.model.discrepancy_bound or self._is_healthy(final):
             return False
         if not named:
             correlated = self.fits.correlation_time(end.residual) > verdicts.UNKNOWN_CORRELATION
@@ -226,6 +227,13 @@ class _Decision(Generic[Model]):
 
     def _is_hopeless(self, final: FittedModel) -> bool:
         return math.sqrt(final.fit.sse / self.model.size) > self.model.hopeless_ratio * self.model.discrepancy_bound
+
+    def _is_healthy(self, final: FittedModel) -> bool:
+        """Return whether no more is left than a healthy machine leaves beside what its laws get wrong."""
+        bound = self.model.discrepancy_bound
+        shown = self.model.healthy_discrepancy(self.model.apply(final.fit.values, final.fixed))
+        row = max(self.fits.correlation_time(final.fit.residual), 1.0) * max(bound, 1.0) ** 2
+        return left_beside(final.fit, shown, row) < bound
 
     def _has_bursts(self, final: FittedModel) -> bool:
         return self.model.has_bursts(self.model.apply(final.fit.values, final.fixed))

@@ -9,9 +9,10 @@ import pytest
 from diagnosis import waves
 
 from exo_sim.diagnosis.data.split import Split
+from exo_sim.diagnosis.discrepancy.basis import DiscrepancyBasis, joined
 from exo_sim.diagnosis.estimation.candidate import Candidate
 from exo_sim.diagnosis.estimation.least_squares import Fit
-from exo_sim.diagnosis.estimation.parameters import FreeParameter, Target
+from exo_sim.diagnosis.estimation.parameters import FreeParameter, PlantParameters, Target
 from exo_sim.diagnosis.selection.decision import decide
 from exo_sim.diagnosis.selection.evidence import Evidence
 from exo_sim.diagnosis.selection.fitted_model import FittedModel, SearchResult, is_at_bound
@@ -50,6 +51,18 @@ def test_a_rejected_candidate_is_listed_once_and_no_finding_is() -> None:
 def test_more_than_a_healthy_machine_leaves_is_unknown(bound: float, unknown: bool) -> None:
     result = decided(waves.Waves(bound, slow=6.0, quick=6.0), waves.candidate("nothing", "level"))
     assert result.has_unknown is unknown and result.findings == ()
+
+
+@pytest.mark.parametrize(("wave", "unknown"), [("slow", False), ("quick", True)])
+def test_what_laws_of_healthy_machines_get_wrong_is_nothing_unknown(wave: str, unknown: bool) -> None:
+    """A law that may be wrong by a slow wave explains that one, however large a share it is of what is left, and no other."""
+
+    class Bent(waves.Waves):
+        def healthy_discrepancy(self, plant: PlantParameters) -> DiscrepancyBasis:
+            return joined([("law", waves.SHAPES["slow"][:, None], 6.0)], waves.AT.size)
+
+    result = decided(Bent(1.5, waves.SHAPES, **{wave: 6.0}), waves.candidate("nothing", "level"))
+    assert result.has_unknown is unknown
 
 
 def test_beside_something_unknown_only_what_is_beyond_doubt_is_named() -> None:

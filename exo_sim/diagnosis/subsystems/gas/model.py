@@ -14,6 +14,7 @@ from exo_sim.diagnosis.data.cylinder_run import CylinderRun
 from exo_sim.diagnosis.data.excerpt import excerpts, kept_back, led_to_test
 from exo_sim.diagnosis.data.machine_data import MachineData
 from exo_sim.diagnosis.data.split import Split
+from exo_sim.diagnosis.discrepancy.basis import DiscrepancyBasis
 from exo_sim.diagnosis.discrepancy.curve import Curve
 from exo_sim.diagnosis.discrepancy.signal import Discrepancy
 from exo_sim.diagnosis.discrepancy.trace import Trace
@@ -28,6 +29,7 @@ from exo_sim.diagnosis.policy.recordings import FEWEST_TO_FIT
 from exo_sim.diagnosis.subsystem_model import Comparison, SubsystemModel
 from exo_sim.diagnosis.subsystems.gas.bursts import burst_ratio
 from exo_sim.diagnosis.subsystems.gas.experiments import menu
+from exo_sim.diagnosis.subsystems.gas.healthy_discrepancy import healthy_discrepancy
 from exo_sim.diagnosis.subsystems.gas.healthy_limits import with_healthy_losses
 from exo_sim.diagnosis.subsystems.gas.inputs import GasInputs, inputs
 from exo_sim.diagnosis.subsystems.gas.missing_flow import missing_flow
@@ -155,14 +157,18 @@ class GasModel(SubsystemModel):
         return self._kept.of(plant, self._predicted_residual)
 
     def _predicted_residual(self, plant: PlantParameters) -> Array:
+        return self.as_rows(self.errors(plant))
+
+    def as_rows(self, errors: Sequence[Array]) -> Array:
+        """Return errors of every run, shape (n, 2) each [Pa], as whitened rows with the windows' initial pressures integrated out."""
         if self._responses is None:
             self._responses = self._initial_responses()
         pieces = []
-        for index, errors in enumerate(self.errors(plant)):
+        for index, of_run in enumerate(errors):
             for side in range(2):
                 rows = self._rows[index][side]
                 if rows.count.size:
-                    pieces.append(rows.marginalised(rows.means(errors[:, side]) / rows.scale, self._responses[index][side]))
+                    pieces.append(rows.marginalised(rows.means(of_run[:, side]) / rows.scale, self._responses[index][side]))
         return np.concatenate(pieces) if pieces else np.zeros(0)
 
     def _initial_responses(self) -> list[list[Array]]:
@@ -200,6 +206,13 @@ class GasModel(SubsystemModel):
         )
         return rival if other.sse < own.sse else self
 
+    def healthy_discrepancy(self, plant: PlantParameters) -> DiscrepancyBasis:
+        return healthy_discrepancy(self, plant)
+
+    def pressures(self, plant: PlantParameters) -> list[Array]:
+        """Return the predicted pressures of every run, shape (n, 2) each [Pa]."""
+        return [self.predict(plant, index, whole=False).pressure for index in range(len(self.runs))]
+
     def over_whole_runs(self, plant: PlantParameters, split: Split) -> GasModel:
         """Return the model that predicts the whole runs, of this plant; its rows are those of the test time."""
         return GasModel(self.all_runs, plant, split, on_test=True)
@@ -218,7 +231,7 @@ class GasModel(SubsystemModel):
         return with_healthy_losses(plant)
 
     def compared(self, before: PlantParameters, after: PlantParameters, curve: Curve | None = None) -> list[Comparison]:
-        pressures = [[self.predict(plant, i, whole=False).pressure for i in range(len(self.runs))] for plant in (before, after)]
+        pressures = [self.pressures(plant) for plant in (before, after)]
         found = []
         for side in range(2):
             for index, run in enumerate(self.runs):
@@ -308,8 +321,7 @@ class GasModel(SubsystemModel):
 
     def means(self, plant: PlantParameters) -> Array:
         """Return what a plant predicts of each row, in units of what noise and floor leave of it, shape (size,)."""
-        pressures = [self.predict(plant, index, whole=False).pressure for index in range(len(self.runs))]
-        sides = [(p[:, side], rows) for p, run in zip(pressures, self._rows, strict=True) for side, rows in enumerate(run)]
+        sides = [(p[:, side], rows) for p, run in zip(self.pressures(plant), self._rows, strict=True) for side, rows in enumerate(run)]
         return np.concatenate([rows.means(p) / rows.scale for p, rows in sides if rows.count.size])
 
     def with_unknown(self, plant: PlantParameters, discrepancy: Discrepancy) -> PlantParameters:

@@ -10,6 +10,7 @@ says how each leans.
 
 from __future__ import annotations
 
+import hashlib
 from collections.abc import Callable
 from dataclasses import dataclass, replace
 from functools import lru_cache
@@ -45,7 +46,23 @@ _MASS_HEIGHT, _ROUNDS = 0.56, 4
 #: Walks move trunk and pelvis by up to three of the scales above; by more than so many, nothing was found.
 _ABSURD = 15.0
 
-Load = Callable[[Motion, slice], NDArray[np.float64]]
+#: Answers that are kept: a search for sizes asks for the same motions again and again.
+_KEPT_MOST = 32
+_kept: dict[bytes, NDArray[np.float64]] = {}
+
+
+@dataclass(frozen=True)
+class Carried:
+    """What a wearer carries.
+
+    Attributes:
+        load: Gives, for a motion and some of its samples, the load on the wearer beside the own body, about the pelvis: x, z [N] and
+            about -y [N m], shape (n, 3).
+        content: All that `load` depends on beside the motion, as bytes.
+    """
+
+    load: Callable[[Motion, slice], NDArray[np.float64]]
+    content: bytes
 
 
 @dataclass(frozen=True)
@@ -76,7 +93,7 @@ class _Parameters:
         return replace(travelling(motion, position), pressure_centre=centre, trial=trial)
 
 
-def reduced(motion: Motion, person: Person, carried: Load | None = None, uneven: bool = False) -> Motion:
+def reduced(motion: Motion, person: Person, carried: Carried | None = None, uneven: bool = False) -> Motion:
     """Return a motion whose ground force passes through the soles, as nearly as leaning can do it.
 
     Of a whole trial the mean stride says how to lean; every stride is moved alike.
@@ -84,8 +101,7 @@ def reduced(motion: Motion, person: Person, carried: Load | None = None, uneven:
     Args:
         motion: As recorded or drawn.
         person: Whose body; segments after `machine.anthropometry`.
-        carried: Gives, for a motion and some of its samples, the load on the wearer beside the own body, about the pelvis: x, z [N]
-            and about -y [N m], shape (n, 3).
+        carried: What is carried beside the own body.
         uneven: Whether it is not the same left and right.
 
     Raises:
@@ -93,21 +109,43 @@ def reduced(motion: Motion, person: Person, carried: Load | None = None, uneven:
     """
     walks = motion.advance and not motion.from_rest
     parameters = _Parameters(_UNEVEN if uneven else _WALKING, _HEIGHT) if walks else _Parameters(() if motion.from_rest else _IN_PLACE, ())
+    stride = motion if motion.trial is None else motion.trial.mean
+    problem = _identity(stride, person, parameters, carried)
+    if problem not in _kept:
+        if len(_kept) >= _KEPT_MOST:
+            _kept.clear()
+        _kept[problem] = _found(stride, person, parameters, carried)
+    done = parameters.applied(motion, person, _kept[problem])
+    return _over_its_feet(done, person, carried) if motion.from_rest else done
+
+
+def _identity(stride: Motion, person: Person, parameters: _Parameters, carried: Carried | None) -> bytes:
+    """Return a digest of all that `_found` depends on."""
+    digest = hashlib.sha256(repr((stride.period, stride.advance, stride.ground, stride.from_rest, person, parameters)).encode())
+    for table in (stride.position, stride.slope, stride.curvature, stride.share, stride.pressure_centre, stride.support):
+        digest.update(np.ascontiguousarray(table).tobytes())
+    digest.update(b"" if carried is None else carried.content)
+    return digest.digest()
+
+
+def _found(stride: Motion, person: Person, parameters: _Parameters, carried: Carried | None) -> NDArray[np.float64]:
+    """Return the numbers of `parameters` with which a motion is best held, by damped Gauss-Newton steps."""
     scales = parameters.scales()
     values = np.zeros(len(scales))
-    stride = motion if motion.trial is None else motion.trial.mean
 
-    def errors(at: NDArray[np.float64]) -> NDArray[np.float64]:
-        return np.concatenate([_off_balance(parameters.applied(stride, person, at), person, carried), at / scales])
+    def errors(*tried: NDArray[np.float64]) -> list[NDArray[np.float64]]:
+        off = _off_balance([parameters.applied(stride, person, at) for at in tried], person, carried)
+        return [np.concatenate([one, at / scales]) for one, at in zip(off, tried)]
 
-    left = errors(values)
+    left = errors(values)[0]
     for _ in range(_STEPS):
-        slopes = np.stack([(errors(values + step) - left) / scales[i] * 100 for i, step in enumerate(np.diag(scales / 100))], axis=1)
+        beside = errors(*(values + np.diag(scales / 100)))
+        slopes = np.stack([(one - left) / scale * 100 for one, scale in zip(beside, scales)], axis=1)
         normal = slopes.T @ slopes
         normal[np.diag_indices_from(normal)] *= 1.0 + _DAMPING
         step, gone = -np.linalg.solve(normal, slopes.T @ left), 1.0
         while gone > 0.05:
-            tried = errors(values + gone * step)
+            tried = errors(values + gone * step)[0]
             if tried @ tried < left @ left:
                 break
             gone *= 0.5
@@ -118,27 +156,29 @@ def reduced(motion: Motion, person: Person, carried: Load | None = None, uneven:
         raise ScenarioError(
             "no lean of the trunk lets soles on the ground hold this motion: for a moment the body would weigh nothing; write a lower speed"
         )
-    done = parameters.applied(motion, person, values)
-    return _over_its_feet(done, person, carried) if motion.from_rest else done
+    return values
 
 
 def worn(motion: Motion, person: Person, model: mujoco.MjModel) -> Motion:
     """Return the motion of a wearer with the machine, which has the same angles: `reduced` for all that wearer and machine weigh."""
     data = mujoco.MjData(model)
+    position, velocity, acceleration, force = data.qpos, data.qvel, data.qacc, data.qfrc_inverse
 
     def load(of: Motion, rows: slice) -> NDArray[np.float64]:
         rate = 1.0 / of.period
         out = np.empty((len(of.position[rows]), 3))
-        for i, (q, v, a) in enumerate(zip(of.position[rows], of.slope[rows], of.curvature[rows])):
-            data.qpos[:], data.qvel[:], data.qacc[:] = q, v * rate, a * rate**2
+        for i, (q, v, a) in enumerate(zip(of.position[rows], of.slope[rows] * rate, of.curvature[rows] * rate**2)):
+            position[:], velocity[:], acceleration[:] = q, v, a
             mujoco.mj_inverse(model, data)
-            out[i] = -data.qfrc_inverse[:3]
-        return out
+            out[i] = force[:3]
+        return -out
 
+    content = np.empty(mujoco.mj_sizeModel(model), dtype=np.uint8)
+    mujoco.mj_saveModel(model, None, content)
     flags = model.opt.disableflags
     model.opt.disableflags = flags | mujoco.mjtDisableBit.mjDSBL_CONSTRAINT
     try:
-        return reduced(motion, person, load, _uneven(model))
+        return reduced(motion, person, Carried(load, content.tobytes()), _uneven(model))
     finally:
         model.opt.disableflags = flags
 
@@ -157,7 +197,7 @@ def with_backpack(motion: Motion, person: Person, place: tuple[float, float], ma
         wrench = backpack_wrench(position[rows], acceleration[rows], place, np.full(len(position[rows]), mass), inertia)
         return wrench[:, 0]
 
-    return reduced(motion, person, load)
+    return reduced(motion, person, Carried(load, repr((place, mass, inertia)).encode()))
 
 
 def trunk(motion: Motion) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
@@ -168,23 +208,41 @@ def trunk(motion: Motion) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
 
 def body_loads(motion: Motion, person: Person, rows: slice = slice(None)) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
     """Return the segments' poses along a cycle, shape (n, 7, 6), and their weight and inertia, shape (n, 7, 3)."""
-    rate = 1.0 / motion.period
-    poses = poses_along(motion.position[rows], motion.slope[rows] * rate, person)
-    acceleration = anthropometry.accelerations(motion.curvature[rows] * rate**2, poses, person)
-    return poses, anthropometry.body_wrench(poses, acceleration, person)
+    return _body_loads([motion], person, rows)
 
 
-def _off_balance(motion: Motion, person: Person, carried: Load | None) -> NDArray[np.float64]:
-    """Return how far moment and aim of the ground's force are from what is expected, in units of what is felt."""
-    rows = slice(0, None, _EVERY)
-    poses, wrench = body_loads(motion, person, rows)
+def _body_loads(motions: list[Motion], person: Person, rows: slice) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+    """Return `body_loads` of motions of one period, one behind the other."""
+    rate = 1.0 / motions[0].period
+    position, slope, curvature = (
+        np.concatenate([table[rows] for table in tables]) for tables in zip(*((one.position, one.slope, one.curvature) for one in motions))
+    )
+    poses = poses_along(position, slope * rate, person)
+    return poses, anthropometry.body_wrench(poses, anthropometry.accelerations(curvature * rate**2, poses, person), person)
+
+
+def _off_balance(motions: list[Motion], person: Person, carried: Carried | None) -> list[NDArray[np.float64]]:
+    """Return how far moment and aim of the ground's force are from what is expected, in units of what is felt, of each motion.
+
+    The motions are trials of one: they have the same period, ground, support and shares of the feet. All are worked out at once, for
+    they are short and many.
+    """
+    rows, like = slice(0, None, _EVERY), motions[0]
+    poses, wrench = _body_loads(motions, person, rows)
     load = ground_reaction.totals(poses, wrench)
     if carried is not None:
-        load = load + carried(motion, rows)
-    share, support = motion.share[rows], motion.support[rows]
-    off = ground_reaction.off_balance(poses, load, share, motion.pressure_centre[rows], person, motion.ground.angle)
+        load = load + np.concatenate([carried.load(one, rows) for one in motions])
+    share, support = np.tile(like.share[rows], (len(motions), 1)), like.support[rows]
+    centre = np.concatenate([one.pressure_centre[rows] for one in motions])
+    off = ground_reaction.off_balance(poses, load, share, centre, person, like.ground.angle)
+    felt = support / np.sqrt(len(support))
+    return [_felt(like, *each, felt) for each in zip(np.split(load, len(motions)), np.split(off, len(motions)))]
+
+
+def _felt(
+    motion: Motion, load: NDArray[np.float64], off: NDArray[np.float64], felt: NDArray[np.float64]
+) -> NDArray[np.float64]:
     weight = -float(np.mean(load[:, 1]))
-    felt = support / np.sqrt(len(load))
     out = [off[:, 0] * felt / (weight * _LEVER)]
     if motion.advance and not motion.from_rest:
         jerky = np.fft.rfft(load[:, 1])[6:20] * 2 / len(load) / (weight * _SHARE)
@@ -192,7 +250,7 @@ def _off_balance(motion: Motion, person: Person, carried: Load | None) -> NDArra
     return np.concatenate(out)
 
 
-def _over_its_feet(motion: Motion, person: Person, carried: Load | None) -> Motion:
+def _over_its_feet(motion: Motion, person: Person, carried: Carried | None) -> Motion:
     """Return a motion that begins at rest with the pelvis ahead or back so that the ground's force passes where it is expected.
 
     The body's pendulum says by how much (Kajita and others 2003, as in `start_and_stop`); feet and trunk stay as they are.
@@ -202,7 +260,7 @@ def _over_its_feet(motion: Motion, person: Person, carried: Load | None) -> Moti
         poses, wrench = body_loads(motion, person, rows)
         load = ground_reaction.totals(poses, wrench)
         if carried is not None:
-            load = load + carried(motion, rows)
+            load = load + carried.load(motion, rows)
         left = ground_reaction.off_balance(poses, load, motion.share[rows], motion.pressure_centre[rows], person)[:, 0]
         off = np.interp(grid, grid[rows], left / float(np.mean(-load[:, 1])), period=len(grid))
         motion = with_pelvis_ahead(motion, person, -pendulum.above(off, _MASS_HEIGHT * person.height, motion.period))

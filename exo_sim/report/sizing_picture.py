@@ -11,13 +11,14 @@ import numpy as np
 from exo_sim.sizing.design import fitted
 from exo_sim.sizing.joint_kinds import JointKind
 from exo_sim.sizing.loads import JOINTS, JointLoads
-from exo_sim.sizing.motion_result import MotionSizing
 from exo_sim.sizing.screening import along, at
 from exo_sim.sizing.study import Sizing
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
     from matplotlib.figure import Figure
+
+    from exo_sim.sizing.motion_result import MotionSizing
 
 _LOOP = ("#0072b2", "#d55e00", "#009e73", "#cc79a7", "#56b4e9", "#e69f00")
 _STILL, _MOVING, _HUMAN, _INK = "#e8eef4", "#8fa9bf", "#8a8a8a", "#1a1a1a"

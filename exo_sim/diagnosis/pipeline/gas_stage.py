@@ -14,6 +14,7 @@ from exo_sim.diagnosis.data.command_sign import reversed_command
 from exo_sim.diagnosis.data.cylinder_run import CylinderRun
 from exo_sim.diagnosis.data.machine_data import MachineData
 from exo_sim.diagnosis.estimation.budget import IsSpent, never
+from exo_sim.diagnosis.estimation.candidate import Candidate, drop_orphans
 from exo_sim.diagnosis.estimation.correlation import correlation_time
 from exo_sim.diagnosis.estimation.least_squares import fit
 from exo_sim.diagnosis.estimation.parameters import FreeParameter, PlantParameters
@@ -24,6 +25,7 @@ from exo_sim.diagnosis.policy.budgets import FEW_SAMPLES, FORCES_UNTIL, GAS_UNTI
 from exo_sim.diagnosis.policy.priors import INITIAL_WARMTH, ROOM_WARM
 from exo_sim.diagnosis.policy.recordings import FEWEST_ROWS, REVERSED
 from exo_sim.diagnosis.selection.decision import decide
+from exo_sim.diagnosis.selection.fitted_model import FittedModel
 from exo_sim.diagnosis.selection.search import Search
 from exo_sim.diagnosis.selection.strained_nuisances import relieved
 from exo_sim.diagnosis.selection.subsystem_result import SubsystemResult
@@ -46,6 +48,20 @@ class Searched:
 
     results: dict[tuple[Hashable, ...], SubsystemResult[GasModel]] = field(default_factory=dict)
 
+    def of_other_time(self, cylinder: str, test_time: Hashable, asked: Sequence[Candidate]) -> FittedModel | None:
+        """Return the latest model of a cylinder's gas in another division of the time, with those of its effects that are asked; or None.
+
+        Args:
+            cylinder, test_time: Of the search that is to begin.
+            asked: Its candidates.
+        """
+        other = [one for (name, time, *_), one in self.results.items() if name == cylinder and time != test_time and not one.is_empty]
+        if not other:
+            return None
+        found = other[-1].search.final
+        before = {one.key for one in found.candidates}
+        return replace(found, candidates=drop_orphans([one for one in asked if one.key in before]))
+
 
 def examine_gas(
     data: MachineData, plan: Plan, threads: Threads, report: Progress, searched: Searched | None = None
@@ -58,7 +74,8 @@ def examine_gas(
 
     While the plan does not know the friction of pistons, a search ends at a transmission that gives if there are forces to ask.
     """
-    found, done = [], (searched or Searched()).results
+    searched = searched or Searched()
+    found, done = [], searched.results
     for number, name in enumerate(data.cylinders):
         plan.budget.allow_until((GAS_UNTIL if data.joints else FORCES_UNTIL) * (number + 1) / len(data.cylinders))
         runs = [with_initial_pressure(data, run) for run in data.cylinders[name]]
@@ -79,7 +96,8 @@ def examine_gas(
         joint = data.joint_of(name)
         asked = plan.without_refuted(candidates(plant, runs, name, joint))
         friction = None if plan.friction is None else tuple(plan.friction.get(name, ()))
-        key = (name, tuple(sorted(plan.split.test.items())), tuple(one.key for one in asked), friction)
+        test_time = tuple(sorted(plan.split.test.items()))
+        key = (name, test_time, tuple(one.key for one in asked), friction)
         if key not in done:
             if model.size >= FEWEST_ROWS:
                 model = model.with_better_flow_law(nuisances, threads, plan.budget.is_spent)
@@ -88,7 +106,7 @@ def examine_gas(
                 model, nuisances, asked, threads, _naming(report, name), cheap=sum(len(run.time) for run in runs) < FEW_SAMPLES,
                 practical_significance=model.practical_significance,
                 until=softens if plan.friction is None and joint in data.joints else None, is_spent=plan.budget.is_spent,
-                is_enough=partial(_is_enough, model),
+                is_enough=partial(_is_enough, model), begun=searched.of_other_time(name, test_time, asked),
             )  # fmt: skip
             end, fits = relieved(search.run(), search.fits, search.proposals, model, plan.split)
             done[key] = decide(name, model, fits, end, plan.split)

@@ -51,6 +51,7 @@ class Search:
         until: Of a model that does not explain everything, whether to stop the search there.
         is_spent: Whether the time is up: then whatever goes on ends with what it has, and what was found is assessed.
         is_enough: Whether so much was tried that nothing more is sought; what was begun is ended.
+        begun: A model to begin with, of other rows of the same subsystem; only its candidates and values count.
     """
 
     def __init__(
@@ -67,12 +68,13 @@ class Search:
         until: Callable[[FittedModel], bool] | None = None,
         is_spent: IsSpent = never,
         is_enough: IsSpent = never,
+        begun: FittedModel | None = None,
     ):
         self.fits = ModelFits(model, nuisances, threads, cheap, is_spent)
         self.proposals = Proposals(self.fits, candidates, practical_significance)
         self._most, self._practical_significance = most, practical_significance
         self._report = progress or (lambda words: None)
-        self._until, self._is_enough = until or (lambda model: False), is_enough
+        self._until, self._is_enough, self._begun = until or (lambda model: False), is_enough, begun
 
     def run(self) -> SearchResult:
         """Grow sets side by side, swap and prune, then assess every finding and its rivals."""
@@ -82,7 +84,7 @@ class Search:
             return SearchResult(empty, empty)
         baseline = self.fits.refined(self.fits.fit(()))
         comparisons = Comparisons(self.fits, baseline, len(self.proposals.candidates), self._practical_significance)
-        return _Growth(self.fits, comparisons, self.proposals, self._report, self._until, self._is_enough).run(self._most)
+        return _Growth(self.fits, comparisons, self.proposals, self._report, self._until, self._is_enough).run(self._most, self._begun)
 
 
 class _Growth:
@@ -101,9 +103,9 @@ class _Growth:
         """Return whether nothing more is to be sought."""
         return self._is_enough() or self.fits.is_spent()
 
-    def run(self, most: int) -> SearchResult:
-        """Return the result with at most so many findings."""
-        best = self.comparisons.baseline
+    def run(self, most: int, begun: FittedModel | None = None) -> SearchResult:
+        """Return the result with at most so many findings more than what stands of a model to begin with."""
+        best = self._standing_of(begun) if begun is not None and begun.candidates else self.comparisons.baseline
         beam, together = [best], False
         for _ in range(most):
             if self._is_over():
@@ -134,6 +136,13 @@ class _Growth:
             if not self.comparisons.is_clean(best):
                 beam += [model for model in self.comparisons.ranked(grown) if model.named not in (best.named, leader.named)][: BEAM - 1]
         return self._swapped(self._completed(best))
+
+    def _standing_of(self, begun: FittedModel) -> FittedModel:
+        """Return what these rows accept of a model of other rows, fitted to these; the baseline where that is nothing."""
+        self._report(f"asking {len(begun.candidates)} found before")
+        near = FittedModel((), Fit((), begun.fit.values, np.zeros(0), np.zeros((0, 0))))
+        standing = self.simplification.tidied(self.fits.refined(self.fits.fit(begun.candidates, near)))
+        return standing if standing.candidates else self.comparisons.baseline
 
     def _completed(self, now: FittedModel) -> FittedModel:
         """Return a model with further effects that explain the larger part of what is left together and none of them alone, if any do."""

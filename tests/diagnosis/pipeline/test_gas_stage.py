@@ -4,10 +4,12 @@ from __future__ import annotations
 
 from dataclasses import replace
 from pathlib import Path
+from typing import Any
 
 import benches
 import numpy as np
 import pytest
+from diagnosis import waves
 from diagnosis.warm_vessel import recorded, vessel
 
 from exo_sim.diagnosis.data.split import Split, split
@@ -15,6 +17,9 @@ from exo_sim.diagnosis.estimation.threads import SERIAL
 from exo_sim.diagnosis.pipeline.gas_stage import Searched, examine_gas, felt_temperatures
 from exo_sim.diagnosis.pipeline.plan import Plan
 from exo_sim.diagnosis.pipeline.reading import gather
+from exo_sim.diagnosis.selection.decision import decide
+from exo_sim.diagnosis.selection.search import Search
+from exo_sim.diagnosis.selection.subsystem_result import SubsystemResult
 from exo_sim.diagnosis.subsystems.gas.model import GasModel
 from exo_sim.diagnosis.subsystems.gas.nuisances import nuisance_parameters
 from exo_sim.recording import write_table
@@ -77,3 +82,16 @@ def test_gas_that_begins_quietly_is_not_fitted_for_it() -> None:
     before = model.effort
     assert felt_temperatures(model, ()) == ()
     assert model.effort == before
+
+
+def test_a_search_in_another_division_of_the_time_begins_with_what_the_first_found() -> None:
+    model, sought = waves.Waves(slow=4.0, quicker=3.0), (waves.BASE, waves.OTHER)
+    search = Search(model, (), sought)
+    first: SubsystemResult[Any] = decide("piston", model, search.fits, search.run())
+    searched = Searched({("piston", "end", "asked", None): first})
+    begun = searched.of_other_time("piston", "beginning", sought)
+    assert begun is not None and begun.candidates == sought and begun.fit.values == first.search.final.fit.values
+    less = searched.of_other_time("piston", "beginning", (waves.OTHER,))
+    assert less is not None and less.candidates == (waves.OTHER,)  # what was refuted meanwhile is not asked
+    assert searched.of_other_time("piston", "end", sought) is None
+    assert searched.of_other_time("other", "beginning", sought) is None

@@ -174,3 +174,12 @@ def test_a_search_whose_time_is_up_ends_with_what_it_has(cheap: bool, asked: int
     assert found.final.meets_prerequisite(ON_TOP) or ON_TOP not in found.final.candidates
     if asked == 0:
         assert found.final.candidates == () and Counted.calls <= 6
+
+
+def test_a_search_that_begins_with_what_other_rows_showed_keeps_of_it_what_its_own_bear_out() -> None:
+    before = Search(Waves(slow=4.0, quicker=2.0), (), (BASE, OTHER)).run().final
+    assert {c.effect for c in before.candidates} == {"base", "other"}
+    begun = Search(Waves(slow=3.0, quick=2.0), (), (BASE, ON_TOP, OTHER), begun=before).run()
+    assert {c.effect for c in begun.final.candidates} == {"base", "on_top"}
+    assert begun.baseline.candidates == () and set(begun.evidence) == {BASE.key, ON_TOP.key}
+    assert Search(Waves(), (), (BASE, OTHER), begun=before).run().final.candidates == ()

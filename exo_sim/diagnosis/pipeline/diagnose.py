@@ -110,13 +110,13 @@ def _reported(stable: Examination, allowed: Budget, report: Progress, folder: Pa
 
 def _findings(found: Examination) -> list[Finding]:
     """Return what was found: physics with or without a name by what it costs the machine's predictions, then sensors, then numbers."""
-    drops, costs, results = found.test.drops, found.test.costs, found.results.all
+    drops, costs, shares, results = found.test.drops, found.test.costs, found.shares, found.results.all
     findings = list({(f.name, f.where): f for f in reversed(found.data.sensors)}.values())[::-1]  # of several recordings, once
     doubtful = {one.where for one in found.results.gas if one.has_unknown}
     for one in results:
         for f in one.findings:
             key = f"{f.name}@{f.where}"
-            probability = confidence(f, found.test.shares.get(key), f.where in doubtful)
+            probability = confidence(f, shares.get(key), f.where in doubtful)
             proved = replace(f, held_out_error_drop=drops.get(key, 0.0), cost=costs.get(key, 0.0), probability=probability)
             findings += proved.at_each_place()
     findings += faulty_zeros(results, findings)

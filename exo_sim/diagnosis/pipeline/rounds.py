@@ -120,12 +120,12 @@ def _without_refuted(examination: Examination) -> Examination:
 
 
 def without_doubtful(examination: Examination) -> Examination:
-    """Return an examination without the findings that are more likely wrong than right by the test time: they are put aside."""
-    doubtful = {}
+    """Return an examination without the findings that are more likely wrong than right by the time that no number was fitted to."""
+    doubtful, shares = {}, examination.shares
     for one in examination.results.all:
         for finding in one.findings:
             key = f"{finding.name}@{finding.where}"
-            why = doubt(finding, examination.test.shares.get(key), key in examination.test.drops)
+            why = doubt(finding, shares.get(key), key in examination.test.drops)
             if why:
                 doubtful[finding.name, finding.where] = why
     plan = replace(examination.plan, refuted={**examination.plan.refuted, **doubtful})
@@ -135,7 +135,7 @@ def without_doubtful(examination: Examination) -> Examination:
 def without_small(examination: Examination) -> Examination:
     """Return an examination that holds what is too small to matter beside its findings, not among them."""
     test = examination.test
-    small = tuple(finding for one in examination.results.all for finding in too_small(one, test.left, test.shares))
+    small = tuple(finding for one in examination.results.all for finding in too_small(one, test.left, test.worth))
     gone = {(finding.name, finding.where) for finding in small}
     results = examination.results.keeping(lambda one, finding: (finding.name, finding.where) not in gone)
     return replace(examination, results=results, small=small)

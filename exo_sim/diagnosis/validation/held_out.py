@@ -56,6 +56,28 @@ class BalanceError:
 
 
 @dataclass(frozen=True)
+class Worth:
+    """What a finding is worth on held-out time.
+
+    Attributes:
+        gained: By how much the sum of squared errors falls with it, in units of the noise.
+        missing: By how much that sum exceeds the noise without it.
+    """
+
+    gained: float
+    missing: float
+
+    @property
+    def share(self) -> float:
+        """What it explains of the squared error that is missing beyond the noise without it, 0 to 1."""
+        return min(max(_finite(self.gained / max(self.missing, self.gained, 1e-12)), 0.0), 1.0)
+
+    def __add__(self, other: Worth) -> Worth:
+        """Return what it is worth on both times together."""
+        return Worth(self.gained + other.gained, self.missing + other.missing)
+
+
+@dataclass(frozen=True)
 class HeldOutErrors:
     """Errors on held-out time.
 
@@ -68,8 +90,8 @@ class HeldOutErrors:
         balances: By subsystem and name.
         series: For the report.
         spans: The held-out time, by recording.
-        shares: By the keys of `drops`, what a finding explains of the squared error that is missing beyond the noise without it; only where
-            predictions change with it by `LEAST_INFLUENCE` and something beyond the noise is missing without it: else it was not tested.
+        worth: By the keys of `drops`, what a finding is worth; only where predictions change with it by `LEAST_INFLUENCE` and something
+            beyond the noise is missing without it: else it was not tested.
     """
 
     signals: Mapping[str, SignalFit] = field(default_factory=dict)
@@ -80,7 +102,7 @@ class HeldOutErrors:
     balances: Mapping[tuple[Subsystem, str], BalanceError] = field(default_factory=dict)
     series: tuple[Series, ...] = ()
     spans: Spans = field(default_factory=dict)
-    shares: Mapping[str, float] = field(default_factory=dict)
+    worth: Mapping[str, Worth] = field(default_factory=dict)
 
     @property
     def ratio(self) -> float:
@@ -103,7 +125,7 @@ class HeldOutErrors:
             self,
             signals={**self.signals, **later.signals},
             drops=both(self.drops, later.drops), influence=both(self.influence, later.influence), costs=both(self.costs, later.costs),
-            shares={key: share for key, share in both(self.shares, later.shares).items() if key in later.shares or key not in later.drops},
+            worth={key: one for key, one in both(self.worth, later.worth).items() if key in later.worth or key not in later.drops},
             balances={**self.balances, **later.balances},
             series=tuple(seen.get((one.recording, one.signal), one) for one in self.series),
         )  # fmt: skip
@@ -122,7 +144,7 @@ def held_out_errors(
     """
     signals: dict[str, SignalFit] = {}
     drops: dict[str, float] = {}
-    shares: dict[str, float] = {}
+    worth: dict[str, Worth] = {}
     influence: dict[str, float] = {}
     left: dict[str, float] = {}
     costs: dict[str, float] = {}
@@ -146,30 +168,20 @@ def held_out_errors(
         rows = model.size / max(correlation_time(residual, model.blocks), 1.0)
         odds = 0.5 * rows * math.log10(max(error, 1.0) ** 2)
         balances[one.key] = BalanceError(error, rms(one.final.fit.residual), model.discrepancy_bound, odds)
+        named = model.residual_of(one.final_plant)  # a curve for what has no name is not to a name's credit
         for key, refitted in _left_out(one):
             other = model.residual_of(one.plant_of(refitted))
             left[key] = rms(refitted.fit.residual)
-            lacking = rms(other)
-            drops[key] = _finite(1.0 - error / lacking) if lacking > 0.0 else 0.0
-            influence[key] = _finite(rms(other - residual))
+            with_it, lacking = rms(named), rms(other)
+            drops[key] = _finite(1.0 - with_it / lacking) if lacking > 0.0 else 0.0
+            influence[key] = _finite(rms(other - named))
             costs[key] = influence[key] * _noise_share(one, compared)
             if influence[key] > validation.LEAST_INFLUENCE and lacking > 1.0:
-                shares[key] = share_explained(error, lacking)
+                worth[key] = Worth(other.size * (lacking**2 - with_it**2), other.size * (lacking**2 - 1.0))
         if effect is not None:
             drops[one.where] = _drop_with_unknown(model, one, error, own)
             costs[one.where] = rms(model.residual_of(one.final_plant)) * _noise_share(one, compared)
-    return HeldOutErrors(signals, drops, influence, left, costs, balances, tuple(series), split.test, shares)
-
-
-def share_explained(error: float, lacking: float) -> float:
-    """Return what a finding explains of the squared error that is missing beyond the noise without it, 0 to 1.
-
-    Args:
-        error, lacking: Root mean square errors with and without it, in units of the noise.
-    """
-    gained = lacking**2 - error**2
-    share = gained / max(lacking**2 - 1.0, gained, 1e-12)
-    return min(max(_finite(share), 0.0), 1.0)
+    return HeldOutErrors(signals, drops, influence, left, costs, balances, tuple(series), split.test, worth)
 
 
 def is_refuted(drop: float, log10_odds: float, together: bool = False) -> bool:

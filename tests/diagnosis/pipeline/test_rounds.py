@@ -29,7 +29,7 @@ from exo_sim.diagnosis.selection.subsystem_result import SubsystemResult
 from exo_sim.diagnosis.subsystems.gas.model import GasModel
 from exo_sim.diagnosis.subsystems.motion.inverse_dynamics import motion_runs
 from exo_sim.diagnosis.subsystems.motion.model import MotionModel
-from exo_sim.diagnosis.validation.held_out import BalanceError, HeldOutErrors
+from exo_sim.diagnosis.validation.held_out import BalanceError, HeldOutErrors, Worth
 from exo_sim.diagnosis.validation.long_run import Straying
 from exo_sim.machine.linkage import linkages
 from exo_sim.machine.rig_model import load
@@ -196,12 +196,22 @@ def test_what_an_unmeasured_chamber_may_do_is_an_open_question(data: MachineData
 
 
 def test_names_that_explain_little_of_the_test_time_are_put_aside_and_it_is_said_why(data: MachineData) -> None:
-    shares = {"piston_leakage@piston": 0.6, "return_spring@piston": 0.03}
-    found = rounds.without_doubtful(examination(data, Plan(Split({})), gas_of(data, LEAK, SPRING), None, errors(shares=shares)))
+    worth = {"piston_leakage@piston": Worth(60.0, 100.0), "return_spring@piston": Worth(3.0, 100.0)}
+    found = rounds.without_doubtful(examination(data, Plan(Split({})), gas_of(data, LEAK, SPRING), None, errors(worth=worth)))
     assert [finding.name for finding in found.results.gas[0].findings] == ["piston_leakage"]
     assert list(found.plan.refuted) == [SPRING] and "explains 3 %" in found.plan.refuted[SPRING]
     untested = examination(data, Plan(Split({})), gas_of(data, SPRING), None, errors())
     assert rounds.without_doubtful(untested) is untested
+
+
+def test_a_name_is_judged_by_all_time_that_no_number_was_fitted_to(data: MachineData) -> None:
+    """One that explains a tenth of the one half and six tenths of the other stands; an untested half says nothing."""
+    poor, rich = ({"piston_leakage@piston": Worth(gained, 100.0)} for gained in (10.0, 60.0))
+    for validation, test, share in ((rich, poor, 0.35), (None, rich, 0.6), (rich, {}, 0.6), ({}, poor, 0.1)):
+        kept = None if validation is None else errors(worth=validation)
+        one = examination(data, Plan(Split({})), gas_of(data, LEAK), kept, errors(worth=test))
+        assert one.shares == {"piston_leakage@piston": pytest.approx(share)}
+        assert bool(names(rounds.without_doubtful(one))) is (share > 0.14)
 
 
 def test_what_is_too_small_to_matter_is_held_beside_the_findings(data: MachineData) -> None:

@@ -10,6 +10,7 @@ import pytest
 from diagnosis import waves
 
 from exo_sim.diagnosis.data.split import Split
+from exo_sim.diagnosis.discrepancy.signal import Discrepancy
 from exo_sim.diagnosis.estimation.parameters import PlantParameters
 from exo_sim.diagnosis.findings import Subsystem
 from exo_sim.diagnosis.policy.validation import LEAST_INFLUENCE
@@ -18,7 +19,7 @@ from exo_sim.diagnosis.selection.finding_removal import without_findings
 from exo_sim.diagnosis.selection.search import Search
 from exo_sim.diagnosis.selection.subsystem_result import SubsystemResult
 from exo_sim.diagnosis.selection.unknown_effect import unknown_effects
-from exo_sim.diagnosis.validation.held_out import BalanceError, HeldOutErrors, held_out_errors, is_refuted, share_explained
+from exo_sim.diagnosis.validation.held_out import BalanceError, HeldOutErrors, Worth, held_out_errors, is_refuted
 
 SPLIT = Split({"recording": ((0.0, 400.0),)})
 
@@ -44,7 +45,7 @@ def test_a_true_finding_takes_the_error_down_to_the_noise() -> None:
 def test_each_of_two_findings_is_worth_what_is_lost_without_it() -> None:
     errors = held_out_errors([result(waves.Waves(slow=3.0, quicker=0.6), waves.BASE, waves.OTHER)], (), SPLIT)
     assert errors.drops["base@piston"] > 0.5 > errors.drops["other@piston"] > 0.03
-    assert all(share > 0.6 for share in errors.shares.values())  # little of the error, but of what is missing nearly all
+    assert all(one.share > 0.6 for one in errors.worth.values())  # little of the error, but of what is missing nearly all
 
 
 def test_what_changes_only_what_is_within_the_noise_is_not_tested() -> None:
@@ -53,9 +54,9 @@ def test_what_changes_only_what_is_within_the_noise_is_not_tested() -> None:
             return 0.3 * super().residual_of(plant)
 
     found = result(waves.Waves(slow=3.0), waves.BASE)
-    (at,) = held_out_errors([found], (), SPLIT).shares
+    (at,) = held_out_errors([found], (), SPLIT).worth
     quiet = held_out_errors([replace(found, model=Quiet(slow=3.0))], (), SPLIT)
-    assert quiet.influence[at] > LEAST_INFLUENCE and quiet.shares == {}
+    assert quiet.influence[at] > LEAST_INFLUENCE and quiet.worth == {}
 
 
 def test_a_later_look_takes_the_place_of_the_first_and_what_was_put_aside_goes() -> None:
@@ -63,11 +64,11 @@ def test_a_later_look_takes_the_place_of_the_first_and_what_was_put_aside_goes()
     first = held_out_errors([whole], (), SPLIT)
     later = held_out_errors([without_findings(whole, {waves.OTHER.at})], (), SPLIT)
     both = first.updated(later, ["other@piston"])
-    assert set(both.drops) == set(both.shares) == set(both.influence) == set(both.costs) == {"base@piston"}
+    assert set(both.drops) == set(both.worth) == set(both.influence) == set(both.costs) == {"base@piston"}
     assert both.signals == later.signals and both.balances == later.balances and both.series == later.series
     assert both.signals["piston.pressure_1"].after > first.signals["piston.pressure_1"].after
     nothing = first.updated(HeldOutErrors(), [])
-    assert nothing.drops == first.drops and nothing.shares == first.shares and nothing.series == first.series
+    assert nothing.drops == first.drops and nothing.worth == first.worth and nothing.series == first.series
 
 
 def test_an_unknown_effect_that_no_curve_describes_lowers_nothing() -> None:
@@ -76,6 +77,23 @@ def test_an_unknown_effect_that_no_curve_describes_lowers_nothing() -> None:
     errors = held_out_errors([one], unknown, SPLIT)
     assert errors.drops == {"piston": 0.0}
     assert errors.balances[Subsystem.GAS, "piston"].log10_odds > 3.0
+
+
+def test_a_curve_for_what_has_no_name_is_not_to_a_name_s_credit() -> None:
+    """It fits held-out time as well as nothing does; the name is worth what it is worth without it."""
+
+    class Curved(waves.Waves):
+        def with_unknown(self, plant: PlantParameters, discrepancy: Discrepancy) -> PlantParameters:
+            return replace(plant, sensors={**plant.sensors, "unknown.quick": 4.0})
+
+    one = result(Curved(1.5, slow=9.5, quick=4.0), waves.BASE)
+    final, findings = one.search.final, result(waves.Waves(slow=9.5), waves.BASE).findings
+    stands = replace(one, final=final, named=final.candidates, findings=findings)
+    assert stands.has_unknown
+    plain = held_out_errors([stands], (), SPLIT)
+    curved = held_out_errors([stands], unknown_effects([stands]), SPLIT)
+    assert curved.balances[Subsystem.GAS, "piston"].error < 0.5 * plain.balances[Subsystem.GAS, "piston"].error
+    assert curved.worth == plain.worth and curved.drops["base@piston"] == plain.drops["base@piston"]
 
 
 def test_where_nothing_was_compared_the_ratio_is_infinite() -> None:
@@ -105,7 +123,11 @@ def test_less_is_asked_of_what_was_weighed_beside_all_others(drop: float, refute
 
 
 @pytest.mark.parametrize(
-    ("error", "lacking", "share"), [(1.0, 5.0, 1.0), (3.0, 5.0, 16.0 / 24.0), (4.9, 5.0, 0.99 / 24.0), (0.8, 0.9, 1.0), (5.0, 4.0, 0.0)]
+    ("gained", "missing", "share"), [(24.0, 24.0, 1.0), (16.0, 24.0, 2.0 / 3.0), (0.2, -0.2, 1.0), (-9.0, 15.0, 0.0), (math.nan, 1.0, 0.0)]
 )
-def test_a_share_is_of_what_is_missing_beyond_the_noise(error: float, lacking: float, share: float) -> None:
-    assert share_explained(error, lacking) == pytest.approx(share)
+def test_a_share_is_of_what_is_missing_beyond_the_noise(gained: float, missing: float, share: float) -> None:
+    assert Worth(gained, missing).share == pytest.approx(share)
+
+
+def test_what_is_worth_something_in_two_times_is_worth_both() -> None:
+    assert (Worth(3.0, 10.0) + Worth(-1.0, 30.0)).share == pytest.approx(0.05)

@@ -184,10 +184,11 @@ class _Decision(Generic[Model]):
     def _stands_alone(self, candidate: Candidate) -> bool:
         """Return whether a finding is beyond doubt although something else is left.
 
-        Beside all others its odds leave no doubt, and time that was kept back is predicted better with it, block for block.
+        Beside all others its odds leave no doubt, and time that was kept back is predicted better with it, block for block. That does not
+        do for a sensor: what is left of a machine bends zeros, scales and delays first, at all times.
         """
         kept_back = self._kept_back
-        if kept_back is None or not kept_back.size or not self._is_plain(candidate):
+        if kept_back is None or not kept_back.size or candidate.kind is Kind.SENSOR or not self._is_plain(candidate):
             return False
         end = self.search.final
         without = self.fits.fit(drop_orphans(end.without(candidate)), end)

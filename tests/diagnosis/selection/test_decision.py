@@ -13,12 +13,15 @@ from exo_sim.diagnosis.discrepancy.basis import DiscrepancyBasis, joined
 from exo_sim.diagnosis.estimation.candidate import Candidate
 from exo_sim.diagnosis.estimation.least_squares import Fit
 from exo_sim.diagnosis.estimation.parameters import FreeParameter, PlantParameters, Target
+from exo_sim.diagnosis.findings import Kind
 from exo_sim.diagnosis.selection.decision import decide
 from exo_sim.diagnosis.selection.evidence import Evidence
 from exo_sim.diagnosis.selection.fitted_model import FittedModel, SearchResult, is_at_bound
 from exo_sim.diagnosis.selection.model_fits import ModelFits
 from exo_sim.diagnosis.selection.search import Search
 from exo_sim.diagnosis.selection.subsystem_result import SubsystemResult
+
+MISSING = Kind.MISSING_PHYSICS
 
 
 def decided(model: waves.Waves, *candidates: waves.Candidate, cheap: bool = True) -> SubsystemResult[waves.Waves]:
@@ -71,11 +74,13 @@ def test_beside_something_unknown_only_what_is_beyond_doubt_is_named() -> None:
     assert any("beside something without a name" in one.why for one in plain.rejected)
 
 
-@pytest.mark.parametrize(("wave", "named"), [("slow", ["base"]), ("burst", [])])
-def test_beside_something_unknown_a_name_stands_that_time_kept_back_surely_bears_out(wave: str, named: list[str]) -> None:
-    """A wave gains in every block of it, a burst in one, however high its odds are."""
+@pytest.mark.parametrize(
+    ("wave", "kind", "named"), [("slow", MISSING, ["base"]), ("burst", MISSING, []), ("slow", Kind.SENSOR, [])]
+)
+def test_beside_something_unknown_a_name_stands_that_time_kept_back_surely_bears_out(wave: str, kind: Kind, named: list[str]) -> None:
+    """A wave gains in every block of it, a burst in one, however high its odds are; what a sensor is off by may be any of both."""
     shapes = {**waves.SHAPES, "burst": np.where((waves.AT >= 80.0) & (waves.AT < 120.0), 1.0, 0.0)}
-    model, one = waves.Waves(1.5, shapes, **{wave: 9.5, "quick": 4.0}), waves.candidate("base", wave)
+    model, one = waves.Waves(1.5, shapes, **{wave: 9.5, "quick": 4.0}), replace(waves.candidate("base", wave), kind=kind)
     fits = ModelFits(model, ())
     bare = fits.refined(fits.fit(()))
     final = fits.refined(fits.fit((one,), bare))

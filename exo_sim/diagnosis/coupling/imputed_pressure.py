@@ -28,7 +28,7 @@ from exo_sim.diagnosis.policy.recordings import UNCERTAIN_PRESSURE
 from exo_sim.diagnosis.selection.subsystem_result import SubsystemResult
 from exo_sim.diagnosis.subsystems.gas.model import GasModel
 from exo_sim.diagnosis.subsystems.healthy_leak import OUTWARD, external_leaks
-from exo_sim.diagnosis.subsystems.motion.inverse_dynamics import motion_runs
+from exo_sim.diagnosis.subsystems.motion.motion_runs import motion_runs
 from exo_sim.diagnosis.subsystems.motion.smoothing import smoothed_alike, smoothed_on_clock
 from exo_sim.recording.table import Recording
 from exo_sim.recording.windows import clock_breaks

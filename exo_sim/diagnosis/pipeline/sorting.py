@@ -16,8 +16,8 @@ from exo_sim.diagnosis.data.machine_data import MachineData
 from exo_sim.diagnosis.data.motion_run import MotionRun
 from exo_sim.diagnosis.policy.recordings import FEWEST_A_SECOND, FEWEST_FOR_EVENTS, QUIET, SAME_SIGNAL, SLOW_CHANGE, SLOW_NOISE
 from exo_sim.diagnosis.subsystems.motion.contact_forces import are_recorded
-from exo_sim.diagnosis.subsystems.motion.inverse_dynamics import motion_runs
 from exo_sim.diagnosis.subsystems.motion.load_cell import rod_run
+from exo_sim.diagnosis.subsystems.motion.motion_runs import motion_runs
 from exo_sim.recording.noise import white_noise
 from exo_sim.recording.table import Recording
 from exo_sim.rig import Rig

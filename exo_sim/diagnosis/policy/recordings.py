@@ -98,4 +98,9 @@ STEADY_SPEED = Number(
     0.5, "share of the speed", "within the filter's width a speed that changes by more is not compared: friction at a mean speed is no "
     "mean friction",
 )  # fmt: skip
+LEAST_COMPARED = Number(
+    0.25, "share of the motion", "where less is compared, for the machine turns round too soon, a narrower filter is tried",
+    "strangers' machines: a stamp of 0.9 kg with a spring has 0.10 and was not judged, a slide of 0.8 kg 0.13; a small cart has 0.43, a "
+    "lift 0.76",
+)  # fmt: skip
 FEWEST_A_KNOT = Number(5.0, "rows a knot", "fewer do not carry a curve of what is missing")

@@ -24,8 +24,8 @@ from exo_sim.diagnosis.selection.model_fits import ModelFits
 from exo_sim.diagnosis.selection.subsystem_result import SubsystemResult
 from exo_sim.diagnosis.subsystems.gas.candidates import candidates
 from exo_sim.diagnosis.subsystems.gas.model import GasModel
-from exo_sim.diagnosis.subsystems.motion.inverse_dynamics import motion_runs
 from exo_sim.diagnosis.subsystems.motion.load_cell import rod_run
+from exo_sim.diagnosis.subsystems.motion.motion_runs import motion_runs
 from exo_sim.machine.linkage import linkages
 from exo_sim.machine.rig_model import load
 from exo_sim.recording import Recording

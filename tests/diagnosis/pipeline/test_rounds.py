@@ -27,8 +27,8 @@ from exo_sim.diagnosis.selection.fitted_model import FittedModel, SearchResult
 from exo_sim.diagnosis.selection.model_fits import ModelFits
 from exo_sim.diagnosis.selection.subsystem_result import SubsystemResult
 from exo_sim.diagnosis.subsystems.gas.model import GasModel
-from exo_sim.diagnosis.subsystems.motion.inverse_dynamics import motion_runs
 from exo_sim.diagnosis.subsystems.motion.model import MotionModel
+from exo_sim.diagnosis.subsystems.motion.motion_runs import motion_runs
 from exo_sim.diagnosis.validation.held_out import BalanceError, HeldOutErrors, Worth
 from exo_sim.diagnosis.validation.long_run import Straying
 from exo_sim.machine.linkage import linkages

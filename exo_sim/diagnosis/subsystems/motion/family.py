@@ -49,8 +49,6 @@ CREEPS, CREEP_LOW, CREEP_HIGH = 6, 0.3, 0.05
 _BENDING = (presliding.EFFECT.name, friction_smoothing.EFFECT.name)
 #: Dry laws are differenced by this share of the level of friction.
 STEP = 0.3
-#: Places where a spring may be slack that are tried, from the middle of the travel and in units of it.
-RESTS = (-5.4, -2.0, -1.0, -0.6, -0.3, 0.0, 0.3, 0.6, 1.0, 2.0, 5.4)
 #: What friction may depend on that no effect of the list says: place and time.
 UNNAMED = ("position", "time")
 
@@ -327,26 +325,28 @@ class _Builder:
         return level + (sum(richer) / len(richer) if richer else 0.0)
 
     def _spring(self, candidate: Candidate, residual: Callable[[dict[FreeParameter, float]], Array]) -> list[Term]:
-        """Return a spring for each of a few places where it may be slack: it is known by how its force changes along the travel."""
+        """Return a spring by its stiffness and by its force in the middle of the travel, both of which the balance is linear in.
+
+        Where it is slack follows from both, and may lie far outside the travel: springs are preloaded.
+        """
         stiffness, rest = (next(q for q in candidate.parameters if q.parameter == name) for name in ("stiffness", "rest"))
         about, base = self._about(residual)
         near, far = full_travel(self.run, self.model.nominal)
+        middle = min(max(0.5 * (near + far), rest.low), rest.high)
+        aside = rest.high if rest.high - middle > middle - rest.low else rest.low
         step = STEP * self.level / self.travel
-        found = []
-        for place in (0.5 * (near + far) + beyond * (far - near) for beyond in RESTS):
-            if not rest.low <= place <= rest.high:
-                continue
-            column = (residual({**about, stiffness: step, rest: place}) - base) / step
+        slack = residual({**about, stiffness: step, rest: middle})
+        loaded = residual({**about, stiffness: step, rest: aside})
+        columns = [(slack - base) / step, (loaded - slack) / (step * (aside - middle))]
 
-            def parameters(sizes: Array, before: Values, place: float = place) -> dict[FreeParameter, float]:
-                return {stiffness: max(float(sizes[0]), 0.0), rest: place}
+        def parameters(sizes: Array, before: Values) -> dict[FreeParameter, float]:
+            stiff = max(float(sizes[0]), 0.0)
+            place = middle + float(sizes[1]) / stiff if stiff > 0.0 else middle
+            return {stiffness: stiff, rest: min(max(place, rest.low), rest.high)}
 
-            if _shows(column):
-                found.append((column, parameters))
-        return [
-            Term(candidate, column[:, None], self._spread([column]), (True,), parameters, candidate.effect, len(found))
-            for column, parameters in found
-        ]
+        if not _shows(columns[0]):
+            return []
+        return [Term(candidate, np.column_stack(columns), self._spread(columns), (True, False), parameters, candidate.effect)]
 
 
 def _richer_than(name: str) -> set[str]:

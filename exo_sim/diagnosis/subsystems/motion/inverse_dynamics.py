@@ -1,10 +1,9 @@
 """Balances of forces of the joints: measured motion and pressures go in, the terms of the balance come out.
 
 Inverse dynamics of the MJCF give the force that the motion took, the pressures and the outside force the force that drove it. Both pass
-one filter, so that the acceleration is differentiated no more than that filter allows; where it is noise of the positions that says what
-the balance is worth, a wider one (`filter_width`). Friction, gravity, centrifugal forces and what
-levers make of the forces of rods are evaluated at restored positions and velocities and filtered then; masses count as constant over the
-filter's width.
+one filter, so that the acceleration is differentiated no more than that filter allows (which one: `motion_runs`). Friction, gravity,
+centrifugal forces and what levers make of the forces of rods are evaluated at restored positions and velocities and filtered then; masses
+count as constant over the filter's width.
 """
 
 from __future__ import annotations
@@ -19,10 +18,9 @@ from numpy.typing import NDArray
 
 from exo_sim.conventions.fed_chambers import fed_cylinders
 from exo_sim.diagnosis.data.motion_run import Drive, Inertia, Kinematics, MotionRun, Passive
-from exo_sim.diagnosis.policy.healthy import FORCE_FLOOR_SHARE
 from exo_sim.diagnosis.policy.recordings import LEAST_KNOWN, STILL_NOISE, STILL_SHARE
 from exo_sim.diagnosis.subsystems.motion.contact_forces import AtJoints, ContactForces, SiteForce, site_forces
-from exo_sim.diagnosis.subsystems.motion.filter_width import AskedWidth, asked_width
+from exo_sim.diagnosis.subsystems.motion.filter_width import AskedWidth
 from exo_sim.diagnosis.subsystems.motion.moving_masses import MovingMasses, payload, with_twice_the_payload
 from exo_sim.diagnosis.subsystems.motion.smoothing import smoothed_alike, smoothing_width, stride, thinned
 from exo_sim.diagnosis.subsystems.motion.stops import at_stop
@@ -39,28 +37,18 @@ Array = NDArray[np.float64]
 TILT = 1e-3
 
 
-def motion_runs(
-    recording: Recording, rig: Rig, model: mujoco.MjModel, links: tuple[Linkage, ...]
+def balances(
+    recording: Recording, rig: Rig, model: mujoco.MjModel, links: tuple[Linkage, ...], asked: AskedWidth | None
 ) -> tuple[list[MotionRun], list[tuple[str, str]]]:
     """Return the balance of every joint that can be judged, and (joint, reason) for those that cannot.
 
     Every joint of the model must have been recorded: a joint whose motion is unknown may carry any force.
+
+    Args:
+        recording: Signals in SI.
+        rig, model, links: The machine.
+        asked: The filter; the usual one of the clock where None.
     """
-    runs, reasons = _balances(recording, rig, model, links, None)
-    if not any(run.inertia.noise > FORCE_FLOOR_SHARE * run.effort for run in runs):
-        return runs, reasons
-    names = [model.joint(j).name for j in range(model.njnt)]
-    asked = asked_width(recording.time, [recording[f"{name}.position"] for name in names])
-    if asked.seconds <= smoothing_width(recording.time):
-        return runs, reasons
-    smoother = _balances(recording, rig, model, links, asked)
-    return smoother if len(smoother[0]) == len(runs) else (runs, reasons)
-
-
-def _balances(
-    recording: Recording, rig: Rig, model: mujoco.MjModel, links: tuple[Linkage, ...], asked: AskedWidth | None
-) -> tuple[list[MotionRun], list[tuple[str, str]]]:
-    """Return what `motion_runs` returns, behind the least filter of the clock or the one that is asked for."""
     smoothing = 0.0 if asked is None else asked.seconds
     names = [model.joint(j).name for j in range(model.njnt)]
     plain = [

@@ -59,7 +59,12 @@ class Rows:
 
 def one_way(run: MotionRun) -> float:
     """Return for how long a joint moves one way where a row of its balance is compared [s]."""
-    return GROUP + smoothing_width(run.time, run.smoothing)
+    return _group(run) + smoothing_width(run.time, run.smoothing)
+
+
+def _group(run: MotionRun) -> float:
+    """Return over how long the samples of a row are averaged [s]: as the filter is wider or narrower than usual."""
+    return GROUP * smoothing_width(run.time, run.smoothing) / smoothing_width(run.time)
 
 
 def rows_of(run: MotionRun, usable: NDArray[np.bool_]) -> Rows:
@@ -72,7 +77,7 @@ def rows_of(run: MotionRun, usable: NDArray[np.bool_]) -> Rows:
     time, velocity = run.time, run.kinematics.velocity
     step = float(np.median(np.diff(time)))
     width = smoothing_width(time, run.smoothing)
-    size = max(1, int(round(GROUP * width / smoothing_width(time) / step)))
+    size = max(1, int(round(_group(run) / step)))
     edge = max(2, int(round(0.5 * width / step)))
     turned = np.diff(np.signbit(velocity), prepend=velocity[0] < 0.0)  # between two samples that both move
     moving = binary_erosion((np.abs(velocity) > run.kinematics.still) & ~turned, iterations=edge)

@@ -14,19 +14,24 @@ from exo_sim.recording.filters import EvenClock, gaussian_smoothed, gaussian_wid
 
 Array = NDArray[np.float64]
 
-#: Motion and forces are smoothed alike over this time at least [s].
+#: Motion and forces are smoothed alike over this time, unless another is asked for [s].
 SMOOTHING = 0.031
 #: Of a long recording at most so many samples are kept, while the filter spans at least so many of them.
 MOST_SAMPLES, FEWEST_IN_FILTER = 400_000, 6
 
 
 def smoothing_width(time: Array, asked: float = 0.0) -> float:
-    """Return the width of the filter on this clock [s]: what noise asks for (see `filter_width`), and no less than the clock does."""
+    """Return the width of the filter on this clock [s]: the usual, or what is asked for (see `motion_runs`); no less than the least."""
     return _width(float(np.median(np.diff(time))), asked)
 
 
+def least_width(time: Array) -> float:
+    """Return the least width of a filter on this clock [s]."""
+    return FEWEST_IN_FILTER * float(np.median(np.diff(time)))
+
+
 def _width(usual: float, asked: float) -> float:
-    return max(SMOOTHING, FEWEST_IN_FILTER * usual, asked)
+    return max(FEWEST_IN_FILTER * usual, asked or SMOOTHING)
 
 
 def reach(time: Array, asked: float = 0.0) -> int:

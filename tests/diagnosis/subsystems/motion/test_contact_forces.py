@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 from exo_sim import rig as rigs
 from exo_sim.diagnosis.data.motion_run import MotionRun
 from exo_sim.diagnosis.subsystems.motion.contact_forces import are_recorded, site_forces
-from exo_sim.diagnosis.subsystems.motion.inverse_dynamics import motion_runs
+from exo_sim.diagnosis.subsystems.motion.motion_runs import motion_runs
 from exo_sim.machine.rig_model import load
 from exo_sim.recording import Recording
 from exo_sim.rig import Rig

@@ -97,6 +97,17 @@ def test_a_frictionless_balance_bears_no_name() -> None:
     assert named(found) == {}
 
 
+@pytest.mark.parametrize("beyond", [-2.5, -0.8, 0.0, 3.0])
+def test_a_spring_that_is_preloaded_is_known_with_its_preload(beyond: float) -> None:
+    """What it pulls with in the middle of the travel is no bias of the pressure that drives it."""
+    rest = float(np.mean(POSITION)) + beyond * float(np.ptp(POSITION))
+    run = motion_runs.behind_cylinder(motion_runs.balance(lost(coulomb=6.0) + 90.0 * (POSITION - rest), 0.3), np.zeros((TIME.size, 2)))
+    found = searched(MotionModel([run], motion_runs.plant(), Split({})))
+    assert named(found) == pytest.approx({"return_spring": 90.0, "coulomb_friction": 6.0}, rel=0.05)
+    values = {q.key[::2]: value for q, value in found.final.fit.values.items()}
+    assert values["return_spring", "rest"] == pytest.approx(rest, abs=0.1 * float(np.ptp(POSITION)))
+
+
 def test_a_constant_force_is_no_spring_that_is_slack_far_away() -> None:
     run = motion_runs.balance(40.0 + lost(coulomb=12.0), 0.3)
     run = replace(run, drive=replace(run.drive, levers={"slide.external_force": np.ones(TIME.size)}))

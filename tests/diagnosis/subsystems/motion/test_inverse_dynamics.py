@@ -13,8 +13,8 @@ from exo_sim.diagnosis.data.motion_run import MotionRun
 from exo_sim.diagnosis.data.split import Split
 from exo_sim.diagnosis.estimation.parameters import PlantParameters
 from exo_sim.diagnosis.subsystems.motion import smoothing
-from exo_sim.diagnosis.subsystems.motion.inverse_dynamics import motion_runs
 from exo_sim.diagnosis.subsystems.motion.model import MotionModel
+from exo_sim.diagnosis.subsystems.motion.motion_runs import motion_runs
 from exo_sim.diagnosis.subsystems.motion.rows import rows_of
 from exo_sim.diagnosis.subsystems.motion.smoothing import on_clock, smoothing_width, stride
 from exo_sim.machine.linkage import linkages

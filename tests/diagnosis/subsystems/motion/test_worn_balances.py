@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 
 from exo_sim.diagnosis.data.motion_run import MotionRun
-from exo_sim.diagnosis.subsystems.motion.inverse_dynamics import motion_runs
+from exo_sim.diagnosis.subsystems.motion.motion_runs import motion_runs
 from exo_sim.diagnosis.subsystems.motion.moving_masses import payload
 from exo_sim.diagnosis.subsystems.motion.rows import rows_of
 from exo_sim.diagnosis.subsystems.motion.stops import at_stop

@@ -1,0 +1,58 @@
+"""Which filter a balance is behind: the usual one, a wider one for noise, a narrower one for a machine that turns round soon."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import benches
+import numpy as np
+import pytest
+
+from exo_sim.diagnosis.data.motion_run import MotionRun
+from exo_sim.diagnosis.policy.recordings import LEAST_COMPARED
+from exo_sim.diagnosis.subsystems.motion.motion_runs import motion_runs
+from exo_sim.diagnosis.subsystems.motion.rows import rows_of
+from exo_sim.diagnosis.subsystems.motion.smoothing import SMOOTHING, smoothing_width
+from exo_sim.machine.rig_model import load
+from exo_sim.recording import Recording
+
+TIME = np.arange(0.0, 10.0, 0.001)
+MASS, DAMPING = 8.0, 60.0
+
+
+def swinging(frequency: float, noise: float = 1e-6) -> Recording:
+    """Return a slide that an outside force swings by 20 mm; it is damped, and its rig does not know of it."""
+    w = 2.0 * np.pi * frequency
+    position = 0.02 * np.sin(w * TIME)
+    force = -MASS * w**2 * position + DAMPING * 0.02 * w * np.cos(w * TIME)
+    position = position + noise * np.random.default_rng(1).standard_normal(TIME.size)
+    return benches.recording(TIME, {"slide.external_force": force, "slide.position": position})
+
+
+def balance(folder: Path, table: Recording) -> MotionRun:
+    rig = benches.bench(folder, cylinder=False)
+    return motion_runs(table, rig, load(rig), ())[0][0]
+
+
+def compared(run: MotionRun) -> float:
+    moves = np.abs(run.kinematics.velocity) > run.kinematics.still
+    return float(rows_of(run, moves).compared.sum() / moves.sum())
+
+
+def test_a_slow_machine_has_the_usual_filter(tmp_path: Path) -> None:
+    run = balance(tmp_path, swinging(1.0))
+    assert run.smoothing == 0.0 and smoothing_width(run.time, run.smoothing) == SMOOTHING and compared(run) > LEAST_COMPARED
+
+
+@pytest.mark.parametrize("frequency", [9.0, 12.0])
+def test_a_machine_that_turns_round_soon_has_a_narrower_one(tmp_path: Path, frequency: float) -> None:
+    run = balance(tmp_path, swinging(frequency))
+    assert 0.0 < run.smoothing < SMOOTHING and compared(run) > LEAST_COMPARED
+    rows = rows_of(run, np.ones(TIME.size, dtype=bool))
+    lacking, speed = rows.means(run.driving - run.inertia.force), rows.means(run.kinematics.velocity)
+    assert float(lacking @ speed / (speed @ speed)) == pytest.approx(DAMPING, rel=0.02)
+
+
+def test_noise_asks_for_a_wider_one_however_soon_it_turns_round(tmp_path: Path) -> None:
+    assert balance(tmp_path, swinging(1.0, 1e-3)).smoothing > SMOOTHING
+    assert balance(tmp_path, swinging(9.0, 1e-3)).smoothing >= 0.0

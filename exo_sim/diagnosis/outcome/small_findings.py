@@ -13,7 +13,7 @@ from exo_sim.diagnosis.findings import Estimate, Finding, Kind
 from exo_sim.diagnosis.outcome.rig_corrections import REFITTED
 from exo_sim.diagnosis.outcome.sensor_zeros import ZERO, error_of
 from exo_sim.diagnosis.policy.off_nominal import BEYOND_DOUBT, MODEL_SHARE
-from exo_sim.diagnosis.selection.nuisance_calibration import is_declared
+from exo_sim.diagnosis.selection.nuisance_calibration import error_of_law, is_declared
 from exo_sim.diagnosis.selection.subsystem_result import SubsystemResult
 from exo_sim.diagnosis.subsystem_model import SubsystemModel
 from exo_sim.physics.effects import sensor_bias
@@ -74,7 +74,8 @@ def _entry(one: SubsystemResult[SubsystemModel], parameter: FreeParameter, error
         return None
     name, where, called, unit, kind = parameter.effect, parameter.where, parameter.parameter, parameter.unit, Kind.CALIBRATION
     by_force = one.model.as_sensor_error(parameter, value)
-    low, high = bounded_interval(parameter, value, error)
+    known = is_declared(name) and nominal != 0.0 and by_force is None
+    low, high = bounded_interval(parameter, value, error_of_law(parameter, value, error) if known else error)
     if by_force is not None:
         where, name, called, shown = by_force
         scale = shown / value if name == sensor_bias.EFFECT.name and value else 1.0

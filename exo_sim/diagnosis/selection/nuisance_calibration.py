@@ -35,12 +35,26 @@ class Deviation:
     twins: tuple[str, ...] = ()
 
 
+def error_of_law(parameter: FreeParameter, value: float, error: float) -> float:
+    """Return the standard error of a number of an effect that the rig has, as a number of the machine.
+
+    A law is never quite the machine's: what its form makes of the number counts as an error, and what is open before any data: of a time
+    what clocks leave open, of others what a healthy machine shows beside them.
+
+    Args:
+        parameter, value: The number, as fitted.
+        error: Its standard error by the fit.
+    """
+    declares = identification_of(parameter.effect)
+    share = OPEN_LAW_SHARE if declares.known else LAW_SHARE
+    clocks = parameter.prior[1] if parameter.prior and parameter.unit == "s" else 0.0
+    return math.hypot(error, clocks or declares.beside(parameter.parameter), share * abs(value))
+
+
 def deviations(model: FittedModel, errors: Mapping[FreeParameter, float]) -> tuple[Deviation, ...]:
     """Return the nominal numbers that are surely off, and by enough to be worth correcting; `errors` are standard errors.
 
-    A number of an effect is of the rig's law, which is never quite the machine's: what that makes of it counts as an error, and what is
-    open before any data: of a time what clocks leave open, of others what a healthy machine shows beside them. What a law is taken to be
-    where nobody gave it is no nominal number.
+    What a law is taken to be where nobody gave it is no nominal number.
     """
     found, effects = [], model.effect_parameters
     for parameter, value in model.fit.values.items():
@@ -52,11 +66,8 @@ def deviations(model: FittedModel, errors: Mapping[FreeParameter, float]) -> tup
             continue
         factor, error = value / whole, errors.get(parameter, math.inf) / abs(whole)
         if parameter.effect in declared():
-            clocks = parameter.prior[1] if parameter.prior and parameter.unit == "s" else 0.0
-            error = math.hypot(error, (clocks or declares.beside(parameter.parameter)) / abs(whole))
-            spread = math.hypot(error / max(abs(factor), 1e-12), OPEN_LAW_SHARE if declares.known else LAW_SHARE)
-            is_off = abs(math.log(factor)) > SURE * spread if factor > 0.0 else 1.0 - factor > SURE * error
-            error = spread * abs(factor)
+            error = error_of_law(parameter, value, errors.get(parameter, math.inf)) / abs(whole)
+            is_off = abs(math.log(factor)) * factor > SURE * error if factor > 0.0 else 1.0 - factor > SURE * error
         else:
             far = parameter.prior is not None and abs(factor - 1.0) > BEYOND_SHEET.get(parameter.effect, math.inf) * parameter.prior[1]
             is_off = far or abs(factor - 1.0) > max(SURE * error, WORTH[parameter.effect])

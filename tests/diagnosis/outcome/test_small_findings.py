@@ -42,6 +42,16 @@ def test_each_is_told_with_name_place_kind_and_number() -> None:
     assert name == "width" and estimate.low < estimate.value == 2.1e-3 < estimate.high
 
 
+def test_a_number_of_an_effect_that_the_rig_has_is_no_surer_than_its_law() -> None:
+    """A leak comes out a seventh off where its gap is an orifice, and a valve's lag by the clocks of two cards, whatever the noise."""
+    leak = FreeParameter("piston_leakage", "piston", "laminar", "kg/(s Pa^2)", Target.CYLINDER, 1e-16, 0.0, 1e-12, (1e-16, 1e-17))
+    lag = FreeParameter("valve_lag", "piston", "time_constant", "s", Target.CYLINDER, 1e-3, 0.0, 0.5, (3.4e-3, 1.5e-3))
+    found = {one.name: one.parameters for one in small_findings([result((leak, 1.2e-16, 1e-18), (lag, 5.4e-3, 1e-5))], ())}
+    size, time = found["piston_leakage"]["laminar"], found["valve_lag"]["time_constant"]
+    assert size.low < 1e-16 and size.high > 1.4e-16
+    assert time.low < 3.4e-3 and time.high > 7.5e-3
+
+
 @pytest.mark.parametrize(("value", "error"), [(4e-4, 1e-4), (0.0, 1e-9)])
 def test_what_is_not_beyond_doubt_is_not(value: float, error: float) -> None:
     assert small_findings([result((WIDTH, value, error))], ()) == ()

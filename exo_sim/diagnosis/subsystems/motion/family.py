@@ -22,7 +22,7 @@ from exo_sim.diagnosis.estimation.parameters import FreeParameter, Target
 from exo_sim.diagnosis.findings import Kind
 from exo_sim.diagnosis.policy import healthy, priors
 from exo_sim.diagnosis.policy.recordings import VARIED_PRESSURE
-from exo_sim.diagnosis.subsystems.motion.full_scale import full_travel
+from exo_sim.diagnosis.subsystems.motion.full_scale import full_force, full_travel
 from exo_sim.diagnosis.subsystems.motion.model import MotionModel
 from exo_sim.physics.declaration import declared
 from exo_sim.physics.effects import (
@@ -346,7 +346,9 @@ class _Builder:
 
         if not _shows(columns[0]):
             return []
-        return [Term(candidate, np.column_stack(columns), self._spread(columns), (True, False), parameters, candidate.effect)]
+        full = full_force(self.run, self.model.nominal) / self.run.drive.usual_arm
+        spread = np.maximum(self._spread(columns), [0.0, full])  # a spring is preloaded against all that drives
+        return [Term(candidate, np.column_stack(columns), spread, (True, False), parameters, candidate.effect)]
 
 
 def _richer_than(name: str) -> set[str]:

@@ -16,6 +16,8 @@ from exo_sim.physics.declaration import Effect, declared
 CARD_OF_PRESSURES = "pressures.delay"
 #: Set pressure of a supply that was not recorded, as a factor on the nominal one.
 SET_PRESSURE = "set_pressure"
+#: Zero of a pressure sensor, which every fit of a gas moves.
+ZERO = "sensor_zero"
 #: Temperature of the gas where a recording begins: of the recording, not of the machine.
 INITIAL_TEMPERATURE = "initial_temperature"
 

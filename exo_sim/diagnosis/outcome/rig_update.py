@@ -17,11 +17,11 @@ from exo_sim.diagnosis import wording
 from exo_sim.diagnosis.data.machine_data import MachineData
 from exo_sim.diagnosis.discrepancy.curve import Curve
 from exo_sim.diagnosis.estimation.candidate import Candidate
-from exo_sim.diagnosis.estimation.parameters import FreeParameter
+from exo_sim.diagnosis.estimation.parameters import ZERO, FreeParameter
 from exo_sim.diagnosis.estimation.uncertainty import bounded_interval, interval
 from exo_sim.diagnosis.findings import Estimate, Finding, Kind
 from exo_sim.diagnosis.outcome.rig_corrections import corrections
-from exo_sim.diagnosis.outcome.sensor_zeros import ZERO, error_of, is_faulty
+from exo_sim.diagnosis.outcome.sensor_zeros import error_of, is_faulty
 from exo_sim.diagnosis.policy.off_nominal import LEAST_PART
 from exo_sim.diagnosis.selection.nuisance_calibration import is_declared
 from exo_sim.diagnosis.selection.subsystem_result import SubsystemResult
@@ -80,10 +80,20 @@ class RigUpdate:
         return tuple({one.key: one for one in reversed(every)}.values())[::-1]
 
     def reduced(self) -> tuple[RigUpdate, ...]:
-        """Return the updates that have one rank less of one source: its curve goes first, for it was fitted to what the rest leaves."""
-        least = {part.source: min(one.rank for one in self.parts if one.source == part.source) for part in self.parts}
+        """Return the updates that have one rank less of one source.
+
+        Its curve goes first, for it was fitted to what the rest leaves; what was found goes last. Numbers of the machine and of the
+        sensors that were only refitted do without each other: a zero that the gas hardly shows may be worse for the forces alone.
+        """
+        gone: dict[str, list[Rank]] = {}
+        for source in dict.fromkeys(part.source for part in self.parts):
+            ranks = {one.rank for one in self.parts if one.source == source}
+            either = sorted(ranks & {Rank.REFITTED, Rank.SENSORS})
+            gone[source] = [Rank.CURVE] if Rank.CURVE in ranks else either or [Rank.FOUND]
         return tuple(
-            replace(self, parts=tuple(part for part in self.parts if (part.source, part.rank) != gone)) for gone in least.items()
+            replace(self, parts=tuple(part for part in self.parts if (part.source, part.rank) != (source, rank)))
+            for source, ranks in gone.items()
+            for rank in ranks
         )
 
     def text(self, folder: Path) -> str:

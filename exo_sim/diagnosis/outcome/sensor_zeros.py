@@ -6,25 +6,24 @@ import math
 from collections.abc import Sequence
 
 from exo_sim.diagnosis import wording
-from exo_sim.diagnosis.estimation.parameters import FreeParameter
+from exo_sim.diagnosis.estimation.parameters import ZERO, FreeParameter
 from exo_sim.diagnosis.estimation.uncertainty import bounded_interval
 from exo_sim.diagnosis.findings import Estimate, Finding, Kind
 from exo_sim.diagnosis.policy.acceptance import SURELY_MORE
-from exo_sim.diagnosis.policy.healthy import ZERO_MODEL, ZEROS
+from exo_sim.diagnosis.policy.healthy import ZEROS
 from exo_sim.diagnosis.policy.priors import PRESSURE_ZERO
 from exo_sim.diagnosis.policy.probability import UNTESTED
 from exo_sim.diagnosis.selection.subsystem_result import SubsystemResult
+from exo_sim.diagnosis.selection.unneeded_nuisances import error_of_model
 from exo_sim.diagnosis.subsystem_model import SubsystemModel
 from exo_sim.physics.effects import sensor_bias
 
 Result = SubsystemResult[SubsystemModel]
-#: What a zero that every fit moves is called among nuisance parameters.
-ZERO = "sensor_zero"
 
 
 def error_of(one: Result, parameter: FreeParameter, error: float) -> float:
     """Return the standard error of a refitted number, with what errors of the model do to a sensor's zero: they stand still as well."""
-    return math.hypot(error, ZERO_MODEL * one.model.structural_error) if parameter.effect == ZERO else error
+    return math.hypot(error, error_of_model(parameter, one.model.structural_error)) if parameter.effect == ZERO else error
 
 
 def is_faulty(one: Result, parameter: FreeParameter, error: float) -> bool:

@@ -37,6 +37,11 @@ CLEAN = Number(
     1.8, "residual variance in units of the noise",
     "below this nothing is left to explain",
 )  # fmt: skip
+NEEDED = Number(
+    2.0, "fall of -2 log of the posterior, a parameter",
+    "what gains less of an imperfection that healthy machines have is left at zero in the model that is accepted",
+    "derived: Akaike (1974), a parameter that gains less than one unit of log-likelihood predicts worse than its nominal value",
+)  # fmt: skip
 STEADY_GAIN = Number(
     2.0, "mean gain over blocks in units of its standard error", "a gain that one block alone brings is no effect",
     "a bench with a relief valve, which is outside the list: this alone removed an effect that had stood, of 0.4 with odds of 49 beside "

@@ -29,6 +29,7 @@ from exo_sim.diagnosis.selection.left_beside import left_beside
 from exo_sim.diagnosis.selection.model_fits import ModelFits
 from exo_sim.diagnosis.selection.nuisance_calibration import deviations, refitted_besides
 from exo_sim.diagnosis.selection.subsystem_result import SubsystemResult
+from exo_sim.diagnosis.selection.unneeded_nuisances import without_unneeded
 from exo_sim.diagnosis.subsystem_model import SubsystemModel
 from exo_sim.physics.declaration import identification_of
 
@@ -79,6 +80,8 @@ class _Decision(Generic[Model]):
         elif unknown:
             final, named = self._surely_there(final, named)
         errors = self._errors(final)
+        if not unknown and not self.model.names_stand_beside_unknown:
+            final = without_unneeded(self.fits, final, self.model.structural_error)
         reported = tuple(c for c in named if _is_reported(c, final, errors))
         laws = {q for c in named if c not in reported for q in c.parameters}
         named = reported

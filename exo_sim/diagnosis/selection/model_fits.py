@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Collection, Sequence
 
 import numpy as np
 from numpy.typing import NDArray
@@ -185,6 +185,20 @@ class ModelFits:
         better = FittedModel(model.candidates, with_common_parts_split(done))
         self._fitted[key_of(model.candidates)] = better
         return better
+
+    def refitted_without(self, model: FittedModel, gone: Collection[FreeParameter]) -> Fit:
+        """Return the fit of a model in which some nuisance parameters stay at their nominal values, started from it.
+
+        Args:
+            model: Fitted, with its Jacobian.
+            gone: What is held.
+        """
+        parameters = tuple(q for q in model.fit.parameters if q not in gone)
+        length = min(self.correlation_time(model.fit.residual), acceptance.LONGEST_CORRELATION)
+        return fit(
+            self._residual_of(model.candidates), parameters, model.fit.values, self.threads, max_iterations=12, tolerance=1e-6,
+            correlation_length=length, known_columns=model.fit.columns, renewed=False, is_spent=self.is_spent,
+        )  # fmt: skip
 
     def _residual_of(self, candidates: Sequence[Candidate]) -> Callable[[dict[FreeParameter, float]], Array]:
         fixed = [pair for candidate in candidates for pair in candidate.fixed]

@@ -162,7 +162,8 @@ def test_forces_say_how_late_a_sensor_is_where_no_gas_was_judged(data: MachineDa
     assert effect is not None and effect.parameters["seconds"] == pytest.approx(2e-3)
 
 
-def test_what_was_refitted_of_sensors_stands_though_what_was_of_the_machine_is_left_out(data: MachineData) -> None:
+def test_what_was_refitted_of_sensors_and_of_the_machine_stand_without_each_other(data: MachineData) -> None:
     update = rig_update(data, [replace(result({VALVE: 1.02, ZERO: 800.0}), refitted=((VALVE, 0.01), (ZERO, 50.0)))], ())
-    (sensors,) = update.reduced()
+    sensors, machine = update.reduced()
+    assert machine.entries == () and len(machine.corrections) == 1
     assert sensors.corrections == () and [entry.setting.name for entry in sensors.entries] == ["sensor_bias"]

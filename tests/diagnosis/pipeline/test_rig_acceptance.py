@@ -120,8 +120,10 @@ def test_a_text_that_is_no_rig_is_refused_aloud(leaking: MachineData) -> None:
 
 
 def test_where_nothing_can_be_tried_it_is_said(leaking: MachineData) -> None:
+    """Without a command the gas, without a position the forces."""
     table = leaking.as_read[0]
-    less = replace(table, columns={key: values for key, values in table.columns.items() if key != "piston.valve_command"})
+    gone = ("piston.valve_command", "slide.position")
+    less = replace(table, columns={key: values for key, values in table.columns.items() if key not in gone})
     nothing = replace(leaking, as_read=(less,), recordings=(less,), cylinders={}, joints={})
     kept, said = accepted(nothing, leak(leaking, 3.6e-8), Split({less.name: ((7.0, 9.0),)}))
     assert kept.update.parts and len(said) == 1 and "not put to the test" in said[0]

@@ -6,7 +6,7 @@ import math
 from collections.abc import Sequence
 
 from exo_sim.diagnosis.data.cylinder_run import CylinderRun
-from exo_sim.diagnosis.estimation.parameters import SET_PRESSURE, FreeParameter, PlantParameters, Target
+from exo_sim.diagnosis.estimation.parameters import SET_PRESSURE, ZERO, FreeParameter, PlantParameters, Target
 from exo_sim.diagnosis.policy import healthy, priors
 from exo_sim.diagnosis.subsystems.gas.place import measured_places, place_of
 from exo_sim.physics.declaration import declared
@@ -44,7 +44,7 @@ def nuisance_parameters(
     )
     zeros = tuple(
         FreeParameter(
-            "sensor_zero", f"{cylinder}.pressure_{side}", f"pressure_{side}.bias", "Pa", Target.SENSOR, priors.PRESSURE_ZERO, -1e4, 1e4,
+            ZERO, f"{cylinder}.pressure_{side}", f"pressure_{side}.bias", "Pa", Target.SENSOR, priors.PRESSURE_ZERO, -1e4, 1e4,
             (0.0, priors.PRESSURE_ZERO),
         )  # fmt: skip
         for side in sides

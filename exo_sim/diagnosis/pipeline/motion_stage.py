@@ -34,7 +34,7 @@ from exo_sim.diagnosis.subsystems.motion.family import motion_family
 from exo_sim.diagnosis.subsystems.motion.model import MotionModel
 from exo_sim.diagnosis.subsystems.motion.nuisances import nuisance_parameters, with_damping, with_damping_if_too_large
 from exo_sim.diagnosis.subsystems.motion.rows import one_way
-from exo_sim.physics.declaration import declared, identification_of
+from exo_sim.physics.declaration import Parameter, declared, identification_of
 from exo_sim.physics.plant_records import CYLINDER
 from exo_sim.rig import assembly
 
@@ -146,11 +146,30 @@ def nominal_balance(data: MachineData, name: str, runs: Sequence[MotionRun]) -> 
 
 
 def _with_joint_effects(data: MachineData, joint: str, piston: NDArray[np.void], arm: float) -> NDArray[np.void]:
-    """Return the record of a piston with the effects of its joint, which it feels through its lever `arm` [m/rad, or 1]."""
+    """Return the record of a piston with the effects of its joint, which it feels through its lever `arm` [m/rad, or 1].
+
+    Sizes of both add up; a shape (the speed of a dip, where a spring is slack) is the mean of both, weighted by size: of springs that is
+    what two of them are together.
+    """
     record = piston.copy()
     for effect in data.rig.effects:
-        if effect.where == joint and effect.name in (record.dtype.names or ()):
-            for name, value in effect.parameters.items():
-                unit = declared()[effect.name].parameter(name).unit
-                record[effect.name][name] += value * arm ** _LEVER_POWERS.get(unit, 0)
+        if effect.where != joint or effect.name not in (record.dtype.names or ()):
+            continue
+        declares, own = declared()[effect.name], record[effect.name]
+        at_piston = {name: value * arm ** _LEVER_POWERS.get(declares.parameter(name).unit, 0) for name, value in effect.parameters.items()}
+        sizes = [name for name in at_piston if _is_size(declares.parameter(name))]
+        added, held = (sum(abs(float(one[name])) for name in sizes) for one in (at_piston, own[0]))
+        for name, value in at_piston.items():
+            before = float(own[name][0])
+            if name in sizes:
+                own[name] = before + value
+            elif before == 0.0 or held == 0.0:
+                own[name] = value
+            elif added > 0.0:
+                own[name] = (held * before + added * value) / (held + added)
     return record
+
+
+def _is_size(parameter: Parameter) -> bool:
+    """Return whether a parameter says how large an effect is: nil is then one of its values."""
+    return parameter.low <= 0.0 and (parameter.required or parameter.unit != "m")

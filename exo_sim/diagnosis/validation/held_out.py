@@ -125,6 +125,7 @@ class HeldOutErrors:
             self,
             signals={**self.signals, **later.signals},
             drops=both(self.drops, later.drops), influence=both(self.influence, later.influence), costs=both(self.costs, later.costs),
+            left=both(self.left, later.left),
             worth={key: one for key, one in both(self.worth, later.worth).items() if key in later.worth or key not in later.drops},
             balances={**self.balances, **later.balances},
             series=tuple(seen.get((one.recording, one.signal), one) for one in self.series),

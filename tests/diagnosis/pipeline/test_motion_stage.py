@@ -15,7 +15,13 @@ from exo_sim.diagnosis.data.machine_data import MachineData
 from exo_sim.diagnosis.data.motion_run import Kinematics
 from exo_sim.diagnosis.data.split import Split
 from exo_sim.diagnosis.estimation.threads import SERIAL
-from exo_sim.diagnosis.pipeline.motion_stage import balances_left_open, examine_motion, judged_balances, undecided
+from exo_sim.diagnosis.pipeline.motion_stage import (
+    balances_left_open,
+    examine_motion,
+    judged_balances,
+    nominal_balance,
+    undecided,
+)
 from exo_sim.diagnosis.pipeline.plan import Plan
 from exo_sim.diagnosis.selection.subsystem_result import SubsystemResult
 from exo_sim.diagnosis.subsystems.motion.candidates import candidates
@@ -103,6 +109,25 @@ def test_what_the_rig_has_already_is_not_missing(tmp_path: Path) -> None:
     known = '[effects.viscous_friction.slide]\ncoefficient = "30 N s/m"\n'
     found = examined(tmp_path, 30.0 * VELOCITY, known)
     assert names(found) == [] and found.model.nominal.cylinder["viscous_friction"]["coefficient"][0] == pytest.approx(30.0)
+
+
+def test_of_laws_at_a_joint_and_at_its_piston_sizes_add_up_and_shapes_do_not(tmp_path: Path) -> None:
+    """Of springs the rest of both together is the mean of theirs, weighted by stiffness."""
+    rig = benches.bench(
+        tmp_path,
+        "".join(
+            f'[effects.stribeck_friction.{at}]\nbreakaway = "{force} N"\nvelocity = "{speed} m/s"\nexponent = 2\n'
+            f'[effects.return_spring.{at}]\nstiffness = "{force} N/m"\nrest = "{rest} m"\n'
+            for at, force, speed, rest in (("piston", 30.0, 0.02, 0.1), ("slide", 10.0, 0.06, -0.1))
+        ),
+    )
+    model, still = load(rig), np.full((TIME.size, 2), 2e5)
+    run = motion_runs.behind_cylinder(motion_runs.balance(np.zeros(TIME.size), 0.3), still)
+    data = MachineData(rig, model, linkages(rig, model), (), (), {}, {"slide": (run,)})
+    both = nominal_balance(data, "slide", data.joints["slide"]).cylinder
+    dip, spring = both["stribeck_friction"][0], both["return_spring"][0]
+    assert (dip["breakaway"], dip["velocity"], dip["exponent"]) == pytest.approx((40.0, 0.03, 2.0))
+    assert (spring["stiffness"], spring["rest"]) == pytest.approx((40.0, 0.05))
 
 
 def test_what_was_refuted_is_not_named_again(tmp_path: Path) -> None:

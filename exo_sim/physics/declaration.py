@@ -22,6 +22,15 @@ FAMILIES = (
     "friction", "spring", "transmission", "valve", "flow law", "line", "cushion", "leak", "wall", "supply", "exhaust", "sensor", "unknown"
 )  # fmt: skip
 
+#: Which part of the plant a diagnosis cuts out to ask for an effect; "any" where a parameter decides.
+CUTS = ("gas", "motion", "sensor", "any")
+
+#: SI units of effects on motion, at a sliding part: a balance of forces knows how large these may be.
+OF_FORCES = ("N", "N s/m", "N s^2/m^2", "N/m", "m", "m/s", "m^2", "1")
+
+#: Believed numbers that an effect may be mistaken for.
+CALIBRATED = ("dead_volume", "flow_capacity", "payload_mass")
+
 #: Families that hand something to the gas (where the piston is, how far each path is open) but have no term in its balances.
 BESIDE_THE_GAS = ("friction", "spring", "transmission", "valve")
 
@@ -122,6 +131,14 @@ class Effect:
         for place in self.places:
             if place not in PLACES:
                 raise ModelError(f"effect {self.name}: {place!r} is no place where effects act{nearest(place, PLACES)}")
+        if self.cut not in CUTS:
+            raise ModelError(f"effect {self.name}: {self.cut!r} is no part of the plant that a diagnosis cuts out{nearest(self.cut, CUTS)}")
+        for parameter in self.parameters:
+            if self.cut == "motion" and parameter.unit not in OF_FORCES:
+                raise ModelError(
+                    f"effect {self.name}: no balance of forces knows how large {parameter.name} in {parameter.unit!r} may be: "
+                    f"give it in one of {', '.join(OF_FORCES)}"
+                )
         known = [parameter.name for parameter in self.parameters]
         for key, names in self.identification.parameters.items():
             for name in sorted(names - set(known)):
@@ -155,7 +172,19 @@ def declared() -> dict[str, Effect]:
         if effect.name in found:
             raise ModelError(f"{source.label}: there is an effect {effect.name} already: give yours another name")
         found[effect.name] = effect
+    for effect in found.values():
+        check_others(effect, found)
     return dict(sorted(found.items()))
+
+
+def check_others(effect: Effect, found: Mapping[str, Effect]) -> None:
+    """Raise ModelError where an effect names another that there is not."""
+    asked = effect.identification
+    twins = (*asked.twins.unmeasured, *asked.twins.measured, *asked.twins.unseen, asked.twins.beside_constant)
+    effects = (effect.requires, *(name for name, _ in effect.absorbs), asked.on_top_of, *twins)
+    for name, known in (*((name, found) for name in effects if name), *((name, {*found, *CALIBRATED}) for name in effect.mistaken_for)):
+        if name not in known:
+            raise ModelError(f"effect {effect.name}: there is no effect {name!r}{nearest(name, known)}")
 
 
 def identification_of(name: str) -> Identification:

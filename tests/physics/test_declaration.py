@@ -7,7 +7,7 @@ from dataclasses import replace
 import pytest
 
 from exo_sim.errors import ModelError
-from exo_sim.physics.declaration import declared, identification_of
+from exo_sim.physics.declaration import Parameter, check_others, declared, identification_of
 from exo_sim.physics.identification import Identification
 
 
@@ -19,11 +19,24 @@ def test_every_file_of_the_folder_is_an_effect_under_its_own_name() -> None:
 @pytest.mark.parametrize(
     ("change", "says"),
     [({"family": "frictoin"}, 'did you mean "friction"'), ({"places": ("cylindre",)}, 'did you mean "cylinder"'),
+     ({"cut": "motoin"}, 'did you mean "motion"'), ({"parameters": (Parameter("force", "W", 0.0, 1.0, (0.1, 0.2), "none"),)}, "in 'W'"),
      ({"identification": Identification(forms=(("fource",),))}, 'did you mean "force"')],
 )  # fmt: skip
 def test_a_word_that_is_none_is_refused_with_the_nearest(change: dict[str, object], says: str) -> None:
     with pytest.raises(ModelError, match=says):
         replace(declared()["coulomb_friction"], **change)  # type: ignore[arg-type]
+
+
+@pytest.mark.parametrize(
+    "change",
+    [{"mistaken_for": ("viscous_frictoin",)}, {"requires": "viscous_frictoin"},
+     {"identification": Identification(on_top_of="viscous_frictoin")}],
+)  # fmt: skip
+def test_another_effect_that_there_is_not_is_refused_with_the_nearest(change: dict[str, object]) -> None:
+    """A name that says nothing would be silence: the effect would be asked as if nothing were like it."""
+    wrong = replace(declared()["coulomb_friction"], **change)  # type: ignore[arg-type]
+    with pytest.raises(ModelError, match='did you mean "viscous_friction"'):
+        check_others(wrong, declared())
 
 
 def test_units_turn_with_the_joint() -> None:

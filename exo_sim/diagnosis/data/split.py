@@ -8,7 +8,7 @@ from dataclasses import dataclass, field
 import numpy as np
 from numpy.typing import NDArray
 
-from exo_sim.diagnosis.policy.validation import HELD_OUT_SHARE
+from exo_sim.diagnosis.policy.validation import HELD_OUT_SHARE, TEST_SHARE
 
 #: By recording, spans (start, stop) of its time [s].
 Spans = Mapping[str, tuple[tuple[float, float], ...]]
@@ -19,8 +19,10 @@ class Split:
     """Spans of each recording that no parameter is fitted to; the rest is training data.
 
     Attributes:
-        test: For the reported errors; it takes no part in choosing either.
-        validation: May refute an effect, or speak for another division of the time; never for an effect.
+        test: For the reported errors; it takes no part in choosing either. All that it may add is that something acts in it which the rest
+            of the time never met.
+        validation: Decides which of the names that were found stand, how much of the improved rig is written, and whether another division
+            of the time is better.
     """
 
     test: Spans
@@ -33,11 +35,6 @@ class Split:
     def in_training(self, recording: str, time: NDArray[np.float64]) -> NDArray[np.bool_]:
         """Return which samples are training data, shape (n,)."""
         return ~(self.in_test(recording, time) | _inside(self.validation, recording, time))
-
-    def all_kept_as_test(self) -> Split:
-        """Return the split whose test time is all that no parameter was fitted to, its validation time as well."""
-        names = {**self.validation, **self.test}
-        return Split({name: tuple(sorted((*self.validation.get(name, ()), *self.test.get(name, ())))) for name in names})
 
     def validation_as_test(self) -> Split:
         """Return the split with validation and test exchanged, the training data the same."""
@@ -52,7 +49,7 @@ def _inside(spans: Spans, recording: str, time: NDArray[np.float64]) -> NDArray[
 
 
 def split(times: Sequence[tuple[str, NDArray[np.float64]]], head: bool = False) -> Split:
-    """Hold out the end of every recording: its last 15 % for the test, the 15 % before them for validation.
+    """Hold out the end of every recording: its last tenth for the test, the fifth before that for validation.
 
     Of every one, not some of them whole: a recording is often the only one at its pressure, load or amplitude, and what depends on that
     shows in no other.
@@ -64,7 +61,8 @@ def split(times: Sequence[tuple[str, NDArray[np.float64]]], head: bool = False) 
     test, validation = {}, {}
     for name, time in times:
         start, stop = float(time[0]), float(time[-1])
-        half = 0.5 * HELD_OUT_SHARE * (stop - start)
-        test[name] = ((start, start + half) if head else (stop - half, stop),)
-        validation[name] = ((start + half, start + 2.0 * half) if head else (stop - 2.0 * half, stop - half),)
+        kept = HELD_OUT_SHARE * (stop - start)
+        last = TEST_SHARE * kept
+        test[name] = ((start, start + last) if head else (stop - last, stop),)
+        validation[name] = ((start + last, start + kept) if head else (stop - kept, stop - last),)
     return Split(test, validation)

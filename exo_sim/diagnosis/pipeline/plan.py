@@ -115,11 +115,5 @@ class Examination:
 
     @property
     def shares(self) -> Mapping[str, float]:
-        """What each finding explains of what is missing without it, by `effect@where`, over all time that no number was fitted to.
-
-        Of one time alone it is half as sure: a name that gains little in the one may gain plainly in the other.
-        """
-        found = dict(self.test.worth)
-        for key, worth in (self.validation.worth if self.validation is not None else {}).items():
-            found[key] = found[key] + worth if key in found else worth
-        return {key: worth.share for key, worth in found.items()}
+        """What each finding explains of what is missing without it over the validation time, by `effect@where`."""
+        return {key: worth.share for key, worth in self.validation.worth.items()} if self.validation is not None else {}

@@ -1,4 +1,4 @@
-"""The improved rig as far as it wins over the held-out time: in windows of each balance and of the whole machine, and run free.
+"""The improved rig as far as it wins over the validation time: in windows of each balance and of the whole machine, and run free.
 
 Numbers that were fitted to a gas under its recorded motion, and to forces under recorded pressures, may be worse where both are predicted:
 a piston that sticks by other friction compresses its gas elsewhere. Whoever uses the rig runs the whole machine.
@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Mapping
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 
 import numpy as np
 
@@ -92,12 +92,12 @@ def accepted(
     Args:
         data: The recordings, and the rig as handed in.
         update: What was found.
-        split: Its test time counts.
+        split: What wins over its validation time is taken, or over the test time where there is no other; errors are of the test time.
         is_spent: Whether the time is up: then it is all of the update, or nothing.
     """
     refusals: list[str] = []
-    windows, free = WindowErrors(data, split), MachineRuns(data, split)
-    whole = MachineRuns(data, split.all_kept_as_test(), WINDOW)
+    choosing = split.validation_as_test() if split.validation else split
+    windows, free, whole = WindowErrors(data, choosing), MachineRuns(data, choosing), MachineRuns(data, choosing, WINDOW)
 
     def tried(one: RigUpdate) -> Trial:
         try:
@@ -112,6 +112,9 @@ def accepted(
 
     best = as_far_as_it_wins(update, tried, is_spent)
     said = ((_CUT, best.update is not update and not refusals), (_UNPROVED, bool(best.update.parts) and not best.is_proved))
+    if choosing is not split:
+        rig = parse(best.update.text(data.rig.path.parent), data.rig.path)
+        best = replace(best, windows=WindowErrors(data, split).errors(rig), free_run=MachineRuns(data, split).errors(rig))
     return best, (*(_REFUSED.format(why) for why in refusals[:1]), *(words for words, is_so in said if is_so))
 
 

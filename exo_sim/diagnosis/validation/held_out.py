@@ -72,10 +72,6 @@ class Worth:
         """What it explains of the squared error that is missing beyond the noise without it, 0 to 1."""
         return min(max(_finite(self.gained / max(self.missing, self.gained, 1e-12)), 0.0), 1.0)
 
-    def __add__(self, other: Worth) -> Worth:
-        """Return what it is worth on both times together."""
-        return Worth(self.gained + other.gained, self.missing + other.missing)
-
 
 @dataclass(frozen=True)
 class HeldOutErrors:

@@ -5,8 +5,8 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from exo_sim.diagnosis.data.split import Split, split
-from exo_sim.diagnosis.policy.validation import HELD_OUT_SHARE
+from exo_sim.diagnosis.data.split import split
+from exo_sim.diagnosis.policy.validation import HELD_OUT_SHARE, TEST_SHARE
 
 
 @pytest.mark.parametrize("head", [False, True])
@@ -14,8 +14,8 @@ def test_a_lone_recording_is_training_validation_and_test(head: bool) -> None:
     time = np.linspace(3.0, 13.0, 1001)
     parts = split([("one", time)], head)
     proof, check, fit = parts.in_test("one", time), parts.validation_as_test().in_test("one", time), parts.in_training("one", time)
-    assert proof.mean() == pytest.approx(0.5 * HELD_OUT_SHARE, abs=0.002)
-    assert check.mean() == pytest.approx(0.5 * HELD_OUT_SHARE, abs=0.002)
+    assert proof.mean() == pytest.approx(TEST_SHARE * HELD_OUT_SHARE, abs=0.002)
+    assert check.mean() == pytest.approx((1.0 - TEST_SHARE) * HELD_OUT_SHARE, abs=0.002)
     assert (proof | check | fit).all() and not (fit & (proof | check)).any()
     assert (proof & check).sum() <= 1  # the sample between them
     order = np.flatnonzero(proof).mean(), np.flatnonzero(check).mean(), np.flatnonzero(fit).mean()
@@ -32,9 +32,3 @@ def test_of_several_each_gives_its_own_part(head: bool) -> None:
         alone = split([(name, time)], head)
         assert parts.test[name] == alone.test[name] and parts.validation[name] == alone.validation[name]
         assert parts.in_training(name, time).mean() == pytest.approx(1.0 - HELD_OUT_SHARE, abs=0.01)
-
-
-def test_all_that_was_kept_back_is_validation_and_test() -> None:
-    both = split([("one", np.arange(0.0, 100.0))]).all_kept_as_test()
-    assert np.array(both.test["one"]) == pytest.approx(np.array([[69.3, 84.15], [84.15, 99.0]])) and not both.validation
-    assert Split({"one": ((0.0, 1.0),)}).all_kept_as_test().test == {"one": ((0.0, 1.0),)}

@@ -128,7 +128,3 @@ def test_less_is_asked_of_what_was_weighed_beside_all_others(drop: float, refute
 )
 def test_a_share_is_of_what_is_missing_beyond_the_noise(gained: float, missing: float, share: float) -> None:
     assert Worth(gained, missing).share == pytest.approx(share)
-
-
-def test_what_is_worth_something_in_two_times_is_worth_both() -> None:
-    assert (Worth(3.0, 10.0) + Worth(-1.0, 30.0)).share == pytest.approx(0.05)

@@ -38,11 +38,6 @@ class NoiseModel:
     innovation: float
     blocks: NDArray[np.int64]
 
-    @property
-    def low_frequency_gain(self) -> float:
-        """By how much slow errors exceed the white noise of a row of variance 1."""
-        return self.innovation * (1.0 - self.theta) / (1.0 - self.phi)
-
     def whitened(self, rows: Array) -> Array:
         """Return rows as independent rows of variance 1; shape (n,) or (n, p), filtered along the first axis."""
         return _innovations(rows, self.blocks, self.phi, self.theta) / self.innovation

@@ -48,9 +48,9 @@ class Comparisons:
         """Return whether the residual is as small as the noise."""
         return model.fit.sse < acceptance.CLEAN * self.fits.model.size
 
-    def is_as_good(self, one: FittedModel, other: FittedModel, share: float = acceptance.AS_MUCH) -> bool:
-        """Return whether a simpler model explains this share of what the other does, or hardly less in log-likelihood."""
-        return self.explains(one, other, share) or self.fits.deficit(one, other) < acceptance.NO_WORSE
+    def is_as_good(self, one: FittedModel, other: FittedModel) -> bool:
+        """Return whether a simpler model explains nearly all that the other does, or hardly less in log-likelihood."""
+        return self.explains(one, other, acceptance.AS_MUCH) or self.fits.deficit(one, other) < acceptance.NO_WORSE
 
     def explains(self, one: FittedModel, other: FittedModel, share: float) -> bool:
         """Return whether a model explains more than this share of what the other explains beyond the baseline."""

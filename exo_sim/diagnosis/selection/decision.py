@@ -213,12 +213,12 @@ class _Decision(Generic[Model]):
         if all(not identification_of(c.effect).applicability.bursts for c in named) and self._has_bursts(final):
             return True
         left = min(end.sse, self.search.least_left) / n
-        if left < CLEAN or math.sqrt(left) < self.model.discrepancy_bound or self._is_healthy(final):
+        if left < CLEAN or math.sqrt(left) < self.model.discrepancy_bound or self._is_within_healthy_discrepancy(final):
             return False
         if not named:
             correlated = self.fits.correlation_time(end.residual) > verdicts.UNKNOWN_CORRELATION
             return left > verdicts.UNKNOWN_VARIANCE and (correlated or left > verdicts.UNKNOWN_WHITE)
-        if self._is_hopeless(final):
+        if self._exceeds_what_naming_explains(final):
             return True
         if self.model.names_stand_beside_unknown:
             return math.sqrt(left) > verdicts.PLAINLY_MORE * self.model.discrepancy_bound or self._pattern(final) > verdicts.PATTERN
@@ -229,10 +229,10 @@ class _Decision(Generic[Model]):
         strained = any(abs(end.values[q] - mean) > verdicts.STRAINED * spread for q, (mean, spread) in priors)
         return strained and left > verdicts.UNKNOWN_VARIANCE
 
-    def _is_hopeless(self, final: FittedModel) -> bool:
+    def _exceeds_what_naming_explains(self, final: FittedModel) -> bool:
         return math.sqrt(final.fit.sse / self.model.size) > self.model.hopeless_ratio * self.model.discrepancy_bound
 
-    def _is_healthy(self, final: FittedModel) -> bool:
+    def _is_within_healthy_discrepancy(self, final: FittedModel) -> bool:
         """Return whether no more is left than a healthy machine leaves beside what its laws get wrong."""
         bound = self.model.discrepancy_bound
         shown = self.model.healthy_discrepancy(self.model.apply(final.fit.values, final.fixed))

@@ -14,7 +14,6 @@ from numpy.typing import NDArray
 
 from exo_sim.diagnosis.discrepancy.basis import DiscrepancyBasis
 from exo_sim.diagnosis.estimation.candidate import Candidate, CandidateKey, drop_orphans
-from exo_sim.diagnosis.estimation.least_squares import Fit
 from exo_sim.diagnosis.estimation.linear_family import Bend, LinearFamily
 from exo_sim.diagnosis.estimation.parameters import FreeParameter, Target
 from exo_sim.diagnosis.findings import Kind
@@ -72,16 +71,16 @@ class FamilySearch:
         """Weigh, fit and assess."""
         model = self.fits.model
         if model.size < FEWEST_ROWS:
-            empty = FittedModel((), Fit((), {}, np.zeros(0), np.zeros((0, 0))))
+            empty = FittedModel.at({})
             return SearchResult(empty, empty)
         baseline = self.fits.refined(self.fits.fit(()))
         finalists = self._findings_first(self.weighing.finalists())
         best = finalists[0]
         posterior = self.weighing.posterior(best)
         values, _ = self._values(best, posterior)
-        near = FittedModel((), Fit((), values, np.zeros(0), np.zeros((0, 0))))
-        kin = self._kin(best, finalists)
+        near = FittedModel.at(values)
         rivals, laws = self._rivals(best, finalists), self._laws(best, finalists)
+        kin = self._kin(best, rivals)
         probable = self._probable(best, finalists, kin)
         chosen = no_richer_than_needed(probable, rivals)
         spreads = self._widened(best, self._left_by(self.fits.fit(chosen, near), best))
@@ -119,7 +118,7 @@ class FamilySearch:
             if finalists[0].score - one.score > verdicts.AS_GOOD:
                 break
             values, _ = self._values(one, self.weighing.posterior(one))
-            model = FittedModel(self.weighing.candidates(one), Fit((), values, np.zeros(0), np.zeros((0, 0))))
+            model = FittedModel.at(values, tuple(self.weighing.candidates(one)))
             if all(c.kind is Kind.UNKNOWN or is_more_than_healthy(c, model) for c in model.candidates):
                 return [one, *(other for other in finalists if other is not one)]
         return finalists
@@ -203,9 +202,8 @@ class FamilySearch:
         values |= self.family.bends[best.bend].values
         return {q: min(max(value, q.low), q.high) for q, value in values.items()}, errors
 
-    def _kin(self, best: Weighed, finalists: Sequence[Weighed]) -> dict[At, set[At]]:
-        """Return, for each effect of the best subset, itself, the others of its group, and what takes its place in other subsets."""
-        rivals = self._rivals(best, finalists)
+    def _kin(self, best: Weighed, rivals: Mapping[CandidateKey, Sequence[tuple[Candidate, float]]]) -> dict[At, set[At]]:
+        """Return, for each effect of the best subset, itself, the others of its group, and its rivals: what takes its place in others."""
         groups = {term.candidate.at: term.group for bend in self.family.bends for term in bend.terms}
         found = {}
         for candidate in self.weighing.candidates(best):

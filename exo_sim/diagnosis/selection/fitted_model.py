@@ -52,6 +52,11 @@ class FittedModel:
     candidates: tuple[Candidate, ...]
     fit: Fit
 
+    @classmethod
+    def at(cls, values: Mapping[FreeParameter, float], candidates: tuple[Candidate, ...] = ()) -> FittedModel:
+        """Return a model at given values, which nothing was fitted to: where a fit may begin."""
+        return cls(candidates, Fit((), dict(values), np.zeros(0), np.zeros((0, 0))))
+
     @property
     def named(self) -> set[tuple[str, str]]:
         """Effects and places that are in it."""

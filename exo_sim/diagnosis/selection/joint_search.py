@@ -51,14 +51,14 @@ class JointSearch:
         more than the model of a healthy machine would, or is no better than the model that there is.
         """
         reached = self._reached_from(now)
-        if not self._is_healthy(reached) and not self._is_over():
+        if not self._is_within_bound(reached) and not self._is_over():
             reached = self._reached_from(self.comparisons.baseline)
-        if not self._is_healthy(reached):
+        if not self._is_within_bound(reached):
             return None
         tidied = self.simplification.tidied(reached)
-        return tidied if self._is_healthy(tidied) and self.fits.deficit(tidied, now) < 0.0 else None
+        return tidied if self._is_within_bound(tidied) and self.fits.deficit(tidied, now) < 0.0 else None
 
-    def _is_healthy(self, model: FittedModel) -> bool:
+    def _is_within_bound(self, model: FittedModel) -> bool:
         """Return whether no more is left than the model of a healthy machine leaves."""
         bound = self.fits.model.discrepancy_bound
         return self.comparisons.is_clean(model) or model.fit.sse < bound * bound * self.fits.model.size

@@ -204,11 +204,6 @@ class ModelFits:
         fixed = [pair for candidate in candidates for pair in candidate.fixed]
         return lambda values: self.model.residual(values, fixed)
 
-    def nominal(self) -> FittedModel:
-        """Return the machine as its owner believes it, nothing fitted."""
-        values = {q: q.start for q in self.nuisances}
-        return FittedModel((), Fit((), values, self.model.residual(values), np.zeros((self.model.size, 0))))
-
     def correlation_time(self, residual: Array) -> float:
         """Return the integrated autocorrelation time of a residual, in rows."""
         return correlation_time(residual, self.model.blocks)

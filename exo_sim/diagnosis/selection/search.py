@@ -9,11 +9,8 @@ from __future__ import annotations
 import math
 from collections.abc import Callable, Sequence
 
-import numpy as np
-
 from exo_sim.diagnosis.estimation.budget import IsSpent, never
 from exo_sim.diagnosis.estimation.candidate import Candidate, drop_orphans
-from exo_sim.diagnosis.estimation.least_squares import Fit
 from exo_sim.diagnosis.estimation.parameters import FreeParameter
 from exo_sim.diagnosis.estimation.threads import SERIAL, Threads
 from exo_sim.diagnosis.policy import acceptance
@@ -80,7 +77,7 @@ class Search:
         """Grow sets side by side, swap and prune, then assess every finding and its rivals."""
         self._report("refitting nuisance parameters")
         if self.fits.model.size < FEWEST_ROWS:
-            empty = FittedModel((), Fit((), {}, np.zeros(0), np.zeros((0, 0))))
+            empty = FittedModel.at({})
             return SearchResult(empty, empty)
         baseline = self.fits.refined(self.fits.fit(()))
         comparisons = Comparisons(self.fits, baseline, len(self.proposals.candidates), self._practical_significance)
@@ -130,7 +127,7 @@ class _Growth:
                     if self._goes_elsewhere(best):
                         return SearchResult(self.comparisons.baseline, self.fits.refined(best), interrupted=True)
                     return self._swapped(best)
-            if self._is_hopeless(before, best):
+            if self._gives_up(before, best):
                 return self._swapped(best)
             beam = [best]
             if not self.comparisons.is_clean(best):
@@ -140,7 +137,7 @@ class _Growth:
     def _standing_of(self, begun: FittedModel) -> FittedModel:
         """Return what these rows accept of a model of other rows, fitted to these; the baseline where that is nothing."""
         self._report(f"asking {len(begun.candidates)} found before")
-        near = FittedModel((), Fit((), begun.fit.values, np.zeros(0), np.zeros((0, 0))))
+        near = FittedModel.at(begun.fit.values)
         standing = self.simplification.tidied(self.fits.refined(self.fits.fit(begun.candidates, near)))
         return standing if standing.candidates else self.comparisons.baseline
 
@@ -175,7 +172,7 @@ class _Growth:
         settled = self.simplification.settled(self.fits.refined(self.simplification.pruned(model)))
         return assess(settled, self.fits, self.comparisons, self.proposals, self._is_over())
 
-    def _is_hopeless(self, before: FittedModel, now: FittedModel) -> bool:
+    def _gives_up(self, before: FittedModel, now: FittedModel) -> bool:
         """Return whether a further effect helped little against an error that no effect explains: another machine's recording."""
         size = self.fits.model.size
         left = math.sqrt(now.fit.sse / size)

@@ -9,7 +9,6 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from exo_sim.diagnosis.data.split import Split
-from exo_sim.diagnosis.estimation.least_squares import Fit
 from exo_sim.diagnosis.estimation.parameters import FreeParameter, PlantParameters, Target
 from exo_sim.diagnosis.policy.off_nominal import MODEL_SHARE, SURE
 from exo_sim.diagnosis.policy.probability import CALIBRATED, UNTESTED
@@ -95,7 +94,7 @@ def test_beside_what_was_found_all_that_the_rig_holds_is_written_as_fitted() -> 
     zero = FreeParameter("sensor_zero", "piston.pressure_1", "pressure_1.bias", "Pa", Target.SENSOR, 500.0, -1e5, 1e5, (0.0, 500.0))
     untouched = number("payload_mass", "slide", "payload_mass")
     values = {number("flow_capacity", "piston", "valve_area"): 1.012, volume(1): 0.992, volume(2): 1.2, zero: 400.0, untouched: 1.0005}
-    trial = FittedModel((), Fit((), values, np.zeros(0), np.zeros((0, 0))))
+    trial = FittedModel.at(values)
     spread = {q: 0.01 for q in values} | {zero: 0.9 * 400.0 / SURE * 1.2, volume(2): float("inf")}
 
     def written(named: bool) -> list[str]:
@@ -111,7 +110,7 @@ def test_beside_what_was_found_all_that_the_rig_holds_is_written_as_fitted() -> 
 def test_a_mass_is_off_where_that_is_sure_or_further_than_a_data_sheet_allows(factor: float, error: float, off: bool) -> None:
     for name in ("payload_mass", "joint_inertia"):
         parameter = FreeParameter(name, "arm", name, "1", Target.SENSOR, 0.02, 0.2, 5.0, (1.0, 0.05), neutral=1.0)
-        found = deviations(FittedModel((), Fit((), {parameter: factor}, np.zeros(0), np.zeros((0, 0)))), {parameter: error})
+        found = deviations(FittedModel.at({parameter: factor}), {parameter: error})
         assert [one.parameter for one in found] == [parameter] * off
 
 
@@ -152,7 +151,7 @@ def test_a_number_of_an_effect_is_off_only_beyond_what_other_laws_make_of_it() -
 
     def off(share: float) -> list[str]:
         values = {plain: 10.0 * share, dip: 20.0 * share, law: 0.7, area: share}
-        found = deviations(FittedModel((), Fit((), values, np.zeros(0), np.zeros((0, 0)))), dict.fromkeys(values, 0.01))
+        found = deviations(FittedModel.at(values), dict.fromkeys(values, 0.01))
         return [one.parameter.parameter for one in found]
 
     assert off(1.0) == [] and off(0.7) == ["valve_area"]
@@ -172,7 +171,7 @@ def test_a_time_is_off_only_beyond_what_clocks_leave_open() -> None:
     delay = FreeParameter("valve_lag", "piston", "delay", "s", Target.CYLINDER, 1e-3, 0.0, 1.0, (9e-3, 2.9e-3))
 
     def off(value: float) -> bool:
-        trial = FittedModel((), Fit((), {delay: value}, np.zeros(0), np.zeros((0, 0))))
+        trial = FittedModel.at({delay: value})
         return bool(deviations(trial, {delay: 1e-4}))
 
     assert not off(15e-3) and off(40e-3)
@@ -182,7 +181,7 @@ def test_an_edge_is_off_only_beyond_what_edges_of_one_spool_differ_by() -> None:
     edge = FreeParameter("valve_edges", "piston", "excess_exhaust_1", "1", Target.CYLINDER, 0.05, -0.95, 4.0, (-0.02, 0.05))
 
     def off(value: float) -> bool:
-        trial = FittedModel((), Fit((), {edge: value}, np.zeros(0), np.zeros((0, 0))))
+        trial = FittedModel.at({edge: value})
         return bool(deviations(trial, {edge: 1e-3}))
 
     assert not off(-0.06) and not off(0.03) and off(0.4)

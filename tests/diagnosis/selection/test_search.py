@@ -10,7 +10,6 @@ import pytest
 from diagnosis.waves import AT, BASE, ON_TOP, OTHER, SHAPES, Waves, candidate
 
 from exo_sim.diagnosis.estimation.candidate import Candidate
-from exo_sim.diagnosis.estimation.least_squares import Fit
 from exo_sim.diagnosis.estimation.parameters import FreeParameter, PlantParameters, Target
 from exo_sim.diagnosis.estimation.threads import Threads
 from exo_sim.diagnosis.selection.fitted_model import FittedModel
@@ -18,7 +17,7 @@ from exo_sim.diagnosis.selection.search import Search
 
 
 def model(*chosen: Candidate) -> FittedModel:
-    return FittedModel(chosen, Fit((), {}, np.zeros(0), np.zeros((0, 0))))
+    return FittedModel.at({}, chosen)
 
 
 def search(waves: Waves, cheap: bool, candidates: tuple[Candidate, ...] = (BASE, ON_TOP, OTHER)) -> Search:

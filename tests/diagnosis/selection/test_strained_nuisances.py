@@ -13,7 +13,7 @@ from exo_sim.diagnosis.estimation.parameters import FreeParameter
 from exo_sim.diagnosis.policy.off_nominal import HELD_WITHIN
 from exo_sim.diagnosis.policy.verdicts import AS_GOOD
 from exo_sim.diagnosis.selection.decision import decide
-from exo_sim.diagnosis.selection.fitted_model import SearchResult
+from exo_sim.diagnosis.selection.fitted_model import FittedModel, SearchResult
 from exo_sim.diagnosis.selection.model_fits import ModelFits
 from exo_sim.diagnosis.selection.proposals import Proposals
 from exo_sim.diagnosis.selection.strained_nuisances import absorbers, is_beyond_data_sheet, relieved, strained
@@ -45,8 +45,7 @@ class Misleading(Volume):
 def ended(model: Volume, *candidates: Candidate, volume: FreeParameter = VOLUME) -> tuple[SearchResult, ModelFits, Proposals]:
     """Return a search that found nothing, as where what is left beside a strained number is too little to ask."""
     fits = ModelFits(model, (volume,))
-    begun = fits.nominal()
-    alone = fits.refined(fits.fit((), replace(begun, fit=replace(begun.fit, values={volume: 6.0}))))
+    alone = fits.refined(fits.fit((), FittedModel.at({volume: 6.0})))
     return SearchResult(alone, alone), fits, Proposals(fits, candidates, 0.0)
 
 

@@ -29,7 +29,7 @@ from exo_sim.diagnosis.selection.linear_evidence import LinearEvidence, Posterio
 from exo_sim.diagnosis.selection.marginal_fit import MarginalFits
 from exo_sim.diagnosis.selection.model_fits import ModelFits
 from exo_sim.diagnosis.selection.nonparametric_terms import nonparametric_terms, unnamed
-from exo_sim.diagnosis.selection.simpler_forms import no_richer_than_needed, poorer_where_alike
+from exo_sim.diagnosis.selection.simpler_forms import no_richer_than_needed, poorer_where_alike, richer_beside, sizes_of_poorer
 from exo_sim.diagnosis.selection.subset_weighing import At, SubsetWeighing, Weighed
 from exo_sim.physics.declaration import declared
 
@@ -92,6 +92,7 @@ class FamilySearch:
         comparisons = Comparisons(self.fits, baseline, len(self.family.bends[0].terms), 0.0)
         if final.candidates and comparisons.is_clean(baseline) and not self._stands_in_the_fit(final, baseline, best.spreads):
             final, plain = baseline, baseline
+        rivals |= richer_beside(final.candidates, chosen, values)
         gone = [c for c in probable if c not in final.candidates and not c.is_law]
         passed_over = [c for c in gone if probabilities.get(c.at, 0.0) > verdicts.PROBABLE]
         kept = {candidate.key for candidate in final.candidates}
@@ -255,7 +256,13 @@ class FamilySearch:
         while True:
             final = beside.fit(candidates, near, refined=True)
             there = self._without_nil(candidates, final.fit.values)
-            kept = poorer_where_alike([c for c in there if exceeds_healthy_limit(c, final)], final.fit.values, asked)
+            kept = tuple(c for c in there if exceeds_healthy_limit(c, final))
+            poorer = poorer_where_alike(kept, final.fit.values, asked)
+            if poorer != kept:  # gains below the noise count for nothing
+                begun = FittedModel.at({**final.fit.values, **sizes_of_poorer(kept, poorer, final.fit.values)})
+                simpler = beside.fit(poorer, begun, refined=True)
+                if simpler.fit.sse <= self.fits.model.size or beside.deficit(simpler, final) <= verdicts.AS_GOOD:
+                    kept, near = poorer, begun
             if kept == candidates:
                 return final
             candidates = kept

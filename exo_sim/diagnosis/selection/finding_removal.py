@@ -8,13 +8,16 @@ from dataclasses import replace
 from typing import TypeVar
 
 from exo_sim.diagnosis.data.split import Split
-from exo_sim.diagnosis.estimation.candidate import drop_orphans
+from exo_sim.diagnosis.estimation.candidate import Candidate, drop_orphans
 from exo_sim.diagnosis.estimation.uncertainty import HALF_WIDTH
 from exo_sim.diagnosis.findings import Estimate, Finding
 from exo_sim.diagnosis.policy.probability import LEAST_PROBABILITY
 from exo_sim.diagnosis.selection.decision import decide
+from exo_sim.diagnosis.selection.fitted_model import FittedModel
+from exo_sim.diagnosis.selection.simpler_forms import sizes_of_poorer
 from exo_sim.diagnosis.selection.subsystem_result import SubsystemResult
 from exo_sim.diagnosis.subsystem_model import SubsystemModel
+from exo_sim.physics.declaration import declared
 
 Model = TypeVar("Model", bound=SubsystemModel)
 
@@ -24,6 +27,7 @@ def without_findings(
 ) -> SubsystemResult[Model]:
     """Return a result without some of its findings and what comes on top of them.
 
+    A poorer form of one that explained nearly as much takes its place: where two levels of friction may be one, friction is still there.
     Where the rest alone would leave something unknown, its numbers stay as they were found: only the names go.
 
     Args:
@@ -31,19 +35,32 @@ def without_findings(
         names: Effect and place of each.
         split: As of `decide`.
     """
-    kept = drop_orphans([c for c in result.final.candidates if c.at not in names])
+    poorer = tuple(one for c in result.final.candidates if c.at in names for one in _poorer_of(c, result, names))
+    kept = drop_orphans([*(c for c in result.final.candidates if c.at not in names), *poorer])
     gone = {c.at for c in result.final.candidates} - {c.at for c in kept}
     only_named = replace(result, findings=tuple(f for f in result.findings if (f.name, f.where) not in {*names, *gone}))
     if not gone:
         return only_named
-    final = result.fits.refined(result.fits.fit(kept, result.final))
+    begun = sizes_of_poorer(result.final.candidates, poorer, result.final.fit.values)
+    near = FittedModel.at({**result.final.fit.values, **begun}) if begun else result.final
+    final = result.fits.refined(result.fits.fit(kept, near))
     anew = decide(result.name, result.model, result.fits, replace(result.search, final=final), split)
-    kept_names = {(f.name, f.where) for f in only_named.findings}
+    kept_names = {(f.name, f.where) for f in only_named.findings} | {c.at for c in poorer}
     if anew.has_unknown != result.has_unknown or {(f.name, f.where) for f in anew.findings} != kept_names:
         return only_named
     before = {(f.name, f.where): f for f in result.findings}
-    opened = tuple(open_to(f, before[f.name, f.where]) for f in anew.findings)
+    opened = tuple(open_to(f, before[f.name, f.where]) if (f.name, f.where) in before else f for f in anew.findings)
     return replace(anew, findings=opened, is_unresolved=result.is_unresolved, rejected=result.rejected)
+
+
+def _poorer_of(
+    candidate: Candidate, result: SubsystemResult[Model], names: Collection[tuple[str, str]]
+) -> tuple[Candidate, ...]:
+    """Return the poorer form that takes the place of a candidate which is put aside, if there is one that is not put aside as well."""
+    absorbed = {name for name, _ in declared()[candidate.effect].absorbs} if candidate.effect in declared() else set()
+    taken = {*names, *result.final.named}
+    rivals = (rival for rival, _ in result.search.rivals.get(candidate.key, ()))
+    return tuple(rival for rival in rivals if rival.effect in absorbed and rival.at not in taken)[:1]
 
 
 def open_to(finding: Finding, before: Finding) -> Finding:

@@ -70,8 +70,8 @@ class MarginalFits:
 
     def __init__(self, fits: ModelFits, basis: DiscrepancyBasis, spreads: Spreads, correlation_time: float):
         self.plain = fits
-        beside = BesideDiscrepancy(fits.model, basis, spreads, correlation_time)
-        self.beside = ModelFits(beside, fits.nuisances, fits.threads, fits.cheap, fits.is_spent)
+        self._model, self._correlation_time = BesideDiscrepancy(fits.model, basis, spreads, correlation_time), correlation_time
+        self.beside = ModelFits(self._model, fits.nuisances, fits.threads, fits.cheap, fits.is_spent)
 
     def fit(self, candidates: Sequence[Candidate], near: FittedModel | None = None, refined: bool = False) -> FittedModel:
         """Return a fit of these candidates, with the residual and the Jacobian of the subsystem."""
@@ -79,6 +79,15 @@ class MarginalFits:
         if refined:
             found = self.beside.refined(found)
         return self._as_plain(found)
+
+    def deficit(self, one: FittedModel, other: FittedModel) -> float:
+        """Return by how much one model's marginal log-likelihood, its priors included, is lower than another's."""
+        return self._cost(one) - self._cost(other)
+
+    def _cost(self, fitted: FittedModel) -> float:
+        """Return the negative logarithm of a model's marginal likelihood and priors, up to a constant."""
+        left = self._model.residual(fitted.fit.values, fitted.fixed)
+        return 0.5 * (float(left @ left) / self._correlation_time + fitted.fit.penalty)
 
     def _as_plain(self, fitted: FittedModel) -> FittedModel:
         fixed = [pair for candidate in fitted.candidates for pair in candidate.fixed]

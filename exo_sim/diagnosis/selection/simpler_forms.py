@@ -51,3 +51,46 @@ def poorer_where_alike(
                 kept = asked.get(poorer)
         found += [kept] if kept is not None else []
     return tuple(found)
+
+
+def sizes_of_poorer(
+    candidates: Sequence[Candidate], poorer: Sequence[Candidate], values: Mapping[FreeParameter, float]
+) -> dict[FreeParameter, float]:
+    """Return where a fit with poorer forms begins: each of their numbers is the mean of those that it takes the place of.
+
+    From a typical value instead a dip of friction that is then below the level of the contact answers to nothing.
+
+    Args:
+        candidates, poorer: The effects before and after.
+        values: Of a model with the former.
+    """
+    begun: dict[FreeParameter, float] = {}
+    for candidate in candidates:
+        for name, shares in declared()[candidate.effect].absorbs if candidate.effect in declared() else ():
+            for q in (q for c in poorer if c.effect == name for q in c.parameters):
+                own = [values[p] for p in candidate.parameters if (p.parameter, q.parameter) in shares]
+                if own and q not in values:
+                    begun[q] = sum(own) / len(own)
+    return begun
+
+
+def richer_beside(
+    candidates: Sequence[Candidate], weighed: Sequence[Candidate], values: Mapping[FreeParameter, float]
+) -> dict[CandidateKey, list[tuple[Candidate, float]]]:
+    """Return, for each poorer form that a fit ended with, the richer one where that was weighed with what it tells apart far apart.
+
+    Fit and weighing then disagree: the recording does not say which of both it is.
+
+    Args:
+        candidates: What the fit ended with.
+        weighed: The effects of the most probable subset.
+        values: Of that subset.
+    """
+    found: dict[CandidateKey, list[tuple[Candidate, float]]] = {}
+    for poorer in (c for c in candidates if c not in weighed):
+        for richer in (c for c in weighed if c.effect in declared()):
+            parts = dict(dict(declared()[richer.effect].absorbs).get(poorer.effect, ()))
+            apart = [values[q] for q in richer.parameters if q.parameter in parts]
+            if apart and max(apart) - min(apart) > verdicts.ALIKE * max(apart):
+                found[poorer.key] = [(richer, 0.0)]
+    return found

@@ -13,7 +13,7 @@ from diagnosis.motion_runs import TIME, VELOCITY
 
 from exo_sim.diagnosis.data.machine_data import MachineData
 from exo_sim.diagnosis.data.motion_run import Kinematics
-from exo_sim.diagnosis.data.split import Split
+from exo_sim.diagnosis.data.split import Split, split
 from exo_sim.diagnosis.estimation.threads import SERIAL
 from exo_sim.diagnosis.pipeline.motion_stage import (
     balances_left_open,
@@ -23,6 +23,7 @@ from exo_sim.diagnosis.pipeline.motion_stage import (
     undecided,
 )
 from exo_sim.diagnosis.pipeline.plan import Plan
+from exo_sim.diagnosis.pipeline.reading import gather
 from exo_sim.diagnosis.selection.subsystem_result import SubsystemResult
 from exo_sim.diagnosis.subsystems.motion.candidates import candidates
 from exo_sim.diagnosis.subsystems.motion.model import MotionModel
@@ -30,6 +31,7 @@ from exo_sim.diagnosis.subsystems.motion.smoothing import smoothed_alike
 from exo_sim.machine.linkage import linkages
 from exo_sim.machine.rig_model import load
 from exo_sim.physics.declaration import declared
+from exo_sim.trials.whole_machines.case import make_case, write_case
 
 
 def examined(folder: Path, lost: np.ndarray, more: str = "", plan: Plan | None = None) -> SubsystemResult[MotionModel]:
@@ -64,6 +66,34 @@ def test_a_dip_of_a_seal_that_differs_by_direction_is_found_beside_it(tmp_path: 
     assert set(names(found)) == wanted and not found.has_unknown
     dip = next(finding for finding in found.findings if finding.name == "stribeck_friction")
     assert dip.parameters["breakaway"].value == pytest.approx(35.0, rel=0.1)
+
+
+@pytest.mark.parametrize("apart", [1.0, 8.5])
+def test_a_dip_is_found_though_a_spring_stands_in_for_what_two_directions_differ_by(tmp_path: Path, apart: float) -> None:
+    """Where a spring is slack nobody knows: two levels of friction are then one level and a shifted spring."""
+    dip = 19.4 * np.exp(-((np.abs(VELOCITY) / 0.017) ** 0.9))
+    level = np.where(VELOCITY > 0.0, 40.0 + apart, 40.0 - apart)
+    lost = np.tanh(VELOCITY / 1e-3) * (level + dip) + 138.0 * VELOCITY + 656.0 * (motion_runs.POSITION - 0.02)
+    found = examined(tmp_path, smoothed_alike(TIME, lost))
+    said = {name for finding in found.findings for name in (finding.name, *finding.ambiguous_with)}
+    assert {"stribeck_friction", "viscous_friction", "return_spring", "coulomb_friction"} <= said and not found.has_unknown
+    numbers = {finding.name: finding.parameters for finding in found.findings}
+    assert numbers["viscous_friction"]["coefficient"].value == pytest.approx(138.0, rel=0.1)
+    assert numbers["stribeck_friction"]["breakaway"].value == pytest.approx(59.4, rel=0.15)
+
+
+@pytest.mark.slow
+def test_a_dip_outlives_that_two_levels_become_one(tmp_path: Path) -> None:
+    """A whole machine whose fit ends with two like levels: begun anew at a typical one, the dip was below it and answered to nothing."""
+    write_case(make_case("lift", "B", "whole", 1402, weigh=False), tmp_path)
+    data = gather([tmp_path / "recording.csv"], tmp_path / "rig.toml")
+    parts = split([(table.name, table.time) for table in data.recordings])
+    rod = next(name for name, runs in data.joints.items() if runs[0].cylinder is not None and "rod" in name)
+    found = next(one for one in examine_motion(data, Plan(parts), SERIAL, lambda words: None) if one.name == rod)
+    numbers = {finding.name: finding.parameters for finding in found.findings}
+    assert numbers["stribeck_friction"]["breakaway"].value == pytest.approx(59.6, rel=0.1)
+    assert numbers["viscous_friction"]["coefficient"].value == pytest.approx(138.0, rel=0.05)
+    assert numbers["return_spring"]["stiffness"].value == pytest.approx(656.0, rel=0.05)
 
 
 @pytest.mark.parametrize(("out", "back"), [(16.0, 24.0), (20.0, 20.0)])

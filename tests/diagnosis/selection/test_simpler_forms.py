@@ -8,7 +8,12 @@ import pytest
 
 from exo_sim.diagnosis.estimation.candidate import Candidate
 from exo_sim.diagnosis.estimation.parameters import FreeParameter, Target
-from exo_sim.diagnosis.selection.simpler_forms import no_richer_than_needed, poorer_where_alike
+from exo_sim.diagnosis.selection.simpler_forms import (
+    no_richer_than_needed,
+    poorer_where_alike,
+    richer_beside,
+    sizes_of_poorer,
+)
 
 
 def number(effect: str, name: str) -> FreeParameter:
@@ -36,3 +41,17 @@ def test_what_the_rig_has_and_is_alike_is_no_finding(backward: float, named: boo
 def test_a_poorer_form_that_explains_as_much_is_taken() -> None:
     assert no_richer_than_needed([APART], {APART.key: [(PLAIN, 0.5)]}) == (PLAIN,)
     assert no_richer_than_needed([APART], {APART.key: [(PLAIN, 50.0)]}) == (APART,)
+
+
+def test_a_fit_with_the_poorer_form_begins_at_the_mean_of_both() -> None:
+    """From a typical value a dip of friction may be below the level of the contact, and answers to nothing."""
+    assert sizes_of_poorer([APART], [PLAIN], {FORWARD: 41.0, BACKWARD: 39.0}) == {FORCE: 40.0}
+    assert sizes_of_poorer([APART], [APART], {FORWARD: 41.0, BACKWARD: 39.0}) == {}
+    assert sizes_of_poorer([PLAIN], [PLAIN], {FORCE: 41.0}) == {}
+
+
+@pytest.mark.parametrize(("backward", "open_"), [(22.0, True), (56.0, False)])
+def test_a_fit_that_ends_with_one_number_is_held_against_what_was_weighed(backward: float, open_: bool) -> None:
+    found = richer_beside([PLAIN], [APART], {FORWARD: 57.0, BACKWARD: backward})
+    assert found == ({PLAIN.key: [(APART, 0.0)]} if open_ else {})
+    assert richer_beside([APART], [APART], {FORWARD: 57.0, BACKWARD: 22.0}) == {}

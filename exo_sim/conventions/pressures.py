@@ -34,6 +34,8 @@ _DWELLS = 0.2
 _GAUGE, _GAUGE_BESIDE, _MOST_GAUGE, _ABSOLUTE = 0.65, 0.3, 1.6, 0.35
 #: How near to an atmosphere below the rig's a supply must be to count from there, as a share of it.
 _OFF_BY = 0.15
+#: Quantile of a supply that is taken for what it is set to: one that sags by an atmosphere for half of the time is not gauge.
+_FULL = 0.9
 #: Misfits must differ by this factor to tell the zero of one chamber, and of all columns together, which from so many atmospheres on
 #: is the atmosphere. Misfits as recorded must be so many times those with an atmosphere added, too: of 78 absolute columns of whole
 #: machines of learn makes a parabola's least alone calls two gauge, both together none.
@@ -230,7 +232,7 @@ def _shared(recording: Recording, machine: Machine) -> tuple[str, ...]:
     found = []
     supply, exhaust = recording.get("supply.pressure"), recording.get("exhaust.pressure")
     if supply is not None and machine.supply is not None:
-        usual = float(np.nanmedian(supply))
+        usual = float(np.nanquantile(supply, _FULL))  # where it sags it is below what it is set to
         if abs(usual + machine.atmosphere - machine.supply) < _OFF_BY * machine.atmosphere:
             found.append("supply.pressure")
     if exhaust is not None and abs(float(np.nanmedian(exhaust))) < _RESTS * machine.atmosphere:

@@ -15,6 +15,8 @@ from exo_sim.rig.schema import VALVE_KINDS, Cylinder, EffectSetting, Recovery, R
 from exo_sim.rig.table import Table
 
 CONDUCTANCE = "m^3/(s Pa)"
+#: A path that is a smaller share of the bore's square takes a third of an hour to fill a chamber as long as its bore: a unit was slipped.
+LEAST_SHARE = 1e-7
 _K, _R = 1.4, 287.05
 
 
@@ -92,6 +94,8 @@ def _size(part: Table, suffix: str, bore: float, sizes: list[tuple[str, float, s
         return None
     if found > bore**2:
         raise part.fail(key, f"is larger than the piston of a {bore:g} m bore; is the unit right?")
+    if 0.0 < found < LEAST_SHARE * bore**2:
+        raise part.fail(key, f"is a hole of {1e6 * math.sqrt(found):.2g} um, which fills a {bore:g} m bore in hours; is the unit right?")
     return found
 
 

@@ -137,6 +137,15 @@ def test_a_chamber_that_only_passes_the_atmosphere_does_not_rest_there() -> None
     assert _counts_from(passes, time, machine, "") == _counts_from(passes, time, machine, "absolute") == "absolute"
 
 
+@pytest.mark.parametrize(("offset", "gauge"), [(0.0, False), (-ATMOSPHERE, True)])
+def test_a_supply_that_sags_by_an_atmosphere_is_not_gauge(offset: float, gauge: bool) -> None:
+    machine = cast(Machine, SimpleNamespace(atmosphere=ATMOSPHERE, supply=7e5))
+    time = np.arange(2000, dtype=np.float64) * 1e-3
+    sagging = 7e5 - 1.05e5 * np.clip(2.0 * np.sin(3.0 * time), 0.0, 1.0) + offset
+    table = Recording("sags", time, {"supply.pressure": np.asarray(sagging, dtype=np.float64)}, {"supply.pressure": "Pa"})
+    assert pressures._shared(table, machine) == (("supply.pressure",) if gauge else ())
+
+
 def test_one_gauge_sensor_among_absolute_ones_is_asked_about_and_left_to_the_diagnosis(machines: dict[str, Path]) -> None:
     recording, rig = recorded(machines["bench_"])
     odd = changed(recording, r"\.pressure_1", offset=-ATMOSPHERE)

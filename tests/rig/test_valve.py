@@ -83,6 +83,7 @@ def test_numbers_of_an_effects_table_go_before_the_valves(tmp_path):
         ('area = "2 mm^2"\nb_supply_1 = 0.3\nb_exhaust_1 = 0.2', "give one b"),
         ('area = "2 mm^2"\noverlap_suply_1 = 0.1', 'did you mean "overlap_supply_1"'),
         ('C = "1 mm^2"', "not a unit of this kind"),
+        ('area = "3.6e-06 mm^2"', "a hole of 1.9 um"),
     ],
 )
 def test_what_cannot_be_is_refused_in_one_line(tmp_path, valve, words):

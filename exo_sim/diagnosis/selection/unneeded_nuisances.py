@@ -84,7 +84,8 @@ def error_of_model(parameter: FreeParameter, structural: float) -> float:
     """
     if parameter.effect == ZERO:
         return ZERO_MODEL * structural
-    return float(MODEL_SHARE) if parameter.unit == "1" else 0.0
+    is_share = parameter.unit == "1" and not parameter.nonsmooth  # of an area; a place on the command's scale is no flow
+    return float(MODEL_SHARE) if is_share else 0.0
 
 
 def _gain(offset: Array, spread: Array) -> float:

@@ -97,20 +97,21 @@ def excesses(one: PlantParameters) -> dict[str, FreeParameter]:
     return {q.parameter: q for q in free_ones if q.effect == "valve_edges"}
 
 
-def test_no_valve_has_four_edges_of_one_size() -> None:
-    edges = excesses(plant())
-    assert set(edges) == {"excess_supply_1", "excess_exhaust_1", "excess_supply_2", "excess_exhaust_2"}
-    assert all(q.prior == (0.0, 0.05) and not q.nonsmooth and q.low == -q.high for q in edges.values())
+@pytest.mark.parametrize(("what", "spread", "jumps"), [("excess", 0.05, False), ("overlap", 0.002, True)])
+def test_no_valve_has_four_edges_of_one_size_nor_of_one_lap(what: str, spread: float, jumps: bool) -> None:
+    edges = {name: q for name, q in excesses(plant()).items() if name.startswith(what)}
+    assert set(edges) == {f"{what}_supply_1", f"{what}_exhaust_1", f"{what}_supply_2", f"{what}_exhaust_2"}
+    assert all(q.prior == (0.0, spread) and q.nonsmooth is jumps and q.low == -q.high for q in edges.values())
     single = plant()
     single.cylinder["single_acting"] = 1.0
-    assert set(excesses(single)) == {"excess_supply_1", "excess_exhaust_1"}
+    assert {name for name in excesses(single) if name.startswith(what)} == {f"{what}_supply_1", f"{what}_exhaust_1"}
 
 
 def test_edges_that_a_data_sheet_tells_apart_are_as_open_as_others() -> None:
     given = plant()
     given.cylinder["valve_edges"]["excess_exhaust_1"] = -0.1
     edges = excesses(given)
-    assert len(edges) == 4 and edges["excess_exhaust_1"].prior == (-0.1, pytest.approx(math.hypot(0.01, 0.05)))
+    assert len(edges) == 8 and edges["excess_exhaust_1"].prior == (-0.1, pytest.approx(math.hypot(0.01, 0.05)))
     assert edges["excess_supply_2"].prior == (0.0, 0.05)
 
 

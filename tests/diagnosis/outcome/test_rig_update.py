@@ -167,3 +167,18 @@ def test_what_was_refitted_of_sensors_and_of_the_machine_stand_without_each_othe
     sensors, machine = update.reduced()
     assert machine.entries == () and len(machine.corrections) == 1
     assert sensors.corrections == () and [entry.setting.name for entry in sensors.entries] == ["sensor_bias"]
+
+
+def test_a_number_that_the_rig_leaves_out_of_an_effect_that_it_has_is_written_beside_the_others(tmp_path: Path) -> None:
+    """A dead time beside a lag: without it the refitted lag is half of what was fitted, and a whole machine is worse than before."""
+    rig = benches.bench(tmp_path, '[effects.valve_lag.piston]\ntime_constant = "2.6 ms"\n')
+    model = load(rig)
+    slow = MachineData(rig, model, linkages(rig, model), (), (), {}, {})
+    lag = FreeParameter("valve_lag", "piston", "time_constant", "s", Target.CYLINDER, 1e-3, 0.0, 0.1, (2.6e-3, 1e-3))
+    delay = FreeParameter("valve_lag", "piston", "delay", "s", Target.CYLINDER, 1e-3, 0.0, 3e-3, (0.0, 1e-3))
+    one = replace(result({lag: 1.25e-3, delay: 1.4e-3}), refitted=((lag, 1e-4), (delay, 1e-4)))
+    effect = read_back(rig_update(slow, [one], ()), slow).effect("valve_lag", "piston")
+    assert effect is not None and effect.parameters == pytest.approx({"time_constant": 1.25e-3, "delay": 1.4e-3})
+    nothing = replace(result({lag: 1.25e-3, delay: 0.0}), refitted=((lag, 1e-4), (delay, 1e-4)))
+    effect = read_back(rig_update(slow, [nothing], ()), slow).effect("valve_lag", "piston")
+    assert effect is not None and effect.parameters == pytest.approx({"time_constant": 1.25e-3})

@@ -82,11 +82,14 @@ def _finding(finding: Finding) -> dict[str, Any]:
 
 
 def _correction(finding: Finding) -> list[tuple[str, str, str, str]]:
-    """Return (sentence, part, factor or value, interval) for each number that is off."""
+    """Return (sentence, part, factor or value, interval) for each number that is off; of several the sentence stands once."""
     rows = []
-    for estimate, (_, value, span) in zip(diagnosis_words.estimates(finding).values(), diagnosis_words.numbers(finding), strict=True):
+    numbers = diagnosis_words.numbers(finding)
+    for estimate, (name, value, span) in zip(diagnosis_words.estimates(finding).values(), numbers, strict=True):
         times = "× " if estimate.unit in ("", "1") else ""
-        rows.append((finding.says, "" if finding.where in finding.says else finding.where, times + value, span))
+        place = "" if finding.where in finding.says else finding.where
+        part = f"{place} {name}".strip() if len(numbers) > 1 else place
+        rows.append(("" if rows else finding.says, part, times + value, span))
     return rows or [(finding.says, finding.where, "", "")]
 
 

@@ -236,10 +236,9 @@ def numbers(finding: Finding) -> list[tuple[str, str, str]]:
 
 
 def estimates(finding: Finding) -> dict[str, Estimate]:
-    """Return the parameters of a finding that are worth reading: of one number not the same twice."""
+    """Return the parameters of a finding that are worth reading: beside the numbers themselves not the mean of their factors."""
     estimates = finding.parameters
-    same = "factor" in estimates and len(estimates) == 2 and len({(e.value, e.low, e.high) for e in estimates.values()}) == 1
-    return {name: e for name, e in estimates.items() if not same or name != "factor"}
+    return {name: e for name, e in estimates.items() if name != "factor" or len(estimates) == 1}
 
 
 def rivals(finding: Finding) -> list[tuple[str, float | None]]:

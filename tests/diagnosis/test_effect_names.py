@@ -16,7 +16,7 @@ ABOUT = {
     "data/command_sign.py": {"sensor_scale"},
     "outcome/rig_update.py": {"sensor_bias", "sensor_delay", "sensor_scale", "unknown"},
     "outcome/small_findings.py": {"sensor_bias"},
-    "outcome/sensor_zeros.py": {"sensor_bias"},
+    "outcome/sensor_faults.py": {"sensor_bias", "sensor_scale"},
     "pipeline/reading.py": {"sensor_bias", "sensor_scale"},
     "subsystems/gas/candidates.py": {"sensor_bias", "sensor_delay", "sensor_scale"},
     # what has no name

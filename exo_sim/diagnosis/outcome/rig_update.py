@@ -21,7 +21,7 @@ from exo_sim.diagnosis.estimation.parameters import ZERO, FreeParameter
 from exo_sim.diagnosis.estimation.uncertainty import bounded_interval, interval
 from exo_sim.diagnosis.findings import Estimate, Finding, Kind
 from exo_sim.diagnosis.outcome.rig_corrections import corrections
-from exo_sim.diagnosis.outcome.sensor_zeros import error_of, is_faulty
+from exo_sim.diagnosis.outcome.sensor_faults import error_of, is_faulty
 from exo_sim.diagnosis.policy.off_nominal import LEAST_PART
 from exo_sim.diagnosis.selection.nuisance_calibration import is_declared
 from exo_sim.diagnosis.selection.subsystem_result import SubsystemResult

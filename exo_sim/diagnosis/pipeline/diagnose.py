@@ -14,7 +14,7 @@ from exo_sim.diagnosis.findings import Diagnosis, Finding, Rejected, Verdict, in
 from exo_sim.diagnosis.outcome.finding_probability import confidence
 from exo_sim.diagnosis.outcome.localisation import located, unexplained
 from exo_sim.diagnosis.outcome.rig_update import rig_update
-from exo_sim.diagnosis.outcome.sensor_zeros import faulty_zeros
+from exo_sim.diagnosis.outcome.sensor_faults import faulty_scales, faulty_zeros
 from exo_sim.diagnosis.outcome.small_findings import small_findings
 from exo_sim.diagnosis.outcome.verdict import distinct, next_experiment, swings_astray, verdict_of
 from exo_sim.diagnosis.pipeline.freed_memory import return_large_arrays
@@ -120,6 +120,7 @@ def _findings(found: Examination) -> list[Finding]:
             proved = replace(f, held_out_error_drop=drops.get(key, 0.0), cost=costs.get(key, 0.0), probability=probability)
             findings += proved.at_each_place()
     findings += faulty_zeros(results, findings)
+    findings += faulty_scales(results, findings)
     for one in results:
         findings += calibration_findings(one.deviations)
     unknown = (effect.finding for effect in found.unknown)

@@ -12,7 +12,7 @@ from diagnosis import waves
 from exo_sim.diagnosis.estimation.least_squares import Fit
 from exo_sim.diagnosis.estimation.parameters import FreeParameter, Target
 from exo_sim.diagnosis.findings import Finding, Kind
-from exo_sim.diagnosis.outcome.sensor_zeros import error_of, faulty_zeros, is_faulty
+from exo_sim.diagnosis.outcome.sensor_faults import error_of, faulty_scales, faulty_zeros, is_faulty
 from exo_sim.diagnosis.outcome.small_findings import small_findings
 from exo_sim.diagnosis.policy.healthy import ZERO_MODEL, ZEROS
 from exo_sim.diagnosis.policy.priors import PRESSURE_ZERO
@@ -62,3 +62,24 @@ def test_only_the_zero_of_a_sensor_stands_still_as_errors_of_a_model_do() -> Non
 def test_it_is_said_once_and_not_beside_what_is_unknown() -> None:
     said = Finding("sensor_bias", "piston.pressure_1", Kind.SENSOR, "", {}, 9.0, 0.0)
     assert faulty_zeros([result(8000.0)], [said]) == () and faulty_zeros([replace(result(8000.0), has_unknown=True)], ()) == ()
+
+
+CELL = FreeParameter("sensor_gain", "piston.force", "piston.force.scale", "1", Target.SENSOR, 0.012, 0.8, 1.25, (1.0, 0.012), neutral=1.0)
+
+
+class Forces(waves.Waves):
+    """A balance that feels a load cell."""
+
+    def as_sensor_error(self, parameter: FreeParameter, value: float) -> tuple[str, str, str, float] | None:
+        return ("piston.force", "sensor_scale", "factor", value) if parameter == CELL else None
+
+
+@pytest.mark.parametrize(("factor", "faulty"), [(1.0146, False), (1.056, True), (0.95, True), (1.043, False)])
+def test_a_load_cell_that_is_off_by_more_than_any_data_sheet_allows_is_a_finding(factor: float, faulty: bool) -> None:
+    one = replace(result(factor, Forces(), CELL), refitted=((CELL, 1e-3),))
+    found = faulty_scales([one], ())
+    assert [(each.name, each.where, each.kind) for each in found] == [("sensor_scale", "piston.force", Kind.SENSOR)] * faulty
+    for each in found:
+        assert each.parameters["factor"].low < factor < each.parameters["factor"].high
+        assert faulty_scales([one], [each]) == ()
+    assert faulty_scales([replace(one, has_unknown=True)], ()) == faulty_scales([result(1.2)], ()) == ()

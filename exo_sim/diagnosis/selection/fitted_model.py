@@ -16,7 +16,7 @@ from exo_sim.diagnosis.estimation.parameters import FreeParameter
 from exo_sim.diagnosis.policy import acceptance, verdicts
 from exo_sim.diagnosis.policy.budgets import LARGE
 from exo_sim.diagnosis.selection.evidence import Evidence
-from exo_sim.physics.declaration import declared
+from exo_sim.physics.declaration import declared, identification_of
 
 Array = NDArray[np.float64]
 
@@ -172,10 +172,14 @@ def exceeds_healthy_limit(
 
 
 def is_at_bound(candidate: Candidate, model: FittedModel) -> bool:
-    """Return whether what decides of a candidate how large it is ended at a bound where it still acts: no number was found."""
+    """Return whether what decides of a candidate how large it is ended at a bound where it still acts: no number was found.
+
+    A speed of its law ends where the recording's slow motion does: a dip that is narrower than that has a size all the same.
+    """
     if candidate.is_law or candidate.effect not in declared():
         return False
-    needed = {p.name for p in declared()[candidate.effect].parameters if p.required}
+    speeds = identification_of(candidate.effect).within_speeds
+    needed = {p.name for p in declared()[candidate.effect].parameters if p.required and p.name not in speeds}
     if len(candidate.parameters) == 1:  # one of several ways to say how large it is
         needed.add(candidate.parameters[0].parameter)
     for q in (q for q in candidate.parameters if q.parameter in needed):

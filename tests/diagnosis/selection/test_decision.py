@@ -56,6 +56,15 @@ def test_more_than_a_healthy_machine_leaves_is_unknown(bound: float, unknown: bo
     assert result.has_unknown is unknown and result.findings == ()
 
 
+def test_a_dip_that_is_narrower_than_the_slowest_motion_has_a_size() -> None:
+    breakaway = FreeParameter("stribeck_friction", "piston", "breakaway", "N", Target.CYLINDER, 1.0, 0.0, 1e5)
+    velocity = FreeParameter("stribeck_friction", "piston", "velocity", "m/s", Target.CYLINDER, 0.01, 0.012, 0.1)
+    dip = Candidate("stribeck_friction", "piston", "breakaway+velocity", (breakaway, velocity), ((1.0, 0.02),))
+    for force, at_bound in ((30.0, False), (1e5, True)):
+        values = {breakaway: force, velocity: 0.012}
+        assert is_at_bound(dip, FittedModel.at(values, (dip,))) is at_bound
+
+
 @pytest.mark.parametrize(("wave", "unknown"), [("slow", False), ("quick", True)])
 def test_what_laws_of_healthy_machines_get_wrong_is_nothing_unknown(wave: str, unknown: bool) -> None:
     """A law that may be wrong by a slow wave explains that one, however large a share it is of what is left, and no other."""

@@ -83,7 +83,7 @@ def _finding(finding: Finding) -> dict[str, Any]:
 
 def _correction(finding: Finding) -> list[tuple[str, str, str, str]]:
     """Return (sentence, part, factor or value, interval) for each number that is off; of several the sentence stands once."""
-    rows = []
+    rows: list[tuple[str, str, str, str]] = []
     numbers = diagnosis_words.numbers(finding)
     for estimate, (name, value, span) in zip(diagnosis_words.estimates(finding).values(), numbers, strict=True):
         times = "× " if estimate.unit in ("", "1") else ""

@@ -14,12 +14,14 @@ from numpy.typing import NDArray
 
 from exo_sim.diagnosis.discrepancy.basis import DiscrepancyBasis
 from exo_sim.diagnosis.estimation.candidate import Candidate, CandidateKey, drop_orphans
+from exo_sim.diagnosis.estimation.correlation import rms
 from exo_sim.diagnosis.estimation.linear_family import Bend, LinearFamily
 from exo_sim.diagnosis.estimation.parameters import FreeParameter, Target
 from exo_sim.diagnosis.findings import Kind
 from exo_sim.diagnosis.policy import acceptance, verdicts
 from exo_sim.diagnosis.policy.budgets import RUNNERS_UP
 from exo_sim.diagnosis.policy.off_nominal import HELD_WITHIN
+from exo_sim.diagnosis.policy.priors import LEAST_NOISE
 from exo_sim.diagnosis.policy.recordings import FEWEST_ROWS
 from exo_sim.diagnosis.policy.verdicts import NIL
 from exo_sim.diagnosis.selection.comparisons import Comparisons
@@ -29,6 +31,7 @@ from exo_sim.diagnosis.selection.linear_evidence import LinearEvidence, Posterio
 from exo_sim.diagnosis.selection.marginal_fit import MarginalFits
 from exo_sim.diagnosis.selection.model_fits import ModelFits
 from exo_sim.diagnosis.selection.nonparametric_terms import nonparametric_terms, unnamed
+from exo_sim.diagnosis.selection.refitted_finalists import Refitted, best_refitted, probability_of
 from exo_sim.diagnosis.selection.simpler_forms import no_richer_than_needed, poorer_where_alike, richer_beside, sizes_of_poorer
 from exo_sim.diagnosis.selection.subset_weighing import At, SubsetWeighing, Weighed
 from exo_sim.physics.declaration import declared
@@ -83,13 +86,17 @@ class FamilySearch:
         kin = self._kin(best, rivals)
         probable = self._probable(best, finalists, kin)
         chosen = no_richer_than_needed(probable, rivals)
-        spreads = self._widened(best, self._left_by(self.fits.fit(chosen, near), best))
-        beside = MarginalFits(self.fits, self.basis, spreads, self.weighing.correlation_time)
-        final = self._fitted(chosen, near, beside)
-        plain = self.fits.refined(self.fits.fit(final.candidates, final))
-        final = self._predicting_best(final, plain, _errors_about(final, laws))
+        first = found = self._refitted(best, chosen, near)
         probabilities = self.weighing.probabilities(finalists)
         comparisons = Comparisons(self.fits, baseline, len(self.family.bends[0].terms), 0.0)
+        exceeds = first.model.fit.sse > model.discrepancy_bound**2 * model.size
+        if exceeds and not nonparametric_terms(self.weighing.terms(best)):
+            found = best_refitted(first, finalists, self._names, self._refitted, lambda model: self._evidence_of(model, best.spreads))
+        beside, final = found.beside, found.model
+        if found is not first:
+            probabilities |= {c.at: self._probability_in(c, final, best.spreads) for c in final.candidates}
+        plain = self.fits.refined(self.fits.fit(final.candidates, final))
+        final = self._predicting_best(final, plain, _errors_about(final, laws))
         if final.candidates and comparisons.is_clean(baseline) and not self._stands_in_the_fit(final, baseline, best.spreads):
             final, plain = baseline, baseline
         rivals |= richer_beside(final.candidates, chosen, values)
@@ -108,6 +115,29 @@ class FamilySearch:
             least_left=plain.fit.sse,
             undecided=tuple(c for c in passed_over if self._is_strained_without(c, probable, plain)),
         )
+
+    def _names(self, one: Weighed) -> tuple[Candidate, ...]:
+        """Return what a subset names."""
+        return tuple(c for c in self.weighing.candidates(one) if c.kind is not Kind.UNKNOWN)
+
+    def _refitted(self, one: Weighed, chosen: tuple[Candidate, ...], near: FittedModel | None = None) -> Refitted:
+        """Return names of a subset, fitted beside the discrepancy that they leave; begun at the subset's numbers, or `near`."""
+        near = near or FittedModel.at(self._values(one, self.weighing.posterior(one))[0])
+        spreads = self._widened(one, self._left_by(self.fits.fit(chosen, near), one))
+        beside = MarginalFits(self.fits, self.basis, spreads, self.weighing.correlation_time)
+        return Refitted(one, near, beside, self._fitted(chosen, near, beside))
+
+    def _evidence_of(self, model: FittedModel, spreads: Spreads) -> float:
+        """Return the logarithm of a fitted model's evidence: of what it leaves, parameters paid for, names as common as they are."""
+        price = 0.5 * math.log(max(self.fits.model.size / self.weighing.correlation_time, 2.0)) * model.parameter_count
+        common = sum(c.prior_log_odds for c in model.candidates if not c.is_law)
+        own = replace(spreads, noise=max(rms(model.fit.residual), float(LEAST_NOISE)))
+        return self._of_remainder(model.fit.residual, own)[0] - 0.5 * model.fit.penalty - price + common
+
+    def _probability_in(self, candidate: Candidate, final: FittedModel, spreads: Spreads) -> float:
+        """Return the probability of an effect of a fitted model against the fit without it."""
+        without = self.fits.fit(drop_orphans(final.without(candidate)), final)
+        return probability_of(self._evidence_of(final, spreads) - self._evidence_of(without, spreads))
 
     def _findings_first(self, finalists: list[Weighed]) -> list[Weighed]:
         """Return subsets, one first whose effects are all findings, of those about as probable as the best.

@@ -96,6 +96,18 @@ def test_a_dip_outlives_that_two_levels_become_one(tmp_path: Path) -> None:
     assert numbers["return_spring"]["stiffness"].value == pytest.approx(656.0, rel=0.05)
 
 
+@pytest.mark.slow
+def test_names_that_no_two_subsets_share_are_found_where_the_rest_leaves_too_much(tmp_path: Path) -> None:
+    """Drag in the one, a dip and viscous friction in the other: what both share left 21 times the noise, and was called unknown."""
+    write_case(make_case("elbow", "D", "whole", 1411, weigh=False), tmp_path)
+    data = gather([tmp_path / "recording.csv"], tmp_path / "rig.toml")
+    parts = split([(table.name, table.time) for table in data.recordings])
+    (found,) = examine_motion(data, Plan(parts), SERIAL, lambda words: None)
+    assert {"coulomb_friction", "stribeck_friction", "viscous_friction"} <= set(names(found)) and not found.has_unknown
+    dip = next(finding for finding in found.findings if finding.name == "stribeck_friction")
+    assert dip.parameters["breakaway"].low < 39.5 < dip.parameters["breakaway"].high
+
+
 @pytest.mark.parametrize(("out", "back"), [(16.0, 24.0), (20.0, 20.0)])
 def test_friction_that_differs_by_direction_is_no_scale_of_a_pressure(tmp_path: Path, out: float, back: float) -> None:
     """A pressure that reads 1.2 % too much pushes like 4 N beside 20 N of friction that the rig has, and leaves little beside the noise."""

@@ -1,0 +1,70 @@
+"""The most probable subsets of a linear family held against each other by fits of what they name, where the weighing is not enough.
+
+Subsets are weighed along lines, over a grid of shapes, and what they share is named. Where two of them explain the recording with other
+names each (drag, or a dip and viscous friction), neither's may be probable enough, and what they share leaves what no healthy machine
+does. Fitted as they act one of them may leave nothing.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+
+from exo_sim.diagnosis.estimation.candidate import Candidate
+from exo_sim.diagnosis.policy import verdicts
+from exo_sim.diagnosis.policy.budgets import MOST_REFITTED
+from exo_sim.diagnosis.selection.fitted_model import FittedModel, key_of
+from exo_sim.diagnosis.selection.marginal_fit import MarginalFits
+from exo_sim.diagnosis.selection.subset_weighing import Weighed
+
+
+@dataclass(frozen=True)
+class Refitted:
+    """A subset whose names were fitted.
+
+    Attributes:
+        weighed: The subset.
+        near: Where the fit began.
+        beside: Fits beside the discrepancy that this subset leaves.
+        model: The fit, without what it left nothing of.
+    """
+
+    weighed: Weighed
+    near: FittedModel
+    beside: MarginalFits
+    model: FittedModel
+
+
+def best_refitted(
+    first: Refitted, finalists: Sequence[Weighed], names: Callable[[Weighed], tuple[Candidate, ...]],
+    refit: Callable[[Weighed, tuple[Candidate, ...]], Refitted], evidence: Callable[[FittedModel], float],
+) -> Refitted:  # fmt: skip
+    """Return the subset with the greatest evidence where what it names is fitted; the first, unless another surpasses it plainly.
+
+    Args:
+        first: What was chosen by the weighing.
+        finalists: The subsets, the most probable first.
+        names: What a subset names.
+        refit: Fits a subset's names.
+        evidence: The logarithm of a fitted model's evidence, parameters paid for and names as common as they are.
+    """
+    best, most, tried = first, evidence(first.model), {key_of(first.model.candidates)}
+    for one in finalists:
+        candidates = names(one)
+        key = key_of(candidates)
+        if key in tried:
+            continue
+        if len(tried) > MOST_REFITTED:
+            break
+        tried.add(key)
+        rival = refit(one, candidates)
+        found = evidence(rival.model)
+        if found > most + verdicts.AS_GOOD:
+            best, most = rival, found
+    return best
+
+
+def probability_of(gain: float) -> float:
+    """Return the probability of a name whose model has this logarithm of evidence more than that without it."""
+    return 1.0 / (1.0 + math.exp(-min(max(gain, -700.0), 700.0)))

@@ -1,8 +1,9 @@
 """A recorded stride moved as little as possible, so that the stance foot of a rigid chain rests on the ground.
 
 Joint angles that were measured on a person never fit a rigid chain of other lengths exactly: the foot on the ground would slide and sink.
-The fit moves the Fourier series of thigh, knee and ankle within the spread between strides until it does not, and finds the path of the
-pelvis and the stride length that belong to them.
+The fit moves the Fourier series of thigh, knee and ankle within the spread between strides until it does not, and finds the height of the
+pelvis and the stride length that belong to them. Where the path of the pelvis was recorded it sways ahead and back as it did: two thirds
+of the body's mass go with it, and 1 mm of its second harmonic is 1 % of the body weight in the ground's force.
 """
 
 from __future__ import annotations
@@ -20,8 +21,6 @@ HARMONICS = 8
 PATH_HARMONICS = (2, 4)  # of the stride: left and right steps are alike, so only even ones
 PHASES = 100
 ANGLES = ("thigh", "knee", "ankle")
-SWAY_TOLERANCE = np.array([2e-3, 2e-3, 5e-4, 5e-4])  # m, of the pelvis's fore and aft sway in PATH_HARMONICS
-SWAY_WEIGHT = 3.0
 #: Spreads below this count as this [rad].
 LEAST_SPREAD = np.radians(0.8)
 
@@ -85,10 +84,13 @@ def fit(
         for name in ANGLES
     }
 
+    def swayed(rest: Array) -> Array:
+        return rest[1 + n_path : 1 + 2 * n_path] if sway is None else sway
+
     def unpack(p: Array) -> tuple[Any, ...]:
         angle = {name: joint_basis @ p[i * n_joint : (i + 1) * n_joint] for i, name in enumerate(ANGLES)}
         rest = p[3 * n_joint :]
-        height, drift = rest[0] + path_basis @ rest[1 : 1 + n_path], path_basis @ rest[1 + n_path : 1 + 2 * n_path]
+        height, drift = rest[0] + path_basis @ rest[1 : 1 + n_path], path_basis @ swayed(rest)
         stride, foot_offset, anchor = rest[-3:]
         return angle, height, drift, stride, foot_offset, anchor
 
@@ -118,11 +120,9 @@ def fit(
             0.02 * p[i * n_joint + 1 : (i + 1) * n_joint] * np.repeat(np.arange(1, HARMONICS + 1), 2) for i in range(3)
         ]
         parts += [np.array([foot_offset / np.radians(3.0)])]
-        if sway is not None:
-            parts += [SWAY_WEIGHT * (p[3 * n_joint + 1 + n_path : 3 * n_joint + 1 + 2 * n_path] - sway) / SWAY_TOLERANCE]
         return np.concatenate(parts)
 
-    start = np.zeros(3 * n_joint + 1 + 2 * n_path + 3)
+    start = np.zeros(3 * n_joint + 1 + n_path * (2 if sway is None else 1) + 3)
     for i, name in enumerate(ANGLES):
         start[i * n_joint : (i + 1) * n_joint] = np.linalg.lstsq(joint_basis, target[name], rcond=None)[0]
     start[3 * n_joint] = 0.95 * (person.thigh + person.shank + person.ankle_height)
@@ -147,7 +147,7 @@ def fit(
     }
     of_path = found.x[3 * n_joint :]
     series["pelvis_z"] = _path(float(of_path[0]), of_path[1 : 1 + n_path])
-    series["pelvis_x"] = _path(0.0, of_path[1 + n_path : 1 + 2 * n_path])
+    series["pelvis_x"] = _path(0.0, swayed(of_path))
     return Fitted(series, float(stride), float(foot_offset), moved, rest)
 
 

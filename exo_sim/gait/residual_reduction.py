@@ -255,14 +255,12 @@ def _over_its_feet(motion: Motion, person: Person, carried: Carried | None) -> M
 
     The body's pendulum says by how much (Kajita and others 2003, as in `start_and_stop`); feet and trunk stay as they are.
     """
-    rows, grid = slice(0, None, _EVERY), np.arange(len(motion.position))
     for _ in range(_ROUNDS):
-        poses, wrench = body_loads(motion, person, rows)
+        poses, wrench = body_loads(motion, person)
         load = ground_reaction.totals(poses, wrench)
         if carried is not None:
-            load = load + carried.load(motion, rows)
-        left = ground_reaction.off_balance(poses, load, motion.share[rows], motion.pressure_centre[rows], person)[:, 0]
-        off = np.interp(grid, grid[rows], left / float(np.mean(-load[:, 1])), period=len(grid))
+            load = load + carried.load(motion, slice(None))
+        off = ground_reaction.off_balance(poses, load, motion.share, motion.pressure_centre, person)[:, 0] / float(np.mean(-load[:, 1]))
         motion = with_pelvis_ahead(motion, person, -pendulum.above(off, _MASS_HEIGHT * person.height, motion.period))
     return motion
 

@@ -19,7 +19,7 @@ from numpy.typing import NDArray
 from exo_sim.gait import pendulum, recorded_gait
 from exo_sim.gait.footpaths import Paths, bowed, paths, reach, rolling, walked
 from exo_sim.gait.motion import SAMPLES, Motion, phases, smooth, travelling
-from exo_sim.gait.walking import contacts, pressure_centres, walking
+from exo_sim.gait.walking import contacts, loaded, pressure_centres, walking
 from exo_sim.machine.ground import LEVEL
 from exo_sim.machine.person import Person
 
@@ -81,8 +81,7 @@ def start_and_stop(name: str, person: Person) -> Motion:
 
 def _shares(phase: Array, of_foot: Array, stance_end: float) -> Array:
     """Return how much each foot carries, shape (n, 2)."""
-    double = stance_end - 0.5
-    weight = smooth(of_foot / double) * smooth((stance_end - of_foot) / double)
+    weight = loaded(of_foot, stance_end)
     first = phase < _FIRST[1] + 0.5
     weight[first, 1] = smooth((_UNLOADED[1] - phase[first]) / (_UNLOADED[1] - _UNLOADED[0]))
     return np.asarray(weight / weight.sum(axis=1, keepdims=True))

@@ -3,7 +3,8 @@
 Signals are the machine's own: joint encoders, the pitch of its torso (an inertial unit), and load cells in the straps, all with noise.
 A calibration walk on the mean stride gives a demand over the phase, what encoders show and which strap forces belong to it. From then on
 
-- the phase is estimated from the encoders (`gait_phase.py`),
+- the phase is estimated from the encoders (`gait_phase.py`), and corrected from stride to stride by strap forces
+  (`phase_correction.py`),
 - the demand of the calibration is read at that phase,
 - strap forces that do not belong to the phase are answered at once (`strap_feedback.py`) and change the demand from stride to stride
   (`stride_learning.py`).
@@ -21,6 +22,7 @@ from numpy.typing import NDArray
 from exo_sim.control.force_signals import ENCODER
 from exo_sim.control.gait_phase import PhaseObserver
 from exo_sim.control.least_load import LeastLoad
+from exo_sim.control.phase_correction import PhaseCorrection
 from exo_sim.control.strap_feedback import SHARE, StrapFeedback
 from exo_sim.control.stride_learning import StrideLearning
 from exo_sim.control.user_controller import Context
@@ -60,9 +62,10 @@ class Causal:
     Attributes:
         calibration: Known beforehand.
         first_phase: Where it thinks the stride begins, in cycles.
-        late: An error of the estimated phase that nothing corrects, in cycles: for showing what it does.
+        late: An error of the phase that encoders give, in cycles: for showing what it does.
         feedback: Share of the regulator's gains that answers strap forces at once; 0 for none.
         learns: Whether the demand changes from stride to stride.
+        corrects: Whether strap forces correct the phase.
         period: Seconds between two calls of `act`.
     """
 
@@ -71,6 +74,7 @@ class Causal:
     late: float = 0.0
     feedback: float = SHARE
     learns: bool = True
+    corrects: bool = True
     period: float = 0.002
     phase: float = field(default=0.0, init=False)
 
@@ -78,6 +82,7 @@ class Causal:
         it = self.calibration
         self._observer = PhaseObserver(it.encoders, it.period)
         self._learning = StrideLearning(it.plan, it.forces)
+        self._correction = PhaseCorrection(it.plan, it.forces)
         self._regulator = StrapFeedback(it.plan.yielding, it.period, it.forces, self.feedback) if self.feedback else None
         self._driven = list(it.plan.yielding.driven)
 
@@ -89,6 +94,7 @@ class Causal:
         self._noise = np.random.default_rng(context.seed)
         self._observer.start(self.first_phase)
         self._learning.forget()
+        self._correction.forget()
         if self._regulator is not None:
             self._regulator.start()
 
@@ -96,7 +102,7 @@ class Causal:
         """Return the torque of each joint [N m]."""
         encoders = np.array([observation[f"{name}.position"] for name in _HIPS_AND_KNEES])
         encoders = ENCODER * np.round(encoders / ENCODER)
-        self.phase = self._observer.step(encoders, self._dt) - self.late
+        self.phase = self._observer.step(encoders, self._dt) - self.late + self._correction.added
         phase = self.phase + self._observer.cadence * self._lead
         forces = strap_forces(observation, self.calibration.straps)
         forces = forces + LOAD_CELL * self._noise.standard_normal(len(forces))
@@ -109,6 +115,8 @@ class Causal:
         if self._regulator is not None:
             torque[self._driven] += self._regulator.step(self.phase, forces, self._dt)
         torque *= min(observation["time"] / _RAMP, 1.0)
+        if self.corrects:
+            self._correction.take(self.phase, forces, torque[self._driven])
         return dict(zip(self._names, torque.tolist()))
 
 

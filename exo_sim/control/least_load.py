@@ -1,28 +1,24 @@
 """The joint torques for which the straps load the wearer's joints least, over a whole cycle at once.
 
-The machine gives way against straps and ground by d, small and periodic:
-
-    M d'' + C d' + K d = S torque - required - (ground reached by the reference motion itself)
-
-with C and K from straps and from the foot tips that are on the ground, and `required` the inverse dynamics of the
-reference. Phases are coupled through the derivatives, which are spectral, so that resonance of payload and harness is
-seen. Strap forces, and with them the wearer's extra moments, are linear in d, so the best torque harmonics are a linear
-least-squares problem.
+The machine gives way against straps and ground (`yielding.py`). Strap forces, and with them the wearer's extra moments, are linear in
+that, so the best torque harmonics are a linear least-squares problem.
 
 Contact is not linear, and gas lags. So the solution is then improved by rehearsal, stride by stride, as iterative learning
 control does: what the straps really did over a cycle takes the place of the prediction, and the same least-squares gain
-gives the correction (norm-optimal learning, Amann, Owens and Rogers 1996).
+gives the correction (norm-optimal learning, Amann, Owens and Rogers 1996). The gain is that of the heels and toes that carried in the
+best rehearsal so far; where it made it worse, that of the plan's.
 """
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import NDArray
 
 from exo_sim.control.machine_dynamics import PICK, MachineDynamics
 from exo_sim.control.strap_loads import force_sums, own_moments, wearer_moments_of
+from exo_sim.control.yielding import StrapResponse, Yielding
 from exo_sim.gait.motion import SAMPLES, Motion
 from exo_sim.machine.person import Person
 from exo_sim.machine.straps import StrapSet
@@ -30,12 +26,8 @@ from exo_sim.rig.schema import Ankle
 
 #: Harmonics of the torques in a stride or repetition.
 HARMONICS = 10
-_ANKLES = (5, 8)
-#: A foot's tip on the ground: spring upward [N/m], dampers along and up [N s/m] (friction creeps, it has no spring).
-_GROUND_SPRING = 2e5
-_GROUND_DAMPER = np.array([2e4, 1e3])
 _LIFTINGS = 4
-#: Share of a full correction that a rehearsal makes; halved where it made it worse, going on from the best so far.
+#: Share of a full correction that a rehearsal makes; halved where it made it worse both ways, going on from the best so far.
 _SHARE = 0.5
 
 
@@ -82,28 +74,6 @@ class Weights:
 SPARING = Weights(smoothness=0.15)
 
 
-@dataclass(frozen=True)
-class Yielding:
-    """How the machine gives way about its reference: inertia d'' + damping d' + stiffness d = torques, n phases.
-
-    Attributes:
-        inertia, damping, stiffness: Of straps and ground together, shape (n, 9, 9).
-        strap: How straps stretch, across and along, shape (n, 2 straps, 9).
-        strap_stiffness, strap_damping: [N/m], [N s/m], shape (2 straps,).
-        load: Weighted loads on the wearer for a unit force of each strap on the machine, shape (n, 9, 2 straps).
-        driven: Which of the six joints have a torque.
-    """
-
-    inertia: NDArray[np.float64]
-    damping: NDArray[np.float64]
-    stiffness: NDArray[np.float64]
-    strap: NDArray[np.float64]
-    strap_stiffness: NDArray[np.float64]
-    strap_damping: NDArray[np.float64]
-    load: NDArray[np.float64]
-    driven: tuple[int, ...]
-
-
 class LeastLoad:
     """Torque harmonics, how they act on the wearer, and how to better them.
 
@@ -129,7 +99,7 @@ class LeastLoad:
         weights: Weights | None = None,
     ):
         self.weights = weights or Weights()
-        self._driven = [0, 1, 3, 4] if ankle.mode != "powered" else [0, 1, 2, 3, 4, 5]
+        self.driven = [0, 1, 3, 4] if ankle.mode != "powered" else [0, 1, 2, 3, 4, 5]
         self._support = motion.support
         rate = motion.slope[PICK, 3:] / motion.period
         self._matters = np.maximum(motion.support[PICK], 1e-3)[:, None] * self.weights.of_loads(rate)
@@ -137,15 +107,15 @@ class LeastLoad:
         self._strides = max(1, len(motion.position) // SAMPLES)
         self._phases, self._harmonics = len(rate), HARMONICS * self._strides
         harmonic = np.concatenate([[0], np.repeat(np.arange(1, self._harmonics + 1), 2)]) / self._strides
-        effort = np.tile(np.hypot(self.weights.effort, self.weights.smoothness * harmonic), len(self._driven))
+        effort = np.tile(np.hypot(self.weights.effort, self.weights.smoothness * harmonic), len(self.driven))
         self._effort: NDArray[np.float64] = effort * float(np.sqrt(self._phases))
         self._reach = reach
-        self._coefficients = np.zeros(len(self._driven) * (2 * self._harmonics + 1))
+        self._coefficients = np.zeros(len(self.driven) * (2 * self._harmonics + 1))
         self._solve(dynamics, motion, person, straps, ankle)
         self._coefficients = self._within_reach(self._coefficients)
-        self._gain = np.linalg.inv(self._effect.T @ self._effect + np.diag(self._effort**2))
+        self._shown, self._by_plan, self._failed = (self._effect, self._gain), False, 0
         self._best: tuple[float, NDArray[np.float64]] = (np.inf, self._coefficients)
-        self._heard: NDArray[np.float64] | None = None
+        self._heard = np.zeros(0)
         self._share = _SHARE
 
     @property
@@ -164,7 +134,7 @@ class LeastLoad:
     def table(self, coefficients: NDArray[np.float64]) -> NDArray[np.float64]:
         """Return the torques that harmonics make, as `torque`."""
         out = np.zeros((len(self._support), 6))
-        out[:, self._driven] = _basis(len(out), self._harmonics) @ coefficients.reshape(len(self._driven), -1).T
+        out[:, self.driven] = _basis(len(out), self._harmonics) @ coefficients.reshape(len(self.driven), -1).T
         return out * self._support[:, None]
 
     def restored(self, change: NDArray[np.float64], forces: NDArray[np.float64], share: float) -> NDArray[np.float64]:
@@ -179,12 +149,26 @@ class LeastLoad:
         change = change - share * (self._gain @ (self._effect.T @ load + self._effort**2 * change))
         return self._within_reach(self.best + change) - self.best
 
-    def learn(self, moments: NDArray[np.float64], straps: NDArray[np.float64]) -> float:
+    def strap_forces(self, torques: NDArray[np.float64]) -> NDArray[np.float64]:
+        """Return the strap forces on the machine that follow from small torques of the driven joints where the machine stands as rehearsed.
+
+        Args:
+            torques: At the n even phases of a cycle [N m], shape (n, driven).
+
+        Returns:
+            Across and along [N], shape (n, 2 straps).
+        """
+        return np.asarray(self._forces @ self._harmonics_of(torques))
+
+    def learn(
+        self, moments: NDArray[np.float64], straps: NDArray[np.float64], contacts: NDArray[np.float64] | None = None
+    ) -> float:
         """Better the torques by what they did in a rehearsal.
 
         Args:
             moments: The wearer's extra moments at the n even phases of a cycle [N m], shape (n, 6).
             straps: Force of all torso straps, ahead and up, and of all straps ahead, at the same phases [N], shape (n, 3).
+            contacts: For what share of each phase each of `machine_dynamics.CONTACTS` carried, shape (n, 4); None where nobody saw.
 
         Returns:
             The cost that was reached; `torque(best=True)` belongs to the least of all.
@@ -193,86 +177,67 @@ class LeastLoad:
         tried = self._coefficients
         cost = float(load @ load + (self._effort * tried) @ (self._effort * tried))
         if cost < self._best[0]:
-            self._best, self._heard = (cost, tried), load
+            self._best, self._heard, self._failed = (cost, tried), load, 0
+            if contacts is not None:
+                self._go_on_from(contacts)
         else:
-            self._share *= 0.5
+            self._failed += 1
+            self._by_plan = not self._by_plan
+            if self._failed % 2 == 0:
+                self._share *= 0.5
         best = self._best[1]
-        step = self._gain @ (self._effect.T @ self._heard + self._effort**2 * best)
+        effect, gain = (self._effect, self._gain) if self._by_plan else self._shown
+        step = gain @ (effect.T @ self._heard + self._effort**2 * best)
         self._coefficients = self._within_reach(best - self._share * step)
         return cost
 
     def _within_reach(self, coefficients: NDArray[np.float64]) -> NDArray[np.float64]:
         """Return the harmonics that come closest to the torques cut off at what the actuators can hold."""
+        table = _basis(self._phases, self._harmonics) @ coefficients.reshape(len(self.driven), -1).T
+        return self._harmonics_of(np.clip(table, self._reach[:, self.driven, 0], self._reach[:, self.driven, 1]))
+
+    def _harmonics_of(self, table: NDArray[np.float64]) -> NDArray[np.float64]:
         basis = _basis(self._phases, self._harmonics)
-        table = basis @ coefficients.reshape(len(self._driven), -1).T
-        cut = np.clip(table, self._reach[:, self._driven, 0], self._reach[:, self._driven, 1])
-        return np.asarray(np.linalg.lstsq(basis, cut, rcond=None)[0].T.reshape(-1), dtype=np.float64)
+        return np.asarray(np.linalg.lstsq(basis, table, rcond=None)[0].T.reshape(-1), dtype=np.float64)
 
     def _solve(self, dynamics: MachineDynamics, motion: Motion, person: Person, straps: StrapSet, ankle: Ankle) -> None:
         """Find the effect of each torque harmonic on the loads, and the harmonics that make the loads least."""
         n = self._phases
-        first, second = _derivative_matrices(motion.period, n)
-        strap = dynamics.strap.reshape(n, -1, 9)
-        stiffness, damping = straps.stiffness.reshape(-1), straps.damping.reshape(-1)
-        spring = np.einsum("nij,i,nik->njk", strap, stiffness, strap)
-        damper = np.einsum("nij,i,nik->njk", strap, damping, strap)
-        if ankle.mode == "sprung":
-            for joint in _ANKLES:
-                spring[:, joint, joint] += ankle.stiffness
         self._strap_map = np.concatenate([wearer_moments_of(dynamics, motion, person, straps), force_sums(dynamics, straps)], axis=1)
-        loads = self._strap_map * self._matters[:, :, None]
-        inputs = np.zeros((n, 9, len(self._driven), 2 * self._harmonics + 1))
-        for i, joint in enumerate(self._driven):
-            inputs[:, 3 + joint, i] = _basis(n, self._harmonics) * self._support[PICK, None]
-        columns = inputs.reshape(n * 9, -1)
-        contact, up = dynamics.contact, dynamics.contact[:, :, 1]
+        self._loads = self._strap_map * self._matters[:, :, None]
+        inputs = np.zeros((n, 6, len(self.driven), 2 * self._harmonics + 1))
+        for i, joint in enumerate(self.driven):
+            inputs[:, joint, i] = _basis(n, self._harmonics) * self._support[PICK, None]
+        self._response = StrapResponse(dynamics, motion.period, straps, ankle, inputs.reshape(n, 6, -1))
         down = motion.contact[PICK].copy()
         for _ in range(_LIFTINGS):
-            k = spring + np.einsum("ncj,nc,nck->njk", up, _GROUND_SPRING * down, up)
-            grip = _GROUND_DAMPER * down[:, :, None]
-            c = damper + np.einsum("ncaj,nca,ncak->njk", contact, grip, contact)
-            reached = np.einsum("ncj,nc->nj", up, _GROUND_SPRING * down * dynamics.tip[:, :, 1])
-            reached += np.einsum("ncaj,nca->nj", contact, grip * dynamics.tip_velocity)
-            fixed = -(dynamics.required + reached).reshape(-1, 1)
-            system = _coupled(dynamics.inertia, c, k, first, second)
-            give = np.linalg.solve(system, np.concatenate([columns, fixed], axis=1)).reshape(n, 9, -1)
-            rate = np.tensordot(first, give, axes=1)
-            force = -(stiffness[:, None] * (strap @ give) + damping[:, None] * (strap @ rate))
-            load = (loads @ force).reshape(-1, give.shape[2])
+            force, give = self._response.forces(down.astype(float))
+            self._forces = force[:, :, :-1]
+            load = (self._loads @ force).reshape(-1, give.shape[2])
             self._effect, offset = load[:, :-1], load[:, -1] + (self._own * self._matters).reshape(-1)
-            normal = self._effect.T @ self._effect + np.diag(self._effort**2)
-            self._coefficients = np.linalg.solve(normal, -self._effect.T @ offset)
-            all_of_it = np.append(self._coefficients, 1.0)
-            height = np.einsum("ncj,nj->nc", up, give @ all_of_it) + dynamics.tip[:, :, 1]
-            rising = np.einsum("ncj,nj->nc", up, rate @ all_of_it) + dynamics.tip_velocity[:, :, 1]
-            pulling = down & (_GROUND_SPRING * height + _GROUND_DAMPER[1] * rising > 0)
+            self._gain = self._gain_of(self._effect)
+            self._coefficients = -self._gain @ (self._effect.T @ offset)
+            pulling = down & self._response.pulled(give @ np.append(self._coefficients, 1.0))
+            carried = down.astype(float)
             if not pulling.any():
                 break
             down &= ~pulling
-        self.yielding = Yielding(dynamics.inertia, c, k, strap, stiffness, damping, loads, tuple(self._driven))
+        damping, stiffness = self._response.held(carried)
+        it = self._response
+        self.yielding = Yielding(
+            dynamics.inertia, damping, stiffness, it.strap, it.stiffness, it.damping, self._loads, tuple(self.driven)
+        )
 
+    def _go_on_from(self, contacts: NDArray[np.float64]) -> None:
+        """Correct by the effect that torques have where these heels and toes carry, shape (n, 4)."""
+        self._forces = self._response.forces(contacts)[0][:, :, :-1]
+        effect = (self._loads @ self._forces).reshape(len(self._effect), -1)
+        self._shown = effect, self._gain_of(effect)
+        damping, stiffness = self._response.held(contacts)
+        self.yielding = replace(self.yielding, damping=damping, stiffness=stiffness)
 
-def _derivative_matrices(period: float, n: int) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
-    """Return the spectral first and second derivative by time on n even phases, shape (n, n)."""
-    rate = 2j * np.pi * np.fft.fftfreq(n, 1 / n)
-    second = np.fft.ifft(rate[:, None] ** 2 * np.fft.fft(np.eye(n), axis=0), axis=0).real
-    rate[n // 2] = 0.0
-    first = np.fft.ifft(rate[:, None] * np.fft.fft(np.eye(n), axis=0), axis=0).real
-    return first / period, second / period**2
-
-
-def _coupled(
-    m: NDArray[np.float64],
-    c: NDArray[np.float64],
-    k: NDArray[np.float64],
-    first: NDArray[np.float64],
-    second: NDArray[np.float64],
-) -> NDArray[np.float64]:
-    """Return M d'' + C d' + K d as one matrix over all n phases, shape (9 n, 9 n)."""
-    system = np.einsum("nij,nm->nimj", m, second) + np.einsum("nij,nm->nimj", c, first)
-    phase = np.arange(len(m))
-    system[phase, :, phase, :] += k
-    return system.reshape(9 * len(m), 9 * len(m))
+    def _gain_of(self, effect: NDArray[np.float64]) -> NDArray[np.float64]:
+        return np.asarray(np.linalg.inv(effect.T @ effect + np.diag(self._effort**2)))
 
 
 def _basis(count: int, harmonics: int) -> NDArray[np.float64]:

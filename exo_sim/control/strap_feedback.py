@@ -11,8 +11,8 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
-from exo_sim.control.least_load import Yielding
 from exo_sim.control.machine_dynamics import PHASES
+from exo_sim.control.yielding import Yielding
 
 #: Lag of a cylinder's force behind its demand, as the regulator has it [s].
 LAG = 0.010

@@ -12,7 +12,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from exo_sim.control.least_load import LeastLoad
-from exo_sim.control.machine_dynamics import PHASES
+from exo_sim.control.stride_means import StrideMeans
 
 #: Share of a full correction that one stride makes.
 _SHARE = 0.1
@@ -30,28 +30,20 @@ class StrideLearning:
     def __init__(self, plan: LeastLoad, forces: NDArray[np.float64]) -> None:
         self._plan, self._usual = plan, forces
         self._change = np.zeros_like(plan.best)
+        self._means = StrideMeans(forces.shape[1])
         self.forget()
 
     def forget(self) -> None:
         """Begin with the demand of the calibration."""
         self._change[:] = 0.0
-        self._sum, self._count = np.zeros_like(self._usual), np.zeros(PHASES)
-        self._stride: float | None = None
+        self._means.forget()
         self.table = self._plan.table(self._plan.best)
 
     def take(self, phase: float, forces: NDArray[np.float64]) -> None:
         """Take in the strap forces at a phase, whole strides counted on; learn where a stride is over."""
-        stride = np.floor(phase)
-        if self._stride is None:
-            self._stride = stride
-        if stride > self._stride:
-            if stride == self._stride + 1.0 and self._count.min() > 0:
-                self._learn(self._sum / self._count[:, None])
-            self._stride = stride
-            self._sum[:], self._count[:] = 0.0, 0.0
-        box = int((phase % 1.0) * PHASES + 0.5) % PHASES
-        self._sum[box] += forces
-        self._count[box] += 1.0
+        over = self._means.take(phase, forces)
+        if over is not None:
+            self._learn(over)
 
     def _learn(self, forces: NDArray[np.float64]) -> None:
         self._change = self._plan.restored(self._change, forces - self._usual, _SHARE)

@@ -7,6 +7,7 @@ from numpy.typing import NDArray
 
 from exo_sim.control.least_load import LeastLoad
 from exo_sim.control.machine_dynamics import PICK
+from exo_sim.gait.strides import CONTACT_FORCE
 from exo_sim.simulation.walk import Walk
 from exo_sim.simulation.wearer_load import by_straps
 
@@ -47,4 +48,16 @@ def learn_from(plan: LeastLoad, walk: Walk, settling: float) -> float:
     torso = [i for i, name in enumerate(walk.straps.names) if name.startswith("torso")]
     straps = np.stack([ahead[torso].sum(axis=0), up[torso].sum(axis=0), ahead.sum(axis=0)], axis=1)
     moments = cycle_mean(walk, by_straps(walk), settling)
-    return plan.learn(moments, cycle_mean(walk, straps, settling))
+    return plan.learn(moments, cycle_mean(walk, straps, settling), cycle_mean(walk, carrying(walk), settling))
+
+
+def carrying(walk: Walk) -> NDArray[np.float64]:
+    """Return whether heel and toe of the machine's left and right foot carry, 0 or 1, shape (n, 4), a row each step."""
+    model, out = walk.model, []
+    for side in "lr":
+        site = model.site(f"foot_{side}").pos[0]
+        heel, toe = (model.geom(f"{name}_{side}").pos[0] - site for name in ("heel", "toe"))
+        up, centre = (walk.columns[f"foot_{side}.{name}"] for name in ("ground_force_z", "pressure_centre"))
+        of_toe = np.clip((centre - heel) / (toe - heel), 0.0, 1.0)
+        out += [up * (1.0 - of_toe) > CONTACT_FORCE, up * of_toe > CONTACT_FORCE]
+    return np.stack(out, axis=1).astype(float)

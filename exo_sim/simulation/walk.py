@@ -70,7 +70,7 @@ class Request:
     assist: str = "on"
     controller: str = "model"
     law: str = law_of_demand.DEFAULT_LAW
-    rehearsals: int = 5
+    rehearsals: int = 8
     weights: Weights | None = None
     gains: ValveGains = field(default_factory=ValveGains)
     tuned: Mapping[str, ValveGains] = field(default_factory=dict)

@@ -16,7 +16,6 @@ from exo_sim.sizing.disturbances import late
 
 PAYLOAD = 34.0
 STRIDES = 12
-CLOCK_ONLY = "phase estimated "
 
 
 @dataclasses.dataclass(frozen=True)
@@ -25,7 +24,8 @@ class Case:
 
     Attributes:
         late: How late the rehearsed demand comes, and how late the phase estimate is at the start, in strides.
-        wrong: How late the estimated phase is throughout, in strides: nothing corrects it. The rehearsed demand comes as late.
+        wrong: How late the phase is throughout that encoders give, in strides. The rehearsed demand comes as late.
+        corrects: Whether strap forces correct the phase.
         stiffness: Of the straps, as a factor; damping grows with its root.
         payload: More than the calibration's [kg].
         speed: Factor on the cadence.
@@ -35,6 +35,7 @@ class Case:
 
     late: float = 0.0
     wrong: float = 0.0
+    corrects: bool = True
     stiffness: float = 1.0
     payload: float = 0.0
     speed: float = 1.0
@@ -46,8 +47,10 @@ CASES = {
     "as calibrated": Case(),
     "begins 3 % late": Case(late=0.03),
     "begins 3 % early": Case(late=-0.03),
-    f"{CLOCK_ONLY}3 % late throughout": Case(wrong=0.03),
-    f"{CLOCK_ONLY}3 % early throughout": Case(wrong=-0.03),
+    "encoders' phase 3 % late throughout": Case(wrong=0.03),
+    "encoders' phase 3 % early throughout": Case(wrong=-0.03),
+    "the same, late, and straps do not correct it": Case(wrong=0.03, corrects=False),
+    "the same, early, and straps do not correct it": Case(wrong=-0.03, corrects=False),
     "cadence +10 %": Case(speed=1.1),
     "cadence -10 %": Case(speed=0.9),
     "hips 3 degrees more flexed (trunk leans)": Case(variation=Variation(lean=math.radians(3.0))),
@@ -72,7 +75,7 @@ def walked(exo: Rig, case: Case, nominal: Simulation, causal: bool) -> dict[str,
     other = Simulation(rig, request)
     other.straps = other.straps.stiffened(case.stiffness)
     if causal:
-        other.controlled_by(Causal(_of(nominal), first_phase=-case.late, late=case.wrong), seed=1)
+        other.controlled_by(Causal(_of(nominal), first_phase=-case.late, late=case.wrong, corrects=case.corrects), seed=1)
     else:
         table = late(nominal.demand, case.late + case.wrong)
         other.demand = other.demand_added = table if other.motion.trial is None else other.motion.trial.played(table)

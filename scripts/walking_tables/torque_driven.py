@@ -173,7 +173,8 @@ def _tried(exo: Rig, nominal: Simulation, name: str, causal: bool) -> dict[str, 
     other.reset()
     if causal:
         assert nominal.calibration is not None
-        other.controlled_by(Causal(nominal.calibration, first_phase=-case.late, late=case.wrong), seed=1)
+        controller = Causal(nominal.calibration, first_phase=-case.late, late=case.wrong, corrects=case.corrects)
+        other.controlled_by(controller, seed=1)
     else:
         other.demand = other.demand_added = late(nominal.demand, case.late + case.wrong)
     try:

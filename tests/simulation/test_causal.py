@@ -50,6 +50,8 @@ def costs(walk):
 CASES: dict[str, dict[str, Any]] = {
     "nominal": {},
     "begins at the wrong phase": {"controller": {"first_phase": 0.05}},
+    "encoders' phase is late throughout": {"controller": {"late": 0.03}},
+    "encoders' phase is early throughout": {"controller": {"late": -0.03}},
     "faster": {"speed": 1.1},
     "straps half as stiff": {"stiffness": 0.5},
     "straps twice as stiff": {"stiffness": 2.0},

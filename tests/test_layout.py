@@ -78,7 +78,7 @@ THROUGH: dict[str, tuple[str, ...]] = {
     "simulation/test_walk.py": (
         "control/least_load.py", "control/strap_feedback.py", "control/strap_loads.py",
         "simulation/causal_calibration.py", "simulation/coupled_step.py", "simulation/loop_log.py",
-        "simulation/rehearsal.py", "simulation/valve_loop.py", "simulation/views.py",
+        "simulation/valve_loop.py", "simulation/views.py",
         "simulation/worn_demand.py",
     ),
     "sizing/test_search.py": (

@@ -45,6 +45,7 @@ class Weights:
         push: Of a newton that all straps together push the machine ahead [m]: the wearer holds it against the ground, about a metre below.
         effort: Of a newton metre demanded, steady.
         smoothness: Of a newton metre demanded, for each harmonic.
+        other_straps: By what share loads count that straps half and twice as stiff would give, beside those of the straps as they are.
     """
 
     hip: float = 1.0
@@ -57,6 +58,7 @@ class Weights:
     push: float = 1.0
     effort: float = 0.05
     smoothness: float = 0.05
+    other_straps: float = 0.0
 
     def of_loads(self, rate: NDArray[np.float64]) -> NDArray[np.float64]:
         """Return what each load counts at each phase, shape (n, 9): hip, knee, ankle on both sides, torso straps ahead and up, push.
@@ -72,6 +74,9 @@ class Weights:
 #: Where both pressures of the cylinders are planned, gas goes with what the torques change by: smoother ones draw a quarter less, and the
 #: wearer hardly feels it (docs/sizing.md).
 SPARING = Weights(smoothness=0.15)
+#: By how much straps are thought to be less and more stiff, and the share that such straps count by where the demand meets strides that it
+#: was not rehearsed on: half and twice as stiff ones are thought a tenth as likely.
+_OTHERWISE, CAUTIOUS = (0.5, 2.0), 0.1
 
 
 class LeastLoad:
@@ -86,7 +91,14 @@ class LeastLoad:
         reach: Least and largest torque that the actuators can hold [N m], shape (n, 6, 2), n phases of
             `machine_dynamics.PICK`.
         weights: What counts as load.
+
+    Attributes:
+        driven: Which of the six joints have a torque.
+        yielding: How the machine gives way where its feet are on the ground as in the best rehearsal.
     """
+
+    yielding: Yielding
+    _planned: tuple[NDArray[np.float64], NDArray[np.float64]]
 
     def __init__(
         self,
@@ -113,10 +125,10 @@ class LeastLoad:
         self._coefficients = np.zeros(len(self.driven) * (2 * self._harmonics + 1))
         self._solve(dynamics, motion, person, straps, ankle)
         self._coefficients = self._within_reach(self._coefficients)
-        self._shown, self._by_plan, self._failed = (self._effect, self._gain), False, 0
+        self._shown, self._by_plan, self._failed = self._planned, False, 0
         self._best: tuple[float, NDArray[np.float64]] = (np.inf, self._coefficients)
         self._heard = np.zeros(0)
-        self._share = _SHARE
+        self._step = _SHARE
 
     @property
     def best(self) -> NDArray[np.float64]:
@@ -161,34 +173,38 @@ class LeastLoad:
         return np.asarray(self._forces @ self._harmonics_of(torques))
 
     def learn(
-        self, moments: NDArray[np.float64], straps: NDArray[np.float64], contacts: NDArray[np.float64] | None = None
+        self, moments: NDArray[np.float64], straps: NDArray[np.float64], contacts: NDArray[np.float64]
     ) -> float:
         """Better the torques by what they did in a rehearsal.
 
         Args:
             moments: The wearer's extra moments at the n even phases of a cycle [N m], shape (n, 6).
             straps: Force of all torso straps, ahead and up, and of all straps ahead, at the same phases [N], shape (n, 3).
-            contacts: For what share of each phase each of `machine_dynamics.CONTACTS` carried, shape (n, 4); None where nobody saw.
+            contacts: For what share of each phase each of `machine_dynamics.CONTACTS` carried, shape (n, 4).
 
         Returns:
             The cost that was reached; `torque(best=True)` belongs to the least of all.
         """
         load = ((np.concatenate([moments, straps], axis=1) + self._own) * self._matters).reshape(-1)
-        tried = self._coefficients
-        cost = float(load @ load + (self._effort * tried) @ (self._effort * tried))
+        forces = [one.forces(contacts)[0] for one in self._responses]
+        tried, maps = self._coefficients, self._maps(forces)
+        heard = np.concatenate([load, *(self._share_of_others * (load + (one - maps[0]) @ np.append(tried, 1.0)) for one in maps[1:])])
+        cost = float(heard @ heard + (self._effort * tried) @ (self._effort * tried))
         if cost < self._best[0]:
-            self._best, self._heard, self._failed = (cost, tried), load, 0
-            if contacts is not None:
-                self._go_on_from(contacts)
+            self._best, self._heard, self._failed = (cost, tried), heard, 0
+            self._shown = self._with_gain(maps)
+            damping, stiffness = self._responses[0].held(contacts)
+            self._forces = forces[0][:, :, :-1]
+            self.yielding = replace(self.yielding, damping=damping, stiffness=stiffness)
         else:
             self._failed += 1
             self._by_plan = not self._by_plan
             if self._failed % 2 == 0:
-                self._share *= 0.5
+                self._step *= 0.5
         best = self._best[1]
-        effect, gain = (self._effect, self._gain) if self._by_plan else self._shown
-        step = gain @ (effect.T @ self._heard + self._effort**2 * best)
-        self._coefficients = self._within_reach(best - self._share * step)
+        effect, gain = self._planned if self._by_plan else self._shown
+        change = gain @ (effect.T @ self._heard + self._effort**2 * best)
+        self._coefficients = self._within_reach(best - self._step * change)
         return cost
 
     def _within_reach(self, coefficients: NDArray[np.float64]) -> NDArray[np.float64]:
@@ -208,33 +224,34 @@ class LeastLoad:
         inputs = np.zeros((n, 6, len(self.driven), 2 * self._harmonics + 1))
         for i, joint in enumerate(self.driven):
             inputs[:, joint, i] = _basis(n, self._harmonics) * self._support[PICK, None]
-        self._response = StrapResponse(dynamics, motion.period, straps, ankle, inputs.reshape(n, 6, -1))
-        down = motion.contact[PICK].copy()
+        others = [straps.stiffened(factor) for factor in _OTHERWISE] if self.weights.other_straps else []
+        self._responses = [StrapResponse(dynamics, motion.period, one, ankle, inputs.reshape(n, 6, -1)) for one in (straps, *others)]
+        self._share_of_others = float(np.sqrt(self.weights.other_straps))
+        it, down = self._responses[0], motion.contact[PICK].copy()
         for _ in range(_LIFTINGS):
-            force, give = self._response.forces(down.astype(float))
+            carried = down.astype(float)
+            force, give = it.forces(carried)
             self._forces = force[:, :, :-1]
             load = (self._loads @ force).reshape(-1, give.shape[2])
             self._effect, offset = load[:, :-1], load[:, -1] + (self._own * self._matters).reshape(-1)
             self._gain = self._gain_of(self._effect)
             self._coefficients = -self._gain @ (self._effect.T @ offset)
-            pulling = down & self._response.pulled(give @ np.append(self._coefficients, 1.0))
-            carried = down.astype(float)
+            pulling = down & it.pulled(give @ np.append(self._coefficients, 1.0))
             if not pulling.any():
                 break
             down &= ~pulling
-        damping, stiffness = self._response.held(carried)
-        it = self._response
-        self.yielding = Yielding(
-            dynamics.inertia, damping, stiffness, it.strap, it.stiffness, it.damping, self._loads, tuple(self.driven)
-        )
+        self._planned = self._with_gain(self._maps([one.forces(carried)[0] for one in self._responses]))
+        damping, stiffness = it.held(carried)
+        self.yielding = Yielding(dynamics.inertia, damping, stiffness, it.strap, it.stiffness, it.damping, self._loads, tuple(self.driven))
 
-    def _go_on_from(self, contacts: NDArray[np.float64]) -> None:
-        """Correct by the effect that torques have where these heels and toes carry, shape (n, 4)."""
-        self._forces = self._response.forces(contacts)[0][:, :, :-1]
-        effect = (self._loads @ self._forces).reshape(len(self._effect), -1)
-        self._shown = effect, self._gain_of(effect)
-        damping, stiffness = self._response.held(contacts)
-        self.yielding = replace(self.yielding, damping=damping, stiffness=stiffness)
+    def _maps(self, forces: list[NDArray[np.float64]]) -> list[NDArray[np.float64]]:
+        """Return what loads follow from torque harmonics, the last column without torques, for straps as they are and otherwise."""
+        return [(self._loads @ one).reshape(self._matters.size, -1) for one in forces]
+
+    def _with_gain(self, maps: list[NDArray[np.float64]]) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+        """Return the effect of torque harmonics on all loads that count, and the gain that makes these least."""
+        effect = np.concatenate([maps[0][:, :-1], *(self._share_of_others * one[:, :-1] for one in maps[1:])])
+        return effect, self._gain_of(effect)
 
     def _gain_of(self, effect: NDArray[np.float64]) -> NDArray[np.float64]:
         return np.asarray(np.linalg.inv(effect.T @ effect + np.diag(self._effort**2)))

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from dataclasses import replace
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -10,7 +11,7 @@ from numpy.typing import NDArray
 
 from exo_sim.control import demand as law_of_demand
 from exo_sim.control import machine_dynamics
-from exo_sim.control.least_load import SPARING, LeastLoad
+from exo_sim.control.least_load import CAUTIOUS, SPARING, LeastLoad, Weights
 from exo_sim.machine.worn_model import PAYLOAD_LIMIT, carry
 from exo_sim.simulation.causal_calibration import calibrated
 from exo_sim.simulation.rehearsal import learn_from
@@ -43,7 +44,9 @@ def rehearsed_demand(it: Simulation, payload: float) -> tuple[NDArray[np.float64
     remarks = () if request.ideal else too_weak(it.plugin.links, payload, needed[machine_dynamics.PICK], limits)
     if request.law not in ("least_load", "causal"):
         return _closed(law_of_demand.demand(request.law, dynamics, it.motion, it.straps, it.rig.ankle)), remarks
-    weights = request.weights or (SPARING if it.plans_chambers else None)
+    weights = request.weights or (SPARING if it.plans_chambers else Weights())
+    if request.law == "causal" and request.weights is None:
+        weights = replace(weights, other_straps=CAUTIOUS)
     plan = LeastLoad(dynamics, it.motion, it.person, it.straps, it.rig.ankle, limits, weights)
     return _closed(_rehearsed(it, plan, payload)), remarks
 

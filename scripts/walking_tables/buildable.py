@@ -19,8 +19,8 @@ and valves: its frame weighs @FRAME@ kg where that of `exo.toml` weighs 20. Its 
 
 """
 AFTER = """
-The cylinders are rated for 11 bar absolute, which squats with 20 kg pass a little. Walking, both payloads cost less than as a backpack,
-with 45 kg less plainly: cylinders and valves are a good part of what is carried. It does not squat with 45 kg: deep in the squat the hip
+The cylinders are rated for 11 bar absolute, which squats with 20 kg pass. Walking, both payloads cost less than as a backpack,
+though cylinders and valves are a good part of what is carried. It does not squat with 45 kg: deep in the squat the hip
 cylinder has too short a lever. Chambers get below freezing, so that its air must be dried.
 """
 

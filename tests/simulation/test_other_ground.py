@@ -33,6 +33,13 @@ def test_it_walks_and_its_books_balance(exo, name):
     assert climbed == pytest.approx(4 * walk.motion.climb, abs=0.08)
 
 
+@pytest.mark.parametrize("name", ["slow_walk", "fast_walk", "slope_down", "start_and_stop"])
+def test_the_machine_takes_off_its_wearer_what_a_backpack_costs(exo, name):
+    numbers = summarise(simulate(exo, Request(name, 34.0, cycles=3 if name == "start_and_stop" else 6)))
+    assert numbers["wearer"]["metabolic_w"]["value"] < numbers["compared_with"]["backpack"]["metabolic_w"]
+    assert abs(numbers["wearer"]["forward_push_n"]) < 30.0
+
+
 def test_what_is_lifted_is_in_the_ledger(exo):
     walk = simulate(exo, Request("slope_up", 20.0, cycles=4))
     height = walk.motion.climb

@@ -19,7 +19,15 @@ from exo_sim.diagnosis.findings import SignalFit
 from exo_sim.diagnosis.outcome.rig_update import RigUpdate
 from exo_sim.diagnosis.pipeline.rig_errors import WindowErrors
 from exo_sim.diagnosis.policy.budgets import MOST_TRIALS
-from exo_sim.diagnosis.policy.validation import DIVERGED, FEWEST_BLOCKS, MOST_WORSE, SIGNAL_WORSE, SURELY_BETTER, WORTH_LEAVING_OUT
+from exo_sim.diagnosis.policy.validation import (
+    DIVERGED,
+    FAR_BETTER,
+    FEWEST_BLOCKS,
+    MOST_WORSE,
+    SIGNAL_WORSE,
+    SURELY_BETTER,
+    WORTH_LEAVING_OUT,
+)
 from exo_sim.diagnosis.validation.machine_runs import Blocks, MachineRuns
 from exo_sim.errors import ModelError, RigError
 from exo_sim.rig import parse
@@ -58,12 +66,13 @@ class Trial:
         """Whether it is worse than the rig handed in by any measure; over windows of the whole machine, unless it is surely better.
 
         These are many, so that they say how far another recording's would differ: what is better by less is hardly likelier to be better
-        there than worse, and the rig handed in is its owner's.
+        there than worse, and the rig handed in is its owner's. A free run that is far better says the same of the whole machine.
         """
-        if self.is_refused:
+        if self.is_refused or is_worse(self.windows, self.spreads) or is_worse(self.free_run, self.spreads):
             return True
-        surely = _mean(_logs(self.coupled, self.spreads)) + SURELY_BETTER * self.uncertain
-        return is_worse(self.windows, self.spreads) or is_worse(self.free_run, self.spreads) or surely > math.log1p(MOST_WORSE)
+        far = _mean(_logs(self.free_run, self.spreads)) < math.log(FAR_BETTER)
+        unsure = 0.0 if far else SURELY_BETTER * self.uncertain
+        return _mean(_logs(self.coupled, self.spreads)) + unsure > math.log1p(MOST_WORSE)
 
     @property
     def hurts(self) -> bool:

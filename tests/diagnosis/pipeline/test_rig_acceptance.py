@@ -142,6 +142,12 @@ def test_over_windows_of_the_whole_machine_a_rig_is_surely_better_or_not_written
     assert trial.is_worse is worse and trial.loss == pytest.approx(math.log(after))
 
 
+@pytest.mark.parametrize(("after", "free", "worse"), [(0.96, 0.02, False), (0.96, 0.6, True), (1.1, 0.02, True)])
+def test_windows_need_not_be_surely_better_where_the_free_run_is_far_better(rig: Rig, after: float, free: float, worse: bool) -> None:
+    run, coupled = ({"string.position": SignalFit("rad", 1.0, value, 0.0)} for value in (free, after))
+    assert Trial(RigUpdate(rig, ()), {}, run, {}, coupled, 0.05).is_worse is worse
+
+
 def test_how_sure_a_gain_is_shows_in_how_windows_differ() -> None:
     """Of errors that fall by half in every window the gain is certain; a factor that scatters by s is known to s / sqrt(n)."""
     rng = np.random.default_rng(4)

@@ -16,6 +16,7 @@ from exo_sim.diagnosis.data.split import Split, split
 from exo_sim.diagnosis.estimation.least_squares import Fit, fit
 from exo_sim.diagnosis.estimation.parameters import FreeParameter, Target
 from exo_sim.diagnosis.findings import Estimate, Finding, Kind
+from exo_sim.diagnosis.policy.validation import HELD_OUT_SHARE, TEST_SHARE
 from exo_sim.diagnosis.subsystems.motion.candidates import candidates
 from exo_sim.diagnosis.subsystems.motion.full_scale import full_force
 from exo_sim.diagnosis.subsystems.motion.model import MotionModel
@@ -63,7 +64,7 @@ def test_test_time_has_rows_of_its_own() -> None:
     parts = split([("recording", TIME)])
     model = MotionModel([motion_runs.balance(np.zeros(TIME.size), 0.3)], motion_runs.plant(), parts)
     tested = model.on_test_time(parts)
-    assert tested.size == pytest.approx(model.size * 0.15 / 0.7, rel=0.25)
+    assert tested.size == pytest.approx(model.size * TEST_SHARE * HELD_OUT_SHARE / (1.0 - HELD_OUT_SHARE), rel=0.25)
     (comparison,) = tested.compared(model.nominal, model.nominal)
     assert comparison.error_before.size < 0.2 * TIME.size
 

@@ -20,7 +20,6 @@ from exo_sim.diagnosis.estimation.least_squares import fit
 from exo_sim.diagnosis.estimation.parameters import FreeParameter, PlantParameters
 from exo_sim.diagnosis.estimation.threads import SERIAL, Threads
 from exo_sim.diagnosis.estimation.uncertainty import HALF_WIDTH, standard_errors
-from exo_sim.diagnosis.pipeline.felt_laps import with_felt_laps
 from exo_sim.diagnosis.pipeline.plan import Plan, Progress
 from exo_sim.diagnosis.policy.budgets import FEW_SAMPLES, FORCES_UNTIL, GAS_UNTIL, MOST_EFFORT
 from exo_sim.diagnosis.policy.priors import INITIAL_WARMTH, ROOM_WARM
@@ -101,7 +100,6 @@ def examine_gas(
         key = (name, test_time, tuple(one.key for one in asked), friction)
         if key not in done:
             if model.size >= FEWEST_ROWS:
-                nuisances = with_felt_laps(model, nuisances, threads, plan.budget.is_spent)
                 model = model.with_better_flow_law(nuisances, threads, plan.budget.is_spent)
                 nuisances += felt_temperatures(model, nuisances, threads, plan.budget.is_spent)
             search = Search(

@@ -42,11 +42,6 @@ NEEDED = Number(
     "what gains less of an imperfection that healthy machines have is left at zero in the model that is accepted",
     "derived: Akaike (1974), a parameter that gains less than one unit of log-likelihood predicts worse than its nominal value",
 )  # fmt: skip
-FELT_LAPS = Number(
-    0.5, "root mean square residual, in units of that without them",
-    "where a valve's edges open is free if it leaves so little, or no more than a healthy machine",
-    "a stranger's bench with laps of 0.1 % and a leak: 0.33; learn machines B, C, D, I with five to seven effects hidden: 0.89 to 1.02",
-)  # fmt: skip
 STEADY_GAIN = Number(
     2.0, "mean gain over blocks in units of its standard error", "a gain that one block alone brings is no effect",
     "a bench with a relief valve, which is outside the list: this alone removed an effect that had stood, of 0.4 with odds of 49 beside "

@@ -30,15 +30,17 @@ def corrections(data: MachineData, result: SubsystemResult[SubsystemModel]) -> l
     found = [one for one in made if one is not None]
     values = result.final.fit.values
     for parameter, error in result.refitted:
-        whole = parameter.prior[0] if parameter.prior else 0.0
-        if _is_left_out(data.rig, parameter) and values[parameter] != 0.0:
-            key = ("effects", parameter.effect, parameter.where, parameter.parameter)
-            found.append(Correction(key, values[parameter], parameter.unit, None, None, _note(parameter, values[parameter])))
         held = parameter.effect in REFITTED or (is_declared(parameter.effect) and _is_the_rigs(data.rig, parameter))
-        if whole and held:
-            one = _correction(data, Deviation(parameter, values[parameter] / whole, error / abs(whole)))
+        if parameter.prior is None or not held:
+            continue
+        whole, value = parameter.prior[0], values[parameter]
+        if whole:
+            one = _correction(data, Deviation(parameter, value / whole, error / abs(whole)))
             if one is not None:
-                found.append(Correction(one.key, one.value, one.unit, None, one.believed, _note(parameter, values[parameter])))
+                found.append(Correction(one.key, one.value, one.unit, None, one.believed, _note(parameter, value)))
+        elif value:  # the rig has the effect and leaves the number out: the dead time of its valve's lag
+            key = ("effects", parameter.effect, parameter.where, parameter.parameter)
+            found.append(Correction(key, value, parameter.unit, None, None, _note(parameter, value)))
     return found
 
 
@@ -50,12 +52,6 @@ def _note(parameter: FreeParameter, value: float) -> str:
 def _is_the_rigs(rig: Rig, parameter: FreeParameter) -> bool:
     """Return whether the rig file holds the number where it was judged; what a joint shares with its piston it does not."""
     return not is_declared(parameter.effect) or rig.effect(parameter.effect, parameter.where) is not None
-
-
-def _is_left_out(rig: Rig, parameter: FreeParameter) -> bool:
-    """Return whether the rig has the effect that a number belongs to and leaves the number out: the dead time of its valve's lag."""
-    says_nothing = parameter.prior is not None and parameter.prior[0] == 0.0
-    return says_nothing and is_declared(parameter.effect) and rig.effect(parameter.effect, parameter.where) is not None
 
 
 def _correction(data: MachineData, off: Deviation) -> Correction | None:

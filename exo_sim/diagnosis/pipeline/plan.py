@@ -114,6 +114,11 @@ class Examination:
         return self.validation.ratio if self.validation is not None else 0.0
 
     @property
+    def checked(self) -> HeldOutErrors:
+        """Errors on the validation time; of no subsystem where there is none."""
+        return self.validation or HeldOutErrors()
+
+    @property
     def shares(self) -> Mapping[str, float]:
         """What each finding explains of what is missing without it over the validation time, by `effect@where`."""
-        return {key: worth.share for key, worth in self.validation.worth.items()} if self.validation is not None else {}
+        return {key: worth.share for key, worth in self.checked.worth.items()}

@@ -123,7 +123,7 @@ def accepted(
     said = ((_CUT, best.update is not update and not refusals), (_UNPROVED, bool(best.update.parts) and not best.is_proved))
     if choosing is not split:
         rig = parse(best.update.text(data.rig.path.parent), data.rig.path)
-        best = replace(best, windows=WindowErrors(data, split).errors(rig), free_run=MachineRuns(data, split).errors(rig))
+        best = replace(best, windows=WindowErrors(data, split).errors(rig), free_run=free.over(split).errors(rig))
     return best, (*(_REFUSED.format(why) for why in refusals[:1]), *(words for words, is_so in said if is_so))
 
 

@@ -35,7 +35,7 @@ from exo_sim.diagnosis.selection.finding_removal import without_findings
 from exo_sim.diagnosis.selection.subsystem_result import SubsystemResult
 from exo_sim.diagnosis.selection.unknown_effect import unknown_effects
 from exo_sim.diagnosis.subsystem_model import SubsystemModel
-from exo_sim.diagnosis.validation.held_out import HeldOutErrors, held_out_errors, is_refuted
+from exo_sim.diagnosis.validation.held_out import held_out_errors, is_refuted
 from exo_sim.diagnosis.validation.long_run import Straying, straying
 from exo_sim.physics.effects.unknown import EFFECT as UNKNOWN
 
@@ -125,7 +125,7 @@ def without_doubtful(examination: Examination) -> Examination:
     for one in examination.results.all:
         for finding in one.findings:
             key = f"{finding.name}@{finding.where}"
-            why = doubt(finding, shares.get(key), examination.validation is not None and key in examination.validation.drops)
+            why = doubt(finding, shares.get(key), key in examination.checked.drops)
             if why:
                 doubtful[finding.name, finding.where] = why
     plan = replace(examination.plan, refuted={**examination.plan.refuted, **doubtful})
@@ -134,7 +134,7 @@ def without_doubtful(examination: Examination) -> Examination:
 
 def without_small(examination: Examination) -> Examination:
     """Return an examination that holds what is too small to matter beside its findings, not among them."""
-    seen = examination.validation or HeldOutErrors()
+    seen = examination.checked
     small = tuple(finding for one in examination.results.all for finding in too_small(one, seen.left, seen.worth))
     gone = {(finding.name, finding.where) for finding in small}
     results = examination.results.keeping(lambda one, finding: (finding.name, finding.where) not in gone)

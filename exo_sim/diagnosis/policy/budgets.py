@@ -55,7 +55,7 @@ RUNNERS_UP = Count(3, "candidates", "that were put aside are looked at once more
 # -- a linear family ------------------------------------------------------------------------------------------------------------
 FAMILY_FINALISTS = Count(25, "subsets", "that a climb meets are weighed with spreads of their own")
 MOST_REFITTED = Count(
-    4, "subsets", "are fitted as they act where what the most probable ones share leaves more than noise",
+    4, "subsets", "are fitted as they act where what the most probable ones share leaves more than any healthy machine does",
     "learn make D of whole machines, seed 1411: the third leaves 1.5 times the noise, what all share 21 times",
 )
 MOST_CLIMBS = Count(4, "climbs", "each with the spreads of the best subset before it")

@@ -7,7 +7,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import replace
 
 import numpy as np
 from numpy.typing import NDArray
@@ -16,7 +16,7 @@ from exo_sim.diagnosis.discrepancy.basis import DiscrepancyBasis
 from exo_sim.diagnosis.estimation.candidate import Candidate, CandidateKey, drop_orphans
 from exo_sim.diagnosis.estimation.correlation import rms
 from exo_sim.diagnosis.estimation.linear_family import Bend, LinearFamily
-from exo_sim.diagnosis.estimation.parameters import FreeParameter, Target
+from exo_sim.diagnosis.estimation.parameters import FreeParameter
 from exo_sim.diagnosis.findings import Kind
 from exo_sim.diagnosis.policy import acceptance, verdicts
 from exo_sim.diagnosis.policy.budgets import RUNNERS_UP
@@ -27,32 +27,22 @@ from exo_sim.diagnosis.policy.verdicts import NIL
 from exo_sim.diagnosis.selection.comparisons import Comparisons
 from exo_sim.diagnosis.selection.evidence import Evidence
 from exo_sim.diagnosis.selection.fitted_model import FittedModel, SearchResult, exceeds_healthy_limit, is_more_than_healthy
+from exo_sim.diagnosis.selection.laws import Law, errors_about
 from exo_sim.diagnosis.selection.linear_evidence import LinearEvidence, Posterior, Spreads
 from exo_sim.diagnosis.selection.marginal_fit import MarginalFits
 from exo_sim.diagnosis.selection.model_fits import ModelFits
 from exo_sim.diagnosis.selection.nonparametric_terms import nonparametric_terms, unnamed
 from exo_sim.diagnosis.selection.refitted_finalists import Refitted, best_refitted, probability_of
-from exo_sim.diagnosis.selection.simpler_forms import no_richer_than_needed, poorer_where_alike, richer_beside, sizes_of_poorer
+from exo_sim.diagnosis.selection.simpler_forms import (
+    no_richer_than_needed,
+    poorer_than,
+    poorer_where_alike,
+    richer_beside,
+    sizes_of_poorer,
+)
 from exo_sim.diagnosis.selection.subset_weighing import At, SubsetWeighing, Weighed
-from exo_sim.physics.declaration import declared
 
 Array = NDArray[np.float64]
-
-
-@dataclass(frozen=True)
-class _Law:
-    """One law that the effects of a subset may follow.
-
-    Attributes:
-        weight: Its probability in units of the most probable one's.
-        own: Whether it is the best subset's own.
-        values, errors: Parameters and their posterior standard deviations.
-    """
-
-    weight: float
-    own: bool
-    values: Mapping[FreeParameter, float]
-    errors: Mapping[FreeParameter, float]
 
 
 class FamilySearch:
@@ -96,7 +86,7 @@ class FamilySearch:
         if found is not first:
             probabilities |= {c.at: self._probability_in(c, final, best.spreads) for c in final.candidates}
         plain = self.fits.refined(self.fits.fit(final.candidates, final))
-        final = self._predicting_best(final, plain, _errors_about(final, laws))
+        final = self._predicting_best(final, plain, errors_about(final, laws))
         if final.candidates and comparisons.is_clean(baseline) and not self._stands_in_the_fit(final, baseline, best.spreads):
             final, plain = baseline, baseline
         rivals |= richer_beside(final.candidates, chosen, values)
@@ -110,7 +100,7 @@ class FamilySearch:
             {key: those for key, those in rivals.items() if key in kept},
             self._runners_up(best, posterior),
             probabilities=probabilities | self._of_poorer(final, best, kin, probabilities),
-            errors=_errors_about(final, laws),
+            errors=errors_about(final, laws),
             unnamed=unnamed(self.weighing, self.basis, best, finalists, posterior),
             least_left=plain.fit.sse,
             undecided=tuple(c for c in passed_over if self._is_strained_without(c, probable, plain)),
@@ -125,7 +115,7 @@ class FamilySearch:
         near = near or FittedModel.at(self._values(one, self.weighing.posterior(one))[0])
         spreads = self._widened(one, self._left_by(self.fits.fit(chosen, near), one))
         beside = MarginalFits(self.fits, self.basis, spreads, self.weighing.correlation_time)
-        return Refitted(one, near, beside, self._fitted(chosen, near, beside))
+        return Refitted(one, beside, self._fitted(chosen, near, beside))
 
     def _evidence_of(self, model: FittedModel, spreads: Spreads) -> float:
         """Return the logarithm of a fitted model's evidence: of what it leaves, parameters paid for, names as common as they are."""
@@ -156,13 +146,8 @@ class FamilySearch:
 
     def _is_strained_without(self, candidate: Candidate, probable: Sequence[Candidate], final: FittedModel) -> bool:
         """Return whether nuisance parameters stand in for an effect of the best subset: without it they are plainly further off."""
-        kept = [c for c in probable if c.effect not in self._poorer_than(candidate)]
+        kept = [c for c in probable if c.effect not in poorer_than(candidate.effect)]
         return final.fit.penalty - self.fits.fit(kept, final).fit.penalty > HELD_WITHIN**2
-
-    @staticmethod
-    def _poorer_than(candidate: Candidate) -> set[str]:
-        effect = declared().get(candidate.effect)
-        return {name for name, _ in effect.absorbs} if effect else set()
 
     def _stands_in_the_fit(self, final: FittedModel, baseline: FittedModel, spreads: Spreads) -> bool:
         """Return whether names are decisive also where nuisance parameters are fitted as they act, and not along lines.
@@ -196,7 +181,7 @@ class FamilySearch:
             amplitudes[kind] = math.hypot(amplitudes[kind], float(term.spread[0]))
         return replace(spreads, amplitudes=tuple(amplitudes))
 
-    def _laws(self, best: Weighed, finalists: Sequence[Weighed]) -> list[_Law]:
+    def _laws(self, best: Weighed, finalists: Sequence[Weighed]) -> list[Law]:
         """Return every law that the effects of the best subset may follow, and may follow beside other effects, by how probable it is."""
         alike = self.weighing.alike(best, finalists)
         known, wanted = {(one.bend, one.subset) for one in alike}, {c.at for c in self.weighing.candidates(best)}
@@ -207,7 +192,7 @@ class FamilySearch:
         highest = max(one.score for one in alike)
         probable = [(math.exp(one.score - highest), one) for one in alike]
         return [
-            _Law(weight, one.bend == best.bend and one.subset == best.subset, *self._values(one, self.weighing.posterior(one)))
+            Law(weight, one.bend == best.bend and one.subset == best.subset, *self._values(one, self.weighing.posterior(one)))
             for weight, one in probable
             if weight >= verdicts.LEAST_LAW_WEIGHT
         ]
@@ -353,18 +338,3 @@ class FamilySearch:
 def _is_effect(candidate: Candidate) -> bool:
     """Return whether a candidate is an effect of the list: neither a law of one nor what has no name."""
     return not candidate.is_law and candidate.kind is not Kind.UNKNOWN
-
-
-def _errors_about(final: FittedModel, laws: Sequence[_Law]) -> dict[FreeParameter, float]:
-    """Return standard deviations about the values of a model, over all laws that its effects may follow.
-
-    Laws that fit about as well give a number other values (a dip that falls slowly with speed leaves less to the level at which a
-    contact slides), and so does another effect beside it that explains the rest as well: the mean square over them, by their
-    probability, is what is not known of it.
-    """
-    weights: dict[FreeParameter, list[tuple[float, float]]] = {}
-    for law in laws:
-        for q, error in law.errors.items():
-            if q in final.effect_parameters and (law.own or q.target is not Target.SENSOR):  # a sensor's error has one law
-                weights.setdefault(q, []).append((law.weight, error**2 + (law.values[q] - final.fit.values[q]) ** 2))
-    return {q: math.sqrt(sum(w * square for w, square in pairs) / sum(w for w, _ in pairs)) for q, pairs in weights.items()}

@@ -14,10 +14,9 @@ from exo_sim.diagnosis.findings import Estimate, Finding
 from exo_sim.diagnosis.policy.probability import LEAST_PROBABILITY
 from exo_sim.diagnosis.selection.decision import decide
 from exo_sim.diagnosis.selection.fitted_model import FittedModel
-from exo_sim.diagnosis.selection.simpler_forms import sizes_of_poorer
+from exo_sim.diagnosis.selection.simpler_forms import poorer_than, sizes_of_poorer
 from exo_sim.diagnosis.selection.subsystem_result import SubsystemResult
 from exo_sim.diagnosis.subsystem_model import SubsystemModel
-from exo_sim.physics.declaration import declared
 
 Model = TypeVar("Model", bound=SubsystemModel)
 
@@ -57,7 +56,7 @@ def _poorer_of(
     candidate: Candidate, result: SubsystemResult[Model], names: Collection[tuple[str, str]]
 ) -> tuple[Candidate, ...]:
     """Return the poorer form that takes the place of a candidate which is put aside, if there is one that is not put aside as well."""
-    absorbed = {name for name, _ in declared()[candidate.effect].absorbs} if candidate.effect in declared() else set()
+    absorbed = poorer_than(candidate.effect)
     taken = {*names, *result.final.named}
     rivals = (rival for rival, _ in result.search.rivals.get(candidate.key, ()))
     return tuple(rival for rival in rivals if rival.effect in absorbed and rival.at not in taken)[:1]

@@ -25,13 +25,11 @@ class Refitted:
 
     Attributes:
         weighed: The subset.
-        near: Where the fit began.
         beside: Fits beside the discrepancy that this subset leaves.
         model: The fit, without what it left nothing of.
     """
 
     weighed: Weighed
-    near: FittedModel
     beside: MarginalFits
     model: FittedModel
 

@@ -10,6 +10,11 @@ from exo_sim.diagnosis.policy import verdicts
 from exo_sim.physics.declaration import declared
 
 
+def poorer_than(effect: str) -> dict[str, tuple[tuple[str, str], ...]]:
+    """Return the effects of which one is the richer form, and which of its parameters contain which of theirs; none of a sensor's fault."""
+    return dict(declared()[effect].absorbs) if effect in declared() else {}
+
+
 def no_richer_than_needed(
     candidates: Sequence[Candidate], rivals: Mapping[CandidateKey, Sequence[tuple[Candidate, float]]]
 ) -> tuple[Candidate, ...]:
@@ -21,8 +26,7 @@ def no_richer_than_needed(
     """
     found = []
     for candidate in candidates:
-        effect = declared().get(candidate.effect)
-        absorbed = {name for name, _ in effect.absorbs} if effect else set()
+        absorbed = poorer_than(candidate.effect)
         poorer = [c for c, worse in rivals.get(candidate.key, []) if c.effect in absorbed and worse <= verdicts.AS_GOOD]
         found.append(poorer[0] if poorer else candidate)
     return tuple(found)
@@ -43,8 +47,7 @@ def poorer_where_alike(
     found = []
     for candidate in candidates:
         kept: Candidate | None = candidate
-        effect = declared().get(candidate.effect)
-        for poorer, parts in effect.absorbs if effect else ():
+        for poorer, parts in poorer_than(candidate.effect).items():
             known = any(q.effect == poorer for q, _ in candidate.fixed)
             apart = [values[q] for q in candidate.parameters if q.parameter in dict(parts)]
             if (poorer in asked or known) and apart and max(apart) - min(apart) < verdicts.ALIKE * max(apart):
@@ -66,7 +69,7 @@ def sizes_of_poorer(
     """
     begun: dict[FreeParameter, float] = {}
     for candidate in candidates:
-        for name, shares in declared()[candidate.effect].absorbs if candidate.effect in declared() else ():
+        for name, shares in poorer_than(candidate.effect).items():
             for q in (q for c in poorer if c.effect == name for q in c.parameters):
                 own = [values[p] for p in candidate.parameters if (p.parameter, q.parameter) in shares]
                 if own and q not in values:
@@ -88,8 +91,8 @@ def richer_beside(
     """
     found: dict[CandidateKey, list[tuple[Candidate, float]]] = {}
     for poorer in (c for c in candidates if c not in weighed):
-        for richer in (c for c in weighed if c.effect in declared()):
-            parts = dict(dict(declared()[richer.effect].absorbs).get(poorer.effect, ()))
+        for richer in weighed:
+            parts = dict(poorer_than(richer.effect).get(poorer.effect, ()))
             apart = [values[q] for q in richer.parameters if q.parameter in parts]
             if apart and max(apart) - min(apart) > verdicts.ALIKE * max(apart):
                 found[poorer.key] = [(richer, 0.0)]

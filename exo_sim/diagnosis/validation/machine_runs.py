@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
+from copy import copy
 from dataclasses import replace
 
 import mujoco
@@ -53,6 +54,13 @@ class MachineRuns:
         self._believed: dict[tuple[int, str], tuple[Recording, Run] | None] = {}
         self._machine = _Machine(data.rig)
         self._known: tuple[Rig, dict[str, Sums]] | None = None
+
+    def over(self, split: Split) -> MachineRuns:
+        """Return the same runs free of windows, judged on another time of the same recordings: the rig handed in is not run again."""
+        assert self._window == math.inf
+        other = copy(self)
+        other._split, other._known = split, None
+        return other
 
     def errors(self, improved: Rig) -> dict[str, SignalFit]:
         """Return, by column, the errors on the test time; empty where something would have to be assumed, or the recordings are long.

@@ -42,6 +42,13 @@ def examined(folder: Path, lost: np.ndarray, more: str = "", plan: Plan | None =
     return found
 
 
+def of_whole_machine(folder: Path, make: str, seed: int) -> tuple[SubsystemResult[MotionModel], ...]:
+    write_case(make_case("machine", make, "whole", seed, weigh=False), folder)
+    data = gather([folder / "recording.csv"], folder / "rig.toml")
+    parts = split([(table.name, table.time) for table in data.recordings])
+    return examine_motion(data, Plan(parts), SERIAL, lambda words: None)
+
+
 def names(found: SubsystemResult[MotionModel]) -> list[str]:
     return [finding.name for finding in found.findings]
 
@@ -85,11 +92,7 @@ def test_a_dip_is_found_though_a_spring_stands_in_for_what_two_directions_differ
 @pytest.mark.slow
 def test_a_dip_outlives_that_two_levels_become_one(tmp_path: Path) -> None:
     """A whole machine whose fit ends with two like levels: begun anew at a typical one, the dip was below it and answered to nothing."""
-    write_case(make_case("lift", "B", "whole", 1402, weigh=False), tmp_path)
-    data = gather([tmp_path / "recording.csv"], tmp_path / "rig.toml")
-    parts = split([(table.name, table.time) for table in data.recordings])
-    rod = next(name for name, runs in data.joints.items() if runs[0].cylinder is not None and "rod" in name)
-    found = next(one for one in examine_motion(data, Plan(parts), SERIAL, lambda words: None) if one.name == rod)
+    found = next(one for one in of_whole_machine(tmp_path, "B", 1402) if one.name.startswith("rod of "))
     numbers = {finding.name: finding.parameters for finding in found.findings}
     assert numbers["stribeck_friction"]["breakaway"].value == pytest.approx(59.6, rel=0.1)
     assert numbers["viscous_friction"]["coefficient"].value == pytest.approx(138.0, rel=0.05)
@@ -99,10 +102,7 @@ def test_a_dip_outlives_that_two_levels_become_one(tmp_path: Path) -> None:
 @pytest.mark.slow
 def test_names_that_no_two_subsets_share_are_found_where_the_rest_leaves_too_much(tmp_path: Path) -> None:
     """Drag in the one, a dip and viscous friction in the other: what both share left 21 times the noise, and was called unknown."""
-    write_case(make_case("elbow", "D", "whole", 1411, weigh=False), tmp_path)
-    data = gather([tmp_path / "recording.csv"], tmp_path / "rig.toml")
-    parts = split([(table.name, table.time) for table in data.recordings])
-    (found,) = examine_motion(data, Plan(parts), SERIAL, lambda words: None)
+    (found,) = of_whole_machine(tmp_path, "D", 1411)
     assert {"coulomb_friction", "stribeck_friction", "viscous_friction"} <= set(names(found)) and not found.has_unknown
     dip = next(finding for finding in found.findings if finding.name == "stribeck_friction")
     assert dip.parameters["breakaway"].low < 39.5 < dip.parameters["breakaway"].high

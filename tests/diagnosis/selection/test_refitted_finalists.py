@@ -30,7 +30,7 @@ def subset(number: int) -> Weighed:
 
 def refit(one: Weighed, candidates: tuple[Candidate, ...]) -> Refitted:
     model = FittedModel.at({}, candidates)
-    return Refitted(one, FittedModel.at({}), cast(MarginalFits, None), model)
+    return Refitted(one, cast(MarginalFits, None), model)
 
 
 def best(worth: Mapping[int, float], asked: list[int], count: int = 4) -> int:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from exo_sim.physics import chamber, cylinder, valve_areas
-from exo_sim.physics.compiled import kernel
+from exo_sim.physics.compiled import inlined_kernel, kernel
 from exo_sim.physics.conditions import Chamber, Reservoir
 from exo_sim.physics.effects import (
     exhaust_back_pressure,
@@ -34,7 +34,7 @@ from exo_sim.physics.state import (
 SMALLEST = 1e-8
 
 
-@kernel
+@inlined_kernel
 def volumes(c, x: float) -> tuple[float, float]:
     """Return the volumes of both chambers [m^3] with the piston at x.
 
@@ -45,7 +45,7 @@ def volumes(c, x: float) -> tuple[float, float]:
     return max(v_1, 0.5 * c.dead_volume_1, SMALLEST), max(v_2, 0.5 * c.dead_volume_2, SMALLEST)
 
 
-@kernel
+@inlined_kernel
 def within(c, x: float) -> float:
     """Return the position nearest to x at which neither chamber is smaller than `volumes` lets it be [m]."""
     low = (max(0.5 * c.dead_volume_1, SMALLEST) - c.dead_volume_1) / c.area_1
@@ -53,7 +53,7 @@ def within(c, x: float) -> float:
     return min(max(x, low), high)
 
 
-@kernel
+@inlined_kernel
 def pressures(world, c, y, base: int, x: float) -> tuple[float, float]:
     """Return the absolute pressures of both chambers [Pa]; chamber 2 of a single-acting cylinder is the atmosphere."""
     v_1, v_2 = volumes(c, x)
@@ -63,7 +63,7 @@ def pressures(world, c, y, base: int, x: float) -> tuple[float, float]:
     return p_1, chamber.pressure(y[base + ENERGY_2], v_2, world.k)
 
 
-@kernel
+@inlined_kernel
 def chambers(world, c, y, base: int, x: float, v: float):
     """Return both chambers of a cylinder whose piston is at x and moves at v, as two `Chamber`."""
     v_1, v_2 = volumes(c, x)
@@ -97,7 +97,7 @@ def temperatures(world, y, base: int) -> tuple[float, float]:
     return t_1, chamber.temperature(y[base + ENERGY_2], y[base + MASS_2], world.k, world.r)
 
 
-@kernel
+@inlined_kernel
 def supply_state(world, y, shared: int, held: float):
     """Return the `Reservoir` upstream of every valve: an accumulator, what a regulator gives, or the rig's constants."""
     if supply_droop.present(world.supply_droop):
@@ -107,7 +107,7 @@ def supply_state(world, y, shared: int, held: float):
     return Reservoir(p, world.supply_temperature)
 
 
-@kernel
+@inlined_kernel
 def exhaust_state(world, y, shared: int):
     """Return the `Reservoir` downstream of every valve: the manifold, or what the exhaust opens into."""
     if exhaust_back_pressure.present(world.exhaust_back_pressure):
@@ -123,7 +123,7 @@ def tank_state(world, y, shared: int):
     return Reservoir(p, chamber.temperature(y[shared + TANK_ENERGY], y[shared + TANK_MASS], world.k, world.r))
 
 
-@kernel
+@inlined_kernel
 def path_areas(c, opening_1: float, opening_2: float) -> tuple[float, float, float, float]:
     """Return the areas of supply->1, 1->exhaust, supply->2, 2->exhaust [m^2]; a vented cylinder has both exhausts open."""
     if c.vented == 0.0 and valve_edges.present(c.valve_edges):
@@ -132,7 +132,7 @@ def path_areas(c, opening_1: float, opening_2: float) -> tuple[float, float, flo
     return plain_path_areas(c, opening_1, opening_2)
 
 
-@kernel
+@inlined_kernel
 def plain_path_areas(c, opening_1: float, opening_2: float) -> tuple[float, float, float, float]:
     """Return the same for four edges that are alike."""
     if c.vented > 0.0:

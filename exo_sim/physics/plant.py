@@ -60,7 +60,7 @@ MOST_TRIES = 2
 __all__ = ["advance", "pressures", "rates", "step", "temperatures", "volumes"]
 
 
-@kernel
+@inlined_kernel
 def regulator_gain(world, cylinders, spool) -> float:
     """Return a bound on how much the supply's pressure falls for each pascal that it rose, by the flow that this draws."""
     if world.supply_regulator.droop <= 0.0:
@@ -75,7 +75,7 @@ def regulator_gain(world, cylinders, spool) -> float:
     return world.supply_regulator.droop * area * steepest * math.sqrt(world.k / (world.r * world.supply_temperature))
 
 
-@kernel
+@inlined_kernel
 def opening(c, spool: float) -> float:
     """Return the relative opening that a spool at this place gives, -1 to 1; the place itself where each edge has its own overlap."""
     if valve_edges.present(c.valve_edges):
@@ -83,7 +83,7 @@ def opening(c, spool: float) -> float:
     return valve_deadband.opening(c.valve_deadband, valve_offset.shifted(c.valve_offset, spool))
 
 
-@kernel
+@inlined_kernel
 def move_spool(c, memory, spool: int, play: int, command: float, h: float) -> float:
     """Move one spool, at its places in memory, on by `h` seconds of a held command; return its mean relative opening meanwhile."""
     memory[play] = valve_hysteresis.play(c.valve_hysteresis, memory[play], command)
@@ -94,14 +94,14 @@ def move_spool(c, memory, spool: int, play: int, command: float, h: float) -> fl
     return opening(c, halfway)
 
 
-@kernel
+@inlined_kernel
 def widest(c, here: float, there: float) -> float:
     """Return the wider of the openings of two places of a spool."""
     opened, will_open = opening(c, here), opening(c, there)
     return opened if abs(opened) > abs(will_open) else will_open
 
 
-@kernel
+@inlined_kernel
 def advance(world, cylinders, state, x0, x1, command, dt, work, scratch):
     """Move the whole pneumatic state on by `dt` seconds; return False where the gas is too fast to be followed, and stop there.
 

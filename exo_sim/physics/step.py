@@ -9,7 +9,7 @@ do not reach grows from stage to stage until it shows there, and such a step is 
 from __future__ import annotations
 
 from exo_sim.physics.balances import rates
-from exo_sim.physics.compiled import inlined_kernel, kernel
+from exo_sim.physics.compiled import inlined_kernel
 from exo_sim.physics.effects import exhaust_back_pressure, supply_droop
 from exo_sim.physics.gas_effects_off import plain
 from exo_sim.physics.runge_kutta_chebyshev import COEFFICIENTS, MOST_STAGES, REACH, enough_stages
@@ -22,7 +22,7 @@ _SMALLEST_CHANGE = 1e-9
 _MARGIN = 1.3
 
 
-@kernel
+@inlined_kernel
 def chebyshev_step(world, cylinders, y, held, x0, v, spool, h, stages, work, x, known):
     """Take one Runge-Kutta-Chebyshev step of `h` seconds, with pistons at x0 moving at v; return the flow drawn and the rate seen.
 
@@ -103,7 +103,7 @@ def _sound(there, y, n) -> bool:
     return True
 
 
-@kernel
+@inlined_kernel
 def all_plain(world, cylinders) -> bool:
     """Return whether nothing but the valves' own paths moves gas: how fast those are is known exactly."""
     known = not supply_droop.present(world.supply_droop) and not exhaust_back_pressure.present(world.exhaust_back_pressure)
@@ -113,7 +113,7 @@ def all_plain(world, cylinders) -> bool:
     return known
 
 
-@kernel
+@inlined_kernel
 def integrate(world, cylinders, y, held, x0, x1, span, spool, h, stages, work, x, v, most, known):
     """Advance the integrated state by `h` seconds with pistons moving evenly from x0 to x1 over `span`.
 

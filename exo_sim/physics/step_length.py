@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 
 from exo_sim.physics import chamber
-from exo_sim.physics.compiled import kernel
+from exo_sim.physics.compiled import inlined_kernel
 from exo_sim.physics.effects import exhaust_back_pressure, heat_transfer_law, line_restriction, supply_droop
 from exo_sim.physics.gas_effects_off import plain
 from exo_sim.physics.nodes import chambers, exhaust_state, path_areas, pressures, supply_state, tank_state, volumes
@@ -31,7 +31,7 @@ _BALANCED = 0.97
 _WARMER = 1.1
 
 
-@kernel
+@inlined_kernel
 def transient_rate(area: float, p_up: float, p_down: float, volume: float, k: float, r: float) -> float:
     """Return how fast a path changes the pressure of a volume that is not yet balanced behind it [1/s]; accuracy asks for it."""
     if area <= 0.0 or min(p_up, p_down) > _BALANCED * max(p_up, p_down):
@@ -39,13 +39,13 @@ def transient_rate(area: float, p_up: float, p_down: float, volume: float, k: fl
     return settling_rate(area, volume, k, r)
 
 
-@kernel
+@inlined_kernel
 def coupled_rate(one: float, other: float, product: float) -> float:
     """Return the faster mode of two volumes that settle at rates `one` and `other` alone and answer each other by this product."""
     return 0.5 * (one + other) + math.sqrt(0.25 * (one - other) ** 2 + product)
 
 
-@kernel
+@inlined_kernel
 def rate_of_effects(world, c, here, there, span):
     """Return a bound on how fast a chamber and its wall can settle by all that effects add to the chamber's balances [1/s]."""
     rate = across_rate(c, here, there, span, world) + outward_rate(c, here, there, span, world)
@@ -58,7 +58,7 @@ def rate_of_effects(world, c, here, there, span):
     return rate
 
 
-@kernel
+@inlined_kernel
 def side_rate(world, c, y, base, here, there, a_supply, a_exhaust, supply, exhaust, span, added):
     """Return how fast one chamber and its hose can settle within `span` seconds, and what they add to an accumulator's and a manifold's
     rate [1/s].
@@ -102,7 +102,7 @@ def side_rate(world, c, y, base, here, there, a_supply, a_exhaust, supply, exhau
     return rate * math.sqrt(_WARMER * warmest / HOT), drawn, vented
 
 
-@kernel
+@inlined_kernel
 def fastest_rate(world, cylinders, y, supply, exhaust, x, spool, span):
     """Return a bound on how fast anything can settle within `span` seconds [1/s]."""
     k, r = world.k, world.r
@@ -129,7 +129,7 @@ def fastest_rate(world, cylinders, y, supply, exhaust, x, spool, span):
     return max(fastest, drawn, vented)
 
 
-@kernel
+@inlined_kernel
 def fastest_change(world, cylinders, y, supply, exhaust, x, end, spool, left):
     """Return how fast the volumes that are filling, emptying or being squeezed change their pressure [1/s]: accuracy asks for it."""
     k, r = world.k, world.r
@@ -160,7 +160,7 @@ def fastest_change(world, cylinders, y, supply, exhaust, x, end, spool, left):
     return change
 
 
-@kernel
+@inlined_kernel
 def step_length(world, cylinders, y, held, x, end, spool, left: float, shortest: float, faster: float) -> tuple[float, int]:
     """Return how long the next step may be [s], from `shortest` to `left`, and how many stages keep it stable.
 

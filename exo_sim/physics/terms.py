@@ -17,7 +17,7 @@ from typing import Any
 
 import numba
 
-from exo_sim.physics.compiled import kernel
+from exo_sim.physics.compiled import inlined_kernel
 from exo_sim.physics.declaration import Effect
 
 Function = Callable[..., Any]
@@ -45,7 +45,7 @@ class Term:
         """Enter a function as what an effect adds here, compiled."""
 
         def enter(function: Function) -> Function:
-            compiled = kernel(function)
+            compiled = inlined_kernel(function)
             self._functions[effect.name] = effect, compiled
             return compiled
 
@@ -58,7 +58,7 @@ class Term:
         """
 
         def enter(function: Function) -> Function:
-            compiled = kernel(function)
+            compiled = inlined_kernel(function)
             self._settling[effect.name] = compiled
             return compiled
 

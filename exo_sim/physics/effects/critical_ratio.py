@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 
 from exo_sim.physics import nozzle
-from exo_sim.physics.compiled import kernel
+from exo_sim.physics.compiled import inlined_kernel
 from exo_sim.physics.declaration import Effect, Identification, Parameter
 
 EFFECT = Effect(
@@ -49,7 +49,7 @@ EFFECT = Effect(
 _SUBSONIC = 0.02
 
 
-@kernel
+@inlined_kernel
 def mass_flow(p, area: float, p_up: float, t_up: float, p_down: float, k: float, r: float) -> float:
     """Return the mass flow of a valve path [kg/s]: ISO 6358 with the nozzle's choked capacity, or the nozzle where off."""
     if p.ratio <= 0.0:
@@ -61,7 +61,7 @@ def mass_flow(p, area: float, p_up: float, t_up: float, p_down: float, k: float,
     return choked * ellipse(x, p.ratio)
 
 
-@kernel
+@inlined_kernel
 def ellipse(x: float, ratio: float) -> float:
     """Return the flow over choked flow at a ratio x of downstream to upstream pressure (ISO 6358:1989), linear near x = 1."""
     if x <= ratio:
@@ -72,7 +72,7 @@ def ellipse(x: float, ratio: float) -> float:
     return share if x < knee else share * max(1.0 - x, 0.0) / (1.0 - knee)
 
 
-@kernel
+@inlined_kernel
 def subsonic_share(x: float, ratio: float, index: float, cracking: float) -> float:
     """Return the flow over choked flow by all four parameters (ISO 6358-1:2013), linear where the ellipse would end upright.
 
@@ -94,7 +94,7 @@ def subsonic_share(x: float, ratio: float, index: float, cracking: float) -> flo
     return share if y < knee else share * (1.0 - y) / (1.0 - knee)
 
 
-@kernel
+@inlined_kernel
 def flow(p, area: float, p_a: float, t_a: float, p_b: float, t_b: float, k: float, r: float) -> float:
     """Return the mass flow of a valve path from a to b [kg/s], negative where b is upstream."""
     if area <= 0.0:

@@ -16,7 +16,7 @@ from exo_sim.diagnosis.data.machine_data import MachineData
 from exo_sim.diagnosis.estimation.budget import IsSpent, never
 from exo_sim.diagnosis.estimation.candidate import Candidate, drop_orphans
 from exo_sim.diagnosis.estimation.correlation import correlation_time
-from exo_sim.diagnosis.estimation.least_squares import fit
+from exo_sim.diagnosis.estimation.least_squares import Fit, fit
 from exo_sim.diagnosis.estimation.parameters import FreeParameter, PlantParameters
 from exo_sim.diagnosis.estimation.threads import SERIAL, Threads
 from exo_sim.diagnosis.estimation.uncertainty import HALF_WIDTH, standard_errors
@@ -99,14 +99,15 @@ def examine_gas(
         test_time = tuple(sorted(plan.split.test.items()))
         key = (name, test_time, tuple(one.key for one in asked), friction)
         if key not in done:
+            first = None
             if model.size >= FEWEST_ROWS:
-                model = model.with_better_flow_law(nuisances, threads, plan.budget.is_spent)
-                nuisances += felt_temperatures(model, nuisances, threads, plan.budget.is_spent)
+                model, first = model.with_better_flow_law(nuisances, threads, plan.budget.is_spent)
+                nuisances += felt_temperatures(model, first, threads, plan.budget.is_spent)
             search = Search(
                 model, nuisances, asked, threads, _naming(report, name), cheap=sum(len(run.time) for run in runs) < FEW_SAMPLES,
                 practical_significance=model.practical_significance,
                 until=softens if plan.friction is None and joint in data.joints else None, is_spent=plan.budget.is_spent,
-                is_enough=partial(_is_enough, model), begun=searched.of_other_time(name, test_time, asked),
+                is_enough=partial(_is_enough, model), first=first, begun=searched.of_other_time(name, test_time, asked),
             )  # fmt: skip
             end, fits = relieved(search.run(), search.fits, search.proposals, model, plan.split)
             done[key] = decide(name, model, fits, end, plan.split)
@@ -124,21 +125,25 @@ def nominal_gas(data: MachineData, plan: Plan, cylinder: str, runs: Sequence[Cyl
     return with_measured_supply(nominal, runs).with_values((plan.friction or {}).get(cylinder, ()))
 
 
-def felt_temperatures(
-    model: GasModel, nuisances: Sequence[FreeParameter], threads: Threads = SERIAL, is_spent: IsSpent = never
-) -> tuple[FreeParameter, ...]:
+def felt_temperatures(model: GasModel, near: Fit, threads: Threads = SERIAL, is_spent: IsSpent = never) -> tuple[FreeParameter, ...]:
     """Return the temperatures of the gas at the start of its recordings that are to be free: none where all are surely the room's.
 
     Only walls make them felt: those of a healthy machine are fitted with them where the rig says nothing of walls. Beside an error that
     is large they are not known, and free.
+
+    Args:
+        model: The gas.
+        near: A fit of its nuisance parameters.
+        threads: Threads.
+        is_spent: Whether the time is up.
     """
     asked = initial_temperatures(model.all_runs)
     if not asked:
         return ()
     walls = healthy_walls(model.nominal, model.where)
-    free = tuple({q.key: q for q in (*nuisances, *walls, *asked)}.values())
-    start = {q: q.start or (q.scale if q in walls else 0.0) for q in free}
-    found = fit(model.residual, free, start, threads, is_spent=is_spent)
+    free = tuple({q.key: q for q in (*near.parameters, *walls, *asked)}.values())
+    start = {q: near.values.get(q, q.start or (q.scale if q in walls else 0.0)) for q in free}
+    found = fit(model.residual, free, start, threads, known_columns=near.columns, is_spent=is_spent)
     errors = standard_errors(model, found, correlation_time(found.residual, model.blocks))
     return () if all(_is_of_the_room(found.values[q], errors[q]) for q in asked) else asked
 

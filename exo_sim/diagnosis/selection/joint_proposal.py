@@ -30,7 +30,7 @@ from exo_sim.diagnosis.findings import Kind
 from exo_sim.diagnosis.policy.budgets import ADAPTED
 from exo_sim.diagnosis.policy.priors import SIGN_SLACK, WRONG_SIGN
 from exo_sim.diagnosis.selection.fitted_model import FittedModel, LeastSquaresModel
-from exo_sim.diagnosis.selection.score_test import law_signatures, signature, spread_of
+from exo_sim.diagnosis.selection.score_test import Sizes, law_signatures, signature, spread_of
 
 Array = NDArray[np.float64]
 
@@ -83,8 +83,9 @@ class Proposal:
 
 
 def joint_proposals(
-    model: LeastSquaresModel, now: FittedModel, candidates: Sequence[Candidate], threads: Threads = SERIAL, is_spent: IsSpent = never
-) -> list[Proposal]:
+    model: LeastSquaresModel, now: FittedModel, candidates: Sequence[Candidate], threads: Threads = SERIAL, is_spent: IsSpent = never,
+    sizes: Sizes | None = None,
+) -> list[Proposal]:  # fmt: skip
     """Return sets of candidates that together make a fitted model more probable, best first; none where no set does.
 
     Faults of sensors are not among them: between them, delays and scales imitate whatever a valve does.
@@ -95,8 +96,9 @@ def joint_proposals(
         candidates: All candidates; those whose effect is in the model already are left out.
         threads: Threads for the predictions.
         is_spent: Whether the time is up: then nothing is proposed.
+        sizes: At which signatures stood out of the noise before; what is found here is added.
     """
-    directions = _directions(model, now, candidates, threads, is_spent)
+    directions = _directions(model, now, candidates, threads, is_spent, {} if sizes is None else sizes)
     if not directions or is_spent():
         return []
     weighing = _Weighing(model, now, directions)
@@ -110,7 +112,7 @@ def joint_proposals(
 
 
 def _directions(
-    model: LeastSquaresModel, now: FittedModel, candidates: Sequence[Candidate], threads: Threads, is_spent: IsSpent
+    model: LeastSquaresModel, now: FittedModel, candidates: Sequence[Candidate], threads: Threads, is_spent: IsSpent, known: Sizes
 ) -> list[Direction]:
     base, fixed = now.fit.residual, now.fixed
     level = math.sqrt(float(base @ base) / max(base.size, 1))
@@ -132,7 +134,8 @@ def _directions(
             sizes = {q: (q.start + spread_of(q), q.start) for q in one.parameters}
             return Direction(one, sizes, columns, False) if np.isfinite(columns).all() else None
         one_sided = not one.proportional or all(q.low >= q.neutral for q in one.parameters)
-        found = [signature(model, one, each, now, fixed, base, level) for each in ([start] if start is not None else _one_by_one(one))]
+        starts = [start] if start is not None else _one_by_one(one)
+        found = [signature(model, one, each, now, fixed, base, level, known) for each in starts]
         changes = [pair for pair in found if pair is not None and float(pair[0] @ pair[0]) > 0.0]
         if not changes or len(changes) < len(found):
             return None

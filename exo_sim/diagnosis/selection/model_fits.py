@@ -19,6 +19,7 @@ from exo_sim.diagnosis.policy import acceptance
 from exo_sim.diagnosis.policy.budgets import CHEAP_STARTS, FIRST_LOOK, MOST_STEPS, WORTH_A_LOOK
 from exo_sim.diagnosis.selection.evidence import negative_log_likelihood
 from exo_sim.diagnosis.selection.fitted_model import FittedModel, LeastSquaresModel, SetKey, key_of
+from exo_sim.diagnosis.selection.score_test import Sizes
 
 Array = NDArray[np.float64]
 
@@ -32,6 +33,9 @@ class ModelFits:
         threads: Threads; the results do not depend on how many.
         cheap: Whether predictions cost little: then every fit begins from several starts, and from scratch.
         is_spent: Whether the time is up: then every fit ends where it is.
+
+    Attributes:
+        signature_sizes: Of the candidates, as they were asked last.
     """
 
     def __init__(
@@ -40,6 +44,7 @@ class ModelFits:
     ):  # fmt: skip
         self.is_spent = is_spent
         self.model, self.nuisances, self.threads, self.cheap = model, tuple(nuisances), threads, cheap
+        self.signature_sizes: Sizes = {}
         self._fitted: dict[SetKey, FittedModel] = {}
 
     def fit(self, candidates: Sequence[Candidate], near: FittedModel | None = None, again: bool = False) -> FittedModel:

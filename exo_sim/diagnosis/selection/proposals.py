@@ -46,7 +46,7 @@ class Proposals:
         """Return the signatures of candidates beside a model; only those of the latest are kept, for they take much memory."""
         key = key_of(model.candidates)
         if self._latest is None or self._latest[0] != key:
-            self._latest = key, Signatures(self.fits.model, model)
+            self._latest = key, Signatures(self.fits.model, model, self.fits.signature_sizes)
         return self._latest[1]
 
     def promise_enough(self, promised: float, now: FittedModel) -> bool:

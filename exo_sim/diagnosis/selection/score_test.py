@@ -18,16 +18,22 @@ from exo_sim.diagnosis.selection.fitted_model import FittedModel, LeastSquaresMo
 Array = NDArray[np.float64]
 
 
+#: At which share of a candidate's start its signature stood out of the noise when it was asked last, by candidate and start.
+Sizes = dict[tuple[CandidateKey, tuple[float, ...]], float]
+
+
 class Signatures:
     """Signatures of candidates beside one fitted model, each predicted once.
 
     Args:
         model: The subsystem.
         beside: The fitted model.
+        sizes: Known from other fitted models of the subsystem; what is found here is added.
     """
 
-    def __init__(self, model: LeastSquaresModel, beside: FittedModel):
+    def __init__(self, model: LeastSquaresModel, beside: FittedModel, sizes: Sizes | None = None):
         self._model, self._beside = model, beside
+        self._sizes: Sizes = {} if sizes is None else sizes
         self._kept: dict[CandidateKey, list[Array]] = {}
 
     def of(self, candidate: Candidate) -> list[Array]:
@@ -36,7 +42,8 @@ class Signatures:
             base = self._beside.fit.residual
             level = math.sqrt(float(base @ base) / max(base.size, 1))
             found = [
-                signature(self._model, candidate, start, self._beside, self._beside.fixed, base, level) for start in candidate.starts
+                signature(self._model, candidate, start, self._beside, self._beside.fixed, base, level, self._sizes)
+                for start in candidate.starts
             ]
             self._kept[candidate.key] = [pair[0] for pair in found if pair is not None]
         return self._kept[candidate.key]
@@ -143,6 +150,7 @@ def signature(
     fixed_now: Sequence[tuple[FreeParameter, float]],
     base: Array,
     level: float,
+    sizes: Sizes,
 ) -> tuple[Array, dict[FreeParameter, float]] | None:
     """Return the change of the residual when a candidate is put in at a size that stands out of the noise but does not swamp it.
 
@@ -156,8 +164,9 @@ def signature(
         fixed_now: What that holds at a value.
         base: Its residual, shape (n,).
         level: Root mean square of that.
+        sizes: Where to begin; the size that is found is entered.
     """
-    size = 1.0
+    size = sizes.get((candidate.key, start), 1.0)
     for _ in range(4 if candidate.proportional else 1):
         values = {
             q: float(np.clip(q.neutral + size * (v - q.neutral), q.low, q.high))
@@ -173,4 +182,5 @@ def signature(
             size *= 10.0
         else:
             break
+    sizes[candidate.key, start] = size
     return change, values

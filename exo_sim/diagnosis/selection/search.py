@@ -11,6 +11,7 @@ from collections.abc import Callable, Sequence
 
 from exo_sim.diagnosis.estimation.budget import IsSpent, never
 from exo_sim.diagnosis.estimation.candidate import Candidate, drop_orphans
+from exo_sim.diagnosis.estimation.least_squares import Fit
 from exo_sim.diagnosis.estimation.parameters import FreeParameter
 from exo_sim.diagnosis.estimation.threads import SERIAL, Threads
 from exo_sim.diagnosis.policy import acceptance
@@ -48,6 +49,7 @@ class Search:
         until: Of a model that does not explain everything, whether to stop the search there.
         is_spent: Whether the time is up: then whatever goes on ends with what it has, and what was found is assessed.
         is_enough: Whether so much was tried that nothing more is sought; what was begun is ended.
+        first: A fit of the nuisance parameters to begin with, or of most of them.
         begun: A model to begin with, of other rows of the same subsystem; only its candidates and values count.
     """
 
@@ -65,13 +67,15 @@ class Search:
         until: Callable[[FittedModel], bool] | None = None,
         is_spent: IsSpent = never,
         is_enough: IsSpent = never,
+        first: Fit | None = None,
         begun: FittedModel | None = None,
     ):
         self.fits = ModelFits(model, nuisances, threads, cheap, is_spent)
         self.proposals = Proposals(self.fits, candidates, practical_significance)
         self._most, self._practical_significance = most, practical_significance
         self._report = progress or (lambda words: None)
-        self._until, self._is_enough, self._begun = until or (lambda model: False), is_enough, begun
+        self._until, self._is_enough = until or (lambda model: False), is_enough
+        self._first, self._begun = None if first is None else FittedModel((), first), begun
 
     def run(self) -> SearchResult:
         """Grow sets side by side, swap and prune, then assess every finding and its rivals."""
@@ -79,7 +83,7 @@ class Search:
         if self.fits.model.size < FEWEST_ROWS:
             empty = FittedModel.at({})
             return SearchResult(empty, empty)
-        baseline = self.fits.refined(self.fits.fit(()))
+        baseline = self.fits.refined(self.fits.fit((), self._first))
         comparisons = Comparisons(self.fits, baseline, len(self.proposals.candidates), self._practical_significance)
         return _Growth(self.fits, comparisons, self.proposals, self._report, self._until, self._is_enough).run(self._most, self._begun)
 

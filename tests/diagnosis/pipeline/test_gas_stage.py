@@ -13,6 +13,7 @@ from diagnosis import waves
 from diagnosis.warm_vessel import recorded, vessel
 
 from exo_sim.diagnosis.data.split import Split, split
+from exo_sim.diagnosis.estimation.least_squares import fit
 from exo_sim.diagnosis.estimation.threads import SERIAL
 from exo_sim.diagnosis.pipeline.gas_stage import Searched, examine_gas, felt_temperatures
 from exo_sim.diagnosis.pipeline.plan import Plan
@@ -74,13 +75,15 @@ def test_the_temperature_at_the_start_is_free_where_it_is_not_surely_the_room_s(
     plant.cylinder["wall_heat_transfer"]["conductance"] = conductance
     model = GasModel([recorded(warmth, travel=0.02)], plant, Split({}))
     nuisances = nuisance_parameters(plant, "piston", True, (1, 2))
-    assert len(felt_temperatures(model, nuisances)) == free
+    near = fit(model.residual, nuisances, {q: q.start for q in nuisances})
+    assert len(felt_temperatures(model, near)) == free
 
 
 def test_gas_that_begins_quietly_is_not_fitted_for_it() -> None:
     model = GasModel([recorded((0.0, 0.0))], vessel(), Split({}))
+    near = fit(model.residual, (), {})
     before = model.effort
-    assert felt_temperatures(model, ()) == ()
+    assert felt_temperatures(model, near) == ()
     assert model.effort == before
 
 

@@ -189,22 +189,23 @@ class GasModel(SubsystemModel):
 
     def with_better_flow_law(
         self, nuisances: Sequence[FreeParameter], threads: Threads = SERIAL, is_spent: IsSpent = never
-    ) -> GasModel:
-        """Return the model under the form of the paper's flow law that fits better: the nozzle, or the ellipse that approximates it.
+    ) -> tuple[GasModel, Fit]:
+        """Return the model under the form of the paper's flow law that fits better, with that fit: the nozzle, or the ellipse near it.
 
         The two differ by at most 0.152 % of choked flow; a healthy valve may follow either, and neither is a finding.
         """
+        start = {q: q.start for q in nuisances}
+        own = fit(self.residual, nuisances, start, threads, max_iterations=4, known_columns={}, is_spent=is_spent)
         if float(self.nominal.cylinder[flow_law.EFFECT.name]["ratio"][0]) > 0.0:
-            return self
+            return self, own
         rival = copy(self)
         rival._kept = KeptResiduals()
         rival.nominal = self.nominal.copy()
         rival.nominal.cylinder[flow_law.EFFECT.name]["ratio"] = critical_ratio(float(self.nominal.world["k"][0]))
-        own = fit(self.residual, nuisances, {q: q.start for q in nuisances}, threads, max_iterations=4, is_spent=is_spent)
         other = fit(
             rival.residual, nuisances, own.values, threads, max_iterations=4, known_columns=own.columns, is_spent=is_spent
         )
-        return rival if other.sse < own.sse else self
+        return (rival, other) if other.sse < own.sse else (self, own)
 
     def healthy_discrepancy(self, plant: PlantParameters) -> DiscrepancyBasis:
         return healthy_discrepancy(self, plant)

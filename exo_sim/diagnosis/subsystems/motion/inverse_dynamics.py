@@ -21,6 +21,7 @@ from exo_sim.diagnosis.data.motion_run import Drive, Inertia, Kinematics, Motion
 from exo_sim.diagnosis.policy.recordings import LEAST_KNOWN, STILL_NOISE, STILL_SHARE
 from exo_sim.diagnosis.subsystems.motion.contact_forces import AtJoints, ContactForces, SiteForce, site_forces
 from exo_sim.diagnosis.subsystems.motion.filter_width import AskedWidth
+from exo_sim.diagnosis.subsystems.motion.kept_dynamics import KeptDynamics
 from exo_sim.diagnosis.subsystems.motion.moving_masses import MovingMasses, payload, with_twice_the_payload
 from exo_sim.diagnosis.subsystems.motion.smoothing import smoothed_alike, smoothing_width, stride, thinned
 from exo_sim.diagnosis.subsystems.motion.stops import at_stop
@@ -72,7 +73,8 @@ def balances(
     for j, move in enumerate(moves):
         q[:, model.jnt_qposadr[j]], qd[:, model.jnt_dofadr[j]] = move.position, move.velocity
         qdd[:, model.jnt_dofadr[j]] = move.acceleration
-    dynamics = _inverse(model, thin, (q, qd, qdd), links, contacts, smoothing)
+    along = (thin, (q, qd, qdd), links, contacts, smoothing)
+    dynamics = _KEPT.of(model, along, lambda: _inverse(model, *along))
     fed, runs, reasons = fed_cylinders(recording, rig, model), [], []
     for j, name in enumerate(names):
         driven = [link for link in links if link.joint == name]
@@ -153,6 +155,10 @@ class _Dynamics:
     lengths: Array
     mass: Array
     contacts: ContactForces
+
+
+#: Of the latest machines and motions.
+_KEPT: KeptDynamics[_Dynamics] = KeptDynamics()
 
 
 def _inverse(

@@ -36,6 +36,7 @@ class MovingMasses:
         n = len(time)
         self._whole, self._bias, self._quick, self._slow = np.zeros((4, n, model.nv))
         self.passive = np.zeros((n, model.nv))
+        self._rubs = bool(model.dof_frictionloss.any() or model.tendon_frictionloss.any())
         self._varies = model.nv > 1
         if self._varies:
             self._quicker = np.gradient(motion[1], time, axis=0)
@@ -50,7 +51,7 @@ class MovingMasses:
         data.qpos[:], data.qvel[:], data.qacc[:] = (one[i] for one in self._motion)
         mujoco.mj_inverse(self._model, data)
         self._whole[i] = data.qfrc_inverse + data.qfrc_passive
-        self.passive[i] = data.qfrc_passive + _dry(self._model, data)
+        self.passive[i] = data.qfrc_passive + (_dry(self._model, data) if self._rubs else 0.0)
         self._bias[i] = data.qfrc_bias
         if self._varies:
             mujoco.mj_mulM(self._model, data, self._quick[i], self._quicker[i])

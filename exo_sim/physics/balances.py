@@ -34,14 +34,16 @@ from exo_sim.physics.state import (
     FED_ENTHALPY,
     HEAT,
     HOSE_ENERGY_1,
-    HOSE_ENERGY_2,
+    HOSE_FLOW_1,
     HOSE_MASS_1,
-    HOSE_MASS_2,
     INTEGRATED,
     LEAKED,
     LEAKED_ENTHALPY,
     MASS_1,
     MASS_2,
+    MIDDLE_ENERGY_1,
+    MIDDLE_FLOW_1,
+    MIDDLE_MASS_1,
     RELEASED,
     RELEASED_ENTHALPY,
     SHARED,
@@ -79,6 +81,29 @@ def _warm_and_push(world, c, here, dy, base, energy, wall):
     dy[base + WORK] += work
 
 
+@within
+def through_middle(p, area, port, here, k, r, y, dy, side):
+    """Write the rates of the middle of a long hose and of the flows in its halves; return both flows with their enthalpies.
+
+    Args:
+        p: The hose.
+        area: Of its throttle.
+        port, here: Gas at the valve's end, and the `Chamber`.
+        y, dy: Integrated state and its rate; the side's places are counted from `side`.
+    """
+    mass, energy = side + MIDDLE_MASS_1, side + MIDDLE_ENERGY_1
+    p_middle = chamber.pressure(y[energy], line_restriction.middle_volume(p), k)
+    t_middle = chamber.temperature(y[energy], y[mass], k, r)
+    whole = line_restriction.resistance(p, area, port.p, port.t, here.p, here.t, k, r)
+    first, second = y[side + HOSE_FLOW_1], y[side + MIDDLE_FLOW_1]
+    dy[side + HOSE_FLOW_1] = line_restriction.acceleration(p, whole, first, port.p, port.t, p_middle, t_middle, r)
+    dy[side + MIDDLE_FLOW_1] = line_restriction.acceleration(p, whole, second, p_middle, t_middle, here.p, here.t, r)
+    h_first = chamber.enthalpy_flow(first, port.t, t_middle, k, r)
+    h_second = chamber.enthalpy_flow(second, t_middle, here.t, k, r)
+    dy[mass], dy[energy] = first - second, h_first - h_second
+    return first, h_first, second, h_second
+
+
 def _through_valve(added: bool) -> Function:
     """Return the kernel of what a valve does to one chamber, with or without what may stand between them."""
 
@@ -94,7 +119,7 @@ def _through_valve(added: bool) -> Function:
         return drawn, h_drawn, vented, chamber.enthalpy_flow(vented, here.t, exhaust.t, k, r)
 
     @within
-    def flows(c, here, a_supply, a_exhaust, supply, exhaust, k, r, y, dy, hose_mass, hose_energy):
+    def flows(c, here, a_supply, a_exhaust, supply, exhaust, k, r, y, dy, base, second):
         """Return mass and enthalpy flow into the chamber, and those drawn from the supply and let into the exhaust."""
         if not added or not line_restriction.present(c.line_restriction):
             if added and here.p > exhaust.p:
@@ -103,16 +128,21 @@ def _through_valve(added: bool) -> Function:
                 a_supply = end_cushioning.outlet(c.end_cushioning, a_supply, here.depth)
             drawn, h_drawn, vented, h_vented = directly(c, here, a_supply, a_exhaust, supply, exhaust, k, r)
             return drawn - vented, h_drawn - h_vented, drawn, h_drawn, vented, h_vented
-        p_port = chamber.pressure(y[hose_energy], c.line_restriction.volume, k)
+        hose_mass, hose_energy = base + HOSE_MASS_1 + 2 * second, base + HOSE_ENERGY_1 + 2 * second
+        p_port = chamber.pressure(y[hose_energy], line_restriction.node_volume(c.line_restriction), k)
         port = Reservoir(p_port, chamber.temperature(y[hose_energy], y[hose_mass], k, r))
         drawn, h_drawn, vented, h_vented = directly(c, port, a_supply, a_exhaust, supply, exhaust, k, r)
         area = c.line_restriction.area
         if here.p > port.p:
             area = end_cushioning.outlet(c.end_cushioning, area, here.depth)
-        w = line_restriction.flow(c.line_restriction, area, port.p, port.t, here.p, here.t, k, r)
-        h = chamber.enthalpy_flow(w, port.t, here.t, k, r)
-        dy[hose_mass] = drawn - vented - w
-        dy[hose_energy] = h_drawn - h_vented - h
+        if line_restriction.has_inertia(c.line_restriction):
+            into, h_into, w, h = through_middle(c.line_restriction, area, port, here, k, r, y, dy, base + 2 * second)
+        else:
+            w = line_restriction.flow(c.line_restriction, area, port.p, port.t, here.p, here.t, k, r)
+            h = chamber.enthalpy_flow(w, port.t, here.t, k, r)
+            into, h_into = w, h
+        dy[hose_mass] = drawn - vented - into
+        dy[hose_energy] = h_drawn - h_vented - h_into
         return w, h, drawn, h_drawn, vented, h_vented
 
     return flows
@@ -131,7 +161,7 @@ def _of_cylinder(added: bool) -> Function:
         one, two = chambers(world, c, y, base, x, v)
         a_s1, a_1e, a_s2, a_2e = areas(c, opening_1, opening_2)
         w, h, drawn, h_drawn, vented, h_vented = through_valve(
-            c, one, a_s1, a_1e, supply, exhaust, k, r, y, dy, base + HOSE_MASS_1, base + HOSE_ENERGY_1
+            c, one, a_s1, a_1e, supply, exhaust, k, r, y, dy, base, 0
         )
         dy[base + MASS_1] = w
         dy[base + ENERGY_1] = h
@@ -146,7 +176,7 @@ def _of_cylinder(added: bool) -> Function:
             dy[base + ENERGY_1] -= one.p * one.area * one.speed
         if not added or c.single_acting == 0.0:
             w, h, drawn_2, h_drawn_2, vented_2, h_vented_2 = through_valve(
-                c, two, a_s2, a_2e, supply, exhaust, k, r, y, dy, base + HOSE_MASS_2, base + HOSE_ENERGY_2
+                c, two, a_s2, a_2e, supply, exhaust, k, r, y, dy, base, 1
             )
             drawn, h_drawn, vented, h_vented = drawn + drawn_2, h_drawn + h_drawn_2, vented + vented_2, h_vented + h_vented_2
             dy[base + MASS_2] = w

@@ -45,8 +45,8 @@ def balance(world: NDArray[np.void], cylinders: int, change: NDArray[np.float64]
     """
     inside = cylinders * state.INTEGRATED
     y, shared = change[:inside].reshape(cylinders, state.INTEGRATED), change[inside:]
-    mass = [state.MASS_1, state.MASS_2, state.HOSE_MASS_1, state.HOSE_MASS_2]
-    energy = [state.ENERGY_1, state.ENERGY_2, state.HOSE_ENERGY_1, state.HOSE_ENERGY_2]
+    mass = [state.MASS_1, state.MASS_2, state.HOSE_MASS_1, state.HOSE_MASS_2, state.MIDDLE_MASS_1, state.MIDDLE_MASS_2]
+    energy = [state.ENERGY_1, state.ENERGY_2, state.HOSE_ENERGY_1, state.HOSE_ENERGY_2, state.MIDDLE_ENERGY_1, state.MIDDLE_ENERGY_2]
     drawn, let_out, leaked = y[:, state.DRAWN], y[:, state.EXHAUSTED], y[:, state.LEAKED]
     h_drawn, h_let_out, h_leaked = y[:, state.DRAWN_ENTHALPY], y[:, state.EXHAUSTED_ENTHALPY], y[:, state.LEAKED_ENTHALPY]
     missing = y[:, mass].sum(1) - drawn + let_out + leaked

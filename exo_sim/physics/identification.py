@@ -78,9 +78,9 @@ class Identification:
     Attributes:
         forms: Which parameters are free together; one form with all of them where empty.
         starts: Values to begin with where the range is wide or the answer not in proportion; else a low and a high typical one.
-        starts_by_valve: As `starts`, areas in units of the valve's.
-        starts_by_reach: As `starts_by_valve`, lengths in units of half the stroke and counted from where the piston comes nearest to
-            an end.
+        starts_by_valve: Initial values by parameter, as many of each, an `area` in units of the valve's.
+        starts_by_reach: As `starts`, areas in units of the valve's, lengths in units of half the stroke and counted from where the
+            piston comes nearest to an end.
         starts_by_motion: For an effect on motion, as `starts` from what occurred.
         of_dead_volume: A parameter that owners count among both dead volumes: a fit may begin where it is taken off these.
         within_speeds: Parameters that are speeds at which the law bends: a bend far from the speeds that occurred does not show.
@@ -116,7 +116,7 @@ class Identification:
 
     forms: tuple[tuple[str, ...], ...] = ()
     starts: Starts = ()
-    starts_by_valve: Starts = ()
+    starts_by_valve: Mapping[str, tuple[float, ...]] = field(default_factory=dict)
     starts_by_reach: Starts = ()
     starts_by_motion: Callable[[ObservedMotion], Starts] | None = None
     of_dead_volume: str = ""
@@ -152,7 +152,7 @@ class Identification:
         lists = {"forms": {name for form in self.forms for name in form}}
         lists |= {key: set(getattr(self, key)) for key in ("within_speeds", "within_travels")}
         lists["common"] = set(self.common[1])
-        tables = {key: set(getattr(self, key)) for key in ("neutral", "healthy", "least", "open_by", "known")}
+        tables = {key: set(getattr(self, key)) for key in ("neutral", "healthy", "least", "open_by", "known", "starts_by_valve")}
         single = {key: {getattr(self, key)} - {""} for key in ("every_contact", "closed_by")}
         return lists | tables | single | {"twins.unless": {self.twins.unless} - {""}, "twins.unseen_from": set(self.twins.unseen_from)}
 

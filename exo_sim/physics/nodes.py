@@ -38,11 +38,13 @@ SMALLEST = 1e-8
 def volumes(c, x: float) -> tuple[float, float]:
     """Return the volumes of both chambers [m^3] with the piston at x.
 
-    A soft end stop lets the joint past the piston's end: the chamber then keeps half of its dead volume, or `SMALLEST`.
+    Half of a hose of some length counts among them. A soft end stop lets the joint past the piston's end: the chamber then keeps half
+    of its dead volume, or `SMALLEST`.
     """
     v_1 = cylinder.volume_1(x, c.area_1, c.dead_volume_1)
     v_2 = cylinder.volume_2(x, c.area_2, c.dead_volume_2, c.stroke)
-    return max(v_1, 0.5 * c.dead_volume_1, SMALLEST), max(v_2, 0.5 * c.dead_volume_2, SMALLEST)
+    more = line_restriction.volume_at_chamber(c.line_restriction)
+    return max(v_1, 0.5 * c.dead_volume_1, SMALLEST) + more, max(v_2, 0.5 * c.dead_volume_2, SMALLEST) + more
 
 
 @inlined_kernel
@@ -82,7 +84,7 @@ def chambers(world, c, y, base: int, x: float, v: float):
 def sensed_pressures(world, c, y, base: int, x: float) -> tuple[float, float]:
     """Return the absolute pressures where the sensors sit [Pa]: in the chambers, or at the valve's end of the hoses."""
     if line_restriction.present(c.line_restriction) and c.line_restriction.sensor > 0.0:
-        hose = c.line_restriction.volume
+        hose = line_restriction.node_volume(c.line_restriction)
         p_1 = chamber.pressure(y[base + HOSE_ENERGY_1], hose, world.k)
         return p_1, chamber.pressure(
             y[base + HOSE_ENERGY_2], hose, world.k

@@ -12,6 +12,7 @@ from exo_sim.errors import ModelError
 from exo_sim.physics import plant, state
 from exo_sim.physics.conservation import Books, balance
 from exo_sim.physics.cylinder import rod_force
+from exo_sim.physics.effects import line_restriction
 from exo_sim.physics.forces import rod_forces, sensed_pressures
 from exo_sim.physics.plant import FOLLOWED
 from exo_sim.physics.plant_records import CYLINDER, JOINT, WORLD
@@ -101,13 +102,15 @@ class Pneumatics:
         for p, v, mass, energy in ((p_1, v_1, state.MASS_1, state.ENERGY_1), (p_2, v_2, state.MASS_2, state.ENERGY_2)):
             y[:, mass] = p * v / (r * t)
             y[:, energy] = p * v / (k - 1.0)
-        hose = c["line_restriction"]["volume"]
-        for p, mass, energy in (
-            (p_1, state.HOSE_MASS_1, state.HOSE_ENERGY_1),
-            (p_2, state.HOSE_MASS_2, state.HOSE_ENERGY_2),
-        ):
-            y[:, mass] = p * hose / (r * t)
-            y[:, energy] = p * hose / (k - 1.0)
+        hoses = c["line_restriction"]
+        hose = np.array([line_restriction.node_volume(one) for one in hoses]).reshape(n)
+        middle = np.array([line_restriction.middle_volume(one) if line_restriction.has_inertia(one) else 0.0 for one in hoses]).reshape(n)
+        for p, v, mass, energy in (
+            (p_1, hose, state.HOSE_MASS_1, state.HOSE_ENERGY_1), (p_2, hose, state.HOSE_MASS_2, state.HOSE_ENERGY_2),
+            (p_1, middle, state.MIDDLE_MASS_1, state.MIDDLE_ENERGY_1), (p_2, middle, state.MIDDLE_MASS_2, state.MIDDLE_ENERGY_2),
+        ):  # fmt: skip
+            y[:, mass] = p * v / (r * t)
+            y[:, energy] = p * v / (k - 1.0)
         y[:, state.WALL_1] = y[:, state.WALL_2] = float(world["ambient"])
         self.memory[:, state.PISTON] = x
         shared = self.vector[n * state.INTEGRATED :]

@@ -42,7 +42,7 @@ def exchange(world, c, y, dy, base, shared, here, opening, tank, mass, energy, h
     p, t = here.p, here.t
     if line_restriction.present(c.line_restriction):
         mass, energy = hose_mass, hose_energy
-        p = chamber.pressure(y[base + energy], c.line_restriction.volume, k)
+        p = chamber.pressure(y[base + energy], line_restriction.node_volume(c.line_restriction), k)
         t = chamber.temperature(y[base + energy], y[base + mass], k, r)
     w = nozzle.flow(min(opening, 1.0) * c.tank_area, p, t, tank.p, tank.t, k, r)
     h = chamber.enthalpy_flow(w, t, tank.t, k, r)
@@ -65,5 +65,5 @@ def exchange_of_cylinder(world, c, y, dy, base, shared, x, v, opening_1, opening
 def exchange_rate(world, c, here, opening, tank, span):
     """Return a bound on how fast a chamber, or its hose, settles through its path to the tank within `span` seconds [1/s]."""
     area = min(max(opening, 0.0), 1.0) * c.tank_area
-    volume = c.line_restriction.volume if line_restriction.present(c.line_restriction) else here.volume
+    volume = line_restriction.node_volume(c.line_restriction) if line_restriction.present(c.line_restriction) else here.volume
     return path_rate(area, here.p, tank.p, volume, span, world.k, world.r) * (1.0 + (volume / world.tank_volume) ** 0.5)

@@ -5,15 +5,18 @@ Per cylinder: what is integrated, then what is remembered; then the nodes that a
 
 from __future__ import annotations
 
-# Integrated, per cylinder. The last eight are the books: what passed through since the start.
+# Integrated, per cylinder: what volumes hold, walls, flows from the valve's end of a long hose to its middle and on to the chamber. The
+# last eight are the books: what passed through since the start.
 MASS_1, ENERGY_1, MASS_2, ENERGY_2 = 0, 1, 2, 3
 HOSE_MASS_1, HOSE_ENERGY_1, HOSE_MASS_2, HOSE_ENERGY_2 = 4, 5, 6, 7
-WALL_1, WALL_2 = 8, 9
-DRAWN, EXHAUSTED, LEAKED = 10, 11, 12
-DRAWN_ENTHALPY, EXHAUSTED_ENTHALPY, LEAKED_ENTHALPY = 13, 14, 15
-HEAT, WORK = 16, 17
-CONTENTS = 8  # the first so many, chambers before hoses, are what volumes hold: never below zero
-INTEGRATED = 18
+MIDDLE_MASS_1, MIDDLE_ENERGY_1, MIDDLE_MASS_2, MIDDLE_ENERGY_2 = 8, 9, 10, 11
+WALL_1, WALL_2 = 12, 13
+HOSE_FLOW_1, MIDDLE_FLOW_1, HOSE_FLOW_2, MIDDLE_FLOW_2 = 14, 15, 16, 17
+DRAWN, EXHAUSTED, LEAKED = 18, 19, 20
+DRAWN_ENTHALPY, EXHAUSTED_ENTHALPY, LEAKED_ENTHALPY = 21, 22, 23
+HEAT, WORK = 24, 25
+CONTENTS = 12  # the first so many, chambers before hoses before their middles, are what volumes hold: never below zero
+INTEGRATED = 26
 
 # Integrated, shared: accumulator, exhaust manifold, recovery tank, and the books of what fed and left the first two.
 SUPPLY_MASS, SUPPLY_ENERGY, EXHAUST_MASS, EXHAUST_ENERGY, TANK_MASS, TANK_ENERGY = 0, 1, 2, 3, 4, 5

@@ -13,7 +13,7 @@ from exo_sim.physics.compiled import inlined_kernel
 from exo_sim.physics.effects import exhaust_back_pressure, supply_droop
 from exo_sim.physics.gas_effects_off import plain
 from exo_sim.physics.runge_kutta_chebyshev import COEFFICIENTS, MOST_STAGES, REACH, enough_stages
-from exo_sim.physics.state import CONTENTS, HOSE_MASS_1, INTEGRATED, SHARED_CONTENTS
+from exo_sim.physics.state import CONTENTS, HOSE_MASS_1, INTEGRATED, MIDDLE_MASS_1, SHARED_CONTENTS
 
 #: A change of less than this share of the state says nothing of how fast the state settles.
 _SMALLEST_CHANGE = 1e-9
@@ -69,7 +69,9 @@ def _held(of_cylinder, y, base) -> int:
     """Return how many of the numbers from `base` on say what volumes hold."""
     if not of_cylinder:
         return SHARED_CONTENTS
-    return CONTENTS if y[base + HOSE_MASS_1] > 0.0 else CONTENTS // 2
+    if not y[base + HOSE_MASS_1] > 0.0:
+        return HOSE_MASS_1
+    return CONTENTS if y[base + MIDDLE_MASS_1] > 0.0 else MIDDLE_MASS_1
 
 
 @inlined_kernel

@@ -12,7 +12,7 @@ from exo_sim.physics.nodes import chambers, exhaust_state, path_areas, pressures
 from exo_sim.physics.recovery_tank import exchange_rate
 from exo_sim.physics.runge_kutta_chebyshev import MOST_STAGES, REACH, enough_stages
 from exo_sim.physics.settling import HOT, path_rate, settling_rate
-from exo_sim.physics.state import HOSE_ENERGY_1, HOSE_ENERGY_2, HOSE_MASS_1, HOSE_MASS_2, INTEGRATED
+from exo_sim.physics.state import HOSE_ENERGY_1, HOSE_ENERGY_2, HOSE_FLOW_1, HOSE_FLOW_2, HOSE_MASS_1, HOSE_MASS_2, INTEGRATED
 from exo_sim.physics.summed_effects import across_rate, heat_rate, outward_rate
 
 #: The longest step that accuracy allows [s]; stability asks for more stages, not for shorter steps.
@@ -23,6 +23,9 @@ MOST_STEPS = 2000
 
 #: The share of itself by which a pressure may change in one step.
 CHANGE = 0.4
+
+#: In how many such steps a wave in a line turns a radian, times `CHANGE`: with fewer the method's own gain exceeds the wall's friction.
+_WAVE = 1.5
 
 #: A path with pressures closer than this ratio counts as balanced: what is left settles stably in steps of any length.
 _BALANCED = 0.97
@@ -81,11 +84,16 @@ def side_rate(world, c, y, base, here, there, a_supply, a_exhaust, supply, exhau
     if hose:
         mass = base + (HOSE_MASS_1 if here.side == 1 else HOSE_MASS_2)
         energy = base + (HOSE_ENERGY_1 if here.side == 1 else HOSE_ENERGY_2)
-        v = c.line_restriction.volume
+        v = line_restriction.node_volume(c.line_restriction)
         p = chamber.pressure(y[energy], v, k)
         warmest = max(warmest, chamber.temperature(y[energy], y[mass], k, r))
-        through, share = path_rate(c.line_restriction.area, p, here.p, v, span, k, r), v / here.volume
-        rate += through * share
+        if line_restriction.has_inertia(c.line_restriction):  # `fastest_change` follows its wave
+            flow = base + (HOSE_FLOW_1 if here.side == 1 else HOSE_FLOW_2)
+            fastest = max(abs(y[flow]), abs(y[flow + 1]))
+            rate = max(rate, line_restriction.friction_rate(c.line_restriction, fastest, min(p, here.p) / (r * warmest)))
+        else:
+            through, share = path_rate(c.line_restriction.area, p, here.p, v, span, k, r), v / here.volume
+            rate += through * share
     fed = path_rate(a_supply, supply.p, p, v, span, k, r)
     let_off = path_rate(a_exhaust, p, exhaust.p, v, span, k, r)
     valve = fed + let_off
@@ -145,7 +153,9 @@ def fastest_change(world, cylinders, y, supply, exhaust, x, end, spool, left):
         p_1, p_2 = pressures(world, c, y, base, x[i])
         a_s1, a_1e, a_s2, a_2e = path_areas(c, spool[i], spool[len(cylinders) + i])
         if line_restriction.present(c.line_restriction):
-            v_1 = v_2 = c.line_restriction.volume
+            if line_restriction.has_inertia(c.line_restriction):
+                change = max(change, _WAVE * line_restriction.wave_rate(c.line_restriction, world.ambient, k, r))
+            v_1 = v_2 = line_restriction.node_volume(c.line_restriction)
             p_1 = chamber.pressure(y[base + HOSE_ENERGY_1], v_1, k)
             p_2 = chamber.pressure(y[base + HOSE_ENERGY_2], v_2, k)
         fill_1 = transient_rate(a_s1, p_s, p_1, v_1, k, r) + transient_rate(a_1e, p_1, p_e, v_1, k, r)

@@ -29,10 +29,13 @@ def test_other_effects_and_numbers_that_it_speaks_of_exist(name: str) -> None:
 def test_each_set_of_starts_has_a_number_for_each_parameter_of_its_form(name: str) -> None:
     effect, asked = declared()[name], declared()[name].identification
     forms = asked.forms or (tuple(p.name for p in effect.parameters if not p.choices),)
-    starts = [*asked.starts, *asked.starts_by_valve, *asked.starts_by_reach]
+    starts = [*asked.starts, *asked.starts_by_reach]
     if asked.starts_by_motion is not None:
         starts += asked.starts_by_motion(ObservedMotion(force=50.0, speed=0.2, travel=0.05, middle=0.08, base=20.0))
     assert {len(start) for start in starts} <= {len(form) for form in forms}
+    by_name = asked.starts_by_valve
+    assert not by_name or set(by_name) == {one for form in forms for one in form}
+    assert len({len(values) for values in by_name.values()}) <= 1
 
 
 def test_two_that_are_the_same_where_nobody_measured_say_so_of_each_other() -> None:

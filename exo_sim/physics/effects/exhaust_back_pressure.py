@@ -33,7 +33,7 @@ EFFECT = Effect(
     signature="the floor of a venting chamber rises with the flow and is gone at rest",
     identification=Identification(
         forms=(("area",),),
-        starts_by_valve=((3.0,), (1.0,), (0.5,), (0.25,), (0.12,), (0.06,), (0.03,)),
+        starts_by_valve={"area": (3.0, 1.0, 0.5, 0.25, 0.12, 0.06, 0.03)},
         applicability=Applicability(commanded=True),
     ),
 )

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import math
+
 from exo_sim.physics import nozzle
 from exo_sim.physics.compiled import kernel
 from exo_sim.physics.declaration import Effect, Identification, Parameter
@@ -34,6 +36,9 @@ EFFECT = Effect(
             required=False,
         ),
         Parameter(
+            "length", "m", 0.1, 20.0, (0.5, 5.0), "machines with valves on a frame, hoses of 4-8 mm (estimate)", required=False
+        ),
+        Parameter(
             "sensor", "1", 0, 1, (0, 1), "where the pressure sensors sit", required=False, choices=("chamber", "valve")
         ),
     ),
@@ -44,27 +49,102 @@ EFFECT = Effect(
     experiment="measure the pressure at both ends of the hose during a fill, or double its length",
     convention=(
         "the hose's volume comes on top of the dead volumes of the rig; both hoses are alike. ratio is the b of ISO 6358, choked flow "
-        "staying that of a nozzle of this area; without one it is a nozzle throughout."
+        "staying that of a nozzle of this area; without one it is a nozzle throughout. With a length its gas has inertia and, at small "
+        "flows, laminar friction over a section of volume / length: a quarter of it lies at the valve, one half in the middle and a "
+        "quarter at the chamber, between which waves pass."
     ),
     valid=(
-        "the hose is shorter than a twentieth of the wave (2 m up to 8 Hz): one node, no delay, no heat. As a nozzle (b = 0.528) it "
-        "passes 17 % more at a pressure ratio of 0.8 than the b = 0.3 of a long hose does."
+        "without a length the hose is shorter than a twentieth of the wave (2 m up to 8 Hz): one node, no delay; with one it is shorter "
+        "than a sixth of it. No heat passes its wall. As a nozzle (b = 0.528) it passes 17 % more at a pressure ratio of 0.8 than the "
+        "b = 0.3 of a long hose does."
     ),
     signature="flow saturates at large openings; a sensor at the valve jumps when the flow starts and stops",
     identification=Identification(
-        forms=(("area", "volume"), ("area", "volume", "ratio")),
-        starts_by_valve=((2.0, 5e-6, 0.36), (0.6, 1e-5, 0.36), (0.25, 5e-6, 0.36)),
+        forms=(("area", "volume"), ("area", "volume", "ratio"), ("area", "volume", "length")),
+        starts_by_valve={"area": (2.0, 0.6, 0.25), "volume": (5e-6, 1e-5, 5e-6), "ratio": (0.36,) * 3, "length": (1.0, 2.0, 1.0)},
         of_dead_volume="volume",
         known={"ratio": (0.36, 0.08)},
         applicability=Applicability(bursts=False),  # it delays and does not ring
     ),
 )
 
+#: Of air at 20 degrees [Pa s].
+_VISCOSITY = 1.8e-5
+
+#: Below this share of the pressure a drop is so small that the gas keeps its density, and `nozzle` and ellipse join a straight line.
+_KNEE = 0.005
+
 
 @kernel
 def present(p) -> bool:
     """Return whether there is a hose at all."""
     return p.area > 0.0
+
+
+@kernel
+def has_inertia(p) -> bool:
+    """Return whether the gas in it moves on for a while when the pressures that moved it are gone: then it has a middle, too."""
+    return p.area > 0.0 and p.length > 0.0
+
+
+@kernel
+def node_volume(p) -> float:
+    """Return the volume at the valve's end [m^3]."""
+    return 0.25 * p.volume if has_inertia(p) else p.volume
+
+
+@kernel
+def middle_volume(p) -> float:
+    """Return the volume in the middle [m^3]."""
+    return 0.5 * p.volume
+
+
+@kernel
+def volume_at_chamber(p) -> float:
+    """Return the volume that fills and empties with the chamber [m^3]."""
+    return 0.25 * p.volume if has_inertia(p) else 0.0
+
+
+@kernel
+def wave_rate(p, temperature: float, k: float, r: float) -> float:
+    """Return a bound on the angular frequency of its waves [1/s], by Gershgorin's circles."""
+    return 4.0 * math.sqrt(k * r * temperature) / p.length
+
+
+@kernel
+def friction_rate(p, w: float, density: float) -> float:
+    """Return how fast the throttle takes away a flow of w [1/s]."""
+    return p.volume / (p.length * p.length) * abs(w) / (density * p.area * p.area)
+
+
+@kernel
+def resistance(p, area: float, p_a: float, t_a: float, p_b: float, t_b: float, k: float, r: float) -> float:
+    """Return the drop of pressure from end to end over the square of the flow that it drives steadily [Pa s^2/kg^2].
+
+    `area` is the throttle's as a cushion leaves it.
+    """
+    drop = p_a - p_b
+    if abs(drop) > _KNEE * max(p_a, p_b):
+        steady = flow(p, area, p_a, t_a, p_b, t_b, k, r)
+        return abs(drop) / (steady * steady)
+    return r / ((p_a / t_a + p_b / t_b) * area * area)
+
+
+@kernel
+def acceleration(p, whole: float, w: float, p_a: float, t_a: float, p_b: float, t_b: float, r: float) -> float:
+    """Return by how much the flow w through one half of it grows [kg/s^2]: pressures push it, throttle or wall hold it back.
+
+    Where the throttle takes less than the wall does by Hagen and Poiseuille's law, it is the wall.
+
+    Args:
+        whole: `resistance` of both halves.
+        w: From a to b [kg/s].
+        p_a, t_a, p_b, t_b: At the ends of the half.
+    """
+    section, length = p.volume / p.length, 0.5 * p.length
+    density = 0.5 * (p_a / t_a + p_b / t_b) / r
+    laminar = 8.0 * math.pi * _VISCOSITY * length / (density * section * section)
+    return section / length * (p_a - p_b - max(0.5 * whole * abs(w), laminar) * w)
 
 
 @kernel

@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 
 from exo_sim.physics import chamber, state
 from exo_sim.physics.compiled import borrow, kernel
-from exo_sim.physics.effects.line_restriction import present
+from exo_sim.physics.effects.line_restriction import has_inertia, middle_volume, node_volume, present
 from exo_sim.physics.nodes import pressures, sensed_pressures, volumes
 from exo_sim.physics.plant import FOLLOWED
 from exo_sim.physics.transmission import gives
@@ -96,9 +96,15 @@ def _set_pressures(mechanics, plant, targets):
             p, volume = (p_1, v_1) if side == 0 else (p_2, v_2)
             _fill(plant.vector, base + 2 * side, base + 2 * side + 1, volume, world.k, p + change)
             if present(c.line_restriction):
-                mass, energy, hose = base + state.HOSE_MASS_1 + 2 * side, base + state.HOSE_ENERGY_1 + 2 * side, c.line_restriction.volume
+                mass, energy = base + state.HOSE_MASS_1 + 2 * side, base + state.HOSE_ENERGY_1 + 2 * side
+                hose = node_volume(c.line_restriction)
                 p_hose = chamber.pressure(plant.vector[energy], hose, world.k)
                 _fill(plant.vector, mass, energy, hose, world.k, p_hose + change)
+            if has_inertia(c.line_restriction):
+                mass, energy = base + state.MIDDLE_MASS_1 + 2 * side, base + state.MIDDLE_ENERGY_1 + 2 * side
+                middle = middle_volume(c.line_restriction)
+                p_middle = chamber.pressure(plant.vector[energy], middle, world.k)
+                _fill(plant.vector, mass, energy, middle, world.k, p_middle + change)
 
 
 @kernel

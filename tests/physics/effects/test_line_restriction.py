@@ -8,10 +8,11 @@ import numpy as np
 import pytest
 from physics.air import PA, K
 from physics.stepping import hold, tank
+from scipy.optimize import brentq
 
 from exo_sim.physics import nozzle, state
 from exo_sim.physics.effects import line_restriction
-from exo_sim.physics.pneumatics import paper_cylinder
+from exo_sim.physics.pneumatics import Pneumatics, paper_cylinder
 
 
 def test_a_hose_of_a_low_ratio_passes_the_ellipse() -> None:
@@ -49,3 +50,78 @@ def test_the_critical_ratio_of_a_hose_in_the_units_that_the_effect_names() -> No
     ratios = [474.0 * 0.029 / math.sqrt(length / bore**1.25 + 510.0) for bore in (0.003, 0.008) for length in (0.3, 2.0)]
     (said,) = [one.source for one in line_restriction.EFFECT.parameters if one.name == "ratio"]
     assert f"C in m^3/(s Pa), D in m): {min(ratios):.2f}-{max(ratios):.2f}" in said
+
+
+def line(volume: float, area: float, hose: float, length: float, longest: float = 2e-5) -> Pneumatics:
+    """Return a vessel behind a hose of some length whose valve is shut; volumes in m^3, steps of 0.1 ms."""
+    gas = tank(volume, 1e-12, dt=1e-4)
+    there = gas.cylinders["line_restriction"]
+    there["area"], there["volume"], there["length"] = area, hose, length
+    gas.world["longest_step"], gas.world["most_steps"] = longest, 1000.0
+    return gas
+
+
+def test_the_gas_in_a_long_hose_swings_as_a_pipe_does() -> None:
+    """A shut pipe of 2 m and 40 cm^3 before a vessel of 60 cm^3, the vessel pushed: tan(w L / a) = -(V_c / V) w L / a, its first root."""
+    hose, vessel, length = 4e-5, 6e-5, 2.0
+    gas = line(vessel, 1e-3, hose, length)
+    gas.fill(np.zeros(1), 4e5, 4e5)
+    gas.integrated[0, [state.MASS_1, state.ENERGY_1]] *= 1.002
+    traces = []
+    for _ in range(2000):
+        gas.advance(np.zeros(1), np.zeros(1), np.zeros(1))
+        traces.append(float(gas.pressures(np.zeros(1))[0, 0]))
+    trace = np.array(traces) - np.mean(traces)
+    up = np.flatnonzero((trace[:-1] < 0.0) & (trace[1:] >= 0.0))
+    at = up - trace[up] / (trace[up + 1] - trace[up])
+    sound = math.sqrt(K * 287.05 * 293.15)
+    root = brentq(lambda z: math.sin(z) + vessel / hose * z * math.cos(z), 0.5 * math.pi, math.pi)
+    found = 2.0 * math.pi * 1e4 / float(np.mean(np.diff(at)))
+    assert found == pytest.approx(root * sound / length, rel=0.1)  # two lumps of a continuous line
+    early, late = (float(np.ptp(part)) for part in (trace[:300], trace[-300:]))
+    assert late < 0.9 * early  # the wall takes it
+
+
+def test_what_passes_a_long_hose_steadily_is_what_a_short_one_passes() -> None:
+    """The flow settles where the throttle takes all of the drop; a slow one where the wall does (Hagen and Poiseuille)."""
+    for p_up, ratio in ((6e5, 0.0), (6e5, 0.3), (1.5e5, 0.0)):
+        hose = line(1.0, 4e-6, 3e-5, 2.0).cylinders["line_restriction"][0].copy()
+        hose["ratio"] = ratio
+        steady = line_restriction.flow(hose, 4e-6, p_up, 293.0, 1e5, 293.0, K, 287.05)
+        whole = line_restriction.resistance(hose, 4e-6, p_up, 293.0, 1e5, 293.0, K, 287.05)
+        middle = 0.5 * (p_up + 1e5)
+        for ends in ((p_up, middle), (middle, 1e5)):
+            grows = line_restriction.acceleration(hose, whole, steady, ends[0], 293.0, ends[1], 293.0, 287.05)
+            assert abs(grows) < 1e-9 * 1.5e-5 * (p_up - 1e5)
+    radius = math.sqrt(1.5e-5 / math.pi)
+    density = 1.001e5 / (287.05 * 293.0)
+    volume_flow = math.pi * radius**4 * 1.0 / (8.0 * 1.8e-5 * 1.0)  # of 1 Pa over the metre that a half is long
+    slow = line_restriction.acceleration(hose, 0.0, density * volume_flow, 1.001e5 + 0.5, 293.0, 1.001e5 - 0.5, 293.0, 287.05)
+    assert abs(slow) < 1e-9 * 1.5e-5
+
+
+def test_a_long_hose_keeps_gas_and_energy_and_leads_to_the_same_rest() -> None:
+    gas = line(6e-5, 4e-6, 4e-5, 2.0)
+    gas.cylinders["valve_area"] = 4e-6
+    gas.fill(np.zeros(1), 2e5, 2e5)
+    for _ in range(3000):
+        gas.advance(np.zeros(1), np.zeros(1), np.ones(1))
+    books = gas.books()
+    assert books.mass_residual < 1e-10 and books.energy_residual < 1e-10
+    assert gas.pressures(np.zeros(1))[0, 0] == pytest.approx(float(gas.world["supply_pressure"][0]), rel=1e-3)
+    assert abs(gas.integrated[0, state.HOSE_FLOW_1]) < 5e-5
+
+
+def test_the_length_of_a_step_makes_little_difference_in_a_long_hose() -> None:
+    ends = []
+    for longest in (1e-3, 2e-5):
+        gas = line(6e-5, 4e-6, 4e-5, 2.0, longest)
+        gas.cylinders["valve_area"] = 3e-6
+        gas.dt = 1e-3
+        gas.fill(np.zeros(1), 3e5, 3e5)
+        trace = []
+        for i in range(500):
+            gas.advance(np.zeros(1), np.zeros(1), np.array([1.0 if (i // 60) % 2 else -1.0]))
+            trace.append(float(gas.pressures(np.zeros(1))[0, 0]))
+        ends.append(np.array(trace))
+    assert float(np.sqrt(np.mean((ends[0] - ends[1]) ** 2))) < 0.004 * float(np.ptp(ends[1]))

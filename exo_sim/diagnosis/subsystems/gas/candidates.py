@@ -113,10 +113,8 @@ def _of_form(effect: Effect, cylinder: str, form: tuple[str, ...], plant: PlantP
     elif effect.identification.starts:
         starts = tuple(start[: len(form)] for start in effect.identification.starts)
     elif effect.identification.starts_by_valve and valve > 0.0:
-        starts = tuple(
-            tuple(value * (valve if name == "area" else 1.0) for name, value in zip(form, values, strict=False))
-            for values in effect.identification.starts_by_valve
-        )
+        by_name = effect.identification.starts_by_valve
+        starts = tuple(zip(*(tuple(value * (valve if name == "area" else 1.0) for value in by_name[name]) for name in form), strict=True))
     else:
         low = tuple(_typical(effect.parameter(name), 0.25) for name in form)
         high = tuple(_typical(effect.parameter(name), 0.75) for name in form)

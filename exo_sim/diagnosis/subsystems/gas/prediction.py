@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 
 from exo_sim.diagnosis.subsystems.gas.inputs import GasInputs
 from exo_sim.physics import chamber, plant, state
-from exo_sim.physics.compiled import borrow, kernel
+from exo_sim.physics.compiled import borrow, inlined_kernel, kernel
 from exo_sim.physics.effects import line_restriction, valve_lag
 from exo_sim.physics.pneumatics import Pneumatics
 from exo_sim.physics.settling import settling_rate
@@ -23,6 +23,8 @@ Array = NDArray[np.float64]
 LEAST_START = 100.0
 #: Longest step [s] and most steps a sample: a fit asks for thousands of predictions, some of them of absurd machines ...
 LONGEST_STEP, MOST_STEPS = 1e-3, 8.0
+#: The same where waves pass in a hose, which no step may be long for: of 0.7 m at 200 samples a second they need fifty.
+MOST_WAVE_STEPS, ROOM = 60.0, 293.0
 #: ... and the longest step where the sensor sits behind a hose, whose small volume shows every error of integration [s].
 HOSE_STEP = 5e-4
 #: A sample with a hose takes about so many times as long, and behind one; of a slow logger as many as it has steps. Learn makes A, B and C,
@@ -34,6 +36,15 @@ RESOLVED = 0.2
 GAP = 0.5
 #: What settles faster than this, behind a choked path, is not resolved [s]: a fifth of the shortest row of a fit.
 SETTLED = 1e-3
+
+
+@inlined_kernel
+def _change(vector, mass, volume, by, k):
+    """Change the pressure of a volume [Pa], its energy beside its mass, at its temperature."""
+    p = chamber.pressure(vector[mass + 1], volume, k)
+    factor = max(p + by, 1000.0) / p
+    vector[mass] *= factor
+    vector[mass + 1] *= factor
 
 
 @kernel
@@ -72,7 +83,7 @@ def predict(
     window = 0
     u, x0, x1 = scratch[5], scratch[6, :1], scratch[7, :1]
     hose = c.line_restriction.area > 0.0
-    at_valve = hose and c.line_restriction.sensor > 0.5
+    at_valve, node = hose and c.line_restriction.sensor > 0.5, line_restriction.node_volume(c.line_restriction)
     for i in range(n):
         world[0].supply_pressure = supply[i]
         world[0].exhaust_pressure = exhaust[i]
@@ -85,20 +96,18 @@ def predict(
                 if math.isnan(target) or (side == 1 and c.single_acting > 0.0):
                     continue
                 mass, energy = 2 * side, 2 * side + 1
-                hose_mass, hose_energy = state.HOSE_MASS_1 + 2 * side, state.HOSE_MASS_1 + 2 * side + 1
+                hose_mass = state.HOSE_MASS_1 + 2 * side
                 volume = v_1 if side == 0 else v_2
                 p = chamber.pressure(vector[energy], volume, k)
                 seen = p
                 if at_valve:
-                    seen = chamber.pressure(vector[hose_energy], c.line_restriction.volume, k)
-                factor = max(p + target - seen, 1000.0) / p
-                vector[mass] *= factor
-                vector[energy] *= factor
+                    seen = chamber.pressure(vector[hose_mass + 1], node, k)
+                _change(vector, mass, volume, target - seen, k)
                 if hose:
-                    q = chamber.pressure(vector[hose_energy], c.line_restriction.volume, k)
-                    factor = max(q + target - seen, 1000.0) / q
-                    vector[hose_mass] *= factor
-                    vector[hose_energy] *= factor
+                    _change(vector, hose_mass, node, target - seen, k)
+                    if line_restriction.has_inertia(c.line_restriction):
+                        middle = line_restriction.middle_volume(c.line_restriction)
+                        _change(vector, state.MIDDLE_MASS_1 + 2 * side, middle, target - seen, k)
             window += 1
         p_1, p_2 = plant.pressures(world[0], c, vector, 0, here)
         if whole:
@@ -106,8 +115,8 @@ def predict(
             warmth[i, 0], warmth[i, 1] = t_1, t_2
             inside[i, 0], inside[i, 1] = p_1, p_2
         if at_valve:
-            out[i, 0] = chamber.pressure(vector[state.HOSE_ENERGY_1], c.line_restriction.volume, k)
-            out[i, 1] = chamber.pressure(vector[state.HOSE_ENERGY_2], c.line_restriction.volume, k)
+            out[i, 0] = chamber.pressure(vector[state.HOSE_ENERGY_1], node, k)
+            out[i, 1] = chamber.pressure(vector[state.HOSE_ENERGY_2], node, k)
         else:
             out[i, 0], out[i, 1] = p_1, p_2
         if i + 1 < n:
@@ -130,9 +139,18 @@ def predict(
 def _widen_hose(world: NDArray[np.void], cylinder: NDArray[np.void], seconds: float) -> None:
     """Enlarge a hose that settles faster than in some seconds until it settles in these, at the expense of the dead volumes.
 
-    What is faster no row of a fit shows, and an explicit step pays for it many times over; gas that is stored stays the same.
+    What is faster no row of a fit shows, and an explicit step pays for it many times over; gas that is stored stays the same. So it is
+    with a wave: a hose through which sound passes in that time has no inertia.
     """
     hose = cylinder[line_restriction.EFFECT.name]
+    if line_restriction.has_inertia(hose[0]):
+        speed = math.sqrt(float(world["k"][0]) * float(world["r"][0]) * float(world["ambient"][0]))
+        if float(hose["length"][0]) > speed * seconds:
+            return
+        for side in ("dead_volume_1", "dead_volume_2"):
+            cylinder[side] += line_restriction.volume_at_chamber(hose[0])
+        hose["volume"] = line_restriction.node_volume(hose[0]) + line_restriction.middle_volume(hose[0])
+        hose["length"] = 0.0
     area, volume = float(hose["area"][0]), float(hose["volume"][0])
     more = settling_rate(area, 1.0, float(world["k"][0]), float(world["r"][0])) * seconds - volume
     if area > 0.0 and more > 0.0:
@@ -163,7 +181,11 @@ def effort_of(samples: int, period: float, cylinder: NDArray[np.void]) -> int:
     if not cylinder[line_restriction.EFFECT.name]["area"][0] > 0.0:
         return samples
     least, step = (SENSED_EFFORT, HOSE_STEP) if behind_hose(cylinder) else (HOSE_EFFORT, LONGEST_STEP)
-    return samples * round(min(max(period / step, least), MOST_STEPS))
+    hose = cylinder[line_restriction.EFFECT.name][0]
+    most = MOST_WAVE_STEPS if line_restriction.has_inertia(hose) else MOST_STEPS
+    if line_restriction.has_inertia(hose):
+        step = min(step, 0.25 / line_restriction.wave_rate(hose, ROOM, 1.4, 287.0))
+    return samples * round(min(max(period / step, least), most))
 
 
 def behind_hose(cylinder: NDArray[np.void]) -> bool:
@@ -190,7 +212,8 @@ def run_gas(
     """
     world, cylinder = world.copy(), cylinder.copy()
     usual = feed.period
-    world["longest_step"], world["most_steps"] = max(LONGEST_STEP, 0.5 * usual), MOST_STEPS
+    waves = bool(line_restriction.has_inertia(cylinder[line_restriction.EFFECT.name][0]))
+    world["longest_step"], world["most_steps"] = max(LONGEST_STEP, 0.5 * usual), MOST_WAVE_STEPS if waves else MOST_STEPS
     if behind_hose(cylinder):
         world["longest_step"] = min(world["longest_step"][0], max(HOSE_STEP, RESOLVED * usual))
     _widen_hose(world, cylinder, max(min(usual, SETTLED), RESOLVED * usual))

@@ -48,17 +48,19 @@ class JointSearch:
         """Return a model that is reached by asking all candidates together, and leaving out what is not missed.
 
         Proposals are made beside the model that there is, and where that leads nowhere, beside none. None where what is reached leaves
-        more than the model of a healthy machine would, or is no better than the model that there is.
+        more than the model of a healthy machine would, where what stands of it explains less, or is no better than the model that there
+        is.
         """
         reached = self._reached_from(now)
-        if not self._is_within_bound(reached) and not self._is_over():
+        if not self.is_within_bound(reached) and not self._is_over():
             reached = self._reached_from(self.comparisons.baseline)
-        if not self._is_within_bound(reached):
+        if not self.is_within_bound(reached):
             return None
         tidied = self.simplification.tidied(reached)
-        return tidied if self._is_within_bound(tidied) and self.fits.deficit(tidied, now) < 0.0 else None
+        stands = self.is_within_bound(tidied) or self.comparisons.explains(tidied, reached, acceptance.NEARLY_AS_MUCH)
+        return tidied if stands and self.fits.deficit(tidied, now) < 0.0 else None
 
-    def _is_within_bound(self, model: FittedModel) -> bool:
+    def is_within_bound(self, model: FittedModel) -> bool:
         """Return whether no more is left than the model of a healthy machine leaves."""
         bound = self.fits.model.discrepancy_bound
         return self.comparisons.is_clean(model) or model.fit.sse < bound * bound * self.fits.model.size

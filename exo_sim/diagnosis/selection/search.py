@@ -114,6 +114,9 @@ class _Growth:
             self._report(f"scoring {len(self.proposals.candidates)} candidates")
             grown = self._grown(beam)
             if not grown:
+                reached = None if together or self.joint.is_within_bound(best) else self.joint.beyond(best)
+                if reached is not None:
+                    return self._reached(reached)
                 break
             leader = self._leader(grown)
             ordered = [leader, *(model for model in self.comparisons.ranked(grown) if model is not leader)]
@@ -127,16 +130,19 @@ class _Growth:
             if not self.comparisons.is_clean(best) and not together:
                 together, reached = True, self.joint.beyond(best)
                 if reached is not None:
-                    best = reached
-                    if self._goes_elsewhere(best):
-                        return SearchResult(self.comparisons.baseline, self.fits.refined(best), interrupted=True)
-                    return self._swapped(best)
+                    return self._reached(reached)
             if self._gives_up(before, best):
                 return self._swapped(best)
             beam = [best]
             if not self.comparisons.is_clean(best):
                 beam += [model for model in self.comparisons.ranked(grown) if model.named not in (best.named, leader.named)][: BEAM - 1]
         return self._swapped(self._completed(best))
+
+    def _reached(self, together: FittedModel) -> SearchResult:
+        """Return the result of a search that ends with what was asked together, unless another subsystem is to be asked first."""
+        if self._goes_elsewhere(together):
+            return SearchResult(self.comparisons.baseline, self.fits.refined(together), interrupted=True)
+        return self._swapped(together)
 
     def _standing_of(self, begun: FittedModel) -> FittedModel:
         """Return what these rows accept of a model of other rows, fitted to these; the baseline where that is nothing."""

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Collection, Sequence
+from collections.abc import Callable, Collection, Iterator, Sequence
 
 import numpy as np
 from numpy.typing import NDArray
@@ -109,6 +109,19 @@ class ModelFits:
         close = [one for one in looks if aimed and not self._is_known(one) and not self._is_far(one, aimed)]
         whole = dict(zip([id(one) for one in close], self.fit_all([(one.candidates, one) for one in close], again), strict=True))
         return [whole.get(id(one), one) for one in looks]
+
+    def each_without(self, apart: Sequence[Candidate], now: FittedModel) -> Iterator[tuple[Candidate, FittedModel]]:
+        """Yield candidates of a model with the fit of the others, the least missed first; those that are asked for are fitted to the end.
+
+        Args:
+            apart: Candidates that may each be left out alone.
+            now: The model.
+        """
+        sets = [(now.without(one), now) for one in apart]
+        looks = self.fit_all(sets, again=True) if self.cheap else self.threads.fits(lambda one: self.look(one[0], one[1], again=True), sets)
+        for candidate, look in sorted(zip(apart, looks, strict=True), key=lambda pair: pair[1].fit.sse):
+            ended = self.cheap or self._is_known(look) or self._is_far(look, now)
+            yield candidate, look if ended else self.fit(look.candidates, look, again=True)
 
     def _is_known(self, one: FittedModel) -> bool:
         return self._fitted.get(key_of(one.candidates)) is one

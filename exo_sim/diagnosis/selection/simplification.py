@@ -43,13 +43,12 @@ class Simplification:
         return now
 
     def pruned(self, now: FittedModel) -> FittedModel:
-        """Leave out what would not be accepted any more beside the others."""
+        """Leave out what would not be accepted any more beside the others, the least missed first."""
         shrunk = True
         while shrunk and now.candidates and not self.fits.is_spent():
             shrunk = False
             apart = [c for c in now.candidates if len(drop_orphans(now.without(c))) == len(now.without(c))]
-            bare = self.fits.fit_rivals([(now.without(c), now) for c in apart], now, again=True)
-            for candidate, without in zip(apart, bare, strict=True):
+            for candidate, without in self.fits.each_without(apart, now):
                 if not self.comparisons.accepts(without, now, stands=True) or not is_more_than_healthy(candidate, now):
                     now, shrunk = without, True
                     break

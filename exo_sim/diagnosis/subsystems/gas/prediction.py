@@ -23,8 +23,10 @@ Array = NDArray[np.float64]
 LEAST_START = 100.0
 #: Longest step [s] and most steps a sample: a fit asks for thousands of predictions, some of them of absurd machines ...
 LONGEST_STEP, MOST_STEPS = 1e-3, 8.0
-#: The same where waves pass in a hose, which no step may be long for: of 0.7 m at 200 samples a second they need fifty.
-MOST_WAVE_STEPS, ROOM = 60.0, 293.0
+#: The shortest step where waves pass in a hose, for which no step may be long [s]: of the shortest hose in which any is followed.
+WAVE_STEP = 1e-4
+#: A throttle that stops the flow of choked gas so many times over in the time of which a fit shows anything leaves it no inertia.
+STOPPED = 20.0
 #: ... and the longest step where the sensor sits behind a hose, whose small volume shows every error of integration [s].
 HOSE_STEP = 5e-4
 #: A sample with a hose takes about so many times as long, and behind one; of a slow logger as many as it has steps. Learn makes A, B and C,
@@ -140,12 +142,13 @@ def _widen_hose(world: NDArray[np.void], cylinder: NDArray[np.void], seconds: fl
     """Enlarge a hose that settles faster than in some seconds until it settles in these, at the expense of the dead volumes.
 
     What is faster no row of a fit shows, and an explicit step pays for it many times over; gas that is stored stays the same. So it is
-    with a wave: a hose through which sound passes in that time has no inertia.
+    with a wave: a hose through which sound passes in that time and a half, or whose throttle stops the flow at once, has no inertia.
     """
     hose = cylinder[line_restriction.EFFECT.name]
     if line_restriction.has_inertia(hose[0]):
         speed = math.sqrt(float(world["k"][0]) * float(world["r"][0]) * float(world["ambient"][0]))
-        if float(hose["length"][0]) > speed * seconds:
+        stopped = line_restriction.friction_rate(hose[0], 0.6 * speed * float(hose["area"][0]), 1.0)
+        if float(hose["length"][0]) > 1.5 * speed * seconds and stopped * seconds < STOPPED:
             return
         for side in ("dead_volume_1", "dead_volume_2"):
             cylinder[side] += line_restriction.volume_at_chamber(hose[0])
@@ -182,10 +185,9 @@ def effort_of(samples: int, period: float, cylinder: NDArray[np.void]) -> int:
         return samples
     least, step = (SENSED_EFFORT, HOSE_STEP) if behind_hose(cylinder) else (HOSE_EFFORT, LONGEST_STEP)
     hose = cylinder[line_restriction.EFFECT.name][0]
-    most = MOST_WAVE_STEPS if line_restriction.has_inertia(hose) else MOST_STEPS
     if line_restriction.has_inertia(hose):
-        step = min(step, 0.25 / line_restriction.wave_rate(hose, ROOM, 1.4, 287.0))
-    return samples * round(min(max(period / step, least), most))
+        return samples * round(max(period / WAVE_STEP * 0.5, least))
+    return samples * round(min(max(period / step, least), MOST_STEPS))
 
 
 def behind_hose(cylinder: NDArray[np.void]) -> bool:
@@ -213,7 +215,8 @@ def run_gas(
     world, cylinder = world.copy(), cylinder.copy()
     usual = feed.period
     waves = bool(line_restriction.has_inertia(cylinder[line_restriction.EFFECT.name][0]))
-    world["longest_step"], world["most_steps"] = max(LONGEST_STEP, 0.5 * usual), MOST_WAVE_STEPS if waves else MOST_STEPS
+    most = max(MOST_STEPS, usual / WAVE_STEP) if waves else MOST_STEPS
+    world["longest_step"], world["most_steps"] = max(LONGEST_STEP, 0.5 * usual), most
     if behind_hose(cylinder):
         world["longest_step"] = min(world["longest_step"][0], max(HOSE_STEP, RESOLVED * usual))
     _widen_hose(world, cylinder, max(min(usual, SETTLED), RESOLVED * usual))

@@ -75,6 +75,15 @@ def test_only_what_comes_near_is_fitted_to_the_end() -> None:
     assert fits.fit((OTHER,), both) is not far and fits.fit((BASE,), both) is near
 
 
+@pytest.mark.parametrize("cheap", [False, True])
+def test_what_is_least_missed_is_left_out_first(cheap: bool) -> None:
+    fits = ModelFits(Waves(slow=3.0, quicker=0.4), (), cheap=cheap)
+    both = fits.refined(fits.fit((BASE, OTHER), fits.fit(())))
+    (first, bare), (second, _) = fits.each_without((BASE, OTHER), both)
+    assert (first, second) == (OTHER, BASE)
+    assert bare is fits.fit((BASE,), both)
+
+
 def test_a_look_does_not_replace_a_better_fit() -> None:
     fits = ModelFits(Waves(slow=3.0, quicker=-2.0), ())
     both = fits.refined(fits.fit((BASE, OTHER), fits.fit(())))

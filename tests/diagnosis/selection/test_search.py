@@ -105,6 +105,18 @@ def test_two_that_explain_the_larger_part_of_the_rest_only_together_are_found_to
     assert {c.effect for c in search(one, False, library).run().final.candidates} == {"base"}
 
 
+def test_where_none_passes_alone_all_are_asked_together() -> None:
+    """Two effects that nearly cancel: alone each explains two per cent of what they leave together."""
+    h, one, other = np.random.default_rng(7).choice([-1.0, 1.0], (3, AT.size))
+    shapes = {**SHAPES, "quick": h + 0.2 * one, "quicker": h + 0.2 * other}
+    library = (BASE, OTHER, candidate("third", "quick"))
+    found = search(Waves(1.2, shapes, quick=5.0, quicker=-5.0), False, library).run()
+    assert {c.effect for c in found.final.candidates} == {"other", "third"}
+    assert found.baseline.fit.sse > 2.0 * found.final.fit.sse
+    healthy = search(Waves(2.0, shapes, quick=5.0, quicker=-5.0), False, library).run()
+    assert not healthy.final.candidates  # no more is left than a healthy machine leaves
+
+
 @pytest.mark.parametrize(("sizes", "interrupted"), [({"slow": 9.0, "quick": 4.0}, True), ({"slow": 9.0}, False)])
 def test_a_search_ends_where_it_is_asked_to_unless_everything_is_explained(sizes: dict[str, Any], interrupted: bool) -> None:
     library = (BASE, ON_TOP, OTHER)

@@ -23,8 +23,9 @@ Array = NDArray[np.float64]
 LEAST_START = 100.0
 #: Longest step [s] and most steps a sample: a fit asks for thousands of predictions, some of them of absurd machines ...
 LONGEST_STEP, MOST_STEPS = 1e-3, 8.0
-#: The shortest step where waves pass in a hose, for which no step may be long [s]: of the shortest hose in which any is followed.
-WAVE_STEP = 1e-4
+#: The shortest step where waves pass in a hose, for which no step may be long [s]: of the shortest hose in which any is followed [m]. The
+#: speed of sound in a room [m/s].
+WAVE_STEP, SHORTEST_LINE, SOUND = 1e-4, 0.51, 343.0
 #: A throttle that stops the flow of choked gas so many times over in the time of which a fit shows anything leaves it no inertia.
 STOPPED = 20.0
 #: ... and the longest step where the sensor sits behind a hose, whose small volume shows every error of integration [s].
@@ -145,11 +146,9 @@ def _widen_hose(world: NDArray[np.void], cylinder: NDArray[np.void], seconds: fl
     with a wave: a hose through which sound passes in that time and a half, or whose throttle stops the flow at once, has no inertia.
     """
     hose = cylinder[line_restriction.EFFECT.name]
+    if shows_waves(cylinder, seconds):
+        return
     if line_restriction.has_inertia(hose[0]):
-        speed = math.sqrt(float(world["k"][0]) * float(world["r"][0]) * float(world["ambient"][0]))
-        stopped = line_restriction.friction_rate(hose[0], 0.6 * speed * float(hose["area"][0]), 1.0)
-        if float(hose["length"][0]) > 1.5 * speed * seconds and stopped * seconds < STOPPED:
-            return
         for side in ("dead_volume_1", "dead_volume_2"):
             cylinder[side] += line_restriction.volume_at_chamber(hose[0])
         hose["volume"] = line_restriction.node_volume(hose[0]) + line_restriction.middle_volume(hose[0])
@@ -185,9 +184,25 @@ def effort_of(samples: int, period: float, cylinder: NDArray[np.void]) -> int:
         return samples
     least, step = (SENSED_EFFORT, HOSE_STEP) if behind_hose(cylinder) else (HOSE_EFFORT, LONGEST_STEP)
     hose = cylinder[line_restriction.EFFECT.name][0]
-    if line_restriction.has_inertia(hose):
-        return samples * round(max(period / WAVE_STEP * 0.5, least))
+    if shows_waves(cylinder, resolved(period)):
+        return samples * round(max(period / (WAVE_STEP * float(hose["length"]) / SHORTEST_LINE), least))
     return samples * round(min(max(period / step, least), MOST_STEPS))
+
+
+def resolved(period: float) -> float:
+    """Return the time of which a fit shows anything, of samples one every `period` [s]."""
+    return max(min(period, SETTLED), RESOLVED * period)
+
+
+def shows_waves(cylinder: NDArray[np.void], seconds: float) -> bool:
+    """Return whether a fit shows waves in a hose of which it resolves so many seconds: sound takes longer than that and a half through
+    it, and its throttle does not stop the flow at once; of a cylinder, record of shape (1,).
+    """
+    hose = cylinder[line_restriction.EFFECT.name][0]
+    if not line_restriction.has_inertia(hose):
+        return False
+    stopped = line_restriction.friction_rate(hose, 0.6 * SOUND * float(hose["area"]), 1.0)
+    return bool(float(hose["length"]) > 1.5 * SOUND * seconds and stopped * seconds < STOPPED)
 
 
 def behind_hose(cylinder: NDArray[np.void]) -> bool:
@@ -214,12 +229,11 @@ def run_gas(
     """
     world, cylinder = world.copy(), cylinder.copy()
     usual = feed.period
-    waves = bool(line_restriction.has_inertia(cylinder[line_restriction.EFFECT.name][0]))
-    most = max(MOST_STEPS, usual / WAVE_STEP) if waves else MOST_STEPS
+    most = max(MOST_STEPS, usual / WAVE_STEP) if shows_waves(cylinder, resolved(usual)) else MOST_STEPS
     world["longest_step"], world["most_steps"] = max(LONGEST_STEP, 0.5 * usual), most
     if behind_hose(cylinder):
         world["longest_step"] = min(world["longest_step"][0], max(HOSE_STEP, RESOLVED * usual))
-    _widen_hose(world, cylinder, max(min(usual, SETTLED), RESOLVED * usual))
+    _widen_hose(world, cylinder, resolved(usual))
     n = len(feed.time)
     length = feed.length
     if length_delay != card_delay:

@@ -8,8 +8,9 @@ from diagnosis.cylinder_runs import STEP, run_of
 from numpy.typing import NDArray
 
 from exo_sim.diagnosis.subsystems.gas.inputs import GasInputs, inputs
-from exo_sim.diagnosis.subsystems.gas.prediction import SETTLED, effort_of, run_gas
+from exo_sim.diagnosis.subsystems.gas.prediction import SETTLED, effort_of, resolved, run_gas, shows_waves
 from exo_sim.physics.plant_records import CYLINDER, WORLD
+from exo_sim.physics.pneumatics import paper_cylinder
 from exo_sim.physics.settling import settling_rate
 
 N = 1500
@@ -74,3 +75,20 @@ def test_a_hose_costs_more_of_an_effort_and_most_behind_it_and_of_a_slow_logger(
     quick, slow = (100, 0.001), (100, 0.02)
     assert [effort_of(*quick, one) for one in (plain, hose, sensed)] == [100, 200, 300]
     assert [effort_of(*slow, one) for one in (plain, hose, sensed)] == [100, 800, 800]
+
+
+@pytest.mark.parametrize(
+    ("length", "area", "period", "shown"),
+    [(2.0, 8e-6, 1e-3, True), (0.4, 8e-6, 1e-3, False), (2.0, 8e-6, 2e-2, False), (2.0, 1e-8, 1e-3, False), (0.0, 8e-6, 1e-3, False)],
+    ids=["a long hose", "one that sound passes in a millisecond", "a slow logger", "a throttle like a pinhole", "no length"],
+)
+def test_waves_are_followed_where_a_fit_shows_them(length: float, area: float, period: float, shown: bool) -> None:
+    """Nothing else costs the short steps that waves ask for, nor counts as if it did."""
+    cylinder = paper_cylinder(0.032, 0.012, 0.1, 5e-6)
+    cylinder["line_restriction"]["area"], cylinder["line_restriction"]["volume"] = area, 4e-5
+    cylinder["line_restriction"]["length"] = length
+    assert shows_waves(cylinder, resolved(period)) is shown
+    plain = cylinder.copy()
+    plain["line_restriction"]["length"] = 0.0
+    more = effort_of(1000, period, cylinder) - effort_of(1000, period, plain)
+    assert more > 0 if shown else more == 0

@@ -14,7 +14,6 @@ from exo_sim.diagnosis.subsystems.gas.prediction import run_gas
 from exo_sim.physics.plant_records import CYLINDER, WORLD
 
 PERIOD, N, NOISE = 2e-3, 3000, 100.0
-RNG = np.random.default_rng(7)
 
 
 def vessel() -> PlantParameters:
@@ -33,5 +32,5 @@ def recorded(warmth: tuple[float, float], travel: float = 0.0) -> CylinderRun:
     command = np.where((time > 3.0) & (time < 3.3), 0.3, 0.0)
     start = run_of(np.full(N, 5e5), np.full(N, 3e5), time=time, length=0.1 + travel * np.sin(np.pi * time), command=command, commanded=True)
     predicted = run_gas(inputs(start, plant.world, 100.0), plant.world, plant.cylinder, warmth=warmth).pressure
-    noisy = predicted + NOISE * RNG.normal(size=predicted.shape)
+    noisy = predicted + NOISE * np.random.default_rng(7).normal(size=predicted.shape)  # the same whatever was recorded before
     return replace(start, pressure=(noisy[:, 0], noisy[:, 1]), noise=(NOISE, NOISE))

@@ -20,8 +20,10 @@ from exo_sim.physics.state import (
     EXHAUST_MASS,
     HOSE_ENERGY_1,
     HOSE_ENERGY_2,
+    HOSE_MASS_1,
     MASS_1,
     MASS_2,
+    MIDDLE_MASS_1,
     SUPPLY_ENERGY,
     SUPPLY_MASS,
     TANK_ENERGY,
@@ -29,6 +31,9 @@ from exo_sim.physics.state import (
     WALL_1,
     WALL_2,
 )
+
+#: Least pressure that a volume is given, whatever was measured [Pa].
+LOWEST = 1000.0
 
 #: What is left of a chamber whose rig gives it no dead volume, the piston at its end [m^3].
 SMALLEST = 1e-8
@@ -97,6 +102,25 @@ def temperatures(world, y, base: int) -> tuple[float, float]:
     """Return the gas temperatures of both chambers [K]."""
     t_1 = chamber.temperature(y[base + ENERGY_1], y[base + MASS_1], world.k, world.r)
     return t_1, chamber.temperature(y[base + ENERGY_2], y[base + MASS_2], world.k, world.r)
+
+
+@inlined_kernel
+def change_pressure(y, mass: int, volume: float, by: float, k: float) -> None:
+    """Change the pressure of a volume [Pa] at its temperature; its energy stands behind its mass, at `mass`."""
+    p = chamber.pressure(y[mass + 1], volume, k)
+    factor = max(p + by, LOWEST) / p
+    y[mass] *= factor
+    y[mass + 1] *= factor
+
+
+@inlined_kernel
+def change_hose_pressure(c, y, base: int, side: int, by: float, k: float) -> None:
+    """Change the pressure throughout the hose of chamber 1 or 2, side 0 or 1, if there is one [Pa]."""
+    place, hose = base + 2 * side, c.line_restriction
+    if line_restriction.present(hose):
+        change_pressure(y, place + HOSE_MASS_1, line_restriction.node_volume(hose), by, k)
+    if line_restriction.has_inertia(hose):
+        change_pressure(y, place + MIDDLE_MASS_1, line_restriction.middle_volume(hose), by, k)
 
 
 @inlined_kernel

@@ -104,7 +104,7 @@ class Pneumatics:
             y[:, energy] = p * v / (k - 1.0)
         hoses = c["line_restriction"]
         hose = np.array([line_restriction.node_volume(one) for one in hoses]).reshape(n)
-        middle = np.array([line_restriction.middle_volume(one) if line_restriction.has_inertia(one) else 0.0 for one in hoses]).reshape(n)
+        middle = np.array([line_restriction.middle_volume(one) for one in hoses]).reshape(n)
         for p, v, mass, energy in (
             (p_1, hose, state.HOSE_MASS_1, state.HOSE_ENERGY_1), (p_2, hose, state.HOSE_MASS_2, state.HOSE_ENERGY_2),
             (p_1, middle, state.MIDDLE_MASS_1, state.MIDDLE_ENERGY_1), (p_2, middle, state.MIDDLE_MASS_2, state.MIDDLE_ENERGY_2),

@@ -7,6 +7,7 @@ import pytest
 from physics.stepping import bench
 
 from exo_sim.physics import nodes, state
+from exo_sim.physics.effects import line_restriction
 from exo_sim.physics.pneumatics import paper_cylinder, paper_world
 
 
@@ -47,3 +48,22 @@ def test_a_vented_cylinder_has_both_exhausts_open() -> None:
     assert nodes.path_areas(c[0], 0.5, -0.5) == pytest.approx((2.5e-6, 0.0, 0.0, 2.5e-6))
     c["vented"] = 1.0
     assert nodes.path_areas(c[0], 0.5, -0.5) == (0.0, 5e-6, 0.0, 5e-6)
+
+
+@pytest.mark.parametrize("length", [0.0, 2.0], ids=["one node", "a long hose"])
+def test_a_hose_is_given_another_pressure_throughout_at_its_temperature(length: float) -> None:
+    gas = bench()
+    gas.cylinders["line_restriction"]["area"], gas.cylinders["line_restriction"]["volume"] = 5e-6, 4e-5
+    gas.cylinders["line_restriction"]["length"] = length
+    gas.fill(np.array([0.05]), 5e5, 4e5)
+    before, k = gas.integrated[0].copy(), float(gas.world["k"][0])
+    nodes.change_hose_pressure(gas.cylinders[0], gas.vector, 0, 1, 1e5, k)
+    after = gas.integrated[0]
+    places = [state.HOSE_MASS_2] + ([state.MIDDLE_MASS_2] if length else [])
+    for place in places:
+        assert after[place : place + 2] == pytest.approx(1.25 * before[place : place + 2], rel=1e-12)
+    others = np.setdiff1d(np.arange(state.INTEGRATED), [i for place in places for i in (place, place + 1)])
+    assert (after[others] == before[others]).all()
+    nodes.change_hose_pressure(gas.cylinders[0], gas.vector, 0, 1, -1e9, k)
+    volume = line_restriction.node_volume(gas.cylinders[0]["line_restriction"])
+    assert (k - 1.0) * after[state.HOSE_ENERGY_2] / volume == pytest.approx(nodes.LOWEST)

@@ -96,7 +96,7 @@ def node_volume(p) -> float:
 @kernel
 def middle_volume(p) -> float:
     """Return the volume in the middle [m^3]."""
-    return 0.5 * p.volume
+    return 0.5 * p.volume if has_inertia(p) else 0.0
 
 
 @kernel

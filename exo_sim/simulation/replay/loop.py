@@ -10,8 +10,7 @@ from numpy.typing import NDArray
 
 from exo_sim.physics import chamber, state
 from exo_sim.physics.compiled import borrow, kernel
-from exo_sim.physics.effects.line_restriction import has_inertia, middle_volume, node_volume, present
-from exo_sim.physics.nodes import pressures, sensed_pressures, volumes
+from exo_sim.physics.nodes import LOWEST, change_hose_pressure, pressures, sensed_pressures, volumes
 from exo_sim.physics.plant import FOLLOWED
 from exo_sim.physics.transmission import gives
 from exo_sim.simulation.coupled_step import advance_gas, compute_forces, freshen_levers
@@ -22,8 +21,6 @@ Index = NDArray[np.int64]
 
 #: Beyond this speed (m/s, rad/s) or pressure [Pa] a simulation has left what can be.
 FASTEST, HIGHEST = 1e5, 1e9
-#: Least pressure that a window begins with [Pa], whatever was measured.
-LOWEST = 1000.0
 
 
 class Feed(NamedTuple):
@@ -95,16 +92,7 @@ def _set_pressures(mechanics, plant, targets):
             change = target - (seen_1 if side == 0 else seen_2)
             p, volume = (p_1, v_1) if side == 0 else (p_2, v_2)
             _fill(plant.vector, base + 2 * side, base + 2 * side + 1, volume, world.k, p + change)
-            if present(c.line_restriction):
-                mass, energy = base + state.HOSE_MASS_1 + 2 * side, base + state.HOSE_ENERGY_1 + 2 * side
-                hose = node_volume(c.line_restriction)
-                p_hose = chamber.pressure(plant.vector[energy], hose, world.k)
-                _fill(plant.vector, mass, energy, hose, world.k, p_hose + change)
-            if has_inertia(c.line_restriction):
-                mass, energy = base + state.MIDDLE_MASS_1 + 2 * side, base + state.MIDDLE_ENERGY_1 + 2 * side
-                middle = middle_volume(c.line_restriction)
-                p_middle = chamber.pressure(plant.vector[energy], middle, world.k)
-                _fill(plant.vector, mass, energy, middle, world.k, p_middle + change)
+            change_hose_pressure(c, plant.vector, base, side, change, world.k)
 
 
 @kernel

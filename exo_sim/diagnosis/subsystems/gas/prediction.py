@@ -10,8 +10,9 @@ from numpy.typing import NDArray
 
 from exo_sim.diagnosis.subsystems.gas.inputs import GasInputs
 from exo_sim.physics import chamber, plant, state
-from exo_sim.physics.compiled import borrow, inlined_kernel, kernel
+from exo_sim.physics.compiled import borrow, kernel
 from exo_sim.physics.effects import line_restriction, valve_lag
+from exo_sim.physics.nodes import change_hose_pressure, change_pressure
 from exo_sim.physics.pneumatics import Pneumatics
 from exo_sim.physics.settling import settling_rate
 from exo_sim.physics.transmission import gives
@@ -39,15 +40,6 @@ RESOLVED = 0.2
 GAP = 0.5
 #: What settles faster than this, behind a choked path, is not resolved [s]: a fifth of the shortest row of a fit.
 SETTLED = 1e-3
-
-
-@inlined_kernel
-def _change(vector, mass, volume, by, k):
-    """Change the pressure of a volume [Pa], its energy beside its mass, at its temperature."""
-    p = chamber.pressure(vector[mass + 1], volume, k)
-    factor = max(p + by, 1000.0) / p
-    vector[mass] *= factor
-    vector[mass + 1] *= factor
 
 
 @kernel
@@ -85,8 +77,8 @@ def predict(
     memory = state.INTEGRATED + state.SHARED
     window = 0
     u, x0, x1 = scratch[5], scratch[6, :1], scratch[7, :1]
-    hose = c.line_restriction.area > 0.0
-    at_valve, node = hose and c.line_restriction.sensor > 0.5, line_restriction.node_volume(c.line_restriction)
+    at_valve = line_restriction.present(c.line_restriction) and c.line_restriction.sensor > 0.5
+    node = line_restriction.node_volume(c.line_restriction)
     for i in range(n):
         world[0].supply_pressure = supply[i]
         world[0].exhaust_pressure = exhaust[i]
@@ -98,19 +90,12 @@ def predict(
                 target = start_pressure[window, side]
                 if math.isnan(target) or (side == 1 and c.single_acting > 0.0):
                     continue
-                mass, energy = 2 * side, 2 * side + 1
-                hose_mass = state.HOSE_MASS_1 + 2 * side
                 volume = v_1 if side == 0 else v_2
-                p = chamber.pressure(vector[energy], volume, k)
-                seen = p
+                seen = chamber.pressure(vector[state.ENERGY_1 + 2 * side], volume, k)
                 if at_valve:
-                    seen = chamber.pressure(vector[hose_mass + 1], node, k)
-                _change(vector, mass, volume, target - seen, k)
-                if hose:
-                    _change(vector, hose_mass, node, target - seen, k)
-                    if line_restriction.has_inertia(c.line_restriction):
-                        middle = line_restriction.middle_volume(c.line_restriction)
-                        _change(vector, state.MIDDLE_MASS_1 + 2 * side, middle, target - seen, k)
+                    seen = chamber.pressure(vector[state.HOSE_ENERGY_1 + 2 * side], node, k)
+                change_pressure(vector, state.MASS_1 + 2 * side, volume, target - seen, k)
+                change_hose_pressure(c, vector, 0, side, target - seen, k)
             window += 1
         p_1, p_2 = plant.pressures(world[0], c, vector, 0, here)
         if whole:

@@ -26,7 +26,7 @@ from exo_sim.diagnosis.policy.priors import INITIAL_WARMTH, ROOM_WARM
 from exo_sim.diagnosis.policy.recordings import FEWEST_ROWS, REVERSED
 from exo_sim.diagnosis.selection.decision import decide
 from exo_sim.diagnosis.selection.fitted_model import FittedModel
-from exo_sim.diagnosis.selection.search import Search
+from exo_sim.diagnosis.selection.search import Search, StoppingCriteria, WarmStart
 from exo_sim.diagnosis.selection.strained_nuisances import relieved
 from exo_sim.diagnosis.selection.subsystem_result import SubsystemResult
 from exo_sim.diagnosis.subsystems.gas.candidates import candidates, sample_period
@@ -106,8 +106,10 @@ def examine_gas(
             search = Search(
                 model, nuisances, asked, threads, _naming(report, name), cheap=sum(len(run.time) for run in runs) < FEW_SAMPLES,
                 practical_significance=model.practical_significance,
-                until=softens if plan.friction is None and joint in data.joints else None, is_spent=plan.budget.is_spent,
-                is_enough=partial(_is_enough, model), first=first, begun=searched.of_other_time(name, test_time, asked),
+                stopping=StoppingCriteria(
+                    softens if plan.friction is None and joint in data.joints else None, plan.budget.is_spent, partial(_is_enough, model)
+                ),
+                start=WarmStart(first, searched.of_other_time(name, test_time, asked)),
             )  # fmt: skip
             end, fits = relieved(search.run(), search.fits, search.proposals, model, plan.split)
             done[key] = decide(name, model, fits, end, plan.split)

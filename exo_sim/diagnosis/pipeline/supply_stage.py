@@ -16,7 +16,7 @@ from exo_sim.diagnosis.policy import significance
 from exo_sim.diagnosis.policy.priors import FARTHEST_SET_PRESSURE
 from exo_sim.diagnosis.policy.recordings import QUIET
 from exo_sim.diagnosis.selection.decision import decide
-from exo_sim.diagnosis.selection.search import Search
+from exo_sim.diagnosis.selection.search import Search, StoppingCriteria
 from exo_sim.diagnosis.selection.subsystem_result import SubsystemResult
 from exo_sim.diagnosis.subsystems.gas.model import GasModel
 from exo_sim.diagnosis.subsystems.supply.candidates import candidates, nuisance_parameters
@@ -48,7 +48,7 @@ def examine_supply(
     search = Search(
         model, nuisance_parameters(plant), plan.without_refuted(candidates(plant)), threads,
         lambda words: report(f"supply: {words}"), cheap=True,
-        practical_significance=model.practical_significance, is_spent=plan.budget.is_spent,
+        practical_significance=model.practical_significance, stopping=StoppingCriteria(is_spent=plan.budget.is_spent),
     )  # fmt: skip
     found = decide("supply", model, search.fits, search.run())
     return (replace(found, has_unknown=False, deviations=()),)

@@ -8,6 +8,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Sequence
+from dataclasses import dataclass
 
 from exo_sim.diagnosis.estimation.budget import IsSpent, never
 from exo_sim.diagnosis.estimation.candidate import Candidate, drop_orphans
@@ -34,6 +35,34 @@ from exo_sim.diagnosis.selection.proposals import Proposals
 from exo_sim.diagnosis.selection.simplification import Simplification
 
 
+@dataclass(frozen=True)
+class StoppingCriteria:
+    """What ends a search before every candidate was asked.
+
+    Attributes:
+        until: Of a model that does not explain everything, whether to stop there, for another subsystem to be asked first.
+        is_spent: Whether the time is up: then whatever goes on ends with what it has, and what was found is assessed.
+        is_enough: Whether so much was tried that nothing more is sought; what was begun is ended.
+    """
+
+    until: Callable[[FittedModel], bool] | None = None
+    is_spent: IsSpent = never
+    is_enough: IsSpent = never
+
+
+@dataclass(frozen=True)
+class WarmStart:
+    """Where a search begins.
+
+    Attributes:
+        first: A fit of the nuisance parameters, or of most of them; None for their typical values.
+        begun: A model of other rows of the same subsystem, of which only candidates and values count; None for no candidate.
+    """
+
+    first: Fit | None = None
+    begun: FittedModel | None = None
+
+
 class Search:
     """A search over one subsystem.
 
@@ -43,14 +72,10 @@ class Search:
         candidates: What may be found.
         threads: Threads; the result does not depend on how many.
         progress: Called with a few words on what is going on.
-        most: The most findings.
         cheap: Whether predictions cost little: then all promising candidates are fitted, from scratch, and simpler ones tried.
         practical_significance: Drop of the root mean square residual, in units of the noise, below which nothing is a finding.
-        until: Of a model that does not explain everything, whether to stop the search there.
-        is_spent: Whether the time is up: then whatever goes on ends with what it has, and what was found is assessed.
-        is_enough: Whether so much was tried that nothing more is sought; what was begun is ended.
-        first: A fit of the nuisance parameters to begin with, or of most of them.
-        begun: A model to begin with, of other rows of the same subsystem; only its candidates and values count.
+        stopping: What ends it early.
+        start: Where it begins.
     """
 
     def __init__(
@@ -61,21 +86,15 @@ class Search:
         threads: Threads = SERIAL,
         progress: Callable[[str], None] | None = None,
         *,
-        most: int = MOST_FINDINGS,
         cheap: bool = False,
         practical_significance: float = 0.0,
-        until: Callable[[FittedModel], bool] | None = None,
-        is_spent: IsSpent = never,
-        is_enough: IsSpent = never,
-        first: Fit | None = None,
-        begun: FittedModel | None = None,
+        stopping: StoppingCriteria = StoppingCriteria(),
+        start: WarmStart = WarmStart(),
     ):
-        self.fits = ModelFits(model, nuisances, threads, cheap, is_spent)
+        self.fits = ModelFits(model, nuisances, threads, cheap, stopping.is_spent)
         self.proposals = Proposals(self.fits, candidates, practical_significance)
-        self._most, self._practical_significance = most, practical_significance
+        self._practical_significance, self._stopping, self._start = practical_significance, stopping, start
         self._report = progress or (lambda words: None)
-        self._until, self._is_enough = until or (lambda model: False), is_enough
-        self._first, self._begun = None if first is None else FittedModel((), first), begun
 
     def run(self) -> SearchResult:
         """Grow sets side by side, swap and prune, then assess every finding and its rivals."""
@@ -83,32 +102,32 @@ class Search:
         if self.fits.model.size < FEWEST_ROWS:
             empty = FittedModel.at({})
             return SearchResult(empty, empty)
-        baseline = self.fits.refined(self.fits.fit((), self._first))
+        near = None if self._start.first is None else FittedModel((), self._start.first)
+        baseline = self.fits.refined(self.fits.fit((), near))
         comparisons = Comparisons(self.fits, baseline, len(self.proposals.candidates), self._practical_significance)
-        return _Growth(self.fits, comparisons, self.proposals, self._report, self._until, self._is_enough).run(self._most, self._begun)
+        return _Growth(self.fits, comparisons, self.proposals, self._report, self._stopping).run(self._start.begun)
 
 
 class _Growth:
     """One run of a search, from its baseline."""
 
     def __init__(
-        self, fits: ModelFits, comparisons: Comparisons, proposals: Proposals, report: Callable[[str], None],
-        until: Callable[[FittedModel], bool], is_enough: IsSpent,
-    ):  # fmt: skip
+        self, fits: ModelFits, comparisons: Comparisons, proposals: Proposals, report: Callable[[str], None], stopping: StoppingCriteria
+    ):
         self.fits, self.comparisons, self.proposals = fits, comparisons, proposals
-        self._report, self._until, self._is_enough = report, until, is_enough
+        self._report, self._stopping = report, stopping
         self.simplification = Simplification(fits, comparisons, proposals)
         self.joint = JointSearch(fits, comparisons, proposals, self.simplification, report, self._is_over)
 
     def _is_over(self) -> bool:
         """Return whether nothing more is to be sought."""
-        return self._is_enough() or self.fits.is_spent()
+        return self._stopping.is_enough() or self.fits.is_spent()
 
-    def run(self, most: int, begun: FittedModel | None = None) -> SearchResult:
-        """Return the result with at most so many findings more than what stands of a model to begin with."""
+    def run(self, begun: FittedModel | None) -> SearchResult:
+        """Return the result, with at most `MOST_FINDINGS` more than what stands of a model to begin with."""
         best = self._standing_of(begun) if begun is not None and begun.candidates else self.comparisons.baseline
         beam, together = [best], False
-        for _ in range(most):
+        for _ in range(MOST_FINDINGS):
             if self._is_over():
                 break
             self._report(f"scoring {len(self.proposals.candidates)} candidates")
@@ -126,7 +145,7 @@ class _Growth:
             before, best = best, tidied
             self._report(f"{len(best.candidates)} found, {best.candidates[-1].effect.replace('_', ' ')} last")
             if not self.comparisons.is_clean(best) and self._goes_elsewhere(best):
-                return SearchResult(self.comparisons.baseline, self.fits.refined(best), interrupted=True)
+                return self._interrupted(best)
             if not self.comparisons.is_clean(best) and not together:
                 together, reached = True, self.joint.beyond(best)
                 if reached is not None:
@@ -140,9 +159,11 @@ class _Growth:
 
     def _reached(self, together: FittedModel) -> SearchResult:
         """Return the result of a search that ends with what was asked together, unless another subsystem is to be asked first."""
-        if self._goes_elsewhere(together):
-            return SearchResult(self.comparisons.baseline, self.fits.refined(together), interrupted=True)
-        return self._swapped(together)
+        return self._interrupted(together) if self._goes_elsewhere(together) else self._swapped(together)
+
+    def _interrupted(self, model: FittedModel) -> SearchResult:
+        """Return the result of a search that stops at a model for another subsystem to be asked first: nothing of it is assessed."""
+        return SearchResult(self.comparisons.baseline, self.fits.refined(model), interrupted=True)
 
     def _standing_of(self, begun: FittedModel) -> FittedModel:
         """Return what these rows accept of a model of other rows, fitted to these; the baseline where that is nothing."""
@@ -175,7 +196,8 @@ class _Growth:
 
     def _goes_elsewhere(self, model: FittedModel) -> bool:
         """Return whether the search stops at a model for another subsystem to be asked first, and there is time to."""
-        return self._until(model) and not self.fits.is_spent()
+        until = self._stopping.until
+        return until is not None and until(model) and not self.fits.is_spent()
 
     def _assessed(self, model: FittedModel) -> SearchResult:
         """Return the result of ending with what a model keeps when it is pruned."""

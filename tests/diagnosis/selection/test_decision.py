@@ -18,7 +18,7 @@ from exo_sim.diagnosis.selection.decision import decide
 from exo_sim.diagnosis.selection.evidence import Evidence
 from exo_sim.diagnosis.selection.fitted_model import FittedModel, SearchResult, is_at_bound
 from exo_sim.diagnosis.selection.model_fits import ModelFits
-from exo_sim.diagnosis.selection.search import Search
+from exo_sim.diagnosis.selection.search import Search, StoppingCriteria
 from exo_sim.diagnosis.selection.subsystem_result import SubsystemResult
 
 MISSING = Kind.MISSING_PHYSICS
@@ -104,7 +104,7 @@ def test_beside_something_unknown_a_name_stands_that_time_kept_back_surely_bears
 def test_an_interrupted_search_is_not_judged_but_handed_on() -> None:
     """However much it leaves unexplained: the other subsystems go on with what was found so far."""
     model = waves.Waves(1e-3, slow=9.0, quick=4.0)
-    search = Search(model, (), (waves.BASE, waves.ON_TOP, waves.OTHER), until=lambda fitted: True)
+    search = Search(model, (), (waves.BASE, waves.ON_TOP, waves.OTHER), stopping=StoppingCriteria(until=lambda fitted: True))
     found = search.run()
     assert found.interrupted
     result = decide("piston", model, search.fits, found)

@@ -13,7 +13,7 @@ from exo_sim.diagnosis.estimation.candidate import Candidate
 from exo_sim.diagnosis.estimation.parameters import FreeParameter, PlantParameters, Target
 from exo_sim.diagnosis.estimation.threads import Threads
 from exo_sim.diagnosis.selection.fitted_model import FittedModel
-from exo_sim.diagnosis.selection.search import Search
+from exo_sim.diagnosis.selection.search import Search, StoppingCriteria, WarmStart
 
 
 def model(*chosen: Candidate) -> FittedModel:
@@ -120,7 +120,8 @@ def test_where_none_passes_alone_all_are_asked_together() -> None:
 @pytest.mark.parametrize(("sizes", "interrupted"), [({"slow": 9.0, "quick": 4.0}, True), ({"slow": 9.0}, False)])
 def test_a_search_ends_where_it_is_asked_to_unless_everything_is_explained(sizes: dict[str, Any], interrupted: bool) -> None:
     library = (BASE, ON_TOP, OTHER)
-    found = Search(Waves(**sizes), (), library, until=lambda one: any(c.effect == "base" for c in one.candidates)).run()
+    stopping = StoppingCriteria(until=lambda one: any(c.effect == "base" for c in one.candidates))
+    found = Search(Waves(**sizes), (), library, stopping=stopping).run()
     assert found.interrupted is interrupted and {c.effect for c in found.final.candidates} == {"base"}
 
 
@@ -180,7 +181,7 @@ def test_a_search_whose_time_is_up_ends_with_what_it_has(cheap: bool, asked: int
     Counted.calls = 0
     Search(Counted(slow=3.0, quick=2.0), (), (BASE, ON_TOP, OTHER), cheap=cheap).run()
     whole, Counted.calls = Counted.calls, 0
-    found = Search(Counted(slow=3.0, quick=2.0), (), (BASE, ON_TOP, OTHER), cheap=cheap, is_spent=is_spent).run()
+    found = Search(Counted(slow=3.0, quick=2.0), (), (BASE, ON_TOP, OTHER), cheap=cheap, stopping=StoppingCriteria(is_spent=is_spent)).run()
     assert Counted.calls < whole
     assert found.final.meets_prerequisite(ON_TOP) or ON_TOP not in found.final.candidates
     if asked == 0:
@@ -190,7 +191,7 @@ def test_a_search_whose_time_is_up_ends_with_what_it_has(cheap: bool, asked: int
 def test_a_search_that_begins_with_what_other_rows_showed_keeps_of_it_what_its_own_bear_out() -> None:
     before = Search(Waves(slow=4.0, quicker=2.0), (), (BASE, OTHER)).run().final
     assert {c.effect for c in before.candidates} == {"base", "other"}
-    begun = Search(Waves(slow=3.0, quick=2.0), (), (BASE, ON_TOP, OTHER), begun=before).run()
+    begun = Search(Waves(slow=3.0, quick=2.0), (), (BASE, ON_TOP, OTHER), start=WarmStart(begun=before)).run()
     assert {c.effect for c in begun.final.candidates} == {"base", "on_top"}
     assert begun.baseline.candidates == () and set(begun.evidence) == {BASE.key, ON_TOP.key}
-    assert Search(Waves(), (), (BASE, OTHER), begun=before).run().final.candidates == ()
+    assert Search(Waves(), (), (BASE, OTHER), start=WarmStart(begun=before)).run().final.candidates == ()

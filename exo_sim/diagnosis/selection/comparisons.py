@@ -2,11 +2,10 @@
 
 from __future__ import annotations
 
-import math
 from collections.abc import Sequence
 
 from exo_sim.diagnosis.policy import acceptance
-from exo_sim.diagnosis.selection.evidence import Evidence, compare, is_accepted, negative_log_likelihood
+from exo_sim.diagnosis.selection.evidence import Evidence, compare, is_accepted, negative_log_likelihood, price_of_parameter
 from exo_sim.diagnosis.selection.fitted_model import FittedModel
 from exo_sim.diagnosis.selection.model_fits import ModelFits
 
@@ -36,8 +35,8 @@ class Comparisons:
         return is_accepted(evidence, self.baseline.fit, without.fit, with_it.fit, self._practical_significance, stands)
 
     def price(self, models: Sequence[FittedModel]) -> float:
-        """Return the log-likelihood that one more parameter must bring (Schwarz), on the independent rows of the best of these."""
-        return 0.5 * math.log(max(self.fits.effective_sample_size(models), 2.0))
+        """Return the log-likelihood that one more parameter must bring, on the independent rows of the best of these."""
+        return price_of_parameter(self.fits.effective_sample_size(models))
 
     def ranked(self, models: Sequence[FittedModel]) -> list[FittedModel]:
         """Return models by log-likelihood less the price of their parameters, best first."""

@@ -51,6 +51,11 @@ def negative_log_likelihood(fit: Fit, effective_rows: float) -> float:
     return 0.5 * effective_rows * misfit(fit.sse / max(fit.residual.size, 1)) + 0.5 * fit.penalty
 
 
+def price_of_parameter(rows: float) -> float:
+    """Return the log-likelihood that a parameter must bring on so many independent rows (Schwarz 1978)."""
+    return 0.5 * math.log(max(rows, 2.0))
+
+
 def compare(rows: Blocked, without: Fit, with_it: Fit, added: int, candidates: int) -> Evidence:
     """Return how much better `with_it` explains the training data than `without`.
 
@@ -64,7 +69,7 @@ def compare(rows: Blocked, without: Fit, with_it: Fit, added: int, candidates: i
     a, b = without.sse, with_it.sse
     effective = n / correlation_time(with_it.residual, rows.blocks)
     gain = negative_log_likelihood(without, effective) - negative_log_likelihood(with_it, effective)
-    odds = (gain - 0.5 * added * math.log(max(effective, 2.0))) / math.log(10.0) - math.log10(max(candidates, 1))
+    odds = (gain - added * price_of_parameter(effective)) / math.log(10.0) - math.log10(max(candidates, 1))
     explainable = max(a - min(n, b), 1e-12)
     per_block = np.bincount(rows.blocks, weights=without.residual**2 - with_it.residual**2)
     gains = per_block[np.bincount(rows.blocks) > 0]
@@ -79,7 +84,7 @@ def _beside_discrepancy(rows: Blocked, without: Fit, with_it: Fit, added: int) -
     process = noise_model(with_it.residual, rows.blocks)
     poorer, richer = process.whitened(without.residual), process.whitened(with_it.residual)
     gain = 0.5 * float(poorer @ poorer - richer @ richer) + 0.5 * (without.penalty - with_it.penalty)
-    return (gain - 0.5 * added * math.log(max(rows.size, 2))) / math.log(10.0)
+    return (gain - added * price_of_parameter(rows.size)) / math.log(10.0)
 
 
 def is_accepted(

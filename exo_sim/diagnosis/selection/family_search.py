@@ -25,7 +25,7 @@ from exo_sim.diagnosis.policy.priors import LEAST_NOISE
 from exo_sim.diagnosis.policy.recordings import FEWEST_ROWS
 from exo_sim.diagnosis.policy.verdicts import NIL
 from exo_sim.diagnosis.selection.comparisons import Comparisons
-from exo_sim.diagnosis.selection.evidence import Evidence
+from exo_sim.diagnosis.selection.evidence import Evidence, price_of_parameter
 from exo_sim.diagnosis.selection.fitted_model import FittedModel, SearchResult, exceeds_healthy_limit, is_more_than_healthy
 from exo_sim.diagnosis.selection.laws import Law, errors_about
 from exo_sim.diagnosis.selection.linear_evidence import LinearEvidence, Posterior, Spreads
@@ -119,8 +119,8 @@ class FamilySearch:
 
     def _evidence_of(self, model: FittedModel, spreads: Spreads) -> float:
         """Return the logarithm of a fitted model's evidence: of what it leaves, parameters paid for, names as common as they are."""
-        price = 0.5 * math.log(max(self.fits.model.size / self.weighing.correlation_time, 2.0)) * model.parameter_count
-        common = sum(c.prior_log_odds for c in model.candidates if not c.is_law)
+        price = price_of_parameter(self.fits.model.size / self.weighing.correlation_time) * model.parameter_count
+        common = sum(c.prior_log_odds for c in model.candidates)
         own = replace(spreads, noise=max(rms(model.fit.residual), float(LEAST_NOISE)))
         return self._of_remainder(model.fit.residual, own)[0] - 0.5 * model.fit.penalty - price + common
 
@@ -155,7 +155,7 @@ class FamilySearch:
         Asked where these leave nothing but noise: a law that the rig has bends further than a line does. Each model is held against the
         noise and the discrepancy that it leaves itself, as subsets are: a machine may be quieter than its sensors' noise is taken for.
         """
-        price = 0.5 * math.log(max(self.fits.model.size, 2)) * (final.parameter_count - baseline.parameter_count)
+        price = price_of_parameter(self.fits.model.size) * (final.parameter_count - baseline.parameter_count)
         gain = self._evidence_left(final, spreads) - self._evidence_left(baseline, spreads) - price
         return gain + sum(c.prior_log_odds for c in final.candidates) > acceptance.LEAST_ODDS * math.log(10.0)
 

@@ -11,8 +11,6 @@ becomes more probable (Schwarz's price of its parameters, and the prior odds of 
 
 from __future__ import annotations
 
-import math
-
 import numpy as np
 from numpy.typing import NDArray
 
@@ -20,6 +18,7 @@ from exo_sim.diagnosis.estimation.candidate import Candidate, drop_orphans
 from exo_sim.diagnosis.estimation.least_squares import prior_terms
 from exo_sim.diagnosis.estimation.noise_model import noise_model
 from exo_sim.diagnosis.estimation.threads import SERIAL, Threads
+from exo_sim.diagnosis.selection.evidence import price_of_parameter
 from exo_sim.diagnosis.selection.fitted_model import FittedModel, LeastSquaresModel
 
 Array = NDArray[np.float64]
@@ -50,7 +49,7 @@ def jointly_pruned(model: LeastSquaresModel, now: FittedModel, threads: Threads 
         np.vstack([process.whitened(now.fit.jacobian), jac]),
         np.vstack([process.whitened(np.column_stack([base, *changes])), _zeros_below(rows, len(changes))]),
     )
-    price = 0.5 * math.log(max(base.size, 2))
+    price = price_of_parameter(base.size)
     at_bound = {q for q in parameters if not q.low < now.fit.values[q] < q.high}
 
     def cost(kept: tuple[Candidate, ...]) -> float:

@@ -77,7 +77,12 @@ class Candidate:
     @property
     def prior_log_odds(self) -> float:
         """Logarithm of the odds that a machine has it, before any data; nothing for or against a law."""
-        return 0.0 if self.is_law else math.log(self.prevalence / (1.0 - self.prevalence))
+        return 0.0 if self.is_law else self.prevalence_log_odds
+
+    @property
+    def prevalence_log_odds(self) -> float:
+        """Logarithm of the odds of `prevalence`, of a law as well: where laws are alternatives of each other."""
+        return math.log(self.prevalence / (1.0 - self.prevalence))
 
     @property
     def label(self) -> str:

@@ -231,7 +231,7 @@ class SubsetWeighing:
             base = candidate.prerequisite
             if base and base not in self.standing and not any(t.group in groups and t.candidate.effect == base for t in chosen.terms):
                 return -math.inf
-            total += math.log(candidate.prevalence / (1.0 - candidate.prevalence)) - math.log(alternatives)
+            total += candidate.prevalence_log_odds - math.log(alternatives)
         return total
 
     def _at(self, bend: int, term: int) -> At:

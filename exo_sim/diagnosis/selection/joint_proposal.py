@@ -7,7 +7,8 @@ With r the residual of a fitted model, J its Jacobian and s_g the signatures of 
 
 whitened by an ARMA(1,1) process that stands for noise and discrepancy (`estimation.noise_model`), d without information but its priors.
 The evidence of any subset of the a_g then needs one Cholesky factor. Subsets are searched from none upwards and from all downwards, by
-additions, removals and exchanges. What is proposed is fitted and judged like any other model.
+additions, removals and exchanges. What is proposed is fitted and judged like any other model; `linear_evidence` says how that differs from
+the evidence of a linear family, which is the answer itself.
 """
 
 from __future__ import annotations
@@ -18,7 +19,7 @@ from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.linalg.lapack import dpotrf, dpotrs
+from scipy.linalg.lapack import dpotrs
 
 from exo_sim.diagnosis.estimation.budget import IsSpent, never
 from exo_sim.diagnosis.estimation.candidate import Candidate
@@ -30,6 +31,7 @@ from exo_sim.diagnosis.findings import Kind
 from exo_sim.diagnosis.policy.budgets import ADAPTED
 from exo_sim.diagnosis.policy.priors import SIGN_SLACK, WRONG_SIGN
 from exo_sim.diagnosis.selection.fitted_model import FittedModel, LeastSquaresModel
+from exo_sim.diagnosis.selection.linear_evidence import factored
 from exo_sim.diagnosis.selection.score_test import Sizes, law_signatures, signature, spread_of
 
 Array = NDArray[np.float64]
@@ -204,9 +206,7 @@ class _Weighing:
             return -math.inf, np.zeros(0)
         at = np.concatenate([self._of[i] for i in chosen])
         normal = self._normal[np.ix_(at, at)] + np.eye(len(at))
-        factor, failed = dpotrf(normal, lower=1, clean=1)  # thousands of subsets: checks take longer than the factors
-        if failed:
-            raise np.linalg.LinAlgError("the evidence of a subset is not finite")
+        factor = factored(normal)
         amplitudes = dpotrs(factor, self._pull[at], lower=1)[0]
         value = 0.5 * float(self._pull[at] @ amplitudes) - float(np.sum(np.log(np.diag(factor))))
         spreads = np.sqrt(np.diag(dpotrs(factor, np.eye(len(at)), lower=1)[0]))

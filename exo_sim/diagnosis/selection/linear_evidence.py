@@ -7,6 +7,10 @@ With y the target, N the background, T the columns of the terms that are present
 tau the correlation time of the residual in rows, which keeps slow errors from counting as often as there are rows. The evidence of a
 subset needs one Cholesky factor. The amplitudes h have half-normal priors about what a healthy machine shows; they and sigma are
 estimated by maximising the evidence (empirical Bayes). A size of one sign has a half-normal prior, and no evidence on the other side.
+
+`joint_proposal` weighs subsets by the same kind of evidence for another end: there terms are signatures about one fit, rows are whitened by
+a process taken from its residual, and what comes out is only where the next fit begins. Here the target is the data themselves, noise and
+discrepancy are estimated with each subset, and the evidence is what the answer rests on.
 """
 
 from __future__ import annotations
@@ -60,6 +64,20 @@ class Posterior:
     left: Array
 
 
+def factored(precision: Array) -> Array:
+    """Return the lower Cholesky factor of a posterior precision in units of the prior, shape (m, m).
+
+    LAPACK is called as it is: of tens of thousands of subsets SciPy's checks take longer than the factors.
+
+    Raises:
+        LinAlgError: the precision is not finite.
+    """
+    factor, failed = dpotrf(precision, lower=1, clean=1)
+    if failed:
+        raise LinAlgError("the evidence of a subset is not finite")
+    return np.asarray(factor)
+
+
 @dataclass(frozen=True)
 class _Cleared:
     """All terms in units of their spreads, projected clear of background and discrepancy, for one set of spreads.
@@ -111,9 +129,7 @@ class LinearEvidence:
             return cleared.log_evidence
         first = len(self._always)
         at = np.concatenate([self._columns[j] for j in subset]) - first
-        factor, failed = dpotrf(cleared.normal[at[:, None], at], lower=1, clean=1)
-        if failed:
-            raise LinAlgError("the evidence of a subset is not finite")
+        factor = factored(cleared.normal[at[:, None], at])
         half = dtrtrs(factor, cleared.pull[at], lower=1)[0]
         if (dtrtrs(factor, half, lower=1, trans=1)[0][self._one_sided[at]] < 0.0).any():
             return -math.inf
@@ -136,9 +152,7 @@ class LinearEvidence:
         first = len(self._always)
         if first == 0:
             return _Cleared(normal, moment, evidence)
-        factor, failed = dpotrf(normal[:first, :first], lower=1, clean=1)
-        if failed:
-            raise LinAlgError("the evidence of no term is not finite")
+        factor = factored(normal[:first, :first])
         half = dtrtrs(factor, moment[:first], lower=1)[0]
         evidence += 0.5 * float(half @ half) - float(np.log(factor.diagonal()).sum())
         if not self.bend.terms:
@@ -157,9 +171,7 @@ class LinearEvidence:
         weight = 1.0 / (spreads.noise**2 * correlation_time)
         normal = self._gram[np.ix_(index, index)] * (weight * np.outer(scale, scale))
         normal[np.diag_indices_from(normal)] += 1.0
-        factor, failed = dpotrf(normal, lower=1, clean=1)  # tens of thousands of subsets: SciPy's checks take longer than the factors
-        if failed:
-            raise LinAlgError("the evidence of a subset is not finite")
+        factor = factored(normal)
         moment = self._moment[index] * (weight * scale)
         half = dtrtrs(factor, moment, lower=1)[0] if index.size else moment  # LAPACK complains of no rows
         evidence = -self.bend.target.size / correlation_time * math.log(spreads.noise) - 0.5 * weight * self._square

@@ -2,9 +2,7 @@
 
 from __future__ import annotations
 
-import math
-from collections.abc import Collection, Mapping, Sequence
-from dataclasses import replace
+from collections.abc import Sequence
 
 from exo_sim.diagnosis import wording
 from exo_sim.diagnosis.estimation.parameters import ZERO, FreeParameter
@@ -39,31 +37,6 @@ def small_findings(results: Sequence[SubsystemResult[SubsystemModel]], findings:
                 parameters = {**(before.parameters if before else {}), **entry.parameters}
                 found[at] = Finding(*at, entry.kind, entry.says, parameters, 0.0, 0.0)
     return tuple(found.values())
-
-
-def too_small(one: SubsystemResult[SubsystemModel], left: Mapping[str, float], tested: Collection[str]) -> tuple[Finding, ...]:
-    """Return the findings of a subsystem without which it is missed by no more than healthy machines are, also in time kept back.
-
-    Whatever their odds: what mends a little of what every model gets wrong has great odds in a long recording. Of a balance of forces
-    none: its names are weighed beside that already, and a dip of friction acts in few rows.
-
-    Args:
-        one: Of one subsystem.
-        left: By `effect@where`, the error of the time that was fitted without it [units of the noise].
-        tested: Those that time kept back tests: without them it is missed by more than the noise, and their predictions differ.
-    """
-    if one.model.names_stand_beside_unknown:
-        return ()
-    small = []
-    for finding in one.findings:
-        key = f"{finding.name}@{finding.where}"
-        if key not in tested and left.get(key, math.inf) <= one.model.discrepancy_bound:
-            small.append(finding)
-    names = {(finding.name, finding.where) for finding in small}
-    borne = {(c.prerequisite, c.where) for c in one.named if c.prerequisite and c.at not in names}
-    return tuple(
-        replace(finding, says=wording.small(finding.name, False)) for finding in small if (finding.name, finding.where) not in borne
-    )
 
 
 def _entry(one: SubsystemResult[SubsystemModel], parameter: FreeParameter, error: float) -> Finding | None:

@@ -23,8 +23,7 @@ from exo_sim.diagnosis.data.split import Split, split
 from exo_sim.diagnosis.estimation.budget import Budget
 from exo_sim.diagnosis.estimation.threads import Threads
 from exo_sim.diagnosis.findings import Finding, Kind
-from exo_sim.diagnosis.outcome.finding_probability import doubt
-from exo_sim.diagnosis.outcome.small_findings import too_small
+from exo_sim.diagnosis.outcome.held_out_rules import doubt, is_refuted, too_small
 from exo_sim.diagnosis.pipeline.examine import examine, friction_to_add, left_open, validated
 from exo_sim.diagnosis.pipeline.gas_stage import Searched
 from exo_sim.diagnosis.pipeline.motion_stage import judged_balances
@@ -35,7 +34,7 @@ from exo_sim.diagnosis.selection.finding_removal import without_findings
 from exo_sim.diagnosis.selection.subsystem_result import SubsystemResult
 from exo_sim.diagnosis.selection.unknown_effect import unknown_effects
 from exo_sim.diagnosis.subsystem_model import SubsystemModel
-from exo_sim.diagnosis.validation.held_out import held_out_errors, is_refuted
+from exo_sim.diagnosis.validation.held_out import held_out_errors
 from exo_sim.diagnosis.validation.long_run import Straying, straying
 from exo_sim.physics.effects.unknown import EFFECT as UNKNOWN
 

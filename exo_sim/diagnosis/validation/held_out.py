@@ -181,19 +181,6 @@ def held_out_errors(
     return HeldOutErrors(signals, drops, influence, left, costs, balances, tuple(series), split.test, worth)
 
 
-def is_refuted(drop: float, log10_odds: float, together: bool = False) -> bool:
-    """Return whether validation speaks against a finding: the error hardly falls with it, and its odds are not great.
-
-    Args:
-        drop: The share by which the validation error falls with it.
-        log10_odds: Its odds.
-        together: Whether it was weighed beside all others at once: then others explain most of what it would explain alone.
-    """
-    useless = drop < (validation.LEAST_DROP_TOGETHER if together else validation.LEAST_DROP) and log10_odds < validation.REFUTABLE_ODDS
-    harmful = drop < -validation.MOST_RISE and log10_odds < validation.REFUTABLE_RISE_ODDS
-    return useless or harmful
-
-
 def _signals(compared: Sequence[Comparison]) -> dict[str, SignalFit]:
     """Return the errors of each signal over all recordings."""
     by_signal: dict[str, list[Comparison]] = {}

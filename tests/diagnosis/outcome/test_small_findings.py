@@ -8,11 +8,10 @@ import numpy as np
 import pytest
 from diagnosis import waves
 
-from exo_sim.diagnosis.estimation.candidate import Candidate
 from exo_sim.diagnosis.estimation.least_squares import Fit
 from exo_sim.diagnosis.estimation.parameters import FreeParameter, Target
 from exo_sim.diagnosis.findings import Finding, Kind
-from exo_sim.diagnosis.outcome.small_findings import small_findings, too_small
+from exo_sim.diagnosis.outcome.small_findings import small_findings
 from exo_sim.diagnosis.selection.fitted_model import FittedModel, SearchResult
 from exo_sim.diagnosis.selection.model_fits import ModelFits
 from exo_sim.diagnosis.selection.subsystem_result import SubsystemResult
@@ -61,25 +60,3 @@ def test_nor_what_is_a_finding_or_beside_something_unknown() -> None:
     plain = result((WIDTH, 2.1e-3, 1e-4))
     assert small_findings([plain], [Finding("valve_deadband", "piston", Kind.MISSING_PHYSICS, "", {}, 9.0, 0.5)]) == ()
     assert small_findings([replace(plain, has_unknown=True)], ()) == ()
-
-
-@pytest.mark.parametrize(
-    ("left", "tested", "is_small"), [(1.1, False, True), (3.0, False, False), (1.1, True, False)], ids=["little", "plain", "tested"]
-)
-def test_a_finding_without_which_the_machine_is_missed_no_more_than_a_healthy_one_is_small(
-    left: float, tested: bool, is_small: bool
-) -> None:
-    leak = Finding("piston_leakage", "piston", Kind.MISSING_PHYSICS, "", {}, 80.0, 0.0)
-    one = replace(result(), model=waves.Waves(bound=1.2), findings=(leak,))
-    key = "piston_leakage@piston"
-    found = too_small(one, {key: left}, {key} if tested else ())
-    assert [finding.name for finding in found] == (["piston_leakage"] if is_small else [])
-    assert not found or "beyond doubt" in found[0].says
-
-
-def test_what_another_finding_needs_is_not_small() -> None:
-    heat = Finding("wall_heat_transfer", "piston", Kind.MISSING_PHYSICS, "", {}, 80.0, 0.0)
-    wall = Candidate("moving_wall_temperature", "piston", "form", (WIDTH,), ((1.0,),), prerequisite="wall_heat_transfer")
-    one = replace(result(), model=waves.Waves(bound=1.2), findings=(heat,), named=(wall,))
-    key = "wall_heat_transfer@piston"
-    assert too_small(one, {key: 1.1}, ()) == () and too_small(replace(one, named=()), {key: 1.1}, ()) != ()

@@ -1,4 +1,4 @@
-"""Errors on held-out time: before and after, what each finding is worth, and what validation refutes."""
+"""Errors on held-out time: before and after, and what each finding is worth."""
 
 from __future__ import annotations
 
@@ -19,7 +19,7 @@ from exo_sim.diagnosis.selection.finding_removal import without_findings
 from exo_sim.diagnosis.selection.search import Search
 from exo_sim.diagnosis.selection.subsystem_result import SubsystemResult
 from exo_sim.diagnosis.selection.unknown_effect import unknown_effects
-from exo_sim.diagnosis.validation.held_out import BalanceError, HeldOutErrors, Worth, held_out_errors, is_refuted
+from exo_sim.diagnosis.validation.held_out import BalanceError, HeldOutErrors, Worth, held_out_errors
 
 SPLIT = Split({"recording": ((0.0, 400.0),)})
 
@@ -108,19 +108,6 @@ def test_an_error_counts_against_the_fit_and_the_bound() -> None:
     assert not BalanceError(6.0, 5.5, 5.0, 9.0).newly_exceeds_bound()
     assert BalanceError(0.9, 0.3, 5.0, 0.0).ratio == 0.9  # less than the noise is no better a fit
     assert BalanceError(math.nan, 1.0, 5.0, 0.0).ratio == 0.0
-
-
-@pytest.mark.parametrize(
-    ("drop", "odds", "refuted"),
-    [(0.5, 4.0, False), (0.03, 8.0, True), (-0.6, 24.0, True), (-0.6, 60.0, True), (0.02, 160.0, False), (0.14, 60.0, False)],
-)
-def test_a_finding_stands_where_validation_or_great_odds_support_it(drop: float, odds: float, refuted: bool) -> None:
-    assert is_refuted(drop, odds) is refuted
-
-
-@pytest.mark.parametrize(("drop", "refuted"), [(0.11, False), (0.03, False), (0.01, True), (-0.05, True)])
-def test_less_is_asked_of_what_was_weighed_beside_all_others(drop: float, refuted: bool) -> None:
-    assert is_refuted(drop, 8.0, together=True) is refuted
 
 
 @pytest.mark.parametrize(

@@ -1,0 +1,90 @@
+"""What time kept back says of one finding: the rules by which it may fall, in the order in which they are asked.
+
+1. `is_refuted`: the error hardly falls with it. It is not asked again, and every subsystem is searched anew.
+2. `doubt`: its name is more likely wrong than right whatever its odds. The rest is fitted anew without it.
+3. `too_small`: without it the machine is missed by no more than healthy machines are. It is listed beside the findings.
+
+A finding beside something unknown has passed a harder rule before, with which its search ended (`selection.decision`): its odds leave no
+doubt, and time kept back is predicted better with it, block for block.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Collection, Mapping
+from dataclasses import replace
+
+from exo_sim.diagnosis import wording
+from exo_sim.diagnosis.findings import Finding, Kind
+from exo_sim.diagnosis.outcome.finding_probability import by_share, is_weighed_physics
+from exo_sim.diagnosis.outcome.finding_size import errors_from_nil, may_be_nil
+from exo_sim.diagnosis.policy import validation
+from exo_sim.diagnosis.policy.probability import LEAST_ERRORS, LEAST_PROBABILITY
+from exo_sim.diagnosis.selection.subsystem_result import SubsystemResult
+from exo_sim.diagnosis.subsystem_model import SubsystemModel
+
+
+def is_refuted(drop: float, log10_odds: float, together: bool = False) -> bool:
+    """Return whether validation speaks against a finding: the error hardly falls with it, and its odds are not great.
+
+    Args:
+        drop: The share by which the validation error falls with it.
+        log10_odds: Its odds.
+        together: Whether it was weighed beside all others at once: then others explain most of what it would explain alone.
+    """
+    useless = drop < (validation.LEAST_DROP_TOGETHER if together else validation.LEAST_DROP) and log10_odds < validation.REFUTABLE_ODDS
+    harmful = drop < -validation.MOST_RISE and log10_odds < validation.REFUTABLE_RISE_ODDS
+    return useless or harmful
+
+
+def doubt(finding: Finding, share: float | None, compared: bool = True) -> str:
+    """Return why a name is more likely wrong than right whatever its odds, "" where nothing says so.
+
+    Odds alone do not do: where time kept back tests nothing and the number may be nil, neither speaks for the name. A sensor that is off
+    is off at all times: one that time kept back does not show stands in for something else. Where laws that fit as well leave a number
+    anywhere about nil, the law is in doubt and not the number alone.
+
+    Args:
+        finding: With its odds.
+        share: Of the squared error beyond the noise that is missing without it, what it explains of time kept back; None where nothing
+            was tested.
+        compared: Whether there was time kept back with its signals.
+    """
+    if is_weighed_physics(finding) and errors_from_nil(finding) < LEAST_ERRORS:
+        return "laws of what the rig has that fit as well need none of it: its number is smaller than its own standard error"
+    if share is None:
+        untested = "time that no number was fitted to does not test it"
+        if compared and finding.kind is Kind.SENSOR:
+            return f"{untested}, where a sensor at fault would be as much at fault as before"
+        return f"{untested}, and the interval of its number holds nil" if may_be_nil(finding) else ""
+    if by_share(share) >= LEAST_PROBABILITY:
+        return ""
+    return (
+        f"it explains {100 * share:.0f} % of what is missing without it, on time that no number was fitted to: "
+        "names that explain so little are mostly wrong"
+    )
+
+
+def too_small(one: SubsystemResult[SubsystemModel], left: Mapping[str, float], tested: Collection[str]) -> tuple[Finding, ...]:
+    """Return the findings of a subsystem without which it is missed by no more than healthy machines are, also in time kept back.
+
+    Whatever their odds: what mends a little of what every model gets wrong has great odds in a long recording. Of a balance of forces
+    none: its names are weighed beside that already, and a dip of friction acts in few rows.
+
+    Args:
+        one: Of one subsystem.
+        left: By `effect@where`, the error of the time that was fitted without it [units of the noise].
+        tested: Those that time kept back tests: without them it is missed by more than the noise, and their predictions differ.
+    """
+    if one.model.names_stand_beside_unknown:
+        return ()
+    small = []
+    for finding in one.findings:
+        key = f"{finding.name}@{finding.where}"
+        if key not in tested and left.get(key, math.inf) <= one.model.discrepancy_bound:
+            small.append(finding)
+    names = {(finding.name, finding.where) for finding in small}
+    borne = {(c.prerequisite, c.where) for c in one.named if c.prerequisite and c.at not in names}
+    return tuple(
+        replace(finding, says=wording.small(finding.name, False)) for finding in small if (finding.name, finding.where) not in borne
+    )

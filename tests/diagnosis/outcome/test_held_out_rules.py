@@ -1,0 +1,114 @@
+"""The rules by which a finding falls on time kept back: refuted, doubtful, too small."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from diagnosis import waves
+
+from exo_sim.diagnosis.estimation.candidate import Candidate
+from exo_sim.diagnosis.estimation.least_squares import Fit
+from exo_sim.diagnosis.estimation.parameters import FreeParameter, Target
+from exo_sim.diagnosis.findings import Estimate, Finding, Kind
+from exo_sim.diagnosis.outcome.held_out_rules import doubt, is_refuted, too_small
+from exo_sim.diagnosis.selection.fitted_model import FittedModel, SearchResult
+from exo_sim.diagnosis.selection.model_fits import ModelFits
+from exo_sim.diagnosis.selection.subsystem_result import SubsystemResult
+
+WIDTH = FreeParameter("valve_deadband", "piston", "width", "1", Target.CYLINDER, 0.0025, 0.0, 0.01, (0.0, 0.0025))
+
+
+def named(log10_odds: float, weighed: float | None = None) -> Finding:
+    return Finding("quadratic_drag", "piston", Kind.MISSING_PHYSICS, "", {}, log10_odds, 0.0, probability=weighed)
+
+
+def result(model: waves.Waves, *findings: Finding, named: tuple[Candidate, ...] = ()) -> SubsystemResult[waves.Waves]:
+    """Return a result with these findings and candidates."""
+    final = FittedModel((), Fit((), {}, np.zeros(4), np.zeros((4, 0))))
+    found = SubsystemResult("piston", model, ModelFits(model, ()), SearchResult(final, final), final)
+    return replace(found, findings=findings, named=named)
+
+
+@pytest.mark.parametrize(
+    ("drop", "odds", "refuted"),
+    [(0.5, 4.0, False), (0.03, 8.0, True), (-0.6, 24.0, True), (-0.6, 60.0, True), (0.02, 160.0, False), (0.14, 60.0, False)],
+)
+def test_a_finding_stands_where_validation_or_great_odds_support_it(drop: float, odds: float, refuted: bool) -> None:
+    assert is_refuted(drop, odds) is refuted
+
+
+@pytest.mark.parametrize(("drop", "refuted"), [(0.11, False), (0.03, False), (0.01, True), (-0.05, True)])
+def test_less_is_asked_of_what_was_weighed_beside_all_others(drop: float, refuted: bool) -> None:
+    assert is_refuted(drop, 8.0, together=True) is refuted
+
+
+@pytest.mark.parametrize("share", [0.0, 0.05, 0.14])
+def test_great_odds_do_not_save_a_name_that_explains_little_of_time_kept_back(share: float) -> None:
+    assert f"explains {100 * share:.0f} %" in doubt(named(2000.0), share)
+
+
+@pytest.mark.parametrize("share", [0.3, 0.6, 1.0])
+def test_a_name_that_explains_more_of_it_is_not_in_doubt(share: float) -> None:
+    assert doubt(named(2000.0), share) == ""
+
+
+@pytest.mark.parametrize("weighed", [None, 0.6, 0.99])
+def test_a_name_without_numbers_that_nothing_tested_is_not_in_doubt(weighed: float | None) -> None:
+    assert doubt(named(300.0, weighed), None) == ""
+
+
+@pytest.mark.parametrize(("low", "share", "doubted"), [(0.0, None, True), (2.0, None, False), (0.0, 0.9, False)])
+def test_a_number_that_may_be_nil_and_that_nothing_tested_is_no_name(low: float, share: float | None, doubted: bool) -> None:
+    finding = replace(named(300.0), parameters={"coefficient": Estimate(30.0, "N s^2/m^2", low, 97.0)})
+    assert bool(doubt(finding, share)) is doubted
+
+
+@pytest.mark.parametrize(
+    ("value", "high", "weighed", "doubted"),
+    [(30.0, 257.0, 0.999, True), (30.0, 257.0, None, False), (30.0, 84.0, 0.999, False), (-30.0, 40.0, 0.999, True)],
+)
+def test_a_number_smaller_than_its_error_over_all_laws_is_no_name(
+    value: float, high: float, weighed: float | None, doubted: bool
+) -> None:
+    finding = replace(named(7.0, weighed), parameters={"coefficient": Estimate(value, "N s^2/m^2", min(value, 0.0), high)})
+    assert bool(doubt(finding, 0.9)) is doubted
+
+
+def test_of_several_numbers_one_that_is_not_nil_will_do() -> None:
+    parts = {"conductance_1": Estimate(0.3, "W/K", 0.0, 0.6), "conductance_2": Estimate(0.6, "W/K", 0.3, 0.9)}
+    assert not doubt(replace(named(300.0), name="wall_heat_transfer", parameters=parts), None)
+
+
+@pytest.mark.parametrize(("share", "compared", "doubted"), [(None, True, True), (None, False, False), (0.9, True, False)])
+def test_a_sensor_at_fault_shows_in_time_kept_back_as_well(share: float | None, compared: bool, doubted: bool) -> None:
+    finding = replace(named(300.0), name="sensor_scale", kind=Kind.SENSOR, parameters={"factor": Estimate(1.04, "1", 1.02, 1.06)})
+    assert bool(doubt(finding, share, compared)) is doubted
+
+
+def test_how_quickly_a_dip_falls_does_not_say_that_there_is_one() -> None:
+    parts = {"breakaway": Estimate(300.0, "N", 0.0, 3e4), "velocity": Estimate(0.02, "m/s", 0.018, 0.022)}
+    assert doubt(replace(named(300.0, 0.999), name="stribeck_friction", parameters=parts), 0.9)
+
+
+@pytest.mark.parametrize(
+    ("left", "tested", "is_small"), [(1.1, False, True), (3.0, False, False), (1.1, True, False)], ids=["little", "plain", "tested"]
+)
+def test_a_finding_without_which_the_machine_is_missed_no_more_than_a_healthy_one_is_small(
+    left: float, tested: bool, is_small: bool
+) -> None:
+    leak = Finding("piston_leakage", "piston", Kind.MISSING_PHYSICS, "", {}, 80.0, 0.0)
+    one = result(waves.Waves(bound=1.2), leak)
+    key = "piston_leakage@piston"
+    found = too_small(one, {key: left}, {key} if tested else ())
+    assert [finding.name for finding in found] == (["piston_leakage"] if is_small else [])
+    assert not found or "beyond doubt" in found[0].says
+
+
+def test_what_another_finding_needs_is_not_small() -> None:
+    heat = Finding("wall_heat_transfer", "piston", Kind.MISSING_PHYSICS, "", {}, 80.0, 0.0)
+    wall = Candidate("moving_wall_temperature", "piston", "form", (WIDTH,), ((1.0,),), prerequisite="wall_heat_transfer")
+    one = result(waves.Waves(bound=1.2), heat, named=(wall,))
+    key = "wall_heat_transfer@piston"
+    assert too_small(one, {key: 1.1}, ()) == () and too_small(replace(one, named=()), {key: 1.1}, ()) != ()

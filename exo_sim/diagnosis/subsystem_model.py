@@ -53,7 +53,6 @@ class SubsystemModel(ABC):
         blocks: Block of time of each row, shape (size,).
         hopeless_ratio: Residuals of more than so many times `discrepancy_bound` are not explained by naming effects.
         demands_larger_part: Whether an effect must explain the larger part of what is missing without it wherever something is left.
-        names_stand_beside_unknown: Whether effects were weighed beside a discrepancy, so that their names stand although something is left.
         plant_holds_curves: Whether the curve of an unknown effect can be put into a plant (see `with_unknown`).
         calibrates_pressures: Whether it says what the pressure sensors of its cylinder and their card show: another subsystem of the same
             cylinder then leaves them to it.
@@ -64,7 +63,6 @@ class SubsystemModel(ABC):
     balance: ClassVar[str]
     hopeless_ratio: ClassVar[float] = math.inf
     demands_larger_part: ClassVar[bool] = False
-    names_stand_beside_unknown: ClassVar[bool] = False
     plant_holds_curves: ClassVar[bool] = True
     calibrates_pressures: ClassVar[bool] = False
     is_input_of_others: ClassVar[bool] = False

@@ -37,7 +37,7 @@ def test_a_residual_is_that_of_the_plant_with_its_parameters_changed() -> None:
 def test_what_a_subsystem_does_not_say_is_that_of_the_plainest() -> None:
     model = waves.Waves()
     plant = model.apply({})
-    assert not (model.demands_larger_part or model.names_stand_beside_unknown or model.calibrates_pressures or model.is_input_of_others)
+    assert not (model.demands_larger_part or model.calibrates_pressures or model.is_input_of_others)
     assert model.main_discrepancy(plant).unit == model.discrepancies(plant)[0].unit
     assert model.is_observed(waves.BASE.parameters[0]) and not model.has_bursts(plant) and model.structural_error == 0.0
     assert model.healthy_variants(plant) == () and dict(model.experiments([plant])) == {}

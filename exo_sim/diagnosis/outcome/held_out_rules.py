@@ -76,7 +76,7 @@ def too_small(one: SubsystemResult[SubsystemModel], left: Mapping[str, float], t
         left: By `effect@where`, the error of the time that was fitted without it [units of the noise].
         tested: Those that time kept back tests: without them it is missed by more than the noise, and their predictions differ.
     """
-    if one.model.names_stand_beside_unknown:
+    if one.search.weighed_together:
         return ()
     small = []
     for finding in one.findings:

@@ -90,7 +90,7 @@ def newly_refuted(examination: Examination) -> Refuted:
             key = f"{finding.name}@{finding.where}"
             drop = examination.validation.drops.get(key)
             influence = examination.validation.influence.get(key, 0.0)
-            together = one.model.names_stand_beside_unknown
+            together = one.search.weighed_together
             if drop is not None and influence > policy.LEAST_INFLUENCE and is_refuted(drop, finding.log10_odds, together):
                 useless.append((drop, finding.name, finding.where))
         for drop, name, where in sorted(useless)[:1]:  # without it the others may be worth more

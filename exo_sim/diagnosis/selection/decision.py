@@ -73,14 +73,14 @@ class _Decision(Generic[Model]):
             return replace(result, named=end.candidates)
         accepted = tuple(c for c in end.candidates if not _is_nozzle(c, end))
         final, named, unknown = self._standing(accepted)
-        alone = unknown and not self.model.names_stand_beside_unknown
+        alone = unknown and not self.search.weighed_together
         rejected = self._rejected(accepted, alone)
         if alone:
             final, named = self._beyond_doubt(final, named)
         elif unknown:
             final, named = self._surely_there(final, named)
         errors = self._errors(final)
-        if not unknown and not self.model.names_stand_beside_unknown:
+        if not unknown and not self.search.weighed_together:
             final = without_unneeded(self.fits, final, self.model.structural_error)
         reported = tuple(c for c in named if _is_reported(c, final, errors))
         laws = {q for c in named if c not in reported for q in c.parameters}
@@ -220,7 +220,7 @@ class _Decision(Generic[Model]):
             return left > verdicts.UNKNOWN_VARIANCE and (correlated or left > verdicts.UNKNOWN_WHITE)
         if self._exceeds_what_naming_explains(final):
             return True
-        if self.model.names_stand_beside_unknown:
+        if self.search.weighed_together:
             return math.sqrt(left) > verdicts.PLAINLY_MORE * self.model.discrepancy_bound or self._pattern(final) > verdicts.PATTERN
         explained = (start.sse - end.sse) / max(start.sse - n, 1e-9)
         if explained < verdicts.EXPLAINED and (explained < verdicts.HALFWAY or self._pattern(final) > verdicts.PATTERN):

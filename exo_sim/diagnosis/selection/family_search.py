@@ -65,7 +65,7 @@ class FamilySearch:
         model = self.fits.model
         if model.size < FEWEST_ROWS:
             empty = FittedModel.at({})
-            return SearchResult(empty, empty)
+            return SearchResult(empty, empty, weighed_together=True)
         baseline = self.fits.refined(self.fits.fit(()))
         finalists = self._findings_first(self.weighing.finalists())
         best = finalists[0]
@@ -104,6 +104,7 @@ class FamilySearch:
             unnamed=unnamed(self.weighing, self.basis, best, finalists, posterior),
             least_left=plain.fit.sse,
             undecided=tuple(c for c in passed_over if self._is_strained_without(c, probable, plain)),
+            weighed_together=True,
         )
 
     def _names(self, one: Weighed) -> tuple[Candidate, ...]:

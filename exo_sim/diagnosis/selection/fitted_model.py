@@ -129,6 +129,8 @@ class SearchResult:
         stands_for: By effect and place of nominal numbers that are further off than any data sheet allows, effects that explain as much.
         undecided: Candidates that were weighed as probable and gave way to nuisance parameters that are plainly further off without them.
         interrupted: Whether it ended before everything was explained, because it was asked to.
+        weighed_together: Whether all subsets of effects were weighed beside a model discrepancy: names then stand although something is
+            left, and each explains only what the others leave to it.
     """
 
     baseline: FittedModel
@@ -144,6 +146,7 @@ class SearchResult:
     stands_for: Mapping[tuple[str, str], tuple[str, ...]] = field(default_factory=dict)
     undecided: tuple[Candidate, ...] = ()
     interrupted: bool = False
+    weighed_together: bool = False
 
 
 def is_more_than_healthy(candidate: Candidate, model: FittedModel, errors: Mapping[FreeParameter, float] | None = None) -> bool:

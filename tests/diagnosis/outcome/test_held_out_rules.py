@@ -112,3 +112,10 @@ def test_what_another_finding_needs_is_not_small() -> None:
     one = result(waves.Waves(bound=1.2), heat, named=(wall,))
     key = "wall_heat_transfer@piston"
     assert too_small(one, {key: 1.1}, ()) == () and too_small(replace(one, named=()), {key: 1.1}, ()) != ()
+
+
+def test_names_that_were_weighed_beside_a_discrepancy_are_not_small() -> None:
+    spring = Finding("return_spring", "piston", Kind.MISSING_PHYSICS, "", {}, 80.0, 0.0)
+    one = result(waves.Waves(bound=1.2), spring)
+    assert too_small(one, {"return_spring@piston": 1.1}, ()) != ()
+    assert too_small(replace(one, search=replace(one.search, weighed_together=True)), {"return_spring@piston": 1.1}, ()) == ()

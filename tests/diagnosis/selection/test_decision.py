@@ -150,12 +150,12 @@ def test_a_hole_as_large_as_the_piston_is_at_a_bound_whatever_a_healthy_machine_
 
 @pytest.mark.parametrize(("size", "named"), [(0.5, ["base"]), (8.0, ["base", "shelf"])])
 def test_beside_something_unknown_the_interval_of_a_name_lies_beyond_what_a_healthy_machine_shows(size: float, named: list[str]) -> None:
-    model = type("Beside", (waves.Waves,), {"names_stand_beside_unknown": True})(1.5, slow=6.0, quick=6.0, level=size)
+    model = waves.Waves(1.5, slow=6.0, quick=6.0, level=size)
     shelf = waves.candidate("shelf", "level")
     shelf = replace(shelf, parameters=tuple(replace(q, healthy_limit=0.3) for q in shelf.parameters))
     fits = ModelFits(model, ())
     bare = fits.refined(fits.fit(()))
-    result = decide("piston", model, fits, SearchResult(bare, fits.refined(fits.fit((waves.BASE, shelf), bare))))
+    result = decide("piston", model, fits, SearchResult(bare, fits.refined(fits.fit((waves.BASE, shelf), bare)), weighed_together=True))
     assert result.has_unknown
     assert [one.name for one in result.findings] == named == [c.effect for c in result.final.candidates]
 

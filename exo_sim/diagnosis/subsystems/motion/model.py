@@ -53,7 +53,6 @@ class MotionModel(SubsystemModel):
 
     kind = Subsystem.MOTION
     balance = "force balance"
-    names_stand_beside_unknown = True
     plant_holds_curves = False
 
     def __init__(self, runs: Sequence[MotionRun], nominal: PlantParameters, split: Split, on_test: bool = False,

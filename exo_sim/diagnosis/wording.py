@@ -5,13 +5,14 @@ from __future__ import annotations
 from collections.abc import Sequence
 
 from exo_sim.diagnosis.estimation.candidate import Candidate
+from exo_sim.diagnosis.nominal_numbers import DEAD_VOLUME, FLOW_CAPACITY, PAYLOAD_MASS
 from exo_sim.diagnosis.policy.verdicts import FAR_WORSE, NOTHING_EXPLAINED
 from exo_sim.physics.declaration import declared
 
 #: What a number may stand for that is further off than any data sheet allows.
 STANDS_FOR = {
-    "dead_volume": "a hose, a tank or volume that nobody counted, or a number that is wrong",
-    "flow_capacity": "something that throttles beside the valve, another valve or another gas, or a number that is wrong",
+    DEAD_VOLUME: "a hose, a tank or volume that nobody counted, or a number that is wrong",
+    FLOW_CAPACITY: "something that throttles beside the valve, another valve or another gas, or a number that is wrong",
 }
 
 
@@ -36,7 +37,7 @@ def calibration(name: str, parameter: str, factor: float) -> str:
     if name in declared():
         what = f"{name_of(parameter)} of the {name_of(name)} that the rig has"
         return f"The {what} is {abs(factor - 1.0) * 100:.0f} % {'larger' if factor > 1.0 else 'smaller'} than believed."
-    what = {"payload_mass": "moved mass"}.get(name, part.get(parameter, name_of(name)))
+    what = {PAYLOAD_MASS: "moved mass"}.get(name, part.get(parameter, name_of(name)))
     return f"The {what} is {abs(factor - 1.0) * 100:.1f} % {'larger' if factor > 1.0 else 'smaller'} than believed."
 
 

@@ -18,8 +18,8 @@ from exo_sim.diagnosis.data import open_questions
 from exo_sim.diagnosis.data.machine_data import MachineData
 from exo_sim.diagnosis.data.motion_run import MotionRun
 from exo_sim.diagnosis.data.split import Split
-from exo_sim.diagnosis.estimation.parameters import CARD_OF_PRESSURES
 from exo_sim.diagnosis.findings import Kind
+from exo_sim.diagnosis.nominal_numbers import CARD_OF_PRESSURES, POSITION_DELAY
 from exo_sim.diagnosis.policy.recordings import CORRECTED_PRESSURE
 from exo_sim.diagnosis.selection.subsystem_result import SubsystemResult
 from exo_sim.diagnosis.subsystems.gas.model import GasModel
@@ -75,8 +75,8 @@ def corrected_balances(
             continue
         whole = one.model.over_whole_runs(plant, split)
         faults = {q.parameter for candidate in one.named if candidate.kind is Kind.SENSOR for q in candidate.parameters}
-        if "position.delay" in faults:
-            seconds = plant.sensors["position.delay"]
+        if POSITION_DELAY in faults:
+            seconds = plant.sensors[POSITION_DELAY]
             late |= {data.joint_of(one.where): seconds, f"rod of {one.where}": seconds}
         for index, given in enumerate(whole.inputs):
             behind = _behind_hose(whole, index)

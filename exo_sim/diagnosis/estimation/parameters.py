@@ -10,16 +10,8 @@ from enum import StrEnum
 import numpy as np
 from numpy.typing import NDArray
 
+from exo_sim.diagnosis.nominal_numbers import CARD_OF_PRESSURES, POSITION_DELAY
 from exo_sim.physics.declaration import Effect, declared
-
-#: Delay of both pressures of a cylinder together.
-CARD_OF_PRESSURES = "pressures.delay"
-#: Set pressure of a supply that was not recorded, as a factor on the nominal one.
-SET_PRESSURE = "set_pressure"
-#: Zero of a pressure sensor, which every fit of a gas moves.
-ZERO = "sensor_zero"
-#: Temperature of the gas where a recording begins: of the recording, not of the machine.
-INITIAL_TEMPERATURE = "initial_temperature"
 
 
 class Target(StrEnum):
@@ -137,7 +129,7 @@ def card_delays(sensors: Mapping[str, float]) -> tuple[float, float]:
 
     No sensor shows what is yet to come: a position that seems early has pressures beside it that are late, behind their filter.
     """
-    position = sensors.get("position.delay", 0.0)
+    position = sensors.get(POSITION_DELAY, 0.0)
     return max(position, 0.0), sensors.get(CARD_OF_PRESSURES, 0.0) + max(-position, 0.0)
 
 

@@ -5,8 +5,9 @@ from __future__ import annotations
 import mujoco
 
 from exo_sim.diagnosis.data.machine_data import MachineData
-from exo_sim.diagnosis.estimation.parameters import SET_PRESSURE, FreeParameter
+from exo_sim.diagnosis.estimation.parameters import FreeParameter
 from exo_sim.diagnosis.estimation.uncertainty import bounded_interval, interval
+from exo_sim.diagnosis.nominal_numbers import DEAD_VOLUME, FLOW_CAPACITY, JOINT_DAMPING, JOINT_INERTIA, PAYLOAD_MASS, SET_PRESSURE
 from exo_sim.diagnosis.policy.off_nominal import HELD_WITHIN, MODEL_SHARE
 from exo_sim.diagnosis.selection.nuisance_calibration import Deviation, is_declared
 from exo_sim.diagnosis.selection.subsystem_result import SubsystemResult
@@ -15,7 +16,7 @@ from exo_sim.diagnosis.subsystems.motion.moving_masses import PAYLOAD
 from exo_sim.rig import Correction, JointFactors, Rig
 
 #: Numbers of the rig that every comparison refits.
-REFITTED = ("flow_capacity", "dead_volume", "payload_mass", "joint_inertia", SET_PRESSURE)
+REFITTED = (FLOW_CAPACITY, DEAD_VOLUME, PAYLOAD_MASS, JOINT_INERTIA, SET_PRESSURE)
 #: What is said of a number that was only refitted, within 95 % of data sheets or beyond.
 WITHIN_SHEET_NOTE = "refitted within what a data sheet allows, no finding"
 BEYOND_SHEET_NOTE = "refitted further than a data sheet allows; no finding, for it is uncertain or something without a name bends it"
@@ -63,11 +64,11 @@ def _correction(data: MachineData, off: Deviation) -> Correction | None:
         path = ("effects", parameter.effect, parameter.where, parameter.parameter)
         return Correction(path, nominal * factor, parameter.unit, (nominal * low, nominal * high))
     low, high = bounded_interval(parameter, factor, error)
-    if parameter.effect == "payload_mass":
+    if parameter.effect == PAYLOAD_MASS:
         return _mass(data, parameter, factor, (low, high))
-    if parameter.effect in ("joint_damping", "joint_inertia"):
+    if parameter.effect in (JOINT_DAMPING, JOINT_INERTIA):
         held = data.rig.joint_factors.get(parameter.where, JointFactors())
-        name, nominal = ("inertia_factor", held.inertia) if parameter.effect == "joint_inertia" else ("damping_factor", held.damping)
+        name, nominal = ("inertia_factor", held.inertia) if parameter.effect == JOINT_INERTIA else ("damping_factor", held.damping)
         low, factor, high = (max(number, 1e-3) * nominal for number in (low, factor, high))
         return Correction(("joints", parameter.where, name), factor, "1", (low, high), nominal)
     if parameter.effect == SET_PRESSURE:

@@ -17,9 +17,10 @@ from exo_sim.diagnosis import wording
 from exo_sim.diagnosis.data.machine_data import MachineData
 from exo_sim.diagnosis.discrepancy.curve import Curve
 from exo_sim.diagnosis.estimation.candidate import Candidate
-from exo_sim.diagnosis.estimation.parameters import ZERO, FreeParameter
+from exo_sim.diagnosis.estimation.parameters import FreeParameter
 from exo_sim.diagnosis.estimation.uncertainty import bounded_interval, interval
 from exo_sim.diagnosis.findings import Estimate, Finding, Kind
+from exo_sim.diagnosis.nominal_numbers import ZERO
 from exo_sim.diagnosis.outcome.rig_corrections import corrections
 from exo_sim.diagnosis.outcome.sensor_faults import error_of, is_faulty
 from exo_sim.diagnosis.policy.off_nominal import LEAST_PART

@@ -6,9 +6,10 @@ import math
 from collections.abc import Sequence
 
 from exo_sim.diagnosis import wording
-from exo_sim.diagnosis.estimation.parameters import ZERO, FreeParameter
+from exo_sim.diagnosis.estimation.parameters import FreeParameter
 from exo_sim.diagnosis.estimation.uncertainty import bounded_interval, interval
 from exo_sim.diagnosis.findings import Estimate, Finding, Kind
+from exo_sim.diagnosis.nominal_numbers import ZERO
 from exo_sim.diagnosis.policy.acceptance import SURELY_MORE
 from exo_sim.diagnosis.policy.healthy import ZEROS
 from exo_sim.diagnosis.policy.priors import PRESSURE_ZERO

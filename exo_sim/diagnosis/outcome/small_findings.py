@@ -5,9 +5,10 @@ from __future__ import annotations
 from collections.abc import Sequence
 
 from exo_sim.diagnosis import wording
-from exo_sim.diagnosis.estimation.parameters import ZERO, FreeParameter
+from exo_sim.diagnosis.estimation.parameters import FreeParameter
 from exo_sim.diagnosis.estimation.uncertainty import bounded_interval
 from exo_sim.diagnosis.findings import Estimate, Finding, Kind
+from exo_sim.diagnosis.nominal_numbers import ZERO
 from exo_sim.diagnosis.outcome.rig_corrections import REFITTED
 from exo_sim.diagnosis.outcome.sensor_faults import error_of
 from exo_sim.diagnosis.policy.off_nominal import BEYOND_DOUBT, MODEL_SHARE

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from exo_sim.diagnosis import nominal_numbers
 from exo_sim.diagnosis.policy.number import Number
 
 SURE = Number(
@@ -15,14 +16,14 @@ BEYOND_DOUBT = Number(
     5.0, "standard errors", "what differs by more from its nominal value is listed although it is too small to matter"
 )
 WORTH = {
-    "flow_capacity": Number(0.01, "share", "a valve's area is corrected from here on"),
-    "dead_volume": Number(0.03, "share", "a dead volume is corrected from here on"),
-    "payload_mass": Number(0.005, "share", "a mass is corrected from here on"),
-    "joint_inertia": Number(
+    nominal_numbers.FLOW_CAPACITY: Number(0.01, "share", "a valve's area is corrected from here on"),
+    nominal_numbers.DEAD_VOLUME: Number(0.03, "share", "a dead volume is corrected from here on"),
+    nominal_numbers.PAYLOAD_MASS: Number(0.005, "share", "a mass is corrected from here on"),
+    nominal_numbers.JOINT_INERTIA: Number(
         0.01, "share", "the inertia of a joint is corrected from here on: twice as much as what it weighs, for the period of a swing goes "
         "with its root",
     ),
-    "joint_damping": Number(0.15, "share", "a joint's damping is corrected from here on"),
+    nominal_numbers.JOINT_DAMPING: Number(0.15, "share", "a joint's damping is corrected from here on"),
 }
 LAW_SHARE = Number(
     0.14, "logarithm, one standard deviation",
@@ -37,8 +38,10 @@ OPEN_LAW_SHARE = Number(
     "as the former: the velocity of a Stribeck dip, four times, was 0.27 to 0.52 away",
 )  # fmt: skip
 BEYOND_SHEET = {
-    "payload_mass": Number(3.0, "prior standard deviations", "a mass that a fit moved by more is off, however well it is known what it is"),
-    "joint_inertia": Number(3.0, "prior standard deviations", "the same of an inertia"),
+    nominal_numbers.PAYLOAD_MASS: Number(
+        3.0, "prior standard deviations", "a mass that a fit moved by more is off, however well it is known what it is"
+    ),
+    nominal_numbers.JOINT_INERTIA: Number(3.0, "prior standard deviations", "the same of an inertia"),
 }
 HELD_WITHIN = Number(
     2.0, "prior standard deviations",

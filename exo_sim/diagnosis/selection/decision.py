@@ -14,6 +14,7 @@ from exo_sim.diagnosis.estimation.candidate import Candidate, drop_orphans
 from exo_sim.diagnosis.estimation.parameters import FreeParameter
 from exo_sim.diagnosis.estimation.uncertainty import HALF_WIDTH, bounded_interval
 from exo_sim.diagnosis.findings import Finding, Kind, Rejected
+from exo_sim.diagnosis.nominal_numbers import FORCE_OFFSET
 from exo_sim.diagnosis.policy import verdicts
 from exo_sim.diagnosis.policy.acceptance import BESIDE_DISCREPANCY, CLEAN, STEADY_GAIN
 from exo_sim.diagnosis.selection.candidate_finding import finding_of, with_all_parts, with_twins
@@ -225,7 +226,7 @@ class _Decision(Generic[Model]):
         explained = (start.sse - end.sse) / max(start.sse - n, 1e-9)
         if explained < verdicts.EXPLAINED and (explained < verdicts.HALFWAY or self._pattern(final) > verdicts.PATTERN):
             return True
-        priors = [(q, q.prior) for q in end.parameters if q.prior is not None and q.effect != "offset"]
+        priors = [(q, q.prior) for q in end.parameters if q.prior is not None and q.effect != FORCE_OFFSET]
         strained = any(abs(end.values[q] - mean) > verdicts.STRAINED * spread for q, (mean, spread) in priors)
         return strained and left > verdicts.UNKNOWN_VARIANCE
 

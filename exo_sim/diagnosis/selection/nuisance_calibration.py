@@ -7,9 +7,10 @@ from collections.abc import Collection, Mapping, Sequence
 from dataclasses import dataclass
 
 from exo_sim.diagnosis import wording
-from exo_sim.diagnosis.estimation.parameters import INITIAL_TEMPERATURE, FreeParameter
+from exo_sim.diagnosis.estimation.parameters import FreeParameter
 from exo_sim.diagnosis.estimation.uncertainty import bounded_interval, interval
 from exo_sim.diagnosis.findings import Estimate, Finding, Kind
+from exo_sim.diagnosis.nominal_numbers import DEAD_VOLUME, INITIAL_TEMPERATURE
 from exo_sim.diagnosis.policy.off_nominal import BEYOND_SHEET, LAW_SHARE, MODEL_SHARE, MOVED, OPEN_LAW_SHARE, SURE, WORTH
 from exo_sim.diagnosis.policy.probability import CALIBRATED, UNTESTED
 from exo_sim.diagnosis.selection.fitted_model import FittedModel
@@ -123,7 +124,7 @@ def _calibration(name: str, where: str, parts: Sequence[Deviation]) -> Finding:
     spread = max(math.sqrt(1.0 / sum(weights)), apart, MODEL_SHARE)
     low, high = interval(mean, spread) if is_declared(name) else bounded_interval(parts[0].parameter, mean, spread)
     estimates = {"factor": Estimate(mean, "1", low, high)}
-    if name == "dead_volume":
+    if name == DEAD_VOLUME:
         for one in parts:
             ends = bounded_interval(one.parameter, one.factor, max(one.error, MODEL_SHARE))
             estimates[one.parameter.parameter] = Estimate(one.factor, "1", *ends)

@@ -13,8 +13,9 @@ from dataclasses import replace
 import numpy as np
 from numpy.typing import NDArray
 
-from exo_sim.diagnosis.estimation.parameters import ZERO, FreeParameter
+from exo_sim.diagnosis.estimation.parameters import FreeParameter
 from exo_sim.diagnosis.estimation.uncertainty import covariance
+from exo_sim.diagnosis.nominal_numbers import ZERO
 from exo_sim.diagnosis.policy.acceptance import NEEDED
 from exo_sim.diagnosis.policy.healthy import ZERO_MODEL
 from exo_sim.diagnosis.policy.off_nominal import MODEL_SHARE

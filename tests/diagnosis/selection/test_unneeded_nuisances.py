@@ -6,7 +6,8 @@ import numpy as np
 import pytest
 from diagnosis import waves
 
-from exo_sim.diagnosis.estimation.parameters import ZERO, FreeParameter
+from exo_sim.diagnosis.estimation.parameters import FreeParameter
+from exo_sim.diagnosis.nominal_numbers import ZERO
 from exo_sim.diagnosis.policy.healthy import ZERO_MODEL
 from exo_sim.diagnosis.policy.off_nominal import MODEL_SHARE
 from exo_sim.diagnosis.selection.fitted_model import FittedModel

@@ -10,8 +10,9 @@ import numpy as np
 
 from exo_sim.diagnosis.data.cylinder_run import CylinderRun
 from exo_sim.diagnosis.estimation.candidate import Candidate
-from exo_sim.diagnosis.estimation.parameters import CARD_OF_PRESSURES, FreeParameter, PlantParameters, Target
+from exo_sim.diagnosis.estimation.parameters import FreeParameter, PlantParameters, Target
 from exo_sim.diagnosis.estimation.sensor_error import sensor_error
+from exo_sim.diagnosis.nominal_numbers import CARD_OF_PRESSURES, DEAD_VOLUME, POSITION_DELAY
 from exo_sim.diagnosis.policy import healthy, priors
 from exo_sim.diagnosis.subsystems.gas.healthy_limits import healthy_limit
 from exo_sim.diagnosis.subsystems.gas.place import measured_places, place_of
@@ -125,7 +126,7 @@ def _of_form(effect: Effect, cylinder: str, form: tuple[str, ...], plant: PlantP
     beneath = effect.requires or effect.identification.on_top_of
     own = next((q for q in parameters if q.parameter == effect.identification.of_dead_volume), None)
     dead = {name: float(plant.cylinder[name][0]) for name in ("dead_volume_1", "dead_volume_2")}
-    displaced = tuple((own, ("dead_volume", cylinder, name), 1.0 / volume) for name, volume in dead.items() if own and volume > 0.0)
+    displaced = tuple((own, (DEAD_VOLUME, cylinder, name), 1.0 / volume) for name, volume in dead.items() if own and volume > 0.0)
     one = Candidate(
         effect.name,
         where,
@@ -189,7 +190,7 @@ def _sensor_faults(runs: Sequence[CylinderRun], cylinder: str, joint: str, moves
         found.append(replace(card, form=f"{card.form},card", also=(f"{cylinder}.pressure_2",)))
     if moves:
         column = f"{joint}.position"
-        found += [_delay(column, "position.delay", period, healthy.MOST_CARD_SKEW), _scale(column, "position")]
+        found += [_delay(column, POSITION_DELAY, period, healthy.MOST_CARD_SKEW), _scale(column, "position")]
     return found
 
 

@@ -11,7 +11,8 @@ from collections.abc import Mapping, Sequence
 import numpy as np
 
 from exo_sim.diagnosis.data.cylinder_run import CylinderRun
-from exo_sim.diagnosis.estimation.parameters import INITIAL_TEMPERATURE, FreeParameter, Target
+from exo_sim.diagnosis.estimation.parameters import FreeParameter, Target
+from exo_sim.diagnosis.nominal_numbers import INITIAL_TEMPERATURE
 from exo_sim.diagnosis.policy import priors
 from exo_sim.diagnosis.policy.recordings import FEWEST_OF_CHANNEL, QUIET, QUIET_DRIFT, QUIET_START, STILL_LENGTH
 

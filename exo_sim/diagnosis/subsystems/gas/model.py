@@ -24,6 +24,7 @@ from exo_sim.diagnosis.estimation.least_squares import Fit, fit
 from exo_sim.diagnosis.estimation.parameters import FreeParameter, PlantParameters, card_delays
 from exo_sim.diagnosis.estimation.threads import SERIAL, Threads
 from exo_sim.diagnosis.findings import Finding, Series, Subsystem
+from exo_sim.diagnosis.nominal_numbers import DEAD_VOLUME
 from exo_sim.diagnosis.policy import healthy, priors, significance, verdicts
 from exo_sim.diagnosis.policy.recordings import FEWEST_TO_FIT
 from exo_sim.diagnosis.subsystem_model import Comparison, SubsystemModel
@@ -303,7 +304,7 @@ class GasModel(SubsystemModel):
         return variable if variable == "time" else f"{self.where}.{variable}"
 
     def is_observed(self, parameter: FreeParameter) -> bool:
-        if parameter.effect != "dead_volume":
+        if parameter.effect != DEAD_VOLUME:
             return True
         side = int(parameter.parameter[-1]) - 1
         return any(run.pressure[side] is not None for run in self.runs)

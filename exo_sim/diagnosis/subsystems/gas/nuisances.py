@@ -6,7 +6,8 @@ import math
 from collections.abc import Sequence
 
 from exo_sim.diagnosis.data.cylinder_run import CylinderRun
-from exo_sim.diagnosis.estimation.parameters import SET_PRESSURE, ZERO, FreeParameter, PlantParameters, Target
+from exo_sim.diagnosis.estimation.parameters import FreeParameter, PlantParameters, Target
+from exo_sim.diagnosis.nominal_numbers import DEAD_VOLUME, FLOW_CAPACITY, POSITION_DELAY, SET_PRESSURE, ZERO
 from exo_sim.diagnosis.policy import healthy, priors
 from exo_sim.diagnosis.subsystems.gas.place import measured_places, place_of
 from exo_sim.physics.declaration import declared
@@ -36,9 +37,9 @@ def nuisance_parameters(
     factors = tuple(
         FreeParameter(effect, cylinder, name, "1", Target.FACTOR, 0.1, 0.05, 10.0, (1.0, spread), neutral=1.0)
         for effect, name, spread in (
-            ("flow_capacity", "valve_area", priors.VALVE_AREA),
-            ("dead_volume", "dead_volume_1", priors.DEAD_VOLUME),
-            ("dead_volume", "dead_volume_2", priors.DEAD_VOLUME),
+            (FLOW_CAPACITY, "valve_area", priors.VALVE_AREA),
+            (DEAD_VOLUME, "dead_volume_1", priors.DEAD_VOLUME),
+            (DEAD_VOLUME, "dead_volume_2", priors.DEAD_VOLUME),
         )
         if commanded or name != "valve_area"
     )
@@ -51,7 +52,7 @@ def nuisance_parameters(
     )
     if moves:
         skew, most = priors.CARD_SKEW, healthy.MOST_CARD_SKEW
-        zeros += (FreeParameter("card_delay", cylinder, "position.delay", "s", Target.SENSOR, skew, -most, most, (0.0, skew)),)
+        zeros += (FreeParameter("card_delay", cylinder, POSITION_DELAY, "s", Target.SENSOR, skew, -most, most, (0.0, skew)),)
     if commanded and not supplied:
         widest, spread = 1.0 - float(priors.SENSOR_SCALE_LEAST), priors.SET_PRESSURE
         zeros += (

@@ -16,6 +16,7 @@ from scipy import sparse
 
 from exo_sim.diagnosis.data.motion_run import MotionRun
 from exo_sim.diagnosis.estimation.parameters import PlantParameters
+from exo_sim.diagnosis.nominal_numbers import DRIVE_DELAY, FORCE_OFFSET, PAYLOAD_MASS
 from exo_sim.diagnosis.subsystems.healthy_leak import OUTWARD
 from exo_sim.diagnosis.subsystems.motion.resistance import resistance_along
 from exo_sim.diagnosis.subsystems.motion.rows import Rows
@@ -89,16 +90,16 @@ class Terms:
         sensors = plant.sensors
         moved = self.force + (sensors.get("inertia", 1.0) - 1.0) * (self.force - self.bias) + sensors.get("zero", 0.0) * self.tilt
         exerted = self.passive if self.damping is None else self.passive + (sensors.get("damping", 1.0) - 1.0) * self.damping
-        mass = sensors.get("payload_mass", 1.0)
+        mass = sensors.get(PAYLOAD_MASS, 1.0)
         moved = mass * moved if self.carried is None else moved + (mass - 1.0) * self.carried
-        found = moved - exerted - self.drive - self.external + resisted - sensors.get("offset", 0.0)
+        found = moved - exerted - self.drive - self.external + resisted - sensors.get(FORCE_OFFSET, 0.0)
         for column, lever in self.levers.items():
             found = found + lever * sensors.get(f"{column}.bias", 0.0)
         for column, signal in self.signals.items():
             scale = sensors.get(f"{column}.scale", 1.0)
             if scale != 1.0:
                 found = found + signal * (1.0 - 1.0 / scale)
-        late = sensors.get("drive.delay", 0.0)
+        late = sensors.get(DRIVE_DELAY, 0.0)
         if late != 0.0:
             found = found - late * self.rate
         for name, response in self.uncertain.items():

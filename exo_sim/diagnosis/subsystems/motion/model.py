@@ -22,6 +22,7 @@ from exo_sim.diagnosis.estimation.kept_residuals import KeptResiduals
 from exo_sim.diagnosis.estimation.least_squares import Fit
 from exo_sim.diagnosis.estimation.parameters import FreeParameter, PlantParameters
 from exo_sim.diagnosis.findings import Finding, Series, Subsystem
+from exo_sim.diagnosis.nominal_numbers import DRIVE_DELAY, FORCE_OFFSET, PAYLOAD_MASS, SENSOR_GAIN
 from exo_sim.diagnosis.policy import healthy, significance
 from exo_sim.diagnosis.policy.off_nominal import SURE
 from exo_sim.diagnosis.subsystem_model import Comparison, SubsystemModel
@@ -274,16 +275,16 @@ class MotionModel(SubsystemModel):
         """
         drive = self.runs[0].drive
         columns = sorted(drive.levers, key=lambda column: ("external_force" not in column, "pressure" in column, column))
-        if parameter.effect == "sensor_gain":
+        if parameter.effect == SENSOR_GAIN:
             if "pressure" in parameter.where and "pressure" not in columns[0]:
                 return columns[0], sensor_scale.EFFECT.name, "factor", 1.0 / value
             return parameter.where, sensor_scale.EFFECT.name, "factor", value
-        if parameter.effect != "offset" or not columns:
+        if parameter.effect != FORCE_OFFSET or not columns:
             return None
         return columns[0], sensor_bias.EFFECT.name, "value", -value / float(np.median(drive.levers[columns[0]]))
 
     def late_columns(self, delays: Mapping[str, float], data: MachineData) -> Mapping[str, float]:
-        run, behind = self.runs[0], delays.get("drive.delay", 0.0)
+        run, behind = self.runs[0], delays.get(DRIVE_DELAY, 0.0)
         return {f"{run.joint}.position": max(-behind, 0.0), **dict.fromkeys(run.drive.signals, max(behind, 0.0))}
 
     def experiments(self, plants: Sequence[PlantParameters]) -> Mapping[str, Array]:
@@ -297,7 +298,7 @@ class MotionModel(SubsystemModel):
     def twins_of_number(self, parameter: FreeParameter) -> tuple[str, ...]:
         """One measured force, and all that resists it, in another unit moves another mass; springs and dampers of the MJCF would tell."""
         scaled = all(len(run.drive.levers) == 1 and run.inertia.carried is None and not run.passive.force.any() for run in self.runs)
-        return (sensor_scale.EFFECT.name,) if parameter.effect == "payload_mass" and scaled else ()
+        return (sensor_scale.EFFECT.name,) if parameter.effect == PAYLOAD_MASS and scaled else ()
 
     def indistinguishable(self, findings: Sequence[Finding], fit: Fit) -> Mapping[tuple[str, str], tuple[str, ...]]:
         """Some friction is another one beside a constant force: a force sensor's bias, or what closed the balance."""
@@ -306,7 +307,7 @@ class MotionModel(SubsystemModel):
         twins = {name: twin for name, twin in beside.items() if twin in names}
         if not twins:
             return {}
-        offsets = [q for q in fit.values if q.effect == "offset"]
+        offsets = [q for q in fit.values if q.effect == FORCE_OFFSET]
         bent = any(abs(fit.values[q] - q.prior[0]) > SURE * q.prior[1] for q in offsets if q.prior)
         return {
             (f.name, f.where): tuple(name for name, base in twins.items() if base == f.name or f.name == sensor_bias.EFFECT.name)

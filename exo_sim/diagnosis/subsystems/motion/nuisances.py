@@ -10,6 +10,7 @@ from exo_sim.conventions.undriven import drives
 from exo_sim.diagnosis.data.motion_run import MotionRun
 from exo_sim.diagnosis.estimation.least_squares import fit
 from exo_sim.diagnosis.estimation.parameters import FreeParameter, PlantParameters, Target
+from exo_sim.diagnosis.nominal_numbers import DRIVE_DELAY, FORCE_OFFSET, JOINT_DAMPING, JOINT_INERTIA, PAYLOAD_MASS, SENSOR_GAIN
 from exo_sim.diagnosis.policy import healthy, priors, verdicts
 from exo_sim.diagnosis.policy.recordings import FEWEST_ROWS
 from exo_sim.diagnosis.subsystems.healthy_leak import OUTWARD, external_leaks
@@ -41,18 +42,18 @@ def nuisance_parameters(runs: Sequence[MotionRun], plant: PlantParameters, where
     found = []
     # a free swing scales with its mass: no recording of it holds the mass
     if inertia.has_mass and any(drives(each.driving) for each in runs):
-        found.append(_of_sensor("payload_mass", run.joint, "payload_mass", "1", 0.02, (0.2, 5.0), (1.0, priors.MASS), neutral=1.0))
+        found.append(_of_sensor(PAYLOAD_MASS, run.joint, PAYLOAD_MASS, "1", 0.02, (0.2, 5.0), (1.0, priors.MASS), neutral=1.0))
     unit = "N*m" if run.turning else "N"
-    found.append(_of_sensor("offset", run.joint, "offset", unit, max(spread, 1e-6), (-1e6, 1e6), (0.0, spread)))
+    found.append(_of_sensor(FORCE_OFFSET, run.joint, FORCE_OFFSET, unit, max(spread, 1e-6), (-1e6, 1e6), (0.0, spread)))
     found += [
-        _of_sensor("sensor_gain", column, f"{column}.scale", "1", priors.FORCE_SCALE, reach, (1.0, priors.FORCE_SCALE), neutral=1.0)
+        _of_sensor(SENSOR_GAIN, column, f"{column}.scale", "1", priors.FORCE_SCALE, reach, (1.0, priors.FORCE_SCALE), neutral=1.0)
         for column in _scaled_columns(run)
     ]
     if run.drive.signals:
         skew = priors.CARD_SKEW
-        found.append(_of_sensor("drive_delay", run.joint, "drive.delay", "s", skew, (-10.0 * skew, 10.0 * skew), (0.0, skew)))
+        found.append(_of_sensor("drive_delay", run.joint, DRIVE_DELAY, "s", skew, (-10.0 * skew, 10.0 * skew), (0.0, skew)))
     if run.turning:
-        name = "joint_inertia" if inertia.alone else "inertia"  # beside other joints it also holds what those take of it
+        name = JOINT_INERTIA if inertia.alone else "inertia"  # beside other joints it also holds what those take of it
         found.append(_of_sensor(name, run.joint, "inertia", "1", 0.01, (0.5, 2.0), (1.0, priors.INERTIA), neutral=1.0))
     if float(np.std(inertia.tilt)) > 0.0:
         found.append(_of_sensor("zero", run.joint, "zero", "rad", 0.005, (-0.3, 0.3), (0.0, priors.ANGLE_ZERO)))
@@ -124,6 +125,6 @@ def with_damping_if_too_large(model: MotionModel, nuisances: tuple[FreeParameter
 def with_damping(model: MotionModel, nuisances: tuple[FreeParameter, ...]) -> tuple[FreeParameter, ...]:
     """Return the nuisance parameters and the joint's damping; nothing where there is none or it is among them already."""
     run = model.runs[0]
-    if run.passive.damping is None or model.size < FEWEST_ROWS or any(q.effect == "joint_damping" for q in nuisances):
+    if run.passive.damping is None or model.size < FEWEST_ROWS or any(q.effect == JOINT_DAMPING for q in nuisances):
         return ()
-    return (*nuisances, _of_sensor("joint_damping", run.joint, "damping", "1", 0.1, (0.0, 1.0), (1.0, priors.DAMPING), neutral=1.0))
+    return (*nuisances, _of_sensor(JOINT_DAMPING, run.joint, "damping", "1", 0.1, (0.0, 1.0), (1.0, priors.DAMPING), neutral=1.0))

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import math
 from collections.abc import Mapping, Sequence
 from dataclasses import replace
 from functools import cached_property
@@ -14,7 +13,6 @@ from exo_sim.diagnosis.estimation.candidate import Candidate, drop_orphans
 from exo_sim.diagnosis.estimation.parameters import FreeParameter
 from exo_sim.diagnosis.estimation.uncertainty import HALF_WIDTH, bounded_interval
 from exo_sim.diagnosis.findings import Finding, Kind, Rejected
-from exo_sim.diagnosis.nominal_numbers import FORCE_OFFSET
 from exo_sim.diagnosis.policy import verdicts
 from exo_sim.diagnosis.policy.acceptance import BESIDE_DISCREPANCY, CLEAN, STEADY_GAIN
 from exo_sim.diagnosis.selection.candidate_finding import finding_of, with_all_parts, with_twins
@@ -26,9 +24,9 @@ from exo_sim.diagnosis.selection.fitted_model import (
     is_more_than_healthy,
 )
 from exo_sim.diagnosis.selection.kept_back_gain import gain_in_errors
-from exo_sim.diagnosis.selection.left_beside import left_beside
 from exo_sim.diagnosis.selection.model_fits import ModelFits
 from exo_sim.diagnosis.selection.nuisance_calibration import deviations, refitted_besides
+from exo_sim.diagnosis.selection.remainder import Remainder, has_bursts
 from exo_sim.diagnosis.selection.subsystem_result import SubsystemResult
 from exo_sim.diagnosis.selection.unneeded_nuisances import without_unneeded
 from exo_sim.diagnosis.subsystem_model import SubsystemModel
@@ -112,11 +110,11 @@ class _Decision(Generic[Model]):
     def _standing(self, accepted: tuple[Candidate, ...]) -> tuple[FittedModel, tuple[Candidate, ...], bool]:
         """Return the model and the findings that stand in it, and whether something is unknown beside them."""
         end = self.search.final
-        unknown = self._is_unknown(end, accepted)
+        unknown = self._remainder(end, accepted).is_unknown
         if not self.model.demands_larger_part or unknown or end.fit.sse <= CLEAN * self.model.size:
             return end, accepted, unknown
         final, named = self._with_larger_part(accepted)
-        return final, named, named != accepted and self._is_unknown(final, named)
+        return final, named, named != accepted and self._remainder(final, named).is_unknown
 
     def _rejected(self, accepted: Sequence[Candidate], unknown: bool) -> list[Rejected]:
         search = self.search
@@ -139,7 +137,7 @@ class _Decision(Generic[Model]):
         """Return the findings that stand beside an unknown effect, and the model with nothing but them."""
         end = self.search.final
         apart = [c for c in named if self._stands_alone(c)]
-        kept = drop_orphans([c for c in apart if identification_of(c.effect).applicability.bursts or not self._has_bursts(end)])
+        kept = drop_orphans([c for c in apart if identification_of(c.effect).applicability.bursts or not has_bursts(self.model, end)])
         if not kept:
             return self.search.baseline, kept
         return (final if kept == named else self.fits.fit(kept, end)), kept
@@ -206,47 +204,8 @@ class _Decision(Generic[Model]):
             return None
         return self.model.on_test_time(self.split.validation_as_test())
 
-    def _is_unknown(self, final: FittedModel, named: Sequence[Candidate]) -> bool:
-        """Return whether too much is left for the names to be accepted, or nuisance parameters are strained too far."""
-        start, end, n = self.search.baseline.fit, final.fit, self.model.size
-        if self.search.unnamed:
-            return True
-        if all(not identification_of(c.effect).applicability.bursts for c in named) and self._has_bursts(final):
-            return True
-        left = min(end.sse, self.search.least_left) / n
-        if left < CLEAN or math.sqrt(left) < self.model.discrepancy_bound or self._is_within_healthy_discrepancy(final):
-            return False
-        if not named:
-            correlated = self.fits.correlation_time(end.residual) > verdicts.UNKNOWN_CORRELATION
-            return left > verdicts.UNKNOWN_VARIANCE and (correlated or left > verdicts.UNKNOWN_WHITE)
-        if self._exceeds_what_naming_explains(final):
-            return True
-        if self.search.weighed_together:
-            return math.sqrt(left) > verdicts.PLAINLY_MORE * self.model.discrepancy_bound or self._pattern(final) > verdicts.PATTERN
-        explained = (start.sse - end.sse) / max(start.sse - n, 1e-9)
-        if explained < verdicts.EXPLAINED and (explained < verdicts.HALFWAY or self._pattern(final) > verdicts.PATTERN):
-            return True
-        priors = [(q, q.prior) for q in end.parameters if q.prior is not None and q.effect != FORCE_OFFSET]
-        strained = any(abs(end.values[q] - mean) > verdicts.STRAINED * spread for q, (mean, spread) in priors)
-        return strained and left > verdicts.UNKNOWN_VARIANCE
-
-    def _exceeds_what_naming_explains(self, final: FittedModel) -> bool:
-        return math.sqrt(final.fit.sse / self.model.size) > self.model.hopeless_ratio * self.model.discrepancy_bound
-
-    def _is_within_healthy_discrepancy(self, final: FittedModel) -> bool:
-        """Return whether no more is left than a healthy machine leaves beside what its laws get wrong."""
-        bound = self.model.discrepancy_bound
-        shown = self.model.healthy_discrepancy(self.model.apply(final.fit.values, final.fixed))
-        row = max(self.fits.correlation_time(final.fit.residual), 1.0) * max(bound, 1.0) ** 2
-        return left_beside(final.fit, shown, row) < bound
-
-    def _has_bursts(self, final: FittedModel) -> bool:
-        return self.model.has_bursts(self.model.apply(final.fit.values, final.fixed))
-
-    def _pattern(self, final: FittedModel) -> float:
-        """Return the largest share of what is left that one signal predicts."""
-        left = self.model.discrepancies(self.model.apply(final.fit.values, final.fixed))
-        return max((one.pattern for one in left), default=0.0)
+    def _remainder(self, final: FittedModel, named: Sequence[Candidate]) -> Remainder:
+        return Remainder(self.model, self.fits, self.search, final, named)
 
 
 def _is_reported(candidate: Candidate, model: FittedModel, errors: Mapping[FreeParameter, float]) -> bool:

@@ -34,9 +34,9 @@ ABOUT = {
     "subsystems/motion/candidates.py": {"friction_smoothing", "presliding", "sensor_bias"},
     "subsystems/motion/model.py": {"presliding", "sensor_bias", "sensor_scale"},
     # each law of resistance as columns of a linear problem
-    "subsystems/motion/family.py": {
-        "coulomb_friction", "friction_smoothing", "presliding", "pressure_dependent_friction", "return_spring", "stribeck_friction"
-    },
+    "subsystems/motion/family.py": {"friction_smoothing", "presliding", "stribeck_friction"},
+    "subsystems/motion/law_terms.py": {"coulomb_friction", "pressure_dependent_friction", "return_spring", "stribeck_friction"},
+    "subsystems/motion/scales.py": {"coulomb_friction"},
     # a supply that gives way, stepped with the simulator's own functions
     "subsystems/supply/prediction.py": {"supply_droop", "supply_regulator"},
 }  # fmt: skip

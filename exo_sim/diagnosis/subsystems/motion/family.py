@@ -6,10 +6,8 @@ of Stribeck's dip) there is a term for each of a few. How soon the contact slide
 
 from __future__ import annotations
 
-import itertools
 import math
-from collections.abc import Callable, Mapping, Sequence
-from dataclasses import replace
+from collections.abc import Sequence
 from functools import partial
 
 import numpy as np
@@ -18,28 +16,16 @@ from numpy.typing import NDArray
 from exo_sim.diagnosis.estimation.budget import IsSpent, never
 from exo_sim.diagnosis.estimation.candidate import Candidate
 from exo_sim.diagnosis.estimation.linear_family import Bend, LinearFamily, Term
-from exo_sim.diagnosis.estimation.parameters import FreeParameter, Target
+from exo_sim.diagnosis.estimation.parameters import FreeParameter
 from exo_sim.diagnosis.findings import Kind
 from exo_sim.diagnosis.policy import healthy, priors
-from exo_sim.diagnosis.policy.recordings import VARIED_PRESSURE
-from exo_sim.diagnosis.subsystems.motion.full_scale import full_force, full_travel
+from exo_sim.diagnosis.subsystems.motion.law_terms import LawTerms
 from exo_sim.diagnosis.subsystems.motion.model import MotionModel
-from exo_sim.physics.declaration import declared
-from exo_sim.physics.effects import (
-    coulomb_friction,
-    friction_smoothing,
-    presliding,
-    pressure_dependent_friction,
-    return_spring,
-    stribeck_friction,
-)
+from exo_sim.diagnosis.subsystems.motion.scales import MotionScales
+from exo_sim.physics.effects import friction_smoothing, presliding, stribeck_friction
 
 Array = NDArray[np.float64]
-Values = Mapping[FreeParameter, float]
 
-#: Speeds of Stribeck's dip that are tried, between these shares of the least and the greatest speed that occurred; its exponents.
-DIPS, DIP_LOW, DIP_HIGH = 11, 0.7, 0.2
-EXPONENTS = (0.6, 1.0, 2.0)
 #: Softnesses of the dry contact that are tried: travel before a piston slides [m], or a joint [rad].
 PISTON_STIFFNESS = (5.5e5, 4e5, 3e5, 2e5, 1e5, 5e4, 2.5e4, 1.2e4, 6e3)
 JOINT_TRAVEL = (2e-3, 5e-3, 1e-2, 3e-2)
@@ -47,8 +33,6 @@ JOINT_TRAVEL = (2e-3, 5e-3, 1e-2, 3e-2)
 CREEPS, CREEP_LOW, CREEP_HIGH = 6, 0.3, 0.05
 #: Effects that say how a contact begins to slide: they bend every law of dry friction.
 _BENDING = (presliding.EFFECT.name, friction_smoothing.EFFECT.name)
-#: Dry laws are differenced by this share of the level of friction.
-STEP = 0.3
 #: What friction may depend on that no effect of the list says: place and time.
 UNNAMED = ("position", "time")
 
@@ -78,27 +62,9 @@ class _Builder:
 
     def __init__(self, model: MotionModel, nuisances: tuple[FreeParameter, ...], candidates: Sequence[Candidate]):
         self.model, self.nuisances, self.candidates = model, nuisances, candidates
-        self.run = model.runs[0]
-        lacking = model.residual({})
-        missing = float(np.std(lacking * model.scale)) if lacking.size else 0.0
-        arm = self.run.drive.usual_arm
-        known = float(model.nominal.cylinder[coulomb_friction.EFFECT.name]["force"][0])
-        self.level = max(known, 0.5 * missing / arm, 1e-9)
-        effort = max(run.effort for run in model.runs)
-        self.size = max(missing, priors.LEAST_FORCE_SIZE * effort) / model.noise if model.noise else 1.0
-        speed = np.abs(np.concatenate([run.kinematics.velocity for run in model.runs]))
-        moving = speed[speed > self.run.kinematics.still]
-        self.slowest = max(float(np.percentile(moving, 1.0)), model.slowest_resolved) if moving.size else 1e-6
-        self.fastest = float(np.percentile(moving, 99.0)) if moving.size else 1.0
-        self.travel = max(float(np.std(np.concatenate([run.kinematics.position for run in model.runs]))), 1e-9)
-        gauge = np.concatenate([np.maximum(run.drive.gauge, 0.0).sum(axis=1) for run in model.runs])
-        self.pressure = float(np.mean(gauge))
-        both = np.concatenate([run.drive.gauge for run in model.runs])
-        self.two_pressures = bool((np.ptp(both, axis=0) > VARIED_PRESSURE * self.pressure).all())
-        self.has_pressure = self.pressure > 0.0 and float(np.std(gauge)) > VARIED_PRESSURE * self.pressure
+        self.run, self.scales = model.runs[0], MotionScales.of(model)
         self.unnamed = self._of_place_and_time(model.friction / model.noise if model.noise else 1.0)
-        self.standing_level = self._standing_level(float(gauge.max(initial=0.0)))
-        self._level = FreeParameter(coulomb_friction.EFFECT.name, model.where, "force", "N", Target.CYLINDER, 1.0, 0.0, 1e9)
+        self.laws = LawTerms(model, nuisances, candidates, self.scales)
 
     def family(self, bent: bool, creeps: Sequence[float], is_spent: IsSpent) -> LinearFamily:
         bends = [] if creeps else [self._bend(None, {})]
@@ -133,9 +99,10 @@ class _Builder:
     def _bending(self, effect: str) -> list[float]:
         """Return the values at which an effect on the contact is tried."""
         if effect == friction_smoothing.EFFECT.name:
-            return list(np.geomspace(CREEP_LOW * self.slowest, max(CREEP_HIGH * self.fastest, 1.01 * CREEP_LOW * self.slowest), CREEPS))
+            low, high = CREEP_LOW * self.scales.slowest, CREEP_HIGH * self.scales.fastest
+            return list(np.geomspace(low, max(high, 1.01 * CREEP_LOW * self.scales.slowest), CREEPS))
         turning = self.run.turning and self.run.cylinder is None
-        return [self.level / travel for travel in JOINT_TRAVEL] if turning else list(PISTON_STIFFNESS)
+        return [self.scales.level / travel for travel in JOINT_TRAVEL] if turning else list(PISTON_STIFFNESS)
 
     def _bend(self, candidate: Candidate | None, values: dict[FreeParameter, float], alternatives: int = 1) -> Bend:
         residual = partial(self.model.residual, fixed=tuple(values.items()))
@@ -145,217 +112,8 @@ class _Builder:
             mean, spread = q.prior or (0.0, 1.0)
             columns.append(residual({q: mean + spread}) - nominal)
         background = np.column_stack(columns) if columns else np.zeros((nominal.size, 0))
-        terms = [term for one in self.candidates for term in self._terms(one, residual)]
+        terms = [term for one in self.candidates if one.effect not in _BENDING for term in self.laws.terms(one, residual)]
         terms += self.unnamed
         # a term that hangs on others' numbers comes behind them
         terms.sort(key=lambda term: term.candidate.effect == stribeck_friction.EFFECT.name)
         return Bend(candidate, values, -nominal, background, tuple(terms), alternatives)
-
-    def _terms(self, candidate: Candidate, residual: Callable[[dict[FreeParameter, float]], Array]) -> list[Term]:
-        if candidate.effect in _BENDING:
-            return []
-        if candidate.effect == stribeck_friction.EFFECT.name:
-            return self._dips(candidate, residual)
-        if candidate.effect == return_spring.EFFECT.name:
-            return self._spring(candidate, residual)
-        if candidate.effect == pressure_dependent_friction.EFFECT.name:
-            return self._of_pressure(candidate, residual)
-        return self._in_proportion(candidate, residual)
-
-    def _of_pressure(self, candidate: Candidate, residual: Callable[[dict[FreeParameter, float]], Array]) -> list[Term]:
-        """Return one form of friction that grows with pressure, where pressure varies; of two that are the same here the first."""
-        forms = [one for one in self.candidates if one.effect == candidate.effect]
-        if not self.has_pressure or (candidate is not forms[0] and not self.two_pressures):
-            return []
-        alternatives = len(forms) if self.two_pressures else 1
-        return [replace(term, alternatives=alternatives) for term in self._in_proportion(candidate, residual)]
-
-    def _about(self, residual: Callable[[dict[FreeParameter, float]], Array]) -> tuple[dict[FreeParameter, float], Array]:
-        """Return the parameters about which terms are formed, a contact that slides, and the residual there."""
-        about = {self._level: self.level}
-        return about, residual(about)
-
-    def _in_proportion(self, candidate: Candidate, residual: Callable[[dict[FreeParameter, float]], Array]) -> list[Term]:
-        never_nil = [q for q in candidate.parameters if q.low > q.neutral]
-        if never_nil:
-            return self._shaped(candidate, never_nil, residual)
-        about, base = self._about(residual)
-        columns = []
-        for q in candidate.parameters:
-            step = self._step(q)
-            changed = {**about, q: self.level + step} if q.slot == self._level.slot else {**about, q: q.neutral + step}
-            if q.slot == self._level.slot:
-                changed.pop(self._level)
-            columns.append((residual(changed) - base) / step)
-        hidden = [q for q, column in zip(candidate.parameters, columns, strict=True) if not _shows(column)]
-        if hidden:
-            return self._shaped(candidate, hidden, residual)
-        known = self._known_of(self._absorbed(candidate))
-        if known is not None:
-            return [self._about_known(candidate, known, columns)]
-        one_sided = tuple(q.low >= q.neutral for q in candidate.parameters)
-
-        def parameters(sizes: Array, before: Values) -> dict[FreeParameter, float]:
-            return {q: q.neutral + float(size) for q, size in zip(candidate.parameters, sizes, strict=True)}
-
-        group = candidate.kind.value if candidate.kind is Kind.SENSOR else self._group(candidate)
-        return [Term(candidate, np.column_stack(columns), self._spread(columns), one_sided, parameters, group)]
-
-    def _about_known(self, candidate: Candidate, known: FreeParameter, columns: Sequence[Array]) -> Term:
-        """Return what the richer form of an effect that the rig has tells apart, about the number that is fitted of the poorer one.
-
-        Args:
-            candidate: The richer form, of two numbers.
-            known: The poorer form's number, a nuisance parameter.
-            columns: What each of the two adds.
-        """
-        first, second = candidate.parameters
-        apart = columns[0] - columns[1]
-
-        def parameters(sizes: Array, before: Values) -> dict[FreeParameter, float]:
-            level, half = before[known], float(sizes[0])
-            return {first: max(level + half, 0.0), second: max(level - half, 0.0)}
-
-        return Term(candidate, apart[:, None], self._spread([apart]), (False,), parameters, self._group(candidate))
-
-    def _shaped(
-        self, candidate: Candidate, hidden: Sequence[FreeParameter], residual: Callable[[dict[FreeParameter, float]], Array]
-    ) -> list[Term]:
-        """Return a term for each of a few shapes of a law; its shape are parameters that cannot be nil, or show nothing alone.
-
-        None where they show nothing beside a size either: then no motion of this recording asks for them.
-        """
-        sizes = [q for q in candidate.parameters if q not in hidden]
-        about, base = self._about(residual)
-        terms = []
-        for shape in itertools.product(*(self._shapes(q) for q in hidden)):
-            fixed = dict(zip(hidden, shape, strict=True))
-            columns = [(residual({**about, **fixed, q: q.neutral + self._step(q)}) - base) / self._step(q) for q in sizes]
-
-            def parameters(amplitudes: Array, before: Values, fixed: Values = fixed) -> dict[FreeParameter, float]:
-                return {**fixed, **{q: q.neutral + float(size) for q, size in zip(sizes, amplitudes, strict=True)}}
-
-            if columns and all(_shows(column) for column in columns):
-                one_sided = tuple(q.low >= q.neutral for q in sizes)
-                terms.append(Term(candidate, np.column_stack(columns), self._spread(columns), one_sided, parameters, candidate.effect))
-        differ = any(_shows(one.columns - terms[0].columns) for one in terms)
-        return [replace(term, alternatives=len(terms)) for term in terms] if differ else []
-
-    def _shapes(self, parameter: FreeParameter) -> list[float]:
-        """Return the values at which a shape is tried: speeds among those that occurred, else over its typical range."""
-        low, high = parameter.low, parameter.high
-        if parameter.unit in ("m/s", "rad/s"):
-            low, high = max(low, DIP_LOW * self.slowest), min(high, self.fastest)
-        elif parameter.effect in declared():
-            low, high = declared()[parameter.effect].parameter(parameter.parameter).typical
-        return list(np.geomspace(low, high, DIPS) if 0.0 < low < high else np.linspace(low, high, DIPS))
-
-    @staticmethod
-    def _absorbed(candidate: Candidate) -> str:
-        """Return the effect of which this one is the richer form, "" where there is none."""
-        effect = declared().get(candidate.effect)
-        return effect.absorbs[0][0] if effect and effect.absorbs else ""
-
-    def _known_of(self, effect: str) -> FreeParameter | None:
-        """Return the nuisance parameter that says how large an effect is which the nominal machine has; None where it has not."""
-        return next((q for q in self.nuisances if q.effect == effect and q.prior is not None and q.prior[0] > 0.0), None)
-
-    def _group(self, candidate: Candidate) -> str:
-        """Return the group of an effect: that of the effect of which it is the richer form."""
-        return self._absorbed(candidate) or candidate.effect
-
-    def _step(self, parameter: FreeParameter) -> float:
-        """Return by how much a parameter is changed to see what it does: enough for a share of the level of friction."""
-        force = STEP * self.level
-        speed = float(self.fastest)
-        steps = {
-            "N": force, "N*m": force, "N s/m": force / speed, "N*m*s/rad": force / speed, "N s^2/m^2": force / speed**2,
-            "N*m*s^2/rad^2": force / speed**2, "m^2": force / max(self.pressure, 1.0),
-        }  # fmt: skip
-        return steps.get(parameter.unit, parameter.scale) if parameter.effect in declared() else parameter.scale
-
-    def _spread(self, columns: Sequence[Array]) -> Array:
-        """Return the standard deviation of sizes with which each column would make up all that is missing."""
-        return np.array([self.size / float(np.sqrt(np.mean(column**2))) for column in columns])
-
-    def _dips(self, candidate: Candidate, residual: Callable[[dict[FreeParameter, float]], Array]) -> list[Term]:
-        """Return Stribeck's excess over the level of dry friction, at several speeds of its dip."""
-        about, base = self._about(residual)
-        breakaway, velocity, exponent = (
-            next(q for q in candidate.parameters if q.parameter == name) for name in ("breakaway", "velocity", "exponent")
-        )
-        step, most = STEP * self.level, priors.BREAKAWAY * self.level
-        sliding = self.level + self.standing_level  # a breakaway below all that slides is none
-        believable = replace(breakaway, prior=(sliding, priors.BREAKAWAY * sliding))  # below all speeds that occurred it is not seen
-        candidate = replace(candidate, parameters=tuple(believable if q is breakaway else q for q in candidate.parameters))
-        breakaway = believable
-        found = []
-        speeds = np.geomspace(DIP_LOW * self.slowest, max(DIP_HIGH * self.fastest, 1.01 * DIP_LOW * self.slowest), DIPS)
-        for speed, power in itertools.product(map(float, speeds), EXPONENTS):
-            shape = {velocity: speed, exponent: power}
-            flat = residual({**about, breakaway: sliding, **shape}) if self.standing_level > 0.0 else base
-            column = (residual({**about, breakaway: sliding + step, **shape}) - flat) / step
-            if not _shows(column):
-                continue
-
-            def parameters(sizes: Array, before: Values, shape: Values = shape) -> dict[FreeParameter, float]:
-                return {breakaway: self._level_of(before) + max(float(sizes[0]), 0.0), **shape}
-
-            found.append((column, parameters))
-        return [
-            Term(candidate, column[:, None], np.minimum(self._spread([column]), most), (True,), parameters, candidate.effect, len(found))
-            for column, parameters in found
-        ]
-
-    def _standing_level(self, pressure: float) -> float:
-        """Return the most dry friction that the nominal machine has beside Coulomb's, at this pressure above the atmosphere [Pa]."""
-        record = self.model.nominal.cylinder
-        level = float(record[pressure_dependent_friction.EFFECT.name]["coefficient"][0]) * pressure
-        richer = (declared()[name] for name in _richer_than(coulomb_friction.EFFECT.name))
-        return level + max((float(record[one.name][part.name][0]) for one in richer for part in one.parameters), default=0.0)
-
-    def _level_of(self, values: Values) -> float:
-        """Return the level of dry friction that slides, at the pressures that are usual."""
-        level, parts = 0.0, {q.key[::2]: value for q, value in values.items()}
-        names = coulomb_friction.EFFECT.name, pressure_dependent_friction.EFFECT.name
-        record = self.model.nominal.cylinder
-        level += parts.get((names[0], "force"), float(record[names[0]]["force"][0]))
-        level += parts.get((names[1], "coefficient"), float(record[names[1]]["coefficient"][0])) * self.pressure
-        richer = [value for (effect, name), value in parts.items() if effect in _richer_than(names[0])]
-        return level + (sum(richer) / len(richer) if richer else 0.0)
-
-    def _spring(self, candidate: Candidate, residual: Callable[[dict[FreeParameter, float]], Array]) -> list[Term]:
-        """Return a spring by its stiffness and by its force in the middle of the travel, both of which the balance is linear in.
-
-        Where it is slack follows from both, and may lie far outside the travel: springs are preloaded.
-        """
-        stiffness, rest = (next(q for q in candidate.parameters if q.parameter == name) for name in ("stiffness", "rest"))
-        about, base = self._about(residual)
-        near, far = full_travel(self.run, self.model.nominal)
-        middle = min(max(0.5 * (near + far), rest.low), rest.high)
-        aside = rest.high if rest.high - middle > middle - rest.low else rest.low
-        step = STEP * self.level / self.travel
-        slack = residual({**about, stiffness: step, rest: middle})
-        loaded = residual({**about, stiffness: step, rest: aside})
-        columns = [(slack - base) / step, (loaded - slack) / (step * (aside - middle))]
-
-        def parameters(sizes: Array, before: Values) -> dict[FreeParameter, float]:
-            stiff = max(float(sizes[0]), 0.0)
-            place = middle + float(sizes[1]) / stiff if stiff > 0.0 else middle
-            return {stiffness: stiff, rest: min(max(place, rest.low), rest.high)}
-
-        if not _shows(columns[0]):
-            return []
-        full = full_force(self.run, self.model.nominal) / self.run.drive.usual_arm
-        spread = np.maximum(self._spread(columns), [0.0, full])  # a spring is preloaded against all that drives
-        return [Term(candidate, np.column_stack(columns), spread, (True, False), parameters, candidate.effect)]
-
-
-def _richer_than(name: str) -> set[str]:
-    """Return the effects that are richer forms of one."""
-    return {effect.name for effect in declared().values() if any(absorbed == name for absorbed, _ in effect.absorbs)}
-
-
-def _shows(column: Array) -> bool:
-    """Return whether a column is finite and not nil."""
-    return bool(column.size) and bool(np.isfinite(column).all()) and float(np.abs(column).max()) > 0.0

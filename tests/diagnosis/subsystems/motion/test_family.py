@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
 from dataclasses import replace
 
 import numpy as np
@@ -11,16 +10,14 @@ from diagnosis import motion_runs
 from diagnosis.motion_runs import ACCELERATION, MASS, POSITION, TIME, VELOCITY
 
 from exo_sim.diagnosis.data.split import Split
-from exo_sim.diagnosis.estimation.candidate import Candidate
 from exo_sim.diagnosis.estimation.least_squares import Fit
-from exo_sim.diagnosis.estimation.parameters import FreeParameter, Target
 from exo_sim.diagnosis.policy.priors import BREAKAWAY
 from exo_sim.diagnosis.selection.family_search import FamilySearch
 from exo_sim.diagnosis.selection.fitted_model import FittedModel, SearchResult
 from exo_sim.diagnosis.selection.linear_evidence import Spreads
 from exo_sim.diagnosis.selection.model_fits import ModelFits
 from exo_sim.diagnosis.subsystems.motion.candidates import candidates
-from exo_sim.diagnosis.subsystems.motion.family import DIPS, _Builder, motion_family
+from exo_sim.diagnosis.subsystems.motion.family import motion_family
 from exo_sim.diagnosis.subsystems.motion.model import MotionModel
 from exo_sim.diagnosis.subsystems.motion.nuisances import nuisance_parameters
 from exo_sim.diagnosis.subsystems.motion.smoothing import smoothed_alike
@@ -174,34 +171,6 @@ def test_what_no_noise_leaves_open_of_a_law_is_in_the_interval_of_the_level() ->
     (level,) = next(c for c in found.final.candidates if c.effect == "coulomb_friction").parameters
     assert abs(found.final.fit.values[level] - 12.0) < 2.0 * found.errors[level]
     assert 0.06 < found.errors[level] < 0.6
-
-
-def brake(coefficient: FreeParameter, speed: FreeParameter, values: Mapping[FreeParameter, float]) -> np.ndarray:
-    """Return the drag of an eddy-current brake: a law that adds to a balance and has a shape, of which nothing in the package knows."""
-    v = values.get(speed, 0.0)  # nil where the effect is off, and then it brakes nothing
-    return values.get(coefficient, 0.0) * VELOCITY * v**2 / (v**2 + VELOCITY**2 + 1e-12)
-
-
-@pytest.mark.parametrize(("shows", "count"), [(True, DIPS), (False, 0)])
-def test_a_law_from_outside_may_have_a_shape_that_shows_beside_its_size_alone(shows: bool, count: int) -> None:
-    coefficient, speed = (
-        FreeParameter("eddy_brake", "slide", name, unit, Target.CYLINDER, 1.0, low, 1e4)
-        for name, unit, low in (("coefficient", "N s/m", 0.0), ("speed", "m/s", 1e-3))
-    )
-    law = Candidate("eddy_brake", "slide", "coefficient+speed", (coefficient, speed), ((100.0, 0.1),))
-    model = MotionModel([motion_runs.balance(lost(viscous=30.0), 0.3)], motion_runs.plant(), Split({}))
-
-    def residual(values: dict[FreeParameter, float]) -> np.ndarray:
-        return -brake(coefficient, speed, values if shows else {coefficient: values.get(coefficient, 0.0)})
-
-    terms = _Builder(model, (), (law,))._terms(law, residual)
-    assert len(terms) == count
-    for term in terms:
-        found = term.parameters(np.array([50.0]), {})
-        assert found[coefficient] == 50.0 and term.alternatives == DIPS and term.one_sided == (True,)
-        np.testing.assert_allclose(50.0 * term.columns[:, 0], residual(found), rtol=1e-9, atol=1e-9)
-    speeds = [term.parameters(np.array([1.0]), {})[speed] for term in terms]
-    assert speeds == sorted(set(speeds))
 
 
 def test_a_rig_that_knows_its_friction_lacks_no_more_than_any_model_of_it() -> None:

@@ -81,7 +81,8 @@ class Identification:
         starts_by_valve: Initial values by parameter, as many of each, an `area` in units of the valve's.
         starts_by_reach: As `starts`, areas in units of the valve's, lengths in units of half the stroke and counted from where the
             piston comes nearest to an end.
-        starts_by_motion: For an effect on motion, as `starts` from what occurred.
+        starts_by_motion: For an effect on motion, as `starts` from what occurred. Most fits of motion begin where a linear family ended;
+            these are for one that puts the effect into a model anew.
         of_dead_volume: A parameter that owners count among both dead volumes: a fit may begin where it is taken off these.
         within_speeds: Parameters that are speeds at which the law bends: a bend far from the speeds that occurred does not show.
         within_travels: Parameters that are positions near the travel: from far outside it a law that changes along it is a constant.

@@ -1,7 +1,7 @@
-"""What a recording cannot tell from a finding because it shows nothing else of it.
+"""Effects that are practically indistinguishable from a finding: they act as it does, and what they do besides would not show.
 
-An effect that is declared to look like the finding but for something more (play gives at its contacts, as a mount does, and opens where
-its load reverses) is as good a name for it where that something would not show.
+Play gives at its contacts, as a mount does, and opens where its load reverses: where the load never does, it is as good a name for the
+mount. That is declared with the effect, and is no equivalence: the mount is no name for play.
 """
 
 from __future__ import annotations

@@ -6,7 +6,7 @@ from collections.abc import Sequence
 
 from exo_sim.diagnosis.estimation.candidate import Candidate
 from exo_sim.diagnosis.nominal_numbers import DEAD_VOLUME, FLOW_CAPACITY, PAYLOAD_MASS
-from exo_sim.diagnosis.policy.verdicts import FAR_WORSE, NOTHING_EXPLAINED
+from exo_sim.diagnosis.policy.verdicts import FAR_WORSE, HALF_EXPLAINED, NOTHING_EXPLAINED
 from exo_sim.physics.declaration import declared
 
 #: What a number may stand for that is further off than any data sheet allows.
@@ -64,7 +64,7 @@ def no_gain(candidate: Candidate, share: float) -> str:
     """Return why a candidate was not added."""
     if share <= NOTHING_EXPLAINED:
         return "it explains nothing of what is left"
-    if share < 0.5:
+    if share < HALF_EXPLAINED:
         return f"it explains only {100 * share:.0f} % of what is left, no more than a healthy machine shows"
     return "what is left is as small as a healthy machine's, and adding it does not lower it steadily"
 

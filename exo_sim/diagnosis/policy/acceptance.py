@@ -71,8 +71,10 @@ STAYS_WHITE = Number(
     "less would matter",
 )  # fmt: skip
 NEARLY_AS_MUCH = Number(
-    0.93, "share of what the best model explains", "a model with fewer parameters that explains so much is grown in its place"
-)
+    0.93, "share of what another model explains",
+    "a simpler model that explains so much takes its place: one with fewer parameters than the best of those that a search grows from, and "
+    "what stands of a model that was found by asking all candidates together",
+)  # fmt: skip
 AS_MUCH = Number(0.999, "share of what the richer model explains", "a simpler form that explains so much is as good")
 NO_WORSE = Number(
     12.0, "log-likelihood",

@@ -23,6 +23,9 @@ VALVE_AREA = Number(0.10, "share", "what a data sheet allows of a valve's area, 
 DEAD_VOLUME = Number(0.15, "share", "the same of a dead volume")
 PRESSURE_ZERO = Number(500.0, "Pa", "zero of a good pressure sensor")
 FORCE_OF_ZEROS = Number(1200.0, "Pa", "zeros of pressure sensors, as a constant force that no recording can tell from one-sided friction")
+FORCE_UNMEASURED = Number(
+    0.02, "share of the inertial force, one standard deviation", "constant force on a joint of which no force was recorded: it swings free"
+)
 KNOWN_GAS = Number(0.1, "share", "parameters of effects on the gas that the rig has on already: an owner's numbers are estimates")
 KNOWN_FORCE = Number(0.5, "share", "the same of friction and springs: seals wear, and friction in a rig is rarely measured")
 REST_HEAT = Number(2.0, "W/K", "heat that walls take from a gas at rest")

@@ -103,4 +103,11 @@ LEAST_COMPARED = Number(
     "strangers' machines: a stamp of 0.9 kg with a spring has 0.10 and was not judged, a slide of 0.8 kg 0.13; a small cart has 0.43, a "
     "lift 0.76",
 )  # fmt: skip
+NOISY_FALL = Number(
+    1.5, "power of the filter's width",
+    "a change of the acceleration that falls at least so fast between the first widths is noise, white or not",
+    "derived: white noise falls with its 2.5th power; the acceleration of a mass has the spectrum of a force, which does not rise with "
+    "frequency, and falls with its 0.5th",
+)  # fmt: skip
+MOVES = Number(5.0, "standard deviations of the position's noise", "a joint whose position varies by less does not move")
 FEWEST_A_KNOT = Number(5.0, "rows a knot", "fewer do not carry a curve of what is missing")

@@ -85,6 +85,10 @@ OBVIOUS_FAULT = Number(10.0, "log10 of odds", "of a sensor's fault that its colu
 GAUGE_ERROR = Number(2000.0, "Pa", "how far the air pressure of the day is from the rig's: half the interval of a gauge sensor's bias")
 FAR_WORSE = Number(7.0, "log-likelihood", "below the chosen effect, odds of a thousand to one: a rival is said to fit far worse")
 NOTHING_EXPLAINED = Number(0.01, "share of what is left", "a rejected candidate that explains less is said to explain nothing")
+HALF_EXPLAINED = Number(
+    0.5, "share of what is left", "of a rejected candidate that explains less the share is stated; of one that explains more, that it does "
+    "not do so in all blocks of time",
+)  # fmt: skip
 LEAST_LAW_WEIGHT = Number(
     1e-4, "probability in units of the most probable law's", "a law that is less probable does not widen an interval"
 )

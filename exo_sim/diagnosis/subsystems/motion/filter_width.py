@@ -15,7 +15,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from exo_sim.diagnosis.policy.recordings import FILTER_ENDS
+from exo_sim.diagnosis.policy.recordings import FILTER_ENDS, MOVES, NOISY_FALL
 from exo_sim.diagnosis.subsystems.motion.smoothing import smoothing_width
 from exo_sim.recording.filters import RESTORED, gaussian_derivatives, gaussian_width, noise_gain, restored
 from exo_sim.recording.noise import beyond_noise, white_noise
@@ -27,11 +27,6 @@ Array = NDArray[np.float64]
 WIDER = 1.25
 #: The widest filter, as a share of the longest stretch without a jump of the clock: its ends then cost a fifth of it.
 WIDEST = 0.08
-#: Noise that is not white shows as a change that falls at least with this power of the width between the first widths. White noise falls
-#: with its 2.5th; the acceleration of a mass has the spectrum of a force, which does not rise with frequency, and falls with its 0.5th.
-NOISY_FALL = 1.5
-#: A joint whose position varies by less than so many standard deviations of its noise does not move.
-MOVES = 5.0
 
 
 @dataclass(frozen=True)

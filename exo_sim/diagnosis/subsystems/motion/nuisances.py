@@ -36,7 +36,7 @@ def nuisance_parameters(runs: Sequence[MotionRun], plant: PlantParameters, where
     force = float(np.std(forces)) or float(np.std(inertia.force)) or 1.0
     spread = max(priors.FORCE_OF_ZEROS * lever, 1e-4 * force)
     if run.cylinder is None and not run.external_recorded:
-        spread = 0.02 * float(np.std(inertia.force))
+        spread = priors.FORCE_UNMEASURED * float(np.std(inertia.force))
     full = full_force(run, plant) / run.drive.usual_arm
     reach = (float(priors.SENSOR_SCALE_LEAST), float(priors.SENSOR_SCALE_MOST))
     found = []

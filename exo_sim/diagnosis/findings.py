@@ -60,6 +60,11 @@ class Estimate:
         return {"value": self.value, "unit": self.unit, "low": self.low, "high": self.high}
 
 
+def held_out_key(name: str, where: str) -> str:
+    """Return `name@where`, by which errors on held-out time are kept."""
+    return f"{name}@{where}"
+
+
 @dataclass(frozen=True)
 class Finding:
     """One thing that the simulation leaves out or has wrong.
@@ -95,6 +100,16 @@ class Finding:
     probability: float | None = None
     cost: float = 0.0
     also: tuple[str, ...] = ()
+
+    @property
+    def at(self) -> tuple[str, str]:
+        """Name and place."""
+        return self.name, self.where
+
+    @property
+    def key(self) -> str:
+        """Name and place in one word, by which errors on held-out time are kept."""
+        return held_out_key(self.name, self.where)
 
     def at_each_place(self) -> tuple[Finding, ...]:
         """Return the finding at each of its places."""
@@ -161,6 +176,11 @@ class Rejected:
     name: str
     where: str
     why: str
+
+    @property
+    def at(self) -> tuple[str, str]:
+        """Name and place."""
+        return self.name, self.where
 
 
 @dataclass(frozen=True)

@@ -64,4 +64,4 @@ def expected_gain(predicted: Array) -> float:
 
 def in_which(results: Sequence[SubsystemResult[SubsystemModel]], effect: str, where: str) -> SubsystemResult[SubsystemModel] | None:
     """Return the result that names an effect at a place."""
-    return next((one for one in results for f in one.findings if (f.name, f.where) == (effect, where)), None)
+    return next((one for one in results for f in one.findings if f.at == (effect, where)), None)

@@ -80,11 +80,10 @@ def too_small(one: SubsystemResult[SubsystemModel], left: Mapping[str, float], t
         return ()
     small = []
     for finding in one.findings:
-        key = f"{finding.name}@{finding.where}"
-        if key not in tested and left.get(key, math.inf) <= one.model.discrepancy_bound:
+        if finding.key not in tested and left.get(finding.key, math.inf) <= one.model.discrepancy_bound:
             small.append(finding)
-    names = {(finding.name, finding.where) for finding in small}
+    names = {finding.at for finding in small}
     borne = {(c.prerequisite, c.where) for c in one.named if c.prerequisite and c.at not in names}
     return tuple(
-        replace(finding, says=wording.small(finding.name, False)) for finding in small if (finding.name, finding.where) not in borne
+        replace(finding, says=wording.small(finding.name, False)) for finding in small if finding.at not in borne
     )

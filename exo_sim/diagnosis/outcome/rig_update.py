@@ -108,7 +108,7 @@ def rig_update(data: MachineData, results: Sequence[Result], unknown: Sequence[U
     parts: list[Part] = []
     for one in results:
         source = f"{one.model.kind} of {one.name}"
-        reported = {(finding.name, finding.where): finding for finding in one.findings}
+        reported = {finding.at: finding for finding in one.findings}
         entries = [
             _entry(c, one, each, data.rig) for c in one.named if c.at in reported for each in reported[c.at].at_each_place()
         ]

@@ -48,7 +48,7 @@ def faulty_zeros(results: Sequence[Result], findings: Sequence[Finding]) -> tupl
         results: Of all subsystems.
         findings: What is reported already.
     """
-    reported = {(finding.name, finding.where) for finding in findings}
+    reported = {finding.at for finding in findings}
     found = []
     for one in results:
         for q, error in one.refitted:
@@ -66,7 +66,7 @@ def faulty_scales(results: Sequence[Result], findings: Sequence[Finding]) -> tup
 
     Arguments as of `faulty_zeros`. Of a balance with something unknown in it nothing is sure.
     """
-    reported = {(finding.name, finding.where) for finding in findings}
+    reported = {finding.at for finding in findings}
     found = {}
     for one in results:
         for q, error in () if one.has_unknown or one.is_empty else one.refitted:

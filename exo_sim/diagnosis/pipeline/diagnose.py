@@ -111,13 +111,12 @@ def _reported(stable: Examination, allowed: Budget, report: Progress, folder: Pa
 def _findings(found: Examination) -> list[Finding]:
     """Return what was found: physics with or without a name by what it costs the machine's predictions, then sensors, then numbers."""
     drops, costs, shares, results = found.test.drops, found.test.costs, found.shares, found.results.all
-    findings = list({(f.name, f.where): f for f in reversed(found.data.sensors)}.values())[::-1]  # of several recordings, once
+    findings = list({f.at: f for f in reversed(found.data.sensors)}.values())[::-1]  # of several recordings, once
     doubtful = {one.where for one in found.results.gas if one.has_unknown}
     for one in results:
         for f in one.findings:
-            key = f"{f.name}@{f.where}"
-            probability = confidence(f, shares.get(key), f.where in doubtful)
-            proved = replace(f, held_out_error_drop=drops.get(key, 0.0), cost=costs.get(key, 0.0), probability=probability)
+            probability = confidence(f, shares.get(f.key), f.where in doubtful)
+            proved = replace(f, held_out_error_drop=drops.get(f.key, 0.0), cost=costs.get(f.key, 0.0), probability=probability)
             findings += proved.at_each_place()
     findings += faulty_zeros(results, findings)
     findings += faulty_scales(results, findings)
@@ -130,7 +129,7 @@ def _findings(found: Examination) -> list[Finding]:
 
 def _rejected(found: Examination, findings: Sequence[Finding]) -> tuple[Rejected, ...]:
     """Return what was refuted by validation and what was rejected before, without what stands as a finding."""
-    taken = {(f.name, f.where) for f in findings}
+    taken = {f.at for f in findings}
     refuted = [Rejected(name, where, why) for (name, where), why in found.plan.refuted.items()]
     rejected = [*refuted, *(r for one in found.results.all for r in one.rejected)]
     return tuple(r for r in rejected if (r.name, r.where) not in taken)[:MOST_REJECTED]

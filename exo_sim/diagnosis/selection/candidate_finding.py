@@ -64,7 +64,7 @@ def with_all_parts(finding: Finding, candidate: Candidate, search: SearchResult,
     for parameter, value in whole.fit.values.items():
         own = estimates.get(parameter.parameter)
         at = (parameter.effect, parameter.where)
-        if own is not None and at == (finding.name, finding.where) and parameter in whole.effect_parameters:
+        if own is not None and at == finding.at and parameter in whole.effect_parameters:
             low, high = bounded_interval(parameter, value, errors.get(parameter, 0.0))
             estimates[parameter.parameter] = replace(own, low=min(own.low, low), high=max(own.high, high))
     return replace(finding, parameters=estimates)

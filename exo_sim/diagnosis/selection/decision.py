@@ -88,7 +88,7 @@ class _Decision(Generic[Model]):
         if alone:
             findings = [replace(f, probability=min(f.confidence, float(verdicts.CONFIDENT_BESIDE_UNKNOWN))) for f in findings]
         twins = self.model.indistinguishable(findings, final.fit)
-        findings = [with_twins(f, twins.get((f.name, f.where), ())) for f in findings]
+        findings = [with_twins(f, twins.get(f.at, ())) for f in findings]
         observed = {parameter: error for parameter, error in errors.items() if self.model.is_observed(parameter)}
         off = () if alone else deviations(final, observed)  # they bend to what has no name
         off = tuple(
@@ -240,6 +240,6 @@ def _without_repetition(rejected: Sequence[Rejected], findings: Sequence[Finding
     named = {(name, f.where) for f in findings for name in (f.name, *f.ambiguous_with)}
     first: dict[tuple[str, str], Rejected] = {}
     for one in rejected:
-        if (one.name, one.where) not in named:
-            first.setdefault((one.name, one.where), one)
+        if one.at not in named:
+            first.setdefault(one.at, one)
     return tuple(first.values())

@@ -37,18 +37,18 @@ def without_findings(
     poorer = tuple(one for c in result.final.candidates if c.at in names for one in _poorer_of(c, result, names))
     kept = drop_orphans([*(c for c in result.final.candidates if c.at not in names), *poorer])
     gone = {c.at for c in result.final.candidates} - {c.at for c in kept}
-    only_named = replace(result, findings=tuple(f for f in result.findings if (f.name, f.where) not in {*names, *gone}))
+    only_named = replace(result, findings=tuple(f for f in result.findings if f.at not in {*names, *gone}))
     if not gone:
         return only_named
     begun = sizes_of_poorer(result.final.candidates, poorer, result.final.fit.values)
     near = FittedModel.at({**result.final.fit.values, **begun}) if begun else result.final
     final = result.fits.refined(result.fits.fit(kept, near))
     anew = decide(result.name, result.model, result.fits, replace(result.search, final=final), split)
-    kept_names = {(f.name, f.where) for f in only_named.findings} | {c.at for c in poorer}
-    if anew.has_unknown != result.has_unknown or {(f.name, f.where) for f in anew.findings} != kept_names:
+    kept_names = {f.at for f in only_named.findings} | {c.at for c in poorer}
+    if anew.has_unknown != result.has_unknown or {f.at for f in anew.findings} != kept_names:
         return only_named
-    before = {(f.name, f.where): f for f in result.findings}
-    opened = tuple(open_to(f, before[f.name, f.where]) if (f.name, f.where) in before else f for f in anew.findings)
+    before = {f.at: f for f in result.findings}
+    opened = tuple(open_to(f, before[f.at]) if f.at in before else f for f in anew.findings)
     return replace(anew, findings=opened, is_unresolved=result.is_unresolved, rejected=result.rejected)
 
 

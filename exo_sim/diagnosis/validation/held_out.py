@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 from exo_sim.diagnosis.data.split import Spans, Split
 from exo_sim.diagnosis.estimation.candidate import drop_orphans
 from exo_sim.diagnosis.estimation.correlation import correlation_time, rms
-from exo_sim.diagnosis.findings import Series, SignalFit, Subsystem
+from exo_sim.diagnosis.findings import Series, SignalFit, Subsystem, held_out_key
 from exo_sim.diagnosis.policy import validation
 from exo_sim.diagnosis.selection.fitted_model import FittedModel
 from exo_sim.diagnosis.selection.subsystem_result import SubsystemResult
@@ -208,11 +208,11 @@ def _noise_share(one: SubsystemResult[SubsystemModel], compared: Sequence[Compar
 
 def _left_out(one: SubsystemResult[SubsystemModel]) -> list[tuple[str, FittedModel]]:
     """Return, for each finding, its key and the model that is refitted without it and what comes on top of it."""
-    reported = {(finding.name, finding.where) for finding in one.findings}
+    reported = {finding.at for finding in one.findings}
     found = []
     for candidate in (candidate for candidate in one.named if candidate.at in reported):
         rest = drop_orphans([c for c in one.final.candidates if c.key != candidate.key])
-        found.append((f"{candidate.effect}@{candidate.where}", one.fits.fit(rest, one.final)))
+        found.append((held_out_key(*candidate.at), one.fits.fit(rest, one.final)))
     return found
 
 

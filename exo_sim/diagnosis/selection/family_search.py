@@ -14,25 +14,24 @@ from numpy.typing import NDArray
 
 from exo_sim.diagnosis.discrepancy.basis import DiscrepancyBasis
 from exo_sim.diagnosis.estimation.candidate import Candidate, CandidateKey, drop_orphans
-from exo_sim.diagnosis.estimation.correlation import rms
-from exo_sim.diagnosis.estimation.linear_family import Bend, LinearFamily
+from exo_sim.diagnosis.estimation.linear_family import LinearFamily
 from exo_sim.diagnosis.estimation.parameters import FreeParameter
 from exo_sim.diagnosis.findings import Kind
-from exo_sim.diagnosis.policy import acceptance, verdicts
+from exo_sim.diagnosis.policy import verdicts
 from exo_sim.diagnosis.policy.budgets import RUNNERS_UP
 from exo_sim.diagnosis.policy.off_nominal import HELD_WITHIN
-from exo_sim.diagnosis.policy.priors import LEAST_NOISE
 from exo_sim.diagnosis.policy.recordings import FEWEST_ROWS
 from exo_sim.diagnosis.policy.verdicts import NIL
 from exo_sim.diagnosis.selection.comparisons import Comparisons
-from exo_sim.diagnosis.selection.evidence import Evidence, price_of_parameter
+from exo_sim.diagnosis.selection.evidence import Evidence
+from exo_sim.diagnosis.selection.fitted_evidence import FittedEvidence
 from exo_sim.diagnosis.selection.fitted_model import FittedModel, SearchResult, exceeds_healthy_limit, is_more_than_healthy
 from exo_sim.diagnosis.selection.laws import Law, errors_about
-from exo_sim.diagnosis.selection.linear_evidence import LinearEvidence, Posterior, Spreads
+from exo_sim.diagnosis.selection.linear_evidence import Posterior, Spreads
 from exo_sim.diagnosis.selection.marginal_fit import MarginalFits
 from exo_sim.diagnosis.selection.model_fits import ModelFits
 from exo_sim.diagnosis.selection.nonparametric_terms import nonparametric_terms, unnamed
-from exo_sim.diagnosis.selection.refitted_finalists import Refitted, best_refitted, probability_of
+from exo_sim.diagnosis.selection.refitted_finalists import Refitted, best_refitted
 from exo_sim.diagnosis.selection.simpler_forms import (
     no_richer_than_needed,
     poorer_than,
@@ -68,26 +67,26 @@ class FamilySearch:
             return SearchResult(empty, empty, weighed_together=True)
         baseline = self.fits.refined(self.fits.fit(()))
         finalists = self._findings_first(self.weighing.finalists())
-        best = finalists[0]
+        best, evidence = finalists[0], self._fitted_evidence
         posterior = self.weighing.posterior(best)
         values, _ = self._values(best, posterior)
         near = FittedModel.at(values)
         rivals, laws = self._rivals(best, finalists), self._laws(best, finalists)
-        kin = self._kin(best, rivals)
-        probable = self._probable(best, finalists, kin)
+        equivalents = self._equivalents(best, rivals)
+        probable = self._probable(best, finalists, equivalents)
         chosen = no_richer_than_needed(probable, rivals)
         first = found = self._refitted(best, chosen, near)
         probabilities = self.weighing.probabilities(finalists)
         comparisons = Comparisons(self.fits, baseline, len(self.family.bends[0].terms), 0.0)
         exceeds = first.model.fit.sse > model.discrepancy_bound**2 * model.size
         if exceeds and not nonparametric_terms(self.weighing.terms(best)):
-            found = best_refitted(first, finalists, self._names, self._refitted, lambda model: self._evidence_of(model, best.spreads))
+            found = best_refitted(first, finalists, self._names, self._refitted, lambda model: evidence.log_evidence(model, best.spreads))
         beside, final = found.beside, found.model
         if found is not first:
-            probabilities |= {c.at: self._probability_in(c, final, best.spreads) for c in final.candidates}
+            probabilities |= {c.at: evidence.probability_in(c, final, best.spreads) for c in final.candidates}
         plain = self.fits.refined(self.fits.fit(final.candidates, final))
         final = self._predicting_best(final, plain, errors_about(final, laws))
-        if final.candidates and comparisons.is_clean(baseline) and not self._stands_in_the_fit(final, baseline, best.spreads):
+        if final.candidates and comparisons.is_clean(baseline) and not evidence.is_decisive(final, baseline, best.spreads):
             final, plain = baseline, baseline
         rivals |= richer_beside(final.candidates, chosen, values)
         gone = [c for c in probable if c not in final.candidates and not c.is_law]
@@ -96,16 +95,23 @@ class FamilySearch:
         return SearchResult(
             baseline,
             final,
-            {c.key: self._evidence_for(c, final, beside, finalists, self._kin_of(c, kin), comparisons) for c in final.candidates},
+            {
+                c.key: self._evidence_for(c, final, beside, finalists, self._equivalents_of(c, equivalents), comparisons)
+                for c in final.candidates
+            },
             {key: those for key, those in rivals.items() if key in kept},
             self._runners_up(best, posterior),
-            probabilities=probabilities | self._of_poorer(final, best, kin, probabilities),
+            probabilities=probabilities | self._of_poorer(final, best, equivalents, probabilities),
             errors=errors_about(final, laws),
             unnamed=unnamed(self.weighing, self.basis, best, finalists, posterior),
             least_left=plain.fit.sse,
             undecided=tuple(c for c in passed_over if self._is_strained_without(c, probable, plain)),
             weighed_together=True,
         )
+
+    @property
+    def _fitted_evidence(self) -> FittedEvidence:
+        return FittedEvidence(self.fits, self.basis, self.weighing.correlation_time)
 
     def _names(self, one: Weighed) -> tuple[Candidate, ...]:
         """Return what a subset names."""
@@ -114,21 +120,9 @@ class FamilySearch:
     def _refitted(self, one: Weighed, chosen: tuple[Candidate, ...], near: FittedModel | None = None) -> Refitted:
         """Return names of a subset, fitted beside the discrepancy that they leave; begun at the subset's numbers, or `near`."""
         near = near or FittedModel.at(self._values(one, self.weighing.posterior(one))[0])
-        spreads = self._widened(one, self._left_by(self.fits.fit(chosen, near), one))
+        spreads = self._widened(one, self._fitted_evidence.spreads_of(self.fits.fit(chosen, near), one.spreads))
         beside = MarginalFits(self.fits, self.basis, spreads, self.weighing.correlation_time)
         return Refitted(one, beside, self._fitted(chosen, near, beside))
-
-    def _evidence_of(self, model: FittedModel, spreads: Spreads) -> float:
-        """Return the logarithm of a fitted model's evidence: of what it leaves, parameters paid for, names as common as they are."""
-        price = price_of_parameter(self.fits.model.size / self.weighing.correlation_time) * model.parameter_count
-        common = sum(c.prior_log_odds for c in model.candidates)
-        own = replace(spreads, noise=max(rms(model.fit.residual), float(LEAST_NOISE)))
-        return self._of_remainder(model.fit.residual, own)[0] - 0.5 * model.fit.penalty - price + common
-
-    def _probability_in(self, candidate: Candidate, final: FittedModel, spreads: Spreads) -> float:
-        """Return the probability of an effect of a fitted model against the fit without it."""
-        without = self.fits.fit(drop_orphans(final.without(candidate)), final)
-        return probability_of(self._evidence_of(final, spreads) - self._evidence_of(without, spreads))
 
     def _findings_first(self, finalists: list[Weighed]) -> list[Weighed]:
         """Return subsets, one first whose effects are all findings, of those about as probable as the best.
@@ -149,30 +143,6 @@ class FamilySearch:
         """Return whether nuisance parameters stand in for an effect of the best subset: without it they are plainly further off."""
         kept = [c for c in probable if c.effect not in poorer_than(candidate.effect)]
         return final.fit.penalty - self.fits.fit(kept, final).fit.penalty > HELD_WITHIN**2
-
-    def _stands_in_the_fit(self, final: FittedModel, baseline: FittedModel, spreads: Spreads) -> bool:
-        """Return whether names are decisive also where nuisance parameters are fitted as they act, and not along lines.
-
-        Asked where these leave nothing but noise: a law that the rig has bends further than a line does. Each model is held against the
-        noise and the discrepancy that it leaves itself, as subsets are: a machine may be quieter than its sensors' noise is taken for.
-        """
-        price = price_of_parameter(self.fits.model.size) * (final.parameter_count - baseline.parameter_count)
-        gain = self._evidence_left(final, spreads) - self._evidence_left(baseline, spreads) - price
-        return gain + sum(c.prior_log_odds for c in final.candidates) > acceptance.LEAST_ODDS * math.log(10.0)
-
-    def _evidence_left(self, model: FittedModel, spreads: Spreads) -> float:
-        """Return the logarithm of the evidence of what a model leaves, its priors included."""
-        found, _ = self._of_remainder(model.fit.residual, spreads)
-        return found - 0.5 * model.fit.penalty
-
-    def _of_remainder(self, left: Array, spreads: Spreads) -> tuple[float, Spreads]:
-        """Return the logarithm of the evidence of a remainder, and the spreads of noise and discrepancy that maximise it."""
-        bend = Bend(None, {}, left, np.zeros((left.size, 0)), ())
-        return LinearEvidence(bend, self.basis).estimated((), spreads, self.weighing.correlation_time, sweeps=3)
-
-    def _left_by(self, plain: FittedModel, best: Weighed) -> Spreads:
-        """Return the spreads of what a fit leaves: shapes between those that were weighed are no discrepancy."""
-        return self._of_remainder(plain.fit.residual, best.spreads)[1]
 
     def _widened(self, best: Weighed, spreads: Spreads) -> Spreads:
         """Return spreads with which what is missing without a name counts as discrepancy: no fit has numbers for it."""
@@ -219,7 +189,7 @@ class FamilySearch:
         values |= self.family.bends[best.bend].values
         return {q: min(max(value, q.low), q.high) for q, value in values.items()}, errors
 
-    def _kin(self, best: Weighed, rivals: Mapping[CandidateKey, Sequence[tuple[Candidate, float]]]) -> dict[At, set[At]]:
+    def _equivalents(self, best: Weighed, rivals: Mapping[CandidateKey, Sequence[tuple[Candidate, float]]]) -> dict[At, set[At]]:
         """Return, for each effect of the best subset, itself, the others of its group, and its rivals: what takes its place in others."""
         groups = {term.candidate.at: term.group for bend in self.family.bends for term in bend.terms}
         found = {}
@@ -231,16 +201,16 @@ class FamilySearch:
         return found
 
     @staticmethod
-    def _kin_of(candidate: Candidate, kin: Mapping[At, set[At]]) -> set[At]:
-        """Return the kin of an effect of the final model, which may be a poorer form of one of the best subset."""
-        return next((own for own in kin.values() if candidate.at in own), {candidate.at})
+    def _equivalents_of(candidate: Candidate, equivalents: Mapping[At, set[At]]) -> set[At]:
+        """Return the equivalents of an effect of the final model, which may be a poorer form of one of the best subset."""
+        return next((own for own in equivalents.values() if candidate.at in own), {candidate.at})
 
-    def _probable(self, best: Weighed, finalists: Sequence[Weighed], kin: Mapping[At, set[At]]) -> tuple[Candidate, ...]:
-        """Return the effects of the best subset that are probable enough to be named: each of them, or another of its kin."""
+    def _probable(self, best: Weighed, finalists: Sequence[Weighed], equivalents: Mapping[At, set[At]]) -> tuple[Candidate, ...]:
+        """Return the effects of the best subset that are probable enough to be named: each of them, or one of its equivalents."""
         candidates = [c for c in self.weighing.candidates(best) if c.kind is not Kind.UNKNOWN]
         groups = {term.candidate.at: term.group for term in self.weighing.terms(best)}
         least = verdicts.DECISIVE if nonparametric_terms(self.weighing.terms(best)) else verdicts.PROBABLE
-        probable = [c for c in candidates if self.weighing.probability_of_any(finalists, kin[c.at]) >= least]
+        probable = [c for c in candidates if self.weighing.probability_of_any(finalists, equivalents[c.at]) >= least]
         return drop_orphans(probable, self.weighing.standing | {groups[c.at] for c in probable if c.at in groups})
 
     def _predicting_best(
@@ -258,12 +228,13 @@ class FamilySearch:
         return plain if near else final
 
     def _of_poorer(
-        self, final: FittedModel, best: Weighed, kin: Mapping[At, set[At]], probabilities: Mapping[At, float]
+        self, final: FittedModel, best: Weighed, equivalents: Mapping[At, set[At]], probabilities: Mapping[At, float]
     ) -> dict[At, float]:
         """Return the probability of a poorer form that was put in the place of a richer one: that of either."""
         chosen = {c.at for c in self.weighing.candidates(best)}
         return {
-            c.at: sum(probabilities.get(at, 0.0) for at in self._kin_of(c, kin)) for c in final.candidates if c.at not in chosen
+            c.at: sum(probabilities.get(at, 0.0) for at in self._equivalents_of(c, equivalents))
+            for c in final.candidates if c.at not in chosen
         }
 
     def _fitted(self, candidates: tuple[Candidate, ...], near: FittedModel, beside: MarginalFits) -> FittedModel:
@@ -291,13 +262,13 @@ class FamilySearch:
         return tuple(c for c in candidates if c not in usurping) if usurping else tuple(c for c in candidates if c.effect not in nil)
 
     def _evidence_for(
-        self, candidate: Candidate, final: FittedModel, beside: MarginalFits, finalists: Sequence[Weighed], kin: set[At],
+        self, candidate: Candidate, final: FittedModel, beside: MarginalFits, finalists: Sequence[Weighed], equivalents: set[At],
         comparisons: Comparisons,
     ) -> Evidence:
-        """Return the evidence for an effect of the final model, its odds against the best subset with none of its kin."""
+        """Return the evidence for an effect of the final model, its odds against the best subset with none of its equivalents."""
         without = beside.fit(final.without(candidate), final)
         found = comparisons.evidence(without, final)
-        rest = [one.score for one in finalists if not kin & {c.at for c in self.weighing.candidates(one)}]
+        rest = [one.score for one in finalists if not equivalents & {c.at for c in self.weighing.candidates(one)}]
         lowest = min(one.score for one in finalists if one.score > -math.inf)
         return replace(found, log10_odds=(finalists[0].score - max(rest, default=lowest)) / math.log(10.0))
 

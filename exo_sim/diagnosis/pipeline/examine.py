@@ -22,7 +22,7 @@ from exo_sim.diagnosis.validation.held_out import held_out_errors
 
 
 def examine(data: MachineData, plan: Plan, threads: Threads, report: Progress, searched: Searched | None = None) -> Examination:
-    """Search and judge the gas, then the supply that it draws from, then the forces, whose pressures the gas corrects.
+    """Return the results of the gas, then of the supply that it draws from, then of the forces, whose pressures the gas corrects.
 
     Args:
         data: The recordings and the rig.
@@ -70,7 +70,7 @@ def left_open(examination: Examination, result: SubsystemResult[MotionModel]) ->
 
 
 def _without_doubtful_remainders(examination: Examination) -> Examination:
-    """Take back what is unknown in a balance of forces whose transmission was found to give, or one of whose pressures was imputed.
+    """Return an examination without unknown effects of forces whose transmission was found to give, or one of whose pressures was imputed.
 
     The balance takes the transmission for rigid; of an imputed pressure nobody knows what the unmeasured chamber does.
     """
@@ -83,7 +83,7 @@ def _without_doubtful_remainders(examination: Examination) -> Examination:
 
 
 def _shared_once(results: Results) -> Results:
-    """Keep an effect of the shared supply or exhaust where its odds are greatest, and only there."""
+    """Return results in which an effect of the shared supply or exhaust stands where its odds are greatest, and only there."""
     best: dict[tuple[str, str], tuple[float, object]] = {}
     for one in results.all:
         for finding in one.findings:

@@ -58,7 +58,7 @@ def _off_bounds(fits: ModelFits, search: SearchResult) -> SearchResult:
 
 
 class _Decision(Generic[Model]):
-    """What stands of one search."""
+    """The decision on one search: which candidates are findings, and whether something is unknown beside them."""
 
     def __init__(self, model: Model, fits: ModelFits, search: SearchResult, split: Split | None):
         self.model, self.fits, self.search, self.split = model, fits, search, split
@@ -72,9 +72,9 @@ class _Decision(Generic[Model]):
             return replace(result, named=end.candidates)
         accepted = tuple(c for c in end.candidates if not _is_nozzle(c, end))
         final, named, unknown = self._standing(accepted)
-        alone = unknown and not self.search.weighed_together
-        rejected = self._rejected(accepted, alone)
-        if alone:
+        strict = unknown and not self.search.weighed_together  # then only what is beyond doubt is a finding
+        rejected = self._rejected(accepted, strict)
+        if strict:
             final, named = self._beyond_doubt(final, named)
         elif unknown:
             final, named = self._surely_there(final, named)
@@ -85,12 +85,12 @@ class _Decision(Generic[Model]):
         laws = {q for c in named if c not in reported for q in c.parameters}
         named = reported
         findings = [with_all_parts(finding_of(c, final, errors, search), c, search, self.fits) for c in named]
-        if alone:
+        if strict:
             findings = [replace(f, probability=min(f.confidence, float(verdicts.CONFIDENT_BESIDE_UNKNOWN))) for f in findings]
         twins = self.model.indistinguishable(findings, final.fit)
         findings = [with_twins(f, twins.get(f.at, ())) for f in findings]
         observed = {parameter: error for parameter, error in errors.items() if self.model.is_observed(parameter)}
-        off = () if alone else deviations(final, observed)  # they bend to what has no name
+        off = () if strict else deviations(final, observed)  # they bend to what has no name
         off = tuple(
             replace(d, stands_for=search.stands_for.get((q.effect, q.where), ()), twins=self.model.twins_of_number(q))
             for d, q in ((one, one.parameter) for one in off)
@@ -116,7 +116,7 @@ class _Decision(Generic[Model]):
         final, named = self._with_larger_part(accepted)
         return final, named, named != accepted and self._remainder(final, named).is_unknown
 
-    def _rejected(self, accepted: Sequence[Candidate], unknown: bool) -> list[Rejected]:
+    def _rejected(self, accepted: Sequence[Candidate], strict: bool) -> list[Rejected]:
         search = self.search
         found = [
             Rejected(*rival.at, wording.rejected(rival, c, worse))
@@ -125,7 +125,7 @@ class _Decision(Generic[Model]):
             if worse > verdicts.AS_GOOD
         ]
         found += [Rejected(*c.at, wording.no_gain(c, share)) for c, share in search.runners_up]
-        if unknown:
+        if strict:
             found += [
                 Rejected(*c.at, wording.unsure_beside_unknown(search.evidence[c.key].share))
                 for c in accepted

@@ -186,7 +186,7 @@ class _Weighing:
         return any(self.directions[i].candidate.prerequisite not in ("", *there) for i in chosen)
 
     def _whiten(self, residual: Array) -> None:
-        """Take the error process from a residual, and project every signature clear of what is free already."""
+        """Estimate the error process from a residual, and project every whitened signature clear of what is free already."""
         process = noise_model(residual, self._blocks)
         rows, jac = self._prior
         free = np.vstack([process.whitened(self._free), jac])
@@ -232,7 +232,7 @@ class _Weighing:
         return tuple(sorted(i for _, i in best.values()))
 
     def best_from(self, chosen: Chosen) -> Chosen:
-        """Return the subset at the top of the hill on which one stands, the error process estimated anew on the way."""
+        """Return the subset that no addition, removal or exchange betters, reached from another; the error process is estimated anew."""
         self._whiten(self._base)
         for _ in range(ADAPTED):
             value = self.evidence(chosen)[0]

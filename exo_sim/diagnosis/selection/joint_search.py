@@ -1,7 +1,7 @@
-"""A search from the other end: all candidates asked together, what is proposed fitted, and what is not missed left out.
+"""Backward elimination: all candidates are asked together, what is proposed is fitted, and what is not missed is left out.
 
 Effects that hide each other pass no gate one at a time. What comes out counts only where it explains the data as far as the model of a
-healthy machine would; else the search goes on one at a time.
+healthy machine would; else the search goes on one at a time (`search`).
 """
 
 from __future__ import annotations
@@ -44,7 +44,7 @@ class JointSearch:
         self.fits, self.comparisons, self.proposals, self.simplification = fits, comparisons, proposals, simplification
         self._report, self._is_over = report, is_over
 
-    def beyond(self, now: FittedModel) -> FittedModel | None:
+    def found_together(self, now: FittedModel) -> FittedModel | None:
         """Return a model that is reached by asking all candidates together, and leaving out what is not missed.
 
         Proposals are made beside the model that there is, and where that leads nowhere, beside none. None where what is reached leaves

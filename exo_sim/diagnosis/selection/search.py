@@ -97,7 +97,7 @@ class Search:
         self._report = progress or (lambda words: None)
 
     def run(self) -> SearchResult:
-        """Grow sets side by side, swap and prune, then assess every finding and its rivals."""
+        """Return what growing sets side by side, swapping and pruning ends with, every finding assessed against its rivals."""
         self._report("refitting nuisance parameters")
         if self.fits.model.size < FEWEST_ROWS:
             empty = FittedModel.at({})
@@ -133,7 +133,7 @@ class _Growth:
             self._report(f"scoring {len(self.proposals.candidates)} candidates")
             grown = self._grown(beam)
             if not grown:
-                reached = None if together or self.joint.is_within_bound(best) else self.joint.beyond(best)
+                reached = None if together or self.joint.is_within_bound(best) else self.joint.found_together(best)
                 if reached is not None:
                     return self._reached(reached)
                 break
@@ -147,7 +147,7 @@ class _Growth:
             if not self.comparisons.is_clean(best) and self._goes_elsewhere(best):
                 return self._interrupted(best)
             if not self.comparisons.is_clean(best) and not together:
-                together, reached = True, self.joint.beyond(best)
+                together, reached = True, self.joint.found_together(best)
                 if reached is not None:
                     return self._reached(reached)
             if self._gives_up(before, best):

@@ -1,4 +1,4 @@
-"""A model with no more in it than the data bear: findings left out, exchanged, or put in a form with fewer parameters."""
+"""A model with no more in it than the data support: findings left out, exchanged, or put in a form with fewer parameters."""
 
 from __future__ import annotations
 
@@ -24,11 +24,11 @@ class Simplification:
         self.fits, self.comparisons, self.proposals = fits, comparisons, proposals
 
     def tidied(self, model: FittedModel) -> FittedModel:
-        """Return a set in its simplest form, without what does not stand beside the rest."""
+        """Return a model in its simplest form, without what would not be accepted beside the rest."""
         return self._simplest(self.pruned(self._swapped(model) if self.fits.cheap else model))
 
     def _swapped(self, now: FittedModel) -> FittedModel:
-        """Try, for every finding, whether another candidate in its place explains more."""
+        """Return a model in which candidates that explain more took the places of findings."""
         for index in range(len(now.candidates)):
             kept = now.without(now.candidates[index])
             base = self.fits.fit(kept, now)
@@ -43,7 +43,7 @@ class Simplification:
         return now
 
     def pruned(self, now: FittedModel) -> FittedModel:
-        """Leave out what would not be accepted any more beside the others, the least missed first."""
+        """Return a model without what would not be accepted any more beside the others; the least missed is left out first."""
         shrunk = True
         while shrunk and now.candidates and not self.fits.is_spent():
             shrunk = False
@@ -55,7 +55,7 @@ class Simplification:
         return now
 
     def settled(self, now: FittedModel) -> FittedModel:
-        """Leave out parameters, and whole findings, that the data do not distinguish from neutral.
+        """Return a model without the parameters, and whole findings, that the data do not distinguish from neutral.
 
         Parameters that are vague only because they stand in for each other stay.
         """
@@ -79,7 +79,7 @@ class Simplification:
         return now
 
     def _without_vague(self, now: FittedModel, vague: set[FreeParameter]) -> FittedModel | None:
-        """Return a set with less of what is vague in it, None where there is none."""
+        """Return a model with fewer vague parameters, None where there is none as good."""
         for candidate in now.candidates:
             others = now.without(candidate)
             clear = {q.parameter for q in candidate.parameters if q not in vague}
@@ -97,7 +97,9 @@ class Simplification:
         return None
 
     def _simplest(self, now: FittedModel) -> FittedModel:
-        """Put each finding in the form that needs fewest parameters for what it explains; where fits are cheap, or a simpler effect."""
+        """Return a model with each finding in the form that needs fewest parameters for what it explains; where fits are cheap, also by a
+        simpler effect.
+        """
         for candidate in now.candidates:
             if self.fits.is_spent():
                 break

@@ -131,7 +131,7 @@ class HeldOutErrors:
 def held_out_errors(
     results: Sequence[SubsystemResult[SubsystemModel]], unknown: Sequence[UnknownEffect], split: Split, keep_series: bool = True
 ) -> HeldOutErrors:
-    """Predict the test time of a split with the nominal machine and as it was found to be.
+    """Return the errors of the nominal machine and of the machine as it was found to be, predicted over the test time of a split.
 
     Args:
         results: Of all subsystems.

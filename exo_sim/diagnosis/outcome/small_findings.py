@@ -27,7 +27,7 @@ def small_findings(results: Sequence[SubsystemResult[SubsystemModel]], findings:
         results: Of all subsystems.
         findings: What is reported already.
     """
-    reported = {(finding.name, finding.where) for finding in findings}
+    reported = {finding.at for finding in findings}
     found: dict[tuple[str, str], Finding] = {}
     for one in results:
         for parameter, error in () if one.has_unknown or one.is_empty else one.refitted:

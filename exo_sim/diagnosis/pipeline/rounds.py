@@ -22,7 +22,7 @@ from exo_sim.diagnosis.data.machine_data import MachineData
 from exo_sim.diagnosis.data.split import Split, split
 from exo_sim.diagnosis.estimation.budget import Budget
 from exo_sim.diagnosis.estimation.threads import Threads
-from exo_sim.diagnosis.findings import Finding, Kind
+from exo_sim.diagnosis.findings import Finding, Kind, held_out_key
 from exo_sim.diagnosis.outcome.held_out_rules import doubt, is_refuted, too_small
 from exo_sim.diagnosis.pipeline.examine import examine, friction_to_add, left_open, validated
 from exo_sim.diagnosis.pipeline.gas_stage import Searched
@@ -87,9 +87,8 @@ def newly_refuted(examination: Examination) -> Refuted:
             continue
         useless = []
         for finding in one.findings:
-            key = f"{finding.name}@{finding.where}"
-            drop = examination.validation.drops.get(key)
-            influence = examination.validation.influence.get(key, 0.0)
+            drop = examination.validation.drops.get(finding.key)
+            influence = examination.validation.influence.get(finding.key, 0.0)
             together = one.search.weighed_together
             if drop is not None and influence > policy.LEAST_INFLUENCE and is_refuted(drop, finding.log10_odds, together):
                 useless.append((drop, finding.name, finding.where))
@@ -104,13 +103,13 @@ def _without_refuted(examination: Examination) -> Examination:
     refuted, before, split = examination.plan.refuted, examination.results, examination.plan.split
 
     def rest(one: SubsystemResult[Model]) -> SubsystemResult[Model]:
-        return without_findings(one, refuted, split) if any((f.name, f.where) in refuted for f in one.findings) else one
+        return without_findings(one, refuted, split) if any(f.at in refuted for f in one.findings) else one
 
     results = before.each(rest)
     anew = [one for one, old in zip(results.all, before.all, strict=True) if one.final is not old.final]
     if not anew:
         return replace(examination, results=results)
-    unknown, gone = unknown_effects(results.all), [f"{name}@{where}" for name, where in refuted]
+    unknown, gone = unknown_effects(results.all), [held_out_key(*at) for at in refuted]
     validation = examination.validation
     if validation is not None:
         validation = validation.updated(held_out_errors(anew, unknown, split.validation_as_test()), gone)
@@ -123,10 +122,9 @@ def without_doubtful(examination: Examination) -> Examination:
     doubtful, shares = {}, examination.shares
     for one in examination.results.all:
         for finding in one.findings:
-            key = f"{finding.name}@{finding.where}"
-            why = doubt(finding, shares.get(key), key in examination.checked.drops)
+            why = doubt(finding, shares.get(finding.key), finding.key in examination.checked.drops)
             if why:
-                doubtful[finding.name, finding.where] = why
+                doubtful[finding.at] = why
     plan = replace(examination.plan, refuted={**examination.plan.refuted, **doubtful})
     return without_doubtful(_without_refuted(replace(examination, plan=plan))) if doubtful else examination
 
@@ -135,8 +133,8 @@ def without_small(examination: Examination) -> Examination:
     """Return an examination that holds what is too small to matter beside its findings, not among them."""
     seen = examination.checked
     small = tuple(finding for one in examination.results.all for finding in too_small(one, seen.left, seen.worth))
-    gone = {(finding.name, finding.where) for finding in small}
-    results = examination.results.keeping(lambda one, finding: (finding.name, finding.where) not in gone)
+    gone = {finding.at for finding in small}
+    results = examination.results.keeping(lambda one, finding: finding.at not in gone)
     return replace(examination, results=results, small=small)
 
 

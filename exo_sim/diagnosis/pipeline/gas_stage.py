@@ -56,11 +56,26 @@ class Searched:
             asked: Its candidates.
         """
         other = [one for (name, time, *_), one in self.results.items() if name == cylinder and time != test_time and not one.is_empty]
-        if not other:
-            return None
-        found = other[-1].search.final
-        before = {one.key for one in found.candidates}
-        return replace(found, candidates=drop_orphans([one for one in asked if one.key in before]))
+        return _asked_of(other[-1].search.final, asked) if other else None
+
+    def standing(
+        self, cylinder: str, test_time: Hashable, friction: Hashable, asked: Sequence[Candidate]
+    ) -> FittedModel | None:
+        """Return what the latest search of the same time found, with those of its effects that are asked; or None.
+
+        A search that asks less than one before it, for validation refuted something, need not find the rest anew.
+
+        Args:
+            cylinder, test_time, friction, asked: Of the search that is to begin.
+        """
+        same = [one for (*other, _, f), one in self.results.items() if (*other, f) == (cylinder, test_time, friction) and not one.is_empty]
+        return _asked_of(same[-1].search.final, asked) if same else None
+
+
+def _asked_of(found: FittedModel, asked: Sequence[Candidate]) -> FittedModel:
+    """Return a fitted model with those of its candidates that are asked, as they are asked."""
+    before = {one.key for one in found.candidates}
+    return replace(found, candidates=drop_orphans([one for one in asked if one.key in before]))
 
 
 def examine_gas(
@@ -103,13 +118,14 @@ def examine_gas(
             if model.size >= FEWEST_ROWS:
                 model, first = model.with_better_flow_law(nuisances, threads, plan.budget.is_spent)
                 nuisances += felt_temperatures(model, first, threads, plan.budget.is_spent)
+            begun = searched.standing(name, test_time, friction, asked) or searched.of_other_time(name, test_time, asked)
             search = Search(
                 model, nuisances, asked, threads, _naming(report, name), cheap=sum(len(run.time) for run in runs) < FEW_SAMPLES,
                 practical_significance=model.practical_significance,
                 stopping=StoppingCriteria(
                     softens if plan.friction is None and joint in data.joints else None, plan.budget.is_spent, partial(_is_enough, model)
                 ),
-                start=WarmStart(first, searched.of_other_time(name, test_time, asked)),
+                start=WarmStart(first, begun),
             )  # fmt: skip
             end, fits = relieved(search.run(), search.fits, search.proposals, model, plan.split)
             done[key] = decide(name, model, fits, end, plan.split)
@@ -145,7 +161,8 @@ def felt_temperatures(model: GasModel, near: Fit, threads: Threads = SERIAL, is_
     walls = healthy_walls(model.nominal, model.where)
     free = tuple({q.key: q for q in (*near.parameters, *walls, *asked)}.values())
     start = {q: near.values.get(q, q.start or (q.scale if q in walls else 0.0)) for q in free}
-    found = fit(model.residual, free, start, threads, known_columns=near.columns, is_spent=is_spent)
+    known = near.columns if set(walls) <= set(near.parameters) else None  # beside walls the same numbers act otherwise
+    found = fit(model.residual, free, start, threads, known_columns=known, is_spent=is_spent)
     errors = standard_errors(model, found, correlation_time(found.residual, model.blocks))
     return () if all(_is_of_the_room(found.values[q], errors[q]) for q in asked) else asked
 

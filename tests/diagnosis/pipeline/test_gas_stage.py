@@ -22,7 +22,7 @@ from exo_sim.diagnosis.selection.decision import decide
 from exo_sim.diagnosis.selection.search import Search
 from exo_sim.diagnosis.selection.subsystem_result import SubsystemResult
 from exo_sim.diagnosis.subsystems.gas.model import GasModel
-from exo_sim.diagnosis.subsystems.gas.nuisances import nuisance_parameters
+from exo_sim.diagnosis.subsystems.gas.nuisances import healthy_walls, nuisance_parameters
 from exo_sim.recording import write_table
 
 #: A logger of 50 samples a second whose pressures come so late [s]; more than two sample periods, less than a quarter of a cycle.
@@ -79,6 +79,17 @@ def test_the_temperature_at_the_start_is_free_where_it_is_not_surely_the_room_s(
     assert len(felt_temperatures(model, near)) == free
 
 
+def test_temperatures_beside_walls_that_a_first_fit_did_not_know_are_as_sure_as_from_scratch() -> None:
+    plant = vessel()
+    plant.cylinder["wall_heat_transfer"]["conductance"] = 0.0
+    model = GasModel([recorded((0.0, 0.0), travel=0.02)], plant, Split({}))
+    nuisances = nuisance_parameters(plant, "piston", True, (1, 2))
+    near = fit(model.residual, nuisances, {q: q.start for q in nuisances})
+    assert not set(healthy_walls(plant, "piston")) <= set(near.parameters)
+    misled = replace(near, jacobian=np.zeros_like(near.jacobian))
+    assert felt_temperatures(model, misled) == felt_temperatures(model, near) == ()
+
+
 def test_gas_that_begins_quietly_is_not_fitted_for_it() -> None:
     model = GasModel([recorded((0.0, 0.0))], vessel(), Split({}))
     near = fit(model.residual, (), {})
@@ -97,4 +108,8 @@ def test_a_search_in_another_division_of_the_time_begins_with_what_the_first_fou
     less = searched.of_other_time("piston", "beginning", (waves.OTHER,))
     assert less is not None and less.candidates == (waves.OTHER,)  # what was refuted meanwhile is not asked
     assert searched.of_other_time("piston", "end", sought) is None
+    standing = searched.standing("piston", "end", None, (waves.OTHER,))
+    assert standing is not None and standing.candidates == (waves.OTHER,)  # the same time, one refuted: the other need not be found anew
+    assert searched.standing("piston", "beginning", None, sought) is None
+    assert searched.standing("piston", "end", "with friction", sought) is None
     assert searched.of_other_time("other", "beginning", sought) is None

@@ -20,7 +20,7 @@ from exo_sim.diagnosis.data.motion_run import MotionRun
 from exo_sim.diagnosis.data.split import Split
 from exo_sim.diagnosis.findings import Kind
 from exo_sim.diagnosis.nominal_numbers import CARD_OF_PRESSURES, POSITION_DELAY
-from exo_sim.diagnosis.policy.recordings import CORRECTED_PRESSURE
+from exo_sim.diagnosis.policy.recordings import CORRECTED_PRESSURE, FINE_PERIOD
 from exo_sim.diagnosis.selection.subsystem_result import SubsystemResult
 from exo_sim.diagnosis.subsystems.gas.model import GasModel
 from exo_sim.diagnosis.subsystems.gas.prediction import behind_hose
@@ -125,7 +125,7 @@ def _changed(run: MotionRun, changes: Changes) -> MotionRun:
     force, gauge, signals = run.drive.force, run.drive.gauge, dict(run.drive.signals)
     for column, lever in run.drive.levers.items():
         time, change = changes.get((run.recording, column), (run.time, None))
-        if change is None or time[0] > run.time[0]:  # a run that was cut short says nothing of what came before
+        if change is None or time[0] - run.time[0] > FINE_PERIOD:  # a run that was cut short says nothing of what came before
             continue
         smooth = smoothed_on_clock(run, time, change)
         force = force + lever * smooth

@@ -10,6 +10,7 @@ from numpy.typing import NDArray
 
 from exo_sim.conventions.fed_chambers import fed_cylinders
 from exo_sim.diagnosis.data import open_questions
+from exo_sim.diagnosis.data.coarse_clock import on_coarse_clock
 from exo_sim.diagnosis.data.cylinder_run import CylinderRun, cylinder_runs
 from exo_sim.diagnosis.data.decay_onset import from_decay_onset
 from exo_sim.diagnosis.data.machine_data import MachineData
@@ -44,7 +45,7 @@ def sort(data: MachineData) -> MachineData:
             if why:
                 open_.append(open_questions.of_gas(run.cylinder, table.name, why))
             else:
-                cylinders[run.cylinder] = (*cylinders.get(run.cylinder, ()), run)
+                cylinders[run.cylinder] = (*cylinders.get(run.cylinder, ()), _thinned(run, data.rig))
                 judged_once = True
             rod = rod_run(run, data.rig) if rate >= FEWEST_A_SECOND or _moves_slowly(table) else None
             if rod is not None:
@@ -73,6 +74,12 @@ def sort(data: MachineData) -> MachineData:
         data, cylinders=cylinders, joints=joints, remarks=tuple(remarks), open_questions=tuple(open_),
         externally_driven=frozenset(driven), fed=frozenset(fed),
     )  # fmt: skip
+
+
+def _thinned(run: CylinderRun, rig: Rig) -> CylinderRun:
+    """Return a run on the clock that its gas is predicted on; forces tell of a chamber that was not measured sample for sample."""
+    unmeasured = any(pressure is None for pressure in run.pressure) and not rig.cylinders[run.cylinder].single_acting
+    return run if unmeasured else on_coarse_clock(run)
 
 
 def _driven_besides(runs: Sequence[MotionRun], outside: Mapping[str, str]) -> dict[str, str]:

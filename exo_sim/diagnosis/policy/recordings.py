@@ -28,6 +28,12 @@ FEWEST_IN_COLUMN = Count(10, "finite samples", "a column that is left with no mo
 FEWEST_ROWS = Count(30, "rows", "a balance with fewer is not fitted")
 FEWEST_OF_CHANNEL = Count(5, "finite samples", "a position or a slow channel with fewer is none")
 FEWEST_OF_FALL = Count(20, "finite samples", "a pressure with fewer does not show how it fell")
+FINE_PERIOD = Number(
+    1e-3, "s",
+    "a gas that was sampled faster is predicted at means of samples that are no longer: what is compared are means of 5 ms, and a valve's "
+    "lag is some ms",
+    "derived",
+)  # fmt: skip
 LEAD_IN = Number(
     0.08, "s",
     "what a valve was told before a recording begins, nobody knows; its spool has forgotten it after a dead time and five lags of 12 ms, "

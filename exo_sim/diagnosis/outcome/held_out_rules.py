@@ -1,8 +1,9 @@
 """What time kept back says of one finding: the rules by which it may fall, in the order in which they are asked.
 
-1. `is_refuted`: the error hardly falls with it. It is not asked again, and every subsystem is searched anew.
+1. `is_refuted`: it explains hardly anything of what is missing without it. It is not asked again, and every subsystem is searched anew.
 2. `doubt`: its name is more likely wrong than right whatever its odds. The rest is fitted anew without it.
-3. `too_small`: without it the machine is missed by no more than healthy machines are. It is listed beside the findings.
+3. `too_small`: without it the machine is missed by no more than healthy machines are, or where it acts by no more than the noise. It is
+   listed beside the findings.
 
 A finding beside something unknown has passed a harder rule before, with which its search ended (`selection.decision`): its odds leave no
 doubt, and time kept back is predicted better with it, block for block.
@@ -24,15 +25,21 @@ from exo_sim.diagnosis.selection.subsystem_result import SubsystemResult
 from exo_sim.diagnosis.subsystem_model import SubsystemModel
 
 
-def is_refuted(drop: float, log10_odds: float, together: bool = False) -> bool:
-    """Return whether validation speaks against a finding: the error hardly falls with it, and its odds are not great.
+def is_refuted(drop: float, log10_odds: float, share: float | None = None, together: bool = False) -> bool:
+    """Return whether validation speaks against a finding: it hardly explains anything there, and its odds are not great.
+
+    By how much the error falls says little beside other errors that stay: a fall by a seventh is all that is missing where the rest is
+    noise. Where something beyond the noise is missing without it, the share of that counts.
 
     Args:
         drop: The share by which the validation error falls with it.
         log10_odds: Its odds.
+        share: Of the squared error beyond the noise that is missing without it, what it explains; None where nothing is missing.
         together: Whether it was weighed beside all others at once: then others explain most of what it would explain alone.
     """
-    useless = drop < (validation.LEAST_DROP_TOGETHER if together else validation.LEAST_DROP) and log10_odds < validation.REFUTABLE_ODDS
+    least = validation.LEAST_DROP_TOGETHER if together else validation.LEAST_DROP
+    explains = drop if together or share is None else share
+    useless = explains < least and log10_odds < validation.REFUTABLE_ODDS
     harmful = drop < -validation.MOST_RISE and log10_odds < validation.REFUTABLE_RISE_ODDS
     return useless or harmful
 
@@ -65,23 +72,28 @@ def doubt(finding: Finding, share: float | None, compared: bool = True) -> str:
     )
 
 
-def too_small(one: SubsystemResult[SubsystemModel], left: Mapping[str, float], tested: Collection[str]) -> tuple[Finding, ...]:
+def too_small(
+    one: SubsystemResult[SubsystemModel], left: Mapping[str, float], where_acting: Mapping[str, float], tested: Collection[str]
+) -> tuple[Finding, ...]:
     """Return the findings of a subsystem without which it is missed by no more than healthy machines are, also in time kept back.
 
-    Whatever their odds: what mends a little of what every model gets wrong has great odds in a long recording. Of a balance of forces
-    none: its names are weighed beside that already, and a dip of friction acts in few rows.
+    Whatever their odds: what mends a little of what every model gets wrong has great odds in a long recording. Names of a balance of
+    forces are weighed beside that already, and a dip of friction acts in few rows: they are small where noise explains the rows that they
+    change.
 
     Args:
         one: Of one subsystem.
         left: By `effect@where`, the error of the time that was fitted without it [units of the noise].
+        where_acting: By the same, the error of time kept back without it, in rows that it changes [units of the noise].
         tested: Those that time kept back tests: without them it is missed by more than the noise, and their predictions differ.
     """
-    if one.search.weighed_together:
-        return ()
-    small = []
-    for finding in one.findings:
-        if finding.key not in tested and left.get(finding.key, math.inf) <= one.model.discrepancy_bound:
-            small.append(finding)
+
+    def is_small(key: str) -> bool:
+        if one.search.weighed_together:
+            return where_acting.get(key, math.inf) < validation.LEAST_MISSED
+        return key not in tested and left.get(key, math.inf) <= one.model.discrepancy_bound
+
+    small = [finding for finding in one.findings if is_small(finding.key)]
     names = {finding.at for finding in small}
     borne = {(c.prerequisite, c.where) for c in one.named if c.prerequisite and c.at not in names}
     return tuple(

@@ -81,7 +81,7 @@ def newly_refuted(examination: Examination) -> Refuted:
     """Return of each balance the finding that validation refutes most plainly, and why."""
     if examination.validation is None:
         return {}
-    found = {}
+    found, shares = {}, examination.shares
     for one in examination.results.all:
         if one.search.unnamed:  # names were found beside it, and it is not known for the time that was kept back
             continue
@@ -90,7 +90,8 @@ def newly_refuted(examination: Examination) -> Refuted:
             drop = examination.validation.drops.get(finding.key)
             influence = examination.validation.influence.get(finding.key, 0.0)
             together = one.search.weighed_together
-            if drop is not None and influence > policy.LEAST_INFLUENCE and is_refuted(drop, finding.log10_odds, together):
+            share = shares.get(finding.key)
+            if drop is not None and influence > policy.LEAST_INFLUENCE and is_refuted(drop, finding.log10_odds, share, together):
                 useless.append((drop, finding.name, finding.where))
         for drop, name, where in sorted(useless)[:1]:  # without it the others may be worth more
             says = "does not fall" if drop <= 0.0 else f"falls by no more than {100 * drop:.0f} %"
@@ -132,7 +133,7 @@ def without_doubtful(examination: Examination) -> Examination:
 def without_small(examination: Examination) -> Examination:
     """Return an examination that holds what is too small to matter beside its findings, not among them."""
     seen = examination.checked
-    small = tuple(finding for one in examination.results.all for finding in too_small(one, seen.left, seen.worth))
+    small = tuple(finding for one in examination.results.all for finding in too_small(one, seen.left, seen.where_acting, seen.worth))
     gone = {finding.at for finding in small}
     results = examination.results.keeping(lambda one, finding: finding.at not in gone)
     return replace(examination, results=results, small=small)

@@ -82,6 +82,8 @@ class HeldOutErrors:
         drops: By `effect@where` (by place for an unknown effect), the share by which the error falls with it.
         influence: By the keys of `drops`, how much predictions change with it [units of the noise].
         left: By the keys of `drops`, the error of the time that was fitted when all the rest is fitted without it [units of the noise].
+        where_acting: By the keys of `drops`, the error without it where predictions change with it: each row's square weighed by that of
+            the change [units of the noise].
         costs: By the keys of `drops`, `influence` as a share of how much the predicted signals vary; 0 for a shared supply: it is measured.
         balances: By subsystem and name.
         series: For the report.
@@ -94,6 +96,7 @@ class HeldOutErrors:
     drops: Mapping[str, float] = field(default_factory=dict)
     influence: Mapping[str, float] = field(default_factory=dict)
     left: Mapping[str, float] = field(default_factory=dict)
+    where_acting: Mapping[str, float] = field(default_factory=dict)
     costs: Mapping[str, float] = field(default_factory=dict)
     balances: Mapping[tuple[Subsystem, str], BalanceError] = field(default_factory=dict)
     series: tuple[Series, ...] = ()
@@ -121,7 +124,7 @@ class HeldOutErrors:
             self,
             signals={**self.signals, **later.signals},
             drops=both(self.drops, later.drops), influence=both(self.influence, later.influence), costs=both(self.costs, later.costs),
-            left=both(self.left, later.left),
+            left=both(self.left, later.left), where_acting=both(self.where_acting, later.where_acting),
             worth={key: one for key, one in both(self.worth, later.worth).items() if key in later.worth or key not in later.drops},
             balances={**self.balances, **later.balances},
             series=tuple(seen.get((one.recording, one.signal), one) for one in self.series),
@@ -144,6 +147,7 @@ def held_out_errors(
     worth: dict[str, Worth] = {}
     influence: dict[str, float] = {}
     left: dict[str, float] = {}
+    where_acting: dict[str, float] = {}
     costs: dict[str, float] = {}
     balances: dict[tuple[Subsystem, str], BalanceError] = {}
     series: list[Series] = []
@@ -172,13 +176,23 @@ def held_out_errors(
             with_it, lacking = rms(named), rms(other)
             drops[key] = _finite(1.0 - with_it / lacking) if lacking > 0.0 else 0.0
             influence[key] = _finite(rms(other - named))
+            where_acting[key] = _missed_where_acting(other, other - named)
             costs[key] = influence[key] * _noise_share(one, compared)
             if influence[key] > validation.LEAST_INFLUENCE and lacking > 1.0:
                 worth[key] = Worth(other.size * (lacking**2 - with_it**2), other.size * (lacking**2 - 1.0))
         if effect is not None:
             drops[one.where] = _drop_with_unknown(model, one, error, own)
             costs[one.where] = rms(model.residual_of(one.final_plant)) * _noise_share(one, compared)
-    return HeldOutErrors(signals, drops, influence, left, costs, balances, tuple(series), split.test, worth)
+    return HeldOutErrors(signals, drops, influence, left, where_acting, costs, balances, tuple(series), split.test, worth)
+
+
+def _missed_where_acting(error: Array, change: Array) -> float:
+    """Return the root mean square of an error, each row weighed by the square of a change; infinite where nothing changes."""
+    with np.errstate(over="ignore", invalid="ignore"):
+        weights = change**2
+        total = float(weights.sum())
+        mean = float(weights @ error**2) / total if total > 0.0 else math.inf
+    return math.sqrt(mean) if math.isfinite(mean) else math.inf
 
 
 def _signals(compared: Sequence[Comparison]) -> dict[str, SignalFit]:

@@ -44,6 +44,13 @@ def test_less_is_asked_of_what_was_weighed_beside_all_others(drop: float, refute
     assert is_refuted(drop, 8.0, together=True) is refuted
 
 
+@pytest.mark.parametrize(("share", "refuted"), [(0.9, False), (0.2, False), (0.1, True), (0.0, True), (None, True)])
+def test_where_something_is_missing_without_a_finding_its_share_of_that_counts(share: float | None, refuted: bool) -> None:
+    assert is_refuted(0.14, 8.0, share) is refuted
+    assert is_refuted(0.14, 60.0, share) is False  # great odds
+    assert is_refuted(0.11, 8.0, share, together=True) is False
+
+
 @pytest.mark.parametrize("share", [0.0, 0.05, 0.14])
 def test_great_odds_do_not_save_a_name_that_explains_little_of_time_kept_back(share: float) -> None:
     assert f"explains {100 * share:.0f} %" in doubt(named(2000.0), share)
@@ -101,7 +108,7 @@ def test_a_finding_without_which_the_machine_is_missed_no_more_than_a_healthy_on
     leak = Finding("piston_leakage", "piston", Kind.MISSING_PHYSICS, "", {}, 80.0, 0.0)
     one = result(waves.Waves(bound=1.2), leak)
     key = "piston_leakage@piston"
-    found = too_small(one, {key: left}, {key} if tested else ())
+    found = too_small(one, {key: left}, {}, {key} if tested else ())
     assert [finding.name for finding in found] == (["piston_leakage"] if is_small else [])
     assert not found or "beyond doubt" in found[0].says
 
@@ -111,11 +118,16 @@ def test_what_another_finding_needs_is_not_small() -> None:
     wall = Candidate("moving_wall_temperature", "piston", "form", (WIDTH,), ((1.0,),), prerequisite="wall_heat_transfer")
     one = result(waves.Waves(bound=1.2), heat, named=(wall,))
     key = "wall_heat_transfer@piston"
-    assert too_small(one, {key: 1.1}, ()) == () and too_small(replace(one, named=()), {key: 1.1}, ()) != ()
+    assert too_small(one, {key: 1.1}, {}, ()) == () and too_small(replace(one, named=()), {key: 1.1}, {}, ()) != ()
 
 
-def test_names_that_were_weighed_beside_a_discrepancy_are_not_small() -> None:
+@pytest.mark.parametrize(
+    ("missed", "is_small"), [(0.7, True), (1.6, False), (None, False)], ids=["as noise does", "by more", "not tested"]
+)
+def test_a_name_of_forces_is_small_where_noise_explains_the_rows_that_it_changes(missed: float | None, is_small: bool) -> None:
     spring = Finding("return_spring", "piston", Kind.MISSING_PHYSICS, "", {}, 80.0, 0.0)
     one = result(waves.Waves(bound=1.2), spring)
-    assert too_small(one, {"return_spring@piston": 1.1}, ()) != ()
-    assert too_small(replace(one, search=replace(one.search, weighed_together=True)), {"return_spring@piston": 1.1}, ()) == ()
+    weighed = replace(one, search=replace(one.search, weighed_together=True))
+    where_acting = {} if missed is None else {spring.key: missed}
+    assert bool(too_small(weighed, {spring.key: 1.1}, where_acting, ())) is is_small
+    assert too_small(one, {spring.key: 1.1}, where_acting, ()) != ()  # of gas all its rows count

@@ -39,6 +39,9 @@ def test_a_true_finding_takes_the_error_down_to_the_noise() -> None:
     assert errors.drops["base@piston"] == pytest.approx(1.0 - signal.after / signal.before, rel=1e-6)
     assert errors.influence["base@piston"] == pytest.approx(math.sqrt(size**2 - 1.0), rel=0.05)
     assert errors.balances[Subsystem.GAS, "piston"].ratio == pytest.approx(1.0, abs=0.05)
+    weights = waves.SHAPES["slow"] ** 2
+    acting = math.sqrt(1.0 + 9.0 * float(weights @ weights / weights.sum()))  # larger than over all rows: it is where the wave is
+    assert errors.where_acting["base@piston"] == pytest.approx(acting, rel=0.05)
     assert errors.spans == SPLIT.test
 
 
@@ -64,7 +67,7 @@ def test_a_later_look_takes_the_place_of_the_first_and_what_was_put_aside_goes()
     first = held_out_errors([whole], (), SPLIT)
     later = held_out_errors([without_findings(whole, {waves.OTHER.at})], (), SPLIT)
     both = first.updated(later, ["other@piston"])
-    assert set(both.drops) == set(both.worth) == set(both.influence) == set(both.costs) == set(both.left) == {"base@piston"}
+    assert set(both.drops) == set(both.worth) == set(both.influence) == set(both.costs) == set(both.left) == set(both.where_acting) == {"base@piston"}
     assert both.left == later.left != first.left
     assert both.signals == later.signals and both.balances == later.balances and both.series == later.series
     assert both.signals["piston.pressure_1"].after > first.signals["piston.pressure_1"].after

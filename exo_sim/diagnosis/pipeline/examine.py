@@ -10,6 +10,7 @@ from exo_sim.diagnosis.coupling.piston_friction import Friction, friction_behind
 from exo_sim.diagnosis.data import open_questions
 from exo_sim.diagnosis.data.machine_data import MachineData
 from exo_sim.diagnosis.estimation.threads import Threads
+from exo_sim.diagnosis.pipeline.contradiction import contradicted_faults
 from exo_sim.diagnosis.pipeline.gas_stage import Searched, examine_gas
 from exo_sim.diagnosis.pipeline.motion_stage import balances_left_open, examine_motion
 from exo_sim.diagnosis.pipeline.plan import Examination, Plan, Progress, Results
@@ -32,10 +33,12 @@ def examine(data: MachineData, plan: Plan, threads: Threads, report: Progress, s
         searched: What earlier rounds searched.
     """
     data, gas = examine_gas(data, plan, threads, report, searched)
-    data = with_corrected_pressures(with_imputed_pressures(data, gas, plan.split), gas, plan.split)
+    uncorrected = with_imputed_pressures(data, gas, plan.split)
+    data = with_corrected_pressures(uncorrected, gas, plan.split)
     results = Results(gas, examine_supply(data, gas, plan, threads, report), examine_motion(data, plan, threads, report))
+    contradicted = contradicted_faults(uncorrected, results, plan, threads, report)
     data = replace(data, open_questions=(*data.open_questions, *balances_left_open(results.motion)))
-    return Examination(data, plan, _shared_once(results))
+    return Examination(data, plan, _shared_once(results), contradicted=contradicted)
 
 
 def friction_to_add(examination: Examination) -> Friction | None:

@@ -49,7 +49,7 @@ def examine_motion(data: MachineData, plan: Plan, threads: Threads, report: Prog
     found = []
     for number, (name, runs) in enumerate(data.joints.items()):
         plan.budget.allow_until(GAS_UNTIL + (FORCES_UNTIL - GAS_UNTIL) * (number + 1) / len(data.joints))
-        found.append(_examined(data, name, runs, plan, threads, report))
+        found.append(examine_balance(name, runs, data, plan, threads, report))
     return tuple(found)
 
 
@@ -84,9 +84,16 @@ def undecided(found: Sequence[SubsystemResult[MotionModel]]) -> tuple[OpenQuesti
     )
 
 
-def _examined(
-    data: MachineData, name: str, runs: Sequence[MotionRun], plan: Plan, threads: Threads, report: Progress
+def examine_balance(
+    name: str, runs: Sequence[MotionRun], data: MachineData, plan: Plan, threads: Threads, report: Progress
 ) -> SubsystemResult[MotionModel]:
+    """Return the result of one balance of forces.
+
+    Args:
+        name: Of the joint or rod.
+        runs: Its balance in every recording.
+        data, plan, threads, report: As in `examine`.
+    """
     is_spent = plan.budget.is_spent
     model = MotionModel(runs, nominal_balance(data, name, runs), plan.split)
     nuisances = with_damping_if_too_large(model, nuisance_parameters(runs, model.nominal, model.where))

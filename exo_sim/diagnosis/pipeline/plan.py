@@ -98,6 +98,7 @@ class Examination:
         test: Errors on the test time.
         validation: Errors on the validation time; None where there is none.
         small: Findings that were taken back because they are too small to matter.
+        contradicted: Faults of sensors that the gas asks for and forces speak against.
     """
 
     data: MachineData
@@ -107,6 +108,7 @@ class Examination:
     test: HeldOutErrors = field(default_factory=HeldOutErrors)
     validation: HeldOutErrors | None = None
     small: tuple[Finding, ...] = ()
+    contradicted: Refuted = field(default_factory=dict)
 
     @property
     def validation_ratio(self) -> float:

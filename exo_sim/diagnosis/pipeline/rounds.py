@@ -3,7 +3,8 @@
 The revisions, in this order:
 
 1. Forces were found to resist a piston behind a transmission that gives: the gas is examined once more with them.
-2. Validation refutes effects: they are not sought again, and the friction is found anew.
+2. Forces contradict a sensor's fault that the gas asks for, or validation refutes effects: they are not sought again, and the friction is
+   found anew.
 3. The validation error is much larger than what the fit leaves: the time that was fitted lacks something, and the beginning of the
    recording is held out instead of its end. The division with the smaller ratio of the two errors counts.
 
@@ -56,7 +57,7 @@ def examine_until_stable(data: MachineData, threads: Threads, report: Progress, 
             continue
         report("validating on time held out")
         found = validated(found)
-        refuted = newly_refuted(found)
+        refuted = found.contradicted or newly_refuted(found)
         if refuted:
             refutations = plan.refutations + 1
             plan = replace(plan, refuted={**plan.refuted, **refuted}, friction=None, refutations=refutations)

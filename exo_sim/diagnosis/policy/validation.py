@@ -31,6 +31,11 @@ LEAST_MISSED = Number(
     1.0, "units of the noise", "a finding of forces without which the rows that it changes are missed by less is too small to matter",
     "derived: noise explains them. Two false frictions of healthy learn machines have 0.6 and 0.7, true names 1.5 and more (a dozen)",
 )  # fmt: skip
+CONTRADICTED = Number(
+    2.0, "what a balance of forces leaves with it, in units of what it leaves without it, or of the noise",
+    "above this a fault of a pressure's sensor that the gas asks for is refuted: forces hang on the pressure itself",
+    "one learn machine (C of whole machines), whose long hose looked like a sensor's scale to the gas",
+)  # fmt: skip
 LACKING_RATIO = Number(
     3.0, "validation error in units of what the fit leaves",
     "above this the training time lacks something that acts later, and the other end of the recording is held out",

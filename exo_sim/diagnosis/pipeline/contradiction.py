@@ -1,0 +1,81 @@
+"""Faults of sensors that the gas asks for, held against the forces: both hang on the same pressures.
+
+The balances of forces are made of pressures that are rid of what the gas calls a sensor's fault. Where that is no fault, the gas is
+mended by it and the forces are spoilt, or mended in their turn by a fault of another sensor.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import replace
+
+import numpy as np
+
+from exo_sim.diagnosis.coupling.corrected_pressures import corrected_balances
+from exo_sim.diagnosis.data.machine_data import MachineData
+from exo_sim.diagnosis.data.motion_run import MotionRun
+from exo_sim.diagnosis.estimation.correlation import rms
+from exo_sim.diagnosis.estimation.threads import Threads
+from exo_sim.diagnosis.findings import Kind
+from exo_sim.diagnosis.outcome.sensor_faults import faulty_scales, faulty_zeros
+from exo_sim.diagnosis.pipeline.motion_stage import examine_balance
+from exo_sim.diagnosis.pipeline.plan import Plan, Progress, Refuted, Results
+from exo_sim.diagnosis.policy.validation import CONTRADICTED
+from exo_sim.diagnosis.selection.subsystem_result import SubsystemResult
+from exo_sim.diagnosis.subsystems.motion.model import MotionModel
+
+Balance = SubsystemResult[MotionModel]
+
+
+def contradicted_faults(
+    uncorrected: MachineData, results: Results, plan: Plan, threads: Threads, report: Progress
+) -> Refuted:
+    """Return the faults of sensors by effect and place that the gas asks for and a balance of forces speaks against, and why.
+
+    Args:
+        uncorrected: The data before the gas corrected any pressure.
+        results: Of the gas and of the balances as it corrected them.
+        plan, threads, report: As in `examine`.
+    """
+    found: dict[tuple[str, str], str] = {}
+    for one in results.gas:
+        faults = [candidate for candidate in one.named if candidate.kind is Kind.SENSOR]
+        if not faults or one.has_unknown or plan.budget.is_spent():
+            continue
+        innocent = replace(one, named=tuple(candidate for candidate in one.named if candidate.kind is not Kind.SENSOR))
+        without = corrected_balances(uncorrected, [innocent if each is one else each for each in results.gas], plan.split)
+        for balance in results.motion:
+            if balance.is_empty or balance.where != one.where or not _differ(balance.model.runs, without[balance.name]):
+                continue
+            report(f"{balance.name}: asking whether its forces bear a fault of a sensor")
+            why = _against(balance, examine_balance(balance.name, without[balance.name], uncorrected, plan, threads, report))
+            if why:
+                found |= dict.fromkeys((candidate.at for candidate in faults), why)
+    return found
+
+
+def _differ(first: Sequence[MotionRun], second: Sequence[MotionRun]) -> bool:
+    """Return whether the driving forces of a balance differ."""
+    return any(not np.array_equal(a.drive.force, b.drive.force, equal_nan=True) for a, b in zip(first, second, strict=True))
+
+
+def _against(with_it: Balance, without_it: Balance) -> str:
+    """Return what a balance of forces says against a fault, "" for nothing."""
+    if without_it.is_empty:
+        return ""
+    if _left(with_it) > CONTRADICTED * max(_left(without_it), 1.0):
+        return "forces close without it and not with it"
+    if _faults(with_it) and not _faults(without_it) and _left(without_it) <= _left(with_it):
+        return "with it forces ask for a sensor's fault in their turn, and without it for none"
+    return ""
+
+
+def _left(balance: Balance) -> float:
+    """Return what a balance leaves where it was fitted [units of the noise]."""
+    return rms(balance.final.fit.residual)
+
+
+def _faults(balance: Balance) -> set[tuple[str, str]]:
+    """Return the faults of sensors that a balance asks for, by name or by scales and zeros further off than any data sheet allows."""
+    named = {candidate.at for candidate in balance.named if candidate.kind is Kind.SENSOR}
+    return named | {finding.at for finding in (*faulty_scales([balance], ()), *faulty_zeros([balance], ()))}

@@ -114,7 +114,7 @@ def _relieved_of(
     within = {q: _within_data_sheet(q) for q in pressed}
     bounded = ModelFits(fits.model, [within.get(q, q) for q in fits.nuisances], fits.threads, fits.cheap, fits.is_spent)
     near = _of_parameters(final, within)
-    own = _own(pressed, final)
+    own = _own(pressed, final, asked)
     held = bounded.fit(final.candidates, near)
     alone = bounded.fit((*final.candidates, own), _at_prior_means(near, within.values()))
     comparisons = Comparisons(bounded, search.baseline, len(proposals.candidates), model.practical_significance)
@@ -181,12 +181,22 @@ def _explains_as_well(one: FittedModel, other: FittedModel, model: Model, kept_b
     return bool(np.isfinite(left[0]).all()) and rms(left[0]) - rms(left[1]) <= slack
 
 
-def _own(pressed: Sequence[FreeParameter], final: FittedModel) -> Candidate:
-    """Return the candidate that the strained numbers by themselves are."""
-    free = tuple(replace(q, prior=None) for q in pressed)
+def _own(pressed: Sequence[FreeParameter], final: FittedModel, asked: Sequence[Candidate] = ()) -> Candidate:
+    """Return the candidate that the strained numbers by themselves are.
+
+    What healthy parts show of an effect ends where no healthy part's is: of more of it the effect itself says how far it may go.
+
+    Args:
+        pressed: The numbers.
+        final: The model that they are strained in.
+        asked: Candidates, of which one may be of these very numbers.
+    """
+    first, form = pressed[0], "+".join(q.parameter for q in pressed)
     values = tuple(final.fit.values[q] for q in pressed)
-    first = pressed[0]
-    form = "+".join(q.parameter for q in pressed)
+    declared_so = next((c for c in asked if c.key == (first.effect, first.where, form)), None)
+    if declared_so is not None:
+        return replace(declared_so, starts=(*declared_so.starts, values))
+    free = tuple(replace(q, prior=None) for q in pressed)
     return Candidate(first.effect, first.where, form, free, (values,), kind=Kind.CALIBRATION, prevalence=float(WRONG_NUMBER))
 
 

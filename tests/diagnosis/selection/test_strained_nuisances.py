@@ -10,6 +10,7 @@ from diagnosis import waves
 from exo_sim.diagnosis.data.split import Split
 from exo_sim.diagnosis.estimation.candidate import Candidate
 from exo_sim.diagnosis.estimation.parameters import FreeParameter
+from exo_sim.diagnosis.findings import Kind
 from exo_sim.diagnosis.policy.off_nominal import HELD_WITHIN
 from exo_sim.diagnosis.policy.verdicts import AS_GOOD
 from exo_sim.diagnosis.selection.decision import decide
@@ -126,14 +127,17 @@ def test_without_an_effect_that_explains_as_much_everything_stays_as_it_is(model
     assert relieved(search, fits, proposals, model, KEPT) == (search, fits)
 
 
-def test_more_than_healthy_parts_show_is_asked_as_the_effect_itself() -> None:
+@pytest.mark.parametrize("form", ["any form", "valve_lag.slow"], ids=["of another form", "of these very numbers"])
+def test_more_than_healthy_parts_show_is_asked_as_the_effect_itself(form: str) -> None:
     lag = replace(waves.parameter("valve_lag", "slow", prior=(0.0, 1.0)), low=0.0, high=3.0)
-    own = waves.candidate("valve_lag", "slow")
+    own = replace(waves.candidate("valve_lag", "slow"), form=form)
     model = Volume(shapes=SHAPES, slow=3.4)
     search, fits, proposals = ended(model, own, waves.BASE, volume=lag)
     assert search.final.fit.values[lag] == pytest.approx(3.0)
     found, _ = relieved(search, fits, proposals, model, KEPT)
     assert found.final.fit.values[own.parameters[0]] == pytest.approx(3.4, abs=0.2)
+    (named,) = found.final.candidates
+    assert named.effect == "valve_lag" and named.kind is Kind.MISSING_PHYSICS
 
 
 def test_who_is_asked_is_declared_with_the_effects() -> None:

@@ -221,6 +221,11 @@ def _parts(strides: NDArray[np.float64], variances: NDArray[np.float64]) -> tupl
     return best[1]
 
 
+def by_chance(independent: float) -> float:
+    """Return the most that a mean square of so many independent values of noise is, in units of its expectation, but for chance."""
+    return 1.0 + BEYOND_CHANCE * math.sqrt(2.0 / independent)
+
+
 def beyond_noise(square: float, noise: float, independent: float) -> float:
     """Return what a change holds beside noise, root mean square; 0 where it is no larger than noise by itself may be.
 
@@ -229,5 +234,4 @@ def beyond_noise(square: float, noise: float, independent: float) -> float:
         noise: The same that noise makes of it.
         independent: How many independent values the mean is of.
     """
-    chance = 1.0 + BEYOND_CHANCE * math.sqrt(2.0 / independent)
-    return math.sqrt(square - noise) if square > chance * noise else 0.0
+    return math.sqrt(square - noise) if square > by_chance(independent) * noise else 0.0

@@ -84,7 +84,7 @@ def too_small(
     Args:
         one: Of one subsystem.
         left: By `effect@where`, the error of the time that was fitted without it [units of the noise].
-        where_acting: By the same, the error of time kept back without it, in rows that it changes [units of the noise].
+        where_acting: By the same, the error of time kept back without it, in rows that it changes [the most that noise leaves by itself].
         tested: Those that time kept back tests: without them it is missed by more than the noise, and their predictions differ.
     """
 

@@ -19,6 +19,7 @@ from exo_sim.diagnosis.selection.fitted_model import FittedModel
 from exo_sim.diagnosis.selection.subsystem_result import SubsystemResult
 from exo_sim.diagnosis.selection.unknown_effect import UnknownEffect, effect_of
 from exo_sim.diagnosis.subsystem_model import Comparison, SubsystemModel
+from exo_sim.recording.noise import by_chance
 
 Array = NDArray[np.float64]
 Key = TypeVar("Key")
@@ -82,8 +83,8 @@ class HeldOutErrors:
         drops: By `effect@where` (by place for an unknown effect), the share by which the error falls with it.
         influence: By the keys of `drops`, how much predictions change with it [units of the noise].
         left: By the keys of `drops`, the error of the time that was fitted when all the rest is fitted without it [units of the noise].
-        where_acting: By the keys of `drops`, the error without it where predictions change with it: each row's square weighed by that of
-            the change [units of the noise].
+        where_acting: By the keys of `drops`, the error without it where predictions change with it, in units of the most that noise by
+            itself leaves there but for chance: each row's square is weighed by that of the change.
         costs: By the keys of `drops`, `influence` as a share of how much the predicted signals vary; 0 for a shared supply: it is measured.
         balances: By subsystem and name.
         series: For the report.
@@ -187,12 +188,20 @@ def held_out_errors(
 
 
 def _missed_where_acting(error: Array, change: Array) -> float:
-    """Return the root mean square of an error, each row weighed by the square of a change; infinite where nothing changes."""
+    """Return what an error is of the most that noise leaves, each row weighed by the square of a change; infinite where nothing changes.
+
+    Args:
+        error: Residual in units of the noise, shape (n,).
+        change: How a prediction changes, in the same units, shape (n,).
+    """
     with np.errstate(over="ignore", invalid="ignore"):
         weights = change**2
         total = float(weights.sum())
-        mean = float(weights @ error**2) / total if total > 0.0 else math.inf
-    return math.sqrt(mean) if math.isfinite(mean) else math.inf
+        if not 0.0 < total < math.inf:
+            return math.inf
+        independent = total**2 / float(weights @ weights)
+        square = float(weights @ error**2) / total
+    return math.sqrt(square / by_chance(independent)) if math.isfinite(square) else math.inf
 
 
 def _signals(compared: Sequence[Comparison]) -> dict[str, SignalFit]:

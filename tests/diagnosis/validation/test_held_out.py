@@ -20,6 +20,7 @@ from exo_sim.diagnosis.selection.search import Search
 from exo_sim.diagnosis.selection.subsystem_result import SubsystemResult
 from exo_sim.diagnosis.selection.unknown_effect import unknown_effects
 from exo_sim.diagnosis.validation.held_out import BalanceError, HeldOutErrors, Worth, held_out_errors
+from exo_sim.recording.noise import by_chance
 
 SPLIT = Split({"recording": ((0.0, 400.0),)})
 
@@ -41,6 +42,7 @@ def test_a_true_finding_takes_the_error_down_to_the_noise() -> None:
     assert errors.balances[Subsystem.GAS, "piston"].ratio == pytest.approx(1.0, abs=0.05)
     weights = waves.SHAPES["slow"] ** 2
     acting = math.sqrt(1.0 + 9.0 * float(weights @ weights / weights.sum()))  # larger than over all rows: it is where the wave is
+    acting /= math.sqrt(by_chance(float(weights.sum()) ** 2 / float(weights @ weights)))
     assert errors.where_acting["base@piston"] == pytest.approx(acting, rel=0.05)
     assert errors.spans == SPLIT.test
 

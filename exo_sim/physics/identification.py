@@ -110,6 +110,8 @@ class Identification:
         closed_by: ... unless this parameter was fitted as well.
         prevalence: Share of machines that have it, before any data.
         known: What is known of parameters before any data: mean and standard deviation.
+        left_open: Parameters that a rig which has the effect may leave out, with values to begin with: whether its law goes on so is asked
+            as a law, no finding.
         is_law: Whether it only says how a law is written, in every machine: then it is no finding, but it goes into an improved rig.
         applicability: Where the question makes sense.
         twins: What cannot be distinguished from it.
@@ -143,6 +145,7 @@ class Identification:
     closed_by: str = ""
     prevalence: float = 0.1
     known: Mapping[str, tuple[float, float]] = field(default_factory=dict)
+    left_open: Mapping[str, tuple[float, ...]] = field(default_factory=dict)
     is_law: bool = False
     applicability: Applicability = Applicability()
     twins: Twins = Twins()
@@ -153,7 +156,8 @@ class Identification:
         lists = {"forms": {name for form in self.forms for name in form}}
         lists |= {key: set(getattr(self, key)) for key in ("within_speeds", "within_travels")}
         lists["common"] = set(self.common[1])
-        tables = {key: set(getattr(self, key)) for key in ("neutral", "healthy", "least", "open_by", "known", "starts_by_valve")}
+        named = ("neutral", "healthy", "least", "open_by", "known", "left_open", "starts_by_valve")
+        tables = {key: set(getattr(self, key)) for key in named}
         single = {key: {getattr(self, key)} - {""} for key in ("every_contact", "closed_by")}
         return lists | tables | single | {"twins.unless": {self.twins.unless} - {""}, "twins.unseen_from": set(self.twins.unseen_from)}
 

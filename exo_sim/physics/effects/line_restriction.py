@@ -64,6 +64,7 @@ EFFECT = Effect(
         starts_by_valve={"area": (2.0, 0.6, 0.25), "volume": (5e-6, 1e-5, 5e-6), "ratio": (0.36,) * 3, "length": (1.0, 2.0, 1.0)},
         of_dead_volume="volume",
         known={"ratio": (0.36, 0.08)},
+        left_open={"length": (0.5, 1.0, 2.0)},
         applicability=Applicability(bursts=False),  # it delays and does not ring
     ),
 )

@@ -58,13 +58,15 @@ def candidates(plant: PlantParameters, runs: Sequence[CylinderRun], cylinder: st
 
 
 def _left_open(effect: Effect, cylinder: str, plant: PlantParameters) -> list[Candidate]:
-    """Return what an owner who gave a law that every machine follows in some form left open of it: a law, no finding."""
+    """Return what an owner who has an effect left open of its law: of one that every machine follows in some form, or that may go on."""
     declares = effect.identification
+    known = {name: (mean - spread, mean + spread) for name, (mean, spread) in declares.known.items() if declares.every_law}
     found = []
-    for name, (mean, spread) in declares.known.items() if declares.every_law else ():
+    for name, values in {**known, **declares.left_open}.items():
         if float(plant.cylinder[effect.name][name][0]) == 0.0:
-            starts = ((mean - spread,), (mean + spread,))
-            found += [replace(one, is_law=True, starts=starts) for one in _of_form(effect, cylinder, (name,), plant)]
+            one = _of_form(effect, cylinder, (name,), plant)[0]
+            starts = tuple((value,) for value in values)
+            found.append(replace(one, form=name, is_law=True, starts=starts, displaced=(), fixed=()))  # the rest is as the rig has it
     return found
 
 

@@ -8,7 +8,8 @@ from pathlib import Path
 import numpy as np
 from numpy.typing import NDArray
 
-from exo_sim.diagnosis.findings import Diagnosis, Series
+from exo_sim.diagnosis.findings import Series
+from exo_sim.diagnosis.result import Diagnosis
 from exo_sim.recording.rrd_file import Lane, write_rrd
 from exo_sim.recording.table import Recording
 from exo_sim.rig import Rig

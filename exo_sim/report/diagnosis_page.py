@@ -8,7 +8,8 @@ from pathlib import Path
 from typing import Any
 
 import exo_sim
-from exo_sim.diagnosis.findings import Diagnosis, Finding, Located, SignalFit
+from exo_sim.diagnosis.findings import Finding, Located, SignalFit
+from exo_sim.diagnosis.result import Diagnosis
 from exo_sim.report import amounts, diagnosis_picture, diagnosis_words
 
 _HERE = Path(__file__).parent

@@ -10,7 +10,8 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import NDArray
 
-from exo_sim.diagnosis.findings import Diagnosis, Finding, Located, Series
+from exo_sim.diagnosis.findings import Finding, Located, Series
+from exo_sim.diagnosis.result import Diagnosis
 from exo_sim.report import amounts
 
 if TYPE_CHECKING:

@@ -5,7 +5,8 @@ from __future__ import annotations
 import textwrap
 from collections.abc import Sequence
 
-from exo_sim.diagnosis.findings import Diagnosis, SignalFit
+from exo_sim.diagnosis.findings import SignalFit
+from exo_sim.diagnosis.result import Diagnosis
 from exo_sim.report import amounts, diagnosis_words
 
 WIDTH = 110

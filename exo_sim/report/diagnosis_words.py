@@ -5,8 +5,9 @@ from __future__ import annotations
 import math
 from collections.abc import Sequence
 
-from exo_sim.diagnosis.findings import Diagnosis, Estimate, Finding, SignalFit, Unexplained
+from exo_sim.diagnosis.findings import Estimate, Finding, SignalFit, Unexplained
 from exo_sim.diagnosis.policy.recordings import LOUD_DRIFT, LOUD_REST
+from exo_sim.diagnosis.result import Diagnosis
 from exo_sim.diagnosis.wording import name_of
 from exo_sim.physics.declaration import declared
 from exo_sim.report import amounts

@@ -9,8 +9,8 @@ from pathlib import Path
 
 from benchmarks import recordings
 from benchmarks.figure import Asked, Figure, Said
-from exo_sim.diagnosis.findings import Diagnosis
 from exo_sim.diagnosis.pipeline.diagnose import diagnose
+from exo_sim.diagnosis.result import Diagnosis
 
 #: One of the gas, one whose answer is in jerks, one of the motion.
 CONCEALED = ("wall_heat_transfer", "valve_deadband", "viscous_friction")

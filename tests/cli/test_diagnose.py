@@ -9,7 +9,7 @@ from pathlib import Path
 import pytest
 
 from exo_sim import cli
-from exo_sim.diagnosis.findings import Diagnosis, Verdict
+from exo_sim.diagnosis.result import Diagnosis, Verdict
 from exo_sim.recording import Recording, read, write_table
 
 sys.path.insert(0, str(Path(__file__).parents[1] / "report"))

@@ -5,7 +5,6 @@ from __future__ import annotations
 import numpy as np
 
 from exo_sim.diagnosis.findings import (
-    Diagnosis,
     Estimate,
     Finding,
     Kind,
@@ -16,8 +15,8 @@ from exo_sim.diagnosis.findings import (
     Series,
     SignalFit,
     Unexplained,
-    Verdict,
 )
+from exo_sim.diagnosis.result import Diagnosis, Verdict
 
 RIG = 'name = "bench"\nmodel = "bench.xml"\n\n[cylinders.piston.valve]\narea = "5 mm^2"\n'
 LEAK = Finding(

@@ -7,7 +7,8 @@ import numpy as np
 import pytest
 from report import made_up_diagnoses as made_up
 
-from exo_sim.diagnosis.findings import Diagnosis, Estimate, Finding, Kind, Rejected, SignalFit, Unexplained, Verdict
+from exo_sim.diagnosis.findings import Estimate, Finding, Kind, Rejected, SignalFit, Unexplained
+from exo_sim.diagnosis.result import Diagnosis, Verdict
 from exo_sim.physics.declaration import declared
 from exo_sim.report import diagnosis_picture, diagnosis_text, diagnosis_words
 from exo_sim.report.diagnosis_page import page

@@ -11,10 +11,11 @@ from exo_sim.conventions.undriven import drives
 from exo_sim.diagnosis import wording
 from exo_sim.diagnosis.data.machine_data import MachineData
 from exo_sim.diagnosis.data.open_questions import of_free_swing
-from exo_sim.diagnosis.findings import Finding, Kind, NextExperiment, OpenQuestion, SignalFit, Subsystem, Verdict
+from exo_sim.diagnosis.findings import Finding, Kind, NextExperiment, OpenQuestion, SignalFit, Subsystem
 from exo_sim.diagnosis.outcome.experiments import in_which, ranked_experiments
 from exo_sim.diagnosis.policy.acceptance import LEAST_ODDS
 from exo_sim.diagnosis.policy.verdicts import FIRST_STATE, SWINGS_OFF
+from exo_sim.diagnosis.result import Verdict
 from exo_sim.diagnosis.selection.subsystem_result import SubsystemResult
 from exo_sim.diagnosis.subsystem_model import SubsystemModel
 from exo_sim.physics.effects.unknown import EFFECT as UNKNOWN

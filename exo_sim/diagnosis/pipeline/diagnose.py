@@ -10,7 +10,7 @@ from pathlib import Path
 
 from exo_sim.diagnosis.estimation.budget import Budget
 from exo_sim.diagnosis.estimation.threads import Threads
-from exo_sim.diagnosis.findings import Diagnosis, Finding, Rejected, Verdict, in_order
+from exo_sim.diagnosis.findings import Finding, Rejected, in_order
 from exo_sim.diagnosis.outcome.finding_probability import confidence
 from exo_sim.diagnosis.outcome.localisation import located, unexplained
 from exo_sim.diagnosis.outcome.rig_update import rig_update
@@ -24,6 +24,7 @@ from exo_sim.diagnosis.pipeline.reading import gather
 from exo_sim.diagnosis.pipeline.rig_acceptance import accepted
 from exo_sim.diagnosis.pipeline.rounds import examine_until_stable, with_test_findings, without_doubtful, without_small
 from exo_sim.diagnosis.policy.budgets import MOST_REJECTED
+from exo_sim.diagnosis.result import Diagnosis, Verdict
 from exo_sim.diagnosis.selection.nuisance_calibration import calibration_findings
 from exo_sim.recording.column_map import ColumnMap
 from exo_sim.recording.reader import Reading

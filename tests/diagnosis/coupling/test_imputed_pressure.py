@@ -10,9 +10,9 @@ import numpy as np
 import pytest
 
 from exo_sim.diagnosis.coupling.imputed_pressure import _possible_range, with_initial_pressure
-from exo_sim.diagnosis.findings import Diagnosis
 from exo_sim.diagnosis.pipeline.diagnose import diagnose
 from exo_sim.diagnosis.pipeline.reading import gather
+from exo_sim.diagnosis.result import Diagnosis
 from exo_sim.trials.cases import make_case, write_case
 
 

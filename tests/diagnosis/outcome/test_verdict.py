@@ -8,8 +8,9 @@ import benches
 import pytest
 
 from exo_sim.diagnosis.data.machine_data import MachineData
-from exo_sim.diagnosis.findings import Finding, Kind, OpenQuestion, Subsystem, Verdict
+from exo_sim.diagnosis.findings import Finding, Kind, OpenQuestion, Subsystem
 from exo_sim.diagnosis.outcome.verdict import distinct, next_experiment, verdict_of
+from exo_sim.diagnosis.result import Verdict
 from exo_sim.machine.linkage import linkages
 from exo_sim.machine.rig_model import load
 

@@ -9,8 +9,9 @@ import benches
 import numpy as np
 import pytest
 
-from exo_sim.diagnosis.findings import Diagnosis, Kind, Verdict
+from exo_sim.diagnosis.findings import Kind
 from exo_sim.diagnosis.pipeline.diagnose import diagnose
+from exo_sim.diagnosis.result import Diagnosis, Verdict
 from exo_sim.diagnosis.selection.subsystem_result import SubsystemResult
 from exo_sim.diagnosis.subsystem_model import SubsystemModel
 from exo_sim.recording import Recording

@@ -11,8 +11,8 @@ import numpy as np
 import pytest
 
 from exo_sim import rig as rigs
-from exo_sim.diagnosis.findings import Diagnosis
 from exo_sim.diagnosis.pipeline.diagnose import diagnose
+from exo_sim.diagnosis.result import Diagnosis
 from exo_sim.recording import read
 from exo_sim.simulation.replay import replay, rms
 

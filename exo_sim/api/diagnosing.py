@@ -14,7 +14,8 @@ from typing import TYPE_CHECKING, Any
 from exo_sim.api.arguments import Columns, Quantity, RecordingLike, RigLike, columns_of, quantity, reading_of, rig_of
 from exo_sim.api.notebook import html_table
 from exo_sim.api.rig import Rig
-from exo_sim.diagnosis import result as records
+from exo_sim.diagnosis import findings as records
+from exo_sim.diagnosis.result import Diagnosis as Answer
 from exo_sim.errors import OutputError, RecordingError
 from exo_sim.inputs import text_of
 from exo_sim.plain_text import json_text
@@ -41,7 +42,7 @@ class Diagnosis:
         time_s: How long it took [s].
     """
 
-    result: records.Diagnosis
+    result: Answer
     time_s: float
     _believed: Path | Rig
     _folder: Path

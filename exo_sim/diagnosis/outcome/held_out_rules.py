@@ -78,8 +78,8 @@ def too_small(
     """Return the findings of a subsystem without which it is missed by no more than healthy machines are, also in time kept back.
 
     Whatever their odds: what mends a little of what every model gets wrong has great odds in a long recording. Names of a balance of
-    forces are weighed beside that already, and a dip of friction acts in few rows: they are small where noise explains the rows that they
-    change.
+    forces are weighed beside that already, and a dip of friction acts in few rows: they are small where noise explains what is left
+    without them, in time kept back as a whole and in the rows that they change.
 
     Args:
         one: Of one subsystem.
@@ -89,9 +89,11 @@ def too_small(
     """
 
     def is_small(key: str) -> bool:
+        if key in tested:
+            return False
         if one.search.weighed_together:
             return where_acting.get(key, math.inf) < validation.LEAST_MISSED
-        return key not in tested and left.get(key, math.inf) <= one.model.discrepancy_bound
+        return left.get(key, math.inf) <= one.model.discrepancy_bound
 
     small = [finding for finding in one.findings if is_small(finding.key)]
     names = {finding.at for finding in small}

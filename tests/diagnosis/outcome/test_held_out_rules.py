@@ -130,4 +130,5 @@ def test_a_name_of_forces_is_small_where_noise_explains_the_rows_that_it_changes
     weighed = replace(one, search=replace(one.search, weighed_together=True))
     where_acting = {} if missed is None else {spring.key: missed}
     assert bool(too_small(weighed, {spring.key: 1.1}, where_acting, ())) is is_small
+    assert too_small(weighed, {spring.key: 1.1}, where_acting, {spring.key}) == ()  # as a whole more than noise is missing
     assert too_small(one, {spring.key: 1.1}, where_acting, ()) != ()  # of gas all its rows count

@@ -31,10 +31,13 @@ class Plan:
     Attributes:
         motion: The reference, soles pressed into the ground, n samples.
         torque: Of hip, knee, ankle left and right, and both toes [N m], shape (n, 8).
+        room: By how much each ankle may plantarflex and dorsiflex more before the centre of pressure is at tip or heel of the own sole, left
+            and right [N m], shape (n, 4).
     """
 
     motion: Motion
     torque: Array
+    room: Array
 
 
 def plan(motion: Motion, person: Person, expected: Array | float = 0.0) -> Plan:
@@ -47,13 +50,15 @@ def plan(motion: Motion, person: Person, expected: Array | float = 0.0) -> Plan:
     """
     toes = TOES * person.scale
     _, _, ground = _held(motion, person, expected)
-    found = pressed(motion, person, ground.force, ground.centre, wearer_body.STIFFNESS, wearer_body.RADIUS, toes)
+    found = pressed(motion, person, ground.force, ground.centre, wearer_body.STIFFNESS, wearer_body.DAMPING, wearer_body.RADIUS, toes)
     poses, loads, ground = _held(found, person, expected)
     moments = joint_moments(poses, loads, ground.force, ground.place)
     bent = np.clip(_TOES_LIFTED - poses[:, FEET, 2], 0.0, _TOES_BENT)
     ahead = np.clip(ground.centre - person.toe, 0.0, toes)
     toe = wearer_body.TOE_STIFFNESS * bent - ahead * ground.force[:, :, 1]
-    return Plan(found, np.concatenate([moments, toe], axis=1))
+    ends = np.array([person.toe + toes, person.heel])
+    room = np.abs(ends - ground.centre[:, :, None]) * np.maximum(ground.force[:, :, 1:], 0.0)
+    return Plan(found, np.concatenate([moments, toe], axis=1), room.reshape(len(room), 4))
 
 
 def _held(motion: Motion, person: Person, expected: Array | float) -> tuple[Array, Array, Ground]:

@@ -40,7 +40,9 @@ class _Step(NamedTuple):
     angles_by_height: Array
 
 
-def pressed(motion: Motion, person: Person, force: Array, centre: Array, stiffness: float, radius: float, toes: float) -> Motion:
+def pressed(
+    motion: Motion, person: Person, force: Array, centre: Array, stiffness: float, damping: float, radius: float, toes: float
+) -> Motion:
     """Return the reference with its soles pressed into the ground.
 
     Args:
@@ -48,7 +50,7 @@ def pressed(motion: Motion, person: Person, force: Array, centre: Array, stiffne
         person: Who walks.
         force: Of the ground on left and right foot, x and z [N], shape (n, 2, 2).
         centre: Of pressure, ahead of each ankle [m], shape (n, 2).
-        stiffness: Of the ground under a heel or a ball of the foot [N/m].
+        stiffness, damping: Of the ground under a heel or a ball of the foot [N/m], [N s/m].
         radius: Of what touches there [m].
         toes: Length ahead of the ball [m].
     """
@@ -63,7 +65,8 @@ def pressed(motion: Motion, person: Person, force: Array, centre: Array, stiffne
         load = _shared(force[:, foot, 1], centre[:, foot], above, person, toes)
         down = np.clip(load / _DOWN, 0.0, 1.0)
         down *= down * (3.0 - 2.0 * down)
-        height = radius - load / stiffness + np.maximum(above, 0.0) * (1.0 - down)
+        sunk = _lagged(load / stiffness, damping / stiffness / motion.period)
+        height = radius - sunk + np.maximum(above, 0.0) * (1.0 - down)
         wanted.append((height, place[:, :, 0].mean(axis=1), _ASIDE * (_CARRIES / _ASIDE) ** down))
     for _ in range(_STEPS):
         steps = [_step(given, lowered, one, given[:, leg], to, person, drop) for one, leg, to in zip(moved, legs, wanted)]
@@ -117,6 +120,12 @@ def _shared(force: Array, centre: Array, above: Array, person: Person, toes: flo
     part = np.where(near[:, ::-1] < 1e-6, 1.0, part) * near
     part[:, 1] *= 1.0 - np.clip((centre - person.toe) / toes, 0.0, 1.0)
     return np.asarray(force[:, None] * part)
+
+
+def _lagged(values: Array, lag: float) -> Array:
+    """Return values of a cycle behind a lag of first order, in cycles: what gives like a spring beside a damper follows its load so."""
+    spectrum = np.fft.rfft(values, axis=0)
+    return np.fft.irfft(spectrum / (1.0 + 2j * np.pi * lag * np.arange(len(spectrum)))[:, None], len(values), axis=0)
 
 
 def _smooth(values: Array, harmonics: int) -> Array:

@@ -9,14 +9,14 @@ from exo_sim.gait.residual_reduction import body_loads, reduced
 from exo_sim.machine import ground_reaction, wearer_body
 from exo_sim.machine.person import Person, poses_along
 
-PERSON, STIFFNESS, RADIUS, TOES = Person(), wearer_body.STIFFNESS, wearer_body.RADIUS, ground_reaction.TOES
+PERSON, STIFFNESS, DAMPING, RADIUS, TOES = Person(), wearer_body.STIFFNESS, wearer_body.DAMPING, wearer_body.RADIUS, ground_reaction.TOES
 
 
 @pytest.fixture(scope="module")
 def both():
     motion = reduced(scenario.motion("level_walk", PERSON, 1.0), PERSON)
     ground = ground_reaction.hold(*body_loads(motion, PERSON), motion.share, motion.pressure_centre, motion.support, PERSON)
-    return motion, ground, pressed(motion, PERSON, ground.force, ground.centre, STIFFNESS, RADIUS, TOES)
+    return motion, ground, pressed(motion, PERSON, ground.force, ground.centre, STIFFNESS, DAMPING, RADIUS, TOES)
 
 
 def height(motion, ahead):

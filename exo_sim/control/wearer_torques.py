@@ -29,11 +29,9 @@ from exo_sim.physics.compiled import kernel
 Array = NDArray[np.float64]
 
 #: Springs [N m/rad] and dampers [N m s/rad] of hip, knee and ankle of a body of 75 kg and 1.70 m; others in proportion to mass and height.
-#: Dampers from 0.5 to 2 times these, and those of the pelvis beside them, were tried on both recorded strides and on starting and stopping
-#: with 20, 34 and 45 kg: of those that keep the residual within 26 N these leave the moments nearest to the recorded ones.
-STIFFNESS, DAMPING = (600.0, 400.0, 300.0), (35.0, 21.0, 10.5)
-#: Of the pelvis ahead and up [N/m], [N s/m] and of the trunk [N m/rad], through the legs that stand: 0.7 of the whole body's critical damping.
-PELVIS_STIFFNESS, PELVIS_DAMPING = (2000.0, 15000.0, 1500.0), (540.0, 1470.0, 190.0)
+STIFFNESS, DAMPING = (600.0, 400.0, 300.0), (50.0, 30.0, 15.0)
+#: Of the pelvis ahead and up [N/m], [N s/m] and of the trunk [N m/rad], through the legs that stand: critically damped for the whole body.
+PELVIS_STIFFNESS, PELVIS_DAMPING = (2000.0, 15000.0, 1500.0), (775.0, 2100.0, 270.0)
 #: The residual: weak springs and dampers between pelvis and reference.
 HELD_STIFFNESS, HELD_DAMPING = (500.0, 500.0, 600.0), (50.0, 50.0, 60.0)
 _MASS = 75.0

@@ -21,9 +21,9 @@ Array = NDArray[np.float64]
 
 #: Harmonics of a stride by which joints are moved.
 _HARMONICS = 12
-#: A foot counts as wholly down from this load on [N]: with less, a heel that comes down is pulled to the ground in a jerk. Heel and ball
-#: share the load up to this height [m].
-_DOWN, _SHARING = 250.0, 0.012
+#: A foot counts as wholly down from this load on [N]: of 50 to 250, more leaves it in the air when it should carry, and less pulls a heel
+#: that comes down to the ground in a jerk. Heel and ball share the load up to this height [m].
+_DOWN, _SHARING = 100.0, 0.012
 #: How far a sole may be off where it carries, how far in the air and along the ground [m], and by how much a joint may be moved [rad]: each
 #: weighs the same. The first is a twentieth of what the sole gives under the body's weight.
 _CARRIES, _ASIDE, _TURNED = 0.25e-3, 2e-3, np.radians(1.0)
@@ -40,9 +40,7 @@ class _Step(NamedTuple):
     angles_by_height: Array
 
 
-def pressed(
-    motion: Motion, person: Person, force: Array, centre: Array, stiffness: float, damping: float, radius: float, toes: float
-) -> Motion:
+def pressed(motion: Motion, person: Person, force: Array, centre: Array, stiffness: float, radius: float, toes: float) -> Motion:
     """Return the reference with its soles pressed into the ground.
 
     Args:
@@ -50,7 +48,7 @@ def pressed(
         person: Who walks.
         force: Of the ground on left and right foot, x and z [N], shape (n, 2, 2).
         centre: Of pressure, ahead of each ankle [m], shape (n, 2).
-        stiffness, damping: Of the ground under a heel or a ball of the foot [N/m], [N s/m].
+        stiffness: Of the ground under a heel or a ball of the foot [N/m].
         radius: Of what touches there [m].
         toes: Length ahead of the ball [m].
     """
@@ -65,8 +63,7 @@ def pressed(
         load = _shared(force[:, foot, 1], centre[:, foot], above, person, toes)
         down = np.clip(load / _DOWN, 0.0, 1.0)
         down *= down * (3.0 - 2.0 * down)
-        sunk = _lagged(load / stiffness, damping / stiffness / motion.period)
-        height = radius - sunk + np.maximum(above, 0.0) * (1.0 - down)
+        height = radius - load / stiffness + np.maximum(above, 0.0) * (1.0 - down)
         wanted.append((height, place[:, :, 0].mean(axis=1), _ASIDE * (_CARRIES / _ASIDE) ** down))
     for _ in range(_STEPS):
         steps = [_step(given, lowered, one, given[:, leg], to, person, drop) for one, leg, to in zip(moved, legs, wanted)]
@@ -106,7 +103,7 @@ def _step(
     rows[:, 2], slopes[:, 2] = (place[:, :, 0].mean(axis=1) - along) / _ASIDE, moves[:, :, 0].mean(axis=1) / _ASIDE
     rows[:, 3:], slopes[:, 3:] = (angles - usual) / _TURNED, np.eye(3) / _TURNED
     both = np.stack([rows, by_height], axis=2)
-    best = -np.linalg.solve(slopes.transpose(0, 2, 1) @ slopes, slopes.transpose(0, 2, 1) @ both)
+    best: Array = -np.linalg.solve(slopes.transpose(0, 2, 1) @ slopes, slopes.transpose(0, 2, 1) @ both).astype(np.float64)
     left = both + slopes @ best
     return _Step(left[:, :, 0], left[:, :, 1], best[:, :, 0], best[:, :, 1])
 
@@ -120,12 +117,6 @@ def _shared(force: Array, centre: Array, above: Array, person: Person, toes: flo
     part = np.where(near[:, ::-1] < 1e-6, 1.0, part) * near
     part[:, 1] *= 1.0 - np.clip((centre - person.toe) / toes, 0.0, 1.0)
     return np.asarray(force[:, None] * part)
-
-
-def _lagged(values: Array, lag: float) -> Array:
-    """Return values of a cycle behind a lag of first order, in cycles: what gives like a spring beside a damper follows its load so."""
-    spectrum = np.fft.rfft(values, axis=0)
-    return np.fft.irfft(spectrum / (1.0 + 2j * np.pi * lag * np.arange(len(spectrum)))[:, None], len(values), axis=0)
 
 
 def _smooth(values: Array, harmonics: int) -> Array:

@@ -22,8 +22,8 @@ Array = NDArray[np.float64]
 
 #: The toes rest along the ground up to this angle, and so much above it [rad].
 _TOES_BENT, _TOES_LIFTED = 1.2, np.radians(5.0)
-#: A foot that turns about an end of its sole is held by its ankle's own spring with so much after a degree [N m]. With 0, 5 and 10 he starts
-#: and stops under 34 and 45 kg, with the first at the least residual; from 5 on level walking knows no limit.
+#: A foot that turns about an end of its sole is held by its ankle's own spring with so much after a degree [N m]. With 0, 5 and 10 he
+#: starts and stops under 34 and 45 kg, with the first at the least residual; from 5 on level walking knows no limit.
 _TURNING = 5.0
 
 

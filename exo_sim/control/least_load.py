@@ -97,7 +97,7 @@ class LeastLoad:
         reach: Least and largest torque that the actuators can hold [N m], shape (n, 6, 2), n phases of
             `machine_dynamics.PICK`.
         weights: What counts as load.
-        otherwise: Torques to begin with where those of the plan cannot be held [N m], shape (n, 6); None to begin with what is left of them.
+        otherwise: Torques to begin with where those of the plan cannot be held [N m], shape (n, 6); None for what is left of them.
 
     Attributes:
         driven: Which of the six joints have a torque.

@@ -7,7 +7,8 @@ that is off its path would take it):
 - springs and dampers towards the angles of the reference: muscles and reflexes;
 - what brings the pelvis back to its path and the trunk to its lean through the legs that stand: a wrench at the pelvis, shared as the legs
   share the load, as joint torques of legs without mass (virtual model control: Pratt, Chew, Torres, Dilworth and Pratt 2001, International
-  Journal of Robotics Research 20:129).
+  Journal of Robotics Research 20:129). A leg pushes ahead no harder than its sole can hold: an ankle that asks for more lifts heel or toes
+  off the ground. Where the machine's shoe holds the foot as well there is no such limit.
 
 Nothing else holds the wearer but weak springs at the pelvis. Their force is no muscle's: it is the residual.
 """
@@ -40,6 +41,8 @@ _MASS = 75.0
 PLACEMENT = (0.6, 0.1, 0.15)
 #: Damping of the swing leg's inverse kinematics [m^2].
 _REACH = 0.004
+#: More than any ankle gives [N m]; levers shorter than this carry no moment [m].
+_NO_LIMIT, _SHORT = 1e9, 1e-3
 
 
 class Mover(NamedTuple):
@@ -48,10 +51,12 @@ class Mover(NamedTuple):
     Attributes:
         dofs: Places of `wearer_body.JOINTS` in MuJoCo's positions and velocities, shape (11,); none where the motion is prescribed.
         torque: Planned, the first row repeated behind the last, shape (n + 1, 8).
+        room: As `wearer_plan.Plan` has it, the first row repeated behind the last, shape (n + 1, 4).
         stiffness, damping: Of hips, knees, ankles, shape (6,).
         pelvis_stiffness, pelvis_damping, held_stiffness, held_damping: Of the pelvis by the legs, and by the residual, shape (3,).
         wanted, wanted_rate: The reference now, shape (9,).
         planned: Torques now, shape (8,).
+        spare: What the ankles may give more now, shape (4,).
         carried: Share of each leg now, shape (2,).
         applied: Residual at the pelvis ahead, up and turning, and the torques of the joints, shape (11,).
         load: Of the straps, by coordinate, shape (9,).
@@ -60,6 +65,7 @@ class Mover(NamedTuple):
 
     dofs: NDArray[np.int64]
     torque: Array
+    room: Array
     stiffness: Array
     damping: Array
     pelvis_stiffness: Array
@@ -69,23 +75,36 @@ class Mover(NamedTuple):
     wanted: Array
     wanted_rate: Array
     planned: Array
+    spare: Array
     carried: Array
     applied: Array
     load: Array
     placement: Array
 
 
-def mover(person: Person, carried: float = 0.0, torque: Array | None = None, dofs: NDArray[np.int64] | None = None) -> Mover:
-    """Return what moves a person who carries a load [kg] by planned torques; without those, what moves nobody."""
+def mover(
+    person: Person, carried: float = 0.0, torque: Array | None = None, dofs: NDArray[np.int64] | None = None, room: Array | None = None
+) -> Mover:
+    """Return what moves a person who carries a load [kg] by planned torques; without those, what moves nobody.
+
+    Args:
+        person: Who moves.
+        carried: On the own back.
+        torque: As `wearer_plan.Plan` has it.
+        dofs: As in `Mover`.
+        room: As `wearer_plan.Plan` has it; None where more than the own soles bears the feet.
+    """
     moves = torque if torque is not None else np.zeros((1, 8))
+    limits = room if room is not None else np.full((len(moves), 4), _NO_LIMIT)
     grown = (person.mass + carried) / _MASS
     turning = grown * (person.height / REFERENCE_HEIGHT) ** 2
     of_pelvis = np.array([grown, grown, turning])
     return Mover(
         np.empty(0, np.int64) if dofs is None else dofs, np.ascontiguousarray(np.concatenate([moves, moves[:1]])),
+        np.ascontiguousarray(np.concatenate([limits, limits[:1]])),
         turning * np.array(STIFFNESS * 2), turning * np.array(DAMPING * 2), of_pelvis * PELVIS_STIFFNESS, of_pelvis * PELVIS_DAMPING,
-        np.array(HELD_STIFFNESS), np.array(HELD_DAMPING), np.zeros(9), np.zeros(9), np.zeros(8), np.zeros(2), np.zeros(11), np.zeros(9),
-        np.array(PLACEMENT),
+        np.array(HELD_STIFFNESS), np.array(HELD_DAMPING), np.zeros(9), np.zeros(9), np.zeros(8), np.zeros(4), np.zeros(2), np.zeros(11),
+        np.zeros(9), np.array(PLACEMENT),
     )  # fmt: skip
 
 
@@ -120,10 +139,23 @@ def _put_ahead(way, first, lengths, wanted):
 
 
 @kernel
+def _held_by_sole(part, leg, push, poses, mover):
+    """Return what a leg that carries a share pushes the pelvis ahead with [N] so that the centre of pressure stays in its sole."""
+    row = 3 + 3 * leg
+    x, z = poses[row, 0] - poses[0, 0], poses[row, 1] - poses[0, 1]
+    if part * abs(z) < _SHORT:
+        return push[0]
+    asked = -part * (push[2] - x * push[1] + z * push[0])
+    given = min(max(asked, -mover.spare[2 * leg]), mover.spare[2 * leg + 1])
+    return push[0] - (given - asked) / (part * z)
+
+
+@kernel
 def ask(cycles, period, advance, climb, position, slope, share, q, v, poses, lengths, mover):
     """Write the torques of now, and the residual, into `mover.applied`."""
     reference(cycles, period, advance, climb, position, slope, mover.wanted, mover.wanted_rate)
     look_up(cycles, mover.torque, mover.planned)
+    look_up(cycles, mover.room, mover.spare)
     look_up(cycles, share, mover.carried)
     push = mover.load  # at the pelvis, by the legs
     for j in range(3):
@@ -134,11 +166,12 @@ def ask(cycles, period, advance, climb, position, slope, share, q, v, poses, len
     ahead = min(max(ahead, -mover.placement[2]), mover.placement[2])
     for leg in range(2):
         part = mover.carried[leg]
+        forward = _held_by_sole(part, leg, push, poses, mover)
         _put_ahead((1.0 - part) * ahead, 3 + 3 * leg, lengths, mover.wanted)
         for k in range(3):
             row, j = 1 + 3 * leg + k, 3 * leg + k
             x, z = poses[row, 0] - poses[0, 0], poses[row, 1] - poses[0, 1]
-            by_pelvis = -part * (push[2] - x * push[1] + z * push[0])
+            by_pelvis = -part * (push[2] - x * push[1] + z * forward)
             by_joint = mover.stiffness[j] * (mover.wanted[3 + j] - q[3 + j])
             by_joint += mover.damping[j] * mover.wanted_rate[3 + j]  # MuJoCo takes the damping of the joint off at the end of the step
             mover.applied[3 + j] = mover.planned[j] + by_pelvis + by_joint

@@ -1,28 +1,43 @@
 """A reference whose soles sink into the ground as far as their load asks, for a wearer who is a body with contacts.
 
 On a rigid ground the soles of a reference lie at height zero whatever they carry. Where ground and sole give like springs, a foot at that
-height carries nothing. So each foot is moved by millimetres to where its springs give the force that is expected, hip, knee and ankle
-follow, and the pelvis is lowered by what the feet sink on the mean, so that the knees keep their angles.
+height carries nothing. So each foot is moved by millimetres to where its springs give the force that is expected, and the pelvis is lowered
+by one height for the whole cycle. A leg that is nearly straight gets a millimetre shorter only where its knee bends by degrees, while a
+foot that stands on its ball can turn about it: heights of the soles are weighed against changes of the joints by least squares.
 """
 
 from __future__ import annotations
 
+from typing import NamedTuple
+
 import numpy as np
 from numpy.typing import NDArray
 
-from exo_sim.gait.motion import Motion, travelling
-from exo_sim.machine.leg_angles import leg_to, turned
+from exo_sim.gait.motion import SAMPLES, Motion, travelling
+from exo_sim.machine.leg_angles import turned
 from exo_sim.machine.person import LEG_START, Person, leg_points
 
 Array = NDArray[np.float64]
 
-#: Harmonics of the stride by which joints are moved.
+#: Harmonics of a stride by which joints are moved.
 _HARMONICS = 12
-#: A foot counts as wholly down from this load on [N]: with less, a heel that comes down is pulled to the ground in a jerk. Heel and ball
-#: share the load up to this height [m].
-_DOWN, _SHARING = 250.0, 0.012
-#: Share of the mean sinking by which the pelvis is lowered: the rest goes to the knees, which then never have to stretch.
-_LOWERED = 0.8
+#: A foot counts as wholly down from this load on [N]: of 50 to 250, more leaves it in the air when it should carry, and less pulls a heel
+#: that comes down to the ground in a jerk. Heel and ball share the load up to this height [m].
+_DOWN, _SHARING = 100.0, 0.012
+#: How far a sole may be off where it carries, how far in the air and along the ground [m], and by how much a joint may be moved [rad]: each
+#: weighs the same. The first is a twentieth of what the sole gives under the body's weight.
+_CARRIES, _ASIDE, _TURNED = 0.25e-3, 2e-3, np.radians(1.0)
+#: Knees are bent by so much at the least, or as they were [rad]; steps of Gauss and Newton.
+_BENT, _STEPS = np.radians(2.0), 6
+
+
+class _Step(NamedTuple):
+    """Rows of least squares, shape (n, 6), and joint angles that are best for a pelvis of a given height, shape (n, 3); both by height."""
+
+    left: Array
+    left_by_height: Array
+    angles: Array
+    angles_by_height: Array
 
 
 def pressed(motion: Motion, person: Person, force: Array, centre: Array, stiffness: float, radius: float, toes: float) -> Motion:
@@ -37,26 +52,60 @@ def pressed(motion: Motion, person: Person, force: Array, centre: Array, stiffne
         radius: Of what touches there [m].
         toes: Length ahead of the ball [m].
     """
-    position = motion.position.copy()
-    position[:, 1] -= _LOWERED * force[:, :, 1].sum(axis=1).mean() / stiffness
-    drop = np.array([0.0, radius - person.ankle_height])  # from the ankle to what touches
-    middle, span = 0.5 * (person.heel + person.toe), person.toe - person.heel
-    for foot, first in enumerate(LEG_START.values()):
-        leg = slice(first, first + 3)
-        thigh, knee, ankle = motion.position[:, 2] + position[:, first], position[:, first + 1], position[:, first + 2]
-        tilt = thigh + knee + ankle
-        place = leg_points(thigh, knee, ankle, person)["ankle"] + motion.position[:, :2]
-        heel, ball = (place + turned(tilt, ahead, drop[1]) for ahead in (person.heel, person.toe))
-        above = np.stack([heel[:, 1], ball[:, 1]], axis=1) - radius
+    given, lowered = motion.position, 0.0
+    drop = radius - person.ankle_height
+    legs = [slice(first, first + 3) for first in LEG_START.values()]
+    moved = [given[:, leg].copy() for leg in legs]
+    wanted = []
+    for foot, leg in enumerate(legs):
+        place, _ = _soles(given, given[:, leg], person, drop)
+        above = place[:, :, 1] - radius
         load = _shared(force[:, foot, 1], centre[:, foot], above, person, toes)
         down = np.clip(load / _DOWN, 0.0, 1.0)
         down *= down * (3.0 - 2.0 * down)
         height = radius - load / stiffness + np.maximum(above, 0.0) * (1.0 - down)
-        tilt = np.arcsin(np.clip((height[:, 1] - height[:, 0]) / span, -1.0, 1.0))
-        low = np.stack([0.5 * (heel[:, 0] + ball[:, 0]), height.mean(axis=1)], axis=1)
-        wanted = leg_to(low - turned(tilt, middle, drop[1]) - position[:, :2], tilt, position[:, 2], person)
-        position[:, leg] += _smooth(wanted - position[:, leg], _HARMONICS * motion.strides)
+        wanted.append((height, place[:, :, 0].mean(axis=1), _ASIDE * (_CARRIES / _ASIDE) ** down))
+    for _ in range(_STEPS):
+        steps = [_step(given, lowered, one, given[:, leg], to, person, drop) for one, leg, to in zip(moved, legs, wanted)]
+        by_height = sum(float((one.left_by_height**2).sum()) for one in steps)
+        further = -sum(float((one.left * one.left_by_height).sum()) for one in steps) / by_height
+        lowered += further
+        for angles, leg, one in zip(moved, legs, steps):
+            angles += one.angles + further * one.angles_by_height
+            angles[:, 1] = np.minimum(angles[:, 1], np.maximum(given[:, leg][:, 1], -_BENT))
+    position = given.copy()
+    position[:, 1] -= lowered
+    for angles, leg in zip(moved, legs):
+        position[:, leg] += _smooth(angles - given[:, leg], _HARMONICS * max(1, len(given) // SAMPLES))
     return travelling(motion, position)
+
+
+def _soles(given: Array, angles: Array, person: Person, drop: float) -> tuple[Array, Array]:
+    """Return where heel and ball touch, shape (n, 2, 2), and how hip, knee and ankle move both, shape (n, 2, 2, 3)."""
+    thigh, shank = given[:, 2] + angles[:, 0], given[:, 2] + angles[:, 0] + angles[:, 1]
+    tilt = shank + angles[:, 2]
+    points = leg_points(thigh, angles[:, 1], angles[:, 2], person)
+    joints = np.stack([np.zeros_like(points["knee"]), points["knee"], points["ankle"]], axis=1)
+    place = np.stack([points["ankle"] + turned(tilt, ahead, drop) for ahead in (person.heel, person.toe)], axis=1)
+    arm = place[:, :, None] - joints[:, None]
+    return place + given[:, None, :2], np.stack([-arm[..., 1], arm[..., 0]], axis=2)
+
+
+def _step(
+    given: Array, lowered: float, angles: Array, usual: Array, wanted: tuple[Array, Array, Array], person: Person, drop: float
+) -> _Step:
+    """Return the next step of a leg towards `wanted`: heights of heel and ball (n, 2), place along (n,), what heights may be off (n, 2)."""
+    height, along, off = wanted
+    place, moves = _soles(given, angles, person, drop)
+    n = len(given)
+    rows, slopes, by_height = np.empty((n, 6)), np.zeros((n, 6, 3)), np.zeros((n, 6))
+    rows[:, :2], slopes[:, :2], by_height[:, :2] = (place[:, :, 1] - lowered - height) / off, moves[:, :, 1] / off[:, :, None], -1.0 / off
+    rows[:, 2], slopes[:, 2] = (place[:, :, 0].mean(axis=1) - along) / _ASIDE, moves[:, :, 0].mean(axis=1) / _ASIDE
+    rows[:, 3:], slopes[:, 3:] = (angles - usual) / _TURNED, np.eye(3) / _TURNED
+    both = np.stack([rows, by_height], axis=2)
+    best: Array = -np.linalg.solve(slopes.transpose(0, 2, 1) @ slopes, slopes.transpose(0, 2, 1) @ both).astype(np.float64)
+    left = both + slopes @ best
+    return _Step(left[:, :, 0], left[:, :, 1], best[:, :, 0], best[:, :, 1])
 
 
 def _shared(force: Array, centre: Array, above: Array, person: Person, toes: float) -> Array:

@@ -87,7 +87,7 @@ def walk_alone(plan: Plan, person: Person, pack: Pack | None, cycles: int, step:
     stand(data, where.dofs, motion)
     position, slope = motion.tables()
     share = np.ascontiguousarray(np.concatenate([motion.share, motion.share[:1]]))
-    mover: Mover = wearer_torques.mover(person, 0.0 if pack is None else pack.mass, plan.torque, where.dofs)
+    mover: Mover = wearer_torques.mover(person, 0.0 if pack is None else pack.mass, plan.torque, where.dofs, plan.room)
     wearer_torques.dampen(model, mover)
     rows = math.ceil(cycles * motion.period / step - 1e-9) + 1
     log = np.empty((rows, wearer_loop.COUNT))

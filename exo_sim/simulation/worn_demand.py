@@ -47,7 +47,7 @@ def rehearsed_demand(it: Simulation, payload: float) -> tuple[NDArray[np.float64
     weights = request.weights or (SPARING if it.plans_chambers else Weights())
     if request.law == "causal" and request.weights is None:
         weights = replace(weights, other_straps=CAUTIOUS)
-    plan = LeastLoad(dynamics, it.motion, it.person, it.straps, it.rig.ankle, limits, weights)
+    plan = LeastLoad(dynamics, it.motion, it.person, it.straps, it.rig.ankle, limits, weights, needed[machine_dynamics.PICK])
     return _closed(_rehearsed(it, plan, payload)), remarks
 
 

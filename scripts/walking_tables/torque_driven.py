@@ -33,6 +33,7 @@ TEXT = f"""## {HEADING}
 machine's. Each sole touches with heel, ball and tip of the toes, so that the total centre of pressure cannot leave them. Torques move him
 (`exo_sim/control/wearer_torques.py`): inverse dynamics of the reference with the straps' load that he expects from a calibration walk,
 springs and dampers to the reference's angles, and what brings pelvis and trunk back through the legs that stand (virtual model control).
+Without the machine a leg pushes ahead no harder than its sole can hold.
 The foot in the air is led most of the way to where the reference puts it on the ground, where a pelvis off its path would take it
 elsewhere.
 Shoulder straps only pull; the low torso strap stands for a belt with loops round the legs, which holds both ways, as pad and strap of a

@@ -45,6 +45,24 @@ def test_legs_push_the_pelvis_where_it_should_be(pose):
         assert it.applied[3:6] @ rates == pytest.approx(push @ move, abs=1e-6)
 
 
+def test_a_leg_pushes_ahead_no_harder_than_its_sole_can_hold(pose):
+    q, _, _ = pose
+    q = np.array([0.0, 0.85, -0.1, 0.2, -0.3, 0.1, 0.2, -0.3, 0.1])
+    poses = poses_along(q[None], np.zeros((1, 9)), PERSON)[0]
+    wanted = q.copy()
+    wanted[0] += 0.1
+    position, slope, share = np.tile(wanted, (5, 1)), np.zeros((5, 9)), np.tile([0.5, 0.5], (5, 1))
+    given = []
+    for room in (None, np.tile([20.0, 6.0, 20.0, 9.0], (4, 1))):
+        it = wearer_torques.mover(PERSON, torque=np.zeros((4, 8)), dofs=DOFS, room=room)
+        it.placement[:] = 0.0
+        wearer_torques.ask(0.3, 1.0, 0.0, 0.0, position, slope, share, q, np.zeros(9), poses, PERSON.lengths(), it)
+        given.append(it.applied.copy())
+    assert given[0][5] > 50.0 and given[0][8] > 50.0  # dorsiflexion, which would lift the toes
+    assert given[1][5] == pytest.approx(6.0) and given[1][8] == pytest.approx(9.0)
+    assert np.abs(given[1][3:5]).max() < np.abs(given[0][3:5]).max()
+
+
 def test_the_swinging_foot_goes_by_the_ground_more_than_by_the_pelvis():
     """Of a pelvis that is ahead of its path and goes on, the foot in the air is put behind, as high and as level as it was."""
     it = wearer_torques.mover(PERSON, torque=np.zeros((4, 8)), dofs=DOFS)

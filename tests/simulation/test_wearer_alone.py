@@ -1,5 +1,7 @@
 """A wearer on his own feet: he keeps walking, hardly held; his books close; and he walks like the recordings."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 from scipy.io import loadmat
@@ -59,9 +61,29 @@ def test_powers_of_a_cycle_sum_to_nothing(walked):
 
 def test_one_who_is_not_held_up_falls():
     plan = wearer_plan.plan(reduced(scenario.motion("level_walk", PERSON, 1.0), PERSON), PERSON)
-    limp = wearer_plan.Plan(plan.motion, plan.torque + np.array([-200.0, -100.0, 50.0, -200.0, -100.0, 50.0, 0.0, 0.0]))
+    limp = replace(plan, torque=plan.torque + np.array([-200.0, -100.0, 50.0, -200.0, -100.0, 50.0, 0.0, 0.0]))
     with pytest.raises(Diverged, match="the wearer falls"):
         walk_alone(limp, PERSON, None, 4, 0.001)
+
+
+@pytest.mark.parametrize("mass", [34.0, 45.0])
+def test_under_a_heavy_pack_he_starts_and_stops_again_and_again(mass):
+    pack = Pack(mass, PACK.place, PACK.inertia)
+    motion = with_backpack(scenario.motion("start_and_stop", PERSON, 1.0), PERSON, pack.place, mass, pack.inertia)
+    moved = one_cycle(motion, PERSON, pack)
+    residual = moved.ground.residual
+    assert np.hypot(residual[:, 0], residual[:, 1]).max() < 60.0 and np.abs(residual[:, 2]).max() < 20.0
+    assert not moved.ground.outside.any()
+
+
+def test_he_has_the_moments_of_the_treadmill():
+    """They were 0.30, 0.28 and 0.25 N m/kg rms off where a straight knee was bent to lower the pelvis by millimetres."""
+    gait = recorded_gait.load("opensim")
+    person = Person(1.70, gait.mass)
+    moved = one_cycle(reduced(scenario.motion("level_walk_opensim", person, 1.0), person), person)
+    for k, (joint, most) in enumerate((("hip", 0.2), ("knee", 0.21), ("ankle", 0.22))):
+        off = moved.moments[:, 3 + k] - gait.moment[joint](phases())
+        assert np.sqrt(np.mean(off**2)) / gait.mass < most, joint
 
 
 @pytest.mark.real_data

@@ -45,13 +45,22 @@ def contradicted_faults(
         innocent = replace(one, named=tuple(candidate for candidate in one.named if candidate.kind is not Kind.SENSOR))
         without = corrected_balances(uncorrected, [innocent if each is one else each for each in results.gas], plan.split)
         for balance in results.motion:
-            if balance.is_empty or balance.where != one.where or not _differ(balance.model.runs, without[balance.name]):
+            if balance.is_empty or balance.where != one.where:
+                continue
+            runs = _of_the_same_recordings(without[balance.name], balance.model.runs)
+            if not _differ(balance.model.runs, runs):
                 continue
             report(f"{balance.name}: asking whether its forces bear a fault of a sensor")
-            why = _against(balance, examine_balance(balance.name, without[balance.name], uncorrected, plan, threads, report))
+            why = _against(balance, examine_balance(balance.name, runs, uncorrected, plan, threads, report))
             if why:
                 found |= dict.fromkeys((candidate.at for candidate in faults), why)
     return found
+
+
+def _of_the_same_recordings(runs: Sequence[MotionRun], judged: Sequence[MotionRun]) -> tuple[MotionRun, ...]:
+    """Return the runs of those recordings that were judged: a corrected one may have proved to be driven from outside."""
+    names = {run.recording for run in judged}
+    return tuple(run for run in runs if run.recording in names)
 
 
 def _differ(first: Sequence[MotionRun], second: Sequence[MotionRun]) -> bool:

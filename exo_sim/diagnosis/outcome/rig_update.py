@@ -51,6 +51,13 @@ class Rank(IntEnum):
     FOUND = 3
 
 
+_CALLED = {
+    Rank.CURVE: "the curve of what has no name",
+    Rank.REFITTED: "numbers that were refitted and are no finding",
+    Rank.SENSORS: "zeros and delays of sensors that were refitted and are no finding",
+}
+
+
 @dataclass(frozen=True)
 class Part:
     """Entries and corrections of one rank that one source (a subsystem, or the sensors) gives."""
@@ -96,6 +103,17 @@ class RigUpdate:
             for source, ranks in gone.items()
             for rank in ranks
         )
+
+    def without(self, kept: RigUpdate) -> str:
+        """Return in words what this update has and another, which was made of it by leaving something out, has not."""
+        said = []
+        for part in self.parts:
+            if part not in kept.parts:
+                names = [*(entry.setting.name for entry in part.entries), *(" ".join(one.key[2:]) for one in part.corrections)]
+                found = ", ".join(dict.fromkeys(map(wording.name_of, names)))
+                what = found if part.rank is Rank.FOUND else _CALLED[part.rank]
+                said.append(f"{what} ({part.source})")
+        return "; ".join(said)
 
     def text(self, folder: Path) -> str:
         """Return the text of `improved.toml` for a folder."""

@@ -35,7 +35,7 @@ from exo_sim.simulation.replay import WINDOW
 
 Fits = Mapping[str, SignalFit]
 
-_CUT = "improved.toml holds less than what was found: with all of it the time kept back is predicted worse than as believed"
+_CUT = "improved.toml leaves out what predicts time kept back worse: {}"
 _REFUSED = "improved.toml holds less than what was found: a rig with all of it is refused, {}"
 _UNPROVED = "improved.toml was not put to the test: nothing of the time kept back can be predicted, or the recordings are too long"
 
@@ -120,7 +120,8 @@ def accepted(
         return Trial(one, inside, run, spreads, coupled, uncertainty(whole.by_block(rig), floors))
 
     best = as_far_as_it_wins(update, tried, is_spent)
-    said = ((_CUT, best.update is not update and not refusals), (_UNPROVED, bool(best.update.parts) and not best.is_proved))
+    is_cut, is_unproved = best.update is not update and not refusals, bool(best.update.parts) and not best.is_proved
+    said = ((_CUT.format(update.without(best.update)), is_cut), (_UNPROVED, is_unproved))
     if choosing is not split:
         rig = parse(best.update.text(data.rig.path.parent), data.rig.path)
         best = replace(best, windows=WindowErrors(data, split).errors(rig), free_run=free.over(split).errors(rig))

@@ -18,7 +18,7 @@ from exo_sim.diagnosis.estimation.candidate import Candidate
 from exo_sim.diagnosis.estimation.least_squares import Fit
 from exo_sim.diagnosis.estimation.parameters import FreeParameter, Target
 from exo_sim.diagnosis.findings import Estimate, Finding, Kind
-from exo_sim.diagnosis.outcome.rig_update import RigUpdate, rig_update
+from exo_sim.diagnosis.outcome.rig_update import Part, Rank, RigUpdate, rig_update
 from exo_sim.diagnosis.pipeline.motion_stage import nominal_balance
 from exo_sim.diagnosis.selection.fitted_model import FittedModel, SearchResult
 from exo_sim.diagnosis.selection.model_fits import ModelFits
@@ -30,7 +30,7 @@ from exo_sim.diagnosis.subsystems.motion.candidates import candidates
 from exo_sim.diagnosis.subsystems.motion.model import MotionModel
 from exo_sim.machine.linkage import linkages
 from exo_sim.machine.rig_model import load
-from exo_sim.rig import Rig, parse
+from exo_sim.rig import Correction, EffectEntry, EffectSetting, Rig, parse
 
 AREA = FreeParameter("piston_leakage", "piston", "area", "m^2", Target.CYLINDER, 1e-8, 0.0, 1e-6)
 LEAK = Candidate("piston_leakage", "piston", "area", (AREA,), ((1e-8,),))
@@ -167,6 +167,20 @@ def test_what_was_refitted_of_sensors_and_of_the_machine_stand_without_each_othe
     sensors, machine = update.reduced()
     assert machine.entries == () and len(machine.corrections) == 1
     assert sensors.corrections == () and [entry.setting.name for entry in sensors.entries] == ["sensor_bias"]
+
+
+def test_what_another_update_leaves_out_is_said_in_words(data: MachineData) -> None:
+    setting = EffectSetting("coulomb_friction", "piston", {"force": 9.0}, False)
+    whole = RigUpdate(
+        data.rig,
+        (
+            Part("gas of piston", Rank.REFITTED, (), (Correction(("cylinders", "piston", "dead_volume_1"), 2e-5, "m^3"),)),
+            Part("motion of slide", Rank.FOUND, (EffectEntry(setting, {}, ""),), (Correction(("bodies", "load", "mass"), 3.0, "kg"),)),
+        ),
+    )
+    assert whole.without(whole) == ""
+    assert whole.without(replace(whole, parts=whole.parts[1:])) == "numbers that were refitted and are no finding (gas of piston)"
+    assert whole.without(replace(whole, parts=whole.parts[:1])) == "Coulomb friction, mass (motion of slide)"
 
 
 def test_a_number_that_the_rig_leaves_out_of_an_effect_that_it_has_is_written_beside_the_others(tmp_path: Path) -> None:

@@ -85,19 +85,26 @@ def corrected_balances(
                 if measured is not None:
                     change = _change(whole, index, side, measured, faults, behind)
                     if np.nanmax(np.abs(change)) > CORRECTED_PRESSURE:
-                        changes[given.run.recording, f"{one.where}.pressure_{side + 1}"] = given.time, change
+                        table = data.table(given.run.recording).time
+                        changes[given.run.recording, f"{one.where}.pressure_{side + 1}"] = _on_the_clock_of(table, given.time, change)
     return {
         joint: tuple(at_piston(_delayed(_changed(run, changes), late.get(joint, 0.0)), soft.get(run.cylinder or "")) for run in runs)
         for joint, runs in data.joints.items()
     }
 
 
+def _on_the_clock_of(table: Array, time: Array, change: Array) -> tuple[Array, Array]:
+    """Return a change on the clock of its recording, from where it begins on: a quick logger's gas is predicted on a coarser one."""
+    clock = table if time[0] - table[0] <= FINE_PERIOD else table[table >= time[0]]
+    return clock, np.interp(clock, time, change)
+
+
 def _behind_hose(whole: GasModel, index: int) -> tuple[Array, Array] | None:
-    """Return what is predicted in the chambers and at the sensors, shape (n, 2) each [Pa]; None where no hose lies between them."""
+    """Return what is predicted in the chambers and where the sensors sit, shape (n, 2) each [Pa]; None where no hose lies between them."""
     if not behind_hose(whole.nominal.cylinder):
         return None
     shown = whole.predict(whole.nominal, index)
-    return shown.inside, shown.pressure
+    return shown.inside, shown.pressure if shown.before_sensors is None else shown.before_sensors  # their faults are taken off apart
 
 
 def _change(
@@ -125,7 +132,7 @@ def _changed(run: MotionRun, changes: Changes) -> MotionRun:
     force, gauge, signals = run.drive.force, run.drive.gauge, dict(run.drive.signals)
     for column, lever in run.drive.levers.items():
         time, change = changes.get((run.recording, column), (run.time, None))
-        if change is None or time[0] - run.time[0] > FINE_PERIOD:  # a run that was cut short says nothing of what came before
+        if change is None or time[0] > run.time[0]:  # a run that was cut short says nothing of what came before
             continue
         smooth = smoothed_on_clock(run, time, change)
         force = force + lever * smooth

@@ -1,4 +1,4 @@
-"""The signals of one cylinder in one recording, on the recording's clock."""
+"""The signals of one cylinder in one recording, on the recording's clock or a coarser one (`coarse_clock.py`)."""
 
 from __future__ import annotations
 

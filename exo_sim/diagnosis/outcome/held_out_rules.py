@@ -28,13 +28,14 @@ from exo_sim.diagnosis.subsystem_model import SubsystemModel
 def is_refuted(drop: float, log10_odds: float, share: float | None = None, together: bool = False) -> bool:
     """Return whether validation speaks against a finding: it hardly explains anything there, and its odds are not great.
 
-    By how much the error falls says little beside other errors that stay: a fall by a seventh is all that is missing where the rest is
-    noise. Where something beyond the noise is missing without it, the share of that counts.
+    A fall of the error by a seventh may be all that is missing, where the rest is noise. Where more than noise is missing without it, the
+    share of that counts.
 
     Args:
         drop: The share by which the validation error falls with it.
         log10_odds: Its odds.
-        share: Of the squared error beyond the noise that is missing without it, what it explains; None where nothing is missing.
+        share: Of the squared error beyond the noise that is missing without it, what it explains; None where no more is
+            missing than noise does by chance.
         together: Whether it was weighed beside all others at once: then others explain most of what it would explain alone.
     """
     least = validation.LEAST_DROP_TOGETHER if together else validation.LEAST_DROP
@@ -91,8 +92,8 @@ def too_small(
     def is_small(key: str) -> bool:
         if key in tested:
             return False
-        if one.search.weighed_together:
-            return where_acting.get(key, math.inf) < validation.LEAST_MISSED
+        if one.search.weighed_together and where_acting.get(key, math.inf) >= validation.LEAST_MISSED:
+            return False
         return left.get(key, math.inf) <= one.model.discrepancy_bound
 
     small = [finding for finding in one.findings if is_small(finding.key)]

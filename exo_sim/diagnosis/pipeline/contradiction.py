@@ -7,13 +7,14 @@ mended by it and the forces are spoilt, or mended in their turn by a fault of an
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import replace
+from dataclasses import dataclass, replace
 
 import numpy as np
 
 from exo_sim.diagnosis.coupling.corrected_pressures import corrected_balances
 from exo_sim.diagnosis.data.machine_data import MachineData
 from exo_sim.diagnosis.data.motion_run import MotionRun
+from exo_sim.diagnosis.estimation.candidate import Candidate
 from exo_sim.diagnosis.estimation.correlation import rms
 from exo_sim.diagnosis.estimation.threads import Threads
 from exo_sim.diagnosis.findings import Kind
@@ -22,6 +23,7 @@ from exo_sim.diagnosis.pipeline.motion_stage import examine_balance
 from exo_sim.diagnosis.pipeline.plan import Plan, Progress, Refuted, Results
 from exo_sim.diagnosis.policy.validation import CONTRADICTED
 from exo_sim.diagnosis.selection.subsystem_result import SubsystemResult
+from exo_sim.diagnosis.subsystems.gas.model import GasModel
 from exo_sim.diagnosis.subsystems.motion.model import MotionModel
 
 Balance = SubsystemResult[MotionModel]
@@ -32,29 +34,51 @@ def contradicted_faults(
 ) -> Refuted:
     """Return the faults of sensors by effect and place that the gas asks for and a balance of forces speaks against, and why.
 
+    Each is asked alone, for a true fault may stand beside a false one, and all together where none falls alone.
+
     Args:
         uncorrected: The data before the gas corrected any pressure.
         results: Of the gas and of the balances as it corrected them.
         plan, threads, report: As in `examine`.
     """
-    found: dict[tuple[str, str], str] = {}
+    asking, found = _Asking(uncorrected, results, plan, threads, report), dict[tuple[str, str], str]()
     for one in results.gas:
         faults = [candidate for candidate in one.named if candidate.kind is Kind.SENSOR]
         if not faults or one.has_unknown or plan.budget.is_spent():
             continue
-        innocent = replace(one, named=tuple(candidate for candidate in one.named if candidate.kind is not Kind.SENSOR))
-        without = corrected_balances(uncorrected, [innocent if each is one else each for each in results.gas], plan.split)
-        for balance in results.motion:
-            if balance.is_empty or balance.where != one.where:
+        own = {fault.at: asking.against(one, [fault]) for fault in faults}
+        if not any(own.values()) and len(faults) > 1:
+            own = dict.fromkeys(own, asking.against(one, faults))
+        found |= {at: why for at, why in own.items() if why}
+    return found
+
+
+@dataclass(frozen=True)
+class _Asking:
+    """What is asked of the forces; attributes as the arguments of `contradicted_faults`."""
+
+    uncorrected: MachineData
+    results: Results
+    plan: Plan
+    threads: Threads
+    report: Progress
+
+    def against(self, one: SubsystemResult[GasModel], suspects: Sequence[Candidate]) -> str:
+        """Return what the forces of a cylinder say against some faults of its sensors, "" for nothing."""
+        innocent = replace(one, named=tuple(candidate for candidate in one.named if candidate not in suspects))
+        gas = [innocent if each is one else each for each in self.results.gas]
+        without = corrected_balances(self.uncorrected, gas, self.plan.split)
+        for balance in self.results.motion:
+            if balance.where != one.where or balance.is_empty:
                 continue
             runs = _of_the_same_recordings(without[balance.name], balance.model.runs)
             if not _differ(balance.model.runs, runs):
                 continue
-            report(f"{balance.name}: asking whether its forces bear a fault of a sensor")
-            why = _against(balance, examine_balance(balance.name, runs, uncorrected, plan, threads, report))
+            self.report(f"{balance.name}: asking whether its forces bear a fault of a sensor")
+            why = _against(balance, examine_balance(balance.name, runs, self.uncorrected, self.plan, self.threads, self.report))
             if why:
-                found |= dict.fromkeys((candidate.at for candidate in faults), why)
-    return found
+                return why
+        return ""
 
 
 def _of_the_same_recordings(runs: Sequence[MotionRun], judged: Sequence[MotionRun]) -> tuple[MotionRun, ...]:
@@ -70,11 +94,11 @@ def _differ(first: Sequence[MotionRun], second: Sequence[MotionRun]) -> bool:
 
 def _against(with_it: Balance, without_it: Balance) -> str:
     """Return what a balance of forces says against a fault, "" for nothing."""
-    if without_it.is_empty:
+    if without_it.is_empty or _faults(without_it):  # these may be of the very sensor
         return ""
     if _left(with_it) > CONTRADICTED * max(_left(without_it), 1.0):
         return "forces close without it and not with it"
-    if _faults(with_it) and not _faults(without_it) and _left(without_it) <= _left(with_it):
+    if _faults(with_it) and _left(without_it) <= _left(with_it):
         return "with it forces ask for a sensor's fault in their turn, and without it for none"
     return ""
 

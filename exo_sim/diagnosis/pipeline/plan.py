@@ -22,7 +22,7 @@ from exo_sim.diagnosis.validation.held_out import HeldOutErrors
 
 #: Called with a few words on what is going on.
 Progress = Callable[[str], None]
-#: Effect and place that validation refuted, and why.
+#: Effect and place that validation refuted or forces contradicted, and why.
 Refuted = Mapping[tuple[str, str], str]
 
 

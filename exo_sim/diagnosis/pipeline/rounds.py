@@ -82,7 +82,7 @@ def newly_refuted(examination: Examination) -> Refuted:
     """Return of each balance the finding that validation refutes most plainly, and why."""
     if examination.validation is None:
         return {}
-    found, shares = {}, examination.shares
+    found, worth = {}, examination.checked.worth
     for one in examination.results.all:
         if one.search.unnamed:  # names were found beside it, and it is not known for the time that was kept back
             continue
@@ -91,7 +91,8 @@ def newly_refuted(examination: Examination) -> Refuted:
             drop = examination.validation.drops.get(finding.key)
             influence = examination.validation.influence.get(finding.key, 0.0)
             together = one.search.weighed_together
-            share = shares.get(finding.key)
+            tested = worth.get(finding.key)
+            share = tested.share if tested is not None and tested.is_plain else None
             if drop is not None and influence > policy.LEAST_INFLUENCE and is_refuted(drop, finding.log10_odds, share, together):
                 useless.append((drop, finding.name, finding.where))
         for drop, name, where in sorted(useless)[:1]:  # without it the others may be worth more

@@ -14,7 +14,7 @@ from exo_sim.diagnosis.estimation.threads import Threads
 from exo_sim.diagnosis.pipeline.plan import Plan, Progress
 from exo_sim.diagnosis.policy import significance
 from exo_sim.diagnosis.policy.priors import FARTHEST_SET_PRESSURE
-from exo_sim.diagnosis.policy.recordings import QUIET
+from exo_sim.diagnosis.policy.recordings import FINE_PERIOD, QUIET
 from exo_sim.diagnosis.selection.decision import decide
 from exo_sim.diagnosis.selection.search import Search, StoppingCriteria
 from exo_sim.diagnosis.selection.subsystem_result import SubsystemResult
@@ -65,10 +65,11 @@ def _runs(data: MachineData, gas: Sequence[SubsystemResult[GasModel]], plan: Pla
         whole = one.model.over_whole_runs(one.final_plant, plan.split)
         for index, run in enumerate(whole.runs):
             table = data.table(run.recording)
-            if run.supply is None or "supply.pressure" not in table or len(run.time) != len(table.time):
+            if run.supply is None or "supply.pressure" not in table or run.time[0] - table.time[0] > FINE_PERIOD:
                 continue  # a run that was cut short does not say what its cylinder drew before
-            drawn[run.recording] = drawn.get(run.recording, 0.0) + whole.predict(whole.nominal, index).drawn
-            measured[run.recording] = (run.time, table["supply.pressure"])
+            flow = np.interp(table.time, run.time, whole.predict(whole.nominal, index).drawn)
+            drawn[run.recording] = drawn.get(run.recording, 0.0) + flow
+            measured[run.recording] = (table.time, table["supply.pressure"])
             cylinders[run.recording] = cylinders.get(run.recording, 0) + 1
     known = [name for name in drawn if cylinders[name] == len(data.rig.cylinders)]
     return [supply_run(name, *measured[name], drawn[name]) for name in known]

@@ -93,6 +93,11 @@ SWITCHED = Number(
     "there; over smaller changes the mean is",
     "asserted: two to four times the dead-bands of learn makes A and C (0.028, 0.049); it was not varied",
 )  # fmt: skip
+OFTEN_SWITCHED = Number(
+    0.01, "share of samples",
+    "a valve that is switched over at more of them keeps its run on the clock that it was recorded on: pulses are what it passes",
+    "asserted: a square wave of 5 Hz at 2 kHz switches at 0.5 %",
+)  # fmt: skip
 NO_PART = Number(1e-3, "share of a step", "a part that is shorter is none")
 FILTER_ENDS = Number(
     5.0, "standard deviations of the filter",

@@ -63,10 +63,12 @@ class Worth:
     Attributes:
         gained: By how much the sum of squared errors falls with it, in units of the noise.
         missing: By how much that sum exceeds the noise without it.
+        is_plain: Whether that is more than noise does by chance.
     """
 
     gained: float
     missing: float
+    is_plain: bool = True
 
     @property
     def share(self) -> float:
@@ -84,7 +86,8 @@ class HeldOutErrors:
         influence: By the keys of `drops`, how much predictions change with it [units of the noise].
         left: By the keys of `drops`, the error of the time that was fitted when all the rest is fitted without it [units of the noise].
         where_acting: By the keys of `drops`, the error without it where predictions change with it, in units of the most that noise by
-            itself leaves there but for chance: each row's square is weighed by that of the change.
+            itself leaves there but for chance: each row's square is weighed by that of the change; only where predictions change with it
+            by `LEAST_INFLUENCE`.
         costs: By the keys of `drops`, `influence` as a share of how much the predicted signals vary; 0 for a shared supply: it is measured.
         balances: By subsystem and name.
         series: For the report.
@@ -177,10 +180,13 @@ def held_out_errors(
             with_it, lacking = rms(named), rms(other)
             drops[key] = _finite(1.0 - with_it / lacking) if lacking > 0.0 else 0.0
             influence[key] = _finite(rms(other - named))
-            where_acting[key] = _missed_where_acting(other, other - named)
+            if influence[key] > validation.LEAST_INFLUENCE:  # what changes nothing was not tested
+                where_acting[key] = _missed_where_acting(other, other - named)
             costs[key] = influence[key] * _noise_share(one, compared)
             if influence[key] > validation.LEAST_INFLUENCE and lacking > 1.0:
-                worth[key] = Worth(other.size * (lacking**2 - with_it**2), other.size * (lacking**2 - 1.0))
+                independent = other.size / max(correlation_time(other, model.blocks), 1.0)
+                gained, missing = other.size * (lacking**2 - with_it**2), other.size * (lacking**2 - 1.0)
+                worth[key] = Worth(gained, missing, lacking**2 > by_chance(independent))
         if effect is not None:
             drops[one.where] = _drop_with_unknown(model, one, error, own)
             costs[one.where] = rms(model.residual_of(one.final_plant)) * _noise_share(one, compared)

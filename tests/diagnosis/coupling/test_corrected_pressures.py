@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import replace
+from pathlib import Path
 from typing import Any
 
 import benches
@@ -98,6 +99,18 @@ def test_the_drive_is_what_it_truly_was(rig: Rig, truth: Recording, effect: str,
     tolerance = 0.01 * np.abs(raw.drive.gauge - exact.drive.gauge).max()
     np.testing.assert_allclose(mended.drive.gauge[INSIDE], exact.drive.gauge[INSIDE], atol=tolerance)
     assert case.joints["slide"][0] is raw  # what was handed in stays
+
+
+@pytest.mark.parametrize(("effect", "value"), [("sensor_scale", 1.06), ("sensor_bias", 6e3)])
+def test_behind_a_hose_a_fault_of_the_sensor_is_taken_off_once(tmp_path: Path, effect: str, value: float) -> None:
+    hose = '[effects.line_restriction.piston]\narea = "1 mm^2"\nvolume = "5 cm^3"\nsensor = "valve"\n'
+    rig = benches.bench(tmp_path, hose)
+    truth = benches.led(rig, 1.5)
+    sound, faulty = case_of(rig, truth), case_of(rig, seen(truth, effect, value, 1))
+    (exact,) = corrected_balances(sound, [judged(sound, effect, value, named=())], PARTS)["slide"]
+    (raw,) = faulty.joints["slide"]
+    (mended,) = corrected_balances(faulty, [judged(faulty, effect, value)], PARTS)["slide"]
+    assert force_error(mended, exact) < 0.05 * force_error(raw, case_of(rig, truth).joints["slide"][0])
 
 
 @pytest.mark.parametrize("seconds", [0.004, -0.003])

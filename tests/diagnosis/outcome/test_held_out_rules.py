@@ -44,11 +44,13 @@ def test_less_is_asked_of_what_was_weighed_beside_all_others(drop: float, refute
     assert is_refuted(drop, 8.0, together=True) is refuted
 
 
-@pytest.mark.parametrize(("share", "refuted"), [(0.9, False), (0.2, False), (0.1, True), (0.0, True), (None, True)])
-def test_where_something_is_missing_without_a_finding_its_share_of_that_counts(share: float | None, refuted: bool) -> None:
-    assert is_refuted(0.14, 8.0, share) is refuted
-    assert is_refuted(0.14, 60.0, share) is False  # great odds
-    assert is_refuted(0.11, 8.0, share, together=True) is False
+@pytest.mark.parametrize(
+    ("drop", "share", "refuted"), [(0.14, 0.9, False), (0.1, 0.2, False), (0.05, 0.1, True), (0.0, 0.0, True), (0.14, None, True)]
+)
+def test_where_something_is_missing_without_a_finding_its_share_of_that_counts(drop: float, share: float | None, refuted: bool) -> None:
+    assert is_refuted(drop, 8.0, share) is refuted
+    assert is_refuted(drop, 60.0, share) is False  # great odds
+    assert is_refuted(0.05, 8.0, share, together=True) is False
 
 
 @pytest.mark.parametrize("share", [0.0, 0.05, 0.14])

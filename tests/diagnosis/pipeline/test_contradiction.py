@@ -78,6 +78,12 @@ def test_a_recording_whose_forces_are_not_judged_takes_no_part(rig: Rig, table: 
     assert set(refuted(rig, [table, other], AT, judged=1)) == {AT}
 
 
+def test_a_true_fault_beside_a_false_one_stays(rig: Rig, table: Recording) -> None:
+    true = ("sensor_scale", "piston.pressure_2")
+    faulty = replace(table, columns={**table.columns, true[1]: FACTOR * table[true[1]]})
+    assert set(refuted(rig, [faulty], AT, true)) == {AT}
+
+
 def test_a_fault_that_mends_the_forces_stays(rig: Rig, table: Recording) -> None:
     faulty = replace(table, columns={**table.columns, AT[1]: FACTOR * table[AT[1]]})
     assert refuted(rig, [faulty], AT) == {}

@@ -116,9 +116,12 @@ def test_a_refuted_effect_is_not_sought_again(monkeypatch: pytest.MonkeyPatch, d
 
 def test_an_effect_that_explains_most_of_what_is_missing_is_not_refuted(monkeypatch: pytest.MonkeyPatch, data: MachineData) -> None:
     worth = {"piston_leakage@piston": Worth(80.0, 100.0), "return_spring@piston": Worth(4.0, 100.0)}
-    end, plans = stable(monkeypatch, data, [(LEAK, SPRING), (LEAK,)], errors({LEAK: 0.14, SPRING: 0.14}, worth=worth))
+    end, plans = stable(monkeypatch, data, [(LEAK, SPRING), (LEAK,)], errors({LEAK: 0.14, SPRING: 0.02}, worth=worth))
     assert [set(plan.refuted) for plan in plans] == [set(), {SPRING}]
     assert names(end) == ["piston_leakage"]
+    chance = {"piston_leakage@piston": Worth(2.0, 2.0, is_plain=False)}  # all of what is missing, and that is what noise does
+    end, _ = stable(monkeypatch, data, [(LEAK,), ()], errors({LEAK: 0.02}, worth=chance))
+    assert names(end) == []
 
 
 def test_in_the_last_round_refuted_effects_are_taken_back(monkeypatch: pytest.MonkeyPatch, data: MachineData) -> None:

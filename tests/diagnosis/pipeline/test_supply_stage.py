@@ -9,6 +9,7 @@ import benches
 import numpy as np
 import pytest
 
+from exo_sim.diagnosis.data import coarse_clock
 from exo_sim.diagnosis.data.cylinder_run import cylinder_runs
 from exo_sim.diagnosis.data.machine_data import MachineData
 from exo_sim.diagnosis.data.split import Split
@@ -66,6 +67,18 @@ def test_a_supply_that_droops_with_what_is_drawn_is_a_regulator(tmp_path: Path) 
     data, results = gas(tmp_path, 4e7)
     (found,) = examine_supply(data, results, PLAN, SERIAL, lambda words: None)
     assert [finding.name for finding in found.findings] == ["supply_regulator"] and found.where == "supply" and not found.has_unknown
+    assert found.findings[0].parameters["droop"].value == pytest.approx(4e7, rel=0.15)
+
+
+def test_gas_on_a_coarser_clock_than_its_supply_s_is_all_the_same(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    data, (fine,) = gas(tmp_path, 4e7)
+    monkeypatch.setattr(coarse_clock, "FINE_PERIOD", 2e-3)
+    runs = tuple(coarse_clock.on_coarse_clock(run) for run in fine.model.all_runs)
+    assert len(runs[0].time) == len(data.recordings[0].time) // 2
+    model = GasModel(runs, fine.model.nominal, PLAN.split)
+    coarse = replace(fine, model=model, fits=ModelFits(model, ()))
+    (found,) = examine_supply(data, (coarse,), PLAN, SERIAL, lambda words: None)
+    assert [finding.name for finding in found.findings] == ["supply_regulator"]
     assert found.findings[0].parameters["droop"].value == pytest.approx(4e7, rel=0.15)
 
 

@@ -155,12 +155,14 @@ class GasPrediction:
         inside: In the chambers, shape (n, 2) [Pa].
         drawn: Flow from the supply, shape (n,) [kg/s].
         temperature: Of the gas, shape (n, 2) [K].
+        before_sensors: Where the sensors sit, before their gains, zeros and delays, shape (n, 2) [Pa]; None where these are none.
     """
 
     pressure: Array
     inside: Array
     drawn: Array
     temperature: Array
+    before_sensors: Array | None = None
 
 
 def effort_of(samples: int, period: float, cylinder: NDArray[np.void]) -> int:

@@ -39,12 +39,13 @@ def sensed(given: GasInputs, plant: PlantParameters, shift: float = 0.0, whole: 
     length_delay, card_delay = card_delays(sensors)
     out = run_gas(given, plant.world, plant.cylinder, shift, length_delay, offset, whole, card_delay, warmth(sensors, given.run))
     pressure = out.pressure
+    before = pressure.copy() if whole else None
     pressure *= scale
     pressure += np.array(offset)
     for side in range(2):
         if late[side] != 0.0:
             pressure[:, side] = np.interp(given.time - late[side], given.time, pressure[:, side])
-    return GasPrediction(pressure, out.inside, out.drawn, out.temperature)
+    return GasPrediction(pressure, out.inside, out.drawn, out.temperature, before)
 
 
 def _without_gains(given: GasInputs, length_scale: float, scale: Array, offset: Array) -> GasInputs:

@@ -15,12 +15,13 @@ from numpy.typing import NDArray
 
 from exo_sim.diagnosis.coupling.piston_motion import at_piston
 from exo_sim.diagnosis.data import open_questions
+from exo_sim.diagnosis.data.coarse_clock import begins_with
 from exo_sim.diagnosis.data.machine_data import MachineData
 from exo_sim.diagnosis.data.motion_run import MotionRun
 from exo_sim.diagnosis.data.split import Split
 from exo_sim.diagnosis.findings import Kind
 from exo_sim.diagnosis.nominal_numbers import CARD_OF_PRESSURES, POSITION_DELAY
-from exo_sim.diagnosis.policy.recordings import CORRECTED_PRESSURE, FINE_PERIOD
+from exo_sim.diagnosis.policy.recordings import CORRECTED_PRESSURE
 from exo_sim.diagnosis.selection.subsystem_result import SubsystemResult
 from exo_sim.diagnosis.subsystems.gas.model import GasModel
 from exo_sim.diagnosis.subsystems.gas.prediction import behind_hose
@@ -95,7 +96,7 @@ def corrected_balances(
 
 def _on_the_clock_of(table: Array, time: Array, change: Array) -> tuple[Array, Array]:
     """Return a change on the clock of its recording, from where it begins on: a quick logger's gas is predicted on a coarser one."""
-    clock = table if time[0] - table[0] <= FINE_PERIOD else table[table >= time[0]]
+    clock = table if begins_with(time, table) else table[table >= time[0]]
     return clock, np.interp(clock, time, change)
 
 

@@ -54,6 +54,16 @@ def on_coarse_clock(run: CylinderRun) -> CylinderRun:
     )  # fmt: skip
 
 
+def begins_with(time: Array, recorded: Array) -> bool:
+    """Return whether a run begins where its recording does: on a coarser clock its first sample is a little later.
+
+    Args:
+        time: Of the run [s].
+        recorded: Of its recording [s].
+    """
+    return bool(time[0] - recorded[0] <= FINE_PERIOD)
+
+
 def _groups(run: CylinderRun, size: int) -> tuple[NDArray[np.int64], tuple[int, ...]]:
     """Return the first sample of each group, and at which groups the run breaks."""
     firsts: list[NDArray[np.int64]] = []

@@ -8,13 +8,14 @@ from dataclasses import replace
 import numpy as np
 from numpy.typing import NDArray
 
+from exo_sim.diagnosis.data.coarse_clock import begins_with
 from exo_sim.diagnosis.data.machine_data import MachineData
 from exo_sim.diagnosis.estimation.parameters import PlantParameters
 from exo_sim.diagnosis.estimation.threads import Threads
 from exo_sim.diagnosis.pipeline.plan import Plan, Progress
 from exo_sim.diagnosis.policy import significance
 from exo_sim.diagnosis.policy.priors import FARTHEST_SET_PRESSURE
-from exo_sim.diagnosis.policy.recordings import FINE_PERIOD, QUIET
+from exo_sim.diagnosis.policy.recordings import QUIET
 from exo_sim.diagnosis.selection.decision import decide
 from exo_sim.diagnosis.selection.search import Search, StoppingCriteria
 from exo_sim.diagnosis.selection.subsystem_result import SubsystemResult
@@ -65,7 +66,7 @@ def _runs(data: MachineData, gas: Sequence[SubsystemResult[GasModel]], plan: Pla
         whole = one.model.over_whole_runs(one.final_plant, plan.split)
         for index, run in enumerate(whole.runs):
             table = data.table(run.recording)
-            if run.supply is None or "supply.pressure" not in table or run.time[0] - table.time[0] > FINE_PERIOD:
+            if run.supply is None or "supply.pressure" not in table or not begins_with(run.time, table.time):
                 continue  # a run that was cut short does not say what its cylinder drew before
             flow = np.interp(table.time, run.time, whole.predict(whole.nominal, index).drawn)
             drawn[run.recording] = drawn.get(run.recording, 0.0) + flow

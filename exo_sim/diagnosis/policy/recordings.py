@@ -32,7 +32,7 @@ FINE_PERIOD = Number(
     1e-3, "s",
     "a gas that was sampled faster is predicted at means of samples that are no longer: what is compared are means of 5 ms, and a valve's "
     "lag is some ms",
-    "derived",
+    "derived from these two; that it changes no name was not shown",
 )  # fmt: skip
 LEAD_IN = Number(
     0.08, "s",

@@ -180,10 +180,11 @@ def held_out_errors(
             with_it, lacking = rms(named), rms(other)
             drops[key] = _finite(1.0 - with_it / lacking) if lacking > 0.0 else 0.0
             influence[key] = _finite(rms(other - named))
-            if influence[key] > validation.LEAST_INFLUENCE:  # what changes nothing was not tested
-                where_acting[key] = _missed_where_acting(other, other - named)
             costs[key] = influence[key] * _noise_share(one, compared)
-            if influence[key] > validation.LEAST_INFLUENCE and lacking > 1.0:
+            if influence[key] <= validation.LEAST_INFLUENCE:  # what changes nothing was not tested
+                continue
+            where_acting[key] = _missed_where_acting(other, other - named)
+            if lacking > 1.0:
                 independent = other.size / max(correlation_time(other, model.blocks), 1.0)
                 gained, missing = other.size * (lacking**2 - with_it**2), other.size * (lacking**2 - 1.0)
                 worth[key] = Worth(gained, missing, lacking**2 > by_chance(independent))

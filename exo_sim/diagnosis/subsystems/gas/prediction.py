@@ -155,7 +155,8 @@ class GasPrediction:
         inside: In the chambers, shape (n, 2) [Pa].
         drawn: Flow from the supply, shape (n,) [kg/s].
         temperature: Of the gas, shape (n, 2) [K].
-        before_sensors: Where the sensors sit, before their gains, zeros and delays, shape (n, 2) [Pa]; None where these are none.
+        before_sensors: Where the sensors sit, before their gains, zeros and delays, shape (n, 2) [Pa]; None where `pressure` is
+            that, or nothing else was asked for.
     """
 
     pressure: Array

@@ -1,7 +1,8 @@
 """Makes of machine, alike in what they are and different in law, build, excitation and instruments.
 
-A to D and I are for learning, E to H, J, O and P are only reported on; no make shares its set of laws with another. I and J have one
-chamber: a spring or a weight brings their pistons back. K to N are worn by somebody who walks: K and L for learning, M and N reported on.
+A to D, I and Q to S are for learning, E to H, J, O and P are only reported on; no make shares its set of laws with another. I, J and R
+have one chamber: a spring or a weight brings their pistons back. K to N are worn by somebody who walks: K and L for learning, M and N
+reported on.
 O and P were drawn up by somebody who did not work on the diagnosis, with laws, sizes, drives and cards that no other make has.
 """
 
@@ -255,6 +256,24 @@ _TABLE = (
              unequal=True),
         True, CONTROLLER, ("hand", "strokes", "triangles", "binary"), ("strokes", "tracking"),
         "press", "ram_plate", ("pressure", "shift", "silencer", "regulator", "spring"), series="compact", load_cell=0.0,
+    ),
+    Make(
+        "Q", False, (12.0, 16.0, 20.0), "upright", 2000.0,
+        Laws(ELASTOPLASTIC, EXPONENTIAL, (1.0, 1.3), LARGER, ELLIPSE, "first", WETTED, GAP, "line", (0.85, 1.0), flow_m=(0.5, 0.55)),
+        False, LABORATORY, ("steps", "tracking", "triangles", "chirp"), ("places", "multisine", "tracking"),
+        "plunger", "stage", ("pressure", "asymmetry", "tank", "silencer"),
+    ),
+    Make(
+        "R", False, (25.0, 32.0, 50.0), "upright", 400.0,
+        Laws(TANH, LORENTZIAN, (1.2, 1.8), DIFFERENCE, NOZZLE, "second", CONSTANT, POROUS, "node"),
+        True, PLANT, ("places", "forces", "holds", "steps"), ("triangles", "places", "tracking"),
+        "stamp", "head", ("pressure", "shift", "regulator", "silencer"), single=True, load_cell=0.6,
+    ),
+    Make(
+        "S", False, (32.0, 40.0, 63.0), "lever", 250.0,
+        Laws(LUGRE, LORENTZIAN, (0.7, 1.0), LARGER, NOZZLE, "delayed", EICHELBERG, GAP, "line", unequal=True),
+        False, WORKSHOP, ("places", "forces", "pulses", "tracking"), ("steps", "triangles", "places"),
+        "swinger", "flap", ("pressure", "asymmetry", "play", "null", "mount"), load_cell=0.5,
     ),
 )  # fmt: skip
 MAKES = {make.name: make for make in _TABLE}

@@ -82,6 +82,35 @@ def _warm_and_push(world, c, here, dy, base, energy, wall):
 
 
 @within
+def _warm_hose(world, p, here, y, dy, base, energy, second):
+    """Give the gas in a chamber's hose the heat from the hose's wall; the part of it that is filled with the chamber has its gas.
+
+    Args:
+        p: The hose.
+        here: The `Chamber`.
+        y, dy: Integrated state and its rate.
+        energy: Place of the chamber's energy, counted from `base`.
+        second: 1 for the hose of chamber 2.
+    """
+    if not p.conductance > 0.0:
+        return
+    k, r, ambient = world.k, world.r, world.ambient
+    place = base + 2 * second
+    long = line_restriction.has_inertia(p)
+    heat = line_restriction.warming(
+        p, 0.25 if long else 1.0, chamber.temperature(y[place + HOSE_ENERGY_1], y[place + HOSE_MASS_1], k, r), ambient
+    )
+    dy[place + HOSE_ENERGY_1] += heat
+    if long:
+        t_middle = chamber.temperature(y[place + MIDDLE_ENERGY_1], y[place + MIDDLE_MASS_1], k, r)
+        middle, inner = line_restriction.warming(p, 0.5, t_middle, ambient), line_restriction.warming(p, 0.25, here.t, ambient)
+        dy[place + MIDDLE_ENERGY_1] += middle
+        dy[base + energy] += inner
+        heat += middle + inner
+    dy[base + HEAT] += heat
+
+
+@within
 def through_middle(p, area, port, here, k, r, y, dy, side):
     """Write the rates of the middle of a long hose and of the flows in its halves; return both flows with their enthalpies.
 
@@ -169,6 +198,8 @@ def _of_cylinder(added: bool) -> Function:
         if added:
             _lose(one, outward_flow(c, one, two, world), ambient, k, r, dy, base, MASS_1, ENERGY_1)
             _warm_and_push(world, c, one, dy, base, ENERGY_1, WALL_1)
+            if line_restriction.present(c.line_restriction):
+                _warm_hose(world, c.line_restriction, one, y, dy, base, ENERGY_1, 0)
             across = across_flow(c, one, two, world)
             if c.single_acting > 0.0:
                 _lose(one, across, ambient, k, r, dy, base, MASS_1, ENERGY_1)
@@ -189,6 +220,8 @@ def _of_cylinder(added: bool) -> Function:
                 dy[base + MASS_2] += across
                 dy[base + ENERGY_2] += h_across
                 _warm_and_push(world, c, two, dy, base, ENERGY_2, WALL_2)
+                if line_restriction.present(c.line_restriction):
+                    _warm_hose(world, c.line_restriction, two, y, dy, base, ENERGY_2, 1)
             else:
                 dy[base + ENERGY_2] -= two.p * two.area * two.speed
                 dy[base + WORK] = one.p * one.area * one.speed + two.p * two.area * two.speed

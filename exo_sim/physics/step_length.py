@@ -11,7 +11,7 @@ from exo_sim.physics.gas_effects_off import plain
 from exo_sim.physics.nodes import chambers, exhaust_state, path_areas, pressures, supply_state, tank_state, volumes
 from exo_sim.physics.recovery_tank import exchange_rate
 from exo_sim.physics.runge_kutta_chebyshev import MOST_STAGES, REACH, enough_stages
-from exo_sim.physics.settling import HOT, path_rate, settling_rate
+from exo_sim.physics.settling import HOT, path_rate, settling_rate, thermal_rate
 from exo_sim.physics.state import HOSE_ENERGY_1, HOSE_ENERGY_2, HOSE_FLOW_1, HOSE_FLOW_2, HOSE_MASS_1, HOSE_MASS_2, INTEGRATED
 from exo_sim.physics.summed_effects import across_rate, heat_rate, outward_rate
 
@@ -78,7 +78,7 @@ def side_rate(world, c, y, base, here, there, a_supply, a_exhaust, supply, exhau
     k, r = world.k, world.r
     rate = added
     warmest = max(here.t, supply.t)
-    through = share = 0.0
+    through = share = wall = 0.0
     p, v = here.p, here.volume
     hose = line_restriction.present(c.line_restriction)
     if hose:
@@ -87,6 +87,7 @@ def side_rate(world, c, y, base, here, there, a_supply, a_exhaust, supply, exhau
         v = line_restriction.node_volume(c.line_restriction)
         p = chamber.pressure(y[energy], v, k)
         warmest = max(warmest, chamber.temperature(y[energy], y[mass], k, r))
+        wall = thermal_rate(c.line_restriction.conductance, min(p, here.p), min(c.line_restriction.volume, 4.0 * here.volume), k)
         if line_restriction.has_inertia(c.line_restriction):  # `fastest_change` follows its wave
             flow = base + (HOSE_FLOW_1 if here.side == 1 else HOSE_FLOW_2)
             fastest = max(abs(y[flow]), abs(y[flow + 1]))
@@ -106,7 +107,7 @@ def side_rate(world, c, y, base, here, there, a_supply, a_exhaust, supply, exhau
         answer = math.sqrt(v / world.exhaust_back_pressure.volume)
         vented = let_off * answer * (answer + 1.0)
         valve += let_off * answer
-    rate = coupled_rate(rate, through + valve, through * through * share) if hose else rate + valve
+    rate = wall + (coupled_rate(rate, through + valve, through * through * share) if hose else rate + valve)
     return rate * math.sqrt(_WARMER * warmest / HOT), drawn, vented
 
 

@@ -48,6 +48,10 @@ LARGE = Count(4, "candidates", "from here on what is fitted beside a model is fi
 FINALISTS = Count(4, "candidates", "of the largest score are fitted in one step of a search")
 FORMS_OF_ONE = Count(2, "forms", "of one effect among them")
 CHEAP_STARTS = Count(3, "starts", "of one candidate's fit, where predictions cost little")
+LAW_STARTS = Count(
+    3, "starts", "of a law that a rig leaves open, from each of which the first steps are taken",
+    "all that are declared; a healthy machine of learn make Q whose hose is 1.7 m: from the best start alone, 0.5 m, the fit never left it",
+)  # fmt: skip
 FEW_SAMPLES = Count(2000, "samples", "predictions of fewer cost little: every candidate is then fitted, whatever its score")
 ADAPTED = Count(2, "times", "the error process is estimated anew from what the best subset leaves")
 RUNNERS_UP = Count(3, "candidates", "that were put aside are looked at once more, and listed")

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Collection, Iterator, Sequence
+from collections.abc import Callable, Collection, Iterator, Mapping, Sequence
 
 import numpy as np
 from numpy.typing import NDArray
@@ -16,7 +16,7 @@ from exo_sim.diagnosis.estimation.parameters import FreeParameter
 from exo_sim.diagnosis.estimation.threads import SERIAL, Threads
 from exo_sim.diagnosis.estimation.uncertainty import standard_errors
 from exo_sim.diagnosis.policy import acceptance
-from exo_sim.diagnosis.policy.budgets import CHEAP_STARTS, FIRST_LOOK, MOST_STEPS, WORTH_A_LOOK
+from exo_sim.diagnosis.policy.budgets import CHEAP_STARTS, FIRST_LOOK, LAW_STARTS, MOST_STEPS, WORTH_A_LOOK
 from exo_sim.diagnosis.selection.evidence import negative_log_likelihood
 from exo_sim.diagnosis.selection.fitted_model import FittedModel, LeastSquaresModel, SetKey, key_of
 from exo_sim.diagnosis.selection.score_test import Sizes
@@ -63,6 +63,8 @@ class ModelFits:
             done = self._fit_cheaply(residual, parameters, [options[i] for i in order], length)
         else:
             columns = near.fit.columns if near else None
+            if any(candidate.is_law for candidate in candidates):
+                begin = self._furthest_led(residual, parameters, [options[i] for i in order], length, columns)
             done = fit(
                 residual, parameters, begin, self.threads,
                 max_iterations=MOST_STEPS, correlation_length=length, known_columns=columns, is_spent=self.is_spent,
@@ -160,6 +162,29 @@ class ModelFits:
         errors = [residual(option) for option in options]
         order = [int(i) for i in np.argsort([float(e @ e) if np.isfinite(e).all() else np.inf for e in errors])]
         return options[order[0]], min(self.correlation_time(errors[order[0]]), acceptance.LONGEST_CORRELATION), order
+
+    def _furthest_led(
+        self,
+        residual: Callable[[dict[FreeParameter, float]], Array],
+        parameters: Sequence[FreeParameter],
+        options: Sequence[dict[FreeParameter, float]],
+        length: float,
+        columns: Mapping[FreeParameter, Array] | None,
+    ) -> dict[FreeParameter, float]:
+        """Return where the first steps lead furthest, of those from several starts, best first.
+
+        How a law goes on may be felt only beyond a size: of a hose that is shorter than a wave takes to be seen, nothing says how long.
+        """
+        if len(options) < 2 or self.is_spent():
+            return options[0]
+        looks = [
+            fit(
+                residual, parameters, option, self.threads, max_iterations=FIRST_LOOK, tolerance=WORTH_A_LOOK, correlation_length=length,
+                known_columns=columns, renewed=False, is_spent=self.is_spent,
+            )
+            for option in options[:LAW_STARTS]
+        ]  # fmt: skip
+        return min(looks, key=lambda one: one.sse + one.prior_weight * one.penalty).values
 
     def _fit_cheaply(
         self,

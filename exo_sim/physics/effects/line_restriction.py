@@ -39,6 +39,11 @@ EFFECT = Effect(
             "length", "m", 0.1, 20.0, (0.5, 5.0), "machines with valves on a frame, hoses of 4-8 mm (estimate)", required=False
         ),
         Parameter(
+            "conductance", "W/K", 0.0, 1e2, (0.1, 2.0),
+            "Nu k pi L: 0.3 W/K a metre where the flow is laminar (Nu = 3.66), some times that where it is not; Incropera, ch. 8",
+            required=False,
+        ),
+        Parameter(
             "sensor", "1", 0, 1, (0, 1), "where the pressure sensors sit", required=False, choices=("chamber", "valve")
         ),
     ),
@@ -51,20 +56,24 @@ EFFECT = Effect(
         "the hose's volume comes on top of the dead volumes of the rig; both hoses are alike. ratio is the b of ISO 6358, choked flow "
         "staying that of a nozzle of this area; without one it is a nozzle throughout. With a length its gas has inertia and, at small "
         "flows, laminar friction over a section of volume / length: a quarter of it lies at the valve, one half in the middle and a "
-        "quarter at the chamber, between which waves pass."
+        "quarter at the chamber, between which waves pass. conductance is heat transfer coefficient times area of the wall of one hose, "
+        "which is as warm as the surroundings."
     ),
     valid=(
         "without a length the hose is shorter than a twentieth of the wave (2 m up to 8 Hz): one node, no delay; with one it is shorter "
-        "than a sixth of it. No heat passes its wall. As a nozzle (b = 0.528) it passes 17 % more at a pressure ratio of 0.8 than the "
-        "b = 0.3 of a long hose does."
+        "than a sixth of it. One conductance holds at rest and in any flow. As a nozzle (b = 0.528) it passes 17 % more at a pressure "
+        "ratio of 0.8 than the b = 0.3 of a long hose does."
     ),
     signature="flow saturates at large openings; a sensor at the valve jumps when the flow starts and stops",
     identification=Identification(
-        forms=(("area", "volume"), ("area", "volume", "ratio"), ("area", "volume", "length")),
-        starts_by_valve={"area": (2.0, 0.6, 0.25), "volume": (5e-6, 1e-5, 5e-6), "ratio": (0.36,) * 3, "length": (1.0, 2.0, 1.0)},
+        forms=(("area", "volume"), ("area", "volume", "ratio"), ("area", "volume", "length", "conductance")),
+        starts_by_valve={
+            "area": (2.0, 0.6, 0.25), "volume": (5e-6, 1e-5, 5e-6), "ratio": (0.36,) * 3, "length": (1.0, 2.0, 1.0),
+            "conductance": (0.3, 0.6, 0.3),
+        },
         of_dead_volume="volume",
         known={"ratio": (0.36, 0.08)},
-        left_open={"length": (0.5, 1.0, 2.0)},
+        left_open={"length": (0.7, 1.5, 3.0), "conductance": (0.2, 0.45, 0.9)},
         applicability=Applicability(bursts=False),  # it delays and does not ring
     ),
 )
@@ -104,6 +113,12 @@ def middle_volume(p) -> float:
 def volume_at_chamber(p) -> float:
     """Return the volume that fills and empties with the chamber [m^3]."""
     return 0.25 * p.volume if has_inertia(p) else 0.0
+
+
+@kernel
+def warming(p, share: float, t: float, ambient: float) -> float:
+    """Return the heat that the wall gives to gas at t in a share of the hose [W]."""
+    return share * p.conductance * (ambient - t)
 
 
 @kernel

@@ -2,12 +2,14 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import replace
 
 import numpy as np
 import pytest
-from diagnosis.waves import AT, BASE, OTHER, SHAPES, Waves, parameter
+from diagnosis.waves import AT, BASE, OTHER, SHAPES, Waves, candidate, parameter
 
+from exo_sim.diagnosis.estimation.parameters import FreeParameter
 from exo_sim.diagnosis.selection.model_fits import ModelFits
 
 COLUMNS = np.stack([SHAPES["slow"], SHAPES["quicker"]], axis=1)
@@ -99,3 +101,21 @@ def test_a_number_that_a_candidate_held_is_not_forgotten_where_the_candidate_is_
     found = fits.fit((BASE,))
     assert fits._starts((), found)[1][0][healthy] == 2.0
     assert fits._starts((BASE,), found)[1][0][healthy] == found.fit.values[healthy]
+
+
+class _Shy(Waves):
+    """Waves of which a size below 1 counts as 1: nothing says there that it should be larger."""
+
+    def residual(
+        self, values: dict[FreeParameter, float], fixed: Sequence[tuple[FreeParameter, float]] = ()
+    ) -> np.ndarray:
+        return super().residual({q: max(value, 1.0) for q, value in values.items()}, fixed)
+
+
+def test_a_law_that_is_not_felt_where_it_begins_best_is_fitted_from_where_it_is() -> None:
+    model = _Shy(slow=4.0)
+    law = replace(candidate("hose", "slow"), starts=((0.5,), (9.0,), (9.5,)), is_law=True)  # 0.5 leaves least, and leads nowhere
+    assert np.sum(model.residual({law.parameters[0]: 0.5}) ** 2) < np.sum(model.residual({law.parameters[0]: 9.0}) ** 2)
+    fits = ModelFits(model, ())
+    found = fits.fit((law,), fits.fit(()))
+    assert found.fit.values[law.parameters[0]] == pytest.approx(4.0, abs=0.2)

@@ -112,6 +112,42 @@ def test_a_long_hose_keeps_gas_and_energy_and_leads_to_the_same_rest() -> None:
     assert abs(gas.integrated[0, state.HOSE_FLOW_1]) < 5e-5
 
 
+@pytest.mark.parametrize("length", [0.0, 2.0])
+def test_a_shut_hose_takes_the_temperature_of_its_wall(length: float) -> None:
+    """Warm gas in hose and vessel, the vessel's wall adiabatic: their heat leaves by the hose's wall, C dT/dt = -G (T - T0).
+
+    A conductance so small that the gas is everywhere as warm: m c_v = 4e5 Pa of 1e-4 m^3 over (k - 1) T.
+    """
+    vessel, hose, conductance, seconds = 1e-6, 9.9e-5, 0.05, 3.0
+    gas = line(vessel, 1e-3, hose, length)
+    gas.cylinders["line_restriction"]["conductance"] = conductance
+    room = float(gas.world["ambient"][0])
+    gas.fill(np.zeros(1), 4e5, 4e5, temperature=1.1 * room)
+    gas.dt = 1e-3
+    for _ in range(int(seconds / gas.dt)):
+        gas.advance(np.zeros(1), np.zeros(1), np.zeros(1))
+    capacity = 4e5 * (vessel + hose) / ((K - 1.0) * 1.1 * room)
+    left = 0.1 * math.exp(-seconds * conductance / capacity)
+    assert left < 0.09
+    assert gas.pressures(np.zeros(1))[0, 0] == pytest.approx(4e5 * (1.0 + left) / 1.1, rel=2e-3)
+    assert gas.books().energy_residual < 1e-9
+
+
+def test_a_wall_that_takes_all_heat_makes_the_hose_a_larger_volume() -> None:
+    """Of a small fast change an isothermal volume V holds as much gas as an adiabatic one of k V."""
+    rises = []
+    for conductance, hose in ((80.0, 1e-5), (0.0, K * 1e-5)):
+        gas = line(1e-6, 1e-3, hose, 0.0)
+        gas.cylinders["line_restriction"]["conductance"] = conductance
+        gas.cylinders["valve_area"] = 1e-7
+        gas.fill(np.zeros(1), 4e5, 4e5)
+        for _ in range(100):
+            gas.advance(np.zeros(1), np.zeros(1), np.ones(1))
+        rises.append(float(gas.pressures(np.zeros(1))[0, 0]) - 4e5)
+    assert rises[0] > 1e3
+    assert rises[0] == pytest.approx(rises[1], rel=0.05)
+
+
 def test_the_length_of_a_step_makes_little_difference_in_a_long_hose() -> None:
     ends = []
     for longest in (1e-3, 2e-5):

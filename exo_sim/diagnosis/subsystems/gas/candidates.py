@@ -58,15 +58,21 @@ def candidates(plant: PlantParameters, runs: Sequence[CylinderRun], cylinder: st
 
 
 def _left_open(effect: Effect, cylinder: str, plant: PlantParameters) -> list[Candidate]:
-    """Return what an owner who has an effect left open of its law: of one that every machine follows in some form, or that may go on."""
+    """Return what an owner who has an effect left open of its law: of one that every machine follows in some form, or that may go on.
+
+    How it goes on is one question: all parameters that say it are asked together.
+    """
     declares = effect.identification
-    known = {name: (mean - spread, mean + spread) for name, (mean, spread) in declares.known.items() if declares.every_law}
+    asked = [
+        {name: (mean - spread, mean + spread)} for name, (mean, spread) in declares.known.items() if declares.every_law
+    ]  # fmt: skip
     found = []
-    for name, values in {**known, **declares.left_open}.items():
-        if float(plant.cylinder[effect.name][name][0]) == 0.0:
-            one = _of_form(effect, cylinder, (name,), plant)[0]
-            starts = tuple((value,) for value in values)
-            found.append(replace(one, form=name, is_law=True, starts=starts, displaced=(), fixed=()))  # the rest is as the rig has it
+    for values in (*asked, declares.left_open):
+        form = tuple(name for name in values if float(plant.cylinder[effect.name][name][0]) == 0.0)
+        if form:
+            one = _of_form(effect, cylinder, form, plant)[0]
+            starts = tuple(zip(*(values[name] for name in form), strict=True))
+            found.append(replace(one, form="+".join(form), is_law=True, starts=starts, displaced=(), fixed=()))  # the rest is the rig's
     return found
 
 

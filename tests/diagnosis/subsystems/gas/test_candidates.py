@@ -89,11 +89,17 @@ def test_a_flow_law_that_the_owner_gave_is_no_missing_physics(ratio: float, inde
     assert all(q.low < value < q.high for c in found for start in c.starts for q, value in zip(c.parameters, start, strict=False))
 
 
-@pytest.mark.parametrize(("length", "asked"), [(0.0, [("length", True, ())]), (1.5, [])], ids=["a lump", "its length known"])
-def test_how_long_a_hose_is_that_the_rig_has_is_asked_as_its_law(length: float, asked: list[tuple[str, bool, tuple[()]]]) -> None:
+@pytest.mark.parametrize(
+    ("length", "conductance", "asked"),
+    [(0.0, 0.0, [("length+conductance", True, ())]), (1.5, 0.0, [("conductance", True, ())]), (1.5, 0.4, [])],
+    ids=["a lump", "its length known", "its wall known too"],
+)
+def test_how_a_hose_goes_on_that_the_rig_has_is_asked_as_its_law(
+    length: float, conductance: float, asked: list[tuple[str, bool, tuple[()]]]
+) -> None:
     plant = PlantParameters(np.zeros(1, WORLD), np.zeros(1, CYLINDER))
     plant.cylinder["valve_area"], plant.cylinder["area_1"], plant.cylinder["stroke"] = 2e-6, 8e-4, 0.2
-    for name, value in (("area", 4e-6), ("volume", 2e-5), ("length", length)):
+    for name, value in (("area", 4e-6), ("volume", 2e-5), ("length", length), ("conductance", conductance)):
         plant.cylinder["line_restriction"][name] = value
     plant.world["exhaust_back_pressure"]["area"] = 5e-6  # a shared part leaves nothing open
     level = np.full(50, 3e5)

@@ -66,11 +66,8 @@ EFFECT = Effect(
     ),
     signature="flow saturates at large openings; a sensor at the valve jumps when the flow starts and stops",
     identification=Identification(
-        forms=(("area", "volume"), ("area", "volume", "ratio"), ("area", "volume", "length", "conductance")),
-        starts_by_valve={
-            "area": (2.0, 0.6, 0.25), "volume": (5e-6, 1e-5, 5e-6), "ratio": (0.36,) * 3, "length": (1.0, 2.0, 1.0),
-            "conductance": (0.3, 0.6, 0.3),
-        },
+        forms=(("area", "volume"), ("area", "volume", "ratio"), ("area", "volume", "length")),
+        starts_by_valve={"area": (2.0, 0.6, 0.25), "volume": (5e-6, 1e-5, 5e-6), "ratio": (0.36,) * 3, "length": (1.0, 2.0, 1.0)},
         of_dead_volume="volume",
         known={"ratio": (0.36, 0.08)},
         left_open={"length": (0.7, 1.5, 3.0), "conductance": (0.2, 0.45, 0.9)},

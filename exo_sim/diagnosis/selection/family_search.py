@@ -77,7 +77,7 @@ class FamilySearch:
         chosen = no_richer_than_needed(probable, rivals)
         first = found = self._refitted(best, chosen, near)
         probabilities = self.weighing.probabilities(finalists)
-        comparisons = Comparisons(self.fits, baseline, len(self.family.bends[0].terms), 0.0)
+        comparisons = Comparisons(self.fits, baseline, len(self.family.linearisations[0].terms), 0.0)
         exceeds = first.model.fit.sse > model.discrepancy_bound**2 * model.size
         if exceeds and not nonparametric_terms(self.weighing.terms(best)):
             found = best_refitted(first, finalists, self._names, self._refitted, lambda model: evidence.log_evidence(model, best.spreads))
@@ -155,15 +155,15 @@ class FamilySearch:
     def _laws(self, best: Weighed, finalists: Sequence[Weighed]) -> list[Law]:
         """Return every law that the effects of the best subset may follow, and may follow beside other effects, by how probable it is."""
         alike = self.weighing.alike(best, finalists)
-        known, wanted = {(one.bend, one.subset) for one in alike}, {c.at for c in self.weighing.candidates(best)}
+        known, wanted = {(one.point, one.subset) for one in alike}, {c.at for c in self.weighing.candidates(best)}
         alike += [
             one for one in finalists
-            if (one.bend, one.subset) not in known and one.score > -math.inf and wanted & {c.at for c in self.weighing.candidates(one)}
+            if (one.point, one.subset) not in known and one.score > -math.inf and wanted & {c.at for c in self.weighing.candidates(one)}
         ]  # fmt: skip
         highest = max(one.score for one in alike)
         probable = [(math.exp(one.score - highest), one) for one in alike]
         return [
-            Law(weight, one.bend == best.bend and one.subset == best.subset, *self._values(one, self.weighing.posterior(one)))
+            Law(weight, one.point == best.point and one.subset == best.subset, *self._values(one, self.weighing.posterior(one)))
             for weight, one in probable
             if weight >= verdicts.LEAST_LAW_WEIGHT
         ]
@@ -186,12 +186,12 @@ class FamilySearch:
                 shifted = term.parameters(sizes + spread * (np.arange(sizes.size) == k), before)
                 for parameter, value in shifted.items():
                     errors[parameter] = math.hypot(errors.get(parameter, 0.0), value - values[parameter])
-        values |= self.family.bends[best.bend].values
+        values |= self.family.linearisations[best.point].values
         return {q: min(max(value, q.low), q.high) for q, value in values.items()}, errors
 
     def _equivalents(self, best: Weighed, rivals: Mapping[CandidateKey, Sequence[tuple[Candidate, float]]]) -> dict[At, set[At]]:
         """Return, for each effect of the best subset, itself, the others of its group, and its rivals: what takes its place in others."""
-        groups = {term.candidate.at: term.group for bend in self.family.bends for term in bend.terms}
+        groups = {term.candidate.at: term.group for linear in self.family.linearisations for term in linear.terms}
         found = {}
         for candidate in self.weighing.candidates(best):
             group = groups.get(candidate.at)
@@ -239,7 +239,7 @@ class FamilySearch:
 
     def _fitted(self, candidates: tuple[Candidate, ...], near: FittedModel, beside: MarginalFits) -> FittedModel:
         """Return the fit of these effects; those that a healthy machine has as well are nuisance parameters."""
-        asked = {term.candidate.effect: term.candidate for term in self.family.bends[0].terms}
+        asked = {term.candidate.effect: term.candidate for term in self.family.linearisations[0].terms}
         while True:
             final = beside.fit(candidates, near, refined=True)
             there = self._without_nil(candidates, final.fit.values)
@@ -278,8 +278,8 @@ class FamilySearch:
         Also what stands in the place of several at once: drag beside dry friction slows a swing as damping alone does.
         """
         mine = {c.at: c for c in self.weighing.candidates(best)}
-        groups = {term.candidate.at: term.group for bend in self.family.bends for term in bend.terms}
-        groups = {**{bend.candidate.at: "" for bend in self.family.bends if bend.candidate is not None}, **groups}
+        groups = {term.candidate.at: term.group for linear in self.family.linearisations for term in linear.terms}
+        groups = {**{linear.candidate.at: "" for linear in self.family.linearisations if linear.candidate is not None}, **groups}
         found: dict[CandidateKey, dict[At, tuple[Candidate, float]]] = {c.key: {} for c in mine.values()}
         for other in finalists[1:]:
             theirs = {c.at: c for c in self.weighing.candidates(other)}
@@ -297,7 +297,7 @@ class FamilySearch:
         groups = {term.group for term in self.weighing.terms(best)}
         left = float(posterior.left @ posterior.left)
         found: dict[At, tuple[Candidate, float]] = {}
-        for j, term in enumerate(self.family.bends[best.bend].terms):
+        for j, term in enumerate(self.family.linearisations[best.point].terms):
             if term.candidate.at in inside or term.group in groups or not _is_effect(term.candidate):
                 continue
             more = self.weighing.posterior(best, (j,))

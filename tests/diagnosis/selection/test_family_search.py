@@ -11,7 +11,7 @@ from diagnosis import waves
 
 from exo_sim.diagnosis.discrepancy.basis import joined
 from exo_sim.diagnosis.estimation.candidate import Candidate
-from exo_sim.diagnosis.estimation.linear_family import Bend, LinearFamily, Term
+from exo_sim.diagnosis.estimation.linear_family import LinearFamily, Linearisation, Term
 from exo_sim.diagnosis.estimation.parameters import FreeParameter
 from exo_sim.diagnosis.selection.family_search import FamilySearch
 from exo_sim.diagnosis.selection.fitted_model import SearchResult
@@ -33,10 +33,10 @@ def term(model: waves.Waves, candidate: Candidate, group: str = "", one_sided: b
     return Term(candidate, np.column_stack(columns), spread, (one_sided,) * len(columns), parameters, group or candidate.effect)
 
 
-def searched(model: waves.Waves, *terms: Term, bends: tuple[Bend, ...] = ()) -> SearchResult:
+def searched(model: waves.Waves, *terms: Term, others: tuple[Linearisation, ...] = ()) -> SearchResult:
     target = -model.residual({})
-    plain = Bend(None, {}, target, np.zeros((target.size, 0)), terms)
-    return FamilySearch(ModelFits(model, (), cheap=True), LinearFamily((), (plain, *bends)), joined([], target.size)).run()
+    plain = Linearisation(None, {}, target, np.zeros((target.size, 0)), terms)
+    return FamilySearch(ModelFits(model, (), cheap=True), LinearFamily((), (plain, *others)), joined([], target.size)).run()
 
 
 def test_waves_that_hide_each_other_are_both_found() -> None:
@@ -83,16 +83,16 @@ def test_noise_bears_no_name() -> None:
     assert found.final.candidates == () and max(found.probabilities.values(), default=0.0) < 0.5
 
 
-def test_a_bend_is_named_where_the_family_needs_it() -> None:
-    """The family looks as it does with the bend's parameter at 4; nothing else makes up for the quick wave."""
+def test_what_every_term_depends_on_is_named_where_the_family_needs_it() -> None:
+    """The family looks as it does linearised with the parameter at 4; nothing else makes up for the quick wave."""
     model = waves.Waves(slow=3.0, quick=4.0)
-    bending = waves.candidate("bending", "quick")
-    (parameter,) = bending.parameters
+    contact = waves.candidate("contact", "quick")
+    (parameter,) = contact.parameters
     plain = term(model, waves.BASE)
     residual = model.residual({parameter: 4.0})
-    bend = Bend(bending, {parameter: 4.0}, -residual, np.zeros((residual.size, 0)), (plain,))
-    found = searched(model, plain, bends=(bend,))
-    assert found.final.named == {waves.BASE.at, bending.at}
+    linear = Linearisation(contact, {parameter: 4.0}, -residual, np.zeros((residual.size, 0)), (plain,))
+    found = searched(model, plain, others=(linear,))
+    assert found.final.named == {waves.BASE.at, contact.at}
     assert found.final.fit.values[parameter] == pytest.approx(4.0, abs=0.3)
 
 
@@ -133,7 +133,7 @@ def test_a_number_is_known_no_better_than_the_effects_beside_it() -> None:
     (size,) = waves.BASE.parameters
     target = -model.residual({})
     terms = (term(model, waves.BASE), term(model, plain), term(model, tilted))
-    family = LinearFamily((), (Bend(None, {}, target, np.zeros((target.size, 0)), terms),))
+    family = LinearFamily((), (Linearisation(None, {}, target, np.zeros((target.size, 0)), terms),))
     search = FamilySearch(ModelFits(model, (), cheap=True), family, joined([], target.size))
     finalists = search.weighing.finalists()
     laws = [(law.weight, law.values[size]) for law in search._laws(finalists[0], finalists) if size in law.errors]
@@ -148,7 +148,7 @@ def test_a_probable_name_that_a_nuisance_parameter_stands_in_for_is_not_passed_o
     zero, base = waves.parameter("zero", "slow", (0.0, prior)), replace(waves.BASE, prevalence=0.5)
     nominal = model.residual({})
     background = (model.residual({zero: prior}) - nominal)[:, None]
-    plain = Bend(None, {}, -nominal, background, (term(model, base),))
+    plain = Linearisation(None, {}, -nominal, background, (term(model, base),))
     found = FamilySearch(ModelFits(model, (zero,), cheap=True), LinearFamily((zero,), (plain,)), joined([], nominal.size)).run()
     assert bool(found.final.candidates) == named
     assert [one.at for one in found.undecided] == [base.at] * undecided

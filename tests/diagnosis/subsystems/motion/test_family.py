@@ -216,7 +216,7 @@ def test_names_stand_by_what_they_leave_of_a_machine_that_is_quieter_than_its_no
         FittedModel(names, Fit((), {}, level * left, np.zeros((model.size, 0)))) for names, level in (((), 0.6), ((friction,), with_it))
     )
     spreads = Spreads(0.6, tuple(float(scale) for scale in basis.healthy))
-    assert search._fitted_evidence.is_decisive(named, plain, spreads) is stands
+    assert search.finalist_fits.evidence.is_decisive(named, plain, spreads) is stands
 
 
 def test_a_dip_that_is_seen_at_no_speed_is_as_high_as_seals_are() -> None:

@@ -28,7 +28,7 @@ def noted() -> Iterator[Callable[[], bool]]:
 
     def unraisable(what: Any) -> None:
         if isinstance(what.exc_value, KeyboardInterrupt):
-            again = threading.Timer(_SOON, _thread.interrupt_main)  # here it would be swallowed as well
+            again = threading.Timer(_SOON, _raised_again)  # here it would be swallowed as well
             again.daemon = True
             again.start()
         else:
@@ -45,3 +45,12 @@ def noted() -> Iterator[Callable[[], bool]]:
     finally:
         sys.unraisablehook = shown
         signal.signal(signal.SIGINT, signal.default_int_handler)
+
+
+def _raised_again() -> None:
+    """Interrupt the main thread as the terminal does: a signal of its own also ends what waits in the system."""
+    main = threading.main_thread().ident
+    if hasattr(signal, "pthread_kill") and main is not None:
+        signal.pthread_kill(main, signal.SIGINT)
+    else:
+        _thread.interrupt_main()

@@ -49,7 +49,20 @@ def held_out_key(name: str, where: str) -> str:
 
 
 @dataclass(frozen=True)
-class Finding:
+class _Named:
+    """What is said by name of one place."""
+
+    name: str
+    where: str
+
+    @property
+    def at(self) -> tuple[str, str]:
+        """Name and place."""
+        return self.name, self.where
+
+
+@dataclass(frozen=True)
+class Finding(_Named):
     """One thing that the simulation leaves out or has wrong.
 
     Attributes:
@@ -69,8 +82,6 @@ class Finding:
         also: Other columns that have the same error: they share a card.
     """
 
-    name: str
-    where: str
     kind: Kind
     says: str
     parameters: Mapping[str, Estimate]
@@ -83,11 +94,6 @@ class Finding:
     probability: float | None = None
     cost: float = 0.0
     also: tuple[str, ...] = ()
-
-    @property
-    def at(self) -> tuple[str, str]:
-        """Name and place."""
-        return self.name, self.where
 
     @property
     def key(self) -> str:
@@ -153,17 +159,10 @@ class Located:
 
 
 @dataclass(frozen=True)
-class Rejected:
+class Rejected(_Named):
     """A candidate that was considered and rejected, and why."""
 
-    name: str
-    where: str
     why: str
-
-    @property
-    def at(self) -> tuple[str, str]:
-        """Name and place."""
-        return self.name, self.where
 
 
 @dataclass(frozen=True)

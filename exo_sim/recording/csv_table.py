@@ -5,7 +5,8 @@ from __future__ import annotations
 import codecs
 import csv
 import re
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator
+from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -45,7 +46,36 @@ def read_csv(path: Path, column_map: ColumnMap | None = None) -> RawTable:
     Raises:
         RecordingError: not text, no heading, no rows, decimal commas, too many torn lines, or what `select` refuses.
     """
-    sample, encoding = _sample(path)
+    raw = _sample(path)
+    encoding = _encoding([raw], whole=False)
+    begun = _begin(path, raw, encoding, column_map)
+    with path.open("rb") as file:  # only now: what is too long is not read to its end
+        whole = _encoding(iter(lambda: file.read(1 << 24), b""))
+    if whole != encoding:
+        encoding, begun = whole, _begin(path, raw, whole, column_map)
+    decimal = column_map.decimal if column_map else "."
+    if decimal == ".":
+        _refuse_decimal_comma(path, begun.body, begun.delimiter, len(begun.headings))
+    if encoding != _UTF8:
+        says = f'"{path.name}" is not UTF-8 text; it was read as {encoding}, in which every byte is a character'
+        begun.selection.findings.append(Finding(path.name, "encoding", says, severity="info", use="repaired"))
+    return _Parse(path, begun.headings, begun.skip, begun.delimiter, begun.selection, encoding, decimal).table()
+
+
+@dataclass(frozen=True)
+class _Beginning:
+    """What the first lines say: the headings and what is chosen of them, how many lines to skip, and those of the body."""
+
+    headings: list[str]
+    delimiter: str
+    skip: int
+    selection: Selection
+    body: list[str]
+
+
+def _begin(path: Path, raw: bytes, encoding: str, column_map: ColumnMap | None) -> _Beginning:
+    """Return what the first lines of a file say; one that is too long by its size is refused."""
+    sample = raw.decode(encoding, errors="ignore").removeprefix("\ufeff")  # of UTF-8, the sample may end within a character
     if not sample.strip():
         raise RecordingError(f'"{path}": the file is empty')
     lines = _LINE_END.split(sample)
@@ -77,32 +107,30 @@ def read_csv(path: Path, column_map: ColumnMap | None = None) -> RawTable:
     _refuse_preamble(path, headings, lines, skipped, delimiter, column_map)
     selection = select(str(path), headings, column_map)
     selection.refuse_if_too_long(str(path), _rows(path, sample, lines, skipped))
-    if decimal == ".":
-        _refuse_decimal_comma(path, lines[skipped + 1 :], delimiter, len(headings))
-    if encoding != _UTF8:
-        says = f'"{path.name}" is not UTF-8 text; it was read as {encoding}, in which every byte is a character'
-        selection.findings.append(Finding(path.name, "encoding", says, severity="info", use="repaired"))
-    return _Parse(path, headings, skipped + 1, delimiter, selection, encoding, decimal).table()
+    return _Beginning(headings, delimiter, skipped + 1, selection, lines[skipped + 1 :])
 
 
-def _sample(path: Path) -> tuple[str, str]:
-    """Return the beginning of a file and what encoding the whole of it is in."""
-    decoder, encoding = codecs.getincrementaldecoder(_UTF8)(), _UTF8
+def _sample(path: Path) -> bytes:
+    """Return the beginning of a file."""
     with path.open("rb") as file:
-        raw = piece = file.read(_SAMPLE)
-        try:
-            while piece:
-                decoder.decode(piece)
-                piece = file.read(1 << 24)
-            decoder.decode(b"", final=True)
-        except UnicodeDecodeError:
-            encoding = "latin-1"
+        raw = file.read(_SAMPLE)
     if raw[:2] in (b"\xff\xfe", b"\xfe\xff"):
         raise RecordingError(f'"{path}": it is UTF-16 text; save it as UTF-8')
     if b"\0" in raw:
         raise RecordingError(f'"{path}": it is not text; name it by its kind: .csv, .parquet or .rrd')
-    text = raw.decode(encoding, errors="ignore")  # of UTF-8, the sample may end within a character
-    return text.removeprefix("\ufeff"), encoding
+    return raw
+
+
+def _encoding(pieces: Iterable[bytes], whole: bool = True) -> str:
+    """Return what encoding the pieces of a text are in; where they are not the whole, they may end within a character."""
+    decoder = codecs.getincrementaldecoder(_UTF8)()
+    try:
+        for piece in pieces:
+            decoder.decode(piece)
+        decoder.decode(b"", final=whole)
+    except UnicodeDecodeError:
+        return "latin-1"
+    return _UTF8
 
 
 def _headings(path: Path, line: str, skipped: int, delimiter: str) -> list[str]:

@@ -12,6 +12,7 @@ from exo_sim.diagnosis.discrepancy.curve import Curve
 from exo_sim.diagnosis.discrepancy.signal import Discrepancy
 from exo_sim.diagnosis.discrepancy.trace import Trace
 from exo_sim.diagnosis.estimation.candidate import Candidate
+from exo_sim.diagnosis.estimation.linear_family import Term
 from exo_sim.diagnosis.estimation.parameters import FreeParameter, PlantParameters, Target
 from exo_sim.diagnosis.findings import Series, Subsystem
 from exo_sim.diagnosis.subsystem_model import Comparison, SubsystemModel
@@ -87,3 +88,14 @@ class Waves(SubsystemModel):
         first, second = self.residual_of(before), self.residual_of(after)
         series = Series("recording", "piston.pressure_1", self.unit, AT, np.zeros(AT.size), -first, -second, 1.0)
         return [Comparison(series, first, second)]
+
+
+def term(model: Waves, candidate: Candidate, group: str = "", one_sided: bool = False) -> Term:
+    """Return an effect's waves as a term of a linear family: what a size of it cancels."""
+    columns = [model.shapes[q.parameter.split(".")[-1]] for q in candidate.parameters]
+
+    def parameters(sizes: Array, before: Mapping[FreeParameter, float]) -> dict[FreeParameter, float]:
+        return dict(zip(candidate.parameters, map(float, sizes), strict=True))
+
+    spread = np.full(len(columns), 4.0)
+    return Term(candidate, np.column_stack(columns), spread, (one_sided,) * len(columns), parameters, group or candidate.effect)

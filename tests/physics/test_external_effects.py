@@ -6,8 +6,10 @@ import importlib
 import json
 import os
 import re
+import shutil
 import subprocess
 import sys
+from collections.abc import Iterator
 from pathlib import Path
 
 import pytest
@@ -18,6 +20,14 @@ from exo_sim.physics import external_effects
 
 def blocks(repository: Path, language: str) -> list[str]:
     return re.findall(rf"```{language}\n(.*?)```", (repository / "docs" / "add_an_effect.md").read_text(), re.DOTALL)
+
+
+@pytest.fixture(autouse=True, scope="module")
+def code_of_its_own(tmp_path_factory: pytest.TempPathFactory) -> Iterator[None]:
+    """Keep machine code apart: a few sets of effects are more versions than are kept, and those of all other tests would go."""
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setenv("EXO_SIM_CACHE", str(tmp_path_factory.mktemp("code")))
+        yield
 
 
 @pytest.fixture
@@ -146,11 +156,12 @@ def test_it_is_too_late_once_the_physics_is_loaded(example: Path) -> None:
         external_effects.use(example / "blow_off.py")
 
 
-@pytest.fixture
-def installed(repository: Path, tmp_path: Path) -> Path:
-    """Return a folder with the page's package installed into `site`, and a bench that has its effect."""
+@pytest.fixture(scope="module")
+def site(repository: Path, tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """Return a folder into which the page's package is installed."""
+    folder = tmp_path_factory.mktemp("installed")
     effect, _ = blocks(repository, "python")
-    package = tmp_path / "package"
+    package = folder / "package"
     (package / "my_effects").mkdir(parents=True)
     (package / "my_effects" / "__init__.py").write_text("")
     (package / "my_effects" / "blow_off.py").write_text(effect)
@@ -158,9 +169,16 @@ def installed(repository: Path, tmp_path: Path) -> Path:
     (package / "pyproject.toml").write_text(build + blocks(repository, "toml entry-point")[0])
     words = ["install", "--quiet", "--no-index", "--no-deps", "--no-build-isolation", "--disable-pip-version-check"]
     done = subprocess.run(
-        [sys.executable, "-m", "pip", *words, "--target", str(tmp_path / "site"), str(package)], capture_output=True, text=True, check=False
+        [sys.executable, "-m", "pip", *words, "--target", str(folder / "site"), str(package)], capture_output=True, text=True, check=False
     )
     assert done.returncode == 0, done.stderr
+    return folder / "site"
+
+
+@pytest.fixture
+def installed(repository: Path, site: Path, tmp_path: Path) -> Path:
+    """Return a folder with the page's package in `site`, and a bench that has its effect."""
+    shutil.copytree(site, tmp_path / "site")
     (tmp_path / "bench.xml").write_text((repository / "assets" / "bench.xml").read_text())
     (tmp_path / "rig.toml").write_text((repository / "assets" / "bench.toml").read_text() + "\n" + blocks(repository, "toml")[0])
     return tmp_path

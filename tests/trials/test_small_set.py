@@ -11,7 +11,7 @@ from exo_sim.trials import protocol
 from exo_sim.trials.case_mix import draw_plans
 from exo_sim.trials.score import score
 
-CASES, SEED, SECONDS = 16, 20, 10.0
+CASES, SEED, SECONDS = 8, 20, 10.0
 
 
 @pytest.mark.slow

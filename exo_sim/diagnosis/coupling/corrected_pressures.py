@@ -8,7 +8,7 @@ position that comes late, pressures are delayed alike. Where the transmission gi
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from dataclasses import replace
+from dataclasses import dataclass, field, replace
 
 import numpy as np
 from numpy.typing import NDArray
@@ -63,31 +63,55 @@ def corrected_balances(
     data: MachineData, gas: Sequence[SubsystemResult[GasModel]], split: Split
 ) -> dict[str, tuple[MotionRun, ...]]:
     """Return the balances of forces, by joint, with every correction that a cylinder's gas asks for."""
+    return with_corrections(data, [correction_of(data, one, split) for one in gas])
+
+
+@dataclass(frozen=True)
+class Correction:
+    """What one cylinder's gas asks for of the balances of forces.
+
+    Attributes:
+        changes: Of its pressures.
+        late: By balance, by how much its forces come late, as the position does [s].
+        soft: By cylinder whose transmission gives, its record, shape (1,).
+    """
+
+    changes: Changes = field(default_factory=dict)
+    late: Mapping[str, float] = field(default_factory=dict)
+    soft: Mapping[str, NDArray[np.void]] = field(default_factory=dict)
+
+
+def correction_of(data: MachineData, one: SubsystemResult[GasModel], split: Split) -> Correction:
+    """Return what one cylinder's gas asks for; nothing where something in it has no name."""
+    if one.is_empty or one.has_unknown:
+        return Correction()
     changes: dict[tuple[str, str], tuple[Array, Array]] = {}
-    late: dict[str, float] = {}
-    soft: dict[str, NDArray[np.void]] = {}
-    for one in gas:
-        if one.is_empty or one.has_unknown:
-            continue
-        plant = one.final_plant
-        if gives(plant.cylinder[0]):
-            soft[one.where] = plant.cylinder
-        if not one.named and not behind_hose(plant.cylinder):
-            continue
-        whole = one.model.over_whole_runs(plant, split)
-        faults = {q.parameter for candidate in one.named if candidate.kind is Kind.SENSOR for q in candidate.parameters}
-        if POSITION_DELAY in faults:
-            seconds = plant.sensors[POSITION_DELAY]
-            late |= {data.joint_of(one.where): seconds, f"rod of {one.where}": seconds}
-        for index, given in enumerate(whole.inputs):
-            behind = _behind_hose(whole, index)
-            for side in range(2):
-                measured = given.run.pressure[side]
-                if measured is not None:
-                    change = _change(whole, index, side, measured, faults, behind)
-                    if np.nanmax(np.abs(change)) > CORRECTED_PRESSURE:
-                        table = data.table(given.run.recording).time
-                        changes[given.run.recording, f"{one.where}.pressure_{side + 1}"] = _on_the_clock_of(table, given.time, change)
+    plant, late = one.final_plant, dict[str, float]()
+    soft = {one.where: plant.cylinder} if gives(plant.cylinder[0]) else {}
+    if not one.named and not behind_hose(plant.cylinder):
+        return Correction(soft=soft)
+    whole = one.model.over_whole_runs(plant, split)
+    faults = {q.parameter for candidate in one.named if candidate.kind is Kind.SENSOR for q in candidate.parameters}
+    if POSITION_DELAY in faults:
+        seconds = plant.sensors[POSITION_DELAY]
+        late = {data.joint_of(one.where): seconds, f"rod of {one.where}": seconds}
+    for index, given in enumerate(whole.inputs):
+        behind = _behind_hose(whole, index)
+        for side in range(2):
+            measured = given.run.pressure[side]
+            if measured is not None:
+                change = _change(whole, index, side, measured, faults, behind)
+                if np.nanmax(np.abs(change)) > CORRECTED_PRESSURE:
+                    table = data.table(given.run.recording).time
+                    changes[given.run.recording, f"{one.where}.pressure_{side + 1}"] = _on_the_clock_of(table, given.time, change)
+    return Correction(changes, late, soft)
+
+
+def with_corrections(data: MachineData, corrections: Sequence[Correction]) -> dict[str, tuple[MotionRun, ...]]:
+    """Return the balances of forces, by joint, with these corrections, one of each cylinder."""
+    changes = {column: change for one in corrections for column, change in one.changes.items()}
+    late = {joint: seconds for one in corrections for joint, seconds in one.late.items()}
+    soft = {cylinder: record for one in corrections for cylinder, record in one.soft.items()}
     return {
         joint: tuple(at_piston(_delayed(_changed(run, changes), late.get(joint, 0.0)), soft.get(run.cylinder or "")) for run in runs)
         for joint, runs in data.joints.items()

@@ -38,18 +38,18 @@ class Term:
 
 
 @dataclass(frozen=True)
-class Bend:
-    """The family at one value of a parameter that bends every term of it.
+class Linearisation:
+    """The family, linearised at one value of a parameter on which every term of it depends, and none linearly.
 
         target = background + terms that are present + discrepancy + noise
 
     Attributes:
-        candidate: The effect that bends; None where nothing is bent.
+        candidate: The effect whose parameter that is; None where the family is linearised about the nominal machine.
         values: Its parameters.
         target: What the nominal machine lacks, in units of the noise of a row, shape (n,).
         background: What the nuisance parameters add to the target, for each standard deviation of their prior, shape (n, p).
         terms: What may be present.
-        alternatives: How many bends share the prior probability of the effect.
+        alternatives: How many linearisations share the prior probability of the effect.
     """
 
     candidate: Candidate | None
@@ -66,12 +66,12 @@ class LinearFamily:
 
     Attributes:
         nuisances: Nuisance parameters, p of them, each with a prior.
-        bends: Nothing bent first.
+        linearisations: That about the nominal machine first.
         whole: Size of all that the effects stand for, also of what the nominal machine has of it, in units of the noise of a row.
         least: What is missing without a name is a finding from this root mean square on, in the same units: healthy machines have less.
     """
 
     nuisances: tuple[FreeParameter, ...]
-    bends: tuple[Bend, ...]
+    linearisations: tuple[Linearisation, ...]
     whole: float = 0.0
     least: float = 0.0

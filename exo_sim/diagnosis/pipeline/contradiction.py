@@ -8,10 +8,11 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
+from functools import cached_property
 
 import numpy as np
 
-from exo_sim.diagnosis.coupling.corrected_pressures import corrected_balances
+from exo_sim.diagnosis.coupling.corrected_pressures import Correction, correction_of, with_corrections
 from exo_sim.diagnosis.data.machine_data import MachineData
 from exo_sim.diagnosis.data.motion_run import MotionRun
 from exo_sim.diagnosis.estimation.candidate import Candidate
@@ -63,11 +64,17 @@ class _Asking:
     threads: Threads
     report: Progress
 
+    @cached_property
+    def _corrections(self) -> list[Correction]:
+        """What each cylinder's gas asks for, all its faults believed."""
+        return [correction_of(self.uncorrected, each, self.plan.split) for each in self.results.gas]
+
     def against(self, one: SubsystemResult[GasModel], suspects: Sequence[Candidate]) -> str:
         """Return what the forces of a cylinder say against some faults of its sensors, "" for nothing."""
         innocent = replace(one, named=tuple(candidate for candidate in one.named if candidate not in suspects))
-        gas = [innocent if each is one else each for each in self.results.gas]
-        without = corrected_balances(self.uncorrected, gas, self.plan.split)
+        own = correction_of(self.uncorrected, innocent, self.plan.split)
+        corrections = [own if each is one else asked for each, asked in zip(self.results.gas, self._corrections, strict=True)]
+        without = with_corrections(self.uncorrected, corrections)
         for balance in self.results.motion:
             if balance.where != one.where or balance.is_empty:
                 continue

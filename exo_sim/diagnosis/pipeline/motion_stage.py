@@ -101,7 +101,7 @@ def examine_balance(
     report(f"{name}: weighing {len(asked)} effects side by side")
     standing = [one.name for one in declared().values() if one.cut == "motion" and model.nominal.is_on(one)]
     if model.size >= FEWEST_ROWS:
-        every = SubsetWeighing(motion_family(model, nuisances, asked, bent=False), model.discrepancy_basis(), model.blocks, standing)
+        every = SubsetWeighing(motion_family(model, nuisances, asked, soft=False), model.discrepancy_basis(), model.blocks, standing)
         model = model.with_contact(contact_scatter(every.left_by_everything(), model.speed))
         asked = plan.without_refuted(candidates(runs, model.nominal, model.where, model.slowest_resolved))
 

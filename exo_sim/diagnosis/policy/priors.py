@@ -52,7 +52,7 @@ MOST_INITIAL_WARMTH = Number(120.0, "K", "derived: adiabatic filling, and emptyi
 ROOM_WARM = Number(
     0.1, "spreads of the former",
     "gas whose temperature at the start is, beside walls, known to be that of the room within so much is given that: a number that nobody "
-    "needs lets others bend",
+    "needs biases others",
     "a healthy bench without one pressure, -0.6 K with a standard error of 0.6 K: with it free, 0.4 % of hysteresis was a finding",
 )  # fmt: skip
 UNMEASURED_INITIAL = Number(1e4, "Pa", "initial pressure of a chamber that nobody measured, after the balance of forces gave it")

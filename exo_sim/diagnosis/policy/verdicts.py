@@ -87,7 +87,7 @@ FAR_WORSE = Number(7.0, "log-likelihood", "below the chosen effect, odds of a th
 NOTHING_EXPLAINED = Number(0.01, "share of what is left", "a rejected candidate that explains less is said to explain nothing")
 HALF_EXPLAINED = Number(
     0.5, "share of what is left", "of a rejected candidate that explains less the share is stated; of one that explains more, that it does "
-    "not do so in all blocks of time",
+    "not do so in all blocks of time", "asserted; it chooses between two sentences, and no finding hangs on it",
 )  # fmt: skip
 LEAST_LAW_WEIGHT = Number(
     1e-4, "probability in units of the most probable law's", "a law that is less probable does not widen an interval"

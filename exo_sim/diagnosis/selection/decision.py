@@ -90,7 +90,7 @@ class _Decision(Generic[Model]):
         twins = self.model.indistinguishable(findings, final.fit)
         findings = [with_twins(f, twins.get(f.at, ())) for f in findings]
         observed = {parameter: error for parameter, error in errors.items() if self.model.is_observed(parameter)}
-        off = () if strict else deviations(final, observed)  # they bend to what has no name
+        off = () if strict else deviations(final, observed)  # what has no name biases them
         off = tuple(
             replace(d, stands_for=search.stands_for.get((q.effect, q.where), ()), twins=self.model.twins_of_number(q))
             for d, q in ((one, one.parameter) for one in off)
@@ -145,7 +145,7 @@ class _Decision(Generic[Model]):
     def _surely_there(self, final: FittedModel, named: tuple[Candidate, ...]) -> tuple[FittedModel, tuple[Candidate, ...]]:
         """Return the findings whose intervals hold nothing that a healthy machine shows, and the model with them.
 
-        The others bend to what is unknown beside them.
+        The others are biased by what is unknown beside them.
         """
         errors = self._errors(final)
         firm = drop_orphans([c for c in named if c.is_law or exceeds_healthy_limit(c, final, errors, HALF_WIDTH)])
@@ -170,7 +170,7 @@ class _Decision(Generic[Model]):
     def _takes_larger_part(self, candidate: Candidate) -> bool:
         """Return whether a finding explains the larger part of what is missing without it, or has a shape of its own.
 
-        The latter does not do for a sensor: what is left of a machine bends zeros, scales and delays first.
+        The latter does not do for a sensor: what is left of a machine biases zeros, scales and delays first.
         """
         evidence = self.search.evidence.get(candidate.key)
         if evidence is None:
@@ -187,7 +187,7 @@ class _Decision(Generic[Model]):
         """Return whether a finding is beyond doubt although something else is left.
 
         Beside all others its odds leave no doubt, and time that was kept back is predicted better with it, block for block. That does not
-        do for a sensor: what is left of a machine bends zeros, scales and delays first, at all times.
+        do for a sensor: what is left of a machine biases zeros, scales and delays first, at all times.
         """
         kept_back = self._kept_back
         if kept_back is None or not kept_back.size or candidate.kind is Kind.SENSOR or not self._is_plain(candidate):

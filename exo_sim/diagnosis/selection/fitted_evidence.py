@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 from exo_sim.diagnosis.discrepancy.basis import DiscrepancyBasis
 from exo_sim.diagnosis.estimation.candidate import Candidate, drop_orphans
 from exo_sim.diagnosis.estimation.correlation import rms
-from exo_sim.diagnosis.estimation.linear_family import Bend
+from exo_sim.diagnosis.estimation.linear_family import Linearisation
 from exo_sim.diagnosis.policy import acceptance
 from exo_sim.diagnosis.policy.priors import LEAST_NOISE
 from exo_sim.diagnosis.selection.evidence import price_of_parameter
@@ -60,7 +60,7 @@ class FittedEvidence:
     def is_decisive(self, final: FittedModel, baseline: FittedModel, spreads: Spreads) -> bool:
         """Return whether the odds of all names together are decisive where nuisance parameters are fitted as they act, not linearised.
 
-        Asked where the nuisance parameters alone leave nothing but noise: a law that the rig has bends further than its linearisation.
+        Asked where the nuisance parameters alone leave nothing but noise: a law that the rig has may be far from its linearisation.
         Each model is held against the noise and the discrepancy that it leaves itself, as subsets are: a machine may be quieter than its
         sensors' noise is taken for.
 
@@ -80,8 +80,8 @@ class FittedEvidence:
 
     def _of_remainder(self, left: Array, spreads: Spreads) -> tuple[float, Spreads]:
         """Return the logarithm of the evidence of a remainder, and the spreads of noise and discrepancy that maximise it."""
-        bend = Bend(None, {}, left, np.zeros((left.size, 0)), ())
-        return LinearEvidence(bend, self.basis).estimated((), spreads, self.correlation_time, sweeps=3)
+        linear = Linearisation(None, {}, left, np.zeros((left.size, 0)), ())
+        return LinearEvidence(linear, self.basis).estimated((), spreads, self.correlation_time, sweeps=3)
 
     def spreads_of(self, plain: FittedModel, near: Spreads) -> Spreads:
         """Return the spreads of what a fit leaves, estimated from others near them.

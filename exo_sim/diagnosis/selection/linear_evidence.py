@@ -24,7 +24,7 @@ from scipy.linalg import LinAlgError, cho_solve
 from scipy.linalg.lapack import dpotrf, dtrtrs
 
 from exo_sim.diagnosis.discrepancy.basis import DiscrepancyBasis
-from exo_sim.diagnosis.estimation.linear_family import Bend
+from exo_sim.diagnosis.estimation.linear_family import Linearisation
 from exo_sim.diagnosis.policy.priors import LEAST_AMPLITUDE, LEAST_NOISE, MOST_AMPLITUDE
 
 Array = NDArray[np.float64]
@@ -94,26 +94,26 @@ class _Cleared:
 
 
 class LinearEvidence:
-    """The evidence for the subsets of one bend of a family.
+    """The evidence for the subsets of one linearisation of a family.
 
     Args:
-        bend: The family, bent.
+        linear: The family at one value of what every term depends on.
         basis: Of the discrepancy.
     """
 
-    def __init__(self, bend: Bend, basis: DiscrepancyBasis):
-        self.bend, self.basis = bend, basis
-        self._design = np.hstack([bend.background, basis.columns, *(term.columns for term in bend.terms)])
-        self._gram, self._moment = self._design.T @ self._design, self._design.T @ bend.target
-        self._square = float(bend.target @ bend.target)
-        first = bend.background.shape[1] + basis.columns.shape[1]
+    def __init__(self, linear: Linearisation, basis: DiscrepancyBasis):
+        self.linear, self.basis = linear, basis
+        self._design = np.hstack([linear.background, basis.columns, *(term.columns for term in linear.terms)])
+        self._gram, self._moment = self._design.T @ self._design, self._design.T @ linear.target
+        self._square = float(linear.target @ linear.target)
+        first = linear.background.shape[1] + basis.columns.shape[1]
         self._always = np.arange(first)
         self._columns = []
-        for term in bend.terms:
+        for term in linear.terms:
             self._columns.append(np.arange(first, first + term.columns.shape[1]))
             first += term.columns.shape[1]
-        self._signed = [sum(term.one_sided) for term in bend.terms]
-        self._one_sided = np.array([one for term in bend.terms for one in term.one_sided], dtype=bool)
+        self._signed = [sum(term.one_sided) for term in linear.terms]
+        self._one_sided = np.array([one for term in linear.terms for one in term.one_sided], dtype=bool)
         self._latest: tuple[tuple[Spreads, float], _Cleared] | None = None
 
     def log_evidence(self, subset: Subset, spreads: Spreads, correlation_time: float) -> float:
@@ -141,13 +141,13 @@ class LinearEvidence:
         amplitudes = np.array(spreads.amplitudes)
         d = self.basis.columns.shape[1]
         scale = np.concatenate([
-            np.ones(len(self._always) - d), amplitudes[self.basis.kinds] if d else np.zeros(0), *(t.spread for t in self.bend.terms)
+            np.ones(len(self._always) - d), amplitudes[self.basis.kinds] if d else np.zeros(0), *(t.spread for t in self.linear.terms)
         ])  # fmt: skip
         weight = 1.0 / (spreads.noise**2 * correlation_time)
         normal = self._gram * (weight * np.outer(scale, scale))
         normal[np.diag_indices_from(normal)] += 1.0
         moment = self._moment * (weight * scale)
-        evidence = -self.bend.target.size / correlation_time * math.log(spreads.noise) - 0.5 * weight * self._square
+        evidence = -self.linear.target.size / correlation_time * math.log(spreads.noise) - 0.5 * weight * self._square
         evidence -= 0.5 * float(np.sum((amplitudes / self.basis.healthy) ** 2))
         first = len(self._always)
         if first == 0:
@@ -155,18 +155,18 @@ class LinearEvidence:
         factor = factored(normal[:first, :first])
         half = dtrtrs(factor, moment[:first], lower=1)[0]
         evidence += 0.5 * float(half @ half) - float(np.log(factor.diagonal()).sum())
-        if not self.bend.terms:
+        if not self.linear.terms:
             return _Cleared(normal[first:, first:], moment[first:], evidence)
         across = dtrtrs(factor, normal[:first, first:], lower=1)[0]
         return _Cleared(normal[first:, first:] - across.T @ across, moment[first:] - across.T @ half, evidence)
 
     def posterior(self, subset: Subset, spreads: Spreads, correlation_time: float, whole: bool = False) -> Posterior:
         """Return the posterior of a subset; with `whole`, what is left of the target as well."""
-        p, d = self.bend.background.shape[1], self.basis.columns.shape[1]
+        p, d = self.linear.background.shape[1], self.basis.columns.shape[1]
         index = np.concatenate([self._always, *(self._columns[j] for j in subset)]).astype(np.int64)
         amplitudes = np.array(spreads.amplitudes)
         scale = np.concatenate([
-            np.ones(p), amplitudes[self.basis.kinds] if d else np.zeros(0), *(self.bend.terms[j].spread for j in subset)
+            np.ones(p), amplitudes[self.basis.kinds] if d else np.zeros(0), *(self.linear.terms[j].spread for j in subset)
         ])  # fmt: skip
         weight = 1.0 / (spreads.noise**2 * correlation_time)
         normal = self._gram[np.ix_(index, index)] * (weight * np.outer(scale, scale))
@@ -174,12 +174,12 @@ class LinearEvidence:
         factor = factored(normal)
         moment = self._moment[index] * (weight * scale)
         half = dtrtrs(factor, moment, lower=1)[0] if index.size else moment  # LAPACK complains of no rows
-        evidence = -self.bend.target.size / correlation_time * math.log(spreads.noise) - 0.5 * weight * self._square
+        evidence = -self.linear.target.size / correlation_time * math.log(spreads.noise) - 0.5 * weight * self._square
         evidence += 0.5 * float(half @ half) - float(np.log(np.diag(factor)).sum())
         evidence -= 0.5 * float(np.sum((amplitudes / self.basis.healthy) ** 2))
         found = (dtrtrs(factor, half, lower=1, trans=1)[0] if index.size else half) * scale
         sizes = found[p + d :]
-        signed = [one for j in subset for one in self.bend.terms[j].one_sided]
+        signed = [one for j in subset for one in self.linear.terms[j].one_sided]
         evidence += math.log(2.0) * sum(signed)
         if any(yes and size < 0.0 for yes, size in zip(signed, sizes, strict=True)):
             evidence = -math.inf
@@ -187,7 +187,7 @@ class LinearEvidence:
         if whole:
             inverse = cho_solve((factor, True), np.eye(len(index)))
             errors = np.sqrt(np.diag(inverse))[p + d :] * scale[p + d :]
-            left = self.bend.target - self._design[:, index] @ found
+            left = self.linear.target - self._design[:, index] @ found
         return Posterior(evidence, found[:p], sizes, errors, found[p : p + d], left)
 
     def estimated(self, subset: Subset, spreads: Spreads, correlation_time: float, sweeps: int = 2) -> tuple[float, Spreads]:

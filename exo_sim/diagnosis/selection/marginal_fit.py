@@ -1,4 +1,4 @@
-"""Fits beside a discrepancy: what every model gets wrong is integrated out, so that it bends no number."""
+"""Fits beside a discrepancy: what every model gets wrong is integrated out, so that it biases no number."""
 
 from __future__ import annotations
 

@@ -141,7 +141,7 @@ class ModelFits:
         begun = {q: start.get(q, q.start) for q in parameters} | self._inherited(candidates, near)
         options = [begun]
         new = [q for q in parameters if q not in start]
-        if near and new and (self.cheap or any(q.nonsmooth for q in new)):  # what is missing may have bent the nuisance parameters
+        if near and new and (self.cheap or any(q.nonsmooth for q in new)):  # what is missing may have biased the nuisance parameters
             options.append({**begun, **{q: q.prior[0] for q in self.nuisances if q.prior}})
         for candidate in candidates:
             if any(q not in start for q in candidate.parameters):

@@ -43,12 +43,12 @@ def unnamed(
         posterior: Of the best.
     """
     family = weighing.family
-    size = max(float(np.std(family.bends[best.bend].target)), family.whole, 1e-300)
+    size = max(float(np.std(family.linearisations[best.point].target)), family.whole, 1e-300)
     acting: dict[str, tuple[float, NDArray[np.float64]]] = {}
     for first, term in nonparametric_terms(weighing.terms(best)):
         probability = weighing.probability_of_any(finalists, {term.candidate.at})
         acting[term.candidate.form] = probability, term.columns @ posterior.sizes[first : first + term.columns.shape[1]]
-    asked = {term.candidate.form for _, term in nonparametric_terms(family.bends[0].terms)}
+    asked = {term.candidate.form for _, term in nonparametric_terms(family.linearisations[0].terms)}
     for kind, name in enumerate(basis.names):
         ratio = best.spreads.amplitudes[kind] / float(basis.healthy[kind])
         if name in asked and name not in acting and ratio > acceptance.CERTAIN:

@@ -131,7 +131,7 @@ def _promise_of_law(
     model: LeastSquaresModel, candidate: Candidate, now: FittedModel, fixed_now: list[tuple[FreeParameter, float]], level: float,
     basis: Array, target: Array,
 ) -> float:  # fmt: skip
-    """Return the drop in squared error that a law promises which may bend in all of its parameters at once, as far as is known of them."""
+    """Return the drop in squared error that a law promises whose parameters may all move at once, as far as is known of them."""
     columns = law_signatures(model, candidate, now, fixed_now)
     if not np.isfinite(columns).all():
         return 0.0

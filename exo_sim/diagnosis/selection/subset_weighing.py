@@ -28,9 +28,16 @@ At = tuple[str, str]
 
 @dataclass(frozen=True)
 class Weighed:
-    """A subset of one bend, the logarithm of its probability up to a constant, and the spreads at which it was weighed."""
+    """A subset, and what it weighs.
 
-    bend: int
+    Attributes:
+        point: Linearisation point of the family: which of its linearisations.
+        subset: The terms of it.
+        score: Logarithm of the probability, up to a constant.
+        spreads: At which it was weighed.
+    """
+
+    point: int
     subset: Subset
     score: float
     spreads: Spreads
@@ -56,23 +63,23 @@ class SubsetWeighing:
     ):  # fmt: skip
         self._is_spent = is_spent
         self.family, self.standing = family, frozenset(standing)
-        self._evidence = [LinearEvidence(bend, basis) for bend in family.bends]
+        self._evidence = [LinearEvidence(linear, basis) for linear in family.linearisations]
         self._basis, self._blocks = basis, blocks
         self.correlation_time = 1.0
 
     def posterior(self, weighed: Weighed, more: Subset = ()) -> Posterior:
         """Return the posterior of a subset, with more terms in it where they are given, and what it leaves."""
         subset = tuple(sorted((*weighed.subset, *more)))
-        return self._evidence[weighed.bend].posterior(subset, weighed.spreads, self.correlation_time, whole=True)
+        return self._evidence[weighed.point].posterior(subset, weighed.spreads, self.correlation_time, whole=True)
 
     def terms(self, weighed: Weighed) -> list[Term]:
         """Return the terms of a subset."""
-        return [self.family.bends[weighed.bend].terms[j] for j in weighed.subset]
+        return [self.family.linearisations[weighed.point].terms[j] for j in weighed.subset]
 
     def candidates(self, weighed: Weighed) -> tuple[Candidate, ...]:
         """Return the effects of a subset, each once."""
-        bent = self.family.bends[weighed.bend].candidate
-        found = [term.candidate for term in self.terms(weighed)] + ([bent] if bent is not None else [])
+        effect = self.family.linearisations[weighed.point].candidate
+        found = [term.candidate for term in self.terms(weighed)] + ([effect] if effect is not None else [])
         return tuple({candidate.at: candidate for candidate in found}.values())
 
     def probabilities(self, finalists: Sequence[Weighed]) -> dict[At, float]:
@@ -97,7 +104,7 @@ class SubsetWeighing:
         for _ in range(MOST_CLIMBS):
             if self._is_spent():
                 break
-            self._weigh_around(best.bend, best.subset, best.spreads, found)
+            self._weigh_around(best.point, best.subset, best.spreads, found)
             best = max(found.values(), key=lambda one: one.score)
             for at in [candidate.at for candidate in self.candidates(best)]:
                 self._weigh_without(at, best, found)
@@ -113,7 +120,7 @@ class SubsetWeighing:
 
     def _beside_everything(self) -> tuple[Subset, Spreads, NDArray[np.float64]]:
         """Return one term of every group, the spreads estimated beside them all, and what they leave; sets the correlation time."""
-        target = self.family.bends[0].target
+        target = self.family.linearisations[0].target
         centred = target - target.mean()
         amplitudes = tuple(0.5 * float(scale) for scale in self._basis.healthy)
         spreads = Spreads(max(FAMILY_SIZE * float(np.sqrt(np.mean(centred**2))), 1.0), amplitudes)
@@ -124,12 +131,12 @@ class SubsetWeighing:
             self.correlation_time = correlation_time(left, self._blocks)
         return everything, spreads, left
 
-    def _weigh_around(self, bend: int, start: Subset, spreads: Spreads, found: dict[tuple[int, Subset], Weighed]) -> None:
-        """Weigh the best subsets that a climb meets, in this bend of the family and from its top in the others."""
+    def _weigh_around(self, point: int, start: Subset, spreads: Spreads, found: dict[tuple[int, Subset], Weighed]) -> None:
+        """Weigh the best subsets that a climb meets, at this linearisation point and from its top at the others."""
         weighed: dict[tuple[int, Subset], float] = {}
-        top = self._climbed(bend, start, spreads, weighed, pairs=True)
-        for other in range(len(self.family.bends)):
-            if other != bend and not self._is_spent():
+        top = self._climbed(point, start, spreads, weighed, pairs=True)
+        for other in range(len(self.family.linearisations)):
+            if other != point and not self._is_spent():
                 self._climbed(other, top, spreads, weighed, pairs=False)
         for key in sorted(weighed, key=lambda key: -weighed[key])[:FAMILY_FINALISTS]:
             self._weigh(key, spreads, found)
@@ -137,26 +144,26 @@ class SubsetWeighing:
     def alike(self, best: Weighed, finalists: Sequence[Weighed]) -> list[Weighed]:
         """Return a subset and those that hold its effects in another law, beside those that were weighed to the end.
 
-        All at the spreads of the best, in every bend of the family: which law it is need not be known for the effects to be.
+        All at the spreads of the best, at every linearisation point: which law it is need not be known for the effects to be.
         """
         wanted = [term.candidate.at for term in self.terms(best)]
-        found = {(one.bend, one.subset): one for one in finalists if set(wanted) <= {term.candidate.at for term in self.terms(one)}}
-        for bend, one in enumerate(self.family.bends):
+        found = {(one.point, one.subset): one for one in finalists if set(wanted) <= {term.candidate.at for term in self.terms(one)}}
+        for point, one in enumerate(self.family.linearisations):
             laws = [[j for j, term in enumerate(one.terms) if term.candidate.at == at] for at in wanted]
             for chosen in itertools.product(*laws):
-                key = bend, tuple(sorted(set(chosen)))
+                key = point, tuple(sorted(set(chosen)))
                 if key in found or len(key[1]) != len(wanted):
                     continue
-                evidence = self._evidence[bend].log_evidence(key[1], best.spreads, self.correlation_time)
+                evidence = self._evidence[point].log_evidence(key[1], best.spreads, self.correlation_time)
                 found[key] = Weighed(*key, evidence + self._log_prior(*key), best.spreads)
         return [one for one in found.values() if one.score > -math.inf]
 
     def _weigh_without(self, at: At, best: Weighed, found: dict[tuple[int, Subset], Weighed]) -> None:
         """Weigh the best subset that lacks an effect of the best one."""
-        bent = self.family.bends[best.bend].candidate
-        bend = 0 if bent is not None and bent.at == at else best.bend
-        start = tuple(j for j in best.subset if self._at(best.bend, j) != at)
-        key = bend, self._climbed(bend, start, best.spreads, {}, pairs=False, lacking=at)
+        effect = self.family.linearisations[best.point].candidate
+        point = 0 if effect is not None and effect.at == at else best.point
+        start = tuple(j for j in best.subset if self._at(best.point, j) != at)
+        key = point, self._climbed(point, start, best.spreads, {}, pairs=False, lacking=at)
         self._weigh(key, best.spreads, found)
 
     def _weigh(self, key: tuple[int, Subset], spreads: Spreads, found: dict[tuple[int, Subset], Weighed]) -> None:
@@ -176,31 +183,31 @@ class SubsetWeighing:
         return tuple(sorted(chosen))
 
     def _climbed(
-        self, bend: int, start: Subset, spreads: Spreads, weighed: dict[tuple[int, Subset], float], pairs: bool, lacking: At | None = None
+        self, point: int, start: Subset, spreads: Spreads, weighed: dict[tuple[int, Subset], float], pairs: bool, lacking: At | None = None
     ) -> Subset:
         """Climb to a subset that no change of one group, or of two with `pairs`, makes more probable; none has the effect `lacking`."""
 
         def score(subset: Subset) -> float:
-            key = bend, subset
+            key = point, subset
             if key not in weighed:
-                prior = self._log_prior(bend, subset)
-                found = self._evidence[bend].log_evidence(subset, spreads, self.correlation_time) if prior > -math.inf else 0.0
+                prior = self._log_prior(point, subset)
+                found = self._evidence[point].log_evidence(subset, spreads, self.correlation_time) if prior > -math.inf else 0.0
                 weighed[key] = found + prior
             return weighed[key]
 
         now = start
         score(now)
         while True:
-            best = max(self._changed(bend, now, pairs, lacking), key=score, default=now)
+            best = max(self._changed(point, now, pairs, lacking), key=score, default=now)
             if score(best) <= score(now) + 1e-9:
                 return now
             now = best
 
-    def _changed(self, bend: int, subset: Subset, pairs: bool, lacking: At | None) -> Iterator[Subset]:
+    def _changed(self, point: int, subset: Subset, pairs: bool, lacking: At | None) -> Iterator[Subset]:
         """Return every subset in which one group, or two of them, have another term or none."""
-        groups = self._groups(bend)
+        groups = self._groups(point)
         options: dict[str, list[tuple[int, ...]]] = {
-            name: [(), *((j,) for j in members if self._at(bend, j) != lacking)] for name, members in groups.items()
+            name: [(), *((j,) for j in members if self._at(point, j) != lacking)] for name, members in groups.items()
         }
         for name, choices in options.items():
             rest = tuple(j for j in subset if j not in groups[name])
@@ -212,15 +219,15 @@ class SubsetWeighing:
                 for choice, more in itertools.product(first, second):
                     yield tuple(sorted((*rest, *choice, *more)))
 
-    def _groups(self, bend: int) -> dict[str, list[int]]:
+    def _groups(self, point: int) -> dict[str, list[int]]:
         found: dict[str, list[int]] = {}
-        for j, term in enumerate(self.family.bends[bend].terms):
+        for j, term in enumerate(self.family.linearisations[point].terms):
             found.setdefault(term.group, []).append(j)
         return found
 
-    def _log_prior(self, bend: int, subset: Subset) -> float:
+    def _log_prior(self, point: int, subset: Subset) -> float:
         """Return the logarithm of the prior odds of a subset; minus infinity where an effect lacks what it comes on top of."""
-        chosen = self.family.bends[bend]
+        chosen = self.family.linearisations[point]
         terms = [chosen.terms[j] for j in subset]
         groups = {term.group for term in terms}
         total = 0.0
@@ -234,5 +241,5 @@ class SubsetWeighing:
             total += candidate.prevalence_log_odds - math.log(alternatives)
         return total
 
-    def _at(self, bend: int, term: int) -> At:
-        return self.family.bends[bend].terms[term].candidate.at
+    def _at(self, point: int, term: int) -> At:
+        return self.family.linearisations[point].terms[term].candidate.at

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
 from dataclasses import replace
 
 import numpy as np
@@ -10,40 +9,26 @@ import pytest
 from diagnosis import waves
 
 from exo_sim.diagnosis.discrepancy.basis import joined
-from exo_sim.diagnosis.estimation.candidate import Candidate
-from exo_sim.diagnosis.estimation.linear_family import Bend, LinearFamily, Term
-from exo_sim.diagnosis.estimation.parameters import FreeParameter
+from exo_sim.diagnosis.estimation.linear_family import LinearFamily, Linearisation, Term
 from exo_sim.diagnosis.selection.family_search import FamilySearch
 from exo_sim.diagnosis.selection.fitted_model import SearchResult
 from exo_sim.diagnosis.selection.model_fits import ModelFits
 
-Array = np.ndarray
 #: Two waves that hide each other: each alone explains next to nothing of their difference.
 TWINS = {"one": np.sin(waves.AT / 20.0), "two": np.sin(waves.AT / 20.0) + 0.15 * np.sin(waves.AT / 7.0), **waves.SHAPES}
 
 
-def term(model: waves.Waves, candidate: Candidate, group: str = "", one_sided: bool = False) -> Term:
-    """Return an effect's waves as a term: what a size of it cancels."""
-    columns = [model.shapes[q.parameter.split(".")[-1]] for q in candidate.parameters]
-
-    def parameters(sizes: Array, before: Mapping[FreeParameter, float]) -> dict[FreeParameter, float]:
-        return dict(zip(candidate.parameters, map(float, sizes), strict=True))
-
-    spread = np.full(len(columns), 4.0)
-    return Term(candidate, np.column_stack(columns), spread, (one_sided,) * len(columns), parameters, group or candidate.effect)
-
-
-def searched(model: waves.Waves, *terms: Term, bends: tuple[Bend, ...] = ()) -> SearchResult:
+def searched(model: waves.Waves, *terms: Term, others: tuple[Linearisation, ...] = ()) -> SearchResult:
     target = -model.residual({})
-    plain = Bend(None, {}, target, np.zeros((target.size, 0)), terms)
-    return FamilySearch(ModelFits(model, (), cheap=True), LinearFamily((), (plain, *bends)), joined([], target.size)).run()
+    plain = Linearisation(None, {}, target, np.zeros((target.size, 0)), terms)
+    return FamilySearch(ModelFits(model, (), cheap=True), LinearFamily((), (plain, *others)), joined([], target.size)).run()
 
 
 def test_waves_that_hide_each_other_are_both_found() -> None:
     """Their sum is 0.75 of the noise, and neither alone lowers the error by half of that."""
     model = waves.Waves(shapes=TWINS, one=-5.0, two=5.0)
     one, two = waves.candidate("first", "one"), waves.candidate("second", "two")
-    found = searched(model, term(model, one), term(model, two), term(model, waves.OTHER))
+    found = searched(model, waves.term(model, one), waves.term(model, two), waves.term(model, waves.OTHER))
     assert found.final.named == {one.at, two.at}
     for candidate, size in ((one, -5.0), (two, 5.0)):
         assert found.final.fit.values[candidate.parameters[0]] == pytest.approx(size, abs=1.2)
@@ -54,7 +39,7 @@ def test_waves_that_hide_each_other_are_both_found() -> None:
 def test_probabilities_of_names_for_the_same_wave_add_up() -> None:
     model = waves.Waves(slow=3.0)
     twin = waves.candidate("twin", "slow")
-    found = searched(model, term(model, waves.BASE), term(model, twin))
+    found = searched(model, waves.term(model, waves.BASE), waves.term(model, twin))
     assert sum(found.probabilities.values()) == pytest.approx(1.0, abs=0.05)
     (candidate,) = found.final.candidates
     ((rival, worse),) = found.rivals[candidate.key]
@@ -63,36 +48,36 @@ def test_probabilities_of_names_for_the_same_wave_add_up() -> None:
 
 def test_what_comes_on_top_needs_its_base_or_a_richer_form_of_it() -> None:
     model = waves.Waves(quick=5.0)
-    alone = searched(model, term(model, waves.BASE), term(model, waves.ON_TOP))
+    alone = searched(model, waves.term(model, waves.BASE), waves.term(model, waves.ON_TOP))
     assert alone.final.named in (set(), {waves.BASE.at, waves.ON_TOP.at})
     both = waves.Waves(slow=2.0, quick=5.0)
     richer = waves.candidate("richer", "slow", "level")
-    terms = [term(both, waves.BASE, "base"), term(both, richer, "base"), term(both, waves.ON_TOP)]
+    terms = [waves.term(both, waves.BASE, "base"), waves.term(both, richer, "base"), waves.term(both, waves.ON_TOP)]
     assert searched(both, *terms).final.named == {waves.BASE.at, waves.ON_TOP.at}
 
 
 def test_a_wave_of_the_wrong_sign_is_no_effect_of_one_sign() -> None:
     model = waves.Waves(slow=-3.0)
-    assert searched(model, term(model, waves.BASE, one_sided=True)).final.candidates == ()
-    assert searched(model, term(model, waves.BASE)).final.named == {waves.BASE.at}
+    assert searched(model, waves.term(model, waves.BASE, one_sided=True)).final.candidates == ()
+    assert searched(model, waves.term(model, waves.BASE)).final.named == {waves.BASE.at}
 
 
 def test_noise_bears_no_name() -> None:
     model = waves.Waves()
-    found = searched(model, term(model, waves.BASE), term(model, waves.OTHER), term(model, waves.candidate("flat", "level")))
+    found = searched(model, *(waves.term(model, each) for each in (waves.BASE, waves.OTHER, waves.candidate("flat", "level"))))
     assert found.final.candidates == () and max(found.probabilities.values(), default=0.0) < 0.5
 
 
-def test_a_bend_is_named_where_the_family_needs_it() -> None:
-    """The family looks as it does with the bend's parameter at 4; nothing else makes up for the quick wave."""
+def test_what_every_term_depends_on_is_named_where_the_family_needs_it() -> None:
+    """The family looks as it does linearised with the parameter at 4; nothing else makes up for the quick wave."""
     model = waves.Waves(slow=3.0, quick=4.0)
-    bending = waves.candidate("bending", "quick")
-    (parameter,) = bending.parameters
-    plain = term(model, waves.BASE)
+    contact = waves.candidate("contact", "quick")
+    (parameter,) = contact.parameters
+    plain = waves.term(model, waves.BASE)
     residual = model.residual({parameter: 4.0})
-    bend = Bend(bending, {parameter: 4.0}, -residual, np.zeros((residual.size, 0)), (plain,))
-    found = searched(model, plain, bends=(bend,))
-    assert found.final.named == {waves.BASE.at, bending.at}
+    linear = Linearisation(contact, {parameter: 4.0}, -residual, np.zeros((residual.size, 0)), (plain,))
+    found = searched(model, plain, others=(linear,))
+    assert found.final.named == {waves.BASE.at, contact.at}
     assert found.final.fit.values[parameter] == pytest.approx(4.0, abs=0.3)
 
 
@@ -101,7 +86,7 @@ def test_what_a_healthy_machine_has_as_well_is_left_to_the_nuisance_parameters()
     (size,) = waves.BASE.parameters
     for limit, named in ((0.1, {waves.BASE.at}), (2.0, set())):
         limited = replace(waves.BASE, parameters=(replace(size, healthy_limit=limit),))
-        assert searched(model, term(model, limited)).final.named == named
+        assert searched(model, waves.term(model, limited)).final.named == named
 
 
 def test_what_a_healthy_machine_has_does_not_take_the_place_of_a_finding() -> None:
@@ -110,34 +95,9 @@ def test_what_a_healthy_machine_has_does_not_take_the_place_of_a_finding() -> No
     far = waves.candidate("far", "slow")
     (size,) = far.parameters
     far = replace(far, parameters=(replace(size, healthy_limit=5.0),), prevalence=0.2)
-    found = searched(model, term(model, far), term(model, waves.BASE))
+    found = searched(model, waves.term(model, far), waves.term(model, waves.BASE))
     assert found.probabilities[far.at] > found.probabilities[waves.BASE.at]
     assert found.final.named == {waves.BASE.at}
-
-
-def test_what_does_alone_what_two_do_together_is_the_rival_of_both() -> None:
-    """Drag and dry friction slow a swing nearly as damping alone does: neither is dropped because that might do for both."""
-    one_wave, other_wave = waves.SHAPES["slow"], waves.SHAPES["quick"]
-    shapes = {"one": one_wave, "two": other_wave, "both": one_wave + other_wave + 0.3 * waves.SHAPES["quicker"]}
-    model = waves.Waves(shapes=shapes, one=2.0, two=1.4)
-    one, two, both = (waves.candidate(name, name) for name in shapes)
-    found = searched(model, term(model, one), term(model, two), term(model, both))
-    assert found.final.named == {one.at, two.at}
-    assert all(both.at in {rival.at for rival, _ in found.rivals[candidate.key]} for candidate in (one, two))
-
-
-def test_a_number_is_known_no_better_than_the_effects_beside_it() -> None:
-    """What is beside the slow wave is quick, or quick and a little slow, and nothing tells which: the slow one is 3 or 2.2."""
-    model = waves.Waves(shapes={**waves.SHAPES, "tilted": waves.SHAPES["quick"] + 0.4 * waves.SHAPES["slow"]}, slow=3.0, quick=2.0)
-    plain, tilted = waves.candidate("plain", "quick"), waves.candidate("leaning", "tilted")
-    (size,) = waves.BASE.parameters
-    target = -model.residual({})
-    terms = (term(model, waves.BASE), term(model, plain), term(model, tilted))
-    family = LinearFamily((), (Bend(None, {}, target, np.zeros((target.size, 0)), terms),))
-    search = FamilySearch(ModelFits(model, (), cheap=True), family, joined([], target.size))
-    finalists = search.weighing.finalists()
-    laws = [(law.weight, law.values[size]) for law in search._laws(finalists[0], finalists) if size in law.errors]
-    assert {round(value) for weight, value in laws if weight > 0.5} == {2, 3} and min(weight for weight, _ in laws) > 0.0
 
 
 @pytest.mark.parametrize(("prior", "named", "undecided"), [(0.7, False, True), (0.2, True, False), (2.0, False, False)])
@@ -148,7 +108,7 @@ def test_a_probable_name_that_a_nuisance_parameter_stands_in_for_is_not_passed_o
     zero, base = waves.parameter("zero", "slow", (0.0, prior)), replace(waves.BASE, prevalence=0.5)
     nominal = model.residual({})
     background = (model.residual({zero: prior}) - nominal)[:, None]
-    plain = Bend(None, {}, -nominal, background, (term(model, base),))
+    plain = Linearisation(None, {}, -nominal, background, (waves.term(model, base),))
     found = FamilySearch(ModelFits(model, (zero,), cheap=True), LinearFamily((zero,), (plain,)), joined([], nominal.size)).run()
     assert bool(found.final.candidates) == named
     assert [one.at for one in found.undecided] == [base.at] * undecided

@@ -12,7 +12,7 @@ from hypothesis import strategies as st
 from scipy.stats import multivariate_normal
 
 from exo_sim.diagnosis.discrepancy.basis import joined
-from exo_sim.diagnosis.estimation.linear_family import Bend, Term
+from exo_sim.diagnosis.estimation.linear_family import Linearisation, Term
 from exo_sim.diagnosis.selection.linear_evidence import LEAST_AMPLITUDE, LinearEvidence, Spreads
 
 ROWS = 25
@@ -28,8 +28,8 @@ def problem(seed: int, one_sided: bool = False) -> tuple[LinearEvidence, np.ndar
     target, background = rng.standard_normal(ROWS) * 2.0, rng.standard_normal((ROWS, 2))
     terms = [rng.standard_normal((ROWS, 1)), rng.standard_normal((ROWS, 2))]
     basis = joined([("place", rng.standard_normal((ROWS, 3)), 0.7)], ROWS)
-    bend = Bend(None, {}, target, background, (term(terms[0], (1.5,), one_sided), term(terms[1], (0.4, 2.0))))
-    return LinearEvidence(bend, basis), target, [background, basis.columns, *terms]
+    linear = Linearisation(None, {}, target, background, (term(terms[0], (1.5,), one_sided), term(terms[1], (0.4, 2.0))))
+    return LinearEvidence(linear, basis), target, [background, basis.columns, *terms]
 
 
 @given(st.integers(0, 200), st.sampled_from([(), (0,), (1,), (0, 1)]), st.floats(0.4, 3.0), st.floats(0.05, 2.0))
@@ -62,7 +62,7 @@ def test_sizes_and_errors_are_those_of_the_posterior() -> None:
 
 def test_correlated_rows_count_as_fewer() -> None:
     evidence, _, (_, _, first, _) = problem(3)
-    loud = Bend(None, {}, 40.0 * first[:, 0], np.zeros((ROWS, 0)), (term(first, (50.0,)),))
+    loud = Linearisation(None, {}, 40.0 * first[:, 0], np.zeros((ROWS, 0)), (term(first, (50.0,)),))
     evidence = LinearEvidence(loud, joined([], ROWS))
 
     def gain(correlation: float) -> float:
@@ -75,8 +75,9 @@ def test_correlated_rows_count_as_fewer() -> None:
 def test_a_size_of_one_sign_has_no_evidence_on_the_other_side() -> None:
     for sign in (1.0, -1.0):
         columns = np.ones((ROWS, 1))
-        bend = Bend(None, {}, sign * np.full(ROWS, 3.0), np.zeros((ROWS, 0)), (term(columns, (3.0,), True), term(columns, (3.0,))))
-        evidence = LinearEvidence(bend, joined([], ROWS))
+        terms = (term(columns, (3.0,), True), term(columns, (3.0,)))
+        linear = Linearisation(None, {}, sign * np.full(ROWS, 3.0), np.zeros((ROWS, 0)), terms)
+        evidence = LinearEvidence(linear, joined([], ROWS))
         signed, free = (evidence.posterior(one, Spreads(1.0, ()), 1.0).log_evidence for one in ((0,), (1,)))
         assert signed == (pytest.approx(free + math.log(2.0)) if sign > 0.0 else -math.inf)
 
@@ -86,19 +87,19 @@ def test_spreads_are_estimated_where_the_evidence_is_greatest() -> None:
     rows = 3000
     smooth = rng.standard_normal((rows, 40))
     target = 2.5 * rng.standard_normal(rows) + smooth @ (0.8 * rng.standard_normal(40))
-    evidence = LinearEvidence(Bend(None, {}, target, np.zeros((rows, 0)), ()), joined([("place", smooth, 2.0)], rows))
+    evidence = LinearEvidence(Linearisation(None, {}, target, np.zeros((rows, 0)), ()), joined([("place", smooth, 2.0)], rows))
     best, spreads = evidence.estimated((), Spreads(1.0, (0.1,)), 1.0, sweeps=6)
     assert spreads.noise == pytest.approx(2.5, rel=0.15) and spreads.amplitudes[0] == pytest.approx(0.8, rel=0.35)
     assert best >= evidence.posterior((), Spreads(1.0, (0.1,)), 1.0).log_evidence
     _, quiet = LinearEvidence(
-        Bend(None, {}, rng.standard_normal(rows), np.zeros((rows, 0)), ()), joined([("place", smooth, 2.0)], rows)
+        Linearisation(None, {}, rng.standard_normal(rows), np.zeros((rows, 0)), ()), joined([("place", smooth, 2.0)], rows)
     ).estimated((), Spreads(1.0, (1.0,)), 1.0, sweeps=6)
     assert LEAST_AMPLITUDE * 2.0 <= quiet.amplitudes[0] < 0.1
 
 
 def test_nothing_at_all_has_the_density_of_noise_and_no_complaint_of_lapack(capfd: pytest.CaptureFixture[str]) -> None:
     target = np.random.default_rng(5).standard_normal(ROWS)
-    evidence = LinearEvidence(Bend(None, {}, target, np.zeros((ROWS, 0)), ()), joined([], ROWS))
+    evidence = LinearEvidence(Linearisation(None, {}, target, np.zeros((ROWS, 0)), ()), joined([], ROWS))
     found = evidence.posterior((), Spreads(0.8, ()), 1.0)
     density = multivariate_normal(np.zeros(ROWS), 0.64 * np.eye(ROWS)).logpdf(target) + 0.5 * ROWS * math.log(2.0 * math.pi)
     assert found.log_evidence == pytest.approx(density, rel=1e-9)
@@ -117,7 +118,7 @@ def test_the_evidence_alone_is_that_of_the_posterior(seed: int, one_sided: bool)
 
 
 def test_the_evidence_alone_of_nothing_is_that_of_noise() -> None:
-    bend = Bend(None, {}, np.random.default_rng(4).standard_normal(50), np.zeros((50, 0)), ())
-    evidence = LinearEvidence(bend, joined((), 50))
+    linear = Linearisation(None, {}, np.random.default_rng(4).standard_normal(50), np.zeros((50, 0)), ())
+    evidence = LinearEvidence(linear, joined((), 50))
     spreads = Spreads(0.8, ())
     assert evidence.log_evidence((), spreads, 2.0) == pytest.approx(evidence.posterior((), spreads, 2.0).log_evidence)

@@ -8,7 +8,7 @@ from diagnosis import waves
 
 from exo_sim.diagnosis.discrepancy.basis import joined
 from exo_sim.diagnosis.estimation.candidate import Candidate
-from exo_sim.diagnosis.estimation.linear_family import Bend, LinearFamily, Term
+from exo_sim.diagnosis.estimation.linear_family import LinearFamily, Linearisation, Term
 from exo_sim.diagnosis.findings import Kind
 from exo_sim.diagnosis.selection.linear_evidence import Spreads, Subset
 from exo_sim.diagnosis.selection.nonparametric_terms import nonparametric_terms, unnamed
@@ -23,7 +23,8 @@ BASIS = joined([("position", SHAPE[:, None], 1.0)], SHAPE.size)
 def found(size: float, subset: Subset, amplitude: float) -> list[tuple[str, float]]:
     """Return the unnamed of a subset that was weighed with this amplitude of its discrepancy, and their shares."""
     target = size * SHAPE + np.random.default_rng(4).standard_normal(SHAPE.size)
-    weighing = SubsetWeighing(LinearFamily((), (Bend(None, {}, target, np.zeros((SHAPE.size, 0)), (TERM,)),)), BASIS, np.arange(SHAPE.size))
+    linear = Linearisation(None, {}, target, np.zeros((SHAPE.size, 0)), (TERM,))
+    weighing = SubsetWeighing(LinearFamily((), (linear,)), BASIS, np.arange(SHAPE.size))
     best = Weighed(0, subset, 0.0, Spreads(1.0, (amplitude,)))
     return [(one.variable, one.share) for one in unnamed(weighing, BASIS, best, [best], weighing.posterior(best))]
 

@@ -10,7 +10,7 @@ from diagnosis import waves
 
 from exo_sim.diagnosis.discrepancy.basis import joined
 from exo_sim.diagnosis.estimation.candidate import Candidate
-from exo_sim.diagnosis.estimation.linear_family import Bend, LinearFamily, Term
+from exo_sim.diagnosis.estimation.linear_family import LinearFamily, Linearisation, Term
 from exo_sim.diagnosis.selection.subset_weighing import SubsetWeighing
 
 BASE, ON_TOP, OTHER = waves.BASE, waves.ON_TOP, waves.OTHER
@@ -23,7 +23,7 @@ def weighing(*candidates: Candidate, standing: tuple[str, ...] = (), **sizes: fl
         for c in candidates
     )
     target = -model.residual({})
-    family = LinearFamily((), (Bend(None, {}, target, np.zeros((target.size, 0)), terms),))
+    family = LinearFamily((), (Linearisation(None, {}, target, np.zeros((target.size, 0)), terms),))
     return SubsetWeighing(family, joined([], target.size), model.blocks, standing)
 
 

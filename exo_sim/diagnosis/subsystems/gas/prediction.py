@@ -27,7 +27,12 @@ LONGEST_STEP, MOST_STEPS = 1e-3, 8.0
 #: The shortest step where waves pass in a hose, for which no step may be long [s]: of the shortest hose in which any is followed [m]. The
 #: speed of sound in a room [m/s].
 WAVE_STEP, SHORTEST_LINE, SOUND = 1e-4, 0.51, 343.0
-#: A throttle that stops the flow of choked gas so many times over in the time of which a fit shows anything leaves it no inertia.
+#: A wave is followed that takes longer than so many of the times of which a fit shows anything: of 1 ms, 0.51 m are passed.
+FOLLOWED = 1.5
+#: Flow of choked air, over its density, the area and the speed of sound: (2/(k + 1))^((k + 1)/(2 (k - 1))) is 0.58 for k = 1.4.
+CHOKED = 0.6
+#: A throttle that stops the flow of choked gas so many times over in the time of which a fit shows anything leaves it no inertia; asserted.
+#: The lumped hose that is predicted then has its middle on the valve's side: of 1 m, stopped 8 times over, that is 5 kPa rms of 212.
 STOPPED = 20.0
 #: ... and the longest step where the sensor sits behind a hose, whose small volume shows every error of integration [s].
 HOSE_STEP = 5e-4
@@ -189,8 +194,8 @@ def shows_waves(cylinder: NDArray[np.void], seconds: float) -> bool:
     hose = cylinder[line_restriction.EFFECT.name][0]
     if not line_restriction.has_inertia(hose):
         return False
-    stopped = line_restriction.friction_rate(hose, 0.6 * SOUND * float(hose["area"]), 1.0)
-    return bool(float(hose["length"]) > 1.5 * SOUND * seconds and stopped * seconds < STOPPED)
+    stopped = line_restriction.friction_rate(hose, CHOKED * SOUND * float(hose["area"]), 1.0)
+    return bool(float(hose["length"]) > FOLLOWED * SOUND * seconds and stopped * seconds < STOPPED)
 
 
 def behind_hose(cylinder: NDArray[np.void]) -> bool:

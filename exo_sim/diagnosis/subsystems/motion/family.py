@@ -1,7 +1,8 @@
 """What resists a motion as one linear family: dry friction and its features, damping, springs, and what sensors add.
 
 Every law is linear in its size about a contact that slides at a level which is known beforehand; where a law also has a shape (the speed
-of Stribeck's dip) there is a term for each of a few. How soon the contact slides bends all of them.
+of Stribeck's dip) there is a term for each of a few. All of them depend on how soon the contact slides, and not linearly: the family
+is linearised at a few values of that.
 """
 
 from __future__ import annotations
@@ -15,7 +16,7 @@ from numpy.typing import NDArray
 
 from exo_sim.diagnosis.estimation.budget import IsSpent, never
 from exo_sim.diagnosis.estimation.candidate import Candidate
-from exo_sim.diagnosis.estimation.linear_family import Bend, LinearFamily, Term
+from exo_sim.diagnosis.estimation.linear_family import LinearFamily, Linearisation, Term
 from exo_sim.diagnosis.estimation.parameters import FreeParameter
 from exo_sim.diagnosis.findings import Kind
 from exo_sim.diagnosis.policy import healthy, priors
@@ -31,14 +32,14 @@ PISTON_STIFFNESS = (5.5e5, 4e5, 3e5, 2e5, 1e5, 5e4, 2.5e4, 1.2e4, 6e3)
 JOINT_TRAVEL = (2e-3, 5e-3, 1e-2, 3e-2)
 #: Speeds at which friction has built up that are tried, between these shares of the least and the greatest speed that occurred.
 CREEPS, CREEP_LOW, CREEP_HIGH = 6, 0.3, 0.05
-#: Effects that say how a contact begins to slide: they bend every law of dry friction.
-_BENDING = (presliding.EFFECT.name, friction_smoothing.EFFECT.name)
+#: Effects that say how a contact begins to slide: every law of dry friction depends on that, and not linearly.
+_CONTACT_LAWS = (presliding.EFFECT.name, friction_smoothing.EFFECT.name)
 #: What friction may depend on that no effect of the list says: place and time.
 UNNAMED = ("position", "time")
 
 
 def motion_family(
-    model: MotionModel, nuisances: Sequence[FreeParameter], candidates: Sequence[Candidate], bent: bool = True,
+    model: MotionModel, nuisances: Sequence[FreeParameter], candidates: Sequence[Candidate], soft: bool = True,
     creeps: Sequence[float] = (), is_spent: IsSpent = never,
 ) -> LinearFamily:
     """Return the family of a balance of forces.
@@ -47,14 +48,14 @@ def motion_family(
         model: The balance.
         nuisances: Its nuisance parameters; those that are a candidate's number are left to the candidate.
         candidates: What may be present.
-        bent: Whether contacts that do not slide at once are in it.
+        soft: Whether contacts that do not slide at once are in it.
         creeps: Speeds at which friction has built up, where it is known that it builds up with speed [m/s or rad/s]; the likeliest
             first.
         is_spent: Whether the time is up: then no more of them are.
     """
     asked = {q.slot for candidate in candidates for q in candidate.parameters}
     free = tuple(q for q in nuisances if q.prior is not None and q.slot not in asked)
-    return _Builder(model, free, candidates).family(bent, creeps, is_spent)
+    return _Builder(model, free, candidates).family(soft, creeps, is_spent)
 
 
 class _Builder:
@@ -66,18 +67,18 @@ class _Builder:
         self.unnamed = self._of_place_and_time(model.friction / model.noise if model.noise else 1.0)
         self.laws = LawTerms(model, nuisances, candidates, self.scales)
 
-    def family(self, bent: bool, creeps: Sequence[float], is_spent: IsSpent) -> LinearFamily:
-        bends = [] if creeps else [self._bend(None, {})]
-        for candidate in self.candidates if bent else ():
-            if candidate.effect in _BENDING:
+    def family(self, soft: bool, creeps: Sequence[float], is_spent: IsSpent) -> LinearFamily:
+        linearisations = [] if creeps else [self._linearised(None, {})]
+        for candidate in self.candidates if soft else ():
+            if candidate.effect in _CONTACT_LAWS:
                 (parameter,) = candidate.parameters
-                usual = [value for value in self._bending(candidate.effect) if parameter.low < value < parameter.high]
+                usual = [value for value in self._values_tried(candidate.effect) if parameter.low < value < parameter.high]
                 known = creeps if candidate.effect == friction_smoothing.EFFECT.name else ()
                 for value in known if creeps else usual:
-                    if not bends or not is_spent():
-                        bends.append(self._bend(candidate, {parameter: value}, len(usual)))
+                    if not linearisations or not is_spent():
+                        linearisations.append(self._linearised(candidate, {parameter: value}, len(usual)))
         noise = self.model.noise or math.inf
-        return LinearFamily(self.nuisances, tuple(bends), self.model.friction / noise, self.model.healthy_friction / noise)
+        return LinearFamily(self.nuisances, tuple(linearisations), self.model.friction / noise, self.model.healthy_friction / noise)
 
     def _of_place_and_time(self, friction: float) -> list[Term]:
         """Return friction that varies with place or time by more than a healthy machine's, as functions of no particular form.
@@ -96,7 +97,7 @@ class _Builder:
                 found.append(Term(candidate, columns, spread, (False,) * columns.shape[1], lambda sizes, before: {}, f"unnamed {name}"))
         return found
 
-    def _bending(self, effect: str) -> list[float]:
+    def _values_tried(self, effect: str) -> list[float]:
         """Return the values at which an effect on the contact is tried."""
         if effect == friction_smoothing.EFFECT.name:
             low, high = CREEP_LOW * self.scales.slowest, CREEP_HIGH * self.scales.fastest
@@ -104,7 +105,7 @@ class _Builder:
         turning = self.run.turning and self.run.cylinder is None
         return [self.scales.level / travel for travel in JOINT_TRAVEL] if turning else list(PISTON_STIFFNESS)
 
-    def _bend(self, candidate: Candidate | None, values: dict[FreeParameter, float], alternatives: int = 1) -> Bend:
+    def _linearised(self, candidate: Candidate | None, values: dict[FreeParameter, float], alternatives: int = 1) -> Linearisation:
         residual = partial(self.model.residual, fixed=tuple(values.items()))
         nominal = residual({})
         columns = []
@@ -112,8 +113,8 @@ class _Builder:
             mean, spread = q.prior or (0.0, 1.0)
             columns.append(residual({q: mean + spread}) - nominal)
         background = np.column_stack(columns) if columns else np.zeros((nominal.size, 0))
-        terms = [term for one in self.candidates if one.effect not in _BENDING for term in self.laws.terms(one, residual)]
+        terms = [term for one in self.candidates if one.effect not in _CONTACT_LAWS for term in self.laws.terms(one, residual)]
         terms += self.unnamed
         # a term that hangs on others' numbers comes behind them
         terms.sort(key=lambda term: term.candidate.effect == stribeck_friction.EFFECT.name)
-        return Bend(candidate, values, -nominal, background, tuple(terms), alternatives)
+        return Linearisation(candidate, values, -nominal, background, tuple(terms), alternatives)

@@ -55,7 +55,7 @@ class LawTerms:
 
         Args:
             candidate: The law.
-            residual: Of the balance by its parameters, the contact bent.
+            residual: Of the balance by its parameters, at one softness of the contact.
         """
         if candidate.effect == stribeck_friction.EFFECT.name:
             return self._dips(candidate, residual)

@@ -308,11 +308,11 @@ class MotionModel(SubsystemModel):
         if not twins:
             return {}
         offsets = [q for q in fit.values if q.effect == FORCE_OFFSET]
-        bent = any(abs(fit.values[q] - q.prior[0]) > SURE * q.prior[1] for q in offsets if q.prior)
+        moved = any(abs(fit.values[q] - q.prior[0]) > SURE * q.prior[1] for q in offsets if q.prior)
         return {
             f.at: tuple(name for name, base in twins.items() if base == f.name or f.name == sensor_bias.EFFECT.name)
             for f in findings
-            if (f.name == sensor_bias.EFFECT.name and f.where.endswith(".external_force")) or (bent and f.name in twins.values())
+            if (f.name == sensor_bias.EFFECT.name and f.where.endswith(".external_force")) or (moved and f.name in twins.values())
         }
 
 

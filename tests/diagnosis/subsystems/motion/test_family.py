@@ -85,7 +85,8 @@ def test_a_level_that_the_rig_has_and_that_differs_by_direction_is_found_beside_
 def test_no_dip_is_many_times_the_level_that_slides() -> None:
     model = MotionModel([motion_runs.balance(lost(coulomb=12.0, stribeck=9.0), 0.1)], motion_runs.plant(), Split({}))
     asked = candidates(model.runs, model.nominal, model.where)
-    dips = [term for term in motion_family(model, (), asked, bent=False).bends[0].terms if term.candidate.effect == "stribeck_friction"]
+    terms = motion_family(model, (), asked, soft=False).linearisations[0].terms
+    dips = [term for term in terms if term.candidate.effect == "stribeck_friction"]
     assert dips and max(float(term.spread[0]) for term in dips) <= BREAKAWAY * 20.0
 
 
@@ -186,8 +187,8 @@ def test_where_friction_is_known_to_build_up_with_speed_no_other_contact_is_weig
     model = MotionModel([motion_runs.balance(lost(coulomb=6.0), 0.1)], motion_runs.plant(), Split({}))
     asked = candidates(model.runs, model.nominal, model.where)
     family = motion_family(model, nuisance_parameters(model.runs, model.nominal, model.where), asked, creeps=(2e-3, 1e-3))
-    assert [tuple(bend.values.values()) for bend in family.bends] == [(2e-3,), (1e-3,)]
-    assert {bend.candidate.effect for bend in family.bends if bend.candidate} == {"friction_smoothing"}
+    assert [tuple(linear.values.values()) for linear in family.linearisations] == [(2e-3,), (1e-3,)]
+    assert {linear.candidate.effect for linear in family.linearisations if linear.candidate} == {"friction_smoothing"}
 
 
 @pytest.mark.parametrize(("beside", "asked"), [(2.4, True), (0.3, False)])
@@ -208,20 +209,20 @@ def test_names_stand_by_what_they_leave_of_a_machine_that_is_quieter_than_its_no
     nuisances = nuisance_parameters(model.runs, model.nominal, model.where)
     asked = candidates(model.runs, model.nominal, model.where)
     basis = model.discrepancy_basis()
-    search = FamilySearch(ModelFits(model, nuisances, cheap=True), motion_family(model, nuisances, asked, bent=False), basis)
+    search = FamilySearch(ModelFits(model, nuisances, cheap=True), motion_family(model, nuisances, asked, soft=False), basis)
     left = np.random.default_rng(3).standard_normal(model.size)
     friction = next(one for one in asked if one.effect == "coulomb_friction")
     plain, named = (
         FittedModel(names, Fit((), {}, level * left, np.zeros((model.size, 0)))) for names, level in (((), 0.6), ((friction,), with_it))
     )
     spreads = Spreads(0.6, tuple(float(scale) for scale in basis.healthy))
-    assert search._fitted_evidence.is_decisive(named, plain, spreads) is stands
+    assert search.finalist_fits.evidence.is_decisive(named, plain, spreads) is stands
 
 
 def test_a_dip_that_is_seen_at_no_speed_is_as_high_as_seals_are() -> None:
     """Fitted without its prior, a dip that falls below all speeds that occurred has any height."""
     asked = candidates((motion_runs.balance(lost(coulomb=12.0), 0.1),), motion_runs.plant(), "slide")
     model = MotionModel([motion_runs.balance(lost(coulomb=12.0), 0.1)], motion_runs.plant(), Split({}))
-    dips = [t for t in motion_family(model, (), asked, bent=False).bends[0].terms if t.candidate.effect == "stribeck_friction"]
+    dips = [t for t in motion_family(model, (), asked, soft=False).linearisations[0].terms if t.candidate.effect == "stribeck_friction"]
     (prior,) = {q.prior for t in dips for q in t.candidate.parameters if q.parameter == "breakaway"}
     assert prior is not None and prior[1] == pytest.approx(BREAKAWAY * prior[0])

@@ -1,0 +1,94 @@
+"""Fits of what a subset of a linear family names, beside the discrepancy that the subset leaves."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping
+from dataclasses import replace
+
+from exo_sim.diagnosis.discrepancy.basis import DiscrepancyBasis
+from exo_sim.diagnosis.estimation.candidate import Candidate
+from exo_sim.diagnosis.estimation.parameters import FreeParameter
+from exo_sim.diagnosis.policy import verdicts
+from exo_sim.diagnosis.policy.verdicts import NIL
+from exo_sim.diagnosis.selection.fitted_evidence import FittedEvidence
+from exo_sim.diagnosis.selection.fitted_model import FittedModel, exceeds_healthy_limit
+from exo_sim.diagnosis.selection.linear_evidence import Spreads
+from exo_sim.diagnosis.selection.marginal_fit import MarginalFits
+from exo_sim.diagnosis.selection.model_fits import ModelFits
+from exo_sim.diagnosis.selection.nonparametric_terms import nonparametric_terms
+from exo_sim.diagnosis.selection.refitted_finalists import Refitted
+from exo_sim.diagnosis.selection.simpler_forms import poorer_where_alike, sizes_of_poorer
+from exo_sim.diagnosis.selection.subset_numbers import values_and_errors
+from exo_sim.diagnosis.selection.subset_weighing import SubsetWeighing, Weighed
+
+
+class FinalistFits:
+    """Fits of the names of weighed subsets.
+
+    Args:
+        fits: Fits of the subsystem.
+        weighing: Of the subsets, done.
+        basis: Of the discrepancy.
+    """
+
+    def __init__(self, fits: ModelFits, weighing: SubsetWeighing, basis: DiscrepancyBasis):
+        self.fits, self.weighing, self.basis = fits, weighing, basis
+
+    @property
+    def evidence(self) -> FittedEvidence:
+        """The evidence for models that were fitted as they act."""
+        return FittedEvidence(self.fits, self.basis, self.weighing.correlation_time)
+
+    def refitted(self, one: Weighed, chosen: tuple[Candidate, ...], near: FittedModel | None = None) -> Refitted:
+        """Return names of a subset, fitted beside the discrepancy that they leave; begun at the subset's numbers, or `near`."""
+        if near is None:
+            near = FittedModel.at(values_and_errors(self.weighing, self.fits.nuisances, one, self.weighing.posterior(one))[0])
+        spreads = self._widened(one, self.evidence.spreads_of(self.fits.fit(chosen, near), one.spreads))
+        beside = MarginalFits(self.fits, self.basis, spreads, self.weighing.correlation_time)
+        return Refitted(one, beside, self._fitted(chosen, near, beside))
+
+    def _widened(self, one: Weighed, spreads: Spreads) -> Spreads:
+        """Return spreads with which what is missing without a name counts as discrepancy: no fit has numbers for it."""
+        amplitudes = list(spreads.amplitudes)
+        for _, term in nonparametric_terms(self.weighing.terms(one)):
+            kind = self.basis.names.index(term.candidate.form)
+            amplitudes[kind] = math.hypot(amplitudes[kind], float(term.spread[0]))
+        return replace(spreads, amplitudes=tuple(amplitudes))
+
+    def _fitted(self, candidates: tuple[Candidate, ...], near: FittedModel, beside: MarginalFits) -> FittedModel:
+        """Return the fit of these effects; those that a healthy machine has as well are nuisance parameters."""
+        asked = {term.candidate.effect: term.candidate for term in self.weighing.family.linearisations[0].terms}
+        while True:
+            final = beside.fit(candidates, near, refined=True)
+            there = without_nil(candidates, final.fit.values)
+            kept = tuple(c for c in there if exceeds_healthy_limit(c, final))
+            poorer = poorer_where_alike(kept, final.fit.values, asked)
+            if poorer != kept:  # gains below the noise count for nothing
+                begun = FittedModel.at({**final.fit.values, **sizes_of_poorer(kept, poorer, final.fit.values)})
+                simpler = beside.fit(poorer, begun, refined=True)
+                if simpler.fit.sse <= self.fits.model.size or beside.deficit(simpler, final) <= verdicts.AS_GOOD:
+                    kept, near = poorer, begun
+            if kept == candidates:
+                return final
+            candidates = kept
+
+
+def without_nil(candidates: tuple[Candidate, ...], values: Mapping[FreeParameter, float]) -> tuple[Candidate, ...]:
+    """Return the effects without what a fit left nothing of; what came on top of such a one, and took its place, goes instead."""
+    nil = {c.effect for c in candidates if all(abs(values[q] - q.neutral) <= NIL * q.scale for q in c.parameters)}
+    usurping = tuple(c for c in candidates if c.prerequisite in nil)
+    return tuple(c for c in candidates if c not in usurping) if usurping else tuple(c for c in candidates if c.effect not in nil)
+
+
+def predicting_best(final: FittedModel, plain: FittedModel, known: Mapping[FreeParameter, float]) -> FittedModel:
+    """Return the plain fit where what was found beside the discrepancy does not speak against it.
+
+    A rig holds no discrepancy: of numbers that the recording does not tell apart those are better that predict better without it.
+
+    Args:
+        final, plain: As found beside the discrepancy, and without it.
+        known: Standard deviations of the parameters of the former.
+    """
+    near = all(abs(plain.fit.values[q] - final.fit.values[q]) <= known.get(q, math.inf) for q in final.effect_parameters)
+    return plain if near else final

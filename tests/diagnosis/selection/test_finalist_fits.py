@@ -1,0 +1,53 @@
+"""Names of a weighed subset, fitted: what nothing is left of goes, and which of two fits a rig is given."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from diagnosis import waves
+
+from exo_sim.diagnosis.discrepancy.basis import joined
+from exo_sim.diagnosis.estimation.candidate import Candidate
+from exo_sim.diagnosis.estimation.linear_family import LinearFamily, Linearisation
+from exo_sim.diagnosis.selection.finalist_fits import FinalistFits, predicting_best, without_nil
+from exo_sim.diagnosis.selection.fitted_model import FittedModel
+from exo_sim.diagnosis.selection.model_fits import ModelFits
+from exo_sim.diagnosis.selection.subset_weighing import SubsetWeighing
+
+(SIZE,), (TOP,) = waves.BASE.parameters, waves.ON_TOP.parameters
+
+
+def refitted(model: waves.Waves, *candidates: Candidate) -> FittedModel:
+    """Return the fit of the most probable subset."""
+    basis, target = joined([], model.size), -model.residual({})
+    linear = Linearisation(None, {}, target, np.zeros((target.size, 0)), tuple(waves.term(model, each) for each in candidates))
+    weighing = SubsetWeighing(LinearFamily((), (linear,)), basis, model.blocks)
+    best = weighing.finalists()[0]
+    return FinalistFits(ModelFits(model, (), cheap=True), weighing, basis).refitted(best, weighing.candidates(best)).model
+
+
+def test_names_are_fitted_from_the_numbers_of_their_subset() -> None:
+    final = refitted(waves.Waves(slow=3.0), waves.BASE)
+    assert final.candidates == (waves.BASE,) and final.fit.values[SIZE] == pytest.approx(3.0, abs=0.2)
+
+
+@pytest.mark.parametrize(("limit", "named"), [(2.0, 1), (4.0, 0)])
+def test_what_a_healthy_machine_has_as_well_is_left_to_the_nuisance_parameters(limit: float, named: int) -> None:
+    limited = replace(waves.BASE, parameters=(replace(SIZE, healthy_limit=limit),))
+    assert len(refitted(waves.Waves(slow=3.0), limited).candidates) == named
+
+
+def test_what_nothing_is_left_of_goes_and_what_took_its_place_goes_first() -> None:
+    both = (waves.BASE, waves.ON_TOP)
+    assert without_nil(both, {SIZE: 1.0, TOP: 1.0}) == both
+    assert without_nil(both, {SIZE: 1.0, TOP: 0.0}) == (waves.BASE,)
+    assert without_nil(both, {SIZE: 0.0, TOP: 1.0}) == (waves.BASE,)
+    assert without_nil((waves.BASE,), {SIZE: 0.0}) == ()
+
+
+@pytest.mark.parametrize(("off", "plain_is_taken"), [(0.9, True), (1.1, False)])
+def test_the_plain_fit_is_taken_where_it_is_within_a_standard_error(off: float, plain_is_taken: bool) -> None:
+    final, plain = (FittedModel.at({SIZE: value}, (waves.BASE,)) for value in (2.0, 2.0 + off))
+    assert predicting_best(final, plain, {SIZE: 1.0}) is (plain if plain_is_taken else final)

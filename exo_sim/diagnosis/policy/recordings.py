@@ -122,6 +122,6 @@ NOISY_FALL = Number(
 )  # fmt: skip
 MOVES = Number(
     5.0, "standard deviations of the position's noise", "a joint whose position varies by less does not move",
-    "asserted; a joint at rest shows 1, and the least of 28 joints on trial cases and real machines 263: between these any number does",
+    "asserted; a joint at rest shows 1, and the least of 27 that move, of trial cases and real machines, 263: between these any does",
 )  # fmt: skip
 FEWEST_A_KNOT = Number(5.0, "rows a knot", "fewer do not carry a curve of what is missing")

@@ -2,14 +2,13 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
 from dataclasses import replace
 
 import numpy as np
 import pytest
-from diagnosis.waves import AT, BASE, OTHER, SHAPES, Waves, candidate, parameter
+from diagnosis.waves import AT, BASE, OTHER, SHAPES, Array, Waves, candidate, parameter
 
-from exo_sim.diagnosis.estimation.parameters import FreeParameter
+from exo_sim.diagnosis.estimation.parameters import PlantParameters
 from exo_sim.diagnosis.selection.model_fits import ModelFits
 
 COLUMNS = np.stack([SHAPES["slow"], SHAPES["quicker"]], axis=1)
@@ -106,10 +105,9 @@ def test_a_number_that_a_candidate_held_is_not_forgotten_where_the_candidate_is_
 class _Shy(Waves):
     """Waves of which a size below 1 counts as 1: nothing says there that it should be larger."""
 
-    def residual(
-        self, values: dict[FreeParameter, float], fixed: Sequence[tuple[FreeParameter, float]] = ()
-    ) -> np.ndarray:
-        return super().residual({q: max(value, 1.0) for q, value in values.items()}, fixed)
+    def residual_of(self, plant: PlantParameters) -> Array:
+        felt = {name: max(value, 1.0) for name, value in plant.sensors.items()}
+        return super().residual_of(PlantParameters(plant.world, plant.cylinder, felt))
 
 
 def test_a_law_that_is_not_felt_where_it_begins_best_is_fitted_from_where_it_is() -> None:

@@ -17,7 +17,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from exo_sim.outputs import replacing
-from exo_sim.recording import blueprint, rrd_names
+from exo_sim.recording import arrow_without_pandas, blueprint, rrd_names
 from exo_sim.recording.rrd_sink import written
 from exo_sim.recording.rrd_timeline import clock
 from exo_sim.recording.scene import Scene
@@ -84,6 +84,7 @@ def writing_rrd(
     Raises:
         OSError: the file cannot be written.
     """
+    arrow_without_pandas.settle()
     with ExitStack() as stack:
         yield RrdPieces(path, stack, overlays or {}, lanes or {}, footer)
 

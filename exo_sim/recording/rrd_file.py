@@ -167,7 +167,7 @@ class RrdPieces:
             if below:
                 name, colour = leaf, _COLOURS.get(leaf, colour)
                 width = 1.2 if leaf == on_top else 4.0  # thin, so that the others show behind it
-            line = rr.SeriesLines(names=name, colors=[colour], widths=[width], aggregation_policy=every)
+            line = rr.SeriesLines(names=name, colors=[_packed(colour)], widths=[width], aggregation_policy=every)
             unit = values_of[recording.units[key]]
             if below:
                 self._stream.log(path, line, static=True)
@@ -206,6 +206,11 @@ def _identity(recording: Recording) -> str:
         digest.update(key.encode())
         digest.update(np.ascontiguousarray(values).tobytes())
     return digest.hexdigest()[:32]
+
+
+def _packed(colour: tuple[int, ...]) -> int:
+    """Return red, green, blue and perhaps opacity as the one number that rerun keeps; it takes long to make it of a tuple."""
+    return int.from_bytes(bytes((*colour, 255)[:4]), "big")
 
 
 def turns(values: NDArray[np.float64]) -> NDArray[np.bool_]:

@@ -77,8 +77,8 @@ def test_under_a_heavy_pack_he_starts_and_stops_again_and_again(mass):
 
 
 def test_he_has_the_moments_of_the_treadmill():
-    """They were 0.30, 0.28 and 0.25 N m/kg rms off where a straight knee was bent to lower the pelvis by millimetres, and at the ankle 0.214
-    with toes five times as soft as people's."""
+    """They were 0.30, 0.28 and 0.25 N m/kg rms off where a straight knee was bent to lower the pelvis by millimetres; the
+    ankle's 0.214 with toes a fifth as stiff as people's."""
     gait = recorded_gait.load("opensim")
     person = Person(1.70, gait.mass)
     moved = one_cycle(reduced(scenario.motion("level_walk_opensim", person, 1.0), person), person)

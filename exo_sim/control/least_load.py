@@ -218,6 +218,11 @@ class LeastLoad:
         self._coefficients = self._within_reach(best - self._step * change)
         return cost
 
+    def begin_again(self) -> None:
+        """Go on from the best torques where rehearsals cost otherwise than before: of another wearer."""
+        self._coefficients = self.best
+        self._best, self._failed, self._by_plan, self._step = (np.inf, self._coefficients), 0, False, _SHARE
+
     def _foreseen(self, coefficients: NDArray[np.float64]) -> float:
         """Return the cost of harmonics where the machine gives way as the plan has it."""
         load = self._effect @ coefficients + self._offset

@@ -22,7 +22,7 @@ from numpy.typing import NDArray
 from exo_sim.errors import ScenarioError
 from exo_sim.gait import pendulum
 from exo_sim.gait.footpaths import with_pelvis_ahead
-from exo_sim.gait.motion import Motion, travelling
+from exo_sim.gait.motion import Motion, derivatives
 from exo_sim.machine import anthropometry, ground_reaction
 from exo_sim.machine.person import Person, poses_along
 from exo_sim.machine.wearer_moments import backpack_wrench
@@ -77,20 +77,34 @@ class _Parameters:
         ahead = [_AHEAD] * n if self.heights else []
         return np.array([_LEAN, _CENTRE, *[_SWAY] * n, *ahead, *[_UP] * (2 * len(self.heights))])
 
-    def applied(self, motion: Motion, person: Person, values: NDArray[np.float64]) -> Motion:
-        n = 2 * len(self.harmonics)
-        sway, rest = values[2 : 2 + n], values[2 + n :]
-        pitch = values[0] + _basis(motion.phase, self.harmonics) @ sway
-        position = motion.position.copy()
-        position[:, 2] += pitch
-        position[:, [3, 6]] -= pitch[:, None]
-        if self.heights:
-            position[:, 0] += _basis(motion.phase, self.harmonics) @ rest[:n]
-            position[:, 1] += _basis(motion.phase, self.heights) @ rest[n:]
-        front = person.toe + _BEYOND_BALL * person.scale
-        centre = np.clip(motion.pressure_centre + values[1], person.heel, front)
-        trial = motion.trial and replace(motion.trial, mean=self.applied(motion.trial.mean, person, values))
-        return replace(travelling(motion, position), pressure_centre=centre, trial=trial)
+    def applied(self, motion: Motion, person: Person, *tried: NDArray[np.float64]) -> list[Motion]:
+        """Return the motion with each of these values; all are differentiated at once, for they are short and many."""
+        n, front = 2 * len(self.harmonics), person.toe + _BEYOND_BALL * person.scale
+        waves = _basis(motion.phase, self.harmonics)
+        position = np.empty((len(tried), motion.position.shape[1], len(motion.position)))
+        position[:] = motion.position.T
+        for moved, values in zip(position, tried):
+            sway, rest = values[2 : 2 + n], values[2 + n :]
+            pitch = values[0] + waves @ sway
+            moved[2] += pitch
+            moved[[3, 6]] -= pitch
+            if self.heights:
+                moved[0] += waves @ rest[:n]
+                moved[1] += _basis(motion.phase, self.heights) @ rest[n:]
+        tables = np.moveaxis(position, 2, 0)
+        slope, curvature = derivatives(tables)
+        slope[:, :, 0] += motion.advance
+        slope[:, :, 1] += motion.climb
+        means = [] if motion.trial is None else self.applied(motion.trial.mean, person, *tried)
+        return [
+            replace(
+                motion, position=np.ascontiguousarray(tables[:, i]), slope=np.ascontiguousarray(slope[:, i]),
+                curvature=np.ascontiguousarray(curvature[:, i]),
+                pressure_centre=np.clip(motion.pressure_centre + values[1], person.heel, front),
+                trial=motion.trial and replace(motion.trial, mean=means[i]),
+            )
+            for i, values in enumerate(tried)
+        ]  # fmt: skip
 
 
 def reduced(motion: Motion, person: Person, carried: Carried | None = None, uneven: bool = False) -> Motion:
@@ -115,7 +129,7 @@ def reduced(motion: Motion, person: Person, carried: Carried | None = None, unev
         if len(_kept) >= _KEPT_MOST:
             _kept.clear()
         _kept[problem] = _found(stride, person, parameters, carried)
-    done = parameters.applied(motion, person, _kept[problem])
+    (done,) = parameters.applied(motion, person, _kept[problem])
     return _over_its_feet(done, person, carried) if motion.from_rest else done
 
 
@@ -134,7 +148,7 @@ def _found(stride: Motion, person: Person, parameters: _Parameters, carried: Car
     values = np.zeros(len(scales))
 
     def errors(*tried: NDArray[np.float64]) -> list[NDArray[np.float64]]:
-        off = _off_balance([parameters.applied(stride, person, at) for at in tried], person, carried)
+        off = _off_balance(parameters.applied(stride, person, *tried), person, carried)
         return [np.concatenate([one, at / scales]) for one, at in zip(off, tried)]
 
     left = errors(values)[0]

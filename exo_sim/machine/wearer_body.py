@@ -24,8 +24,9 @@ if TYPE_CHECKING:
 JOINTS = (*(f"wearer_{name.removeprefix('pelvis_').removeprefix('torso_')}" for name in COORDINATES), "wearer_toe_l", "wearer_toe_r")
 #: What touches the ground under each foot, from the rear.
 POINTS = ("heel", "ball", "tip")
-#: Bending stiffness [N m/rad] and damping [N m s/rad] of the toes, and what their joint adds to their inertia [kg m^2].
-TOE_STIFFNESS, TOE_DAMPING, TOE_ARMATURE = 5.0, 0.1, 1e-3
+#: Bending stiffness [N m/rad] of the toes (Sasaki, Neptune and Kautz 2009, Journal of Experimental Biology 212:738; the same in Falisse,
+#: Afschrift and De Groote 2022, PLoS ONE 17:e0256311), damping [N m s/rad], and what their joint adds to their inertia [kg m^2].
+TOE_STIFFNESS, TOE_DAMPING, TOE_ARMATURE = 25.0, 0.1, 1e-3
 #: Share of the foot's mass in front of the ball.
 _TOE_SHARE = 0.10
 #: Radius of what touches [m], stiffness [N/m] and damping [N s/m] of sole and ground together at each point, friction.

@@ -17,7 +17,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from exo_sim.outputs import replacing
-from exo_sim.recording import blueprint, rrd_names
+from exo_sim.recording import arrow_without_pandas, blueprint, rrd_names
 from exo_sim.recording.rrd_sink import written
 from exo_sim.recording.rrd_timeline import clock
 from exo_sim.recording.scene import Scene
@@ -84,6 +84,7 @@ def writing_rrd(
     Raises:
         OSError: the file cannot be written.
     """
+    arrow_without_pandas.settle()
     with ExitStack() as stack:
         yield RrdPieces(path, stack, overlays or {}, lanes or {}, footer)
 
@@ -166,7 +167,7 @@ class RrdPieces:
             if below:
                 name, colour = leaf, _COLOURS.get(leaf, colour)
                 width = 1.2 if leaf == on_top else 4.0  # thin, so that the others show behind it
-            line = rr.SeriesLines(names=name, colors=[colour], widths=[width], aggregation_policy=every)
+            line = rr.SeriesLines(names=name, colors=[_packed(colour)], widths=[width], aggregation_policy=every)
             unit = values_of[recording.units[key]]
             if below:
                 self._stream.log(path, line, static=True)
@@ -205,6 +206,11 @@ def _identity(recording: Recording) -> str:
         digest.update(key.encode())
         digest.update(np.ascontiguousarray(values).tobytes())
     return digest.hexdigest()[:32]
+
+
+def _packed(colour: tuple[int, ...]) -> int:
+    """Return red, green, blue and perhaps opacity as the one number that rerun keeps; it takes long to make it of a tuple."""
+    return int.from_bytes(bytes((*colour, 255)[:4]), "big")
 
 
 def turns(values: NDArray[np.float64]) -> NDArray[np.bool_]:

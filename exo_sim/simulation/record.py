@@ -2,9 +2,8 @@
 
 from __future__ import annotations
 
-from importlib import metadata
-
 import mujoco
+import numba
 import numpy as np
 from numpy.typing import NDArray
 
@@ -15,7 +14,7 @@ from exo_sim.recording.scene import Arrows, DrawnCylinder, Scene, shapes_of_mode
 from exo_sim.recording.table import Recording
 from exo_sim.simulation.sensors import observe
 from exo_sim.simulation.walk import JOINTS, Walk
-from exo_sim.simulation.wearer_load import own, with_machine
+from exo_sim.simulation.wearer_load import Wearing, wearing
 
 #: Frames a second in the scene.
 FRAME_RATE = 50.0
@@ -33,11 +32,12 @@ def recording(walk: Walk, name: str, seed: int = 0) -> Recording:
     return observe(as_it_was(walk, name, seed), walk.rig)
 
 
-def as_it_was(walk: Walk, name: str, seed: int = 0) -> Recording:
-    """Return the same as it was, before any sensor."""
+def as_it_was(walk: Walk, name: str, seed: int = 0, wearer: Wearing | None = None) -> Recording:
+    """Return the same as it was, before any sensor; `wearer` where what he gives is known."""
     columns, units = dict(walk.columns), dict(walk.units)
-    it = with_machine(walk)
-    for joint, values in zip(JOINTS, (it.moments - own(walk).moments).T):
+    worn = wearer if wearer is not None else wearing(walk)
+    it = worn.machine
+    for joint, values in zip(JOINTS, (it.moments - worn.body.moments).T):
         columns[f"{joint}.wearer_moment"], units[f"{joint}.wearer_moment"] = np.ascontiguousarray(values), "N*m"
     for signal, unit, table in (("wearer_total_moment", "N*m", it.moments), ("wearer_power", "W", it.powers)):
         for joint, values in zip(JOINTS, table.T):
@@ -61,7 +61,7 @@ def as_it_was(walk: Walk, name: str, seed: int = 0) -> Recording:
         "rig": walk.rig.text,
         "seed": str(seed),
         "exo-sim": __version__,
-        **{package: metadata.version(package) for package in ("mujoco", "numpy", "numba")},
+        **{module.__name__: module.__version__ for module in (mujoco, np, numba)},
     }
     return Recording(name, walk.time, columns, units, notes)
 

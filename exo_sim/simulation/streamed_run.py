@@ -18,6 +18,7 @@ from exo_sim.recording.table_file import writing_parquet
 from exo_sim.simulation import record
 from exo_sim.simulation.sensors import Observer
 from exo_sim.simulation.summary import Summary
+from exo_sim.simulation.wearer_load import wearing
 from exo_sim.simulation.worn import MOST_ROWS, Simulation
 
 #: Pieces from which a recording has no list of its contents, which would grow in memory with each.
@@ -55,9 +56,10 @@ def run(
     ):
         for walk in simulation.pieces(quiet, most, asked_to_stop):
             interrupted = walk.interrupted
-            summary.add(walk)
+            wearer = wearing(walk)
+            summary.add(walk, wearer)
             scene = record.scene(walk)
-            seen = observer.add(record.as_it_was(walk, rrd.stem, seed))
+            seen = observer.add(record.as_it_was(walk, rrd.stem, seed, wearer))
             shown.add(seen, scene)
             rows.add(seen)
         if (rest := observer.rest()) is not None:

@@ -12,7 +12,7 @@ from exo_sim.rig.limits import Reached, passed
 from exo_sim.simulation import gas_use, work_balance
 from exo_sim.simulation.running_statistics import Change, Least, Mean, Peak, Rms, joined, values
 from exo_sim.simulation.walk import JOINTS, Walk
-from exo_sim.simulation.wearer_load import alone, hung, own, with_machine, with_pack, with_payload
+from exo_sim.simulation.wearer_load import Wearing, alone, hung, wearing, with_pack, with_payload
 
 #: What cylinders after ISO 15552 and ISO 6432 are rated for, 10 bar above the atmosphere [Pa], and where water freezes [K].
 RATED_PRESSURE, FREEZING = 11.0e5, 273.15
@@ -46,14 +46,14 @@ class Summary:
         self._walk: Walk | None = None
         self._payload = Mean(0.0, 0)
 
-    def add(self, walk: Walk) -> None:
-        """Take in the next piece."""
+    def add(self, walk: Walk, wearer: Wearing | None = None) -> None:
+        """Take in the next piece; `wearer` where what he gives is known."""
         self._scenario, self._books = walk.request.scenario, walk.books
         self._simulated = float((walk.first + len(walk.time)) * walk.step)
         self._rig, self._period = walk.rig, walk.motion.stride_time
         rows = span(walk)
         if rows.stop > rows.start:
-            measured = measure(walk, rows)
+            measured = measure(walk, rows, wearer if wearer is not None else wearing(walk))
             self._payload = self._payload.joined(Mean.of(walk.payload[rows]))
             self._walk = walk
             self._measured = measured if self._measured is None else joined(self._measured, measured)
@@ -112,14 +112,14 @@ def summarise(walk: Walk) -> dict[str, Any]:
     return summary.numbers()
 
 
-def measure(walk: Walk, rows: slice) -> dict[str, Any]:
-    """Return what some rows of a walk come to, as reductions in the places of the JSON's numbers."""
+def measure(walk: Walk, rows: slice, wearer: Wearing) -> dict[str, Any]:
+    """Return what some rows of a walk come to for what its wearer gives, as reductions in the places of the JSON's numbers."""
     part = {key: column[rows] for key, column in walk.columns.items()}
     torso = [name for name in walk.straps.names if name.startswith("torso")]
     up = {name: part[f"{name}.strap_force_z"] for name in walk.straps.names}
     ahead = {name: part[f"{name}.strap_force_x"] for name in walk.straps.names}
     torso_up = np.sum([up[name] for name in torso], axis=0)
-    it, body = with_machine(walk), own(walk).moments[rows]
+    it, body = wearer.machine, wearer.body.moments[rows]
     extra, backpack = it.moments[rows] - body, with_pack(walk).moments[rows] - body
     moments = {
         title: {name: Rms.of(table[:, [k, k + 3]]) for k, name in enumerate(("hip", "knee", "ankle"))}

@@ -6,9 +6,12 @@ import math
 from typing import TYPE_CHECKING
 
 import mujoco
+import numpy as np
+from numpy.typing import NDArray
 
 from exo_sim.control import wearer_plan
 from exo_sim.errors import ScenarioError
+from exo_sim.gait.motion import Motion
 from exo_sim.machine.attachment import attach
 from exo_sim.machine.straps import fasten
 from exo_sim.machine.worn_model import build
@@ -34,14 +37,7 @@ def embody(it: Simulation, looked_at: float) -> None:
         raise ScenarioError(f'{name}: the wearer sits, and there is no chair for one with wearer "torques"')
     if not it.motion.ground.level:
         raise ScenarioError(f'{name}: a wearer with wearer "torques" stands on level ground only; leave it out for a prescribed one')
-    usual = it.added, it.cycles
-    settling = it.settling if it.motion.trial is None else 0
-    try:
-        it.added, it.cycles = None, settling + max(1, math.ceil(looked_at / it.motion.period))
-        it.reset()
-        plan = wearer_plan.plan(it.motion, it.person, expected_load(it.run(), settling))
-    finally:
-        it.added, it.cycles = usual
+    expected, motion = _felt(it, looked_at), it.motion
     step = it.model.opt.timestep
     it.model = build(it.rig.model, it.person, it.request.payload, it.rig.ankle, it.masses, it.rig.joint_factors, embodied=True)
     attach(it.model, it.rig)
@@ -49,4 +45,27 @@ def embody(it: Simulation, looked_at: float) -> None:
     it.data = mujoco.MjData(it.model)
     it.straps = fasten(it.model, it.person, one_sided=True)
     it.plugin = PneumaticPlugin(it.model, it.rig)
+    expect(it, motion, expected)
+
+
+def used_to(it: Simulation, motion: Motion, looked_at: float) -> None:
+    """Let a wearer who is a body expect what the straps do to himself; `motion` is what he goes by on a rigid ground."""
+    expect(it, motion, _felt(it, looked_at))
+
+
+def expect(it: Simulation, motion: Motion, load: NDArray[np.float64]) -> None:
+    """Let a wearer who is a body plan for a load of the straps on his segments along the motion, shape (n, 7, 3)."""
+    plan = wearer_plan.plan(motion, it.person, load)
     it.motion, it.torques = plan.motion, plan.torque
+
+
+def _felt(it: Simulation, looked_at: float) -> NDArray[np.float64]:
+    """Return what the straps do to the wearer over some time [s] of the walk as it is now."""
+    usual = it.added, it.cycles
+    settling = it.settling if it.motion.trial is None else 0
+    try:
+        it.added, it.cycles = None, settling + max(1, math.ceil(looked_at / it.motion.period))
+        it.reset()
+        return expected_load(it.run(), settling)
+    finally:
+        it.added, it.cycles = usual

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from dataclasses import dataclass
+
 import numpy as np
 from numpy.typing import NDArray
 
@@ -34,9 +36,23 @@ def own(walk: Walk) -> Held:
     return _on_rows(walk, 0.0)
 
 
+@dataclass(frozen=True)
+class Wearing:
+    """What the wearer gives at every row: with the machine, and for the own body alone with the same motion."""
+
+    machine: Held
+    body: Held
+
+
+def wearing(walk: Walk) -> Wearing:
+    """Return what the wearer gives with the machine on and for the own body."""
+    return Wearing(with_machine(walk), own(walk))
+
+
 def by_straps(walk: Walk) -> NDArray[np.float64]:
     """Return the extra moments that the straps ask of the wearer [N m], columns as `walk.JOINTS`, shape (n, 6)."""
-    return with_machine(walk).moments - own(walk).moments
+    both = wearing(walk)
+    return both.machine.moments - both.body.moments
 
 
 def with_pack(walk: Walk) -> Held:

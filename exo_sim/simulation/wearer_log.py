@@ -31,7 +31,7 @@ def layout() -> list[tuple[str, str]]:
     out += [(f"{name}.torque", "N" if unit == "m" else "N*m") for name, unit in zip(JOINTS, units)]
     out += [(f"wearer_foot_{side}.{signal}", unit) for side in "lr"
             for signal, unit in (("force_x", "N"), ("force_z", "N"), ("place_x", "m"), ("place_z", "m"))]  # fmt: skip
-    return [*out, ("wearer_ground.power", "W"), ("wearer_toes.power", "W")]
+    return [*out, ("wearer_ground.power", "W")]
 
 
 def shown(named: Mapping[str, Value]) -> dict[str, Value]:
@@ -47,8 +47,8 @@ class Moved(Held):
     Rates, also those of the poses, are means over the step that follows each row.
 
     Attributes:
-        toes: Power of the moments at the toes [W], shape (n, 2).
-        yielded: Power of the ground on the soles, and of the springs in the toes [W], shape (n,).
+        toes: Power of the moments at the toes, their springs' among them as those of tissues are at every joint [W], shape (n, 2).
+        yielded: Power of the ground on the soles [W], shape (n,).
     """
 
     toes: Array
@@ -94,5 +94,5 @@ def moved(columns: dict[str, Array], wrench: Array, person: Person) -> Moved:
     ground = Ground(force, centre, place, np.zeros_like(residual), residual, outside)
     return Moved(
         poses, wrench, ground, torque[:, 3:9], mean[:, 3:9], torque[:, 9:] * mean[:, 9:],
-        columns["wearer_ground.power"] + columns["wearer_toes.power"],
+        columns["wearer_ground.power"],
     )  # fmt: skip

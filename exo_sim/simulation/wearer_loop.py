@@ -7,7 +7,7 @@ from exo_sim.physics.compiled import borrow, kernel
 from exo_sim.simulation.mujoco_calls import call
 
 #: Numbers that are logged of the wearer at each step, those of `wearer_log.layout`.
-COUNT = 43
+COUNT = 42
 
 
 @kernel
@@ -19,20 +19,20 @@ def log_before(row, qpos, qvel, mover):
 
 @kernel
 def log_after(row, qvel, sensordata, qfrc_constraint, qfrc_passive, dof_damping, ground, mover):
-    """Write what the ground did to the wearer in MuJoCo's step, and what his toes took (mean powers), and add damping to the torques."""
+    """Write what the ground did to the wearer in MuJoCo's step (mean power); add what springs and dampers of joints give to the torques."""
     at = 33
     for foot in range(2):
         first = ground[foot]
         row[at], row[at + 1] = -sensordata[first], -sensordata[first + 2]
         row[at + 2], row[at + 3] = sensordata[first + 3], sensordata[first + 5]
         at += 4
-    row[at] = row[at + 1] = 0.0
+    row[at] = 0.0
     for j in range(11):
         dof = mover.dofs[j]
         mean = 0.5 * (row[11 + j] + qvel[dof])
         row[at] += qfrc_constraint[dof] * mean
         if j >= 9:
-            row[at + 1] += (qfrc_passive[dof] + dof_damping[dof] * (row[11 + j] - qvel[dof])) * mean
+            row[22 + j] += qfrc_passive[dof] + dof_damping[dof] * (row[11 + j] - qvel[dof])
         elif j >= 3:
             row[22 + j] -= dof_damping[dof] * qvel[dof]
 

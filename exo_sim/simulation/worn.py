@@ -32,9 +32,9 @@ from exo_sim.simulation.divergence import WearerWatch
 from exo_sim.simulation.loop_wiring import wire
 from exo_sim.simulation.mujoco_calls import warnings_counted
 from exo_sim.simulation.plugin import PneumaticPlugin
-from exo_sim.simulation.torque_driven_wearer import embody
+from exo_sim.simulation.torque_driven_wearer import embody, used_to
 from exo_sim.simulation.walk import Request, Walk, as_columns, layout
-from exo_sim.simulation.worn_demand import LOOKED_AT, rehearsed_demand
+from exo_sim.simulation.worn_demand import LOOKED_AT, rehearsed_by_body, rehearsed_demand
 
 _CHUNK = 250
 #: Rows of a piece of a long run, and whole cycles in it at the least: those that a summary leaves out, and one more.
@@ -95,10 +95,11 @@ class Simulation:
             raise ScenarioError(f'{request.scenario}: demand "causal" goes by the phase of a stride that comes again; write another demand')
         self.demand = self.demand_added = np.zeros((len(self.motion.position) + 1, 6))
         self.plan = self.plan_added = pressure_plans.nothing(len(self.plugin.links))
-        self.demand, self.remarks = rehearsed_demand(self, request.payload)
+        found = rehearsed_demand(self, request.payload)
+        self.demand, self.remarks = found.torque, found.remarks
         self.demand_added = self.demand
         if self.added and request.law != "causal":
-            self.demand_added, self.remarks = rehearsed_demand(self, request.payload + self.added.mass)
+            self.demand_added, self.remarks, _ = rehearsed_demand(self, request.payload + self.added.mass)
         self.lay_plans()
         if (variation := request.variation or scenario.variation) is not None:
             whole = self._varied(whole, variation)
@@ -108,6 +109,11 @@ class Simulation:
             self.demand, self.demand_added = whole.trial.played(self.demand), whole.trial.played(self.demand_added)
         if request.moved_by == "torques":
             embody(self, LOOKED_AT)
+            steady = whole.trial is None and not self.added
+            if found.plan is not None and request.law == "least_load" and request.rehearsals and steady:
+                self.demand = self.demand_added = rehearsed_by_body(self, found.plan)
+                self.lay_plans()
+                used_to(self, whole, LOOKED_AT)
         self.remarks = (*scenario.remarks, *self.remarks)
         if controller is not None:
             self.controlled_by(controller, seed)

@@ -3,8 +3,10 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Iterator
+from contextlib import contextmanager, suppress
 from dataclasses import replace
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -12,6 +14,7 @@ from numpy.typing import NDArray
 from exo_sim.control import demand as law_of_demand
 from exo_sim.control import machine_dynamics
 from exo_sim.control.least_load import CAUTIOUS, SPARING, LeastLoad, Weights
+from exo_sim.errors import Diverged
 from exo_sim.machine.worn_model import PAYLOAD_LIMIT, carry
 from exo_sim.simulation.causal_calibration import calibrated
 from exo_sim.simulation.rehearsal import learn_from
@@ -24,8 +27,16 @@ if TYPE_CHECKING:
 LOOKED_AT = 1.5
 
 
-def rehearsed_demand(it: Simulation, payload: float) -> tuple[NDArray[np.float64], tuple[str, ...]]:
-    """Return the demand over the cycle for a payload [kg], the first row repeated behind the last, (n + 1, 6), and what is to be said.
+class Demand(NamedTuple):
+    """Torques over the cycle, the first row repeated behind the last, shape (n + 1, 6) [N m]; what is to be said; how to better them."""
+
+    torque: NDArray[np.float64]
+    remarks: tuple[str, ...]
+    plan: LeastLoad | None = None
+
+
+def rehearsed_demand(it: Simulation, payload: float) -> Demand:
+    """Return the demand over the cycle for a payload [kg].
 
     Args:
         it: Walks the rehearsals, and is as before after them; where its law is causal, it has got a calibration.
@@ -33,7 +44,7 @@ def rehearsed_demand(it: Simulation, payload: float) -> tuple[NDArray[np.float64
     """
     request = it.request
     if request.assist != "on" or request.driven:
-        return np.zeros((len(it.motion.position) + 1, 6)), it.remarks
+        return Demand(np.zeros((len(it.motion.position) + 1, 6)), it.remarks)
     model = it.model
     if payload != request.payload:
         model = it.built(min(payload, PAYLOAD_LIMIT))
@@ -43,36 +54,62 @@ def rehearsed_demand(it: Simulation, payload: float) -> tuple[NDArray[np.float64
     needed = law_of_demand.demand("inverse_dynamics", dynamics, it.motion, it.straps, it.rig.ankle)
     remarks = () if request.ideal else too_weak(it.plugin.links, payload, needed[machine_dynamics.PICK], limits)
     if request.law not in ("least_load", "causal"):
-        return _closed(law_of_demand.demand(request.law, dynamics, it.motion, it.straps, it.rig.ankle)), remarks
+        return Demand(_closed(law_of_demand.demand(request.law, dynamics, it.motion, it.straps, it.rig.ankle)), remarks)
     weights = request.weights or (SPARING if it.plans_chambers else Weights())
     if request.law == "causal" and request.weights is None:
         weights = replace(weights, other_straps=CAUTIOUS)
     plan = LeastLoad(dynamics, it.motion, it.person, it.straps, it.rig.ankle, limits, weights, needed[machine_dynamics.PICK])
-    return _closed(_rehearsed(it, plan, payload)), remarks
+    return Demand(_closed(_rehearsed(it, plan, payload)), remarks, plan)
 
 
 def _rehearsed(it: Simulation, plan: LeastLoad, payload: float) -> NDArray[np.float64]:
     """Walk a few cycles at a time and better the plan after each time; return the best of the torques tried."""
-    ankle = it.rig.ankle
     settling = it.settling
-    usual = (it.added, it.cycles, it.demand)
-    try:
-        it.added, it.cycles = None, settling + max(1, math.ceil(LOOKED_AT / it.motion.period))
-        if payload != it.request.payload:
-            carry(it.model, payload)
+    usual = it.demand
+    with _few_cycles(it):
+        try:
+            if payload != it.request.payload:
+                carry(it.model, payload)
+            for _ in range(it.request.rehearsals):
+                _rehearse(it, plan)
+            if it.request.law == "causal":
+                it.demand = it.demand_added = _closed(law_of_demand.limit(plan.torque(best=True), it.rig.ankle))
+                it.reset()
+                it.calibration = calibrated(plan, it.run(), settling)
+        finally:
+            it.demand = usual
+            carry(it.model, it.request.payload)
+    return law_of_demand.limit(plan.torque(best=it.request.rehearsals > 0), it.rig.ankle)
+
+
+def rehearsed_by_body(it: Simulation, plan: LeastLoad) -> NDArray[np.float64]:
+    """Return the demand bettered by rehearsals of a wearer who is a body, as `Demand` has it: he yields, and pulls otherwise.
+
+    Rehearsals end where he falls in one.
+    """
+    plan.begin_again()
+    with _few_cycles(it), suppress(Diverged):
         for _ in range(it.request.rehearsals):
-            it.demand = it.demand_added = _closed(law_of_demand.limit(plan.torque(), ankle))
-            it.lay_plans()
-            it.reset()
-            learn_from(plan, it.run(), settling)
-        if it.request.law == "causal":
-            it.demand = it.demand_added = _closed(law_of_demand.limit(plan.torque(best=True), ankle))
-            it.reset()
-            it.calibration = calibrated(plan, it.run(), settling)
+            _rehearse(it, plan)
+    return _closed(law_of_demand.limit(plan.torque(best=True), it.rig.ankle))
+
+
+def _rehearse(it: Simulation, plan: LeastLoad) -> None:
+    it.demand = it.demand_added = _closed(law_of_demand.limit(plan.torque(), it.rig.ankle))
+    it.lay_plans()
+    it.reset()
+    learn_from(plan, it.run(), it.settling)
+
+
+@contextmanager
+def _few_cycles(it: Simulation) -> Iterator[None]:
+    """Let a simulation be as long as a rehearsal, without what is put on the back on the way."""
+    usual = it.added, it.cycles
+    it.added, it.cycles = None, it.settling + max(1, math.ceil(LOOKED_AT / it.motion.period))
+    try:
+        yield
     finally:
-        it.added, it.cycles, it.demand = usual
-        carry(it.model, it.request.payload)
-    return law_of_demand.limit(plan.torque(best=it.request.rehearsals > 0), ankle)
+        it.added, it.cycles = usual
 
 
 def _closed(table: NDArray[np.float64]) -> NDArray[np.float64]:

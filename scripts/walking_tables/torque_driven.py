@@ -37,8 +37,11 @@ Without the machine a leg pushes ahead no harder than its sole can hold.
 The foot in the air is led most of the way to where the reference puts it on the ground, where a pelvis off its path would take it
 elsewhere.
 Shoulder straps only pull; the low torso strap stands for a belt with loops round the legs, which holds both ways, as pad and strap of a
-cuff together and a shoe do. Nothing is learnt from stride to stride. The same is done alone, with the payload as a backpack, and with the
-machine.
+cuff together and a shoe do. The same is done alone, with the payload as a backpack, and with the machine.
+
+He learns nothing from stride to stride. `least_load`, rehearsed with a wearer whose motion is prescribed, is rehearsed on with him, and
+then he expects what the straps do to himself. Toes are as stiff as people's (25 N m/rad: Sasaki, Neptune and Kautz 2009); the work of a
+joint is that of its whole moment, springs of tissue among it.
 
 A weak spring and damper hold the pelvis to the reference: 500 N/m ahead and up, 600 N m/rad. Their force is the residual. OpenSim's
 guideline for residuals is 25 N and 75 N m at most, 10 N and 50 N m rms.

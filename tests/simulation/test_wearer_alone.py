@@ -77,11 +77,12 @@ def test_under_a_heavy_pack_he_starts_and_stops_again_and_again(mass):
 
 
 def test_he_has_the_moments_of_the_treadmill():
-    """They were 0.30, 0.28 and 0.25 N m/kg rms off where a straight knee was bent to lower the pelvis by millimetres."""
+    """They were 0.30, 0.28 and 0.25 N m/kg rms off where a straight knee was bent to lower the pelvis by millimetres; the
+    ankle's 0.214 with toes a fifth as stiff as people's."""
     gait = recorded_gait.load("opensim")
     person = Person(1.70, gait.mass)
     moved = one_cycle(reduced(scenario.motion("level_walk_opensim", person, 1.0), person), person)
-    for k, (joint, most) in enumerate((("hip", 0.2), ("knee", 0.21), ("ankle", 0.22))):
+    for k, (joint, most) in enumerate((("hip", 0.2), ("knee", 0.2), ("ankle", 0.21))):
         off = moved.moments[:, 3 + k] - gait.moment[joint](phases())
         assert np.sqrt(np.mean(off**2)) / gait.mass < most, joint
 
@@ -100,6 +101,6 @@ def test_he_walks_like_the_recording(shared_data):
     landing = up[: SAMPLES // 10]
     assert find_peaks(wanted[: SAMPLES // 10], prominence=5.0)[0].size == find_peaks(landing, prominence=5.0)[0].size == 0
     assert up[: SAMPLES // 5].max() < wanted[: SAMPLES // 5].max() + 20.0
-    for k, (joint, most) in enumerate((("hip", 0.23), ("knee", 0.15), ("ankle", 0.2))):
+    for k, (joint, most) in enumerate((("hip", 0.215), ("knee", 0.13), ("ankle", 0.16))):
         off = moved.moments[:, 3 + k] - gait.moment[joint](phases())
         assert np.sqrt(np.mean(off**2)) / gait.mass < most, joint

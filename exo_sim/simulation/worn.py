@@ -109,7 +109,7 @@ class Simulation:
             self.demand, self.demand_added = whole.trial.played(self.demand), whole.trial.played(self.demand_added)
         if request.moved_by == "torques":
             embody(self, LOOKED_AT)
-            steady = whole.trial is None and not self.added
+            steady = whole.trial is None and not self.added and not whole.from_rest
             if found.plan is not None and request.law == "least_load" and request.rehearsals and steady:
                 self.demand = self.demand_added = rehearsed_by_body(self, found.plan)
                 self.lay_plans()

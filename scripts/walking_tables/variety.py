@@ -43,8 +43,8 @@ there the numbers say little of what a person would feel. In fast walking the hi
 
 Where a load is uneven the trunk may sway unevenly, too. A wearer who is moved by
 torques starts and stops again and again alone, and with 20 kg: six times as a backpack (340 W) and with the machine and `least_load`
-(326 W; residual 14 N and 8 N m at most). As a backpack he does so with 34 and 45 kg, too (residual 36 and 44 N ahead at most); with the
-machine and 34 kg he falls in the third walk.
+(325 W; residual 17 N and 11 N m at most). As a backpack he does so with 34 and 45 kg, too (residual 36 and 44 N ahead at most); with the
+machine and 34 kg he falls in the fourth walk.
 """
 
 

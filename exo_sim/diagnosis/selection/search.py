@@ -116,7 +116,7 @@ class _Growth:
     ):
         self.fits, self.comparisons, self.proposals = fits, comparisons, proposals
         self._report, self._stopping = report, stopping
-        self.simplification = Simplification(fits, comparisons, proposals)
+        self.simplification = Simplification(fits, comparisons, proposals, self._is_over)
         self.joint = JointSearch(fits, comparisons, proposals, self.simplification, report, self._is_over)
 
     def _is_over(self) -> bool:

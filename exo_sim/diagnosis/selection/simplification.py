@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from exo_sim.diagnosis.estimation.budget import IsSpent, never
 from exo_sim.diagnosis.estimation.candidate import drop_orphans
 from exo_sim.diagnosis.estimation.parameters import FreeParameter
 from exo_sim.diagnosis.policy import acceptance
@@ -18,14 +19,15 @@ class Simplification:
         fits: Fits of its models.
         comparisons: Between them.
         proposals: Forms and rivals of its candidates.
+        is_over: Whether nothing more is to be sought.
     """
 
-    def __init__(self, fits: ModelFits, comparisons: Comparisons, proposals: Proposals):
-        self.fits, self.comparisons, self.proposals = fits, comparisons, proposals
+    def __init__(self, fits: ModelFits, comparisons: Comparisons, proposals: Proposals, is_over: IsSpent = never):
+        self.fits, self.comparisons, self.proposals, self._is_over = fits, comparisons, proposals, is_over
 
     def tidied(self, model: FittedModel) -> FittedModel:
         """Return a model in its simplest form, without what would not be accepted beside the rest."""
-        return self._simplest(self.pruned(self._swapped(model) if self.fits.cheap else model))
+        return self._simplest(self.pruned(self._swapped(model) if self.fits.cheap and not self._is_over() else model))
 
     def _swapped(self, now: FittedModel) -> FittedModel:
         """Return a model in which candidates that explain more took the places of findings."""
@@ -33,6 +35,8 @@ class Simplification:
             kept = now.without(now.candidates[index])
             base = self.fits.fit(kept, now)
             for candidate in self.proposals.alternatives(base):
+                if self._is_over():
+                    return now
                 if candidate.at in now.named or len(drop_orphans((*kept, candidate))) <= len(kept):
                     continue
                 model = self.fits.fit((*kept, candidate), base)

@@ -115,14 +115,13 @@ def _of_form(effect: Effect, cylinder: str, form: tuple[str, ...], plant: PlantP
     parameters = tuple(_free(effect, effect.parameter(name), where, target, plant) for name in form)
     if "inertial" in form or effect.identification.logarithmic:
         parameters = tuple(replace(parameter, logarithmic=True) for parameter in parameters)
-    valve = float(plant.cylinder["valve_area"][0])
+    valve, by_name = float(plant.cylinder["valve_area"][0]), effect.identification.starts_by_valve
     porous = "inertial" in form
     if porous:  # where both terms of the path's law take half of the drop from 5 bar
         starts = tuple((*(a for _ in form[:-1]), 2.0 / (a * a * 2.5e11)) for a in (1e-16, 1e-17, 1e-18))
     elif effect.identification.starts:
         starts = tuple(start[: len(form)] for start in effect.identification.starts)
-    elif effect.identification.starts_by_valve and valve > 0.0:
-        by_name = effect.identification.starts_by_valve
+    elif valve > 0.0 and set(form) <= set(by_name):
         starts = tuple(zip(*(tuple(value * (valve if name == "area" else 1.0) for value in by_name[name]) for name in form), strict=True))
     else:
         low = tuple(_typical(effect.parameter(name), 0.25) for name in form)

@@ -38,8 +38,8 @@ LEAD = Number(
 )  # fmt: skip
 MOST_EFFORT = Count(
     80_000_000, "predicted samples", "after which a search seeks nothing more, about a minute of a processor: the same on every machine",
-    "learn makes A, B and D of whole machines were through before 60 million; 0.65 to 0.75 microseconds a sample at 1 kHz; what a prediction "
-    "costs beside its samples counts",
+    "learn makes A, B and D of whole machines were through before 60 million; 0.65 to 0.75 microseconds a sample at 1 kHz; what a "
+    "prediction costs beside its samples counts",
 )
 MOST_STEPS = Count(12, "Gauss-Newton steps", "of a fit")
 FIRST_LOOK = Count(8, "Gauss-Newton steps", "of a first look at a set that is most likely far off, with the derivatives of its neighbour")

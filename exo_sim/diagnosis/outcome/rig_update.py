@@ -104,6 +104,12 @@ class RigUpdate:
             for rank in ranks
         )
 
+    def found_alone(self) -> tuple[RigUpdate, ...]:
+        """Return the updates with nothing but what was found: by all sources, and by each where there are several; those that hold less."""
+        found = tuple(part for part in self.parts if part.rank is Rank.FOUND)
+        fewer = (found, *((part,) for part in found)) if len(found) > 1 else (found,)
+        return tuple(replace(self, parts=parts) for parts in fewer if parts and parts != self.parts)
+
     def without(self, kept: RigUpdate) -> str:
         """Return in words what this update has and another, which was made of it by leaving something out, has not."""
         said = []

@@ -132,7 +132,8 @@ def as_far_as_it_wins(update: RigUpdate, tried: Callable[[RigUpdate], Trial], is
     """Return the trial of as much of an update as is not worse by either measure.
 
     Where it is worse, or a signal got worse, what one source gives is left out rank by rank, always what helps most; nothing that wins
-    is left out for the sake of a signal that another source hurts.
+    is left out for the sake of a signal that another source hurts. Where that ends with nothing, for several parts must go before any of
+    it wins, it is the best of what was found alone, by all sources or by one.
 
     Args:
         update: All that was found.
@@ -145,12 +146,14 @@ def as_far_as_it_wins(update: RigUpdate, tried: Callable[[RigUpdate], Trial], is
         trials += len(fewer)
         next_best = min(fewer, key=lambda one: (one.is_worse, one.loss), default=None)
         if next_best is None:
-            best = tried(RigUpdate(update.rig, ())) if best.is_worse else best
             break
         if not best.is_worse and (next_best.is_worse or next_best.loss > best.loss - WORTH_LEAVING_OUT):
             break
         best = next_best
-    return best
+    if not best.is_worse and (best.update.parts or not update.parts):
+        return best
+    alone = [] if is_spent() else [trial for trial in map(tried, update.found_alone()) if not trial.is_worse]
+    return min(alone, key=lambda one: one.loss, default=None) or tried(RigUpdate(update.rig, ()))
 
 
 def spread_of(data: MachineData, column: str) -> float:

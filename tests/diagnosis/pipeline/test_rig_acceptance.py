@@ -84,6 +84,26 @@ def test_what_hurts_is_left_out_and_what_wins_stays(rig: Rig, worth: dict[str, t
     assert not kept.is_worse
 
 
+def test_what_was_found_stays_where_more_must_go_than_can_be_tried(rig: Rig) -> None:
+    """What was refitted at five places is worse by far, what was found at one of them better: leaving out one after the other takes
+    more trials than there are.
+    """
+    places = [f"gas of {letter}" for letter in "abcde"]
+    parts = tuple(part(place, rank) for place in places for rank in (Rank.FOUND, Rank.REFITTED, Rank.SENSORS))
+    trials = []
+
+    def tried(update: RigUpdate) -> Trial:
+        trials.append(update)
+        worth = {f"{places[0]}_FOUND": 0.1, **{f"{place}_{rank.name}": 3.0 for place in places for rank in (Rank.REFITTED, Rank.SENSORS)}}
+        after = math.prod(worth.get(entry.setting.name, 1.0) for entry in update.entries)
+        return Trial(update, {}, {"gas": SignalFit("Pa", 1.0, after, 0.0)}, {})
+
+    kept = as_far_as_it_wins(RigUpdate(rig, parts), tried)
+    assert f"{places[0]}_FOUND" in {entry.setting.name for entry in kept.update.entries}
+    assert not any(one.rank is Rank.REFITTED for one in kept.update.parts) and not kept.is_worse
+    assert len(trials) < 30
+
+
 def test_where_nothing_wins_the_rig_stays_as_it_was(rig: Rig) -> None:
     parts = tuple(part(source, rank) for source in ("gas", "motion") for rank in Rank)
     worth = {f"{source}_{rank.name}": (1.2, 1.2) for source in ("gas", "motion") for rank in Rank}

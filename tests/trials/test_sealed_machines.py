@@ -97,7 +97,7 @@ def test_wishes_that_do_not_go_together_are_named(tmp_path, capsys):
     for words, said in (
         (("--make", "E"), "--truth whole"),
         (("--truth", "whole", "--every", "2"), "--every"),
-        (("--truth", "whole", "--make", "Q"), 'no make "Q"'),
+        (("--truth", "whole", "--make", "Y"), 'no make "Y"'),
         (("--truth", "whole", "--cell", "hole"), 'no cell "hole"'),
     ):
         assert main(["trial", "make", "--out", str(tmp_path / "t"), *words]) == 2

@@ -96,14 +96,13 @@ def _warm_hose(world, p, here, y, dy, base, energy, second):
         return
     k, r, ambient = world.k, world.r, world.ambient
     place = base + 2 * second
-    long = line_restriction.has_inertia(p)
-    heat = line_restriction.warming(
-        p, 0.25 if long else 1.0, chamber.temperature(y[place + HOSE_ENERGY_1], y[place + HOSE_MASS_1], k, r), ambient
-    )
+    t_port = chamber.temperature(y[place + HOSE_ENERGY_1], y[place + HOSE_MASS_1], k, r)
+    heat = line_restriction.warming(p, line_restriction.node_volume(p), t_port, ambient)
     dy[place + HOSE_ENERGY_1] += heat
-    if long:
+    if line_restriction.has_inertia(p):
         t_middle = chamber.temperature(y[place + MIDDLE_ENERGY_1], y[place + MIDDLE_MASS_1], k, r)
-        middle, inner = line_restriction.warming(p, 0.5, t_middle, ambient), line_restriction.warming(p, 0.25, here.t, ambient)
+        middle = line_restriction.warming(p, line_restriction.middle_volume(p), t_middle, ambient)
+        inner = line_restriction.warming(p, line_restriction.volume_at_chamber(p), here.t, ambient)
         dy[place + MIDDLE_ENERGY_1] += middle
         dy[base + energy] += inner
         heat += middle + inner

@@ -87,7 +87,7 @@ def side_rate(world, c, y, base, here, there, a_supply, a_exhaust, supply, exhau
         v = line_restriction.node_volume(c.line_restriction)
         p = chamber.pressure(y[energy], v, k)
         warmest = max(warmest, chamber.temperature(y[energy], y[mass], k, r))
-        wall = thermal_rate(c.line_restriction.conductance, min(p, here.p), min(c.line_restriction.volume, 4.0 * here.volume), k)
+        wall = thermal_rate(c.line_restriction.conductance, min(p, here.p), c.line_restriction.volume, k)
         if line_restriction.has_inertia(c.line_restriction):  # `fastest_change` follows its wave
             flow = base + (HOSE_FLOW_1 if here.side == 1 else HOSE_FLOW_2)
             fastest = max(abs(y[flow]), abs(y[flow + 1]))

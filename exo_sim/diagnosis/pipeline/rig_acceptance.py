@@ -153,7 +153,9 @@ def as_far_as_it_wins(update: RigUpdate, tried: Callable[[RigUpdate], Trial], is
     if not best.is_worse and (best.update.parts or not update.parts):
         return best
     alone = [] if is_spent() else [trial for trial in map(tried, update.found_alone()) if not trial.is_worse]
-    return min(alone, key=lambda one: one.loss, default=None) or tried(RigUpdate(update.rig, ()))
+    if alone:
+        return min(alone, key=lambda one: one.loss)
+    return tried(RigUpdate(update.rig, ())) if best.update.parts else best
 
 
 def spread_of(data: MachineData, column: str) -> float:

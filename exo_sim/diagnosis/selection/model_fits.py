@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Collection, Iterator, Mapping, Sequence
+from collections.abc import Collection, Iterator, Mapping, Sequence
 
 import numpy as np
 from numpy.typing import NDArray
@@ -11,7 +11,7 @@ from exo_sim.diagnosis.estimation.budget import IsSpent, never
 from exo_sim.diagnosis.estimation.candidate import Candidate
 from exo_sim.diagnosis.estimation.common_part import with_common_parts_split
 from exo_sim.diagnosis.estimation.correlation import correlation_time
-from exo_sim.diagnosis.estimation.least_squares import Fit, fit
+from exo_sim.diagnosis.estimation.least_squares import Fit, Residual, fit
 from exo_sim.diagnosis.estimation.parameters import FreeParameter
 from exo_sim.diagnosis.estimation.threads import SERIAL, Threads
 from exo_sim.diagnosis.estimation.uncertainty import standard_errors
@@ -22,6 +22,11 @@ from exo_sim.diagnosis.selection.fitted_model import FittedModel, LeastSquaresMo
 from exo_sim.diagnosis.selection.score_test import Sizes
 
 Array = NDArray[np.float64]
+
+
+def _cost(one: Fit) -> float:
+    """Return what a fit minimises."""
+    return one.sse + one.prior_weight * one.penalty
 
 
 class ModelFits:
@@ -87,11 +92,7 @@ class ModelFits:
         parameters, options = self._starts(candidates, near)
         residual = self._residual_of(candidates)
         begin, length, _ = self._best_start(residual, options)
-        done = fit(
-            residual, parameters, begin, self.threads, max_iterations=FIRST_LOOK, tolerance=WORTH_A_LOOK,
-            correlation_length=length, known_columns=near.fit.columns, renewed=False, is_spent=self.is_spent
-        )
-        looked = FittedModel(tuple(candidates), done)
+        looked = FittedModel(tuple(candidates), self._first_steps(residual, parameters, begin, length, near.fit.columns))
         return before if before is not None and self.deficit(before, looked) <= 0.0 else looked
 
     def fit_rivals(
@@ -156,7 +157,7 @@ class ModelFits:
         return {q: min(max(held[q.slot], q.low), q.high) for q in self.nuisances if q.slot in held and q.slot not in taken}
 
     def _best_start(
-        self, residual: Callable[[dict[FreeParameter, float]], Array], options: Sequence[dict[FreeParameter, float]]
+        self, residual: Residual, options: Sequence[dict[FreeParameter, float]]
     ) -> tuple[dict[FreeParameter, float], float, list[int]]:
         """Return the start that leaves least, the correlation length of what it leaves, and the order of all starts."""
         errors = [residual(option) for option in options]
@@ -165,7 +166,7 @@ class ModelFits:
 
     def _furthest_led(
         self,
-        residual: Callable[[dict[FreeParameter, float]], Array],
+        residual: Residual,
         parameters: Sequence[FreeParameter],
         options: Sequence[dict[FreeParameter, float]],
         length: float,
@@ -177,18 +178,22 @@ class ModelFits:
         """
         if len(options) < 2 or self.is_spent():
             return options[0]
-        looks = [
-            fit(
-                residual, parameters, option, self.threads, max_iterations=FIRST_LOOK, tolerance=WORTH_A_LOOK, correlation_length=length,
-                known_columns=columns, renewed=False, is_spent=self.is_spent,
-            )
-            for option in options[:LAW_STARTS]
-        ]  # fmt: skip
-        return min(looks, key=lambda one: one.sse + one.prior_weight * one.penalty).values
+        looks = [self._first_steps(residual, parameters, option, length, columns) for option in options[:LAW_STARTS]]
+        return min(looks, key=_cost).values
+
+    def _first_steps(
+        self, residual: Residual, parameters: Sequence[FreeParameter], begin: dict[FreeParameter, float], length: float,
+        columns: Mapping[FreeParameter, Array] | None,
+    ) -> Fit:  # fmt: skip
+        """Return a fit after the first steps that are worth it, with known derivatives where there are some."""
+        return fit(
+            residual, parameters, begin, self.threads, max_iterations=FIRST_LOOK, tolerance=WORTH_A_LOOK, correlation_length=length,
+            known_columns=columns, renewed=False, is_spent=self.is_spent,
+        )  # fmt: skip
 
     def _fit_cheaply(
         self,
-        residual: Callable[[dict[FreeParameter, float]], Array],
+        residual: Residual,
         parameters: Sequence[FreeParameter],
         options: Sequence[dict[FreeParameter, float]],
         length: float,
@@ -201,7 +206,7 @@ class ModelFits:
             )  # fmt: skip
 
         tried = [tried_from(start, length) for start in options[: 1 if self.is_spent() else CHEAP_STARTS]]
-        done = min(tried, key=lambda one: one.sse + one.prior_weight * one.penalty)
+        done = min(tried, key=_cost)
         missing = done.sse - self.model.size
         if length > acceptance.STIFF_PRIORS and missing > self.model.size:
             free = tried_from(options[0], 1.0)
@@ -243,7 +248,7 @@ class ModelFits:
             correlation_length=length, known_columns=model.fit.columns, renewed=False, is_spent=self.is_spent,
         )  # fmt: skip
 
-    def _residual_of(self, candidates: Sequence[Candidate]) -> Callable[[dict[FreeParameter, float]], Array]:
+    def _residual_of(self, candidates: Sequence[Candidate]) -> Residual:
         fixed = [pair for candidate in candidates for pair in candidate.fixed]
         return lambda values: self.model.residual(values, fixed)
 

@@ -113,9 +113,9 @@ def volume_at_chamber(p) -> float:
 
 
 @kernel
-def warming(p, share: float, t: float, ambient: float) -> float:
-    """Return the heat that the wall gives to gas at t in a share of the hose [W]."""
-    return share * p.conductance * (ambient - t)
+def warming(p, volume: float, t: float, ambient: float) -> float:
+    """Return the heat that the wall gives to gas at t in a part of the hose's volume [W]."""
+    return volume / p.volume * p.conductance * (ambient - t)
 
 
 @kernel

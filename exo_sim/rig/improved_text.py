@@ -58,7 +58,7 @@ def improved(rig: Rig, effects: Sequence[EffectEntry], corrections: Sequence[Cor
     """Return the text of the rig with effects switched on and numbers corrected, for a file in `folder`.
 
     Keeps the owner's order, comments and units. An effect that says all that another of the owner's says (asymmetric friction,
-    Coulomb friction) takes that one's place.
+    Coulomb friction) takes that one's place; so does the poorer of both where the owner's richer one is zero.
     """
     corrections = [each for one in corrections for each in _as_written(rig, one)]
     text = _written_into(tomlkit.parse(rig.text), rig, effects, corrections, folder)
@@ -192,12 +192,15 @@ def _place(document: tomlkit.TOMLDocument, setting: EffectSetting) -> tuple[str,
 
 
 def _absorb(document: tomlkit.TOMLDocument, rig: Rig, effect: Effect, finding: EffectEntry) -> EffectEntry:
-    """Put an effect in the place of the owner's poorer form of it, and remove that form."""
-    for name, _ in effect.absorbs:
-        if rig.effect(name, finding.setting.where) is None:
+    """Put an effect in the place of the owner's poorer form of it, or of a richer form that is zero in all, and remove that form."""
+    where = finding.setting.where
+    richer = [one.name for one in declared().values() if any(name == effect.name for name, _ in one.absorbs)]
+    idle = [name for name in richer if (own := rig.effect(name, where)) and not any(own.parameters.values())]
+    for name in (*(name for name, _ in effect.absorbs), *idle):
+        if rig.effect(name, where) is None:
             continue
         finding = replace(finding, says=f"{finding.says} It takes the place of the former {name}.".strip())
-        del document["effects"][name][finding.setting.where]  # type: ignore[union-attr,index]
+        del document["effects"][name][where]  # type: ignore[union-attr,index]
         if not document["effects"][name]:  # type: ignore[index]
             del document["effects"][name]  # type: ignore[union-attr]
     return finding

@@ -7,6 +7,8 @@ from pathlib import Path
 
 import pytest
 
+from exo_sim.errors import RigError
+from exo_sim.physics.declaration import Effect, declared
 from exo_sim.rig import Correction, EffectEntry, EffectSetting, JointFactors, improved, parse, read
 
 EXTRA = """
@@ -117,6 +119,25 @@ def test_the_richer_effect_takes_the_place_of_the_poorer_one(bench: Path) -> Non
     assert again.effect("coulomb_friction", "piston") is None
     assert again.effect("asymmetric_friction", "piston").parameters == {"forward": 13.0, "backward": 11.0}  # type: ignore[union-attr]
     assert "12.5 to 13.5 N" in text
+
+
+def test_whatever_is_found_beside_an_effect_of_the_owner_that_is_zero_can_be_read(bench: Path) -> None:
+    effects = [effect for effect in declared().values() if "cylinder" in effect.places and not any(p.most for p in effect.parameters)]
+    wanted = {effect.name: declared()[effect.requires] for effect in effects if effect.requires}
+
+    def entries(effect: Effect, share: float) -> list[EffectEntry]:
+        both = (wanted[effect.name], effect) if effect.name in wanted else (effect,)
+        values = [{p.name: share * p.typical[1] if not p.choices else float(bool(share)) for p in one.parameters} for one in both]
+        return [EffectEntry(EffectSetting(one.name, "piston", value), {}) for one, value in zip(both, values)]
+
+    for owners in effects:
+        try:
+            rig = parse(improved(read(bench), entries(owners, 0.0), [], bench.parent), bench)
+        except RigError:  # no rig holds this effect at zero
+            continue
+        for found in effects:
+            again = parse(improved(rig, entries(found, 1.0), [], bench.parent), bench)
+            assert again.effect(found.name, "piston") is not None, (owners.name, found.name)
 
 
 def test_the_model_is_found_from_the_folder_it_is_written_to(bench: Path, tmp_path: Path) -> None:

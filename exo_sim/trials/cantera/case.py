@@ -16,7 +16,7 @@ from exo_sim.trials.whole_machines.friction_laws import EXPONENTIAL, SUM, TANH
 from exo_sim.trials.whole_machines.gas_laws import CONSTANT, ELLIPSE, ORIFICE
 from exo_sim.trials.whole_machines.hidden_effects import check_keys
 from exo_sim.trials.whole_machines.machine_run import Run, span_of, ticks
-from exo_sim.trials.whole_machines.makes import LABORATORY, Laws, Make
+from exo_sim.trials.whole_machines.make import LABORATORY, Laws, Make
 
 Array = NDArray[np.float64]
 #: Effects that the reactors have.

@@ -17,7 +17,8 @@ from exo_sim.trials.whole_machines.draw import Built, build
 from exo_sim.trials.whole_machines.hidden_effects import BLOCKS, check_keys
 from exo_sim.trials.whole_machines.instruments import Rack, draw_rack
 from exo_sim.trials.whole_machines.machine_run import Run, drive, recorded
-from exo_sim.trials.whole_machines.makes import Make, find
+from exo_sim.trials.whole_machines.make import Make
+from exo_sim.trials.whole_machines.makes import find
 from exo_sim.trials.whole_machines.materiality import matters, plain
 from exo_sim.trials.whole_machines.nearest_effects import rig_effects
 from exo_sim.trials.whole_machines.owner_rig import Owner, as_built, believed
@@ -79,7 +80,7 @@ def make_case(name: str, make: str, cell: str = "whole", seed: int = 0, *, effec
     kind = find(make)
     check_keys(effects)
     for attempt in range(_TRIES):
-        rng = np.random.default_rng([seed, ord(make), attempt, 20262])
+        rng = np.random.default_rng([seed, *map(ord, make), attempt, 20262])
         built = build(kind, cell, rng, effects, bulk)
         try:
             runs = [drive(built, _order(kind.programs, rng), duration, rng) for _ in range(recordings)]

@@ -13,7 +13,7 @@ from exo_sim.trials.whole_machines.effect_sizes import Draft
 from exo_sim.trials.whole_machines.friction_laws import TANH
 from exo_sim.trials.whole_machines.hidden_effects import BLOCKS, COMMON, OUTSIDE, SEAL
 from exo_sim.trials.whole_machines.machine import Machine
-from exo_sim.trials.whole_machines.makes import Make
+from exo_sim.trials.whole_machines.make import Make
 from exo_sim.trials.whole_machines.published_cylinders import SERIES
 
 GRAVITY = 9.81

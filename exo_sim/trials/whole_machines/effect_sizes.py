@@ -8,7 +8,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from exo_sim.trials.whole_machines.gas_laws import CLEARANCE, CONSTANT, GAP, ORIFICE
-from exo_sim.trials.whole_machines.makes import Make
+from exo_sim.trials.whole_machines.make import Make
 from exo_sim.trials.whole_machines.published_cylinders import HOSE_BORES, Size, hose_conductance, throat_area
 
 Fields = dict[str, float]

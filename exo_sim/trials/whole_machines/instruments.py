@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.signal import bessel, butter, lfilter
 
-from exo_sim.trials.whole_machines.makes import Grade
+from exo_sim.trials.whole_machines.make import Grade
 
 Array = NDArray[np.float64]
 

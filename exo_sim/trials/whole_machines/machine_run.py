@@ -14,7 +14,7 @@ from exo_sim.trials.whole_machines.excitation import Program, Range, gains, prog
 from exo_sim.trials.whole_machines.instruments import Rack, filtered, shown
 from exo_sim.trials.whole_machines.loop import FED, GAINS, LOG, MEMO, run
 from exo_sim.trials.whole_machines.machine import Machine
-from exo_sim.trials.whole_machines.makes import Make
+from exo_sim.trials.whole_machines.make import Make
 from exo_sim.trials.whole_machines.plant import STATES, at_rest
 
 Array = NDArray[np.float64]

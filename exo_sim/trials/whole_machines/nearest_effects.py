@@ -17,7 +17,7 @@ from exo_sim.trials.whole_machines.friction_laws import level, viscous
 from exo_sim.trials.whole_machines.gas_laws import CLEARANCE, ELLIPSE, GAP, ORIFICE, POROUS, conductance, flow_factor, leak
 from exo_sim.trials.whole_machines.machine import Machine
 from exo_sim.trials.whole_machines.machine_run import Run
-from exo_sim.trials.whole_machines.makes import Make
+from exo_sim.trials.whole_machines.make import Make
 from exo_sim.trials.whole_machines.published_cylinders import hose_conductance, throat_area
 
 Array = NDArray[np.float64]

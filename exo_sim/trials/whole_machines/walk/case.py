@@ -18,7 +18,8 @@ from exo_sim.trials.whole_machines.hidden_effects import BLOCKS, check_keys
 from exo_sim.trials.whole_machines.instruments import Rack, draw_rack, filtered, shown
 from exo_sim.trials.whole_machines.loop import FED, FORCES, MEMO
 from exo_sim.trials.whole_machines.machine_run import Run, advance, span_of, ticks
-from exo_sim.trials.whole_machines.makes import Make, find
+from exo_sim.trials.whole_machines.make import Make
+from exo_sim.trials.whole_machines.makes import find
 from exo_sim.trials.whole_machines.materiality import matters
 from exo_sim.trials.whole_machines.nearest_effects import rig_effects
 from exo_sim.trials.whole_machines.owner_rig import as_built, believed

@@ -9,7 +9,7 @@ import numpy as np
 
 from exo_sim.trials.whole_machines.draw import Built, build
 from exo_sim.trials.whole_machines.hidden_effects import COMMON, OUTSIDE, SEAL
-from exo_sim.trials.whole_machines.makes import Make
+from exo_sim.trials.whole_machines.make import Make
 from exo_sim.trials.whole_machines.walk.anatomy import Seat, draw_seats, reach
 from exo_sim.trials.whole_machines.walk.gait import JOINTS
 

@@ -13,6 +13,7 @@ from exo_sim.physics.recovery_tank import exchange_rate
 from exo_sim.physics.runge_kutta_chebyshev import MOST_STAGES, REACH, enough_stages
 from exo_sim.physics.settling import HOT, path_rate, settling_rate, thermal_rate
 from exo_sim.physics.state import HOSE_ENERGY_1, HOSE_ENERGY_2, HOSE_FLOW_1, HOSE_FLOW_2, HOSE_MASS_1, HOSE_MASS_2, INTEGRATED
+from exo_sim.physics.step import CLASSIC, CLASSIC_REACH
 from exo_sim.physics.summed_effects import across_rate, heat_rate, outward_rate
 
 #: The longest step that accuracy allows [s]; stability asks for more stages, not for shorter steps.
@@ -24,8 +25,9 @@ MOST_STEPS = 2000
 #: The share of itself by which a pressure may change in one step.
 CHANGE = 0.4
 
-#: In how many such steps a wave in a line turns a radian, times `CHANGE`: with fewer the method's own gain exceeds the wall's friction.
-_WAVE = 1.5
+#: How far a wave in a line turns in one step [rad]: further, and a Chebyshev step's own gain exceeds the wall's friction; a classic one
+#: takes 2 % from the fastest wave of a hose then, and a thousandth from the next.
+_TURN, _CLASSIC_TURN = CHANGE / 1.5, 1.2
 
 #: A path with pressures closer than this ratio counts as balanced: what is left settles stably in steps of any length.
 _BALANCED = 0.97
@@ -154,8 +156,6 @@ def fastest_change(world, cylinders, y, supply, exhaust, x, end, spool, left):
         p_1, p_2 = pressures(world, c, y, base, x[i])
         a_s1, a_1e, a_s2, a_2e = path_areas(c, spool[i], spool[len(cylinders) + i])
         if line_restriction.present(c.line_restriction):
-            if line_restriction.has_inertia(c.line_restriction):
-                change = max(change, _WAVE * line_restriction.wave_rate(c.line_restriction, world.ambient, k, r))
             v_1 = v_2 = line_restriction.node_volume(c.line_restriction)
             p_1 = chamber.pressure(y[base + HOSE_ENERGY_1], v_1, k)
             p_2 = chamber.pressure(y[base + HOSE_ENERGY_2], v_2, k)
@@ -172,8 +172,19 @@ def fastest_change(world, cylinders, y, supply, exhaust, x, end, spool, left):
 
 
 @inlined_kernel
+def fastest_wave(world, cylinders):
+    """Return a bound on the angular frequency of the waves in all hoses [1/s]; 0 without any."""
+    fastest = 0.0
+    for i in range(len(cylinders)):
+        hose = cylinders[i].line_restriction
+        if line_restriction.has_inertia(hose):
+            fastest = max(fastest, line_restriction.wave_rate(hose, world.ambient, world.k, world.r))
+    return fastest
+
+
+@inlined_kernel
 def step_length(world, cylinders, y, held, x, end, spool, left: float, shortest: float, faster: float) -> tuple[float, int]:
-    """Return how long the next step may be [s], from `shortest` to `left`, and how many stages keep it stable.
+    """Return how long the next step may be [s], from `shortest` to `left`, and how many stages keep it stable; or `CLASSIC` for these.
 
     Args:
         faster: How fast the gas is known to be otherwise [1/s].
@@ -186,6 +197,15 @@ def step_length(world, cylinders, y, held, x, end, spool, left: float, shortest:
     if change * span > CHANGE:
         span = max(CHANGE / change, shortest)
     fastest = max(fastest_rate(world, cylinders, y, supply, exhaust, x, spool, span), faster)
+    wave = fastest_wave(world, cylinders)
+    if wave > 0.0:
+        classic = min(span, _CLASSIC_TURN / wave)
+        if fastest * classic > CLASSIC_REACH:
+            classic = CLASSIC_REACH / fastest
+        turned = min(span, _TURN / wave)
+        if classic >= shortest and 4.0 * turned < enough_stages(fastest * turned) * classic:
+            return left / max(math.ceil(left / classic - 1e-9), 1), CLASSIC
+        span = min(span, max(turned, shortest))
     h = left / max(math.ceil(left / span - 1e-9), 1)
     if not fastest * h <= REACH[MOST_STAGES]:
         pieces = left * fastest / REACH[MOST_STAGES]

@@ -8,12 +8,13 @@ import numpy as np
 import pytest
 from numpy.typing import NDArray
 
-from exo_sim.physics import settling
+from exo_sim.physics import settling, state
 from exo_sim.physics.conditions import Chamber
+from exo_sim.physics.nodes import change_hose_pressure
 from exo_sim.physics.pneumatics import Pneumatics, paper_cylinder, paper_world
 from exo_sim.physics.runge_kutta_chebyshev import enough_stages
 from exo_sim.physics.state import integrated_size
-from exo_sim.physics.step import chebyshev_step, integrate
+from exo_sim.physics.step import CLASSIC, chebyshev_step, integrate
 from exo_sim.physics.step_length import step_length
 from exo_sim.physics.summed_effects import outward_rate
 from exo_sim.physics.terms import OUTWARD_FLOW, Term, within
@@ -67,6 +68,59 @@ def test_enough_stages_are_taken_at_once() -> None:
     h, stages = step_length(gas.world[0], gas.cylinders, gas.vector[:size], 0.0, at, end, np.array([0.6, -0.6]), H, 1e-7, 0.0)
     pieces = round(H / h)
     assert after(gas, stages, 10_000, pieces)[1] == pieces
+
+
+def ringing(length: float, area: float = 6e-6, push: float = 2e3) -> Pneumatics:
+    """Return a cylinder with a closed valve in whose hose of 4 mm a wave runs to and fro."""
+    world, cylinder = paper_world(), paper_cylinder(0.025, 0.01, 0.16, 5e-6, 1e-4, 1e-4)
+    hose = cylinder["line_restriction"]
+    hose["area"], hose["length"], hose["volume"] = area, length, 12.6e-6 * length
+    gas = Pneumatics(world, cylinder, dt=H)
+    gas.fill(np.array([0.05]), 3e5, 4e5)
+    change_hose_pressure(gas.cylinders[0], gas.vector, 0, 0, push, 1.4)
+    return gas
+
+
+def rung(gas: Pneumatics, h: float, seconds: float) -> NDArray[np.float64]:
+    """Return the integrated state after classic steps of `h`, the piston at rest."""
+    y, at, none = gas.vector[: integrated_size(1)].copy(), np.array([0.05]), np.zeros(2)
+    for _ in range(round(seconds / h)):
+        integrate(gas.world[0], gas.cylinders, y, 0.0, at, at.copy(), h, none, h, CLASSIC, gas._work, np.zeros(1), np.zeros(1), 1, False)
+    return y
+
+
+def test_a_classic_step_is_of_fourth_order() -> None:
+    gas = ringing(1.0, area=1e-4, push=20.0)  # so little that what holds it back is the wall's linear friction, without kinks
+    flows = [state.HOSE_FLOW_1, state.MIDDLE_FLOW_1]
+    fine = rung(gas, 3.125e-6, 4e-3)[flows]
+    errors = [np.linalg.norm(rung(gas, h, 4e-3)[flows] - fine) for h in (1e-4, 5e-5, 2.5e-5)]
+    assert np.linalg.norm(fine) > 1e-8
+    orders = np.log2([errors[0] / errors[1], errors[1] / errors[2]])
+    assert (np.abs(orders - 4.0) < 0.4).all()
+
+
+def test_a_wave_is_followed_in_classic_steps_that_turn_it_by_about_a_radian() -> None:
+    gas = ringing(1.0)
+    at, contents = np.array([0.05]), [state.MASS_1, state.HOSE_MASS_1, state.MIDDLE_MASS_1]
+    y = gas.vector[: integrated_size(1)]
+    h, stages = step_length(gas.world[0], gas.cylinders, y, 0.0, at, at, np.zeros(2), 0.012, 1e-7, 0.0)
+    assert stages == CLASSIC and 1.0 < h * 4.0 * 343.0 / 1.0 < 1.25  # sound in a room, over a metre
+    coarse, fine = rung(gas, h, 0.012), rung(gas, h / 32.0, 0.012)
+    flows = [state.HOSE_FLOW_1, state.MIDDLE_FLOW_1]
+    assert np.abs(coarse[flows] - fine[flows]).max() < 0.1 * np.abs(fine[flows]).max()
+    assert coarse[contents].sum() == pytest.approx(fine[contents].sum(), rel=1e-13)
+
+
+def test_a_classic_step_that_is_not_stable_is_halved() -> None:
+    gas = ringing(0.6)
+    gas.cylinders["wall_heat_transfer"]["conductance"] = 40.0
+    at, none = np.array([0.05]), np.zeros(2)
+    y = gas.vector[: integrated_size(1)].copy()
+    y[state.ENERGY_1] *= 1.1
+    _, tried, _ = integrate(
+        gas.world[0], gas.cylinders, y, 0.0, at, at.copy(), 0.02, none, 0.02, CLASSIC, gas._work, np.zeros(1), np.zeros(1), 1000, False
+    )
+    assert tried > 2 and np.isfinite(y).all() and (y[:8] > 0.0).all()
 
 
 def test_what_cannot_be_held_ends_with_the_last_state_that_was() -> None:

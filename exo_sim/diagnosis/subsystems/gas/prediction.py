@@ -24,9 +24,8 @@ Array = NDArray[np.float64]
 LEAST_START = 100.0
 #: Longest step [s] and most steps a sample: a fit asks for thousands of predictions, some of them of absurd machines ...
 LONGEST_STEP, MOST_STEPS = 1e-3, 8.0
-#: The shortest step where waves pass in a hose, for which no step may be long [s]: of the shortest hose in which any is followed [m]. The
-#: speed of sound in a room [m/s].
-WAVE_STEP, SHORTEST_LINE, SOUND = 1e-4, 0.51, 343.0
+#: The shortest step where waves pass in a hose [s], and the speed of sound in a room [m/s].
+WAVE_STEP, SOUND = 1e-4, 343.0
 #: A wave is followed that takes longer than so many of the times of which a fit shows anything: of 1 ms, 0.51 m are passed.
 FOLLOWED = 1.5
 #: Flow of choked air, over its density, the area and the speed of sound: (2/(k + 1))^((k + 1)/(2 (k - 1))) is 0.58 for k = 1.4.
@@ -39,6 +38,9 @@ HOSE_STEP = 5e-4
 #: A sample with a hose takes about so many times as long, and behind one; of a slow logger as many as it has steps. Learn makes A, B and C,
 #: 1 to 5 ms: 1.6, 2.3 and 6.5 times, behind it 2.5, 3.6 and 7.3.
 HOSE_EFFORT, SENSED_EFFORT = 2, 3
+#: The usual step where a wave passes, of the time that it takes through the hose, and for how many plain samples such a step counts: at
+#: 1 kHz 1.2 m of hose take 4.3 times as long as none, 3 m as long again, 0.55 m 9 times (a drawn make of whole machines, 20 s).
+WAVE_SHARE, WAVE_EFFORT = 0.3, 4
 #: What a prediction costs whatever its length, in plain samples: 400 take 1.3 ms, 20,000 take 11 ms.
 EACH_EFFORT = 1500
 #: Of a slow logger's sample neither a shorter part is resolved, nor do steps behind a hose get shorter.
@@ -180,7 +182,7 @@ def effort_of(samples: int, period: float, cylinder: NDArray[np.void]) -> int:
     least, step = (SENSED_EFFORT, HOSE_STEP) if behind_hose(cylinder) else (HOSE_EFFORT, LONGEST_STEP)
     hose = cylinder[line_restriction.EFFECT.name][0]
     if shows_waves(cylinder, resolved(period)):
-        return EACH_EFFORT + samples * round(max(period / (WAVE_STEP * float(hose["length"]) / SHORTEST_LINE), least))
+        return EACH_EFFORT + samples * max(WAVE_EFFORT * math.ceil(period * SOUND / (WAVE_SHARE * float(hose["length"]))), least)
     return EACH_EFFORT + samples * round(min(max(period / step, least), MOST_STEPS))
 
 

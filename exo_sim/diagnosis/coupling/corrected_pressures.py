@@ -55,7 +55,7 @@ def with_corrected_pressures(data: MachineData, gas: Sequence[SubsystemResult[Ga
 
 
 def _external_power(run: MotionRun) -> str:
-    speed = run.kinematics.velocity / np.where(np.abs(run.drive.arm) > 1e-6, run.drive.arm, 1.0)
+    speed = run.kinematics.velocity / run.drive.divisor
     return external_power(run.time, run.demand, run.drive.force, speed)
 
 

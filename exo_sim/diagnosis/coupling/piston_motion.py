@@ -29,7 +29,7 @@ def at_piston(run: MotionRun, cylinder: NDArray[np.void] | None) -> MotionRun:
     """
     if cylinder is None:
         return run
-    carried = (run.demand - run.external) / np.where(np.abs(run.drive.arm) > 1e-6, run.drive.arm, 1.0)
+    carried = (run.demand - run.external) / run.drive.divisor
     ahead = restored(run.time, carried, smoothing_width(run.time, run.smoothing)) / float(stiffness(cylinder[0]))
     path = run.kinematics
     there = replace(path, position=path.position + ahead, velocity=path.velocity + np.gradient(ahead, run.time))

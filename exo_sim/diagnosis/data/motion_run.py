@@ -90,6 +90,11 @@ class Drive:
         """Median size of the lever, by which a force at the joint is called one at the piston [m/rad, or 1]."""
         return max(float(np.median(np.abs(self.arm))), 1e-9)
 
+    @property
+    def divisor(self) -> Array:
+        """The lever, by which something at the joint is divided to have it at the piston [m/rad, or 1]; 1 where it all but vanishes."""
+        return np.where(np.abs(self.arm) > 1e-6, self.arm, 1.0)
+
 
 @dataclass(frozen=True)
 class Imputed:

@@ -25,7 +25,7 @@ from exo_sim.diagnosis.selection.fitted_model import (
 )
 from exo_sim.diagnosis.selection.kept_back_gain import gain_in_errors
 from exo_sim.diagnosis.selection.model_fits import ModelFits
-from exo_sim.diagnosis.selection.nuisance_calibration import deviations, refitted_besides
+from exo_sim.diagnosis.selection.nuisance_calibration import Deviation, deviations, refitted_besides
 from exo_sim.diagnosis.selection.remainder import Remainder, has_bursts
 from exo_sim.diagnosis.selection.subsystem_result import SubsystemResult
 from exo_sim.diagnosis.selection.unneeded_nuisances import without_unneeded
@@ -65,41 +65,56 @@ class _Decision(Generic[Model]):
 
     def result(self, name: str) -> SubsystemResult[Model]:
         search, end = self.search, self.search.final
-        result = SubsystemResult(name, self.model, self.fits, search, end)
+        empty = SubsystemResult(name, self.model, self.fits, search, end)
         if end.fit.residual.size == 0:
-            return result
+            return empty
         if search.interrupted:
-            return replace(result, named=end.candidates)
+            return replace(empty, named=end.candidates)
         accepted = tuple(c for c in end.candidates if not _is_nozzle(c, end))
-        final, named, unknown = self._standing(accepted)
-        strict = unknown and not self.search.weighed_together  # then only what is beyond doubt is a finding
-        rejected = self._rejected(accepted, strict)
-        if strict:
-            final, named = self._beyond_doubt(final, named)
-        elif unknown:
-            final, named = self._surely_there(final, named)
-        errors = self._errors(final)
-        if not unknown and not self.search.weighed_together:
-            final = without_unneeded(self.fits, final, self.model.structural_error)
+        standing, stands, unknown = self._standing(accepted)
+        strict = unknown and not search.weighed_together  # then only what is beyond doubt is a finding
+        sure, named = self._sure(standing, stands, unknown, strict)
+        errors = self._errors(sure)
+        spare = not unknown and not search.weighed_together
+        final = without_unneeded(self.fits, sure, self.model.structural_error) if spare else sure
         reported = tuple(c for c in named if _is_reported(c, final, errors))
         laws = {q for c in named if c not in reported for q in c.parameters}
-        named = reported
-        findings = [with_all_parts(finding_of(c, final, errors, search), c, search, self.fits) for c in named]
-        if strict:
-            findings = [replace(f, probability=min(f.confidence, float(verdicts.CONFIDENT_BESIDE_UNKNOWN))) for f in findings]
-        twins = self.model.indistinguishable(findings, final.fit)
-        findings = [with_twins(f, twins.get(f.at, ())) for f in findings]
+        findings = self._findings(reported, final, errors, strict)
         observed = {parameter: error for parameter, error in errors.items() if self.model.is_observed(parameter)}
-        off = () if strict else deviations(final, observed)  # what has no name biases them
-        off = tuple(
-            replace(d, stands_for=search.stands_for.get((q.effect, q.where), ()), twins=self.model.twins_of_number(q))
-            for d, q in ((one, one.parameter) for one in off)
-        )
-        refitted = refitted_besides(final, observed, {one.parameter for one in off}, bool(named or laws))
-        refitted += tuple((q, errors[q]) for q in errors if q in laws)
+        off = () if strict else self._deviations(final, observed)  # what has no name biases them
+        besides = refitted_besides(final, observed, {one.parameter for one in off}, bool(reported or laws))
         return replace(
-            result, final=final, named=named, has_unknown=unknown, findings=tuple(findings), deviations=off,
-            rejected=_without_repetition(rejected, findings), refitted=refitted,
+            empty, final=final, named=reported, has_unknown=unknown, findings=findings, deviations=off,
+            rejected=_without_repetition(self._rejected(accepted, strict), findings),
+            refitted=besides + tuple((q, errors[q]) for q in errors if q in laws),
+        )  # fmt: skip
+
+    def _sure(
+        self, standing: FittedModel, stands: tuple[Candidate, ...], unknown: bool, strict: bool
+    ) -> tuple[FittedModel, tuple[Candidate, ...]]:
+        """Return the model and the findings of it that may be named, where something is unknown beside them fewer than those that stand."""
+        if strict:
+            return self._beyond_doubt(standing, stands)
+        return self._surely_there(standing, stands) if unknown else (standing, stands)
+
+    def _findings(
+        self, reported: Sequence[Candidate], final: FittedModel, errors: Mapping[FreeParameter, float], strict: bool
+    ) -> tuple[Finding, ...]:
+        """Return the findings with their parameters, their probability, and what looks the same."""
+        plain = [with_all_parts(finding_of(c, final, errors, self.search), c, self.search, self.fits) for c in reported]
+        most = float(verdicts.CONFIDENT_BESIDE_UNKNOWN)
+        bounded = [replace(f, probability=min(f.confidence, most)) for f in plain] if strict else plain
+        twins = self.model.indistinguishable(bounded, final.fit)
+        return tuple(with_twins(f, twins.get(f.at, ())) for f in bounded)
+
+    def _deviations(self, final: FittedModel, observed: Mapping[FreeParameter, float]) -> tuple[Deviation, ...]:
+        """Return nominal numbers that are off, with what they may stand for; `observed` are standard errors."""
+        return tuple(
+            replace(
+                one, stands_for=self.search.stands_for.get((one.parameter.effect, one.parameter.where), ()),
+                twins=self.model.twins_of_number(one.parameter),
+            )
+            for one in deviations(final, observed)
         )  # fmt: skip
 
     def _errors(self, final: FittedModel) -> dict[FreeParameter, float]:

@@ -13,6 +13,7 @@ from exo_sim.diagnosis.estimation.candidate import Candidate, CandidateKey
 from exo_sim.diagnosis.estimation.least_squares import prior_terms
 from exo_sim.diagnosis.estimation.parameters import FreeParameter
 from exo_sim.diagnosis.estimation.threads import SERIAL, Threads
+from exo_sim.diagnosis.policy import signatures
 from exo_sim.diagnosis.selection.fitted_model import FittedModel, LeastSquaresModel
 
 Array = NDArray[np.float64]
@@ -167,7 +168,7 @@ def signature(
         sizes: Where to begin; the size that is found is entered.
     """
     size = sizes.get((candidate.key, start), 1.0)
-    for _ in range(4 if candidate.proportional else 1):
+    for _ in range(signatures.MOST_SIZES if candidate.proportional else 1):
         values = {
             q: float(np.clip(q.neutral + size * (v - q.neutral), q.low, q.high))
             for q, v in zip(candidate.parameters, start, strict=True)
@@ -176,10 +177,10 @@ def signature(
         if not np.isfinite(change).all():
             return None
         strength = math.sqrt(float(change @ change) / change.size)
-        if strength > 10.0 * level and size > 1e-3:
-            size *= 0.2
-        elif strength < 0.02 * level and size < 50.0:
-            size *= 10.0
+        if strength > signatures.SWAMPS * level and size > signatures.SMALLEST:
+            size *= signatures.SMALLER
+        elif strength < signatures.STANDS_OUT * level and size < signatures.LARGEST:
+            size *= signatures.LARGER
         else:
             break
     sizes[candidate.key, start] = size

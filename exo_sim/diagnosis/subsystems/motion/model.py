@@ -251,8 +251,7 @@ class MotionModel(SubsystemModel):
             for name, values in _variables(run).items():
                 variables.setdefault(name, []).append(rows.means(values))
             ways.append(np.sign(rows.means(run.kinematics.velocity)))
-            arm = run.drive.arm
-            forces.append(rows.means(self.missing(plant, index) / np.where(np.abs(arm) > 1e-6, arm, 1.0)))
+            forces.append(rows.means(self.missing(plant, index) / run.drive.divisor))
         force, joined = np.concatenate(forces), {name: np.concatenate(values) for name, values in variables.items()}
         size = float(np.sqrt(np.mean(force**2)))
         along = fit_curves(joined, force, self.blocks)

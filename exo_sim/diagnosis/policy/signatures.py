@@ -6,7 +6,7 @@ from exo_sim.diagnosis.policy.number import Count, Number
 
 SWAMPS = Number(10.0, "root mean square error of the model", "a larger signature is of another machine: a smaller size is tried ...")
 SMALLER = Number(0.2, "share of the size", "... of so much")
-STANDS_OUT = Number(0.02, "root mean square error of the model", "one smaller than this drowns in rounding: a larger size is tried ...")
+DROWNS = Number(0.02, "root mean square error of the model", "one smaller than this drowns in rounding: a larger size is tried ...")
 LARGER = Number(10.0, "share of the size", "... of so much")
 SMALLEST = Number(1e-3, "share of the size that a fit begins with", "is the least that is tried")
 LARGEST = Number(50.0, "share of the size that a fit begins with", "from here on no larger size is tried")

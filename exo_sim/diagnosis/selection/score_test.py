@@ -179,7 +179,7 @@ def signature(
         strength = math.sqrt(float(change @ change) / change.size)
         if strength > signatures.SWAMPS * level and size > signatures.SMALLEST:
             size *= signatures.SMALLER
-        elif strength < signatures.STANDS_OUT * level and size < signatures.LARGEST:
+        elif strength < signatures.DROWNS * level and size < signatures.LARGEST:
             size *= signatures.LARGER
         else:
             break

@@ -4,11 +4,13 @@ from __future__ import annotations
 
 from dataclasses import replace
 
+import numpy as np
 import pytest
 from diagnosis import waves
 
+from exo_sim.diagnosis.policy import signatures
 from exo_sim.diagnosis.selection.model_fits import ModelFits
-from exo_sim.diagnosis.selection.score_test import Signatures, scores
+from exo_sim.diagnosis.selection.score_test import Signatures, Sizes, scores, signature
 
 
 @pytest.mark.parametrize("size", [0.5, 3.0, -3.0])
@@ -48,9 +50,21 @@ def test_signatures_of_a_neighbouring_model_serve_a_linear_one_and_are_predicted
     fits = ModelFits(model, (), cheap=True)
     bare, full = fits.fit(()), fits.fit((waves.BASE,))
     own = scores(model, bare, (waves.BASE, waves.OTHER))
-    signatures = Signatures(model, full)
+    known = Signatures(model, full)
     assert [c.effect for _, c in own] == ["base", "other"]
     for _ in range(2):
-        found = scores(model, bare, (waves.OTHER, waves.candidate("twin", "slow")), signatures=signatures)
+        found = scores(model, bare, (waves.OTHER, waves.candidate("twin", "slow")), signatures=known)
         assert [promised for promised, _ in found] == pytest.approx([promised for promised, _ in own], rel=1e-6)
         monkeypatch.setattr(model, "residual", None)  # nothing more is predicted
+
+
+@pytest.mark.parametrize(("begun", "level"), [(1.0, 1.0), (0.002, 1.0), (1.0, 0.01)], ids=["at once", "larger", "smaller"])
+def test_a_signature_is_taken_where_it_shows_and_does_not_swamp(begun: float, level: float) -> None:
+    model = waves.Waves(slow=3.0)
+    now = ModelFits(model, (), cheap=True).fit(())
+    sizes: Sizes = {}
+    found = signature(model, waves.BASE, (begun,), now, [], now.fit.residual, level, sizes)
+    assert found is not None
+    change, values = found
+    assert signatures.DROWNS * level <= np.sqrt(np.mean(change**2)) <= signatures.SWAMPS * level
+    assert list(values.values()) == pytest.approx([begun * size for size in sizes.values()])

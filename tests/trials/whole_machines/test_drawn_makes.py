@@ -11,6 +11,7 @@ from exo_sim.trials.whole_machines.draw import build
 from exo_sim.trials.whole_machines.drawn_makes import FIRST_REPORTED, drawn_make, number_of
 from exo_sim.trials.whole_machines.excitation import PROGRAMS
 from exo_sim.trials.whole_machines.hidden_effects import BLOCKS
+from exo_sim.trials.whole_machines.make import CONTROLLER, PLANT
 from exo_sim.trials.whole_machines.makes import find, letters
 from exo_sim.trials.whole_machines.published_cylinders import SERIES
 
@@ -41,6 +42,7 @@ def test_drawn_makes_have_cylinders_that_are_sold_and_effects_that_there_are() -
         assert set(make.bores) <= set(SERIES[make.series]) and set(make.optional) <= set(BLOCKS)
         assert len(make.programs) == 4 and set(make.programs) | set(make.fresh) <= set(PROGRAMS)
         assert not (make.single and make.build == "lever")
+        assert make.rate <= 500.0 or make.grade not in (PLANT, CONTROLLER)
         machine = build(make, "whole", np.random.default_rng(number)).machine
         assert machine["area_1"] > machine["area_2"] > 0.0 and machine.moved_mass > 0.0
 

@@ -14,6 +14,7 @@ from numpy.typing import NDArray
 from exo_sim.diagnosis.data.cylinder_run import CylinderRun
 from exo_sim.diagnosis.data.split import Split
 from exo_sim.diagnosis.policy.budgets import BLOCKS, LEAD, LONGEST_FITTED, MOST_FITTED, MOST_IN_ONE_RUN, WORTH_CUTTING
+from exo_sim.diagnosis.policy.recordings import FEWEST_TO_FIT
 
 Array = NDArray[np.float64]
 
@@ -76,3 +77,9 @@ def led_to_test(run: CylinderRun, split: Split, total: int) -> CylinderRun:
     inside = np.flatnonzero(split.in_test(run.recording, run.time))
     stop = int(inside[-1]) + 1 if inside.size else len(run.time)
     return run.part(max(0, stop - max(1, MOST_IN_ONE_RUN * len(run.time) // total)), stop)
+
+
+def training_part(run: CylinderRun, split: Split) -> CylinderRun | None:
+    """Return a run up to the end of its training time, for nothing later is predicted; None where it has none."""
+    usable = np.flatnonzero(split.in_training(run.recording, run.time))
+    return run.until(int(usable[-1]) + 1) if usable.size > FEWEST_TO_FIT else None

@@ -11,7 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from exo_sim.diagnosis.data.cylinder_run import CylinderRun
-from exo_sim.diagnosis.data.excerpt import excerpts, kept_back, led_to_test
+from exo_sim.diagnosis.data.excerpt import excerpts, kept_back, led_to_test, training_part
 from exo_sim.diagnosis.data.machine_data import MachineData
 from exo_sim.diagnosis.data.split import Split
 from exo_sim.diagnosis.discrepancy.basis import DiscrepancyBasis
@@ -26,9 +26,8 @@ from exo_sim.diagnosis.estimation.threads import SERIAL, Threads
 from exo_sim.diagnosis.findings import Finding, Series, Subsystem
 from exo_sim.diagnosis.nominal_numbers import DEAD_VOLUME
 from exo_sim.diagnosis.policy import healthy, priors, significance, verdicts
-from exo_sim.diagnosis.policy.recordings import FEWEST_TO_FIT
 from exo_sim.diagnosis.subsystem_model import Comparison, SubsystemModel
-from exo_sim.diagnosis.subsystems.gas.bursts import burst_ratio
+from exo_sim.diagnosis.subsystems.gas.bursts import burst_ratio, fast_errors
 from exo_sim.diagnosis.subsystems.gas.experiments import menu
 from exo_sim.diagnosis.subsystems.gas.healthy_discrepancy import healthy_discrepancy
 from exo_sim.diagnosis.subsystems.gas.healthy_limits import with_healthy_losses
@@ -36,7 +35,7 @@ from exo_sim.diagnosis.subsystems.gas.inputs import GasInputs, inputs
 from exo_sim.diagnosis.subsystems.gas.missing_flow import missing_flow
 from exo_sim.diagnosis.subsystems.gas.prediction import GasPrediction, effort_of
 from exo_sim.diagnosis.subsystems.gas.regimes import regimes
-from exo_sim.diagnosis.subsystems.gas.rows import floor, rows_of, stiffness_of
+from exo_sim.diagnosis.subsystems.gas.rows import rows_of, stiffness_of
 from exo_sim.diagnosis.subsystems.gas.sensed_prediction import sensed
 from exo_sim.diagnosis.subsystems.gas.unknown_curve import with_curve
 from exo_sim.physics.declaration import identification_of
@@ -92,7 +91,7 @@ class GasModel(SubsystemModel):
             if all(run.at_rest for run in runs):
                 window = max(window, max(float(np.ptp(run.time)) for run in runs) / REST_WINDOWS)
         self.where, self.nominal, self.all_runs = runs[0].cylinder, nominal, tuple(runs)
-        trained = (_training_part(run, split) for run in runs)
+        trained = (training_part(run, split) for run in runs)
         fitted = (list(runs), split) if on_test else excerpts([run for run in trained if run is not None], split)
         self.runs, self.split = fitted
         self._is_cut = self.split is not split
@@ -283,22 +282,9 @@ class GasModel(SubsystemModel):
         return missing_flow(predictions, plant, self.split, side, f"{self.balance} of chamber {side + 1}")
 
     def has_bursts(self, plant: PlantParameters) -> bool:
-        return any(burst_ratio(fast, noise) > healthy.BURSTS for fast, noise in self._fast_errors(plant))
-
-    def _fast_errors(self, plant: PlantParameters) -> list[tuple[Array, float]]:
-        """Return what is too fast for the rows in the errors of each pressure [Pa], shape (n,), and what noise and a
-        prediction leave [Pa].
-
-        A pressure whose rows are single samples has none.
-        """
-        found = []
-        for index, errors in enumerate(self.errors(plant)):
-            run = self.inputs[index].run
-            for side, (noise, measured) in enumerate(zip(run.noise, run.pressure, strict=True)):
-                rows = self._rows[index][side]
-                if measured is not None and rows.count.size and float(np.median(rows.count)) > 2.0:
-                    found.append((rows.beyond(errors[:, side]), max(noise, floor(measured[np.isfinite(measured)]))))
-        return found
+        told = zip(self.inputs, self.errors(plant), self._rows, strict=True)
+        fast = [pair for given, errors, rows in told for pair in fast_errors(given.run, errors, rows)]
+        return any(burst_ratio(one, noise) > healthy.BURSTS for one, noise in fast)
 
     def column(self, variable: str) -> str:
         return variable if variable == "time" else f"{self.where}.{variable}"
@@ -328,9 +314,3 @@ class GasModel(SubsystemModel):
 
     def with_unknown(self, plant: PlantParameters, discrepancy: Discrepancy) -> PlantParameters:
         return with_curve(plant, discrepancy)
-
-
-def _training_part(run: CylinderRun, split: Split) -> CylinderRun | None:
-    """Return a run up to the end of its training time, for nothing later is predicted; None where it has none."""
-    usable = np.flatnonzero(split.in_training(run.recording, run.time))
-    return run.until(int(usable[-1]) + 1) if usable.size > FEWEST_TO_FIT else None

@@ -8,7 +8,7 @@ count as constant over the filter's width.
 
 from __future__ import annotations
 
-from collections.abc import Collection, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from functools import partial
 
@@ -18,13 +18,14 @@ from numpy.typing import NDArray
 
 from exo_sim.conventions.fed_chambers import fed_cylinders
 from exo_sim.diagnosis.data.motion_run import Drive, Inertia, Kinematics, MotionRun, Passive
-from exo_sim.diagnosis.policy.recordings import LEAST_KNOWN, STILL_NOISE, STILL_SHARE
+from exo_sim.diagnosis.policy.recordings import STILL_NOISE, STILL_SHARE
 from exo_sim.diagnosis.subsystems.motion.contact_forces import AtJoints, ContactForces, SiteForce, site_forces
 from exo_sim.diagnosis.subsystems.motion.filter_width import AskedWidth
 from exo_sim.diagnosis.subsystems.motion.kept_dynamics import KeptDynamics
 from exo_sim.diagnosis.subsystems.motion.moving_masses import MovingMasses, payload, with_twice_the_payload
 from exo_sim.diagnosis.subsystems.motion.smoothing import smoothed_alike, smoothing_width, stride, thinned
 from exo_sim.diagnosis.subsystems.motion.stops import at_stop
+from exo_sim.diagnosis.subsystems.motion.unjudged_balance import bound_by_model, not_recorded, rarely_free, rarely_known
 from exo_sim.machine.linkage import Linkage, moment_row
 from exo_sim.recording.filters import SmoothedMotion, gaussian_smoothed, noise_gain, restored, smoothed_motion
 from exo_sim.recording.noise import white_noise
@@ -60,7 +61,7 @@ def balances(
         why = f"the position of {', '.join(missing[:3])}{' and others' if len(missing) > 3 else ''} was not recorded"
         return [], [(name, why) for name in names if name not in missing] or [(name, why) for name in names]
     contacts, why = site_forces(recording, model, smoothing)
-    why = why or _bound(model)
+    why = why or bound_by_model(model)
     if why:
         return [], [(name, why) for name in names]
     time = recording.time
@@ -82,7 +83,7 @@ def balances(
         pushed = f"{name}.external_force" in recording or bool(dynamics.contacts.reached[dof])
         known = dynamics.contacts.known[:, dof]
         free = ~at_stop(model, j, thin, moves[j], smoothing)
-        reason = _why_not(recording, rig, driven, pushed, fed) or _why_not_known(thin, known) or _why_not_free(thin, free)
+        reason = not_recorded(recording, rig, driven, pushed, fed) or rarely_known(thin, known) or rarely_free(thin, free)
         if reason:
             reasons.append((name, reason))
         else:
@@ -90,47 +91,11 @@ def balances(
     return runs, reasons
 
 
-def _bound(model: mujoco.MjModel) -> str:
-    """Return what of the MJCF pushes and is in no recording, or ""."""
-    bound = [model.equality(i).name or f"number {i + 1}" for i in range(model.neq) if model.eq_active0[i]]
-    return f'the equality constraint "{bound[0]}" of the MJCF holds parts of it by a force that nobody recorded' if bound else ""
-
-
 def _motion(time: Array, position: Array, seconds: float, every: int, noise: float | None) -> SmoothedMotion:
     """Return how a joint moved, at every so many samples."""
     whole = smoothed_motion(time, position, seconds, noise)
     position, velocity, acceleration = (thinned(one, every) for one in (whole.position, whole.velocity, whole.acceleration))
     return replace(whole, position=position, velocity=velocity, acceleration=acceleration)
-
-
-def _why_not(recording: Recording, rig: Rig, driven: Sequence[Linkage], external: bool, fed: Collection[str]) -> str:
-    """Return why the balance of a joint that these cylinders drive, of which some are fed without a command, cannot be judged, or ""."""
-    for link in driven:
-        if f"{link.cylinder}.force" in recording:
-            continue
-        sides = ("pressure_1",) if rig.cylinders[link.cylinder].single_acting else ("pressure_1", "pressure_2")
-        lacking = [s for s in sides if f"{link.cylinder}.{s}" not in recording]
-        if lacking:
-            return f"{link.cylinder}.{lacking[0]} was not recorded"
-        commands = rig.cylinders[link.cylinder].commands
-        commanded = any(f"{link.cylinder}.{command}" in recording for command in commands)
-        if not commanded and not external and link.cylinder not in fed:
-            return f"nothing that was recorded drives {link.cylinder}: what moved it from outside is not known"
-    return ""
-
-
-def _why_not_known(time: Array, known: NDArray[np.bool_]) -> str:
-    """Return why too little of the time has all forces at a joint recorded, or ""."""
-    if float(known.mean()) * float(np.ptp(time)) >= LEAST_KNOWN:
-        return ""
-    return "where the ground pushes is not known (record <foot>.pressure_centre), and the foot is hardly ever in the air"
-
-
-def _why_not_free(time: Array, free: NDArray[np.bool_]) -> str:
-    """Return why a joint that hardly ever leaves its stops cannot be judged, or ""."""
-    if float(free.mean()) * float(np.ptp(time)) >= LEAST_KNOWN:
-        return ""
-    return "it lies against a stop that the MJCF gives it (range) nearly all the time: what the stop pushes is not known"
 
 
 @dataclass(frozen=True)

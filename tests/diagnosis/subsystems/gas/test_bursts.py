@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from pathlib import Path
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
@@ -11,7 +12,8 @@ from hypothesis import strategies as st
 
 from exo_sim.diagnosis.pipeline.diagnose import diagnose
 from exo_sim.diagnosis.policy.healthy import BURSTS
-from exo_sim.diagnosis.subsystems.gas.bursts import burst_ratio
+from exo_sim.diagnosis.subsystems.gas.bursts import burst_ratio, fast_errors
+from exo_sim.diagnosis.subsystems.gas.rows import Rows
 from exo_sim.trials.cases import make_case, write_case
 
 
@@ -32,6 +34,17 @@ def test_bursts_do(seed: int, times: float) -> None:
 
 def test_too_few_samples_say_nothing() -> None:
     assert burst_ratio(np.ones(60), 1.0) == 0.0
+
+
+def test_errors_within_rows_are_fast_and_a_pressure_of_single_samples_has_none() -> None:
+    pressure = 3e5 + np.random.default_rng(3).normal(0.0, 100.0, 400)
+    run = SimpleNamespace(noise=(100.0, 100.0), pressure=(pressure, pressure))
+    every, groups = np.ones(400), np.arange(400) // 10
+    ten = Rows(groups, np.zeros(40, dtype=int), np.full(40, 10.0), np.ones(40))
+    rows = [ten, Rows(np.arange(400), np.zeros(400, dtype=int), every, every)]
+    errors = np.column_stack([np.repeat(np.arange(40.0), 10) + np.tile([5.0, -5.0], 200)] * 2)
+    ((fast, noise),) = fast_errors(run, errors, rows)  # type: ignore[arg-type]
+    assert fast == pytest.approx(np.tile([5.0, -5.0], 200)) and noise >= 100.0
 
 
 @pytest.mark.slow

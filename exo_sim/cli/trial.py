@@ -33,7 +33,8 @@ _JOBS = click.option(
 @click.option("--truth", type=click.Choice(TRUTHS), default="own", show_default=True,
               help="own: effects one at a time or a few together; whole: whole machines of an independent truth, every real effect at "
               "once, with errors of the improved rigs on recordings that nobody has seen; cantera: the same, computed by Cantera.")
-@click.option("--make", "makes", default=None, metavar="A,B", help="Makes of whole machines, or learn, report, all.  [default: report]")
+@click.option("--make", "makes", default=None, metavar="A,B",
+              help="Makes of whole machines (X500-X509: drawn by number), or learn, report, all.  [default: report]")
 @click.option("--cell", "hides", default=None, metavar="CELL,..",
               help="What whole machines hide: whole (five to eight effects), single, nothing, outside, or all of these in equal parts; "
               "a mix when absent.")

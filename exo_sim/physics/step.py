@@ -18,9 +18,10 @@ from exo_sim.physics.gas_effects_off import plain
 from exo_sim.physics.runge_kutta_chebyshev import COEFFICIENTS, MOST_STAGES, REACH, enough_stages
 from exo_sim.physics.state import CONTENTS, HOSE_MASS_1, INTEGRATED, MIDDLE_MASS_1, SHARED_CONTENTS
 
-#: In the place of a number of stages: a classic step. The largest h * lambda that it keeps stable, of what settles and of waves alike.
+#: In the place of a number of stages: a classic step; how many stages it has, and the largest h * lambda that it keeps stable, of what
+#: settles and of waves alike.
 CLASSIC = 0
-CLASSIC_REACH = 2.78
+CLASSIC_STAGES, CLASSIC_REACH = 4, 2.78
 
 #: A change of less than this share of the state says nothing of how fast the state settles.
 _SMALLEST_CHANGE = 1e-9
@@ -189,10 +190,10 @@ def integrate(world, cylinders, y, held, x0, x1, span, spool, h, stages, work, x
             continue
         if unstable and seen > 0.0:
             faster = max(faster, _MARGIN * seen)
-        if unstable and stages != CLASSIC and faster * piece <= REACH[MOST_STAGES]:
-            stages = max(enough_stages(faster * piece), stages + 1)
-        else:
-            if unstable and stages != CLASSIC:
-                stages = MOST_STAGES
-            piece *= 0.5
+        if unstable and stages != CLASSIC:
+            if faster * piece <= REACH[MOST_STAGES]:
+                stages = max(enough_stages(faster * piece), stages + 1)
+                continue
+            stages = MOST_STAGES
+        piece *= 0.5
     return first, tried, faster

@@ -13,7 +13,7 @@ from exo_sim.physics.recovery_tank import exchange_rate
 from exo_sim.physics.runge_kutta_chebyshev import MOST_STAGES, REACH, enough_stages
 from exo_sim.physics.settling import HOT, path_rate, settling_rate, thermal_rate
 from exo_sim.physics.state import HOSE_ENERGY_1, HOSE_ENERGY_2, HOSE_FLOW_1, HOSE_FLOW_2, HOSE_MASS_1, HOSE_MASS_2, INTEGRATED
-from exo_sim.physics.step import CLASSIC, CLASSIC_REACH
+from exo_sim.physics.step import CLASSIC, CLASSIC_REACH, CLASSIC_STAGES
 from exo_sim.physics.summed_effects import across_rate, heat_rate, outward_rate
 
 #: The longest step that accuracy allows [s]; stability asks for more stages, not for shorter steps.
@@ -26,8 +26,8 @@ MOST_STEPS = 2000
 CHANGE = 0.4
 
 #: How far a wave in a line turns in one step [rad]: further, and a Chebyshev step's own gain exceeds the wall's friction; a classic one
-#: takes 2 % from the fastest wave of a hose then, and a thousandth from the next.
-_TURN, _CLASSIC_TURN = CHANGE / 1.5, 1.2
+#: takes 2 % from the fastest wave of a hose then (z^6/144, by its stability function), and from one half as fast less than a thousandth.
+_TURN, CLASSIC_TURN = CHANGE / 1.5, 1.2
 
 #: A path with pressures closer than this ratio counts as balanced: what is left settles stably in steps of any length.
 _BALANCED = 0.97
@@ -199,11 +199,11 @@ def step_length(world, cylinders, y, held, x, end, spool, left: float, shortest:
     fastest = max(fastest_rate(world, cylinders, y, supply, exhaust, x, spool, span), faster)
     wave = fastest_wave(world, cylinders)
     if wave > 0.0:
-        classic = min(span, _CLASSIC_TURN / wave)
+        classic = min(span, CLASSIC_TURN / wave)
         if fastest * classic > CLASSIC_REACH:
             classic = CLASSIC_REACH / fastest
         turned = min(span, _TURN / wave)
-        if classic >= shortest and 4.0 * turned < enough_stages(fastest * turned) * classic:
+        if classic >= shortest and CLASSIC_STAGES * turned < enough_stages(fastest * turned) * classic:
             return left / max(math.ceil(left / classic - 1e-9), 1), CLASSIC
         span = min(span, max(turned, shortest))
     h = left / max(math.ceil(left / span - 1e-9), 1)

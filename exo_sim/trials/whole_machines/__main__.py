@@ -26,7 +26,10 @@ def main(argv: list[str] | None = None) -> int:
     verbs = parser.add_subparsers(dest="verb", required=True)
     make = verbs.add_parser("make", help="write cases: CASE/rig.toml, bench.xml, recording.csv, and what is true in CASE/truth")
     make.add_argument("--out", type=Path, required=True)
-    make.add_argument("--make", default="A,B,C,D", help=f"letters, or learn, report, all; there is: {', '.join(MAKES)}  [default: A,B,C,D]")
+    make.add_argument(
+        "--make", default="A,B,C,D",
+        help=f"letters, X0-X9 (drawn by number), or learn, report, all; there is: {', '.join(MAKES)}  [default: A,B,C,D]",
+    )  # fmt: skip
     make.add_argument("--cell", default="whole", help=f"of {', '.join(CELLS)}, several with commas, or all  [default: whole]")
     make.add_argument(
         "--effects", default="", help="hide these blocks instead of a draw, such as stribeck+viscous; several sets with commas"

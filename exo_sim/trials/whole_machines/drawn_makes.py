@@ -20,7 +20,7 @@ from exo_sim.trials.whole_machines.published_cylinders import SERIES
 DRAWN = "X"
 FIRST_REPORTED = 500
 
-#: Of every make, and of those with two chambers or on a slide alone.
+#: What a make's machines may have besides what all do: any make's, and those with two chambers.
 _OPTIONAL = ("pressure", "shift", "null", "silencer", "tank", "regulator", "play", "mount")
 _OF_TWO_CHAMBERS = ("asymmetry", "cushion", "wall", "rate")
 

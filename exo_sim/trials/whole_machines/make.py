@@ -95,8 +95,8 @@ class Make:
     """One make.
 
     Attributes:
-        name, reported: Letter, and whether it may only be reported on.
-        bores: Of the series of `catalogue.SERIES` [mm].
+        name, reported: A letter, or that of a drawn make (`drawn_makes`), and whether it may only be reported on.
+        bores: Of the series of `published_cylinders.SERIES` [mm].
         build: "slide", "upright", "lever", or "legs": cylinders across hips and knees that their wearer leads.
         rate: Samples a second [Hz].
         laws: What its machines obey.
@@ -107,7 +107,7 @@ class Make:
         cylinder, joint: What owners call them; of legs the joints' names without the side.
         optional: Of `hidden_effects.BLOCKS`, what its machines may have besides what all do.
         single: Chamber 2 is open to the room.
-        series: Of cylinders, of `catalogue.SERIES`.
+        series: Of cylinders, of `published_cylinders.SERIES`.
         load_cell: How often the rod's force is recorded; legs draw theirs in `walk.worn`.
     """
 

@@ -4,7 +4,7 @@ A to D, I and Q to S are for learning, E to H, J, O and P are only reported on; 
 have one chamber: a spring or a weight brings their pistons back. K to N are worn by somebody who walks: K and L for learning, M and N
 reported on.
 O and P were drawn up by somebody who did not work on the diagnosis, with laws, sizes, drives and cards that no other make has.
-Beside these there is one for each number, X1 and on: see `drawn_makes`.
+Beside these there is one for each number, X0 and on: see `drawn_makes`.
 """
 
 from __future__ import annotations
@@ -183,9 +183,15 @@ def letters(words: str) -> tuple[str, ...]:
 
 
 def _span(words: str) -> tuple[str, ...]:
-    """Return the names of drawn makes from one to another, such as X3-X5; what is none of these by itself."""
+    """Return the names of drawn makes from one to another, such as X3-X5; what is none of these by itself.
+
+    Raises:
+        TrialError: the second comes before the first.
+    """
     first, _, last = words.partition("-")
-    ends = number_of(first), number_of(last)
-    if ends[0] is None or ends[1] is None:
+    begin, end = number_of(first), number_of(last)
+    if begin is None or end is None:
         return (words,)
-    return tuple(f"{DRAWN}{number}" for number in range(ends[0], ends[1] + 1))
+    if end < begin:
+        raise TrialError(f'no make from "{first}" to "{last}"; did you mean "{last}-{first}"?')
+    return tuple(f"{DRAWN}{number}" for number in range(begin, end + 1))

@@ -28,8 +28,9 @@ def test_a_drawn_make_is_called_by_its_number(name: str, number: int | None) -> 
 
 def test_a_span_of_numbers_is_a_list_of_makes() -> None:
     assert letters("A,X3-X5") == ("A", "X3", "X4", "X5")
-    with pytest.raises(TrialError):
-        letters("X3-B")
+    for wrong in ("X3-B", "X5-X3"):
+        with pytest.raises(TrialError):
+            letters(wrong)
 
 
 def test_only_high_numbers_are_reported_on() -> None:

@@ -282,8 +282,8 @@ class GasModel(SubsystemModel):
         return missing_flow(predictions, plant, self.split, side, f"{self.balance} of chamber {side + 1}")
 
     def has_bursts(self, plant: PlantParameters) -> bool:
-        told = zip(self.inputs, self.errors(plant), self._rows, strict=True)
-        fast = [pair for given, errors, rows in told for pair in fast_errors(given.run, errors, rows)]
+        along = zip(self.inputs, self.errors(plant), self._rows, strict=True)
+        fast = [pair for given, errors, rows in along for pair in fast_errors(given.run, errors, rows)]
         return any(burst_ratio(one, noise) > healthy.BURSTS for one, noise in fast)
 
     def column(self, variable: str) -> str:

@@ -15,6 +15,7 @@ from exo_sim.physics.effects import line_restriction, valve_lag
 from exo_sim.physics.nodes import change_hose_pressure, change_pressure
 from exo_sim.physics.pneumatics import Pneumatics
 from exo_sim.physics.settling import settling_rate
+from exo_sim.physics.step_length import CLASSIC_TURN
 from exo_sim.physics.transmission import gives
 from exo_sim.recording import windows
 
@@ -38,9 +39,9 @@ HOSE_STEP = 5e-4
 #: A sample with a hose takes about so many times as long, and behind one; of a slow logger as many as it has steps. Learn makes A, B and C,
 #: 1 to 5 ms: 1.6, 2.3 and 6.5 times, behind it 2.5, 3.6 and 7.3.
 HOSE_EFFORT, SENSED_EFFORT = 2, 3
-#: The usual step where a wave passes, of the time that it takes through the hose, and for how many plain samples such a step counts: at
-#: 1 kHz 1.2 m of hose take 4.3 times as long as none, 3 m as long again, 0.55 m 9 times (a drawn make of whole machines, 20 s).
-WAVE_SHARE, WAVE_EFFORT = 0.3, 4
+#: The usual step where a wave passes (`wave_rate`), of the time that it takes through the hose, and for how many plain samples such a step
+#: counts: at 1 kHz 1.2 m of hose take 4.3 times as long as none, 3 m about as long, 0.55 m 9 times (a drawn make of whole machines, 20 s).
+WAVE_SHARE, WAVE_EFFORT = CLASSIC_TURN / 4.0, 4
 #: What a prediction costs whatever its length, in plain samples: 400 take 1.3 ms, 20,000 take 11 ms.
 EACH_EFFORT = 1500
 #: Of a slow logger's sample neither a shorter part is resolved, nor do steps behind a hose get shorter.

@@ -40,13 +40,18 @@ def not_recorded(recording: Recording, rig: Rig, driven: Sequence[Linkage], exte
 
 def rarely_known(time: Array, known: NDArray[np.bool_]) -> str:
     """Return why too little of the time has all forces at a joint recorded, or ""."""
-    if float(known.mean()) * float(np.ptp(time)) >= LEAST_KNOWN:
+    if _is_enough(time, known):
         return ""
     return "where the ground pushes is not known (record <foot>.pressure_centre), and the foot is hardly ever in the air"
 
 
 def rarely_free(time: Array, free: NDArray[np.bool_]) -> str:
     """Return why a joint that hardly ever leaves its stops cannot be judged, or ""."""
-    if float(free.mean()) * float(np.ptp(time)) >= LEAST_KNOWN:
+    if _is_enough(time, free):
         return ""
     return "it lies against a stop that the MJCF gives it (range) nearly all the time: what the stop pushes is not known"
+
+
+def _is_enough(time: Array, usable: NDArray[np.bool_]) -> bool:
+    """Return whether so much of a time is usable that a joint can be judged by it."""
+    return float(usable.mean()) * float(np.ptp(time)) >= LEAST_KNOWN

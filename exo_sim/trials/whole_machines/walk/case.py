@@ -68,7 +68,7 @@ def make_worn_case(name: str, make: str, cell: str = "whole", seed: int = 0, *, 
     kind = find(make)
     check_keys(effects)
     for attempt in range(_TRIES):
-        rng = np.random.default_rng([seed, ord(make), attempt, 20263])
+        rng = np.random.default_rng([seed, *map(ord, make), attempt, 20263])
         worn = draw_worn(kind, cell, rng, effects, bulk)
         try:
             walks = [walk(worn, kind, kind.programs, duration, rng) for _ in range(recordings)]

@@ -26,8 +26,9 @@ MOST_STEPS = 2000
 CHANGE = 0.4
 
 #: How far a wave in a line turns in one step [rad]: further, and a Chebyshev step's own gain exceeds the wall's friction; a classic one
-#: takes 2 % from the fastest wave of a hose then (z^6/144, by its stability function), and from one half as fast less than a thousandth.
-_TURN, CLASSIC_TURN = CHANGE / 1.5, 1.2
+#: takes 8 % from the fastest wave of a hose then (its stability function: 1 - z^6/72 + z^8/576 is the square of what stays), and 0.2 %
+#: from one half as fast. Predictions of two learn machines with 1.1 and 1.6 m of hose are off by 10 to 23 Pa, with 1.2 rad by 2 to 13.
+_TURN, CLASSIC_TURN = CHANGE / 1.5, 1.6
 
 #: A path with pressures closer than this ratio counts as balanced: what is left settles stably in steps of any length.
 _BALANCED = 0.97
@@ -200,8 +201,8 @@ def step_length(world, cylinders, y, held, x, end, spool, left: float, shortest:
     wave = fastest_wave(world, cylinders)
     if wave > 0.0:
         classic = min(span, CLASSIC_TURN / wave)
-        if fastest * classic > CLASSIC_REACH:
-            classic = CLASSIC_REACH / fastest
+        if faster * classic > CLASSIC_REACH:  # the bound of what settles is not asked: a classic step itself is (`step.py`)
+            classic = CLASSIC_REACH / faster
         turned = min(span, _TURN / wave)
         if classic >= shortest and CLASSIC_STAGES * turned < enough_stages(fastest * turned) * classic:
             return left / max(math.ceil(left / classic - 1e-9), 1), CLASSIC

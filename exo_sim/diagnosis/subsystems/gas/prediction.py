@@ -24,7 +24,7 @@ Array = NDArray[np.float64]
 #: A fit may try a bias larger than a reading, but no window starts with less gas than this [Pa].
 LEAST_START = 100.0
 #: Longest step [s] and most steps a sample: a fit asks for thousands of predictions, some of them of absurd machines ...
-LONGEST_STEP, MOST_STEPS = 1e-3, 8.0
+LONGEST_STEP, MOST_STEPS = 1.5e-3, 8.0
 #: The shortest step where waves pass in a hose [s], and the speed of sound in a room [m/s].
 WAVE_STEP, SOUND = 1e-4, 343.0
 #: A wave is followed that takes longer than so many of the times of which a fit shows anything: of 1 ms, 0.51 m are passed.
@@ -40,8 +40,8 @@ HOSE_STEP = 5e-4
 #: 1 to 5 ms: 1.6, 2.3 and 6.5 times, behind it 2.5, 3.6 and 7.3.
 HOSE_EFFORT, SENSED_EFFORT = 2, 3
 #: The usual step where a wave passes (`wave_rate`), of the time that it takes through the hose, and for how many plain samples such a step
-#: counts: at 1 kHz 1.2 m of hose take 4.3 times as long as none, 3 m about as long, 0.55 m 9 times (a drawn make of whole machines, 20 s).
-WAVE_SHARE, WAVE_EFFORT = CLASSIC_TURN / 4.0, 4
+#: counts: at 1 kHz 1.2 to 5 m of hose take 2.4 to 2.9 times as long as none, 0.55 to 0.8 m 4.7 to 5.4 times (learn make X1, 14 s).
+WAVE_SHARE, WAVE_EFFORT = CLASSIC_TURN / 4.0, 3
 #: What a prediction costs whatever its length, in plain samples: 400 take 1.3 ms, 20,000 take 11 ms.
 EACH_EFFORT = 1500
 #: Of a slow logger's sample neither a shorter part is resolved, nor do steps behind a hose get shorter.

@@ -74,18 +74,21 @@ def command(scenario: str | None, gait: Path | None, ground: Path | None, column
 
     A machine that nobody wears follows a motion instead: SCENARIO is then a recording with the positions of its joints.
     """
-    import gc
-
-    import exo_sim.simulation.streamed_run  # noqa: F401 - now, so that it is frozen with the rest
-    from exo_sim.api.simulating import simulate
-    from exo_sim.cli.run_motion import motion_words
+    from exo_sim.cli.loading import uncollected
     from exo_sim.errors import ScenarioError
 
     if scenario is None and gait is None:
         if ground is not None:
             raise ScenarioError(f"--ground {ground}: name the gait that it belongs to with --gait")
         raise ScenarioError("name a scenario (see `exo-sim scenarios`), a scenario file, or a gait of your own with --gait FILE")
-    gc.freeze()  # what was imported stays: it need not be gone through again and again
+    with uncollected():
+        import pyarrow.parquet  # noqa: F401 - all that a run needs, now: what is loaded later is gone through again and again
+        import rerun  # noqa: F401
+
+        import exo_sim.simulation.streamed_run  # noqa: F401
+        from exo_sim.api.simulating import simulate
+        from exo_sim.cli.run_motion import motion_words
+
     with printing.prints_on_stderr():
         done = simulate(
             rig, scenario, gait=gait, ground=ground, columns=columns, whole=whole, payload=payload, speed=speed, strides=strides,

@@ -49,12 +49,6 @@ def wearing(walk: Walk) -> Wearing:
     return Wearing(with_machine(walk), own(walk))
 
 
-def by_straps(walk: Walk) -> NDArray[np.float64]:
-    """Return the extra moments that the straps ask of the wearer [N m], columns as `walk.JOINTS`, shape (n, 6)."""
-    both = wearing(walk)
-    return both.machine.moments - both.body.moments
-
-
 def with_pack(walk: Walk) -> Held:
     """Return what the wearer would give with the same load as a backpack and with this motion, at every row."""
     position, acceleration = (along(walk, table) for table in trunk(walk.motion))

@@ -54,7 +54,7 @@ class Moved(Held):
     toes: Array
     yielded: Array
 
-    def at(self, rows: NDArray[np.int64]) -> Moved:
+    def at(self, rows: NDArray[np.int64] | slice) -> Moved:
         """Return some rows of it."""
         ground = Ground(*(getattr(self.ground, each.name)[rows] for each in fields(Ground)))
         others = (getattr(self, each.name)[rows] for each in fields(self) if each.name not in ("poses", "wrench", "ground"))

@@ -305,3 +305,11 @@ def test_a_drooping_supply_is_logged_as_it_droops(exo):
     assert supply[0] == pytest.approx(18.25e5)
     assert supply.min() < 17e5
     assert np.all(walk.columns["exhaust.pressure"] == 101325.0)
+
+
+def test_a_part_of_a_walk_is_its_rows(on):
+    part = on.part(slice(100, 250))
+    assert part.first == on.first + 100 and len(part.time) == len(part.poses) == len(part.wrench) == len(part.weight) == 150
+    assert part.part(slice(20, None)).first == on.first + 120
+    np.testing.assert_array_equal(with_machine(part).moments, with_machine(on).moments[100:250])
+    np.testing.assert_array_equal(part.columns["hip_l.torque"], on.columns["hip_l.torque"][100:250])

@@ -9,8 +9,8 @@ from exo_sim.machine.person import Person
 
 Array = NDArray[np.float64]
 
-#: A leg is at least so much shorter than thigh and shank, and from so much on not straighter than it is asked to be [m]: a knee of 4 degrees
-#: and one of 8. Straight, a knee turns infinitely fast as the ankle moves, and one that overextends and comes back would turn over.
+#: A leg is at least so much shorter than thigh and shank, and from so much on as short as it is asked to be [m]: knees of 4 and 8 degrees.
+#: Straight, a knee turns infinitely fast as the ankle moves, and one that overextends and comes back would turn over.
 _BENT, _FREE = 5e-4, 2e-3
 
 

@@ -121,7 +121,8 @@ class Run:
         return rows
 
     def __str__(self) -> str:
-        return f"{self.scenario} in {self.rig.name}\n{table(self._rows())}"
+        doubtful = f"{self.summary['unreliable']}\n" if "unreliable" in self.summary else ""
+        return f"{doubtful}{self.scenario} in {self.rig.name}\n{table(self._rows())}"
 
     def __repr__(self) -> str:
         return f"<exo.Run {self.scenario} in {self.rig.name}: {self.summary['simulated_s']:.2f} s>"

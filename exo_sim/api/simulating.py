@@ -108,6 +108,8 @@ def simulate(
         numbers, interrupted = streamed_run.run(simulation, target, target.with_suffix(".parquet"), seed, quiet)
     for words in simulation.remarks[len(before) :]:  # what only the run showed, of a controller's commands
         tell(words)
+    if simulation.unreliable is not None:
+        numbers["unreliable"] = simulation.unreliable
     summary = summary_of(numbers, begun, prepared, simulation.remarks)
     return Run(machine, name, summary, simulation.remarks, target, interrupted, walk, seed)
 

@@ -111,6 +111,7 @@ def _words(data: dict[str, Any]) -> str:
     carried = data["mean_ground_force_n"] + straps["vertical_mean"]
     pace = data["simulated_s"] / data["wall_s"]
     lines = [
+        *([data["unreliable"], ""] if "unreliable" in data else []),
         f"{data['scenario']}: {data['simulated_s']:.2f} s simulated in {data['wall_s']:.2f} s, "
         f"{pace:.{0 if pace >= 10.0 else 2}f} times real time (prepared in {data['prepared_s']:.2f} s)",
         f"weight of frame and payload {data['supported_weight_n']:.1f} N; ground and straps carry {carried:.1f} N, "

@@ -64,10 +64,14 @@ def by_backpack(walk: Walk) -> NDArray[np.float64]:
 
 def alone(walk: Walk) -> Held:
     """Return what the wearer gives without machine or load, along one cycle of the own motion."""
-    motion = reduced(walk.plain, walk.person)
     if walk.moved is not None:
-        return one_cycle(motion, walk.person, None, walk.step)
-    return _on_cycle(motion, walk.person)
+        return one_cycle(reduced(walk.plain, walk.person), walk.person, None, walk.step)
+    return prescribed_alone(walk.plain, walk.person)
+
+
+def prescribed_alone(plain: Motion, person: Person) -> Held:
+    """Return what a person gives who does a motion, recorded or drawn, without machine or load, along one cycle."""
+    return _on_cycle(reduced(plain, person), person)
 
 
 def with_payload(walk: Walk, mass: float) -> Held:

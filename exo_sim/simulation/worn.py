@@ -114,7 +114,7 @@ class Simulation:
             embody(self, LOOKED_AT)
             steady = whole.trial is None and not self.added and not whole.from_rest
             if found.plan is not None and request.law == "least_load" and request.rehearsals and steady:
-                self.demand = self.demand_added = rehearsed_by_body(self, found.plan)
+                self.demand = self.demand_added = rehearsed_by_body(self, found.plan).torque
                 self.lay_plans()
                 used_to(self, whole, LOOKED_AT)
         self.remarks = (*filter(None, [self.unreliable]), *scenario.remarks, *self.remarks)

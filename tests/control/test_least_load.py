@@ -1,4 +1,4 @@
-"""Where the plan's torques cannot be held: with an ankle that has neither spring nor actuator; and a plan that goes on for another wearer."""
+"""Where the plan's torques cannot be held (an ankle that has neither spring nor actuator), and a plan that goes on for another wearer."""
 
 import dataclasses
 

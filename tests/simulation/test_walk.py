@@ -20,7 +20,7 @@ from exo_sim.rig.schema import EffectSetting
 from exo_sim.simulation import record, work_balance
 from exo_sim.simulation.summary import span, summarise, warnings
 from exo_sim.simulation.walk import JOINTS, POWERS, Request
-from exo_sim.simulation.wearer_load import alone, with_machine
+from exo_sim.simulation.wearer_load import alone, own, wearing, with_machine
 
 
 @pytest.fixture(scope="module")
@@ -328,3 +328,10 @@ def test_a_recorded_run_handed_in_as_a_gait_is_the_gait_of_its_wearer(on, tmp_pa
     assert found["metabolic_w"] == pytest.approx(wanted["metabolic_w"], rel=0.08)
     assert found["pelvis_residual"]["force_peak_n"] < 1.0
     assert found["pelvis_residual"]["moment_peak_nm"] < 5.0
+
+
+def test_what_a_wearer_gives_is_the_same_asked_together_or_apart(on):
+    both = wearing(on)
+    for found, wanted in ((both.machine, with_machine(on)), (both.body, own(on))):
+        np.testing.assert_array_equal(found.moments, wanted.moments)
+        np.testing.assert_array_equal(found.ground.residual, wanted.ground.residual)

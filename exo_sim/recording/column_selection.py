@@ -73,7 +73,7 @@ def select(name: str, headings: Sequence[str], column_map: ColumnMap | None = No
             says = f"{error}; the column was set aside"
             findings.append(Finding(heading, "unit", says, severity="fault", use="set aside"))
         except RecordingError as error:
-            if column_map is None:
+            if not mapped:
                 says = f"{error}; the column was set aside"
                 findings.append(Finding(heading, "unknown column", says, severity="warning", use="set aside"))
     return Selection(_time_first(name_of_file, chosen, findings, headings), findings)

@@ -55,7 +55,7 @@ def gather(handed_in: Sequence[Path | Reading], rig: Path | Rig, column_map: Pat
     for one in handed_in:
         reading = one if isinstance(one, Reading) else recordings.read(one, column_map)
         _check_belongs(reading.recording, reading.recording.name if isinstance(one, Reading) else one, rig, model)
-        settled = conventions.settle(reading.recording, rig, model)
+        settled = conventions.settle(reading.recording, rig, model, reading.findings)
         name = reading.recording.name
         while name in {table.name for table in as_read}:
             name += "'"

@@ -31,8 +31,16 @@ class Inspection:
         """Return what looks wrong, the gravest first."""
         return self.found.findings
 
+    def text(self, every_column: bool = False) -> str:
+        """Return what `exo-sim inspect` prints.
+
+        Args:
+            every_column: The numbers of every column, as with `--all`; else, of a recording with many, of those to look at.
+        """
+        return summary_text.text(self.found, every_column) + (f"\n\n{self._asked()}" if self.questions else "")
+
     def __str__(self) -> str:
-        return summary_text.text(self.found) + (f"\n\n{self._asked()}" if self.questions else "")
+        return self.text()
 
     def _asked(self) -> str:
         """Return which questions can be asked, by place, and what the others lack."""

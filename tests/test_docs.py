@@ -86,6 +86,16 @@ def test_the_page_of_recordings_has_every_signal_that_is_measured() -> None:
             assert re.search(rf"`(?:supply\.|exhaust\.)?{known}(?:_x)?(?: \[[^`]*)?`", page), signal.name
 
 
+def test_the_page_of_recordings_has_every_unit_that_is_put_right() -> None:
+    from exo_sim.conventions import positions, pressures, signs
+
+    page = (ROOT / "docs" / "recordings.md").read_text(encoding="utf-8")
+    told = page[page.index("## What is put right") : page.index("## What is looked for")]
+    clocks = [unit for unit in signs.CLOCKS if "not" not in unit]
+    for unit in (*pressures.UNITS, *positions.SLIDING, *positions.TURNING, *clocks):
+        assert re.search(rf"\b{unit}\b", told), unit
+
+
 @pytest.mark.parametrize(("page", "number"), [("run_a_walk.md", 0), ("your_gait.md", 1)])
 def test_a_scenario_file_of_a_page_is_a_scenario(page: str, number: int, tmp_path: Path) -> None:
     from exo_sim.gait import scenario_file

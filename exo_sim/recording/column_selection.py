@@ -70,13 +70,17 @@ def select(name: str, headings: Sequence[str], column_map: ColumnMap | None = No
             unit = columns.split(heading)[1] or ""
             if units.is_gauge(unit) or columns.split(heading)[0] == columns.TIME:
                 raise RecordingError(f"{name_of_file}: {error}") from None
-            says = f"{error}; the column was set aside"
+            says = _set_aside(error)
             findings.append(Finding(heading, "unit", says, severity="fault", use="set aside"))
         except RecordingError as error:
-            if column_map is None:
-                says = f"{error}; the column was set aside"
+            if not mapped:
+                says = _set_aside(error)
                 findings.append(Finding(heading, "unknown column", says, severity="warning", use="set aside"))
     return Selection(_time_first(name_of_file, chosen, findings, headings), findings)
+
+
+def _set_aside(error: Exception) -> str:
+    return f"{error} The column was set aside" if str(error).endswith("?") else f"{error}; the column was set aside"
 
 
 def _time_first(name: str, chosen: list[Column], findings: list[Finding], headings: Sequence[str]) -> tuple[Column, ...]:

@@ -272,3 +272,8 @@ def test_where_no_column_is_a_signal_the_columns_are_listed(tmp_path: Path) -> N
 def test_a_folder_is_refused_with_what_to_do(tmp_path: Path) -> None:
     with pytest.raises(RecordingError, match="it is a folder, not a file; name a file in it"):
         read(tmp_path)
+
+
+def test_a_question_in_a_finding_ends_its_sentence(tmp_path: Path) -> None:
+    found = read(file(tmp_path, HEADING.replace("\n", ",p.presure_2 [Pa]\n") + BODY.replace("\n", ",1\n"))).findings
+    assert [one.says.endswith('did you mean "pressure_2" or "pressure_1"? The column was set aside') for one in found] == [True]

@@ -7,7 +7,9 @@ from collections.abc import Callable
 from dataclasses import dataclass, replace
 from functools import partial
 
+from exo_sim.conventions import clock
 from exo_sim.conventions.check import Check, named
+from exo_sim.conventions.clock import CLOCKS
 from exo_sim.conventions.gas_balance import CylinderColumns, Explained, explained
 from exo_sim.conventions.machine import Machine, columns_of
 from exo_sim.conventions.positions import is_rate_of
@@ -20,7 +22,6 @@ _EXPLAINED, _BETTER = 0.6, 4.0
 _RIVAL = 1.1
 #: Share of the variance that command or motion alone must explain for it to say anything.
 _SAYS = 0.05
-CLOCKS = {"milliseconds": 1e-3, "microseconds": 1e-6, "minutes": 60.0, "seconds, not milliseconds": 1e3, "seconds, not microseconds": 1e6}
 
 
 @dataclass(frozen=True)
@@ -45,14 +46,28 @@ _WAYS = [_Reading(turned=True), _Reading(swapped=True), _Reading(reversed=True)]
 def in_order(recording: Recording, machine: Machine) -> tuple[Recording, list[Check]]:
     """Put right a clock, swapped chambers and turned valves that the gas balance shows beyond doubt; refuse a reversed position."""
     found: dict[str, _Reading] = {}
+    opened: dict[str, float] = {}
+    fits = False
     for link in machine.links:
         columns, cylinder = columns_of(recording, machine, link), machine.cylinder(link)
-        if columns is not None and (reading := _read(columns, cylinder, partial(explained, cylinder=cylinder, rig=machine.rig))):
+        if columns is None:
+            continue
+        ask = partial(explained, cylinder=cylinder, rig=machine.rig)
+        if reading := _read(columns, cylinder, ask):
             found[link.cylinder] = reading
+            opened[link.cylinder] = ask(reading.of(columns, cylinder)).opened
+        else:
+            plain = ask(columns)
+            fits = fits or (plain.share > _EXPLAINED and plain.driven > _SAYS and clock.is_near(plain.opened))
     checks: list[Check] = []
     clocks = {reading.clock for reading in found.values()} - {""}
     if len(clocks) == 1:
-        recording, check = _with_clock(recording, clocks.pop())
+        (unit,) = clocks
+        of_clock = [name for name, reading in found.items() if reading.clock]
+        if fits or not all(clock.is_shown(recording, CLOCKS[unit], opened[name]) for name in of_clock):
+            factor = CLOCKS[unit] * opened[of_clock[0]]
+            return recording, [clock.either(recording, "" if fits else unit, of_clock, factor, machine.rig)]
+        recording, check = _with_clock(recording, unit)
         checks.append(check)
     for name, reading in found.items():
         recording, more = _put_right(recording, machine, name, reading)

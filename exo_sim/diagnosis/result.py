@@ -38,6 +38,7 @@ class Diagnosis:
         held_out: By recording, spans of its time that are for the test.
         small: What the data show beyond doubt, but too little of it to matter.
         sensor_remarks: Plain sentences about clocks and sensors: what was used, repaired or left out.
+        computed: Columns that were computed and not measured: noise of theirs is what a sensor shows.
         checks: What was asked of the recordings, and put right, before any physics: plain records of `what`, `columns` and `says`.
         improved: Text of `improved.toml`.
         improves: Whether it holds anything that the rig does not.
@@ -59,6 +60,7 @@ class Diagnosis:
     next_experiment: NextExperiment | None = None
     open_questions: tuple[OpenQuestion, ...] = ()
     sensor_remarks: tuple[str, ...] = ()
+    computed: tuple[str, ...] = ()
     checks: tuple[Mapping[str, Any], ...] = ()
     series: tuple[Series, ...] = ()
     improved: str = ""

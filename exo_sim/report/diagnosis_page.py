@@ -96,6 +96,7 @@ def _correction(finding: Finding) -> list[tuple[str, str, str, str]]:
 
 def _fit(name: str, fit: SignalFit) -> dict[str, Any]:
     """Return one row of the proof: numbers in one unit, and how long their bars are against the largest."""
+    fit = diagnosis_words.without_rounding(fit)
     unit, size = amounts.shown_in(fit.unit, fit.largest)
     row: dict[str, Any] = {"name": name, "unit": unit}
     for key, value in (("before", fit.before), ("after", fit.after), ("noise", fit.noise)):

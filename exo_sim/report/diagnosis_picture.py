@@ -24,6 +24,8 @@ Array = NDArray[np.float64]
 RECORDED, BEFORE, AFTER, NOISE, LOCATED, HELD_OUT = "#1a1a1a", "#d55e00", "#009e73", "#6c757d", "#f4b6a6", "#dfe7f3"
 #: Stretches of time over which an error is averaged along a recording.
 STRETCHES = 90
+#: An error that is less than this share of the noise is drawn there: what lies below says nothing of a machine.
+LEAST_SHOWN = 0.1
 #: Length of what is shown from near [s], and the most points of a line.
 NEAR, MOST_POINTS = 1.5, 450
 #: Recordings that are drawn; the rest is in comparison.rrd.
@@ -110,7 +112,7 @@ def concerns(place: Located, signal: str) -> bool:
 
 def _error_over_time(axes: Axes, series: Series, places: Sequence[Located], held_out: Sequence[tuple[float, float]]) -> None:
     edges = np.linspace(series.time[0], series.time[-1], STRETCHES + 1)
-    before, after = (_stretches(series.time, values - series.recorded, edges) for values in (series.before, series.after))
+    before, after = shown_errors(series, edges)
     known = np.concatenate([before, after, [series.noise]])
     known = known[np.isfinite(known) & (known > 0.0)]
     name, size = amounts.shown_in(series.unit, float(np.quantile(known, 0.9)) if known.size else 1.0)
@@ -131,6 +133,13 @@ def _error_over_time(axes: Axes, series: Series, places: Sequence[Located], held
     axes.set_title(series.signal)
     axes.set_ylabel(f"error, {name}")
     axes.set_xlim(edges[0], edges[-1])
+
+
+def shown_errors(series: Series, edges: Array) -> tuple[Array, Array]:
+    """Return the error before and after over each stretch of time, no less than is drawn; edges of shape (n + 1,), errors (n,)."""
+    errors = (_stretches(series.time, values - series.recorded, edges) for values in (series.before, series.after))
+    before, after = (np.maximum(error, LEAST_SHOWN * series.noise) for error in errors)
+    return before, after
 
 
 def _from_near(axes: Axes, series: Series, held_out: Sequence[tuple[float, float]]) -> None:

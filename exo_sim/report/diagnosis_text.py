@@ -79,6 +79,7 @@ def _fit(diagnosis: Diagnosis) -> list[str]:
 
 
 def _row(name: str, width: int, fit: SignalFit) -> str:
+    fit = diagnosis_words.without_rounding(fit)
     unit, size = amounts.shown_in(fit.unit, fit.largest)
     before, after, noise = (amounts.digits(v / size) for v in (fit.before, fit.after, fit.noise))
     return f"  {name:{width}}  before {before:>8}  after {after:>8}  noise {noise:>8}  {unit}"

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
+from dataclasses import replace
 
 from exo_sim.diagnosis.findings import Estimate, Finding, SignalFit, Unexplained
 from exo_sim.diagnosis.policy.recordings import LOUD_DRIFT, LOUD_REST
@@ -21,6 +22,8 @@ VERDICTS = {
 }
 #: Of how much signals vary: what costs less is not told as a share.
 LEAST_COST = 5e-4
+#: An error that is less than this share of the noise is none.
+NIL = 0.01
 _CORRECTED = ("sensor_bias", "sensor_scale", "sensor_delay")
 KINDS = {
     "missing_physics": "missing physics",
@@ -61,7 +64,8 @@ def verdict(diagnosis: Diagnosis) -> str:
     if diagnosis.verdict == "consistent":
         if (rest := left_over(diagnosis)) is not None:
             return f"No physics is missing as far as these recordings tell, but the rig is not exact: {rest}."
-        return "Recording and rig agree to within the noise and what a healthy machine shows."
+        noise = "what a sensor could show" if diagnosis.computed else "the noise"
+        return f"Recording and rig agree to within {noise} and what a healthy machine shows."
     if diagnosis.verdict == "undetermined" and not parts:
         return "These recordings cannot tell whether the rig leaves anything out."
     if not unknown and (rest := _loud_rest(diagnosis, LOUD_DRIFT)):
@@ -82,7 +86,8 @@ def left_over(diagnosis: Diagnosis) -> str | None:
     if drifts:
         key, fit = max(drifts.items(), key=lambda pair: pair[1].after / pair[1].noise)
         parts.append(
-            f"run free, {key} is {amounts.amount(fit.after, fit.unit)} off, {amounts.digits(fit.after / fit.noise, 2)} times the noise"
+            f"run free, {key} is {amounts.amount(fit.after, fit.unit)} off, {amounts.digits(fit.after / fit.noise, 2)} times "
+            f"{'what a sensor shows of noise' if key in diagnosis.computed else 'the noise'}"
         )
     return "; ".join(parts) or None
 
@@ -165,11 +170,21 @@ def proof(diagnosis: Diagnosis) -> str:
         return ""
     name, fit = worst
     kept = kept_back(diagnosis)
-    unit, size = amounts.shown_in(fit.unit, max(fit.before, fit.after))
+    fit = without_rounding(fit)
+    unit, size = amounts.shown_in(fit.unit, max(fit.before, fit.after) or fit.largest)
     before, after, noise = (amounts.digits(v / size, 2) for v in (fit.before, fit.after, fit.noise))
+    beside = f"(noise {noise} {unit})"
+    if name in diagnosis.computed:
+        beside = f"(noise none; a sensor shows {noise} {unit})"
     if fit.after >= 0.98 * fit.before:
-        return f"On {kept}, the error of {name} is {before} {unit} (noise {noise} {unit})."
-    return f"On {kept}, the error of {name} falls from {before} to {after} {unit} (noise {noise} {unit})."
+        return f"On {kept}, the error of {name} is {before} {unit} {beside}."
+    return f"On {kept}, the error of {name} falls from {before} to {after} {unit} {beside}."
+
+
+def without_rounding(fit: SignalFit) -> SignalFit:
+    """Return errors of a signal, nil where they are so far below the noise that they are rounding of a computer."""
+    before, after = (0.0 if error < NIL * fit.noise else error for error in (fit.before, fit.after))
+    return replace(fit, before=before, after=after)
 
 
 def kept_back(diagnosis: Diagnosis) -> str:

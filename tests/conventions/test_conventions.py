@@ -197,6 +197,18 @@ def test_a_stroke_that_is_short_by_ten_is_not_taken_for_another_unit(machines: d
     assert "\n" not in str(caught.value)
 
 
+@pytest.mark.parametrize(("key", "factor"), [("bore", 10.0), ("area", 100.0)])
+def test_a_size_that_is_off_by_its_unit_changes_no_clock(machines: dict[str, Path], tmp_path: Path, key: str, factor: float) -> None:
+    """A bore in cm that was mm, an area in cm^2 that was mm^2: pressures follow as if time were in minutes or milliseconds."""
+    recording, true = recorded(machines["bench_"])
+    cylinder = true.cylinders["piston"]
+    number = f"{factor * cylinder.bore!r} m" if key == "bore" else f"{factor * cylinder.valve_area!r} m^2"
+    rig = with_rig(machines["bench_"], tmp_path, rf"\n{key}\s*=.*", f'\n{key} = "{number}"')
+    with pytest.raises(RecordingError, match=r"bore, dead volumes or valve area in cylinders\.piston of .*Correct one of them") as caught:
+        settle(recording, rig, load(rig))
+    assert '"time"' in str(caught.value) and "\n" not in str(caught.value)
+
+
 @pytest.mark.parametrize("gear", ["-3", "-1", "0.2", "5", "1000"])
 def test_a_gear_that_is_none_of_the_machines_is_refused_by_name(machines: dict[str, Path], tmp_path: Path, gear: str) -> None:
     recording, _ = recorded(machines["bench_"])

@@ -260,3 +260,23 @@ def test_a_column_that_nothing_reads_is_to_be_renamed_before_anything_else() -> 
     both = replace(found, checks=(*checks, {"what": "column", "columns": ["piston.presure_2"], "says": "", "meant": "piston.pressure_2"}))
     assert 'and "piston.presure_2" to "piston.pressure_2" and diagnose' in diagnosis_words.first_step(both)
     assert "Rename" not in diagnosis_words.first_step(replace(found, checks=({"what": "gauge", "columns": ["a"], "says": ""},)))
+
+
+def test_errors_of_columns_without_noise_are_told_beside_what_a_sensor_shows():
+    key = "piston.pressure_1"
+    computed = Diagnosis(Verdict.CONSISTENT, ("r",), "bench", signals={key: SignalFit("Pa", 5.2, 3.6, 54.0)}, computed=(key,))
+    assert "agree to within what a sensor could show" in diagnosis_words.verdict(computed)
+    assert "(noise none; a sensor shows 54 Pa)" in diagnosis_words.proof(computed)
+    drifting = replace(computed, free_run={key: SignalFit("Pa", 5400.0, 5400.0, 54.0)})
+    assert "100 times what a sensor shows of noise" in diagnosis_words.verdict(drifting)
+    measured = replace(computed, computed=())
+    assert "agree to within the noise" in diagnosis_words.verdict(measured) and "(noise 54 Pa)" in diagnosis_words.proof(measured)
+
+
+def test_errors_far_below_the_noise_are_none():
+    rounding = Diagnosis(Verdict.CONSISTENT, ("r",), "bench", signals={"rod.force_balance": SignalFit("N", 5e-14, 5e-14, 0.06)})
+    assert "10⁻" not in diagnosis_text.text(rounding)
+    series = made_up.whole().series[0]
+    quiet = replace(series, recorded=series.before, after=series.before, noise=1.0)
+    errors = diagnosis_picture.shown_errors(quiet, np.linspace(quiet.time[0], quiet.time[-1], 5))
+    assert all(np.allclose(error, diagnosis_picture.LEAST_SHOWN) for error in errors)

@@ -8,6 +8,7 @@ from collections.abc import Sequence
 from dataclasses import replace
 from pathlib import Path
 
+from exo_sim.diagnosis.data import computed_columns
 from exo_sim.diagnosis.estimation.budget import Budget
 from exo_sim.diagnosis.estimation.threads import Threads
 from exo_sim.diagnosis.findings import Finding, Rejected, in_order
@@ -80,7 +81,9 @@ def _reported(stable: Examination, allowed: Budget, report: Progress, folder: Pa
     allowed.allow_until(1.0)
     kept, said = accepted(data, update, split, allowed.is_spent)
     is_cut = kept.update is not update
-    remarks = (*data.remarks, *said, *([_STOPPED] if allowed.stopped else []))
+    without_noise = computed_columns.computed(data.recordings, list(dict.fromkeys([*test.signals, *kept.free_run])))
+    noise_said = [computed_columns.remark(without_noise)] if without_noise else []
+    remarks = (*data.remarks, *said, *noise_said, *([_STOPPED] if allowed.stopped else []))
     judged = {one.model.kind for one in results.all if not one.is_empty and not one.is_unresolved}
     verdict = verdict_of(findings, judged, data)
     astray = swings_astray(data, kept.free_run) if verdict in (Verdict.CONSISTENT, Verdict.CALIBRATION) else ()
@@ -100,6 +103,7 @@ def _reported(stable: Examination, allowed: Budget, report: Progress, folder: Pa
         next_experiment=next_experiment(findings, questions, results.all),
         open_questions=questions,
         sensor_remarks=tuple(dict.fromkeys(remarks)),
+        computed=without_noise,
         checks=tuple(check.as_dict() for check in data.checks),
         series=test.series,
         improved=kept.update.text(folder or data.rig.path.parent),

@@ -12,6 +12,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from exo_sim.diagnosis.data.command_sign import is_reversed_command
+from exo_sim.diagnosis.data.computed_columns import shown_noise
 from exo_sim.diagnosis.data.machine_data import MachineData
 from exo_sim.diagnosis.data.split import Split
 from exo_sim.diagnosis.findings import SignalFit
@@ -114,7 +115,8 @@ class MachineRuns:
                 sums = total.setdefault(key, Sums(table.units[key]))
                 block = number * MOST_BLOCKS + np.floor(table.time[there] / REPLAY_WINDOW).astype(np.int64)
                 sums.add(recorded[key][there], [one.predicted[key][there] for one in (before, after)], block)
-                sums.noise = max(sums.noise, noise.floor(recorded[key], recorded.time).std)
+                floor = noise.floor(recorded[key], recorded.time).std
+                sums.noise = max(sums.noise, shown_noise(floor, recorded[key]))
 
 
 class _Machine:

@@ -10,6 +10,7 @@ from dataclasses import replace
 import numpy as np
 from numpy.typing import NDArray
 
+from exo_sim.diagnosis.data.computed_columns import shown_noise
 from exo_sim.diagnosis.data.cylinder_run import CylinderRun
 from exo_sim.diagnosis.data.excerpt import excerpts, kept_back, led_to_test, training_part
 from exo_sim.diagnosis.data.machine_data import MachineData
@@ -241,8 +242,8 @@ class GasModel(SubsystemModel):
                     continue
                 mask = self.split.in_test(run.recording, run.time) & self.inputs[index].windows.compared
                 first, second = (predicted[index][:, side] for predicted in pressures)
-                column = f"{self.where}.pressure_{side + 1}"
-                series = Series(run.recording, column, self.unit, run.time, measured, first, second, run.noise[side])
+                column, noise = f"{self.where}.pressure_{side + 1}", shown_noise(run.noise[side], measured)
+                series = Series(run.recording, column, self.unit, run.time, measured, first, second, noise)
                 found.append(Comparison(series, (measured - first)[mask], (measured - second)[mask]))
         return found
 

@@ -8,6 +8,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from exo_sim.diagnosis.data.computed_columns import shown_noise
 from exo_sim.diagnosis.data.split import Split
 from exo_sim.diagnosis.discrepancy.curve import Curve
 from exo_sim.diagnosis.discrepancy.signal import Discrepancy
@@ -112,7 +113,8 @@ class SupplyModel(SubsystemModel):
         found = []
         for index, (run, group) in enumerate(zip(self.runs, self._groups, strict=True)):
             first, second = self.predict(before, index), self.predict(after, index)
-            series = Series(run.recording, "supply.pressure", self.unit, run.time, run.pressure, first, second, run.noise)
+            noise = shown_noise(run.noise, run.pressure)
+            series = Series(run.recording, "supply.pressure", self.unit, run.time, run.pressure, first, second, noise)
             found.append(Comparison(series, (run.pressure - first)[group >= 0], (run.pressure - second)[group >= 0]))
         return found
 

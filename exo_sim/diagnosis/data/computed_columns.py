@@ -1,0 +1,51 @@
+"""Columns that were computed and not measured: they have no noise, and what a sensor could show takes its place.
+
+A recording of a simulation differs from another simulation of the same by errors of integration, however small; held against a noise that
+does not exist they would be a million times too large.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Sequence
+
+import numpy as np
+from numpy.typing import NDArray
+
+from exo_sim.diagnosis.policy.recordings import COMPUTED, SENSOR_SHOWS
+from exo_sim.recording.noise import white_noise
+from exo_sim.recording.table import Recording
+
+
+def is_computed(values: NDArray[np.float64]) -> bool:
+    """Return whether a column, shape (n,), varies with less noise than any instrument has."""
+    there = values[np.isfinite(values)]
+    return bool(there.size and np.ptp(there) > 0.0) and white_noise(values) < COMPUTED * _reach(there)
+
+
+def shown_noise(noise: float, values: NDArray[np.float64]) -> float:
+    """Return the noise that errors of a column are held against.
+
+    Args:
+        noise: What its samples show, one standard deviation.
+        values: The column, shape (n,), NaN where missing.
+    """
+    return max(noise, SENSOR_SHOWS * _reach(values[np.isfinite(values)])) if is_computed(values) else noise
+
+
+def computed(tables: Iterable[Recording], signals: Sequence[str]) -> tuple[str, ...]:
+    """Return those of some signals that were computed in every recording that holds them."""
+    tables = tuple(tables)
+    held = {key: [table.columns[key] for table in tables if key in table] for key in signals}
+    return tuple(key for key, columns in held.items() if columns and all(is_computed(values) for values in columns))
+
+
+def remark(columns: Sequence[str]) -> str:
+    """Return what to say of columns that were computed."""
+    return (
+        f"{', '.join(columns)}: without noise, so computed and not measured; errors are held against what a sensor shows, "
+        f"{100.0 * SENSOR_SHOWS:g} % of its range"
+    )
+
+
+def _reach(there: NDArray[np.float64]) -> float:
+    return float(np.abs(there).max(initial=0.0))

@@ -1,0 +1,30 @@
+"""A column without noise was computed: errors of it are held against what a sensor shows, those of a measured one against its noise."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+from exo_sim.diagnosis.data.computed_columns import computed, is_computed, remark, shown_noise
+from exo_sim.recording.table import Recording
+
+TIME = np.arange(4000, dtype=np.float64) * 1e-3
+SMOOTH = np.asarray(3e5 + 2e5 * np.sin(3.0 * TIME), dtype=np.float64)
+RNG = np.random.default_rng(3)
+
+
+def test_what_a_sensor_shows_takes_the_place_of_no_noise() -> None:
+    assert is_computed(SMOOTH) and shown_noise(1e-3, SMOOTH) == pytest.approx(50.0, rel=1e-3)
+    assert shown_noise(120.0, SMOOTH) == 120.0, "a bound on the noise of more than that stays"
+
+
+@pytest.mark.parametrize("values", [SMOOTH + RNG.normal(0.0, 5.0, 4000), np.round(SMOOTH, -1), np.full(4000, 6e5), np.full(4000, np.nan)])
+def test_a_measured_column_and_one_that_never_changes_keep_their_noise(values: np.ndarray) -> None:
+    assert not is_computed(values) and shown_noise(4.0, values) == 4.0
+
+
+def test_columns_count_as_computed_where_every_recording_says_so() -> None:
+    quiet, noisy = {"a.position": SMOOTH, "b.position": SMOOTH}, {"a.position": SMOOTH, "b.position": np.round(SMOOTH, -1)}
+    tables = [Recording(name, TIME, columns, {}) for name, columns in (("one", quiet), ("two", noisy))]
+    assert computed(tables, ["a.position", "b.position", "a.force_balance"]) == ("a.position",)
+    assert "a.position" in remark(["a.position"]) and "0.01 %" in remark(["a.position"])

@@ -173,6 +173,16 @@ def test_the_controller_and_the_motion_of_the_pages_run_a_bench(
 
 
 @pytest.mark.slow
+def test_the_catalogue_of_the_page_of_sizing_sizes_a_walk(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.chdir(tmp_path)
+    page = (ROOT / "docs" / "sizing.md").read_text(encoding="utf-8")
+    (table,) = re.findall(r"A catalogue of one's own:\n\n((?:    .*\n)+)", page)
+    (tmp_path / "mine.toml").write_text(re.sub(r"(?m)^    ", "", table))
+    assert main(["size", "--catalogue", "mine.toml", "--trials", "60", "--out", "sized", "--quiet"]) == 0
+    assert (tmp_path / "sized" / "sized.toml").is_file()
+
+
+@pytest.mark.slow
 def test_the_first_quarter_of_an_hour_shows_what_comes(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
 ) -> None:

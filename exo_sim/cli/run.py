@@ -73,6 +73,8 @@ def command(scenario: str | None, gait: Path | None, ground: Path | None, column
     """Simulate SCENARIO headless: a name of `exo-sim scenarios`, a scenario file (.toml) from anywhere, or a gait of your own (--gait).
 
     A machine that nobody wears follows a motion instead: SCENARIO is then a recording with the positions of its joints.
+
+    Exit status: 0; 2 for unusable input; 5 where the simulation left all bounds, or the machine falls away from its wearer.
     """
     import gc
 

@@ -37,7 +37,9 @@ def read_angles(path: Path, named: Mapping[str, str], columns: ColumnMap | None 
     said = f'{path}: no unit is said there, taken are {", ".join(plain)}; log a static component "unit" beside each to be sure'
     angles = {name: np.asarray(recording[key]) for name, key in found.items()}
     source = recording.metadata.get("source") or path.name
-    trial = Trial(path.stem, str(path), recording.time, angles, source=source, remarks=(said,) if plain else ())
+    repaired = (f"{path}: {finding.says}" for finding in reading.findings if finding.use == "repaired" and finding.severity != "info")
+    remarks = (*repaired, *((said,) if plain else ()))
+    trial = Trial(path.stem, str(path), recording.time, angles, source=source, remarks=remarks)
     return trial, _ground(recording, str(path))
 
 

@@ -234,6 +234,7 @@ def test_every_key_has_a_meaning() -> None:
     assert keys.keys() == key_reference.MEANINGS.keys()
     assert all(key.meaning for key in keys.values())
     assert keys["cylinders.NAME.bore"].unit == "m" and keys["cylinders.NAME.bore"].default == "required"
+    assert keys["name"].default == "of the file"  # not what the rig that the reference is made of is called
 
 
 def test_the_site_builds_strictly_and_fetches_nothing(tmp_path: Path) -> None:

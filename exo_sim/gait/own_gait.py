@@ -184,7 +184,8 @@ def _gaps(trial: Trial, keep: np.ndarray) -> tuple[str, ...]:
     for name, values in trial.angles.items():
         rows = np.flatnonzero(keep & ~np.isfinite(values))
         if len(rows) and len(rows) < keep.sum():
-            found.append(f"{name} has no number in {len(rows)} of {keep.sum()} rows, first in row {rows[0] + 1} ({trial.time[rows[0]]:.6g} s)")
+            where = f"first in row {rows[0] + 1} ({trial.time[rows[0]]:.6g} s)"
+            found.append(f"{name} has no number in {len(rows)} of {keep.sum()} rows, {where}")
     if not found:
         return ()
     filled = "gaps were filled in straight lines, strides with one of more than a tenth of them left out"

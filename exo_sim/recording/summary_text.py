@@ -69,8 +69,8 @@ def _many_signals(summary: Summary) -> list[str]:
     for part, signals in signals_of.items():
         parts_with.setdefault(tuple(sorted(signals)), []).append(part)
     lines = [f"{len(summary.signals)} columns (the numbers of each: --all)"]
-    for signals, parts in parts_with.items():
-        lines += textwrap.wrap(f"{', '.join(parts)}: {', '.join(signals)}", _WIDTH, initial_indent="  ", subsequent_indent="    ")
+    for shared, parts in parts_with.items():
+        lines += textwrap.wrap(f"{', '.join(parts)}: {', '.join(shared)}", _WIDTH, initial_indent="  ", subsequent_indent="    ")
     return [*([_signals(looked_at)] if looked_at else []), "\n".join(lines)]
 
 

@@ -202,7 +202,7 @@ def test_what_looks_wrong_stands_first_and_its_marks_are_explained() -> None:
     columns = {**recording.columns, "foot.ground_force_z": -500.0 - np.sin(recording.time)}
     found = summary.summarise(Reading(Recording("w", recording.time, columns, {**recording.units, "foot.ground_force_z": "N"}), ()))
     first, blank, title, *_ = summary_text.text(found).splitlines()
-    assert first.startswith("w: 3.99 s, 400 samples") and blank == "" and "looks wrong" in title or "look wrong" in title
+    assert (first.startswith("w: 3.99 s, 400 samples") and blank == "" and "looks wrong" in title) or "look wrong" in title
     assert "! may spoil results" in title
 
 

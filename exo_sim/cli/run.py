@@ -8,7 +8,7 @@ from typing import Any
 
 import click
 
-from exo_sim.cli import options, printing
+from exo_sim.cli import compiling, options, printing
 from exo_sim.cli.frame import verb
 
 
@@ -88,11 +88,11 @@ def command(scenario: str | None, gait: Path | None, ground: Path | None, column
             raise ScenarioError(f"--ground {ground}: name the gait that it belongs to with --gait")
         raise ScenarioError("name a scenario (see `exo-sim scenarios`), a scenario file, or a gait of your own with --gait FILE")
     gc.freeze()  # what was imported stays: it need not be gone through again and again
-    with printing.prints_on_stderr():
+    with printing.prints_on_stderr(), compiling.told(quiet) as aside:
         done = simulate(
             rig, scenario, gait=gait, ground=ground, columns=columns, whole=whole, payload=payload, speed=speed, strides=strides,
             assist=assist, controller=controller, demand=demand, wearer=wearer, signals=signals, seed=seed, out=out or True, quiet=quiet,
-            tell=lambda words: printing.remark(f"exo-sim: {words}", quiet=quiet),
+            tell=lambda words: aside(lambda: printing.remark(f"exo-sim: {words}", quiet=quiet)),
         )  # fmt: skip
     numbers = dict(done.summary)
     first = {key: numbers.pop(key) for key in ("schema", "scenario", "simulated_s", "wall_s", "prepared_s")}

@@ -125,7 +125,8 @@ def numbers(found: MotionSizing, folder: Path) -> dict[str, Any]:
 
 def words(found: MotionSizing, folder: Path) -> str:
     """Return the result for people."""
-    lines = [f"{len(found.designs)} designs, {len(found.front)} on the Pareto front", "", *described(found), *changes(found), *bought(found)]
+    head = f"{len(found.designs)} designs, {len(found.front)} on the Pareto front"
+    lines = [head, "", *described(found), *changes(found), *bought(found)]
     return "\n".join([*lines, f"{folder / 'sized.toml'}, {folder / 'report.html'}"])
 
 
@@ -161,7 +162,8 @@ def changes(found: MotionSizing) -> list[str]:
         best = min(found.front, key=lambda one: float(getattr(one, key)))
         if best is chosen:
             continue
-        short = f"has a force margin of {100 * best.margin:.0f} %, less than asked" if best.margin < ENOUGH_MARGIN else "costs more of the rest"
+        weak = f"has a force margin of {100 * best.margin:.0f} %, less than asked"
+        short = weak if best.margin < ENOUGH_MARGIN else "costs more of the rest"
         value = f", {(1e3 if key == 'gas' else 1.0) * getattr(best, key):.2f} {unit}" if unit else ""
         lines.append(f"The least {what} on the Pareto front is design {best.number}'s{value}; it {short}.")
     tight = [one for one in found.designs if one.fate and one.margin < 0.0]

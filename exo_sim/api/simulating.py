@@ -95,11 +95,15 @@ def simulate(
     begun = time.perf_counter()
     if target is not None:
         check_writable(target.parent)
+    of_gait = () if given is None else given.remarks
+    for words in of_gait:  # now: what cannot be walked is often a gait of which they tell
+        tell(words)
     simulation = Simulation(machine, request, mine, seed)
     prepared = time.perf_counter()
     before = simulation.remarks
     for words in before:
-        tell(words)
+        if words not in of_gait:
+            tell(words)
     walk = None
     if target is None:
         walk = simulation.run(quiet)

@@ -8,7 +8,7 @@ from typing import Any
 
 import click
 
-from exo_sim.cli import options, printing
+from exo_sim.cli import compiling, options, printing
 from exo_sim.cli.frame import verb
 
 
@@ -73,6 +73,8 @@ def command(scenario: str | None, gait: Path | None, ground: Path | None, column
     """Simulate SCENARIO headless: a name of `exo-sim scenarios`, a scenario file (.toml) from anywhere, or a gait of your own (--gait).
 
     A machine that nobody wears follows a motion instead: SCENARIO is then a recording with the positions of its joints.
+
+    Exit status: 0; 2 for unusable input; 5 where the simulation left all bounds, or the machine falls away from its wearer.
     """
     from exo_sim.cli.loading import uncollected
     from exo_sim.errors import ScenarioError
@@ -89,11 +91,11 @@ def command(scenario: str | None, gait: Path | None, ground: Path | None, column
         from exo_sim.api.simulating import simulate
         from exo_sim.cli.run_motion import motion_words
 
-    with printing.prints_on_stderr():
+    with printing.prints_on_stderr(), compiling.told(quiet) as aside:
         done = simulate(
             rig, scenario, gait=gait, ground=ground, columns=columns, whole=whole, payload=payload, speed=speed, strides=strides,
             assist=assist, controller=controller, demand=demand, wearer=wearer, signals=signals, seed=seed, out=out or True, quiet=quiet,
-            tell=lambda words: printing.remark(f"exo-sim: {words}", quiet=quiet),
+            tell=lambda words: aside(lambda: printing.remark(f"exo-sim: {words}", quiet=quiet)),
         )  # fmt: skip
     numbers = dict(done.summary)
     first = {key: numbers.pop(key) for key in ("schema", "scenario", "simulated_s", "wall_s", "prepared_s")}

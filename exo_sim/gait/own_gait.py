@@ -191,4 +191,19 @@ def _part(trial: Trial, gait: GaitFile) -> Trial:
         raise ScenarioError(f"{trial.file_name}: its clock stands still or runs back; export it again with a rising time")
     if keep.sum() < 10:
         raise ScenarioError(f"{trial.file_name}: {int(keep.sum())} rows of angles count; at least one stride is needed")
-    return replace(trial, time=trial.time[keep], angles={name: values[keep] for name, values in trial.angles.items()})
+    angles = {name: values[keep] for name, values in trial.angles.items()}
+    return replace(trial, time=trial.time[keep], angles=angles, remarks=(*trial.remarks, *_gaps(trial, keep)))
+
+
+def _gaps(trial: Trial, keep: np.ndarray) -> tuple[str, ...]:
+    """Return a remark on the rows that count and have no number of an angle, or none."""
+    found = []
+    for name, values in trial.angles.items():
+        rows = np.flatnonzero(keep & ~np.isfinite(values))
+        if len(rows) and len(rows) < keep.sum():
+            where = f"first in row {rows[0] + 1} ({trial.time[rows[0]]:.6g} s)"
+            found.append(f"{name} has no number in {len(rows)} of {keep.sum()} rows, {where}")
+    if not found:
+        return ()
+    filled = "gaps were filled in straight lines, strides with one of more than a tenth of them left out"
+    return (f"{trial.file_name}: {'; '.join(found)}; {filled}",)

@@ -26,7 +26,10 @@ def page(sizing: Sizing) -> str:
         everywhere=sizing.choice.everywhere,
         worst=max((one.gas for one in sizing.choice.everywhere), default=0.0),
         mean=sum(one.gas for one in sizing.choice.everywhere) / max(len(sizing.choice.everywhere), 1),
-        fates=[(what, len(numbers), ranges(numbers)) for what, numbers in fates(sizing.outcome, sizing.task)],
+        fates=[
+            (what.replace("the front", "the Pareto front"), len(numbers), ranges(numbers))
+            for what, numbers in fates(sizing.outcome, sizing.task)
+        ],
         gas=gas_use.rows(sizing.choice.confirmed.summary["gas"]) if "gas" in sizing.choice.confirmed.summary else [],
         bought=summary_text.bought(sizing),
         beside=summary_text.spent(sizing),

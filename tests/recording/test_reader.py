@@ -254,7 +254,7 @@ def test_no_file_ends_in_a_traceback(tmp_path: Path, text: bytes, ending: str) -
         check(reading.recording)
 
 
-@pytest.mark.parametrize("clock", ["t", "Time (s)", "log.time", "timestamp", "t(ms)"])
+@pytest.mark.parametrize("clock", ["t", "Time (s)", "log.time", "timestamp", "t(ms)", "tme [s]", "Timestmp"])
 def test_a_clock_of_another_name_is_offered_as_a_line_of_a_column_map(tmp_path: Path, clock: str) -> None:
     path = tmp_path / "lab.csv"
     path.write_text(f"torque,{clock},P1\n" + "".join(f"0,{0.01 * i},3.0\n" for i in range(20)))

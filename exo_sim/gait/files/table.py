@@ -41,7 +41,8 @@ def read_angles(path: Path, named: Mapping[str, str], columns: ColumnMap | None 
     said = f'{path}: no unit is said there, taken are {", ".join(plain)}; log a static component "unit" beside each to be sure'
     angles = {name: np.asarray(recording[key]) for name, key in found.items()}
     source = recording.metadata.get("source") or path.name
-    remarks = [said] if plain else []
+    remarks = [f"{path}: {finding.says}" for finding in reading.findings if finding.use == "repaired" and finding.severity != "info"]
+    remarks += [said] if plain else []
     if own:
         remarks.append(f"{path}: recorded with a machine on; walked is what its wearer did (wearer_hip_l.position and so on)")
     trial = Trial(path.stem, str(path), recording.time, angles, source=source, remarks=tuple(remarks))

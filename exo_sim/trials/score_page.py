@@ -32,7 +32,7 @@ svg{max-width:100%;height:auto}figure{margin:1rem 0}figcaption{color:#555}code{f
 <h2>By cell</h2>
 <table><tr><th>cell</th><th>what</th><th>share</th><th>95 % bounds</th><th>cases</th></tr>
 {% for cell, entry in f.cells.items() %}{% for what, s in entry.items() %}
-<tr><td>{{ cell if loop.first else "" }}</td><td>{{ words.get(what, "nothing is named, and nothing is hidden") }}</td>
+<tr><td>{{ cell if loop.first else "" }}</td><td>{{ words[what] }}</td>
 <td class="n">{{ percent(s.share) }}</td>
 <td class="n">{{ percent(s.low) }} to {{ percent(s.high) }}</td>
 <td class="n">{{ s.hits }} of {{ s.of }}</td></tr>
@@ -80,7 +80,7 @@ def page(score: Mapping[str, Any]) -> str:
         head=score["head"],
         percent=percent,
         shares=list(score_words.shares(f)),
-        words=score_words.SHARES,
+        words=score_words.OF_CELL,
         numbers=_numbers(f),
         pictures=_pictures(f),
         wrong=[

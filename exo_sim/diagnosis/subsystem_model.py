@@ -123,6 +123,10 @@ class SubsystemModel(ABC):
         """Return what a healthy machine shows beside the numbers of a fit, as columns for the rows of the residual around a plant's."""
         return joined((), self.size)
 
+    def healthy_misfit(self) -> Array:
+        """Return what the laws of a healthy machine get wrong in each row, one standard deviation, shape (size,); 0 where nobody knows."""
+        return np.zeros(self.size)
+
     def has_bursts(self, plant: PlantParameters) -> bool:
         """Return whether errors come in bursts too fast for the rows of the fit."""
         return False

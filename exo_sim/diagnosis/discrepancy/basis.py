@@ -34,6 +34,10 @@ class DiscrepancyBasis:
     kinds: NDArray[np.int64]
     healthy: Array
 
+    def deviation(self) -> Array:
+        """Return how far a healthy machine is off in each row, one standard deviation at those scales, shape (n,)."""
+        return np.sqrt(self.columns**2 @ self.healthy[self.kinds] ** 2)
+
 
 def joined(kinds: Sequence[tuple[str, Array, float]], rows: int) -> DiscrepancyBasis:
     """Return a basis of several kinds: name, columns of shape (rows, d_k), and prior scale of the amplitude."""

@@ -74,25 +74,31 @@ def doubt(finding: Finding, share: float | None, compared: bool = True) -> str:
 
 
 def too_small(
-    one: SubsystemResult[SubsystemModel], left: Mapping[str, float], where_acting: Mapping[str, float], tested: Collection[str]
-) -> tuple[Finding, ...]:
+    one: SubsystemResult[SubsystemModel], left: Mapping[str, float], where_acting: Mapping[str, float],
+    beyond_healthy: Mapping[str, float], tested: Collection[str],
+) -> tuple[Finding, ...]:  # fmt: skip
     """Return the findings of a subsystem without which it is missed by no more than healthy machines are, also in time kept back.
 
     Whatever their odds: what mends a little of what every model gets wrong has great odds in a long recording. Names of a balance of
     forces are weighed beside that already, and a dip of friction acts in few rows: they are small where noise explains what is left
-    without them, in time kept back as a whole and in the rows that they change.
+    without them, in time kept back as a whole and in the rows that they change, and where they change these by no more than the laws of
+    a healthy machine get wrong.
 
     Args:
         one: Of one subsystem.
         left: By `effect@where`, the error of the time that was fitted without it [units of the noise].
         where_acting: By the same, the error of time kept back without it, in rows that it changes [the most that noise leaves by itself].
+        beyond_healthy: By the same, how much it changes these rows [what laws of a healthy machine get wrong there].
         tested: Those that time kept back tests: without them it is missed by more than the noise, and their predictions differ.
     """
 
     def is_small(key: str) -> bool:
         if key in tested:
             return False
-        if one.search.weighed_together and where_acting.get(key, math.inf) >= validation.LEAST_MISSED:
+        if one.search.weighed_together and (
+            where_acting.get(key, math.inf) >= validation.LEAST_MISSED
+            or beyond_healthy.get(key, math.inf) >= validation.BEYOND_HEALTHY
+        ):
             return False
         return left.get(key, math.inf) <= one.model.discrepancy_bound
 

@@ -28,6 +28,7 @@ from exo_sim.diagnosis.selection.fitted_model import SearchResult
 from exo_sim.diagnosis.selection.model_fits import ModelFits
 from exo_sim.diagnosis.selection.subset_weighing import SubsetWeighing
 from exo_sim.diagnosis.selection.subsystem_result import SubsystemResult
+from exo_sim.diagnosis.subsystems.motion.breakaway import with_breakaway
 from exo_sim.diagnosis.subsystems.motion.candidates import candidates, creep_of
 from exo_sim.diagnosis.subsystems.motion.contact_scatter import contact_scatter
 from exo_sim.diagnosis.subsystems.motion.family import motion_family
@@ -102,7 +103,7 @@ def examine_balance(
     standing = [one.name for one in declared().values() if one.cut == "motion" and model.nominal.is_on(one)]
     if model.size >= FEWEST_ROWS:
         every = SubsetWeighing(motion_family(model, nuisances, asked, soft=False), model.discrepancy_basis(), model.blocks, standing)
-        model = model.with_contact(contact_scatter(every.left_by_everything(), model.speed))
+        model = with_breakaway(model.with_contact(contact_scatter(every.left_by_everything(), model.speed)))
         asked = plan.without_refuted(candidates(runs, model.nominal, model.where, model.slowest_resolved))
 
     def search_once(model: MotionModel, nuisances: Sequence[FreeParameter], creeps: Sequence[float] = ()) -> tuple[ModelFits, SearchResult]:

@@ -26,6 +26,7 @@ FALL_LEVEL = Count(
 )  # fmt: skip
 FEWEST_IN_COLUMN = Count(10, "finite samples", "a column that is left with no more, faulty ones blanked, counts as not recorded")
 FEWEST_ROWS = Count(30, "rows", "a balance with fewer is not fitted")
+FEWEST_ONSETS = Count(6, "onsets", "fewer starts from rest do not show by how much one differs from the next")
 FEWEST_OF_CHANNEL = Count(5, "finite samples", "a position or a slow channel with fewer is none")
 FEWEST_OF_FALL = Count(20, "finite samples", "a pressure with fewer does not show how it fell")
 FINE_PERIOD = Number(

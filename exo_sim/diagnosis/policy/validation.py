@@ -32,6 +32,12 @@ LEAST_MISSED = Number(
     "small to matter",
     "derived: noise explains them. A false drag of a healthy learn machine (I) has 0.89, seven true names of B and I 3.5 and more",
 )  # fmt: skip
+BEYOND_HEALTHY = Number(
+    2.0, "standard deviations of what laws of a healthy machine get wrong",
+    "a finding of forces that changes its rows by more is not small, "
+    "however little of it noise lets see at a time",
+    "derived: nineteen in twenty healthy machines are off by less",
+)  # fmt: skip
 CONTRADICTED = Number(
     2.0, "what a balance of forces leaves with it, in units of what it leaves without it, or of the noise",
     "above this a fault of a pressure's sensor that the gas asks for is refuted: forces hang on the pressure itself",

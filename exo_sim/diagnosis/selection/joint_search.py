@@ -1,14 +1,14 @@
 """Backward elimination: all candidates are asked together, what is proposed is fitted, and what is not missed is left out.
 
-Effects that hide each other pass no gate one at a time. What comes out counts only where it explains the data as far as the model of a
-healthy machine would; else the search goes on one at a time (`search`).
+Effects that hide each other pass no gate one at a time. Where what comes out explains the data as far as the model of a healthy machine
+would, the search ends with it; else it goes on one at a time, and what was found together is held against what that leads to (`search`).
 """
 
 from __future__ import annotations
 
 import math
 from collections.abc import Callable, Sequence
-from dataclasses import replace
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -23,6 +23,19 @@ from exo_sim.diagnosis.selection.joint_pruning import jointly_pruned
 from exo_sim.diagnosis.selection.model_fits import ModelFits
 from exo_sim.diagnosis.selection.proposals import Proposals
 from exo_sim.diagnosis.selection.simplification import Simplification
+
+
+@dataclass(frozen=True)
+class Together:
+    """What is found by asking all candidates together.
+
+    Attributes:
+        model: Without what is not missed in it.
+        explains: Whether it explains the data as far as the model of a healthy machine would.
+    """
+
+    model: FittedModel
+    explains: bool
 
 
 class JointSearch:
@@ -44,21 +57,21 @@ class JointSearch:
         self.fits, self.comparisons, self.proposals, self.simplification = fits, comparisons, proposals, simplification
         self._report, self._is_over = report, is_over
 
-    def found_together(self, now: FittedModel) -> FittedModel | None:
-        """Return a model that is reached by asking all candidates together, and leaving out what is not missed.
+    def found_together(self, now: FittedModel) -> Together:
+        """Return the model that is reached by asking all candidates together, and leaving out what is not missed.
 
-        Proposals are made beside the model that there is, and where that leads nowhere, beside none. None where what is reached leaves
-        more than the model of a healthy machine would, where what stands of it explains less, or is no better than the model that there
-        is.
+        Proposals are made beside the model that there is, and where that leads nowhere, beside none. It does not explain the data where
+        it leaves more than the model of a healthy machine would, where what stands of it explains less, or where it is no better than the
+        model that there is.
         """
         reached = self._reached_from(now)
         if not self.is_within_bound(reached) and not self._is_over():
-            reached = self._reached_from(self.comparisons.baseline)
-        if not self.is_within_bound(reached):
-            return None
+            reached = self.comparisons.ranked([reached, self._reached_from(self.comparisons.baseline)])[0]
         tidied = self.simplification.tidied(reached)
+        if not self.is_within_bound(reached):
+            return Together(tidied, explains=False)
         stands = self.is_within_bound(tidied) or self.comparisons.explains(tidied, reached, acceptance.NEARLY_AS_MUCH)
-        return tidied if stands and self.fits.deficit(tidied, now) < 0.0 else None
+        return Together(tidied, explains=stands and self.fits.deficit(tidied, now) < 0.0)
 
     def is_within_bound(self, model: FittedModel) -> bool:
         """Return whether no more is left than the model of a healthy machine leaves."""

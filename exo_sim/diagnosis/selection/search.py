@@ -29,7 +29,7 @@ from exo_sim.diagnosis.selection.fitted_model import (
     is_more_than_healthy,
     key_of,
 )
-from exo_sim.diagnosis.selection.joint_search import JointSearch
+from exo_sim.diagnosis.selection.joint_search import JointSearch, Together
 from exo_sim.diagnosis.selection.model_fits import ModelFits
 from exo_sim.diagnosis.selection.proposals import Proposals
 from exo_sim.diagnosis.selection.simplification import Simplification
@@ -126,16 +126,17 @@ class _Growth:
     def run(self, begun: FittedModel | None) -> SearchResult:
         """Return the result, with at most `MOST_FINDINGS` more than what stands of a model to begin with."""
         best = self._standing_of(begun) if begun is not None and begun.candidates else self.comparisons.baseline
-        beam, together = [best], False
+        beam, together = [best], list[Together]()
         for _ in range(MOST_FINDINGS):
             if self._is_over():
                 break
             self._report(f"scoring {len(self.proposals.candidates)} candidates")
             grown = self._grown(beam)
             if not grown:
-                reached = None if together or self.joint.is_within_bound(best) else self.joint.found_together(best)
-                if reached is not None:
-                    return self._reached(reached)
+                if not together and not self.joint.is_within_bound(best):
+                    together.append(self.joint.found_together(best))
+                    if together[0].explains:
+                        return self._reached(together[0].model)
                 break
             leader = self._leader(grown)
             ordered = [leader, *(model for model in self.comparisons.ranked(grown) if model is not leader)]
@@ -147,15 +148,24 @@ class _Growth:
             if not self.comparisons.is_clean(best) and self._goes_elsewhere(best):
                 return self._interrupted(best)
             if not self.comparisons.is_clean(best) and not together:
-                together, reached = True, self.joint.found_together(best)
-                if reached is not None:
-                    return self._reached(reached)
+                together.append(self.joint.found_together(best))
+                if together[0].explains:
+                    return self._reached(together[0].model)
             if self._gives_up(before, best):
                 return self._swapped(best)
             beam = [best]
             if not self.comparisons.is_clean(best):
                 beam += [model for model in self.comparisons.ranked(grown) if model.named not in (best.named, leader.named)][: BEAM - 1]
-        return self._swapped(self._completed(best))
+        return self._swapped(self._nearer(self._completed(best), together))
+
+    def _nearer(self, best: FittedModel, together: Sequence[Together]) -> FittedModel:
+        """Return what was found together where that explains more than what was found one at a time: one hides the other there.
+
+        Something is left of it: its names then stand beside something unknown, by the harder rule (`decision`).
+        """
+        found = [one.model for one in together if one.model.candidates and not self.comparisons.is_clean(best)]
+        more = [one for one in found if self.fits.deficit(one, best) < 0.0 and self.comparisons.accepts(best, one)]
+        return more[0] if more else best
 
     def _reached(self, together: FittedModel) -> SearchResult:
         """Return the result of a search that ends with what was asked together, unless another subsystem is to be asked first."""

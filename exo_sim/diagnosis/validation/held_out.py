@@ -88,6 +88,8 @@ class HeldOutErrors:
         where_acting: By the keys of `drops`, the error without it where predictions change with it, in units of the most that noise by
             itself leaves there but for chance: each row's square is weighed by that of the change; only where predictions change with it
             by `LEAST_INFLUENCE`.
+        beyond_healthy: By the keys of `where_acting`, how much predictions change with it where they change, in units of what the laws of
+            a healthy machine get wrong there.
         costs: By the keys of `drops`, `influence` as a share of how much the predicted signals vary; 0 for a shared supply: it is measured.
         balances: By subsystem and name.
         series: For the report.
@@ -101,6 +103,7 @@ class HeldOutErrors:
     influence: Mapping[str, float] = field(default_factory=dict)
     left: Mapping[str, float] = field(default_factory=dict)
     where_acting: Mapping[str, float] = field(default_factory=dict)
+    beyond_healthy: Mapping[str, float] = field(default_factory=dict)
     costs: Mapping[str, float] = field(default_factory=dict)
     balances: Mapping[tuple[Subsystem, str], BalanceError] = field(default_factory=dict)
     series: tuple[Series, ...] = ()
@@ -129,6 +132,7 @@ class HeldOutErrors:
             signals={**self.signals, **later.signals},
             drops=both(self.drops, later.drops), influence=both(self.influence, later.influence), costs=both(self.costs, later.costs),
             left=both(self.left, later.left), where_acting=both(self.where_acting, later.where_acting),
+            beyond_healthy=both(self.beyond_healthy, later.beyond_healthy),
             worth={key: one for key, one in both(self.worth, later.worth).items() if key in later.worth or key not in later.drops},
             balances={**self.balances, **later.balances},
             series=tuple(seen.get((one.recording, one.signal), one) for one in self.series),
@@ -152,6 +156,7 @@ def held_out_errors(
     influence: dict[str, float] = {}
     left: dict[str, float] = {}
     where_acting: dict[str, float] = {}
+    beyond_healthy: dict[str, float] = {}
     costs: dict[str, float] = {}
     balances: dict[tuple[Subsystem, str], BalanceError] = {}
     series: list[Series] = []
@@ -184,6 +189,7 @@ def held_out_errors(
             if influence[key] <= validation.LEAST_INFLUENCE:  # what changes nothing was not tested
                 continue
             where_acting[key] = _missed_where_acting(other, other - named)
+            beyond_healthy[key] = _beyond(other - named, model.healthy_misfit())
             if lacking > 1.0:
                 independent = other.size / max(correlation_time(other, model.blocks), 1.0)
                 gained, missing = other.size * (lacking**2 - with_it**2), other.size * (lacking**2 - 1.0)
@@ -191,7 +197,7 @@ def held_out_errors(
         if effect is not None:
             drops[one.where] = _drop_with_unknown(model, one, error, own)
             costs[one.where] = rms(model.residual_of(one.final_plant)) * _noise_share(one, compared)
-    return HeldOutErrors(signals, drops, influence, left, where_acting, costs, balances, tuple(series), split.test, worth)
+    return HeldOutErrors(signals, drops, influence, left, where_acting, beyond_healthy, costs, balances, tuple(series), split.test, worth)
 
 
 def _missed_where_acting(error: Array, change: Array) -> float:
@@ -209,6 +215,13 @@ def _missed_where_acting(error: Array, change: Array) -> float:
         independent = total**2 / float(weights @ weights)
         square = float(weights @ error**2) / total
     return math.sqrt(square / by_chance(independent)) if math.isfinite(square) else math.inf
+
+
+def _beyond(change: Array, misfit: Array) -> float:
+    """Return how large a change is in units of a misfit, both by row, shape (n,), each row weighed by the square of the change."""
+    with np.errstate(over="ignore", divide="ignore", invalid="ignore"):
+        square = float(np.sum(change**4) / np.sum((change * misfit) ** 2))
+    return math.sqrt(square) if square >= 0.0 else math.inf
 
 
 def _signals(compared: Sequence[Comparison]) -> dict[str, SignalFit]:

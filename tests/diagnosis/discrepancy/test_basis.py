@@ -34,3 +34,10 @@ def test_kinds_stand_side_by_side_and_empty_ones_are_left_out() -> None:
     assert basis.names == ("place", "time") and basis.columns.shape == (4, 5)
     assert basis.kinds.tolist() == [0, 0, 1, 1, 1] and basis.healthy.tolist() == pytest.approx([0.5, 2.0])
     assert joined([], 4).columns.shape == (4, 0)
+
+
+def test_a_deviation_is_that_of_the_sum_of_all_its_weights() -> None:
+    rng = np.random.default_rng(3)
+    basis = joined([("a", rng.standard_normal((5, 2)), 0.4), ("b", rng.standard_normal((5, 3)), 1.5)], 5)
+    drawn = basis.columns @ (basis.healthy[basis.kinds][:, None] * rng.standard_normal((5, 40000)))
+    np.testing.assert_allclose(basis.deviation(), drawn.std(axis=1), rtol=0.02)

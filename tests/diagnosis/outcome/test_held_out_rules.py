@@ -110,7 +110,7 @@ def test_a_finding_without_which_the_machine_is_missed_no_more_than_a_healthy_on
     leak = Finding("piston_leakage", "piston", Kind.MISSING_PHYSICS, "", {}, 80.0, 0.0)
     one = result(waves.Waves(bound=1.2), leak)
     key = "piston_leakage@piston"
-    found = too_small(one, {key: left}, {}, {key} if tested else ())
+    found = too_small(one, {key: left}, {}, {}, {key} if tested else ())
     assert [finding.name for finding in found] == (["piston_leakage"] if is_small else [])
     assert not found or "beyond doubt" in found[0].says
 
@@ -120,17 +120,21 @@ def test_what_another_finding_needs_is_not_small() -> None:
     wall = Candidate("moving_wall_temperature", "piston", "form", (WIDTH,), ((1.0,),), prerequisite="wall_heat_transfer")
     one = result(waves.Waves(bound=1.2), heat, named=(wall,))
     key = "wall_heat_transfer@piston"
-    assert too_small(one, {key: 1.1}, {}, ()) == () and too_small(replace(one, named=()), {key: 1.1}, {}, ()) != ()
+    assert too_small(one, {key: 1.1}, {}, {}, ()) == () and too_small(replace(one, named=()), {key: 1.1}, {}, {}, ()) != ()
 
 
 @pytest.mark.parametrize(
-    ("missed", "is_small"), [(0.7, True), (1.6, False), (None, False)], ids=["as noise does", "by more", "not tested"]
+    ("missed", "changed", "is_small"),
+    [(0.7, 0.5, True), (1.6, 0.5, False), (0.7, 4.0, False), (None, None, False)],
+    ids=["as noise does", "by more", "more than any healthy machine", "not tested"],
 )
-def test_a_name_of_forces_is_small_where_noise_explains_the_rows_that_it_changes(missed: float | None, is_small: bool) -> None:
+def test_a_name_of_forces_is_small_where_noise_and_healthy_laws_explain_the_rows_that_it_changes(
+    missed: float | None, changed: float | None, is_small: bool
+) -> None:
     spring = Finding("return_spring", "piston", Kind.MISSING_PHYSICS, "", {}, 80.0, 0.0)
     one = result(waves.Waves(bound=1.2), spring)
     weighed = replace(one, search=replace(one.search, weighed_together=True))
-    where_acting = {} if missed is None else {spring.key: missed}
-    assert bool(too_small(weighed, {spring.key: 1.1}, where_acting, ())) is is_small
-    assert too_small(weighed, {spring.key: 1.1}, where_acting, {spring.key}) == ()  # as a whole more than noise is missing
-    assert too_small(one, {spring.key: 1.1}, where_acting, ()) != ()  # of gas all its rows count
+    acting = {} if missed is None else {spring.key: missed}, {} if changed is None else {spring.key: changed}
+    assert bool(too_small(weighed, {spring.key: 1.1}, *acting, ())) is is_small
+    assert too_small(weighed, {spring.key: 1.1}, *acting, {spring.key}) == ()  # as a whole more than noise is missing
+    assert too_small(one, {spring.key: 1.1}, *acting, ()) != ()  # of gas all its rows count

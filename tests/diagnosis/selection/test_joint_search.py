@@ -27,19 +27,21 @@ def begun(model: Waves, is_spent: Callable[[], bool] = lambda: False) -> tuple[J
 def test_what_is_there_together_is_found_together() -> None:
     search, bare = begun(Waves(slow=8.0, quicker=6.0))
     found = search.found_together(bare)
-    assert found is not None and {c.effect for c in found.candidates} == {"base", "other"}
-    sizes = {c.effect: found.fit.values[c.parameters[0]] for c in found.candidates}
+    assert found.explains and {c.effect for c in found.model.candidates} == {"base", "other"}
+    sizes = {c.effect: found.model.fit.values[c.parameters[0]] for c in found.model.candidates}
     assert sizes == pytest.approx({"base": 8.0, "other": 6.0}, abs=0.3)
 
 
-def test_nothing_comes_of_it_where_more_is_left_than_a_healthy_machine_leaves() -> None:
+def test_where_more_is_left_than_a_healthy_machine_leaves_it_explains_nothing_though_there_is_a_model() -> None:
     search, bare = begun(Waves(1.5, slow=8.0, quick=6.0))
-    assert search.found_together(bare) is None
+    found = search.found_together(bare)
+    assert not found.explains and "base" in {c.effect for c in found.model.candidates}
 
 
 def test_nothing_is_asked_when_the_time_is_up() -> None:
     search, bare = begun(Waves(slow=8.0, quicker=6.0), lambda: True)
-    assert search.found_together(bare) is None
+    found = search.found_together(bare)
+    assert not found.explains and found.model.candidates == ()
 
 
 def test_what_a_closed_form_leaves_out_stays_where_a_fit_misses_it(monkeypatch: pytest.MonkeyPatch) -> None:

@@ -44,7 +44,19 @@ def test_a_true_finding_takes_the_error_down_to_the_noise() -> None:
     acting = math.sqrt(1.0 + 9.0 * float(weights @ weights / weights.sum()))  # larger than over all rows: it is where the wave is
     acting /= math.sqrt(by_chance(float(weights.sum()) ** 2 / float(weights @ weights)))
     assert errors.where_acting["base@piston"] == pytest.approx(acting, rel=0.05)
+    assert errors.beyond_healthy["base@piston"] == math.inf  # nobody knows what healthy waves are like
     assert errors.spans == SPLIT.test
+
+
+def test_a_change_is_held_against_what_healthy_laws_get_wrong_where_it_is() -> None:
+    class Rough(waves.Waves):
+        def healthy_misfit(self) -> waves.Array:
+            return np.full(self.size, 0.5)
+
+    one = result(Rough(slow=3.0), waves.BASE)
+    weights = waves.SHAPES["slow"] ** 2
+    found = held_out_errors([one], (), SPLIT).beyond_healthy["base@piston"]
+    assert found == pytest.approx(3.0 * math.sqrt(float(weights @ weights / weights.sum())) / 0.5, rel=0.05)
 
 
 def test_each_of_two_findings_is_worth_what_is_lost_without_it() -> None:
@@ -70,7 +82,7 @@ def test_a_later_look_takes_the_place_of_the_first_and_what_was_put_aside_goes()
     later = held_out_errors([without_findings(whole, {waves.OTHER.at})], (), SPLIT)
     both = first.updated(later, ["other@piston"])
     assert set(both.drops) == set(both.worth) == set(both.influence) == set(both.costs) == {"base@piston"}
-    assert set(both.left) == set(both.where_acting) == {"base@piston"}
+    assert set(both.left) == set(both.where_acting) == set(both.beyond_healthy) == {"base@piston"}
     assert both.left == later.left != first.left
     assert both.signals == later.signals and both.balances == later.balances and both.series == later.series
     assert both.signals["piston.pressure_1"].after > first.signals["piston.pressure_1"].after

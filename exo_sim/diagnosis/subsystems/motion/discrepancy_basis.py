@@ -20,8 +20,9 @@ PLACE, SPEED, TIME = 8, 7, 4
 
 
 def friction_discrepancy(
-    position: Array, velocity: Array, time: Array, recording: NDArray[np.int64], weight: Array, friction: float, effort: float
-) -> DiscrepancyBasis:
+    position: Array, velocity: Array, time: Array, recording: NDArray[np.int64], weight: Array, friction: float, effort: float,
+    of_motion: int | None = None,
+) -> DiscrepancyBasis:  # fmt: skip
     """Return the discrepancy of a balance of forces.
 
     Args:
@@ -30,12 +31,16 @@ def friction_discrepancy(
         weight: By how much more precise each row is than a typical one, shape (n,).
         friction: Size of all friction that acts, in units of the noise of a typical row.
         effort: Size of the forces that act, the same.
+        of_motion: How many rows are of the motion, the first ones, all where None: the others are onsets, which are no rows before they
+            exceed what a law of speed gets wrong (`breakaway`).
     """
     direction = np.sign(velocity)
     ways = [direction > 0.0, direction < 0.0]
     each = [recording == index for index in np.unique(recording)]
     place = _functions(position, PLACE, ways)
-    speed = smooth_functions(np.log(np.maximum(np.abs(velocity), 1e-12)), SPEED)
+    of_motion = len(velocity) if of_motion is None else of_motion
+    sliding = smooth_functions(np.log(np.maximum(np.abs(velocity[:of_motion]), 1e-12)), SPEED)
+    speed = np.vstack([sliding, np.zeros((len(velocity) - of_motion, sliding.shape[1]))])
     apart = speed if all(np.count_nonzero(way) > healthy.FEWEST_FOR_FUNCTIONS for way in ways) else speed[:, :0]
     late = [columns * direction[:, None] for columns in _functions(time, TIME, each)]
     kinds = (

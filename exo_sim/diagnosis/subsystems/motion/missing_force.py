@@ -18,7 +18,8 @@ from exo_sim.diagnosis.data.motion_run import MotionRun
 from exo_sim.diagnosis.estimation.parameters import PlantParameters
 from exo_sim.diagnosis.nominal_numbers import DRIVE_DELAY, FORCE_OFFSET, PAYLOAD_MASS
 from exo_sim.diagnosis.subsystems.healthy_leak import OUTWARD
-from exo_sim.diagnosis.subsystems.motion.resistance import resistance_along
+from exo_sim.diagnosis.subsystems.motion.onsets import Onsets
+from exo_sim.diagnosis.subsystems.motion.resistance import resistance_along, resistance_starting
 from exo_sim.diagnosis.subsystems.motion.rows import Rows
 from exo_sim.diagnosis.subsystems.motion.smoothing import before_filter, smoothed_alike
 from exo_sim.physics.plant_records import CYLINDER
@@ -148,6 +149,29 @@ class MissingRows:
     def of(self, plant: PlantParameters) -> Array:
         """Return the mean of what is lacking over each row [N or N m], shape (m,)."""
         return self._terms.lacking(self._resisted(plant.cylinder.tobytes()), plant)
+
+
+class MissingOnsets:
+    """What the balance of one run lacks at its onsets, where a contact has just begun to slide, whatever it did before.
+
+    Args:
+        run: The balance.
+        onsets: Its onsets.
+    """
+
+    def __init__(self, run: MotionRun, onsets: Onsets):
+        self._onsets, self._arm, path = onsets, onsets.means(run.drive.arm), run.kinematics
+        self._terms = Terms.of(run, onsets.means)
+        self._position, self._gauge = onsets.means(path.position), onsets.means(run.drive.gauge)
+
+    def of(self, plant: PlantParameters) -> Array:
+        """Return what is lacking at each onset [N or N m], shape (k,)."""
+        one, resisted = self._onsets, np.empty(len(self._arm))
+        resistance_starting(
+            plant.cylinder[0], self._position, self._gauge, one.way * one.slowest, one.acceleration, one.fastest, one.rate, one.width,
+            one.damping, resisted,
+        )  # fmt: skip
+        return self._terms.lacking(self._arm * (resisted + one.damped), plant) + one.noise
 
 
 class _Resistance:

@@ -10,15 +10,13 @@ from functools import cached_property
 import numpy as np
 from numpy.typing import NDArray
 
-from exo_sim.diagnosis.data.excerpt import spread
 from exo_sim.diagnosis.data.machine_data import MachineData
 from exo_sim.diagnosis.data.motion_run import MotionRun
 from exo_sim.diagnosis.data.split import Split
 from exo_sim.diagnosis.discrepancy.basis import DiscrepancyBasis
-from exo_sim.diagnosis.discrepancy.curve import Curve, fit_curves
+from exo_sim.diagnosis.discrepancy.curve import Curve
 from exo_sim.diagnosis.discrepancy.signal import Discrepancy
 from exo_sim.diagnosis.discrepancy.trace import Trace
-from exo_sim.diagnosis.estimation.kept_residuals import KeptResiduals
 from exo_sim.diagnosis.estimation.least_squares import Fit
 from exo_sim.diagnosis.estimation.parameters import FreeParameter, PlantParameters
 from exo_sim.diagnosis.findings import Finding, Series, Subsystem
@@ -30,9 +28,11 @@ from exo_sim.diagnosis.subsystems.motion.contact_scatter import ContactScatter
 from exo_sim.diagnosis.subsystems.motion.discrepancy_basis import friction_discrepancy
 from exo_sim.diagnosis.subsystems.motion.experiments import resisted
 from exo_sim.diagnosis.subsystems.motion.full_scale import full_force
-from exo_sim.diagnosis.subsystems.motion.missing_force import MissingForce, MissingRows, around
+from exo_sim.diagnosis.subsystems.motion.missing_force import MissingForce
+from exo_sim.diagnosis.subsystems.motion.missing_pattern import force_or_friction, signals_of
+from exo_sim.diagnosis.subsystems.motion.onsets import Onsets, Starting, onsets_of
 from exo_sim.diagnosis.subsystems.motion.regimes import regimes
-from exo_sim.diagnosis.subsystems.motion.rows import rows_of
+from exo_sim.diagnosis.subsystems.motion.row_set import RowSet
 from exo_sim.diagnosis.subsystems.motion.smoothing import smoothed_alike
 from exo_sim.physics.declaration import declared
 from exo_sim.physics.effects import presliding, sensor_bias, sensor_scale
@@ -48,6 +48,7 @@ class MotionModel(SubsystemModel):
         nominal: The nominal machine; its cylinder record holds what resists the motion.
         split: Which time may be used.
         on_test: Whether the rows are those of the test time.
+        starting: How its onsets are read; None where they do not count.
         scatter: Of the contact at low speeds; None where there is none.
         creep: Speed at which dry friction has built up [m/s or rad/s]; 0 where it is there at once.
     """
@@ -57,33 +58,18 @@ class MotionModel(SubsystemModel):
     plant_holds_curves = False
 
     def __init__(self, runs: Sequence[MotionRun], nominal: PlantParameters, split: Split, on_test: bool = False,
-                 scatter: ContactScatter | None = None, creep: float = 0.0):  # fmt: skip
+                 scatter: ContactScatter | None = None, creep: float = 0.0, starting: Starting | None = None):  # fmt: skip
         first = runs[0]
         self.where, self.runs, self.nominal = first.cylinder or first.joint, tuple(runs), nominal.copy()
         self.nominal.cylinder["effective_mass"] = first.inertia.effective_mass
         self.nominal.cylinder["turning"] = float(first.turning and first.cylinder is None)
         self.unit = "N*m" if first.turning else "N"
-        masks = [(split.in_test if on_test else split.in_training)(run.recording, run.time) for run in self.runs]
-        is_thinned = False
-        if not on_test:
-            total = sum(float(np.ptp(run.time)) for run in self.runs)
-            kept = [spread(run.time, total) for run in self.runs]
-            masks, is_thinned = [mask & one for mask, one in zip(masks, kept, strict=True)], not all(one.all() for one in kept)
-        self._rows = [rows_of(run, usable) for run, usable in zip(self.runs, masks, strict=True)]
-        blocks, offset = [], 0
-        for rows in self._rows:
-            blocks.append(rows.block + offset)
-            offset += int(rows.block.max()) + 1 if rows.block.size else 0
-        self.blocks: NDArray[np.int64] = np.concatenate(blocks) if blocks else np.zeros(0, int)
-        scale = np.concatenate([rows.scale for rows in self._rows]) if self._rows else np.zeros(0)
-        self.noise = float(np.median(scale)) if scale.size else 0.0
-        self._plain_scale, self._split = scale, split
         self._lacking = [MissingForce(run) for run in self.runs]
-        parts = list(zip(self.runs, self._rows, strict=True))
-        if is_thinned:
-            parts = [part for run, rows in parts for part in around(run, rows)]
-        self._fitted = [MissingRows(run, rows) for run, rows in parts if rows.compared.any()]
-        self._kept = KeptResiduals()
+        self._set = RowSet.of(self.runs, split, on_test)
+        self.noise = float(np.median(self._set.scale)) if self._set.scale.size else 0.0
+        self._split, self._starting = split, starting
+        if starting is not None:
+            self._set = self._set.with_onsets(self._onsets(starting))
         self._weigh(scatter, 0.0)
         contact = self.nominal.cylinder[presliding.EFFECT.name]
         if not first.turning and float(contact["stiffness"][0]) == 0.0:
@@ -93,15 +79,21 @@ class MotionModel(SubsystemModel):
     def _weigh(self, scatter: ContactScatter | None, creep: float) -> None:
         """Set what each row is worth, by where its contact scatters and how noise of the velocity moves friction that creeps."""
         self._scatter, self._creep = scatter, creep
-        self.scale = self._plain_scale if scatter is None else self._plain_scale * scatter.at(self.speed)
+        self.blocks, self.scale = self._set.blocks, self._set.scale.copy()
+        if scatter is not None:
+            self.scale[: self._set.of_motion] *= scatter.at(self.speed[: self._set.of_motion])
         if creep > 0.0:
             self.scale = np.hypot(self.scale, self._of_velocity_noise(creep))
 
     @property
     def speed(self) -> Array:
         """Mean speed of each row [m/s or rad/s], shape (size,)."""
-        pieces = [np.abs(rows.means(run.kinematics.velocity)) for run, rows in zip(self.runs, self._rows, strict=True)]
-        return np.concatenate(pieces) if pieces else np.zeros(0)
+        return np.abs(self.velocity)
+
+    @property
+    def velocity(self) -> Array:
+        """Mean velocity of each row [m/s or rad/s], shape (size,)."""
+        return self._set.velocity
 
     @property
     def slowest_resolved(self) -> float:
@@ -120,6 +112,30 @@ class MotionModel(SubsystemModel):
         other._weigh(scatter, creep)
         return other
 
+    def with_onsets(self, starting: Starting) -> MotionModel:
+        """Return the model with a row for every onset of motion behind its others."""
+        other = copy(self)
+        other._starting, other._set = starting, self._set.with_onsets(self._onsets(starting))
+        other._weigh(self._scatter, self._creep)
+        return other
+
+    def friction_of_rows(self) -> Array:
+        """Return what resists the motion in each row where friction acts, against it, as a machine without any says [N or N m].
+
+        Of onsets it is that beside their damping.
+        """
+        arm = self._set.means(lambda run: run.drive.divisor)
+        return -np.sign(self.velocity) * self._set.missing(self.without_friction) / arm
+
+    def _onsets(self, starting: Starting) -> list[tuple[int, Onsets]]:
+        """Return the onsets of every recording that has any, with its number."""
+        bare, found = self.without_friction, []
+        for number, (run, usable) in enumerate(zip(self.runs, self._set.usable, strict=True)):
+            onsets = onsets_of(run, usable, -self.missing(bare, number) / run.drive.divisor, starting)
+            if onsets.at.size:
+                found.append((number, onsets))
+        return found
+
     @property
     def creeps(self) -> bool:
         """Whether noise of the velocity makes rows worth plainly less where friction builds up."""
@@ -127,9 +143,7 @@ class MotionModel(SubsystemModel):
 
     def _of_velocity_noise(self, creep: float) -> Array:
         """Return what noise of the velocity leaves of friction that builds up as tanh(v/creep), standard deviation by row [N or N m]."""
-        noise = np.concatenate([
-            np.full(rows.block.size, run.kinematics.velocity_noise) for run, rows in zip(self.runs, self._rows, strict=True)
-        ])  # fmt: skip
+        noise = np.array([run.kinematics.velocity_noise for run in self.runs])[self._set.recording]
         slope = self.friction / creep / np.cosh(np.minimum(self.speed / creep, 50.0)) ** 2
         return np.asarray(slope * noise)
 
@@ -161,14 +175,10 @@ class MotionModel(SubsystemModel):
         return self._lacking[index].of(plant)
 
     def residual_of(self, plant: PlantParameters) -> Array:
-        return self._kept.of(plant, self._missing_of_rows) / self.scale
-
-    def _missing_of_rows(self, plant: PlantParameters) -> Array:
-        """Return the force that the balance lacks in each row [N or N m], shape (size,)."""
-        return np.concatenate([lacking.of(plant) for lacking in self._fitted]) if self._fitted else np.zeros(0)
+        return self._set.missing(plant) / self.scale
 
     def on_test_time(self, split: Split) -> MotionModel:
-        return MotionModel(self.runs, self.nominal, split, on_test=True, scatter=self._scatter, creep=self._creep)
+        return MotionModel(self.runs, self.nominal, split, True, self._scatter, self._creep, self._starting)
 
     @cached_property
     def friction(self) -> float:
@@ -177,12 +187,17 @@ class MotionModel(SubsystemModel):
         What every law of friction gets wrong is a share of that, not of what a rig that knows its friction still lacks; and no machine
         has less of it than a healthy one may have unsaid.
         """
+        sizes = [float(np.std(self.residual_of(plant) * self.scale)) for plant in (self.nominal, self.without_friction)]
+        return max(*sizes, self.healthy_friction) if self.size else 0.0
+
+    @property
+    def without_friction(self) -> PlantParameters:
+        """The nominal machine without any friction."""
         bare = self.nominal.copy()
         for effect in declared().values():
             if effect.family == "friction" and effect.name in (bare.cylinder.dtype.names or ()):
                 bare.cylinder[effect.name] = np.zeros(1, bare.cylinder.dtype[effect.name])
-        sizes = [float(np.std(self.residual_of(plant) * self.scale)) for plant in (self.nominal, bare)]
-        return max(*sizes, self.healthy_friction) if self.size else 0.0
+        return bare
 
     @property
     def healthy_friction(self) -> float:
@@ -192,26 +207,27 @@ class MotionModel(SubsystemModel):
     def discrepancy_basis(self) -> DiscrepancyBasis:
         """Return what every model of friction gets wrong, as columns for the rows of the residual."""
         at = {
-            name: np.concatenate([rows.means(values(run)) for run, rows in zip(self.runs, self._rows, strict=True)])
+            name: self._set.means(values)
             for name, values in (
                 ("position", lambda run: run.kinematics.position),
-                ("velocity", lambda run: run.kinematics.velocity),
                 ("time", lambda run: run.time - run.time[0]),
             )
         }
-        recording = np.concatenate([np.full(rows.block.size, index) for index, rows in enumerate(self._rows)])
         typical = self.noise or 1.0
         friction = self.friction / typical
         effort = max((run.effort for run in self.runs), default=0.0) / typical
         return friction_discrepancy(
-            at["position"], at["velocity"], at["time"], recording, typical / self.scale, friction, effort
+            at["position"], self.velocity, at["time"], self._set.recording, typical / self.scale, friction, effort, self._set.of_motion
         )
+
+    def healthy_misfit(self) -> Array:
+        return self.discrepancy_basis().deviation()
 
     def compared(self, before: PlantParameters, after: PlantParameters, curve: Curve | None = None) -> list[Comparison]:
         found = []
         for index, run in enumerate(self.runs):
             first, second = self.missing(before, index), self.missing(after, index)
-            variables = _variables(run)
+            variables = signals_of(run)
             if curve is not None and curve.variable in variables:
                 way = -np.sign(run.kinematics.velocity) if curve.resists else 1.0
                 second = second - smoothed_alike(run.time, way * run.drive.arm * curve(variables[curve.variable]), asked=run.smoothing)
@@ -219,14 +235,14 @@ class MotionModel(SubsystemModel):
             noise = self.noise or run.noise
             balance = (run.demand * moving, (run.demand - first) * moving, (run.demand - second) * moving)
             series = Series(run.recording, f"{self.where}.force_balance", self.unit, run.time, *balance, noise)
-            compared = self._rows[index].compared
+            compared = self._set.rows[index].compared
             found.append(Comparison(series, first[compared], second[compared]))
         return found
 
     def traces(self, plant: PlantParameters) -> list[Trace]:
         found = []
         for index, run in enumerate(self.runs):
-            error = np.where(self._rows[index].compared, self.missing(plant, index), np.nan)
+            error = np.where(self._set.rows[index].compared, self.missing(plant, index), np.nan)
             noise = self.noise or 1.0
             ways = regimes(run.kinematics.velocity, run.time)
             found.append(Trace(self.where, self.balance, self.unit, run.recording, run.time, error, noise, ways))
@@ -237,29 +253,15 @@ class MotionModel(SubsystemModel):
 
         Whichever of the two follows a signal more closely.
         """
-        return (max(self._as_force_or_friction(plant), key=lambda one: one.pattern),)
+        return (max(self._patterns(plant), key=lambda one: one.pattern),)
 
     def discrepancy_over(self, plant: PlantParameters, variables: Sequence[str]) -> Discrepancy:
-        friction = self._as_force_or_friction(plant)[1]
+        friction = self._patterns(plant)[1]
         return replace(friction, curves=tuple(sorted(friction.curves, key=lambda one: (one.variable not in variables, -one.explains))))
 
-    def _as_force_or_friction(self, plant: PlantParameters) -> tuple[Discrepancy, Discrepancy]:
-        variables: dict[str, list[Array]] = {}
-        forces: list[Array] = []
-        ways: list[Array] = []
-        for index, (run, rows) in enumerate(zip(self.runs, self._rows, strict=True)):
-            for name, values in _variables(run).items():
-                variables.setdefault(name, []).append(rows.means(values))
-            ways.append(np.sign(rows.means(run.kinematics.velocity)))
-            forces.append(rows.means(self.missing(plant, index) / run.drive.divisor))
-        force, joined = np.concatenate(forces), {name: np.concatenate(values) for name, values in variables.items()}
-        size = float(np.sqrt(np.mean(force**2)))
-        along = fit_curves(joined, force, self.blocks)
-        against = tuple(replace(one, resists=True) for one in fit_curves(joined, -force * np.concatenate(ways), self.blocks))
-        return (
-            Discrepancy("force", self.unit, self.balance, along, size),
-            Discrepancy("friction", self.unit, self.balance, against, size),
-        )
+    def _patterns(self, plant: PlantParameters) -> tuple[Discrepancy, Discrepancy]:
+        missing = [self.missing(plant, index) for index in range(len(self.runs))]
+        return force_or_friction(self.runs, self._set.rows, missing, self.blocks, self.unit, self.balance)
 
     def column(self, variable: str) -> str:
         if variable in ("position", "velocity"):
@@ -313,12 +315,3 @@ class MotionModel(SubsystemModel):
             for f in findings
             if (f.name == sensor_bias.EFFECT.name and f.where.endswith(".external_force")) or (moved and f.name in twins.values())
         }
-
-
-def _variables(run: MotionRun) -> dict[str, Array]:
-    """Return what a missing force may depend on, shape (n,) each."""
-    found = {"position": run.kinematics.position, "velocity": run.kinematics.velocity, "time": run.time - run.time[0]}
-    if run.cylinder is not None:
-        first, second = run.drive.gauge[:, 0], run.drive.gauge[:, 1]
-        found |= {"pressure_1": first, "pressure_2": second, "pressure_difference": first - second}
-    return found

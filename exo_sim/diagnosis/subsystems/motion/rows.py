@@ -83,18 +83,34 @@ def rows_of(run: MotionRun, usable: NDArray[np.bool_]) -> Rows:
     moving = binary_erosion((np.abs(velocity) > run.kinematics.still) & ~turned, iterations=edge)
     moving &= np.abs(np.gradient(velocity, time)) * gaussian_width(width) < STEADY_SPEED * np.abs(velocity)
     good = usable & moving & run.judged & np.isfinite(run.inertia.force + run.drive.force + run.external)
-    ends = max(edge, math.ceil(FILTER_ENDS * gaussian_width(width) / step))
+    ends = max(edge, ends_of(run))
     for begin in (0, *run.breaks, len(time)):
         good[max(0, begin - ends) : begin + ends] = False
     group = np.full(len(time), -1)
-    blocks: list[int] = []
+    firsts: list[int] = []
     for first in range(0, len(time), size):
         chosen = np.arange(first, min(first + size, len(time)))
         if good[chosen].all():
-            group[chosen] = len(blocks)
-            blocks.append(int((time[first] - time[0]) / max(BLOCK, INDEPENDENT * width)))
+            group[chosen] = len(firsts)
+            firsts.append(first)
     # neighbouring samples share the smoothing window: averaging a group of them gains little
     per_row = max(1.0, run.every * GROUP / max(step, 1e-9))
-    scale = np.hypot(run.noise, healthy.FORCE_FLOOR_SHARE * run.effort) if blocks else 0.0
-    reduced = max(scale, 1e-9) * np.sqrt(min(1.0, 3.0 / per_row) if per_row > 3 else 1.0)
-    return Rows(group, np.array(blocks, dtype=int), np.full(len(blocks), reduced))
+    reduced = row_scale(run) * np.sqrt(min(1.0, 3.0 / per_row) if per_row > 3 else 1.0) if firsts else 0.0
+    return Rows(group, block_of(run, np.array(firsts, dtype=int)), np.full(len(firsts), reduced))
+
+
+def row_scale(run: MotionRun) -> float:
+    """Return the standard deviation that noise and floor leave in one sample of the balance [N or N m]."""
+    return max(float(np.hypot(run.noise, healthy.FORCE_FLOOR_SHARE * run.effort)), 1e-9)
+
+
+def block_of(run: MotionRun, at: NDArray[np.int64]) -> NDArray[np.int64]:
+    """Return in which block of time samples lie, shape (k,)."""
+    length = max(BLOCK, INDEPENDENT * smoothing_width(run.time, run.smoothing))
+    return np.asarray((run.time[at] - run.time[0]) / length, dtype=int)
+
+
+def ends_of(run: MotionRun) -> int:
+    """Return beside how many samples of an end of a stretch the filter has nothing to take."""
+    step = float(np.median(np.diff(run.time)))
+    return math.ceil(FILTER_ENDS * gaussian_width(smoothing_width(run.time, run.smoothing)) / step)

@@ -95,9 +95,9 @@ def test_of_a_long_recording_only_what_is_fitted_is_predicted_and_it_is_the_same
     times = int(np.ceil(400.0 / np.ptp(motion_runs.TIME)))
     run = long_run(times)
     model = MotionModel([run], rubbed(), Split({}))
-    assert sum(len(lacking.run.time) for lacking in model._fitted) < 0.5 * len(run.time)
+    assert sum(len(lacking.run.time) for lacking in model._set._fitted) < 0.5 * len(run.time)
     for plant in (rubbed(), rubbed(9.0, offset=1.0), rubbed(0.0)):
-        whole = np.concatenate([rows.means(MissingForce(run).of(plant)) for rows in model._rows]) / model.scale
+        whole = np.concatenate([rows.means(MissingForce(run).of(plant)) for rows in model._set.rows]) / model.scale
         np.testing.assert_allclose(model.residual_of(plant), whole, rtol=1e-9, atol=1e-9)
 
 

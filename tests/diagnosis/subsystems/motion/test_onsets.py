@@ -1,0 +1,86 @@
+"""Onsets of motion: found behind rests, read at their peak, and never higher than what it takes to start."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from diagnosis import motion_runs, starts
+
+from exo_sim.diagnosis.subsystems.motion.missing_force import MissingForce, MissingOnsets
+from exo_sim.diagnosis.subsystems.motion.onsets import LARGEST_ACCELERATION, Onsets, Starting, onsets_of
+
+ALL = np.ones(starts.TIME.size, dtype=bool)
+READ = Starting(starts.DAMPING)
+
+
+def read(run: starts.MotionRun, usable: np.ndarray = ALL, starting: Starting = READ) -> Onsets:
+    return onsets_of(run, usable, -MissingForce(run).of(motion_runs.plant()), starting)
+
+
+def test_every_motion_behind_a_rest_has_one_where_it_begins() -> None:
+    found = read(starts.run())
+    inner = starts.BEGINS[1:-1]
+    apart = np.abs(found.at[:, None] - inner[None, :]).min(axis=0)
+    assert (apart < 40).all() and len(found.at) >= len(inner)
+    np.testing.assert_array_equal(found.way, np.sign(starts.VELOCITY[found.at + 60]))
+    assert (found.acceleration > 0.0).all() and (found.fastest > found.slowest).all()
+
+
+def peaks_of(run: starts.MotionRun, found: Onsets) -> np.ndarray:
+    """Return what resists at each onset beside the damping, against the motion [N]."""
+    return found.way * (found.means(-MissingForce(run).of(motion_runs.plant())) - found.damped)
+
+
+@pytest.mark.parametrize("excess", [0.0, 6.0, 20.0])
+def test_the_peak_is_no_higher_than_what_it_takes_to_start(excess: float) -> None:
+    run = starts.run(excess)
+    peaks = peaks_of(run, read(run))
+    assert (peaks < starts.LEVEL + excess + 3.0 * run.noise).all()
+    assert not excess or np.median(peaks) > starts.LEVEL + 0.2 * excess
+
+
+@pytest.mark.parametrize("excess", [0.0, 6.0, 20.0])
+def test_the_true_law_explains_the_peaks_behind_the_filter(excess: float) -> None:
+    run, plant = starts.run(excess), motion_runs.plant()
+    plant.cylinder["coulomb_friction"]["force"], plant.cylinder["viscous_friction"]["coefficient"] = starts.LEVEL, starts.DAMPING
+    if excess:
+        dip = plant.cylinder["stribeck_friction"]
+        dip["breakaway"], dip["velocity"], dip["exponent"] = starts.LEVEL + excess, starts.DIP, 1.0
+    found = read(run)
+    left = found.way * MissingOnsets(run, found).of(plant)
+    assert abs(float(np.median(left))) < 0.03 * starts.LEVEL + 0.1 * excess
+
+
+def test_a_level_of_dry_friction_counts_whole_at_an_onset() -> None:
+    run = starts.run(6.0)
+    found, plant = read(run), motion_runs.plant()
+    bare = MissingOnsets(run, found).of(plant)
+    plant.cylinder["coulomb_friction"]["force"] = 9.0
+    np.testing.assert_allclose(MissingOnsets(run, found).of(plant) - bare, 9.0 * found.way, rtol=1e-9)
+    np.testing.assert_allclose(np.abs(found.noise), LARGEST_ACCELERATION * run.noise)
+
+
+def test_without_a_rest_before_it_or_outside_the_time_that_may_be_used_there_is_none() -> None:
+    run = starts.run()
+    swinging = replace(run.kinematics, velocity=np.sin(4.0 * starts.TIME))
+    assert read(replace(run, kinematics=swinging)).at.size == 0
+    late = read(run, starts.TIME > 6.0)
+    assert late.at.size and (starts.TIME[late.at] > 5.9).all()
+
+
+def test_what_differs_from_one_onset_to_the_next_makes_each_worth_less() -> None:
+    run = starts.run()
+    plain, scattered = read(run), read(run, starting=Starting(starts.DAMPING, 3.0))
+    np.testing.assert_allclose(scattered.scale, np.hypot(plain.scale, 3.0))
+
+
+def test_a_law_that_builds_up_with_speed_is_asked_for_its_most() -> None:
+    """A contact that takes a few millimetres a second to grip resists as much, once it slides, as one that grips at once."""
+    run = starts.run(6.0)
+    found, plant = read(run), motion_runs.plant()
+    plant.cylinder["coulomb_friction"]["force"] = 9.0
+    at_once = MissingOnsets(run, found).of(plant)
+    plant.cylinder["friction_smoothing"]["velocity"] = 2e-3
+    np.testing.assert_allclose(MissingOnsets(run, found).of(plant), at_once, atol=0.1 * 9.0)

@@ -16,7 +16,7 @@ from exo_sim.diagnosis.estimation.least_squares import Fit
 from exo_sim.diagnosis.estimation.parameters import FreeParameter
 from exo_sim.diagnosis.estimation.threads import SERIAL, Threads
 from exo_sim.diagnosis.policy import acceptance
-from exo_sim.diagnosis.policy.budgets import BEAM, MOST_FINDINGS, MOST_SWAPS
+from exo_sim.diagnosis.policy.budgets import BEAM, MOST_FINDINGS, MOST_FURTHER, MOST_SWAPS
 from exo_sim.diagnosis.policy.recordings import FEWEST_ROWS
 from exo_sim.diagnosis.selection.assessment import assess
 from exo_sim.diagnosis.selection.comparisons import Comparisons
@@ -29,6 +29,7 @@ from exo_sim.diagnosis.selection.fitted_model import (
     is_more_than_healthy,
     key_of,
 )
+from exo_sim.diagnosis.selection.further_forms import with_further_forms
 from exo_sim.diagnosis.selection.joint_search import JointSearch
 from exo_sim.diagnosis.selection.model_fits import ModelFits
 from exo_sim.diagnosis.selection.proposals import Proposals
@@ -142,7 +143,7 @@ class _Growth:
             tidied = next((model for model in map(self.simplification.tidied, ordered) if model.candidates), None)
             if tidied is None or (best.candidates and self.fits.deficit(tidied, best) >= 0.0):
                 break
-            before, best = best, tidied
+            before, best = best, self._in_further_forms(tidied)
             self._report(f"{len(best.candidates)} found, {best.candidates[-1].effect.replace('_', ' ')} last")
             if not self.comparisons.is_clean(best) and self._goes_elsewhere(best):
                 return self._interrupted(best)
@@ -155,11 +156,11 @@ class _Growth:
             beam = [best]
             if not self.comparisons.is_clean(best):
                 beam += [model for model in self.comparisons.ranked(grown) if model.named not in (best.named, leader.named)][: BEAM - 1]
-        return self._swapped(self._completed(best))
+        return self._swapped(self._gone_on(self._completed(best)))
 
     def _reached(self, together: FittedModel) -> SearchResult:
         """Return the result of a search that ends with what was asked together, unless another subsystem is to be asked first."""
-        return self._interrupted(together) if self._goes_elsewhere(together) else self._swapped(together)
+        return self._interrupted(together) if self._goes_elsewhere(together) else self._swapped(self._gone_on(together))
 
     def _interrupted(self, model: FittedModel) -> SearchResult:
         """Return the result of a search that stops at a model for another subsystem to be asked first: nothing of it is assessed."""
@@ -181,6 +182,22 @@ class _Growth:
             return now
         tidied = self.simplification.tidied(more)
         return tidied if len(tidied.candidates) > len(now.candidates) and self.comparisons.accepts(now, tidied) else now
+
+    def _gone_on(self, now: FittedModel) -> FittedModel:
+        """Return a model whose findings are in further forms where these are accepted, with what shows beside those alone."""
+        for _ in range(MOST_FURTHER):
+            richer = self._in_further_forms(now)
+            if richer is now:
+                break
+            now = self._completed(richer)
+        return now
+
+    def _in_further_forms(self, now: FittedModel) -> FittedModel:
+        """Return a model that leaves something with its findings in the further forms that are accepted; itself where there are none."""
+        if self.comparisons.is_clean(now) or self._is_over():
+            return now
+        richer = with_further_forms(now, self.fits, self.comparisons, self.proposals)
+        return now if richer is now else self.fits.refined(richer)
 
     def _swapped(self, best: FittedModel) -> SearchResult:
         """Return the assessed result of a model in which rivals that explain more took the places of findings."""

@@ -15,10 +15,9 @@ import numpy as np
 from exo_sim.diagnosis.estimation.budget import IsSpent
 from exo_sim.diagnosis.estimation.candidate import Candidate, drop_orphans
 from exo_sim.diagnosis.policy import acceptance
-from exo_sim.diagnosis.policy.budgets import FIRST_LOOKED, MOST_EXTENSIONS, MOST_FURTHER, MOST_JOINT, STRAY, WORTH_A_ROUND
+from exo_sim.diagnosis.policy.budgets import FIRST_LOOKED, MOST_EXTENSIONS, MOST_JOINT, STRAY, WORTH_A_ROUND
 from exo_sim.diagnosis.selection.comparisons import Comparisons
 from exo_sim.diagnosis.selection.fitted_model import FittedModel, is_at_bound, is_more_than_healthy
-from exo_sim.diagnosis.selection.further_forms import with_further_forms
 from exo_sim.diagnosis.selection.joint_proposal import Proposal, joint_proposals
 from exo_sim.diagnosis.selection.joint_pruning import jointly_pruned
 from exo_sim.diagnosis.selection.model_fits import ModelFits
@@ -86,19 +85,7 @@ class JointSearch:
             self._report(f"{len(best.candidates)} together, {math.sqrt(best.fit.sse / model.size):.1f} times the noise left")
             if self.comparisons.is_clean(best):
                 break
-        return self._gone_on(self.extended(self._jointly_pruned(best)))
-
-    def _gone_on(self, now: FittedModel) -> FittedModel:
-        """Return a model that leaves more than a healthy machine's with its findings in further forms, and what shows beside these."""
-        for _ in range(MOST_FURTHER):
-            if self.is_within_bound(now) or self._is_over():
-                break
-            richer = with_further_forms(now, self.fits, self.comparisons, self.proposals)
-            if richer is now:
-                break
-            self._report(f"laws go on, {math.sqrt(richer.fit.sse / self.fits.model.size):.1f} times the noise left")
-            now = self.extended(self.fits.refined(richer))
-        return now
+        return self.extended(self._jointly_pruned(best))
 
     def _jointly_pruned(self, now: FittedModel) -> FittedModel:
         """Return a model without what is not missed beside the rest.

@@ -117,6 +117,7 @@ class _Growth:
     ):
         self.fits, self.comparisons, self.proposals = fits, comparisons, proposals
         self._report, self._stopping = report, stopping
+        self._as_they_are: set[SetKey] = set()  # models that no further form betters
         self.simplification = Simplification(fits, comparisons, proposals, self._is_over)
         self.joint = JointSearch(fits, comparisons, proposals, self.simplification, report, self._is_over)
 
@@ -194,10 +195,14 @@ class _Growth:
 
     def _in_further_forms(self, now: FittedModel) -> FittedModel:
         """Return a model that leaves something with its findings in the further forms that are accepted; itself where there are none."""
-        if self.comparisons.is_clean(now) or self._is_over():
+        key = key_of(now.candidates)
+        if key in self._as_they_are or self.comparisons.is_clean(now) or self._is_over():
             return now
         richer = with_further_forms(now, self.fits, self.comparisons, self.proposals)
-        return now if richer is now else self.fits.refined(richer)
+        if richer is now:
+            self._as_they_are.add(key)
+            return now
+        return self.fits.refined(richer)
 
     def _swapped(self, best: FittedModel) -> SearchResult:
         """Return the assessed result of a model in which rivals that explain more took the places of findings."""

@@ -15,8 +15,9 @@ from exo_sim.diagnosis.selection.proposals import Proposals
 def with_further_forms(now: FittedModel, fits: ModelFits, comparisons: Comparisons, proposals: Proposals) -> FittedModel:
     """Return a model with findings in the further forms that the data support; itself where they support none, or nothing is left.
 
-    A further form is no other effect: it passes the gates of what stands in a model already. It is fitted from each of its starts, for
-    how a law goes on may be felt only beyond a size: the waves of a hose stay out of a fit that begins with half its length.
+    A further form is no other effect: it passes the gates of what stands in a model already, where the poorer one is not as good. It is
+    fitted from each of its starts, for how a law goes on may be felt only beyond a size: the waves of a hose stay out of a fit that
+    begins with half its length.
     """
     for candidate in now.candidates:
         if comparisons.is_clean(now) or fits.is_spent():
@@ -25,7 +26,9 @@ def with_further_forms(now: FittedModel, fits: ModelFits, comparisons: Compariso
         for form in proposals.further(candidate, now):
             begun = [replace(form, starts=(start,)) for start in form.starts]
             model = fits.fit_from_each([tuple(one if c is candidate else c for c in now.candidates) for one in begun], now)
-            if model is not None and comparisons.accepts(now, model, stands=True) and not _is_at_end(form, model):
+            if model is None or comparisons.is_as_good(now, model) or _is_at_end(form, model):
+                continue
+            if comparisons.accepts(now, model, stands=True):
                 shown.append(model)
         now = comparisons.ranked([now, *shown])[0]
     return now

@@ -117,7 +117,6 @@ class _Growth:
     ):
         self.fits, self.comparisons, self.proposals = fits, comparisons, proposals
         self._report, self._stopping = report, stopping
-        self._as_they_are: set[SetKey] = set()  # models that no further form betters
         self.simplification = Simplification(fits, comparisons, proposals, self._is_over)
         self.joint = JointSearch(fits, comparisons, proposals, self.simplification, report, self._is_over)
 
@@ -144,7 +143,7 @@ class _Growth:
             tidied = next((model for model in map(self.simplification.tidied, ordered) if model.candidates), None)
             if tidied is None or (best.candidates and self.fits.deficit(tidied, best) >= 0.0):
                 break
-            before, best = best, self._in_further_forms(tidied)
+            before, best = best, tidied
             self._report(f"{len(best.candidates)} found, {best.candidates[-1].effect.replace('_', ' ')} last")
             if not self.comparisons.is_clean(best) and self._goes_elsewhere(best):
                 return self._interrupted(best)
@@ -185,24 +184,18 @@ class _Growth:
         return tidied if len(tidied.candidates) > len(now.candidates) and self.comparisons.accepts(now, tidied) else now
 
     def _gone_on(self, now: FittedModel) -> FittedModel:
-        """Return a model whose findings are in further forms where these are accepted, with what shows beside those alone."""
+        """Return a model that leaves something with its findings in the further forms that are accepted, and what shows beside these alone.
+
+        They are asked where a search ends: before, what is left is mostly of what was not found yet.
+        """
         for _ in range(MOST_FURTHER):
-            richer = self._in_further_forms(now)
+            if self.comparisons.is_clean(now) or self._is_over():
+                break
+            richer = with_further_forms(now, self.fits, self.comparisons, self.proposals)
             if richer is now:
                 break
-            now = self._completed(richer)
+            now = self._completed(self.fits.refined(richer))
         return now
-
-    def _in_further_forms(self, now: FittedModel) -> FittedModel:
-        """Return a model that leaves something with its findings in the further forms that are accepted; itself where there are none."""
-        key = key_of(now.candidates)
-        if key in self._as_they_are or self.comparisons.is_clean(now) or self._is_over():
-            return now
-        richer = with_further_forms(now, self.fits, self.comparisons, self.proposals)
-        if richer is now:
-            self._as_they_are.add(key)
-            return now
-        return self.fits.refined(richer)
 
     def _swapped(self, best: FittedModel) -> SearchResult:
         """Return the assessed result of a model in which rivals that explain more took the places of findings."""

@@ -77,6 +77,8 @@ class Identification:
 
     Attributes:
         forms: Which parameters are free together; one form with all of them where empty.
+        further: Forms that are asked only of an effect that was found, where something is left beside it: for each, values to begin with of
+            the parameters that come on top of the form that stands.
         starts: Values to begin with where the range is wide or the answer not in proportion; else a low and a high typical one.
         starts_by_valve: Initial values by parameter, as many of each, an `area` in units of the valve's.
         starts_by_reach: As `starts`, areas in units of the valve's, lengths in units of half the stroke and counted from where the
@@ -118,6 +120,7 @@ class Identification:
     """
 
     forms: tuple[tuple[str, ...], ...] = ()
+    further: Mapping[tuple[str, ...], Mapping[str, tuple[float, ...]]] = field(default_factory=dict)
     starts: Starts = ()
     starts_by_valve: Mapping[str, tuple[float, ...]] = field(default_factory=dict)
     starts_by_reach: Starts = ()
@@ -154,6 +157,7 @@ class Identification:
     def parameters(self) -> dict[str, set[str]]:
         """Names of parameters that this speaks of, by the field in which it does."""
         lists = {"forms": {name for form in self.forms for name in form}}
+        lists["further"] = {name for form, starts in self.further.items() for name in (*form, *starts)}
         lists |= {key: set(getattr(self, key)) for key in ("within_speeds", "within_travels")}
         lists["common"] = set(self.common[1])
         named = ("neutral", "healthy", "least", "open_by", "known", "left_open", "starts_by_valve")

@@ -36,6 +36,7 @@ class Candidate:
         prevalence: Share of machines that have it, before any data.
         also: Other places that the same number is of: a card delays all of its columns.
         is_law: Whether it is how a law is written, not physics that is missing: in the model and in the improved rig, but no finding.
+        further: Where it is asked only in the place of a poorer form that stands: names of parameters that this may lack.
     """
 
     effect: str
@@ -52,6 +53,7 @@ class Candidate:
     prevalence: float = PREVALENCE
     also: tuple[str, ...] = ()
     is_law: bool = False
+    further: frozenset[str] = frozenset()
 
     @property
     def key(self) -> CandidateKey:

@@ -195,7 +195,8 @@ def _healthy_part(candidate: Candidate, result: Result) -> dict[str, float]:
     """Return the other parameters of an additive effect: what a healthy machine has of them was fitted as a nuisance."""
     if not candidate.additive:
         return {}
-    own = {q: value for q, value in result.final.fit.values.items() if (q.effect, q.where) == candidate.at}
+    unit = candidate.parameters[0].unit
+    own = {q: value for q, value in result.final.fit.values.items() if (q.effect, q.where, q.unit) == (*candidate.at, unit)}
     least = LEAST_PART * sum(own.values())
     return {q.parameter: value for q, value in own.items() if q not in candidate.parameters and value > least}
 

@@ -11,6 +11,7 @@ BEAM = Count(
     "not meet is proposed together"
 )
 MOST_SWAPS = Count(2, "swaps", "a rival may so often take a finding's place in the end")
+MOST_FURTHER = Count(2, "times", "further forms of what was found are asked: of what shows beside the first ones, once more")
 MOST_JOINT = Count(3, "rounds", "of asking for all effects together, where the first does not reach the noise")
 WORTH_A_ROUND = Number(0.1, "share of the squared error", "each of those rounds lowers it by so much, or is the last")
 STRAY = Number(

@@ -169,7 +169,8 @@ def exceeds_healthy_limit(
     times = float(acceptance.SURELY_MORE) if times is None else times
     limited = [q for q in candidate.parameters if q.healthy_limit > 0.0]
     if candidate.additive:  # with what a healthy machine has of it, where the candidate does not stand for that
-        parts = {q.slot: q for q in (*values, *candidate.parameters) if (q.effect, q.where) == candidate.at}
+        unit = candidate.parameters[0].unit
+        parts = {q.slot: q for q in (*values, *candidate.parameters) if (q.effect, q.where, q.unit) == (*candidate.at, unit)}
         return sum(abs(values[q] - q.neutral) for q in parts.values()) > max((q.healthy_limit for q in limited), default=0.0)
     return not limited or any(abs(values[q] - q.neutral) - times * errors.get(q, 0.0) > q.healthy_limit for q in limited)
 

@@ -113,6 +113,17 @@ class ModelFits:
         whole = dict(zip([id(one) for one in close], self.fit_all([(one.candidates, one) for one in close], again), strict=True))
         return [whole.get(id(one), one) for one in looks]
 
+    def fit_from_each(self, asked: Sequence[Sequence[Candidate]], now: FittedModel) -> FittedModel | None:
+        """Return the best fit of sets that differ in their starts alone; None where first looks lead none of them near a model.
+
+        Args:
+            asked: The sets.
+            now: The model that they begin at, and are held against.
+        """
+        looks = self.threads.fits(lambda one: self.look(one, now), list(asked))
+        ended = [self.fit(one.candidates, one, again=not self._is_known(one)) for one in looks if not self._is_far(one, now)]
+        return ended[-1] if ended else None
+
     def each_without(self, apart: Sequence[Candidate], now: FittedModel) -> Iterator[tuple[Candidate, FittedModel]]:
         """Yield candidates of a model with the fit of the others, the least missed first; those that are asked for are fitted to the end.
 

@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Collection, Sequence
+from dataclasses import replace
 
 from exo_sim.diagnosis.estimation.candidate import Candidate
 from exo_sim.diagnosis.estimation.parameters import FreeParameter
@@ -20,12 +21,13 @@ class Proposals:
 
     Args:
         fits: Fits of the subsystem's models.
-        candidates: All candidates.
+        candidates: All candidates; of those that are asked only where a poorer form stands no count is kept.
         practical_significance: As in `Comparisons`.
     """
 
     def __init__(self, fits: ModelFits, candidates: Sequence[Candidate], practical_significance: float):
-        self.fits, self.candidates = fits, tuple(candidates)
+        self.fits, self.candidates = fits, tuple(one for one in candidates if not one.further)
+        self._further = tuple(one for one in candidates if one.further)
         self._practical_significance = practical_significance
         self._scored: dict[SetKey, list[tuple[float, Candidate]]] = {}
         self._latest: tuple[SetKey, Signatures] | None = None
@@ -123,10 +125,23 @@ class Proposals:
             ]  # fmt: skip
         return sorted(forms, key=lambda c: len(c.parameters))
 
+    def further(self, candidate: Candidate, now: FittedModel) -> list[Candidate]:
+        """Return forms in which the law of a finding goes on, to begin where it ended."""
+        own, found = set(candidate.parameters), []
+        for form in (c for c in self._further if (c.at, c.fixed) == (candidate.at, candidate.fixed)):
+            new = set(form.parameters) - own
+            if own < set(form.parameters) and _names(new) <= form.further:
+                starts = dict.fromkeys(
+                    tuple(value if q in new else now.fit.values[q] for q, value in zip(form.parameters, start, strict=True))
+                    for start in form.starts
+                )
+                found.append(replace(form, starts=tuple(starts)))
+        return found
+
     def fullest(self, candidate: Candidate) -> Candidate:
         """Return the form of a candidate's effect with the most parameters."""
         return max((c for c in self.candidates if c.at == candidate.at), key=lambda form: len(form.parameters), default=candidate)
 
 
-def _names(parameters: Sequence[FreeParameter]) -> set[str]:
+def _names(parameters: Collection[FreeParameter]) -> set[str]:
     return {q.parameter for q in parameters}

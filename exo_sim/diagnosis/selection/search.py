@@ -16,7 +16,7 @@ from exo_sim.diagnosis.estimation.least_squares import Fit
 from exo_sim.diagnosis.estimation.parameters import FreeParameter
 from exo_sim.diagnosis.estimation.threads import SERIAL, Threads
 from exo_sim.diagnosis.policy import acceptance
-from exo_sim.diagnosis.policy.budgets import BEAM, MOST_FINDINGS, MOST_SWAPS
+from exo_sim.diagnosis.policy.budgets import BEAM, MOST_FINDINGS, MOST_FURTHER, MOST_SWAPS
 from exo_sim.diagnosis.policy.recordings import FEWEST_ROWS
 from exo_sim.diagnosis.selection.assessment import assess
 from exo_sim.diagnosis.selection.comparisons import Comparisons
@@ -29,6 +29,7 @@ from exo_sim.diagnosis.selection.fitted_model import (
     is_more_than_healthy,
     key_of,
 )
+from exo_sim.diagnosis.selection.further_forms import with_further_forms
 from exo_sim.diagnosis.selection.joint_search import JointSearch, Together
 from exo_sim.diagnosis.selection.model_fits import ModelFits
 from exo_sim.diagnosis.selection.proposals import Proposals
@@ -156,7 +157,7 @@ class _Growth:
             beam = [best]
             if not self.comparisons.is_clean(best):
                 beam += [model for model in self.comparisons.ranked(grown) if model.named not in (best.named, leader.named)][: BEAM - 1]
-        return self._swapped(self._nearer(self._completed(best), together))
+        return self._swapped(self._gone_on(self._nearer(self._completed(best), together)))
 
     def _nearer(self, best: FittedModel, together: Sequence[Together]) -> FittedModel:
         """Return what was found together where that explains more than what was found one at a time: one hides the other there.
@@ -169,7 +170,7 @@ class _Growth:
 
     def _reached(self, together: FittedModel) -> SearchResult:
         """Return the result of a search that ends with what was asked together, unless another subsystem is to be asked first."""
-        return self._interrupted(together) if self._goes_elsewhere(together) else self._swapped(together)
+        return self._interrupted(together) if self._goes_elsewhere(together) else self._swapped(self._gone_on(together))
 
     def _interrupted(self, model: FittedModel) -> SearchResult:
         """Return the result of a search that stops at a model for another subsystem to be asked first: nothing of it is assessed."""
@@ -191,6 +192,20 @@ class _Growth:
             return now
         tidied = self.simplification.tidied(more)
         return tidied if len(tidied.candidates) > len(now.candidates) and self.comparisons.accepts(now, tidied) else now
+
+    def _gone_on(self, now: FittedModel) -> FittedModel:
+        """Return a model that leaves something with its findings in the further forms that are accepted, and what shows beside these alone.
+
+        They are asked where a search ends: before, what is left is mostly of what was not found yet.
+        """
+        for _ in range(MOST_FURTHER):
+            if self.comparisons.is_clean(now) or self._is_over():
+                break
+            richer = with_further_forms(now, self.fits, self.comparisons, self.proposals)
+            if richer is now:
+                break
+            now = self._completed(self.fits.refined(richer))
+        return now
 
     def _swapped(self, best: FittedModel) -> SearchResult:
         """Return the assessed result of a model in which rivals that explain more took the places of findings."""

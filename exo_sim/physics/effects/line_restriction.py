@@ -67,6 +67,10 @@ EFFECT = Effect(
     signature="flow saturates at large openings; a sensor at the valve jumps when the flow starts and stops",
     identification=Identification(
         forms=(("area", "volume"), ("area", "volume", "ratio"), ("area", "volume", "length")),
+        further={
+            ("area", "volume", "conductance"): {"conductance": (0.3, 0.6)},
+            ("area", "volume", "length", "conductance"): {"length": (1.0, 2.0), "conductance": (0.3, 0.6)},
+        },
         starts_by_valve={"area": (2.0, 0.6, 0.25), "volume": (5e-6, 1e-5, 5e-6), "ratio": (0.36,) * 3, "length": (1.0, 2.0, 1.0)},
         of_dead_volume="volume",
         known={"ratio": (0.36, 0.08)},

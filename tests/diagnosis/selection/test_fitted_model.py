@@ -33,6 +33,17 @@ def test_parts_of_one_thing_are_held_against_the_limit_together(asked: dict[str,
     assert exceeds_healthy_limit(candidate, model) is large
 
 
+def test_how_a_law_goes_on_is_no_part_of_its_size() -> None:
+    """A valve that is late by 2 ms is healthy, however much more slowly it closes than it opens."""
+    late = FreeParameter("valve_lag", "piston", "time_constant", "s", Target.CYLINDER, 1e-3, 0.0, 0.5, healthy_limit=3e-3)
+    closing = FreeParameter("valve_lag", "piston", "closing_excess", "1", Target.CYLINDER, 0.5, -0.9, 9.0)
+    candidate = Candidate("valve_lag", "piston", "time_constant+closing_excess", (late, closing), ((5e-3, 0.6),), additive=True)
+    for size, large in ((0.002, False), (0.004, True)):
+        values = {late: size, closing: 0.8}
+        model = FittedModel((candidate,), Fit((late, closing), values, np.zeros(4), np.zeros((4, 2))))
+        assert exceeds_healthy_limit(candidate, model) is large
+
+
 @pytest.mark.parametrize(("error", "surely"), [(0.0002, True), (0.00064, False)])
 def test_a_number_surely_exceeds_the_limit_where_the_odds_of_it_do(error: float, surely: bool) -> None:
     """0.0039 against 0.0025: with an error of 0.00064 the likelihood ratio is 10, of 0.0002 it is 10^10; 100 is asked."""

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import itertools
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import replace
 
 import numpy as np
@@ -53,6 +53,8 @@ def candidates(plant: PlantParameters, runs: Sequence[CylinderRun], cylinder: st
             if effect.identification.starts_by_reach:
                 made = [replace(one, starts=_starts_within_reach(effect, form, plant, runs)) for one in made]
             found += [_beyond_a_sample(one, period) for one in made]
+        for form, values in effect.identification.further.items():
+            found += [_beyond_a_sample(one, period) for one in _of_further_form(effect, cylinder, form, values, plant)]
     found += _sensor_faults(runs, cylinder, joint, moves)
     return tuple(found)
 
@@ -74,6 +76,19 @@ def _left_open(effect: Effect, cylinder: str, plant: PlantParameters) -> list[Ca
             starts = tuple(zip(*(values[name] for name in form), strict=True))
             found.append(replace(one, form="+".join(form), is_law=True, starts=starts, displaced=(), fixed=()))  # the rest is the rig's
     return found
+
+
+def _of_further_form(
+    effect: Effect, cylinder: str, form: tuple[str, ...], values: Mapping[str, tuple[float, ...]], plant: PlantParameters
+) -> list[Candidate]:
+    """Return the candidates of a form that is asked only where a poorer one stands: what both have begins where that ended."""
+    begun = {name: values.get(name, (_typical(effect.parameter(name), 0.5),)) for name in form}
+    most = max(map(len, begun.values()))
+    starts = tuple(tuple(begun[name][min(k, len(begun[name]) - 1)] for name in form) for k in range(most))
+    return [
+        replace(one, starts=starts, further=frozenset(values))
+        for one in _of_form(effect, cylinder, form, plant)
+    ]
 
 
 def sample_period(runs: Sequence[CylinderRun]) -> float:

@@ -1,0 +1,40 @@
+"""Effects that were found, in forms in which their law goes on: asked where something is left beside them, and nowhere else."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+from exo_sim.diagnosis.estimation.candidate import Candidate
+from exo_sim.diagnosis.policy.verdicts import AT_BOUND
+from exo_sim.diagnosis.selection.comparisons import Comparisons
+from exo_sim.diagnosis.selection.fitted_model import FittedModel
+from exo_sim.diagnosis.selection.model_fits import ModelFits
+from exo_sim.diagnosis.selection.proposals import Proposals
+
+
+def with_further_forms(now: FittedModel, fits: ModelFits, comparisons: Comparisons, proposals: Proposals) -> FittedModel:
+    """Return a model with findings in the further forms that the data support; itself where they support none, or nothing is left.
+
+    A further form is no other effect: it passes the gates of what stands in a model already, where the poorer one is not as good. It is
+    fitted from each of its starts, for how a law goes on may be felt only beyond a size: the waves of a hose stay out of a fit that
+    begins with half its length.
+    """
+    for candidate in now.candidates:
+        if comparisons.is_clean(now) or fits.is_spent():
+            break
+        shown = []
+        for form in proposals.further(candidate, now):
+            begun = [replace(form, starts=(start,)) for start in form.starts]
+            model = fits.fit_from_each([tuple(one if c is candidate else c for c in now.candidates) for one in begun], now)
+            if model is None or comparisons.is_as_good(now, model) or _is_at_end(form, model):
+                continue
+            if comparisons.accepts(now, model, stands=True):
+                shown.append(model)
+        now = comparisons.ranked([now, *shown])[0]
+    return now
+
+
+def _is_at_end(form: Candidate, model: FittedModel) -> bool:
+    """Return whether something by which a law goes on ended at a bound: it was not found."""
+    parameters = [q for q in form.parameters if q.parameter in form.further]
+    return any(min(model.fit.values[q] - q.low, q.high - model.fit.values[q]) < AT_BOUND * q.scale for q in parameters)

@@ -1,0 +1,59 @@
+"""Further forms of what was found: taken where the data need them, asked nowhere else, begun where the poorer form ended."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+from diagnosis.waves import BASE, OTHER, Waves, candidate, parameter
+
+from exo_sim.diagnosis.estimation.candidate import Candidate
+from exo_sim.diagnosis.selection.comparisons import Comparisons
+from exo_sim.diagnosis.selection.fitted_model import FittedModel
+from exo_sim.diagnosis.selection.further_forms import with_further_forms
+from exo_sim.diagnosis.selection.search import Search
+
+FURTHER = replace(candidate("base", "slow", "quick"), starts=((9.0, 0.5), (9.0, -0.5)), further=frozenset({"base.quick"}))
+
+
+def asked(model: Waves, found: Candidate, further: Candidate = FURTHER) -> tuple[FittedModel, FittedModel, Search]:
+    """Return a model with one finding, and the same in further forms where these are accepted."""
+    one = Search(model, (), (BASE, OTHER, further))
+    bare = one.fits.fit(())
+    now = one.fits.refined(one.fits.fit((found,), bare))
+    return now, with_further_forms(now, one.fits, Comparisons(one.fits, bare, 3, 0.0), one.proposals), one
+
+
+def test_a_law_goes_on_where_the_data_need_it() -> None:
+    now, richer, one = asked(Waves(slow=8.0, quick=4.0), BASE)
+    assert [c.form for c in richer.candidates] == ["slow+quick"]
+    assert abs(richer.fit.values[parameter("base", "quick")] - 4.0) < 0.3
+    begun = one.proposals.further(BASE, now)
+    assert [start[0] for start in begun[0].starts] == [now.fit.values[parameter("base", "slow")]] * 2
+
+
+def test_a_law_stays_as_it_was_where_nothing_is_left() -> None:
+    now, richer, _ = asked(Waves(slow=8.0), BASE)
+    assert richer is now
+
+
+def test_a_law_stays_as_it_was_where_the_further_form_does_not_help() -> None:
+    now, richer, _ = asked(Waves(slow=8.0, quicker=4.0), BASE)
+    assert richer is now
+
+
+def test_what_ended_at_a_bound_was_not_found() -> None:
+    now, richer, _ = asked(Waves(slow=8.0, quick=40.0), BASE)
+    assert richer is now
+
+
+def test_a_further_form_is_no_candidate_and_asked_of_no_other_effect() -> None:
+    now, richer, one = asked(Waves(slow=8.0, quick=4.0, quicker=6.0), OTHER)
+    assert richer is now
+    assert FURTHER not in one.proposals.candidates
+    elsewhere = replace(FURTHER, further=frozenset())
+    assert one.proposals.further(elsewhere, now) == []
+
+
+def test_a_search_ends_with_the_further_form() -> None:
+    found = Search(Waves(slow=8.0, quick=4.0), (), (BASE, OTHER, FURTHER)).run()
+    assert [c.form for c in found.final.candidates] == ["slow+quick"]

@@ -14,6 +14,7 @@ from numpy.typing import NDArray
 from exo_sim.diagnosis.data.command_sign import is_reversed_command
 from exo_sim.diagnosis.data.computed_columns import shown_noise
 from exo_sim.diagnosis.data.machine_data import MachineData
+from exo_sim.diagnosis.data.sampled_commands import as_told
 from exo_sim.diagnosis.data.split import Split
 from exo_sim.diagnosis.findings import SignalFit
 from exo_sim.diagnosis.policy.budgets import LEAD, LONGEST_FREE_RUN
@@ -128,11 +129,12 @@ class _Machine:
 
 
 def judged_part(table: Recording, data: MachineData) -> Recording:
-    """Return a recording from where its gas is judged, its valve commands with the sign that they were found to have."""
+    """Return a recording from where its gas is judged, its valve commands as they were found to be meant: their sign, held or samples."""
     starts = [run.time[0] for runs in data.cylinders.values() for run in runs if run.recording == table.name]
     table = table.span(max(starts, default=-math.inf), math.inf)
     wrong = {finding.where for finding in data.sensors if is_reversed_command(finding)}
-    return replace(table, columns={key: -values if key in wrong else values for key, values in table.columns.items()})
+    table = replace(table, columns={key: -values if key in wrong else values for key, values in table.columns.items()})
+    return as_told(table, data.rig, [run for runs in data.cylinders.values() for run in runs])
 
 
 class Sums:

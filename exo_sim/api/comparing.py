@@ -145,7 +145,7 @@ def _errors(recording: Any, replay: Replay) -> dict[str, dict[str, Any]]:
             "unit": recording.units[key],
             "windowed_rms": replays.rms(recording[key], replay.windowed[key]),
             "free_run_rms": replays.rms(recording[key], replay.free_run[key]),
-            "noise": shown_noise(noise.floor(recording[key], recording.time).std, recording[key]),
+            "noise": shown_noise(noise.floor(recording[key], recording.time).std, recording[key], recording),
         }
         for key in replay.windowed.columns
     }

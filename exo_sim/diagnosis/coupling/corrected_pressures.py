@@ -46,7 +46,7 @@ def with_corrected_pressures(data: MachineData, gas: Sequence[SubsystemResult[Ga
             why = _external_power(run) if unsure else ""
             if why:
                 driven.add(run.joint)
-                open_.append(open_questions.of_balance(run.joint, run.recording, why))
+                open_.append(open_questions.of_balance(run.joint, run.recording, open_questions.Unjudged(why)))
             else:
                 kept.append(run)
         if kept:

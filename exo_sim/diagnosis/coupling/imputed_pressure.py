@@ -76,7 +76,7 @@ def with_imputed_pressures(data: MachineData, gas: Sequence[SubsystemResult[GasM
             run = _Unmeasured(data, one, whole, index, side).balance()
             if run is None:
                 continue
-            closed = open_questions.of_balance(joint, run.recording, "").question
+            closed = open_questions.of_balance(joint, run.recording, open_questions.Unjudged("")).question
             says = (
                 f"{run.recording}: {one.where}.pressure_{side + 1} was not recorded; the balance of forces takes what the gas, "
                 "as judged by the other chamber, predicts"

@@ -22,21 +22,40 @@ def is_computed(values: NDArray[np.float64]) -> bool:
     return bool(there.size and np.ptp(there) > 0.0) and white_noise(values) < COMPUTED * _reach(there)
 
 
-def shown_noise(noise: float, values: NDArray[np.float64]) -> float:
+def was_computed(table: Recording) -> bool:
+    """Return whether everything measured in a recording that varies was computed: one fine encoder alone may be as quiet."""
+    measured = [values[np.isfinite(values)] for key, values in table.columns.items() if _is_measured(key)]
+    varying = [values for values in measured if values.size and np.ptp(values) > 0.0]
+    return bool(varying) and all(is_computed(values) for values in varying)
+
+
+def shown_noise(noise: float, values: NDArray[np.float64], table: Recording | None = None) -> float:
     """Return the noise that errors of a column are held against.
 
     Args:
         noise: What its samples show, one standard deviation.
         values: The column, shape (n,), NaN where missing.
+        table: The recording that it is of, which must have been computed as a whole; not asked where absent.
     """
-    return max(noise, SENSOR_SHOWS * _reach(values[np.isfinite(values)])) if is_computed(values) else noise
+    replaced = is_computed(values) and (table is None or was_computed(table))
+    return max(noise, SENSOR_SHOWS * _reach(values[np.isfinite(values)])) if replaced else noise
 
 
 def computed(tables: Iterable[Recording], signals: Sequence[str]) -> tuple[str, ...]:
     """Return those of some signals that were computed in every recording that holds them."""
     tables = tuple(tables)
-    held = {key: [table.columns[key] for table in tables if key in table] for key in signals}
-    return tuple(key for key, columns in held.items() if columns and all(is_computed(values) for values in columns))
+    known = {table.name: was_computed(table) for table in tables}
+    found = []
+    for key in signals:
+        held = [table for table in tables if key in table]
+        if held and all(known[table.name] and is_computed(table.columns[key]) for table in held):
+            found.append(key)
+    return tuple(found)
+
+
+def _is_measured(key: str) -> bool:
+    signal = key.rsplit(".", 1)[-1]
+    return signal in ("position", "external_force") or signal.startswith("pressure")
 
 
 def remark(columns: Sequence[str]) -> str:

@@ -2,20 +2,30 @@
 
 from __future__ import annotations
 
+from dataclasses import dataclass
+
 from exo_sim.diagnosis.findings import OpenQuestion
 
 _GAS = ("gas and valve effects",)
 _FORCES = ("friction, load and joint effects",)
 
 
-def of_gas(cylinder: str, recording: str, why: str) -> OpenQuestion:
+@dataclass(frozen=True)
+class Unjudged:
+    """Why a balance cannot be judged, and what to do about it."""
+
+    why: str
+    do: str = "record the missing signal as well"
+
+
+def of_gas(cylinder: str, recording: str, unjudged: Unjudged) -> OpenQuestion:
     """Return the question that the pressures of a cylinder would answer."""
-    return OpenQuestion(f"the gas of {cylinder} in {recording}", _GAS, why)
+    return OpenQuestion(f"the gas of {cylinder} in {recording}", _GAS, unjudged.why, unjudged.do)
 
 
-def of_balance(joint: str, recording: str, why: str) -> OpenQuestion:
+def of_balance(joint: str, recording: str, unjudged: Unjudged) -> OpenQuestion:
     """Return the question that a balance of forces would answer."""
-    return OpenQuestion(f"the balance of forces at {joint} in {recording}", _FORCES, why)
+    return OpenQuestion(f"the balance of forces at {joint} in {recording}", _FORCES, unjudged.why, unjudged.do)
 
 
 def of_remainder(where: str) -> OpenQuestion:

@@ -15,6 +15,7 @@ from exo_sim.diagnosis.data.cylinder_run import CylinderRun, cylinder_runs
 from exo_sim.diagnosis.data.decay_onset import from_decay_onset
 from exo_sim.diagnosis.data.machine_data import MachineData
 from exo_sim.diagnosis.data.motion_run import MotionRun
+from exo_sim.diagnosis.data.open_questions import Unjudged
 from exo_sim.diagnosis.policy.recordings import FEWEST_A_SECOND, FEWEST_FOR_EVENTS, QUIET, SAME_SIGNAL, SLOW_CHANGE, SLOW_NOISE
 from exo_sim.diagnosis.subsystems.motion.contact_forces import are_recorded
 from exo_sim.diagnosis.subsystems.motion.load_cell import rod_run
@@ -25,6 +26,8 @@ from exo_sim.rig import Rig
 from exo_sim.simulation.replay.external_drive import external_power, externally_driven
 
 _FED = "something lets gas in of which no command was recorded"
+_RECORD_FED = "record the command of what lets gas in as well"
+_FASTER = f"record at {FEWEST_FOR_EVENTS:g} Hz or more"
 
 
 def sort(data: MachineData) -> MachineData:
@@ -41,9 +44,9 @@ def sort(data: MachineData) -> MachineData:
             if run is not whole:
                 held = f"{run.time[0] - whole.time[0]:.3g} s"
                 remarks.append(f"{table.name}: {run.cylinder} is held under pressure for its first {held}; judged from its fall on")
-            why = _FED if run.cylinder in fed else _why_no_gas(run, data.rig, rate)
-            if why:
-                open_.append(open_questions.of_gas(run.cylinder, table.name, why))
+            unjudged = Unjudged(_FED, _RECORD_FED) if run.cylinder in fed else _why_no_gas(run, data.rig, rate)
+            if unjudged is not None:
+                open_.append(open_questions.of_gas(run.cylinder, table.name, unjudged))
             else:
                 cylinders[run.cylinder] = (*cylinders.get(run.cylinder, ()), _thinned(run, data.rig))
                 judged_once = True
@@ -52,22 +55,22 @@ def sort(data: MachineData) -> MachineData:
                 joints[f"rod of {run.cylinder}"] = (*joints.get(f"rod of {run.cylinder}", ()), rod)
         for name in data.rig.cylinders:
             if name not in cylinders and f"{name}.pressure_1" not in table and f"{name}.pressure_2" not in table:
-                open_.append(open_questions.of_gas(name, table.name, "no pressure of it was recorded"))
+                open_.append(open_questions.of_gas(name, table.name, Unjudged("no pressure of it was recorded")))
         if rate < FEWEST_A_SECOND and not _moves_slowly(table):
-            why = f"{rate:.3g} samples a second do not show how it moves"
+            slow = Unjudged(f"{rate:.3g} samples a second do not show how it moves", _FASTER)
             names = [data.model.joint(j).name for j in range(data.model.njnt)]
-            open_ += [open_questions.of_balance(name, table.name, why) for name in names if f"{name}.position" in table]
+            open_ += [open_questions.of_balance(name, table.name, slow) for name in names if f"{name}.position" in table]
             continue
         runs, reasons = motion_runs(table, data.rig, data.model, data.links)
         outside = externally_driven(table, data.rig, data.model, data.links) if runs else {}
         if are_recorded(table):
             outside = _driven_besides(runs, outside)
-        reasons += [(joint, why) for joint, why in outside.items() if joint in {motion.joint for motion in runs}]
+        reasons += [(joint, Unjudged(why)) for joint, why in outside.items() if joint in {motion.joint for motion in runs}]
         driven |= set(outside)
         for motion in (motion for motion in runs if motion.joint not in outside):
             joints[motion.joint] = (*joints.get(motion.joint, ()), motion)
             judged_once = True
-        open_ += [open_questions.of_balance(joint, table.name, why) for joint, why in reasons]
+        open_ += [open_questions.of_balance(joint, table.name, unjudged) for joint, unjudged in reasons]
     if not judged_once:
         remarks.append("nothing in these recordings can be held against the rig")
     return replace(
@@ -95,24 +98,25 @@ def _driven_besides(runs: Sequence[MotionRun], outside: Mapping[str, str]) -> di
     return found
 
 
-def _why_no_gas(run: CylinderRun, rig: Rig, rate: float) -> str:
-    """Return why the gas of a run cannot be judged, or ""; `rate` in samples a second."""
+def _why_no_gas(run: CylinderRun, rig: Rig, rate: float) -> Unjudged | None:
+    """Return why the gas of a run cannot be judged, or None; `rate` in samples a second."""
     if run.length is None:
-        return "the position of its joint was not recorded, so its volumes are not known"
+        return Unjudged("the position of its joint was not recorded, so its volumes are not known")
     if rate < FEWEST_A_SECOND and not (run.at_rest and _is_slow(run)):
-        return f"{rate:.3g} samples a second do not show what the gas does"
+        return Unjudged(f"{rate:.3g} samples a second do not show what the gas does", _FASTER)
     if rate < FEWEST_FOR_EVENTS and not run.at_rest:
-        return f"{rate:.3g} samples a second do not show what a valve or a moving piston does to the gas"
+        return Unjudged(f"{rate:.3g} samples a second do not show what a valve or a moving piston does to the gas", _FASTER)
     swings = [float(np.nanstd(p)) / max(noise, 1.0) for p, noise in zip(run.pressure, run.noise) if p is not None]
     if max(swings, default=0.0) < QUIET:
-        return "its pressures hardly change"
+        return Unjudged("its pressures hardly change", "let the valve fill and vent it, or the piston move")
     if _open_to_supply(run):
-        return "its pressure is the supply's own: the line between them is open throughout"
+        why = "its pressure is the supply's own: the line between them is open throughout"
+        return Unjudged(why, "close the valve between them for some of the time")
     if not run.commanded and rig.cylinders[run.cylinder].valve_area > 0.0:
-        return "its valve command was not recorded"
+        return Unjudged("its valve command was not recorded")
     if not run.commanded and run.supply is not None:
-        return "its valve command was not recorded"
-    return ""
+        return Unjudged("its valve command was not recorded")
+    return None
 
 
 def _is_slow(run: CylinderRun) -> bool:

@@ -117,7 +117,7 @@ class MachineRuns:
                 block = number * MOST_BLOCKS + np.floor(table.time[there] / REPLAY_WINDOW).astype(np.int64)
                 sums.add(recorded[key][there], [one.predicted[key][there] for one in (before, after)], block)
                 floor = noise.floor(recorded[key], recorded.time).std
-                sums.noise = max(sums.noise, shown_noise(floor, recorded[key]))
+                sums.noise = max(sums.noise, shown_noise(floor, recorded[key], recorded))
 
 
 class _Machine:

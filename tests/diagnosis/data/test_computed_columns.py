@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from exo_sim.diagnosis.data.computed_columns import computed, is_computed, remark, shown_noise
+from exo_sim.diagnosis.data.computed_columns import computed, is_computed, remark, shown_noise, was_computed
 from exo_sim.recording.table import Recording
 
 TIME = np.arange(4000, dtype=np.float64) * 1e-3
@@ -24,7 +24,15 @@ def test_a_measured_column_and_one_that_never_changes_keep_their_noise(values: n
 
 
 def test_columns_count_as_computed_where_every_recording_says_so() -> None:
-    quiet, noisy = {"a.position": SMOOTH, "b.position": SMOOTH}, {"a.position": SMOOTH, "b.position": np.round(SMOOTH, -1)}
-    tables = [Recording(name, TIME, columns, {}) for name, columns in (("one", quiet), ("two", noisy))]
-    assert computed(tables, ["a.position", "b.position", "a.force_balance"]) == ("a.position",)
+    still = np.full(4000, 6e5)
+    tables = [Recording(name, TIME, {"a.position": SMOOTH, "supply.pressure": still, "a.force": np.round(SMOOTH)}, {}) for name in "xy"]
+    assert computed(tables, ["a.position", "supply.pressure", "a.force_balance"]) == ("a.position",)
+    assert computed([*tables, Recording("z", TIME, {"a.position": np.round(SMOOTH, -1)}, {})], ["a.position"]) == ()
+
+
+def test_one_fine_encoder_beside_noisy_columns_was_measured() -> None:
+    table = Recording("r", TIME, {"a.position": SMOOTH, "a.external_force": SMOOTH + RNG.normal(0.0, 5.0, 4000)}, {})
+    assert not was_computed(table) and shown_noise(1e-3, SMOOTH, table) == 1e-3 and computed([table], ["a.position"]) == ()
+    alone = Recording("r", TIME, {"a.position": SMOOTH}, {})
+    assert was_computed(alone) and shown_noise(1e-3, SMOOTH, alone) > 1.0
     assert "a.position" in remark(["a.position"]) and "0.01 %" in remark(["a.position"])

@@ -63,6 +63,7 @@ def test_a_clock_too_slow_for_gas_is_said_with_its_rate(tmp_path: Path) -> None:
     }  # fmt: skip
     data = sorted_data(tmp_path, benches.recording(time, columns))
     assert "1 samples a second" in whys(data)["the gas of piston in bench"] and rig.cylinders
+    assert all(question.do == "record at 25 Hz or more" for question in data.open_questions)
     assert "nothing in these recordings can be held against the rig" in data.remarks
 
 
@@ -72,3 +73,4 @@ def test_pressures_that_hardly_change_show_nothing(tmp_path: Path) -> None:
     still = {f"piston.pressure_{side}": 3e5 + noise[side - 1] for side in (1, 2)}
     data = sorted_data(tmp_path, replace(table, columns={**table.columns, **still}))
     assert whys(data)["the gas of piston in bench"] == "its pressures hardly change"
+    assert not any("missing signal" in question.do for question in data.open_questions if "hardly change" in question.why)

@@ -18,6 +18,7 @@ from numpy.typing import NDArray
 
 from exo_sim.conventions.fed_chambers import fed_cylinders
 from exo_sim.diagnosis.data.motion_run import Drive, Inertia, Kinematics, MotionRun, Passive
+from exo_sim.diagnosis.data.open_questions import Unjudged
 from exo_sim.diagnosis.policy.recordings import STILL_NOISE, STILL_SHARE
 from exo_sim.diagnosis.subsystems.motion.contact_forces import AtJoints, ContactForces, SiteForce, site_forces
 from exo_sim.diagnosis.subsystems.motion.filter_width import AskedWidth
@@ -41,7 +42,7 @@ TILT = 1e-3
 
 def balances(
     recording: Recording, rig: Rig, model: mujoco.MjModel, links: tuple[Linkage, ...], asked: AskedWidth | None
-) -> tuple[list[MotionRun], list[tuple[str, str]]]:
+) -> tuple[list[MotionRun], list[tuple[str, Unjudged]]]:
     """Return the balance of every joint that can be judged, and (joint, reason) for those that cannot.
 
     Every joint of the model must have been recorded: a joint whose motion is unknown may carry any force.
@@ -59,11 +60,11 @@ def balances(
     missing = [name for name, ok in zip(names, plain, strict=True) if not ok or f"{name}.position" not in recording]
     if missing:
         why = f"the position of {', '.join(missing[:3])}{' and others' if len(missing) > 3 else ''} was not recorded"
-        return [], [(name, why) for name in names if name not in missing] or [(name, why) for name in names]
+        return [], [(name, Unjudged(why)) for name in names if name not in missing] or [(name, Unjudged(why)) for name in names]
     contacts, why = site_forces(recording, model, smoothing)
     why = why or bound_by_model(model)
     if why:
-        return [], [(name, why) for name in names]
+        return [], [(name, Unjudged(why)) for name in names]
     time = recording.time
     seconds, every = smoothing_width(time, smoothing), stride(time)
     noise = (None,) * len(names) if asked is None else asked.noise
@@ -83,7 +84,8 @@ def balances(
         pushed = f"{name}.external_force" in recording or bool(dynamics.contacts.reached[dof])
         known = dynamics.contacts.known[:, dof]
         free = ~at_stop(model, j, thin, moves[j], smoothing)
-        reason = not_recorded(recording, rig, driven, pushed, fed) or rarely_known(thin, known) or rarely_free(thin, free)
+        lacks = not_recorded(recording, rig, driven, pushed, fed)
+        reason = Unjudged(lacks) if lacks else rarely_known(thin, known) or rarely_free(thin, free)
         if reason:
             reasons.append((name, reason))
         else:

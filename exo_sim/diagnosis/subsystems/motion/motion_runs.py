@@ -14,6 +14,7 @@ import mujoco
 import numpy as np
 
 from exo_sim.diagnosis.data.motion_run import MotionRun
+from exo_sim.diagnosis.data.open_questions import Unjudged
 from exo_sim.diagnosis.policy.healthy import FORCE_FLOOR_SHARE
 from exo_sim.diagnosis.policy.recordings import LEAST_COMPARED
 from exo_sim.diagnosis.subsystems.motion.filter_width import AskedWidth, asked_width
@@ -25,7 +26,7 @@ from exo_sim.recording.noise import white_noise
 from exo_sim.recording.table import Recording
 from exo_sim.rig import Rig
 
-Judged = tuple[list[MotionRun], list[tuple[str, str]]]
+Judged = tuple[list[MotionRun], list[tuple[str, Unjudged]]]
 
 #: Every narrower filter that is tried is by so much narrower than the one before, down to the least of the clock.
 NARROWER = 1.6

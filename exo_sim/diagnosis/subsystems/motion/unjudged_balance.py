@@ -8,6 +8,7 @@ import mujoco
 import numpy as np
 from numpy.typing import NDArray
 
+from exo_sim.diagnosis.data.open_questions import Unjudged
 from exo_sim.diagnosis.policy.recordings import LEAST_KNOWN
 from exo_sim.machine.linkage import Linkage
 from exo_sim.recording.table import Recording
@@ -38,18 +39,22 @@ def not_recorded(recording: Recording, rig: Rig, driven: Sequence[Linkage], exte
     return ""
 
 
-def rarely_known(time: Array, known: NDArray[np.bool_]) -> str:
-    """Return why too little of the time has all forces at a joint recorded, or ""."""
+def rarely_known(time: Array, known: NDArray[np.bool_]) -> Unjudged | None:
+    """Return why too little of the time has all forces at a joint recorded, or None."""
     if _is_enough(time, known):
-        return ""
-    return "where the ground pushes is not known (record <foot>.pressure_centre), and the foot is hardly ever in the air"
+        return None
+    if known.all():
+        return Unjudged(f"it was recorded for {float(np.ptp(time)):.2g} s", f"record {LEAST_KNOWN:g} s of its motion or more")
+    why = "where the ground pushes is not known, and the foot is hardly ever in the air"
+    return Unjudged(why, "record <foot>.pressure_centre as well")
 
 
-def rarely_free(time: Array, free: NDArray[np.bool_]) -> str:
-    """Return why a joint that hardly ever leaves its stops cannot be judged, or ""."""
+def rarely_free(time: Array, free: NDArray[np.bool_]) -> Unjudged | None:
+    """Return why a joint that hardly ever leaves its stops cannot be judged, or None."""
     if _is_enough(time, free):
-        return ""
-    return "it lies against a stop that the MJCF gives it (range) nearly all the time: what the stop pushes is not known"
+        return None
+    why = "it lies against a stop that the MJCF gives it (range) nearly all the time: what the stop pushes is not known"
+    return Unjudged(why, "move it between its stops, or correct its range in the MJCF")
 
 
 def _is_enough(time: Array, usable: NDArray[np.bool_]) -> bool:

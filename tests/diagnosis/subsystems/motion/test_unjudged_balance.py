@@ -58,8 +58,15 @@ def test_pressures_alone_do_where_a_force_from_outside_or_its_supply_was_recorde
 @pytest.mark.parametrize("judge", [rarely_known, rarely_free])
 def test_a_joint_is_judged_where_enough_of_its_time_is(judge: object) -> None:
     assert callable(judge)
-    assert judge(TIME, np.ones(TIME.size, dtype=bool)) == ""
-    assert judge(TIME, np.arange(TIME.size) < 1) != ""
+    assert judge(TIME, np.ones(TIME.size, dtype=bool)) is None
+    assert judge(TIME, np.arange(TIME.size) < 1) is not None
+
+
+def test_a_short_recording_is_not_asked_where_a_foot_is() -> None:
+    short = rarely_known(0.001 * TIME, np.ones(TIME.size, dtype=bool))
+    assert short is not None and "0.01 s" in short.why and "foot" not in short.why + short.do and "missing" not in short.do
+    standing = rarely_known(TIME, np.arange(TIME.size) < 1)
+    assert standing is not None and "ground" in standing.why and "<foot>.pressure_centre" in standing.do
 
 
 def test_an_equality_of_the_model_pushes_unseen() -> None:

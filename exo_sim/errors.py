@@ -58,14 +58,18 @@ class Diverged(ExoSimError):
     exit_status = 5
 
 
+def near(name: str, choices: Iterable[str]) -> list[str]:
+    """Return the names that a misspelt one is likely to mean, the likeliest first, three at most; [] where none is near."""
+    few = [choice for choice in sorted(choices) if len(choice) <= _LONGEST_NAME][:_MOST_NAMES]
+    close = difflib.get_close_matches(name, few, n=3, cutoff=0.6) if len(name) <= _LONGEST_NAME else []
+    likeness = [difflib.SequenceMatcher(None, match, name).ratio() for match in close]
+    return [match for match, alike in zip(close, likeness) if alike > likeness[0] - _ALSO_LIKELY]
+
+
 def nearest(name: str, choices: Iterable[str]) -> str:
     """Return `; did you mean "a" or "b"?` for a misspelt name, else `; there is: a, b, c`, or "" with no choices."""
     known = sorted(choices)
-    few = [choice for choice in known if len(choice) <= _LONGEST_NAME][:_MOST_NAMES]
-    close = difflib.get_close_matches(name, few, n=3, cutoff=0.6) if len(name) <= _LONGEST_NAME else []
-    if close:
-        likeness = [difflib.SequenceMatcher(None, match, name).ratio() for match in close]
-        close = [match for match, alike in zip(close, likeness) if alike > likeness[0] - _ALSO_LIKELY]
+    if close := near(name, known):
         return "; did you mean " + " or ".join(f'"{match}"' for match in close) + "?"
     return "; there is: " + ", ".join(known) if known else ""
 

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import codecs
 import json
+import re
 import stat
 import tomllib
 from collections.abc import Callable, Iterator
@@ -13,6 +14,8 @@ from typing import Any
 
 #: Bytes of a text beyond which it is refused.
 MOST_TEXT = 20_000_000
+#: What the reader of TOML says where a text goes on beyond its line.
+_OPEN_QUOTE = re.compile(r"Illegal character '\\n' \(at line (\d+)")
 #: TOML's own bound: whole numbers have 64 bits.
 _MOST_NUMBER = 2**63
 
@@ -99,11 +102,20 @@ def toml(text: str) -> dict[str, Any]:
     except RecursionError:
         raise ValueError("is nested too deeply") from None
     except tomllib.TOMLDecodeError as error:
-        raise ValueError(f"is not TOML: {str(error)[0].lower()}{str(error)[1:]}") from None
+        raise ValueError(f"is not TOML: {_said(str(error))}") from None
     except _TooLong:
         raise
     except ValueError:  # Python's bound on digits
         raise ValueError("holds a number of too many digits") from None
+
+
+def _said(words: str) -> str:
+    """Return what the reader of TOML says, of a quote that nothing closes in words that name it."""
+    if found := _OPEN_QUOTE.search(words):
+        return f"a quote is not closed in line {found[1]}"
+    if words.startswith("Expected \"'\""):
+        return "a single quote (') is not closed"
+    return f"{words[0].lower()}{words[1:]}"
 
 
 class _TooLong(ValueError):

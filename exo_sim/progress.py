@@ -19,9 +19,10 @@ class Bar:
         words: What is going on, in a few words.
         unit: What is counted: "s", "trial".
         quiet: Show nothing even on a terminal.
+        at_once: Show it before the first is done, where each takes long; else work of less than half a second shows nothing.
     """
 
-    def __init__(self, total: float, words: str, unit: str = "it", quiet: bool = False) -> None:
+    def __init__(self, total: float, words: str, unit: str = "it", quiet: bool = False, at_once: bool = False) -> None:
         self._bar: Any = None
         if not quiet and sys.stderr.isatty():
             from tqdm import tqdm
@@ -33,7 +34,7 @@ class Bar:
                 file=sys.stderr,
                 leave=False,
                 dynamic_ncols=True,
-                delay=0.5,
+                delay=0.0 if at_once else 0.5,
                 bar_format="{desc} {percentage:3.0f}% |{bar}| {n:.4g}/{total:.4g} {unit} [{elapsed}<{remaining}]",
             )
 
@@ -88,9 +89,11 @@ class Stages:
         self.close()
 
 
-def each(items: Iterable[T], words: str, *, total: int, unit: str = "it", quiet: bool = False) -> Iterator[T]:
+def each(
+    items: Iterable[T], words: str, *, total: int, unit: str = "it", quiet: bool = False, at_once: bool = False
+) -> Iterator[T]:
     """Go through `items` with a bar."""
-    with Bar(total, words, unit, quiet) as bar:
+    with Bar(total, words, unit, quiet, at_once) as bar:
         for item in items:
             yield item
             bar.advance()

@@ -27,6 +27,11 @@ _COMMON: dict[str, tuple[float, tuple[int, ...]]] = {
     "Pa": (1.0, (-1, 1, -2, 0, 0)), "kPa": (1e3, (-1, 1, -2, 0, 0)), "bar": (1e5, (-1, 1, -2, 0, 0)),
     "J": (1.0, (2, 1, -2, 0, 0)), "W": (1.0, (2, 1, -3, 0, 0)),
 }  # fmt: skip
+#: By SI unit, the unit that a number without one is likely in, where it is between these.
+_LIKELY = {
+    "m": ("mm", 3.0, math.inf), "Pa": ("bar", 0.01, 1e3), "m^2": ("mm^2", 1e-2, math.inf), "m^3": ("l", 0.05, math.inf),
+    "K": ("degC", -math.inf, 150.0), "rad": ("deg", 3.2, math.inf),
+}  # fmt: skip
 _GAUGE = re.compile(r"\b(psig|barg|bar\s*\(g\)|bar\s+gauge|kpag|mpag|pag)(?![a-z])|\bgauge\b", re.IGNORECASE)
 _QUANTITY = re.compile(r"^\s*([-+]?(?:\d+\.?\d*|\.\d+)(?:[eE][-+]?\d+)?)\s*(.*?)\s*$")
 
@@ -126,11 +131,11 @@ def parse(text: object, si_unit: str) -> float:
     if isinstance(text, str):
         value, unit = split(text, si_unit)
         if not unit and si_unit != "1":
-            raise UnitError(f'"{text}" has no unit; write it with one, like "{text} {si_unit}"')
+            raise UnitError(f'"{text}" has no unit; write it with one, like "{text} {_likely(value, si_unit)}"')
     elif isinstance(text, int) and abs(text) > LARGEST:
         raise UnitError("an integer of so many digits is more than any machine has; is it right?")
     elif si_unit != "1":
-        raise UnitError(f'{text} has no unit; write it in quotes with one, like "{text} {si_unit}"')
+        raise UnitError(f'{text} has no unit; write it in quotes with one, like "{text} {_likely(text, si_unit)}"')
     else:
         value, unit = float(text), "1"
     scale, offset = scale_and_offset(unit, si_unit)
@@ -140,6 +145,11 @@ def parse(text: object, si_unit: str) -> float:
     if abs(si) > LARGEST or 0.0 < abs(si) < SMALLEST:
         raise UnitError(f'"{text}" is {"more" if abs(si) > 1.0 else "less"} than any machine has; is it right?')
     return float(f"{si:.15g}")
+
+
+def _likely(number: float, si_unit: str) -> str:
+    unit, low, high = _LIKELY.get(si_unit, (si_unit, 0.0, 0.0))
+    return unit if low <= number <= high else si_unit
 
 
 def is_of(text: object, si_unit: str) -> bool:

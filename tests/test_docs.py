@@ -10,7 +10,7 @@ from pathlib import Path
 import click
 import pytest
 
-from exo_sim.cli import frame
+from exo_sim.cli import frame, main
 from exo_sim.rig import key_reference
 
 ROOT = Path(__file__).resolve().parents[1]
@@ -86,6 +86,16 @@ def test_the_page_of_recordings_has_every_signal_that_is_measured() -> None:
             assert re.search(rf"`(?:supply\.|exhaust\.)?{known}(?:_x)?(?: \[[^`]*)?`", page), signal.name
 
 
+def test_the_page_of_recordings_has_every_unit_that_is_put_right() -> None:
+    from exo_sim.conventions import positions, pressures, signs
+
+    page = (ROOT / "docs" / "recordings.md").read_text(encoding="utf-8")
+    told = page[page.index("## What is put right") : page.index("## What is looked for")]
+    clocks = [unit for unit in signs.CLOCKS if "not" not in unit]
+    for unit in (*pressures.UNITS, *positions.SLIDING, *positions.TURNING, *clocks):
+        assert re.search(rf"\b{unit}\b", told), unit
+
+
 @pytest.mark.parametrize(("page", "number"), [("run_a_walk.md", 0), ("your_gait.md", 1)])
 def test_a_scenario_file_of_a_page_is_a_scenario(page: str, number: int, tmp_path: Path) -> None:
     from exo_sim.gait import scenario_file
@@ -150,6 +160,45 @@ def test_the_gait_of_the_page_of_gaits_is_read_up_to_its_file(tmp_path: Path) ->
 
 
 @pytest.mark.slow
+def test_the_controller_and_the_motion_of_the_pages_run_a_bench(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    monkeypatch.chdir(tmp_path)
+    mine = blocks(ROOT / "docs" / "your_controller.md", "python")[0].partition("run = exo.")[0]
+    (tmp_path / "mine.py").write_text(mine)
+    (make,) = (block for block in blocks(ROOT / "docs" / "your_machine.md", "python") if "motion.csv" in block)
+    exec(compile(make, "your_machine.md", "exec"), {})
+    assert main(["run", "motion.csv", "--rig", "bench", "--controller", "mine.py:Impedance", "--quiet"]) == 0
+    assert "error rms" in capsys.readouterr().out
+
+
+@pytest.mark.slow
+def test_the_catalogue_of_the_page_of_sizing_sizes_a_walk(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.chdir(tmp_path)
+    page = (ROOT / "docs" / "sizing.md").read_text(encoding="utf-8")
+    (table,) = re.findall(r"A catalogue of one's own:\n\n((?:    .*\n)+)", page)
+    (tmp_path / "mine.toml").write_text(re.sub(r"(?m)^    ", "", table))
+    assert main(["size", "--catalogue", "mine.toml", "--trials", "60", "--out", "sized", "--quiet"]) == 0
+    assert (tmp_path / "sized" / "sized.toml").is_file()
+
+
+@pytest.mark.slow
+def test_the_first_quarter_of_an_hour_shows_what_comes(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    from exo_sim.trials import develop
+
+    monkeypatch.chdir(tmp_path)
+    page = (ROOT / "docs" / "first_quarter_of_an_hour.md").read_text(encoding="utf-8")
+    assert develop.main(["--out", "cases", "--effects", "piston_leakage"]) == 0
+    case = "cases/piston_leakage_0"
+    assert main(["diagnose", f"{case}/recording.csv", "--rig", f"{case}/rig.toml", "--out", "found", "--quiet"]) == 3
+    printed = capsys.readouterr().out.splitlines()
+    first = next(number for number, line in enumerate(printed) if line.startswith("MISMATCH"))
+    assert "\n".join(printed[first : first + 2]) in page
+
+
+@pytest.mark.slow
 def test_the_diagnosis_of_the_page_of_python_runs(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
 ) -> None:
@@ -185,6 +234,7 @@ def test_every_key_has_a_meaning() -> None:
     assert keys.keys() == key_reference.MEANINGS.keys()
     assert all(key.meaning for key in keys.values())
     assert keys["cylinders.NAME.bore"].unit == "m" and keys["cylinders.NAME.bore"].default == "required"
+    assert keys["name"].default == "of the file"  # not what the rig that the reference is made of is called
 
 
 def test_the_site_builds_strictly_and_fetches_nothing(tmp_path: Path) -> None:

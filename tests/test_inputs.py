@@ -29,6 +29,18 @@ def test_what_is_no_toml_is_one_sentence(text: str, tmp_path: Path) -> None:
         read_column_map(path)
 
 
+@pytest.mark.parametrize(
+    ("text", "says"),
+    [
+        ('a = 1\nb = "x\nc = 2\n', "is not TOML: a quote is not closed in line 2"),
+        ("a = 'x\n", r"is not TOML: a single quote \('\) is not closed"),
+    ],
+)
+def test_an_open_quote_is_called_so(text: str, says: str) -> None:
+    with pytest.raises(ValueError, match=f"^{says}$"):
+        toml(text)
+
+
 def test_devices_pipes_and_folders_are_refused_unread(tmp_path: Path) -> None:
     os.mkfifo(tmp_path / "pipe")
     save = "save it to a file"

@@ -88,7 +88,7 @@ THROUGH: dict[str, tuple[str, ...]] = {
         "__main__.py",
     ),
     "trials/test_protocol.py": (
-        "cli/trial.py", "trials/develop.py", "trials/score_page.py",
+        "cli/trial.py", "trials/develop.py",
     ),
     "trials/truth/test_plant.py": (
         "trials/compiled.py", "trials/truth/bench.py", "trials/truth/compiled.py", "trials/truth/loop.py",

@@ -27,3 +27,13 @@ def test_on_a_terminal_a_stage_is_one_line_that_is_taken_away(
         stages.say("reading " + "x" * 500)
     err = capsys.readouterr().err
     assert err == "" if quiet else "reading" in err and err.endswith("\x1b[2K") and "\n" not in err and len(err) < 300
+
+
+@pytest.mark.parametrize("at_once", [False, True])
+def test_work_that_takes_long_shows_its_bar_before_the_first_is_done(
+    monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str], at_once: bool
+) -> None:
+    monkeypatch.setattr(sys.stderr, "isatty", lambda: True)
+    for _ in each(range(2), "diagnosing", total=2, unit="case", at_once=at_once):
+        assert ("diagnosing   0%" in capsys.readouterr().err) is at_once
+        break

@@ -7,7 +7,10 @@ from pathlib import Path
 import click
 import pytest
 
-from exo_sim.cli import frame
+from exo_sim.cli import frame, main
+from exo_sim.cli.failures import INTERRUPTED
+from exo_sim.diagnosis.result import Verdict
+from exo_sim.errors import Diverged, ExoSimError
 
 
 def blocks(repository: Path, language: str) -> list[str]:
@@ -40,3 +43,13 @@ def test_pictures_and_files_that_the_readme_names_are_there(repository: Path) ->
     text = (repository / "README.md").read_text()
     for name in re.findall(r"!?\[[^]]*\]\(([^)]+)\)", text) + re.findall(r"`((?:assets|scripts|docs)/[^`\s]+)`", text):
         assert (repository / name).exists(), name
+
+
+def test_every_exit_status_of_a_verb_stands_in_the_readme_and_in_help(repository: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    statuses = {*(kind.exit_status for kind in (ExoSimError, Diverged)), *(verdict.exit_status for verdict in Verdict), INTERRUPTED}
+    assert main(["--help"]) == 0
+    for text in ((repository / "README.md").read_text(), capsys.readouterr().out):
+        _, _, told = " ".join(text.split()).partition("xit status")
+        assert all(re.search(rf"\b{status}\b", told[:400]) for status in statuses)
+    assert main(["run", "--help"]) == 0
+    assert "5 where the simulation" in " ".join(capsys.readouterr().out.split())

@@ -1,6 +1,7 @@
 from __future__ import annotations
 
 import math
+import re
 import subprocess
 import sys
 
@@ -143,3 +144,14 @@ def test_common_units_convert_as_the_library_of_all_units_does(unit: str, si_uni
 def test_common_units_load_no_library() -> None:
     code = "import sys; from exo_sim import units; units.parse('3 bar', 'Pa'); units.parse('32 mm^2', 'm^2'); print('pint' in sys.modules)"
     assert subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True).stdout == "False\n"
+
+
+@pytest.mark.parametrize(("number", "unit", "meant"), [
+    ("7", "Pa", "7 bar"), (7, "Pa", "7 bar"), ("700000", "Pa", "700000 Pa"), ("32", "m", "32 mm"),
+    ("0.032", "m", "0.032 m"), (1.7, "m", "1.7 m"),
+    ("3", "m^2", "3 mm^2"), ("2", "m^3", "2 l"), ("20", "K", "20 degC"), ("293", "K", "293 K"), ("34", "kg", "34 kg"),
+])  # fmt: skip
+def test_a_number_without_a_unit_is_answered_with_the_likely_one(number: object, unit: str, meant: str) -> None:
+    with pytest.raises(UnitError, match=re.escape(f'like "{meant}"')):
+        units.parse(number, unit)
+    assert units.is_of(meant, unit)

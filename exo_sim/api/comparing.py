@@ -120,7 +120,7 @@ def compare(
     machine = rig_of(rig)
     model = load(machine)
     replays.check_belongs(reading.recording, machine, model)
-    settled = settle(reading.recording, machine, model)
+    settled = settle(reading.recording, machine, model, reading.findings)
     recorded, odd = replays.usable(settled.recording, machine, model)
     replay = replays.replay(recorded, machine, model, motion=motion, progress=progress)
     signals = _errors(recorded, replay)
@@ -131,7 +131,7 @@ def compare(
             f"at the numbers of {machine.path} and its MJCF with exo-sim inspect --rig, or try a shorter timestep"
         )
     noticed = [finding.says for finding in [*reading.findings, *odd] if finding.severity != "info"]
-    remarks = (*(check.says for check in settled.checks), *noticed, *replay.remarks)
+    remarks = tuple(dict.fromkeys((*(check.says for check in settled.checks), *noticed, *replay.remarks)))
     return Comparison(
         Recording.of(settled.recording), machine, Recording.of(replay.windowed), Recording.of(replay.free_run), signals, remarks,
         _summary(replay, signals, remarks, settled.checks),

@@ -31,8 +31,16 @@ class Inspection:
         """Return what looks wrong, the gravest first."""
         return self.found.findings
 
+    def text(self, every_column: bool = False) -> str:
+        """Return what `exo-sim inspect` prints.
+
+        Args:
+            every_column: The numbers of every column, as with `--all`; else, of a recording with many, of those to look at.
+        """
+        return summary_text.text(self.found, every_column) + (f"\n\n{self._asked()}" if self.questions else "")
+
     def __str__(self) -> str:
-        return summary_text.text(self.found) + (f"\n\n{self._asked()}" if self.questions else "")
+        return self.text()
 
     def _asked(self) -> str:
         """Return which questions can be asked, by place, and what the others lack."""
@@ -72,6 +80,7 @@ def inspect(recording: RecordingLike, rig: RigLike | None = None, *, columns: Co
         found = summary.summarise(reading)
         return Inspection(found, summary.as_dict(found))
     from exo_sim import conventions
+    from exo_sim.conventions.belonging import of_another_machine
     from exo_sim.conventions.filling import slow_for_gas
     from exo_sim.machine.rig_model import load
     from exo_sim.recording.health import Facts
@@ -83,7 +92,9 @@ def inspect(recording: RecordingLike, rig: RigLike | None = None, *, columns: Co
     beyond = passed(machine, reached_in(machine, settled.recording.columns))
     limits = [Finding(next(iter(machine.cylinders)), "limit", words) for words in beyond]
     slow = slow_for_gas(settled.recording, machine)
-    asked = (*conventions.findings(settled), *reading.findings, *limits, *slow)
+    strange = of_another_machine(reading.recording, machine, model)
+    other = [Finding(reading.recording.parts()[0], "another machine", strange, severity="fault")] if strange else []
+    asked = (*other, *conventions.findings(settled), *reading.findings, *limits, *slow)
     found = summary.summarise(replace(reading, recording=settled.recording, findings=asked), Facts.of(machine, model))
-    asked_of = tuple(questions(settled.recording, machine, model))
+    asked_of = () if strange else tuple(questions(settled.recording, machine, model))
     return Inspection(found, summary.as_dict(found) | {"questions": [one.as_dict() for one in asked_of]}, asked_of)

@@ -23,7 +23,11 @@ if TYPE_CHECKING:
     from exo_sim.simulation.walk import Walk
 
 #: What of a joint is printed.
-_JOINT = ("torque_peak_nm", "torque_error_rms_nm", "position_error_rms_rad", "position_error_rms_m", "force_peak_n")
+_JOINT = {
+    "torque_peak_nm": ("torque {:.3g} N m peak", 1.0), "torque_error_rms_nm": ("torque error {:.3g} N m rms", 1.0),
+    "position_error_rms_rad": ("position error {:.3g} deg rms", 57.29577951308232),
+    "position_error_rms_m": ("position error {:.3g} mm rms", 1e3), "force_peak_n": ("force {:.3g} N peak", 1.0),
+}  # fmt: skip
 #: What `Run.plot` draws where it was recorded.
 _SHOWN = ("position", "torque", "torque_demanded", "pressure_1", "pressure_2", "ground_force_z", "strap_force_z")
 
@@ -112,7 +116,7 @@ class Run:
         if straps:
             rows.append(["torso straps, up", f"{straps['torso_vertical_mean']:.0f} N mean, {straps['torso_rms']:.0f} N rms"])
         for name, one in self.summary.get("joints", {}).items():
-            shown = [f"{key.replace('_', ' ')} {one[key]:.3g}" for key in _JOINT if key in one]
+            shown = [words.format(factor * one[key]) for key, (words, factor) in _JOINT.items() if key in one]
             rows.append([name, ", ".join(shown)])
         for name, one in self.summary.get("cylinders", {}).items():
             gas = one.get("gas_kg_per_stride")
@@ -121,7 +125,8 @@ class Run:
         return rows
 
     def __str__(self) -> str:
-        return f"{self.scenario} in {self.rig.name}\n{table(self._rows())}"
+        doubtful = f"{self.summary['unreliable']}\n" if "unreliable" in self.summary else ""
+        return f"{doubtful}{self.scenario} in {self.rig.name}\n{table(self._rows())}"
 
     def __repr__(self) -> str:
         return f"<exo.Run {self.scenario} in {self.rig.name}: {self.summary['simulated_s']:.2f} s>"

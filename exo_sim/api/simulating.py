@@ -95,11 +95,15 @@ def simulate(
     begun = time.perf_counter()
     if target is not None:
         check_writable(target.parent)
+    of_gait = () if given is None else given.remarks
+    for words in of_gait:  # now: what cannot be walked is often a gait of which they tell
+        tell(words)
     simulation = Simulation(machine, request, mine, seed)
     prepared = time.perf_counter()
     before = simulation.remarks
     for words in before:
-        tell(words)
+        if words not in of_gait:
+            tell(words)
     walk = None
     if target is None:
         walk = simulation.run(quiet)
@@ -108,6 +112,8 @@ def simulate(
         numbers, interrupted = streamed_run.run(simulation, target, target.with_suffix(".parquet"), seed, quiet)
     for words in simulation.remarks[len(before) :]:  # what only the run showed, of a controller's commands
         tell(words)
+    if simulation.unreliable is not None:
+        numbers["unreliable"] = simulation.unreliable
     summary = summary_of(numbers, begun, prepared, simulation.remarks)
     return Run(machine, name, summary, simulation.remarks, target, interrupted, walk, seed)
 

@@ -75,7 +75,7 @@ class SizingResult(ABC, Generic[Study]):
         return front([(one[mass], one[gas]) for one in self.front], (best[mass], best[gas]), self._gas)
 
     def __repr__(self) -> str:
-        return f"<exo.{type(self).__name__} of {self.chosen.name}: {len(self.front)} designs on the front>"
+        return f"<exo.{type(self).__name__} of {self.chosen.name}: {len(self.front)} designs on the Pareto front>"
 
     def _repr_html_(self) -> str:
         rows = [[str(one[key]) for key in self._columns] for one in self.front]

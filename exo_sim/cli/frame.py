@@ -135,7 +135,8 @@ def _debug() -> click.Option:
 program = Program(
     name="exo-sim",
     help="Simulate a person walking in a pneumatic exoskeleton, and compare it with recordings of real machines.",
-    epilog="exo-sim VERB --help shows its options and an example.",
+    epilog="exo-sim VERB --help shows its options and an example. Exit status: 0; 2 for unusable input; 3 (something is missing) and 4 "
+    "(cannot tell) for verdicts of diagnose; 5 where a simulation left all bounds or the machine fell; 130 after an interrupt.",
     context_settings=dict(_NAMES),
     params=[_debug()],
     no_args_is_help=True,

@@ -18,11 +18,15 @@ from exo_sim.cli.frame import verb
 @click.argument("recording", type=options.InputFile())
 @click.option("--rig", type=options.RigFile(), default=None, help="The machine: more can then be found wrong.")
 @click.option("--columns", type=options.InputFile(), default=None, help="Column map (TOML) for foreign names.")
+@click.option("--all", "every_column", is_flag=True, help="The numbers of every column, also where there are many.")
 def command(
-    recording: Path, rig: Path | None, columns: Path | None, out: Path | None, as_json: bool, quiet: bool
+    recording: Path, rig: Path | None, columns: Path | None, every_column: bool, out: Path | None, as_json: bool, quiet: bool
 ) -> None:
-    """Show the signals, gait events, pressures, torques and gas used of RECORDING, a .csv, .parquet or .rrd file."""
+    """Show what looks wrong in RECORDING, a .csv, .parquet or .rrd file, and its signals, gait events, pressures, torques and gas used.
+
+    What looks wrong is marked: !! where a sensor or the file is wrong, ! where results may be spoilt.
+    """
     from exo_sim.api.inspecting import inspect
 
     found = inspect(recording, rig, columns=columns)
-    printing.show(found.summary, str(found), as_json=as_json, out=out)
+    printing.show(found.summary, found.text(every_column), as_json=as_json, out=out)

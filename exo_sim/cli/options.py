@@ -11,12 +11,12 @@ from exo_sim.errors import UnitError, nearest
 
 
 class Quantity(click.ParamType):
-    """A number with a unit, read as SI: `--payload "34 kg"` gives 34.0."""
+    """A number with a unit, read as SI: `--payload "34 kg"` gives 34.0; `usual` is the unit that help shows."""
 
     name = "quantity"
 
-    def __init__(self, si_unit: str, low: float | None = None, high: float | None = None) -> None:
-        self.si_unit, self.low, self.high = si_unit, low, high
+    def __init__(self, si_unit: str, low: float | None = None, high: float | None = None, usual: str = "") -> None:
+        self.si_unit, self.low, self.high, self.usual = si_unit, low, high, usual or si_unit
 
     def convert(self, value: Any, param: click.Parameter | None, ctx: click.Context | None) -> float:
         if isinstance(value, float):
@@ -34,7 +34,7 @@ class Quantity(click.ParamType):
         return si
 
     def get_metavar(self, param: click.Parameter, ctx: click.Context | None = None) -> str:
-        return "NUMBER" if self.si_unit == "1" else f'"NUMBER {self.si_unit}"'
+        return "NUMBER" if self.si_unit == "1" else f'"NUMBER {self.usual}"'
 
 
 class Choice(click.Choice[str]):

@@ -8,7 +8,7 @@ from typing import Any
 
 import click
 
-from exo_sim.cli import options, printing
+from exo_sim.cli import compiling, options, printing
 from exo_sim.cli.frame import verb
 
 
@@ -73,24 +73,29 @@ def command(scenario: str | None, gait: Path | None, ground: Path | None, column
     """Simulate SCENARIO headless: a name of `exo-sim scenarios`, a scenario file (.toml) from anywhere, or a gait of your own (--gait).
 
     A machine that nobody wears follows a motion instead: SCENARIO is then a recording with the positions of its joints.
-    """
-    import gc
 
-    import exo_sim.simulation.streamed_run  # noqa: F401 - now, so that it is frozen with the rest
-    from exo_sim.api.simulating import simulate
-    from exo_sim.cli.run_motion import motion_words
+    Exit status: 0; 2 for unusable input; 5 where the simulation left all bounds, or the machine falls away from its wearer.
+    """
+    from exo_sim.cli.loading import uncollected
     from exo_sim.errors import ScenarioError
 
     if scenario is None and gait is None:
         if ground is not None:
             raise ScenarioError(f"--ground {ground}: name the gait that it belongs to with --gait")
         raise ScenarioError("name a scenario (see `exo-sim scenarios`), a scenario file, or a gait of your own with --gait FILE")
-    gc.freeze()  # what was imported stays: it need not be gone through again and again
-    with printing.prints_on_stderr():
+    with uncollected():
+        import pyarrow.parquet  # noqa: F401 - all that a run needs, now: what is loaded later is gone through again and again
+        import rerun  # noqa: F401
+
+        import exo_sim.simulation.streamed_run  # noqa: F401
+        from exo_sim.api.simulating import simulate
+        from exo_sim.cli.run_motion import motion_words
+
+    with printing.prints_on_stderr(), compiling.told(quiet) as aside:
         done = simulate(
             rig, scenario, gait=gait, ground=ground, columns=columns, whole=whole, payload=payload, speed=speed, strides=strides,
             assist=assist, controller=controller, demand=demand, wearer=wearer, signals=signals, seed=seed, out=out or True, quiet=quiet,
-            tell=lambda words: printing.remark(f"exo-sim: {words}", quiet=quiet),
+            tell=lambda words: aside(lambda: printing.remark(f"exo-sim: {words}", quiet=quiet)),
         )  # fmt: skip
     numbers = dict(done.summary)
     first = {key: numbers.pop(key) for key in ("schema", "scenario", "simulated_s", "wall_s", "prepared_s")}
@@ -108,6 +113,7 @@ def _words(data: dict[str, Any]) -> str:
     carried = data["mean_ground_force_n"] + straps["vertical_mean"]
     pace = data["simulated_s"] / data["wall_s"]
     lines = [
+        *([data["unreliable"], ""] if "unreliable" in data else []),
         f"{data['scenario']}: {data['simulated_s']:.2f} s simulated in {data['wall_s']:.2f} s, "
         f"{pace:.{0 if pace >= 10.0 else 2}f} times real time (prepared in {data['prepared_s']:.2f} s)",
         f"weight of frame and payload {data['supported_weight_n']:.1f} N; ground and straps carry {carried:.1f} N, "

@@ -49,9 +49,9 @@ def _given(options: dict[str, str]) -> list[str]:
               help="For a machine that nobody wears (--rig): a recording with the positions of its joints, and forces from outside if any.")
 @click.option("--trials", type=click.IntRange(1, 1000000), default=None,
               help="Designs to look at; 800, or 100 along a motion, when absent.")
-@click.option("--reach", type=options.Quantity("m", low=0.0, high=0.2), default="40 mm", show_default=True,
+@click.option("--reach", type=options.Quantity("m", low=0.0, high=0.2, usual="mm"), default="40 mm", show_default=True,
               help="How far an attachment point may move from where the rig has it.")
-@click.option("--pressure-limit", type=options.Quantity("Pa", low=0.0), default=None,
+@click.option("--pressure-limit", type=options.Quantity("Pa", low=0.0, usual="bar"), default=None,
               help="Largest pressure of supply and chambers, absolute; when absent 10 bar above "
                    "the atmosphere, for which the catalogue's are rated.")
 @click.option("--joints", "only", default=None, help="Joints to size, like knee_l,knee_r; all that have cylinders when absent.")
@@ -64,7 +64,7 @@ def _given(options: dict[str, str]) -> list[str]:
 @click.option("--springs", is_flag=True, help="A spring may stand beside each rod; for valves with independent edges.")
 @click.option("--valves", type=options.Choice(["rig", "independent"]), default="rig", show_default=True,
               help="The rig's, or valves that open each chamber's edges by a command of their own: far less gas.")
-@click.option("--tank", type=options.Quantity("m^3", low=0.0, high=1.0), default=None,
+@click.option("--tank", type=options.Quantity("m^3", low=0.0, high=1.0, usual="l"), default=None,
               help='Volume of a recovery tank like "2 l", its pressure is chosen; for independent edges. The rig\'s own when absent.')
 @click.option("--height", "heights", multiple=True, type=options.Quantity("m", low=0.5, high=3.0),
               help='Of the wearer, like "1.60 m", mass by the same body mass index; may be given again. The rig\'s when absent.')

@@ -114,6 +114,7 @@ def score(folder: Path, key: Path | None, head: str | None, oracle: bool, jobs: 
     from exo_sim.trials.protocol import read_manifest
     from exo_sim.trials.score import score as open_and_count
     from exo_sim.trials.score_page import named_from, percent
+    from exo_sim.trials.score_words import shares
 
     key = key or folder.with_name(folder.name + ".key")
     if read_manifest(folder).get("truth", "own") != "own":
@@ -122,17 +123,10 @@ def score(folder: Path, key: Path | None, head: str | None, oracle: bool, jobs: 
     result = open_and_count(folder, key, head, oracle, jobs, quiet)
     figures = result["figures"]
     rows = [
-        (
-            name.replace("_", " "),
-            percent(entry["share"]),
-            f"{percent(entry['low'])} to {percent(entry['high'])}",
-            entry["of"],
-        )
-        for name, entry in figures.items()
-        if isinstance(entry, dict) and {"share", "low", "high"} <= set(entry)
+        (words, percent(one["share"]), f"{percent(one['low'])} to {percent(one['high'])}", one["of"]) for words, one in shares(figures)
     ]
-    text = printing.table(rows, ("figure", "share", "95 % bounds", "cases"))
-    text += f"\nsize in limits named in nine of ten: {named_from(figures)}; page: {folder / 'score.html'}"
+    text = printing.table(rows, ("what is counted", "share", "95 % bounds", "of"))
+    text += f"\nsize from which nine of ten are named, in detection limits: {named_from(figures)}; page: {folder / 'score.html'}"
     printing.show(
         {"schema": result["schema"], "figures": figures, "head": result["head"]}, text, as_json=as_json, out=out
     )

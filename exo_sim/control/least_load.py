@@ -14,6 +14,7 @@ that are far beyond that, and what is left of them is no plan: then rehearsals b
 
 from __future__ import annotations
 
+from copy import copy
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -218,10 +219,12 @@ class LeastLoad:
         self._coefficients = self._within_reach(best - self._step * change)
         return cost
 
-    def begin_again(self) -> None:
-        """Go on from the best torques where rehearsals cost otherwise than before: of another wearer."""
-        self._coefficients = self.best
-        self._best, self._failed, self._by_plan, self._step = (np.inf, self._coefficients), 0, False, _SHARE
+    def begun_again(self) -> LeastLoad:
+        """Return a plan that goes on from the best torques where rehearsals cost otherwise than before: of another wearer."""
+        again = copy(self)  # what it learns it puts in the place of what was
+        again._coefficients = self.best
+        again._best, again._failed, again._by_plan, again._step = (np.inf, again._coefficients), 0, False, _SHARE
+        return again
 
     def _foreseen(self, coefficients: NDArray[np.float64]) -> float:
         """Return the cost of harmonics where the machine gives way as the plan has it."""

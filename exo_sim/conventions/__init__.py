@@ -6,7 +6,8 @@ correct. A healthy recording, and one of a machine that leaks, rubs or sticks, p
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
 
 import mujoco
 
@@ -34,8 +35,14 @@ class Settled:
     checks: tuple[Check, ...]
 
 
-def settle(recording: Recording, rig: Rig, model: mujoco.MjModel) -> Settled:
+def settle(recording: Recording, rig: Rig, model: mujoco.MjModel, noticed: Sequence[Finding] = ()) -> Settled:
     """Hold a recording's conventions against its rig.
+
+    Args:
+        recording: As it was read.
+        rig: The machine.
+        model: Its model.
+        noticed: What was odd about its file.
 
     Raises:
         RecordingError: nothing sensible can be computed; the line says what to correct.
@@ -45,7 +52,7 @@ def settle(recording: Recording, rig: Rig, model: mujoco.MjModel) -> Settled:
     for check in settled.checks:
         if check.refused:
             raise RecordingError(f'"{recording.name}": {check.says}')
-    return settled
+    return replace(settled, checks=(*unknown_parts.misspelt(noticed, recording, Machine.of(rig, model)), *settled.checks))
 
 
 def asked(recording: Recording, rig: Rig, model: mujoco.MjModel) -> Settled:

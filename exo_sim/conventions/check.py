@@ -11,20 +11,22 @@ class Check:
     """One question to whoever recorded.
 
     Attributes:
-        what: One word or two for machines: "gauge", "unit", "swapped chambers", "turned valve", "stroke", "sign", "part".
+        what: One word or two for machines: "gauge", "unit", "swapped chambers", "turned valve", "stroke", "sign", "part", "column".
         columns: Which columns it is about.
         says: The question, and what was done or must be done, in one plain sentence.
         refused: True where nothing sensible can be computed until it is answered.
+        meant: The column that it was evidently meant to be, where nothing reads it under its name; else "".
     """
 
     what: str
     columns: tuple[str, ...]
     says: str
     refused: bool = False
+    meant: str = ""
 
     def as_dict(self) -> dict[str, Any]:
         """Return what `diagnosis.json` lists under `checks`."""
-        return {"what": self.what, "columns": list(self.columns), "says": self.says}
+        return {"what": self.what, "columns": list(self.columns), "says": self.says} | ({"meant": self.meant} if self.meant else {})
 
 
 def named(columns: tuple[str, ...]) -> str:

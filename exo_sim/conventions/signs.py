@@ -52,13 +52,11 @@ def in_order(recording: Recording, machine: Machine) -> tuple[Recording, list[Ch
         columns, cylinder = columns_of(recording, machine, link), machine.cylinder(link)
         if columns is None:
             continue
-        ask = partial(explained, cylinder=cylinder, rig=machine.rig)
-        if reading := _read(columns, cylinder, ask):
-            found[link.cylinder] = reading
-            opened[link.cylinder] = ask(reading.of(columns, cylinder)).opened
+        reading, under = _read(columns, cylinder, partial(explained, cylinder=cylinder, rig=machine.rig))
+        if reading:
+            found[link.cylinder], opened[link.cylinder] = reading, under.opened
         else:
-            plain = ask(columns)
-            fits = fits or (plain.share > _EXPLAINED and plain.driven > _SAYS and clock.is_near(plain.opened))
+            fits = fits or (under.share > _EXPLAINED and under.driven > _SAYS and clock.is_near(under.opened))
     checks: list[Check] = []
     clocks = {reading.clock for reading in found.values()} - {""}
     if len(clocks) == 1:
@@ -75,11 +73,16 @@ def in_order(recording: Recording, machine: Machine) -> tuple[Recording, list[Ch
     return recording, checks
 
 
-def _read(columns: CylinderColumns, cylinder: Cylinder, ask: Callable[[CylinderColumns], Explained]) -> _Reading | None:
-    """Return the one other reading under which the pressures follow; None where they follow as they stand, or under none."""
+def _read(
+    columns: CylinderColumns, cylinder: Cylinder, ask: Callable[[CylinderColumns], Explained]
+) -> tuple[_Reading | None, Explained]:
+    """Return the one other reading under which the pressures follow, and what is explained under it.
+
+    None where they follow as they stand, or under none, and what is explained as they stand.
+    """
     plain = ask(columns)
     if not plain.intervals:
-        return None
+        return None, plain
     driven = cylinder.valve_area > 0.0 and any(bool((columns.towards(side) != columns.towards(side)[0]).any()) for side in (0, 1))
     ways = [way for way in _WAYS if (driven or not way.turned) and not (cylinder.single_acting and way.swapped)]
     if driven:
@@ -88,15 +91,15 @@ def _read(columns: CylinderColumns, cylinder: Cylinder, ask: Callable[[CylinderC
     ranked = sorted(((ask(way.of(columns, cylinder)), way) for way in ways), key=lambda pair: -pair[0].share)
     best, way = ranked[0]
     if best.share < _EXPLAINED or plain.misfit < _BETTER * best.misfit:
-        return None
+        return None, plain
     if way.clock:  # two clocks whose valves lie within the bounds explain the same: the rig's own valve tells
         like = [pair for pair in ranked if pair[1].clock and pair[0].misfit < _RIVAL * best.misfit]
         clocks = [(found, other) for found, other in like if replace(other, clock=way.clock) == way]
         best, way = min(clocks, key=lambda pair: abs(math.log(pair[0].opened)))
     rivals = [other for found, other in ranked if other != way and found.misfit < _RIVAL * best.misfit]
     if not driven and rivals:  # chambers swapped or position reversed: without a valve both explain the same
-        return None
-    return way if not rivals or best.worked > _SAYS else None
+        return None, plain
+    return (way, best) if not rivals or best.worked > _SAYS else (None, plain)
 
 
 def _with_clock(recording: Recording, unit: str) -> tuple[Recording, Check]:

@@ -6,6 +6,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass, field, replace
 from functools import lru_cache, partial
 from pathlib import Path
+from typing import NamedTuple
 
 import numpy as np
 
@@ -63,12 +64,23 @@ def scenario(gait: GaitFile, cycles: int = 10, summary: str = "") -> Scenario:
         part, remarks = whole_of(gait)
         return Scenario(
             summary=summary or f"walking through {gait.path.name}", motion=whole_trial.factory(part), cycle="trial", cycles=1,
-            remarks=remarks,
+            remarks=remarks, doubts=_fitted(gait).doubts,
         )  # fmt: skip
     figures, remarks = figures_of(gait)
     return Scenario(
         summary=summary or f"walking as in {gait.path.name}", motion=partial(walking_as, figures), cycles=cycles, remarks=remarks,
+        doubts=_fitted(gait).doubts,
     )  # fmt: skip
+
+
+class _Fitted(NamedTuple):
+    """A trial, its strides, their mean moved so that the foot rests, remarks, and what may be wrong with its angles."""
+
+    trial: Trial
+    found: strides.Strides
+    figures: RecordedGait
+    remarks: tuple[str, ...]
+    doubts: tuple[str, ...]
 
 
 @lru_cache(maxsize=16)
@@ -78,7 +90,8 @@ def figures_of(gait: GaitFile) -> tuple[RecordedGait, tuple[str, ...]]:
     Raises:
         ScenarioError, RecordingError: as `scenario`.
     """
-    return _fitted(gait)[2:]
+    fitted = _fitted(gait)
+    return fitted.figures, fitted.remarks
 
 
 @lru_cache(maxsize=16)
@@ -88,7 +101,7 @@ def whole_of(gait: GaitFile) -> tuple[whole_trial.Cut, tuple[str, ...]]:
     Raises:
         ScenarioError, RecordingError: as `scenario`.
     """
-    trial, found, figures, remarks = _fitted(gait)
+    trial, found, figures, remarks, _ = _fitted(gait)
     part = whole_trial.cut(trial, found, figures)
     return part, (
         *remarks[:-1],
@@ -98,12 +111,15 @@ def whole_of(gait: GaitFile) -> tuple[whole_trial.Cut, tuple[str, ...]]:
 
 
 @lru_cache(maxsize=16)
-def _fitted(gait: GaitFile) -> tuple[Trial, strides.Strides, RecordedGait, tuple[str, ...]]:
-    """Return a trial, its strides, their mean moved so that the foot rests, and remarks."""
-    trial, ground = read(gait)
-    trial = counted_as_machine(trial)
-    remarks = list(trial.remarks)
+def _fitted(gait: GaitFile) -> _Fitted:
+    """Return what a gait file comes to."""
+    as_read, ground = read(gait)
+    trial = counted_as_machine(as_read)
+    remarks, doubts = list(trial.remarks), []
+    if len(trial.remarks) > len(as_read.remarks):
+        doubts.append("signs or zeros of its angles were guessed wrong")
     if "tilt" not in trial.angles:
+        doubts.append("the pelvis's tilt is missing")
         remarks.append(f"{trial.file_name}: no tilt of the pelvis; hip angles are taken as those of the thigh in space")
     found = strides.find(trial, ground)
     if ground is not None and not found.by_force:
@@ -116,6 +132,7 @@ def _fitted(gait: GaitFile) -> tuple[Trial, strides.Strides, RecordedGait, tuple
     remarks.append(_summary(trial, found, moved))
     worst = max(moved.rest[key] for key in ("heel_height", "toe_height", "heel_slide", "toe_slide"))
     if worst > _LOOSE:
+        doubts.append(f"a foot on the ground slides or sinks by {1e3 * worst:.0f} mm")
         remarks.append(
             f"{trial.file_name}: on the ground the foot still slides or sinks by {1e3 * worst:.0f} mm with these angles; are they of level "
             "walking, and counted as the machine counts?"
@@ -127,7 +144,7 @@ def _fitted(gait: GaitFile) -> tuple[Trial, strides.Strides, RecordedGait, tuple
         mass=Person().mass, motion={**moved.series, "tilt": tilt}, recorded=mean,
         spread={name: fourier.fit(values, contact_fit.HARMONICS) for name, values in spread.items()}, moment={},
     )  # fmt: skip
-    return trial, found, figures, tuple(remarks)
+    return _Fitted(trial, found, figures, tuple(remarks), tuple(doubts))
 
 
 def _summary(trial: Trial, found: strides.Strides, moved: contact_fit.Fitted) -> str:
@@ -174,4 +191,19 @@ def _part(trial: Trial, gait: GaitFile) -> Trial:
         raise ScenarioError(f"{trial.file_name}: its clock stands still or runs back; export it again with a rising time")
     if keep.sum() < 10:
         raise ScenarioError(f"{trial.file_name}: {int(keep.sum())} rows of angles count; at least one stride is needed")
-    return replace(trial, time=trial.time[keep], angles={name: values[keep] for name, values in trial.angles.items()})
+    angles = {name: values[keep] for name, values in trial.angles.items()}
+    return replace(trial, time=trial.time[keep], angles=angles, remarks=(*trial.remarks, *_gaps(trial, keep)))
+
+
+def _gaps(trial: Trial, keep: np.ndarray) -> tuple[str, ...]:
+    """Return a remark on the rows that count and have no number of an angle, or none."""
+    found = []
+    for name, values in trial.angles.items():
+        rows = np.flatnonzero(keep & ~np.isfinite(values))
+        if len(rows) and len(rows) < keep.sum():
+            where = f"first in row {rows[0] + 1} ({trial.time[rows[0]]:.6g} s)"
+            found.append(f"{name} has no number in {len(rows)} of {keep.sum()} rows, {where}")
+    if not found:
+        return ()
+    filled = "gaps were filled in straight lines, strides with one of more than a tenth of them left out"
+    return (f"{trial.file_name}: {'; '.join(found)}; {filled}",)

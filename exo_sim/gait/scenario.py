@@ -47,6 +47,8 @@ class Scenario:
         gait: Name of the recorded gait that the angles can be held against, or None.
         added: Load put on while it runs, or None.
         remarks: Plain sentences about what it was made of.
+        doubts: Of somebody's own gait what may be wrong with its angles, in words that follow "perhaps because"; None for one that comes
+            along.
         variation: How its strides differ from the mean one, or None.
         wearer: What moves the wearer: "prescribed" or "torques".
         pace: Speed at which a walk goes where none is asked for [m/s]; None for the recorded one.
@@ -61,6 +63,7 @@ class Scenario:
     gait: str | None = None
     added: AddedLoad | None = None
     remarks: tuple[str, ...] = ()
+    doubts: tuple[str, ...] | None = None
     variation: Variation | None = None
     wearer: str = "prescribed"
     pace: float | None = None

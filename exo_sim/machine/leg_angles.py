@@ -9,8 +9,9 @@ from exo_sim.machine.person import Person
 
 Array = NDArray[np.float64]
 
-#: A leg is at least so much shorter than thigh and shank [m].
-_BENT = 5e-4
+#: A leg is at least so much shorter than thigh and shank, and from so much on as short as it is asked to be [m]: knees of 4 and 8 degrees.
+#: Straight, a knee turns infinitely fast as the ankle moves, and one that overextends and comes back would turn over.
+_BENT, _FREE = 5e-4, 2e-3
 
 
 def turned(angle: Array, ahead: Array | float, up: float) -> Array:
@@ -20,7 +21,7 @@ def turned(angle: Array, ahead: Array | float, up: float) -> Array:
 
 
 def leg_to(ankle: Array, tilt: Array, pitch: Array, person: Person) -> Array:
-    """Return hip, knee and ankle angles that bring an ankle to a place; a leg that cannot reach it points there, stretched.
+    """Return hip, knee and ankle angles that bring an ankle to a place; a leg that cannot reach it points there, nearly stretched.
 
     Args:
         ankle: From the hip, x and z [m], shape (n, 2).
@@ -31,9 +32,20 @@ def leg_to(ankle: Array, tilt: Array, pitch: Array, person: Person) -> Array:
     Returns:
         Shape (n, 3).
     """
-    far = np.minimum(np.hypot(ankle[:, 0], ankle[:, 1]), person.thigh + person.shank - _BENT)
+    whole = person.thigh + person.shank
+    far = whole - _shorter(whole - np.hypot(ankle[:, 0], ankle[:, 1]))
     bend = (far**2 - person.thigh**2 - person.shank**2) / (2.0 * person.thigh * person.shank)
     knee = -np.arccos(np.clip(bend, -1.0, 1.0))
     thigh = np.arctan2(ankle[:, 0], -ankle[:, 1])
     thigh -= np.arctan2(person.shank * np.sin(knee), person.thigh + person.shank * np.cos(knee))
     return np.stack([thigh - pitch, knee, tilt - thigh - knee], axis=1)
+
+
+def _shorter(gap: Array) -> Array:
+    """Return by how much a leg is shorter than thigh and shank, of how much it is asked to be: `_BENT` at least, all without a jerk.
+
+    Between the two numbers it is the polynomial that meets the straight line beyond with slope and curvature, and ends level at 0.
+    """
+    u, least = np.clip(gap / _FREE, 0.0, 1.0), _BENT / _FREE
+    eased = least + u**2 * ((3.0 - 6.0 * least) - u * ((3.0 - 8.0 * least) - u * (1.0 - 3.0 * least)))
+    return np.where(gap >= _FREE, gap, _FREE * eased)

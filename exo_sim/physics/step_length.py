@@ -27,7 +27,7 @@ CHANGE = 0.4
 
 #: How far a wave in a line turns in one step [rad]: further, and a Chebyshev step's own gain exceeds the wall's friction; a classic one
 #: takes 8 % from the fastest wave of a hose then (its stability function: 1 - z^6/72 + z^8/576 is the square of what stays), and 0.2 %
-#: from one half as fast. Predictions of two learn machines with 1.1 and 1.6 m of hose are off by 10 to 23 Pa, with 1.2 rad by 2 to 13.
+#: from one half as fast. Predictions of two learn machines with 1.1 and 1.6 m of hose are off by 9 to 23 Pa, with 1.2 rad by 2 to 13.
 _TURN, CLASSIC_TURN = CHANGE / 1.5, 1.6
 
 #: A path with pressures closer than this ratio counts as balanced: what is left settles stably in steps of any length.

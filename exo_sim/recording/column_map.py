@@ -9,7 +9,7 @@ A TOML file::
     skip = 3                     # lines above the column names
     episode = 3                  # of a LeRobot file with several
 
-    [columns]                    # foreign name = contract name, with the unit the foreign numbers are in
+    [columns]                    # foreign name = contract name, with the unit the foreign numbers are in; left out where all names fit
     "t(ms)"  = "time [ms]"
     "Pos"    = "slide.position [in]"
     "P1"     = { column = "piston.pressure_1 [bar]", scale = 1.0, offset = 1.01325 }   # gauge to absolute
@@ -76,12 +76,11 @@ def column_map_of(tables: Mapping[str, Any], path: Path) -> ColumnMap:
         RecordingError: as `read_column_map`.
     """
     _known(path, "table", tables, ("file", "columns"))
-    options = tables.get("file", {})
-    entries = tables.get("columns")
-    if not isinstance(entries, dict) or not entries:
-        raise RecordingError(f'column map "{path}": no [columns]; write lines like "P1" = "piston.pressure_1 [bar]"')
+    options, entries = tables.get("file", {}), tables.get("columns", {})
     if not isinstance(options, dict):
         raise RecordingError(f'column map "{path}": [file] must be a table')
+    if not isinstance(entries, dict) or not (entries or options):
+        raise RecordingError(f'column map "{path}": no [columns]; write lines like "P1" = "piston.pressure_1 [bar]"')
     _known(path, "key of [file]", options, ("header", "delimiter", "decimal", "skip", "episode"))
     header, delimiter = options.get("header", True), options.get("delimiter")
     if not isinstance(header, bool):

@@ -11,7 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from exo_sim import units
-from exo_sim.errors import RecordingError, UnitError
+from exo_sim.errors import RecordingError, UnitError, near
 from exo_sim.recording import columns
 from exo_sim.recording.column_map import ColumnMap
 from exo_sim.recording.columns import Column
@@ -70,20 +70,28 @@ def select(name: str, headings: Sequence[str], column_map: ColumnMap | None = No
             unit = columns.split(heading)[1] or ""
             if units.is_gauge(unit) or columns.split(heading)[0] == columns.TIME:
                 raise RecordingError(f"{name_of_file}: {error}") from None
-            says = f"{error}; the column was set aside"
+            says = _set_aside(error)
             findings.append(Finding(heading, "unit", says, severity="fault", use="set aside"))
         except RecordingError as error:
-            if column_map is None:
-                says = f"{error}; the column was set aside"
+            if not mapped:
+                says = _set_aside(error)
                 findings.append(Finding(heading, "unknown column", says, severity="warning", use="set aside"))
     return Selection(_time_first(name_of_file, chosen, findings, headings), findings)
+
+
+def _is_clock(heading: str) -> bool:
+    return bool(_CLOCK.match(heading) or near(heading.partition("[")[0].strip().lower(), ("time", "timestamp")))
+
+
+def _set_aside(error: Exception) -> str:
+    return f"{error} The column was set aside" if str(error).endswith("?") else f"{error}; the column was set aside"
 
 
 def _time_first(name: str, chosen: list[Column], findings: list[Finding], headings: Sequence[str]) -> tuple[Column, ...]:
     times = [column for column in chosen if column.key == columns.TIME]
     there = ", ".join(f'"{heading[:60]}"' for heading in list(headings)[:8]) + (", ..." if len(headings) > 8 else "")
     if not times:
-        clock = next((heading for heading in headings if _CLOCK.match(heading)), "")
+        clock = next((heading for heading in headings if _is_clock(heading)), "")
         line = f' with the line "{clock[:60]}" = "time [s]"' if clock else ""
         raise RecordingError(f'{name}: there is no column "time [s]"; name the clock so, or hand in a column map{line}; there is: {there}')
     by_key: dict[str, Column] = {}

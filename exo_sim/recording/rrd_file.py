@@ -17,7 +17,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from exo_sim.outputs import replacing
-from exo_sim.recording import arrow_without_pandas, blueprint, rrd_names
+from exo_sim.recording import arrow_without_pandas, blueprint, rrd_names, rrd_scalars
 from exo_sim.recording.rrd_sink import written
 from exo_sim.recording.rrd_timeline import clock
 from exo_sim.recording.scene import Scene
@@ -153,7 +153,7 @@ class RrdPieces:
                 if 2 * np.count_nonzero(kept) < len(values):
                     times, shown = [clock(recording.time[kept])], values[kept]
             written_as = shown if factor == 1.0 else shown * factor
-            self._stream.send_columns(path, indexes=times, columns=rr.Scalars.columns(scalars=written_as))
+            self._stream.send_columns(path, indexes=times, columns=rrd_scalars.column(written_as))
             unaveraged = shown is not values  # an average of a few turns is none of them
             if unaveraged and not first and path not in self._unaveraged:
                 self._stream.log(path, rr.SeriesLines.from_fields(aggregation_policy=rr.components.AggregationPolicy.Off), static=True)
@@ -167,7 +167,7 @@ class RrdPieces:
             if below:
                 name, colour = leaf, _COLOURS.get(leaf, colour)
                 width = 1.2 if leaf == on_top else 4.0  # thin, so that the others show behind it
-            line = rr.SeriesLines(names=name, colors=[_packed(colour)], widths=[width], aggregation_policy=every)
+            line = rr.SeriesLines(names=name, colors=rrd_scalars.colour(colour), widths=rrd_scalars.width(width), aggregation_policy=every)
             unit = values_of[recording.units[key]]
             if below:
                 self._stream.log(path, line, static=True)
@@ -208,11 +208,6 @@ def _identity(recording: Recording) -> str:
     return digest.hexdigest()[:32]
 
 
-def _packed(colour: tuple[int, ...]) -> int:
-    """Return red, green, blue and perhaps opacity as the one number that rerun keeps; it takes long to make it of a tuple."""
-    return int.from_bytes(bytes((*colour, 255)[:4]), "big")
-
-
 def turns(values: NDArray[np.float64]) -> NDArray[np.bool_]:
     """Return which samples a line needs, shape (n,): all but those between two that are equal to them."""
     needed = np.ones(len(values), dtype=bool)
@@ -234,7 +229,7 @@ def _differences(stream: Any, recording: Recording, other: Recording, name: str)
             recorded = np.interp(other.time, recording.time[there], recorded[there])
         path = f"{blueprint.DIFFERENCE}/{rrd_names.entity(key)}/{name}"
         apart = (other[key] - recorded) * rrd_names.shown(recording.units.get(key, ""))[1]
-        stream.send_columns(path, indexes=index, columns=rr.Scalars.columns(scalars=apart))
+        stream.send_columns(path, indexes=index, columns=rrd_scalars.column(apart))
         looks = rr.SeriesLines(names=name, colors=[_COLOURS.get(name, _PALETTE[0])], widths=[1.5])
         stream.log(path, looks, static=True)
 

@@ -92,9 +92,12 @@ def _on_loopback(folder: Path) -> str | None:
 
 def _no_viewer(error: Exception) -> str:
     why = str(error).splitlines()[0][:160] if str(error) else type(error).__name__
-    driver = "install a Vulkan driver (Debian: mesa-vulkan-drivers libvulkan1)"
+    driver = (
+        "install a Vulkan driver (Debian: mesa-vulkan-drivers libvulkan1), or draw a stride of a walk with OpenGL alone: "
+        "scripts/picture RECORDING PICTURE.png in a checkout"
+    )
     if isinstance(error, (ConnectionError, TimeoutError)):
-        return f"no picture: the rerun viewer did not answer ({why}); {driver}, or try again while the machine is less busy"
+        return f"no picture: the rerun viewer did not answer ({why}); try again while the machine is less busy, {driver}"
     return f"no picture: the rerun viewer cannot paint here ({why}); {driver}"
 
 

@@ -1,7 +1,8 @@
-"""A summary as text for the terminal: aligned tables, in the units people read, a line for each thing that is odd."""
+"""A summary as text for the terminal: what is odd first, a line each; then aligned tables, in the units people read."""
 
 from __future__ import annotations
 
+import textwrap
 from collections.abc import Sequence
 from typing import Any
 
@@ -10,27 +11,43 @@ from exo_sim.recording.summary import Summary
 #: SI unit to the unit that is printed, and how many of these one SI unit is.
 _READABLE = {"Pa": ("bar", 1e-5), "rad": ("deg", 57.29577951308232), "rad/s": ("deg/s", 57.29577951308232)}
 _MARKS = {"fault": "!!", "warning": "! ", "info": "  "}
+_MEANINGS = {"fault": "!! a sensor or the file is wrong", "warning": "! may spoil results"}
 _SHORT_METADATA = 60
+#: Columns that are listed with their numbers without being asked for.
+_FEW_COLUMNS = 30
+_WIDTH = 110
 
 
-def text(summary: Summary) -> str:
-    """Return the whole summary."""
-    blocks = [_head(summary.head), _signals(summary.signals)]
+def text(summary: Summary, every_column: bool = False) -> str:
+    """Return the summary: what looks wrong, then what is in it.
+
+    Args:
+        summary: Of a recording.
+        every_column: List the numbers of every column, also where there are many; else of those with something to look at.
+    """
+    blocks = [_head(summary.head), _findings(summary)]
+    if metadata := _metadata(summary.head):
+        blocks.append(metadata)
+    if every_column or len(summary.signals) <= _FEW_COLUMNS:
+        blocks.append(_signals(summary.signals))
+    else:
+        blocks += _many_signals(summary)
     if summary.gait:
         blocks.append("Gait\n" + _gait(summary.gait))
     if summary.cylinders:
         blocks.append("Cylinders\n" + _cylinders(summary.cylinders))
     if any(len(entry) > 2 for entry in summary.joints.values()):
         blocks.append("Joints\n" + _joints(summary.joints))
-    blocks.append(_findings(summary))
     return "\n\n".join(blocks)
 
 
 def _head(head: dict[str, Any]) -> str:
-    lines = [
-        f"{head['name']}: {head['duration_s']:.4g} s, {head['samples']} samples, {head['rate_hz']:.4g} Hz"
-        + (f", from {head['start_s']:.6g} s on" if head["start_s"] else "")
-    ]
+    begins = f", from {head['start_s']:.6g} s on" if head["start_s"] else ""
+    return f"{head['name']}: {head['duration_s']:.4g} s, {head['samples']} samples, {head['rate_hz']:.4g} Hz{begins}"
+
+
+def _metadata(head: dict[str, Any]) -> str:
+    lines = []
     for key, value in head["metadata"].items():
         one_line = " ".join(value.split())
         if len(one_line) <= _SHORT_METADATA or "\n" not in value.strip():
@@ -38,6 +55,23 @@ def _head(head: dict[str, Any]) -> str:
         else:
             lines.append(f"{key}: {len(value.splitlines())} lines, {len(value)} characters (all of it with --json)")
     return "\n".join(lines)
+
+
+def _many_signals(summary: Summary) -> list[str]:
+    """Return the columns that are something to look at with their numbers, and the names of all, parts with the same signals together."""
+    odd = {finding.column for finding in summary.findings if finding.severity != "info"}
+    looked_at = [entry for entry in summary.signals if entry["name"] in odd or entry["missing"]]
+    signals_of: dict[str, list[str]] = {}
+    for entry in summary.signals:
+        part, _, signal = entry["name"].rpartition(".")
+        signals_of.setdefault(part, []).append(signal)
+    parts_with: dict[tuple[str, ...], list[str]] = {}
+    for part, signals in signals_of.items():
+        parts_with.setdefault(tuple(sorted(signals)), []).append(part)
+    lines = [f"{len(summary.signals)} columns (the numbers of each: --all)"]
+    for shared, parts in parts_with.items():
+        lines += textwrap.wrap(f"{', '.join(parts)}: {', '.join(shared)}", _WIDTH, initial_indent="  ", subsequent_indent="    ")
+    return [*([_signals(looked_at)] if looked_at else []), "\n".join(lines)]
 
 
 def _signals(signals: Sequence[dict[str, Any]]) -> str:
@@ -108,7 +142,8 @@ def _findings(summary: Summary) -> str:
         return "Nothing looks wrong."
     wrong = [finding for finding in summary.findings if finding.severity != "info"]
     title = f"{len(wrong)} thing{'' if len(wrong) == 1 else 's'} look{'s' if len(wrong) == 1 else ''} wrong"
-    lines = [title if wrong else "Nothing looks wrong; worth knowing"]
+    marks = "; ".join(words for severity, words in _MEANINGS.items() if any(finding.severity == severity for finding in wrong))
+    lines = [f"{title} ({marks})" if wrong else "Nothing looks wrong; worth knowing"]
     for finding in summary.findings:
         use = "these rows are left out" if finding.use == "set aside" and finding.rows else finding.use
         said = use == "used" or use in finding.says

@@ -119,6 +119,10 @@ def small(finding: Finding) -> str:
 
 def first_step(diagnosis: Diagnosis) -> str:
     """Return what to do first, in a sentence or two; empty where there is nothing to do."""
+    if misnamed := [(column, check["meant"]) for check in diagnosis.checks if check.get("meant") for column in check["columns"]]:
+        renamed = joined([f'"{column}" to "{meant}"' for column, meant in misnamed])
+        unread = "under that name it is" if len(misnamed) == 1 else "under those names they are"
+        return f"Rename column{'s' if len(misnamed) > 1 else ''} {renamed} and diagnose again: {unread} not read."
     if diagnosis.sizes:
         return f"Check {diagnosis.sizes}.{_hardly_better(diagnosis)}"
     by_kind = {kind: [f for f in diagnosis.effects if f.kind == kind] for kind in KINDS}

@@ -7,9 +7,12 @@ from exo_sim.report.sizing_frame import ranges, rendered, spread
 from exo_sim.simulation import gas_use
 from exo_sim.sizing import published_machine, summary_text
 from exo_sim.sizing.hand_calculation import papers_example
-from exo_sim.sizing.recommendation import fates
+from exo_sim.sizing.recommendation import ON_THE_FRONT, fates
 from exo_sim.sizing.sensitivity import cheaper
 from exo_sim.sizing.study import Sizing
+
+#: What a reader of the page meets in place of a name that programs read.
+_SHOWN = {ON_THE_FRONT: "on the Pareto front"}
 
 
 def page(sizing: Sizing) -> str:
@@ -26,7 +29,7 @@ def page(sizing: Sizing) -> str:
         everywhere=sizing.choice.everywhere,
         worst=max((one.gas for one in sizing.choice.everywhere), default=0.0),
         mean=sum(one.gas for one in sizing.choice.everywhere) / max(len(sizing.choice.everywhere), 1),
-        fates=[(what, len(numbers), ranges(numbers)) for what, numbers in fates(sizing.outcome, sizing.task)],
+        fates=[(_SHOWN.get(what, what), len(numbers), ranges(numbers)) for what, numbers in fates(sizing.outcome, sizing.task)],
         gas=gas_use.rows(sizing.choice.confirmed.summary["gas"]) if "gas" in sizing.choice.confirmed.summary else [],
         bought=summary_text.bought(sizing),
         beside=summary_text.spent(sizing),

@@ -65,7 +65,7 @@ def envelope_figure(sizing: Sizing) -> Figure:
         assert thinnest is not None
         for panel, x in ((row[0], thinnest[1]), (row[1], thinnest[2])):
             panel.plot([x], [thinnest[3]], "o", ms=6, mfc="none", mec=_INK, zorder=4)
-        row[0].annotate(f"thinnest: {100 * thinnest[0]:.0f} %", (thinnest[1], thinnest[3]), xytext=(6, 7),
+        row[0].annotate(f"lowest margin: {100 * thinnest[0]:.0f} %", (thinnest[1], thinnest[3]), xytext=(6, 7),
                         textcoords="offset points", fontsize=8)  # fmt: skip
         row[0].set(xlabel=f"{kind.name} angle [deg]", ylabel=f"{kind.name} torque [N m]")
         row[1].set(xlabel=f"{kind.name} speed [deg/s]")
@@ -142,7 +142,7 @@ def motion_front(found: MotionSizing) -> str:
     scale = ("deg", 180.0 / np.pi) if any(link.turning for link in found.judge.links) else ("mm", 1e3)
     for panel, key, factor, words in (
         (panels[0][0], "mass", 1.0, "all cylinders [kg]"),
-        (panels[0][1], "margin", 100.0, "force in hand [% of the largest]"),
+        (panels[0][1], "margin", 100.0, "force margin [% of the largest]"),
         (panels[0][2], "position_error", scale[1], f"position error [{scale[0]} rms]"),
     ):
         panel.plot([1e3 * s.gas for s in others], [factor * getattr(s, key) for s in others], ".", ms=3, color="#c9ced4", zorder=0)

@@ -32,6 +32,9 @@ from exo_sim.rig.effect_text import (
 )
 from exo_sim.rig.schema import EffectSetting, Rig
 
+#: What stands above a table of which the one before it says the same.
+_AGAIN = "As above."
+
 
 @dataclass(frozen=True)
 class Correction:
@@ -101,7 +104,7 @@ def _written_into(
         effect = declared()[finding.setting.name]
         if not _set_anew(document, effect, finding):
             absorbed = _absorb(document, rig, effect, finding)
-            new.append(table_text(effect, replace(absorbed, says="") if absorbed.says == said else absorbed))
+            new.append(table_text(effect, replace(absorbed, says=_AGAIN) if said and absorbed.says == said else absorbed))
             said = absorbed.says
     text = tomlkit.dumps(document)
     return "\n".join([text.rstrip("\n") + "\n", *new]) if new else text

@@ -12,6 +12,8 @@ from exo_sim.physics.effects.valve_edges import EDGES
 from exo_sim.rig.reading import parse_table
 from exo_sim.rig.table import Table
 
+#: What the reference says of the name, whose default is not a text but that of the file.
+_OF_THE_FILE = "of the file"
 #: A rig that has every table; `model` names a file of the package.
 _WHOLE = """
 name = "all"
@@ -161,5 +163,6 @@ def every_key() -> list[Key]:
         if text is _WHOLE:
             usual = len(noted)
     noted[usual:] = [replace(key, default="absent") if key.default == "required" else key for key in noted[usual:]]
+    noted = [replace(key, default=_OF_THE_FILE) if key.name == "name" else key for key in noted]
     order = {name: i for i, name in enumerate(MEANINGS)}
     return sorted(noted, key=lambda key: order.get(key.name, len(order)))

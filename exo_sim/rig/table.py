@@ -7,7 +7,17 @@ from pathlib import Path
 from typing import Any
 
 from exo_sim import units
-from exo_sim.errors import RigError, UnitError, nearest
+from exo_sim.errors import RigError, UnitError, near, nearest
+
+#: What a key, and any quantity of a unit, may be like.
+_BY_KEY = {
+    "bore": "32 mm", "rod": "12 mm", "stroke": "160 mm", "pressure": "7 bar", "volume": "2 l", "mass": "2 kg", "mass_0": "0.9 kg",
+    "mass_per_metre": "4 kg/m",
+}  # fmt: skip
+_BY_UNIT = {
+    "m": "50 mm", "m^2": "3 mm^2", "m^3": "10 cm^3", "Pa": "7 bar", "K": "293.15 K", "rad": "10 deg", "s": "10 ms",
+    "m^3/(s Pa)": "1 dm^3/(s bar)", "1": "0.3",
+}  # fmt: skip
 
 
 class Table:
@@ -38,7 +48,7 @@ class Table:
 
     def missing(self, key: str, what: str) -> RigError:
         """Return an error about a key that is not there."""
-        return RigError(f"{self.path}: {self.name(key)} is missing{_near(key, self.values)}: {what}")
+        return RigError(f"{self.path}: {self.name(key)} is missing{_near(key, self.values, what)}")
 
     def has(self, key: str) -> bool:
         """Return whether the key is there."""
@@ -79,9 +89,7 @@ class Table:
         """Return a quantity in SI, checked against its bounds."""
         if not self.has(key):
             if default is None:
-                raise RigError(
-                    f'{self.path}: {self.name(key)} is missing{_near(key, self.values)}: give it like "1 {si_unit}"'
-                )
+                raise self.missing(key, f'give it like "{_example(key, si_unit)}"')
             return default
         try:
             value = units.parse(_plain(self.values[key]), si_unit)
@@ -99,7 +107,7 @@ class Table:
         """Return a pair of quantities in SI, which `names` call for messages."""
         example = f'give it like {key} = ["1 {si_unit}", "2 {si_unit}"], {names[0]} and {names[1]}'
         if not self.has(key):
-            raise RigError(f"{self.path}: {self.name(key)} is missing{_near(key, self.values)}: {example}")
+            raise self.missing(key, example)
         held = self.values[key]
         if not isinstance(held, list) or len(held) != 2:
             raise self.fail(key, f"must be a pair: {example}")
@@ -128,6 +136,13 @@ def _plain(value: Any) -> Any:
     return value.unwrap() if hasattr(value, "unwrap") else value
 
 
-def _near(key: str, present: Iterable[str]) -> str:
-    found = nearest(key, present)
-    return found.replace("did you mean", "is it spelt") if "mean" in found else ""
+def _near(key: str, present: Iterable[str], what: str = "") -> str:
+    """Return the question whether a missing key is misspelt, if one is like it, and what to do."""
+    if found := near(key, present):
+        spelt = " or ".join(f'"{name}"' for name in found)
+        return f"; is it spelt {spelt}?{f' {what[0].upper()}{what[1:]}' if what else ''}"
+    return f": {what}" if what else ""
+
+
+def _example(key: str, si_unit: str) -> str:
+    return _BY_KEY.get(key, _BY_UNIT.get(si_unit, f"1 {si_unit}"))

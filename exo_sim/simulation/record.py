@@ -12,6 +12,7 @@ from exo_sim.machine.linkage import tendon_ends
 from exo_sim.machine.person import SEGMENTS, pose_bodies
 from exo_sim.recording.scene import Arrows, DrawnCylinder, Scene, shapes_of_model
 from exo_sim.recording.table import Recording
+from exo_sim.simulation import wearer_log
 from exo_sim.simulation.sensors import observe
 from exo_sim.simulation.walk import JOINTS, Walk
 from exo_sim.simulation.wearer_load import Wearing, wearing
@@ -35,6 +36,10 @@ def recording(walk: Walk, name: str, seed: int = 0) -> Recording:
 def as_it_was(walk: Walk, name: str, seed: int = 0, wearer: Wearing | None = None) -> Recording:
     """Return the same as it was, before any sensor; `wearer` where what he gives is known."""
     columns, units = dict(walk.columns), dict(walk.units)
+    if walk.moved is None:  # one who is a body is among the columns already
+        placed, of_places = wearer_log.places(walk.poses)
+        columns |= {key: np.ascontiguousarray(values) for key, values in placed.items()}
+        units |= of_places
     worn = wearer if wearer is not None else wearing(walk)
     it = worn.machine
     for joint, values in zip(JOINTS, (it.moments - worn.body.moments).T):

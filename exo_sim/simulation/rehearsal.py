@@ -9,7 +9,7 @@ from exo_sim.control.least_load import LeastLoad
 from exo_sim.control.machine_dynamics import PICK
 from exo_sim.gait.strides import CONTACT_FORCE
 from exo_sim.simulation.walk import Walk
-from exo_sim.simulation.wearer_load import by_straps
+from exo_sim.simulation.wearer_load import own, with_machine
 
 
 def cycle_mean(walk: Walk, values: NDArray[np.float64], settling: float) -> NDArray[np.float64]:
@@ -20,13 +20,16 @@ def cycle_mean(walk: Walk, values: NDArray[np.float64], settling: float) -> NDAr
         values: Shape (n, ...), a row each step.
         settling: Cycles at the start that are left out.
     """
-    period = walk.motion.period
-    phase = walk.time / period
-    use = (phase >= settling) & (phase < np.floor(phase[-1] + 1e-6))
+    use = counted(walk, settling)
+    return _phase_mean(walk.part(use), values[use])
+
+
+def _phase_mean(walk: Walk, values: NDArray[np.float64]) -> NDArray[np.float64]:
+    """Return `cycle_mean` of rows that are whole cycles."""
     phases = len(walk.motion.position[PICK])
-    box = np.floor(phase[use] * phases + 0.5).astype(int) % phases
+    box = np.floor(walk.time / walk.motion.period * phases + 0.5).astype(int) % phases
     total = np.zeros((phases, *values.shape[1:]))
-    np.add.at(total, box, values[use])
+    np.add.at(total, box, values)
     count = np.bincount(box, minlength=phases)
     return total / count.reshape(-1, *([1] * (values.ndim - 1)))
 
@@ -42,13 +45,37 @@ def expected_load(walk: Walk, settling: int) -> NDArray[np.float64]:
     return np.asarray(values.reshape(last - settling, n, *walk.wrench.shape[1:]).mean(axis=0))
 
 
-def learn_from(plan: LeastLoad, walk: Walk, settling: float) -> float:
-    """Better a plan by one rehearsal; return the cost it had."""
-    ahead, up = (np.stack([walk.columns[f"{name}.strap_force_{axis}"] for name in walk.straps.names]) for axis in "xz")
-    torso = [i for i, name in enumerate(walk.straps.names) if name.startswith("torso")]
-    straps = np.stack([ahead[torso].sum(axis=0), up[torso].sum(axis=0), ahead.sum(axis=0)], axis=1)
-    moments = cycle_mean(walk, by_straps(walk), settling)
-    return plan.learn(moments, cycle_mean(walk, straps, settling), cycle_mean(walk, carrying(walk), settling))
+class Rehearsals:
+    """Better a plan by rehearsals, one after the other; only the cycles after `settling` are looked at.
+
+    A wearer whose motion is prescribed moves alike in every rehearsal: what his own body asks of him is worked out in the first.
+
+    Args:
+        plan: What is bettered.
+        settling: Cycles at the start of each that are left out.
+    """
+
+    def __init__(self, plan: LeastLoad, settling: float) -> None:
+        self.plan, self._settling = plan, settling
+        self._body: NDArray[np.float64] | None = None
+
+    def learn_from(self, walk: Walk) -> float:
+        """Better the plan by a rehearsal; return the cost it had. All rehearsals have the same motion and the same rows."""
+        seen = walk.part(counted(walk, self._settling))
+        ahead, up = (np.stack([seen.columns[f"{name}.strap_force_{axis}"] for name in seen.straps.names]) for axis in "xz")
+        torso = [i for i, name in enumerate(seen.straps.names) if name.startswith("torso")]
+        straps = np.stack([ahead[torso].sum(axis=0), up[torso].sum(axis=0), ahead.sum(axis=0)], axis=1)
+        body = self._body if self._body is not None else own(seen).moments
+        if seen.moved is None:
+            self._body = body
+        moments = with_machine(seen).moments - body
+        return self.plan.learn(*(_phase_mean(seen, each) for each in (moments, straps, carrying(seen))))
+
+
+def counted(walk: Walk, settling: float) -> slice:
+    """Return the rows of the whole cycles after `settling`."""
+    phase = walk.time / walk.motion.period
+    return slice(*np.searchsorted(phase, [settling, np.floor(phase[-1] + 1e-6)]).tolist())
 
 
 def carrying(walk: Walk) -> NDArray[np.float64]:

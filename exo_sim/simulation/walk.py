@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from pathlib import Path
 
 import mujoco
@@ -155,6 +155,21 @@ class Walk:
     model: mujoco.MjModel
     moved: Moved | None = None
     first: int = 0
+
+    def part(self, rows: slice) -> Walk:
+        """Return some rows of it, which follow each other; the books stay those of all."""
+        first = range(len(self.time))[rows].start
+        return replace(
+            self,
+            time=self.time[rows],
+            columns={key: values[rows] for key, values in self.columns.items()},
+            poses=self.poses[rows],
+            wrench=self.wrench[rows],
+            weight=self.weight[rows],
+            payload=self.payload[rows],
+            moved=None if self.moved is None else self.moved.at(rows),
+            first=self.first + first,
+        )
 
 
 def layout(rig: Rig, straps: StrapSet, gas: bool) -> list[tuple[str, str]]:

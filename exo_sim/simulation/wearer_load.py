@@ -46,13 +46,8 @@ class Wearing:
 
 def wearing(walk: Walk) -> Wearing:
     """Return what the wearer gives with the machine on and for the own body."""
-    return Wearing(with_machine(walk), own(walk))
-
-
-def by_straps(walk: Walk) -> NDArray[np.float64]:
-    """Return the extra moments that the straps ask of the wearer [N m], columns as `walk.JOINTS`, shape (n, 6)."""
-    both = wearing(walk)
-    return both.machine.moments - both.body.moments
+    known = _Known.along(walk)
+    return Wearing(walk.moved if walk.moved is not None else _on_rows(walk, walk.wrench, known), _on_rows(walk, 0.0, known))
 
 
 def with_pack(walk: Walk) -> Held:
@@ -70,10 +65,14 @@ def by_backpack(walk: Walk) -> NDArray[np.float64]:
 
 def alone(walk: Walk) -> Held:
     """Return what the wearer gives without machine or load, along one cycle of the own motion."""
-    motion = reduced(walk.plain, walk.person)
     if walk.moved is not None:
-        return one_cycle(motion, walk.person, None, walk.step)
-    return _on_cycle(motion, walk.person)
+        return one_cycle(reduced(walk.plain, walk.person), walk.person, None, walk.step)
+    return prescribed_alone(walk.plain, walk.person)
+
+
+def prescribed_alone(plain: Motion, person: Person) -> Held:
+    """Return what a person gives who does a motion, recorded or drawn, without machine or load, along one cycle."""
+    return _on_cycle(reduced(plain, person), person)
 
 
 def with_payload(walk: Walk, mass: float) -> Held:
@@ -101,13 +100,25 @@ def pack(walk: Walk) -> tuple[tuple[float, float], float]:
     return (float(place[0]), float(place[2])), float(model.body_inertia[body, 1] / model.body_mass[body])
 
 
-def _on_rows(walk: Walk, wrench: NDArray[np.float64] | float) -> Held:
-    motion = walk.motion
-    own = along(walk, body_loads(motion, walk.person)[1])
-    return held(
-        walk.poses, own + wrench, along(walk, motion.share), along(walk, motion.pressure_centre), along(walk, motion.support),
-        walk.person, motion.ground.angle,
-    )  # fmt: skip
+@dataclass(frozen=True)
+class _Known:
+    """What a motion says of every row: weight and inertia of the segments, shares of the feet, centres of pressure, and support."""
+
+    own: NDArray[np.float64]
+    share: NDArray[np.float64]
+    centre: NDArray[np.float64]
+    support: NDArray[np.float64]
+
+    @classmethod
+    def along(cls, walk: Walk) -> _Known:
+        motion = walk.motion
+        tables = (body_loads(motion, walk.person)[1], motion.share, motion.pressure_centre, motion.support)
+        return cls(*(along(walk, table) for table in tables))
+
+
+def _on_rows(walk: Walk, wrench: NDArray[np.float64] | float, known: _Known | None = None) -> Held:
+    it = known or _Known.along(walk)
+    return held(walk.poses, it.own + wrench, it.share, it.centre, it.support, walk.person, walk.motion.ground.angle)
 
 
 def _on_cycle(motion: Motion, person: Person, wrench: NDArray[np.float64] | float = 0.0) -> Held:

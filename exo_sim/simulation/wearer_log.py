@@ -17,6 +17,8 @@ from exo_sim.simulation.wearer_inverse_dynamics import Held
 Array = NDArray[np.float64]
 Value = TypeVar("Value")
 
+#: Columns of where he is: pelvis, trunk, and hip, knee and ankle of both legs.
+PLACES = tuple(f"{name}.position" for name in JOINTS[:9])
 #: A foot that carries less has no centre of pressure [N].
 _LOADED = 5.0
 #: A centre of pressure this far beyond the ends of the soles is outside: what touches is round [m].
@@ -40,6 +42,17 @@ def shown(named: Mapping[str, Value]) -> dict[str, Value]:
     return {key: value for key, value in named.items() if key not in gone}
 
 
+def places(poses: Array) -> tuple[dict[str, Array], dict[str, str]]:
+    """Return where a wearer is whose segments are known, as the columns that `layout` has of one who is a body, and their units.
+
+    Args:
+        poses: Of the segments, shape (n, 7, 6).
+    """
+    angle = poses[:, :, 2]
+    joints = [angle[:, row] - angle[:, 0 if row in (1, 4) else row - 1] for row in range(1, 7)]
+    return dict(zip(PLACES, [poses[:, 0, 0], poses[:, 0, 1], angle[:, 0], *joints])), dict(zip(PLACES, ["m", "m", *["rad"] * 7]))
+
+
 @dataclass(frozen=True)
 class Moved(Held):
     """A wearer who is a body, along some rows: what moved him, and what he stood on.
@@ -54,7 +67,7 @@ class Moved(Held):
     toes: Array
     yielded: Array
 
-    def at(self, rows: NDArray[np.int64]) -> Moved:
+    def at(self, rows: NDArray[np.int64] | slice) -> Moved:
         """Return some rows of it."""
         ground = Ground(*(getattr(self.ground, each.name)[rows] for each in fields(Ground)))
         others = (getattr(self, each.name)[rows] for each in fields(self) if each.name not in ("poses", "wrench", "ground"))

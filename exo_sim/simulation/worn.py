@@ -27,13 +27,14 @@ from exo_sim.machine.straps import fasten
 from exo_sim.machine.worn_model import PAYLOAD_LIMIT, build, carry, with_hung
 from exo_sim.rig import Rig
 from exo_sim.rig.control_step import check_step
-from exo_sim.simulation import external_commands, loop, pressure_plans, wearer_log
+from exo_sim.simulation import external_commands, loop, pressure_plans, residual_guideline, wearer_log
 from exo_sim.simulation.divergence import WearerWatch
 from exo_sim.simulation.loop_wiring import wire
 from exo_sim.simulation.mujoco_calls import warnings_counted
 from exo_sim.simulation.plugin import PneumaticPlugin
 from exo_sim.simulation.torque_driven_wearer import embody, used_to
 from exo_sim.simulation.walk import Request, Walk, as_columns, layout
+from exo_sim.simulation.wearer_load import prescribed_alone
 from exo_sim.simulation.worn_demand import LOOKED_AT, rehearsed_by_body, rehearsed_demand
 
 _CHUNK = 250
@@ -56,6 +57,7 @@ class Simulation:
         calibration: What a causal controller begins with, where one was asked for.
         torques: Planned for a wearer who moves by them, shape (n, 8); None for one whose motion is prescribed.
         remarks: Plain sentences, such as that the cylinders cannot carry the payload.
+        unreliable: Why the wearer's moments are not to be relied on, the first of the remarks; None where they are.
 
     Raises:
         ModelError, RigError, ScenarioError: the machine cannot be built, or cannot do this.
@@ -68,6 +70,7 @@ class Simulation:
         self.person = Person(rig.wearer.height, rig.wearer.mass)
         scenario = request.found
         self.plain = scenarios.motion(scenario, self.person, request.speed)
+        self.unreliable = self._unreliable() if scenario.doubts is not None else None
         self.cycles = request.cycles if request.cycles is not None else scenario.cycles
         self.masses = with_hung(rig, scenario.hung)
         self.model = self.built(request.payload)
@@ -111,15 +114,19 @@ class Simulation:
             embody(self, LOOKED_AT)
             steady = whole.trial is None and not self.added and not whole.from_rest
             if found.plan is not None and request.law == "least_load" and request.rehearsals and steady:
-                self.demand = self.demand_added = rehearsed_by_body(self, found.plan)
+                self.demand = self.demand_added = rehearsed_by_body(self, found.plan).torque
                 self.lay_plans()
                 used_to(self, whole, LOOKED_AT)
-        self.remarks = (*scenario.remarks, *self.remarks)
+        self.remarks = (*filter(None, [self.unreliable]), *scenario.remarks, *self.remarks)
         if controller is not None:
             self.controlled_by(controller, seed)
         elif self.calibration is not None:
             self.controlled_by(Causal(self.calibration), seed)
         self.reset()
+
+    def _unreliable(self) -> str | None:
+        doubts = self.request.found.doubts or ()
+        return residual_guideline.unreliable(self.request.scenario, prescribed_alone(self.plain, self.person).ground.residual, doubts)
 
     def built(self, payload: float) -> mujoco.MjModel:
         """Return the model with a payload [kg] on the ground that is walked on."""

@@ -17,7 +17,7 @@ from exo_sim.control.least_load import CAUTIOUS, SPARING, LeastLoad, Weights
 from exo_sim.errors import Diverged
 from exo_sim.machine.worn_model import PAYLOAD_LIMIT, carry
 from exo_sim.simulation.causal_calibration import calibrated
-from exo_sim.simulation.rehearsal import learn_from
+from exo_sim.simulation.rehearsal import Rehearsals
 from exo_sim.simulation.torque_limits import too_weak, torque_limits
 
 if TYPE_CHECKING:
@@ -70,8 +70,9 @@ def _rehearsed(it: Simulation, plan: LeastLoad, payload: float) -> NDArray[np.fl
         try:
             if payload != it.request.payload:
                 carry(it.model, payload)
+            rehearsals = Rehearsals(plan, settling)
             for _ in range(it.request.rehearsals):
-                _rehearse(it, plan)
+                _rehearse(it, rehearsals)
             if it.request.law == "causal":
                 it.demand = it.demand_added = _closed(law_of_demand.limit(plan.torque(best=True), it.rig.ankle))
                 it.reset()
@@ -82,23 +83,24 @@ def _rehearsed(it: Simulation, plan: LeastLoad, payload: float) -> NDArray[np.fl
     return law_of_demand.limit(plan.torque(best=it.request.rehearsals > 0), it.rig.ankle)
 
 
-def rehearsed_by_body(it: Simulation, plan: LeastLoad) -> NDArray[np.float64]:
-    """Return the demand bettered by rehearsals of a wearer who is a body, as `Demand` has it: he yields, and pulls otherwise.
+def rehearsed_by_body(it: Simulation, plan: LeastLoad) -> Demand:
+    """Return the demand bettered by rehearsals of a wearer who is a body: he yields, and pulls otherwise; with the plan that they made.
 
-    Rehearsals end where he falls in one.
+    Rehearsals end where he falls in one. The plan that is handed in stays as it is.
     """
-    plan.begin_again()
+    own = plan.begun_again()
     with _few_cycles(it), suppress(Diverged):
+        rehearsals = Rehearsals(own, it.settling)
         for _ in range(it.request.rehearsals):
-            _rehearse(it, plan)
-    return _closed(law_of_demand.limit(plan.torque(best=True), it.rig.ankle))
+            _rehearse(it, rehearsals)
+    return Demand(_closed(law_of_demand.limit(own.torque(best=True), it.rig.ankle)), (), own)
 
 
-def _rehearse(it: Simulation, plan: LeastLoad) -> None:
-    it.demand = it.demand_added = _closed(law_of_demand.limit(plan.torque(), it.rig.ankle))
+def _rehearse(it: Simulation, rehearsals: Rehearsals) -> None:
+    it.demand = it.demand_added = _closed(law_of_demand.limit(rehearsals.plan.torque(), it.rig.ankle))
     it.lay_plans()
     it.reset()
-    learn_from(plan, it.run(), it.settling)
+    rehearsals.learn_from(it.run())
 
 
 @contextmanager

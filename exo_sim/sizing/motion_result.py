@@ -125,7 +125,8 @@ def numbers(found: MotionSizing, folder: Path) -> dict[str, Any]:
 
 def words(found: MotionSizing, folder: Path) -> str:
     """Return the result for people."""
-    lines = [f"{len(found.designs)} designs, {len(found.front)} on the front", "", *described(found), *changes(found), *bought(found)]
+    head = f"{len(found.designs)} designs, {len(found.front)} on the Pareto front"
+    lines = [head, "", *described(found), *changes(found), *bought(found)]
     return "\n".join([*lines, f"{folder / 'sized.toml'}, {folder / 'report.html'}"])
 
 
@@ -142,7 +143,7 @@ def described(found: MotionSizing) -> list[str]:
     error = f"{math.degrees(found.chosen.position_error):.2f} deg" if turns else f"{1e3 * found.chosen.position_error:.2f} mm"
     return [
         *lines,
-        f"gas {1e3 * one['gas_kg_per_stride']:.2f} g over the motion, cylinders {one['actuator_mass_kg']:.2f} kg, force in hand "
+        f"gas {1e3 * one['gas_kg_per_stride']:.2f} g over the motion, cylinders {one['actuator_mass_kg']:.2f} kg, force margin "
         f"{100 * one['torque_margin']:.0f} %, position error {error} rms, force error {one['force_error_rms_n']:.1f} N rms",
     ]
 
@@ -156,14 +157,15 @@ def bought(found: MotionSizing) -> list[str]:
 def changes(found: MotionSizing) -> list[str]:
     """Return what the recommendation rests on and what would have been chosen beside it, in lines of text."""
     chosen = found.chosen
-    lines = [f"Force in hand {100 * chosen.margin:.0f} %, {100 * ENOUGH_MARGIN:.0f} % asked; largest pressure {chosen.peak / 1e5:.1f} bar."]
+    lines = [f"Force margin {100 * chosen.margin:.0f} %, {100 * ENOUGH_MARGIN:.0f} % asked; largest pressure {chosen.peak / 1e5:.1f} bar."]
     for what, key, unit in (("gas", "gas", "g"), ("mass", "mass", "kg"), ("position error", "position_error", "")):
         best = min(found.front, key=lambda one: float(getattr(one, key)))
         if best is chosen:
             continue
-        short = f"has {100 * best.margin:.0f} % in hand, less than asked" if best.margin < ENOUGH_MARGIN else "costs more of the rest"
+        weak = f"has a force margin of {100 * best.margin:.0f} %, less than asked"
+        short = weak if best.margin < ENOUGH_MARGIN else "costs more of the rest"
         value = f", {(1e3 if key == 'gas' else 1.0) * getattr(best, key):.2f} {unit}" if unit else ""
-        lines.append(f"The least {what} on the front is design {best.number}'s{value}; it {short}.")
+        lines.append(f"The least {what} on the Pareto front is design {best.number}'s{value}; it {short}.")
     tight = [one for one in found.designs if one.fate and one.margin < 0.0]
     if tight:
         near = max(tight, key=lambda one: one.margin)

@@ -127,19 +127,19 @@ def shortlist(front: tuple[Found, ...], loads: tuple[JointLoads, ...], joints: t
     good = [one for one in strong if one.score.error <= most_error]
     if good:
         words = (
-            f"of {len(front)} designs on the front, {len(good)} keep at least {100 * ENOUGH_MARGIN:.0f} % of peak torque in hand and "
-            f"follow the torque within {most_error:.1f} N m rms ({100 * ENOUGH_TRACKING:g} % of the peak)"
+            f"of {len(front)} designs on the Pareto front, {len(good)} have a torque margin of at least {100 * ENOUGH_MARGIN:.0f} % of the "
+            f"peak and follow the torque within {most_error:.1f} N m rms ({100 * ENOUGH_TRACKING:g} % of the peak)"
         )
     elif strong:
         good = [one for one in strong if one.score.error <= 1.25 * min(each.score.error for each in strong)]
         words = (
-            f"{len(strong)} designs keep {100 * ENOUGH_MARGIN:.0f} % of peak torque in hand, but none follows the torque within "
+            f"{len(strong)} designs have a torque margin of {100 * ENOUGH_MARGIN:.0f} % of the peak, but none follows the torque within "
             f"{most_error:.1f} N m rms; {len(good)} come within a quarter of the best error"
         )
     else:
         good = list(front[:1])
         words = (
-            f"no design found keeps {100 * ENOUGH_MARGIN:.0f} % of peak torque in hand; this one keeps most. Allow more pressure "
+            f"no design found has a torque margin of {100 * ENOUGH_MARGIN:.0f} % of the peak; this one has most. Allow more pressure "
             "(--pressure-limit), more room (--reach) or more trials"
         )
     least_gas, least_mass = _least(good)
@@ -188,7 +188,7 @@ def recommended(
         )
     place = best.score.thinnest
     if place is not None:
-        words += f". Its margin, {100 * best.score.margin:.0f} %, is thinnest at {place[0]}, phase {place[2]:.2f} of {place[1]}"
+        words += f". Its torque margin is lowest, {100 * best.score.margin:.0f} %, at {place[0]}, phase {place[2]:.2f} of {place[1]}"
     if walked.walk is not None:
         words += (
             f". In the closed loop of exo-sim run it follows within {walked.error:.1f} N m rms (limit {limits[0]:.1f}) and its chambers "

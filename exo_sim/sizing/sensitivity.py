@@ -76,7 +76,7 @@ def sensitivity(task: Task, outcome: Outcome, chosen: Found, loads: tuple[JointL
 def _requirements(task: Task, chosen: Found, peak: float) -> tuple[Requirement, ...]:
     score, limit = chosen.score, limit_of(chosen, task)
     out = [
-        Requirement("torque in hand", f"{100 * score.margin:.0f} %", f"{100 * ENOUGH_MARGIN:.0f} %", score.margin / ENOUGH_MARGIN - 1.0),
+        Requirement("torque margin", f"{100 * score.margin:.0f} %", f"{100 * ENOUGH_MARGIN:.0f} %", score.margin / ENOUGH_MARGIN - 1.0),
         Requirement(
             "torque error in the search", f"{score.error:.2f} N m rms", f"{ENOUGH_TRACKING * peak:.2f} N m rms",
             1.0 - score.error / (ENOUGH_TRACKING * peak),
@@ -144,7 +144,7 @@ def _fails(score: Score, task: Task, design: Design, peak: float) -> str:
     if first is not None:
         return fails_in_words(names[first], score.violations[first])
     if score.margin < ENOUGH_MARGIN:
-        return f"torque in hand {100 * score.margin:.0f} %, {100 * ENOUGH_MARGIN:.0f} % asked"
+        return f"torque margin {100 * score.margin:.0f} %, {100 * ENOUGH_MARGIN:.0f} % asked"
     if not score.error <= ENOUGH_TRACKING * peak:
         return f"torque error {score.error:.2f} N m rms, {ENOUGH_TRACKING * peak:.2f} allowed"
     return ""
@@ -189,14 +189,14 @@ def _relaxed(task: Task, outcome: Outcome, chosen: Found, peak: float) -> tuple[
             continue
         failed = [
             name for name, kept in (
-                ("torque in hand", score.margin >= ENOUGH_MARGIN), ("torque error", score.error <= ENOUGH_TRACKING * peak),
+                ("torque margin", score.margin >= ENOUGH_MARGIN), ("torque error", score.error <= ENOUGH_TRACKING * peak),
                 ("chamber pressure", score.violations[-1] <= 0.0),
             ) if not kept
         ]  # fmt: skip
         if len(failed) == 1 and cost(one) < 2.0 and (failed[0] not in best or cost(one) < cost(best[failed[0]])):
             best[failed[0]] = one
     needs = {
-        "torque in hand": lambda s: f"{100 * s.margin:.0f} % in place of {100 * ENOUGH_MARGIN:.0f} %",
+        "torque margin": lambda s: f"{100 * s.margin:.0f} % in place of {100 * ENOUGH_MARGIN:.0f} %",
         "torque error": lambda s: f"{s.error:.2f} N m rms in place of {ENOUGH_TRACKING * peak:.2f}",
         "chamber pressure": lambda s: f"{s.peak / 1e5:.1f} bar",
     }

@@ -134,7 +134,7 @@ def words(sizing: Sizing, folder: Path) -> str:
     trials = sizing.outcome.trials
     lines = [
         f"{len(trials)} designs, {sum(one.score.simulated for one in trials)} of them simulated, "
-        f"{len(sizing.outcome.front)} on the front",
+        f"{len(sizing.outcome.front)} on the Pareto front",
         "",
         *described(kinds, chosen),
         *(one.words for one in sizing.others),

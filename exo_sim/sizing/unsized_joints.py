@@ -24,7 +24,7 @@ class LeftAlone:
     def words(self) -> str:
         """Return it as a line of text."""
         if self.margin >= 0.0:
-            return f"{self.name} stays as it is: {100 * self.margin:.0f} % of its peak torque in hand at {self.supply / 1e5:.1f} bar."
+            return f"{self.name} stays as it is: its torque margin is {100 * self.margin:.0f} % of the peak at {self.supply / 1e5:.1f} bar."
         return (
             f"{self.name} stays as it is and is too weak at {self.supply / 1e5:.1f} bar: {-100 * self.margin:.0f} % of its peak torque is "
             f"missing. Size it as well (--joints), or allow more pressure."

@@ -271,11 +271,11 @@ def diagnose_one(folder: Path, name: str, entry: dict[str, Any], tool: str, time
 
 def _spread(work: Callable[[Any], Any], items: Sequence[Any], jobs: int, words: str, quiet: bool) -> list[Any]:
     if jobs == 1:
-        return [work(item) for item in each(items, words, total=len(items), unit="case", quiet=quiet)]
+        return [work(item) for item in each(items, words, total=len(items), unit="case", quiet=quiet, at_once=True)]
     from joblib import Parallel, delayed
 
     results = Parallel(n_jobs=jobs, return_as="generator")(delayed(work)(item) for item in items)
-    return list(each(results, words, total=len(items), unit="case", quiet=quiet))
+    return list(each(results, words, total=len(items), unit="case", quiet=quiet, at_once=True))
 
 
 def _stream(work: Callable[[Any], Any], items: Sequence[Any], jobs: int, scheduler: str | None, quiet: bool) -> Any:
@@ -286,13 +286,13 @@ def _stream(work: Callable[[Any], Any], items: Sequence[Any], jobs: int, schedul
         with Client(scheduler) as client:
             futures = client.map(work, items, pure=False)
             results = (future.result() for future in futures)
-            yield from each(results, "diagnosing", total=len(items), unit="case", quiet=quiet)
+            yield from each(results, "diagnosing", total=len(items), unit="case", quiet=quiet, at_once=True)
         return
     if jobs == 1:
-        yield from each(map(work, items), "diagnosing", total=len(items), unit="case", quiet=quiet)
+        yield from each(map(work, items), "diagnosing", total=len(items), unit="case", quiet=quiet, at_once=True)
         return
     from joblib import Parallel, delayed
 
     # the work is a process of its own already, so threads are enough
     results = Parallel(n_jobs=jobs, return_as="generator", prefer="threads")(delayed(work)(item) for item in items)
-    yield from each(results, "diagnosing", total=len(items), unit="case", quiet=quiet)
+    yield from each(results, "diagnosing", total=len(items), unit="case", quiet=quiet, at_once=True)

@@ -6,6 +6,8 @@ import io
 from collections.abc import Callable, Mapping
 from typing import TYPE_CHECKING, Any
 
+from exo_sim.trials import score_words
+
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
 
@@ -30,7 +32,7 @@ svg{max-width:100%;height:auto}figure{margin:1rem 0}figcaption{color:#555}code{f
 <h2>By cell</h2>
 <table><tr><th>cell</th><th>what</th><th>share</th><th>95 % bounds</th><th>cases</th></tr>
 {% for cell, entry in f.cells.items() %}{% for what, s in entry.items() %}
-<tr><td>{{ cell if loop.first else "" }}</td><td>{{ what.replace("_", " ") }}</td>
+<tr><td>{{ cell if loop.first else "" }}</td><td>{{ words[what] }}</td>
 <td class="n">{{ percent(s.share) }}</td>
 <td class="n">{{ percent(s.low) }} to {{ percent(s.high) }}</td>
 <td class="n">{{ s.hits }} of {{ s.of }}</td></tr>
@@ -48,23 +50,8 @@ svg{max-width:100%;height:auto}figure{margin:1rem 0}figcaption{color:#555}code{f
 </body></html>
 """
 
-_SHARES = (
-    ("answered at all", "answered"),
-    ("located right", "located_right"),
-    ("best name right", "top_1"),
-    ("class right", "class_right"),
-    ("exact set", "exact_set"),
-    ("exact set, ambiguous classes allowed", "class_exact_set"),
-    ("exact set, everything hidden at four limits or more", "exact_set_from_four_limits"),
-    ("precision of names", "precision"),
-    ("recall of names", "recall"),
-    ("singles at ten limits, exact", "single_at_ten_limits"),
-    ("false alarms where nothing is hidden", "false_alarms"),
-    ("confidently wrong", "confidently_wrong"),
-    ("outside the list: called unknown", "outside_called_unknown"),
-    ("outside the list: confidently misnamed", "outside_confidently_misnamed"),
-    ("held-out error at most 1.1 times that of an oracle, the same tool with the truth in its rig", "held_out_error_near_oracle"),
-)
+#: Estimates of a parameter below which its coverage is not drawn: the bounds of so few span nearly everything.
+_FEWEST = 5
 
 
 def named_from(figures: Mapping[str, Any]) -> str:
@@ -87,14 +74,13 @@ def page(score: Mapping[str, Any]) -> str:
 
     f = score["figures"]
     environment = jinja2.Environment(autoescape=True)
-    shares = [(words, f[key]) for words, key in _SHARES if f[key]["of"]]
-    shares.append(("95 % intervals that cover", f["parameters"]["coverage"]))
     return environment.from_string(_PAGE).render(
         f=f,
         tool=score["tool"],
         head=score["head"],
         percent=percent,
-        shares=shares,
+        shares=list(score_words.shares(f)),
+        words=score_words.OF_CELL,
         numbers=_numbers(f),
         pictures=_pictures(f),
         wrong=[
@@ -138,13 +124,13 @@ def _pictures(f: Mapping[str, Any]) -> list[tuple[str, str, str]]:
             )
         )
     if f["confusion"]:
-        rows = len(f["confusion"])
-        columns = len({name for row in f["confusion"].values() for name in row})
+        rows, columns = map(len, _places(f["confusion"]))
         pictures.append(
             (
                 "Confusion",
                 _svg(lambda axes: _confusion(axes, f["confusion"]), 2.5 + 0.24 * columns, 2 + 0.22 * rows),
-                "Cases that hide one thing or nothing: what was hidden (rows) and what was named first.",
+                "Cases that hide one thing or nothing: what was hidden (rows) and what was named first (columns, in the same order: right "
+                "answers are on the diagonal).",
             )
         )
     if f["reliability"]:
@@ -155,12 +141,13 @@ def _pictures(f: Mapping[str, Any]) -> list[tuple[str, str, str]]:
                 "Probability claimed for a name, and how often it was right.",
             )
         )
-    if f["parameters"]["of"]:
+    often = {name: entry for name, entry in f["parameters"]["of"].items() if entry["coverage"]["of"] >= _FEWEST}
+    if often:
         pictures.append(
             (
                 "Coverage",
-                _svg(lambda axes: _coverage(axes, f["parameters"]["of"]), 6, 1 + 0.24 * len(f["parameters"]["of"])),
-                "How often the 95 % interval of a parameter held the truth, with 95 % bounds.",
+                _svg(lambda axes: _coverage(axes, often), 6, 1 + 0.24 * len(often)),
+                f"How often the 95 % interval of a parameter held the truth, with 95 % bounds; parameters of {_FEWEST} cases or more.",
             )
         )
     return pictures
@@ -207,15 +194,23 @@ def _reliability(axes: Axes, bins: list[Mapping[str, Any]]) -> None:
     axes.set_ylabel("right [%]")
 
 
+def _places(table: Mapping[str, Mapping[str, int]]) -> tuple[list[str], list[str]]:
+    """Return rows and columns of a confusion matrix: the same names in the same order, then those that were named and never hidden."""
+    rows = list(table)
+    return rows, rows + sorted({name for row in table.values() for name in row} - set(rows))
+
+
 def _confusion(axes: Axes, table: Mapping[str, Mapping[str, int]]) -> None:
     import numpy as np
 
-    rows = list(table)
-    columns = sorted({name for row in table.values() for name in row})
+    rows, columns = _places(table)
     counts = np.array([[table[row].get(name, 0) for name in columns] for row in rows], float)
     axes.imshow(counts / np.maximum(counts.sum(1, keepdims=True), 1), cmap="Blues", vmin=0, vmax=1, aspect="auto")
     axes.set_yticks(range(len(rows)), rows)
     axes.set_xticks(range(len(columns)), columns, rotation=90)
+    axes.set_xlabel("named first")
+    axes.set_ylabel("hidden")
+    axes.plot([-0.5, len(rows) - 0.5], [-0.5, len(rows) - 0.5], color="#999", linestyle=":", linewidth=0.8)
     for i, j in np.argwhere(counts > 0):
         axes.text(j, i, f"{counts[i, j]:.0f}", ha="center", va="center", fontsize=6,
                   color="white" if counts[i, j] > 0.5 * counts[i].sum() else "black")
@@ -227,6 +222,6 @@ def _coverage(axes: Axes, entries: Mapping[str, Mapping[str, Any]]) -> None:
         axes.plot([100 * bounds["low"], 100 * bounds["high"]], [row, row], color="#9bbcd6")
         axes.plot([100 * bounds["share"]], [row], "o", color="#1f5a8a")
     axes.axvline(95, color="#999", linestyle=":")
-    axes.set_yticks(range(len(entries)), list(entries))
+    axes.set_yticks(range(len(entries)), [f"{name} (n = {entry['coverage']['of']})" for name, entry in entries.items()])
     axes.set_xlim(-2, 102)
     axes.set_xlabel("intervals that cover [%]")

@@ -37,7 +37,7 @@ def result(repository, tmp_path):
 
 def test_front_and_words_are_those_of_its_summary(result):
     assert [one["design"] for one in result.front] == [0, 4]
-    assert repr(result) == f"<exo.MadeUp of {result.chosen.name}: 2 designs on the front>" and str(result) == "in words"
+    assert repr(result) == f"<exo.MadeUp of {result.chosen.name}: 2 designs on the Pareto front>" and str(result) == "in words"
     assert result._repr_html_().count("<tr>") == 3
 
 

@@ -19,6 +19,11 @@ def test_a_quantity_is_read_in_si_and_kept_within_its_bounds() -> None:
             mass.convert(text, None, None)
 
 
+def test_help_shows_the_unit_that_is_usual() -> None:
+    parameter = click.Option(["--tank"])
+    assert Quantity("m^3", usual="l").get_metavar(parameter) == '"NUMBER l"' and Quantity("kg").get_metavar(parameter) == '"NUMBER kg"'
+
+
 def test_a_misspelt_word_is_answered_with_the_nearest() -> None:
     with pytest.raises(click.BadParameter, match='did you mean "vented"'):
         Choice(("on", "off", "vented")).convert("vneted", None, None)

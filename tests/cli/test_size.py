@@ -75,6 +75,8 @@ def test_json_and_files(sized, capsys):
 
     assert (out / "sized.rrd").is_file() and (out / "sized.parquet").is_file()
     page = (out / "report.html").read_text(encoding="utf-8")
+    assert page.count("<details><summary>numbers</summary>") >= 2 and "on the Pareto front" in page  # hundreds of numbers are folded
+    assert "lowest margin: " in page and "thinnest" not in page and "in hand" not in page
     assert page.count("<svg") == 4 and "http://" not in page.replace("http://www.w3.org", "").replace("http://purl.org", "").replace(
         "http://creativecommons.org", "")  # fmt: skip
 

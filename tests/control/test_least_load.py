@@ -1,14 +1,18 @@
-"""Where the plan's torques cannot be held: with an ankle that has neither spring nor actuator."""
+"""Where the plan's torques cannot be held (an ankle that has neither spring nor actuator), and a plan that goes on for another wearer."""
 
 import dataclasses
 
+import numpy as np
 import pytest
 
 from exo_sim import rig as rigs
+from exo_sim.control.least_load import LeastLoad
 from exo_sim.rig import Ankle
+from exo_sim.simulation import worn
 from exo_sim.simulation.summary import summarise
 from exo_sim.simulation.walk import Request, default_rig
 from exo_sim.simulation.worn import Simulation
+from exo_sim.simulation.worn_demand import Demand, rehearsed_by_body
 
 
 @pytest.mark.parametrize(("mode", "watts", "push"), [("free", 700.0, 70.0), ("powered", 480.0, 20.0)])
@@ -18,3 +22,21 @@ def test_a_plan_that_actuators_cannot_hold_gives_way_to_inverse_dynamics(mode: s
     wearer = summarise(Simulation(rig, Request("level_walk", 34.0, cycles=5)).run())["wearer"]
     assert wearer["metabolic_w"]["value"] < watts and abs(wearer["forward_push_n"]) < push
     assert wearer["moment_rms_nm"]["hip"] < 40.0
+
+
+def test_a_plan_that_is_rehearsed_by_another_wearer_stays_as_it_is(monkeypatch: pytest.MonkeyPatch) -> None:
+    seen: list[str] = []
+
+    def watched(it: Simulation, plan: LeastLoad) -> Demand:
+        before, best, stands = plan.torque(), plan.torque(best=True), plan.yielding
+        demand = rehearsed_by_body(it, plan)
+        np.testing.assert_array_equal(plan.torque(), before)
+        np.testing.assert_array_equal(plan.torque(best=True), best)
+        assert plan.yielding is stands
+        assert demand.plan is not None and np.abs(demand.plan.torque() - before).max() > 0.1  # that one learnt
+        seen.append("watched")
+        return demand
+
+    monkeypatch.setattr(worn, "rehearsed_by_body", watched)
+    Simulation(rigs.read(default_rig()), Request("level_walk", 20.0, cycles=3, rehearsals=2, wearer="torques"))
+    assert seen

@@ -29,5 +29,5 @@ def test_a_clock_is_told_by_the_size_of_the_valve(true: str) -> None:
         opened = CLOCKS[true] / factor
         return Explained(0.9, 100.0, 99, 0.5, 0.3, opened) if fits else Explained(0.1, 1000.0, 99, 0.5, 0.3)
 
-    way = _read(recorded, CYLINDER, ask)
+    way, _ = _read(recorded, CYLINDER, ask)
     assert way is not None and way.clock == true and not (way.turned or way.swapped or way.reversed)

@@ -1,4 +1,4 @@
-"""A column of a part that the machine does not have, where a part of its own lacks that column."""
+"""Columns that nothing reads, of a part or signal that is misspelt, where the machine lacks the column that was meant."""
 
 from __future__ import annotations
 
@@ -7,6 +7,7 @@ import pytest
 
 from exo_sim import conventions
 from exo_sim.machine.rig_model import load
+from exo_sim.recording.data_quality_finding import Finding
 from exo_sim.recording.table import Recording
 from exo_sim.rig import Rig
 
@@ -56,3 +57,19 @@ def test_inspect_lists_it(bench: tuple[Rig, Recording]) -> None:
     rig, recording = bench
     settled = conventions.asked(renamed(recording, "slide.position", "piston.position"), rig, load(rig))
     assert [one.use for one in conventions.findings(settled) if one.kind == "part"] == ["set aside"]
+
+
+def test_a_misspelt_signal_that_was_set_aside_on_reading(bench: tuple[Rig, Recording]) -> None:
+    rig, recording = bench
+    left = {key: values for key, values in recording.columns.items() if key != "piston.pressure_2"}
+    without = Recording(recording.name, recording.time, left, {key: recording.units[key] for key in left})
+    aside = [Finding(name, "unknown column", f"{name} was set aside") for name in ("piston.presure_2 [Pa]", "camera.trigger", "[" * 400)]
+    (check,) = conventions.settle(without, rig, load(rig), aside).checks
+    assert (check.columns, check.meant, check.says) == (("piston.presure_2",), "piston.pressure_2", aside[0].says)
+    assert conventions.settle(recording, rig, load(rig), aside).checks == ()
+
+
+def test_what_was_meant_is_told_to_machines(bench: tuple[Rig, Recording]) -> None:
+    rig, recording = bench
+    (check,) = conventions.asked(renamed(recording, "slide.position", "piston.position"), rig, load(rig)).checks
+    assert check.as_dict()["meant"] == "slide.position"

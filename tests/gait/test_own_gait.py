@@ -194,6 +194,31 @@ def test_what_cannot_be_walked_is_one_line(tmp_path, capsys, trial, change, hint
     assert said.out == "" and said.err.count("\n") == 1 and "bad.mot" in said.err
 
 
+def test_rows_without_a_number_are_said_with_row_and_time(tmp_path, trial):
+    time, angles = trial
+    gaps = {key: values.copy() for key, values in angles.items()}
+    gaps["hip_l"][100:109] = np.nan
+    gaps["knee_r"][300] = np.nan
+    columns = {f"{key}.position [rad]": values for key, values in gaps.items() if key != "tilt"}
+    _, remarks = own_gait.figures_of(GaitFile(write_csv(tmp_path / "gaps.csv", time, columns)))
+    (said,) = [one for one in remarks if "has no number" in one]
+    assert "hip_l has no number in 9 of 440 rows, first in row 101 (1 s)" in said
+    assert "knee_r has no number in 1 of 440 rows, first in row 301 (3 s)" in said
+    path = tmp_path / "word.csv"
+    path.write_text((tmp_path / "gaps.csv").read_text().replace("nan", "lost", 1))
+    assert any('"hip_l.position [rad]" holds words in 1 of 440 rows' in one for one in own_gait.figures_of(GaitFile(path))[1])
+
+
+def test_remarks_on_a_gait_are_said_before_it_cannot_be_walked(tmp_path, capsys, trial):
+    time, angles = trial
+    columns = {f"{key}.position [rad]": (2.2 if "hip" in key else -1.5) * values for key, values in angles.items() if key != "tilt"}
+    path = write_csv(tmp_path / "bad.csv", time, columns)
+    assert main(["run", "--gait", str(path), "--out", str(tmp_path / "x.rrd")]) == 2
+    *remarks, last = capsys.readouterr().err.splitlines()
+    assert "no lean of the trunk" in last
+    assert any("knee flexion is positive there" in one for one in remarks) and any("strides by the angles" in one for one in remarks)
+
+
 @pytest.mark.parametrize(
     ("text", "hint"),
     [

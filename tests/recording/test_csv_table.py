@@ -42,6 +42,16 @@ def test_decimal_commas_without_a_word_are_refused_with_the_remedy(tmp_path: Pat
         read(log(tmp_path, "", ","), mapped(tmp_path))
 
 
+def test_a_map_of_the_file_alone_will_do_where_the_names_fit(tmp_path: Path) -> None:
+    path, names = tmp_path / "log.csv", tmp_path / "map.toml"
+    rows = (f"{t:.2f};1;{x:.2f}\n".replace(".", ",") for t, x in ROWS)
+    path.write_text("time [s];cart.positon [mm];cart.position [mm]\n" + "".join(rows))
+    names.write_text('[file]\ndecimal = ","\n')
+    reading = read(path, names)
+    np.testing.assert_allclose(reading.recording["cart.position"], [1e-3 * x for _, x in ROWS])
+    assert [finding.kind for finding in reading.findings] == ["unknown column"]
+
+
 def test_lines_above_the_column_names_are_skipped(tmp_path: Path) -> None:
     recording = read(log(tmp_path, "Messung 17\nBediener: X\n\n"), mapped(tmp_path, "skip = 3")).recording
     assert len(recording.time) == len(ROWS)

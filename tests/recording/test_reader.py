@@ -254,7 +254,7 @@ def test_no_file_ends_in_a_traceback(tmp_path: Path, text: bytes, ending: str) -
         check(reading.recording)
 
 
-@pytest.mark.parametrize("clock", ["t", "Time (s)", "log.time", "timestamp", "t(ms)"])
+@pytest.mark.parametrize("clock", ["t", "Time (s)", "log.time", "timestamp", "t(ms)", "tme [s]", "Timestmp"])
 def test_a_clock_of_another_name_is_offered_as_a_line_of_a_column_map(tmp_path: Path, clock: str) -> None:
     path = tmp_path / "lab.csv"
     path.write_text(f"torque,{clock},P1\n" + "".join(f"0,{0.01 * i},3.0\n" for i in range(20)))
@@ -272,3 +272,8 @@ def test_where_no_column_is_a_signal_the_columns_are_listed(tmp_path: Path) -> N
 def test_a_folder_is_refused_with_what_to_do(tmp_path: Path) -> None:
     with pytest.raises(RecordingError, match="it is a folder, not a file; name a file in it"):
         read(tmp_path)
+
+
+def test_a_question_in_a_finding_ends_its_sentence(tmp_path: Path) -> None:
+    found = read(file(tmp_path, HEADING.replace("\n", ",p.presure_2 [Pa]\n") + BODY.replace("\n", ",1\n"))).findings
+    assert [one.says.endswith('did you mean "pressure_2" or "pressure_1"? The column was set aside') for one in found] == [True]

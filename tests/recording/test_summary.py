@@ -189,3 +189,34 @@ def test_what_cannot_be_viewed_is_one_line(
     shown = capfd.readouterr()
     assert words in shown.err and len(shown.err.splitlines()) == 1 and shown.out == ""
     assert not list(tmp_path.glob("a.*"))
+
+
+def wide(parts: int) -> Recording:
+    time = np.arange(400) / 100.0
+    columns = {f"joint_{n}.{signal}": np.sin(time + n + i) for n in range(parts) for i, signal in enumerate(("position", "velocity"))}
+    return Recording("wide", time, columns, {key: "rad" if "position" in key else "rad/s" for key in columns})
+
+
+def test_what_looks_wrong_stands_first_and_its_marks_are_explained() -> None:
+    recording = wide(2)
+    columns = {**recording.columns, "foot.ground_force_z": -500.0 - np.sin(recording.time)}
+    found = summary.summarise(Reading(Recording("w", recording.time, columns, {**recording.units, "foot.ground_force_z": "N"}), ()))
+    first, blank, title, *_ = summary_text.text(found).splitlines()
+    assert first.startswith("w: 3.99 s, 400 samples") and blank == "" and ("looks wrong" in title or "look wrong" in title)
+    assert "! may spoil results" in title
+
+
+def test_of_many_columns_those_to_look_at_are_listed_and_the_others_named(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    recording = wide(20)
+    columns = {**recording.columns, "joint_3.position": np.where(recording.time < 1.0, np.nan, recording["joint_3.position"])}
+    gaps = Recording("w", recording.time, columns, recording.units)
+    found = summary.summarise(Reading(gaps, ()))
+    short, long = summary_text.text(found), summary_text.text(found, every_column=True)
+    table = [line for line in short.splitlines() if line.startswith("  joint_") and ".position  " in line]
+    assert [line.split()[0] for line in table if "velocity" not in line] == ["joint_3.position"]
+    assert "40 columns (the numbers of each: --all)" in short and len(short.splitlines()) < 40
+    assert all(f"  {name} " in long for name in columns)
+    assert "joint_7.velocity" in summary_text.text(summary.summarise(Reading(wide(10), ())))  # few are listed as they are
+    write_table(tmp_path / "wide.csv", wide(20))
+    assert main(["inspect", str(tmp_path / "wide.csv"), "--all"]) == 0
+    assert "joint_7.velocity" in capsys.readouterr().out

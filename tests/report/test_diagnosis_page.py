@@ -253,6 +253,15 @@ def test_what_costs_most_comes_first() -> None:
     assert diagnosis_words.first_step(Diagnosis(Verdict.CONSISTENT, ("monday",), "bench")) == ""
 
 
+def test_a_column_that_nothing_reads_is_to_be_renamed_before_anything_else() -> None:
+    checks = ({"what": "part", "columns": ["slid.position"], "says": "", "meant": "slide.position"},)
+    found = made_up.whole(checks=checks)
+    assert diagnosis_words.first_step(found).startswith('Rename column "slid.position" to "slide.position" and diagnose again: under that')
+    both = replace(found, checks=(*checks, {"what": "column", "columns": ["piston.presure_2"], "says": "", "meant": "piston.pressure_2"}))
+    assert 'and "piston.presure_2" to "piston.pressure_2" and diagnose' in diagnosis_words.first_step(both)
+    assert "Rename" not in diagnosis_words.first_step(replace(found, checks=({"what": "gauge", "columns": ["a"], "says": ""},)))
+
+
 def test_errors_of_columns_without_noise_are_told_beside_what_a_sensor_shows():
     key = "piston.pressure_1"
     computed = Diagnosis(Verdict.CONSISTENT, ("r",), "bench", signals={key: SignalFit("Pa", 5.2, 3.6, 54.0)}, computed=(key,))

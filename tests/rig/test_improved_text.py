@@ -170,3 +170,12 @@ def test_tables_that_say_the_same_share_one_comment(bench: Path) -> None:
     assert text.count("# No finding.") == 1
     assert text.index("# No finding.") < text.index("[effects.valve_deadband") < text.index("[effects.valve_offset")
     assert "# Friction grows with speed.\n[effects.viscous_friction.piston]" in text
+
+
+def test_what_the_table_before_says_is_said_to_hold_of_the_next_as_well(bench: Path) -> None:
+    rig, says = read(bench), "No finding, a healthy machine shows as much."
+    settings = [EffectSetting("sensor_delay", f"piston.pressure_{n}", {"seconds": 7e-6}) for n in (1, 2)]
+    late = [EffectEntry(setting, {"seconds": (-1e-5, 2e-5)}, says) for setting in settings]
+    lines = improved(rig, late, [], bench.parent).splitlines()
+    above = [lines[i - 1] for i, line in enumerate(lines) if line.startswith("[effects.sensor_delay.")]
+    assert above == [f"# {says}", "# As above."]

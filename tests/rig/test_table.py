@@ -28,7 +28,11 @@ def test_values_come_in_si_and_defaults_where_they_are_absent() -> None:
 @pytest.mark.parametrize(
     ("ask", "says"),
     [
-        (lambda t: t.quantity("presure", "Pa"), "supply.presure is missing; is it spelt"),
+        (lambda t: t.quantity("presure", "Pa"), r'supply.presure is missing; is it spelt "pressure"\? Give it like "7 bar"$'),
+        (lambda t: t.quantity("bore", "m"), 'supply.bore is missing: give it like "32 mm"$'),
+        (lambda t: t.quantity("lift", "m"), 'supply.lift is missing: give it like "50 mm"$'),
+        (lambda t: t.quantity("drag", "N s/m"), 'supply.drag is missing: give it like "1 N s/m"$'),
+        (lambda t: t.table("kinds"), r'the table \[supply.kinds\] is missing; is it spelt "kind"\?$'),
         (lambda t: t.quantity("pressure", "m"), "supply.pressure"),
         (lambda t: t.quantity("pressure", "Pa", above=1e6), "must be more than 1e\\+06 Pa"),
         (lambda t: t.quantity("pressure", "Pa", most=1e5), "at most 100000 Pa"),

@@ -1,13 +1,20 @@
-"""What a rehearsal shows of the machine's heels and toes."""
+"""What a rehearsal shows: of the machine's heels and toes, and of what the straps ask of the wearer."""
 
+from pathlib import Path
 from types import SimpleNamespace
 from typing import Any, cast
 
 import mujoco
 import numpy as np
+import pytest
+from simulation.walked import simulate
 
-from exo_sim.simulation.rehearsal import carrying
-from exo_sim.simulation.walk import Walk
+from exo_sim import rig as rigs
+from exo_sim.control.least_load import LeastLoad
+from exo_sim.simulation import rehearsal
+from exo_sim.simulation.rehearsal import Rehearsals, carrying, counted, cycle_mean
+from exo_sim.simulation.walk import Request, Walk
+from exo_sim.simulation.wearer_load import own, with_machine
 
 FEET = """<mujoco><worldbody>{}</worldbody></mujoco>"""
 FOOT = """<body name="foot_{0}"><geom name="heel_{0}" size="0.02" pos="-0.05 0 0"/><geom name="toe_{0}" size="0.02" pos="0.15 0 0"/>
@@ -22,3 +29,45 @@ def test_heel_and_toe_carry_by_where_the_ground_pushes() -> None:
     }  # fmt: skip
     walk = cast(Walk, cast(Any, SimpleNamespace(model=model, columns=columns)))
     np.testing.assert_array_equal(carrying(walk), [[1, 0, 0, 0], [1, 1, 0, 1], [0, 1, 0, 1], [0, 0, 0, 1]])
+
+
+class Pupil:
+    """Keeps what it is taught."""
+
+    def __init__(self) -> None:
+        self.taught: list[tuple[np.ndarray, ...]] = []
+
+    def learn(self, *means: np.ndarray) -> float:
+        self.taught.append(means)
+        return 0.0
+
+
+@pytest.mark.parametrize(("wearer", "looked_up"), [("prescribed", 1), ("torques", 2)])
+def test_the_own_body_is_worked_out_once_where_it_moves_alike_and_only_for_the_rows_that_count(
+    repository: Path, monkeypatch: pytest.MonkeyPatch, wearer: str, looked_up: int
+) -> None:
+    exo = rigs.read(repository / "assets" / "exo.toml")
+    walk = simulate(exo, Request("level_walk", law="inverse_dynamics", payload=10.0, cycles=3, wearer=wearer))
+    rows: list[int] = []
+
+    def counting(part: Walk) -> Any:
+        rows.append(len(part.time))
+        return own(part)
+
+    monkeypatch.setattr(rehearsal, "own", counting)
+    pupil = Pupil()
+    rehearsals = Rehearsals(cast(LeastLoad, pupil), 1)
+    rehearsals.learn_from(walk)
+    rehearsals.learn_from(walk)
+    seen = counted(walk, 1)
+    assert rows == [seen.stop - seen.start] * looked_up
+    whole = cycle_mean(walk, with_machine(walk).moments - own(walk).moments, 1)
+    for moments, straps, contacts in pupil.taught:
+        np.testing.assert_array_equal(moments, whole)
+        assert len(straps) == len(contacts) == len(moments)
+
+
+def test_rows_that_count_are_whole_cycles() -> None:
+    walk = cast(Walk, cast(Any, SimpleNamespace(time=np.arange(0.0, 4.3, 0.25), motion=SimpleNamespace(period=1.0))))
+    assert counted(walk, 2) == slice(8, 16)
+    assert counted(walk, 0) == slice(0, 16)

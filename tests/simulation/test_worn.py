@@ -8,7 +8,7 @@ from exo_sim import rig as rigs
 from exo_sim.errors import Diverged, ModelError
 from exo_sim.simulation import loop, record, worn
 from exo_sim.simulation.walk import Request
-from exo_sim.simulation.wearer_load import by_straps
+from exo_sim.simulation.wearer_load import with_machine
 from exo_sim.simulation.worn import Simulation
 
 
@@ -40,7 +40,7 @@ def test_a_walk_that_was_stopped_is_as_good_as_it_goes(exo):
     assert walk.interrupted
     assert len(walk.time) == 5 * worn._CHUNK
     table = record.recording(walk, "cut")
-    assert len(table.time) == len(walk.time) and np.isfinite(by_straps(walk)).all()
+    assert len(table.time) == len(walk.time) and np.isfinite(with_machine(walk).moments).all()
     assert len(record.scene(walk).times) > 10
 
 

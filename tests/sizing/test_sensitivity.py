@@ -25,14 +25,14 @@ def test_requirements_come_by_what_is_left(found):
     chosen, what = found
     left = [one.left for one in what.requirements]
     assert left == sorted(left)
-    torque = next(one for one in what.requirements if one.name == "torque in hand")
+    torque = next(one for one in what.requirements if one.name == "torque margin")
     assert torque.left == pytest.approx(chosen.score.margin / ENOUGH_MARGIN - 1.0)
     assert {"hip: buckling, five-fold", "knee: room between the pivots", "chamber pressure"} <= {one.name for one in what.requirements}
 
 
 def test_only_what_fails_one_requirement_alone_and_is_cheaper_counts(found):
     _, what = found
-    assert [(one.requirement, one.found.design.number) for one in what.relaxed] == [("torque in hand", 1)]
+    assert [(one.requirement, one.found.design.number) for one in what.relaxed] == [("torque margin", 1)]
     assert what.relaxed[0].needs.startswith("10 % in place of 25 %")
 
 

@@ -24,7 +24,7 @@ def test_all_that_has_cylinders_is_sized_or_left_alone(exo, space, knees):
 def test_less_supply_leaves_less(exo, knees, loads):
     others = kinds_left_alone(exo, knees.kinds)
     (high,), (low,) = (left_alone(exo, others, (loads,), supply) for supply in (exo.supply.pressure, 4e5))
-    assert high.margin > 0.0 > low.margin and "in hand" in high.words and "is too weak at 4.0 bar" in low.words
+    assert high.margin > 0.0 > low.margin and "torque margin" in high.words and "is too weak at 4.0 bar" in low.words
 
 
 def test_a_design_whose_supply_is_too_low_for_them_is_not_walked_with(exo, condition, knees):

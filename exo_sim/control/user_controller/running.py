@@ -10,7 +10,7 @@ import numpy as np
 from exo_sim.control.user_controller import faults
 from exo_sim.control.user_controller.commands import VALVES, Commands, read
 from exo_sim.control.user_controller.protocol import Context, Controller
-from exo_sim.errors import ScenarioError
+from exo_sim.errors import ScenarioError, near, nearest
 
 
 class Interrupted(KeyboardInterrupt):
@@ -62,7 +62,8 @@ class RunningController:
         except BaseException as error:
             if faults.is_interrupt(error):
                 raise
-            raise ScenarioError(f"controller {faults.place(error)}, in act of {self.source} at {time:.3f} s") from None
+            where = f"in act of {self.source} at {time:.3f} s"
+            raise ScenarioError(f"controller {faults.place(error)}, {where}{self._meant(error)}") from None
         try:
             commands = read(returned, self.context, self.kind)
         except ScenarioError as error:
@@ -76,6 +77,15 @@ class RunningController:
         if commands.kind == VALVES:
             self.clipped += int(np.abs(commands.values).max(initial=0.0) > 1.5)
         return commands
+
+    def _meant(self, error: BaseException) -> str:
+        """Return which signals or joints a name that is not there may mean; "" where it is nobody's."""
+        name = error.args[0] if isinstance(error, KeyError) and error.args else None
+        if not isinstance(name, str) or name in self.context.signals or name in self.context.joints:
+            return ""
+        if "." not in name:
+            return nearest(name, self.context.joints)
+        return nearest(name, self.context.signals) if near(name, self.context.signals) else ""
 
     @classmethod
     def is_asked(cls, frame: FrameType | None) -> bool:

@@ -36,6 +36,12 @@ from exo_sim.rig import Correction, EffectEntry, EffectSetting, Rig, improved
 
 _NO_FINDING = "No finding, a healthy machine shows as much. Fitted together with the numbers above, which predict best with it."
 
+#: What stands above a rig that holds such numbers.
+_HEADER = (
+    '# Numbers marked "no finding" are within what a data sheet allows or a healthy machine shows. They can stay: they were fitted\n'
+    "# together with what was found, and the errors that were reported are those with them.\n"
+)
+
 Result = SubsystemResult[SubsystemModel]
 
 
@@ -123,7 +129,9 @@ class RigUpdate:
 
     def text(self, folder: Path) -> str:
         """Return the text of `improved.toml` for a folder."""
-        return improved(self.rig, list(self.entries), list(self.corrections), folder)
+        text = improved(self.rig, list(self.entries), list(self.corrections), folder)
+        refitted = any(part.rank in (Rank.REFITTED, Rank.SENSORS) for part in self.parts)
+        return f"{_HEADER}{text}" if refitted and not text.startswith(_HEADER) else text
 
 
 def rig_update(data: MachineData, results: Sequence[Result], unknown: Sequence[UnknownEffect]) -> RigUpdate:

@@ -11,13 +11,14 @@ import numpy as np
 
 from exo_sim import conventions
 from exo_sim import recording as recordings
+from exo_sim.conventions.belonging import of_another_machine
 from exo_sim.conventions.filling import slow_for_gas
 from exo_sim.diagnosis.data.machine_data import MachineData
 from exo_sim.diagnosis.findings import Estimate, Finding, Kind
 from exo_sim.diagnosis.pipeline.sorting import sort
 from exo_sim.diagnosis.policy.recordings import FEWEST_IN_COLUMN
 from exo_sim.diagnosis.policy.verdicts import GAUGE_ERROR, OBVIOUS_FAULT
-from exo_sim.errors import RecordingError, nearest
+from exo_sim.errors import RecordingError
 from exo_sim.machine.linkage import linkages
 from exo_sim.machine.rig_model import load
 from exo_sim.physics.effects import sensor_bias, sensor_scale
@@ -56,7 +57,7 @@ def gather(handed_in: Sequence[Path | Reading], rig: Path | Rig, column_map: Pat
     for one in handed_in:
         reading = one if isinstance(one, Reading) else recordings.read(one, column_map)
         _check_belongs(reading.recording, reading.recording.name if isinstance(one, Reading) else one, rig, model)
-        settled = conventions.settle(reading.recording, rig, model)
+        settled = conventions.settle(reading.recording, rig, model, reading.findings)
         name = reading.recording.name
         while name in {table.name for table in as_read}:
             name += "'"
@@ -97,19 +98,8 @@ def gather_again(data: MachineData, rig: Rig, tables: Sequence[Recording]) -> Ma
 
 
 def _check_belongs(table: Recording, path: Path | str, rig: Rig, model: mujoco.MjModel) -> None:
-    known = {*rig.cylinders, *(model.joint(j).name for j in range(model.njnt))}
-    parts = [part for part in table.parts() if part in known]
-    if not parts:
-        others = [part for part in table.parts() if part not in ("supply", "exhaust", "gait")]
-        asked = others[0] if others else "any part"
-        raise RecordingError(
-            f'"{path}": no column belongs to {rig.path}: "{asked}" is none of its parts{nearest(asked, known)}'
-        )
-    silent = [name for name in rig.cylinders if name not in table.parts()]
-    if rig.cylinders and len(silent) == len(rig.cylinders) and not any(k.endswith(".position") for k in table.columns):
-        raise RecordingError(
-            f'"{path}": never mentions a cylinder of {rig.path} ({", ".join(silent)}): is it another machine\'s?'
-        )
+    if why := of_another_machine(table, rig, model):
+        raise RecordingError(f'"{path}": {why}')
 
 
 def _trusted(table: Recording, rig: Rig, model: mujoco.MjModel) -> tuple[Recording, list[Finding], list[str]]:

@@ -2,17 +2,20 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping
 from pathlib import Path
 
 import numpy as np
 
 from exo_sim.errors import ScenarioError
 from exo_sim.gait.labels import assigned
-from exo_sim.gait.walking_trial import GroundForce, Trial
+from exo_sim.gait.walking_trial import JOINTS, PELVIS, GroundForce, Trial
 from exo_sim.recording import reader
 from exo_sim.recording.column_map import ColumnMap
 from exo_sim.recording.table import Recording
+
+#: What the wearer of a machine has otherwise called than a trial.
+_WEARER = {"tilt": "pitch", "pelvis_x": "x", "pelvis_z": "z"}
 
 
 def read_angles(path: Path, named: Mapping[str, str], columns: ColumnMap | None = None) -> tuple[Trial, GroundForce | None]:
@@ -26,7 +29,8 @@ def read_angles(path: Path, named: Mapping[str, str], columns: ColumnMap | None 
     recording, guessed = reading.recording, {finding.column for finding in reading.findings if finding.kind == "unit"}
     places = {key.removesuffix(".position"): key for key in recording.columns if key.endswith(".position")}
     given = {name: places.get(label, label) for name, label in named.items()}
-    found = assigned(places.values(), str(path), given)
+    own = wearer_columns(recording.columns, str(path), given)
+    found = assigned(places.values(), str(path), {**own, **given})
     plain: list[str] = []
     for name, key in found.items():
         wanted = "m" if name in ("pelvis_x", "pelvis_z") else "rad"
@@ -37,8 +41,36 @@ def read_angles(path: Path, named: Mapping[str, str], columns: ColumnMap | None 
     said = f'{path}: no unit is said there, taken are {", ".join(plain)}; log a static component "unit" beside each to be sure'
     angles = {name: np.asarray(recording[key]) for name, key in found.items()}
     source = recording.metadata.get("source") or path.name
-    trial = Trial(path.stem, str(path), recording.time, angles, source=source, remarks=(said,) if plain else ())
+    remarks = [f"{path}: {finding.says}" for finding in reading.findings if finding.use == "repaired" and finding.severity != "info"]
+    remarks += [said] if plain else []
+    if own:
+        remarks.append(f"{path}: recorded with a machine on; walked is what its wearer did (wearer_hip_l.position and so on)")
+    trial = Trial(path.stem, str(path), recording.time, angles, source=source, remarks=tuple(remarks))
     return trial, _ground(recording, str(path))
+
+
+def wearer_columns(columns: Iterable[str], file_name: str, given: Mapping[str, str]) -> dict[str, str]:
+    """Return which columns are the angles of a machine's wearer, who does not move as the machine does; none where nobody wears one.
+
+    Args:
+        columns: Of the file.
+        file_name: The file, for messages.
+        given: Angles whose columns somebody has named.
+
+    Raises:
+        ScenarioError: what the wearer's joints gave is there, their angles are not.
+    """
+    columns = set(columns)
+    own = {name: f"wearer_{_WEARER.get(name, name)}.position" for name in (*JOINTS, *PELVIS)}
+    own = {name: key for name, key in own.items() if key in columns}
+    if all(name in own for name in JOINTS):
+        return own
+    if any(key.endswith(".wearer_total_moment") for key in columns) and not all(name in given for name in JOINTS):
+        raise ScenarioError(
+            f"{file_name}: its hip_l.position is the machine's, and its wearer's wearer_hip_l.position is missing; "
+            "hand in the gait that he walked by, or a recording of this version"
+        )
+    return {}
 
 
 def read_ground(path: Path) -> GroundForce:
@@ -55,7 +87,9 @@ def read_ground(path: Path) -> GroundForce:
 
 
 def _ground(recording: Recording, file_name: str) -> GroundForce | None:
-    up = {key: recording[key] for key in recording.columns if key.endswith(".ground_force_z")}
+    """Return the force on each foot: on the wearer's own where a machine has feet, too."""
+    kind = ".wearer_force_z" if any(key.endswith(".wearer_force_z") for key in recording.columns) else ".ground_force_z"
+    up = {key: recording[key] for key in recording.columns if key.endswith(kind)}
     if not up:
         return None
     foot = {}

@@ -1,6 +1,7 @@
 """A controller in use: whatever comes out of somebody's code is one line."""
 
 import sys
+from dataclasses import replace
 from typing import Any
 
 import pytest
@@ -91,3 +92,23 @@ def test_commands_that_look_like_torques_are_remarked_on(context):
     for i in range(12):
         asked.act({"time": 0.001 * i})
     assert "knee_l.torque" in asked.remarks()[0]
+
+
+@pytest.mark.parametrize(
+    ("name", "says"),
+    [
+        ("knee_l.velo", '; did you mean "knee_l.velocity"?'), ("slide", "; there is: ankle_l, ankle_r, hip_l, hip_r, knee_l, knee_r"),
+        ("knees_l", '; did you mean "knee_l"'), ("of.mine", "s"), ("knee_l", "s"), (3, "s"),
+    ],
+)  # fmt: skip
+def test_a_name_that_is_not_there_is_answered_with_near_ones(context, name, says):
+    class Mine:
+        def reset(self, context: object) -> None: ...
+
+        def act(self, observation: Any) -> Any:
+            return observation[name]
+
+    seen = replace(context, signals=("knee_l.velocity", "knee_l.position"))
+    with pytest.raises(ScenarioError, match=r"KeyError.* in act of Mine at 0\.250 s") as caught:
+        user_controller.RunningController(Mine(), seen).act({"time": 0.25})
+    assert says in str(caught.value).partition("0.250 ")[2] and (says != "s" or str(caught.value).endswith("0.250 s"))

@@ -196,3 +196,14 @@ def test_a_number_that_the_rig_leaves_out_of_an_effect_that_it_has_is_written_be
     nothing = replace(result({lag: 1.25e-3, delay: 0.0}), refitted=((lag, 1e-4), (delay, 1e-4)))
     effect = read_back(rig_update(slow, [nothing], ()), slow).effect("valve_lag", "piston")
     assert effect is not None and effect.parameters == pytest.approx({"time_constant": 1.25e-3})
+
+
+def test_a_rig_with_numbers_that_are_no_finding_says_once_what_to_do_with_them(data: MachineData) -> None:
+    folder = Path(data.rig.path).parent
+    late = EffectEntry(EffectSetting("sensor_delay", "piston.pressure_1", {"seconds": 7e-6}), {}, "No finding.")
+    refitted, found = RigUpdate(data.rig, (Part("a", Rank.SENSORS, (late,)),)), RigUpdate(data.rig, (Part("a", Rank.FOUND, (late,)),))
+    text = refitted.text(folder)
+    assert text.startswith('# Numbers marked "no finding"') and "They can stay" in text
+    assert not found.text(folder).startswith("#")
+    again = replace(refitted, rig=parse(text, data.rig.path))
+    assert again.text(folder).count("They can stay") == 1

@@ -54,3 +54,12 @@ def test_another_machines_recording_is_refused_with_the_nearest_part(tmp_path: P
     units = {key.replace("piston.", "pistom.").replace("slide.", "slidr."): unit for key, unit in table.units.items()}
     with pytest.raises(RecordingError, match=r'"pistom" is none of its parts.*piston'):
         gather([reading(Recording("bench", table.time, columns, units))], tmp_path / "rig.toml")
+
+
+def test_a_misspelt_signal_is_the_first_remark(tmp_path: Path, table: Recording) -> None:
+    path = tmp_path / "bench.csv"
+    write_table(path, table)
+    path.write_text(path.read_text().replace("piston.pressure_2", "piston.presure_2", 1).replace("e-02", "word", 1))
+    data = gather([path], tmp_path / "rig.toml")
+    assert "presure_2" in data.remarks[0] and len([one for one in data.remarks if "presure_2" in one and "set aside" in one]) >= 1
+    assert data.checks[0].meant == "piston.pressure_2"

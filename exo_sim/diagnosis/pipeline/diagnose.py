@@ -23,6 +23,7 @@ from exo_sim.diagnosis.outcome.wrong_sizes import advice, suspected_bores
 from exo_sim.diagnosis.pipeline.freed_memory import return_large_arrays
 from exo_sim.diagnosis.pipeline.motion_stage import undecided
 from exo_sim.diagnosis.pipeline.plan import Examination, Progress
+from exo_sim.diagnosis.pipeline.rate_questions import hidden_by_rate
 from exo_sim.diagnosis.pipeline.reading import gather
 from exo_sim.diagnosis.pipeline.rig_acceptance import accepted
 from exo_sim.diagnosis.pipeline.rounds import examine_until_stable, with_test_findings, without_doubtful, without_small
@@ -89,7 +90,7 @@ def _reported(stable: Examination, allowed: Budget, report: Progress, folder: Pa
     judged = {one.model.kind for one in results.all if not one.is_empty and not one.is_unresolved}
     verdict = verdict_of(findings, judged, data)
     astray = swings_astray(data, kept.free_run) if verdict in (Verdict.CONSISTENT, Verdict.CALIBRATION) else ()
-    questions = distinct((*data.open_questions, *astray, *undecided(results.motion)))
+    questions = distinct((*data.open_questions, *astray, *undecided(results.motion), *hidden_by_rate(data, results.gas)))
     return Diagnosis(
         verdict=Verdict.UNDETERMINED if astray else verdict,
         recordings=tuple(table.name for table in data.recordings),

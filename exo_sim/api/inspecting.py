@@ -81,6 +81,7 @@ def inspect(recording: RecordingLike, rig: RigLike | None = None, *, columns: Co
         return Inspection(found, summary.as_dict(found))
     from exo_sim import conventions
     from exo_sim.conventions.belonging import of_another_machine
+    from exo_sim.conventions.filling import slow_for_gas
     from exo_sim.machine.rig_model import load
     from exo_sim.recording.health import Facts
     from exo_sim.rig.limits import passed, reached_in
@@ -90,9 +91,10 @@ def inspect(recording: RecordingLike, rig: RigLike | None = None, *, columns: Co
     settled = conventions.asked(reading.recording, machine, model)
     beyond = passed(machine, reached_in(machine, settled.recording.columns))
     limits = [Finding(next(iter(machine.cylinders)), "limit", words) for words in beyond]
+    slow = slow_for_gas(settled.recording, machine)
     strange = of_another_machine(reading.recording, machine, model)
     other = [Finding(reading.recording.parts()[0], "another machine", strange, severity="fault")] if strange else []
-    asked = (*other, *conventions.findings(settled), *reading.findings, *limits)
+    asked = (*other, *conventions.findings(settled), *reading.findings, *limits, *slow)
     found = summary.summarise(replace(reading, recording=settled.recording, findings=asked), Facts.of(machine, model))
     asked_of = () if strange else tuple(questions(settled.recording, machine, model))
     return Inspection(found, summary.as_dict(found) | {"questions": [one.as_dict() for one in asked_of]}, asked_of)

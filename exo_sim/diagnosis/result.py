@@ -39,6 +39,7 @@ class Diagnosis:
         small: What the data show beyond doubt, but too little of it to matter.
         sensor_remarks: Plain sentences about clocks and sensors: what was used, repaired or left out.
         computed: Columns that were computed and not measured: noise of theirs is what a sensor shows.
+        sizes: Which sizes of the rig are to be checked before what was found is believed, and why, as a clause; "" where none.
         checks: What was asked of the recordings, and put right, before any physics: plain records of `what`, `columns` and `says`.
         improved: Text of `improved.toml`.
         improves: Whether it holds anything that the rig does not.
@@ -61,6 +62,7 @@ class Diagnosis:
     open_questions: tuple[OpenQuestion, ...] = ()
     sensor_remarks: tuple[str, ...] = ()
     computed: tuple[str, ...] = ()
+    sizes: str = ""
     checks: tuple[Mapping[str, Any], ...] = ()
     series: tuple[Series, ...] = ()
     improved: str = ""
@@ -123,6 +125,8 @@ class Diagnosis:
             "checks": [dict(check) for check in self.checks],
             "next_experiment": None,
         }  # fmt: skip
+        if self.sizes:
+            found["sizes"] = self.sizes
         if self.stopped:
             found["stopped"] = True
         if self.next_experiment is not None:

@@ -7,6 +7,7 @@ from collections.abc import Sequence
 from dataclasses import replace
 
 from exo_sim.diagnosis.findings import Estimate, Finding, SignalFit, Unexplained
+from exo_sim.diagnosis.outcome.wrong_sizes import still_far
 from exo_sim.diagnosis.policy.recordings import LOUD_DRIFT, LOUD_REST
 from exo_sim.diagnosis.result import Diagnosis
 from exo_sim.diagnosis.wording import name_of
@@ -122,6 +123,8 @@ def first_step(diagnosis: Diagnosis) -> str:
         renamed = joined([f'"{column}" to "{meant}"' for column, meant in misnamed])
         unread = "under that name it is" if len(misnamed) == 1 else "under those names they are"
         return f"Rename column{'s' if len(misnamed) > 1 else ''} {renamed} and diagnose again: {unread} not read."
+    if diagnosis.sizes:
+        return f"Check {diagnosis.sizes}.{_hardly_better(diagnosis)}"
     by_kind = {kind: [f for f in diagnosis.effects if f.kind == kind] for kind in KINDS}
     if sensors := [f for f in by_kind["sensor"] if f.name not in _CORRECTED]:
         return f"Check the sensor of {sensors[0].where}, then record again: what it shows was set aside."
@@ -144,6 +147,17 @@ def first_step(diagnosis: Diagnosis) -> str:
     if diagnosis.verdict == "undetermined" and diagnosis.next_experiment is not None:
         return f"Record once more: {diagnosis.next_experiment.do}."
     return ""
+
+
+def _hardly_better(diagnosis: Diagnosis) -> str:
+    """Return how far the improved rig still is, run free, as a sentence; "" where it is better."""
+    far = still_far(diagnosis.free_run)
+    if far is None:
+        return ""
+    key, fit = far
+    unit, size = amounts.shown_in(fit.unit, fit.before)
+    before, after, noise = (amounts.digits(value / size, 2) for value in (fit.before, fit.after, fit.noise))
+    return f" Run free, improved.toml is still {after} {unit} off at {key} ({before} before, noise {noise}): do not build on it yet."
 
 
 def _count(number: int) -> str:

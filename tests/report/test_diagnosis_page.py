@@ -280,3 +280,12 @@ def test_errors_far_below_the_noise_are_none():
     quiet = replace(series, recorded=series.before, after=series.before, noise=1.0)
     errors = diagnosis_picture.shown_errors(quiet, np.linspace(quiet.time[0], quiet.time[-1], 5))
     assert all(np.allclose(error, diagnosis_picture.LEAST_SHOWN) for error in errors)
+
+
+def test_sizes_that_must_be_checked_come_first_with_what_the_improved_rig_still_misses():
+    far = {"slide.position": SignalFit("m", 0.114, 0.1, 2e-5)}
+    wrong = replace(made_up.whole(), sizes="bore in cylinders.piston of j.toml", free_run=far)
+    said = diagnosis_words.first_step(wrong)
+    assert said.startswith("Check bore in cylinders.piston of j.toml. Run free, improved.toml is still 100 mm off")
+    assert "(110 before, noise 0.020)" in said
+    assert diagnosis_words.first_step(replace(wrong, free_run={})) == "Check bore in cylinders.piston of j.toml."

@@ -40,6 +40,7 @@ class CylinderRun:
         initial: Pressure at the first sample of a chamber that was not measured, from the balance of forces [Pa]; NaN where unknown.
         position_noise: Standard deviation of the white noise of `length` before it was smoothed [m].
         command_2: Towards chamber 2 where the valve has independent edges; None where one spool serves both.
+        sampled: Whether commands are samples of a quicker loop, and not what the valve was told until the next.
         settled: Whether the gas is known to be as warm as its walls where the run begins: it was held there before.
     """
 
@@ -61,6 +62,7 @@ class CylinderRun:
     position_noise: float = 0.0
     command_2: Array | None = None
     settled: bool = False
+    sampled: bool = False
 
     def towards(self, side: int) -> Array:
         """Return the command that opens chamber 1 (side 0) or 2 (side 1) to the supply where it is above zero, shape (n,)."""

@@ -58,3 +58,17 @@ def of_free_swing(joint: str, off: float, spread: float) -> OpenQuestion:
     why = f"run free it is {100.0 * off / spread:.2g} % of its motion off, and its forces show nothing but the noise of the position"
     do = "record its position with less noise or more often, and let it swing until it rests"
     return OpenQuestion(f"what makes {joint} swing otherwise than the rig", _FORCES, why, do)
+
+
+def of_rate(where: str, rate: float, effects: tuple[str, ...], called: str, enough: float) -> OpenQuestion:
+    """Return the question whether effects act that so many samples a second [Hz] do not show where they are small.
+
+    Args:
+        where: The part.
+        rate: Of the recording [Hz].
+        effects: Their names.
+        called: The same in words.
+        enough: The rate to record at [Hz].
+    """
+    why = f"{rate:.3g} samples a second leave open what the valve was told between them, and hide {called} as small as they often are"
+    return OpenQuestion(f"whether small gas and valve effects act at {where}", effects, why, f"record at {enough:g} Hz or more")

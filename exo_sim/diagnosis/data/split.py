@@ -40,6 +40,11 @@ class Split:
         """Return the split with validation and test exchanged, the training data the same."""
         return Split(self.validation, self.test)
 
+    def kept_back(self) -> Split:
+        """Return the split with validation and test time together as the test, the training data the same."""
+        names = dict.fromkeys((*self.validation, *self.test))
+        return Split({name: (*self.validation.get(name, ()), *self.test.get(name, ())) for name in names})
+
 
 def _inside(spans: Spans, recording: str, time: NDArray[np.float64]) -> NDArray[np.bool_]:
     inside = np.zeros(len(time), dtype=bool)

@@ -36,12 +36,13 @@ def ranked_experiments(result: SubsystemResult[SubsystemModel], effect: str, riv
     other = result.fits.fit(drop_orphans([*final.without(chosen), instead]), final)
     errors = result.fits.standard_errors(final)
     moved = [(q, error) for q, error in errors.items() if math.isfinite(error) and error > 0.0]
-    plants = [result.plant_of(final), result.plant_of(other), *(_shifted(result, final, q, error) for q, error in moved)]
+    plants = [result.plant_of(final), result.plant_of(other), *(shifted(result, final, q, error) for q, error in moved)]
     gains = {do: expected_gain(predicted) for do, predicted in result.model.experiments(plants).items()}
     return tuple(sorted(((do, gain) for do, gain in gains.items() if gain > 0.0), key=lambda pair: -pair[1])[:RANKED])
 
 
-def _shifted(result: SubsystemResult[SubsystemModel], final: FittedModel, parameter: FreeParameter, error: float) -> PlantParameters:
+def shifted(result: SubsystemResult[SubsystemModel], final: FittedModel, parameter: FreeParameter, error: float) -> PlantParameters:
+    """Return the plant of a fitted model with one number moved by its standard error, inwards at a bound."""
     value = final.fit.values[parameter]
     step = error if value + error <= parameter.high else -error
     return result.model.apply({**final.fit.values, parameter: value + step}, final.fixed)

@@ -18,9 +18,8 @@ def confidence(finding: Finding, share: float | None, of_doubtful_pressures: boo
         of_doubtful_pressures: Whether it is of forces whose pressures belong to a gas in which something has no name: a sensor behind a
             hose that was not found shows another pressure than the piston feels.
     """
-    vague = is_weighed_physics(finding) and may_be_nil(finding)
     most = float(CONFIDENT_BESIDE_UNKNOWN) if of_doubtful_pressures else 1.0
-    return min(finding.confidence, by_share(share), float(MAY_BE_NIL) if vague else 1.0, most)
+    return min(finding.confidence, by_share(share), float(MAY_BE_NIL) if may_be_nil(finding) else 1.0, most)
 
 
 def is_weighed_physics(finding: Finding) -> bool:

@@ -4,23 +4,26 @@ from __future__ import annotations
 
 import math
 import os
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import replace
 from pathlib import Path
 
 from exo_sim.diagnosis.data import computed_columns
+from exo_sim.diagnosis.data.machine_data import MachineData
 from exo_sim.diagnosis.estimation.budget import Budget
 from exo_sim.diagnosis.estimation.threads import Threads
-from exo_sim.diagnosis.findings import Finding, Rejected, in_order
+from exo_sim.diagnosis.findings import Finding, Rejected, SignalFit, in_order
 from exo_sim.diagnosis.outcome.finding_probability import confidence
 from exo_sim.diagnosis.outcome.localisation import located, unexplained
 from exo_sim.diagnosis.outcome.rig_update import rig_update
 from exo_sim.diagnosis.outcome.sensor_faults import faulty_scales, faulty_zeros
 from exo_sim.diagnosis.outcome.small_findings import small_findings
 from exo_sim.diagnosis.outcome.verdict import distinct, next_experiment, swings_astray, verdict_of
+from exo_sim.diagnosis.outcome.wrong_sizes import advice, suspected_bores
 from exo_sim.diagnosis.pipeline.freed_memory import return_large_arrays
 from exo_sim.diagnosis.pipeline.motion_stage import undecided
 from exo_sim.diagnosis.pipeline.plan import Examination, Progress
+from exo_sim.diagnosis.pipeline.rate_questions import hidden_by_rate
 from exo_sim.diagnosis.pipeline.reading import gather
 from exo_sim.diagnosis.pipeline.rig_acceptance import accepted
 from exo_sim.diagnosis.pipeline.rounds import examine_until_stable, with_test_findings, without_doubtful, without_small
@@ -87,7 +90,7 @@ def _reported(stable: Examination, allowed: Budget, report: Progress, folder: Pa
     judged = {one.model.kind for one in results.all if not one.is_empty and not one.is_unresolved}
     verdict = verdict_of(findings, judged, data)
     astray = swings_astray(data, kept.free_run) if verdict in (Verdict.CONSISTENT, Verdict.CALIBRATION) else ()
-    questions = distinct((*data.open_questions, *astray, *undecided(results.motion)))
+    questions = distinct((*data.open_questions, *astray, *undecided(results.motion), *hidden_by_rate(data, results.gas)))
     return Diagnosis(
         verdict=Verdict.UNDETERMINED if astray else verdict,
         recordings=tuple(table.name for table in data.recordings),
@@ -104,6 +107,7 @@ def _reported(stable: Examination, allowed: Budget, report: Progress, folder: Pa
         open_questions=questions,
         sensor_remarks=tuple(dict.fromkeys(remarks)),
         computed=without_noise,
+        sizes=_sizes(findings, kept.free_run, data),
         checks=tuple(check.as_dict() for check in data.checks),
         series=test.series,
         improved=kept.update.text(folder or data.rig.path.parent),
@@ -111,6 +115,12 @@ def _reported(stable: Examination, allowed: Budget, report: Progress, folder: Pa
         tables=data.as_read,
         stopped=allowed.stopped,
     )
+
+
+def _sizes(findings: Sequence[Finding], free_run: Mapping[str, SignalFit], data: MachineData) -> str:
+    """Return which sizes of the rig are to be checked first, and why."""
+    sliding = {link.cylinder: link.joint for link in data.links if not link.turning}
+    return advice(findings, free_run, suspected_bores(findings, data.rig, sliding), data.rig)
 
 
 def _findings(found: Examination) -> list[Finding]:

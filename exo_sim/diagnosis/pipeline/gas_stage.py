@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Hashable, Sequence
+import math
+from collections.abc import Callable, Hashable, Sequence
 from dataclasses import dataclass, field, replace
 from functools import partial
 
@@ -13,6 +14,7 @@ from exo_sim.diagnosis.coupling.piston_friction import softens
 from exo_sim.diagnosis.data.command_sign import reversed_command
 from exo_sim.diagnosis.data.cylinder_run import CylinderRun
 from exo_sim.diagnosis.data.machine_data import MachineData
+from exo_sim.diagnosis.data.sampled_commands import remark
 from exo_sim.diagnosis.estimation.budget import IsSpent, never
 from exo_sim.diagnosis.estimation.candidate import Candidate, drop_orphans
 from exo_sim.diagnosis.estimation.correlation import correlation_time
@@ -20,10 +22,12 @@ from exo_sim.diagnosis.estimation.least_squares import Fit, fit
 from exo_sim.diagnosis.estimation.parameters import FreeParameter, PlantParameters
 from exo_sim.diagnosis.estimation.threads import SERIAL, Threads
 from exo_sim.diagnosis.estimation.uncertainty import HALF_WIDTH, standard_errors
+from exo_sim.diagnosis.pipeline.command_reading import read_as_sampled
 from exo_sim.diagnosis.pipeline.plan import Plan, Progress
 from exo_sim.diagnosis.policy.budgets import FEW_SAMPLES, FORCES_UNTIL, GAS_UNTIL, MOST_EFFORT
 from exo_sim.diagnosis.policy.priors import INITIAL_WARMTH, ROOM_WARM
-from exo_sim.diagnosis.policy.recordings import FEWEST_ROWS, REVERSED
+from exo_sim.diagnosis.policy.recordings import FEWEST_ROWS, HELD_AT_FIRST, HELD_IN_THE_END, REVERSED
+from exo_sim.diagnosis.policy.verdicts import UNKNOWN_VARIANCE
 from exo_sim.diagnosis.selection.decision import decide
 from exo_sim.diagnosis.selection.fitted_model import FittedModel
 from exo_sim.diagnosis.selection.search import Search, StoppingCriteria, WarmStart
@@ -57,6 +61,10 @@ class Searched:
         """
         other = [one for (name, time, *_), one in self.results.items() if name == cylinder and time != test_time and not one.is_empty]
         return _asked_of(other[-1].search.final, asked) if other else None
+
+    def are_samples(self, cylinder: str) -> bool:
+        """Return whether the commands of a cylinder were found to be samples of a quicker loop."""
+        return any(run.sampled for (name, *_), one in self.results.items() if name == cylinder for run in one.model.all_runs)
 
     def standing(
         self, cylinder: str, test_time: Hashable, friction: Hashable, asked: Sequence[Candidate]
@@ -114,25 +122,59 @@ def examine_gas(
         test_time = tuple(sorted(plan.split.test.items()))
         key = (name, test_time, tuple(one.key for one in asked), friction)
         if key not in done:
-            first = None
-            if model.size >= FEWEST_ROWS:
-                model, first = model.with_better_flow_law(nuisances, threads, plan.budget.is_spent)
-                nuisances += felt_temperatures(model, first, threads, plan.budget.is_spent)
             begun = searched.standing(name, test_time, friction, asked) or searched.of_other_time(name, test_time, asked)
-            search = Search(
-                model, nuisances, asked, threads, _naming(report, name), cheap=sum(len(run.time) for run in runs) < FEW_SAMPLES,
-                practical_significance=model.practical_significance,
-                stopping=StoppingCriteria(
-                    softens if plan.friction is None and joint in data.joints else None, plan.budget.is_spent, partial(_is_enough, model)
-                ),
-                start=WarmStart(first, begun),
-            )  # fmt: skip
-            end, fits = relieved(search.run(), search.fits, search.proposals, model, plan.split)
-            done[key] = decide(name, model, fits, end, plan.split)
+            soft = softens if plan.friction is None and joint in data.joints else None
+            seek = partial(_searched, nuisances=nuisances, asked=asked, soft=soft, plan=plan, threads=threads, report=_naming(report, name))
+            if model.size >= FEWEST_ROWS:
+                free, most = {q: q.start for q in nuisances}, math.inf if searched.are_samples(name) else HELD_AT_FIRST
+                model = read_as_sampled(model, plan.split, free, (), most, False, threads, plan.budget.is_spent)
+            done[key] = seek(model, begun)
+            if model.size >= FEWEST_ROWS:
+                held, end = done[key], done[key].final
+                loud = held.has_unknown or end.fit.sse > UNKNOWN_VARIANCE * held.model.size
+                other = read_as_sampled(
+                    held.model, plan.split, end.fit.values, end.fixed, HELD_IN_THE_END, loud, threads, plan.budget.is_spent
+                )
+                if other is not held.model:
+                    done[key] = seek(other, begun)
         found.append(done[key])
+        data = _with_readings(data, found[-1].model)
         if found[-1].model.effort > MOST_EFFORT:
             data = replace(data, remarks=(*data.remarks, f"{name}: {_ENDED}"))
     return data, tuple(found)
+
+
+def _with_readings(data: MachineData, model: GasModel) -> MachineData:
+    """Return the data with the runs of a cylinder as they were judged, and a remark where its commands were read as samples."""
+    commands = data.rig.cylinders[model.where].commands
+    said = tuple(remark(run, commands) for run in model.all_runs if run.sampled)
+    return replace(data, cylinders={**data.cylinders, model.where: model.all_runs}, remarks=(*data.remarks, *said))
+
+
+def _searched(
+    model: GasModel, begun: FittedModel | None, *, nuisances: tuple[FreeParameter, ...], asked: tuple[Candidate, ...],
+    soft: Callable[[FittedModel], bool] | None, plan: Plan, threads: Threads, report: Progress,
+) -> SubsystemResult[GasModel]:
+    """Return what a search of one gas found.
+
+    Args:
+        model: The gas.
+        begun: Where it may begin.
+        nuisances, asked: What is free in every fit, and the candidates.
+        soft: When it may end before all is explained.
+        plan, threads, report: As in `examine`.
+    """
+    first = None
+    if model.size >= FEWEST_ROWS:
+        model, first = model.with_better_flow_law(nuisances, threads, plan.budget.is_spent)
+        nuisances += felt_temperatures(model, first, threads, plan.budget.is_spent)
+    search = Search(
+        model, nuisances, asked, threads, report, cheap=sum(len(run.time) for run in model.all_runs) < FEW_SAMPLES,
+        practical_significance=model.practical_significance,
+        stopping=StoppingCriteria(soft, plan.budget.is_spent, partial(_is_enough, model)), start=WarmStart(first, begun),
+    )  # fmt: skip
+    end, fits = relieved(search.run(), search.fits, search.proposals, model, plan.split)
+    return decide(model.where, model, fits, end, plan.split)
 
 
 def nominal_gas(data: MachineData, plan: Plan, cylinder: str, runs: Sequence[CylinderRun]) -> PlantParameters:

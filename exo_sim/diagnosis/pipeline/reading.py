@@ -12,6 +12,7 @@ import numpy as np
 from exo_sim import conventions
 from exo_sim import recording as recordings
 from exo_sim.conventions.belonging import of_another_machine
+from exo_sim.conventions.filling import slow_for_gas
 from exo_sim.diagnosis.data.machine_data import MachineData
 from exo_sim.diagnosis.findings import Estimate, Finding, Kind
 from exo_sim.diagnosis.pipeline.sorting import sort
@@ -64,6 +65,7 @@ def gather(handed_in: Sequence[Path | Reading], rig: Path | Rig, column_map: Pat
         checks += [check for check in settled.checks if check not in checks]
         remarks += [check.says for check in settled.checks]
         remarks += [finding.says for finding in reading.findings if finding.severity != "info"]
+        remarks += [finding.says for finding in slow_for_gas(table, rig)]
         as_read.append(table)
         table, corrected = seen_through(table, rig)
         remarks += [f"{table.name}: {column} was put right by what the rig says of its sensor" for column in corrected]

@@ -1,4 +1,4 @@
-"""The improved rig as far as it wins over the validation time: in windows of each balance and of the whole machine, and run free.
+"""The improved rig as far as it wins over the time kept back.
 
 Numbers that were fitted to a gas under its recorded motion, and to forces under recorded pressures, may be worse where both are predicted:
 a piston that sticks by other friction compresses its gas elsewhere. Whoever uses the rig runs the whole machine.
@@ -6,97 +6,73 @@ a piston that sticks by other friction compresses its gas elsewhere. Whoever use
 
 from __future__ import annotations
 
-import math
-from collections.abc import Callable, Mapping
-from dataclasses import dataclass, field, replace
-
-import numpy as np
+from collections.abc import Callable
+from dataclasses import replace
 
 from exo_sim.diagnosis.data.machine_data import MachineData
 from exo_sim.diagnosis.data.split import Split
 from exo_sim.diagnosis.estimation.budget import IsSpent, never
-from exo_sim.diagnosis.findings import SignalFit
 from exo_sim.diagnosis.outcome.rig_update import RigUpdate
 from exo_sim.diagnosis.pipeline.rig_errors import WindowErrors
+from exo_sim.diagnosis.pipeline.rig_trial import Trial, spread_of, uncertainty
 from exo_sim.diagnosis.policy.budgets import MOST_TRIALS
-from exo_sim.diagnosis.policy.validation import (
-    DIVERGED,
-    FAR_BETTER,
-    FEWEST_BLOCKS,
-    MOST_WORSE,
-    SIGNAL_WORSE,
-    SURELY_BETTER,
-    WORTH_LEAVING_OUT,
-)
-from exo_sim.diagnosis.validation.machine_runs import Blocks, MachineRuns
+from exo_sim.diagnosis.policy.validation import STARTS, WORTH_LEAVING_OUT
+from exo_sim.diagnosis.validation.machine_runs import MachineRuns
 from exo_sim.errors import ModelError, RigError
-from exo_sim.rig import parse
+from exo_sim.rig import Rig, parse
 from exo_sim.simulation.replay import WINDOW
-
-Fits = Mapping[str, SignalFit]
 
 _CUT = "improved.toml leaves out what predicts time kept back worse: {}"
 _REFUSED = "improved.toml holds less than what was found: a rig with all of it is refused, {}"
 _UNPROVED = "improved.toml was not put to the test: nothing of the time kept back can be predicted, or the recordings are too long"
+_BY_ALL = "improved.toml was cut down by all of the time kept back, for part of that was predicted worse: its errors there are no test"
+_BY_CHANCE = (
+    "{} strays further with improved.toml in the one run from the beginning, by chance: in runs from {} measured states of the time kept "
+    "back it is missed by {:.2g} of the error of the rig handed in"
+)
 
 
-@dataclass(frozen=True)
-class Trial:
-    """One improved rig on the held-out time.
+class Judge:
+    """Puts updates of a rig to the test.
 
-    Attributes:
-        update: What is in it.
-        windows, free_run: Its errors, by signal, beside those of the rig handed in: of each balance, and of the whole machine run free.
-        spreads: Standard deviations of the signals, as far as they are recorded.
-        coupled: Errors of the whole machine over windows.
-        uncertain: Standard error of the mean logarithm of the latter.
-        is_refused: Whether the rig cannot be read, or cannot be a machine.
+    Args:
+        data: The recordings, and the rig as handed in.
+        split: Its test time counts.
     """
 
-    update: RigUpdate
-    windows: Fits
-    free_run: Fits
-    spreads: Mapping[str, float]
-    coupled: Fits = field(default_factory=dict)
-    uncertain: float = 0.0
-    is_refused: bool = False
+    def __init__(self, data: MachineData, split: Split) -> None:
+        self._data = data
+        self._windows, self._free, self._whole = WindowErrors(data, split), MachineRuns(data, split), MachineRuns(data, split, WINDOW)
+        self._started = [MachineRuns(data, split, begun=number / STARTS) for number in range(STARTS)]
+        self.refusals: list[str] = []
 
-    @property
-    def is_worse(self) -> bool:
-        """Whether it is worse than the rig handed in by any measure; over windows of the whole machine, unless it is surely better.
+    def trial(self, update: RigUpdate) -> Trial:
+        """Return the errors of one update; why its rig is refused is kept in `refusals`."""
+        data = self._data
+        try:
+            rig = _rig(data, update)
+            inside, run, coupled = self._windows.errors(rig), self._free.errors(rig), self._whole.errors(rig)
+            started = tuple(found for one in self._started if (found := one.errors(rig)))
+        except (RigError, ModelError) as refusal:
+            self.refusals.append(str(refusal))
+            return Trial(update, {}, {}, {}, is_refused=True)
+        spreads = {column: spread_of(data, column) for column in {*inside, *run, *coupled}}
+        floors = {column: fit.noise for column, fit in coupled.items()}
+        return Trial(update, inside, run, spreads, coupled, uncertainty(self._whole.by_block(rig), floors), started)
 
-        These are many, so that they say how far another recording's would differ: what is better by less is hardly likelier to be better
-        there than worse, and the rig handed in is its owner's. A free run that is far better says the same of the whole machine.
-        """
-        if self.is_refused or is_worse(self.windows, self.spreads) or is_worse(self.free_run, self.spreads):
-            return True
-        far = _mean(_logs(self.free_run, self.spreads)) < math.log(FAR_BETTER)
-        unsure = 0.0 if far else SURELY_BETTER * self.uncertain
-        return _mean(_logs(self.coupled, self.spreads)) + unsure > math.log1p(MOST_WORSE)
-
-    @property
-    def hurts(self) -> bool:
-        """Whether any signal got worse by more than a trifle."""
-        logs = (log for fits in (self.windows, self.free_run, self.coupled) for log in _logs(fits, self.spreads))
-        return max(logs, default=0.0) > math.log1p(SIGNAL_WORSE)
-
-    @property
-    def is_proved(self) -> bool:
-        """Whether anything could be predicted with it at all."""
-        return bool(self.windows or self.free_run or self.coupled)
-
-    @property
-    def loss(self) -> float:
-        """Mean logarithm of the errors over those of the rig handed in, all measures counted alike."""
-        if self.is_refused:
-            return math.inf
-        return sum(_mean(_logs(fits, self.spreads)) for fits in (self.windows, self.free_run, self.coupled))
+    def reported(self, trial: Trial, split: Split) -> Trial:
+        """Return a trial with its errors on the test time of another split."""
+        rig = _rig(self._data, trial.update)
+        return replace(trial, windows=WindowErrors(self._data, split).errors(rig), free_run=self._free.over(split).errors(rig))
 
 
 def accepted(
     data: MachineData, update: RigUpdate, split: Split, is_spent: IsSpent = never
 ) -> tuple[Trial, tuple[str, ...]]:
-    """Return as much of an update as wins, with its errors, and remarks: that something was left out, or that nothing could be tried.
+    """Return as much of an update as wins, with its errors, and remarks: what was left out and why, or that nothing could be tried.
+
+    Validation time chooses. That is not all that was kept back, and whoever runs the rig over all of it shall have no worse machine than
+    before: what is worse there is cut down until it is not, and then it is said that the reported errors are of time that chose.
 
     Args:
         data: The recordings, and the rig as handed in.
@@ -104,28 +80,20 @@ def accepted(
         split: What wins over its validation time is taken, or over the test time where there is no other; errors are of the test time.
         is_spent: Whether the time is up: then it is all of the update, or nothing.
     """
-    refusals: list[str] = []
-    choosing = split.validation_as_test() if split.validation else split
-    windows, free, whole = WindowErrors(data, choosing), MachineRuns(data, choosing), MachineRuns(data, choosing, WINDOW)
-
-    def tried(one: RigUpdate) -> Trial:
-        try:
-            rig = parse(one.text(data.rig.path.parent), data.rig.path)
-            inside, run, coupled = windows.errors(rig), free.errors(rig), whole.errors(rig)
-        except (RigError, ModelError) as refusal:
-            refusals.append(str(refusal))
-            return Trial(one, {}, {}, {}, is_refused=True)
-        spreads = {column: spread_of(data, column) for column in {*inside, *run, *coupled}}
-        floors = {column: fit.noise for column, fit in coupled.items()}
-        return Trial(one, inside, run, spreads, coupled, uncertainty(whole.by_block(rig), floors))
-
-    best = as_far_as_it_wins(update, tried, is_spent)
-    is_cut, is_unproved = best.update is not update and not refusals, bool(best.update.parts) and not best.is_proved
-    said = ((_CUT.format(update.without(best.update)), is_cut), (_UNPROVED, is_unproved))
-    if choosing is not split:
-        rig = parse(best.update.text(data.rig.path.parent), data.rig.path)
-        best = replace(best, windows=WindowErrors(data, split).errors(rig), free_run=free.over(split).errors(rig))
-    return best, (*(_REFUSED.format(why) for why in refusals[:1]), *(words for words, is_so in said if is_so))
+    judge = Judge(data, split.validation_as_test() if split.validation else split)
+    best, by_all = as_far_as_it_wins(update, judge.trial, is_spent), False
+    refusals = judge.refusals
+    if split.validation:
+        if best.update.parts:
+            last = Judge(data, split.kept_back())
+            on_all = last.trial(best.update)
+            by_all = on_all.is_worse
+            best = as_far_as_it_wins(best.update, last.trial, is_spent) if by_all else replace(best, starts=on_all.starts)
+        best = judge.reported(best, split)
+    is_cut, is_unproved = best.update.parts != update.parts and not refusals, bool(best.update.parts) and not best.is_proved
+    said = ((_CUT.format(update.without(best.update)), is_cut), (_UNPROVED, is_unproved), (_BY_ALL, by_all))
+    chance = [_BY_CHANCE.format(column, len(best.starts), ratio) for column, ratio in best.by_chance().items()]
+    return best, (*(_REFUSED.format(why) for why in refusals[:1]), *(words for words, is_so in said if is_so), *chance)
 
 
 def as_far_as_it_wins(update: RigUpdate, tried: Callable[[RigUpdate], Trial], is_spent: IsSpent = never) -> Trial:
@@ -158,61 +126,6 @@ def as_far_as_it_wins(update: RigUpdate, tried: Callable[[RigUpdate], Trial], is
     return tried(RigUpdate(update.rig, ())) if best.update.parts else best
 
 
-def spread_of(data: MachineData, column: str) -> float:
-    """Return the standard deviation of a signal over all recordings that have it, in its unit; infinite where none has."""
-    parts = [table[column] for table in data.recordings if column in table.columns]
-    return float(np.nanstd(np.concatenate(parts))) if parts else math.inf
-
-
-def uncertainty(blocks: Mapping[str, Blocks], floors: Mapping[str, float]) -> float:
-    """Return the standard error of the mean logarithm of errors after over before, by leaving out one block of time after the other.
-
-    Args:
-        blocks: By signal, the squared errors of its blocks.
-        floors: By signal, the noise: an error below it is none.
-    """
-    numbers = sorted({number for one in blocks.values() for number in one})
-    if len(numbers) < FEWEST_BLOCKS:
-        return 0.0
-    total = np.zeros(len(numbers))
-    counted = 0
-    for signal, own in blocks.items():
-        table = np.array([own.get(number, np.zeros(3)) for number in numbers])
-        left = table.sum(axis=0) - table
-        if not np.isfinite(left).all() or (left[:, 0] <= 0.0).any():
-            continue
-        means = np.maximum(left[:, 1:] / left[:, :1], max(floors.get(signal, 0.0), 1e-300) ** 2)
-        total += 0.5 * np.log(means[:, 1] / means[:, 0])
-        counted += 1
-    n = len(numbers)
-    return float(np.sqrt((n - 1) / n * np.sum((total - total.mean()) ** 2))) / counted if counted else 0.0
-
-
-def is_worse(runs: Fits, spreads: Mapping[str, float]) -> bool:
-    """Return whether errors rose, over the signals together; also where a run with the update diverges.
-
-    A signal that neither run predicts better than its own mean would say nothing: a piston that slides wherever a tenth of a newton
-    lets it is nowhere near either way.
-
-    Args:
-        runs: Errors by signal.
-        spreads: Standard deviations of the signals.
-    """
-    return _mean(_logs(runs, spreads)) > math.log1p(MOST_WORSE)
-
-
-def _logs(runs: Fits, spreads: Mapping[str, float]) -> list[float]:
-    """Return the logarithm of the error after over that before, for every signal that says something."""
-    logs = []
-    for column, fit in runs.items():
-        if math.isfinite(fit.before) and fit.before > 0.0:
-            if not math.isfinite(fit.after):
-                logs.append(float(DIVERGED))
-            elif min(fit.before, fit.after) <= spreads.get(column, math.inf):
-                floor = max(fit.noise, 1e-300)
-                logs.append(math.log(max(fit.after, floor) / max(fit.before, floor)))
-    return logs
-
-
-def _mean(logs: list[float]) -> float:
-    return sum(logs) / len(logs) if logs else 0.0
+def _rig(data: MachineData, update: RigUpdate) -> Rig:
+    """Return the rig as its text will be read."""
+    return parse(update.text(data.rig.path.parent), data.rig.path)

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from exo_sim.diagnosis import nominal_numbers
-from exo_sim.diagnosis.policy.number import Number
+from exo_sim.diagnosis.policy.number import Count, Number
 
 SURE = Number(
     3.0, "standard errors, or prior standard deviations", "a number so far from its nominal value is off",
@@ -58,3 +58,12 @@ WRONG_NUMBER = Number(
 )  # fmt: skip
 MOVED = Number(1e-3, "share", "a parameter that a fit moved by less did not move")
 LEAST_PART = Number(0.05, "share of an additive effect", "a smaller part of it is not written into the improved rig")
+FEWEST_ALIKE = Count(3, "numbers", "of valve area, two dead volumes and mass so many must be off together for the bore to be asked instead")
+SAME_FACTOR = Number(
+    1.25, "ratio of the largest factor to the least", "numbers that are off by factors no further apart are off by one",
+    "the bench of the README with a bore of 40 mm for 32 mm: valve 1.55, dead volumes 1.69 and 1.63, mass 1.65",
+)  # fmt: skip
+WRONG_AREA = Number(
+    0.15, "share", "one factor that is nearer to 1 is what data sheets leave open",
+    "asserted: twice the spread of a valve's area; the next bore of a series differs by a quarter, its area by a half",
+)  # fmt: skip

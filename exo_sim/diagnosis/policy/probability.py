@@ -17,9 +17,9 @@ UNTESTED = Number(
 )
 MAY_BE_NIL = Number(
     0.8, "probability",
-    "no name that was weighed beside others is called more probable where laws that fit as well leave its number nil or far from it",
-    "eight on learn makes (beside friction that varies with place or time, seals under pressure) and the vented MBARI spring: seven "
-    "were right, (7 + 1)/(8 + 2)",
+    "nothing is called more probable where all of its numbers may be nil: laws or other numbers that fit as well leave it nothing",
+    "eight weighed names on learn makes (beside friction that varies with place or time, seals under pressure) and the vented MBARI "
+    "spring: seven were right, (7 + 1)/(8 + 2)",
 )  # fmt: skip
 LEAST_ERRORS = Number(
     1.0, "standard errors", "a name weighed beside others whose number lies closer to nil, over all laws, is put aside",

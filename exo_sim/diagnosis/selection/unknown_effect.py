@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
@@ -11,7 +12,9 @@ import numpy as np
 from exo_sim.diagnosis import wording
 from exo_sim.diagnosis.discrepancy.curve import Curve
 from exo_sim.diagnosis.discrepancy.signal import Discrepancy
+from exo_sim.diagnosis.estimation.uncertainty import HALF_WIDTH
 from exo_sim.diagnosis.findings import Estimate, Finding, Kind
+from exo_sim.diagnosis.policy.probability import MAY_BE_NIL
 from exo_sim.diagnosis.selection.final_residual import final_residual
 from exo_sim.diagnosis.selection.subsystem_result import SubsystemResult
 from exo_sim.diagnosis.subsystem_model import SubsystemModel
@@ -52,13 +55,22 @@ def _unknown_effect(result: SubsystemResult[SubsystemModel]) -> UnknownEffect:
     says += " It comes in fast bursts, as a pressure that rings does." if missing.bursts else ""
     left = final_residual(result)
     says += " " + wording.rest(left.share, left.error, left.noise, left.unit)
-    size = {"size": Estimate(missing.size, missing.unit, 0.0, 2.0 * missing.size)}
     n, fit = model.size, result.final.fit
-    odds = 0.5 * n / max(result.fits.correlation_time(fit.residual), 1.0) * np.log(max(fit.sse / n, 1.0)) / np.log(10.0)
+    independent = n / max(result.fits.correlation_time(fit.residual), 1.0)
+    size = {"size": Estimate(missing.size, missing.unit, *(missing.size * share for share in spread_of_size(independent)))}
+    odds = 0.5 * independent * np.log(max(fit.sse / n, 1.0)) / np.log(10.0)
     curve = _as_dict(missing, best) if best else None
     finding = Finding(UNKNOWN.name, result.where, Kind.UNKNOWN, says, size, float(odds), 0.0, depends_on=variables, curve=curve,
                       probability=unnamed[0].probability if unnamed else None)  # fmt: skip
+    if size["size"].low <= 0.0:
+        finding = replace(finding, probability=min(finding.confidence, float(MAY_BE_NIL)))
     return UnknownEffect(finding, missing, result)
+
+
+def spread_of_size(independent: float) -> tuple[float, float]:
+    """Return the ends of the 95 % interval of a root mean square over so many independent values, as shares of it."""
+    apart = HALF_WIDTH / math.sqrt(2.0 * max(independent, 1e-300))
+    return max(0.0, 1.0 - apart), 1.0 + apart
 
 
 def _percent(share: float) -> str:

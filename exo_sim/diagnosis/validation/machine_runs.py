@@ -14,6 +14,7 @@ from numpy.typing import NDArray
 from exo_sim.diagnosis.data.command_sign import is_reversed_command
 from exo_sim.diagnosis.data.computed_columns import shown_noise
 from exo_sim.diagnosis.data.machine_data import MachineData
+from exo_sim.diagnosis.data.sampled_commands import as_told
 from exo_sim.diagnosis.data.split import Split
 from exo_sim.diagnosis.findings import SignalFit
 from exo_sim.diagnosis.policy.budgets import LEAD, LONGEST_FREE_RUN
@@ -44,14 +45,18 @@ class MachineRuns:
         data: The recordings, and the rig as handed in.
         split: Its test time counts.
         window: After so long the measured state is taken over [s]; never where infinite.
+        begun: After this share of the test time, from its beginning on, runs begin, 0 to 1; None for where the recordings do.
     """
 
-    def __init__(self, data: MachineData, split: Split, window: float = math.inf) -> None:
+    def __init__(self, data: MachineData, split: Split, window: float = math.inf, begun: float | None = None) -> None:
         self._data, self._split, self._window = data, split, window
         self._tables = [judged_part(table, data) for table in data.as_read if table.name in split.test]
         if window < math.inf:
             around = [_around(table, split) for table in self._tables]
             self._tables = [table for table in around if len(table.time) > FEWEST_TO_FIT]
+        if begun is not None:
+            cut = [_begun_in(table, split, begun) for table in self._tables]
+            self._tables = [table for table in cut if len(table.time) > FEWEST_TO_FIT and table.duration > REPLAY_WINDOW]
         self._believed: dict[tuple[int, str], tuple[Recording, Run] | None] = {}
         self._machine = _Machine(data.rig)
         self._known: tuple[Rig, dict[str, Sums]] | None = None
@@ -128,11 +133,12 @@ class _Machine:
 
 
 def judged_part(table: Recording, data: MachineData) -> Recording:
-    """Return a recording from where its gas is judged, its valve commands with the sign that they were found to have."""
+    """Return a recording from where its gas is judged, its valve commands as they were found to be meant: their sign, held or samples."""
     starts = [run.time[0] for runs in data.cylinders.values() for run in runs if run.recording == table.name]
     table = table.span(max(starts, default=-math.inf), math.inf)
     wrong = {finding.where for finding in data.sensors if is_reversed_command(finding)}
-    return replace(table, columns={key: -values if key in wrong else values for key, values in table.columns.items()})
+    table = replace(table, columns={key: -values if key in wrong else values for key, values in table.columns.items()})
+    return as_told(table, data.rig, [run for runs in data.cylinders.values() for run in runs])
 
 
 class Sums:
@@ -168,6 +174,13 @@ def _around(table: Recording, split: Split) -> Recording:
     """Return the part of a recording that its test time needs: from a lead before it on, in which the gas comes to its temperature."""
     spans = split.test[table.name]
     return table.span(min(start for start, _ in spans) - LEAD, np.nextafter(max(stop for _, stop in spans), math.inf))
+
+
+def _begun_in(table: Recording, split: Split, share: float) -> Recording:
+    """Return the part of a recording from a share of its test time on to the end of that."""
+    spans = split.test[table.name]
+    start, stop = min(start for start, _ in spans), max(stop for _, stop in spans)
+    return table.span(start + share * (stop - start), np.nextafter(stop, math.inf))
 
 
 def _lost(ran: Run) -> Run:

@@ -32,3 +32,10 @@ def test_of_several_each_gives_its_own_part(head: bool) -> None:
         alone = split([(name, time)], head)
         assert parts.test[name] == alone.test[name] and parts.validation[name] == alone.validation[name]
         assert parts.in_training(name, time).mean() == pytest.approx(1.0 - HELD_OUT_SHARE, abs=0.01)
+
+
+@pytest.mark.parametrize("head", [False, True])
+def test_all_that_is_kept_back_is_what_nothing_is_fitted_to(head: bool) -> None:
+    time = np.linspace(3.0, 13.0, 1001)
+    parts = split([("one", time)], head)
+    np.testing.assert_array_equal(parts.kept_back().in_test("one", time), ~parts.in_training("one", time))

@@ -39,9 +39,11 @@ def test_what_was_not_tested_is_not_certain(weighed: float | None, said: float) 
     assert said < MOST_CONFIDENT
 
 
-@pytest.mark.parametrize(("low", "weighed", "said"), [(0.0, 1.0, MAY_BE_NIL), (0.0, 0.55, 0.55), (2.0, 0.9, 0.9), (0.0, None, 0.95)])
+@pytest.mark.parametrize(
+    ("low", "weighed", "said"),
+    [(0.0, 1.0, MAY_BE_NIL), (0.0, 0.55, 0.55), (2.0, 0.9, 0.9), (0.0, None, MAY_BE_NIL), (2.0, None, 0.95)],
+)
 def test_a_name_whose_number_may_be_nil_is_not_certain(low: float, weighed: float | None, said: float) -> None:
-    """Where names were weighed side by side, intervals span all laws; where they were not, numbers of an effect stand in for each other."""
     finding = replace(named(300.0, weighed), parameters={"coefficient": Estimate(50.0, "N s^2/m^2", low, 97.0)})
     assert confidence(finding, 1.0) == pytest.approx(float(said), abs=2e-3)
 

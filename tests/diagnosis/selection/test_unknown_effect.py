@@ -3,14 +3,16 @@
 from __future__ import annotations
 
 import numpy as np
+import pytest
 from diagnosis import waves
 
 from exo_sim.diagnosis.estimation.least_squares import Fit
 from exo_sim.diagnosis.findings import Kind
+from exo_sim.diagnosis.policy.probability import MAY_BE_NIL
 from exo_sim.diagnosis.selection.fitted_model import FittedModel, SearchResult
 from exo_sim.diagnosis.selection.model_fits import ModelFits
 from exo_sim.diagnosis.selection.subsystem_result import SubsystemResult
-from exo_sim.diagnosis.selection.unknown_effect import effect_of, unknown_effects
+from exo_sim.diagnosis.selection.unknown_effect import effect_of, spread_of_size, unknown_effects
 
 
 def result(model: waves.Waves, has_unknown: bool = False) -> SubsystemResult[waves.Waves]:
@@ -32,3 +34,12 @@ def test_it_says_where_it_acts_and_on_what_it_depends() -> None:
 def test_without_one_there_is_none() -> None:
     one = result(waves.Waves())
     assert unknown_effects([one]) == () and effect_of([], one) is None
+
+
+def test_its_size_is_as_sure_as_independent_values_make_it() -> None:
+    (effect,) = unknown_effects([result(waves.Waves(slow=5.0), has_unknown=True)])
+    size = effect.finding.parameters["size"]
+    assert size.low < size.value < size.high and (size.low > 0.0 or effect.finding.confidence <= MAY_BE_NIL)
+    low, high = spread_of_size(200.0)
+    assert (low, high) == (pytest.approx(0.902, abs=1e-3), pytest.approx(1.098, abs=1e-3))
+    assert spread_of_size(1.0)[0] == 0.0

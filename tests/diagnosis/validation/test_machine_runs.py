@@ -75,6 +75,23 @@ def test_over_windows_the_whole_machine_is_run_around_what_was_kept(bench: Path)
         assert set(blocks[key]) >= {14, 15, 16, 17} and sum(block[0] for block in blocks[key].values()) == inside.sum()
 
 
+@pytest.mark.parametrize("share", [0.0, 0.5])
+def test_a_run_that_begins_in_the_time_kept_is_one_of_a_recording_that_begins_there(bench: Path, share: float) -> None:
+    path = bench / "recording.parquet"
+    case = gather([path], bench / "rig.toml")
+    found = MachineRuns(case, kept(case), begun=share).errors(case.rig)
+    table = read(path).recording.span(7.0 + 2.0 * share, np.nextafter(9.0, math.inf))
+    run = replay(table, case.rig, load(case.rig)).free_run
+    assert set(found) == set(run.columns)
+    for key, fit in found.items():
+        assert fit.before == fit.after == pytest.approx(rms(table[key], run[key]), rel=1e-12)
+
+
+def test_nothing_begins_where_less_than_a_window_is_left(bench: Path) -> None:
+    case = gather([bench / "recording.parquet"], bench / "rig.toml")
+    assert MachineRuns(case, kept(case, 7.0, 7.6), begun=0.5).errors(case.rig) == {}
+
+
 @pytest.mark.parametrize("effect", ["supply_regulator", "supply_droop"])
 def test_a_supply_that_was_measured_does_not_sag_twice(tmp_path: Path, effect: str) -> None:
     case, rig = with_truth(tmp_path, effect)

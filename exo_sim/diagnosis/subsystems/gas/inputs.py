@@ -78,7 +78,12 @@ class GasInputs:
         return float(np.median(np.diff(self.time)))
 
     def command_after(self, delay: float) -> ArrivedCommands:
-        """Return the commands towards both chambers as they reach the valve `delay` seconds late."""
+        """Return the commands towards both chambers as they reach the valve `delay` seconds late.
+
+        Of commands that are samples of a quicker loop those between two are about their mean: as if each were held from half a sample
+        before it on.
+        """
+        delay -= 0.5 * self.period if self.run.sampled else 0.0
         found = self._delayed.get(delay)
         if found is None:
             if len(self._delayed) > max(2, MOST_KEPT // len(self.time)):

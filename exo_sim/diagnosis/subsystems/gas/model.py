@@ -37,6 +37,7 @@ from exo_sim.diagnosis.subsystems.gas.missing_flow import missing_flow
 from exo_sim.diagnosis.subsystems.gas.prediction import GasPrediction, effort_of
 from exo_sim.diagnosis.subsystems.gas.regimes import regimes
 from exo_sim.diagnosis.subsystems.gas.rows import rows_of, stiffness_of
+from exo_sim.diagnosis.subsystems.gas.sampling_error import sampling_error
 from exo_sim.diagnosis.subsystems.gas.sensed_prediction import sensed
 from exo_sim.diagnosis.subsystems.gas.unknown_curve import with_curve
 from exo_sim.physics.declaration import identification_of
@@ -98,8 +99,13 @@ class GasModel(SubsystemModel):
         self._is_cut = self.split is not split
         group = GROUP * max(1.0, sum(len(run.time) * float(np.median(np.diff(run.time))) for run in self.runs) / LONG)
         self.inputs: list[GasInputs] = [inputs(run, nominal.world, window) for run in self.runs]
+        self._unsampled = [sampling_error(one, nominal) for one in self.inputs]
         self._rows = [
-            [rows_of(one, side, self.split, group, on_test, stiffness_of(one, nominal, side)) for side in range(2)] for one in self.inputs
+            [
+                rows_of(one, side, self.split, group, on_test, stiffness_of(one, nominal, side)).widened(unsampled[:, side])
+                for side in range(2)
+            ]
+            for one, unsampled in zip(self.inputs, self._unsampled, strict=True)
         ]
         self.blocks = self._blocks()
         self._responses: list[list[Array]] | None = None
@@ -137,6 +143,11 @@ class GasModel(SubsystemModel):
     def _scale(self) -> float:
         """Noise of a row, in the noisier chamber [Pa]."""
         return max((float(np.median(rows.scale)) for run in self._rows for rows in run if rows.count.size), default=1.0)
+
+    @property
+    def log_variance(self) -> float:
+        """Sum over rows of the logarithm of their variance [Pa^2]: with the squared residual, what a likelihood counts twice."""
+        return 2.0 * sum(float(np.sum(np.log(rows.scale))) for run in self._rows for rows in run if rows.count.size)
 
     def predict(self, plant: PlantParameters, index: int, shift: float = 0.0, whole: bool = True) -> GasPrediction:
         """Predict what the sensors of one run would show; arguments as of `sensed`."""
@@ -250,7 +261,7 @@ class GasModel(SubsystemModel):
     def traces(self, plant: PlantParameters) -> list[Trace]:
         found = []
         k = float(plant.world["k"][0])
-        for given, errors in zip(self.inputs, self.errors(plant), strict=True):
+        for given, errors, unsampled in zip(self.inputs, self.errors(plant), self._unsampled, strict=True):
             run = given.run
             errors[~given.windows.compared] = math.nan
             if self._is_cut:
@@ -258,7 +269,7 @@ class GasModel(SubsystemModel):
             for side in range(2):
                 if run.pressure[side] is None:
                     continue
-                noise = float(np.hypot(run.noise[side], healthy.GAS_FLOOR))
+                noise = math.hypot(run.noise[side], healthy.GAS_FLOOR, float(np.sqrt(np.mean(unsampled[:, side] ** 2))))
                 where = f"{self.where}/chamber_{side + 1}"
                 found.append(
                     Trace(where, self.balance, self.unit, run.recording, given.time, errors[:, side], noise, regimes(given, side, k))

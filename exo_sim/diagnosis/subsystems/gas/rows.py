@@ -40,6 +40,12 @@ class Rows:
         keep = self.group >= 0
         return np.bincount(self.group[keep], weights=values[keep], minlength=len(self.count)) / self.count
 
+    def widened(self, spread: Array) -> Rows:
+        """Return the same rows with one more reason for errors, of this standard deviation at the samples, shape (n,) [Pa]."""
+        if not self.count.size or not spread.any():
+            return self
+        return replace(self, scale=np.hypot(self.scale, np.sqrt(self.means(spread**2))))
+
     def beyond(self, values: Array) -> Array:
         """Return what rows cannot follow in values at the samples, shape (k,) for the k samples that are in a row.
 

@@ -1,0 +1,42 @@
+"""Commands that are samples of a control loop quicker than the logger, and not what the valve was told until the next sample."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import replace
+
+import numpy as np
+
+from exo_sim.diagnosis.data.cylinder_run import CylinderRun
+from exo_sim.diagnosis.policy.recordings import CONTROL_PERIOD
+from exo_sim.recording.table import Recording
+from exo_sim.rig import Rig
+
+#: A logger's clock is off by no more than this share.
+_CLOCK_ERROR = 0.01
+
+
+def may_be_sampled(run: CylinderRun) -> bool:
+    """Return whether a recording is so slow that its commands may be samples of others between them."""
+    return run.commanded and not run.at_rest and float(np.median(np.diff(run.time))) > CONTROL_PERIOD * (1.0 + _CLOCK_ERROR)
+
+
+def remark(run: CylinderRun, commands: Sequence[str]) -> str:
+    """Return what to say of commands that are samples."""
+    period = 1e3 * float(np.median(np.diff(run.time)))
+    keys = ", ".join(f'"{run.cylinder}.{command}"' for command in commands)
+    return (
+        f"{run.recording}: {keys}: pressures follow the mean of two samples better than each held until the next, so a loop quicker than "
+        f"the logger's {period:.3g} ms made them; what happened between samples counts as an error of the prediction"
+    )
+
+
+def as_told(table: Recording, rig: Rig, runs: Sequence[CylinderRun]) -> Recording:
+    """Return a recording whose commands, held, are the means of what a valve was told between samples, where they are samples."""
+    columns = dict(table.columns)
+    for run in runs:
+        if run.sampled and run.recording == table.name:
+            for key in (f"{run.cylinder}.{command}" for command in rig.cylinders[run.cylinder].commands):
+                if key in columns:
+                    columns[key] = np.append(0.5 * (columns[key][:-1] + columns[key][1:]), columns[key][-1])
+    return replace(table, columns=columns)

@@ -1,0 +1,193 @@
+"""One improved rig on the time kept back: in windows of each balance and of the whole machine, and run free from several measured states.
+
+A run that nothing corrects strays by what its first state and the whole way since then happened to be: a piston that nothing holds ends
+elsewhere by chance, with a good rig as with a poor one. Runs begun at several measured states say by how much such a result would differ.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field
+
+import numpy as np
+
+from exo_sim.diagnosis.data.machine_data import MachineData
+from exo_sim.diagnosis.findings import SignalFit
+from exo_sim.diagnosis.outcome.rig_update import RigUpdate
+from exo_sim.diagnosis.policy.validation import (
+    DIVERGED,
+    FAR_BETTER,
+    FEWEST_BLOCKS,
+    FEWEST_STARTS,
+    MOST_WORSE,
+    SIGNAL_WORSE,
+    SURELY_BETTER,
+)
+from exo_sim.diagnosis.validation.machine_runs import Blocks
+
+Fits = Mapping[str, SignalFit]
+
+
+@dataclass(frozen=True)
+class Trial:
+    """One improved rig on the time kept back.
+
+    Attributes:
+        update: What is in it.
+        windows, free_run: Its errors, by signal, beside those of the rig handed in: of each balance, and of the whole machine run free
+            from the first measured state of the recordings.
+        spreads: Standard deviations of the signals, as far as they are recorded.
+        coupled: Errors of the whole machine over windows.
+        uncertain: Standard error of the mean logarithm of the latter.
+        starts: As `free_run`, of runs begun at measured states of the time kept back, one for each.
+        is_refused: Whether the rig cannot be read, or cannot be a machine.
+    """
+
+    update: RigUpdate
+    windows: Fits
+    free_run: Fits
+    spreads: Mapping[str, float]
+    coupled: Fits = field(default_factory=dict)
+    uncertain: float = 0.0
+    starts: tuple[Fits, ...] = ()
+    is_refused: bool = False
+
+    @property
+    def is_worse(self) -> bool:
+        """Whether it is worse than the rig handed in by any measure; over windows of the whole machine, unless it is surely better.
+
+        These are many, so that they say how far another recording's would differ: what is better by less is hardly likelier to be better
+        there than worse, and the rig handed in is its owner's. A free run that is far better says the same of the whole machine.
+        """
+        if self.is_refused or is_worse(self.windows, self.spreads) or is_worse(self.free_run, self.spreads):
+            return True
+        if _mean(self._run_free()) > math.log1p(MOST_WORSE) or self.strays:
+            return True
+        far = _mean(_logs(self.free_run, self.spreads)) < math.log(FAR_BETTER)
+        unsure = 0.0 if far else SURELY_BETTER * self.uncertain
+        return _mean(_logs(self.coupled, self.spreads)) + unsure > math.log1p(MOST_WORSE)
+
+    @property
+    def strays(self) -> tuple[str, ...]:
+        """Signals that free runs miss by surely more than with the rig handed in, whatever the others win."""
+        return straying_further((self.free_run, *self.starts)) if self.starts else ()
+
+    @property
+    def hurts(self) -> bool:
+        """Whether any signal got worse by more than a trifle."""
+        logs = (log for fits in (self.windows, self.free_run, self.coupled) for log in _logs(fits, self.spreads))
+        return max(logs, default=0.0) > math.log1p(SIGNAL_WORSE)
+
+    @property
+    def is_proved(self) -> bool:
+        """Whether anything could be predicted with it at all."""
+        return bool(self.windows or self.free_run or self.coupled)
+
+    @property
+    def loss(self) -> float:
+        """Mean logarithm of the errors over those of the rig handed in, all measures counted alike."""
+        if self.is_refused:
+            return math.inf
+        return sum(map(_mean, (_logs(self.windows, self.spreads), self._run_free(), _logs(self.coupled, self.spreads))))
+
+    def by_chance(self) -> dict[str, float]:
+        """Return which signals one run from the first measured state misses by more than with the rig handed in, and runs from several
+        states by less: by column, the ratio of the latter's errors.
+        """
+        found = {}
+        for column, fit in self.free_run.items():
+            logs = _paired((self.free_run, *self.starts), column)
+            if len(logs) >= FEWEST_STARTS and fit.after > (1.0 + SIGNAL_WORSE) * fit.before and _mean(logs) < 0.0:
+                found[column] = math.exp(_mean(logs))
+        return found
+
+    def _run_free(self) -> list[float]:
+        return [log for fits in (self.free_run, *self.starts) for log in _logs(fits, self.spreads)]
+
+
+def straying_further(runs: Sequence[Fits]) -> tuple[str, ...]:
+    """Return the signals whose errors are larger by surely more than a trifle, by the mean logarithm over runs and its standard error.
+
+    Unlike in `is_worse`, a signal counts that neither rig predicts better than its own mean: a piston that stands at the wrong end all the
+    time is missed by more than one that merely lags.
+
+    Args:
+        runs: Errors by signal, of runs begun at different measured states.
+    """
+    found = []
+    for column in dict.fromkeys(column for fits in runs for column in fits):
+        logs = _paired(runs, column)
+        if len(logs) < FEWEST_STARTS:
+            continue
+        error = float(np.std(logs, ddof=1)) / math.sqrt(len(logs))
+        if _mean(logs) - SURELY_BETTER * error > math.log1p(SIGNAL_WORSE):
+            found.append(column)
+    return tuple(found)
+
+
+def spread_of(data: MachineData, column: str) -> float:
+    """Return the standard deviation of a signal over all recordings that have it, in its unit; infinite where none has."""
+    parts = [table[column] for table in data.recordings if column in table.columns]
+    return float(np.nanstd(np.concatenate(parts))) if parts else math.inf
+
+
+def uncertainty(blocks: Mapping[str, Blocks], floors: Mapping[str, float]) -> float:
+    """Return the standard error of the mean logarithm of errors after over before, by leaving out one block of time after the other.
+
+    Args:
+        blocks: By signal, the squared errors of its blocks.
+        floors: By signal, the noise: an error below it is none.
+    """
+    numbers = sorted({number for one in blocks.values() for number in one})
+    if len(numbers) < FEWEST_BLOCKS:
+        return 0.0
+    total = np.zeros(len(numbers))
+    counted = 0
+    for signal, own in blocks.items():
+        table = np.array([own.get(number, np.zeros(3)) for number in numbers])
+        left = table.sum(axis=0) - table
+        if not np.isfinite(left).all() or (left[:, 0] <= 0.0).any():
+            continue
+        means = np.maximum(left[:, 1:] / left[:, :1], max(floors.get(signal, 0.0), 1e-300) ** 2)
+        total += 0.5 * np.log(means[:, 1] / means[:, 0])
+        counted += 1
+    n = len(numbers)
+    return float(np.sqrt((n - 1) / n * np.sum((total - total.mean()) ** 2))) / counted if counted else 0.0
+
+
+def is_worse(runs: Fits, spreads: Mapping[str, float]) -> bool:
+    """Return whether errors rose, over the signals together; also where a run with the update diverges.
+
+    A signal that neither run predicts better than its own mean would say nothing: a piston that slides wherever a tenth of a newton
+    lets it is nowhere near either way.
+
+    Args:
+        runs: Errors by signal.
+        spreads: Standard deviations of the signals.
+    """
+    return _mean(_logs(runs, spreads)) > math.log1p(MOST_WORSE)
+
+
+def _logs(runs: Fits, spreads: Mapping[str, float]) -> list[float]:
+    """Return the logarithm of the error after over that before, for every signal that says something."""
+    return [
+        log
+        for column, fit in runs.items()
+        if not math.isfinite(fit.after) or min(fit.before, fit.after) <= spreads.get(column, math.inf)
+        for log in _paired((runs,), column)
+    ]
+
+
+def _paired(runs: Sequence[Fits], column: str) -> list[float]:
+    """Return, of every run that predicts a signal with the rig handed in, the logarithm of the error after over that before."""
+    logs = []
+    for fit in (fits[column] for fits in runs if column in fits):
+        if math.isfinite(fit.before) and fit.before > 0.0:
+            floor = max(fit.noise, 1e-300)
+            logs.append(math.log(max(fit.after, floor) / max(fit.before, floor)) if math.isfinite(fit.after) else float(DIVERGED))
+    return logs
+
+
+def _mean(logs: Sequence[float]) -> float:
+    return sum(logs) / len(logs) if logs else 0.0

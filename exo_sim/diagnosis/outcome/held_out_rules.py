@@ -16,6 +16,7 @@ from collections.abc import Collection, Mapping
 from dataclasses import replace
 
 from exo_sim.diagnosis import wording
+from exo_sim.diagnosis.estimation.correlation import rms
 from exo_sim.diagnosis.findings import Finding, Kind
 from exo_sim.diagnosis.outcome.finding_probability import by_share, is_weighed_physics
 from exo_sim.diagnosis.outcome.finding_size import errors_from_nil, may_be_nil
@@ -82,7 +83,8 @@ def too_small(
     Whatever their odds: what mends a little of what every model gets wrong has great odds in a long recording. Names of a balance of
     forces are weighed beside that already, and a dip of friction acts in few rows: they are small where noise explains what is left
     without them, in time kept back as a whole and in the rows that they change, and where they change these by no more than the laws of
-    a healthy machine get wrong.
+    a healthy machine get wrong. Noise is what the sensors' data sheets and a floor say, or, of what is larger than healthy laws are off,
+    what is left in fact: the floor may be three times that.
 
     Args:
         one: Of one subsystem.
@@ -95,10 +97,9 @@ def too_small(
     def is_small(key: str) -> bool:
         if key in tested:
             return False
-        if one.search.weighed_together and (
-            where_acting.get(key, math.inf) >= validation.LEAST_MISSED
-            or beyond_healthy.get(key, math.inf) >= validation.BEYOND_HEALTHY
-        ):
+        missed, beyond = where_acting.get(key, math.inf) / validation.LEAST_MISSED, beyond_healthy.get(key, math.inf)
+        seen = missed >= min(rms(one.final.fit.residual), 1.0) and beyond >= validation.EXCEEDS_HEALTHY
+        if one.search.weighed_together and (missed >= 1.0 or seen or beyond >= validation.BEYOND_HEALTHY):
             return False
         return left.get(key, math.inf) <= one.model.discrepancy_bound
 

@@ -38,6 +38,11 @@ BEYOND_HEALTHY = Number(
     "however little of it noise lets see at a time",
     "derived: nineteen in twenty healthy machines are off by less",
 )  # fmt: skip
+EXCEEDS_HEALTHY = Number(
+    1.0, "standard deviations of what laws of a healthy machine get wrong",
+    "... and one that changes them by more than this is not small where it exceeds what the fit leaves in fact",
+    "learn machines of the lists X1 to X12: true dips change their rows by 1.0 to 1.2 (B, X7, X11), friction that slides by 6 to 16",
+)  # fmt: skip
 CONTRADICTED = Number(
     2.0, "what a balance of forces leaves with it, in units of what it leaves without it, or of the noise",
     "above this a fault of a pressure's sensor that the gas asks for is refuted: forces hang on the pressure itself",

@@ -23,7 +23,8 @@ def test_the_curve_that_follows_it_is_found(missing: np.ndarray, index: int, var
     both = force_or_friction([RUN], [ROWS], [missing], ROWS.block, "N", "force balance")
     assert [one.acts for one in both] == ["force", "friction"]
     assert both[index].pattern >= both[1 - index].pattern
-    assert both[index].best is not None and both[index].best.variable == variable
+    best = both[index].best
+    assert best is not None and best.variable == variable
     assert both[0].size == pytest.approx(float(np.sqrt(np.mean(ROWS.means(missing) ** 2))))
 
 

@@ -52,7 +52,9 @@ class Judge:
         try:
             rig = _rig(data, update)
             inside, run, coupled = self._windows.errors(rig), self._free.errors(rig), self._whole.errors(rig)
-            started = tuple(found for one in self._started if (found := one.errors(rig)))
+            # a part may be too short to show what feeds a chamber: only what the whole run predicts counts
+            begun = [{column: fit for column, fit in one.errors(rig).items() if column in run} for one in self._started if run]
+            started = tuple(found for found in begun if found)
         except (RigError, ModelError) as refusal:
             self.refusals.append(str(refusal))
             return Trial(update, {}, {}, {}, is_refused=True)

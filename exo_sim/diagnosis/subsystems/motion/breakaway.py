@@ -3,16 +3,22 @@
 from __future__ import annotations
 
 import math
+from dataclasses import replace
 
 import numpy as np
+from numpy.typing import NDArray
 
 from exo_sim.diagnosis.policy import healthy
 from exo_sim.diagnosis.policy.recordings import FEWEST_ONSETS, FEWEST_ROWS
 from exo_sim.diagnosis.subsystems.motion.model import MotionModel
 from exo_sim.diagnosis.subsystems.motion.onsets import Starting
 
+Array = NDArray[np.float64]
+
 #: Standard deviations in a median absolute deviation, of normal errors.
 NORMAL = 1.4826
+#: An onset that peaks by so many standard deviations less than the usual one crept before it broke loose.
+CREPT = 3.0
 #: So many standard deviations of what the law of speed of a healthy machine gets wrong are still healthy.
 HEALTHY = 2.0
 
@@ -32,12 +38,17 @@ def with_breakaway(model: MotionModel) -> MotionModel:
     if level <= 0.0:  # no dry friction
         return model
     every = model.with_onsets(Starting(damping))
-    starting = every.size - model.size
-    if starting < FEWEST_ONSETS:
+    peaks = every.onset_peaks(constant)
+    if peaks.size < FEWEST_ONSETS:
         return model
-    excess = (every.friction_of_rows() - level - constant * np.sign(every.velocity))[-starting:]
-    middle = float(np.median(excess))
-    scatter = NORMAL * float(np.median(np.abs(excess - middle)))
-    by_chance = max(scatter / math.sqrt(starting), HEALTHY * healthy.FRICTION_SPEED * level)
-    return model.with_onsets(Starting(damping, scatter)) if middle > by_chance else model
+    starting = Starting(damping, 0.0, float(np.median(peaks)) - CREPT * _deviation(peaks), constant)
+    every = model.with_onsets(starting)
+    excess = (every.friction_of_rows() - level - constant * np.sign(every.velocity))[model.size :]
+    scatter = _deviation(excess)
+    by_chance = max(scatter / math.sqrt(excess.size), HEALTHY * healthy.FRICTION_SPEED * level)
+    return model.with_onsets(replace(starting, scatter=scatter)) if float(np.median(excess)) > by_chance else model
 
+
+def _deviation(values: Array) -> float:
+    """Return the standard deviation of values but for some that are far off."""
+    return NORMAL * float(np.median(np.abs(values - np.median(values))))

@@ -127,6 +127,10 @@ class MotionModel(SubsystemModel):
         arm = self._set.means(lambda run: run.drive.divisor)
         return -np.sign(self.velocity) * self._set.missing(self.without_friction) / arm
 
+    def onset_peaks(self, constant: float) -> Array:
+        """Return what resists at the peak of each onset beside damping and a constant force [N or N m], shape (k,)."""
+        return self._set.onset_peaks(constant)
+
     def _onsets(self, starting: Starting) -> list[tuple[int, Onsets]]:
         """Return the onsets of every recording that has any, with its number."""
         bare, found = self.without_friction, []

@@ -8,6 +8,7 @@ something of a balance only where more is resisted there than sliding would (`br
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass
 
 import numpy as np
@@ -40,10 +41,14 @@ class Starting:
     Attributes:
         damping: How fast friction rises with speed where it slides [N s/m or N m s/rad]: a peak is sought beside that.
         scatter: Standard deviation from one onset to the next, where friction acts [N or N m].
+        least: What peaks below this says nothing, for it crept before it broke loose, where friction acts [N or N m]; beside a force ...
+        constant: ... that is the same in both directions, along +v [N or N m].
     """
 
     damping: float
     scatter: float = 0.0
+    least: float = -math.inf
+    constant: float = 0.0
 
 
 @dataclass(frozen=True)
@@ -60,6 +65,7 @@ class Onsets:
         width: Standard deviation of the filter [s].
         damped: What the damping beside which it is read resists there [N or N m], shape (k,), ...
         damping: ... as of `Starting`.
+        peak: What resists there beside that, against the motion [N or N m], shape (k,).
         noise: What noise adds to the peak on the mean, as friction does [N or N m], shape (k,).
         block: Block of time of each, shape (k,).
         scale: Standard deviation of the force that is missing there [N or N m], shape (k,).
@@ -74,6 +80,7 @@ class Onsets:
     width: float
     damped: Array
     damping: float
+    peak: Array
     noise: Array
     block: NDArray[np.int64]
     scale: Array
@@ -104,12 +111,15 @@ def onsets_of(run: MotionRun, usable: NDArray[np.bool_], friction: Array, starti
     beyond = friction[:, None] * way - starting.damping * np.maximum(velocity[:, None] * way, 0.0)
     first = starts - near
     at = np.array([begin + int(np.argmax(beyond[begin : begin + 2 * near + 1, k])) for k, begin in enumerate(first)], dtype=int)
+    damped = starting.damping * np.maximum(way * velocity[at], 0.0)
+    peak = way * friction[at] - damped
+    kept = peak - starting.constant * way >= starting.least
+    at, starts, way, fastest, acceleration = at[kept], starts[kept], way[kept], fastest[kept], acceleration[kept]
     rate = np.maximum(way * (friction[starts - before] - friction[starts - rest]) / ((rest - before) * step), 0.0)
     bias = (LARGEST_ACCELERATION if run.inertia.has_mass else LARGEST) * run.noise
     arm = run.drive.divisor[at]
-    damped = way * starting.damping * np.maximum(way * velocity[at], 0.0)
     return Onsets(
-        at, way, slowest, acceleration, fastest, rate, width, damped, starting.damping,
+        at, way, slowest, acceleration, fastest, rate, width, way * damped[kept], starting.damping, peak[kept],
         np.sign(arm) * way * bias, block_of(run, at), np.hypot(row_scale(run), starting.scatter * np.abs(arm)),
     )  # fmt: skip
 

@@ -83,6 +83,10 @@ class RowSet:
         least = float(np.abs(of_motion).min(initial=math.inf)) if of_motion.size else 0.0
         return np.concatenate([of_motion, *(least * one.way for one in self._onsets)])
 
+    def onset_peaks(self, constant: float) -> Array:
+        """Return what resists at the peak of each onset beside damping and a constant force [N or N m], shape (k,)."""
+        return np.concatenate([_NOTHING, *(one.peak - constant * one.way for one in self._onsets)])
+
     def missing(self, plant: PlantParameters) -> Array:
         """Return the force that the balance lacks in each row [N or N m], shape (size,); nobody may write to it."""
         return self._kept.of(plant, self._missing)

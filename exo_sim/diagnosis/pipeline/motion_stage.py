@@ -104,7 +104,7 @@ def examine_balance(
     if model.size >= FEWEST_ROWS:
         every = SubsetWeighing(motion_family(model, nuisances, asked, soft=False), model.discrepancy_basis(), model.blocks, standing)
         model = with_breakaway(model.with_contact(contact_scatter(every.left_by_everything(), model.speed)))
-        asked = plan.without_refuted(candidates(runs, model.nominal, model.where, model.slowest_resolved))
+        asked = plan.without_refuted(candidates(runs, model.nominal, model.where, model.slowest_resolved, model.creeps_below))
 
     def search_once(model: MotionModel, nuisances: Sequence[FreeParameter], creeps: Sequence[float] = ()) -> tuple[ModelFits, SearchResult]:
         fits = ModelFits(model, nuisances, threads, True, is_spent)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Mapping, Sequence
 from dataclasses import replace
 
@@ -19,7 +20,9 @@ from exo_sim.physics.effects import friction_smoothing, presliding, sensor_bias
 from exo_sim.physics.identification import ObservedMotion
 
 
-def candidates(runs: Sequence[MotionRun], plant: PlantParameters, where: str, resolved: float = 0.0) -> tuple[Candidate, ...]:
+def candidates(
+    runs: Sequence[MotionRun], plant: PlantParameters, where: str, resolved: float = 0.0, creeps_below: float = math.inf
+) -> tuple[Candidate, ...]:
     """Return every candidate that the balance of this joint or rod can show.
 
     Args:
@@ -27,6 +30,7 @@ def candidates(runs: Sequence[MotionRun], plant: PlantParameters, where: str, re
         plant: The nominal machine.
         where: The cylinder or joint that what resists belongs to.
         resolved: Speed from which on a law of speed shows [m/s or rad/s].
+        creeps_below: A contact that rests until it breaks loose has its dry friction at this speed [m/s or rad/s].
     """
     run = runs[0]
     turning = run.turning and run.cylinder is None
@@ -92,7 +96,7 @@ def candidates(runs: Sequence[MotionRun], plant: PlantParameters, where: str, re
                 Candidate(effect.name, where, "+".join(form), tuple(parameters), starts, fixed=_taken_in(effect, plant, where),
                           prerequisite=_missing_prerequisite(effect, plant), prevalence=asked.prevalence)
             )  # fmt: skip
-    found += _contact_laws(plant, where, turning, run.cylinder is None)
+    found += _contact_laws(plant, where, turning, run.cylinder is None, creeps_below)
     for name in run.imputed.leaks if run.imputed is not None else ():
         trace, leak = external_leaks(plant)[name], OUTWARD.parameter(name)
         hole = FreeParameter(OUTWARD.name, where, name, leak.unit, Target.CYLINDER, 10.0 * trace, 0.0, leak.high, healthy_limit=trace)
@@ -111,9 +115,9 @@ def creep_of(values: Mapping[FreeParameter, float]) -> float:
     return next((value for q, value in values.items() if q.effect == friction_smoothing.EFFECT.name), 0.0)
 
 
-def _contact_laws(plant: PlantParameters, where: str, turning: bool, at_joint: bool) -> list[Candidate]:
+def _contact_laws(plant: PlantParameters, where: str, turning: bool, at_joint: bool, creeps_below: float) -> list[Candidate]:
     """Return the other ways in which dry friction may be written near rest, none of which is a finding."""
-    return [*_firm_contact(plant, where, turning), *_creeping_contact(plant, where, turning, at_joint)]
+    return [*_firm_contact(plant, where, turning), *_creeping_contact(plant, where, turning, at_joint, creeps_below)]
 
 
 def _firm_contact(plant: PlantParameters, where: str, turning: bool) -> list[Candidate]:
@@ -127,18 +131,21 @@ def _firm_contact(plant: PlantParameters, where: str, turning: bool) -> list[Can
     return [Candidate(effect.name, where, "firm", (stiffness,), ((4e5,),), proportional=False, is_law=True, prevalence=0.5)]
 
 
-def _creeping_contact(plant: PlantParameters, where: str, turning: bool, at_joint: bool) -> list[Candidate]:
-    """Return dry friction that builds up with speed instead of with travel."""
+def _creeping_contact(plant: PlantParameters, where: str, turning: bool, at_joint: bool, creeps_below: float) -> list[Candidate]:
+    """Return dry friction that builds up with speed instead of with travel: by `creeps_below` at the latest."""
     effect = friction_smoothing.EFFECT
     stiffness = float(plant.cylinder[presliding.EFFECT.name]["stiffness"][0])
     if plant.is_on(effect) or 0.0 < stiffness < healthy.STIFF_CONTACT:
         return []
     velocity = effect.parameter("velocity")
+    if creeps_below <= velocity.low:
+        return []
+    high = min(velocity.high, creeps_below)
     parameter = FreeParameter(
-        effect.name, where, "velocity", velocity.unit_at(turning and at_joint), Target.CYLINDER, 1e-3, velocity.low, velocity.high,
+        effect.name, where, "velocity", velocity.unit_at(turning and at_joint), Target.CYLINDER, 1e-3, velocity.low, high,
         (0.0, velocity.typical[1]),
     )  # fmt: skip
-    return [Candidate(effect.name, where, "velocity", (parameter,), ((1e-3,),), proportional=False, is_law=True)]
+    return [Candidate(effect.name, where, "velocity", (parameter,), ((min(1e-3, high),),), proportional=False, is_law=True)]
 
 
 def _taken_in(effect: Effect, plant: PlantParameters, where: str) -> tuple[tuple[FreeParameter, float], ...]:

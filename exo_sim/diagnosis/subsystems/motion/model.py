@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Mapping, Sequence
 from copy import copy
 from dataclasses import replace
@@ -111,6 +112,11 @@ class MotionModel(SubsystemModel):
         other = copy(self)  # what was predicted of rows stays so, whatever they are worth
         other._weigh(scatter, creep)
         return other
+
+    @property
+    def creeps_below(self) -> float:
+        """Speed at which dry friction is there [m/s or rad/s]: what rests until it breaks loose creeps no faster; infinite elsewhere."""
+        return math.inf if self._starting is None else max(run.kinematics.still for run in self.runs)
 
     def with_onsets(self, starting: Starting) -> MotionModel:
         """Return the model with a row for every onset of motion behind its others."""

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from dataclasses import replace
 
 import numpy as np
@@ -55,3 +56,12 @@ def test_a_measured_pressure_may_be_off_by_a_bias_and_a_predicted_one_may_hide_a
     imputed = replace(run, imputed=Imputed(leaks={"area_2": np.ones(TIME.size)}))
     predicted = {one.at for one in candidates([imputed], plant(), "piston")}
     assert ("sensor_bias", "piston.pressure_1") not in predicted and ("external_leakage", "piston") in predicted
+
+
+def test_a_contact_that_rests_until_it_breaks_loose_creeps_no_faster_than_its_rest() -> None:
+    def creeping(below: float) -> list[float]:
+        found = candidates([RUN], plant(), "slide", creeps_below=below)
+        return [one.parameters[0].high for one in found if one.effect == "friction_smoothing"]
+
+    usual = declared()["friction_smoothing"].parameter("velocity")
+    assert creeping(math.inf) == [usual.high] and creeping(0.5 * usual.high) == [0.5 * usual.high] and creeping(0.5 * usual.low) == []

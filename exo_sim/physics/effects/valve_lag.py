@@ -3,9 +3,17 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Mapping
 
 from exo_sim.physics.compiled import kernel
 from exo_sim.physics.declaration import Effect, Identification, Parameter
+
+
+def _check(place: str, parameters: Mapping[str, float], curves: Mapping[str, tuple[float, ...]]) -> str:
+    """Return what is wrong with the values together, "" where nothing is: without a time constant there is none to be longer."""
+    lacks = "closing_excess" in parameters and parameters.get("time_constant", 0.0) <= 0.0
+    return "closing_excess is a share of time_constant; give that as well, or leave closing_excess out" if lacks else ""
+
 
 EFFECT = Effect(
     name="valve_lag",
@@ -25,6 +33,7 @@ EFFECT = Effect(
         ),
     ),
     any_of=(("time_constant",), ("delay",)),
+    check=_check,
     cut="gas",
     needs_valve=True,
     reveals=("pressure_1", "pressure_2"),

@@ -66,3 +66,10 @@ def test_spool_without_an_excess_is_the_first_order_to_the_last_bit() -> None:
     lag["time_constant"] = 5e-3
     for spool, command in ((0.8, 0.1), (0.8, -0.5), (0.2, 0.9)):
         assert valve_lag.follow(lag, spool, command, 3e-3) == command + (spool - command) * math.exp(-3e-3 / 5e-3)
+
+
+def test_an_excess_without_a_time_constant_is_refused() -> None:
+    check = valve_lag.EFFECT.check
+    assert check is not None
+    assert "time_constant" in check("cylinder", {"delay": 5e-3, "closing_excess": 0.5}, {})
+    assert check("cylinder", {"time_constant": 5e-3, "closing_excess": 0.5}, {}) == check("cylinder", {"delay": 5e-3}, {}) == ""

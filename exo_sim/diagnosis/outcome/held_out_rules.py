@@ -90,7 +90,7 @@ def too_small(
         one: Of one subsystem.
         left: By `effect@where`, the error of the time that was fitted without it [units of the noise].
         where_acting: By the same, the error of time kept back without it, in rows that it changes [the most that noise leaves by itself].
-        beyond_healthy: By the same, how much it changes these rows [what laws of a healthy machine get wrong there].
+        beyond_healthy: By the same, how much it changes the rows of the time that was fitted [what laws of a healthy machine get wrong].
         tested: Those that time kept back tests: without them it is missed by more than the noise, and their predictions differ.
     """
 

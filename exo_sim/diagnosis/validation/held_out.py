@@ -88,8 +88,8 @@ class HeldOutErrors:
         where_acting: By the keys of `drops`, the error without it where predictions change with it, in units of the most that noise by
             itself leaves there but for chance: each row's square is weighed by that of the change; only where predictions change with it
             by `LEAST_INFLUENCE`.
-        beyond_healthy: By the keys of `where_acting`, how much predictions change with it where they change, in units of what the laws of
-            a healthy machine get wrong there.
+        beyond_healthy: By the keys of `where_acting`, how much predictions of the time that was fitted change with it where they change,
+            in units of what the laws of a healthy machine get wrong there.
         costs: By the keys of `drops`, `influence` as a share of how much the predicted signals vary; 0 for a shared supply: it is measured.
         balances: By subsystem and name.
         series: For the report.
@@ -189,7 +189,7 @@ def held_out_errors(
             if influence[key] <= validation.LEAST_INFLUENCE:  # what changes nothing was not tested
                 continue
             where_acting[key] = _missed_where_acting(other, other - named)
-            beyond_healthy[key] = _beyond(other - named, model.healthy_misfit())
+            beyond_healthy[key] = _beyond(refitted.fit.residual - one.final.fit.residual, one.model.healthy_misfit())
             if lacking > 1.0:
                 independent = other.size / max(correlation_time(other, model.blocks), 1.0)
                 gained, missing = other.size * (lacking**2 - with_it**2), other.size * (lacking**2 - 1.0)

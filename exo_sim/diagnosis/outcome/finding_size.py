@@ -16,11 +16,19 @@ def may_be_nil(finding: Finding) -> bool:
 
 
 def errors_from_nil(finding: Finding) -> float:
-    """Return by how many standard errors that size of a finding lies from nil that does so most; infinite where it has none."""
-    errors = [
-        abs(one.value - nil) / max(max(one.high - one.value, one.value - one.low) / HALF_WIDTH, 1e-300) for one, nil in _sizes(finding)
-    ]
+    """Return by how many standard errors, those towards nil, that size of a finding lies from nil that does so most.
+
+    Infinite where it has none.
+    """
+    errors = [abs(one.value - nil) / max(_towards(nil, one) / HALF_WIDTH, 1e-300) for one, nil in _sizes(finding)]
     return max(errors, default=math.inf)
+
+
+def _towards(nil: float, one: Estimate) -> float:
+    """Return how far the interval of a number reaches towards nil; where it holds that, and may end there by a bound, how far at all."""
+    if one.low <= nil <= one.high:
+        return max(one.high - one.value, one.value - one.low)
+    return one.value - one.low if one.value > nil else one.high - one.value
 
 
 def _sizes(finding: Finding) -> list[tuple[Estimate, float]]:

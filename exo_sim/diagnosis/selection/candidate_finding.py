@@ -34,7 +34,7 @@ def finding_of(candidate: Candidate, final: FittedModel, errors: Mapping[FreePar
     estimates = {}
     for parameter in candidate.parameters:
         value = final.fit.values[parameter]
-        low, high = bounded_interval(parameter, value, max(errors.get(parameter, 0.0), MODEL_SHARE * abs(value)))
+        low, high = _ends(parameter, value, errors.get(parameter, 0.0), search)
         if is_declared(candidate.effect):
             low, high = _widened_by_law(candidate, parameter, low, high)
         estimates[_called(parameter)] = Estimate(value, parameter.unit, low, high)
@@ -68,6 +68,14 @@ def with_all_parts(finding: Finding, candidate: Candidate, search: SearchResult,
             low, high = bounded_interval(parameter, value, errors.get(parameter, 0.0))
             estimates[parameter.parameter] = replace(own, low=min(own.low, low), high=max(own.high, high))
     return replace(finding, parameters=estimates)
+
+
+def _ends(parameter: FreeParameter, value: float, error: float, search: SearchResult) -> tuple[float, float]:
+    """Return the ends of a parameter's interval: each by the laws that lie on its side, unless the fit itself knows less."""
+    least = MODEL_SHARE * abs(value)
+    by_laws = error <= search.errors.get(parameter, 0.0)
+    below, above = search.sided.get(parameter, (error, error)) if by_laws else (error, error)
+    return bounded_interval(parameter, value, max(below, least))[0], bounded_interval(parameter, value, max(above, least))[1]
 
 
 def _widened_by_law(candidate: Candidate, parameter: FreeParameter, low: float, high: float) -> tuple[float, float]:

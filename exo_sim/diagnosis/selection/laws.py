@@ -26,16 +26,24 @@ class Law:
     errors: Mapping[FreeParameter, float]
 
 
-def errors_about(final: FittedModel, laws: Sequence[Law]) -> dict[FreeParameter, float]:
+def errors_about(final: FittedModel, laws: Sequence[Law], side: int = 0) -> dict[FreeParameter, float]:
     """Return standard deviations about the values of a model, over all laws that its effects may follow.
 
     Laws that fit about as well give a number other values (a dip that falls slowly with speed leaves less to the level at which a
     contact slides), and so does another effect beside it that explains the rest as well: the mean square over them, by their
     probability, is what is not known of it.
+
+    Args:
+        final: The model.
+        laws: Those that fit about as well.
+        side: -1 or 1 where only laws count whose value is lower or higher: how far a dip rises towards rest may be quite unknown, and that
+            there is one beyond doubt. 0 for all of them.
     """
     weights: dict[FreeParameter, list[tuple[float, float]]] = {}
     for law in laws:
         for q, error in law.errors.items():
             if q in final.effect_parameters and (law.own or q.target is not Target.SENSOR):  # a sensor's error has one law
-                weights.setdefault(q, []).append((law.weight, error**2 + (law.values[q] - final.fit.values[q]) ** 2))
+                away = law.values[q] - final.fit.values[q]
+                counts = away if side * away >= 0.0 else 0.0
+                weights.setdefault(q, []).append((law.weight, error**2 + counts**2))
     return {q: math.sqrt(sum(w * square for w, square in pairs) / sum(w for w, _ in pairs)) for q, pairs in weights.items()}

@@ -28,3 +28,8 @@ def test_of_several_the_one_farthest_from_nil_counts() -> None:
 
 def test_a_finding_without_numbers_is_not_nil() -> None:
     assert not may_be_nil(finding("quadratic_drag")) and errors_from_nil(finding("quadratic_drag")) == math.inf
+
+
+def test_how_far_a_number_may_lie_beyond_its_value_does_not_bring_it_nearer_to_nil() -> None:
+    one = finding("stribeck_friction", breakaway=Estimate(40.0, "N", 20.0, 400.0))
+    assert errors_from_nil(one) == pytest.approx(40.0 / 20.0 * 1.96, rel=1e-3)

@@ -30,3 +30,9 @@ def test_a_number_of_a_sensor_follows_its_own_law_alone() -> None:
 def test_of_what_the_model_does_not_hold_nothing_is_said() -> None:
     (other,) = waves.OTHER.parameters
     assert errors_about(MODEL, [Law(1.0, True, {other: 1.0}, {other: 0.1})]) == {}
+
+
+def test_laws_to_one_side_open_the_interval_to_that_side_alone() -> None:
+    own, higher = Law(1.0, True, {SIZE: 2.0}, {SIZE: 0.1}), Law(1.0, True, {SIZE: 30.0}, {SIZE: 0.1})
+    assert errors_about(MODEL, [own, higher], -1) == {SIZE: pytest.approx(0.1)}
+    assert errors_about(MODEL, [own, higher], 1) == errors_about(MODEL, [own, higher])

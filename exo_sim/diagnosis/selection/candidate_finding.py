@@ -71,11 +71,17 @@ def with_all_parts(finding: Finding, candidate: Candidate, search: SearchResult,
 
 
 def _ends(parameter: FreeParameter, value: float, error: float, search: SearchResult) -> tuple[float, float]:
-    """Return the ends of a parameter's interval: each by the laws that lie on its side, unless the fit itself knows less."""
-    least = MODEL_SHARE * abs(value)
-    by_laws = error <= search.errors.get(parameter, 0.0)
-    below, above = search.sided.get(parameter, (error, error)) if by_laws else (error, error)
-    return bounded_interval(parameter, value, max(below, least))[0], bounded_interval(parameter, value, max(above, least))[1]
+    """Return the ends of a parameter's interval; as far as nil it reaches by laws on that side alone."""
+    least, nil = MODEL_SHARE * abs(value), parameter.neutral
+    low, high = bounded_interval(parameter, value, max(error, least))
+    if error > search.errors.get(parameter, 0.0):  # the fit itself knows less
+        return low, high
+    below, above = search.sided.get(parameter, (error, error))
+    if low <= nil < value:
+        low = bounded_interval(parameter, value, max(below, least))[0]
+    if value < nil <= high:
+        high = bounded_interval(parameter, value, max(above, least))[1]
+    return low, high
 
 
 def _widened_by_law(candidate: Candidate, parameter: FreeParameter, low: float, high: float) -> tuple[float, float]:

@@ -127,17 +127,18 @@ class _Growth:
     def run(self, begun: FittedModel | None) -> SearchResult:
         """Return the result, with at most `MOST_FINDINGS` more than what stands of a model to begin with."""
         best = self._standing_of(begun) if begun is not None and begun.candidates else self.comparisons.baseline
-        beam, together = [best], list[Together]()
+        beam = [best]
+        together: Together | None = None
         for _ in range(MOST_FINDINGS):
             if self._is_over():
                 break
             self._report(f"scoring {len(self.proposals.candidates)} candidates")
             grown = self._grown(beam)
             if not grown:
-                if not together and not self.joint.is_within_bound(best):
-                    together.append(self.joint.found_together(best))
-                    if together[0].explains:
-                        return self._reached(together[0].model)
+                if together is None and not self.joint.is_within_bound(best):
+                    together = self.joint.found_together(best)
+                    if together.explains:
+                        return self._reached(together.model)
                 break
             leader = self._leader(grown)
             ordered = [leader, *(model for model in self.comparisons.ranked(grown) if model is not leader)]
@@ -148,10 +149,10 @@ class _Growth:
             self._report(f"{len(best.candidates)} found, {best.candidates[-1].effect.replace('_', ' ')} last")
             if not self.comparisons.is_clean(best) and self._goes_elsewhere(best):
                 return self._interrupted(best)
-            if not self.comparisons.is_clean(best) and not together:
-                together.append(self.joint.found_together(best))
-                if together[0].explains:
-                    return self._reached(together[0].model)
+            if not self.comparisons.is_clean(best) and together is None:
+                together = self.joint.found_together(best)
+                if together.explains:
+                    return self._reached(together.model)
             if self._gives_up(before, best):
                 return self._swapped(best)
             beam = [best]
@@ -159,14 +160,15 @@ class _Growth:
                 beam += [model for model in self.comparisons.ranked(grown) if model.named not in (best.named, leader.named)][: BEAM - 1]
         return self._swapped(self._gone_on(self._nearer(self._completed(best), together)))
 
-    def _nearer(self, best: FittedModel, together: Sequence[Together]) -> FittedModel:
+    def _nearer(self, best: FittedModel, together: Together | None) -> FittedModel:
         """Return what was found together where that explains more than what was found one at a time: one hides the other there.
 
         Something is left of it: its names then stand beside something unknown, by the harder rule (`decision`).
         """
-        found = [one.model for one in together if one.model.candidates and not self.comparisons.is_clean(best)]
-        more = [one for one in found if self.fits.deficit(one, best) < 0.0 and self.comparisons.accepts(best, one)]
-        return more[0] if more else best
+        if together is None or not together.model.candidates or self.comparisons.is_clean(best):
+            return best
+        one = together.model
+        return one if self.fits.deficit(one, best) < 0.0 and self.comparisons.accepts(best, one) else best
 
     def _reached(self, together: FittedModel) -> SearchResult:
         """Return the result of a search that ends with what was asked together, unless another subsystem is to be asked first."""

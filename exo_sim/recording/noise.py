@@ -112,7 +112,7 @@ def white_noise(values: NDArray[np.float64] | None) -> float:
     if good.size < 20:
         return 0.0
     fourth = np.diff(good, 4) / np.sqrt(70.0)
-    spread = 1.4826 * float(np.median(np.abs(fourth - np.median(fourth))))
+    spread = robust_deviation(fourth)
     if spread > 0.0:
         return spread
     steps = np.abs(np.diff(good))
@@ -235,3 +235,8 @@ def beyond_noise(square: float, noise: float, independent: float) -> float:
         independent: How many independent values the mean is of.
     """
     return math.sqrt(square - noise) if square > by_chance(independent) * noise else 0.0
+
+
+def robust_deviation(values: NDArray[np.float64]) -> float:
+    """Return the standard deviation of normal values but for some that are far off: 1.4826 median absolute deviations."""
+    return 1.4826 * float(np.median(np.abs(values - np.median(values))))

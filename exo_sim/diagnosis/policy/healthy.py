@@ -81,6 +81,17 @@ CONTACT_SCATTER = Number(
     "a contact that hardly slides scatters by more: rows there are worth so much less",
     "learn makes A to D of whole machines: where the piston creeps, what the true law leaves is 3 to 12 times what it leaves elsewhere",
 )  # fmt: skip
+ONSET_EXCESS = Number(
+    2.0, "standard deviations of what its law of speed gets wrong",
+    "a healthy contact takes no more than that much more to start than to keep sliding",
+    "learn makes with dry and viscous friction hidden, seed 7: 2 % of the level at most where the truth has no dip, half a standard "
+    "deviation; of X1 to X12 with one 16 to 100 %. The value between is asserted",
+)  # fmt: skip
+CREPT = Number(
+    3.0, "standard deviations from one onset to the next",
+    "an onset that peaks by so much less than the usual one crept before it broke loose",
+    "asserted; learn machine X9: with those far below, a true dip was 3 nats ahead, without them 62",
+)  # fmt: skip
 FEWEST_FOR_FUNCTIONS = Count(30, "rows", "fewer are no reason for a function of place or time of their own in the discrepancy of friction")
 SETTLED_SCATTER = Number(
     2.0, "standard deviation in units of that at the other speeds", "laws of speed are not asked where rows of a contact scatter by more"

@@ -6,21 +6,12 @@ import math
 from dataclasses import replace
 
 import numpy as np
-from numpy.typing import NDArray
 
 from exo_sim.diagnosis.policy import healthy
 from exo_sim.diagnosis.policy.recordings import FEWEST_ONSETS, FEWEST_ROWS
 from exo_sim.diagnosis.subsystems.motion.model import MotionModel
 from exo_sim.diagnosis.subsystems.motion.onsets import Starting
-
-Array = NDArray[np.float64]
-
-#: Standard deviations in a median absolute deviation, of normal errors.
-NORMAL = 1.4826
-#: An onset that peaks by so many standard deviations less than the usual one crept before it broke loose.
-CREPT = 3.0
-#: So many standard deviations of what the law of speed of a healthy machine gets wrong are still healthy.
-HEALTHY = 2.0
+from exo_sim.recording.noise import robust_deviation
 
 
 def with_breakaway(model: MotionModel) -> MotionModel:
@@ -41,14 +32,9 @@ def with_breakaway(model: MotionModel) -> MotionModel:
     peaks = every.onset_peaks(constant)
     if peaks.size < FEWEST_ONSETS:
         return model
-    starting = Starting(damping, 0.0, float(np.median(peaks)) - CREPT * _deviation(peaks), constant)
+    starting = Starting(damping, 0.0, float(np.median(peaks)) - healthy.CREPT * robust_deviation(peaks), constant)
     every = model.with_onsets(starting)
     excess = (every.friction_of_rows() - level - constant * np.sign(every.velocity))[model.size :]
-    scatter = _deviation(excess)
-    by_chance = max(scatter / math.sqrt(excess.size), HEALTHY * healthy.FRICTION_SPEED * level)
+    scatter = robust_deviation(excess)
+    by_chance = max(scatter / math.sqrt(excess.size), healthy.ONSET_EXCESS * healthy.FRICTION_SPEED * level)
     return model.with_onsets(replace(starting, scatter=scatter)) if float(np.median(excess)) > by_chance else model
-
-
-def _deviation(values: Array) -> float:
-    """Return the standard deviation of values but for some that are far off."""
-    return NORMAL * float(np.median(np.abs(values - np.median(values))))

@@ -1,9 +1,9 @@
 """Onsets of motion: what it takes to start a piston or joint that is at rest.
 
 Rows of a balance lie where it slides steadily; the friction that falls as a motion starts is over by then. About the moment at which a
-contact breaks loose the balance peaks. Behind the filter that peak is too low, never too high, but for what noise adds: part of what the
-filter takes lies before it, at rest, where dry friction is less than its level, and part behind it, where it has fallen. So an onset says
-something of a balance only where more is resisted there than sliding would (`breakaway`).
+contact breaks loose the balance peaks. Behind the filter that peak is lower than what it takes, but for what noise adds: part of what the
+filter takes lies before it, at rest, where dry friction is less than its level, and part behind it, where it has fallen. So a law is asked
+for the same peak behind the filter (`resistance_starting`), and an onset counts only where it exceeds sliding friction (`breakaway`).
 """
 
 from __future__ import annotations

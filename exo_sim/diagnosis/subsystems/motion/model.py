@@ -216,18 +216,12 @@ class MotionModel(SubsystemModel):
 
     def discrepancy_basis(self) -> DiscrepancyBasis:
         """Return what every model of friction gets wrong, as columns for the rows of the residual."""
-        at = {
-            name: self._set.means(values)
-            for name, values in (
-                ("position", lambda run: run.kinematics.position),
-                ("time", lambda run: run.time - run.time[0]),
-            )
-        }
+        position, time = (self._set.means(one) for one in (lambda run: run.kinematics.position, lambda run: run.time - run.time[0]))
         typical = self.noise or 1.0
         friction = self.friction / typical
         effort = max((run.effort for run in self.runs), default=0.0) / typical
         return friction_discrepancy(
-            at["position"], self.velocity, at["time"], self._set.recording, typical / self.scale, friction, effort, self._set.of_motion
+            position, self.velocity, time, self._set.recording, typical / self.scale, friction, effort, self._set.of_motion
         )
 
     def healthy_misfit(self) -> Array:

@@ -34,7 +34,7 @@ def sampling_error(given: GasInputs, plant: PlantParameters) -> Array:
     for first in (0, 1):
         fewer = run_gas(_every_other(given, first), plant.world, plant.cylinder, whole=False).pressure
         squares += 0.5 * (fewer - whole) ** 2
-    width = max(1, int(round(SAMPLING_SPAN / given.period)))
+    width = min(n, max(1, int(round(SAMPLING_SPAN / given.period))))
     count = np.convolve(np.ones(n), np.ones(width), "same")
     mean = np.stack([np.convolve(side, np.ones(width), "same") for side in np.nan_to_num(squares).T], axis=1) / count[:, None]
     return np.asarray(BETWEEN_SAMPLES * np.sqrt(mean))

@@ -66,6 +66,12 @@ def test_commands_that_are_held_leave_nothing_unknown(plant: PlantParameters, fi
     assert not sampling_error(inputs(thinned(fine, 10), plant.world, 1.2), plant).any()
 
 
+def test_a_run_shorter_than_the_span_of_the_mean_has_one_error_all_along(plant: PlantParameters, fine: CylinderRun) -> None:
+    short = thinned(fine, 10, sampled=True).at(np.arange(40), (0,))
+    said = sampling_error(inputs(short, plant.world, 1.2), plant)
+    assert said.shape == (40, 2) and np.isfinite(said).all() and said.any()
+
+
 def test_commands_are_read_as_samples_where_pressures_follow_their_means(plant: PlantParameters, fine: CylinderRun) -> None:
     for run, read in ((fine, False), (thinned(fine, 10), True)):
         model = GasModel([run], plant, Split({}))

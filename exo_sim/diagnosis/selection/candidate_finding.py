@@ -71,17 +71,19 @@ def with_all_parts(finding: Finding, candidate: Candidate, search: SearchResult,
 
 
 def _ends(parameter: FreeParameter, value: float, error: float, search: SearchResult) -> tuple[float, float]:
-    """Return the ends of a parameter's interval; as far as nil it reaches by laws on that side alone."""
+    """Return the ends of a parameter's interval: as wide as laws differ, and as far as one lies; nil is reached by laws on that side alone.
+
+    No law is the machine's own: by how much they differ it may differ from them to either side.
+    """
     least, nil = MODEL_SHARE * abs(value), parameter.neutral
     low, high = bounded_interval(parameter, value, max(error, least))
     if error > search.errors.get(parameter, 0.0):  # the fit itself knows less
         return low, high
-    below, above = search.sided.get(parameter, (error, error))
-    if low <= nil < value:
-        low = bounded_interval(parameter, value, max(below, least))[0]
-    if value < nil <= high:
-        high = bounded_interval(parameter, value, max(above, least))[1]
-    return low, high
+    below, above = search.reach.get(parameter, (error, error))
+    lowest = bounded_interval(parameter, value, max(below, least))[0]
+    highest = bounded_interval(parameter, value, max(above, least))[1]
+    low = lowest if low <= nil < value else min(low, lowest)
+    return low, highest if value < nil <= high else max(high, highest)
 
 
 def _widened_by_law(candidate: Candidate, parameter: FreeParameter, low: float, high: float) -> tuple[float, float]:

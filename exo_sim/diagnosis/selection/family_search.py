@@ -12,7 +12,6 @@ from dataclasses import replace
 from exo_sim.diagnosis.discrepancy.basis import DiscrepancyBasis
 from exo_sim.diagnosis.estimation.candidate import Candidate, drop_orphans
 from exo_sim.diagnosis.estimation.linear_family import LinearFamily
-from exo_sim.diagnosis.estimation.parameters import FreeParameter
 from exo_sim.diagnosis.findings import Kind
 from exo_sim.diagnosis.policy import verdicts
 from exo_sim.diagnosis.policy.off_nominal import HELD_WITHIN
@@ -22,7 +21,7 @@ from exo_sim.diagnosis.selection.evidence import Evidence
 from exo_sim.diagnosis.selection.family_rivals import equivalents, equivalents_of, rivals, runners_up
 from exo_sim.diagnosis.selection.finalist_fits import FinalistFits, predicting_best
 from exo_sim.diagnosis.selection.fitted_model import FittedModel, SearchResult, is_more_than_healthy
-from exo_sim.diagnosis.selection.laws import Law, errors_about
+from exo_sim.diagnosis.selection.laws import errors_about, reach_of_laws
 from exo_sim.diagnosis.selection.marginal_fit import MarginalFits
 from exo_sim.diagnosis.selection.model_fits import ModelFits
 from exo_sim.diagnosis.selection.nonparametric_terms import nonparametric_terms, unnamed
@@ -94,18 +93,12 @@ class FamilySearch:
             runners_up(self.weighing, best, posterior),
             probabilities=probabilities | self._of_poorer(final, best, alike, probabilities),
             errors=errors_about(final, laws),
-            sided=self._sided(final, laws),
+            reach=reach_of_laws(final, laws),
             unnamed=unnamed(self.weighing, self.basis, best, finalists, posterior),
             least_left=plain.fit.sse,
             undecided=tuple(c for c in passed_over if self._is_strained_without(c, probable, plain)),
             weighed_together=True,
         )
-
-    @staticmethod
-    def _sided(final: FittedModel, laws: Sequence[Law]) -> dict[FreeParameter, tuple[float, float]]:
-        """Return the errors of parameters towards lower values and towards higher ones."""
-        below, above = (errors_about(final, laws, side) for side in (-1, 1))
-        return {q: (error, above[q]) for q, error in below.items()}
 
     def _names(self, one: Weighed) -> tuple[Candidate, ...]:
         """Return what a subset names."""

@@ -124,7 +124,7 @@ class SearchResult:
         complete: By accepted candidate that is additive and of which a simpler form was taken: the model with all of its parameters.
         probabilities: Of effects being present, by effect and place, where subsets of them were weighed.
         errors: Standard deviations of parameters that also count what every model of a machine gets wrong.
-        sided: The same towards lower values and towards higher ones, where laws that fit as well lie to one side.
+        reach: How far laws that fit as well reach towards lower values and towards higher ones, in standard errors of a 95 % interval.
         least_left: Sum of squares that the same effects leave where nothing but that decides their numbers; infinite where it is `final`'s.
         unnamed: What is missing beside the names, the largest first.
         stands_for: By effect and place of nominal numbers that are further off than any data sheet allows, effects that explain as much.
@@ -142,7 +142,7 @@ class SearchResult:
     complete: Mapping[CandidateKey, FittedModel] = field(default_factory=dict)
     probabilities: Mapping[tuple[str, str], float] = field(default_factory=dict)
     errors: Mapping[FreeParameter, float] = field(default_factory=dict)
-    sided: Mapping[FreeParameter, tuple[float, float]] = field(default_factory=dict)
+    reach: Mapping[FreeParameter, tuple[float, float]] = field(default_factory=dict)
     least_left: float = math.inf
     unnamed: tuple[Unnamed, ...] = ()
     stands_for: Mapping[tuple[str, str], tuple[str, ...]] = field(default_factory=dict)

@@ -6,8 +6,19 @@ import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 
+import numpy as np
+from numpy.typing import NDArray
+from scipy.optimize import brentq
+from scipy.special import ndtr, ndtri
+
 from exo_sim.diagnosis.estimation.parameters import FreeParameter, Target
+from exo_sim.diagnosis.estimation.uncertainty import HALF_WIDTH
 from exo_sim.diagnosis.selection.fitted_model import FittedModel
+
+Array = NDArray[np.float64]
+
+#: Probability below a 95 % interval, and above it.
+TAIL = 0.025
 
 
 @dataclass(frozen=True)
@@ -26,7 +37,7 @@ class Law:
     errors: Mapping[FreeParameter, float]
 
 
-def errors_about(final: FittedModel, laws: Sequence[Law], side: int = 0) -> dict[FreeParameter, float]:
+def errors_about(final: FittedModel, laws: Sequence[Law]) -> dict[FreeParameter, float]:
     """Return standard deviations about the values of a model, over all laws that its effects may follow.
 
     Laws that fit about as well give a number other values (a dip that falls slowly with speed leaves less to the level at which a
@@ -36,14 +47,56 @@ def errors_about(final: FittedModel, laws: Sequence[Law], side: int = 0) -> dict
     Args:
         final: The model.
         laws: Those that fit about as well.
-        side: -1 or 1 where only laws count whose value is lower or higher: how far a dip rises towards rest may be quite unknown, and that
-            there is one beyond doubt. 0 for all of them.
     """
-    weights: dict[FreeParameter, list[tuple[float, float]]] = {}
+    found = {}
+    for q, posterior in _posteriors(final, laws).items():
+        away = posterior.values - final.fit.values[q]
+        found[q] = math.sqrt(float(posterior.weights @ (posterior.errors**2 + away**2)))
+    return found
+
+
+def reach_of_laws(final: FittedModel, laws: Sequence[Law]) -> dict[FreeParameter, tuple[float, float]]:
+    """Return how far from the values of a model its laws' posterior reaches, towards lower and towards higher values.
+
+    In standard errors: so many times `HALF_WIDTH` away are the 2.5 % and the 97.5 % quantile of the mixture of all laws. A law of a
+    tenth of the probability lies within, far from the others as it may be; one on the far side alone says nothing of this one.
+    """
+    return {
+        q: (
+            max(final.fit.values[q] - posterior.quantile(TAIL), 0.0) / HALF_WIDTH,
+            max(posterior.quantile(1.0 - TAIL) - final.fit.values[q], 0.0) / HALF_WIDTH,
+        )
+        for q, posterior in _posteriors(final, laws).items()
+    }
+
+
+@dataclass(frozen=True)
+class _Mixture:
+    """A mixture of normal distributions, one a law, shape (laws,) each; the weights sum to one."""
+
+    weights: Array
+    values: Array
+    errors: Array
+
+    def quantile(self, share: float) -> float:
+        """Return the value below which so much of it lies."""
+        spread = np.maximum(self.errors, 1e-12 * max(float(np.abs(self.values).max()), 1e-300))
+        own = self.values + ndtri(share) * spread  # of each law: that of the mixture lies between them
+        low, high = float(own.min()), float(own.max())
+        if not low < high:
+            return low
+        return float(brentq(lambda x: float(self.weights @ ndtr((x - self.values) / spread)) - share, low, high, xtol=1e-9 * (high - low)))
+
+
+def _posteriors(final: FittedModel, laws: Sequence[Law]) -> dict[FreeParameter, _Mixture]:
+    """Return the posterior of each of a model's numbers, over all laws that its effects may follow."""
+    found: dict[FreeParameter, list[tuple[float, float, float]]] = {}
     for law in laws:
         for q, error in law.errors.items():
             if q in final.effect_parameters and (law.own or q.target is not Target.SENSOR):  # a sensor's error has one law
-                away = law.values[q] - final.fit.values[q]
-                counts = away if side * away >= 0.0 else 0.0
-                weights.setdefault(q, []).append((law.weight, error**2 + counts**2))
-    return {q: math.sqrt(sum(w * square for w, square in pairs) / sum(w for w, _ in pairs)) for q, pairs in weights.items()}
+                found.setdefault(q, []).append((law.weight, law.values[q], error))
+    mixtures = {}
+    for q, members in found.items():
+        weights, values, errors = np.array(members).T
+        mixtures[q] = _Mixture(weights / weights.sum(), values, errors)
+    return mixtures

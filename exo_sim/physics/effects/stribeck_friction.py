@@ -12,7 +12,7 @@ from exo_sim.physics.terms import DRY_EXCESS
 def _starts(seen: ObservedMotion) -> Starts:
     """Return values to begin with: a little and much above what slides, at low and middling speeds."""
     levels, speeds = ((1.4, 0.1), (2.0, 0.4)), (0.05, 0.25)
-    return tuple((b * seen.base + c * seen.force, w * seen.speed, 2.0) for b, c in levels for w in speeds)
+    return tuple((b * seen.base + c * seen.force, w * seen.speed, 2.0, 1.0) for b, c in levels for w in speeds)
 
 
 EFFECT = Effect(
@@ -33,6 +33,10 @@ EFFECT = Effect(
         ),
         Parameter("velocity", "m/s", 1e-4, 10.0, (5e-3, 0.1), "5-100 mm/s", angular_unit="rad/s"),
         Parameter("exponent", "1", 0.5, 2.0, (0.5, 2.0), "0.5-1 to 2 (Armstrong-Helouvry, Dupont, Canudas de Wit 1994)", required=False),
+        Parameter(
+            "tail", "1", 0.0, 1.0, (0.0, 1.0), "0 exponential, 1 Lorentzian (Armstrong-Helouvry, Dupont, Canudas de Wit 1994)",
+            required=False,
+        ),
     ),
     cut="motion",
     reveals=("position", "force"),
@@ -40,12 +44,13 @@ EFFECT = Effect(
     experiment="slow triangles at three speeds between 1 and 100 mm/s",
     convention=(
         "breakaway is the whole force at rest, not what it has more than Coulomb's; the excess falls as "
-        "exp(-(v/velocity)^exponent), with an exponent of 2 where none is given."
+        "exp(-(v/velocity)^exponent), with an exponent of 2 where none is given; with a tail as "
+        "(1 + tail (v/velocity)^exponent)^(-1/tail), more slowly at speed: 1 is the Lorentzian 1/(1 + (v/velocity)^exponent)."
     ),
     valid="friction follows speed at once: no film that builds up, no time at rest that makes it stronger.",
     signature="the piston jumps when it starts; friction falls over the first centimetres a second",
     identification=Identification(
-        forms=(("breakaway", "velocity", "exponent"),),
+        forms=(("breakaway", "velocity", "exponent"), ("breakaway", "velocity", "exponent", "tail")),
         starts_by_motion=_starts,
         within_speeds=("velocity",),
         on_top_of="coulomb_friction",
@@ -63,4 +68,5 @@ def excess(p, level, motion):
         return 0.0
     ratio = motion.v / p.velocity
     fallen = ratio * ratio if p.exponent <= 0.0 else abs(ratio) ** p.exponent
-    return (p.breakaway - level) * math.exp(-fallen)
+    left = math.exp(-fallen) if p.tail <= 0.0 else (1.0 + p.tail * fallen) ** (-1.0 / p.tail)
+    return (p.breakaway - level) * left

@@ -212,14 +212,18 @@ def _asymmetric(table: Mapping[str, Any], at: Rows, gauges: Array, dry: Array) -
 
 
 def _viscous(table: Mapping[str, Any], at: Rows, gauges: Array, dry: Array) -> Array:
-    return units.parse(table["coefficient"], "N*s/m") * at.velocity
+    """Return the resistance of a film; the power of speed may be given, the coefficient then stands at 0.1 m/s."""
+    thinned = np.maximum(np.abs(at.velocity), 1e-3) / 0.1
+    return units.parse(table["coefficient"], "N*s/m") * at.velocity * thinned ** (float(table.get("index", 1.0)) - 1.0)
 
 
 def _stribeck(table: Mapping[str, Any], at: Rows, gauges: Array, dry: Array) -> Array:
-    """Return what breakaway adds to the other dry friction; an exponent other than 2 may be given."""
+    """Return what breakaway adds to the other dry friction; an exponent other than 2 may be given, and a tail."""
     excess = np.maximum(units.parse(table["breakaway"], "N") - dry, 0.0)
-    power = float(table.get("exponent", 2.0))
-    return np.sign(at.velocity) * excess * np.exp(-((np.abs(at.velocity) / units.parse(table["velocity"], "m/s")) ** power))
+    power, tail = float(table.get("exponent", 2.0)), float(table.get("tail", 0.0))
+    fallen = (np.abs(at.velocity) / units.parse(table["velocity"], "m/s")) ** power
+    left = (1.0 + tail * fallen) ** (-1.0 / tail) if tail > 0.0 else np.exp(-fallen)
+    return np.sign(at.velocity) * excess * left
 
 
 def _presliding(table: Mapping[str, Any], at: Rows, gauges: Array, dry: Array) -> Array:

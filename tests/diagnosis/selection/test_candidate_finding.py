@@ -71,9 +71,16 @@ def test_twins_are_as_probable_as_the_name_and_are_named_once() -> None:
 
 def test_laws_on_the_far_side_of_a_number_do_not_let_its_interval_hold_nil(found: SearchResult) -> None:
     value = found.final.fit.values[BASE]
-    wide = replace(found, errors={BASE: 2.0 * value}, sided={BASE: (0.1 * value, 2.0 * value)})
+    wide = replace(found, errors={BASE: 2.0 * value}, reach={BASE: (0.1 * value, 2.0 * value)})
     ends = finding_of(waves.BASE, found.final, {BASE: 2.0 * value}, wide).parameters["slow"]
     assert ends.low == pytest.approx(value - HALF_WIDTH * 0.1 * value) and ends.high > 3.0 * value
-    narrow = replace(found, errors={BASE: 0.2 * value}, sided={BASE: (0.1 * value, 0.2 * value)})
+    narrow = replace(found, errors={BASE: 0.2 * value}, reach={BASE: (0.1 * value, 0.2 * value)})
     ends = finding_of(waves.BASE, found.final, {BASE: 0.2 * value}, narrow).parameters["slow"]
     assert ends.low == pytest.approx(value - HALF_WIDTH * 0.2 * value)  # holds no nil: as wide as all laws make it
+
+
+def test_an_interval_holds_a_law_that_lies_further_than_laws_differ(found: SearchResult) -> None:
+    value = found.final.fit.values[BASE]
+    far = replace(found, errors={BASE: 0.2 * value}, reach={BASE: (0.1 * value, 0.5 * value)})
+    ends = finding_of(waves.BASE, found.final, {BASE: 0.2 * value}, far).parameters["slow"]
+    assert ends.high == pytest.approx(value * (1.0 + HALF_WIDTH * 0.5)) and ends.low == pytest.approx(value * (1.0 - HALF_WIDTH * 0.2))

@@ -26,3 +26,14 @@ def test_excess_falls_with_its_exponent() -> None:
     assert steady_resistance(contact(**LUGRE), 0.031) == pytest.approx(
         steady_resistance(contact(**{**LUGRE, "stribeck_friction": {**LUGRE["stribeck_friction"], "exponent": 2.0}}), 0.031), rel=1e-14
     )
+
+
+def test_excess_falls_with_its_tail_from_an_exponential_to_a_lorentzian() -> None:
+    """With s = (v/velocity)^exponent: exp(-s) as the tail vanishes, (1 + s/2)^-2 with half of one, 1/(1 + s) with a whole one."""
+    for exponent in (0.7, 2.0):
+        for times in (0.5, 1.0, 6.0):
+            s = times**exponent
+            for tail, left in ((1e-9, math.exp(-s)), (0.5, (1.0 + 0.5 * s) ** -2.0), (1.0, 1.0 / (1.0 + s))):
+                dip = {**LUGRE["stribeck_friction"], "exponent": exponent, "tail": tail}
+                joint = contact(coulomb_friction={"force": 15.0}, stribeck_friction=dip)
+                assert steady_resistance(joint, 0.02 * times) == pytest.approx(15.0 + 10.0 * left, abs=2e-6)

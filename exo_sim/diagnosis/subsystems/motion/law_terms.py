@@ -30,6 +30,8 @@ Residual = Callable[[dict[FreeParameter, float]], Array]
 #: Speeds of Stribeck's dip that are tried, between these shares of the least and the greatest speed that occurred; its exponents.
 DIPS, DIP_LOW, DIP_HIGH = 11, 0.7, 0.2
 EXPONENTS = (0.6, 1.0, 2.0)
+#: Values of a shape without a unit that are tried, such as the power of speed that a film resists with.
+POWERS = 3
 #: Dry laws are differenced by this share of the level of friction.
 STEP = 0.3
 
@@ -147,11 +149,12 @@ class LawTerms:
     def _shapes(self, parameter: FreeParameter) -> list[float]:
         """Return the values at which a shape is tried: speeds among those that occurred, else over its typical range."""
         low, high = parameter.low, parameter.high
+        number = POWERS if parameter.unit == "1" else DIPS
         if parameter.unit in ("m/s", "rad/s"):
             low, high = max(low, DIP_LOW * self.scales.slowest), min(high, self.scales.fastest)
         elif parameter.effect in declared():
             low, high = declared()[parameter.effect].parameter(parameter.parameter).typical
-        return list(np.geomspace(low, high, DIPS) if 0.0 < low < high else np.linspace(low, high, DIPS))
+        return list(np.geomspace(low, high, number) if 0.0 < low < high else np.linspace(low, high, number))
 
     @staticmethod
     def _absorbed(candidate: Candidate) -> str:
@@ -184,9 +187,7 @@ class LawTerms:
     def _dips(self, candidate: Candidate, residual: Residual) -> list[Term]:
         """Return Stribeck's excess over the level of dry friction, at several speeds of its dip."""
         about, base = self._about(residual)
-        breakaway, velocity, exponent = (
-            next(q for q in candidate.parameters if q.parameter == name) for name in ("breakaway", "velocity", "exponent")
-        )
+        breakaway, velocity, exponent, *tail = candidate.parameters
         step, most = STEP * self.scales.level, priors.BREAKAWAY * self.scales.level
         sliding = self.scales.level + self.standing_level  # a breakaway below all that slides is none
         believable = replace(breakaway, prior=(sliding, priors.BREAKAWAY * sliding))  # below all speeds that occurred it is not seen
@@ -196,7 +197,7 @@ class LawTerms:
         low, high = DIP_LOW * self.scales.slowest, DIP_HIGH * self.scales.fastest
         speeds = np.geomspace(low, max(high, 1.01 * DIP_LOW * self.scales.slowest), DIPS)
         for speed, power in itertools.product(map(float, speeds), EXPONENTS):
-            shape = {velocity: speed, exponent: power}
+            shape = {velocity: speed, exponent: power, **dict.fromkeys(tail, 1.0)}
             flat = residual({**about, breakaway: sliding, **shape}) if self.standing_level > 0.0 else base
             column = (residual({**about, breakaway: sliding + step, **shape}) - flat) / step
             if not _shows(column):

@@ -26,6 +26,7 @@ class Term:
         parameters: Its parameters, from its sizes, shape (k,), and from the parameters of the terms before it.
         group: Terms of one group exclude each other: laws of one effect, or effects of which one is the richer form.
         alternatives: How many terms share the prior probability of the effect.
+        log_prior: Logarithm of how much less probable its shape is than the one that is expected.
     """
 
     candidate: Candidate
@@ -35,6 +36,7 @@ class Term:
     parameters: Callable[[Array, Mapping[FreeParameter, float]], dict[FreeParameter, float]]
     group: str
     alternatives: int = 1
+    log_prior: float = 0.0
 
 
 @dataclass(frozen=True)

@@ -106,6 +106,11 @@ class FreeParameter:
         return ("" if self.target is Target.SENSOR else self.effect), self.parameter
 
     @property
+    def is_shape(self) -> bool:
+        """Whether it only shapes a law, such as the power of speed that a film resists with: of no unit, and roughly known."""
+        return self.unit == "1" and self.prior is not None and self.target is Target.CYLINDER
+
+    @property
     def start(self) -> float:
         """Where a fit begins without a better guess: the prior's mean, or neutral."""
         return self.prior[0] if self.prior else self.neutral

@@ -21,6 +21,7 @@ from exo_sim.diagnosis.selection.evidence import Evidence
 from exo_sim.diagnosis.selection.family_rivals import equivalents, equivalents_of, rivals, runners_up
 from exo_sim.diagnosis.selection.finalist_fits import FinalistFits, predicting_best
 from exo_sim.diagnosis.selection.fitted_model import FittedModel, SearchResult, is_more_than_healthy
+from exo_sim.diagnosis.selection.law_forms import fitted_forms, plainest, weighed_as_fitted
 from exo_sim.diagnosis.selection.laws import errors_about, reach_of_laws
 from exo_sim.diagnosis.selection.marginal_fit import MarginalFits
 from exo_sim.diagnosis.selection.model_fits import ModelFits
@@ -74,6 +75,12 @@ class FamilySearch:
         beside, final = found.beside, found.model
         if found is not first:
             probabilities |= {c.at: evidence.probability_in(c, final, best.spreads) for c in final.candidates}
+        forms = fitted_forms(
+            final, self._forms(), lambda chosen, near: beside.fit(chosen, near, refined=True),
+            lambda one: evidence.log_evidence(one, best.spreads),
+        )  # fmt: skip
+        final = plainest(forms)
+        laws = weighed_as_fitted(laws, forms, final, self.fits.standard_errors)
         plain = self.fits.refined(self.fits.fit(final.candidates, final))
         final = predicting_best(final, plain, errors_about(final, laws))
         if final.candidates and comparisons.is_clean(baseline) and not evidence.is_decisive(final, baseline, best.spreads):
@@ -99,6 +106,10 @@ class FamilySearch:
             undecided=tuple(c for c in passed_over if self._is_strained_without(c, probable, plain)),
             weighed_together=True,
         )
+
+    def _forms(self) -> tuple[Candidate, ...]:
+        """Return every form of every effect that the family has."""
+        return tuple({term.candidate.key: term.candidate for term in self.family.linearisations[0].terms}.values())
 
     def _names(self, one: Weighed) -> tuple[Candidate, ...]:
         """Return what a subset names."""

@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 from scipy.optimize import brentq
 from scipy.special import ndtr, ndtri
 
+from exo_sim.diagnosis.estimation.candidate import CandidateKey
 from exo_sim.diagnosis.estimation.parameters import FreeParameter, Target
 from exo_sim.diagnosis.estimation.uncertainty import HALF_WIDTH
 from exo_sim.diagnosis.selection.fitted_model import FittedModel
@@ -29,12 +30,14 @@ class Law:
         weight: Its probability in units of the most probable one's.
         own: Whether it is the best subset's own.
         values, errors: Parameters and their posterior standard deviations.
+        forms: The effects that are present under it, each with its form.
     """
 
     weight: float
     own: bool
     values: Mapping[FreeParameter, float]
     errors: Mapping[FreeParameter, float]
+    forms: frozenset[CandidateKey] = frozenset()
 
 
 def errors_about(final: FittedModel, laws: Sequence[Law]) -> dict[FreeParameter, float]:

@@ -65,5 +65,6 @@ def laws_of(weighing: SubsetWeighing, nuisances: Sequence[FreeParameter], best: 
         weight = math.exp(one.score - highest)
         if weight >= verdicts.LEAST_LAW_WEIGHT:
             own = one.point == best.point and one.subset == best.subset
-            found.append(Law(weight, own, *values_and_errors(weighing, nuisances, one, weighing.posterior(one))))
+            present = frozenset(c.key for c in weighing.candidates(one) if not c.is_law)
+            found.append(Law(weight, own, *values_and_errors(weighing, nuisances, one, weighing.posterior(one)), present))
     return found

@@ -232,6 +232,7 @@ class SubsetWeighing:
         groups = {term.group for term in terms}
         total = 0.0
         asked = [(term.candidate, term.alternatives) for term in terms]
+        total += sum(term.log_prior for term in terms)
         if chosen.candidate is not None:
             asked.append((chosen.candidate, chosen.alternatives))
         for candidate, alternatives in asked:

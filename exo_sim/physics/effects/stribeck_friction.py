@@ -55,7 +55,7 @@ EFFECT = Effect(
         within_speeds=("velocity",),
         on_top_of="coulomb_friction",
         prevalence=0.3,
-        known={"exponent": (2.0, 0.75)},  # of a rig that gives none; seals have 0.5 to 2
+        known={"exponent": (2.0, 0.75), "tail": (0.0, 1.0)},  # of a rig that gives none; seals have 0.5 to 2
         twins=Twins(damping=-1),  # friction that falls with speed
     ),
 )

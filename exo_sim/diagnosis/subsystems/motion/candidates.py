@@ -15,7 +15,7 @@ from exo_sim.diagnosis.estimation.sensor_error import sensor_error
 from exo_sim.diagnosis.policy import healthy, priors
 from exo_sim.diagnosis.subsystems.healthy_leak import OUTWARD, external_leaks
 from exo_sim.diagnosis.subsystems.motion.full_scale import full_force, full_travel
-from exo_sim.physics.declaration import Effect, Parameter, declared
+from exo_sim.physics.declaration import Effect, declared
 from exo_sim.physics.effects import friction_smoothing, presliding, sensor_bias
 from exo_sim.physics.identification import ObservedMotion
 
@@ -84,7 +84,7 @@ def candidates(
                         asked.scale or abs(size) or 1.0,
                         low,
                         high,
-                        _shape_prior(parameter),
+                        asked.known.get(name),
                         healthy_limit=asked.resists * resistance.get(parameter.unit, 0.0),
                     )  # fmt: skip
                 )
@@ -109,17 +109,6 @@ def candidates(
         zero = sensor_error(sensor_bias.EFFECT, column, f"{column}.bias", unit, level, (-1e7, 1e7), limit)
         found.append(replace(zero, prevalence=priors.FAULTY_ZERO))
     return tuple(found)
-
-
-def _shape_prior(parameter: Parameter) -> tuple[float, float] | None:
-    """Return what is known of a number that only shapes a law: its typical range, as one standard deviation to either side; else None.
-
-    A recording seldom tells several of them apart, and what slides then hangs on numbers that no contact has.
-    """
-    if parameter.unit != "1" or parameter.required:
-        return None
-    low, high = parameter.typical
-    return 0.5 * (low + high), 0.5 * (high - low)
 
 
 def creep_of(values: Mapping[FreeParameter, float]) -> float:

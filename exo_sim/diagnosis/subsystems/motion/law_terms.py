@@ -142,7 +142,12 @@ class LawTerms:
 
             if columns and all(_shows(column) for column in columns):
                 one_sided = tuple(q.low >= q.neutral for q in sizes)
-                terms.append(Term(candidate, np.column_stack(columns), self._spread(columns), one_sided, parameters, candidate.effect))
+                terms.append(
+                    Term(
+                        candidate, np.column_stack(columns), self._spread(columns), one_sided, parameters, candidate.effect,
+                        log_prior=_log_prior(fixed),
+                    )
+                )  # fmt: skip
         differ = any(_shows(one.columns - terms[0].columns) for one in terms)
         return [replace(term, alternatives=len(terms)) for term in terms] if differ else []
 
@@ -206,11 +211,14 @@ class LawTerms:
             def parameters(sizes: Array, before: Values, shape: Values = shape) -> dict[FreeParameter, float]:
                 return {breakaway: self._level_of(before) + max(float(sizes[0]), 0.0), **shape}
 
-            found.append((column, parameters))
+            found.append((column, parameters, _log_prior(shape)))
         return [
-            Term(candidate, column[:, None], np.minimum(self._spread([column]), most), (True,), parameters, candidate.effect, len(found))
-            for column, parameters in found
-        ]
+            Term(
+                candidate, column[:, None], np.minimum(self._spread([column]), most), (True,), parameters, candidate.effect, len(found),
+                prior,
+            )
+            for column, parameters, prior in found
+        ]  # fmt: skip
 
     def _standing_level(self, pressure: float) -> float:
         """Return the most dry friction that the nominal machine has beside Coulomb's, at this pressure above the atmosphere [Pa]."""
@@ -254,6 +262,11 @@ class LawTerms:
         full = full_force(self.run, self.model.nominal) / self.run.drive.usual_arm
         spread = np.maximum(self._spread(columns), [0.0, full])  # a spring is preloaded against all that drives
         return [Term(candidate, np.column_stack(columns), spread, (True, False), parameters, candidate.effect)]
+
+
+def _log_prior(shape: Values) -> float:
+    """Return the logarithm of how much less probable a shape is than the one that is expected."""
+    return sum(-0.5 * ((value - q.prior[0]) / q.prior[1]) ** 2 for q, value in shape.items() if q.prior is not None)
 
 
 def _richer_than(name: str) -> set[str]:

@@ -11,6 +11,7 @@ from diagnosis.motion_runs import ACCELERATION, MASS, POSITION, TIME, VELOCITY
 
 from exo_sim.diagnosis.data.split import Split
 from exo_sim.diagnosis.estimation.least_squares import Fit
+from exo_sim.diagnosis.estimation.uncertainty import HALF_WIDTH
 from exo_sim.diagnosis.policy.priors import BREAKAWAY
 from exo_sim.diagnosis.selection.family_search import FamilySearch
 from exo_sim.diagnosis.selection.fitted_model import FittedModel, SearchResult
@@ -62,11 +63,12 @@ def test_one_law_is_named_with_its_number(effect: str, sizes: dict[str, float], 
 @pytest.mark.parametrize("times", [0.2, 1.0, 20.0])
 def test_dry_friction_with_a_dip_and_viscous_friction_are_found_together_over_two_decades(times: float) -> None:
     sizes = {"coulomb": 12.0 * times, "stribeck": 9.0 * times, "viscous": 60.0 * times}
-    found = named(searched(MotionModel([motion_runs.balance(lost(**sizes), 0.1 * times)], motion_runs.plant(), Split({}))))
-    assert set(found) == {"coulomb_friction", "stribeck_friction", "viscous_friction"}
-    assert found["coulomb_friction"] == pytest.approx(12.0 * times, rel=0.05)
-    assert found["viscous_friction"] == pytest.approx(60.0 * times, rel=0.05)
-    assert found["stribeck_friction"] == pytest.approx(21.0 * times, rel=0.15)
+    found = searched(MotionModel([motion_runs.balance(lost(**sizes), 0.1 * times)], motion_runs.plant(), Split({})))
+    assert set(named(found)) == {"coulomb_friction", "stribeck_friction", "viscous_friction"}
+    for candidate in found.final.candidates:
+        size, true = candidate.parameters[0], {"coulomb_friction": 12.0, "viscous_friction": 60.0, "stribeck_friction": 21.0}
+        value, error = found.final.fit.values[size], HALF_WIDTH * found.errors[size]
+        assert abs(value - true[candidate.effect] * times) < error < value, candidate.effect
 
 
 def test_a_level_that_the_rig_has_and_that_differs_by_direction_is_found_beside_it() -> None:
@@ -171,7 +173,7 @@ def test_what_no_noise_leaves_open_of_a_law_is_in_the_interval_of_the_level() ->
     found = searched(MotionModel([run], motion_runs.plant(), Split({})))
     (level,) = next(c for c in found.final.candidates if c.effect == "coulomb_friction").parameters
     assert abs(found.final.fit.values[level] - 12.0) < 2.0 * found.errors[level]
-    assert 0.06 < found.errors[level] < 0.6
+    assert 0.06 < found.errors[level] < 1.5  # a film that thins leaves less to it
 
 
 def test_a_rig_that_knows_its_friction_lacks_no_more_than_any_model_of_it() -> None:

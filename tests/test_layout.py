@@ -79,7 +79,7 @@ THROUGH: dict[str, tuple[str, ...]] = {
         "control/strap_feedback.py", "control/strap_loads.py",
         "simulation/causal_calibration.py", "simulation/coupled_step.py", "simulation/loop_log.py",
         "simulation/valve_loop.py", "simulation/views.py",
-        "simulation/worn_demand.py",
+        "simulation/worn_demand.py", "simulation/worn_log.py",
     ),
     "sizing/test_search.py": (
         "sizing/confirmation.py", "sizing/first_designs.py",

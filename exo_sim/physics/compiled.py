@@ -9,8 +9,8 @@ from __future__ import annotations
 
 import contextlib
 import hashlib
+import os
 import platform
-import re
 from collections.abc import Callable
 from pathlib import Path
 from typing import Any, TypeVar
@@ -27,12 +27,16 @@ from exo_sim.physics import compiled_cache, external_effects
 Function = TypeVar("Function", bound=Callable[..., Any])
 
 _PACKAGE = Path(__file__).resolve().parent.parent
-_COMPILED = re.compile(rb"kernel|intrinsic")
+
+
+def _holds_kernel(path: Path) -> bool:
+    text = path.read_bytes()
+    return b"kernel" in text or b"intrinsic" in text
 
 
 def _sources() -> list[Path]:
-    physics = Path(__file__).resolve().parent
-    own = [path for path in sorted(_PACKAGE.rglob("*.py")) if physics in path.parents or _COMPILED.search(path.read_bytes())]
+    physics = f"{Path(__file__).resolve().parent}{os.sep}"
+    own = [path for path in sorted(_PACKAGE.rglob("*.py")) if str(path).startswith(physics) or _holds_kernel(path)]
     return own + [source.path for source in external_effects.sources()]
 
 

@@ -16,6 +16,7 @@ from numpy.typing import NDArray
 from scipy.signal import oaconvolve, savgol_coeffs
 
 from exo_sim.recording.filters import QUIET, evenly, first_rate_gain, smoothed
+from exo_sim.recording.kept_results import kept
 from exo_sim.recording.noise import beyond_noise, white_noise
 
 Array = NDArray[np.float64]
@@ -94,6 +95,8 @@ def first_rate_error(time: Array, values: Array) -> float:
     return LocalStates(time, values).at_end.error if is_noisy(time, values) else white_noise(values) * first_rate_gain(time)
 
 
+#: Of every position of some recordings, in their middle and at their ends.
+@kept(32)
 def _best_span(grid: Array, step: float, noise: float, at_end: bool) -> Span:
     """Return the span whose rate is best, in its middle or at its beginning."""
     most = min(MOST, int(MOST_SHARE * len(grid)))

@@ -26,6 +26,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from exo_sim.recording.kept_results import kept
 from exo_sim.recording.table import Recording
 
 _STRIDES = (1, 2, 4, 8, 16)
@@ -75,6 +76,8 @@ def floor(values: NDArray[np.float64], time: NDArray[np.float64]) -> Noise:
     return Noise(std, white, correlated, found.correlation_time, step, found.signal_share)
 
 
+#: As many columns as a diagnosis goes through again for every rig that it tries.
+@kept(256)
 def _floor(values: NDArray[np.float64], time: NDArray[np.float64], present: NDArray[np.bool_]) -> Noise:
     step = quantum(values)
     if present.sum() < 8:

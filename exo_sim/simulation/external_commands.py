@@ -21,6 +21,7 @@ from exo_sim.simulation.loop_wiring import wire
 from exo_sim.simulation.mujoco_calls import warnings_counted
 from exo_sim.simulation.valve_loop import Drives
 from exo_sim.simulation.walk import JOINTS, Walk, layout
+from exo_sim.simulation.worn_log import keys_of, walk_of
 
 if TYPE_CHECKING:
     from exo_sim.simulation.worn import Simulation
@@ -155,7 +156,7 @@ class Stepper:
     def __init__(self, simulation: Simulation) -> None:
         self.simulation = simulation
         self.outside = Outside(simulation)
-        self._keys = simulation.keys
+        self._keys = keys_of(simulation)
         self._watch = simulation.watch()
         self.rows: list[Array] = []
         self.taken = self.first = 0
@@ -212,4 +213,4 @@ class Stepper:
 
     def as_walk(self, rows: Array, first: int) -> Walk:
         """Return rows of the log, the first of them that of a step, as a walk."""
-        return self.simulation.walk_of(rows, self._keys, first, True)
+        return walk_of(self.simulation, rows, self._keys, first, True)

@@ -27,15 +27,16 @@ from exo_sim.machine.straps import fasten
 from exo_sim.machine.worn_model import PAYLOAD_LIMIT, build, carry, with_hung
 from exo_sim.rig import Rig
 from exo_sim.rig.control_step import check_step
-from exo_sim.simulation import external_commands, loop, pressure_plans, residual_guideline, wearer_log
+from exo_sim.simulation import external_commands, loop, pressure_plans, residual_guideline
 from exo_sim.simulation.divergence import WearerWatch
 from exo_sim.simulation.loop_wiring import wire
 from exo_sim.simulation.mujoco_calls import warnings_counted
 from exo_sim.simulation.plugin import PneumaticPlugin
 from exo_sim.simulation.torque_driven_wearer import embody, used_to
-from exo_sim.simulation.walk import Request, Walk, as_columns, layout
+from exo_sim.simulation.walk import Request, Walk
 from exo_sim.simulation.wearer_load import prescribed_alone
 from exo_sim.simulation.worn_demand import LOOKED_AT, rehearsed_by_body, rehearsed_demand
+from exo_sim.simulation.worn_log import keys_of, walk_of
 
 _CHUNK = 250
 #: Rows of a piece of a long run, and whole cycles in it at the least: those that a summary leaves out, and one more.
@@ -86,7 +87,7 @@ class Simulation:
         check_effects(rig, self.model)
         self.data = mujoco.MjData(self.model)
         self.straps = fasten(self.model, self.person)
-        self._frame = float(self.built(0.0).body_subtreemass[self.model.body("torso").id])
+        self.frame_mass = float(self.built(0.0).body_subtreemass[self.model.body("torso").id])
         self.plugin = PneumaticPlugin(self.model, rig)
         if request.assist == "on" and not request.ideal:
             check_step(rig, float(self.model.opt.timestep))
@@ -201,12 +202,6 @@ class Simulation:
             dofs = wearer_body.find(self.model).dofs[:n]
             self.data.qpos[dofs], self.data.qvel[dofs] = q, v
 
-    @property
-    def keys(self) -> list[tuple[str, str]]:
-        """Key and unit of every number that the loop logs behind the time, in its order."""
-        own_columns = [] if self.torques is None else wearer_log.layout()
-        return layout(self.rig, self.straps, not self.request.ideal) + own_columns
-
     def run(self, quiet: bool = True) -> Walk:
         """Simulate, and return all of it.
 
@@ -232,7 +227,7 @@ class Simulation:
         total = self.rows
         per_cycle = self.motion.period / self.dt
         cycles = self.cycles if most is None else max(FEWEST_CYCLES, int(most / per_cycle))
-        keys = self.keys
+        keys = keys_of(self)
         wired, watch = wire(self), self.watch()
         advance: external_commands.Advance = lambda first, count, rows: loop.run(first, count, *wired, rows)  # noqa: E731
         if self._asked is not None:
@@ -259,7 +254,7 @@ class Simulation:
                     done += count
                     bar.to(done * self.dt)
                     interrupted = stop() and done < total
-                yield self.walk_of(log[: done - begun], keys, begun, interrupted)
+                yield walk_of(self, log[: done - begun], keys, begun, interrupted)
                 begun = done
         if self._asked is not None:
             self.remarks = (*self.remarks, *self._asked.remarks())
@@ -288,44 +283,5 @@ class Simulation:
 
     def watch(self) -> WearerWatch:
         """Return what tells whether rows of the log are of a machine that is on its wearer."""
-        keys = ("time", *(key for key, _ in self.keys))
+        keys = ("time", *(key for key, _ in keys_of(self)))
         return WearerWatch(self.request.scenario, self.data, self.motion, self.dt, keys)
-
-    def walk_of(self, log: NDArray[np.float64], keys: list[tuple[str, str]], first: int, interrupted: bool) -> Walk:
-        """Return rows of the log, the first of them that of step `first`, as a walk; `keys` as `layout` returns them."""
-        columns, units, wrench = as_columns(log, keys)
-        n = len(log)
-        time = np.asarray(np.arange(first, first + n) * self.dt, dtype=np.float64)
-        if (trial := self.motion.trial) is not None:
-            columns["gait.phase"] = trial.phase_at(time / self.motion.period)
-        moved = None if self.torques is None else wearer_log.moved(columns, wrench, self.person)
-        poses = loop.person_along(time, self.motion, self.person) if moved is None else moved.poses
-        if moved is not None:
-            columns, units = wearer_log.shown(columns), wearer_log.shown(units)
-        payload = np.full(n, self.request.payload)
-        if self.added:
-            at = self.added_at
-            payload += self.added.mass * np.clip((time - at) / self.added.over, 0.0, 1.0)
-        gravity = float(-self.model.opt.gravity[2])
-        frame = self._frame
-        return Walk(
-            request=self.request,
-            rig=self.rig,
-            person=self.person,
-            motion=self.motion,
-            plain=self.plain,
-            straps=self.straps,
-            time=time,
-            columns=columns,
-            units=units,
-            poses=poses,
-            wrench=wrench,
-            weight=(frame + payload) * gravity,
-            payload=payload,
-            books=None if self.request.ideal or n == 0 else self.plugin.books(),
-            step=self.dt,
-            interrupted=interrupted,
-            model=self.model,
-            moved=moved,
-            first=first,
-        )

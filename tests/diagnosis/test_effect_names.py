@@ -19,6 +19,7 @@ ABOUT = {
     "outcome/sensor_faults.py": {"sensor_bias", "sensor_scale"},
     "pipeline/reading.py": {"sensor_bias", "sensor_scale"},
     "subsystems/gas/candidates.py": {"sensor_bias", "sensor_delay", "sensor_scale"},
+    "subsystems/motion/indistinguishable.py": {"sensor_bias", "sensor_scale"},
     # what has no name
     "outcome/verdict.py": {"unknown"},
     "pipeline/rounds.py": {"unknown"},
@@ -32,7 +33,7 @@ ABOUT = {
     "subsystems/healthy_leak.py": {"external_leakage"},
     # the contact that every seal has, in two forms
     "subsystems/motion/candidates.py": {"friction_smoothing", "presliding", "sensor_bias"},
-    "subsystems/motion/model.py": {"presliding", "sensor_bias", "sensor_scale"},
+    "subsystems/motion/model.py": {"presliding"},
     # each law of resistance as columns of a linear problem
     "subsystems/motion/family.py": {"friction_smoothing", "presliding", "stribeck_friction"},
     "subsystems/motion/law_terms.py": {"coulomb_friction", "pressure_dependent_friction", "return_spring", "stribeck_friction"},

@@ -18,6 +18,7 @@ from numpy.typing import NDArray
 from exo_sim.diagnosis.policy.recordings import FILTER_ENDS, MOVES, NOISY_FALL
 from exo_sim.diagnosis.subsystems.motion.smoothing import smoothing_width
 from exo_sim.recording.filters import RESTORED, gaussian_derivatives, gaussian_width, noise_gain, restored
+from exo_sim.recording.kept_results import kept
 from exo_sim.recording.noise import beyond_noise, white_noise
 from exo_sim.recording.windows import clock_breaks
 
@@ -87,6 +88,8 @@ def asked_width(time: Array, positions: Sequence[Array]) -> AskedWidth:
     return AskedWidth(float(moving[0].widths[wide]), noises, biases)
 
 
+#: Of the joints of some recordings.
+@kept(64)
 def _risk(time: Array, values: Array, least: float, noise: float) -> _Risk:
     """Return what is wrong with the acceleration of one joint behind filters from the least width on."""
     step = float(np.median(np.diff(time)))

@@ -21,14 +21,18 @@ from exo_sim.diagnosis.discrepancy.trace import Trace
 from exo_sim.diagnosis.estimation.least_squares import Fit
 from exo_sim.diagnosis.estimation.parameters import FreeParameter, PlantParameters
 from exo_sim.diagnosis.findings import Finding, Series, Subsystem
-from exo_sim.diagnosis.nominal_numbers import DRIVE_DELAY, FORCE_OFFSET, PAYLOAD_MASS, SENSOR_GAIN
+from exo_sim.diagnosis.nominal_numbers import DRIVE_DELAY
 from exo_sim.diagnosis.policy import healthy, significance
-from exo_sim.diagnosis.policy.off_nominal import SURE
 from exo_sim.diagnosis.subsystem_model import Comparison, SubsystemModel
 from exo_sim.diagnosis.subsystems.motion.contact_scatter import ContactScatter
 from exo_sim.diagnosis.subsystems.motion.discrepancy_basis import friction_discrepancy
 from exo_sim.diagnosis.subsystems.motion.experiments import resisted
 from exo_sim.diagnosis.subsystems.motion.full_scale import full_force
+from exo_sim.diagnosis.subsystems.motion.indistinguishable import (
+    friction_beside_constant_force,
+    scale_instead_of_mass,
+    sensor_error_of,
+)
 from exo_sim.diagnosis.subsystems.motion.missing_force import MissingForce
 from exo_sim.diagnosis.subsystems.motion.missing_pattern import force_or_friction, signals_of
 from exo_sim.diagnosis.subsystems.motion.onsets import Onsets, Starting, onsets_of
@@ -36,7 +40,7 @@ from exo_sim.diagnosis.subsystems.motion.regimes import regimes
 from exo_sim.diagnosis.subsystems.motion.row_set import RowSet
 from exo_sim.diagnosis.subsystems.motion.smoothing import smoothed_alike
 from exo_sim.physics.declaration import declared
-from exo_sim.physics.effects import presliding, sensor_bias, sensor_scale
+from exo_sim.physics.effects import presliding
 
 Array = NDArray[np.float64]
 
@@ -273,20 +277,7 @@ class MotionModel(SubsystemModel):
         return variable if variable == "time" else f"{self.where}.{variable}"
 
     def as_sensor_error(self, parameter: FreeParameter, value: float) -> tuple[str, str, str, float] | None:
-        """A gain is a column's scale; a constant force is the bias of what measures force, else of a pressure.
-
-        The balance tells only the ratio of two scales: where force is measured, that of a pressure is written as the cell's, for the gas
-        feels a pressure too, and may know it as the supply's own.
-        """
-        drive = self.runs[0].drive
-        columns = sorted(drive.levers, key=lambda column: ("external_force" not in column, "pressure" in column, column))
-        if parameter.effect == SENSOR_GAIN:
-            if "pressure" in parameter.where and "pressure" not in columns[0]:
-                return columns[0], sensor_scale.EFFECT.name, "factor", 1.0 / value
-            return parameter.where, sensor_scale.EFFECT.name, "factor", value
-        if parameter.effect != FORCE_OFFSET or not columns:
-            return None
-        return columns[0], sensor_bias.EFFECT.name, "value", -value / float(np.median(drive.levers[columns[0]]))
+        return sensor_error_of(self.runs[0].drive, parameter, value)
 
     def late_columns(self, delays: Mapping[str, float], data: MachineData) -> Mapping[str, float]:
         run, behind = self.runs[0], delays.get(DRIVE_DELAY, 0.0)
@@ -301,21 +292,7 @@ class MotionModel(SubsystemModel):
         return {do: arm * each[:, ::4] / scale for do, each in forces.items()}  # a row of the fit takes four of its samples
 
     def twins_of_number(self, parameter: FreeParameter) -> tuple[str, ...]:
-        """One measured force, and all that resists it, in another unit moves another mass; springs and dampers of the MJCF would tell."""
-        scaled = all(len(run.drive.levers) == 1 and run.inertia.carried is None and not run.passive.force.any() for run in self.runs)
-        return (sensor_scale.EFFECT.name,) if parameter.effect == PAYLOAD_MASS and scaled else ()
+        return scale_instead_of_mass(self.runs, parameter)
 
     def indistinguishable(self, findings: Sequence[Finding], fit: Fit) -> Mapping[tuple[str, str], tuple[str, ...]]:
-        """Some friction is another one beside a constant force: a force sensor's bias, or what closed the balance."""
-        names = {finding.name for finding in findings}
-        beside = {one.name: one.identification.twins.beside_constant for one in declared().values()}
-        twins = {name: twin for name, twin in beside.items() if twin in names}
-        if not twins:
-            return {}
-        offsets = [q for q in fit.values if q.effect == FORCE_OFFSET]
-        moved = any(abs(fit.values[q] - q.prior[0]) > SURE * q.prior[1] for q in offsets if q.prior)
-        return {
-            f.at: tuple(name for name, base in twins.items() if base == f.name or f.name == sensor_bias.EFFECT.name)
-            for f in findings
-            if (f.name == sensor_bias.EFFECT.name and f.where.endswith(".external_force")) or (moved and f.name in twins.values())
-        }
+        return friction_beside_constant_force(findings, fit)

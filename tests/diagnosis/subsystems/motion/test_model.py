@@ -11,11 +11,9 @@ import pytest
 from diagnosis import motion_runs
 from diagnosis.motion_runs import ACCELERATION, MASS, POSITION, TIME, VELOCITY
 
-from exo_sim.diagnosis.data.motion_run import Imputed, Passive
+from exo_sim.diagnosis.data.motion_run import Imputed
 from exo_sim.diagnosis.data.split import Split, split
-from exo_sim.diagnosis.estimation.least_squares import Fit, fit
-from exo_sim.diagnosis.estimation.parameters import FreeParameter, Target
-from exo_sim.diagnosis.findings import Estimate, Finding, Kind
+from exo_sim.diagnosis.estimation.least_squares import fit
 from exo_sim.diagnosis.policy.validation import HELD_OUT_SHARE, TEST_SHARE
 from exo_sim.diagnosis.subsystems.motion.candidates import candidates
 from exo_sim.diagnosis.subsystems.motion.full_scale import full_force
@@ -80,21 +78,6 @@ def test_all_friction_is_what_the_rig_knows_and_what_it_lacks() -> None:
     assert free.friction == free.healthy_friction == pytest.approx(0.002 * full_force(run, motion_runs.plant()))
 
 
-def test_a_force_sensors_bias_beside_coulomb_friction_may_be_asymmetric_friction() -> None:
-    model = model_of(np.zeros(TIME.size))
-    offset = FreeParameter("offset", "slide", "offset", "N", Target.SENSOR, 1.0, -9.0, 9.0, (0.0, 1.0))
-
-    def twins(size: float, *names: str) -> set[str]:
-        found = [Finding(name, "slide.external_force", Kind.SENSOR, "", {"p": Estimate(1.0, "N", 0.0, 2.0)}, 9.0, 0.0) for name in names]
-        closed = Fit((offset,), {offset: size}, np.zeros(1), np.zeros((1, 1)))
-        return {name for name, _ in model.indistinguishable(found, closed)}
-
-    assert twins(0.0, "coulomb_friction") == set()
-    assert twins(0.0, "coulomb_friction", "sensor_bias") == {"sensor_bias"}
-    assert twins(6.0, "coulomb_friction", "sensor_bias") == {"sensor_bias", "coulomb_friction"}
-    assert twins(6.0, "sensor_bias") == set()
-
-
 def test_what_an_imputed_pressure_leaves_open_is_free_in_the_balance() -> None:
     response, leak = 3.0 * np.sin(2.0 * TIME), 1e9 * np.ones(TIME.size)
     gauge = np.zeros((TIME.size, 2))
@@ -108,17 +91,6 @@ def test_what_an_imputed_pressure_leaves_open_is_free_in_the_balance() -> None:
     size = next(value for q, value in found.values.items() if q.parameter == "start of recording")
     assert size == pytest.approx(2.0, abs=0.3)
     assert {c.effect for c in candidates(model.runs, model.nominal, model.where)} >= {"external_leakage", "coulomb_friction"}
-
-
-def test_a_mass_that_one_measured_force_moves_is_known_as_well_as_the_scale_of_that_force() -> None:
-    run = motion_runs.balance(np.zeros(TIME.size), 0.1)
-    single = replace(run, drive=replace(run.drive, levers={"slide.external_force": np.ones(TIME.size)}))
-    sprung = replace(single, passive=Passive(0.1 * POSITION))
-    mass = FreeParameter("payload_mass", "slide", "payload_mass", "1", Target.SENSOR, 0.02, 0.2, 5.0, (1.0, 0.05), neutral=1.0)
-    for runs, twins in (([single], ("sensor_scale",)), ([single, run], ()), ([sprung], ())):
-        model = MotionModel(runs, motion_runs.plant(), Split({}))
-        assert model.twins_of_number(mass) == twins
-        assert model.twins_of_number(replace(mass, effect="joint_inertia")) == ()
 
 
 def test_damping_is_freed_only_where_it_is_plainly_too_large() -> None:

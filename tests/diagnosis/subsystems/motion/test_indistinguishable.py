@@ -1,0 +1,52 @@
+"""What a balance of forces cannot tell apart, and which error of a sensor a number of it stands for."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from diagnosis import motion_runs
+from diagnosis.motion_runs import POSITION, TIME
+
+from exo_sim.diagnosis.data.motion_run import Passive
+from exo_sim.diagnosis.estimation.least_squares import Fit
+from exo_sim.diagnosis.estimation.parameters import FreeParameter, Target
+from exo_sim.diagnosis.findings import Estimate, Finding, Kind
+from exo_sim.diagnosis.subsystems.motion.indistinguishable import friction_beside_constant_force, scale_instead_of_mass, sensor_error_of
+
+OFFSET = FreeParameter("offset", "slide", "offset", "N", Target.SENSOR, 1.0, -9.0, 9.0, (0.0, 1.0))
+RUN = motion_runs.balance(np.zeros(TIME.size), 0.1)
+
+
+def test_a_force_sensors_bias_beside_coulomb_friction_may_be_asymmetric_friction() -> None:
+    def twins(size: float, *names: str) -> set[str]:
+        found = [Finding(name, "slide.external_force", Kind.SENSOR, "", {"p": Estimate(1.0, "N", 0.0, 2.0)}, 9.0, 0.0) for name in names]
+        closed = Fit((OFFSET,), {OFFSET: size}, np.zeros(1), np.zeros((1, 1)))
+        return {name for name, _ in friction_beside_constant_force(found, closed)}
+
+    assert twins(0.0, "coulomb_friction") == set()
+    assert twins(0.0, "coulomb_friction", "sensor_bias") == {"sensor_bias"}
+    assert twins(6.0, "coulomb_friction", "sensor_bias") == {"sensor_bias", "coulomb_friction"}
+    assert twins(6.0, "sensor_bias") == set()
+
+
+def test_a_mass_that_one_measured_force_moves_is_known_as_well_as_the_scale_of_that_force() -> None:
+    single = replace(RUN, drive=replace(RUN.drive, levers={"slide.external_force": np.ones(TIME.size)}))
+    sprung = replace(single, passive=Passive(0.1 * POSITION))
+    mass = FreeParameter("payload_mass", "slide", "payload_mass", "1", Target.SENSOR, 0.02, 0.2, 5.0, (1.0, 0.05), neutral=1.0)
+    for runs, twins in (([single], ("sensor_scale",)), ([single, RUN], ()), ([sprung], ())):
+        assert scale_instead_of_mass(runs, mass) == twins
+        assert scale_instead_of_mass(runs, replace(mass, effect="joint_inertia")) == ()
+
+
+@pytest.mark.parametrize(("cell", "column", "bias"), [(True, "slide.external_force", -4.0), (False, "piston.pressure_1", -5000.0)])
+def test_a_constant_force_is_the_bias_of_what_measures_force_else_of_a_pressure(cell: bool, column: str, bias: float) -> None:
+    levers = {"piston.pressure_1": np.full(TIME.size, 8e-4)} | ({"slide.external_force": np.ones(TIME.size)} if cell else {})
+    drive = replace(RUN.drive, levers=levers)
+    assert sensor_error_of(drive, OFFSET, 4.0) == (column, "sensor_bias", "value", pytest.approx(bias))
+    gain = replace(OFFSET, effect="sensor_gain", where="piston.pressure_1")
+    written = (column, "sensor_scale", "factor", 0.8 if cell else 1.25)
+    assert sensor_error_of(drive, gain, 1.25) == written
+    assert sensor_error_of(drive, replace(OFFSET, effect="zero"), 4.0) is None
+    assert sensor_error_of(RUN.drive, OFFSET, 4.0) is None

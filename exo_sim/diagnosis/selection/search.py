@@ -150,6 +150,8 @@ class _Growth:
             if not self.comparisons.is_clean(best) and self._goes_elsewhere(best):
                 return self._interrupted(best)
             if not self.comparisons.is_clean(best) and together is None:
+                if (elsewhere := self._elsewhere_next(best)) is not None:
+                    return self._interrupted(elsewhere)
                 together = self.joint.found_together(best)
                 if together.explains:
                     return self._reached(together.model)
@@ -225,6 +227,20 @@ class _Growth:
         """Return whether the search stops at a model for another subsystem to be asked first, and there is time to."""
         until = self._stopping.until
         return until is not None and until(model) and not self.fits.is_spent()
+
+    def _elsewhere_next(self, best: FittedModel) -> FittedModel | None:
+        """Return the model with one finding more where the search would stop at that for another subsystem, else None.
+
+        What asking all candidates together costs is saved then: the search begins anew with what the other subsystem says.
+        """
+        if self._stopping.until is None or self._is_over():
+            return None
+        grown = self._grown([best])
+        if not grown or not self._goes_elsewhere(leader := self._leader(grown)):
+            return None
+        tidied = self.simplification.tidied(leader)
+        further = tidied.candidates and self.fits.deficit(tidied, best) < 0.0 and not self.comparisons.is_clean(tidied)
+        return tidied if further and self._goes_elsewhere(tidied) else None
 
     def _assessed(self, model: FittedModel) -> SearchResult:
         """Return the result of ending with what a model keeps when it is pruned."""

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import replace
+from functools import partial
 from typing import Any
 
 import numpy as np
@@ -13,6 +14,7 @@ from exo_sim.diagnosis.estimation.candidate import Candidate
 from exo_sim.diagnosis.estimation.parameters import FreeParameter, PlantParameters, Target
 from exo_sim.diagnosis.estimation.threads import Threads
 from exo_sim.diagnosis.selection.fitted_model import FittedModel
+from exo_sim.diagnosis.selection.joint_search import JointSearch, Together
 from exo_sim.diagnosis.selection.search import Search, StoppingCriteria, WarmStart
 
 
@@ -123,6 +125,27 @@ def test_a_search_ends_where_it_is_asked_to_unless_everything_is_explained(sizes
     stopping = StoppingCriteria(until=lambda one: any(c.effect == "base" for c in one.candidates))
     found = Search(Waves(**sizes), (), library, stopping=stopping).run()
     assert found.interrupted is interrupted and {c.effect for c in found.final.candidates} == {"base"}
+
+
+def test_what_ends_a_search_is_looked_for_before_all_are_asked_together(monkeypatch: pytest.MonkeyPatch) -> None:
+    asked: list[int] = []
+    together = JointSearch.found_together
+
+    def counted(self: JointSearch, now: FittedModel) -> Together:
+        asked.append(len(now.candidates))
+        return together(self, now)
+
+    monkeypatch.setattr(JointSearch, "found_together", counted)
+    shapes = {**SHAPES, "hum": np.random.default_rng(7).choice([-1.0, 1.0], AT.size)}
+    for last, calls in (("other", []), ("another", [1])):
+        stopping = StoppingCriteria(until=partial(_has, last))
+        found = Search(Waves(1.2, shapes, slow=9.0, quicker=6.0, hum=4.0), (), (BASE, OTHER), stopping=stopping).run()
+        assert found.interrupted is not bool(calls) and asked == calls
+        assert {c.effect for c in found.final.candidates} == {"base", "other"}
+
+
+def _has(effect: str, model: FittedModel) -> bool:
+    return any(c.effect == effect for c in model.candidates)
 
 
 class Weight(Waves):

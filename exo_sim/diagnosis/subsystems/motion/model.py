@@ -125,6 +125,11 @@ class MotionModel(SubsystemModel):
         other._weigh(self._scatter, self._creep)
         return other
 
+    @property
+    def lever(self) -> Array:
+        """Size of the lever between the balance and where friction acts, of each row [m/rad, or 1], shape (size,)."""
+        return np.abs(self._set.means(lambda run: run.drive.arm))
+
     def friction_of_rows(self) -> Array:
         """Return what resists the motion in each row where friction acts, against it, as a machine without any says [N or N m].
 

@@ -64,12 +64,16 @@ def test_the_test_time_has_them_as_well() -> None:
 
 def lever_nears_zero(least: float, seed: int, excess: float = 0.0) -> MotionModel:
     """Return the balance of a joint whose lever is short in mid-travel, with force noise of 0.5."""
-    run, noise = starts.run(excess, 0.0), 0.5
+    run, noise = starts.run(), 0.5
     along = (starts.POSITION - starts.POSITION.min()) / np.ptp(starts.POSITION)
     arm = least + (1.0 - least) * (2.0 * along - 1.0) ** 2
-    white = noise * np.random.default_rng(seed).standard_normal(starts.TIME.size)
-    lost = arm * (run.external - run.inertia.force) + gaussian_smoothed(starts.TIME, white, 0.031)
-    run = replace(run, external=run.inertia.force + lost, drive=replace(run.drive, arm=arm), noise=0.2 * noise)
+    speed, phase = np.abs(starts.VELOCITY), starts.TIME % starts.STROKE
+    sliding = np.sign(starts.VELOCITY) * (starts.LEVEL + excess * np.exp(-speed / starts.DIP)) + starts.DAMPING * starts.VELOCITY
+    direction = np.where((starts.TIME // starts.STROKE) % 2 < 1, 1.0, -1.0)
+    held = direction * (starts.LEVEL + excess) * (2.0 * phase / starts.REST - 1.0)
+    lost = arm * np.where(phase > starts.REST, sliding, held) + noise * np.random.default_rng(seed).standard_normal(starts.TIME.size)
+    external = run.inertia.force + gaussian_smoothed(starts.TIME, lost, 0.031)
+    run = replace(run, external=external, drive=replace(run.drive, arm=arm), noise=0.2 * noise)
     return MotionModel([run], motion_runs.plant(), Split({}))
 
 

@@ -108,9 +108,9 @@ def onsets_of(run: MotionRun, usable: NDArray[np.bool_], friction: Array, starti
     acceleration = (fastest - way * velocity[starts]) / (near * step)
     begun = acceleration > 0.0
     starts, way, fastest, acceleration = starts[begun], way[begun], fastest[begun], acceleration[begun]
-    beyond = friction[:, None] * way - starting.damping * np.maximum(velocity[:, None] * way, 0.0)
-    first = starts - near
-    at = np.array([begin + int(np.argmax(beyond[begin : begin + 2 * near + 1, k])) for k, begin in enumerate(first)], dtype=int)
+    window = starts[:, None] + np.arange(-near, near + 1)
+    beyond = friction[window] * way[:, None] - starting.damping * np.maximum(velocity[window] * way[:, None], 0.0)
+    at = starts - near + beyond.argmax(axis=1)
     damped = starting.damping * np.maximum(way * velocity[at], 0.0)
     peak = way * friction[at] - damped
     kept = peak - starting.constant * way >= starting.least

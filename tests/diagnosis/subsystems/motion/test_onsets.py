@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import tracemalloc
 from dataclasses import replace
 
 import numpy as np
@@ -84,3 +85,26 @@ def test_a_law_that_builds_up_with_speed_is_asked_for_its_most() -> None:
     at_once = MissingOnsets(run, found).of(plant)
     plant.cylinder["friction_smoothing"]["velocity"] = 2e-3
     np.testing.assert_allclose(MissingOnsets(run, found).of(plant), at_once, atol=0.1 * 9.0)
+
+
+def most_memory(repeated: int) -> int:
+    """Return what it takes at most to read a recording that is repeated so many times [bytes]."""
+    one = starts.run(6.0)
+    run = replace(
+        one, time=np.arange(starts.TIME.size * repeated) * 1e-3, external=np.tile(one.external, repeated),
+        kinematics=replace(
+            one.kinematics, position=np.tile(starts.POSITION, repeated), velocity=np.tile(one.kinematics.velocity, repeated)
+        ),
+        inertia=replace(one.inertia, force=np.tile(one.inertia.force, repeated)),
+        drive=replace(one.drive, force=np.tile(one.drive.force, repeated), arm=np.tile(one.drive.arm, repeated)),
+    )  # fmt: skip
+    tracemalloc.start()
+    found = onsets_of(run, np.ones(run.time.size, dtype=bool), run.external - run.inertia.force, READ)
+    most = tracemalloc.get_traced_memory()[1]
+    tracemalloc.stop()
+    assert found.at.size >= 10 * repeated
+    return most
+
+
+def test_memory_goes_with_the_length_of_a_recording() -> None:
+    assert most_memory(4) < 6 * most_memory(1)

@@ -154,7 +154,7 @@ class MotionModel(SubsystemModel):
     @property
     def creeps(self) -> bool:
         """Whether noise of the velocity makes rows worth plainly less where friction builds up."""
-        return bool(self.scale.size) and float(self.scale.max()) > healthy.SETTLED_SCATTER * self.noise
+        return bool((self.scale > healthy.SETTLED_SCATTER * self._set.scale).any())
 
     def _of_velocity_noise(self, creep: float) -> Array:
         """Return what noise of the velocity leaves of friction that builds up as tanh(v/creep), standard deviation by row [N or N m]."""

@@ -130,3 +130,14 @@ def test_onsets_that_are_too_few_beside_those_that_crept_do_not_count() -> None:
     crept = MotionModel([replace(run, external=lost, known=starts.TIME < until)], motion_runs.plant(), Split({}))
     assert with_breakaway(model).size == model.size + FEWEST_ONSETS
     assert with_breakaway(crept) is crept
+
+
+@pytest.mark.parametrize(("velocity_noise", "creeps"), [(0.0, False), (1e-4, False), (1e-3, True)])
+def test_onsets_are_no_reason_to_weigh_a_contact_that_creeps(velocity_noise: float, creeps: bool) -> None:
+    """A row of an onset is one sample, and worth less than the mean of many: that is no noise of the velocity."""
+    run = starts.run(10.0)
+    run = replace(run, kinematics=replace(run.kinematics, velocity_noise=velocity_noise))
+    model = MotionModel([run], motion_runs.plant(), Split({}))
+    found = with_breakaway(model)
+    assert found is not model
+    assert model.with_contact(None, 0.02).creeps is found.with_contact(None, 0.02).creeps is creeps

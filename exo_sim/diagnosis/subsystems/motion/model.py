@@ -200,10 +200,11 @@ class MotionModel(SubsystemModel):
         """All friction that acts, what the rig knows of it and what is missing, root mean square about its mean [N or N m].
 
         What every law of friction gets wrong is a share of that, not of what a rig that knows its friction still lacks; and no machine
-        has less of it than a healthy one may have unsaid.
+        has less of it than a healthy one may have unsaid. It is that of the motion, whether onsets count or not.
         """
-        sizes = [float(np.std(self.residual_of(plant) * self.scale)) for plant in (self.nominal, self.without_friction)]
-        return max(*sizes, self.healthy_friction) if self.size else 0.0
+        plants = (self.nominal, self.without_friction) if self._set.of_motion else ()
+        sizes = [float(np.std(self._set.missing(plant)[: self._set.of_motion])) for plant in plants]
+        return max(self.healthy_friction, *sizes) if self.size else 0.0
 
     @property
     def without_friction(self) -> PlantParameters:

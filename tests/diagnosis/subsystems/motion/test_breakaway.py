@@ -141,3 +141,9 @@ def test_onsets_are_no_reason_to_weigh_a_contact_that_creeps(velocity_noise: flo
     found = with_breakaway(model)
     assert found is not model
     assert model.with_contact(None, 0.02).creeps is found.with_contact(None, 0.02).creeps is creeps
+
+
+def test_the_size_of_all_friction_does_not_hang_on_who_asked_before() -> None:
+    asked, fresh = model_of(10.0), model_of(10.0)
+    of_motion = asked.friction
+    assert with_breakaway(asked).friction == with_breakaway(fresh).friction == of_motion

@@ -43,7 +43,10 @@ class RowSet:
         self._parts: list[tuple[int, Rows | Onsets]] = [*enumerate(rows), *onsets]
         self._onsets = [one for _, one in onsets]
         self._starting = [MissingOnsets(runs[number], one) for number, one in onsets]
-        before = np.concatenate([[0], np.cumsum([int(one.block.max()) + 1 if one.block.size else 0 for one in rows])]).astype(int)
+        counts = np.zeros(len(rows), dtype=int)
+        for number, one in self._parts:
+            counts[number] = max(counts[number], int(one.block.max(initial=-1)) + 1)
+        before = np.cumsum(counts) - counts
         self.blocks: NDArray[np.int64] = np.concatenate([_NO_NUMBERS, *(one.block + before[number] for number, one in self._parts)])
         self.recording: NDArray[np.int64] = np.concatenate([_NO_NUMBERS, *(np.full(one.block.size, at) for at, one in self._parts)])
         self.scale: Array = np.concatenate([_NOTHING, *(one.scale for _, one in self._parts)])

@@ -126,8 +126,8 @@ def test_onsets_that_are_too_few_beside_those_that_crept_do_not_count() -> None:
     first = starts.BEGINS[3]
     lost, window = run.external.copy(), slice(first - 60, first + 60)
     lost[window] *= 0.6
-    model = MotionModel([replace(run, known=starts.TIME < until)], motion_runs.plant(), Split({}))
-    crept = MotionModel([replace(run, external=lost, known=starts.TIME < until)], motion_runs.plant(), Split({}))
+    model = MotionModel([replace(run, known=until > starts.TIME)], motion_runs.plant(), Split({}))
+    crept = MotionModel([replace(run, external=lost, known=until > starts.TIME)], motion_runs.plant(), Split({}))
     assert with_breakaway(model).size == model.size + FEWEST_ONSETS
     assert with_breakaway(crept) is crept
 

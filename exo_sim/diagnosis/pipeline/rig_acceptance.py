@@ -43,7 +43,7 @@ class Judge:
     def __init__(self, data: MachineData, split: Split) -> None:
         self._data = data
         self._windows, self._free, self._whole = WindowErrors(data, split), MachineRuns(data, split), MachineRuns(data, split, WINDOW)
-        self._started = [MachineRuns(data, split, begun=number / STARTS) for number in range(STARTS)]
+        self._started = [MachineRuns(data, split, part=(number / STARTS, (number + 1) / STARTS)) for number in range(STARTS)]
         self.refusals: list[str] = []
 
     def trial(self, update: RigUpdate) -> Trial:

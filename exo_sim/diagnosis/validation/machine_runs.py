@@ -45,17 +45,17 @@ class MachineRuns:
         data: The recordings, and the rig as handed in.
         split: Its test time counts.
         window: After so long the measured state is taken over [s]; never where infinite.
-        begun: After this share of the test time, from its beginning on, runs begin, 0 to 1; None for where the recordings do.
+        part: Shares of the test time, from its beginning on, at which runs begin and end, 0 to 1; None for whole recordings.
     """
 
-    def __init__(self, data: MachineData, split: Split, window: float = math.inf, begun: float | None = None) -> None:
+    def __init__(self, data: MachineData, split: Split, window: float = math.inf, part: tuple[float, float] | None = None) -> None:
         self._data, self._split, self._window = data, split, window
         self._tables = [judged_part(table, data) for table in data.as_read if table.name in split.test]
         if window < math.inf:
             around = [_around(table, split) for table in self._tables]
             self._tables = [table for table in around if len(table.time) > FEWEST_TO_FIT]
-        if begun is not None:
-            cut = [_begun_in(table, split, begun) for table in self._tables]
+        if part is not None:
+            cut = [_part_of(table, split, *part) for table in self._tables]
             self._tables = [table for table in cut if len(table.time) > FEWEST_TO_FIT and table.duration > REPLAY_WINDOW]
         self._believed: dict[tuple[int, str], tuple[Recording, Run] | None] = {}
         self._machine = _Machine(data.rig)
@@ -176,11 +176,11 @@ def _around(table: Recording, split: Split) -> Recording:
     return table.span(min(start for start, _ in spans) - LEAD, np.nextafter(max(stop for _, stop in spans), math.inf))
 
 
-def _begun_in(table: Recording, split: Split, share: float) -> Recording:
-    """Return the part of a recording from a share of its test time on to the end of that."""
+def _part_of(table: Recording, split: Split, begin: float, end: float) -> Recording:
+    """Return the part of a recording from one share of its test time to another."""
     spans = split.test[table.name]
     start, stop = min(start for start, _ in spans), max(stop for _, stop in spans)
-    return table.span(start + share * (stop - start), np.nextafter(stop, math.inf))
+    return table.span(start + begin * (stop - start), np.nextafter(start + end * (stop - start), math.inf))
 
 
 def _lost(ran: Run) -> Run:

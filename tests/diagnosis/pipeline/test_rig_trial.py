@@ -90,6 +90,19 @@ def test_a_position_that_strays_surely_further_is_not_paid_for_by_pressures(rig:
         assert trial.is_worse
 
 
+def test_of_rigs_that_are_equally_good_few_are_said_to_stray() -> None:
+    rng, strays = np.random.default_rng(0), 0
+    for _ in range(1000):
+        before, after = rng.lognormal(0.0, 1.0, (2, 4))
+        strays += bool(straying_further([{"x": SignalFit("m", b, a, 1e-9)} for b, a in zip(before, after, strict=True)]))
+    assert 20 < strays < 70
+
+
+def test_the_run_from_the_beginning_covers_what_others_do_and_is_none_of_them(rig: Rig) -> None:
+    first, *started = runs(30.0, 1.05, 0.9, 1.05, 0.9)
+    assert Trial(RigUpdate(rig, ()), {}, first, {}, starts=tuple(started)).strays == ()
+
+
 def test_a_position_that_is_lost_either_way_counts_where_it_is_surely_missed_by_more() -> None:
     """74 mm against 24 mm of a piston that sways by 19 mm."""
     assert straying_further(runs(3.1, 2.9, 3.3, before=0.024)) == ("slide.position",)

@@ -93,15 +93,15 @@ class Trial:
             return math.inf
         return sum(map(_mean, (_logs(self.windows, self.spreads), self._run_free(), _logs(self.coupled, self.spreads))))
 
-    def by_chance(self) -> dict[str, float]:
+    def by_chance(self) -> dict[str, tuple[float, int]]:
         """Return which signals one run from the first measured state misses by more than with the rig handed in, and runs from several
-        states by less: by column, the ratio of the latter's errors.
+        states by less: by column, the ratio of the latter's errors, and how many runs these are.
         """
         found = {}
         for column, fit in self.free_run.items():
-            logs = _paired((self.free_run, *self.starts), column)
+            logs = _paired(self.starts, column)
             if len(logs) >= FEWEST_STARTS and fit.after > (1.0 + SIGNAL_WORSE) * fit.before and _mean(logs) < 0.0:
-                found[column] = math.exp(_mean(logs))
+                found[column] = math.exp(_mean(logs)), len(logs)
         return found
 
     def _run_free(self) -> list[float]:

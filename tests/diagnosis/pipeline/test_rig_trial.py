@@ -117,6 +117,9 @@ def test_runs_from_several_states_decide_with_the_one_from_the_beginning(rig: Ri
 def test_what_one_run_misses_by_chance_is_told_from_what_all_miss(rig: Rig) -> None:
     first, *started = runs(1.7, 0.2, 0.3, 0.2)
     said = Trial(RigUpdate(rig, ()), {}, first, {}, starts=tuple(started)).by_chance()
-    assert said == {"slide.position": pytest.approx((1.7 * 0.2 * 0.3 * 0.2) ** 0.25)}
+    assert said == {"slide.position": (pytest.approx((0.2 * 0.3 * 0.2) ** (1.0 / 3.0)), 3)}
+    elsewhere = ({"piston.pressure_1": SignalFit("Pa", 1.0, 0.1, 0.0)}, *started)
+    assert Trial(RigUpdate(rig, ()), {}, first, {}, starts=elsewhere).by_chance()["slide.position"][1] == 3
+    assert Trial(RigUpdate(rig, ()), {}, first, {}, starts=tuple(started[:2])).by_chance() == {}
     first, *started = runs(1.7, 1.2, 1.3, 1.2)
     assert Trial(RigUpdate(rig, ()), {}, first, {}, starts=tuple(started)).by_chance() == {}

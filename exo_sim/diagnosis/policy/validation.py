@@ -37,6 +37,11 @@ BEYOND_HEALTHY = Number(
     "a finding of forces that changes its rows by more is not small, however little of it noise lets see at a time",
     "derived: nineteen in twenty healthy machines are off by less",
 )  # fmt: skip
+FEWEST_CHANGED = Count(
+    6, "rows", "what a finding changes in fewer is held against that as if it were spread over so many: one row of thousands is off by "
+    "more than two standard deviations in any healthy machine",
+    "asserted: a dip of friction may act in no more than the fewest onsets that count",
+)  # fmt: skip
 EXCEEDS_HEALTHY = Number(
     1.0, "standard deviations of what laws of a healthy machine get wrong",
     "... and one that changes them by more than this is not small where it exceeds what the fit leaves in fact",

@@ -12,7 +12,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from exo_sim.diagnosis.data.command_sign import is_reversed_command
-from exo_sim.diagnosis.data.computed_columns import shown_noise
+from exo_sim.diagnosis.data.computed_columns import shown_noise, was_computed
 from exo_sim.diagnosis.data.machine_data import MachineData
 from exo_sim.diagnosis.data.sampled_commands import as_told
 from exo_sim.diagnosis.data.split import Split
@@ -113,7 +113,7 @@ class MachineRuns:
         if believed is None:
             return
         before = believed[1]
-        mask = mask & after.simulated
+        mask, computed = mask & after.simulated, was_computed(recorded)
         for key in (key for key in after.predicted.columns if key in before.predicted):
             there = mask & np.isfinite(recorded[key])
             if there.any():
@@ -121,7 +121,7 @@ class MachineRuns:
                 block = number * MOST_BLOCKS + np.floor(table.time[there] / REPLAY_WINDOW).astype(np.int64)
                 sums.add(recorded[key][there], [one.predicted[key][there] for one in (before, after)], block)
                 floor = noise.floor(recorded[key], recorded.time).std
-                sums.noise = max(sums.noise, shown_noise(floor, recorded[key], recorded))
+                sums.noise = max(sums.noise, shown_noise(floor, recorded[key], computed))
 
 
 class _Machine:

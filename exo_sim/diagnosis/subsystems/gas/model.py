@@ -259,7 +259,7 @@ class GasModel(SubsystemModel):
                     continue
                 mask = self.split.in_test(run.recording, run.time) & self.inputs[index].windows.compared
                 first, second = (predicted[index][:, side] for predicted in pressures)
-                column, noise = f"{self.where}.pressure_{side + 1}", shown_noise(run.noise[side], measured)
+                column, noise = f"{self.where}.pressure_{side + 1}", shown_noise(run.noise[side], measured, run.computed)
                 series = Series(run.recording, column, self.unit, run.time, measured, first, second, noise)
                 found.append(Comparison(series, (measured - first)[mask], (measured - second)[mask]))
         return found

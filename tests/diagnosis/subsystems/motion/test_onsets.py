@@ -91,7 +91,7 @@ def most_memory(repeated: int) -> int:
     """Return what it takes at most to read a recording that is repeated so many times [bytes]."""
     one = starts.run(6.0)
     run = replace(
-        one, time=np.arange(starts.TIME.size * repeated) * 1e-3, external=np.tile(one.external, repeated),
+        one, time=np.arange(starts.TIME.size * repeated, dtype=float) * 1e-3, external=np.tile(one.external, repeated),
         kinematics=replace(
             one.kinematics, position=np.tile(starts.POSITION, repeated), velocity=np.tile(one.kinematics.velocity, repeated)
         ),

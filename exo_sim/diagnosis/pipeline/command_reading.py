@@ -18,6 +18,7 @@ from exo_sim.diagnosis.estimation.least_squares import fit
 from exo_sim.diagnosis.estimation.parameters import FreeParameter, Values
 from exo_sim.diagnosis.estimation.threads import SERIAL, Threads
 from exo_sim.diagnosis.policy.acceptance import LEAST_ODDS
+from exo_sim.diagnosis.policy.budgets import MOST_STEPS
 from exo_sim.diagnosis.subsystems.gas.model import GasModel
 
 Array = NDArray[np.float64]
@@ -94,7 +95,7 @@ def read_as_sampled(
         return model
     left = []
     for one in (model, as_sampled(model, split, slow)):
-        found = fit(partial(one.residual, fixed=fixed), tuple(start), start, threads, max_iterations=4, is_spent=is_spent)
+        found = fit(partial(one.residual, fixed=fixed), tuple(start), start, threads, max_iterations=MOST_STEPS, is_spent=is_spent)
         errors = one.errors(one.apply(found.values, fixed))
         left.append(_Left(model.as_rows(errors), one.as_rows(errors), 2.0 * np.log(one.scale), one.blocks))
     recordings = model.recordings

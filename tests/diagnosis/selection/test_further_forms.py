@@ -12,7 +12,7 @@ from exo_sim.diagnosis.estimation.candidate import Candidate
 from exo_sim.diagnosis.estimation.parameters import PlantParameters
 from exo_sim.diagnosis.estimation.threads import SERIAL, Threads
 from exo_sim.diagnosis.selection.comparisons import Comparisons
-from exo_sim.diagnosis.selection.fitted_model import FittedModel
+from exo_sim.diagnosis.selection.fitted_model import FittedModel, reach_of_bound
 from exo_sim.diagnosis.selection.further_forms import with_further_forms
 from exo_sim.diagnosis.selection.model_fits import ModelFits
 from exo_sim.diagnosis.selection.search import Search
@@ -91,3 +91,9 @@ def test_each_start_is_fitted_whatever_the_number_of_threads(cheap: bool, starts
     assert all(one.fit.sse == ended[0].fit.sse for one in ended)
     assert ended[0].fit.sse < 1.2 * ended[0].fit.residual.size
     assert ended[0].fit.values[parameter("base", "quick")] < 0.0
+
+
+def test_a_number_that_spans_decades_is_at_its_end_only_near_it() -> None:
+    """A twentieth of the scale is a hundred times the low bound."""
+    size = replace(parameter("base", "quick"), low=1e-4, high=1e3, logarithmic=True)
+    assert reach_of_bound(size, 2e-4) < 1e-4 < reach_of_bound(replace(size, low=-1.0, logarithmic=False), 2e-4)

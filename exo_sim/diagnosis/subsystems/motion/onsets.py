@@ -15,15 +15,14 @@ import numpy as np
 from numpy.typing import NDArray
 
 from exo_sim.diagnosis.data.motion_run import MotionRun
-from exo_sim.diagnosis.subsystems.motion.rows import block_of, ends_of, row_scale
+from exo_sim.diagnosis.policy.recordings import ONSET_MOTION, ONSET_REST
+from exo_sim.diagnosis.subsystems.motion.rows import block_of, row_scale, usable_samples
 from exo_sim.diagnosis.subsystems.motion.smoothing import smoothing_width
 from exo_sim.recording.filters import gaussian_width
 
 Array = NDArray[np.float64]
 
-#: For so long it is at rest before an onset, and moves one way behind it, in standard deviations of the filter.
-AT_REST, MOVING = 3.5, 5.0
-#: So long before an onset it is still held for sure, in the same: how fast its force rises is seen until then.
+#: So long before an onset it is still held for sure, in standard deviations of the filter: how fast its force rises is seen until then.
 RISING = 1.5
 #: So far behind an onset its peak is sought, in the same; before it as far as it is surely at rest, for what is held there is no more.
 NEAR = 2.0
@@ -106,9 +105,9 @@ def onsets_of(run: MotionRun, usable: NDArray[np.bool_], friction: Array, starti
     velocity, step = run.kinematics.velocity, float(np.median(np.diff(run.time)))
     slowest = LEAST_SPEED * run.kinematics.still
     width = gaussian_width(smoothing_width(run.time, run.smoothing))
-    near, before, rest = (max(int(share * width / step), 1 + k) for k, share in enumerate((NEAR, RISING, AT_REST)))
+    near, before, rest = (max(int(share * width / step), 1 + k) for k, share in enumerate((NEAR, RISING, ONSET_REST)))
     beside = max(int(CURVED * width / step), 1)
-    starts = _starts(run, usable, rest + beside, max(int(MOVING * width / step), near + beside + 1))
+    starts = _starts(run, usable, rest + beside, max(int(ONSET_MOTION * width / step), near + beside + 1))
     way = np.sign(velocity[starts])
     fastest = way * velocity[starts + near]
     acceleration = (fastest - way * velocity[starts]) / (near * step)
@@ -176,9 +175,7 @@ def _bias_of_peak(run: MotionRun, curvature: Array, width: float) -> Array:
 def _starts(run: MotionRun, usable: NDArray[np.bool_], rest: int, moving: int) -> NDArray[np.int64]:
     """Return the first samples that move after so many at rest, and before so many that move on, shape (k,)."""
     velocity, n = run.kinematics.velocity, len(run.time)
-    good, ends = usable & run.judged & np.isfinite(run.inertia.force + run.drive.force + run.external), ends_of(run)
-    for begin in (0, *run.breaks, n):
-        good[max(0, begin - ends) : begin + ends] = False
+    good = usable_samples(run, usable)
     moves = np.abs(velocity) > run.kinematics.still
     found = [
         start

@@ -49,9 +49,9 @@ class MotionModel(SubsystemModel):
         nominal: The nominal machine; its cylinder record holds what resists the motion.
         split: Which time may be used.
         on_test: Whether the rows are those of the test time.
-        starting: How its onsets are read; None where they do not count.
         scatter: Of the contact at low speeds; None where there is none.
         creep: Speed at which dry friction has built up [m/s or rad/s]; 0 where it is there at once.
+        starting: How its onsets are read; None where they do not count.
     """
 
     kind = Subsystem.MOTION

@@ -44,7 +44,7 @@ class Starting:
     Attributes:
         damping: How fast friction rises with speed where it slides [N s/m or N m s/rad]: a peak is sought beside that.
         scatter: Standard deviation from one onset to the next, where friction acts [N or N m].
-        least: What peaks below this says nothing, for it crept before it broke loose, where friction acts [N or N m]; beside a force ...
+        least: Peaks below this are rejected, where friction acts [N or N m]: such a contact crept before it broke loose; beside a force ...
         constant: ... that is the same in both directions, along +v [N or N m].
     """
 
@@ -89,7 +89,7 @@ class Onsets:
     scale: Array
 
     def means(self, values: Array) -> Array:
-        """Return the values at the onsets, shape (k,)."""
+        """Return the values at the onsets, shape (k,): what rows of the motion have as a mean is that of one sample here."""
         return values[self.at]
 
 

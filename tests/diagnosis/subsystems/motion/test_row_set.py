@@ -57,3 +57,10 @@ def test_an_onset_behind_all_motion_of_its_recording_is_in_no_block_of_the_next(
     rows = early.with_onsets(onsets())
     first, second = (set(rows.blocks[rows.recording == number].tolist()) for number in (0, 1))
     assert max(first) > 8 and not first & second
+
+
+def test_onsets_of_a_time_without_motion_have_a_direction() -> None:
+    none = RowSet.of(RUNS, Split({}), on_test=True)
+    rows = none.with_onsets(onsets())
+    ways = np.concatenate([one.way for _, one in onsets()])
+    np.testing.assert_array_equal(np.sign(rows.velocity), ways)

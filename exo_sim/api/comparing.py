@@ -14,7 +14,7 @@ from exo_sim.api.notebook import html_table
 from exo_sim.api.recording import Recording
 from exo_sim.api.rig import Rig
 from exo_sim.conventions import Check, settle
-from exo_sim.diagnosis.data.computed_columns import shown_noise
+from exo_sim.diagnosis.data.computed_columns import shown_noise, was_computed
 from exo_sim.errors import Diverged
 from exo_sim.machine.rig_model import load
 from exo_sim.plain_text import table
@@ -145,7 +145,7 @@ def _errors(recording: Any, replay: Replay) -> dict[str, dict[str, Any]]:
             "unit": recording.units[key],
             "windowed_rms": replays.rms(recording[key], replay.windowed[key]),
             "free_run_rms": replays.rms(recording[key], replay.free_run[key]),
-            "noise": shown_noise(noise.floor(recording[key], recording.time).std, recording[key], recording),
+            "noise": shown_noise(noise.floor(recording[key], recording.time).std, recording[key], was_computed(recording)),
         }
         for key in replay.windowed.columns
     }

@@ -35,6 +35,8 @@ _QUANTILE, _NORMAL_QUANTILE = 0.3, -0.5244005127080409
 _MOST_SAMPLES = 200_000
 _CORRELATIONS = np.concatenate(([0.0], np.exp(-1.0 / np.geomspace(0.4, 10.0, 24))))  # of neighbouring samples
 
+#: Of fewer finite samples nothing is said of noise.
+FEWEST_FOR_NOISE = 20
 #: A change is more than noise where its square exceeds that by so many standard errors.
 BEYOND_CHANCE = 2.0
 
@@ -106,13 +108,13 @@ def white_noise(values: NDArray[np.float64] | None) -> float:
     """Return the standard deviation of a channel's white noise, from the median of its fourth differences (smooth signals vanish there).
 
     Args:
-        values: At even times, shape (n,), NaN where missing; None for a channel that is not there, which has none. Of fewer than 20 samples
-            nothing is said, of a channel that mostly stands still the share of its quantisation.
+        values: At even times, shape (n,), NaN where missing; None for a channel that is not there, which has none. Of fewer than
+            `FEWEST_FOR_NOISE` nothing is said, of a channel that mostly stands still the share of its quantisation.
     """
     if values is None:
         return 0.0
     good = values[np.isfinite(values)]
-    if good.size < 20:
+    if good.size < FEWEST_FOR_NOISE:
         return 0.0
     fourth = np.diff(good, 4) / np.sqrt(70.0)
     spread = robust_deviation(fourth)

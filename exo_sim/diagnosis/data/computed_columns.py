@@ -1,4 +1,4 @@
-"""Columns that were computed and not measured: they have no noise, and what a sensor could show takes its place.
+"""Columns that were computed or smoothed, and not just measured: they have no noise, and what a sensor could show takes its place.
 
 A recording of a simulation differs from another simulation of the same by errors of integration, however small; held against a noise that
 does not exist they would be a million times too large.
@@ -12,32 +12,39 @@ import numpy as np
 from numpy.typing import NDArray
 
 from exo_sim.diagnosis.policy.recordings import COMPUTED, SENSOR_SHOWS
-from exo_sim.recording.noise import white_noise
+from exo_sim.recording.noise import FEWEST_FOR_NOISE, white_noise
 from exo_sim.recording.table import Recording
 
 
 def is_computed(values: NDArray[np.float64]) -> bool:
-    """Return whether a column, shape (n,), varies with less noise than any instrument has."""
+    """Return whether a column, shape (n,), varies with less noise than any instrument has; too few samples do not show that."""
     there = values[np.isfinite(values)]
-    return bool(there.size and np.ptp(there) > 0.0) and white_noise(values) < COMPUTED * _reach(there)
+    return there.size >= FEWEST_FOR_NOISE and float(np.ptp(there)) > 0.0 and white_noise(values) < COMPUTED * _reach(there)
 
 
 def was_computed(table: Recording) -> bool:
-    """Return whether everything measured in a recording that varies was computed: one fine encoder alone may be as quiet."""
-    measured = [values[np.isfinite(values)] for key, values in table.columns.items() if _is_measured(key)]
-    varying = [values for values in measured if values.size and np.ptp(values) > 0.0]
+    """Return whether everything measured in a recording that varies was computed: one fine encoder alone may be as quiet.
+
+    Of a position, whose zero is anybody's choice, what it varies counts.
+    """
+    measured = [
+        values[np.isfinite(values)] - (np.nanmedian(values) if key.endswith(".position") else 0.0)
+        for key, values in table.columns.items()
+        if _is_measured(key) and np.isfinite(values).any()
+    ]
+    varying = [values for values in measured if values.size >= FEWEST_FOR_NOISE and np.ptp(values) > 0.0]
     return bool(varying) and all(is_computed(values) for values in varying)
 
 
-def shown_noise(noise: float, values: NDArray[np.float64], table: Recording | None = None) -> float:
+def shown_noise(noise: float, values: NDArray[np.float64], of_computed: bool) -> float:
     """Return the noise that errors of a column are held against.
 
     Args:
         noise: What its samples show, one standard deviation.
         values: The column, shape (n,), NaN where missing.
-        table: The recording that it is of, which must have been computed as a whole; not asked where absent.
+        of_computed: Whether the recording that it is of was computed as a whole.
     """
-    replaced = is_computed(values) and (table is None or was_computed(table))
+    replaced = of_computed and is_computed(values)
     return max(noise, SENSOR_SHOWS * _reach(values[np.isfinite(values)])) if replaced else noise
 
 
@@ -61,7 +68,7 @@ def _is_measured(key: str) -> bool:
 def remark(columns: Sequence[str]) -> str:
     """Return what to say of columns that were computed."""
     return (
-        f"{', '.join(columns)}: without noise, so computed and not measured; errors are held against what a sensor shows, "
+        f"{', '.join(columns)}: without noise, so smoothed or computed and not as measured; errors are held against what a sensor shows, "
         f"{100.0 * SENSOR_SHOWS:g} % of its range"
     )
 

@@ -9,6 +9,7 @@ import mujoco
 import numpy as np
 from numpy.typing import NDArray
 
+from exo_sim.diagnosis.data.computed_columns import was_computed
 from exo_sim.diagnosis.policy.recordings import FEWEST_OF_CHANNEL, STILL_COMMAND, STILL_LENGTH
 from exo_sim.diagnosis.policy.regimes import SMALL_COMMAND
 from exo_sim.machine.linkage import Linkage, moment_row
@@ -41,6 +42,7 @@ class CylinderRun:
         position_noise: Standard deviation of the white noise of `length` before it was smoothed [m].
         command_2: Towards chamber 2 where the valve has independent edges; None where one spool serves both.
         sampled: Whether commands are samples of a quicker loop, and not what the valve was told until the next.
+        computed: Whether the recording was computed, or smoothed, and not just measured.
         settled: Whether the gas is known to be as warm as its walls where the run begins: it was held there before.
     """
 
@@ -63,6 +65,7 @@ class CylinderRun:
     command_2: Array | None = None
     settled: bool = False
     sampled: bool = False
+    computed: bool = False
 
     def towards(self, side: int) -> Array:
         """Return the command that opens chamber 1 (side 0) or 2 (side 1) to the supply where it is above zero, shape (n,)."""
@@ -157,7 +160,7 @@ def cylinder_runs(
 ) -> list[CylinderRun]:
     """Return one run for every cylinder of the rig of which the recording holds a pressure."""
     known = lengths(recording, rig, model, links)
-    runs = []
+    runs, computed = [], was_computed(recording)
     for name in rig.cylinders:
         p_1, p_2 = recording.get(f"{name}.pressure_1"), recording.get(f"{name}.pressure_2")
         if p_1 is None and p_2 is None:
@@ -172,7 +175,7 @@ def cylinder_runs(
                 supply_temperature=_bridged(recording, "supply.temperature"), force=recording.get(f"{name}.force"),
                 commanded=all(one is not None for one in commands), noise=(white_noise(p_1), white_noise(p_2)),
                 breaks=stretch_starts(recording.time, p_1, p_2, _position(recording, name, links)), position_noise=position_noise,
-                command_2=held[1] if len(held) > 1 else None,
+                command_2=held[1] if len(held) > 1 else None, computed=computed,
             )  # fmt: skip
         )
     return runs

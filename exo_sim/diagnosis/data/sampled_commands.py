@@ -8,17 +8,14 @@ from dataclasses import replace
 import numpy as np
 
 from exo_sim.diagnosis.data.cylinder_run import CylinderRun
-from exo_sim.diagnosis.policy.recordings import CONTROL_PERIOD
+from exo_sim.diagnosis.policy.recordings import CLOCK_ERROR, CONTROL_PERIOD
 from exo_sim.recording.table import Recording
 from exo_sim.rig import Rig
-
-#: A logger's clock is off by no more than this share.
-_CLOCK_ERROR = 0.01
 
 
 def may_be_sampled(run: CylinderRun) -> bool:
     """Return whether a recording is so slow that its commands may be samples of others between them."""
-    return run.commanded and not run.at_rest and float(np.median(np.diff(run.time))) > CONTROL_PERIOD * (1.0 + _CLOCK_ERROR)
+    return run.commanded and not run.at_rest and float(np.median(np.diff(run.time))) > CONTROL_PERIOD * (1.0 + CLOCK_ERROR)
 
 
 def remark(run: CylinderRun, commands: Sequence[str]) -> str:

@@ -17,7 +17,10 @@ _LAGS = (1, 2, 3, 4, 5, 6, 8, 10, 13, 16, 20, 26, 32, 40, 52, 64, 80, 100, 128, 
 
 
 class Blocked(Protocol):
-    """Rows in blocks of time; the members of one block are neighbours in time."""
+    """Rows in blocks of time; those of one block that stand side by side are neighbours in time.
+
+    A block may go on further behind, with onsets of motion.
+    """
 
     @property
     def blocks(self) -> NDArray[np.int64]: ...

@@ -90,14 +90,15 @@ def too_small(
         one: Of one subsystem.
         left: By `effect@where`, the error of the time that was fitted without it [units of the noise].
         where_acting: By the same, the error of time kept back without it, in rows that it changes [the most that noise leaves by itself].
-        beyond_healthy: By the same, how much it changes the rows of the time that was fitted [what laws of a healthy machine get wrong].
+        beyond_healthy: By the same, how much it changes the rows of the time that was fitted [what laws of a healthy machine get wrong];
+            not asked of what is not in it.
         tested: Those that time kept back tests: without them it is missed by more than the noise, and their predictions differ.
     """
 
     def is_small(key: str) -> bool:
         if key in tested:
             return False
-        missed, beyond = where_acting.get(key, math.inf) / validation.LEAST_MISSED, beyond_healthy.get(key, math.inf)
+        missed, beyond = where_acting.get(key, math.inf) / validation.LEAST_MISSED, beyond_healthy.get(key, 0.0)
         seen = missed >= min(rms(one.final.fit.residual), 1.0) and beyond >= validation.EXCEEDS_HEALTHY
         if one.search.weighed_together and (missed >= 1.0 or seen or beyond >= validation.BEYOND_HEALTHY):
             return False

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import math
 from collections.abc import Callable, Hashable, Sequence
 from dataclasses import dataclass, field, replace
 from functools import partial
@@ -22,7 +21,7 @@ from exo_sim.diagnosis.estimation.least_squares import Fit, fit
 from exo_sim.diagnosis.estimation.parameters import FreeParameter, PlantParameters
 from exo_sim.diagnosis.estimation.threads import SERIAL, Threads
 from exo_sim.diagnosis.estimation.uncertainty import HALF_WIDTH, standard_errors
-from exo_sim.diagnosis.pipeline.command_reading import read_as_sampled
+from exo_sim.diagnosis.pipeline.command_reading import as_sampled, read_as_sampled
 from exo_sim.diagnosis.pipeline.plan import Plan, Progress
 from exo_sim.diagnosis.policy.budgets import FEW_SAMPLES, FORCES_UNTIL, GAS_UNTIL, MOST_EFFORT
 from exo_sim.diagnosis.policy.priors import INITIAL_WARMTH, ROOM_WARM
@@ -62,9 +61,10 @@ class Searched:
         other = [one for (name, time, *_), one in self.results.items() if name == cylinder and time != test_time and not one.is_empty]
         return _asked_of(other[-1].search.final, asked) if other else None
 
-    def are_samples(self, cylinder: str) -> bool:
-        """Return whether the commands of a cylinder were found to be samples of a quicker loop."""
-        return any(run.sampled for (name, *_), one in self.results.items() if name == cylinder for run in one.model.all_runs)
+    def sampled(self, cylinder: str) -> frozenset[str]:
+        """Return in which recordings the commands of a cylinder were found to be samples of a quicker loop."""
+        searched = [one.model.all_runs for (name, *_), one in self.results.items() if name == cylinder]
+        return frozenset(run.recording for runs in searched for run in runs if run.sampled)
 
     def standing(
         self, cylinder: str, test_time: Hashable, friction: Hashable, asked: Sequence[Candidate]
@@ -126,8 +126,9 @@ def examine_gas(
             soft = softens if plan.friction is None and joint in data.joints else None
             seek = partial(_searched, nuisances=nuisances, asked=asked, soft=soft, plan=plan, threads=threads, report=_naming(report, name))
             if model.size >= FEWEST_ROWS:
-                free, most = {q: q.start for q in nuisances}, math.inf if searched.are_samples(name) else HELD_AT_FIRST
-                model = read_as_sampled(model, plan.split, free, (), most, False, threads, plan.budget.is_spent)
+                model = as_sampled(model, plan.split, searched.sampled(name))
+                free = {q: q.start for q in nuisances}
+                model = read_as_sampled(model, plan.split, free, (), HELD_AT_FIRST, False, threads, plan.budget.is_spent)
             done[key] = seek(model, begun)
             if model.size >= FEWEST_ROWS:
                 held, end = done[key], done[key].final

@@ -43,7 +43,7 @@ class Judge:
     def __init__(self, data: MachineData, split: Split) -> None:
         self._data = data
         self._windows, self._free, self._whole = WindowErrors(data, split), MachineRuns(data, split), MachineRuns(data, split, WINDOW)
-        self._started = [MachineRuns(data, split, begun=number / STARTS) for number in range(STARTS)]
+        self._started = [MachineRuns(data, split, part=(number / STARTS, (number + 1) / STARTS)) for number in range(STARTS)]
         self.refusals: list[str] = []
 
     def trial(self, update: RigUpdate) -> Trial:
@@ -94,7 +94,7 @@ def accepted(
         best = judge.reported(best, split)
     is_cut, is_unproved = best.update.parts != update.parts and not refusals, bool(best.update.parts) and not best.is_proved
     said = ((_CUT.format(update.without(best.update)), is_cut), (_UNPROVED, is_unproved), (_BY_ALL, by_all))
-    chance = [_BY_CHANCE.format(column, len(best.starts), ratio) for column, ratio in best.by_chance().items()]
+    chance = [_BY_CHANCE.format(column, count, ratio) for column, (ratio, count) in best.by_chance().items()]
     return best, (*(_REFUSED.format(why) for why in refusals[:1]), *(words for words, is_so in said if is_so), *chance)
 
 

@@ -11,6 +11,7 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 
 import numpy as np
+from scipy import stats
 
 from exo_sim.diagnosis.data.machine_data import MachineData
 from exo_sim.diagnosis.findings import SignalFit
@@ -23,6 +24,7 @@ from exo_sim.diagnosis.policy.validation import (
     MOST_WORSE,
     SIGNAL_WORSE,
     SURELY_BETTER,
+    SURELY_STRAYS,
 )
 from exo_sim.diagnosis.validation.machine_runs import Blocks
 
@@ -40,7 +42,7 @@ class Trial:
         spreads: Standard deviations of the signals, as far as they are recorded.
         coupled: Errors of the whole machine over windows.
         uncertain: Standard error of the mean logarithm of the latter.
-        starts: As `free_run`, of runs begun at measured states of the time kept back, one for each.
+        starts: As `free_run`, of runs begun at measured states of the time kept back, one for each, until the next one's.
         is_refused: Whether the rig cannot be read, or cannot be a machine.
     """
 
@@ -71,7 +73,7 @@ class Trial:
     @property
     def strays(self) -> tuple[str, ...]:
         """Signals that free runs miss by surely more than with the rig handed in, whatever the others win."""
-        return straying_further((self.free_run, *self.starts)) if self.starts else ()
+        return straying_further(self.starts)
 
     @property
     def hurts(self) -> bool:
@@ -91,15 +93,15 @@ class Trial:
             return math.inf
         return sum(map(_mean, (_logs(self.windows, self.spreads), self._run_free(), _logs(self.coupled, self.spreads))))
 
-    def by_chance(self) -> dict[str, float]:
+    def by_chance(self) -> dict[str, tuple[float, int]]:
         """Return which signals one run from the first measured state misses by more than with the rig handed in, and runs from several
-        states by less: by column, the ratio of the latter's errors.
+        states by less: by column, the ratio of the latter's errors, and how many runs these are.
         """
         found = {}
         for column, fit in self.free_run.items():
-            logs = _paired((self.free_run, *self.starts), column)
+            logs = _paired(self.starts, column)
             if len(logs) >= FEWEST_STARTS and fit.after > (1.0 + SIGNAL_WORSE) * fit.before and _mean(logs) < 0.0:
-                found[column] = math.exp(_mean(logs))
+                found[column] = math.exp(_mean(logs)), len(logs)
         return found
 
     def _run_free(self) -> list[float]:
@@ -109,11 +111,13 @@ class Trial:
 def straying_further(runs: Sequence[Fits]) -> tuple[str, ...]:
     """Return the signals whose errors are larger by surely more than a trifle, by the mean logarithm over runs and its standard error.
 
+    The latter is that of few runs: Student's distribution says how many of them are sure. A run that diverges alone is a larger error.
+
     Unlike in `is_worse`, a signal counts that neither rig predicts better than its own mean: a piston that stands at the wrong end all the
     time is missed by more than one that merely lags.
 
     Args:
-        runs: Errors by signal, of runs begun at different measured states.
+        runs: Errors by signal, of runs begun at different measured states, none over the time of another.
     """
     found = []
     for column in dict.fromkeys(column for fits in runs for column in fits):
@@ -121,7 +125,8 @@ def straying_further(runs: Sequence[Fits]) -> tuple[str, ...]:
         if len(logs) < FEWEST_STARTS:
             continue
         error = float(np.std(logs, ddof=1)) / math.sqrt(len(logs))
-        if _mean(logs) - SURELY_BETTER * error > math.log1p(SIGNAL_WORSE):
+        least = _mean(logs) - float(stats.t.ppf(SURELY_STRAYS, len(logs) - 1)) * error
+        if max(logs) >= DIVERGED or least > math.log1p(SIGNAL_WORSE):
             found.append(column)
     return tuple(found)
 

@@ -9,6 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from exo_sim.diagnosis.data.coarse_clock import begins_with
+from exo_sim.diagnosis.data.computed_columns import was_computed
 from exo_sim.diagnosis.data.machine_data import MachineData
 from exo_sim.diagnosis.estimation.parameters import PlantParameters
 from exo_sim.diagnosis.estimation.threads import Threads
@@ -73,4 +74,4 @@ def _runs(data: MachineData, gas: Sequence[SubsystemResult[GasModel]], plan: Pla
             measured[run.recording] = (table.time, table["supply.pressure"])
             cylinders[run.recording] = cylinders.get(run.recording, 0) + 1
     known = [name for name in drawn if cylinders[name] == len(data.rig.cylinders)]
-    return [supply_run(name, *measured[name], drawn[name]) for name in known]
+    return [supply_run(name, *measured[name], drawn[name], was_computed(data.table(name))) for name in known]

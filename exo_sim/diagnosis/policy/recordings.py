@@ -27,6 +27,15 @@ FALL_LEVEL = Count(
 FEWEST_IN_COLUMN = Count(10, "finite samples", "a column that is left with no more, faulty ones blanked, counts as not recorded")
 FEWEST_ROWS = Count(30, "rows", "a balance with fewer is not fitted")
 FEWEST_ONSETS = Count(6, "onsets", "fewer starts from rest do not show by how much one differs from the next")
+ONSET_REST = Number(
+    3.5, "standard deviations of the filter", "an onset of motion has been at rest for so long: motion before it adds nothing to "
+    "its peak",
+    "derived: what lies further weighs 2e-4",
+)  # fmt: skip
+ONSET_MOTION = Number(
+    5.0, "standard deviations of the filter", "... and moves on in one direction for so long: a jerk that a stop or an encoder "
+    "makes is none",
+)  # fmt: skip
 FEWEST_OF_CHANNEL = Count(5, "finite samples", "a position or a slow channel with fewer is none")
 FEWEST_OF_FALL = Count(20, "finite samples", "a pressure with fewer does not show how it fell")
 FINE_PERIOD = Number(
@@ -66,6 +75,7 @@ CONTROL_PERIOD = Number(
     2e-3, "s", "commands at no longer periods are all that a valve was told; those of a slower logger may be samples of a quicker loop",
     "asserted: controllers of valves run at 500 Hz or faster, or are the loggers themselves",
 )  # fmt: skip
+CLOCK_ERROR = Number(0.01, "share of a period", "a logger's clock is off by no more: a longer period than that is longer")
 HELD_AT_FIRST = Number(
     0.5, "share of the squared error", "commands are held until the next sample, as the contract has it, unless read as samples they leave "
     "less than this beside the numbers of the rig as it is believed ...",

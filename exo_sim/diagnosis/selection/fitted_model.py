@@ -177,6 +177,11 @@ def exceeds_healthy_limit(
     return not limited or any(abs(values[q] - q.neutral) - times * errors.get(q, 0.0) > q.healthy_limit for q in limited)
 
 
+def reach_of_bound(parameter: FreeParameter, value: float) -> float:
+    """Return how near to a bound of a parameter a value counts as there."""
+    return verdicts.AT_BOUND * (abs(value) if parameter.logarithmic or parameter.low > 0.0 else parameter.scale)
+
+
 def is_at_bound(candidate: Candidate, model: FittedModel) -> bool:
     """Return whether what decides of a candidate how large it is ended at a bound where it still acts: no number was found.
 
@@ -190,7 +195,7 @@ def is_at_bound(candidate: Candidate, model: FittedModel) -> bool:
         needed.add(candidate.parameters[0].parameter)
     for q in (q for q in candidate.parameters if q.parameter in needed):
         value = model.fit.values[q]
-        reach = verdicts.AT_BOUND * (abs(value) if q.logarithmic or q.low > 0.0 else q.scale)
+        reach = reach_of_bound(q, value)
         if (q.low != q.neutral and value - q.low < reach) or (q.high != q.neutral and q.high - value < reach):
             return True
     return False

@@ -5,9 +5,8 @@ from __future__ import annotations
 from dataclasses import replace
 
 from exo_sim.diagnosis.estimation.candidate import Candidate
-from exo_sim.diagnosis.policy.verdicts import AT_BOUND
 from exo_sim.diagnosis.selection.comparisons import Comparisons
-from exo_sim.diagnosis.selection.fitted_model import FittedModel
+from exo_sim.diagnosis.selection.fitted_model import FittedModel, reach_of_bound
 from exo_sim.diagnosis.selection.model_fits import ModelFits
 from exo_sim.diagnosis.selection.proposals import Proposals
 
@@ -37,4 +36,5 @@ def with_further_forms(now: FittedModel, fits: ModelFits, comparisons: Compariso
 def _is_at_end(form: Candidate, model: FittedModel) -> bool:
     """Return whether something by which a law goes on ended at a bound: it was not found."""
     parameters = [q for q in form.parameters if q.parameter in form.further]
-    return any(min(model.fit.values[q] - q.low, q.high - model.fit.values[q]) < AT_BOUND * q.scale for q in parameters)
+    ends = [(q, model.fit.values[q]) for q in parameters]
+    return any(min(value - q.low, q.high - value) < reach_of_bound(q, value) for q, value in ends)

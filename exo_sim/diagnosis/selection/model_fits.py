@@ -61,6 +61,14 @@ class ModelFits:
         before = self._fitted.get(key)
         if before is not None and not again:
             return before
+        fitted = self._fitted_from(candidates, near)
+        if before is not None and self.deficit(before, fitted) <= 0.0:
+            return before
+        self._fitted[key] = fitted
+        return fitted
+
+    def _fitted_from(self, candidates: Sequence[Candidate], near: FittedModel | None) -> FittedModel:
+        """Return the fit of a set, whatever is known of it."""
         parameters, options = self._starts(candidates, near)
         residual = self._residual_of(candidates)
         begin, length, order = self._best_start(residual, options)
@@ -74,11 +82,7 @@ class ModelFits:
                 residual, parameters, begin, self.threads,
                 max_iterations=MOST_STEPS, correlation_length=length, known_columns=columns, is_spent=self.is_spent,
             )  # fmt: skip
-        fitted = FittedModel(tuple(candidates), with_common_parts_split(done))
-        if before is not None and self.deficit(before, fitted) <= 0.0:
-            return before
-        self._fitted[key] = fitted
-        return fitted
+        return FittedModel(tuple(candidates), with_common_parts_split(done))
 
     def look(self, candidates: Sequence[Candidate], near: FittedModel, again: bool = False) -> FittedModel:
         """Return a model after its first steps from a similar one, with the derivatives of that: where a fit would about lead.
@@ -89,11 +93,15 @@ class ModelFits:
         before = self._fitted.get(key_of(candidates))
         if self.cheap or (before is not None and not again):
             return before or self.fit(candidates, near)
+        looked = self._looked_from(candidates, near)
+        return before if before is not None and self.deficit(before, looked) <= 0.0 else looked
+
+    def _looked_from(self, candidates: Sequence[Candidate], near: FittedModel) -> FittedModel:
+        """Return a set after its first steps, whatever is known of it."""
         parameters, options = self._starts(candidates, near)
         residual = self._residual_of(candidates)
         begin, length, _ = self._best_start(residual, options)
-        looked = FittedModel(tuple(candidates), self._first_steps(residual, parameters, begin, length, near.fit.columns))
-        return before if before is not None and self.deficit(before, looked) <= 0.0 else looked
+        return FittedModel(tuple(candidates), self._first_steps(residual, parameters, begin, length, near.fit.columns))
 
     def fit_rivals(
         self, asked: Sequence[tuple[Sequence[Candidate], FittedModel]], aim: FittedModel | None = None, again: bool = False
@@ -116,12 +124,15 @@ class ModelFits:
     def fit_from_each(self, asked: Sequence[Sequence[Candidate]], now: FittedModel) -> FittedModel | None:
         """Return the best fit of sets that differ in their starts alone; None where first looks lead none of them near a model.
 
+        To all else they are one set, so each is begun whatever is known of it, and what is known is compared one after the other.
+
         Args:
             asked: The sets.
             now: The model that they begin at, and are held against.
         """
-        looks = self.threads.fits(lambda one: self.look(one, now), list(asked))
-        ended = [self.fit(one.candidates, one, again=not self._is_known(one)) for one in looks if not self._is_far(one, now)]
+        begin = self._fitted_from if self.cheap else self._looked_from
+        near = [one for one in self.threads.fits(lambda one: begin(one, now), list(asked)) if not self._is_far(one, now)]
+        ended = [self.fit(one.candidates, one, again=True) for one in near]
         return ended[-1] if ended else None
 
     def each_without(self, apart: Sequence[Candidate], now: FittedModel) -> Iterator[tuple[Candidate, FittedModel]]:

@@ -21,7 +21,7 @@ class Proposals:
 
     Args:
         fits: Fits of the subsystem's models.
-        candidates: All candidates; of those that are asked only where a poorer form stands no count is kept.
+        candidates: All candidates; those that are asked only where a poorer form stands are kept apart, and are not among `candidates`.
         practical_significance: As in `Comparisons`.
     """
 

@@ -89,7 +89,7 @@ class HeldOutErrors:
             itself leaves there but for chance: each row's square is weighed by that of the change; only where predictions change with it
             by `LEAST_INFLUENCE`.
         beyond_healthy: By the keys of `where_acting`, how much predictions of the time that was fitted change with it where they change,
-            in units of what the laws of a healthy machine get wrong there.
+            in units of what the laws of a healthy machine get wrong there; only where anybody knows that.
         costs: By the keys of `drops`, `influence` as a share of how much the predicted signals vary; 0 for a shared supply: it is measured.
         balances: By subsystem and name.
         series: For the report.
@@ -179,6 +179,7 @@ def held_out_errors(
         odds = 0.5 * rows * math.log10(max(error, 1.0) ** 2)
         balances[one.key] = BalanceError(error, rms(one.final.fit.residual), model.discrepancy_bound, odds)
         named = model.residual_of(one.final_plant)  # a curve for what has no name is not to a name's credit
+        misfit = one.model.healthy_misfit() if one.findings else np.zeros(one.model.size)
         for key, refitted in _left_out(one):
             other = model.residual_of(one.plant_of(refitted))
             left[key] = rms(refitted.fit.residual)
@@ -189,7 +190,9 @@ def held_out_errors(
             if influence[key] <= validation.LEAST_INFLUENCE:  # what changes nothing was not tested
                 continue
             where_acting[key] = _missed_where_acting(other, other - named)
-            beyond_healthy[key] = _beyond(refitted.fit.residual - one.final.fit.residual, one.model.healthy_misfit())
+            beyond = _beyond(refitted.fit.residual - one.final.fit.residual, misfit)
+            if beyond is not None:
+                beyond_healthy[key] = beyond
             if lacking > 1.0:
                 independent = other.size / max(correlation_time(other, model.blocks), 1.0)
                 gained, missing = other.size * (lacking**2 - with_it**2), other.size * (lacking**2 - 1.0)
@@ -217,11 +220,19 @@ def _missed_where_acting(error: Array, change: Array) -> float:
     return math.sqrt(square / by_chance(independent)) if math.isfinite(square) else math.inf
 
 
-def _beyond(change: Array, misfit: Array) -> float:
-    """Return how large a change is in units of a misfit, both by row, shape (n,), each row weighed by the square of the change."""
-    with np.errstate(over="ignore", divide="ignore", invalid="ignore"):
-        square = float(np.sum(change**4) / np.sum((change * misfit) ** 2))
-    return math.sqrt(square) if square >= 0.0 else math.inf
+def _beyond(change: Array, misfit: Array) -> float | None:
+    """Return how large a change is in units of a misfit, both by row, shape (n,), each row weighed by the square of the change.
+
+    What changes in fewer rows than `FEWEST_CHANGED` counts as if it were spread over so many. None where nothing changes, or nobody knows
+    the misfit of what does.
+    """
+    known = misfit > 0.0
+    scale = float(np.abs(change[known]).max(initial=0.0))
+    if not 0.0 < scale < math.inf:
+        return None
+    squares = (change[known] / scale) ** 2
+    spread = min(float(squares.sum()) ** 2 / float(squares @ squares) / validation.FEWEST_CHANGED, 1.0)
+    return scale * math.sqrt(spread * float(squares @ squares) / float(squares @ misfit[known] ** 2))
 
 
 def _signals(compared: Sequence[Comparison]) -> dict[str, SignalFit]:

@@ -12,7 +12,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from exo_sim.diagnosis.data.command_sign import is_reversed_command
-from exo_sim.diagnosis.data.computed_columns import shown_noise
+from exo_sim.diagnosis.data.computed_columns import shown_noise, was_computed
 from exo_sim.diagnosis.data.machine_data import MachineData
 from exo_sim.diagnosis.data.sampled_commands import as_told
 from exo_sim.diagnosis.data.split import Split
@@ -45,17 +45,17 @@ class MachineRuns:
         data: The recordings, and the rig as handed in.
         split: Its test time counts.
         window: After so long the measured state is taken over [s]; never where infinite.
-        begun: After this share of the test time, from its beginning on, runs begin, 0 to 1; None for where the recordings do.
+        part: Shares of the test time, from its beginning on, at which runs begin and end, 0 to 1; None for whole recordings.
     """
 
-    def __init__(self, data: MachineData, split: Split, window: float = math.inf, begun: float | None = None) -> None:
+    def __init__(self, data: MachineData, split: Split, window: float = math.inf, part: tuple[float, float] | None = None) -> None:
         self._data, self._split, self._window = data, split, window
         self._tables = [judged_part(table, data) for table in data.as_read if table.name in split.test]
         if window < math.inf:
             around = [_around(table, split) for table in self._tables]
             self._tables = [table for table in around if len(table.time) > FEWEST_TO_FIT]
-        if begun is not None:
-            cut = [_begun_in(table, split, begun) for table in self._tables]
+        if part is not None:
+            cut = [_part_of(table, split, *part) for table in self._tables]
             self._tables = [table for table in cut if len(table.time) > FEWEST_TO_FIT and table.duration > REPLAY_WINDOW]
         self._believed: dict[tuple[int, str], tuple[Recording, Run] | None] = {}
         self._machine = _Machine(data.rig)
@@ -113,7 +113,7 @@ class MachineRuns:
         if believed is None:
             return
         before = believed[1]
-        mask = mask & after.simulated
+        mask, computed = mask & after.simulated, was_computed(recorded)
         for key in (key for key in after.predicted.columns if key in before.predicted):
             there = mask & np.isfinite(recorded[key])
             if there.any():
@@ -121,7 +121,7 @@ class MachineRuns:
                 block = number * MOST_BLOCKS + np.floor(table.time[there] / REPLAY_WINDOW).astype(np.int64)
                 sums.add(recorded[key][there], [one.predicted[key][there] for one in (before, after)], block)
                 floor = noise.floor(recorded[key], recorded.time).std
-                sums.noise = max(sums.noise, shown_noise(floor, recorded[key], recorded))
+                sums.noise = max(sums.noise, shown_noise(floor, recorded[key], computed))
 
 
 class _Machine:
@@ -176,11 +176,11 @@ def _around(table: Recording, split: Split) -> Recording:
     return table.span(min(start for start, _ in spans) - LEAD, np.nextafter(max(stop for _, stop in spans), math.inf))
 
 
-def _begun_in(table: Recording, split: Split, share: float) -> Recording:
-    """Return the part of a recording from a share of its test time on to the end of that."""
+def _part_of(table: Recording, split: Split, begin: float, end: float) -> Recording:
+    """Return the part of a recording from one share of its test time to another."""
     spans = split.test[table.name]
     start, stop = min(start for start, _ in spans), max(stop for _, stop in spans)
-    return table.span(start + share * (stop - start), np.nextafter(stop, math.inf))
+    return table.span(start + begin * (stop - start), np.nextafter(start + end * (stop - start), math.inf))
 
 
 def _lost(ran: Run) -> Run:

@@ -14,7 +14,9 @@ from hypothesis import strategies as st
 from exo_sim.diagnosis.data.cylinder_run import CylinderRun
 
 N = 60
-OTHERS = ("recording", "cylinder", "commanded", "noise", "breaks", "pressure", "initial", "position_noise", "settled", "sampled")
+OTHERS = (
+    "recording", "cylinder", "commanded", "noise", "breaks", "pressure", "initial", "position_noise", "settled", "sampled", "computed",
+)  # fmt: skip
 CHANNELS = [field.name for field in fields(CylinderRun) if field.name not in OTHERS]
 SPANS = st.tuples(st.integers(0, N - 1), st.integers(1, N)).filter(lambda span: span[0] < span[1])
 

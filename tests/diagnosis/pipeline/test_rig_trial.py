@@ -90,6 +90,19 @@ def test_a_position_that_strays_surely_further_is_not_paid_for_by_pressures(rig:
         assert trial.is_worse
 
 
+def test_of_rigs_that_are_equally_good_few_are_said_to_stray() -> None:
+    rng, strays = np.random.default_rng(0), 0
+    for _ in range(1000):
+        before, after = rng.lognormal(0.0, 1.0, (2, 4))
+        strays += bool(straying_further([{"x": SignalFit("m", b, a, 1e-9)} for b, a in zip(before, after, strict=True)]))
+    assert 20 < strays < 70
+
+
+def test_the_run_from_the_beginning_covers_what_others_do_and_is_none_of_them(rig: Rig) -> None:
+    first, *started = runs(30.0, 1.05, 0.9, 1.05, 0.9)
+    assert Trial(RigUpdate(rig, ()), {}, first, {}, starts=tuple(started)).strays == ()
+
+
 def test_a_position_that_is_lost_either_way_counts_where_it_is_surely_missed_by_more() -> None:
     """74 mm against 24 mm of a piston that sways by 19 mm."""
     assert straying_further(runs(3.1, 2.9, 3.3, before=0.024)) == ("slide.position",)
@@ -104,6 +117,9 @@ def test_runs_from_several_states_decide_with_the_one_from_the_beginning(rig: Ri
 def test_what_one_run_misses_by_chance_is_told_from_what_all_miss(rig: Rig) -> None:
     first, *started = runs(1.7, 0.2, 0.3, 0.2)
     said = Trial(RigUpdate(rig, ()), {}, first, {}, starts=tuple(started)).by_chance()
-    assert said == {"slide.position": pytest.approx((1.7 * 0.2 * 0.3 * 0.2) ** 0.25)}
+    assert said == {"slide.position": (pytest.approx((0.2 * 0.3 * 0.2) ** (1.0 / 3.0)), 3)}
+    elsewhere = ({"piston.pressure_1": SignalFit("Pa", 1.0, 0.1, 0.0)}, *started)
+    assert Trial(RigUpdate(rig, ()), {}, first, {}, starts=elsewhere).by_chance()["slide.position"][1] == 3
+    assert Trial(RigUpdate(rig, ()), {}, first, {}, starts=tuple(started[:2])).by_chance() == {}
     first, *started = runs(1.7, 1.2, 1.3, 1.2)
     assert Trial(RigUpdate(rig, ()), {}, first, {}, starts=tuple(started)).by_chance() == {}

@@ -4,12 +4,17 @@ from __future__ import annotations
 
 from dataclasses import replace
 
+import numpy as np
+import pytest
 from diagnosis.waves import BASE, OTHER, Waves, candidate, parameter
 
 from exo_sim.diagnosis.estimation.candidate import Candidate
+from exo_sim.diagnosis.estimation.parameters import PlantParameters
+from exo_sim.diagnosis.estimation.threads import SERIAL, Threads
 from exo_sim.diagnosis.selection.comparisons import Comparisons
-from exo_sim.diagnosis.selection.fitted_model import FittedModel
+from exo_sim.diagnosis.selection.fitted_model import FittedModel, reach_of_bound
 from exo_sim.diagnosis.selection.further_forms import with_further_forms
+from exo_sim.diagnosis.selection.model_fits import ModelFits
 from exo_sim.diagnosis.selection.search import Search
 
 FURTHER = replace(candidate("base", "slow", "quick"), starts=((9.0, 0.5), (9.0, -0.5)), further=frozenset({"base.quick"}))
@@ -57,3 +62,38 @@ def test_a_further_form_is_no_candidate_and_asked_of_no_other_effect() -> None:
 def test_a_search_ends_with_the_further_form() -> None:
     found = Search(Waves(slow=8.0, quick=4.0), (), (BASE, OTHER, FURTHER)).run()
     assert [c.form for c in found.final.candidates] == ["slow+quick"]
+
+
+class Bent(Waves):
+    """Beyond a size below nil a wave cancels the other way: a fit that begins there ends elsewhere."""
+
+    def residual_of(self, plant: PlantParameters) -> np.ndarray:
+        residual = self._error.copy()
+        for name, value in plant.sensors.items():
+            if name == "base.quick":
+                value = -1.5 * value if value < 0.0 else value / (1.0 + value)
+            residual = residual + value * self.shapes[name.split(".")[-1]]
+        return residual
+
+
+@pytest.mark.parametrize("cheap", [False, True])
+@pytest.mark.parametrize("starts", [((8.0, 0.5), (8.0, -0.5)), ((8.0, -0.5), (8.0, 0.5))])
+def test_each_start_is_fitted_whatever_the_number_of_threads(cheap: bool, starts: tuple[tuple[float, float], ...]) -> None:
+    def found(threads: Threads) -> FittedModel:
+        fits = ModelFits(Bent(slow=8.0, quick=4.0), (), threads, cheap)
+        now = fits.refined(fits.fit((BASE,), fits.fit(())))
+        ended = fits.fit_from_each([(replace(FURTHER, starts=(start,)),) for start in starts], now)
+        assert ended is not None
+        return ended
+
+    with Threads(2) as two:
+        ended = [found(SERIAL), *(found(two) for _ in range(3))]
+    assert all(one.fit.sse == ended[0].fit.sse for one in ended)
+    assert ended[0].fit.sse < 1.2 * ended[0].fit.residual.size
+    assert ended[0].fit.values[parameter("base", "quick")] < 0.0
+
+
+def test_a_number_that_spans_decades_is_at_its_end_only_near_it() -> None:
+    """A twentieth of the scale is a hundred times the low bound."""
+    size = replace(parameter("base", "quick"), low=1e-4, high=1e3, logarithmic=True)
+    assert reach_of_bound(size, 2e-4) < 1e-4 < reach_of_bound(replace(size, low=-1.0, logarithmic=False), 2e-4)

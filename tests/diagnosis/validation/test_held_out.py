@@ -13,13 +13,13 @@ from exo_sim.diagnosis.data.split import Split
 from exo_sim.diagnosis.discrepancy.signal import Discrepancy
 from exo_sim.diagnosis.estimation.parameters import PlantParameters
 from exo_sim.diagnosis.findings import Subsystem
-from exo_sim.diagnosis.policy.validation import LEAST_INFLUENCE
+from exo_sim.diagnosis.policy.validation import BEYOND_HEALTHY, FEWEST_CHANGED, LEAST_INFLUENCE
 from exo_sim.diagnosis.selection.decision import decide
 from exo_sim.diagnosis.selection.finding_removal import without_findings
 from exo_sim.diagnosis.selection.search import Search
 from exo_sim.diagnosis.selection.subsystem_result import SubsystemResult
 from exo_sim.diagnosis.selection.unknown_effect import unknown_effects
-from exo_sim.diagnosis.validation.held_out import BalanceError, HeldOutErrors, Worth, held_out_errors
+from exo_sim.diagnosis.validation.held_out import BalanceError, HeldOutErrors, Worth, _beyond, held_out_errors
 from exo_sim.recording.noise import by_chance
 
 SPLIT = Split({"recording": ((0.0, 400.0),)})
@@ -44,8 +44,20 @@ def test_a_true_finding_takes_the_error_down_to_the_noise() -> None:
     acting = math.sqrt(1.0 + 9.0 * float(weights @ weights / weights.sum()))  # larger than over all rows: it is where the wave is
     acting /= math.sqrt(by_chance(float(weights.sum()) ** 2 / float(weights @ weights)))
     assert errors.where_acting["base@piston"] == pytest.approx(acting, rel=0.05)
-    assert errors.beyond_healthy["base@piston"] == math.inf  # nobody knows what healthy waves are like
+    assert errors.beyond_healthy == {}  # nobody knows what healthy waves are like
     assert errors.spans == SPLIT.test
+
+
+def test_one_row_of_many_is_not_beyond_what_healthy_laws_get_wrong() -> None:
+    change = np.full(10000, 0.1)
+    change[0] = 10.0
+    found = _beyond(change, np.full(change.size, 3.0))
+    assert found is not None and found < BEYOND_HEALTHY
+    alone = np.where(change > 1.0, change, 0.0)
+    assert _beyond(alone, np.full(change.size, 3.0)) == pytest.approx(10.0 / 3.0 / math.sqrt(FEWEST_CHANGED))
+    change[:20] = 10.0
+    assert _beyond(change, np.full(change.size, 3.0)) == pytest.approx(10.0 / 3.0, rel=0.05)
+    assert _beyond(np.zeros(3), np.ones(3)) is _beyond(np.ones(3), np.zeros(3)) is None
 
 
 def test_a_change_is_held_against_what_healthy_laws_get_wrong_where_it_is() -> None:
@@ -82,7 +94,7 @@ def test_a_later_look_takes_the_place_of_the_first_and_what_was_put_aside_goes()
     later = held_out_errors([without_findings(whole, {waves.OTHER.at})], (), SPLIT)
     both = first.updated(later, ["other@piston"])
     assert set(both.drops) == set(both.worth) == set(both.influence) == set(both.costs) == {"base@piston"}
-    assert set(both.left) == set(both.where_acting) == set(both.beyond_healthy) == {"base@piston"}
+    assert set(both.left) == set(both.where_acting) == {"base@piston"}
     assert both.left == later.left != first.left
     assert both.signals == later.signals and both.balances == later.balances and both.series == later.series
     assert both.signals["piston.pressure_1"].after > first.signals["piston.pressure_1"].after

@@ -79,7 +79,7 @@ def test_over_windows_the_whole_machine_is_run_around_what_was_kept(bench: Path)
 def test_a_run_that_begins_in_the_time_kept_is_one_of_a_recording_that_begins_there(bench: Path, share: float) -> None:
     path = bench / "recording.parquet"
     case = gather([path], bench / "rig.toml")
-    found = MachineRuns(case, kept(case), begun=share).errors(case.rig)
+    found = MachineRuns(case, kept(case), part=(share, 1.0)).errors(case.rig)
     table = read(path).recording.span(7.0 + 2.0 * share, np.nextafter(9.0, math.inf))
     run = replay(table, case.rig, load(case.rig)).free_run
     assert set(found) == set(run.columns)
@@ -87,9 +87,16 @@ def test_a_run_that_begins_in_the_time_kept_is_one_of_a_recording_that_begins_th
         assert fit.before == fit.after == pytest.approx(rms(table[key], run[key]), rel=1e-12)
 
 
+def test_runs_from_several_states_share_no_time(bench: Path) -> None:
+    case = gather([bench / "recording.parquet"], bench / "rig.toml")
+    halves = [MachineRuns(case, kept(case), part=part).by_block(case.rig) for part in ((0.0, 0.5), (0.5, 1.0))]
+    for key, blocks in halves[0].items():
+        assert set(blocks) == {14, 15} and set(halves[1][key]) >= {16, 17} and 14 not in halves[1][key] and 15 not in halves[1][key]
+
+
 def test_nothing_begins_where_less_than_a_window_is_left(bench: Path) -> None:
     case = gather([bench / "recording.parquet"], bench / "rig.toml")
-    assert MachineRuns(case, kept(case, 7.0, 7.6), begun=0.5).errors(case.rig) == {}
+    assert MachineRuns(case, kept(case, 7.0, 7.6), part=(0.5, 1.0)).errors(case.rig) == {}
 
 
 @pytest.mark.parametrize("effect", ["supply_regulator", "supply_droop"])

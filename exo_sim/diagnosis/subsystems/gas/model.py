@@ -145,9 +145,15 @@ class GasModel(SubsystemModel):
         return max((float(np.median(rows.scale)) for run in self._rows for rows in run if rows.count.size), default=1.0)
 
     @property
-    def log_variance(self) -> float:
-        """Sum over rows of the logarithm of their variance [Pa^2]: with the squared residual, what a likelihood counts twice."""
-        return 2.0 * sum(float(np.sum(np.log(rows.scale))) for run in self._rows for rows in run if rows.count.size)
+    def scale(self) -> Array:
+        """Standard deviation that noise and what happened between samples leave in each row [Pa], shape (size,)."""
+        return np.concatenate([np.zeros(0), *(rows.scale for run in self._rows for rows in run if rows.count.size)])
+
+    @property
+    def recordings(self) -> NDArray[np.str_]:
+        """Of which recording each row is, shape (size,)."""
+        named = zip(self.runs, self._rows, strict=True)
+        return np.array([run.recording for run, sides in named for rows in sides for _ in range(rows.count.size)], dtype=str)
 
     def predict(self, plant: PlantParameters, index: int, shift: float = 0.0, whole: bool = True) -> GasPrediction:
         """Predict what the sensors of one run would show; arguments as of `sensed`."""
@@ -253,7 +259,7 @@ class GasModel(SubsystemModel):
                     continue
                 mask = self.split.in_test(run.recording, run.time) & self.inputs[index].windows.compared
                 first, second = (predicted[index][:, side] for predicted in pressures)
-                column, noise = f"{self.where}.pressure_{side + 1}", shown_noise(run.noise[side], measured)
+                column, noise = f"{self.where}.pressure_{side + 1}", shown_noise(run.noise[side], measured, run.computed)
                 series = Series(run.recording, column, self.unit, run.time, measured, first, second, noise)
                 found.append(Comparison(series, (measured - first)[mask], (measured - second)[mask]))
         return found

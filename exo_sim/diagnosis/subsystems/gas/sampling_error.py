@@ -35,9 +35,18 @@ def sampling_error(given: GasInputs, plant: PlantParameters) -> Array:
         fewer = run_gas(_every_other(given, first), plant.world, plant.cylinder, whole=False).pressure
         squares += 0.5 * (fewer - whole) ** 2
     width = min(n, max(1, int(round(SAMPLING_SPAN / given.period))))
-    count = np.convolve(np.ones(n), np.ones(width), "same")
-    mean = np.stack([np.convolve(side, np.ones(width), "same") for side in np.nan_to_num(squares).T], axis=1) / count[:, None]
-    return np.asarray(BETWEEN_SAMPLES * np.sqrt(mean))
+    return np.stack([BETWEEN_SAMPLES * np.sqrt(_mean_about(side, width)) for side in squares.T], axis=1)
+
+
+def _mean_about(values: Array, width: int) -> Array:
+    """Return the mean of finite values over so many samples about each, shape (n,); of all of them where none is near, else 0."""
+    known = np.isfinite(values)
+    if not known.any():
+        return np.zeros(len(values))
+    total = np.convolve(np.where(known, values, 0.0), np.ones(width), "same")
+    count = np.convolve(known.astype(float), np.ones(width), "same")
+    near = np.round(count) > 0.0
+    return np.where(near, total / np.maximum(count, 1.0), float(np.mean(values[known])))
 
 
 def _every_other(given: GasInputs, first: int) -> GasInputs:

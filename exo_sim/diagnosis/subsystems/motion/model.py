@@ -53,9 +53,9 @@ class MotionModel(SubsystemModel):
         nominal: The nominal machine; its cylinder record holds what resists the motion.
         split: Which time may be used.
         on_test: Whether the rows are those of the test time.
-        starting: How its onsets are read; None where they do not count.
         scatter: Of the contact at low speeds; None where there is none.
         creep: Speed at which dry friction has built up [m/s or rad/s]; 0 where it is there at once.
+        starting: How its onsets are read; None where they do not count.
     """
 
     kind = Subsystem.MOTION
@@ -129,6 +129,11 @@ class MotionModel(SubsystemModel):
         other._weigh(self._scatter, self._creep)
         return other
 
+    @property
+    def lever(self) -> Array:
+        """Size of the lever between the balance and where friction acts, of each row [m/rad, or 1], shape (size,)."""
+        return np.abs(self._set.means(lambda run: run.drive.arm))
+
     def friction_of_rows(self) -> Array:
         """Return what resists the motion in each row where friction acts, against it, as a machine without any says [N or N m].
 
@@ -153,7 +158,7 @@ class MotionModel(SubsystemModel):
     @property
     def creeps(self) -> bool:
         """Whether noise of the velocity makes rows worth plainly less where friction builds up."""
-        return bool(self.scale.size) and float(self.scale.max()) > healthy.SETTLED_SCATTER * self.noise
+        return bool((self.scale > healthy.SETTLED_SCATTER * self._set.scale).any())
 
     def _of_velocity_noise(self, creep: float) -> Array:
         """Return what noise of the velocity leaves of friction that builds up as tanh(v/creep), standard deviation by row [N or N m]."""
@@ -199,10 +204,11 @@ class MotionModel(SubsystemModel):
         """All friction that acts, what the rig knows of it and what is missing, root mean square about its mean [N or N m].
 
         What every law of friction gets wrong is a share of that, not of what a rig that knows its friction still lacks; and no machine
-        has less of it than a healthy one may have unsaid.
+        has less of it than a healthy one may have unsaid. It is that of the motion, whether onsets count or not.
         """
-        sizes = [float(np.std(self.residual_of(plant) * self.scale)) for plant in (self.nominal, self.without_friction)]
-        return max(*sizes, self.healthy_friction) if self.size else 0.0
+        plants = (self.nominal, self.without_friction) if self._set.of_motion else ()
+        sizes = [float(np.std(self._set.missing(plant)[: self._set.of_motion])) for plant in plants]
+        return max(self.healthy_friction, *sizes) if self.size else 0.0
 
     @property
     def without_friction(self) -> PlantParameters:

@@ -43,7 +43,10 @@ class RowSet:
         self._parts: list[tuple[int, Rows | Onsets]] = [*enumerate(rows), *onsets]
         self._onsets = [one for _, one in onsets]
         self._starting = [MissingOnsets(runs[number], one) for number, one in onsets]
-        before = np.concatenate([[0], np.cumsum([int(one.block.max()) + 1 if one.block.size else 0 for one in rows])]).astype(int)
+        counts = np.zeros(len(rows), dtype=int)
+        for number, one in self._parts:
+            counts[number] = max(counts[number], int(one.block.max(initial=-1)) + 1)
+        before = np.cumsum(counts) - counts
         self.blocks: NDArray[np.int64] = np.concatenate([_NO_NUMBERS, *(one.block + before[number] for number, one in self._parts)])
         self.recording: NDArray[np.int64] = np.concatenate([_NO_NUMBERS, *(np.full(one.block.size, at) for at, one in self._parts)])
         self.scale: Array = np.concatenate([_NOTHING, *(one.scale for _, one in self._parts)])
@@ -78,10 +81,14 @@ class RowSet:
 
     @property
     def velocity(self) -> Array:
-        """Mean velocity of each row [m/s or rad/s], shape (size,); of onsets the least of all rows, in their direction."""
+        """Mean velocity of each row of the motion [m/s or rad/s], shape (size,).
+
+        An onset has none that is known; it stands at the least speed at which rows say how friction slides, in its direction, or where
+        there are none at its own as it breaks loose.
+        """
         of_motion = np.concatenate([_NOTHING, *(one.means(run.kinematics.velocity) for run, one in zip(self.runs, self.rows, strict=True))])
-        least = float(np.abs(of_motion).min(initial=math.inf)) if of_motion.size else 0.0
-        return np.concatenate([of_motion, *(least * one.way for one in self._onsets)])
+        least = float(np.abs(of_motion).min(initial=math.inf))
+        return np.concatenate([of_motion, *((least if of_motion.size else one.slowest) * one.way for one in self._onsets)])
 
     def onset_peaks(self, constant: float) -> Array:
         """Return what resists at the peak of each onset beside damping and a constant force [N or N m], shape (k,)."""

@@ -82,10 +82,7 @@ def rows_of(run: MotionRun, usable: NDArray[np.bool_]) -> Rows:
     turned = np.diff(np.signbit(velocity), prepend=velocity[0] < 0.0)  # between two samples that both move
     moving = binary_erosion((np.abs(velocity) > run.kinematics.still) & ~turned, iterations=edge)
     moving &= np.abs(np.gradient(velocity, time)) * gaussian_width(width) < STEADY_SPEED * np.abs(velocity)
-    good = usable & moving & run.judged & np.isfinite(run.inertia.force + run.drive.force + run.external)
-    ends = max(edge, ends_of(run))
-    for begin in (0, *run.breaks, len(time)):
-        good[max(0, begin - ends) : begin + ends] = False
+    good = moving & usable_samples(run, usable, edge)
     group = np.full(len(time), -1)
     firsts: list[int] = []
     for first in range(0, len(time), size):
@@ -97,6 +94,21 @@ def rows_of(run: MotionRun, usable: NDArray[np.bool_]) -> Rows:
     per_row = max(1.0, run.every * GROUP / max(step, 1e-9))
     reduced = row_scale(run) * np.sqrt(min(1.0, 3.0 / per_row) if per_row > 3 else 1.0) if firsts else 0.0
     return Rows(group, block_of(run, np.array(firsts, dtype=int)), np.full(len(firsts), reduced))
+
+
+def usable_samples(run: MotionRun, usable: NDArray[np.bool_], edge: int = 0) -> NDArray[np.bool_]:
+    """Return where a balance is known: all forces recorded, and the filter has enough to take, shape (n,).
+
+    Args:
+        run: The balance.
+        usable: Which samples may be used, shape (n,).
+        edge: So many samples beside an end of a stretch are left out at least.
+    """
+    good = usable & run.judged & np.isfinite(run.inertia.force + run.drive.force + run.external)
+    ends = max(edge, ends_of(run))
+    for begin in (0, *run.breaks, len(run.time)):
+        good[max(0, begin - ends) : begin + ends] = False
+    return np.asarray(good)
 
 
 def row_scale(run: MotionRun) -> float:

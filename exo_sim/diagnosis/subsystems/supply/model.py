@@ -32,18 +32,22 @@ BLOCK = 1.0
 
 @dataclass(frozen=True)
 class SupplyRun:
-    """The supply in one recording: measured pressure [Pa] and flow drawn from it [kg/s], shape (n,) each; noise of the former [Pa]."""
+    """The supply in one recording: measured pressure [Pa] and flow drawn from it [kg/s], shape (n,) each; noise of the former [Pa].
+
+    `computed` says whether the recording was computed and not measured.
+    """
 
     recording: str
     time: Array
     pressure: Array
     drawn: Array
     noise: float
+    computed: bool = False
 
 
-def supply_run(recording: str, time: Array, pressure: Array, drawn: Array) -> SupplyRun:
+def supply_run(recording: str, time: Array, pressure: Array, drawn: Array, computed: bool = False) -> SupplyRun:
     """Return a run with its sensor noise estimated."""
-    return SupplyRun(recording, time, pressure, drawn, white_noise(pressure))
+    return SupplyRun(recording, time, pressure, drawn, white_noise(pressure), computed)
 
 
 class SupplyModel(SubsystemModel):
@@ -113,7 +117,7 @@ class SupplyModel(SubsystemModel):
         found = []
         for index, (run, group) in enumerate(zip(self.runs, self._groups, strict=True)):
             first, second = self.predict(before, index), self.predict(after, index)
-            noise = shown_noise(run.noise, run.pressure)
+            noise = shown_noise(run.noise, run.pressure, run.computed)
             series = Series(run.recording, "supply.pressure", self.unit, run.time, run.pressure, first, second, noise)
             found.append(Comparison(series, (run.pressure - first)[group >= 0], (run.pressure - second)[group >= 0]))
         return found

@@ -17,7 +17,7 @@ from exo_sim.diagnosis.pipeline.command_reading import read_as_sampled
 from exo_sim.diagnosis.policy.recordings import HELD_IN_THE_END
 from exo_sim.diagnosis.subsystems.gas.inputs import inputs
 from exo_sim.diagnosis.subsystems.gas.model import GasModel
-from exo_sim.diagnosis.subsystems.gas.sampling_error import sampling_error
+from exo_sim.diagnosis.subsystems.gas.sampling_error import _mean_about, sampling_error
 from exo_sim.rig import assembly
 
 N, FINE = 12000, 1e-3
@@ -81,3 +81,10 @@ def test_commands_are_read_as_samples_where_pressures_follow_their_means(plant: 
     told = GasModel([slow], plant, Split({}), window=math.inf).predict(plant, 0).pressure  # a loop as slow as its logger
     model = GasModel([replace(slow, pressure=(told[:, 0], told[:, 1]))], plant, Split({}))
     assert read_as_sampled(model, Split({}), {}, (), HELD_IN_THE_END) is model
+
+
+def test_what_was_not_predicted_is_no_error_of_nothing() -> None:
+    values = np.full(100, 4.0)
+    values[:30] = values[60:65] = np.nan
+    np.testing.assert_allclose(_mean_about(values, 10), 4.0)
+    np.testing.assert_array_equal(_mean_about(np.full(9, np.nan), 3), 0.0)

@@ -50,3 +50,17 @@ def test_onsets_stand_behind_them_and_share_the_blocks_of_their_recording() -> N
 def test_of_no_time_there_are_no_rows() -> None:
     rows = RowSet.of(RUNS, Split({}), on_test=True)
     assert rows.of_motion == rows.scale.size == rows.velocity.size == rows.missing(PLANT).size == 0
+
+
+def test_an_onset_behind_all_motion_of_its_recording_is_in_no_block_of_the_next() -> None:
+    early = RowSet.of(RUNS, Split({"recording": ((3.0, 12.0),)}), on_test=False)
+    rows = early.with_onsets(onsets())
+    first, second = (set(rows.blocks[rows.recording == number].tolist()) for number in (0, 1))
+    assert max(first) > 8 and not first & second
+
+
+def test_onsets_of_a_time_without_motion_have_a_direction() -> None:
+    none = RowSet.of(RUNS, Split({}), on_test=True)
+    rows = none.with_onsets(onsets())
+    ways = np.concatenate([one.way for _, one in onsets()])
+    np.testing.assert_array_equal(np.sign(rows.velocity), ways)

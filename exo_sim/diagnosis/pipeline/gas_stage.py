@@ -122,7 +122,8 @@ def examine_gas(
         test_time = tuple(sorted(plan.split.test.items()))
         key = (name, test_time, tuple(one.key for one in asked), friction)
         if key not in done:
-            begun = searched.standing(name, test_time, friction, asked) or searched.of_other_time(name, test_time, asked)
+            standing = searched.standing(name, test_time, friction, asked)
+            begun = WarmStart(None, standing or searched.of_other_time(name, test_time, asked), standing is not None)
             soft = softens if plan.friction is None and joint in data.joints else None
             seek = partial(_searched, nuisances=nuisances, asked=asked, soft=soft, plan=plan, threads=threads, report=_naming(report, name))
             if model.size >= FEWEST_ROWS:
@@ -153,7 +154,7 @@ def _with_readings(data: MachineData, model: GasModel) -> MachineData:
 
 
 def _searched(
-    model: GasModel, begun: FittedModel | None, *, nuisances: tuple[FreeParameter, ...], asked: tuple[Candidate, ...],
+    model: GasModel, begun: WarmStart, *, nuisances: tuple[FreeParameter, ...], asked: tuple[Candidate, ...],
     soft: Callable[[FittedModel], bool] | None, plan: Plan, threads: Threads, report: Progress,
 ) -> SubsystemResult[GasModel]:
     """Return what a search of one gas found.
@@ -172,7 +173,7 @@ def _searched(
     search = Search(
         model, nuisances, asked, threads, report, cheap=sum(len(run.time) for run in model.all_runs) < FEW_SAMPLES,
         practical_significance=model.practical_significance,
-        stopping=StoppingCriteria(soft, plan.budget.is_spent, partial(_is_enough, model)), start=WarmStart(first, begun),
+        stopping=StoppingCriteria(soft, plan.budget.is_spent, partial(_is_enough, model)), start=replace(begun, first=first),
     )  # fmt: skip
     end, fits = relieved(search.run(), search.fits, search.proposals, model, plan.split)
     return decide(model.where, model, fits, end, plan.split)

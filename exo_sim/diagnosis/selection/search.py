@@ -58,10 +58,12 @@ class WarmStart:
     Attributes:
         first: A fit of the nuisance parameters, or of most of them; None for their typical values.
         begun: A model of other rows of the same subsystem, of which only candidates and values count; None for no candidate.
+        was_asked_together: Whether a search of these rows asked all candidates together before, and what it found is what it begins with.
     """
 
     first: Fit | None = None
     begun: FittedModel | None = None
+    was_asked_together: bool = False
 
 
 class Search:
@@ -106,7 +108,7 @@ class Search:
         near = None if self._start.first is None else FittedModel((), self._start.first)
         baseline = self.fits.refined(self.fits.fit((), near))
         comparisons = Comparisons(self.fits, baseline, len(self.proposals.candidates), self._practical_significance)
-        return _Growth(self.fits, comparisons, self.proposals, self._report, self._stopping).run(self._start.begun)
+        return _Growth(self.fits, comparisons, self.proposals, self._report, self._stopping).run(self._start)
 
 
 class _Growth:
@@ -124,10 +126,12 @@ class _Growth:
         """Return whether nothing more is to be sought."""
         return self._stopping.is_enough() or self.fits.is_spent()
 
-    def run(self, begun: FittedModel | None) -> SearchResult:
+    def run(self, start: WarmStart) -> SearchResult:
         """Return the result, with at most `MOST_FINDINGS` more than what stands of a model to begin with."""
-        best = self._standing_of(begun) if begun is not None and begun.candidates else self.comparisons.baseline
+        begun = start.begun if start.begun is not None and start.begun.candidates else None
+        best = self._standing_of(begun) if begun is not None else self.comparisons.baseline
         beam = [best]
+        asks_together = begun is None or not start.was_asked_together
         together: Together | None = None
         for _ in range(MOST_FINDINGS):
             if self._is_over():
@@ -135,7 +139,7 @@ class _Growth:
             self._report(f"scoring {len(self.proposals.candidates)} candidates")
             grown = self._grown(beam)
             if not grown:
-                if together is None and not self.joint.is_within_bound(best):
+                if asks_together and together is None and not self.joint.is_within_bound(best):
                     together = self.joint.found_together(best)
                     if together.explains:
                         return self._reached(together.model)
@@ -149,7 +153,7 @@ class _Growth:
             self._report(f"{len(best.candidates)} found, {best.candidates[-1].effect.replace('_', ' ')} last")
             if not self.comparisons.is_clean(best) and self._goes_elsewhere(best):
                 return self._interrupted(best)
-            if not self.comparisons.is_clean(best) and together is None:
+            if not self.comparisons.is_clean(best) and asks_together and together is None:
                 if (elsewhere := self._elsewhere_next(best)) is not None:
                     return self._interrupted(elsewhere)
                 together = self.joint.found_together(best)

@@ -127,6 +127,26 @@ def test_a_search_ends_where_it_is_asked_to_unless_everything_is_explained(sizes
     assert found.interrupted is interrupted and {c.effect for c in found.final.candidates} == {"base"}
 
 
+def test_what_was_asked_together_before_is_not_asked_together_again(monkeypatch: pytest.MonkeyPatch) -> None:
+    asked: list[FittedModel] = []
+    together = JointSearch.found_together
+
+    def counted(self: JointSearch, now: FittedModel) -> Together:
+        asked.append(now)
+        return together(self, now)
+
+    monkeypatch.setattr(JointSearch, "found_together", counted)
+    shapes = {**SHAPES, "hum": np.random.default_rng(7).choice([-1.0, 1.0], AT.size)}
+    model = Waves(1.2, shapes, slow=9.0, quicker=6.0, hum=4.0)
+    before = search(model, False, (BASE,)).run().final
+    asked.clear()
+    for again in (False, True):
+        start = WarmStart(begun=before, was_asked_together=again)
+        found = Search(model, (), (BASE, OTHER), start=start).run()
+        assert {c.effect for c in found.final.candidates} == {"base", "other"} and bool(asked) is not again
+        asked.clear()
+
+
 def test_what_ends_a_search_is_looked_for_before_all_are_asked_together(monkeypatch: pytest.MonkeyPatch) -> None:
     asked: list[int] = []
     together = JointSearch.found_together

@@ -3,13 +3,11 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import replace
 
 import numpy as np
 
 from exo_sim.diagnosis.data.cylinder_run import CylinderRun
 from exo_sim.diagnosis.policy.recordings import CLOCK_ERROR, CONTROL_PERIOD
-from exo_sim.recording.table import Recording
 from exo_sim.rig import Rig
 
 
@@ -28,12 +26,19 @@ def remark(run: CylinderRun, commands: Sequence[str]) -> str:
     )
 
 
-def as_told(table: Recording, rig: Rig, runs: Sequence[CylinderRun]) -> Recording:
-    """Return a recording whose commands, held, are the means of what a valve was told between samples, where they are samples."""
-    columns = dict(table.columns)
-    for run in runs:
-        if run.sampled and run.recording == table.name:
-            for key in (f"{run.cylinder}.{command}" for command in rig.cylinders[run.cylinder].commands):
-                if key in columns:
-                    columns[key] = np.append(0.5 * (columns[key][:-1] + columns[key][1:]), columns[key][-1])
-    return replace(table, columns=columns)
+def early_commands(recording: str, rig: Rig, runs: Sequence[CylinderRun]) -> dict[str, float]:
+    """Return by column how long before each sample a command is held [s], where commands are samples: half a period.
+
+    The command between two samples is then about their mean, as the gas is predicted (`GasInputs.command_after`).
+
+    Args:
+        recording: Name of a recording.
+        rig: The machine.
+        runs: Of its cylinders.
+    """
+    sampled = [run for run in runs if run.sampled and run.recording == recording]
+    return {
+        f"{run.cylinder}.{command}": 0.5 * float(np.median(np.diff(run.time)))
+        for run in sampled
+        for command in rig.cylinders[run.cylinder].commands
+    }

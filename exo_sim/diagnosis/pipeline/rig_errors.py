@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping
+from dataclasses import replace
 
 import numpy as np
 
@@ -49,6 +50,7 @@ class WindowErrors:
                 for begin, end in spans
             ]
         self._guessed = {joint for joint, runs in data.joints.items() if any(run.imputed is not None for run in runs)}
+        self._sampled = {(name, run.recording) for name, runs in data.cylinders.items() for run in runs if run.sampled}
         self._before: Errors | None = None
 
     def errors(self, improved: Rig) -> dict[str, SignalFit]:
@@ -74,8 +76,9 @@ class WindowErrors:
         data, split = gather_again(self._data, rig, self._tables), self._plan.split
         every: list[Comparison] = []
         for name, cylinder in data.cylinders.items():
-            plant = nominal_gas(data, self._plan, name, cylinder)
-            every += GasModel(cylinder, plant, split).on_test_time(split).compared(plant, plant)
+            read = [replace(run, sampled=(name, run.recording) in self._sampled) for run in cylinder]
+            plant = nominal_gas(data, self._plan, name, read)
+            every += GasModel(read, plant, split).on_test_time(split).compared(plant, plant)
         for name, balances in data.joints.items():
             if name not in self._guessed:
                 model = MotionModel(balances, nominal_balance(data, name, balances), split).on_test_time(split)

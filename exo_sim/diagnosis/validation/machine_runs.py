@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from copy import copy
 from dataclasses import replace
 
@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 from exo_sim.diagnosis.data.command_sign import is_reversed_command
 from exo_sim.diagnosis.data.computed_columns import shown_noise, was_computed
 from exo_sim.diagnosis.data.machine_data import MachineData
-from exo_sim.diagnosis.data.sampled_commands import as_told
+from exo_sim.diagnosis.data.sampled_commands import early_commands
 from exo_sim.diagnosis.data.split import Split
 from exo_sim.diagnosis.findings import SignalFit
 from exo_sim.diagnosis.policy.budgets import LEAD, LONGEST_FREE_RUN
@@ -57,6 +57,8 @@ class MachineRuns:
         if part is not None:
             cut = [_part_of(table, split, *part) for table in self._tables]
             self._tables = [table for table in cut if len(table.time) > FEWEST_TO_FIT and table.duration > REPLAY_WINDOW]
+        cylinders = [run for runs in data.cylinders.values() for run in runs]
+        self._early = [early_commands(table.name, data.rig, cylinders) for table in self._tables]
         self._believed: dict[tuple[int, str], tuple[Recording, Run] | None] = {}
         self._machine = _Machine(data.rig)
         self._known: tuple[Rig, dict[str, Sums]] | None = None
@@ -97,13 +99,13 @@ class MachineRuns:
     def _before(self, number: int, motion: str) -> tuple[Recording, Run] | None:
         """Return a recording as the rig handed in sees it, and its run; None where something that it depends on was not recorded."""
         if (number, motion) not in self._believed:
-            self._believed[number, motion] = _run(self._tables[number], self._machine, motion, self._window)
+            self._believed[number, motion] = _run(self._tables[number], self._machine, motion, self._window, self._early[number])
         return self._believed[number, motion]
 
     def _add(self, total: dict[str, Sums], number: int, improved: _Machine, mask: NDArray[np.bool_]) -> None:
         """Add the errors of one recording, whose samples `mask` count."""
         table = self._tables[number]
-        ran = _run(table, improved, "auto", self._window)
+        ran = _run(table, improved, "auto", self._window, self._early[number])
         if ran is None:
             if (alone := self._before(number, "auto")) is None:
                 return
@@ -133,12 +135,11 @@ class _Machine:
 
 
 def judged_part(table: Recording, data: MachineData) -> Recording:
-    """Return a recording from where its gas is judged, its valve commands as they were found to be meant: their sign, held or samples."""
+    """Return a recording from where its gas is judged, its valve commands with the sign that they were found to have."""
     starts = [run.time[0] for runs in data.cylinders.values() for run in runs if run.recording == table.name]
     table = table.span(max(starts, default=-math.inf), math.inf)
     wrong = {finding.where for finding in data.sensors if is_reversed_command(finding)}
-    table = replace(table, columns={key: -values if key in wrong else values for key, values in table.columns.items()})
-    return as_told(table, data.rig, [run for runs in data.cylinders.values() for run in runs])
+    return replace(table, columns={key: -values if key in wrong else values for key, values in table.columns.items()})
 
 
 class Sums:
@@ -189,11 +190,13 @@ def _lost(ran: Run) -> Run:
     return replace(ran, predicted=replace(ran.predicted, columns=columns))
 
 
-def _run(table: Recording, machine: _Machine, motion: str, window: float) -> tuple[Recording, Run] | None:
+def _run(
+    table: Recording, machine: _Machine, motion: str, window: float, early: Mapping[str, float]
+) -> tuple[Recording, Run] | None:
     """Return what a rig's sensors let one believe of a recording, and its run; None where that cannot be run."""
     try:
         recorded, _ = usable(table, machine.rig, machine.model)
-        found = run(recorded, machine.rig, machine.model, motion=motion, window=window)
+        found = run(recorded, machine.rig, machine.model, motion=motion, window=window, early=early)
     except RecordingError:  # nothing that can be predicted: what is missing has been said already
         return None
     return None if found is None else (recorded, found)

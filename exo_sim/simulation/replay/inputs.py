@@ -70,11 +70,11 @@ def window_starts(pieces: Sequence[Steps], seconds: float, time: Array, pressure
     return np.array(starts, dtype=np.int64)
 
 
-def held(pieces: Sequence[Steps], time: Array, values: Array) -> Array:
-    """Return the mean over each step of a value that is held from sample to sample, shape (steps,)."""
+def held(pieces: Sequence[Steps], time: Array, values: Array, early: float = 0.0) -> Array:
+    """Return the mean over each step of a value that is held from sample to sample, shape (steps,), each time so much `early` [s]."""
     out = []
     for piece in pieces:
-        clock, held_values = time[piece.first : piece.last], forward_filled(values[piece.first : piece.last])
+        clock, held_values = time[piece.first : piece.last] - early, forward_filled(values[piece.first : piece.last])
         total = np.concatenate([[0.0], np.cumsum(held_values[:-1] * np.diff(clock))])
         dt = piece.time[1] - piece.time[0] if len(piece.time) > 1 else 1.0
         edges = np.append(piece.time, piece.time[-1] + dt)

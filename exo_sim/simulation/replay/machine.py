@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping, Sequence
 
 import mujoco
 import numpy as np
@@ -36,14 +36,15 @@ class RecordedMachine:
     Args:
         recording: Signals in SI, sensor effects that the rig knows taken off.
         rig, model: The machine; MuJoCo's automatic reset is switched off in the model.
+        early: By column of valve commands, how long before each sample it is held [s]; nil where absent.
 
     Raises:
         RecordingError: the clock is too long, or jumps everywhere.
     """
 
-    def __init__(self, recording: Recording, rig: Rig, model: mujoco.MjModel):
+    def __init__(self, recording: Recording, rig: Rig, model: mujoco.MjModel, early: Mapping[str, float] | None = None):
         rig.check_no_recovery("a recording")
-        self.recording, self.rig, self.model = recording, rig, model
+        self.recording, self.rig, self.model, self._early = recording, rig, model, early or {}
         self.model.opt.disableflags |= int(mujoco.mjtDisableBit.mjDSBL_AUTORESET)
         self.plugin = PneumaticPlugin(model, rig)
         self.dt = float(model.opt.timestep)
@@ -156,9 +157,10 @@ class RecordedMachine:
         pressure = np.full((len(starts), len(cylinders), 2), math.nan)
         for i, name in enumerate(cylinders):
             for side, signal in enumerate(rig.cylinders[name].commands):
-                values = recording.get(f"{name}.{signal}")
-                if values is not None:
-                    command[:, i + side * len(cylinders)] = np.clip(inputs.held(pieces, time, values), -1.0, 1.0)
+                key = f"{name}.{signal}"
+                if key in recording:
+                    told = inputs.held(pieces, time, recording[key], self._early.get(key, 0.0))
+                    command[:, i + side * len(cylinders)] = np.clip(told, -1.0, 1.0)
             for side in (1, 2):
                 pressure[:, i, side - 1] = inputs.start_pressures(pieces, starts, time, measured[2 * i + side - 1])
         external = [inputs.between(pieces, time, recording.get(f"{name}.external_force"), 0.0) for name in self.names]

@@ -133,7 +133,8 @@ class Run:
 
 
 def run(
-    recording: Recording, rig: Rig, model: mujoco.MjModel, *, motion: str = "auto", window: float = math.inf
+    recording: Recording, rig: Rig, model: mujoco.MjModel, *, motion: str = "auto", window: float = math.inf,
+    early: Mapping[str, float] | None = None,
 ) -> Run | None:  # fmt: skip
     """Simulate what was recorded over windows, or in one run; None where something that it depends on was not recorded.
 
@@ -143,11 +144,12 @@ def run(
     Args:
         recording, rig, model, motion: As for `replay`.
         window: Length of a window [s]; infinite for one run.
+        early: By column of valve commands, how long before each sample it is held [s]; nil where absent.
 
     Raises:
         RecordingError, ModelError: as `replay`.
     """
-    machine, imposed, wanted = _ready(recording, rig, model, motion)
+    machine, imposed, wanted = _ready(recording, rig, model, motion, early)
     begun = [f"{c.name}.pressure_{side}" for c in rig.cylinders.values() for side in ((1,) if c.single_acting else (1, 2))]
     if machine.assumed() or machine.led or any(key not in recording for key in begun):
         return None
@@ -159,10 +161,10 @@ def run(
 
 
 def _ready(
-    recording: Recording, rig: Rig, model: mujoco.MjModel, motion: str
+    recording: Recording, rig: Rig, model: mujoco.MjModel, motion: str, early: Mapping[str, float] | None = None
 ) -> tuple[RecordedMachine, dict[str, str], list[str]]:
     """Return the machine, the joints whose motion is imposed and why, and the columns to be predicted."""
-    machine = RecordedMachine(seen_through(recording, rig)[0], rig, model)
+    machine = RecordedMachine(seen_through(recording, rig)[0], rig, model, early)
     imposed = machine.imposed(motion)
     keys = machine.predictable(bool(imposed))
     wanted = [key for key in keys if np.isfinite(recording.columns.get(key, np.zeros(0))).any()]

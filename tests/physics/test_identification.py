@@ -47,7 +47,7 @@ def test_values_to_begin_with_lie_within_what_can_be_believed() -> None:
     seen = ObservedMotion(force=50.0, speed=0.2, travel=0.05, middle=0.08, base=20.0)
     for effect in declared().values():
         if effect.identification.starts_by_motion is not None:
-            (form,) = effect.identification.forms
+            form = max(effect.identification.forms, key=len)  # the others begin with as many of them
             for start in effect.identification.starts_by_motion(seen):
                 for name, value in zip(form, start, strict=True):
                     assert effect.parameter(name).low <= value <= effect.parameter(name).high

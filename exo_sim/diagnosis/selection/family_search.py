@@ -68,7 +68,8 @@ class FamilySearch:
         first = found = self.finalist_fits.refitted(best, chosen, near)
         probabilities = self.weighing.probabilities(finalists)
         comparisons = Comparisons(self.fits, baseline, len(self.family.linearisations[0].terms), 0.0)
-        exceeds = first.model.fit.sse > model.discrepancy_bound**2 * model.size
+        most = model.discrepancy_bound**2 * model.size
+        exceeds = first.model.fit.sse > min(most, verdicts.LOST * max(self.weighing.square_left(posterior), model.size))
         if exceeds and not nonparametric_terms(self.weighing.terms(best)):
             refit = self.finalist_fits.refitted
             found = best_refitted(first, finalists, self._names, refit, lambda model: evidence.log_evidence(model, best.spreads))

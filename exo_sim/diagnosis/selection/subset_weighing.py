@@ -72,6 +72,11 @@ class SubsetWeighing:
         subset = tuple(sorted((*weighed.subset, *more)))
         return self._evidence[weighed.point].posterior(subset, weighed.spreads, self.correlation_time, whole=True)
 
+    def square_left(self, posterior: Posterior) -> float:
+        """Return the squared error that a subset leaves, its discrepancy among it."""
+        left = posterior.left + self._basis.columns @ posterior.discrepancy
+        return float(left @ left)
+
     def terms(self, weighed: Weighed) -> list[Term]:
         """Return the terms of a subset."""
         return [self.family.linearisations[weighed.point].terms[j] for j in weighed.subset]

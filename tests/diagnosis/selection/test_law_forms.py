@@ -9,12 +9,13 @@ import pytest
 from diagnosis import waves
 
 from exo_sim.diagnosis.estimation.candidate import Candidate
+from exo_sim.diagnosis.estimation.parameters import Target
 from exo_sim.diagnosis.selection.fitted_model import FittedModel
 from exo_sim.diagnosis.selection.law_forms import FittedForm, fitted_forms, plainest, weighed_as_fitted
 from exo_sim.diagnosis.selection.laws import Law
 
 (SIZE,) = waves.BASE.parameters
-POWER = replace(SIZE, parameter="power", unit="1", prior=(1.0, 0.15))
+POWER = replace(SIZE, parameter="power", unit="1", target=Target.CYLINDER, prior=(1.0, 0.15))
 PLAIN = waves.BASE
 SHAPED = replace(PLAIN, form="slow+power", parameters=(SIZE, POWER))
 RICHER = replace(PLAIN, form="slow+second", parameters=(SIZE, replace(SIZE, parameter="second")))
@@ -30,14 +31,15 @@ LINE, CURVE = model(PLAIN, 2.0), model(SHAPED, 1.5, 0.8)
 
 
 def test_effects_are_fitted_in_forms_that_differ_in_shape_alone() -> None:
-    fitted = []
+    fitted: list[tuple[tuple[Candidate, ...], FittedModel]] = []
 
     def fit(chosen: tuple[Candidate, ...], near: FittedModel) -> FittedModel:
         fitted.append((chosen, near))
         return CURVE
 
     found = fitted_forms(LINE, (PLAIN, SHAPED, RICHER, waves.OTHER), fit, lambda one: 5.0 if one is LINE else 4.0)
-    assert fitted == [((SHAPED,), LINE)]
+    ((chosen, near),) = fitted
+    assert chosen == (SHAPED,) and near.fit.values == {SIZE: 2.0, POWER: 1.0}  # begun as the straight line
     assert [(one.model, one.log_evidence) for one in found] == [(LINE, 5.0), (CURVE, 4.0)]
 
 

@@ -58,3 +58,15 @@ def test_more_terms_may_be_asked_beside_a_subset() -> None:
     best = one.finalists()[0]
     assert [term.candidate for term in one.terms(best)] == [BASE]
     assert one.posterior(best, (1,)).sizes == pytest.approx([3.0, 0.0], abs=0.3)
+
+
+def test_what_a_subset_leaves_has_its_discrepancy_in_it() -> None:
+    model = waves.Waves(1e9, waves.SHAPES, slow=3.0, quicker=2.0)
+    target, wave = -model.residual({}), waves.SHAPES["quicker"]
+    term = Term(BASE, waves.SHAPES["slow"][:, None], np.array([4.0]), (False,), lambda s, b: {}, "base")
+    family = LinearFamily((), (Linearisation(None, {}, target, np.zeros((target.size, 0)), (term,)),))
+    basis = joined([("time", wave[:, None], 5.0)], target.size)
+    one = SubsetWeighing(family, basis, model.blocks)
+    posterior = one.posterior(one.finalists()[0])
+    with_it, whole = float(posterior.left @ posterior.left), target - posterior.sizes[0] * waves.SHAPES["slow"]
+    assert one.square_left(posterior) == pytest.approx(float(whole @ whole)) and one.square_left(posterior) > 2.0 * with_it

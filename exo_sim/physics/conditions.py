@@ -52,8 +52,8 @@ class Motion(NamedTuple):
     """A piston or a joint in motion.
 
     Attributes:
-        x, v: Position and speed [m, rad], [m/s, rad/s].
-        bristle: How far the dry contact is bent [m, rad].
+        x, v: Position and speed [m, rad], [m/s, rad/s]; a piston's positive outwards.
+        bristle: How far the dry contact is bent [m, rad], in the direction that the part moves or is pushed in.
         gauge_1, gauge_2: Chamber pressures above the atmosphere [Pa]; 0 at a joint.
     """
 

@@ -44,6 +44,7 @@ class Judge:
         self._data = data
         self._windows, self._free, self._whole = WindowErrors(data, split), MachineRuns(data, split), MachineRuns(data, split, WINDOW)
         self._started = [MachineRuns(data, split, part=(number / STARTS, (number + 1) / STARTS)) for number in range(STARTS)]
+        self._warmth_unknown = closed_gas(data)
         self.refusals: list[str] = []
 
     def trial(self, update: RigUpdate) -> Trial:
@@ -53,7 +54,8 @@ class Judge:
             rig = _rig(data, update)
             inside, run, coupled = self._windows.errors(rig), self._free.errors(rig), self._whole.errors(rig)
             # a part may be too short to show what feeds a chamber: only what the whole run predicts counts
-            begun = [{column: fit for column, fit in one.errors(rig).items() if column in run} for one in self._started if run]
+            told = set(run) - self._warmth_unknown
+            begun = [{column: fit for column, fit in one.errors(rig).items() if column in told} for one in self._started if told]
             started = tuple(found for found in begun if found)
         except (RigError, ModelError) as refusal:
             self.refusals.append(str(refusal))
@@ -66,6 +68,16 @@ class Judge:
         """Return a trial with its errors on the test time of another split."""
         rig = _rig(self._data, trial.update)
         return replace(trial, windows=WindowErrors(self._data, split).errors(rig), free_run=self._free.over(split).errors(rig))
+
+
+def closed_gas(data: MachineData) -> set[str]:
+    """Return the pressures of cylinders that no valve feeds.
+
+    A run begun in the midst of their motion begins with a gas whose temperature nobody measured, and which no fresh gas takes the place
+    of: walls then make of a good rig a bad one.
+    """
+    closed = [name for name, runs in data.cylinders.items() if not any(run.commanded for run in runs)]
+    return {f"{name}.pressure_{side}" for name in closed for side in (1, 2)}
 
 
 def accepted(

@@ -14,7 +14,7 @@ from exo_sim.diagnosis.findings import SignalFit
 from exo_sim.diagnosis.outcome.rig_update import Part, Rank, RigUpdate
 from exo_sim.diagnosis.pipeline import rig_acceptance
 from exo_sim.diagnosis.pipeline.reading import gather
-from exo_sim.diagnosis.pipeline.rig_acceptance import Judge, accepted, as_far_as_it_wins
+from exo_sim.diagnosis.pipeline.rig_acceptance import Judge, accepted, as_far_as_it_wins, closed_gas
 from exo_sim.diagnosis.pipeline.rig_trial import Trial
 from exo_sim.rig import EffectEntry, EffectSetting, Rig
 from exo_sim.trials.cases import make_case, write_case
@@ -129,6 +129,16 @@ def test_where_nothing_can_be_tried_it_is_said(leaking: MachineData) -> None:
     nothing = replace(leaking, as_read=(less,), recordings=(less,), cylinders={}, joints={})
     kept, said = accepted(nothing, leak(leaking, 3.6e-8), Split({less.name: ((7.0, 9.0),)}))
     assert kept.update.parts and len(said) == 1 and "not put to the test" in said[0]
+
+
+def test_runs_from_the_midst_say_nothing_of_a_gas_that_no_valve_feeds(leaking: MachineData) -> None:
+    """What it was warmed to by then, nobody measured."""
+    closed = {name: tuple(replace(run, commanded=False) for run in runs) for name, runs in leaking.cylinders.items()}
+    assert closed_gas(leaking) == set() and closed_gas(replace(leaking, cylinders=closed)) == {"piston.pressure_1", "piston.pressure_2"}
+    split = Split({leaking.recordings[0].name: ((5.0, 10.0),)})
+    for data, told in ((leaking, True), (replace(leaking, cylinders=closed), False)):
+        starts = Judge(data, split).trial(leak(leaking, 1.35e-8)).starts
+        assert any("piston.pressure_1" in run for run in starts) is told and any("slide.position" in run for run in starts)
 
 
 class TimeDependent:

@@ -122,20 +122,26 @@ def test_where_none_passes_alone_all_are_asked_together() -> None:
 @pytest.mark.parametrize(("sizes", "interrupted"), [({"slow": 9.0, "quick": 4.0}, True), ({"slow": 9.0}, False)])
 def test_a_search_ends_where_it_is_asked_to_unless_everything_is_explained(sizes: dict[str, Any], interrupted: bool) -> None:
     library = (BASE, ON_TOP, OTHER)
-    stopping = StoppingCriteria(until=lambda one: any(c.effect == "base" for c in one.candidates))
+    stopping = StoppingCriteria(until=partial(_has, "base"))
     found = Search(Waves(**sizes), (), library, stopping=stopping).run()
     assert found.interrupted is interrupted and {c.effect for c in found.final.candidates} == {"base"}
 
 
-def test_what_was_asked_together_before_is_not_asked_together_again(monkeypatch: pytest.MonkeyPatch) -> None:
-    asked: list[FittedModel] = []
+@pytest.fixture
+def asked(monkeypatch: pytest.MonkeyPatch) -> list[int]:
+    """How many findings there are each time that all candidates are asked together."""
+    found: list[int] = []
     together = JointSearch.found_together
 
     def counted(self: JointSearch, now: FittedModel) -> Together:
-        asked.append(now)
+        found.append(len(now.candidates))
         return together(self, now)
 
     monkeypatch.setattr(JointSearch, "found_together", counted)
+    return found
+
+
+def test_what_was_asked_together_before_is_not_asked_together_again(asked: list[int]) -> None:
     shapes = {**SHAPES, "hum": np.random.default_rng(7).choice([-1.0, 1.0], AT.size)}
     model = Waves(1.2, shapes, slow=9.0, quicker=6.0, hum=4.0)
     before = search(model, False, (BASE,)).run().final
@@ -147,15 +153,7 @@ def test_what_was_asked_together_before_is_not_asked_together_again(monkeypatch:
         asked.clear()
 
 
-def test_what_ends_a_search_is_looked_for_before_all_are_asked_together(monkeypatch: pytest.MonkeyPatch) -> None:
-    asked: list[int] = []
-    together = JointSearch.found_together
-
-    def counted(self: JointSearch, now: FittedModel) -> Together:
-        asked.append(len(now.candidates))
-        return together(self, now)
-
-    monkeypatch.setattr(JointSearch, "found_together", counted)
+def test_what_ends_a_search_is_looked_for_before_all_are_asked_together(asked: list[int]) -> None:
     shapes = {**SHAPES, "hum": np.random.default_rng(7).choice([-1.0, 1.0], AT.size)}
     for last, calls in (("other", []), ("another", [1])):
         stopping = StoppingCriteria(until=partial(_has, last))

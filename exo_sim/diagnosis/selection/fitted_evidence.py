@@ -47,22 +47,21 @@ class FittedEvidence:
             model: Fitted.
             spreads: Where the estimation of those of what it leaves begins, but for the noise.
         """
-        price = price_of_parameter(self.fits.model.size / self.correlation_time) * model.parameter_count - self._known_of_shapes(model)
         common = sum(c.prior_log_odds for c in model.candidates)
         own = replace(spreads, noise=max(rms(model.fit.residual), float(LEAST_NOISE)))
-        return self._of_remainder(model.fit.residual, own)[0] - 0.5 * model.fit.penalty - price + common
+        return self._of_remainder(model.fit.residual, own)[0] - 0.5 * model.fit.penalty - self._price(model) + common
 
-    def _known_of_shapes(self, model: FittedModel) -> float:
-        """Return by how much less a model's shapes cost than other parameters: what is known of a shape beforehand need not be learnt.
+    def _price(self, model: FittedModel) -> float:
+        """Return the log-likelihood that a model's parameters must bring on.
 
-        A parameter with a prior costs the logarithm of how much narrower it becomes (its Occam factor; MacKay 1992), nothing where the
-        data say nothing of it.
+        What is known of a shape beforehand need not be learnt: it costs the logarithm of how much narrower it becomes (its Occam factor;
+        MacKay 1992), nothing where the data say nothing of it.
         """
-        shapes = [q for q in model.effect_parameters if q.is_shape]
-        if not shapes:
-            return 0.0
-        errors, usual = self.fits.standard_errors(model), price_of_parameter(self.fits.model.size / self.correlation_time)
-        return sum(usual - max(math.log(q.prior[1] / max(errors.get(q, 0.0), 1e-12)), 0.0) for q in shapes if q.prior is not None)
+        known = {q: q.prior[1] for q in model.effect_parameters if q.is_shape and q.prior is not None}
+        errors = self.fits.standard_errors(model) if known else {}
+        narrowed = sum(max(math.log(spread / max(errors.get(q, 0.0), 1e-12)), 0.0) for q, spread in known.items())
+        usual = price_of_parameter(self.fits.model.size / self.correlation_time)
+        return usual * (model.parameter_count - len(known)) + narrowed
 
     def probability_in(self, candidate: Candidate, final: FittedModel, spreads: Spreads) -> float:
         """Return the probability of an effect of a fitted model against the fit without it."""

@@ -61,13 +61,11 @@ class JointSearch:
         """Return the model that is reached by asking all candidates together, and leaving out what is not missed.
 
         Proposals are made beside the model that there is, and where that leads nowhere, beside none, unless nothing of that model is left
-        in what it led to. It does not explain the data where
-        it leaves more than the model of a healthy machine would, where what stands of it explains less, or where it is no better than the
-        model that there is.
+        in what it led to. It does not explain the data where it leaves more than the model of a healthy machine would, where what stands
+        of it explains less, or where it is no better than the model that there is.
         """
         reached = self._reached_from(now)
-        stays = any(at in reached.named for at in now.named)
-        if stays and not self.is_within_bound(reached) and not self._is_over():
+        if now.named & reached.named and not self.is_within_bound(reached) and not self._is_over():
             reached = self.comparisons.ranked([reached, self._reached_from(self.comparisons.baseline)])[0]
         tidied = self.simplification.tidied(reached)
         if not self.is_within_bound(reached):

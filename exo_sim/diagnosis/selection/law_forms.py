@@ -68,20 +68,27 @@ def weighed_as_fitted(
     if len(found) < 2:
         return list(laws)
     own = {c.at for c in final.candidates if not c.is_law}
+
+    def is_alone(law: Law) -> bool:
+        return {key[:2] for key in law.forms} == own
+
+    alone = [law for law in laws if is_alone(law)]
+    mass = sum(law.weight for law in alone)
+    weighed = {one.forms: sum(law.weight for law in alone if law.forms == one.forms) / mass for one in alone}
+    models = {_form(one.model): one for one in found}
     most = max(one.log_evidence for one in found)
-    weights = [math.exp(one.log_evidence - most) for one in found]
-    fitted = {_form(one.model): weight / sum(weights) for one, weight in zip(found, weights, strict=True)}
-    forms = [(law, frozenset(key for key in law.forms if key[:2] in own)) for law in laws]
-    alone = [(law, form) for law, form in forms if law.forms == form and len(form) == len(own)]
-    mass = sum(law.weight for law, _ in alone)
-    weighed = {form: sum(law.weight for law, other in alone if other == form) / mass for _, form in alone}
-    beside = [
-        replace(law, weight=law.weight * min(fitted.get(form, 0.0) / weighed[form], 1.0) if form in weighed else law.weight)
-        for law, form in forms if law.forms != form or len(form) != len(own)
-    ]  # fmt: skip
+    weights = {form: math.exp(one.log_evidence - most) for form, one in models.items()}
+    fitted = {form: weight / sum(weights.values()) for form, weight in weights.items()}
+
+    def beside_others(law: Law) -> Law:
+        form = frozenset(key for key in law.forms if key[:2] in own)
+        fewer = min(fitted.get(form, 0.0) / weighed[form], 1.0) if form in weighed else 1.0
+        return replace(law, weight=law.weight * fewer)
+
+    beside = [beside_others(law) for law in laws if not is_alone(law)]
     return [law for law in beside if law.weight >= verdicts.LEAST_LAW_WEIGHT] + [
-        Law((mass or 1.0) * fitted[_form(one.model)], one.model is final, one.model.fit.values, errors(one.model), _form(one.model))
-        for one in found if fitted[_form(one.model)] >= verdicts.LEAST_LAW_WEIGHT
+        Law((mass or 1.0) * fitted[form], one.model is final, one.model.fit.values, errors(one.model), form)
+        for form, one in models.items() if fitted[form] >= verdicts.LEAST_LAW_WEIGHT
     ]  # fmt: skip
 
 
@@ -91,7 +98,5 @@ def _form(model: FittedModel) -> frozenset[CandidateKey]:
 
 def _differs_in_shape(one: Candidate, other: Candidate) -> bool:
     """Return whether two candidates are one effect in forms of which one has numbers more that only shape its law."""
-    if one.at != other.at or one.key == other.key:
-        return False
     apart = set(one.parameters) ^ set(other.parameters)
-    return bool(apart) and all(q.is_shape for q in apart)
+    return one.at == other.at and bool(apart) and all(q.is_shape for q in apart)

@@ -19,7 +19,7 @@ from exo_sim.diagnosis.selection.fitted_model import FittedModel
 Array = NDArray[np.float64]
 
 #: Probability below a 95 % interval, and above it.
-TAIL = 0.025
+TAIL = float(ndtr(-HALF_WIDTH))
 
 
 @dataclass(frozen=True)

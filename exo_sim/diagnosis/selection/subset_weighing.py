@@ -235,9 +235,8 @@ class SubsetWeighing:
         chosen = self.family.linearisations[point]
         terms = [chosen.terms[j] for j in subset]
         groups = {term.group for term in terms}
-        total = 0.0
+        total = sum(term.log_prior for term in terms)
         asked = [(term.candidate, term.alternatives) for term in terms]
-        total += sum(term.log_prior for term in terms)
         if chosen.candidate is not None:
             asked.append((chosen.candidate, chosen.alternatives))
         for candidate, alternatives in asked:

@@ -46,8 +46,7 @@ def sliding_line(model: MotionModel) -> SlidingLine:
     weighted = weight[:, None] * np.column_stack(columns)
     found = lsq_linear(weighted, weight * friction, ([-np.inf, 0.0, -np.inf][: len(columns)], np.inf), method="bvls").x
     left = weighted @ found - weight * friction
-    independent = model.size / correlation_time(left, model.blocks)
-    variance = max(float(left @ left) / model.size, 1.0) * model.size / independent
+    variance = max(float(left @ left) / model.size, 1.0) * correlation_time(left, model.blocks)
     error = math.sqrt(variance * float(np.linalg.pinv(weighted.T @ weighted)[0, 0]))
     return SlidingLine(float(found[0]), error, float(found[1]), float(found[2]) if len(columns) > 2 else 0.0)
 

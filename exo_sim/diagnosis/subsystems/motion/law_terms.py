@@ -13,6 +13,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from exo_sim.diagnosis.estimation.candidate import Candidate
+from exo_sim.diagnosis.estimation.least_squares import prior_terms
 from exo_sim.diagnosis.estimation.linear_family import Term
 from exo_sim.diagnosis.estimation.parameters import FreeParameter, Target
 from exo_sim.diagnosis.findings import Kind
@@ -266,7 +267,8 @@ class LawTerms:
 
 def _log_prior(shape: Values) -> float:
     """Return the logarithm of how much less probable a shape is than the one that is expected."""
-    return sum(-0.5 * ((value - q.prior[0]) / q.prior[1]) ** 2 for q, value in shape.items() if q.prior is not None)
+    away, _ = prior_terms(tuple(shape), shape)
+    return -0.5 * float(away @ away)
 
 
 def _richer_than(name: str) -> set[str]:

@@ -53,7 +53,8 @@ class Motion(NamedTuple):
 
     Attributes:
         x, v: Position and speed [m, rad], [m/s, rad/s]; a piston's positive outwards.
-        bristle: How far the dry contact is bent [m, rad], in the direction that the part moves or is pushed in.
+        bristle: How far the dry contact is bent [m, rad], in the direction that the part moves or is pushed in; of what dry friction
+            depends on, its sign alone.
         gauge_1, gauge_2: Chamber pressures above the atmosphere [Pa]; 0 at a joint.
     """
 

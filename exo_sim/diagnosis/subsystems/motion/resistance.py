@@ -8,7 +8,7 @@ import numpy as np
 
 from exo_sim.physics.compiled import kernel
 from exo_sim.physics.conditions import Motion
-from exo_sim.physics.friction import dry_level, move_bristle, piston_resistance, steady_force
+from exo_sim.physics.friction import dry_force, dry_level, move_bristle, steady_force
 
 #: Of the Gaussian of the filter, to either side of its centre; and of centres behind the start, a quarter of its standard deviation apart.
 NODES, CENTRES = 8, 8
@@ -26,10 +26,14 @@ def resistance_along(c, time, x, v, gauge, out):
     """
     z = 0.0
     for i in range(time.size):
-        level = dry_level(c, Motion(x[i], v[i], z, gauge[i, 0], gauge[i, 1]))
+        before, motion = z, Motion(x[i], v[i], z, gauge[i, 0], gauge[i, 1])
+        level = dry_level(c, motion)
         if i > 0:
-            z = move_bristle(c, z, 0.5 * (v[i] + v[i - 1]), level, time[i] - time[i - 1])
-        out[i] = piston_resistance(c, Motion(x[i], v[i], z, gauge[i, 0], gauge[i, 1]))
+            z = move_bristle(c, before, 0.5 * (v[i] + v[i - 1]), level, time[i] - time[i - 1])
+            motion = Motion(x[i], v[i], z, gauge[i, 0], gauge[i, 1])
+            if (z > 0.0) != (before > 0.0) or (z < 0.0) != (before < 0.0):  # of a bent contact only the sign counts for the level
+                level = dry_level(c, motion)
+        out[i] = dry_force(c, z, v[i], level) + steady_force(c, motion)
 
 
 @kernel

@@ -12,7 +12,7 @@ from exo_sim.diagnosis.data.machine_data import MachineData
 from exo_sim.diagnosis.estimation.threads import Threads
 from exo_sim.diagnosis.pipeline.contradiction import contradicted_faults
 from exo_sim.diagnosis.pipeline.gas_stage import Searched, examine_gas
-from exo_sim.diagnosis.pipeline.motion_stage import balances_left_open, examine_motion
+from exo_sim.diagnosis.pipeline.motion_stage import JudgedBalances, balances_left_open, examine_motion
 from exo_sim.diagnosis.pipeline.plan import Examination, Plan, Progress, Results
 from exo_sim.diagnosis.pipeline.supply_stage import examine_supply
 from exo_sim.diagnosis.policy.budgets import VALIDATION_UNTIL
@@ -22,7 +22,10 @@ from exo_sim.diagnosis.subsystems.motion.model import MotionModel
 from exo_sim.diagnosis.validation.held_out import held_out_errors
 
 
-def examine(data: MachineData, plan: Plan, threads: Threads, report: Progress, searched: Searched | None = None) -> Examination:
+def examine(
+    data: MachineData, plan: Plan, threads: Threads, report: Progress, searched: Searched | None = None,
+    judged: JudgedBalances | None = None,
+) -> Examination:  # fmt: skip
     """Return the results of the gas, then of the supply that it draws from, then of the forces, whose pressures the gas corrects.
 
     Args:
@@ -30,12 +33,12 @@ def examine(data: MachineData, plan: Plan, threads: Threads, report: Progress, s
         plan: What is asked, of which time.
         threads: Threads.
         report: Called with a few words on what is going on.
-        searched: What earlier rounds searched.
+        searched, judged: What earlier rounds searched, and judged.
     """
     data, gas = examine_gas(data, plan, threads, report, searched)
     uncorrected = with_imputed_pressures(data, gas, plan.split)
     data = with_corrected_pressures(uncorrected, gas, plan.split)
-    results = Results(gas, examine_supply(data, gas, plan, threads, report), examine_motion(data, plan, threads, report))
+    results = Results(gas, examine_supply(data, gas, plan, threads, report), examine_motion(data, plan, threads, report, judged))
     contradicted = contradicted_faults(uncorrected, results, plan, threads, report)
     data = replace(data, open_questions=(*data.open_questions, *balances_left_open(results.motion)))
     return Examination(data, plan, _shared_once(results), contradicted=contradicted)

@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Hashable, Sequence
+from dataclasses import dataclass, field
 from typing import cast
 
 import numpy as np
@@ -45,12 +46,41 @@ NEAR_CREEP = (1.0, 0.85, 1.18)
 _LEVER_POWERS = {"N": -1, "N s/m": -2, "N s^2/m^2": -3, "N/m": -2, "m": 1, "m/s": 1}
 
 
-def examine_motion(data: MachineData, plan: Plan, threads: Threads, report: Progress) -> tuple[SubsystemResult[MotionModel], ...]:
-    """Return the result of every balance of forces."""
-    found = []
+@dataclass(frozen=True)
+class JudgedBalances:
+    """Balances of forces that were judged: a round that asks the same of the very same balance gets the same answer.
+
+    Attributes:
+        results: By name, test time and refuted effects, with the runs that were judged.
+    """
+
+    results: dict[tuple[Hashable, ...], tuple[tuple[MotionRun, ...], SubsystemResult[MotionModel]]] = field(default_factory=dict)
+
+    def of(self, key: tuple[Hashable, ...], runs: Sequence[MotionRun]) -> SubsystemResult[MotionModel] | None:
+        """Return the result of these runs; None where others were judged, for the gas corrected or imputed their pressures anew."""
+        before, result = self.results.get(key, ((), None))
+        return result if len(before) == len(runs) and all(one is other for one, other in zip(before, runs, strict=True)) else None
+
+
+def examine_motion(
+    data: MachineData, plan: Plan, threads: Threads, report: Progress, judged: JudgedBalances | None = None
+) -> tuple[SubsystemResult[MotionModel], ...]:
+    """Return the result of every balance of forces.
+
+    Args:
+        data, plan, threads, report: As in `examine`.
+        judged: What earlier rounds judged of the same data.
+    """
+    judged, found = judged or JudgedBalances(), []
+    refuted = frozenset((effect, where) for effect, where in plan.refuted if effect not in declared() or declared()[effect].cut != "gas")
     for number, (name, runs) in enumerate(data.joints.items()):
         plan.budget.allow_until(GAS_UNTIL + (FORCES_UNTIL - GAS_UNTIL) * (number + 1) / len(data.joints))
-        found.append(examine_balance(name, runs, data, plan, threads, report))
+        key = (name, tuple(sorted(plan.split.test.items())), refuted)
+        result = judged.of(key, runs)
+        if result is None:
+            result = examine_balance(name, runs, data, plan, threads, report)
+            judged.results[key] = tuple(runs), result
+        found.append(result)
     return tuple(found)
 
 

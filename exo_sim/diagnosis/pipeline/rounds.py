@@ -27,7 +27,7 @@ from exo_sim.diagnosis.findings import Finding, Kind, held_out_key
 from exo_sim.diagnosis.outcome.held_out_rules import doubt, is_refuted, too_small
 from exo_sim.diagnosis.pipeline.examine import examine, friction_to_add, left_open, validated
 from exo_sim.diagnosis.pipeline.gas_stage import Searched
-from exo_sim.diagnosis.pipeline.motion_stage import judged_balances
+from exo_sim.diagnosis.pipeline.motion_stage import JudgedBalances, judged_balances
 from exo_sim.diagnosis.pipeline.plan import Examination, Plan, Progress, Refuted
 from exo_sim.diagnosis.policy import validation as policy
 from exo_sim.diagnosis.policy.budgets import MOST_REFUTATIONS, MOST_ROUNDS
@@ -47,9 +47,10 @@ def examine_until_stable(data: MachineData, threads: Threads, report: Progress, 
     budget = budget or Budget()
     times = [(table.name, table.time) for table in data.recordings]
     head = _moves_in_the_end(data, split(times), split(times, head=True))
-    plan, stable, searched = Plan(split(times, head=head), budget=budget), list[Examination](), Searched()
+    plan, stable = Plan(split(times, head=head), budget=budget), list[Examination]()
+    searched, judged = Searched(), JudgedBalances()
     for _ in range(MOST_ROUNDS):
-        found = examine(data, plan, threads, report, searched)
+        found = examine(data, plan, threads, report, searched, judged)
         friction = friction_to_add(found) if plan.friction is None and not budget.is_spent() else None
         if friction is not None:
             report("examining the gas once more with the friction of its piston")

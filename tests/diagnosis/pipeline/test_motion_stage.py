@@ -12,17 +12,18 @@ from diagnosis import motion_runs
 from diagnosis.motion_runs import TIME, VELOCITY
 
 from exo_sim.diagnosis.data.machine_data import MachineData
-from exo_sim.diagnosis.data.motion_run import Kinematics
+from exo_sim.diagnosis.data.motion_run import Kinematics, MotionRun
 from exo_sim.diagnosis.data.split import Split, split
 from exo_sim.diagnosis.estimation.threads import SERIAL
 from exo_sim.diagnosis.pipeline.motion_stage import (
+    JudgedBalances,
     balances_left_open,
     examine_motion,
     judged_balances,
     nominal_balance,
     undecided,
 )
-from exo_sim.diagnosis.pipeline.plan import Plan
+from exo_sim.diagnosis.pipeline.plan import Plan, Refuted
 from exo_sim.diagnosis.pipeline.reading import gather
 from exo_sim.diagnosis.selection.subsystem_result import SubsystemResult
 from exo_sim.diagnosis.subsystems.motion.candidates import candidates
@@ -58,6 +59,21 @@ def test_viscous_friction_that_was_put_in_is_found_with_its_size(tmp_path: Path)
     assert names(found) == ["viscous_friction"] and not found.has_unknown
     estimate = found.findings[0].parameters["coefficient"]
     assert estimate.value == pytest.approx(30.0, rel=0.05) and estimate.low < 30.0 < estimate.high
+
+
+def test_a_balance_is_judged_once_more_only_where_something_of_it_was_asked_anew(tmp_path: Path) -> None:
+    rig, run, judged = benches.bench(tmp_path, cylinder=False), motion_runs.balance(30.0 * VELOCITY, 0.3), JudgedBalances()
+    model = load(rig)
+
+    def result(run: MotionRun, refuted: Refuted) -> SubsystemResult[MotionModel]:
+        data = MachineData(rig, model, linkages(rig, model), (), (), {}, {"slide": (run,)})
+        return examine_motion(data, Plan(Split({}), refuted), SERIAL, lambda words: None, judged)[0]
+
+    first = result(run, {})
+    assert names(first) == ["viscous_friction"]
+    assert result(run, {("wall_heat_transfer", "piston"): "it fell in the gas"}) is first
+    assert names(result(motion_runs.balance(np.zeros_like(VELOCITY), 0.3), {})) == []  # the gas said otherwise of its pressures
+    assert "viscous_friction" not in names(result(run, {("viscous_friction", "slide"): "it fell here"}))
 
 
 @pytest.mark.parametrize("known", [False, True], ids=["hidden", "known"])

@@ -32,7 +32,7 @@ from exo_sim.diagnosis.policy.budgets import ADAPTED
 from exo_sim.diagnosis.policy.priors import SIGN_SLACK, WRONG_SIGN
 from exo_sim.diagnosis.selection.fitted_model import FittedModel, LeastSquaresModel
 from exo_sim.diagnosis.selection.linear_evidence import factored
-from exo_sim.diagnosis.selection.score_test import Signatures, spread_of
+from exo_sim.diagnosis.selection.score_test import Sizes, law_signatures, signature, spread_of
 
 Array = NDArray[np.float64]
 
@@ -86,7 +86,7 @@ class Proposal:
 
 def joint_proposals(
     model: LeastSquaresModel, now: FittedModel, candidates: Sequence[Candidate], threads: Threads = SERIAL, is_spent: IsSpent = never,
-    signatures: Signatures | None = None,
+    sizes: Sizes | None = None,
 ) -> list[Proposal]:  # fmt: skip
     """Return sets of candidates that together make a fitted model more probable, best first; none where no set does.
 
@@ -98,9 +98,9 @@ def joint_proposals(
         candidates: All candidates; those whose effect is in the model already are left out.
         threads: Threads for the predictions.
         is_spent: Whether the time is up: then nothing is proposed.
-        signatures: Beside this model; predicted when absent.
+        sizes: At which signatures stood out of the noise before; what is found here is added.
     """
-    directions = _directions(now, candidates, threads, is_spent, signatures or Signatures(model, now))
+    directions = _directions(model, now, candidates, threads, is_spent, {} if sizes is None else sizes)
     if not directions or is_spent():
         return []
     weighing = _Weighing(model, now, directions)
@@ -114,8 +114,10 @@ def joint_proposals(
 
 
 def _directions(
-    now: FittedModel, candidates: Sequence[Candidate], threads: Threads, is_spent: IsSpent, signatures: Signatures
+    model: LeastSquaresModel, now: FittedModel, candidates: Sequence[Candidate], threads: Threads, is_spent: IsSpent, known: Sizes
 ) -> list[Direction]:
+    base, fixed = now.fit.residual, now.fixed
+    level = math.sqrt(float(base @ base) / max(base.size, 1))
     left = [one for one in candidates if one.kind is not Kind.SENSOR and one.at not in now.named]
     apart = [one for one in left if one.is_law or _count_apart(one)]
     asked: list[tuple[Candidate, tuple[float, ...] | None]] = []
@@ -130,12 +132,12 @@ def _directions(
         if is_spent():
             return None
         if one.is_law:
-            columns = signatures.of_law(one)
+            columns = law_signatures(model, one, now, fixed)
             sizes = {q: (q.start + spread_of(q), q.start) for q in one.parameters}
             return Direction(one, sizes, columns, False) if np.isfinite(columns).all() else None
         one_sided = not one.proportional or all(q.low >= q.neutral for q in one.parameters)
         starts = [start] if start is not None else _one_by_one(one)
-        found = [signatures.at(one, each) for each in starts]
+        found = [signature(model, one, each, now, fixed, base, level, known) for each in starts]
         changes = [pair for pair in found if pair is not None and float(pair[0] @ pair[0]) > 0.0]
         if not changes or len(changes) < len(found):
             return None

@@ -86,8 +86,8 @@ class JointSearch:
             if self._is_over():
                 break
             self._report(f"weighing {len(self.proposals.candidates)} candidates together")
-            beside = self.proposals.signatures_beside(best)
-            proposals = joint_proposals(model, best, self.proposals.candidates, threads, self.fits.is_spent, beside)
+            sizes = self.fits.signature_sizes
+            proposals = joint_proposals(model, best, self.proposals.candidates, threads, self.fits.is_spent, sizes)
             fitted = [self._proposed(best, one) for one in proposals]
             if not fitted:
                 break

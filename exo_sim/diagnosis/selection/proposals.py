@@ -41,11 +41,10 @@ class Proposals:
         if not self.fits.cheap and not could_any_be_accepted(now.fit, self._practical_significance):
             return []
         if key not in self._scored:
-            beside = self.signatures_beside(now)
-            self._scored[key] = scores(self.fits.model, now, self.candidates, self.fits.threads, beside, self.fits.is_spent)
+            self._scored[key] = scores(self.fits.model, now, self.candidates, self.fits.threads, self._beside(now), self.fits.is_spent)
         return self._scored[key]
 
-    def signatures_beside(self, model: FittedModel) -> Signatures:
+    def _beside(self, model: FittedModel) -> Signatures:
         """Return the signatures of candidates beside a model; only those of the latest are kept, for they take much memory."""
         key = key_of(model.candidates)
         if self._latest is None or self._latest[0] != key:
@@ -82,7 +81,7 @@ class Proposals:
             return one.at != candidate.at and (alike or not whole.is_large)
 
         asked = [one for one in self.candidates if is_asked(one)]
-        return scores(self.fits.model, without, asked, self.fits.threads, self.signatures_beside(whole), self.fits.is_spent)
+        return scores(self.fits.model, without, asked, self.fits.threads, self._beside(whole), self.fits.is_spent)
 
     def best(self, scored: Sequence[tuple[float, Candidate]]) -> list[Candidate]:
         """Return the few best of scored candidates, not too many forms of one effect among them."""

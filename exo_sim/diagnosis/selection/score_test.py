@@ -21,8 +21,6 @@ Array = NDArray[np.float64]
 
 #: At which share of a candidate's start its signature stood out of the noise when it was asked last, by candidate and start.
 Sizes = dict[tuple[CandidateKey, tuple[float, ...]], float]
-#: The change of the residual by a candidate, shape (n,), and the size at which it brings it.
-Signature = tuple[Array, dict[FreeParameter, float]]
 
 
 class Signatures:
@@ -37,28 +35,19 @@ class Signatures:
     def __init__(self, model: LeastSquaresModel, beside: FittedModel, sizes: Sizes | None = None):
         self._model, self._beside = model, beside
         self._sizes: Sizes = {} if sizes is None else sizes
-        self._kept: dict[tuple[CandidateKey, tuple[float, ...]], Signature | None] = {}
-        self._of_laws: dict[CandidateKey, Array] = {}
+        self._kept: dict[CandidateKey, list[Array]] = {}
 
     def of(self, candidate: Candidate) -> list[Array]:
         """Return the changes of the residual by a candidate, shape (n,) each: one for each start that can be predicted."""
-        found = [self.at(candidate, start) for start in candidate.starts]
-        return [pair[0] for pair in found if pair is not None]
-
-    def at(self, candidate: Candidate, start: tuple[float, ...]) -> Signature | None:
-        """Return the change by a candidate put in at this size, or in proportion; None where that cannot be predicted."""
-        key = candidate.key, start
-        if key not in self._kept:
+        if candidate.key not in self._kept:
             base = self._beside.fit.residual
             level = math.sqrt(float(base @ base) / max(base.size, 1))
-            self._kept[key] = signature(self._model, candidate, start, self._beside, self._beside.fixed, base, level, self._sizes)
-        return self._kept[key]
-
-    def of_law(self, candidate: Candidate) -> Array:
-        """Return the change of the residual by one standard deviation of each parameter of a law, shape (n, p)."""
-        if candidate.key not in self._of_laws:
-            self._of_laws[candidate.key] = law_signatures(self._model, candidate, self._beside, self._beside.fixed)
-        return self._of_laws[candidate.key]
+            found = [
+                signature(self._model, candidate, start, self._beside, self._beside.fixed, base, level, self._sizes)
+                for start in candidate.starts
+            ]
+            self._kept[candidate.key] = [pair[0] for pair in found if pair is not None]
+        return self._kept[candidate.key]
 
 
 def scores(
@@ -77,6 +66,7 @@ def scores(
     """
     signatures = signatures or Signatures(model, now)
     base = now.fit.residual
+    fixed_now = now.fixed
     prior_rows, prior_jac = prior_terms(now.fit.parameters, now.fit.values)
     strength = math.sqrt(now.fit.prior_weight)
     whole = np.vstack([now.fit.jacobian, strength * prior_jac])
@@ -102,7 +92,7 @@ def scores(
             return best, candidate
         basis, target = clear_of(candidate)
         if candidate.is_law:
-            return _promise_of_law(signatures.of_law(candidate), level, basis, target), candidate
+            return _promise_of_law(model, candidate, now, fixed_now, level, basis, target), candidate
         for change in signatures.of(candidate):
             clear = np.concatenate([change, np.zeros(len(prior_rows))])
             clear -= basis @ (basis.T @ clear)
@@ -138,8 +128,12 @@ def spread_of(parameter: FreeParameter) -> float:
     return parameter.prior[1] if parameter.prior else parameter.scale
 
 
-def _promise_of_law(columns: Array, level: float, basis: Array, target: Array) -> float:
+def _promise_of_law(
+    model: LeastSquaresModel, candidate: Candidate, now: FittedModel, fixed_now: list[tuple[FreeParameter, float]], level: float,
+    basis: Array, target: Array,
+) -> float:  # fmt: skip
     """Return the drop in squared error that a law promises whose parameters may all move at once, as far as is known of them."""
+    columns = law_signatures(model, candidate, now, fixed_now)
     if not np.isfinite(columns).all():
         return 0.0
     clear = np.vstack([columns, np.zeros((len(target) - len(columns), columns.shape[1]))])
@@ -158,7 +152,7 @@ def signature(
     base: Array,
     level: float,
     sizes: Sizes,
-) -> Signature | None:
+) -> tuple[Array, dict[FreeParameter, float]] | None:
     """Return the change of the residual when a candidate is put in at a size that stands out of the noise but does not swamp it.
 
     With the change comes the size; None where the prediction is not finite.

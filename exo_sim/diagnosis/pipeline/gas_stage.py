@@ -23,7 +23,7 @@ from exo_sim.diagnosis.estimation.threads import SERIAL, Threads
 from exo_sim.diagnosis.estimation.uncertainty import HALF_WIDTH, standard_errors
 from exo_sim.diagnosis.pipeline.command_reading import as_sampled, read_as_sampled
 from exo_sim.diagnosis.pipeline.plan import Plan, Progress
-from exo_sim.diagnosis.policy.budgets import FEW_SAMPLES, FORCES_UNTIL, GAS_UNTIL, MOST_EFFORT
+from exo_sim.diagnosis.policy.budgets import FEW_SAMPLES, FORCES_UNTIL, GAS_UNTIL, LEAST_LATER, MOST_EFFORT
 from exo_sim.diagnosis.policy.priors import INITIAL_WARMTH, ROOM_WARM
 from exo_sim.diagnosis.policy.recordings import FEWEST_ROWS, HELD_AT_FIRST, HELD_IN_THE_END, REVERSED
 from exo_sim.diagnosis.policy.verdicts import UNKNOWN_VARIANCE
@@ -60,6 +60,10 @@ class Searched:
         """
         other = [one for (name, time, *_), one in self.results.items() if name == cylinder and time != test_time and not one.is_empty]
         return _asked_of(other[-1].search.final, asked) if other else None
+
+    def effort(self, cylinder: str) -> int:
+        """Return how many samples were predicted in the searches of a cylinder's gas."""
+        return sum(one.model.effort for (name, *_), one in self.results.items() if name == cylinder)
 
     def sampled(self, cylinder: str) -> frozenset[str]:
         """Return in which recordings the commands of a cylinder were found to be samples of a quicker loop."""
@@ -125,7 +129,10 @@ def examine_gas(
             standing = searched.standing(name, test_time, friction, asked)
             begun = WarmStart(None, standing or searched.of_other_time(name, test_time, asked), standing is not None)
             soft = softens if plan.friction is None and joint in data.joints else None
-            seek = partial(_searched, nuisances=nuisances, asked=asked, soft=soft, plan=plan, threads=threads, report=_naming(report, name))
+            most = max(MOST_EFFORT - searched.effort(name), int(LEAST_LATER * MOST_EFFORT))
+            seek = partial(
+                _searched, nuisances=nuisances, asked=asked, soft=soft, plan=plan, threads=threads, report=_naming(report, name), most=most
+            )
             if model.size >= FEWEST_ROWS:
                 model = as_sampled(model, plan.split, searched.sampled(name))
                 free = {q: q.start for q in nuisances}
@@ -141,7 +148,7 @@ def examine_gas(
                     done[key] = seek(other, begun)
         found.append(done[key])
         data = _with_readings(data, found[-1].model)
-        if found[-1].model.effort > MOST_EFFORT:
+        if searched.effort(name) > MOST_EFFORT:
             data = replace(data, remarks=(*data.remarks, f"{name}: {_ENDED}"))
     return data, tuple(found)
 
@@ -155,7 +162,7 @@ def _with_readings(data: MachineData, model: GasModel) -> MachineData:
 
 def _searched(
     model: GasModel, begun: WarmStart, *, nuisances: tuple[FreeParameter, ...], asked: tuple[Candidate, ...],
-    soft: Callable[[FittedModel], bool] | None, plan: Plan, threads: Threads, report: Progress,
+    soft: Callable[[FittedModel], bool] | None, plan: Plan, threads: Threads, report: Progress, most: int,
 ) -> SubsystemResult[GasModel]:
     """Return what a search of one gas found.
 
@@ -165,6 +172,7 @@ def _searched(
         nuisances, asked: What is free in every fit, and the candidates.
         soft: When it may end before all is explained.
         plan, threads, report: As in `examine`.
+        most: Samples after whose prediction it seeks nothing more.
     """
     first = None
     if model.size >= FEWEST_ROWS:
@@ -173,7 +181,7 @@ def _searched(
     search = Search(
         model, nuisances, asked, threads, report, cheap=sum(len(run.time) for run in model.all_runs) < FEW_SAMPLES,
         practical_significance=model.practical_significance,
-        stopping=StoppingCriteria(soft, plan.budget.is_spent, partial(_is_enough, model)), start=replace(begun, first=first),
+        stopping=StoppingCriteria(soft, plan.budget.is_spent, lambda: model.effort > most), start=replace(begun, first=first),
     )  # fmt: skip
     end, fits = relieved(search.run(), search.fits, search.proposals, model, plan.split)
     return decide(model.where, model, fits, end, plan.split)
@@ -221,10 +229,6 @@ def _better_turned(model: GasModel, plan: Plan) -> GasModel | None:
     opposite = GasModel([run.turned for run in model.all_runs], model.nominal, plan.split)
     less = np.sum(opposite.residual({}) ** 2) < REVERSED * np.sum(model.residual({}) ** 2)
     return opposite if less else None
-
-
-def _is_enough(model: GasModel) -> bool:
-    return model.effort > MOST_EFFORT
 
 
 def _naming(report: Progress, part: str) -> Progress:

@@ -38,10 +38,15 @@ LEAD = Number(
     "half an hour at 1 kHz: with the first seconds the blocks were missed by 860 Pa, the held-out time by 380 to 440 Pa",
 )  # fmt: skip
 MOST_EFFORT = Count(
-    80_000_000, "predicted samples", "after which a search seeks nothing more, about a minute of a processor: the same on every machine",
+    80_000_000, "predicted samples",
+    "after which the searches of a cylinder's gas seek nothing more, about a minute of a processor: the same on every machine",
     "learn makes A, B and D of whole machines were through before 60 million; 0.65 to 0.75 microseconds a sample at 1 kHz; what a "
     "prediction costs beside its samples counts",
 )
+LEAST_LATER = Number(
+    0.25, "share of that", "a search in a later round may take at least: it may have to begin from nothing",
+    "learn make X5 of whole machines: asking all together took 19 million in the first round and 35 million in the third",
+)  # fmt: skip
 MOST_STEPS = Count(12, "Gauss-Newton steps", "of a fit")
 FIRST_LOOK = Count(8, "Gauss-Newton steps", "of a first look at a set that is most likely far off, with the derivatives of its neighbour")
 WORTH_A_LOOK = Number(0.1, "share of the squared error", "each of these steps lowers it by so much, or is the last")

@@ -64,6 +64,7 @@ def test_pressures_of_a_slow_logger_are_late_as_one_and_a_search_is_run_once(tmp
     _, (again,) = examine_gas(data, refuted_elsewhere, SERIAL, lambda words: None, searched)
     assert again is found
     assert len(searched.results) == 1
+    assert searched.effort("piston") == found.model.effort > 0 == searched.effort("other")
 
 
 @pytest.mark.parametrize("conductance", [0.4, 0.0], ids=["walls that the rig knows", "walls that it does not know"])

@@ -61,7 +61,7 @@ def seen(i, step, dt, angle, arm, x, p_1, p_2, gauges):
         gauges: Its `place` and `speed` are written.
     """
     row = step % gauges.noise.shape[0]
-    shown = x + arm * (ENCODER * np.round(angle / ENCODER) - angle)
+    shown = x + arm * (ENCODER * np.rint(angle / ENCODER) - angle)
     if gauges.place[i] == gauges.place[i]:  # else it is the first time
         gauges.speed[i] += dt / (SMOOTHING + dt) * ((shown - gauges.place[i]) / dt - gauges.speed[i])
     gauges.place[i] = shown

@@ -20,6 +20,7 @@ import numpy
 from numba import types
 from numba.core import cgutils, config
 from numba.core.caching import FunctionCache
+from numba.core.runtime import rtsys
 from numba.extending import intrinsic
 
 from exo_sim.physics import compiled_cache, external_effects
@@ -74,7 +75,16 @@ def _compiled(function: Function, forceinline: bool = False) -> Function:
 
 
 class _Kept(FunctionCache):  # type: ignore[misc]
-    """numba's cache; where the disk is full, machine code is used without being kept."""
+    """numba's cache; where the disk is full, machine code is used without being kept.
+
+    Machine code that is there needs numba's runtime alone: numba would load all that it compiles with before it looks, a tenth of a short
+    run. What is not there is compiled, and that loads it.
+    """
+
+    def load_overload(self, sig: Any, target_context: Any) -> Any:
+        rtsys.initialize(target_context)
+        with self._guard_against_spurious_io_errors():
+            return self._load_overload(sig, target_context)
 
     def save_overload(self, sig: Any, data: Any) -> None:
         with contextlib.suppress(OSError):

@@ -4,6 +4,8 @@ import ast
 import errno
 import importlib.util
 import os
+import subprocess
+import sys
 from pathlib import Path
 from types import ModuleType
 
@@ -37,6 +39,32 @@ def test_a_second_start_finds_the_machine_code(tmp_path: Path) -> None:
         twice = fresh(tmp_path, "kept").twice
         assert twice(1.5) == 3.0
         assert sum(twice.stats.cache_hits.values()) == hits
+
+
+def test_what_was_kept_is_called_by_what_is_compiled_after_it(tmp_path: Path) -> None:
+    """Machine code is taken from the cache without all that numba compiles with; what comes next must not miss it."""
+    (tmp_path / "called.py").write_text(TEXT)
+    (tmp_path / "calling.py").write_text("""
+import sys
+import numba, numpy as np
+from called import twice
+
+assert twice(1.5) == 3.0
+kept = sum(twice.stats.cache_hits.values()) == 1
+assert kept == (sys.argv[1] == "again") == ("numba.np.arraymath" not in sys.modules)
+
+@numba.njit
+def of_all(x):
+    out = np.empty_like(x)
+    for i in range(x.size):
+        out[i] = twice(x[i])
+    return np.sum(out)
+
+assert of_all(np.ones(3)) == 6.0
+""")
+    for turn in ("first", "again"):
+        done = subprocess.run([sys.executable, tmp_path / "calling.py", turn], capture_output=True, text=True)
+        assert done.returncode == 0, done.stderr
 
 
 def test_no_number_that_is_compiled_in_comes_from_a_file_that_the_cache_does_not_watch() -> None:

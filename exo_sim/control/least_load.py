@@ -198,11 +198,15 @@ class LeastLoad:
             The cost that was reached; `torque(best=True)` belongs to the least of all.
         """
         load = ((np.concatenate([moments, straps], axis=1) + self._own) * self._matters).reshape(-1)
-        forces = [one.forces(contacts)[0] for one in self._responses]
-        tried, maps = self._coefficients, self._maps(forces)
-        heard = np.concatenate([load, *(self._share_of_others * (load + (one - maps[0]) @ np.append(tried, 1.0)) for one in maps[1:])])
+        tried, heard = self._coefficients, load
+        answer = self._answer(contacts) if len(self._responses) > 1 else None
+        if answer is not None:
+            maps = answer[1]
+            others = (self._share_of_others * (load + (one - maps[0]) @ np.append(tried, 1.0)) for one in maps[1:])
+            heard = np.concatenate([load, *others])
         cost = float(heard @ heard + (self._effort * tried) @ (self._effort * tried))
         if cost < self._best[0]:
+            forces, maps = answer or self._answer(contacts)
             self._best, self._heard, self._failed = (cost, tried), heard, 0
             self._shown = self._with_gain(maps)
             damping, stiffness = self._responses[0].held(contacts)
@@ -267,6 +271,11 @@ class LeastLoad:
         self._planned = self._with_gain(self._maps([one.forces(carried)[0] for one in self._responses]))
         damping, stiffness = it.held(carried)
         self.yielding = Yielding(dynamics.inertia, damping, stiffness, it.strap, it.stiffness, it.damping, self._loads, tuple(self.driven))
+
+    def _answer(self, contacts: NDArray[np.float64]) -> tuple[list[NDArray[np.float64]], list[NDArray[np.float64]]]:
+        """Return strap forces and loads that follow from torque harmonics where feet carry so, for straps as they are and otherwise."""
+        forces = [one.forces(contacts)[0] for one in self._responses]
+        return forces, self._maps(forces)
 
     def _maps(self, forces: list[NDArray[np.float64]]) -> list[NDArray[np.float64]]:
         """Return what loads follow from torque harmonics, the last column without torques, for straps as they are and otherwise."""

@@ -7,7 +7,7 @@ from numpy.typing import NDArray
 
 from exo_sim.control.machine_dynamics import PICK, MachineDynamics
 from exo_sim.gait.motion import Motion
-from exo_sim.gait.residual_reduction import body_loads
+from exo_sim.gait.moving_body import Moving, body_loads
 from exo_sim.machine.ground_reaction import hold, joint_moments
 from exo_sim.machine.person import Person
 from exo_sim.machine.straps import StrapSet
@@ -28,7 +28,7 @@ def force_sums(dynamics: MachineDynamics, straps: StrapSet) -> NDArray[np.float6
 
 def own_moments(motion: Motion, person: Person) -> NDArray[np.float64]:
     """Return the moments of the wearer's own body along the motion [N m], shape (n, 6)."""
-    poses, wrench = body_loads(motion, person, PICK)
+    poses, wrench = body_loads(Moving.of(motion, PICK), person)
     ground = hold(poses, wrench, motion.share[PICK], motion.pressure_centre[PICK], motion.support[PICK], person, motion.ground.angle)
     return joint_moments(poses, wrench, ground.force, ground.place)
 

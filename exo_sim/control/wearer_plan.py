@@ -12,8 +12,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from exo_sim.gait.motion import Motion
+from exo_sim.gait.moving_body import Moving, body_loads
 from exo_sim.gait.pressed_soles import pressed
-from exo_sim.gait.residual_reduction import body_loads
 from exo_sim.machine import wearer_body
 from exo_sim.machine.ground_reaction import FEET, TOES, Ground, hold, joint_moments
 from exo_sim.machine.person import Person
@@ -66,6 +66,6 @@ def plan(motion: Motion, person: Person, expected: Array | float = 0.0) -> Plan:
 
 def _held(motion: Motion, person: Person, expected: Array | float) -> tuple[Array, Array, Ground]:
     """Return poses, all loads on the segments and what the ground gives along a motion."""
-    poses, own = body_loads(motion, person)
+    poses, own = body_loads(Moving.of(motion), person)
     loads = own + expected
     return poses, loads, hold(poses, loads, motion.share, motion.pressure_centre, motion.support, person)

@@ -22,9 +22,10 @@ from numpy.typing import NDArray
 from exo_sim.errors import ScenarioError
 from exo_sim.gait import pendulum
 from exo_sim.gait.footpaths import with_pelvis_ahead
-from exo_sim.gait.motion import Motion, derivatives
-from exo_sim.machine import anthropometry, ground_reaction
-from exo_sim.machine.person import Person, poses_along
+from exo_sim.gait.motion import Motion, derivatives, travelling
+from exo_sim.gait.moving_body import Moving, body_loads, trunk
+from exo_sim.machine import ground_reaction
+from exo_sim.machine.person import Person
 from exo_sim.machine.wearer_moments import backpack_wrench
 
 #: Samples of a cycle that are looked at.
@@ -56,12 +57,12 @@ class Carried:
     """What a wearer carries.
 
     Attributes:
-        load: Gives, for a motion and some of its samples, the load on the wearer beside the own body, about the pelvis: x, z [N] and
-            about -y [N m], shape (n, 3).
+        load: Gives, for samples of motions, the load on the wearer beside the own body, about the pelvis: x, z [N] and about -y [N m],
+            shape (n, 3).
         content: All that `load` depends on beside the motion, as bytes.
     """
 
-    load: Callable[[Motion, slice], NDArray[np.float64]]
+    load: Callable[[Moving], NDArray[np.float64]]
     content: bytes
 
 
@@ -77,10 +78,10 @@ class _Parameters:
         ahead = [_AHEAD] * n if self.heights else []
         return np.array([_LEAN, _CENTRE, *[_SWAY] * n, *ahead, *[_UP] * (2 * len(self.heights))])
 
-    def applied(self, motion: Motion, person: Person, *tried: NDArray[np.float64]) -> list[Motion]:
-        """Return the motion with each of these values; all are differentiated at once, for they are short and many."""
-        n, front = 2 * len(self.harmonics), person.toe + _BEYOND_BALL * person.scale
-        waves = _basis(motion.phase, self.harmonics)
+    def _moved(self, motion: Motion, tried: NDArray[np.float64]) -> NDArray[np.float64]:
+        """Return the coordinates with each of these values, shape (k, 9, n) for values of shape (k, m)."""
+        n = 2 * len(self.harmonics)
+        waves, heights = _basis(motion.phase, self.harmonics), _basis(motion.phase, self.heights) if self.heights else None
         position = np.empty((len(tried), motion.position.shape[1], len(motion.position)))
         position[:] = motion.position.T
         for moved, values in zip(position, tried):
@@ -88,23 +89,38 @@ class _Parameters:
             pitch = values[0] + waves @ sway
             moved[2] += pitch
             moved[[3, 6]] -= pitch
-            if self.heights:
+            if heights is not None:
                 moved[0] += waves @ rest[:n]
-                moved[1] += _basis(motion.phase, self.heights) @ rest[n:]
-        tables = np.moveaxis(position, 2, 0)
-        slope, curvature = derivatives(tables)
+                moved[1] += heights @ rest[n:]
+        return position
+
+    def centre(self, motion: Motion, person: Person, values: NDArray[np.float64]) -> NDArray[np.float64]:
+        """Return where the centres of pressure are expected, shape (n, 2)."""
+        return np.clip(motion.pressure_centre + values[1], person.heel, person.toe + _BEYOND_BALL * person.scale)
+
+    def applied(self, motion: Motion, person: Person, values: NDArray[np.float64]) -> Motion:
+        """Return the motion with these values."""
+        position = np.ascontiguousarray(self._moved(motion, values[None])[0].T)
+        trial = motion.trial and replace(motion.trial, mean=self.applied(motion.trial.mean, person, values))
+        return replace(travelling(motion, position), pressure_centre=self.centre(motion, person, values), trial=trial)
+
+    def along(self, motion: Motion, tried: NDArray[np.float64], rows: slice) -> Moving:
+        """Return samples of the motion with each of the values, shape (k, m), one behind the other.
+
+        All are differentiated at once, for they are short and many; coordinates that no value changes only once.
+        """
+        position = self._moved(motion, tried)
+        changed = [0, 1, 2, 3, 6] if self.heights else [2, 3, 6]
+        kept = [j for j in range(position.shape[1]) if j not in changed]
+        slope, curvature = (np.empty((len(tried), len(motion.position[rows]), position.shape[1])) for _ in range(2))
+        for columns, tables in ((changed, position[:, changed]), (kept, position[:1, kept])):
+            for out, table in zip((slope, curvature), derivatives(np.moveaxis(tables, 2, 0))):
+                out[:, :, columns] = np.moveaxis(table[rows], 1, 0)
         slope[:, :, 0] += motion.advance
         slope[:, :, 1] += motion.climb
-        means = [] if motion.trial is None else self.applied(motion.trial.mean, person, *tried)
-        return [
-            replace(
-                motion, position=np.ascontiguousarray(tables[:, i]), slope=np.ascontiguousarray(slope[:, i]),
-                curvature=np.ascontiguousarray(curvature[:, i]),
-                pressure_centre=np.clip(motion.pressure_centre + values[1], person.heel, front),
-                trial=motion.trial and replace(motion.trial, mean=means[i]),
-            )
-            for i, values in enumerate(tried)
-        ]  # fmt: skip
+        n, rate = position.shape[1], 1.0 / motion.period
+        places = np.ascontiguousarray(np.moveaxis(position[:, :, rows], 1, 2)).reshape(-1, n)
+        return Moving(places, slope.reshape(-1, n) * rate, curvature.reshape(-1, n) * rate**2)
 
 
 def reduced(motion: Motion, person: Person, carried: Carried | None = None, uneven: bool = False) -> Motion:
@@ -129,7 +145,7 @@ def reduced(motion: Motion, person: Person, carried: Carried | None = None, unev
         if len(_kept) >= _KEPT_MOST:
             _kept.clear()
         _kept[problem] = _found(stride, person, parameters, carried)
-    (done,) = parameters.applied(motion, person, _kept[problem])
+    done = parameters.applied(motion, person, _kept[problem])
     return _over_its_feet(done, person, carried) if motion.from_rest else done
 
 
@@ -147,19 +163,18 @@ def _found(stride: Motion, person: Person, parameters: _Parameters, carried: Car
     scales = parameters.scales()
     values = np.zeros(len(scales))
 
-    def errors(*tried: NDArray[np.float64]) -> list[NDArray[np.float64]]:
-        off = _off_balance(parameters.applied(stride, person, *tried), person, carried)
-        return [np.concatenate([one, at / scales]) for one, at in zip(off, tried)]
+    def errors(tried: NDArray[np.float64]) -> NDArray[np.float64]:
+        return np.concatenate([_off_balance(stride, parameters, tried, person, carried), tried / scales], axis=1)
 
-    left = errors(values)[0]
+    left = errors(values[None])[0]
     for _ in range(_STEPS):
-        beside = errors(*(values + np.diag(scales / 100)))
+        beside = errors(values + np.diag(scales / 100))
         slopes = np.stack([(one - left) / scale * 100 for one, scale in zip(beside, scales)], axis=1)
         normal = slopes.T @ slopes
         normal[np.diag_indices_from(normal)] *= 1.0 + _DAMPING
         step, gone = -np.linalg.solve(normal, slopes.T @ left), 1.0
         while gone > 0.05:
-            tried = errors(values + gone * step)[0]
+            tried = errors((values + gone * step)[None])[0]
             if tried @ tried < left @ left:
                 break
             gone *= 0.5
@@ -178,10 +193,9 @@ def worn(motion: Motion, person: Person, model: mujoco.MjModel) -> Motion:
     data = mujoco.MjData(model)
     position, velocity, acceleration, force = data.qpos, data.qvel, data.qacc, data.qfrc_inverse
 
-    def load(of: Motion, rows: slice) -> NDArray[np.float64]:
-        rate = 1.0 / of.period
-        out = np.empty((len(of.position[rows]), 3))
-        for i, (q, v, a) in enumerate(zip(of.position[rows], of.slope[rows] * rate, of.curvature[rows] * rate**2)):
+    def load(along: Moving) -> NDArray[np.float64]:
+        out = np.empty((len(along.position), 3))
+        for i, (q, v, a) in enumerate(zip(*along)):
             position[:], velocity[:], acceleration[:] = q, v, a
             mujoco.mj_inverse(model, data)
             out[i] = force[:3]
@@ -206,62 +220,42 @@ def _uneven(model: mujoco.MjModel) -> bool:
 def with_backpack(motion: Motion, person: Person, place: tuple[float, float], mass: float, inertia: float) -> Motion:
     """Return the motion of a person with a backpack: mass [kg] with its centre at `place` from the hips [m], inertia a kilogram [m^2]."""
 
-    def load(of: Motion, rows: slice) -> NDArray[np.float64]:
-        position, acceleration = trunk(of)
-        wrench = backpack_wrench(position[rows], acceleration[rows], place, np.full(len(position[rows]), mass), inertia)
-        return wrench[:, 0]
+    def load(along: Moving) -> NDArray[np.float64]:
+        position, acceleration = trunk(along)
+        return backpack_wrench(position, acceleration, place, np.full(len(position), mass), inertia)[:, 0]
 
     return reduced(motion, person, Carried(load, repr((place, mass, inertia)).encode()))
 
 
-def trunk(motion: Motion) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
-    """Return pelvis and trunk with their rates, shape (n, 6), and their accelerations, (n, 3), for `backpack_wrench`."""
-    rate = 1.0 / motion.period
-    return np.concatenate([motion.position[:, :3], motion.slope[:, :3] * rate], axis=1), motion.curvature[:, :3] * rate**2
+def _off_balance(
+    motion: Motion, parameters: _Parameters, tried: NDArray[np.float64], person: Person, carried: Carried | None
+) -> NDArray[np.float64]:
+    """Return how far moment and aim of the ground's force are from what is expected, in units of what is felt, shape (k, m).
 
-
-def body_loads(motion: Motion, person: Person, rows: slice = slice(None)) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
-    """Return the segments' poses along a cycle, shape (n, 7, 6), and their weight and inertia, shape (n, 7, 3)."""
-    return _body_loads([motion], person, rows)
-
-
-def _body_loads(motions: list[Motion], person: Person, rows: slice) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
-    """Return `body_loads` of motions of one period, one behind the other."""
-    rate = 1.0 / motions[0].period
-    position, slope, curvature = (
-        np.concatenate([table[rows] for table in tables]) for tables in zip(*((one.position, one.slope, one.curvature) for one in motions))
-    )
-    poses = poses_along(position, slope * rate, person)
-    return poses, anthropometry.body_wrench(poses, anthropometry.accelerations(curvature * rate**2, poses, person), person)
-
-
-def _off_balance(motions: list[Motion], person: Person, carried: Carried | None) -> list[NDArray[np.float64]]:
-    """Return how far moment and aim of the ground's force are from what is expected, in units of what is felt, of each motion.
-
-    The motions are trials of one: they have the same period, ground, support and shares of the feet. All are worked out at once, for
-    they are short and many.
+    The k motions are worked out at once, for they are short and many.
     """
-    rows, like = slice(0, None, _EVERY), motions[0]
-    poses, wrench = _body_loads(motions, person, rows)
+    rows, count = slice(0, None, _EVERY), len(tried)
+    along = parameters.along(motion, tried, rows)
+    poses, wrench = body_loads(along, person)
     load = ground_reaction.totals(poses, wrench)
     if carried is not None:
-        load = load + np.concatenate([carried.load(one, rows) for one in motions])
-    share, support = np.tile(like.share[rows], (len(motions), 1)), like.support[rows]
-    centre = np.concatenate([one.pressure_centre[rows] for one in motions])
-    off = ground_reaction.off_balance(poses, load, share, centre, person, like.ground.angle)
-    felt = support / np.sqrt(len(support))
-    return [_felt(like, *each, felt) for each in zip(np.split(load, len(motions)), np.split(off, len(motions)))]
+        load = load + carried.load(along)
+    share, support = np.tile(motion.share[rows], (count, 1)), motion.support[rows]
+    centre = np.concatenate([parameters.centre(motion, person, values)[rows] for values in tried])
+    off = ground_reaction.off_balance(poses, load, share, centre, person, motion.ground.angle)
+    return _felt(motion, load[:, 1].reshape(count, -1), off.reshape(count, -1, 2), support / np.sqrt(len(support)))
 
 
 def _felt(
-    motion: Motion, load: NDArray[np.float64], off: NDArray[np.float64], felt: NDArray[np.float64]
+    motion: Motion, up: NDArray[np.float64], off: NDArray[np.float64], felt: NDArray[np.float64]
 ) -> NDArray[np.float64]:
-    weight = -float(np.mean(load[:, 1]))
-    out = [off[:, 0] * felt / (weight * _LEVER)]
+    """Return `_off_balance` for loads upward, shape (k, n), and what is amiss, (k, n, 2)."""
+    weight = -np.mean(up, axis=1, keepdims=True)
+    out = [off[:, :, 0] * felt / (weight * _LEVER)]
     if motion.advance and not motion.from_rest:
-        jerky = np.fft.rfft(load[:, 1])[6:20] * 2 / len(load) / (weight * _SHARE)
-        out += [off[:, 1] * felt / (weight * _SHARE), jerky.real, jerky.imag]
-    return np.concatenate(out)
+        jerky = np.fft.rfft(up, axis=1)[:, 6:20] * 2 / up.shape[1] / (weight * _SHARE)
+        out += [off[:, :, 1] * felt / (weight * _SHARE), jerky.real, jerky.imag]
+    return np.concatenate(out, axis=1)
 
 
 def _over_its_feet(motion: Motion, person: Person, carried: Carried | None) -> Motion:
@@ -270,10 +264,11 @@ def _over_its_feet(motion: Motion, person: Person, carried: Carried | None) -> M
     The body's pendulum says by how much (Kajita and others 2003, as in `start_and_stop`); feet and trunk stay as they are.
     """
     for _ in range(_ROUNDS):
-        poses, wrench = body_loads(motion, person)
+        along = Moving.of(motion)
+        poses, wrench = body_loads(along, person)
         load = ground_reaction.totals(poses, wrench)
         if carried is not None:
-            load = load + carried.load(motion, slice(None))
+            load = load + carried.load(along)
         off = ground_reaction.off_balance(poses, load, motion.share, motion.pressure_centre, person)[:, 0] / float(np.mean(-load[:, 1]))
         motion = with_pelvis_ahead(motion, person, -pendulum.above(off, _MASS_HEIGHT * person.height, motion.period))
     return motion

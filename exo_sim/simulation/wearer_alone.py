@@ -14,7 +14,7 @@ from exo_sim.control.wearer_plan import Plan
 from exo_sim.control.wearer_torques import Mover
 from exo_sim.errors import Diverged
 from exo_sim.gait.motion import Motion
-from exo_sim.gait.residual_reduction import trunk
+from exo_sim.gait.moving_body import Moving, trunk
 from exo_sim.machine import wearer_body
 from exo_sim.machine.person import Person
 from exo_sim.machine.wearer_body import Pack
@@ -69,7 +69,7 @@ def one_cycle(motion: Motion, person: Person, pack: Pack | None = None, step: fl
     """
     expected: Array | float = 0.0
     if pack is not None:
-        position, acceleration = trunk(motion)
+        position, acceleration = trunk(Moving.of(motion))
         expected = backpack_wrench(position, acceleration, pack.place, np.full(len(position), pack.mass), pack.inertia)
     return walk_alone(wearer_plan.plan(motion, person, expected), person, pack, _SETTLING + 1, step).last_cycle()
 

@@ -8,7 +8,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from exo_sim.gait.motion import Motion
-from exo_sim.gait.residual_reduction import body_loads, reduced, trunk, with_backpack
+from exo_sim.gait.moving_body import Moving, body_loads, trunk
+from exo_sim.gait.residual_reduction import reduced, with_backpack
 from exo_sim.machine.person import Person
 from exo_sim.machine.wearer_body import Pack
 from exo_sim.machine.wearer_moments import backpack_wrench
@@ -52,7 +53,7 @@ def wearing(walk: Walk) -> Wearing:
 
 def with_pack(walk: Walk) -> Held:
     """Return what the wearer would give with the same load as a backpack and with this motion, at every row."""
-    position, acceleration = (along(walk, table) for table in trunk(walk.motion))
+    position, acceleration = (along(walk, table) for table in trunk(Moving.of(walk.motion)))
     place, inertia = pack(walk)
     wrench = backpack_wrench(position, acceleration, place, walk.payload + hung(walk), inertia)
     return _on_rows(walk, wrench)
@@ -81,7 +82,7 @@ def with_payload(walk: Walk, mass: float) -> Held:
     motion = with_backpack(walk.plain, walk.person, place, mass, inertia)
     if walk.moved is not None:
         return one_cycle(motion, walk.person, Pack(mass, place, inertia), walk.step)
-    position, acceleration = trunk(motion)
+    position, acceleration = trunk(Moving.of(motion))
     return _on_cycle(
         motion, walk.person, backpack_wrench(position, acceleration, place, np.full(len(position), mass), inertia)
     )
@@ -112,7 +113,7 @@ class _Known:
     @classmethod
     def along(cls, walk: Walk) -> _Known:
         motion = walk.motion
-        tables = (body_loads(motion, walk.person)[1], motion.share, motion.pressure_centre, motion.support)
+        tables = (body_loads(Moving.of(motion), walk.person)[1], motion.share, motion.pressure_centre, motion.support)
         return cls(*(along(walk, table) for table in tables))
 
 
@@ -122,5 +123,5 @@ def _on_rows(walk: Walk, wrench: NDArray[np.float64] | float, known: _Known | No
 
 
 def _on_cycle(motion: Motion, person: Person, wrench: NDArray[np.float64] | float = 0.0) -> Held:
-    poses, own = body_loads(motion, person)
+    poses, own = body_loads(Moving.of(motion), person)
     return held(poses, own + wrench, motion.share, motion.pressure_centre, motion.support, person, motion.ground.angle)

@@ -11,7 +11,8 @@ from scipy.io import loadmat
 
 from exo_sim.gait import recorded_gait, scenario
 from exo_sim.gait.motion import phases
-from exo_sim.gait.residual_reduction import body_loads, reduced
+from exo_sim.gait.moving_body import Moving, body_loads
+from exo_sim.gait.residual_reduction import reduced
 from exo_sim.machine import ground_reaction
 from exo_sim.machine.person import Person
 from exo_sim.simulation.wearer_alone import one_cycle
@@ -49,7 +50,7 @@ def section(folder: Path) -> str:
     gait = recorded_gait.load("falisse")
     person = Person(1.70, gait.mass)
     motion = reduced(scenario.motion("level_walk", person, 1.0), person)
-    poses, wrench = body_loads(motion, person)
+    poses, wrench = body_loads(Moving.of(motion), person)
     ground = ground_reaction.hold(poses, wrench, motion.share, motion.pressure_centre, motion.support, person)
     moments = ground_reaction.joint_moments(poses, wrench, ground.force, ground.place)
     moved = one_cycle(motion, person)

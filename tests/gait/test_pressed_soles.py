@@ -4,8 +4,9 @@ import numpy as np
 import pytest
 
 from exo_sim.gait import scenario
+from exo_sim.gait.moving_body import Moving, body_loads
 from exo_sim.gait.pressed_soles import pressed
-from exo_sim.gait.residual_reduction import body_loads, reduced
+from exo_sim.gait.residual_reduction import reduced
 from exo_sim.machine import ground_reaction, wearer_body
 from exo_sim.machine.person import Person, poses_along
 
@@ -15,7 +16,7 @@ PERSON, STIFFNESS, RADIUS, TOES = Person(), wearer_body.STIFFNESS, wearer_body.R
 @pytest.fixture(scope="module")
 def both():
     motion = reduced(scenario.motion("level_walk", PERSON, 1.0), PERSON)
-    ground = ground_reaction.hold(*body_loads(motion, PERSON), motion.share, motion.pressure_centre, motion.support, PERSON)
+    ground = ground_reaction.hold(*body_loads(Moving.of(motion), PERSON), motion.share, motion.pressure_centre, motion.support, PERSON)
     return motion, ground, pressed(motion, PERSON, ground.force, ground.centre, STIFFNESS, RADIUS, TOES)
 
 
@@ -50,14 +51,14 @@ def test_joints_and_pelvis_move_little(both):
 def test_a_leg_that_is_nearly_straight_is_not_bent_for_millimetres():
     """On the treadmill's stride the knee is all but straight at heel strike and push-off; it was bent by 17 degrees."""
     motion = reduced(scenario.motion("level_walk_opensim", PERSON, 1.0), PERSON)
-    ground = ground_reaction.hold(*body_loads(motion, PERSON), motion.share, motion.pressure_centre, motion.support, PERSON)
+    ground = ground_reaction.hold(*body_loads(Moving.of(motion), PERSON), motion.share, motion.pressure_centre, motion.support, PERSON)
     found = pressed(motion, PERSON, ground.force, ground.centre, STIFFNESS, RADIUS, TOES)
     assert np.abs(found.position - motion.position)[:, 3:].max() < np.radians(3.0)
 
 
 def test_a_cycle_of_several_strides_is_pressed_as_sharply_as_one():
     motion = reduced(scenario.motion("start_and_stop", PERSON, 1.0), PERSON)
-    ground = ground_reaction.hold(*body_loads(motion, PERSON), motion.share, motion.pressure_centre, motion.support, PERSON)
+    ground = ground_reaction.hold(*body_loads(Moving.of(motion), PERSON), motion.share, motion.pressure_centre, motion.support, PERSON)
     found = pressed(motion, PERSON, ground.force, ground.centre, STIFFNESS, RADIUS, TOES)
     spectrum = np.abs(np.fft.rfft((found.position - motion.position)[:, 3:], axis=0))
     assert spectrum[13:61].max() > 0.05 * spectrum[:13].max()  # beyond the harmonics of one stride

@@ -5,13 +5,14 @@ import pytest
 
 from exo_sim.gait import recorded_gait, scenario
 from exo_sim.gait.motion import SAMPLES, phases
-from exo_sim.gait.residual_reduction import body_loads, reduced, with_backpack
+from exo_sim.gait.moving_body import Moving, body_loads
+from exo_sim.gait.residual_reduction import reduced, with_backpack
 from exo_sim.machine import ground_reaction
 from exo_sim.machine.person import Person
 
 
 def held(motion, person):
-    poses, wrench = body_loads(motion, person)
+    poses, wrench = body_loads(Moving.of(motion), person)
     ground = ground_reaction.hold(poses, wrench, motion.share, motion.pressure_centre, motion.support, person)
     return ground, ground_reaction.joint_moments(poses, wrench, ground.force, ground.place)
 

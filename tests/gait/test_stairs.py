@@ -6,7 +6,8 @@ import numpy as np
 import pytest
 
 from exo_sim.errors import ScenarioError
-from exo_sim.gait.residual_reduction import body_loads, reduced
+from exo_sim.gait.moving_body import Moving, body_loads
+from exo_sim.gait.residual_reduction import reduced
 from exo_sim.gait.stairs import DOWN, UP, walking_stairs
 from exo_sim.machine.ground_reaction import totals
 from exo_sim.machine.person import Person, leg_points
@@ -34,7 +35,7 @@ def test_two_treads_a_cycle_and_always_some_weight_on_the_feet(stairs):
     half = len(motion.position) // 2  # left and right are alike, half a cycle apart
     np.testing.assert_allclose(np.roll(motion.position[:, 3:6], half, axis=0), motion.position[:, 6:9], atol=1e-9)
     moved = reduced(motion, PERSON)
-    weight = -totals(*body_loads(moved, PERSON))[:, 1]
+    weight = -totals(*body_loads(Moving.of(moved), PERSON))[:, 1]
     assert weight.min() > 0.2 * 9.81 * PERSON.mass
     assert abs(np.degrees(moved.position[:, 2]).mean()) < 25.0
     assert np.degrees(moved.position[:, [4, 7]]).min() > -112.0

@@ -6,7 +6,8 @@ import pytest
 from exo_sim.errors import ScenarioError
 from exo_sim.gait import scenario
 from exo_sim.gait.motion import SAMPLES
-from exo_sim.gait.residual_reduction import body_loads, reduced, trunk, with_backpack
+from exo_sim.gait.moving_body import Moving, body_loads, trunk
+from exo_sim.gait.residual_reduction import reduced, with_backpack
 from exo_sim.machine.ground_reaction import hold, under_foot
 from exo_sim.machine.person import Person, leg_points, poses_along
 from exo_sim.machine.wearer_moments import backpack_wrench
@@ -60,9 +61,9 @@ def test_loaded_feet_stay_where_they_are(motion):
 def test_soles_on_the_ground_hold_it(motion, carried):
     place, _, inertia = PACK
     moved = with_backpack(motion, PERSON, place, carried, inertia) if carried else reduced(motion, PERSON)
-    poses, loads = body_loads(moved, PERSON)
+    poses, loads = body_loads(Moving.of(moved), PERSON)
     if carried:
-        position, acceleration = trunk(moved)
+        position, acceleration = trunk(Moving.of(moved))
         loads = loads + backpack_wrench(position, acceleration, place, np.full(len(position), carried), inertia)
     ground = hold(poses, loads, moved.share, moved.pressure_centre, moved.support, PERSON)
     assert np.abs(ground.residual).max(axis=0) == pytest.approx([0.0, 0.0, 0.0], abs=5.0)  # of 25 N, 25 N, 75 N m

@@ -72,7 +72,7 @@ class Motion:
     def at(self, phase: NDArray[np.float64], first: int = 9) -> NDArray[np.float64]:
         """Return the first coordinates without the steady advance and climb at any phases [cycles], shape (n, first)."""
         grid = np.linspace(0.0, 1.0, len(self.position) + 1)
-        closed, phase = np.concatenate([self.position, self.position[:1]])[:, :first], phase % 1.0
+        closed, phase = np.concatenate([self.position[:, :first], self.position[:1, :first]]), phase % 1.0
         return np.stack([np.interp(phase, grid, column) for column in closed.T], axis=1)
 
     def tables(self) -> tuple[NDArray[np.float64], NDArray[np.float64]]:

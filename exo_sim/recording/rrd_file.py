@@ -150,7 +150,7 @@ class RrdPieces:
             times, shown = index, values
             if number:  # the first one holds the clock
                 kept = turns(values)
-                if 2 * np.count_nonzero(kept) < len(values):
+                if kept is not None:
                     times, shown = [clock(recording.time[kept])], values[kept]
             written_as = shown if factor == 1.0 else shown * factor
             self._stream.send_columns(path, indexes=times, columns=rrd_scalars.column(written_as))
@@ -208,11 +208,14 @@ def _identity(recording: Recording) -> str:
     return digest.hexdigest()[:32]
 
 
-def turns(values: NDArray[np.float64]) -> NDArray[np.bool_]:
-    """Return which samples a line needs, shape (n,): all but those between two that are equal to them."""
+def turns(values: NDArray[np.float64]) -> NDArray[np.bool_] | None:
+    """Return which samples a line needs, shape (n,): all but those between two that are equal to them; None for half of all or more."""
+    other = values[1:] != values[:-1]
+    if 2 * np.count_nonzero(other) > len(values):  # each is before a sample that is needed
+        return None
     needed = np.ones(len(values), dtype=bool)
-    needed[1:-1] = (values[1:-1] != values[:-2]) | (values[1:-1] != values[2:])
-    return needed
+    needed[1:-1] = other[:-1] | other[1:]
+    return needed if 2 * np.count_nonzero(needed) < len(values) else None
 
 
 def _differences(stream: Any, recording: Recording, other: Recording, name: str) -> None:

@@ -89,6 +89,10 @@ def test_round_trip(tmp_path: Path, ending: str) -> None:
 def test_a_line_through_the_turns_is_the_signal(runs: list[tuple[float, int]]) -> None:
     values = np.concatenate([np.full(count, value) for value, count in runs])
     kept, time = turns(values), np.arange(len(values)) / 7.0
+    if kept is None:
+        between = (values[1:-1] == values[:-2]) & (values[1:-1] == values[2:])
+        assert 2 * np.count_nonzero(~between) + 4 >= len(values)
+        return
     assert kept[0] and kept[-1]
     np.testing.assert_array_equal(np.interp(time, time[kept], values[kept]), values)
 

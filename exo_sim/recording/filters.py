@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Mapping
 from dataclasses import dataclass
+from functools import lru_cache
 from types import MappingProxyType
 
 import numpy as np
@@ -88,8 +89,7 @@ def smoothed(time: Array, values: Array, seconds: float = POSITION_SMOOTHING) ->
 
 def first_rate_gain(time: Array, seconds: float = POSITION_SMOOTHING) -> float:
     """Return what `smoothed` makes of white noise in the first rate: its standard deviation for one of 1 in the values [1/s]."""
-    weights = savgol_coeffs(smooth_window(time, seconds), 3, deriv=1, delta=float(np.median(np.diff(time))), pos=0, use="dot")
-    return float(np.linalg.norm(weights))
+    return float(np.linalg.norm(rate_weights(smooth_window(time, seconds), float(np.median(np.diff(time))), True)))
 
 
 def gaussian_derivatives(time: Array, values: Array, seconds: float) -> tuple[Array, Array, Array]:
@@ -167,9 +167,20 @@ def noise_gain(order: int, seconds: float, step: float, passed: Mapping[int, flo
     return float(np.sqrt(step * power * both))
 
 
+@lru_cache(maxsize=64)  # asked for every window
 def start_weights(points: int) -> Array:
-    """Return weights that estimate a value at the start of `points` samples by a local parabola."""
-    return savgol_coeffs(points, 2, pos=0, use="dot")
+    """Return weights that estimate a value at the start of `points` samples by a local parabola; nobody may write to them."""
+    weights: Array = savgol_coeffs(points, 2, pos=0, use="dot")
+    weights.flags.writeable = False
+    return weights
+
+
+@lru_cache(maxsize=256)  # asked for every run over the same clock
+def rate_weights(points: int, step: float, at_start: bool) -> Array:
+    """Return weights that estimate the rate in the middle of `points` samples, or at their start, by a local cubic; as `start_weights`."""
+    weights: Array = savgol_coeffs(points, 3, deriv=1, delta=step, pos=0 if at_start else points // 2, use="dot")
+    weights.flags.writeable = False
+    return weights
 
 
 def forward_filled(values: Array) -> Array:

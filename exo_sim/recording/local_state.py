@@ -13,9 +13,9 @@ from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.signal import oaconvolve, savgol_coeffs
+from scipy.signal import oaconvolve
 
-from exo_sim.recording.filters import QUIET, evenly, first_rate_gain, smoothed
+from exo_sim.recording.filters import QUIET, evenly, first_rate_gain, rate_weights, smoothed
 from exo_sim.recording.kept_results import kept
 from exo_sim.recording.noise import beyond_noise, white_noise
 
@@ -103,7 +103,7 @@ def _best_span(grid: Array, step: float, noise: float, at_end: bool) -> Span:
     counts = [LEAST]
     while (more := 2 * (int(max(LONGER * counts[-1], counts[-1] + 2)) // 2) + 1) <= most:
         counts.append(more)
-    kernels = [savgol_coeffs(count, 3, deriv=1, delta=step, pos=0 if at_end else count // 2, use="dot") for count in counts]
+    kernels = [rate_weights(count, step, at_end) for count in counts]
     spans = [Span(counts[0], noise * float(np.linalg.norm(kernels[0])), 0.0)]
     for (count, kernel), (longer, other) in itertools.pairwise(zip(counts, kernels, strict=True)):
         ahead = 0 if at_end else (longer - count) // 2

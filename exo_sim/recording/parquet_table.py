@@ -8,6 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from exo_sim.errors import RecordingError, printable
+from exo_sim.recording import arrow_without_pandas
 from exo_sim.recording.column_map import ColumnMap
 from exo_sim.recording.column_selection import RawTable, select
 from exo_sim.recording.columns import Column
@@ -25,6 +26,7 @@ def read_parquet(path: Path, column_map: ColumnMap | None = None) -> RawTable:
     import pyarrow as pa
     from pyarrow import parquet
 
+    arrow_without_pandas.settle()
     try:
         name_is_text = printable(path.name) == path.name
         file = parquet.ParquetFile(path if name_is_text else path.open("rb"))

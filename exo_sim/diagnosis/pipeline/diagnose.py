@@ -20,7 +20,7 @@ from exo_sim.diagnosis.outcome.sensor_faults import faulty_scales, faulty_zeros
 from exo_sim.diagnosis.outcome.small_findings import small_findings
 from exo_sim.diagnosis.outcome.verdict import distinct, next_experiment, swings_astray, verdict_of
 from exo_sim.diagnosis.outcome.wrong_sizes import advice, suspected_bores
-from exo_sim.diagnosis.pipeline.freed_memory import return_large_arrays
+from exo_sim.diagnosis.pipeline.freed_memory import return_freed, return_large_arrays
 from exo_sim.diagnosis.pipeline.motion_stage import undecided
 from exo_sim.diagnosis.pipeline.plan import Examination, Progress
 from exo_sim.diagnosis.pipeline.rate_questions import hidden_by_rate
@@ -70,7 +70,9 @@ def diagnose(
     data = gather(recordings, rig, column_map)
     data.rig.check_no_recovery("a recording")
     with Threads(jobs or os.cpu_count() or 1) as threads:  # what is reported of rivals is fitted as well
-        return _reported(examine_until_stable(data, threads, report, allowed), allowed, report, folder)
+        answer = _reported(examine_until_stable(data, threads, report, allowed), allowed, report, folder)
+    return_freed()
+    return answer
 
 
 def _reported(stable: Examination, allowed: Budget, report: Progress, folder: Path | None) -> Diagnosis:
@@ -81,6 +83,7 @@ def _reported(stable: Examination, allowed: Budget, report: Progress, folder: Pa
     report("writing the rig anew")
     update = rig_update(data, results.all, found.unknown)
     report("running it")
+    return_freed()
     allowed.allow_until(1.0)
     kept, said = accepted(data, update, split, allowed.is_spent)
     is_cut = kept.update is not update

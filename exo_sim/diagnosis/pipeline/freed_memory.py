@@ -22,3 +22,9 @@ def return_large_arrays() -> None:
         library = ctypes.CDLL(None)
         library.mallopt(_MMAP_THRESHOLD, LARGE)
         library.mallopt(_TRIM_THRESHOLD, KEPT)
+
+
+def return_freed() -> None:
+    """Have the C library return all that was freed, small arrays between others too: what comes next asks for memory of its own."""
+    with contextlib.suppress(OSError, AttributeError, TypeError):
+        ctypes.CDLL(None).malloc_trim(0)

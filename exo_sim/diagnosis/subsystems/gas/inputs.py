@@ -3,8 +3,10 @@
 from __future__ import annotations
 
 import math
+from collections import OrderedDict
 from dataclasses import dataclass, field, replace
 from functools import cached_property
+from threading import Lock
 
 import numpy as np
 from numpy.typing import NDArray
@@ -16,8 +18,8 @@ from exo_sim.recording.windows import local_range, window_starts
 
 Array = NDArray[np.float64]
 
-#: Delayed commands are cached up to so many samples.
-MOST_KEPT = 2_000_000
+#: Delayed commands are kept up to so many samples, the latest: a fit asks for a few delays again and again, then never more.
+MOST_KEPT = 200_000
 #: Samples that estimate the pressure at the start of a window, and the longest time that they may span [s].
 START_SAMPLES, START_SECONDS = 15, 0.03
 
@@ -70,7 +72,8 @@ class GasInputs:
     supply_temperature: Array
     windows: Windows
     command_2: Array
-    _delayed: dict[float, ArrivedCommands] = field(default_factory=dict)
+    _delayed: OrderedDict[float, ArrivedCommands] = field(default_factory=OrderedDict)
+    _lock: Lock = field(default_factory=Lock)
 
     @cached_property
     def period(self) -> float:
@@ -84,11 +87,15 @@ class GasInputs:
         before it on.
         """
         delay -= 0.5 * self.period if self.run.sampled else 0.0
-        found = self._delayed.get(delay)
-        if found is None:
-            if len(self._delayed) > max(2, MOST_KEPT // len(self.time)):
-                self._delayed.clear()
-            found = self._delayed[delay] = late_commands(self.time, np.stack([self.command, self.command_2], axis=1), delay)
+        with self._lock:
+            if delay in self._delayed:
+                self._delayed.move_to_end(delay)
+                return self._delayed[delay]
+        found = late_commands(self.time, np.stack([self.command, self.command_2], axis=1), delay)
+        with self._lock:
+            self._delayed[delay] = found
+            while len(self._delayed) > max(4, MOST_KEPT // len(self.time)):
+                self._delayed.popitem(last=False)
         return found
 
 

@@ -8,6 +8,7 @@ be missing, and the difference of both predictions has sqrt(2^2 - 1) times the s
 
 from __future__ import annotations
 
+from collections import OrderedDict
 from dataclasses import replace
 
 import numpy as np
@@ -57,5 +58,5 @@ def _every_other(given: GasInputs, first: int) -> GasInputs:
         return np.interp(given.time, given.time[kept], values[kept])
 
     return replace(
-        given, command=between(given.command), command_2=between(given.command_2), length=between(given.length), _delayed={}
+        given, command=between(given.command), command_2=between(given.command_2), length=between(given.length), _delayed=OrderedDict()
     )  # fmt: skip

@@ -152,6 +152,8 @@ class AtJoints:
 
     def add(self, i: int, data: mujoco.MjData) -> None:
         """Take sample `i`, at which `data` has the machine's pose."""
+        if not self._forces:
+            return
         moved, turned = np.zeros((2, 3, self._model.nv))
         for one in self._forces:
             body = int(self._model.site_bodyid[one.site])

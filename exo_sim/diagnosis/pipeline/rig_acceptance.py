@@ -41,17 +41,26 @@ class Judge:
     """
 
     def __init__(self, data: MachineData, split: Split) -> None:
-        self._data = data
+        self._data, self._split = data, split
         self._windows, self._free, self._whole = WindowErrors(data, split), MachineRuns(data, split), MachineRuns(data, split, WINDOW)
         self._started = [MachineRuns(data, split, part=(number / STARTS, (number + 1) / STARTS)) for number in range(STARTS)]
         self._warmth_unknown = closed_gas(data)
         self.refusals: list[str] = []
+        self._rigs: dict[str, Rig] = {}
+
+    def over(self, split: Split) -> Judge:
+        """Return the judge by another time of the recordings: what was run already over all of it is not run again."""
+        other = Judge(self._data, split)
+        other._windows, other._rigs = self._windows.over(split), self._rigs
+        if set(split.test) == set(self._split.test):
+            other._free = self._free.over(split)
+        return other
 
     def trial(self, update: RigUpdate) -> Trial:
         """Return the errors of one update; why its rig is refused is kept in `refusals`."""
         data = self._data
         try:
-            rig = _rig(data, update)
+            rig = self._rig(update)
             inside, run, coupled = self._windows.errors(rig), self._free.errors(rig), self._whole.errors(rig)
             # a part may be too short to show what feeds a chamber: only what the whole run predicts counts
             told = set(run) - self._warmth_unknown
@@ -66,8 +75,15 @@ class Judge:
 
     def reported(self, trial: Trial, split: Split) -> Trial:
         """Return a trial with its errors on the test time of another split."""
-        rig = _rig(self._data, trial.update)
-        return replace(trial, windows=WindowErrors(self._data, split).errors(rig), free_run=self._free.over(split).errors(rig))
+        rig = self._rig(trial.update)
+        return replace(trial, windows=self._windows.over(split).errors(rig), free_run=self._free.over(split).errors(rig))
+
+    def _rig(self, update: RigUpdate) -> Rig:
+        """Return the rig as its text will be read: the same one for the same text."""
+        text = update.text(self._data.rig.path.parent)
+        if text not in self._rigs:
+            self._rigs[text] = parse(text, self._data.rig.path)
+        return self._rigs[text]
 
 
 def closed_gas(data: MachineData) -> set[str]:
@@ -99,7 +115,7 @@ def accepted(
     refusals = judge.refusals
     if split.validation:
         if best.update.parts:
-            last = Judge(data, split.kept_back())
+            last = judge.over(split.kept_back())
             on_all = last.trial(best.update)
             by_all = on_all.is_worse
             best = as_far_as_it_wins(best.update, last.trial, is_spent) if by_all else replace(best, starts=on_all.starts)
@@ -138,8 +154,3 @@ def as_far_as_it_wins(update: RigUpdate, tried: Callable[[RigUpdate], Trial], is
     if alone:
         return min(alone, key=lambda one: one.loss)
     return tried(RigUpdate(update.rig, ())) if best.update.parts else best
-
-
-def _rig(data: MachineData, update: RigUpdate) -> Rig:
-    """Return the rig as its text will be read."""
-    return parse(update.text(data.rig.path.parent), data.rig.path)

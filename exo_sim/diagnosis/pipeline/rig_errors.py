@@ -41,7 +41,8 @@ class WindowErrors:
     def __init__(self, data: MachineData, split: Split) -> None:
         self._data, self._plan = data, Plan(split)
         self._tables = [judged_part(table, data) for table in data.as_read]
-        if sum(table.duration for table in self._tables) > LONGEST_FREE_RUN:
+        self._is_cut = sum(table.duration for table in self._tables) > LONGEST_FREE_RUN
+        if self._is_cut:
             whole = {table.name: table for table in self._tables}
             self._tables = [
                 whole[name].span(begin - LEAD, np.nextafter(end, math.inf))
@@ -52,6 +53,14 @@ class WindowErrors:
         self._guessed = {joint for joint, runs in data.joints.items() if any(run.imputed is not None for run in runs)}
         self._sampled = {(name, run.recording) for name, runs in data.cylinders.items() for run in runs if run.sampled}
         self._before: Errors | None = None
+        self._seen: dict[bool, tuple[Rig, MachineData]] = {}
+
+    def over(self, split: Split) -> WindowErrors:
+        """Return the errors on another test time: of recordings that are not cut to it what the rigs make of them is known already."""
+        other = WindowErrors(self._data, split)
+        if not self._is_cut:
+            other._tables, other._seen = self._tables, self._seen
+        return other
 
     def errors(self, improved: Rig) -> dict[str, SignalFit]:
         """Return the errors of the rig as handed in and of an improved one; of long recordings only the test time is run, if that is short.
@@ -71,14 +80,21 @@ class WindowErrors:
             for key, (error, unit, noise) in self._before.items()
         }
 
+    def _as_seen(self, rig: Rig) -> MachineData:
+        """Return the recordings as a rig sees them; what the one handed in and the latest improved one see is kept."""
+        place = rig is self._data.rig
+        if place not in self._seen or self._seen[place][0] is not rig:
+            self._seen[place] = rig, gather_again(self._data, rig, self._tables)
+        return self._seen[place][1]
+
     def _of(self, rig: Rig) -> Errors:
         """Return the errors of one rig."""
-        data, split = gather_again(self._data, rig, self._tables), self._plan.split
+        data, split = self._as_seen(rig), self._plan.split
         every: list[Comparison] = []
         for name, cylinder in data.cylinders.items():
             read = [replace(run, sampled=(name, run.recording) in self._sampled) for run in cylinder]
             plant = nominal_gas(data, self._plan, name, read)
-            every += GasModel(read, plant, split).on_test_time(split).compared(plant, plant)
+            every += GasModel.over_test_time(read, plant, split).compared(plant, plant)
         for name, balances in data.joints.items():
             if name not in self._guessed:
                 model = MotionModel(balances, nominal_balance(data, name, balances), split).on_test_time(split)

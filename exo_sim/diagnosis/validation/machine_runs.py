@@ -60,11 +60,12 @@ class MachineRuns:
         cylinders = [run for runs in data.cylinders.values() for run in runs]
         self._early = [early_commands(table.name, data.rig, cylinders) for table in self._tables]
         self._believed: dict[tuple[int, str], tuple[Recording, Run] | None] = {}
+        self._improved: tuple[_Machine, dict[int, tuple[Recording, Run] | None]] | None = None
         self._machine = _Machine(data.rig)
         self._known: tuple[Rig, dict[str, Sums]] | None = None
 
     def over(self, split: Split) -> MachineRuns:
-        """Return the same runs free of windows, judged on another time of the same recordings: the rig handed in is not run again."""
+        """Return the same runs free of windows, judged on another time of the same recordings: what was run last is not run again."""
         assert self._window == math.inf
         other = copy(self)
         other._split, other._known = split, None
@@ -90,9 +91,10 @@ class MachineRuns:
         total: dict[str, Sums] = {}
         if sum(table.duration for table in self._tables) > LONGEST_FREE_RUN:
             return total
-        machine = _Machine(improved)
+        if self._improved is None or self._improved[0].rig is not improved:
+            self._improved = _Machine(improved), {}
         for number, table in enumerate(self._tables):
-            self._add(total, number, machine, self._split.in_test(table.name, table.time))
+            self._add(total, number, self._split.in_test(table.name, table.time))
         self._known = improved, {key: sums for key, sums in total.items() if sums.count}
         return self._known[1]
 
@@ -102,10 +104,17 @@ class MachineRuns:
             self._believed[number, motion] = _run(self._tables[number], self._machine, motion, self._window, self._early[number])
         return self._believed[number, motion]
 
-    def _add(self, total: dict[str, Sums], number: int, improved: _Machine, mask: NDArray[np.bool_]) -> None:
+    def _after(self, number: int) -> tuple[Recording, Run] | None:
+        """Return the same for the improved rig."""
+        assert self._improved is not None
+        machine, ran = self._improved
+        if number not in ran:
+            ran[number] = _run(self._tables[number], machine, "auto", self._window, self._early[number])
+        return ran[number]
+
+    def _add(self, total: dict[str, Sums], number: int, mask: NDArray[np.bool_]) -> None:
         """Add the errors of one recording, whose samples `mask` count."""
-        table = self._tables[number]
-        ran = _run(table, improved, "auto", self._window, self._early[number])
+        table, ran = self._tables[number], self._after(number)
         if ran is None:
             if (alone := self._before(number, "auto")) is None:
                 return

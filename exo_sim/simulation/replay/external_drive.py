@@ -87,12 +87,18 @@ def _power_shares(
     drive, known = _drive(recording, rig, links, pick)
     needed, gas = np.zeros((len(pick), model.nv)), np.zeros((len(pick), model.nv))
     data = mujoco.MjData(model)
+    place, rate, change, force = data.qpos, data.qvel, data.qacc, data.qfrc_inverse
+    simple = all(model.actuator_trntype[link.actuator] == int(mujoco.mjtTrn.mjTRN_JOINT) for link in links)
+    levers = np.zeros((1 if simple else len(pick), len(links), model.nv))
     for i in range(len(pick)):
-        data.qpos[:], data.qvel[:], data.qacc[:] = q[i], qd[i], qdd[i]
+        place[:], rate[:], change[:] = q[i], qd[i], qdd[i]
         mujoco.mj_inverse(model, data)
-        needed[i] = data.qfrc_inverse
-        for link in links:
-            gas[i] += moment_row(model, data, link.actuator) * drive[link.cylinder][i]
+        needed[i] = force
+        if i < len(levers):
+            for k, link in enumerate(links):
+                levers[i, k] = moment_row(model, data, link.actuator)
+    for k, link in enumerate(links):
+        gas += levers[:, k] * drive[link.cylinder][:, None]
     block = max(1, round(POWER_BLOCK / (usual * every)))
     shares = {}
     for j in joints:

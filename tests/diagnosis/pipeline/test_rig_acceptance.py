@@ -145,8 +145,11 @@ class TimeDependent:
     """A judge for whom friction wins on validation time, and is worse on a time that holds more."""
 
     def __init__(self, data: MachineData, split: Split) -> None:
-        self.refusals: list[str] = []
+        self._data, self.refusals = data, list[str]()
         self._more = sum(len(spans) for spans in split.test.values()) > 1
+
+    def over(self, split: Split) -> TimeDependent:
+        return TimeDependent(self._data, split)
 
     def trial(self, update: RigUpdate) -> Trial:
         has_friction = any("friction" in entry.setting.name for entry in update.entries)
@@ -167,6 +170,15 @@ def test_what_wins_on_validation_and_is_worse_on_all_that_was_kept_back_is_left_
     kept, said = accepted(leaking, update, Split({name: ((9.0, 10.0),)}, {name: ((7.0, 9.0),)}))
     assert [part.source for part in kept.update.parts] == ["gas of piston"]
     assert any("motion of slide" in words for words in said) and any("no test" in words for words in said)
+
+
+def test_a_judge_by_another_time_says_what_a_new_one_says(leaking: MachineData) -> None:
+    """What was run over all of the recordings counts again, judged on that time."""
+    name, update = leaking.recordings[0].name, leak(leaking, 2.0e-8)
+    one, other = Split({name: ((7.0, 9.0),)}), Split({name: ((7.0, 9.0), (9.0, 10.0))})
+    judge = Judge(leaking, one)
+    first = judge.trial(update)
+    assert judge.over(other).trial(update) == Judge(leaking, other).trial(update) != first == judge.trial(update)
 
 
 @pytest.mark.parametrize(("size", "wins"), [(1.35e-8, True), (3.6e-8, False)], ids=["as it is", "nearly three times"])

@@ -236,9 +236,14 @@ class GasModel(SubsystemModel):
         """Return the model that predicts the whole runs, of this plant; its rows are those of the test time."""
         return GasModel(self.all_runs, plant, split, on_test=True)
 
+    @classmethod
+    def over_test_time(cls, runs: Sequence[CylinderRun], nominal: PlantParameters, split: Split) -> GasModel:
+        """Return the model of the test time of runs, over windows as reported errors are."""
+        back = [run for run in (kept_back(run, split) for run in runs) if run is not None]
+        return cls(back or runs, nominal, split, REPORTED_WINDOW, on_test=True)
+
     def on_test_time(self, split: Split) -> GasModel:
-        runs = [run for run in (kept_back(run, split) for run in self.all_runs) if run is not None]
-        return GasModel(runs or self.all_runs, self.nominal, split, REPORTED_WINDOW, on_test=True)
+        return self.over_test_time(self.all_runs, self.nominal, split)
 
     def in_one_run(self, split: Split) -> GasModel:
         runs = [led_to_test(run, split, sum(len(one.time) for one in self.all_runs)) for run in self.all_runs]
@@ -250,7 +255,8 @@ class GasModel(SubsystemModel):
         return with_healthy_losses(plant)
 
     def compared(self, before: PlantParameters, after: PlantParameters, curve: Curve | None = None) -> list[Comparison]:
-        pressures = [self.pressures(plant) for plant in (before, after)]
+        pressures = [self.pressures(before)]
+        pressures.append(pressures[0] if after is before else self.pressures(after))
         found = []
         for side in range(2):
             for index, run in enumerate(self.runs):

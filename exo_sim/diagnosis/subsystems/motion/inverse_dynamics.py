@@ -141,7 +141,9 @@ def _inverse(
     heavier = None if body is None else MovingMasses(with_twice_the_payload(model, body), time, motion, smoothing)
     arms, lengths = np.zeros((n, len(links))), np.zeros((n, len(links)))
     contacts = AtJoints(model, forces, time, smoothing)
+    actuators = np.array([link.actuator for link in links], dtype=np.int64)
     simple = all(model.actuator_trntype[link.actuator] == int(mujoco.mjtTrn.mjTRN_JOINT) for link in links)
+    of_actuators = masses.data.actuator_length
     try:
         for i in range(n):
             data = masses.move(i)
@@ -151,7 +153,7 @@ def _inverse(
             if not simple or i == 0:
                 for k, link in enumerate(links):
                     arms[i, k] = moment_row(model, data, link.actuator)[link.dof]
-            lengths[i] = data.actuator_length[[link.actuator for link in links]]
+            lengths[i] = of_actuators[actuators]
     finally:
         model.opt.disableflags = free
     if simple and n:

@@ -34,9 +34,13 @@ class MovingMasses:
         self._model, self._time, self._motion, self._smoothing = model, time, motion, smoothing
         self.data = mujoco.MjData(model)
         n = len(time)
-        self._whole, self._bias, self._quick, self._slow = np.zeros((4, n, model.nv))
-        self.passive = np.zeros((n, model.nv))
+        self._inverse, self._bias, self._quick, self._slow = np.zeros((4, n, model.nv))
+        self._passive = np.zeros((n, model.nv))
+        data = self.data  # MuJoCo's arrays: to ask for each of them at every sample takes as long as the dynamics
+        self._state = data.qpos, data.qvel, data.qacc
+        self._asked = data.qfrc_inverse, data.qfrc_passive, data.qfrc_bias
         self._rubs = bool(model.dof_frictionloss.any() or model.tendon_frictionloss.any())
+        self._dry = np.zeros((n if self._rubs else 0, model.nv))
         self._varies = model.nv > 1
         if self._varies:
             self._quicker = np.gradient(motion[1], time, axis=0)
@@ -47,21 +51,26 @@ class MovingMasses:
 
     def move(self, i: int) -> mujoco.MjData:
         """Take sample `i`, and return what MuJoCo knows of it."""
-        data = self.data
-        data.qpos[:], data.qvel[:], data.qacc[:] = (one[i] for one in self._motion)
+        data, (q, qd, qdd), (inverse, passive, bias) = self.data, self._state, self._asked
+        q[:], qd[:], qdd[:] = self._motion[0][i], self._motion[1][i], self._motion[2][i]
         mujoco.mj_inverse(self._model, data)
-        self._whole[i] = data.qfrc_inverse + data.qfrc_passive
-        self.passive[i] = data.qfrc_passive + (_dry(self._model, data) if self._rubs else 0.0)
-        self._bias[i] = data.qfrc_bias
+        self._inverse[i], self._passive[i], self._bias[i] = inverse, passive, bias
+        if self._rubs:
+            self._dry[i] = _dry(self._model, data)
         if self._varies:
             mujoco.mj_mulM(self._model, data, self._quick[i], self._quicker[i])
             mujoco.mj_mulM(self._model, data, self._slow[i], self._slower[i])
         return data
 
+    @property
+    def passive(self) -> Array:
+        """Generalised forces of springs, damping and dry friction, shape (n, nv)."""
+        return self._passive + (self._dry if self._rubs else 0.0)
+
     def gathered(self) -> tuple[Array, Array]:
         """Return all of it, and the part that does not go with acceleration, behind the filter of the balance, shape (n, nv) each."""
         bias = self._filtered(self._bias)
-        found = self._whole + (bias - self._bias)
+        found = self._inverse + self._passive + (bias - self._bias)
         return (found + (self._filtered(self._quick) - self._slow) if self._varies else found), bias
 
 

@@ -26,7 +26,7 @@ from exo_sim.diagnosis.estimation.parameters import FreeParameter, PlantParamete
 from exo_sim.diagnosis.estimation.threads import SERIAL, Threads
 from exo_sim.diagnosis.findings import Finding, Series, Subsystem
 from exo_sim.diagnosis.nominal_numbers import DEAD_VOLUME
-from exo_sim.diagnosis.policy import healthy, priors, significance, verdicts
+from exo_sim.diagnosis.policy import healthy, significance, verdicts
 from exo_sim.diagnosis.subsystem_model import Comparison, SubsystemModel
 from exo_sim.diagnosis.subsystems.gas.bursts import burst_ratio, fast_errors
 from exo_sim.diagnosis.subsystems.gas.experiments import menu
@@ -36,8 +36,7 @@ from exo_sim.diagnosis.subsystems.gas.inputs import GasInputs, inputs
 from exo_sim.diagnosis.subsystems.gas.missing_flow import missing_flow
 from exo_sim.diagnosis.subsystems.gas.prediction import GasPrediction, effort_of
 from exo_sim.diagnosis.subsystems.gas.regimes import regimes
-from exo_sim.diagnosis.subsystems.gas.rows import rows_of, stiffness_of
-from exo_sim.diagnosis.subsystems.gas.sampling_error import sampling_error
+from exo_sim.diagnosis.subsystems.gas.row_set import START_STEP, RowSet
 from exo_sim.diagnosis.subsystems.gas.sensed_prediction import sensed
 from exo_sim.diagnosis.subsystems.gas.unknown_curve import with_curve
 from exo_sim.physics.declaration import identification_of
@@ -54,12 +53,6 @@ REPORTED_WINDOW = 0.5
 FEWEST_SAMPLES = 150
 #: A recording at rest is cut into no more windows than this.
 REST_WINDOWS = 5
-#: Errors are averaged over this time [s] ...
-GROUP = 0.005
-#: ... and in proportion longer where the recordings are longer than this together [s], which bounds the number of rows.
-LONG = 100.0
-#: Step in the initial pressure for its sensitivity [Pa].
-START_STEP = 500.0
 
 
 class GasModel(SubsystemModel):
@@ -97,36 +90,20 @@ class GasModel(SubsystemModel):
         fitted = (list(runs), split) if on_test else excerpts([run for run in trained if run is not None], split)
         self.runs, self.split = fitted
         self._is_cut = self.split is not split
-        group = GROUP * max(1.0, sum(len(run.time) * float(np.median(np.diff(run.time))) for run in self.runs) / LONG)
         self.inputs: list[GasInputs] = [inputs(run, nominal.world, window) for run in self.runs]
-        self._unsampled = [sampling_error(one, nominal) for one in self.inputs]
-        self._rows = [
-            [
-                rows_of(one, side, self.split, group, on_test, stiffness_of(one, nominal, side)).widened(unsampled[:, side])
-                for side in range(2)
-            ]
-            for one, unsampled in zip(self.inputs, self._unsampled, strict=True)
-        ]
-        self.blocks = self._blocks()
+        self._set = RowSet(self.inputs, nominal, self.split, on_test)
+        self.blocks = self._set.blocks()
         self._responses: list[list[Array]] | None = None
         self._kept = KeptResiduals()
         self.effort = 0
 
-    def _blocks(self) -> NDArray[np.int64]:
-        blocks, offset = [], 0
-        for run in self._rows:
-            for rows in run:
-                blocks.append(rows.window + offset)
-            offset += 1 + max((int(rows.window.max()) for rows in run if rows.window.size), default=0)
-        return np.concatenate(blocks) if blocks else np.zeros(0, int)
-
     @property
     def practical_significance(self) -> float:
-        return significance.GAS_SIGNIFICANT * self._level / self._scale
+        return significance.GAS_SIGNIFICANT * self._level / self._set.usual_scale
 
     @property
     def discrepancy_bound(self) -> float:
-        return self.structural_error / self._scale
+        return self.structural_error / self._set.usual_scale
 
     @property
     def structural_error(self) -> float:
@@ -140,20 +117,14 @@ class GasModel(SubsystemModel):
         return max((float(np.nanmean(p)) for run in self.runs for p in run.pressure if p is not None), default=0.0)
 
     @property
-    def _scale(self) -> float:
-        """Noise of a row, in the noisier chamber [Pa]."""
-        return max((float(np.median(rows.scale)) for run in self._rows for rows in run if rows.count.size), default=1.0)
-
-    @property
     def scale(self) -> Array:
         """Standard deviation that noise and what happened between samples leave in each row [Pa], shape (size,)."""
-        return np.concatenate([np.zeros(0), *(rows.scale for run in self._rows for rows in run if rows.count.size)])
+        return self._set.scale
 
     @property
     def recordings(self) -> NDArray[np.str_]:
         """Of which recording each row is, shape (size,)."""
-        named = zip(self.runs, self._rows, strict=True)
-        return np.array([run.recording for run, sides in named for rows in sides for _ in range(rows.count.size)], dtype=str)
+        return self._set.recordings
 
     def predict(self, plant: PlantParameters, index: int, shift: float = 0.0, whole: bool = True) -> GasPrediction:
         """Predict what the sensors of one run would show; arguments as of `sensed`."""
@@ -180,30 +151,14 @@ class GasModel(SubsystemModel):
     def as_rows(self, errors: Sequence[Array]) -> Array:
         """Return errors of every run, shape (n, 2) each [Pa], as whitened rows with the windows' initial pressures integrated out."""
         if self._responses is None:
-            self._responses = self._initial_responses()
-        pieces = []
-        for index, of_run in enumerate(errors):
-            for side in range(2):
-                rows = self._rows[index][side]
-                if rows.count.size:
-                    pieces.append(rows.marginalised(rows.means(of_run[:, side]) / rows.scale, self._responses[index][side]))
-        return np.concatenate(pieces) if pieces else np.zeros(0)
+            self._responses = self._set.responses(self._pushed(index) for index in range(len(self.inputs)))
+        return self._set.whitened(errors, self._responses)
 
-    def _initial_responses(self) -> list[list[Array]]:
-        """Return the response of each row to one standard deviation of its window's initial pressure."""
-        responses = []
-        for index, given in enumerate(self.inputs):
-            change = self.predict(self.nominal, index, START_STEP, whole=False).pressure
-            change -= self.predict(self.nominal, index, whole=False).pressure
-            sides = []
-            for side in range(2):
-                rows = self._rows[index][side]
-                spread = priors.INITIAL_PRESSURE * max(given.run.noise[side], healthy.GAS_FLOOR)
-                sides.append(
-                    rows.means(change[:, side]) / rows.scale * (spread / START_STEP) if rows.count.size else np.zeros(0)
-                )
-            responses.append(sides)
-        return responses
+    def _pushed(self, index: int) -> Array:
+        """Return how initial pressures that are `START_STEP` higher change the prediction of a run, shape (n, 2) [Pa]."""
+        change = self.predict(self.nominal, index, START_STEP, whole=False).pressure
+        change -= self.predict(self.nominal, index, whole=False).pressure
+        return change
 
     def with_better_flow_law(
         self, nuisances: Sequence[FreeParameter], threads: Threads = SERIAL, is_spent: IsSpent = never
@@ -248,7 +203,7 @@ class GasModel(SubsystemModel):
     def in_one_run(self, split: Split) -> GasModel:
         runs = [led_to_test(run, split, sum(len(one.time) for one in self.all_runs)) for run in self.all_runs]
         whole = GasModel(runs, self.nominal, split, math.inf, on_test=True)
-        whole._responses = [[np.zeros(rows.count.size) for rows in run] for run in whole._rows]
+        whole._responses = whole._set.no_responses()
         return whole
 
     def healthy_variants(self, plant: PlantParameters) -> tuple[PlantParameters, ...]:
@@ -273,7 +228,7 @@ class GasModel(SubsystemModel):
     def traces(self, plant: PlantParameters) -> list[Trace]:
         found = []
         k = float(plant.world["k"][0])
-        for given, errors, unsampled in zip(self.inputs, self.errors(plant), self._unsampled, strict=True):
+        for given, errors, unsampled in zip(self.inputs, self.errors(plant), self._set.unsampled, strict=True):
             run = given.run
             errors[~given.windows.compared] = math.nan
             if self._is_cut:
@@ -289,8 +244,7 @@ class GasModel(SubsystemModel):
         return found
 
     def discrepancies(self, plant: PlantParameters) -> tuple[Discrepancy, ...]:
-        sides = {side for run in self._rows for side, rows in enumerate(run) if rows.count.size}
-        return tuple(self._missing(plant, side) for side in sorted(sides))
+        return tuple(self._missing(plant, side) for side in self._set.sides)
 
     def late_columns(self, delays: Mapping[str, float], data: MachineData) -> Mapping[str, float]:
         position, card = card_delays(delays)
@@ -306,7 +260,7 @@ class GasModel(SubsystemModel):
         return missing_flow(predictions, plant, self.split, side, f"{self.balance} of chamber {side + 1}")
 
     def has_bursts(self, plant: PlantParameters) -> bool:
-        along = zip(self.inputs, self.errors(plant), self._rows, strict=True)
+        along = zip(self.inputs, self.errors(plant), self._set.rows, strict=True)
         fast = [pair for given, errors, rows in along for pair in fast_errors(given.run, errors, rows)]
         return any(burst_ratio(one, noise) > healthy.BURSTS for one, noise in fast)
 
@@ -333,8 +287,7 @@ class GasModel(SubsystemModel):
 
     def means(self, plant: PlantParameters) -> Array:
         """Return what a plant predicts of each row, in units of what noise and floor leave of it, shape (size,)."""
-        sides = [(p[:, side], rows) for p, run in zip(self.pressures(plant), self._rows, strict=True) for side, rows in enumerate(run)]
-        return np.concatenate([rows.means(p) / rows.scale for p, rows in sides if rows.count.size])
+        return self._set.means(self.pressures(plant))
 
     def with_unknown(self, plant: PlantParameters, discrepancy: Discrepancy) -> PlantParameters:
         return with_curve(plant, discrepancy)

@@ -53,7 +53,7 @@ def thinned(run: CylinderRun, every: int, sampled: bool = False) -> CylinderRun:
 @pytest.mark.parametrize("every", [5, 10, 20])
 def test_predictions_from_every_few_samples_miss_by_what_is_said(plant: PlantParameters, fine: CylinderRun, every: int) -> None:
     model = GasModel([thinned(fine, every, sampled=True)], plant, Split({}))
-    (errors,), (said,) = model.errors(plant), model._unsampled
+    (errors,), (said,) = model.errors(plant), model._set.unsampled
     left = float(np.sqrt(np.mean(errors**2) / np.mean(said**2)))
     assert 0.3 < left < 1.6
     assert float(np.sqrt(np.mean(model.residual_of(plant) ** 2))) < 1.8

@@ -78,8 +78,18 @@ class _Kept(FunctionCache):  # type: ignore[misc]
     """numba's cache; where the disk is full, machine code is used without being kept.
 
     Machine code that is there needs numba's runtime alone: numba would load all that it compiles with before it looks, a tenth of a short
-    run. What is not there is compiled, and that loads it.
+    run. What is not there is compiled, and that loads it. Where a kernel's machine code lies is looked up when it is first called: most
+    are only compiled into others.
     """
+
+    def __init__(self, function: Callable[..., Any]) -> None:
+        self._of = function
+
+    def __getattr__(self, name: str) -> Any:
+        if "_of" not in self.__dict__ or "_impl" in self.__dict__:
+            raise AttributeError(name)
+        super().__init__(self._of)
+        return getattr(self, name)
 
     def load_overload(self, sig: Any, target_context: Any) -> Any:
         rtsys.initialize(target_context)

@@ -74,12 +74,16 @@ def _filter(even: Array, usual: float, width: float) -> sparse.csr_array:
     impulse[n // 2] = 1.0
     answer = gaussian_smoothed(even, impulse, width, EvenClock(usual, None))
     reach = n // 2 - int(np.flatnonzero(answer)[0])
-    offsets = np.arange(-reach, reach + 1)
-    inside = sparse.diags_array([answer[n // 2 + k] for k in offsets], offsets=offsets, shape=(n, n), format="csr")
-    beyond = answer.sum() - inside.sum(axis=1)
+    offsets = np.arange(-reach, reach + 1, dtype=np.int32)
+    column = np.arange(n, dtype=np.int32)[:, None] + offsets
+    inside = (column >= 0) & (column < n)
+    first = np.concatenate([[0], np.cumsum(inside.sum(axis=1))])
+    data = np.broadcast_to(answer[n // 2 + offsets], inside.shape)[inside]
+    found = sparse.csr_array((data, column[inside], first.astype(np.int32)), shape=(n, n))
+    beyond = answer.sum() - found.sum(axis=1)
     rows = np.flatnonzero(np.minimum(np.arange(n), np.arange(n)[::-1]) < reach)
-    held = sparse.csr_array((beyond[rows], (rows, np.where(rows < n // 2, 0, n - 1))), shape=(n, n))
-    return sparse.csr_array(inside + held)
+    found.data[np.where(rows < n // 2, first[rows], first[rows + 1] - 1)] += beyond[rows]
+    return found
 
 
 def _interpolation(at: Array, time: Array) -> sparse.csr_array:

@@ -91,6 +91,7 @@ class Diagnosis:
         Raises:
             OutputError: the folder or a file cannot be written, or `improved.toml` would replace the rig that was handed in.
         """
+        from exo_sim.diagnosis.pipeline.freed_memory import return_freed
         from exo_sim.outputs import replacing
         from exo_sim.report.comparison import write_comparison
         from exo_sim.report.diagnosis_page import page
@@ -106,6 +107,7 @@ class Diagnosis:
             "diagnosis": json_text(self.result.as_dict()) + "\n",
         }
         machine = Rig.load(believed) if isinstance(believed, Path) else believed
+        return_freed()  # what the pictures of the page took
         write_comparison(place / FILES["comparison"][0], self.result, self.result.tables, machine)
         for key, text in texts.items():
             with replacing(place / FILES[key][0]) as beside:

@@ -8,8 +8,9 @@ control does: what the straps really did over a cycle takes the place of the pre
 gives the correction (norm-optimal learning, Amann, Owens and Rogers 1996). The gain is that of the heels and toes that carried in the
 best rehearsal so far; where it made it worse, that of the plan's.
 
-A plan is cut off at what the actuators can hold. Where the ankle is free, feet that stand on heel and toe at once make it ask for torques
-that are far beyond that, and what is left of them is no plan: then rehearsals begin with inverse dynamics.
+A plan is cut off at what the actuators can hold. Where no spring holds the ankle, feet that stand on heel and toe at once make it ask for
+torques that are far beyond that, and what is left of them may be no plan: then inverse dynamics is rehearsed as well, before it, and the
+better of both is gone on from.
 """
 
 from __future__ import annotations
@@ -33,9 +34,6 @@ HARMONICS = 10
 _LIFTINGS = 4
 #: Share of a full correction that a rehearsal makes; halved where it made it worse both ways, going on from the best so far.
 _SHARE = 0.5
-#: A plan that is said to cost so many times more where it is cut off cannot be held. On level ground it is 500 with a free ankle, 8 with a
-#: powered one and 1.0 with a sprung one, and 1.1 at the most in the other scenarios that come along.
-_CUT = 2.0
 
 
 @dataclass(frozen=True)
@@ -98,7 +96,7 @@ class LeastLoad:
         reach: Least and largest torque that the actuators can hold [N m], shape (n, 6, 2), n phases of
             `machine_dynamics.PICK`.
         weights: What counts as load.
-        otherwise: Torques to begin with where those of the plan cannot be held [N m], shape (n, 6); None for what is left of them.
+        otherwise: Torques to begin with as well where no spring holds the ankle [N m], shape (n, 6); None for those of the plan alone.
 
     Attributes:
         driven: Which of the six joints have a torque.
@@ -133,10 +131,10 @@ class LeastLoad:
         self._reach = reach
         self._coefficients = np.zeros(len(self.driven) * (2 * self._harmonics + 1))
         self._solve(dynamics, motion, person, straps, ankle)
-        within = self._within_reach(self._coefficients)
-        if otherwise is not None and self._foreseen(within) > _CUT * self._foreseen(self._coefficients):
-            within = self._within_reach(self._harmonics_of(otherwise[:, self.driven]))
-        self._coefficients = within
+        starts = [self._within_reach(self._coefficients)]
+        if otherwise is not None and ankle.mode != "sprung":
+            starts.append(self._within_reach(self._harmonics_of(otherwise[:, self.driven])))
+        self._coefficients, self._untried, self._unheard = starts[-1], starts[:-1], len(starts)
         self._shown, self._by_plan, self._failed = self._planned, False, 0
         self._best: tuple[float, NDArray[np.float64]] = (np.inf, self._coefficients)
         self._heard = np.zeros(0)
@@ -212,11 +210,15 @@ class LeastLoad:
             damping, stiffness = self._responses[0].held(contacts)
             self._forces = forces[0][:, :, :-1]
             self.yielding = replace(self.yielding, damping=damping, stiffness=stiffness)
-        else:
+        elif not self._unheard:
             self._failed += 1
             self._by_plan = not self._by_plan
             if self._failed % 2 == 0:
                 self._step *= 0.5
+        self._unheard = max(0, self._unheard - 1)
+        if self._untried:
+            self._coefficients = self._untried.pop()
+            return cost
         best = self._best[1]
         effect, gain = self._planned if self._by_plan else self._shown
         change = gain @ (effect.T @ self._heard + self._effort**2 * best)
@@ -229,11 +231,6 @@ class LeastLoad:
         again._coefficients = self.best
         again._best, again._failed, again._by_plan, again._step = (np.inf, again._coefficients), 0, False, _SHARE
         return again
-
-    def _foreseen(self, coefficients: NDArray[np.float64]) -> float:
-        """Return the cost of harmonics where the machine gives way as the plan has it."""
-        load = self._effect @ coefficients + self._offset
-        return float(load @ load + (self._effort * coefficients) @ (self._effort * coefficients))
 
     def _within_reach(self, coefficients: NDArray[np.float64]) -> NDArray[np.float64]:
         """Return the harmonics that come closest to the torques cut off at what the actuators can hold."""

@@ -30,7 +30,7 @@ class MachineDynamics:
     Attributes:
         required: Generalised force that the motion needs from actuators, ground and straps together, (n, 9).
         contact: Jacobian of each of `CONTACTS`, x and z rows, (n, 4, 2, 9).
-        pressure: Jacobian of the point under each foot at the centre of pressure, (n, 2, 2, 9).
+        pressure: Jacobian of the point under each of the machine's feet at the centre of pressure, (n, 2, 2, 9).
         inertia: Mass matrix, (n, 9, 9).
         tip: Place of each contact, ahead and above the ground there, (n, 4, 2).
         tip_velocity: Its velocity in the reference motion, along a slope and away from it, (n, 4, 2).
@@ -68,6 +68,7 @@ def along(model: mujoco.MjModel, motion: Motion, person: Person, straps: StrapSe
     foot = [model.body(f"foot_{side}").id for side in "lr"]
     tips = [model.geom(name) for name in CONTACTS]
     place = model.site_pos[[model.site(f"foot_{side}").id for side in "lr"]]
+    sole = np.reshape([tip.pos[0] for tip in tips], (2, 2))
     nv, n_straps = model.nv, len(straps.names)
     samples = range(len(motion.position))[PICK]
     n = len(samples)
@@ -105,7 +106,8 @@ def along(model: mujoco.MjModel, motion: Motion, person: Person, straps: StrapSe
                 if not ground.tread:
                     tip_velocity[i, j, 1] -= ground.grade * tip_velocity[i, j, 0]
             for j in range(2):
-                local = np.array([motion.pressure_centre[sample, j], place[j, 1], place[j, 2]])
+                ahead = np.clip(motion.pressure_centre[sample, j], *sole[j])  # toes that bend are the wearer's
+                local = np.array([ahead, place[j, 1], place[j, 2]])
                 point = data.xpos[foot[j]] + data.xmat[foot[j]].reshape(3, 3) @ local
                 pressure[i, j], pressure_point[i, j] = at(point, foot[j]), point[[0, 2]]
             mass_centre[i] = data.subtree_com[root][[0, 2]]

@@ -1,6 +1,7 @@
 """What a wearer who is a body expects: a reference that he can stand on, and the moments that it asks of his joints.
 
-The moments are those of inverse dynamics for the reference with the load that is expected of straps or pack (`ground_reaction`). The
+The moments are those of inverse dynamics for the reference with the load that is expected of straps or pack (`ground_reaction`), before
+its soles are pressed into the ground: what that adds to joints in steps of milliseconds is no plan of muscles. The
 toes have the moment of the expected centre of pressure ahead of the ball, and a rest angle along the ground.
 """
 
@@ -52,16 +53,14 @@ def plan(motion: Motion, person: Person, expected: Array | float = 0.0) -> Plan:
         expected: Loads of straps or pack on the segments along the motion, about their upper joints, shape (n, 7, 3).
     """
     toes = TOES * person.scale
-    _, _, ground = _held(motion, person, expected)
-    found = pressed(motion, person, ground.force, ground.centre, wearer_body.STIFFNESS, wearer_body.RADIUS, toes)
-    poses, loads, ground = _held(found, person, expected)
+    poses, loads, ground = _held(motion, person, expected)
     moments = joint_moments(poses, loads, ground.force, ground.place)
     bent = np.clip(_TOES_LIFTED - poses[:, FEET, 2], 0.0, _TOES_BENT)
     ahead = np.clip(ground.centre - person.toe, 0.0, toes)
     toe = wearer_body.TOE_STIFFNESS * bent - ahead * ground.force[:, :, 1]
     ends = np.array([person.toe + toes, person.heel])
     room = _TURNING + np.abs(ends - ground.centre[:, :, None]) * np.maximum(ground.force[:, :, 1:], 0.0)
-    return Plan(found, np.concatenate([moments, toe], axis=1), room.reshape(len(room), 4))
+    return Plan(pressed(motion, person, ground.force, ground.centre), np.concatenate([moments, toe], axis=1), room.reshape(len(room), 4))
 
 
 def _held(motion: Motion, person: Person, expected: Array | float) -> tuple[Array, Array, Ground]:

@@ -14,8 +14,11 @@ import numpy as np
 from numpy.typing import NDArray
 
 from exo_sim.gait.motion import SAMPLES, Motion, travelling
+from exo_sim.machine import sole_contact
+from exo_sim.machine.ground_reaction import TOES
 from exo_sim.machine.leg_angles import turned
 from exo_sim.machine.person import LEG_START, Person, leg_points
+from exo_sim.machine.sole_contact import RADIUS
 
 Array = NDArray[np.float64]
 
@@ -40,7 +43,7 @@ class _Step(NamedTuple):
     angles_by_height: Array
 
 
-def pressed(motion: Motion, person: Person, force: Array, centre: Array, stiffness: float, radius: float, toes: float) -> Motion:
+def pressed(motion: Motion, person: Person, force: Array, centre: Array) -> Motion:
     """Return the reference with its soles pressed into the ground.
 
     Args:
@@ -48,22 +51,21 @@ def pressed(motion: Motion, person: Person, force: Array, centre: Array, stiffne
         person: Who walks.
         force: Of the ground on left and right foot, x and z [N], shape (n, 2, 2).
         centre: Of pressure, ahead of each ankle [m], shape (n, 2).
-        stiffness: Of the ground under a heel or a ball of the foot [N/m].
-        radius: Of what touches there [m].
-        toes: Length ahead of the ball [m].
     """
     given, lowered = motion.position, 0.0
-    drop = radius - person.ankle_height
+    drop = RADIUS - person.ankle_height
     legs = [slice(first, first + 3) for first in LEG_START.values()]
     moved = [given[:, leg].copy() for leg in legs]
     wanted = []
     for foot, leg in enumerate(legs):
         place, _ = _soles(given, given[:, leg], person, drop)
-        above = place[:, :, 1] - radius
-        load = _shared(force[:, foot, 1], centre[:, foot], above, person, toes)
+        above = place[:, :, 1] - RADIUS
+        load = _shared(force[:, foot, 1], centre[:, foot], above, person)
         down = np.clip(load / _DOWN, 0.0, 1.0)
         down *= down * (3.0 - 2.0 * down)
-        height = radius - load / stiffness + np.maximum(above, 0.0) * (1.0 - down)
+        tilt = down[:, 0] * (given[:, 2] + given[:, leg].sum(axis=1) - motion.ground.angle)
+        deep = np.stack([sole_contact.heel_depth(load[:, 0], tilt, person.scale), sole_contact.depth_under(load[:, 1])], axis=1)
+        height = RADIUS - deep + np.maximum(above, 0.0) * (1.0 - down)
         wanted.append((height, place[:, :, 0].mean(axis=1), _ASIDE * (_CARRIES / _ASIDE) ** down))
     for _ in range(_STEPS):
         steps = [_step(given, lowered, one, given[:, leg], to, person, drop) for one, leg, to in zip(moved, legs, wanted)]
@@ -108,14 +110,14 @@ def _step(
     return _Step(left[:, :, 0], left[:, :, 1], best[:, :, 0], best[:, :, 1])
 
 
-def _shared(force: Array, centre: Array, above: Array, person: Person, toes: float) -> Array:
+def _shared(force: Array, centre: Array, above: Array, person: Person) -> Array:
     """Return the load on heel and ball [N], shape (n, 2): by the centre of pressure where both are near the ground; toes have their own."""
     forward = np.clip((centre - person.heel) / (person.toe - person.heel), 0.0, 1.0)
     near = np.clip(1.0 - above / _SHARING, 0.0, 1.0)
     part = np.stack([1.0 - forward, forward], axis=1) * near + 1e-9
     part /= part.sum(axis=1, keepdims=True)
     part = np.where(near[:, ::-1] < 1e-6, 1.0, part) * near
-    part[:, 1] *= 1.0 - np.clip((centre - person.toe) / toes, 0.0, 1.0)
+    part[:, 1] *= 1.0 - np.clip((centre - person.toe) / (TOES * person.scale), 0.0, 1.0)
     return np.asarray(force[:, None] * part)
 
 

@@ -12,6 +12,8 @@ Array = NDArray[np.float64]
 #: A leg is at least so much shorter than thigh and shank, and from so much on as short as it is asked to be [m]: knees of 4 and 8 degrees.
 #: Straight, a knee turns infinitely fast as the ankle moves, and one that overextends and comes back would turn over.
 _BENT, _FREE = 5e-4, 2e-3
+#: Damping of `held_back` [m^2]: a stretched leg is not bent for a foot that stays.
+_DAMPING = 0.004
 
 
 def turned(angle: Array, ahead: Array | float, up: float) -> Array:
@@ -39,6 +41,30 @@ def leg_to(ankle: Array, tilt: Array, pitch: Array, person: Person) -> Array:
     thigh = np.arctan2(ankle[:, 0], -ankle[:, 1])
     thigh -= np.arctan2(person.shank * np.sin(knee), person.thigh + person.shank * np.cos(knee))
     return np.stack([thigh - pitch, knee, tilt - thigh - knee], axis=1)
+
+
+def held_back(ahead: Array, thigh: Array, knee: Array, person: Person) -> Array:
+    """Return by how much hip, knee and ankle turn so that a foot stays where it is, as flat as it is, while the hip goes ahead.
+
+    To first order, by damped least squares: of a stretched leg the foot rises or sinks a little.
+
+    Args:
+        ahead: By how much the hip goes ahead [m], shape (n,).
+        thigh: Angle of the thigh in space before that [rad], shape (n,).
+        knee: Of the knee [rad], shape (n,).
+        person: Whose leg.
+
+    Returns:
+        [rad], shape (3, n).
+    """
+    below = turned(thigh + knee, 0.0, -person.shank)
+    whole = below + turned(thigh, 0.0, -person.thigh)
+    # turning a joint moves the ankle across its lever
+    (knee_x, knee_z), (hip_x, hip_z) = (-below[:, 1], below[:, 0]), (-whole[:, 1], whole[:, 0])
+    xx, xz, zz = hip_x**2 + knee_x**2 + _DAMPING, hip_x * hip_z + knee_x * knee_z, hip_z**2 + knee_z**2 + _DAMPING
+    scale = -ahead / (xx * zz - xz * xz)
+    by_hip, by_knee = scale * (zz * hip_x - xz * hip_z), scale * (zz * knee_x - xz * knee_z)
+    return np.stack([by_hip, by_knee, -by_hip - by_knee])
 
 
 def _shorter(gap: Array) -> Array:

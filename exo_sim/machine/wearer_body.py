@@ -1,8 +1,8 @@
 """The wearer as bodies of a MuJoCo model: segments with mass on joints, soles that touch the ground.
 
 The chain is that of `person.py`: a root with two slides and a pitch, hip, knee and ankle of each leg; and toes, which bend at the ball of
-the foot. Masses are Winter's (`anthropometry.py`). Each sole touches with three spheres: heel, ball and tip of the toes, so that the centre
-of pressure is between those that touch. The ground under them gives like a spring and a damper that are known.
+the foot. Masses are Winter's (`anthropometry.py`). Each sole touches with four spheres: rear and front of the heel's pad, ball and tip of
+the toes, so that the centre of pressure is between those that touch. What gives under them is known (`sole_contact.py`).
 """
 
 from __future__ import annotations
@@ -13,25 +13,24 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import NDArray
 
+from exo_sim.machine import sole_contact
 from exo_sim.machine.anthropometry import body as segments_of
 from exo_sim.machine.ground_reaction import TOES
 from exo_sim.machine.person import COORDINATES, SEGMENTS, Person
+from exo_sim.machine.sole_contact import FRICTION, PAD, RADIUS
 
 if TYPE_CHECKING:
     import mujoco
 
 #: Joints of the wearer in the model, in the order of `COORDINATES` and, behind them, both toes.
 JOINTS = (*(f"wearer_{name.removeprefix('pelvis_').removeprefix('torso_')}" for name in COORDINATES), "wearer_toe_l", "wearer_toe_r")
-#: What touches the ground under each foot, from the rear.
-POINTS = ("heel", "ball", "tip")
+#: What touches the ground under each foot, from the rear, and its share of the stiffness there.
+POINTS = {"heel": sole_contact.PAD_SHARE, "pad": sole_contact.PAD_SHARE, "ball": 1.0, "tip": 1.0}
 #: Bending stiffness [N m/rad] of the toes (Sasaki, Neptune and Kautz 2009, Journal of Experimental Biology 212:738; the same in Falisse,
 #: Afschrift and De Groote 2022, PLoS ONE 17:e0256311), damping [N m s/rad], and what their joint adds to their inertia [kg m^2].
 TOE_STIFFNESS, TOE_DAMPING, TOE_ARMATURE = 25.0, 0.1, 1e-3
 #: Share of the foot's mass in front of the ball.
 _TOE_SHARE = 0.10
-#: Radius of what touches [m], stiffness [N/m] and damping [N s/m] of sole and ground together at each point, friction.
-RADIUS, STIFFNESS, DAMPING, FRICTION = 0.005, 1.4e5, 3000.0, 0.9
-_IMPEDANCE = 0.9
 #: Of a contact sensor: what it tells, and that it sums up all contacts.
 _FORCE_AND_PLACE, _NET_FORCE = 1 << 1 | 1 << 4, 3
 #: Coordinates with an axis that is not -y.
@@ -44,7 +43,7 @@ class WearerInModel:
 
     Attributes:
         dofs: Degrees of freedom of `JOINTS`; positions have the same places, shape (11,).
-        geoms: Of heel, ball and tip of the toes, left and right, shape (2, 3).
+        geoms: Of `POINTS`, left and right, shape (2, 4).
         ground: Where the data of the contact sensors begin, left and right: force and place, six numbers, shape (2,).
     """
 
@@ -109,11 +108,11 @@ def _add_toes(foot: Any, side: str, mass: float, centre: NDArray[np.float64], in
 
     touches = dict(
         type=mujoco.mjtGeom.mjGEOM_SPHERE, size=[RADIUS, 0.0, 0.0], mass=0.0, contype=1, conaffinity=0, condim=3, priority=1,
-        friction=[FRICTION, 0.005, 0.0001], solimp=[_IMPEDANCE, _IMPEDANCE, 0.001, 0.5, 2.0], group=2, rgba=[0.85, 0.68, 0.56, 0.55],
+        friction=[FRICTION, 0.005, 0.0001], solimp=sole_contact.solimp(), group=2, rgba=[0.85, 0.68, 0.56, 0.55],
     )  # fmt: skip
     low = -person.ankle_height + RADIUS
-    foot.add_geom(name=f"wearer_heel_{side}", pos=[person.heel, 0.0, low], **touches)
-    foot.add_geom(name=f"wearer_ball_{side}", pos=[person.toe, 0.0, low], **touches)
+    for point, ahead in (("heel", person.heel), ("pad", person.heel + PAD * person.scale), ("ball", person.toe)):
+        foot.add_geom(name=f"wearer_{point}_{side}", pos=[ahead, 0.0, low], **touches)
     length = TOES * person.scale
     toes = foot.add_body(name=f"person_toes_{side}", pos=[person.toe, 0.0, low])
     toes.add_joint(
@@ -152,14 +151,12 @@ def _aside(body: Any) -> float:
 
 
 def find(model: mujoco.MjModel) -> WearerInModel:
-    """Return where the wearer is in a model that `add` made, and let the ground under each point have its stiffness."""
+    """Return where the wearer is in a model that `add` made, and give what touches its stiffness."""
     dofs = np.array([model.joint(name).dofadr[0] for name in JOINTS], dtype=np.int64)
     geoms = np.array([[model.geom(f"wearer_{point}_{side}").id for point in POINTS] for side in "lr"])
-    for geom in geoms.flat:
-        body = int(model.geom_bodyid[geom])
-        yields = float(model.body_invweight0[body, 0])
-        resists = yields * (1.0 - _IMPEDANCE)  # MuJoCo counts springs and dampers of a contact in accelerations
-        model.geom_solref[geom] = -STIFFNESS * resists, -DAMPING * resists
+    for geom, share in zip(geoms.T, POINTS.values()):
+        yields = model.body_invweight0[model.geom_bodyid[geom], 0]
+        model.geom_solref[geom] = [sole_contact.solref(float(each), share) for each in yields]
     ground = np.array([model.sensor(f"wearer_ground_{side}").adr[0] for side in "lr"], dtype=np.int64)
     return WearerInModel(dofs, geoms, ground)
 

@@ -12,6 +12,8 @@ from exo_sim.machine.ground_reaction import Ground
 from exo_sim.machine.person import Person
 
 _JOINTS = ("hip", "knee", "ankle")
+#: A foot that carries less may slide [N].
+SLIDES_UNDER = 50.0
 
 
 @dataclass(frozen=True)
@@ -40,10 +42,26 @@ class Held:
     @property
     def sole_powers(self) -> NDArray[np.float64]:
         """What the foot below each ankle gives as it yields between the rigid sole and the ground [W], shape (n, 2)."""
+        return np.asarray((self.ground.force * self.sole_speeds).sum(axis=2))
+
+    @property
+    def sole_speeds(self) -> NDArray[np.float64]:
+        """Velocity of the sole of each foot at its centre of pressure, along the ground and up [m/s], shape (n, 2, 2)."""
         feet = self.poses[:, ground_reaction.FEET]
         arm = self.ground.place - (feet[:, :, :2] - self.poses[:, :1, :2])
-        vx, vz = feet[:, :, 3] - arm[:, :, 1] * feet[:, :, 5], feet[:, :, 4] + arm[:, :, 0] * feet[:, :, 5]
-        return np.asarray(self.ground.force[:, :, 0] * vx + self.ground.force[:, :, 1] * vz)
+        return np.stack([feet[:, :, 3] - arm[:, :, 1] * feet[:, :, 5], feet[:, :, 4] + arm[:, :, 0] * feet[:, :, 5]], axis=-1)
+
+    def slid(self, period: float) -> NDArray[np.float64]:
+        """Return how far the sole of each foot slides along the ground under its centre of pressure while it carries [m], shape (2,).
+
+        Args:
+            period: Of the cycle [s], whose rows, evenly spaced, these are.
+        """
+        carries = self.ground.force[:, :, 1] > SLIDES_UNDER
+        steps = np.where(carries, self.sole_speeds[:, :, 0], 0.0) * (period / len(carries))
+        landing = np.argmax(carries & ~np.roll(carries, 1, axis=0), axis=0)
+        way = np.stack([np.cumsum(np.roll(one, -first)) for one, first in zip(steps.T, landing)])
+        return np.asarray(np.ptp(way, axis=1))
 
     def by_joint(self) -> dict[str, NDArray[np.float64]]:
         """Return the powers of left and right hips, knees, ankles and feet [W], shape (n, 2) each."""

@@ -11,7 +11,8 @@ from numpy.typing import NDArray
 
 from exo_sim.machine.ground_reaction import FEET, TOES, Ground, under_foot
 from exo_sim.machine.person import Person, poses_along
-from exo_sim.machine.wearer_body import JOINTS, RADIUS
+from exo_sim.machine.sole_contact import RADIUS
+from exo_sim.machine.wearer_body import JOINTS
 from exo_sim.simulation.wearer_inverse_dynamics import Held
 
 Array = NDArray[np.float64]

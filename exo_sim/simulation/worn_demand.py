@@ -83,17 +83,18 @@ def _rehearsed(it: Simulation, plan: LeastLoad, payload: float) -> NDArray[np.fl
     return law_of_demand.limit(plan.torque(best=it.request.rehearsals > 0), it.rig.ankle)
 
 
-def rehearsed_by_body(it: Simulation, plan: LeastLoad) -> Demand:
-    """Return the demand bettered by rehearsals of a wearer who is a body: he yields, and pulls otherwise; with the plan that they made.
+def rehearsed_by_body(it: Simulation, plan: LeastLoad, rehearsals: int) -> tuple[NDArray[np.float64], LeastLoad]:
+    """Return the demand, as `Demand.torque`, bettered by rehearsals of a wearer who is a body, and the plan that they made.
 
-    Rehearsals end where he falls in one. The plan that is handed in stays as it is.
+    He yields, and pulls otherwise than one whose motion is prescribed. Rehearsals end where he falls in one. The plan that is handed in
+    stays as it is.
     """
     own = plan.begun_again()
     with _few_cycles(it), suppress(Diverged):
-        rehearsals = Rehearsals(own, it.settling)
-        for _ in range(it.request.rehearsals):
-            _rehearse(it, rehearsals)
-    return Demand(_closed(law_of_demand.limit(own.torque(best=True), it.rig.ankle)), (), own)
+        each = Rehearsals(own, it.settling)
+        for _ in range(rehearsals):
+            _rehearse(it, each)
+    return _closed(law_of_demand.limit(own.torque(best=True), it.rig.ankle)), own
 
 
 def _rehearse(it: Simulation, rehearsals: Rehearsals) -> None:

@@ -12,7 +12,7 @@ from exo_sim.simulation import worn
 from exo_sim.simulation.summary import summarise
 from exo_sim.simulation.walk import Request, default_rig
 from exo_sim.simulation.worn import Simulation
-from exo_sim.simulation.worn_demand import Demand, rehearsed_by_body
+from exo_sim.simulation.worn_demand import rehearsed_by_body
 
 
 @pytest.mark.parametrize(("mode", "watts", "push"), [("free", 700.0, 70.0), ("powered", 480.0, 20.0)])
@@ -27,16 +27,16 @@ def test_a_plan_that_actuators_cannot_hold_gives_way_to_inverse_dynamics(mode: s
 def test_a_plan_that_is_rehearsed_by_another_wearer_stays_as_it_is(monkeypatch: pytest.MonkeyPatch) -> None:
     seen: list[str] = []
 
-    def watched(it: Simulation, plan: LeastLoad) -> Demand:
+    def watched(it: Simulation, plan: LeastLoad, rehearsals: int) -> tuple[np.ndarray, LeastLoad]:
         before, best, stands = plan.torque(), plan.torque(best=True), plan.yielding
-        demand = rehearsed_by_body(it, plan)
+        demand, own = rehearsed_by_body(it, plan, rehearsals)
         np.testing.assert_array_equal(plan.torque(), before)
         np.testing.assert_array_equal(plan.torque(best=True), best)
         assert plan.yielding is stands
-        assert demand.plan is not None and np.abs(demand.plan.torque() - before).max() > 0.1  # that one learnt
+        assert np.abs(own.torque() - before).max() > 0.1  # that one learnt
         seen.append("watched")
-        return demand
+        return demand, own
 
     monkeypatch.setattr(worn, "rehearsed_by_body", watched)
     Simulation(rigs.read(default_rig()), Request("level_walk", 20.0, cycles=3, rehearsals=2, wearer="torques"))
-    assert seen
+    assert seen == ["watched", "watched"]

@@ -14,10 +14,11 @@ PERSON = Person()
 
 
 def test_a_plan_has_moments_and_toes_that_push_off():
-    plan = wearer_plan.plan(reduced(scenario.motion("level_walk", PERSON, 1.0), PERSON), PERSON)
+    motion = reduced(scenario.motion("level_walk", PERSON, 1.0), PERSON)
+    plan = wearer_plan.plan(motion, PERSON)
     assert plan.torque.shape == (512, 8)
     assert 60.0 < -plan.torque[:, 5].min() < 200.0  # plantar flexion of the right ankle at push-off
-    pitch = body_loads(Moving.of(plan.motion), PERSON)[0][:, FEET, 2][:, 1]
+    pitch = body_loads(Moving.of(motion), PERSON)[0][:, FEET, 2][:, 1]
     along_the_ground = TOE_STIFFNESS * np.clip(np.radians(5.0) - pitch, 0.0, 1.2)  # holds them bent, against their own spring
     pushed = plan.torque[:, 7] - along_the_ground
     assert pushed[200:300].min() < -20.0 and np.abs(pushed[380:480]).max() < 1e-9  # in the air nothing presses on them

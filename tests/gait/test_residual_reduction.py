@@ -8,7 +8,7 @@ from exo_sim.gait.motion import SAMPLES, phases
 from exo_sim.gait.moving_body import Moving, body_loads
 from exo_sim.gait.residual_reduction import reduced, with_backpack
 from exo_sim.machine import ground_reaction
-from exo_sim.machine.person import Person
+from exo_sim.machine.person import Person, poses_along
 
 
 def held(motion, person):
@@ -30,13 +30,34 @@ def test_level_walking_needs_no_hand_at_the_pelvis(walker):
     assert np.abs(held(motion, person)[0].residual).max() < 1.0
 
 
-def test_legs_and_path_stay_as_recorded(walker):
-    _, plain, motion = walker
-    thigh = motion.position[:, 2] + motion.position[:, 3] - plain.position[:, 2] - plain.position[:, 3]
-    np.testing.assert_allclose(thigh, 0.0, atol=1e-12)
-    np.testing.assert_array_equal(motion.position[:, [4, 5, 7, 8]], plain.position[:, [4, 5, 7, 8]])
-    assert np.abs(motion.position[:, 0] - plain.position[:, 0]).max() < 4e-3
-    assert np.abs(motion.position[:, 1] - plain.position[:, 1]).max() < 1e-3
+def test_feet_stay_where_they_are_and_legs_move_little(walker):
+    person, plain, motion = walker
+    before, after = (poses_along(it.position, np.zeros_like(it.position), person)[:, ground_reaction.FEET] for it in (plain, motion))
+    np.testing.assert_allclose(after[:, :, 2], before[:, :, 2], atol=1e-12)  # a foot is as flat as it was
+    assert np.abs(after - before)[:, :, 0].max() < 2e-3 and np.abs(after - before)[:, :, 1].max() < 3e-3
+    moved = np.abs(motion.position - plain.position)
+    assert moved[:, 0].max() < 10e-3 and moved[:, 1].max() < 1e-3
+    assert np.degrees(moved[:, [4, 5, 7, 8]]).max() < 1.5
+
+
+@pytest.mark.parametrize("scene", ["level_walk", "level_walk_opensim", "slow_walk", "fast_walk"])
+def test_a_foot_on_the_ground_slides_less_than_a_thumb_is_thick(scene):
+    """With the pelvis alone moved, feet slid with it: 5 mm and 8 mm in level walking."""
+    person = Person()
+    plain = scenario.motion(scene, person, 1.0)
+    for motion in (reduced(plain, person), with_backpack(plain, person, (-0.18, 0.33), 34.0, 0.02)):
+        way = motion.position[:, 0] + motion.advance * motion.phase
+        for foot, row in enumerate(ground_reaction.FEET):
+            pose = poses_along(np.column_stack([way, motion.position[:, 1:]]), np.zeros_like(motion.position), person)[:, row]
+            for k, ahead in enumerate((person.heel, person.toe)):
+                at = pose[:, 0] + ahead * np.cos(pose[:, 2]) + person.ankle_height * np.sin(pose[:, 2])
+                down = motion.contact[:, 2 * foot + k]
+                lands = int(np.argmax(down & ~np.roll(down, 1)))
+                at, down = np.roll(at, -lands), np.roll(down, -lands)
+                at[len(at) - lands :] += motion.advance
+                stands = at[15 : int(np.argmin(down)) - 15]
+                assert len(stands) > 80
+                assert np.ptp(stands) < 8e-3, (scene, foot, ahead)
 
 
 def test_a_backpack_makes_the_trunk_lean(walker):
@@ -46,8 +67,8 @@ def test_a_backpack_makes_the_trunk_lean(walker):
 
 
 @pytest.mark.parametrize("name, scene, reached", [
-    ("falisse", "level_walk", (0.2, 0.12, 0.12)),
-    ("opensim", "level_walk_opensim", (0.2, 0.19, 0.2)),
+    ("falisse", "level_walk", (0.19, 0.09, 0.105)),
+    ("opensim", "level_walk_opensim", (0.165, 0.12, 0.12)),
 ])  # fmt: skip
 def test_moments_are_near_the_recorded_ones(name, scene, reached):
     """Issue 18 asks for 0.2 N m/kg."""
@@ -58,7 +79,7 @@ def test_moments_are_near_the_recorded_ones(name, scene, reached):
     for k, (joint, bound) in enumerate(zip(("hip", "knee", "ankle"), reached)):
         wanted = gait.moment[joint](phases())
         assert np.sqrt(np.mean((moments[:, 3 + k] - wanted) ** 2)) / person.mass < bound, joint
-        assert np.corrcoef(moments[:, 3 + k], wanted)[0, 1] > 0.75, joint
+        assert np.corrcoef(moments[:, 3 + k], wanted)[0, 1] > 0.8, joint
 
 
 @pytest.mark.real_data
@@ -73,7 +94,7 @@ def test_ground_forces_are_near_the_recorded_ones(walker, shared_data):
     phase = np.arange(SAMPLES) / SAMPLES
     wanted = np.stack([np.interp(phase, np.arange(100) / 100, one, period=1.0) for one in measured.T], axis=1)
     force = held(motion, person)[0].force[:, 1] / (person.mass * 9.81)
-    assert np.sqrt(np.mean((force[:, 1] - wanted[:, 1]) ** 2)) < 0.05
+    assert np.sqrt(np.mean((force[:, 1] - wanted[:, 1]) ** 2)) < 0.035
     assert np.corrcoef(force[:, 1], wanted[:, 1])[0, 1] > 0.98
     assert np.corrcoef(force[:, 0], wanted[:, 0])[0, 1] > 0.96
     assert force[:, 1].max() < wanted[:, 1].max() + 0.08

@@ -26,7 +26,7 @@ def test_stride_and_cadence_go_with_powers_of_speed(level):
         assert other.advance / other.period == pytest.approx(factor * level.advance / level.period)
         assert level.period / other.period == pytest.approx(factor**0.58)  # Grieve and Gear 1966
     np.testing.assert_allclose(at_speed(level, PERSON, 1.0).position, level.position, atol=1e-9)
-    with pytest.raises(ScenarioError, match=r"write 0\.60 to 1\.81 m/s"):
+    with pytest.raises(ScenarioError, match=r"write 0\.60 to 1\.80 m/s"):
         at_speed(level, PERSON, 2.0)
 
 

@@ -1,8 +1,9 @@
 """The inverse of a leg's forward kinematics."""
 
 import numpy as np
+import pytest
 
-from exo_sim.machine.leg_angles import leg_to
+from exo_sim.machine.leg_angles import held_back, leg_to
 from exo_sim.machine.person import Person, leg_points
 
 
@@ -33,3 +34,21 @@ def test_a_knee_that_overextends_for_a_while_comes_back_without_a_jerk():
         return np.abs(np.diff(np.concatenate([angle, angle[:2]]), 2)).max()
 
     assert jerkiest(found) < 3.0 * jerkiest(knee)
+
+
+def test_a_foot_stays_where_the_hip_goes_ahead():
+    person = Person()
+    thigh, knee, ankle = np.radians([30.0, 10.0, -15.0]), np.radians([-12.0, -20.0, -25.0]), np.radians([5.0, 10.0, -5.0])
+    ahead = np.full(3, 8e-3)
+    before = leg_points(thigh, knee, ankle, person)
+    hip, bend, turn = held_back(ahead, thigh, knee, person)
+    after = leg_points(thigh + hip, knee + bend, ankle + turn, person)
+    np.testing.assert_allclose(after["foot_angle"], before["foot_angle"], atol=1e-12)
+    slid = after["ankle"] - before["ankle"] + [8e-3, 0.0]
+    assert np.abs(slid).max(axis=0) == pytest.approx([0.0, 0.0], abs=2.5e-3)
+    assert np.abs(slid[:, 0]).max() < 1e-3
+
+
+def test_a_stretched_leg_is_not_bent_for_a_foot_that_stays():
+    hip, bend, _ = held_back(np.array([8e-3]), np.zeros(1), np.zeros(1), Person())
+    assert np.abs([hip, bend]).max() < np.radians(3.0)

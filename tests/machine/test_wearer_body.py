@@ -4,7 +4,7 @@ import mujoco
 import numpy as np
 import pytest
 
-from exo_sim.machine import anthropometry, wearer_body
+from exo_sim.machine import anthropometry, sole_contact, wearer_body
 from exo_sim.machine.person import SEGMENTS, Person, poses_along
 from exo_sim.machine.worn_model import build
 from exo_sim.rig import Ankle
@@ -45,12 +45,14 @@ def test_the_ground_gives_like_a_spring_of_known_stiffness(person):
     model.dof_damping[still] = 1e5
     for _ in range(4000):
         mujoco.mj_step(model, data)
-    assert data.ncon == 6 and set(data.contact.geom.ravel()) == {0, *where.geoms.ravel()}
+    assert data.ncon == 8 and set(data.contact.geom.ravel()) == {0, *where.geoms.ravel()}
     force, total = np.zeros(6), 0.0
     for i in range(data.ncon):
         mujoco.mj_contactForce(model, data, i, force)
         total += force[0]
-        assert force[0] == pytest.approx(-wearer_body.STIFFNESS * data.contact[i].dist, rel=0.02)
+        named = model.geom(int(data.contact[i].geom.max())).name.split("_")[1]
+        depth = np.array(-data.contact[i].dist)
+        assert force[0] == pytest.approx(wearer_body.POINTS[named] * float(sole_contact.force_at(depth)), rel=0.02)
     assert total == pytest.approx(9.81 * person.mass, rel=1e-3)
     sensed = [-data.sensordata[first + 2] for first in where.ground]
     assert sum(sensed) == pytest.approx(total, rel=1e-3)
@@ -64,5 +66,5 @@ def test_beside_a_machine_its_joints_stay_first_and_nothing_else_touches(reposit
     assert both.body_mass.sum() == pytest.approx(bare.body_mass.sum() + person.mass)
     touching = {both.geom(i).name for i in range(both.ngeom) if both.geom_contype[i]}
     assert touching == {f"{prefix}{part}_{side}" for side in "lr" for prefix, part in (
-        ("", "heel"), ("", "toe"), ("wearer_", "heel"), ("wearer_", "ball"), ("wearer_", "tip"))}  # fmt: skip
+        ("", "heel"), ("", "toe"), *(("wearer_", point) for point in wearer_body.POINTS))}  # fmt: skip
     assert {f"person_{name}" for name in SEGMENTS} <= {both.body(i).name for i in range(both.nbody)}

@@ -48,7 +48,10 @@ def test_the_ground_carries_the_weight_inside_the_soles(walked):
     assert up.min() > -1e-6 and not moved.ground.outside.any()
     assert up.max() < 1.5 * GRAVITY * mass
     touching = up > 5.0
-    assert (np.diff(touching, axis=0) != 0).sum(axis=0).max() <= 8  # no chatter: a foot comes down and leaves once or nearly so
+    assert (np.diff(touching, axis=0) != 0).sum(axis=0).max() <= 2  # no chatter: a foot comes down and leaves once
+    jumps = np.abs(np.diff(up, axis=0)).max()  # from one 512th of a stride to the next, 2 ms
+    assert jumps < 0.4 * GRAVITY * mass  # a backpack's 1.0 with soles like springs and dampers that are there from the first touch
+    assert moved.slid(scenario.motion("level_walk", PERSON, 1.0).period).max() < 8e-3
 
 
 def test_powers_of_a_cycle_sum_to_nothing(walked):
@@ -77,12 +80,11 @@ def test_under_a_heavy_pack_he_starts_and_stops_again_and_again(mass):
 
 
 def test_he_has_the_moments_of_the_treadmill():
-    """They were 0.30, 0.28 and 0.25 N m/kg rms off where a straight knee was bent to lower the pelvis by millimetres; the
-    ankle's 0.214 with toes a fifth as stiff as people's."""
+    """They were 0.199, 0.195 and 0.205 N m/kg rms off where the centre of pressure went from heel to ball over the whole of stance."""
     gait = recorded_gait.load("opensim")
     person = Person(1.70, gait.mass)
     moved = one_cycle(reduced(scenario.motion("level_walk_opensim", person, 1.0), person), person)
-    for k, (joint, most) in enumerate((("hip", 0.2), ("knee", 0.2), ("ankle", 0.21))):
+    for k, (joint, most) in enumerate((("hip", 0.175), ("knee", 0.14), ("ankle", 0.2))):
         off = moved.moments[:, 3 + k] - gait.moment[joint](phases())
         assert np.sqrt(np.mean(off**2)) / gait.mass < most, joint
 
@@ -96,11 +98,11 @@ def test_he_walks_like_the_recording(shared_data):
     measured = data.GRFs.subject1.mean[:, 1] * 50.0 / data.GRFs.subject1.mean[:, 1].mean()  # percent of body weight
     up = moved.ground.force[:, 1, 1] / (0.01 * GRAVITY * gait.mass)
     wanted = np.interp(phases(), np.arange(100) / 100, measured, period=1.0)
-    assert np.sqrt(np.mean((up - wanted) ** 2)) < 10.0 and np.corrcoef(up, wanted)[0, 1] > 0.95
+    assert np.sqrt(np.mean((up - wanted) ** 2)) < 9.5 and np.corrcoef(up, wanted)[0, 1] > 0.95
     # no impact peak that the recording does not have: the load rises without a bump, and hardly higher than it was recorded
     landing = up[: SAMPLES // 10]
     assert find_peaks(wanted[: SAMPLES // 10], prominence=5.0)[0].size == find_peaks(landing, prominence=5.0)[0].size == 0
     assert up[: SAMPLES // 5].max() < wanted[: SAMPLES // 5].max() + 20.0
-    for k, (joint, most) in enumerate((("hip", 0.215), ("knee", 0.13), ("ankle", 0.16))):
+    for k, (joint, most) in enumerate((("hip", 0.2), ("knee", 0.105), ("ankle", 0.145))):
         off = moved.moments[:, 3 + k] - gait.moment[joint](phases())
         assert np.sqrt(np.mean(off**2)) / gait.mass < most, joint

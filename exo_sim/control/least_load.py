@@ -48,6 +48,7 @@ class Weights:
         torso: Of a newton on the torso straps, up or down [m].
         torso_ahead: Of a newton on the torso straps, forward or back [m].
         push: Of a newton that all straps together push the machine ahead [m]: the wearer holds it against the ground, about a metre below.
+        steady: How often as much the mean of that push counts, a sledge that is pulled all the way.
         effort: Of a newton metre demanded, steady.
         smoothness: Of a newton metre demanded, for each harmonic.
         other_straps: By what share loads count that straps half and twice as stiff would give, beside those of the straps as they are.
@@ -61,8 +62,9 @@ class Weights:
     torso: float = 0.5
     torso_ahead: float = 0.1
     push: float = 1.0
+    steady: float = 2.0
     effort: float = 0.05
-    smoothness: float = 0.05
+    smoothness: float = 0.02
     other_straps: float = 0.0
 
     def of_loads(self, rate: NDArray[np.float64]) -> NDArray[np.float64]:
@@ -167,7 +169,7 @@ class LeastLoad:
             forces: By how much the straps' forces on the machine, across and along, were others [N], shape (n, 2 straps).
             share: Of the full correction, 0 to 1.
         """
-        load = (np.einsum("nij,nj->ni", self._strap_map, forces) * self._matters).reshape(-1)
+        load = self._counted(np.einsum("nij,nj->ni", self._strap_map, forces) * self._matters).reshape(-1)
         change = change - share * (self._gain @ (self._effect.T @ load + self._effort**2 * change))
         return self._within_reach(self.best + change) - self.best
 
@@ -195,7 +197,7 @@ class LeastLoad:
         Returns:
             The cost that was reached; `torque(best=True)` belongs to the least of all.
         """
-        load = ((np.concatenate([moments, straps], axis=1) + self._own) * self._matters).reshape(-1)
+        load = self._counted((np.concatenate([moments, straps], axis=1) + self._own) * self._matters).reshape(-1)
         tried, heard = self._coefficients, load
         answer = self._answer(contacts) if len(self._responses) > 1 else None
         if answer is not None:
@@ -230,6 +232,7 @@ class LeastLoad:
         again = copy(self)  # what it learns it puts in the place of what was
         again._coefficients = self.best
         again._best, again._failed, again._by_plan, again._step = (np.inf, again._coefficients), 0, False, _SHARE
+        again._untried, again._unheard = [], 0
         return again
 
     def _within_reach(self, coefficients: NDArray[np.float64]) -> NDArray[np.float64]:
@@ -257,8 +260,8 @@ class LeastLoad:
             carried = down.astype(float)
             force, give = it.forces(carried)
             self._forces = force[:, :, :-1]
-            load = (self._loads @ force).reshape(-1, give.shape[2])
-            self._effect, self._offset = load[:, :-1], load[:, -1] + (self._own * self._matters).reshape(-1)
+            load = self._counted(self._loads @ force).reshape(-1, give.shape[2])
+            self._effect, self._offset = load[:, :-1], load[:, -1] + self._counted(self._own * self._matters).reshape(-1)
             self._gain = self._gain_of(self._effect)
             self._coefficients = -self._gain @ (self._effect.T @ self._offset)
             pulling = down & it.pulled(give @ np.append(self._coefficients, 1.0))
@@ -276,7 +279,13 @@ class LeastLoad:
 
     def _maps(self, forces: list[NDArray[np.float64]]) -> list[NDArray[np.float64]]:
         """Return what loads follow from torque harmonics, the last column without torques, for straps as they are and otherwise."""
-        return [(self._loads @ one).reshape(self._matters.size, -1) for one in forces]
+        return [self._counted(self._loads @ one).reshape(self._matters.size, -1) for one in forces]
+
+    def _counted(self, loads: NDArray[np.float64]) -> NDArray[np.float64]:
+        """Return weighed loads, shape (n, 9, ...), with the push that is left over a cycle as it counts."""
+        out = loads.copy()
+        out[:, -1] += (self.weights.steady - 1.0) * loads[:, -1].mean(axis=0)
+        return out
 
     def _with_gain(self, maps: list[NDArray[np.float64]]) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
         """Return the effect of torque harmonics on all loads that count, and the gain that makes these least."""

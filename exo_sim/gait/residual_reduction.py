@@ -35,8 +35,8 @@ _EVERY = 8
 _WALKING, _IN_PLACE, _HEIGHT = (2, 4, 6, 8), (1, 2), (4, 6, 8)
 #: Of the trunk and of the pelvis ahead where what is carried is not the same left and right.
 _UNEVEN = (1, 2, 3, 4, 6, 8)
-#: What is thought little of: trunk leaning and swaying [rad], pelvis ahead and up [m], centre of pressure along the sole [m]. Markers on the
-#: pelvis' skin move by 5 mm and more; with 1.5 mm the hip moments were 0.22 and 0.18 N m/kg rms off the recordings' (0.19 and 0.16).
+#: What is thought little of: trunk leaning and swaying [rad], pelvis ahead and up [m], centre of pressure along the sole [m]. Markers on
+#: the pelvis' skin move by 5 mm and more; with 1.5 mm the hip moments were 0.22 and 0.18 N m/kg rms off the recordings' (0.19 and 0.16).
 _LEAN, _SWAY, _AHEAD, _UP, _CENTRE = np.radians(6.0), np.radians(3.0), 5e-3, 0.4e-3, 0.02
 #: A moment is felt as the weight on this lever [m]; a force off its aim, and one that is jerky, as these shares of the weight.
 _LEVER, _AIM, _JERK = 0.01, 0.010, 0.007

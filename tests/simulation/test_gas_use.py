@@ -60,7 +60,7 @@ def test_pieces_say_what_the_whole_says(walked):
         pieces.add(piece)
     found = pieces.numbers()["gas"]
     for key in ("mass_kg_per_stride", "positive_rod_work_w", "peak_flow_l_per_min"):
-        assert found[key] == pytest.approx(whole[key], rel=0.02)
+        assert found[key] == pytest.approx(whole[key], rel=0.03)  # of seven strides, not of a few
 
 
 def test_a_tank_saves_gas_at_the_same_torques_and_its_gain_is_taken_off():

@@ -94,3 +94,11 @@ def test_rehearsals_with_himself_leave_him_less_to_pull(walk, summary):
     assert abs(summary["wearer"]["forward_push_n"]) < 23.0
     ahead = walk.moved.ground.residual[:, 0]
     assert abs(ahead.mean()) < 10.0
+
+
+@pytest.mark.slow
+def test_he_starts_and_stops_again_and_again() -> None:
+    """With a demand as fast as for one who walks on he fell in his second walk; until the soles were soft at first, in his fourth."""
+    found = summarise(Simulation(rigs.read(default_rig()), Request("start_and_stop", 34.0, cycles=5, wearer="torques")).run())
+    assert found["wearer"]["pelvis_residual"]["force_peak_n"] < 30.0
+    assert found["wearer"]["pressure_centre_outside_share"] == 0.0 and abs(found["ledger"]["closure"]) < 1.0

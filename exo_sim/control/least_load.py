@@ -64,7 +64,7 @@ class Weights:
     push: float = 1.0
     steady: float = 2.0
     effort: float = 0.05
-    smoothness: float = 0.02
+    smoothness: float = 0.05
     other_straps: float = 0.0
 
     def of_loads(self, rate: NDArray[np.float64]) -> NDArray[np.float64]:
@@ -81,6 +81,8 @@ class Weights:
 #: Where both pressures of the cylinders are planned, gas goes with what the torques change by: smoother ones draw a quarter less, and the
 #: wearer hardly feels it (docs/sizing.md).
 SPARING = Weights(smoothness=0.15)
+#: Where straps are felt and learnt from, torques may change faster: what the gas does not follow is answered.
+QUICK = Weights(smoothness=0.02)
 #: By how much straps are thought to be less and more stiff, and the share that such straps count by where the demand meets strides that it
 #: was not rehearsed on: half and twice as stiff ones are thought a tenth as likely.
 _OTHERWISE, CAUTIOUS = (0.5, 2.0), 0.1

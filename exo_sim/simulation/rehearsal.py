@@ -12,6 +12,10 @@ from exo_sim.simulation.walk import Walk
 from exo_sim.simulation.wearer_load import own, with_machine
 
 
+#: Rehearsals go on until so many of them bettered the plan by no more than this share.
+_LAST, _LITTLE = 3, 0.01
+
+
 def cycle_mean(walk: Walk, values: NDArray[np.float64], settling: float) -> NDArray[np.float64]:
     """Return the mean over whole cycles of values at the even phases of `machine_dynamics.PICK`, each over its share of the cycle.
 
@@ -57,7 +61,13 @@ class Rehearsals:
 
     def __init__(self, plan: LeastLoad, settling: float) -> None:
         self.plan, self._settling = plan, settling
+        self._least: list[float] = []
         self._body: NDArray[np.float64] | None = None
+
+    @property
+    def settled(self) -> bool:
+        """Whether the last rehearsals bettered the plan by so little that more of them are not worth their time."""
+        return len(self._least) > _LAST and self._least[-1] > (1.0 - _LITTLE) * self._least[-1 - _LAST]
 
     def learn_from(self, walk: Walk) -> float:
         """Better the plan by a rehearsal; return the cost it had. All rehearsals have the same motion and the same rows."""
@@ -69,7 +79,9 @@ class Rehearsals:
         if seen.moved is None:
             self._body = body
         moments = with_machine(seen).moments - body
-        return self.plan.learn(*(_phase_mean(seen, each) for each in (moments, straps, carrying(seen))))
+        cost = self.plan.learn(*(_phase_mean(seen, each) for each in (moments, straps, carrying(seen))))
+        self._least.append(min([cost, *self._least[-1:]]))
+        return cost
 
 
 def counted(walk: Walk, settling: float) -> slice:

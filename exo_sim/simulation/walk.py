@@ -46,7 +46,7 @@ class Request:
         assist: "on"; "off": valves closed, gas trapped; "vented": both chambers open to the atmosphere.
         controller: How valves get forces, one of `CONTROLLERS`; where commands come from outside, what to call whoever gives them.
         law: What is demanded, one of `control.demand.LAWS`.
-        rehearsals: How often the least-load demand is bettered before the run.
+        rehearsals: How often the least-load demand is bettered before the run, at the most.
         weights: What counts in the least-load demand; None for its own, or `least_load.SPARING` where a rig's chambers are planned.
         gains: Of the valve controllers.
         tuned: Gains of single cylinders, by name, in place of `gains`; the demand is read ahead as `gains` says for all.
@@ -70,7 +70,7 @@ class Request:
     assist: str = "on"
     controller: str = "model"
     law: str = law_of_demand.DEFAULT_LAW
-    rehearsals: int = 8
+    rehearsals: int = 16
     weights: Weights | None = None
     gains: ValveGains = field(default_factory=ValveGains)
     tuned: Mapping[str, ValveGains] = field(default_factory=dict)

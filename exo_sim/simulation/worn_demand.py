@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 
 from exo_sim.control import demand as law_of_demand
 from exo_sim.control import machine_dynamics
-from exo_sim.control.least_load import CAUTIOUS, SPARING, LeastLoad, Weights
+from exo_sim.control.least_load import CAUTIOUS, QUICK, SPARING, LeastLoad, Weights
 from exo_sim.errors import Diverged
 from exo_sim.machine.worn_model import PAYLOAD_LIMIT, carry
 from exo_sim.simulation.causal_calibration import calibrated
@@ -58,7 +58,7 @@ def rehearsed_demand(it: Simulation, payload: float) -> Demand:
     yields_from_rest = it.motion.from_rest and request.moved_by == "torques"  # faster torques make him fall in his second walk of 34 kg
     weights = request.weights or (SPARING if it.plans_chambers or yields_from_rest else Weights())
     if request.law == "causal" and request.weights is None:
-        weights = replace(weights, other_straps=CAUTIOUS)
+        weights = replace(weights if it.plans_chambers else QUICK, other_straps=CAUTIOUS)
     plan = LeastLoad(dynamics, it.motion, it.person, it.straps, it.rig.ankle, limits, weights, needed[machine_dynamics.PICK])
     return Demand(_closed(_rehearsed(it, plan, payload)), remarks, plan)
 
@@ -74,6 +74,8 @@ def _rehearsed(it: Simulation, plan: LeastLoad, payload: float) -> NDArray[np.fl
             rehearsals = Rehearsals(plan, settling)
             for _ in range(it.request.rehearsals):
                 _rehearse(it, rehearsals)
+                if rehearsals.settled:
+                    break
             if it.request.law == "causal":
                 it.demand = it.demand_added = _closed(law_of_demand.limit(plan.torque(best=True), it.rig.ankle))
                 it.reset()
@@ -95,6 +97,8 @@ def rehearsed_by_body(it: Simulation, plan: LeastLoad, rehearsals: int) -> tuple
         each = Rehearsals(own, it.settling)
         for _ in range(rehearsals):
             _rehearse(it, each)
+            if each.settled:
+                break
     return _closed(law_of_demand.limit(own.torque(best=True), it.rig.ankle)), own
 
 

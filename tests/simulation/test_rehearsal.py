@@ -36,10 +36,11 @@ class Pupil:
 
     def __init__(self) -> None:
         self.taught: list[tuple[np.ndarray, ...]] = []
+        self.cost = 0.0
 
     def learn(self, *means: np.ndarray) -> float:
         self.taught.append(means)
-        return 0.0
+        return self.cost
 
 
 @pytest.mark.parametrize(("wearer", "looked_up"), [("prescribed", 1), ("torques", 2)])
@@ -71,3 +72,15 @@ def test_rows_that_count_are_whole_cycles() -> None:
     walk = cast(Walk, cast(Any, SimpleNamespace(time=np.arange(0.0, 4.3, 0.25), motion=SimpleNamespace(period=1.0))))
     assert counted(walk, 2) == slice(8, 16)
     assert counted(walk, 0) == slice(0, 16)
+
+
+def test_rehearsals_are_settled_once_three_of_them_bettered_little(repository: Path) -> None:
+    exo = rigs.read(repository / "assets" / "exo.toml")
+    walk = simulate(exo, Request("level_walk", law="inverse_dynamics", payload=10.0, cycles=3))
+    pupil = Pupil()
+    rehearsals, settled = Rehearsals(cast(LeastLoad, pupil), 1), []
+    for cost in (100.0, 50.0, 40.0, 39.9, 60.0, 39.8):
+        pupil.cost = cost
+        rehearsals.learn_from(walk)
+        settled.append(rehearsals.settled)
+    assert settled == [False] * 5 + [True]

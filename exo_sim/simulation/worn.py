@@ -19,6 +19,7 @@ from exo_sim.gait import scenario as scenarios
 from exo_sim.gait.motion import Motion
 from exo_sim.gait.residual_reduction import worn
 from exo_sim.gait.variation import Variation
+from exo_sim.linear_algebra import in_one_thread
 from exo_sim.machine import wearer_body
 from exo_sim.machine.attachment import attach
 from exo_sim.machine.linkage import check_strokes
@@ -67,6 +68,7 @@ class Simulation:
         ModelError, RigError, ScenarioError: the machine cannot be built, or cannot do this.
     """
 
+    @in_one_thread
     def __init__(self, rig: Rig, request: Request, controller: user_controller.Controller | None = None, seed: int = 0):
         self.rig, self.request = rig, request
         self.seed = seed

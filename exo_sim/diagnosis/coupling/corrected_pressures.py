@@ -88,10 +88,10 @@ def correction_of(data: MachineData, one: SubsystemResult[GasModel], split: Spli
     changes: dict[tuple[str, str], tuple[Array, Array]] = {}
     plant, late = one.final_plant, dict[str, float]()
     soft = {one.where: plant.cylinder} if gives(plant.cylinder[0]) else {}
-    if not one.named and not behind_hose(plant.cylinder):
+    faults = {q.parameter for candidate in one.named if candidate.kind is Kind.SENSOR for q in candidate.parameters}
+    if not faults and not behind_hose(plant.cylinder):
         return Correction(soft=soft)
     whole = one.model.over_whole_runs(plant, split)
-    faults = {q.parameter for candidate in one.named if candidate.kind is Kind.SENSOR for q in candidate.parameters}
     if POSITION_DELAY in faults:
         seconds = plant.sensors[POSITION_DELAY]
         late = {data.joint_of(one.where): seconds, f"rod of {one.where}": seconds}

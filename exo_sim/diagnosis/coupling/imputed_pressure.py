@@ -68,6 +68,8 @@ def with_imputed_pressures(data: MachineData, gas: Sequence[SubsystemResult[GasM
         if one.is_empty or one.has_unknown:
             continue
         joint = data.joint_of(one.where)
+        if all(_unmeasured_side(data, run) is None for run in one.model.all_runs):
+            continue
         whole = one.model.over_whole_runs(one.final_plant, split)
         for index, given in enumerate(whole.inputs):
             side = _unmeasured_side(data, given.run)

@@ -30,6 +30,7 @@ from exo_sim.diagnosis.pipeline.rounds import examine_until_stable, with_test_fi
 from exo_sim.diagnosis.policy.budgets import MOST_REJECTED
 from exo_sim.diagnosis.result import Diagnosis, Verdict
 from exo_sim.diagnosis.selection.nuisance_calibration import calibration_findings
+from exo_sim.linear_algebra import in_one_thread
 from exo_sim.recording.column_map import ColumnMap
 from exo_sim.recording.reader import Reading
 from exo_sim.rig import Rig
@@ -37,6 +38,7 @@ from exo_sim.rig import Rig
 _STOPPED = "the time that was given was up before everything had been sought: this is the best answer until then"
 
 
+@in_one_thread
 def diagnose(
     recordings: Sequence[Path | Reading],
     rig: Path | Rig,

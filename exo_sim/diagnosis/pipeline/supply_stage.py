@@ -10,6 +10,7 @@ from numpy.typing import NDArray
 
 from exo_sim.diagnosis.data.coarse_clock import begins_with
 from exo_sim.diagnosis.data.computed_columns import was_computed
+from exo_sim.diagnosis.data.cylinder_run import CylinderRun
 from exo_sim.diagnosis.data.machine_data import MachineData
 from exo_sim.diagnosis.estimation.parameters import PlantParameters
 from exo_sim.diagnosis.estimation.threads import Threads
@@ -22,7 +23,8 @@ from exo_sim.diagnosis.selection.search import Search, StoppingCriteria
 from exo_sim.diagnosis.selection.subsystem_result import SubsystemResult
 from exo_sim.diagnosis.subsystems.gas.model import GasModel
 from exo_sim.diagnosis.subsystems.supply.candidates import candidates, nuisance_parameters
-from exo_sim.diagnosis.subsystems.supply.model import SupplyModel, SupplyRun, supply_run
+from exo_sim.diagnosis.subsystems.supply.model import SupplyModel, supply_run
+from exo_sim.recording.noise import white_noise
 from exo_sim.rig import assembly
 
 Array = NDArray[np.float64]
@@ -37,12 +39,16 @@ def examine_supply(
     """
     if len(gas) < len(data.rig.cylinders) or any(one.is_empty for one in gas):
         return ()
-    runs = _runs(data, gas, plan)
-    if not runs:
+    known = _known(data, gas)
+    if not known:
         return ()
-    level = max(float(np.nanpercentile(run.pressure, 95.0)) for run in runs)
-    if all(float(np.nanstd(run.pressure)) < max(QUIET * run.noise, significance.SUPPLY_SIGNIFICANT * level) for run in runs):
+    pressures = {name: data.table(name)["supply.pressure"] for name in known}
+    level = max(float(np.nanpercentile(pressure, 95.0)) for pressure in pressures.values())
+    least = significance.SUPPLY_SIGNIFICANT * level
+    if all(float(np.nanstd(one)) < max(QUIET * white_noise(one), least) for one in pressures.values()):
         return ()  # it never sags
+    drawn = _drawn(data, gas, plan, known)
+    runs = [supply_run(name, data.table(name).time, pressures[name], drawn[name], was_computed(data.table(name))) for name in known]
     plant = PlantParameters(assembly.world(data.rig), assembly.cylinders(data.rig)[:1])
     if abs(level / float(plant.world["supply_pressure"][0]) - 1.0) > FARTHEST_SET_PRESSURE:
         plant.world["supply_pressure"] = level
@@ -56,22 +62,29 @@ def examine_supply(
     return (replace(found, has_unknown=False, deviations=()),)
 
 
-def _runs(data: MachineData, gas: Sequence[SubsystemResult[GasModel]], plan: Plan) -> list[SupplyRun]:
-    """Return the supply's pressure and flow in every recording in which it was measured and all cylinders are known throughout."""
-    drawn: dict[str, Array] = {}
-    measured: dict[str, tuple[Array, Array]] = {}
+def _known(data: MachineData, gas: Sequence[SubsystemResult[GasModel]]) -> list[str]:
+    """Return the recordings in which the supply was measured and all cylinders are known throughout."""
     cylinders: dict[str, int] = {}
+    for run in (run for one in gas for run in one.model.all_runs if _says_what_it_drew(data, run)):
+        cylinders[run.recording] = cylinders.get(run.recording, 0) + 1
+    return [name for name, count in cylinders.items() if count == len(data.rig.cylinders)]
+
+
+def _says_what_it_drew(data: MachineData, run: CylinderRun) -> bool:
+    """Return whether a run has the supply, from the beginning of its recording: one that was cut short says nothing of before."""
+    table = data.table(run.recording)
+    return run.supply is not None and "supply.pressure" in table and begins_with(run.time, table.time)
+
+
+def _drawn(
+    data: MachineData, gas: Sequence[SubsystemResult[GasModel]], plan: Plan, known: Sequence[str]
+) -> dict[str, Array]:
+    """Return what all cylinders together drew in some recordings [kg/s], on their clocks."""
+    drawn: dict[str, Array] = {}
     for one in gas:
-        if all(run.supply is None for run in one.model.all_runs):
-            continue
         whole = one.model.over_whole_runs(one.final_plant, plan.split)
         for index, run in enumerate(whole.runs):
-            table = data.table(run.recording)
-            if run.supply is None or "supply.pressure" not in table or not begins_with(run.time, table.time):
-                continue  # a run that was cut short does not say what its cylinder drew before
-            flow = np.interp(table.time, run.time, whole.predict(whole.nominal, index).drawn)
-            drawn[run.recording] = drawn.get(run.recording, 0.0) + flow
-            measured[run.recording] = (table.time, table["supply.pressure"])
-            cylinders[run.recording] = cylinders.get(run.recording, 0) + 1
-    known = [name for name in drawn if cylinders[name] == len(data.rig.cylinders)]
-    return [supply_run(name, *measured[name], drawn[name], was_computed(data.table(name))) for name in known]
+            if run.recording in known:
+                flow = np.interp(data.table(run.recording).time, run.time, whole.predict(whole.nominal, index).drawn)
+                drawn[run.recording] = drawn.get(run.recording, 0.0) + flow
+    return drawn

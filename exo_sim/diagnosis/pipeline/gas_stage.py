@@ -47,9 +47,11 @@ class Searched:
 
     Attributes:
         results: By cylinder, test time, candidates and friction of the piston.
+        limits: After how many predicted samples each of them sought nothing more.
     """
 
     results: dict[tuple[Hashable, ...], SubsystemResult[GasModel]] = field(default_factory=dict)
+    limits: dict[tuple[Hashable, ...], int] = field(default_factory=dict)
 
     def of_other_time(self, cylinder: str, test_time: Hashable, asked: Sequence[Candidate]) -> FittedModel | None:
         """Return the latest model of a cylinder's gas in another division of the time, with those of its effects that are asked; or None.
@@ -123,13 +125,12 @@ def examine_gas(
         joint = data.joint_of(name)
         asked = plan.without_refuted(candidates(plant, runs, name, joint))
         friction = None if plan.friction is None else tuple(plan.friction.get(name, ()))
-        test_time = tuple(sorted(plan.split.test.items()))
-        key = (name, test_time, tuple(one.key for one in asked), friction)
+        key = (name, plan.test_time, tuple(one.key for one in asked), friction)
         if key not in done:
-            standing = searched.standing(name, test_time, friction, asked)
-            begun = WarmStart(None, standing or searched.of_other_time(name, test_time, asked), standing is not None)
+            standing = searched.standing(name, plan.test_time, friction, asked)
+            begun = WarmStart(None, standing or searched.of_other_time(name, plan.test_time, asked), standing is not None)
             soft = softens if plan.friction is None and joint in data.joints else None
-            most = max(MOST_EFFORT - searched.effort(name), int(LEAST_LATER * MOST_EFFORT))
+            most = searched.limits[key] = max(MOST_EFFORT - searched.effort(name), int(LEAST_LATER * MOST_EFFORT))
             seek = partial(
                 _searched, nuisances=nuisances, asked=asked, soft=soft, plan=plan, threads=threads, report=_naming(report, name), most=most
             )
@@ -148,7 +149,7 @@ def examine_gas(
                     done[key] = seek(other, begun)
         found.append(done[key])
         data = _with_readings(data, found[-1].model)
-        if searched.effort(name) > MOST_EFFORT:
+        if found[-1].model.effort > searched.limits[key]:
             data = replace(data, remarks=(*data.remarks, f"{name}: {_ENDED}"))
     return data, tuple(found)
 

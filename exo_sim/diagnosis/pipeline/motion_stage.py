@@ -75,7 +75,7 @@ def examine_motion(
     refuted = frozenset((effect, where) for effect, where in plan.refuted if effect not in declared() or declared()[effect].cut != "gas")
     for number, (name, runs) in enumerate(data.joints.items()):
         plan.budget.allow_until(GAS_UNTIL + (FORCES_UNTIL - GAS_UNTIL) * (number + 1) / len(data.joints))
-        key = (name, tuple(sorted(plan.split.test.items())), refuted)
+        key = (name, plan.test_time, refuted)
         result = judged.of(key, runs)
         if result is None:
             result = examine_balance(name, runs, data, plan, threads, report)

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable, Mapping, Sequence
+from collections.abc import Callable, Hashable, Iterable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from typing import Protocol, TypeVar
 
@@ -43,6 +43,11 @@ class Plan:
     friction: Friction | None = None
     refutations: int = 0
     budget: Budget = field(default_factory=Budget)
+
+    @property
+    def test_time(self) -> Hashable:
+        """The test time of its division, to know results by that were found on it."""
+        return tuple(sorted(self.split.test.items()))
 
     def without_refuted(self, candidates: Iterable[Candidate]) -> tuple[Candidate, ...]:
         """Return the candidates that have not been refuted."""

@@ -23,7 +23,7 @@ from exo_sim.diagnosis.selection.search import Search, StoppingCriteria
 from exo_sim.diagnosis.selection.subsystem_result import SubsystemResult
 from exo_sim.diagnosis.subsystems.gas.model import GasModel
 from exo_sim.diagnosis.subsystems.supply.candidates import candidates, nuisance_parameters
-from exo_sim.diagnosis.subsystems.supply.model import SupplyModel, supply_run
+from exo_sim.diagnosis.subsystems.supply.model import SupplyModel, SupplyRun
 from exo_sim.recording.noise import white_noise
 from exo_sim.rig import assembly
 
@@ -45,10 +45,12 @@ def examine_supply(
     pressures = {name: data.table(name)["supply.pressure"] for name in known}
     level = max(float(np.nanpercentile(pressure, 95.0)) for pressure in pressures.values())
     least = significance.SUPPLY_SIGNIFICANT * level
-    if all(float(np.nanstd(one)) < max(QUIET * white_noise(one), least) for one in pressures.values()):
+    noise = {name: white_noise(pressure) for name, pressure in pressures.items()}
+    if all(float(np.nanstd(pressure)) < max(QUIET * noise[name], least) for name, pressure in pressures.items()):
         return ()  # it never sags
     drawn = _drawn(data, gas, plan, known)
-    runs = [supply_run(name, data.table(name).time, pressures[name], drawn[name], was_computed(data.table(name))) for name in known]
+    tables = [data.table(name) for name in known]
+    runs = [SupplyRun(one.name, one.time, pressures[one.name], drawn[one.name], noise[one.name], was_computed(one)) for one in tables]
     plant = PlantParameters(assembly.world(data.rig), assembly.cylinders(data.rig)[:1])
     if abs(level / float(plant.world["supply_pressure"][0]) - 1.0) > FARTHEST_SET_PRESSURE:
         plant.world["supply_pressure"] = level

@@ -21,7 +21,6 @@ from exo_sim.diagnosis.policy.regimes import DRAWING
 from exo_sim.diagnosis.subsystem_model import Comparison, SubsystemModel
 from exo_sim.diagnosis.subsystems.supply.prediction import follow_supply
 from exo_sim.physics.declaration import identification_of
-from exo_sim.recording.noise import white_noise
 
 Array = NDArray[np.float64]
 
@@ -43,11 +42,6 @@ class SupplyRun:
     drawn: Array
     noise: float
     computed: bool = False
-
-
-def supply_run(recording: str, time: Array, pressure: Array, drawn: Array, computed: bool = False) -> SupplyRun:
-    """Return a run with its sensor noise estimated."""
-    return SupplyRun(recording, time, pressure, drawn, white_noise(pressure), computed)
 
 
 class SupplyModel(SubsystemModel):

@@ -12,9 +12,10 @@ from exo_sim.diagnosis.estimation.parameters import PlantParameters
 from exo_sim.diagnosis.selection.fitted_model import FittedModel
 from exo_sim.diagnosis.selection.search import Search
 from exo_sim.diagnosis.subsystems.supply.candidates import candidates, nuisance_parameters
-from exo_sim.diagnosis.subsystems.supply.model import SupplyModel, supply_run
+from exo_sim.diagnosis.subsystems.supply.model import SupplyModel, SupplyRun
 from exo_sim.diagnosis.subsystems.supply.prediction import follow_supply
 from exo_sim.physics.plant_records import CYLINDER, WORLD
+from exo_sim.recording.noise import white_noise
 
 TIME = np.arange(0.0, 12.0, 1e-3)
 DRAWN = 2e-3 * (np.sin(2.0 * TIME) > 0.3) * (0.4 + 0.6 * (np.sin(0.7 * TIME) > 0.0))
@@ -32,7 +33,7 @@ def setting(**effects: dict[str, float]) -> PlantParameters:
 
 def problem(pressure: np.ndarray, drawn: np.ndarray = DRAWN) -> SupplyModel:
     parts = split([("recording", TIME)])
-    return SupplyModel([supply_run("recording", TIME, pressure, drawn)], setting(), parts)
+    return SupplyModel([SupplyRun("recording", TIME, pressure, drawn, white_noise(pressure))], setting(), parts)
 
 
 def found_in(model: SupplyModel) -> FittedModel:

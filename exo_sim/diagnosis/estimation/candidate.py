@@ -27,7 +27,6 @@ class Candidate:
         form: Names of the parameters that are free in this form, joined by "+".
         parameters: Those parameters.
         starts: Sets of initial values, in the order of `parameters`.
-        displaced: Nuisance parameters that may be smaller for it: of which parameter, key, and by how much a unit of that.
         kind: What it would be as a finding.
         fixed: Parameters that this form holds at a value.
         proportional: Whether its signature may be scaled up or down until it stands out of the noise.
@@ -44,7 +43,6 @@ class Candidate:
     form: str
     parameters: tuple[FreeParameter, ...]
     starts: tuple[tuple[float, ...], ...]
-    displaced: tuple[tuple[FreeParameter, ParameterKey, float], ...] = ()
     kind: Kind = Kind.MISSING_PHYSICS
     fixed: tuple[tuple[FreeParameter, float], ...] = ()
     proportional: bool = True
@@ -70,6 +68,11 @@ class Candidate:
         """Effects on top of which others may come where it is in a model: itself, and those of which it is the richer form."""
         effect = declared().get(self.effect)
         return frozenset((self.effect, *(poorer for poorer, _ in effect.absorbs))) if effect else frozenset((self.effect,))
+
+    @property
+    def displaced(self) -> tuple[tuple[FreeParameter, ParameterKey, float], ...]:
+        """Nuisance parameters that may be smaller for it: of which parameter, key, and by how much a unit of that."""
+        return tuple((own, key, per_unit) for own in self.parameters for key, per_unit in own.displaces)
 
     def beside(self, values: Mapping[FreeParameter, float]) -> dict[FreeParameter, float]:
         """Return values of free parameters with what this candidate displaces taken off, inside their bounds."""

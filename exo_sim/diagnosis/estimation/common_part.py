@@ -5,8 +5,9 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from dataclasses import replace
 
-from exo_sim.diagnosis.estimation.least_squares import Fit, prior_terms
+from exo_sim.diagnosis.estimation.least_squares import Fit
 from exo_sim.diagnosis.estimation.parameters import FreeParameter
+from exo_sim.diagnosis.estimation.prior_terms import prior_terms
 from exo_sim.physics.declaration import declared
 
 

@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 
 from exo_sim.diagnosis.estimation.budget import IsSpent, never
 from exo_sim.diagnosis.estimation.parameters import FreeParameter
+from exo_sim.diagnosis.estimation.prior_terms import prior_terms
 from exo_sim.diagnosis.estimation.threads import SERIAL, Threads
 
 Array = NDArray[np.float64]
@@ -63,19 +64,6 @@ class Fit:
     def columns(self) -> dict[FreeParameter, Array]:
         """Columns of the Jacobian by parameter, shape (n,) each."""
         return dict(zip(self.parameters, self.jacobian.T, strict=True))
-
-
-def prior_terms(parameters: Sequence[FreeParameter], values: Mapping[FreeParameter, float]) -> tuple[Array, Array]:
-    """Return the residuals of the priors, shape (m,), and their Jacobian in coordinates, shape (m, p)."""
-    rows, jac = [], []
-    for j, parameter in enumerate(parameters):
-        if parameter.prior is not None:
-            mean, spread = parameter.prior
-            rows.append((values[parameter] - mean) / spread)
-            row = np.zeros(len(parameters))
-            row[j] = parameter.slope(values[parameter]) / spread
-            jac.append(row)
-    return np.array(rows), np.array(jac).reshape(len(rows), len(parameters))
 
 
 def differences(

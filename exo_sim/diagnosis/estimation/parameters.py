@@ -79,6 +79,8 @@ class FreeParameter:
         nonsmooth: Whether predictions respond to it in jumps (play, dead zones): finite differences must be wide.
         healthy_limit: Distance from neutral up to which a healthy machine shows it as well; only a larger one is a finding.
         logarithmic: Whether its typical range spans decades: a fit then moves its logarithm.
+        displaces: Nuisance parameters in which an owner may have counted it, each with its share of their unit: a hose's volume in the
+            dead volume.
     """
 
     effect: str
@@ -94,6 +96,7 @@ class FreeParameter:
     nonsmooth: bool = False
     healthy_limit: float = 0.0
     logarithmic: bool = False
+    displaces: tuple[tuple[tuple[str, str, str], float], ...] = ()
 
     @property
     def key(self) -> tuple[str, str, str]:

@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 
 from exo_sim.diagnosis.estimation.candidate import Candidate, CandidateKey
 from exo_sim.diagnosis.estimation.correlation import correlation_time
-from exo_sim.diagnosis.estimation.least_squares import prior_terms
+from exo_sim.diagnosis.estimation.prior_terms import prior_terms
 from exo_sim.diagnosis.policy.verdicts import AS_GOOD
 from exo_sim.diagnosis.selection.fitted_model import FittedModel, LeastSquaresModel
 from exo_sim.physics.declaration import identification_of

@@ -15,8 +15,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from exo_sim.diagnosis.estimation.candidate import Candidate, drop_orphans
-from exo_sim.diagnosis.estimation.least_squares import prior_terms
 from exo_sim.diagnosis.estimation.noise_model import noise_model
+from exo_sim.diagnosis.estimation.prior_terms import prior_terms
 from exo_sim.diagnosis.estimation.threads import SERIAL, Threads
 from exo_sim.diagnosis.selection.evidence import price_of_parameter
 from exo_sim.diagnosis.selection.fitted_model import FittedModel, LeastSquaresModel

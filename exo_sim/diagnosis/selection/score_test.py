@@ -10,8 +10,8 @@ from numpy.typing import NDArray
 
 from exo_sim.diagnosis.estimation.budget import IsSpent, never
 from exo_sim.diagnosis.estimation.candidate import Candidate, CandidateKey
-from exo_sim.diagnosis.estimation.least_squares import prior_terms
 from exo_sim.diagnosis.estimation.parameters import FreeParameter
+from exo_sim.diagnosis.estimation.prior_terms import prior_terms
 from exo_sim.diagnosis.estimation.threads import SERIAL, Threads
 from exo_sim.diagnosis.policy import signatures
 from exo_sim.diagnosis.selection.fitted_model import FittedModel, LeastSquaresModel

@@ -74,7 +74,7 @@ def _left_open(effect: Effect, cylinder: str, plant: PlantParameters) -> list[Ca
         if form:
             one = _of_form(effect, cylinder, form, plant)[0]
             starts = tuple(zip(*(values[name] for name in form), strict=True))
-            found.append(replace(one, form="+".join(form), is_law=True, starts=starts, displaced=(), fixed=()))  # the rest is the rig's
+            found.append(replace(one, form="+".join(form), is_law=True, starts=starts, fixed=()))  # the rest is the rig's
     return found
 
 
@@ -146,16 +146,12 @@ def _of_form(effect: Effect, cylinder: str, form: tuple[str, ...], plant: PlantP
         (_free(effect, p, where, target, plant), p.default) for p in effect.parameters if p.default and p.name not in form and not p.choices
     )
     beneath = effect.requires or effect.identification.on_top_of
-    own = next((q for q in parameters if q.parameter == effect.identification.of_dead_volume), None)
-    dead = {name: float(plant.cylinder[name][0]) for name in ("dead_volume_1", "dead_volume_2")}
-    displaced = tuple((own, (DEAD_VOLUME, cylinder, name), 1.0 / volume) for name, volume in dead.items() if own and volume > 0.0)
     one = Candidate(
         effect.name,
         where,
         "+".join(form),
         parameters,
         starts,
-        displaced,
         fixed=held,
         proportional=effect.identification.proportional and not porous,
         prerequisite=beneath if beneath and not plant.is_on(declared()[beneath]) else "",
@@ -194,7 +190,14 @@ def _free(effect: Effect, parameter: Parameter, where: str, target: Target, plan
         effect.identification.known.get(parameter.name), neutral=effect.identification.neutral.get(parameter.name, 0.0),
         nonsmooth=effect.identification.jerky, healthy_limit=healthy_limit(effect, parameter, plant),
         logarithmic=parameter.low > 0.0 and high > LOGARITHMIC * low,
+        displaces=_displaced(plant, where) if parameter.name == effect.identification.of_dead_volume else (),
     )  # fmt: skip
+
+
+def _displaced(plant: PlantParameters, cylinder: str) -> tuple[tuple[tuple[str, str, str], float], ...]:
+    """Return the dead volumes of a cylinder, each with what a cubic metre is of it."""
+    dead = {name: float(plant.cylinder[name][0]) for name in ("dead_volume_1", "dead_volume_2")}
+    return tuple(((DEAD_VOLUME, cylinder, name), 1.0 / volume) for name, volume in dead.items() if volume > 0.0)
 
 
 def _sensor_faults(runs: Sequence[CylinderRun], cylinder: str, joint: str, moves: bool) -> list[Candidate]:

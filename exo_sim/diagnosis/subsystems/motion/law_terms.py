@@ -13,9 +13,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from exo_sim.diagnosis.estimation.candidate import Candidate
-from exo_sim.diagnosis.estimation.least_squares import prior_terms
 from exo_sim.diagnosis.estimation.linear_family import Term
 from exo_sim.diagnosis.estimation.parameters import FreeParameter, Target
+from exo_sim.diagnosis.estimation.prior_terms import prior_terms
 from exo_sim.diagnosis.findings import Kind
 from exo_sim.diagnosis.policy import priors
 from exo_sim.diagnosis.subsystems.motion.full_scale import full_force, full_travel

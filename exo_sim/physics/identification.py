@@ -85,6 +85,8 @@ class Identification:
             piston comes nearest to an end.
         starts_by_motion: For an effect on motion, as `starts` from what occurred. Most fits of motion begin where a linear family ended;
             these are for one that puts the effect into a model anew.
+        shapes: By form, for a dead volume [m^3] that an owner may have counted it in: values of its parameters among which a fit may begin,
+            where no single start is near every machine's.
         of_dead_volume: A parameter that owners count among both dead volumes: a fit may begin where it is taken off these.
         within_speeds: Parameters that are speeds at which the law bends: a bend far from the speeds that occurred does not show.
         within_travels: Parameters that are positions near the travel: from far outside it a law that changes along it is a constant.
@@ -125,6 +127,7 @@ class Identification:
     starts_by_valve: Mapping[str, tuple[float, ...]] = field(default_factory=dict)
     starts_by_reach: Starts = ()
     starts_by_motion: Callable[[ObservedMotion], Starts] | None = None
+    shapes: Mapping[tuple[str, ...], Callable[[float], Starts]] = field(default_factory=dict)
     of_dead_volume: str = ""
     within_speeds: tuple[str, ...] = ()
     within_travels: tuple[str, ...] = ()
@@ -157,6 +160,7 @@ class Identification:
     def parameters(self) -> dict[str, set[str]]:
         """Names of parameters that this speaks of, by the field in which it does."""
         lists = {"forms": {name for form in self.forms for name in form}}
+        lists["shapes"] = {name for form in self.shapes for name in form}
         lists["further"] = {name for form, starts in self.further.items() for name in (*form, *starts)}
         lists |= {key: set(getattr(self, key)) for key in ("within_speeds", "within_travels")}
         lists["common"] = set(self.common[1])

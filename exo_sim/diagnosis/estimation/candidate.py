@@ -35,6 +35,8 @@ class Candidate:
         prevalence: Share of machines that have it, before any data.
         also: Other places that the same number is of: a card delays all of its columns.
         is_law: Whether it is how a law is written, not physics that is missing: in the model and in the improved rig, but no finding.
+        shapes: Where its answer is not in proportion to its size, and no single start is near every machine's: sets of values, in the order
+            of `parameters`, among which a fit may begin.
         further: Where it is asked only in the place of a poorer form that stands: names of parameters that this may lack.
     """
 
@@ -51,6 +53,7 @@ class Candidate:
     prevalence: float = PREVALENCE
     also: tuple[str, ...] = ()
     is_law: bool = False
+    shapes: tuple[tuple[float, ...], ...] = ()
     further: frozenset[str] = frozenset()
 
     @property

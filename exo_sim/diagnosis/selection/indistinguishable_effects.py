@@ -14,8 +14,8 @@ from numpy.typing import NDArray
 
 from exo_sim.diagnosis.estimation.candidate import Candidate, CandidateKey
 from exo_sim.diagnosis.estimation.correlation import correlation_time
-from exo_sim.diagnosis.estimation.prior_terms import prior_terms
 from exo_sim.diagnosis.policy.verdicts import AS_GOOD
+from exo_sim.diagnosis.selection.cleared import Cleared
 from exo_sim.diagnosis.selection.fitted_model import FittedModel, LeastSquaresModel
 from exo_sim.physics.declaration import identification_of
 
@@ -57,11 +57,7 @@ def _lost_by(model: LeastSquaresModel, final: FittedModel, twin: Candidate, star
     change = model.residual(values, [*final.fixed, *twin.fixed]) - fit.residual
     if not np.isfinite(change).all():
         return math.inf
-    rows, prior_jacobian = prior_terms(fit.parameters, fit.values)
-    loose = [j for j, q in enumerate(fit.parameters) if q.low < fit.values[q] < q.high]
-    free = np.vstack([fit.jacobian, math.sqrt(fit.prior_weight) * prior_jacobian])[:, loose]
-    left = np.concatenate([change, np.zeros(len(rows))])
-    left -= free @ np.linalg.lstsq(free, left, rcond=None)[0]
-    before = np.concatenate([fit.residual, math.sqrt(fit.prior_weight) * rows])
-    more = float(left @ left + 2.0 * left @ before)
+    beyond = Cleared.of(fit)
+    clear = beyond.clear(change)
+    more = float(clear @ clear + 2.0 * clear @ beyond.left)
     return 0.5 * more / max(correlation_time(fit.residual, model.blocks), 1.0)

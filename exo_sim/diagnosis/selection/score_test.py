@@ -11,9 +11,9 @@ from numpy.typing import NDArray
 from exo_sim.diagnosis.estimation.budget import IsSpent, never
 from exo_sim.diagnosis.estimation.candidate import Candidate, CandidateKey
 from exo_sim.diagnosis.estimation.parameters import FreeParameter
-from exo_sim.diagnosis.estimation.prior_terms import prior_terms
 from exo_sim.diagnosis.estimation.threads import SERIAL, Threads
 from exo_sim.diagnosis.policy import signatures
+from exo_sim.diagnosis.selection.cleared import Cleared
 from exo_sim.diagnosis.selection.fitted_model import FittedModel, LeastSquaresModel
 
 Array = NDArray[np.float64]
@@ -67,22 +67,15 @@ def scores(
     signatures = signatures or Signatures(model, now)
     base = now.fit.residual
     fixed_now = now.fixed
-    prior_rows, prior_jac = prior_terms(now.fit.parameters, now.fit.values)
-    strength = math.sqrt(now.fit.prior_weight)
-    whole = np.vstack([now.fit.jacobian, strength * prior_jac])
-    raw = np.concatenate([base, strength * prior_rows])
-    values = now.fit.values
-    loose = [j for j, q in enumerate(now.fit.parameters) if q.low < values[q] < q.high]
-    cleared: dict[tuple[int, ...], tuple[Array, Array]] = {}
+    cleared: dict[frozenset[tuple[str, str]], Cleared] = {}
+    held = {q.slot for q in now.fit.parameters}
 
-    def clear_of(candidate: Candidate) -> tuple[Array, Array]:
-        """Return a basis of what the fitted parameters explain, those left out that the candidate stands for, and the error beyond it."""
-        slots = {q.slot for q in candidate.parameters}
-        columns = tuple(j for j in loose if now.fit.parameters[j].slot not in slots)
-        if columns not in cleared:
-            basis = np.linalg.qr(whole[:, columns])[0] if columns else np.zeros((whole.shape[0], 0))
-            cleared[columns] = basis, raw - basis @ (basis.T @ raw)
-        return cleared[columns]
+    def clear_of(candidate: Candidate) -> Cleared:
+        """Return what the fitted parameters leave, those left out that the candidate stands for."""
+        slots = frozenset(q.slot for q in candidate.parameters) & held
+        if slots not in cleared:
+            cleared[slots] = Cleared.of(now.fit, slots)
+        return cleared[slots]
 
     level = math.sqrt(float(base @ base) / max(base.size, 1))
 
@@ -90,18 +83,16 @@ def scores(
         best = 0.0
         if is_spent():
             return best, candidate
-        basis, target = clear_of(candidate)
+        beyond = clear_of(candidate)
         if candidate.is_law:
-            return _promise_of_law(model, candidate, now, fixed_now, level, basis, target), candidate
+            return _promise_of_law(model, candidate, now, fixed_now, level, beyond), candidate
         for change in signatures.of(candidate):
-            clear = np.concatenate([change, np.zeros(len(prior_rows))])
-            clear -= basis @ (basis.T @ clear)
+            clear = beyond.clear(change)
             power = float(clear @ clear)
-            pull = -float(clear @ target)
+            pull = -float(clear @ beyond.left)
             if power <= 1e-12 * float(change @ change) or power == 0.0:
                 continue
-            taken = {q.slot for q in now.fit.parameters}
-            one_sided = all(q.low >= q.neutral and q.slot not in taken for q in candidate.parameters)
+            one_sided = all(q.low >= q.neutral and q.slot not in held for q in candidate.parameters)
             if pull <= 0.0 and one_sided:
                 continue
             best = max(best, pull * pull / power)
@@ -130,16 +121,15 @@ def spread_of(parameter: FreeParameter) -> float:
 
 def _promise_of_law(
     model: LeastSquaresModel, candidate: Candidate, now: FittedModel, fixed_now: list[tuple[FreeParameter, float]], level: float,
-    basis: Array, target: Array,
+    beyond: Cleared,
 ) -> float:  # fmt: skip
     """Return the drop in squared error that a law promises whose parameters may all move at once, as far as is known of them."""
     columns = law_signatures(model, candidate, now, fixed_now)
     if not np.isfinite(columns).all():
         return 0.0
-    clear = np.vstack([columns, np.zeros((len(target) - len(columns), columns.shape[1]))])
-    clear -= basis @ (basis.T @ clear)
+    clear = np.column_stack([beyond.clear(column) for column in columns.T])
     normal = clear.T @ clear + max(level, 1.0) ** 2 * np.eye(clear.shape[1])
-    pull = clear.T @ target
+    pull = clear.T @ beyond.left
     return float(pull @ np.linalg.solve(normal, pull))
 
 

@@ -10,6 +10,26 @@ from exo_sim.physics.declaration import Effect, Identification, Parameter
 from exo_sim.physics.effects import critical_ratio
 from exo_sim.physics.identification import Applicability
 
+#: Throat area of a nozzle over the sonic conductance of the same choked flow of air at 293.15 K and 1.185 kg/m^3 [Pa s/m].
+_NOZZLE = 502.0
+
+
+def sonic_conductance(bore: float, length: float) -> float:
+    """Return the sonic conductance C of a smooth hose [m^3/(s Pa)] (ISO 6358-3, annex on tubes; lengths in m)."""
+    return 0.029 * bore**2 / math.sqrt(length / bore**1.25 + 510.0)
+
+
+def _hoses_within(dead_volume: float) -> tuple[tuple[float, float, float], ...]:
+    """Return area [m^2], volume [m^3] and length [m] of hoses that hold a share of a dead volume, each with the area of its bore."""
+    found = []
+    for share in (0.35, 0.6, 0.85):
+        for length in (0.5, 0.75, 1.0, 1.25, 1.5, 1.75, 2.0, 2.5, 3.0):
+            volume = share * dead_volume
+            bore = math.sqrt(4.0 * volume / (math.pi * length))
+            found.append((_NOZZLE * sonic_conductance(bore, length), volume, length))
+    return tuple(found)
+
+
 EFFECT = Effect(
     name="line_restriction",
     places=("cylinder",),
@@ -72,6 +92,7 @@ EFFECT = Effect(
             ("area", "volume", "length", "conductance"): {"length": (1.0, 2.0), "conductance": (0.3, 0.6)},
         },
         starts_by_valve={"area": (2.0, 0.6, 0.25), "volume": (5e-6, 1e-5, 5e-6), "ratio": (0.36,) * 3, "length": (1.0, 2.0, 1.0)},
+        shapes={("area", "volume", "length"): _hoses_within},
         of_dead_volume="volume",
         known={"ratio": (0.36, 0.08)},
         left_open={"length": (0.7, 1.5, 3.0), "conductance": (0.2, 0.45, 0.9)},

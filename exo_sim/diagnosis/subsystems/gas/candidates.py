@@ -21,6 +21,8 @@ from exo_sim.physics.effects import sensor_bias, sensor_delay, sensor_scale
 
 #: A parameter that is never zero and whose typical range spans more than this factor is fitted by its logarithm.
 LOGARITHMIC = 4.0
+#: Of a cylinder's record.
+DEAD_VOLUMES = ("dead_volume_1", "dead_volume_2")
 
 
 def candidates(plant: PlantParameters, runs: Sequence[CylinderRun], cylinder: str, joint: str) -> tuple[Candidate, ...]:
@@ -145,6 +147,7 @@ def _of_form(effect: Effect, cylinder: str, form: tuple[str, ...], plant: PlantP
     held = tuple(
         (_free(effect, p, where, target, plant), p.default) for p in effect.parameters if p.default and p.name not in form and not p.choices
     )
+    dead = [float(plant.cylinder[name][0]) for name in DEAD_VOLUMES]
     beneath = effect.requires or effect.identification.on_top_of
     one = Candidate(
         effect.name,
@@ -157,6 +160,7 @@ def _of_form(effect: Effect, cylinder: str, form: tuple[str, ...], plant: PlantP
         prerequisite=beneath if beneath and not plant.is_on(declared()[beneath]) else "",
         additive=effect.identification.adds_up,
         is_law=effect.identification.is_law,
+        shapes=effect.identification.shapes[form](min(dead)) if form in effect.identification.shapes and all(dead) else (),
     )
     choices = [parameter for parameter in effect.parameters if parameter.choices]
     if not choices:
@@ -196,7 +200,7 @@ def _free(effect: Effect, parameter: Parameter, where: str, target: Target, plan
 
 def _displaced(plant: PlantParameters, cylinder: str) -> tuple[tuple[tuple[str, str, str], float], ...]:
     """Return the dead volumes of a cylinder, each with what a cubic metre is of it."""
-    dead = {name: float(plant.cylinder[name][0]) for name in ("dead_volume_1", "dead_volume_2")}
+    dead = {name: float(plant.cylinder[name][0]) for name in DEAD_VOLUMES}
     return tuple(((DEAD_VOLUME, cylinder, name), 1.0 / volume) for name, volume in dead.items() if volume > 0.0)
 
 

@@ -47,6 +47,11 @@ def beyond_data_sheet(name: str, rivals: Sequence[str]) -> str:
     return f"No data sheet leaves so much open, and {explained}: {STANDS_FOR[name]}."
 
 
+def counted_in(effect: str) -> str:
+    """Return what a number is smaller by where its owner counted an effect in."""
+    return f"That is about what the {name_of(effect)} beside it holds: it was counted in."
+
+
 def twins(effects: Sequence[str]) -> str:
     """Return that effects would look the same as a number that is off."""
     return f"In these recordings {' or '.join(map(name_of, effects))} of the force that was measured would look the same."

@@ -8,6 +8,7 @@ from dataclasses import dataclass
 
 from exo_sim.diagnosis import wording
 from exo_sim.diagnosis.estimation.parameters import FreeParameter
+from exo_sim.diagnosis.estimation.prior_terms import as_counted
 from exo_sim.diagnosis.estimation.uncertainty import bounded_interval, interval
 from exo_sim.diagnosis.findings import Estimate, Finding, Kind
 from exo_sim.diagnosis.nominal_numbers import DEAD_VOLUME, INITIAL_TEMPERATURE
@@ -27,6 +28,8 @@ class Deviation:
         factor, error: By which factor it is off, and its standard error.
         stands_for: Effects that explain nearly as much in its place.
         twins: Effects that nothing in the recordings could tell from it.
+        counted_in: An effect of the model that its owner seems to have counted in, ...
+        with_it: ... and the factor with that.
     """
 
     parameter: FreeParameter
@@ -34,6 +37,13 @@ class Deviation:
     error: float
     stands_for: tuple[str, ...] = ()
     twins: tuple[str, ...] = ()
+    counted_in: str = ""
+    with_it: float = math.nan
+
+    @property
+    def is_beyond_data_sheet(self) -> bool:
+        """Whether it is surely further off than any data sheet leaves open, with what was counted in."""
+        return is_beyond_data_sheet(self.parameter, self.with_it if self.counted_in else self.factor, self.error)
 
 
 def error_of_law(parameter: FreeParameter, value: float, error: float) -> float:
@@ -73,7 +83,9 @@ def deviations(model: FittedModel, errors: Mapping[FreeParameter, float]) -> tup
             far = parameter.prior is not None and abs(factor - 1.0) > BEYOND_SHEET.get(parameter.effect, math.inf) * parameter.prior[1]
             is_off = far or abs(factor - 1.0) > max(SURE * error, WORTH[parameter.effect])
         if is_off:
-            found.append(Deviation(parameter, factor, error))
+            with_it = as_counted(parameter, model.fit.values)
+            owner = next((q.effect for q in effects if parameter.key in dict(q.displaces)), "") if with_it != value else ""
+            found.append(Deviation(parameter, factor, error, counted_in=owner, with_it=with_it / whole))
     return tuple(found)
 
 
@@ -139,10 +151,12 @@ def _calibration(name: str, where: str, parts: Sequence[Deviation]) -> Finding:
             if (q := one.parameter).prior
         }
     says = " ".join(wording.calibration(name, one.parameter.parameter, one.factor) for one in parts)
-    beyond = name in wording.STANDS_FOR and any(is_beyond_data_sheet(one.parameter, one.factor, one.error) for one in parts)
+    beyond = name in wording.STANDS_FOR and any(one.is_beyond_data_sheet for one in parts)
     rivals = tuple(dict.fromkeys(rival for one in parts for rival in one.stands_for)) if beyond else ()
     if beyond:
         says += " " + wording.beyond_data_sheet(name, rivals)
+    elif all(one.counted_in for one in parts):
+        says += " " + wording.counted_in(parts[0].counted_in)
     twins = tuple(dict.fromkeys(twin for one in parts for twin in one.twins))
     if twins:
         says += f" {wording.twins(twins)}"

@@ -18,6 +18,7 @@ from exo_sim.diagnosis.data.split import Split
 from exo_sim.diagnosis.estimation.candidate import Candidate, drop_orphans
 from exo_sim.diagnosis.estimation.correlation import rms
 from exo_sim.diagnosis.estimation.parameters import FreeParameter
+from exo_sim.diagnosis.estimation.prior_terms import as_counted
 from exo_sim.diagnosis.findings import Kind
 from exo_sim.diagnosis.policy.acceptance import SURELY_MORE
 from exo_sim.diagnosis.policy.off_nominal import FAR_FROM_STRAINED, HELD_WITHIN, WORTH, WRONG_NUMBER
@@ -51,9 +52,11 @@ def strained(model: FittedModel, errors: Mapping[FreeParameter, float]) -> tuple
 
     Not those of sensors, whose zeros errors of the model move, nor an owner's numbers of an effect, whose law may differ.
     """
+    values = model.fit.values
     return tuple(
-        q for q, value in model.fit.values.items()
-        if _is_of_a_part(q) and not _is_overridden(q, model) and is_beyond_data_sheet(q, value, errors.get(q, math.inf))
+        q for q in values
+        if _is_of_a_part(q) and not _is_overridden(q, model)
+        and is_beyond_data_sheet(q, as_counted(q, values), errors.get(q, math.inf))
     )  # fmt: skip
 
 

@@ -9,6 +9,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from exo_sim.diagnosis.data.split import Split
+from exo_sim.diagnosis.estimation.candidate import Candidate
 from exo_sim.diagnosis.estimation.parameters import FreeParameter, PlantParameters, Target
 from exo_sim.diagnosis.policy.off_nominal import MODEL_SHARE, SURE
 from exo_sim.diagnosis.policy.probability import CALIBRATED, UNTESTED
@@ -185,3 +186,17 @@ def test_an_edge_is_off_only_beyond_what_edges_of_one_spool_differ_by() -> None:
         return bool(deviations(trial, {edge: 1e-3}))
 
     assert not off(-0.06) and not off(0.03) and off(0.4)
+
+
+def test_a_dead_volume_that_holds_a_hose_which_was_counted_in_is_within_its_data_sheet() -> None:
+    dead = volume(1)
+    hose = FreeParameter(
+        "line_restriction", "piston", "volume", "m^3", Target.CYLINDER, 1e-5, 1e-7, 1e-3, displaces=((dead.key, 1e5),)
+    )
+    candidate = Candidate("line_restriction", "piston", "volume", (hose,), ((5e-6,),))
+    for candidates, beyond in (((candidate,), False), ((), True)):
+        model = FittedModel.at({dead: 0.2, **({hose: 8e-6} if candidates else {})}, candidates)
+        (found,) = deviations(model, {dead: 0.01, hose: 1e-7})
+        assert found.factor == 0.2 and found.is_beyond_data_sheet is beyond
+        (finding,) = calibration_findings([found])
+        assert ("counted in" in finding.says) is not beyond and ("No data sheet" in finding.says) is beyond

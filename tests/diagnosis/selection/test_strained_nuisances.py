@@ -103,7 +103,7 @@ def test_where_the_number_is_more_probable_it_stays_the_finding_and_says_what_it
 
 def test_a_hose_that_a_search_found_itself_is_held_against_the_number_as_well() -> None:
     same = waves.candidate("line_restriction", "same")
-    same = replace(same, displaced=((same.parameters[0], VOLUME.key, 1.0),))
+    same = replace(same, parameters=(replace(same.parameters[0], displaces=((VOLUME.key, 1.0),)),))
     model = Volume(shapes=SHAPES, slow=6.0)
     _, fits, proposals = ended(model, same)
     named = fits.refined(fits.fit((same,)))

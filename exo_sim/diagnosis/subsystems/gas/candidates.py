@@ -147,7 +147,7 @@ def _of_form(effect: Effect, cylinder: str, form: tuple[str, ...], plant: PlantP
     held = tuple(
         (_free(effect, p, where, target, plant), p.default) for p in effect.parameters if p.default and p.name not in form and not p.choices
     )
-    dead = [float(plant.cylinder[name][0]) for name in DEAD_VOLUMES]
+    dead = [volume for name in DEAD_VOLUMES if (volume := float(plant.cylinder[name][0])) > 0.0]
     beneath = effect.requires or effect.identification.on_top_of
     one = Candidate(
         effect.name,
@@ -160,7 +160,7 @@ def _of_form(effect: Effect, cylinder: str, form: tuple[str, ...], plant: PlantP
         prerequisite=beneath if beneath and not plant.is_on(declared()[beneath]) else "",
         additive=effect.identification.adds_up,
         is_law=effect.identification.is_law,
-        shapes=effect.identification.shapes[form](min(dead)) if form in effect.identification.shapes and all(dead) else (),
+        shapes=effect.identification.shapes[form](min(dead)) if form in effect.identification.shapes and dead else (),
     )
     choices = [parameter for parameter in effect.parameters if parameter.choices]
     if not choices:

@@ -45,7 +45,21 @@ def test_a_hose_is_sought_where_it_is_a_part_of_the_dead_volumes_as_well() -> No
     run = cylinder_runs.run_of(level, level, command=np.linspace(-0.2, 0.2, 50), commanded=True)
     hose = next(c for c in candidates(plant, [run], "piston", "slide") if c.effect == "line_restriction")
     ((own, key, per_unit),) = hose.displaced
-    assert own.parameter == "volume" and key == ("dead_volume", "piston", "dead_volume_1") and per_unit == pytest.approx(2.5e4)
+    assert own.parameter == "volume" and own in hose.parameters and key == ("dead_volume", "piston", "dead_volume_1") and per_unit == pytest.approx(2.5e4)
+
+
+def test_long_hoses_are_sought_among_those_that_the_smaller_dead_volume_may_hold() -> None:
+    plant = PlantParameters(np.zeros(1, WORLD), np.zeros(1, CYLINDER))
+    plant.cylinder["valve_area"], plant.cylinder["dead_volume_1"], plant.cylinder["dead_volume_2"] = 2e-6, 4e-5, 3e-5
+    level = np.full(50, 3e5)
+    run = cylinder_runs.run_of(level, level, command=np.linspace(-0.2, 0.2, 50), commanded=True)
+    hoses = [c for c in candidates(plant, [run], "piston", "slide") if c.effect == "line_restriction"]
+    with_shapes = [c for c in hoses if c.shapes]
+    assert {tuple(q.parameter for q in c.parameters) for c in with_shapes} == {("area", "volume", "length")}
+    for area, volume, length in with_shapes[0].shapes:
+        assert 0.0 < volume < 3e-5
+        bore = np.sqrt(4.0 * volume / (np.pi * length))
+        assert area == pytest.approx(502.0 * 0.029 * bore**2 / np.sqrt(length / bore**1.25 + 510.0))  # ISO 6358-3
 
 
 @pytest.mark.parametrize(("command", "asked"), [(np.full(50, 0.8), False), (np.linspace(0.0, 0.8, 50), True), (np.zeros(50), True)])

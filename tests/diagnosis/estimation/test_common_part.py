@@ -9,8 +9,8 @@ import pytest
 
 from exo_sim.diagnosis.estimation.common_part import with_common_parts_split
 from exo_sim.diagnosis.estimation.least_squares import Fit
-from exo_sim.diagnosis.estimation.prior_terms import prior_terms
 from exo_sim.diagnosis.estimation.parameters import FreeParameter, Target
+from exo_sim.diagnosis.estimation.prior_terms import prior_terms
 from exo_sim.physics.effects.valve_edges import EDGES
 
 WIDTH = FreeParameter("valve_deadband", "piston", "width", "1", Target.CYLINDER, 0.01, 0.0, 0.9)

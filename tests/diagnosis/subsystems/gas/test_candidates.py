@@ -45,7 +45,8 @@ def test_a_hose_is_sought_where_it_is_a_part_of_the_dead_volumes_as_well() -> No
     run = cylinder_runs.run_of(level, level, command=np.linspace(-0.2, 0.2, 50), commanded=True)
     hose = next(c for c in candidates(plant, [run], "piston", "slide") if c.effect == "line_restriction")
     ((own, key, per_unit),) = hose.displaced
-    assert own.parameter == "volume" and own in hose.parameters and key == ("dead_volume", "piston", "dead_volume_1") and per_unit == pytest.approx(2.5e4)
+    assert own.parameter == "volume" and own in hose.parameters
+    assert key == ("dead_volume", "piston", "dead_volume_1") and per_unit == pytest.approx(2.5e4)
 
 
 def test_long_hoses_are_sought_among_those_that_the_smaller_dead_volume_may_hold() -> None:

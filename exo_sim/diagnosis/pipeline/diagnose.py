@@ -21,6 +21,7 @@ from exo_sim.diagnosis.outcome.small_findings import small_findings
 from exo_sim.diagnosis.outcome.verdict import distinct, next_experiment, swings_astray, verdict_of
 from exo_sim.diagnosis.outcome.wrong_sizes import advice, suspected_bores
 from exo_sim.diagnosis.pipeline.freed_memory import return_freed, return_large_arrays
+from exo_sim.diagnosis.pipeline.machine_needs import with_what_the_machine_needs
 from exo_sim.diagnosis.pipeline.motion_stage import undecided
 from exo_sim.diagnosis.pipeline.plan import Examination, Progress
 from exo_sim.diagnosis.pipeline.rate_questions import hidden_by_rate
@@ -79,14 +80,16 @@ def diagnose(
 
 def _reported(stable: Examination, allowed: Budget, report: Progress, folder: Path | None) -> Diagnosis:
     """Return what an examination says, and the improved rig as far as it wins."""
-    found, in_the_test = with_test_findings(without_small(without_doubtful(stable)))
+    allowed.allow_until(1.0)
+    whole = without_doubtful(stable)
+    needed = with_what_the_machine_needs(whole, without_small(whole), allowed.is_spent)
+    found, in_the_test = with_test_findings(needed)
     findings = [*_findings(found), *in_the_test]
     data, results, test, split = found.data, found.results, found.test, found.plan.split
     report("writing the rig anew")
     update = rig_update(data, results.all, found.unknown)
     report("running it")
     return_freed()
-    allowed.allow_until(1.0)
     kept, said = accepted(data, update, split, allowed.is_spent)
     is_cut = kept.update is not update
     without_noise = computed_columns.computed(data.recordings, list(dict.fromkeys([*test.signals, *kept.free_run])))

@@ -115,6 +115,11 @@ class Examination:
     small: tuple[Finding, ...] = ()
     contradicted: Refuted = field(default_factory=dict)
 
+    def holding_small(self, small: tuple[Finding, ...]) -> Examination:
+        """Return it with these findings beside the others, not among them."""
+        gone = {finding.at for finding in small}
+        return replace(self, results=self.results.keeping(lambda _, finding: finding.at not in gone), small=small)
+
     @property
     def validation_ratio(self) -> float:
         """How much larger the validation error is than what the fit leaves; 0 without validation."""

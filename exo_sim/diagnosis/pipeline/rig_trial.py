@@ -26,7 +26,8 @@ from exo_sim.diagnosis.policy.validation import (
     SURELY_BETTER,
     SURELY_STRAYS,
 )
-from exo_sim.diagnosis.validation.machine_runs import Blocks
+from exo_sim.diagnosis.validation.machine_runs import Blocks, MachineRuns
+from exo_sim.rig import Rig
 
 Fits = Mapping[str, SignalFit]
 
@@ -106,6 +107,19 @@ class Trial:
 
     def _run_free(self) -> list[float]:
         return [log for fits in (self.free_run, *self.starts) for log in _logs(fits, self.spreads)]
+
+
+def gain(runs: MachineRuns, rig: Rig, data: MachineData) -> tuple[float, float]:
+    """Return by how much the mean logarithm of the whole machine's errors falls with a rig, and its standard error; 0 where nothing runs.
+
+    Args:
+        runs: Over windows, of the rig that it is held against.
+        rig: The rig.
+        data: The recordings.
+    """
+    errors = runs.errors(rig)
+    logs = _logs(errors, {column: spread_of(data, column) for column in errors})
+    return -_mean(logs), uncertainty(runs.by_block(rig), {column: fit.noise for column, fit in errors.items()})
 
 
 def straying_further(runs: Sequence[Fits]) -> tuple[str, ...]:

@@ -137,10 +137,7 @@ def without_small(examination: Examination) -> Examination:
     """Return an examination that holds what is too small to matter beside its findings, not among them."""
     seen = examination.checked
     errors = seen.left, seen.where_acting, seen.beyond_healthy
-    small = tuple(finding for one in examination.results.all for finding in too_small(one, *errors, seen.worth))
-    gone = {finding.at for finding in small}
-    results = examination.results.keeping(lambda one, finding: finding.at not in gone)
-    return replace(examination, results=results, small=small)
+    return examination.holding_small(tuple(f for one in examination.results.all for f in too_small(one, *errors, seen.worth)))
 
 
 def with_test_findings(examination: Examination) -> tuple[Examination, list[Finding]]:

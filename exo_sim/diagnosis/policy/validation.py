@@ -48,6 +48,13 @@ EXCEEDS_HEALTHY = Number(
     "learn machines: true dips change the rows of time kept back by 0.9 to 1.2 (B, X7, X11), and X7's those that were fitted, which count "
     "since, by 2.0; friction that slides by 3 to 16. The names of four healthy machines stay small",
 )  # fmt: skip
+NEEDED = Number(
+    0.15, "share of the error of the whole machine over windows, in time kept back",
+    "a finding that balances call too small to matter and that lowers it surely by more matters all the same: as much as a finding must "
+    "explain of what is missing. That it is there is beyond doubt already",
+    "learn make X12 of whole machines: with its dry friction of 67 N, which the balance of forces calls small, windows of a fresh "
+    "recording are missed by 2.9 kPa, without it by 15.4 kPa",
+)  # fmt: skip
 CONTRADICTED = Number(
     2.0, "what a balance of forces leaves with it, in units of what it leaves without it, or of the noise",
     "above this a fault of a pressure's sensor that the gas asks for is refuted: forces hang on the pressure itself",

@@ -65,7 +65,7 @@ class Searched:
 
     def effort(self, cylinder: str) -> int:
         """Return how many samples were predicted in the searches of a cylinder's gas."""
-        return sum(one.model.effort for (name, *_), one in self.results.items() if name == cylinder)
+        return sum(one.model.effort.samples for (name, *_), one in self.results.items() if name == cylinder)
 
     def sampled(self, cylinder: str) -> frozenset[str]:
         """Return in which recordings the commands of a cylinder were found to be samples of a quicker loop."""
@@ -149,7 +149,7 @@ def examine_gas(
                     done[key] = seek(other, begun)
         found.append(done[key])
         data = _with_readings(data, found[-1].model)
-        if found[-1].model.effort > searched.limits[key]:
+        if found[-1].model.effort.samples > searched.limits[key]:
             data = replace(data, remarks=(*data.remarks, f"{name}: {_ENDED}"))
     return data, tuple(found)
 
@@ -182,7 +182,7 @@ def _searched(
     search = Search(
         model, nuisances, asked, threads, report, cheap=sum(len(run.time) for run in model.all_runs) < FEW_SAMPLES,
         practical_significance=model.practical_significance,
-        stopping=StoppingCriteria(soft, plan.budget.is_spent, lambda: model.effort > most), start=replace(begun, first=first),
+        stopping=StoppingCriteria(soft, plan.budget.is_spent, lambda: model.effort.samples > most), start=replace(begun, first=first),
     )  # fmt: skip
     end, fits = relieved(search.run(), search.fits, search.proposals, model, plan.split)
     return decide(model.where, model, fits, end, plan.split)

@@ -65,7 +65,7 @@ def test_pressures_of_a_slow_logger_are_late_as_one_and_a_search_is_run_once(tmp
     _, (again,) = examine_gas(data, refuted_elsewhere, SERIAL, lambda words: None, searched)
     assert again is found
     assert len(searched.results) == 1
-    assert searched.effort("piston") == found.model.effort > 0 == searched.effort("other")
+    assert searched.effort("piston") == found.model.effort.samples > 0 == searched.effort("other")
 
 
 @pytest.mark.parametrize("conductance", [0.4, 0.0], ids=["walls that the rig knows", "walls that it does not know"])
@@ -95,9 +95,9 @@ def test_temperatures_beside_walls_that_a_first_fit_did_not_know_are_as_sure_as_
 def test_gas_that_begins_quietly_is_not_fitted_for_it() -> None:
     model = GasModel([recorded((0.0, 0.0))], vessel(), Split({}))
     near = fit(model.residual, (), {})
-    before = model.effort
+    before = model.effort.samples
     assert felt_temperatures(model, near) == ()
-    assert model.effort == before
+    assert model.effort.samples == before
 
 
 def test_a_search_in_another_division_of_the_time_begins_with_what_the_first_found() -> None:

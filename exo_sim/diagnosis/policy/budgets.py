@@ -95,4 +95,7 @@ MOST_IN_ONE_RUN = Count(
 MOST_REJECTED = Count(20, "candidates", "that were rejected are listed at most")
 MOST_SPANS = Count(6, "spans of time", "are listed of one balance at most")
 RANKED = Count(3, "experiments", "that would separate two explanations are listed")
-MOST_TRIALS = Count(12, "improved rigs", "are run over the held-out time, to see how much of what was found wins")
+MOST_TRIALS = Count(
+    12, "improved rigs",
+    "are run over a held-out time, then no more of what was found is left out; what was begun is ended, and what was found is run alone",
+)

@@ -57,7 +57,8 @@ def in_one_thread(function: Callable[Arguments, Result]) -> Callable[Arguments, 
     and what else the process computes meanwhile has one thread as well.
 
     A BLAS that is loaded meanwhile has as many threads as it likes, and so has one whose number somebody else sets meanwhile, or holds in
-    another thread with threadpoolctl. One that is built with OpenMP counts by thread: there only the first caller's thread is limited.
+    another thread with threadpoolctl. One that is built with OpenMP counts by thread: there only the first caller's thread is limited, and
+    stays so where another one's function ends last.
     """
 
     @wraps(function)

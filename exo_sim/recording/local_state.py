@@ -68,7 +68,7 @@ class LocalStates:
         self._time, self._values = time[there], values[there]
         self._noise = white_noise(values) if noise is None else noise
         _, grid, _, step = evenly(time, values)
-        self.inside, self.at_end = (_best_span(grid, step, self._noise, at_end) for at_end in (False, True))
+        self.inside, self.at_end = (_best_span(grid, step, self._noise, at_start) for at_start in (False, True))
 
     def at(self, moment: float) -> LocalState:
         """Return the motion at a moment; near an end of the stretch samples are taken from one side."""
@@ -97,16 +97,16 @@ def first_rate_error(time: Array, values: Array) -> float:
 
 #: Of every position of some recordings, in their middle and at their ends.
 @kept(32)
-def _best_span(grid: Array, step: float, noise: float, at_end: bool) -> Span:
-    """Return the span whose rate is best, in its middle or at its beginning."""
+def _best_span(grid: Array, step: float, noise: float, at_start: bool) -> Span:
+    """Return the span whose rate is best, in its middle or at its start; at its end it is as good."""
     most = min(MOST, int(MOST_SHARE * len(grid)))
     counts = [LEAST]
     while (more := 2 * (int(max(LONGER * counts[-1], counts[-1] + 2)) // 2) + 1) <= most:
         counts.append(more)
-    kernels = [rate_weights(count, step, at_end) for count in counts]
+    kernels = [rate_weights(count, step, at_start) for count in counts]
     spans = [Span(counts[0], noise * float(np.linalg.norm(kernels[0])), 0.0)]
     for (count, kernel), (longer, other) in itertools.pairwise(zip(counts, kernels, strict=True)):
-        ahead = 0 if at_end else (longer - count) // 2
+        ahead = 0 if at_start else (longer - count) // 2
         change = other.copy()
         change[ahead : ahead + count] -= kernel
         found = oaconvolve(grid, change[::-1], mode="valid")

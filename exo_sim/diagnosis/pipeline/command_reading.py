@@ -63,6 +63,8 @@ class _Left:
 def as_sampled(model: GasModel, split: Split, recordings: Collection[str]) -> GasModel:
     """Return the model with the commands of some recordings read as samples; itself where none of them may be.
 
+    What the two predict is counted together.
+
     Args:
         model: The gas.
         split: Which time may be used.
@@ -70,7 +72,7 @@ def as_sampled(model: GasModel, split: Split, recordings: Collection[str]) -> Ga
     """
     turned = [replace(run, sampled=run.sampled or (run.recording in recordings and may_be_sampled(run))) for run in model.all_runs]
     changed = any(one.sampled is not run.sampled for one, run in zip(turned, model.all_runs, strict=True))
-    return GasModel(turned, model.nominal, split) if changed else model
+    return GasModel(turned, model.nominal, split, effort=model.effort) if changed else model
 
 
 def read_as_sampled(

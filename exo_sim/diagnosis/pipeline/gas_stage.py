@@ -17,6 +17,7 @@ from exo_sim.diagnosis.data.sampled_commands import remark
 from exo_sim.diagnosis.estimation.budget import IsSpent, never
 from exo_sim.diagnosis.estimation.candidate import Candidate, drop_orphans
 from exo_sim.diagnosis.estimation.correlation import correlation_time
+from exo_sim.diagnosis.estimation.effort import Allowance, Effort
 from exo_sim.diagnosis.estimation.least_squares import Fit, fit
 from exo_sim.diagnosis.estimation.parameters import FreeParameter, PlantParameters
 from exo_sim.diagnosis.estimation.threads import SERIAL, Threads
@@ -47,11 +48,13 @@ class Searched:
 
     Attributes:
         results: By cylinder, test time, candidates and friction of the piston.
-        limits: After how many predicted samples each of them sought nothing more.
+        stopped: Those of them that sought nothing more after the most predictions.
+        efforts: By cylinder, how many samples were predicted to get its results, and those that were given up for them.
     """
 
     results: dict[tuple[Hashable, ...], SubsystemResult[GasModel]] = field(default_factory=dict)
-    limits: dict[tuple[Hashable, ...], int] = field(default_factory=dict)
+    stopped: set[tuple[Hashable, ...]] = field(default_factory=set)
+    efforts: dict[str, int] = field(default_factory=dict)
 
     def of_other_time(self, cylinder: str, test_time: Hashable, asked: Sequence[Candidate]) -> FittedModel | None:
         """Return the latest model of a cylinder's gas in another division of the time, with those of its effects that are asked; or None.
@@ -63,9 +66,28 @@ class Searched:
         other = [one for (name, time, *_), one in self.results.items() if name == cylinder and time != test_time and not one.is_empty]
         return _asked_of(other[-1].search.final, asked) if other else None
 
-    def effort(self, cylinder: str) -> int:
-        """Return how many samples were predicted in the searches of a cylinder's gas."""
-        return sum(one.model.effort for (name, *_), one in self.results.items() if name == cylinder)
+    def allowed(self, cylinder: str, effort: Effort) -> Allowance:
+        """Return how many samples the next search of a cylinder's gas may predict: what is left of the most, and no less than the least.
+
+        Args:
+            cylinder: Its name.
+            effort: Where the search counts, and searches before it whose effort does not stand in `efforts` yet.
+        """
+        spent = self.efforts.get(cylinder, 0) + effort.samples
+        return Allowance(effort, max(MOST_EFFORT - spent, int(LEAST_LATER * MOST_EFFORT)))
+
+    def keep(self, key: tuple[Hashable, ...], result: SubsystemResult[GasModel], stopped: bool) -> None:
+        """Keep what searches of one gas ended with, and all that they predicted together.
+
+        Args:
+            key: What was asked, the cylinder first.
+            result: Of the last of them.
+            stopped: Whether that sought nothing more after the most predictions.
+        """
+        self.results[key] = result
+        self.efforts[result.name] = self.efforts.get(result.name, 0) + result.model.effort.samples
+        if stopped:
+            self.stopped.add(key)
 
     def sampled(self, cylinder: str) -> frozenset[str]:
         """Return in which recordings the commands of a cylinder were found to be samples of a quicker loop."""
@@ -130,26 +152,26 @@ def examine_gas(
             standing = searched.standing(name, plan.test_time, friction, asked)
             begun = WarmStart(None, standing or searched.of_other_time(name, plan.test_time, asked), standing is not None)
             soft = softens if plan.friction is None and joint in data.joints else None
-            most = searched.limits[key] = max(MOST_EFFORT - searched.effort(name), int(LEAST_LATER * MOST_EFFORT))
-            seek = partial(
-                _searched, nuisances=nuisances, asked=asked, soft=soft, plan=plan, threads=threads, report=_naming(report, name), most=most
-            )
+            seek = partial(_searched, nuisances=nuisances, asked=asked, soft=soft, plan=plan, threads=threads, report=_naming(report, name))
             if model.size >= FEWEST_ROWS:
                 model = as_sampled(model, plan.split, searched.sampled(name))
                 free = {q: q.start for q in nuisances}
                 model = read_as_sampled(model, plan.split, free, (), HELD_AT_FIRST, False, threads, plan.budget.is_spent)
-            done[key] = seek(model, begun)
+            allowed = searched.allowed(name, model.effort)
+            held = seek(model, begun, allowed=allowed)
+            result, end = held, held.final
             if model.size >= FEWEST_ROWS:
-                held, end = done[key], done[key].final
                 loud = held.has_unknown or end.fit.sse > UNKNOWN_VARIANCE * held.model.size
                 other = read_as_sampled(
                     held.model, plan.split, end.fit.values, end.fixed, HELD_IN_THE_END, loud, threads, plan.budget.is_spent
                 )
                 if other is not held.model:
-                    done[key] = seek(other, begun)
+                    allowed = searched.allowed(name, other.effort)
+                    result = seek(other, begun, allowed=allowed)
+            searched.keep(key, result, allowed.stopped)
         found.append(done[key])
         data = _with_readings(data, found[-1].model)
-        if found[-1].model.effort > searched.limits[key]:
+        if key in searched.stopped:
             data = replace(data, remarks=(*data.remarks, f"{name}: {_ENDED}"))
     return data, tuple(found)
 
@@ -163,7 +185,7 @@ def _with_readings(data: MachineData, model: GasModel) -> MachineData:
 
 def _searched(
     model: GasModel, begun: WarmStart, *, nuisances: tuple[FreeParameter, ...], asked: tuple[Candidate, ...],
-    soft: Callable[[FittedModel], bool] | None, plan: Plan, threads: Threads, report: Progress, most: int,
+    soft: Callable[[FittedModel], bool] | None, plan: Plan, threads: Threads, report: Progress, allowed: Allowance,
 ) -> SubsystemResult[GasModel]:
     """Return what a search of one gas found.
 
@@ -173,7 +195,7 @@ def _searched(
         nuisances, asked: What is free in every fit, and the candidates.
         soft: When it may end before all is explained.
         plan, threads, report: As in `examine`.
-        most: Samples after whose prediction it seeks nothing more.
+        allowed: How much it may predict.
     """
     first = None
     if model.size >= FEWEST_ROWS:
@@ -182,7 +204,7 @@ def _searched(
     search = Search(
         model, nuisances, asked, threads, report, cheap=sum(len(run.time) for run in model.all_runs) < FEW_SAMPLES,
         practical_significance=model.practical_significance,
-        stopping=StoppingCriteria(soft, plan.budget.is_spent, lambda: model.effort > most), start=replace(begun, first=first),
+        stopping=StoppingCriteria(soft, plan.budget.is_spent, allowed.is_used_up), start=replace(begun, first=first),
     )  # fmt: skip
     end, fits = relieved(search.run(), search.fits, search.proposals, model, plan.split)
     return decide(model.where, model, fits, end, plan.split)

@@ -51,7 +51,7 @@ class JudgedBalances:
     """Balances of forces that were judged: a round that asks the same of the very same balance gets the same answer.
 
     Attributes:
-        results: By name, test time and refuted effects, with the runs that were judged.
+        results: By name, test time and which of the effects that they ask were refuted, with the runs that were judged.
     """
 
     results: dict[tuple[Hashable, ...], tuple[tuple[MotionRun, ...], SubsystemResult[MotionModel]]] = field(default_factory=dict)
@@ -72,16 +72,21 @@ def examine_motion(
         judged: What earlier rounds judged of the same data.
     """
     judged, found = judged or JudgedBalances(), []
-    refuted = frozenset((effect, where) for effect, where in plan.refuted if effect not in declared() or declared()[effect].cut != "gas")
     for number, (name, runs) in enumerate(data.joints.items()):
         plan.budget.allow_until(GAS_UNTIL + (FORCES_UNTIL - GAS_UNTIL) * (number + 1) / len(data.joints))
-        key = (name, plan.test_time, refuted)
+        key = (name, plan.test_time, _refuted_of(name, runs, data, plan))
         result = judged.of(key, runs)
         if result is None:
             result = examine_balance(name, runs, data, plan, threads, report)
             judged.results[key] = tuple(runs), result
         found.append(result)
     return tuple(found)
+
+
+def _refuted_of(name: str, runs: Sequence[MotionRun], data: MachineData, plan: Plan) -> frozenset[tuple[str, str]]:
+    """Return which effects that a balance asks were refuted: one of the gas too, where a pressure was imputed."""
+    asked = candidates(runs, nominal_balance(data, name, runs), runs[0].cylinder or runs[0].joint)
+    return frozenset(one.at for one in asked if one.at in plan.refuted)
 
 
 def judged_balances(data: MachineData, split: Split) -> int:

@@ -38,23 +38,26 @@ class Judge:
     Args:
         data: The recordings, and the rig as handed in.
         split: Its test time counts.
+        windows, free: Errors on that time, over windows and in one run; made anew where absent.
+        rigs: By text, what was read already.
     """
 
-    def __init__(self, data: MachineData, split: Split) -> None:
+    def __init__(
+        self, data: MachineData, split: Split, windows: WindowErrors | None = None, free: MachineRuns | None = None,
+        rigs: dict[str, Rig] | None = None,
+    ) -> None:  # fmt: skip
         self._data, self._split = data, split
-        self._windows, self._free, self._whole = WindowErrors(data, split), MachineRuns(data, split), MachineRuns(data, split, WINDOW)
+        self._windows, self._free = windows or WindowErrors(data, split), free or MachineRuns(data, split)
+        self._whole = MachineRuns(data, split, WINDOW)
         self._started = [MachineRuns(data, split, part=(number / STARTS, (number + 1) / STARTS)) for number in range(STARTS)]
         self._warmth_unknown = closed_gas(data)
         self.refusals: list[str] = []
-        self._rigs: dict[str, Rig] = {}
+        self._rigs = {} if rigs is None else rigs
 
     def over(self, split: Split) -> Judge:
         """Return the judge by another time of the recordings: what was run already over all of it is not run again."""
-        other = Judge(self._data, split)
-        other._windows, other._rigs = self._windows.over(split), self._rigs
-        if set(split.test) == set(self._split.test):
-            other._free = self._free.over(split)
-        return other
+        free = self._free.over(split) if set(split.test) == set(self._split.test) else None
+        return Judge(self._data, split, self._windows.over(split), free, self._rigs)
 
     def trial(self, update: RigUpdate) -> Trial:
         """Return the errors of one update; why its rig is refused is kept in `refusals`."""

@@ -22,6 +22,7 @@ from exo_sim.diagnosis.subsystem_model import Comparison
 from exo_sim.diagnosis.subsystems.gas.model import GasModel
 from exo_sim.diagnosis.subsystems.motion.model import MotionModel
 from exo_sim.diagnosis.validation.machine_runs import judged_part
+from exo_sim.recording.table import Recording
 from exo_sim.rig import Rig
 
 #: Rms error, unit and noise of the sensor, by column or balance.
@@ -36,31 +37,21 @@ class WindowErrors:
     Args:
         data: The recordings, and the rig as handed in, after the examination.
         split: Its test time counts.
+        of_whole: Errors on other time, of recordings that are not cut to it: what the rigs make of them is known from there.
     """
 
-    def __init__(self, data: MachineData, split: Split) -> None:
+    def __init__(self, data: MachineData, split: Split, of_whole: WindowErrors | None = None) -> None:
         self._data, self._plan = data, Plan(split)
-        self._tables = [judged_part(table, data) for table in data.as_read]
-        self._is_cut = sum(table.duration for table in self._tables) > LONGEST_FREE_RUN
-        if self._is_cut:
-            whole = {table.name: table for table in self._tables}
-            self._tables = [
-                whole[name].span(begin - LEAD, np.nextafter(end, math.inf))
-                for name, spans in split.test.items()
-                if name in whole
-                for begin, end in spans
-            ]
+        self._tables: list[Recording]
+        self._tables, self._is_cut = _judged(data, split) if of_whole is None else (of_whole._tables, False)
+        self._seen: dict[bool, tuple[Rig, MachineData]] = {} if of_whole is None else of_whole._seen
         self._guessed = {joint for joint, runs in data.joints.items() if any(run.imputed is not None for run in runs)}
         self._sampled = {(name, run.recording) for name, runs in data.cylinders.items() for run in runs if run.sampled}
         self._before: Errors | None = None
-        self._seen: dict[bool, tuple[Rig, MachineData]] = {}
 
     def over(self, split: Split) -> WindowErrors:
         """Return the errors on another test time: of recordings that are not cut to it what the rigs make of them is known already."""
-        other = WindowErrors(self._data, split)
-        if not self._is_cut:
-            other._tables, other._seen = self._tables, self._seen
-        return other
+        return WindowErrors(self._data, split, None if self._is_cut else self)
 
     def errors(self, improved: Rig) -> dict[str, SignalFit]:
         """Return the errors of the rig as handed in and of an improved one; of long recordings only the test time is run, if that is short.
@@ -107,3 +98,13 @@ class WindowErrors:
             error = rms(np.concatenate([one.error_after for one in those]))
             found[key] = (error, those[0].series.unit, max(one.series.noise for one in those))
         return found
+
+
+def _judged(data: MachineData, split: Split) -> tuple[list[Recording], bool]:
+    """Return what is judged of the recordings, and whether that is no more than their test time with its lead: of long ones."""
+    tables = [judged_part(table, data) for table in data.as_read]
+    if sum(table.duration for table in tables) <= LONGEST_FREE_RUN:
+        return tables, False
+    whole = {table.name: table for table in tables}
+    spans = [(name, *span) for name, those in split.test.items() if name in whole for span in those]
+    return [whole[name].span(begin - LEAD, np.nextafter(end, math.inf)) for name, begin, end in spans], True

@@ -64,7 +64,7 @@ def test_samples_are_known_beside_an_error_that_has_no_name(plant: PlantParamete
 def test_each_recording_is_read_by_itself(plant: PlantParameters) -> None:
     model = GasModel([logged(plant, "held", True), logged(plant, "samples", False)], plant, Split({}))
     found = read_as_sampled(model, Split({}), {}, (), HELD_IN_THE_END)
-    assert [run.sampled for run in found.all_runs] == [False, True]
+    assert [run.sampled for run in found.all_runs] == [False, True] and found.effort is model.effort
     assert read_as_sampled(found, Split({}), {}, (), HELD_IN_THE_END) is found
     assert [run.sampled for run in as_sampled(model, Split({}), {"samples"}).all_runs] == [False, True]
     assert as_sampled(model, Split({}), ()) is model

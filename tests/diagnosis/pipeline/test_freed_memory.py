@@ -39,7 +39,6 @@ def held(how: str) -> float:
 
 
 @pytest.mark.skipif(sys.platform != "linux", reason="reads /proc")
-@pytest.mark.skipif(sys.platform != "linux", reason="reads /proc")
 def test_small_arrays_go_back_when_asked() -> None:
     assert held("trimmed") < 10.0
 

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from dataclasses import replace
 from pathlib import Path
+from types import SimpleNamespace
 from typing import Any
 
 import benches
@@ -13,13 +14,16 @@ from diagnosis import waves
 from diagnosis.warm_vessel import recorded, vessel
 
 from exo_sim.diagnosis.data.split import Split, split
+from exo_sim.diagnosis.estimation.effort import Allowance
 from exo_sim.diagnosis.estimation.least_squares import fit
 from exo_sim.diagnosis.estimation.threads import SERIAL
+from exo_sim.diagnosis.pipeline import gas_stage
 from exo_sim.diagnosis.pipeline.gas_stage import Searched, examine_gas, felt_temperatures
 from exo_sim.diagnosis.pipeline.plan import Plan
 from exo_sim.diagnosis.pipeline.reading import gather
+from exo_sim.diagnosis.policy.budgets import LEAST_LATER
 from exo_sim.diagnosis.selection.decision import decide
-from exo_sim.diagnosis.selection.search import Search
+from exo_sim.diagnosis.selection.search import Search, WarmStart
 from exo_sim.diagnosis.selection.subsystem_result import SubsystemResult
 from exo_sim.diagnosis.subsystems.gas.model import GasModel
 from exo_sim.diagnosis.subsystems.gas.nuisances import healthy_walls, nuisance_parameters
@@ -65,7 +69,10 @@ def test_pressures_of_a_slow_logger_are_late_as_one_and_a_search_is_run_once(tmp
     _, (again,) = examine_gas(data, refuted_elsewhere, SERIAL, lambda words: None, searched)
     assert again is found
     assert len(searched.results) == 1
-    assert searched.effort("piston") == found.model.effort > 0 == searched.effort("other")
+    spent = searched.efforts["piston"]
+    assert spent == found.model.effort.samples > 0 and not searched.stopped
+    found.model.residual_of(found.model.nominal)  # what is asked of it when the search is over, is no search
+    assert searched.efforts == {"piston": spent}
 
 
 @pytest.mark.parametrize("conductance", [0.4, 0.0], ids=["walls that the rig knows", "walls that it does not know"])
@@ -95,9 +102,45 @@ def test_temperatures_beside_walls_that_a_first_fit_did_not_know_are_as_sure_as_
 def test_gas_that_begins_quietly_is_not_fitted_for_it() -> None:
     model = GasModel([recorded((0.0, 0.0))], vessel(), Split({}))
     near = fit(model.residual, (), {})
-    before = model.effort
+    before = model.effort.samples
     assert felt_temperatures(model, near) == ()
-    assert model.effort == before
+    assert model.effort.samples == before
+
+
+def test_searches_of_one_gas_share_what_they_may_predict_with_one_that_was_given_up(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """Where commands prove in the end to be samples, what was searched before that counts as well."""
+    data, most, readings, asked = gather([late_spring(tmp_path)], tmp_path / "rig.toml", None), 10**9, list[GasModel](), list[int]()
+
+    def read(model: GasModel, split: Split, *rest: object) -> GasModel:
+        readings.append(model)
+        return GasModel(model.all_runs, model.nominal, split, effort=model.effort) if len(readings) == 2 else model
+
+    def search(model: GasModel, begun: WarmStart, *, allowed: Allowance, **rest: object) -> SimpleNamespace:
+        asked.append(allowed.left)
+        model.effort.add(most * 9 // 20)
+        assert allowed.is_used_up() is (len(asked) > 2)
+        end = SimpleNamespace(fit=SimpleNamespace(sse=0.0, values={}), fixed=(), candidates=())
+        return SimpleNamespace(
+            name="piston", model=model, final=end, search=SimpleNamespace(final=end), has_unknown=False, is_empty=True
+        )
+
+    monkeypatch.setattr(gas_stage, "MOST_EFFORT", most)
+    monkeypatch.setattr(gas_stage, "read_as_sampled", read)
+    monkeypatch.setattr(gas_stage, "_searched", search)
+    plan, searched = Plan(split([(table.name, table.time) for table in data.recordings])), Searched()
+
+    def remarks(plan: Plan) -> bool:
+        after, _ = examine_gas(data, plan, SERIAL, lambda words: None, searched)
+        return any("ended after the most predictions" in said for said in after.remarks)
+
+    assert not remarks(plan)
+    assert asked == pytest.approx([most, 0.55 * most], rel=1e-3)
+    assert searched.efforts["piston"] == pytest.approx(0.9 * most, rel=1e-3)
+    assert remarks(replace(plan, refuted={("sensor_delay", "piston.pressure_1"): "not there"}))
+    assert asked[2:] == [LEAST_LATER * most]
+    assert not remarks(plan)  # the answer that was found first had not ended early
 
 
 def test_a_search_in_another_division_of_the_time_begins_with_what_the_first_found() -> None:

@@ -12,7 +12,7 @@ from diagnosis import motion_runs
 from diagnosis.motion_runs import TIME, VELOCITY
 
 from exo_sim.diagnosis.data.machine_data import MachineData
-from exo_sim.diagnosis.data.motion_run import Kinematics, MotionRun
+from exo_sim.diagnosis.data.motion_run import Imputed, Kinematics, MotionRun
 from exo_sim.diagnosis.data.split import Split, split
 from exo_sim.diagnosis.estimation.threads import SERIAL
 from exo_sim.diagnosis.pipeline.motion_stage import (
@@ -74,6 +74,22 @@ def test_a_balance_is_judged_once_more_only_where_something_of_it_was_asked_anew
     assert result(run, {("wall_heat_transfer", "piston"): "it fell in the gas"}) is first
     assert names(result(motion_runs.balance(np.zeros_like(VELOCITY), 0.3), {})) == []  # the gas said otherwise of its pressures
     assert "viscous_friction" not in names(result(run, {("viscous_friction", "slide"): "it fell here"}))
+
+
+def test_a_balance_is_judged_once_more_where_a_leak_was_refuted_that_a_filled_in_pressure_leaves_open(tmp_path: Path) -> None:
+    rig, still, judged = benches.bench(tmp_path), np.full((TIME.size, 2), 2e5), JudgedBalances()
+    model, leaks = load(rig), Imputed(leaks={"area_2": np.sin(0.9 * TIME) / 1e-7})
+    measured = motion_runs.behind_cylinder(motion_runs.balance(30.0 * VELOCITY, 0.3), still)
+
+    def results(run: MotionRun) -> list[SubsystemResult[MotionModel]]:
+        data = MachineData(rig, model, linkages(rig, model), (), (), {}, {"slide": (run,)})
+        refuted: list[Refuted] = [{}, {("external_leakage", "piston"): "it fell in the gas"}]
+        return [examine_motion(data, Plan(Split({}), one), SERIAL, lambda words: None, judged)[0] for one in refuted]
+
+    asking, not_asking = results(replace(measured, imputed=leaks))
+    assert not_asking is not asking
+    first, again = results(measured)
+    assert again is first
 
 
 @pytest.mark.parametrize("known", [False, True], ids=["hidden", "known"])

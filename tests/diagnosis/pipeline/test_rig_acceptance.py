@@ -3,7 +3,9 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Callable
 from dataclasses import replace
+from typing import Any
 
 import benches
 import pytest
@@ -12,10 +14,12 @@ from exo_sim.diagnosis.data.machine_data import MachineData
 from exo_sim.diagnosis.data.split import Split
 from exo_sim.diagnosis.findings import SignalFit
 from exo_sim.diagnosis.outcome.rig_update import Part, Rank, RigUpdate
-from exo_sim.diagnosis.pipeline import rig_acceptance
+from exo_sim.diagnosis.pipeline import rig_acceptance, rig_errors
 from exo_sim.diagnosis.pipeline.reading import gather
 from exo_sim.diagnosis.pipeline.rig_acceptance import Judge, accepted, as_far_as_it_wins, closed_gas
 from exo_sim.diagnosis.pipeline.rig_trial import Trial
+from exo_sim.diagnosis.policy.validation import STARTS
+from exo_sim.diagnosis.validation import machine_runs
 from exo_sim.rig import EffectEntry, EffectSetting, Rig
 from exo_sim.trials.cases import make_case, write_case
 
@@ -179,6 +183,23 @@ def test_a_judge_by_another_time_says_what_a_new_one_says(leaking: MachineData) 
     judge = Judge(leaking, one)
     first = judge.trial(update)
     assert judge.over(other).trial(update) == Judge(leaking, other).trial(update) != first == judge.trial(update)
+
+
+def test_a_judge_by_another_time_makes_nothing_that_it_has_from_the_first(leaking: MachineData, monkeypatch: pytest.MonkeyPatch) -> None:
+    name, made = leaking.recordings[0].name, list[str]()
+
+    def noted(function: Callable[..., Any]) -> Callable[..., Any]:
+        def call(*args: Any) -> Any:
+            made.append(function.__name__)
+            return function(*args)
+
+        return call
+
+    judge = Judge(leaking, Split({name: ((7.0, 9.0),)}))
+    monkeypatch.setattr(machine_runs, "load", noted(machine_runs.load))
+    monkeypatch.setattr(rig_errors, "judged_part", noted(rig_errors.judged_part))
+    judge.over(Split({name: ((7.0, 10.0),)}))
+    assert made == ["load"] * (1 + STARTS)  # of what is run over that time alone: in windows, and from its states
 
 
 @pytest.mark.parametrize(("size", "wins"), [(1.35e-8, True), (3.6e-8, False)], ids=["as it is", "nearly three times"])

@@ -20,6 +20,7 @@ from exo_sim.diagnosis.discrepancy.curve import Curve
 from exo_sim.diagnosis.discrepancy.signal import Discrepancy
 from exo_sim.diagnosis.discrepancy.trace import Trace
 from exo_sim.diagnosis.estimation.budget import IsSpent, never
+from exo_sim.diagnosis.estimation.effort import Effort
 from exo_sim.diagnosis.estimation.kept_residuals import KeptResiduals
 from exo_sim.diagnosis.estimation.least_squares import Fit, fit
 from exo_sim.diagnosis.estimation.parameters import FreeParameter, PlantParameters, card_delays
@@ -66,9 +67,10 @@ class GasModel(SubsystemModel):
         split: Which time may be used.
         window: Length of a window [s].
         on_test: Whether the rows are those of the test time; predictions then cover the whole runs.
+        effort: Where predicted samples are counted: with another model's, or by themselves where absent.
 
     Attributes:
-        effort: Samples that were predicted so far.
+        effort: The same; other forms of this model count there as well.
     """
 
     kind = Subsystem.GAS
@@ -79,8 +81,9 @@ class GasModel(SubsystemModel):
     unit = "Pa"
 
     def __init__(
-        self, runs: Sequence[CylinderRun], nominal: PlantParameters, split: Split, window: float | None = None, on_test: bool = False
-    ):
+        self, runs: Sequence[CylinderRun], nominal: PlantParameters, split: Split, window: float | None = None, on_test: bool = False,
+        effort: Effort | None = None,
+    ):  # fmt: skip
         if window is None:
             window = max(WINDOW, FEWEST_SAMPLES * max(float(np.median(np.diff(run.time))) for run in runs))
             if all(run.at_rest for run in runs):
@@ -95,7 +98,7 @@ class GasModel(SubsystemModel):
         self.blocks = self._set.blocks()
         self._responses: list[list[Array]] | None = None
         self._kept = KeptResiduals()
-        self.effort = 0
+        self.effort = effort or Effort()
 
     @property
     def practical_significance(self) -> float:
@@ -129,7 +132,7 @@ class GasModel(SubsystemModel):
     def predict(self, plant: PlantParameters, index: int, shift: float = 0.0, whole: bool = True) -> GasPrediction:
         """Predict what the sensors of one run would show; arguments as of `sensed`."""
         given = self.inputs[index]
-        self.effort += effort_of(len(given.time), given.period, plant.cylinder)
+        self.effort.add(effort_of(len(given.time), given.period, plant.cylinder))
         return sensed(given, plant, shift, whole)
 
     def errors(self, plant: PlantParameters) -> list[Array]:

@@ -4,6 +4,8 @@ from __future__ import annotations
 
 import gc
 import weakref
+from concurrent.futures import ThreadPoolExecutor
+from threading import Barrier
 
 import benches
 import numpy as np
@@ -14,6 +16,7 @@ from exo_sim.diagnosis.data.cylinder_run import cylinder_runs
 from exo_sim.diagnosis.data.split import Split
 from exo_sim.diagnosis.estimation.parameters import PlantParameters
 from exo_sim.diagnosis.policy.healthy import GAS_BOUND, USUAL_LEVEL
+from exo_sim.diagnosis.subsystems.gas import model as gas_model
 from exo_sim.diagnosis.subsystems.gas.model import GasModel
 from exo_sim.machine.linkage import linkages
 from exo_sim.machine.rig_model import load
@@ -114,3 +117,38 @@ def test_what_a_healthy_gas_may_miss_is_in_proportion_to_what_drives_it() -> Non
 
     assert bound(1.5e5, commanded=False) == bound(4e5, commanded=True) == pytest.approx(GAS_BOUND)
     assert bound(1.5e5, commanded=True) == pytest.approx(GAS_BOUND * USUAL_LEVEL * 6e5 / 1.5e5, rel=1e-3)
+
+
+def test_what_threads_predict_at_once_is_counted_once_each(rig: Rig, table: Recording, monkeypatch: pytest.MonkeyPatch) -> None:
+    """Whatever each of them has read of the count before: a search that ends after so many predictions must not depend on that."""
+    model = load(rig)
+    plant = PlantParameters(assembly.world(rig), assembly.cylinders(rig))
+    gas, both = GasModel(cylinder_runs(table, rig, model, linkages(rig, model)), plant, PARTS), Barrier(2)
+
+    def together(*asked: object) -> int:
+        both.wait(10.0)
+        return 7
+
+    before = gas.effort.samples
+    monkeypatch.setattr(gas_model, "effort_of", together)
+    with ThreadPoolExecutor(2) as pool:
+        list(pool.map(lambda number: gas.predict(plant, 0), range(2)))
+    assert gas.effort.samples - before == 14
+
+
+def test_what_the_form_of_the_flow_law_predicted_that_fits_worse_counts_as_well(
+    rig: Rig, table: Recording, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    model, asked = load(rig), list[object]()
+
+    def noted(*given: object) -> int:
+        asked.append(given)
+        return 7
+
+    plant = PlantParameters(assembly.world(rig), assembly.cylinders(rig))
+    gas = GasModel(cylinder_runs(table, rig, model, linkages(rig, model)), plant, PARTS)
+    before = gas.effort.samples
+    monkeypatch.setattr(gas_model, "effort_of", noted)
+    monkeypatch.setattr(gas_model, "critical_ratio", lambda k: 0.05)
+    chosen, _ = gas.with_better_flow_law(())
+    assert chosen is gas and chosen.effort.samples - before == 7 * len(asked) >= 14

@@ -15,7 +15,7 @@ from exo_sim.diagnosis.findings import Finding
 from exo_sim.diagnosis.outcome.rig_update import rig_update
 from exo_sim.diagnosis.pipeline.plan import Examination
 from exo_sim.diagnosis.pipeline.rig_trial import gain
-from exo_sim.diagnosis.policy.validation import NEEDED, SURELY_BETTER
+from exo_sim.diagnosis.policy.validation import NEEDED_BY_THE_MACHINE, SURELY_BETTER
 from exo_sim.diagnosis.validation.machine_runs import MachineRuns
 from exo_sim.errors import ModelError, RigError
 from exo_sim.rig import Rig, parse
@@ -48,7 +48,7 @@ def is_needed(finding: Finding, without: Examination, with_it: Examination) -> b
         by, error = gain(runs, richer, data)
     except (RigError, ModelError):
         return False
-    return by - SURELY_BETTER * error > -math.log1p(-NEEDED)
+    return by - SURELY_BETTER * error > -math.log1p(-NEEDED_BY_THE_MACHINE)
 
 
 def _rig_of(examination: Examination) -> Rig:

@@ -47,7 +47,7 @@ LEAST_LATER = Number(
     0.25, "share of that",
     "every search after the first may take at least, in a later round or under commands read as samples: it may begin from nothing",
     "asserted; it does not cover asking all candidates together. Learn make X5 of whole machines, seed 1: its third search, in the other "
-    "division of time, names the same two effects and leaves the same with 10, 20, 33 and 80 million, and is through after 74",
+    "division of time, names the same two effects with 10, 20, 33 and 80 million, and is through after 74",
 )
 MOST_STEPS = Count(12, "Gauss-Newton steps", "of a fit")
 FIRST_LOOK = Count(8, "Gauss-Newton steps", "of a first look at a set that is most likely far off, with the derivatives of its neighbour")

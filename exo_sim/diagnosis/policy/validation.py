@@ -48,7 +48,7 @@ EXCEEDS_HEALTHY = Number(
     "learn machines: true dips change the rows of time kept back by 0.9 to 1.2 (B, X7, X11), and X7's those that were fitted, which count "
     "since, by 2.0; friction that slides by 3 to 16. The names of four healthy machines stay small",
 )  # fmt: skip
-NEEDED = Number(
+NEEDED_BY_THE_MACHINE = Number(
     0.15, "share of the error of the whole machine over windows, in time kept back",
     "a finding that balances call too small to matter and that lowers it surely by more matters all the same: as much as a finding must "
     "explain of what is missing. That it is there is beyond doubt already",

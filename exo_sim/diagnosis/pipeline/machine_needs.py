@@ -11,7 +11,6 @@ import math
 from dataclasses import replace
 
 from exo_sim.diagnosis.estimation.budget import IsSpent, never
-from exo_sim.diagnosis.findings import Finding
 from exo_sim.diagnosis.outcome.rig_update import rig_update
 from exo_sim.diagnosis.pipeline.plan import Examination
 from exo_sim.diagnosis.pipeline.rig_trial import gain
@@ -34,13 +33,18 @@ def with_what_the_machine_needs(whole: Examination, found: Examination, is_spent
         if is_spent():
             break
         richer = whole.holding_small(tuple(one for one in found.small if one is not finding))
-        if is_needed(finding, found, richer):
+        if is_needed(found, richer):
             found = richer
     return found
 
 
-def is_needed(finding: Finding, without: Examination, with_it: Examination) -> bool:
-    """Return whether windows of the whole machine are predicted surely and plainly better with a finding, in time that did not fit it."""
+def is_needed(without: Examination, with_it: Examination) -> bool:
+    """Return whether windows of the whole machine, in time kept back, are predicted surely and plainly better by the second than the first.
+
+    Args:
+        without: An examination without some finding.
+        with_it: The same with it.
+    """
     data, split = without.data, without.plan.split
     try:
         poorer, richer = (_rig_of(one) for one in (without, with_it))

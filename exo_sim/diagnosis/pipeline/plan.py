@@ -12,6 +12,7 @@ from exo_sim.diagnosis.data.split import Split
 from exo_sim.diagnosis.estimation.budget import Budget
 from exo_sim.diagnosis.estimation.candidate import Candidate
 from exo_sim.diagnosis.findings import Finding
+from exo_sim.diagnosis.policy.probability import EVEN_SHARE
 from exo_sim.diagnosis.selection.subsystem_result import SubsystemResult
 from exo_sim.diagnosis.selection.unknown_effect import UnknownEffect
 from exo_sim.diagnosis.subsystem_model import SubsystemModel
@@ -132,5 +133,8 @@ class Examination:
 
     @property
     def shares(self) -> Mapping[str, float]:
-        """What each finding explains of what is missing without it over the validation time, by `effect@where`."""
-        return {key: worth.share for key, worth in self.checked.worth.items()}
+        """What each finding explains of what is missing without it over the validation time, by `effect@where`.
+
+        Not of those for or against which a small share says nothing.
+        """
+        return {key: one.share for key, one in self.checked.worth.items() if one.share > EVEN_SHARE or one.speaks_against}

@@ -64,11 +64,26 @@ class Worth:
         gained: By how much the sum of squared errors falls with it, in units of the noise.
         missing: By how much that sum exceeds the noise without it.
         is_plain: Whether that is more than noise does by chance.
+        amplitude, error: How much of the change that it makes to predictions is there, by least squares, and the standard error of that:
+            1 where the recording shows it as it was found, 0 where not at all.
     """
 
     gained: float
     missing: float
     is_plain: bool = True
+    amplitude: float = 0.0
+    error: float = 0.0
+
+    @property
+    def speaks_against(self) -> bool:
+        """Whether a small share speaks against it.
+
+        It does not where the change that it makes is plainly there, beside something larger that is missing as well, nor where the time
+        kept back tells what was found neither from nothing nor from all of it.
+        """
+        reach = validation.TOLD_APART * self.error
+        undecided = abs(self.amplitude) < reach and abs(self.amplitude - 1.0) < reach
+        return not undecided and self.amplitude - self.error <= validation.SHOWN
 
     @property
     def share(self) -> float:
@@ -196,11 +211,28 @@ def held_out_errors(
             if lacking > 1.0:
                 independent = other.size / max(correlation_time(other, model.blocks), 1.0)
                 gained, missing = other.size * (lacking**2 - with_it**2), other.size * (lacking**2 - 1.0)
-                worth[key] = Worth(gained, missing, lacking**2 > by_chance(independent))
+                there = _amplitude(named, other - named, model.blocks)
+                worth[key] = Worth(gained, missing, lacking**2 > by_chance(independent), *there)
         if effect is not None:
             drops[one.where] = _drop_with_unknown(model, one, error, own)
             costs[one.where] = rms(model.residual_of(one.final_plant)) * _noise_share(one, compared)
     return HeldOutErrors(signals, drops, influence, left, where_acting, beyond_healthy, costs, balances, tuple(series), split.test, worth)
+
+
+def _amplitude(named: Array, change: Array, blocks: NDArray[np.int64]) -> tuple[float, float]:
+    """Return how much of a change is there by least squares, and the standard error of that, neighbours counted once.
+
+    Args:
+        named: Residual with all of it, shape (n,).
+        change: What leaving it out adds to that, shape (n,).
+        blocks: Block of each row, shape (n,).
+    """
+    with np.errstate(over="ignore", invalid="ignore"):
+        power = float(change @ change)
+        along = named * change
+        error = math.sqrt(float(along @ along) * correlation_time(along, blocks)) / max(power, 1e-300)
+        found = 1.0 + float(along.sum()) / max(power, 1e-300)
+    return (found, error) if math.isfinite(found) and math.isfinite(error) else (0.0, 0.0)
 
 
 def _missed_where_acting(error: Array, change: Array) -> float:

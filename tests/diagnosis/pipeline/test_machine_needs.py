@@ -6,7 +6,6 @@ import pytest
 
 from exo_sim.diagnosis.estimation.budget import Budget
 from exo_sim.diagnosis.estimation.threads import SERIAL
-from exo_sim.diagnosis.findings import Finding
 from exo_sim.diagnosis.pipeline.machine_needs import is_needed, with_what_the_machine_needs
 from exo_sim.diagnosis.pipeline.plan import Examination
 from exo_sim.diagnosis.pipeline.reading import gather
@@ -24,9 +23,9 @@ def whole(tmp_path_factory: pytest.TempPathFactory) -> Examination:
     return without_doubtful(examine_until_stable(data, SERIAL, lambda words: None, Budget(1e9)))
 
 
-def called_small(whole: Examination) -> tuple[Finding, Examination]:
+def called_small(whole: Examination) -> Examination:
     (finding,) = (f for one in whole.results.all for f in one.findings if f.name == FRICTION)
-    return finding, whole.holding_small((finding,))
+    return whole.holding_small((finding,))
 
 
 def names(examination: Examination) -> set[str]:
@@ -34,19 +33,19 @@ def names(examination: Examination) -> set[str]:
 
 
 def test_friction_without_which_the_machine_is_missed_stands_again(whole: Examination) -> None:
-    finding, found = called_small(whole)
+    found = called_small(whole)
     assert FRICTION not in names(found)
     kept = with_what_the_machine_needs(whole, found)
     assert FRICTION in names(kept) and kept.small == ()
-    assert is_needed(finding, found, kept)
+    assert is_needed(found, kept)
 
 
 def test_what_changes_no_prediction_stays_small(whole: Examination) -> None:
-    finding, found = called_small(whole)
-    assert not is_needed(finding, found, found)
-    assert not is_needed(finding, whole, found)  # the machine is worse with what the others would be then
+    found = called_small(whole)
+    assert not is_needed(found, found)
+    assert not is_needed(whole, found)  # the machine is worse with what the others would be then
 
 
 def test_when_the_time_is_up_nothing_is_run(whole: Examination) -> None:
-    _, found = called_small(whole)
+    found = called_small(whole)
     assert with_what_the_machine_needs(whole, found, is_spent=lambda: True) is found

@@ -2,9 +2,14 @@
 
 from __future__ import annotations
 
+import gc
 import os
 import signal
 import sys
+
+#: New objects after which the interpreter looks for circles among them, and how many such looks make a longer one: what a verb loads is
+#: half a million objects that stay, and to look through all of them takes a twentieth of a second.
+_COLLECTED_EVERY = 20_000, 10, 100
 
 
 def start() -> int:
@@ -16,6 +21,7 @@ def start() -> int:
     ours = signal.getsignal(signal.SIGINT) is signal.default_int_handler
     if ours:
         signal.signal(signal.SIGINT, signal.SIG_DFL)
+    gc.set_threshold(*_COLLECTED_EVERY)
     os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")  # what `exo_sim.linear_algebra` does, for what is loaded later as well
     from exo_sim.cli import main
 

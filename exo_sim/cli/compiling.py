@@ -13,11 +13,11 @@ _NEEDED = "*/coupled_step.*.nbi"
 
 
 @contextmanager
-def told(quiet: bool) -> Iterator[Callable[[Callable[[], None]], None]]:
-    """Say on a terminal that the simulation is compiled, where no machine code of it is kept; bars replace the line.
+def announced(quiet: bool) -> Iterator[Callable[[Callable[[], None]], None]]:
+    """Print on a terminal that the simulation is compiled, where no machine code of it is kept; bars replace the line.
 
     Args:
-        quiet: Say nothing.
+        quiet: Print nothing.
 
     Yields:
         What prints other words meanwhile: it takes the line away, calls what it is given and puts the line back.

@@ -91,7 +91,7 @@ def command(scenario: str | None, gait: Path | None, ground: Path | None, column
         from exo_sim.api.simulating import simulate
         from exo_sim.cli.run_motion import motion_words
 
-    with printing.prints_on_stderr(), compiling.told(quiet) as aside:
+    with printing.prints_on_stderr(), compiling.announced(quiet) as aside:
         done = simulate(
             rig, scenario, gait=gait, ground=ground, columns=columns, whole=whole, payload=payload, speed=speed, strides=strides,
             assist=assist, controller=controller, demand=demand, wearer=wearer, signals=signals, seed=seed, out=out or True, quiet=quiet,

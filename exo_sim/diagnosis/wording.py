@@ -82,9 +82,9 @@ def unsure_beside_unknown(share: float) -> str:
     )
 
 
-def small(effect: str, believed: bool) -> str:
-    """Return what is said of an effect, or of a `believed` number, that shows beyond doubt but is too small to matter."""
-    what = f"{name_of(effect)} other than believed" if believed else name_of(effect)
+def small(effect: str, is_nominal: bool) -> str:
+    """Return what is said of an effect, or of a number of the rig (`is_nominal`), that shows beyond doubt but is too small to matter."""
+    what = f"{name_of(effect)} other than believed" if is_nominal else name_of(effect)
     return f"{what[0].upper()}{what[1:]}: the data show it beyond doubt, but no more of it than healthy machines have."
 
 

@@ -10,7 +10,7 @@ from exo_sim.physics import chamber, nozzle
 from exo_sim.physics.compiled import kernel
 from exo_sim.physics.effects import line_restriction
 from exo_sim.physics.nodes import chambers
-from exo_sim.physics.settling import path_rate
+from exo_sim.physics.settling import hot_gas, path_rate
 from exo_sim.physics.state import (
     ENERGY_1,
     ENERGY_2,
@@ -66,4 +66,4 @@ def exchange_rate(world, c, here, opening, tank, span):
     """Return a bound on how fast a chamber, or its hose, settles through its path to the tank within `span` seconds [1/s]."""
     area = min(max(opening, 0.0), 1.0) * c.tank_area
     volume = line_restriction.node_volume(c.line_restriction) if line_restriction.present(c.line_restriction) else here.volume
-    return path_rate(area, here.p, tank.p, volume, span, world.k, world.r) * (1.0 + (volume / world.tank_volume) ** 0.5)
+    return path_rate(area, here.p, tank.p, volume, span, hot_gas(world.k, world.r)) * (1.0 + (volume / world.tank_volume) ** 0.5)

@@ -12,6 +12,7 @@ from exo_sim.physics import nodes, state
 from exo_sim.physics.conditions import Reservoir
 from exo_sim.physics.gas_effects_off import effects_on_gas
 from exo_sim.physics.plant import NO_COMMAND, opening
+from exo_sim.physics.settling import hot_gas
 from exo_sim.physics.step_length import rate_of_effects, side_rate
 
 Array = NDArray[np.float64]
@@ -115,8 +116,9 @@ def _rates(world: NDArray[np.void], cylinder: NDArray[np.void], vector: Array, i
     towards_2 = opening(c, command[1]) if c["independent"] > 0.0 else -towards_1
     a_s1, a_1e, a_s2, a_2e = nodes.path_areas(c, towards_1, towards_2)
     sides = [(one, two, a_s1, a_1e), (two, one, a_s2, a_2e)][: 1 if c["single_acting"] > 0.0 else 2]
+    gas = hot_gas(w["k"], w["r"])
     found = [
-        side_rate(w, c, vector, base, here, there, fed, let_off, supply, exhaust, dt, rate_of_effects(w, c, here, there, dt))[0]
+        side_rate(w, c, vector, base, here, there, fed, let_off, supply, exhaust, dt, rate_of_effects(w, c, here, there, dt), gas)[0]
         for here, there, fed, let_off in sides
     ]
     return [rate if np.isfinite(rate) else 0.0 for rate in found]

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from typing import NamedTuple
 
 from exo_sim.physics import nozzle
 from exo_sim.physics.compiled import kernel
@@ -16,25 +17,45 @@ HOT = 400.0
 _TRIED = (1e-4, -1e-4, 0.02, -0.02)
 
 
+class HotGas(NamedTuple):
+    """What the bounds ask of the gas at `HOT`, worked out once a step: compiled, each bound would take the same roots again.
+
+    Attributes:
+        k: Ratio of specific heats.
+        sound: Speed of sound [m/s].
+        laminar: Gamma at the pressure ratio above which a nozzle's flow falls linearly.
+    """
+
+    k: float
+    sound: float
+    laminar: float
+
+
 @kernel
-def settling_rate(area: float, volume: float, k: float, r: float) -> float:
+def hot_gas(k: float, r: float) -> HotGas:
+    """Return the gas of this ratio of specific heats and gas constant [J/(kg K)] at `HOT`."""
+    return HotGas(k, math.sqrt(k * r * HOT), nozzle.laminar_flow_factor(k))
+
+
+@kernel
+def settling_rate(area: float, volume: float, gas: HotGas) -> float:
     """Return how fast a volume behind one choked path fills or empties [1/s]."""
-    return k * area * math.sqrt(k * r * HOT) / volume
+    return gas.k * area * gas.sound / volume
 
 
 @kernel
-def path_rate(area: float, p_up: float, p_down: float, volume: float, span: float, k: float, r: float) -> float:
+def path_rate(area: float, p_up: float, p_down: float, volume: float, span: float, gas: HotGas) -> float:
     """Return a bound on how fast a volume behind one path can settle within `span` seconds [1/s].
 
     B15's time constant, inverted. The flow's slope steepens towards equal pressures, so it is taken where the span may lead.
     """
     if area <= 0.0:
         return 0.0
-    settling = settling_rate(area, volume, k, r)
+    settling = settling_rate(area, volume, gas)
     left = 1.0 - min(p_up, p_down) / max(p_up, p_down) - settling * span - 0.02
     knee = 1.0 - nozzle.LAMINAR_RATIO
     if left <= knee:
-        return settling * nozzle.laminar_flow_factor(k) / knee
+        return settling * gas.laminar / knee
     return settling * max(0.8 / math.sqrt(left), 1.0)
 
 

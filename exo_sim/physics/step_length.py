@@ -11,7 +11,7 @@ from exo_sim.physics.gas_effects_off import plain
 from exo_sim.physics.nodes import chambers, exhaust_state, path_areas, pressures, supply_state, tank_state, volumes
 from exo_sim.physics.recovery_tank import exchange_rate
 from exo_sim.physics.runge_kutta_chebyshev import MOST_STAGES, REACH, enough_stages
-from exo_sim.physics.settling import HOT, path_rate, settling_rate, thermal_rate
+from exo_sim.physics.settling import HOT, HotGas, hot_gas, path_rate, settling_rate, thermal_rate
 from exo_sim.physics.state import HOSE_ENERGY_1, HOSE_ENERGY_2, HOSE_FLOW_1, HOSE_FLOW_2, HOSE_MASS_1, HOSE_MASS_2, INTEGRATED
 from exo_sim.physics.step import CLASSIC, CLASSIC_REACH, CLASSIC_STAGES
 from exo_sim.physics.summed_effects import across_rate, heat_rate, outward_rate
@@ -38,11 +38,11 @@ _WARMER = 1.1
 
 
 @inlined_kernel
-def transient_rate(area: float, p_up: float, p_down: float, volume: float, k: float, r: float) -> float:
+def transient_rate(area: float, p_up: float, p_down: float, volume: float, gas: HotGas) -> float:
     """Return how fast a path changes the pressure of a volume that is not yet balanced behind it [1/s]; accuracy asks for it."""
     if area <= 0.0 or min(p_up, p_down) > _BALANCED * max(p_up, p_down):
         return 0.0
-    return settling_rate(area, volume, k, r)
+    return settling_rate(area, volume, gas)
 
 
 @inlined_kernel
@@ -65,7 +65,7 @@ def rate_of_effects(world, c, here, there, span):
 
 
 @inlined_kernel
-def side_rate(world, c, y, base, here, there, a_supply, a_exhaust, supply, exhaust, span, added):
+def side_rate(world, c, y, base, here, there, a_supply, a_exhaust, supply, exhaust, span, added, gas):
     """Return how fast one chamber and its hose can settle within `span` seconds, and what they add to an accumulator's and a manifold's
     rate [1/s].
 
@@ -77,6 +77,7 @@ def side_rate(world, c, y, base, here, there, a_supply, a_exhaust, supply, exhau
         here, there: This `Chamber`, and the other one.
         a_supply, a_exhaust, supply, exhaust: Areas of the valve's paths [m^2], and the `Reservoir` behind each.
         added: How fast the chamber settles by what effects add to its balances [1/s].
+        gas: The `HotGas`.
     """
     k, r = world.k, world.r
     rate = added
@@ -96,10 +97,10 @@ def side_rate(world, c, y, base, here, there, a_supply, a_exhaust, supply, exhau
             fastest = max(abs(y[flow]), abs(y[flow + 1]))
             rate = max(rate, line_restriction.friction_rate(c.line_restriction, fastest, min(p, here.p) / (r * warmest)))
         else:
-            through, share = path_rate(c.line_restriction.area, p, here.p, v, span, k, r), v / here.volume
+            through, share = path_rate(c.line_restriction.area, p, here.p, v, span, gas), v / here.volume
             rate += through * share
-    fed = path_rate(a_supply, supply.p, p, v, span, k, r)
-    let_off = path_rate(a_exhaust, p, exhaust.p, v, span, k, r)
+    fed = path_rate(a_supply, supply.p, p, v, span, gas)
+    let_off = path_rate(a_exhaust, p, exhaust.p, v, span, gas)
     valve = fed + let_off
     drawn = vented = 0.0
     if supply_droop.present(world.supply_droop):
@@ -115,12 +116,12 @@ def side_rate(world, c, y, base, here, there, a_supply, a_exhaust, supply, exhau
 
 
 @inlined_kernel
-def fastest_rate(world, cylinders, y, supply, exhaust, x, spool, span):
-    """Return a bound on how fast anything can settle within `span` seconds [1/s]."""
+def fastest_rate(world, cylinders, y, supply, exhaust, x, spool, span, gas):
+    """Return a bound on how fast anything can settle within `span` seconds [1/s]; `gas` is the `HotGas`."""
     k, r = world.k, world.r
     tank, manifold = world.supply_droop, world.exhaust_back_pressure
     drawn = tank.conductance * k * r * HOT / tank.volume if supply_droop.present(tank) else 0.0
-    vented = path_rate(manifold.area, exhaust.p, world.exhaust_pressure, max(manifold.volume, 1e-9), span, k, r)
+    vented = path_rate(manifold.area, exhaust.p, world.exhaust_pressure, max(manifold.volume, 1e-9), span, gas)
     fastest = 0.0
     for i in range(len(cylinders)):
         c, base = cylinders[i], i * INTEGRATED
@@ -133,18 +134,18 @@ def fastest_rate(world, cylinders, y, supply, exhaust, x, spool, span):
             recovered = tank_state(world, y, len(cylinders) * INTEGRATED)
             added_1 += exchange_rate(world, c, one, spool[2 * len(cylinders) + i], recovered, span)
             added_2 += exchange_rate(world, c, two, spool[3 * len(cylinders) + i], recovered, span)
-        rate, more, less = side_rate(world, c, y, base, one, two, a_s1, a_1e, supply, exhaust, span, added_1)
+        rate, more, less = side_rate(world, c, y, base, one, two, a_s1, a_1e, supply, exhaust, span, added_1, gas)
         fastest, drawn, vented = max(fastest, rate), drawn + more, vented + less
         if c.single_acting == 0.0:
-            rate, more, less = side_rate(world, c, y, base, two, one, a_s2, a_2e, supply, exhaust, span, added_2)
+            rate, more, less = side_rate(world, c, y, base, two, one, a_s2, a_2e, supply, exhaust, span, added_2, gas)
             fastest, drawn, vented = max(fastest, rate), drawn + more, vented + less
     return max(fastest, drawn, vented)
 
 
 @inlined_kernel
-def fastest_change(world, cylinders, y, supply, exhaust, x, end, spool, left):
+def fastest_change(world, cylinders, y, supply, exhaust, x, end, spool, left, gas):
     """Return how fast the volumes that are filling, emptying or being squeezed change their pressure [1/s]: accuracy asks for it."""
-    k, r = world.k, world.r
+    k = world.k
     p_s, p_e, manifold = supply.p, exhaust.p, world.exhaust_back_pressure
     change = 0.0
     for i in range(len(cylinders)):
@@ -160,15 +161,15 @@ def fastest_change(world, cylinders, y, supply, exhaust, x, end, spool, left):
             v_1 = v_2 = line_restriction.node_volume(c.line_restriction)
             p_1 = chamber.pressure(y[base + HOSE_ENERGY_1], v_1, k)
             p_2 = chamber.pressure(y[base + HOSE_ENERGY_2], v_2, k)
-        fill_1 = transient_rate(a_s1, p_s, p_1, v_1, k, r) + transient_rate(a_1e, p_1, p_e, v_1, k, r)
-        fill_2 = transient_rate(a_s2, p_s, p_2, v_2, k, r) + transient_rate(a_2e, p_2, p_e, v_2, k, r)
+        fill_1 = transient_rate(a_s1, p_s, p_1, v_1, gas) + transient_rate(a_1e, p_1, p_e, v_1, gas)
+        fill_2 = transient_rate(a_s2, p_s, p_2, v_2, gas) + transient_rate(a_2e, p_2, p_e, v_2, gas)
         if world.tank_volume > 0.0:
             p_t = tank_state(world, y, len(cylinders) * INTEGRATED).p
-            fill_1 += transient_rate(max(spool[2 * len(cylinders) + i], 0.0) * c.tank_area, p_t, p_1, v_1, k, r)
-            fill_2 += transient_rate(max(spool[3 * len(cylinders) + i], 0.0) * c.tank_area, p_t, p_2, v_2, k, r)
+            fill_1 += transient_rate(max(spool[2 * len(cylinders) + i], 0.0) * c.tank_area, p_t, p_1, v_1, gas)
+            fill_2 += transient_rate(max(spool[3 * len(cylinders) + i], 0.0) * c.tank_area, p_t, p_2, v_2, gas)
         change = max(change, fill_1, 0.0 if c.single_acting > 0.0 else fill_2)
     if exhaust_back_pressure.present(manifold):
-        change = max(change, transient_rate(manifold.area, p_e, world.exhaust_pressure, manifold.volume, k, r))
+        change = max(change, transient_rate(manifold.area, p_e, world.exhaust_pressure, manifold.volume, gas))
     return change
 
 
@@ -194,10 +195,11 @@ def step_length(world, cylinders, y, held, x, end, spool, left: float, shortest:
     shared = len(cylinders) * INTEGRATED
     supply, exhaust = supply_state(world, y, shared, held), exhaust_state(world, y, shared)
     span = min(left, world.longest_step if world.longest_step > 0.0 else LONGEST_STEP)
-    change = fastest_change(world, cylinders, y, supply, exhaust, x, end, spool, left)
+    gas = hot_gas(world.k, world.r)
+    change = fastest_change(world, cylinders, y, supply, exhaust, x, end, spool, left, gas)
     if change * span > CHANGE:
         span = max(CHANGE / change, shortest)
-    fastest = max(fastest_rate(world, cylinders, y, supply, exhaust, x, spool, span), faster)
+    fastest = max(fastest_rate(world, cylinders, y, supply, exhaust, x, spool, span, gas), faster)
     wave = fastest_wave(world, cylinders)
     if wave > 0.0:
         classic = min(span, CLASSIC_TURN / wave)

@@ -24,7 +24,7 @@ def test_the_first_run_says_on_a_terminal_that_it_compiles(
     if kept:
         (tmp_path / "simulation_1").mkdir()
         (tmp_path / "simulation_1" / "coupled_step.advance_gas-58.py311.nbi").touch()
-    with compiling.told(quiet) as aside:
+    with compiling.announced(quiet) as aside:
         aside(lambda: print("a remark", file=sys.stderr))
     err = capsys.readouterr().err
     assert ("compiling, once, about a minute" in err) is said
@@ -36,6 +36,6 @@ def test_where_no_machine_code_is_kept_it_is_compiled_every_time(
 ) -> None:
     monkeypatch.setattr(config, "CACHE_DIR", "")
     monkeypatch.setattr(sys.stderr, "isatty", lambda: True)
-    with compiling.told(False):
+    with compiling.announced(False):
         pass
     assert "compiling, about a minute" in capsys.readouterr().err

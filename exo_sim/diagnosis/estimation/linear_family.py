@@ -71,9 +71,11 @@ class LinearFamily:
         linearisations: That about the nominal machine first.
         whole: Size of all that the effects stand for, also of what the nominal machine has of it, in units of the noise of a row.
         least: What is missing without a name is a finding from this root mean square on, in the same units: healthy machines have less.
+        fitted_forms: Richer forms of effects that have no terms: they are weighed against the plainer one as fitted, once that is found.
     """
 
     nuisances: tuple[FreeParameter, ...]
     linearisations: tuple[Linearisation, ...]
     whole: float = 0.0
     least: float = 0.0
+    fitted_forms: tuple[Candidate, ...] = ()

@@ -66,7 +66,7 @@ class _Asking:
 
     @cached_property
     def _corrections(self) -> list[Correction]:
-        """What each cylinder's gas asks for, all its faults believed."""
+        """What each cylinder's gas asks for, as if all its faults were there."""
         return [correction_of(self.uncorrected, each, self.plan.split) for each in self.results.gas]
 
     def against(self, one: SubsystemResult[GasModel], suspects: Sequence[Candidate]) -> str:

@@ -66,8 +66,8 @@ class Judge:
             rig = self._rig(update)
             inside, run, coupled = self._windows.errors(rig), self._free.errors(rig), self._whole.errors(rig)
             # a part may be too short to show what feeds a chamber: only what the whole run predicts counts
-            told = set(run) - self._warmth_unknown
-            begun = [{column: fit for column, fit in one.errors(rig).items() if column in told} for one in self._started if told]
+            counted = set(run) - self._warmth_unknown
+            begun = [{column: fit for column, fit in one.errors(rig).items() if column in counted} for one in self._started if counted]
             started = tuple(found for found in begun if found)
         except (RigError, ModelError) as refusal:
             self.refusals.append(str(refusal))

@@ -110,7 +110,8 @@ class FamilySearch:
 
     def _forms(self) -> tuple[Candidate, ...]:
         """Return every form of every effect that the family has."""
-        return tuple({term.candidate.key: term.candidate for term in self.family.linearisations[0].terms}.values())
+        weighed = {term.candidate.key: term.candidate for term in self.family.linearisations[0].terms}
+        return (*weighed.values(), *self.family.fitted_forms)
 
     def _names(self, one: Weighed) -> tuple[Candidate, ...]:
         """Return what a subset names."""

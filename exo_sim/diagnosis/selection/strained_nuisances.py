@@ -140,10 +140,10 @@ def _relieved_of(
     if own.effect != chosen.effect and by_itself < 0.0:
         alike = dict.fromkeys(one.candidates[-1].effect for one in (best, *others) if -by_itself < AS_GOOD)
         return replace(search, stands_for={**search.stands_for, (own.effect, own.where): tuple(alike)}), fits
-    told = [(one.candidates[-1], max(_worse(one, best, one.candidates[-1], chosen, comparisons), 0.0)) for one in others]
-    told += [(own, by_itself)] if own.effect != chosen.effect else []
+    losses = [(one.candidates[-1], max(_worse(one, best, one.candidates[-1], chosen, comparisons), 0.0)) for one in others]
+    losses += [(own, by_itself)] if own.effect != chosen.effect else []
     evidence = {**search.evidence, chosen.key: comparisons.evidence(held, best)}
-    rivals = {**search.rivals, chosen.key: _sorted((c, worse) for c, worse in told if c.at != chosen.at)}
+    rivals = {**search.rivals, chosen.key: _sorted((c, worse) for c, worse in losses if c.at != chosen.at)}
     return replace(search, final=best, evidence=evidence, rivals=rivals), bounded
 
 

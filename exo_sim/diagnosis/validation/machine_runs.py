@@ -59,7 +59,7 @@ class MachineRuns:
             self._tables = [table for table in cut if len(table.time) > FEWEST_TO_FIT and table.duration > REPLAY_WINDOW]
         cylinders = [run for runs in data.cylinders.values() for run in runs]
         self._early = [early_commands(table.name, data.rig, cylinders) for table in self._tables]
-        self._believed: dict[tuple[int, str], tuple[Recording, Run] | None] = {}
+        self._nominal: dict[tuple[int, str], tuple[Recording, Run] | None] = {}
         self._improved: tuple[_Machine, dict[int, tuple[Recording, Run] | None]] | None = None
         self._machine = _Machine(data.rig)
         self._known: tuple[Rig, dict[str, Sums]] | None = None
@@ -100,9 +100,9 @@ class MachineRuns:
 
     def _before(self, number: int, motion: str) -> tuple[Recording, Run] | None:
         """Return a recording as the rig handed in sees it, and its run; None where something that it depends on was not recorded."""
-        if (number, motion) not in self._believed:
-            self._believed[number, motion] = _run(self._tables[number], self._machine, motion, self._window, self._early[number])
-        return self._believed[number, motion]
+        if (number, motion) not in self._nominal:
+            self._nominal[number, motion] = _run(self._tables[number], self._machine, motion, self._window, self._early[number])
+        return self._nominal[number, motion]
 
     def _after(self, number: int) -> tuple[Recording, Run] | None:
         """Return the same for the improved rig."""
@@ -120,10 +120,10 @@ class MachineRuns:
                 return
             ran = alone[0], _lost(alone[1])
         recorded, after = ran
-        believed = self._before(number, "recorded" if after.imposed else "predicted")
-        if believed is None:
+        nominal = self._before(number, "recorded" if after.imposed else "predicted")
+        if nominal is None:
             return
-        before = believed[1]
+        before = nominal[1]
         mask, computed = mask & after.simulated, was_computed(recorded)
         for key in (key for key in after.predicted.columns if key in before.predicted):
             there = mask & np.isfinite(recorded[key])

@@ -6,7 +6,7 @@ import math
 
 from exo_sim.physics import nozzle
 from exo_sim.physics.declaration import Effect, Identification, Parameter
-from exo_sim.physics.settling import laminar_rate, path_rate
+from exo_sim.physics.settling import hot_gas, laminar_rate, path_rate
 from exo_sim.physics.terms import OUTWARD_FLOW
 
 _ORIFICE = "C = 1e-13..1e-11 m^3/(s Pa), gland to bad fitting"
@@ -74,5 +74,5 @@ def settling(p, here, there, span, world):
     """Return a bound on how fast a chamber settles through both paths [1/s]; inertia only slows it."""
     area = p.area_1 if here.side == 1 else p.area_2
     laminar = p.laminar_1 if here.side == 1 else p.laminar_2
-    orifice = path_rate(area, here.p, world.atmosphere, here.volume, span, world.k, world.r)
+    orifice = path_rate(area, here.p, world.atmosphere, here.volume, span, hot_gas(world.k, world.r))
     return orifice + laminar_rate(laminar, here.p, here.volume, world.k, world.r)

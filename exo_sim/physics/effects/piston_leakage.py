@@ -7,7 +7,7 @@ import math
 from exo_sim.physics import nozzle
 from exo_sim.physics.declaration import Effect, Identification, Parameter
 from exo_sim.physics.identification import Applicability
-from exo_sim.physics.settling import laminar_rate, path_rate
+from exo_sim.physics.settling import hot_gas, laminar_rate, path_rate
 from exo_sim.physics.terms import ACROSS_FLOW
 
 EFFECT = Effect(
@@ -63,6 +63,6 @@ def settling(p, here, there, span, world):
 
     Gershgorin's: scaled with the roots of the volumes, the other chamber answers with a / sqrt(V V').
     """
-    orifice = path_rate(p.area, here.p, there.p, here.volume, span, world.k, world.r)
+    orifice = path_rate(p.area, here.p, there.p, here.volume, span, hot_gas(world.k, world.r))
     gap = laminar_rate(p.laminar, max(here.p, there.p), here.volume, world.k, world.r)
     return (orifice + gap) * (1.0 + math.sqrt(here.volume / there.volume))

@@ -14,7 +14,7 @@ from exo_sim.physics.compiled import borrow, kernel
 from exo_sim.physics.effects import line_restriction, valve_lag
 from exo_sim.physics.nodes import change_hose_pressure, change_pressure
 from exo_sim.physics.pneumatics import Pneumatics
-from exo_sim.physics.settling import settling_rate
+from exo_sim.physics.settling import hot_gas, settling_rate
 from exo_sim.physics.step_length import CLASSIC_TURN
 from exo_sim.physics.transmission import gives
 from exo_sim.recording import windows
@@ -150,7 +150,7 @@ def _widen_hose(world: NDArray[np.void], cylinder: NDArray[np.void], seconds: fl
         hose["volume"] = line_restriction.node_volume(hose[0]) + line_restriction.middle_volume(hose[0])
         hose["length"] = 0.0
     area, volume = float(hose["area"][0]), float(hose["volume"][0])
-    more = settling_rate(area, 1.0, float(world["k"][0]), float(world["r"][0])) * seconds - volume
+    more = settling_rate(area, 1.0, hot_gas(float(world["k"][0]), float(world["r"][0]))) * seconds - volume
     if area > 0.0 and more > 0.0:
         hose["volume"] = volume + more
         for side in ("dead_volume_1", "dead_volume_2"):

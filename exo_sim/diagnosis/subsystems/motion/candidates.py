@@ -91,7 +91,7 @@ def candidates(
                 start.append(size)
             starts = asked.starts or (tuple(start),)
             if asked.starts_by_motion is not None:
-                seen = ObservedMotion(force, speed, travel, float(np.nanmean(position)), _believed_base(effect, plant))
+                seen = ObservedMotion(force, speed, travel, float(np.nanmean(position)), _nominal_base(effect, plant))
                 starts = tuple(start[: len(form)] for start in asked.starts_by_motion(seen))
             found.append(
                 Candidate(effect.name, where, "+".join(form), tuple(parameters), starts, fixed=_taken_in(effect, plant, where),
@@ -158,7 +158,7 @@ def _taken_in(effect: Effect, plant: PlantParameters, where: str) -> tuple[tuple
     )
 
 
-def _believed_base(effect: Effect, plant: PlantParameters) -> float:
+def _nominal_base(effect: Effect, plant: PlantParameters) -> float:
     """Return the nominal size of what an effect comes on top of; 0 where it comes on top of nothing."""
     base = effect.identification.on_top_of
     return float(plant.cylinder[base][declared()[base].parameters[0].name][0]) if base else 0.0

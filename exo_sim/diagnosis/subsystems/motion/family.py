@@ -78,7 +78,8 @@ class _Builder:
                     if not linearisations or not is_spent():
                         linearisations.append(self._linearised(candidate, {parameter: value}, len(usual)))
         noise = self.model.noise or math.inf
-        return LinearFamily(self.nuisances, tuple(linearisations), self.model.friction / noise, self.model.healthy_friction / noise)
+        whole, least = self.model.friction / noise, self.model.healthy_friction / noise
+        return LinearFamily(self.nuisances, tuple(linearisations), whole, least, self.laws.fitted_forms())
 
     def _of_place_and_time(self, friction: float) -> list[Term]:
         """Return friction that varies with place or time by more than a healthy machine's, as functions of no particular form.

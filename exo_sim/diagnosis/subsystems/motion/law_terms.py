@@ -191,19 +191,18 @@ class LawTerms:
         return np.array([self.scales.size / float(np.sqrt(np.mean(column**2))) for column in columns])
 
     def _dips(self, candidate: Candidate, residual: Residual) -> list[Term]:
-        """Return Stribeck's excess over the level of dry friction, at several speeds of its dip."""
+        """Return Stribeck's excess over the level of dry friction, at several speeds of its dip; of a dip with a tail none."""
+        if _has_tail(candidate):
+            return []
         about, base = self._about(residual)
-        breakaway, velocity, exponent, *tail = candidate.parameters
+        candidate = self._believable(candidate)
+        breakaway, velocity, exponent = candidate.parameters
         step, most = STEP * self.scales.level, priors.BREAKAWAY * self.scales.level
-        sliding = self.scales.level + self.standing_level  # a breakaway below all that slides is none
-        believable = replace(breakaway, prior=(sliding, priors.BREAKAWAY * sliding))  # below all speeds that occurred it is not seen
-        candidate = replace(candidate, parameters=tuple(believable if q is breakaway else q for q in candidate.parameters))
-        breakaway = believable
-        found = []
+        sliding, found = self._sliding, []
         low, high = DIP_LOW * self.scales.slowest, DIP_HIGH * self.scales.fastest
         speeds = np.geomspace(low, max(high, 1.01 * DIP_LOW * self.scales.slowest), DIPS)
         for speed, power in itertools.product(map(float, speeds), EXPONENTS):
-            shape = {velocity: speed, exponent: power, **dict.fromkeys(tail, 1.0)}
+            shape = {velocity: speed, exponent: power}
             flat = residual({**about, breakaway: sliding, **shape}) if self.standing_level > 0.0 else base
             column = (residual({**about, breakaway: sliding + step, **shape}) - flat) / step
             if not _shows(column):
@@ -220,6 +219,21 @@ class LawTerms:
             )
             for column, parameters, prior in found
         ]  # fmt: skip
+
+    @property
+    def _sliding(self) -> float:
+        """All dry friction that slides, that of the nominal machine beside Coulomb's among it: a breakaway below that is none."""
+        return self.scales.level + self.standing_level
+
+    def _believable(self, dip: Candidate) -> Candidate:
+        """Return a dip whose breakaway is about as high as seals have it: below all speeds that occurred it is not seen."""
+        prior = (self._sliding, priors.BREAKAWAY * self._sliding)
+        return replace(dip, parameters=(replace(dip.parameters[0], prior=prior), *dip.parameters[1:]))
+
+    def fitted_forms(self) -> tuple[Candidate, ...]:
+        """Return the forms of laws that have no terms: dips with a tail, which are fitted where a dip without one was found."""
+        dips = (one for one in self.candidates if one.effect == stribeck_friction.EFFECT.name)
+        return tuple(self._believable(one) for one in dips if _has_tail(one))
 
     def _standing_level(self, pressure: float) -> float:
         """Return the most dry friction that the nominal machine has beside Coulomb's, at this pressure above the atmosphere [Pa]."""
@@ -263,6 +277,11 @@ class LawTerms:
         full = full_force(self.run, self.model.nominal) / self.run.drive.usual_arm
         spread = np.maximum(self._spread(columns), [0.0, full])  # a spring is preloaded against all that drives
         return [Term(candidate, np.column_stack(columns), spread, (True, False), parameters, candidate.effect)]
+
+
+def _has_tail(dip: Candidate) -> bool:
+    """Return whether a dip falls more slowly than its exponent says: what that shows beside the nearest exponent is for a fit to say."""
+    return any(q.parameter == "tail" for q in dip.parameters)
 
 
 def _log_prior(shape: Values) -> float:

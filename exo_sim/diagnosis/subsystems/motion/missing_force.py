@@ -32,7 +32,7 @@ RESISTANCES = 8
 #: Before and behind what is fitted of a long recording so much is predicted [s]: a contact then slides as if it had from the beginning,
 #: and the filter meets no end.
 MARGIN = 1.0
-#: So many samples at least are beside the rows when the filter is told for them: several of its widths on any clock.
+#: So many samples at least are beside the rows when the filter is formed for them: several of its widths on any clock.
 FEWEST_IN_MARGIN = 500
 
 

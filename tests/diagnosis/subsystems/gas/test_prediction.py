@@ -11,7 +11,7 @@ from exo_sim.diagnosis.subsystems.gas.inputs import GasInputs, inputs
 from exo_sim.diagnosis.subsystems.gas.prediction import EACH_EFFORT, SETTLED, effort_of, resolved, run_gas, shows_waves
 from exo_sim.physics.plant_records import CYLINDER, WORLD
 from exo_sim.physics.pneumatics import paper_cylinder
-from exo_sim.physics.settling import settling_rate
+from exo_sim.physics.settling import hot_gas, settling_rate
 
 N = 1500
 
@@ -59,7 +59,7 @@ def test_a_slow_logger_s_switched_valve_is_followed_to_when_the_command_arrives(
 def test_a_hose_that_settles_at_once_is_no_other_than_one_that_settles_within_a_row(area: float) -> None:
     """The rows of a fit take 5 ms; what is stored in the hose is stored in the chamber instead."""
     world, cylinder = machine(area, 2e-7)
-    least = settling_rate(area, 1.0, 1.4, 287.05) * SETTLED
+    least = settling_rate(area, 1.0, hot_gas(1.4, 287.05)) * SETTLED
     assert least > 2e-7
     wide, explicit = machine(area, least)[1], machine(area, 2e-7)[1]
     for side in ("dead_volume_1", "dead_volume_2"):

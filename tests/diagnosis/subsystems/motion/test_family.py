@@ -228,3 +228,24 @@ def test_a_dip_that_is_seen_at_no_speed_is_as_high_as_seals_are() -> None:
     dips = [t for t in motion_family(model, (), asked, soft=False).linearisations[0].terms if t.candidate.effect == "stribeck_friction"]
     (prior,) = {q.prior for t in dips for q in t.candidate.parameters if q.parameter == "breakaway"}
     assert prior is not None and prior[1] == pytest.approx(BREAKAWAY * prior[0])
+
+
+def test_a_dip_with_a_tail_is_fitted_and_not_weighed_over_a_grid() -> None:
+    """Its breakaway is believed as that of the dip without one: else the two would not be forms of one law."""
+    asked = candidates((motion_runs.balance(lost(coulomb=12.0), 0.1),), motion_runs.plant(), "slide")
+    model = MotionModel([motion_runs.balance(lost(coulomb=12.0), 0.1)], motion_runs.plant(), Split({}))
+    family = motion_family(model, (), asked, soft=False)
+    dips = {t.candidate for t in family.linearisations[0].terms if t.candidate.effect == "stribeck_friction"}
+    ((plain,), (tailed,)) = dips, family.fitted_forms
+    (tail,) = set(tailed.parameters) - set(plain.parameters)
+    assert set(plain.parameters) < set(tailed.parameters) and tail.parameter == "tail" and tail.start == 0.0
+
+
+def test_a_tail_is_found_from_the_dip_without_one() -> None:
+    """A Lorentzian of 21 N at rest and 12 N at speed, beside 60 N s/m."""
+    law = 12.0 + 9.0 / (1.0 + (VELOCITY / 0.02) ** 2)
+    run = motion_runs.balance(smoothed_alike(TIME, SIGN * law) + 60.0 * VELOCITY, 0.1)
+    found = searched(MotionModel([run], motion_runs.plant(), Split({})))
+    assert set(named(found)) == {"coulomb_friction", "stribeck_friction", "viscous_friction"}
+    values = {q.parameter: value for q, value in found.final.fit.values.items() if q.effect == "stribeck_friction"}
+    assert values["breakaway"] == pytest.approx(21.0, rel=0.03) and values["tail"] == pytest.approx(1.0, abs=0.1)

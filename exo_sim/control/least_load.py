@@ -6,7 +6,7 @@ that, so the best torque harmonics are a linear least-squares problem.
 Contact is not linear, and gas lags. So the solution is then improved by rehearsal, stride by stride, as iterative learning
 control does: what the straps really did over a cycle takes the place of the prediction, and the same least-squares gain
 gives the correction (norm-optimal learning, Amann, Owens and Rogers 1996). The gain is that of the heels and toes that carried in the
-best rehearsal so far; where it made it worse, that of the plan's.
+best rehearsal so far; where it made it worse, that of the plan's. Both learn from what each change did (`learnt_map.py`).
 
 A plan is cut off at what the actuators can hold. Where no spring holds the ankle, feet that stand on heel and toe at once make it ask for
 torques that are far beyond that, and what is left of them may be no plan: then inverse dynamics is rehearsed as well, before it, and the
@@ -21,6 +21,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 from numpy.typing import NDArray
 
+from exo_sim.control.learnt_map import LearntMap
 from exo_sim.control.machine_dynamics import PICK, MachineDynamics
 from exo_sim.control.strap_loads import force_sums, own_moments, wearer_moments_of
 from exo_sim.control.yielding import StrapResponse, Yielding
@@ -108,7 +109,7 @@ class LeastLoad:
     """
 
     yielding: Yielding
-    _planned: tuple[NDArray[np.float64], NDArray[np.float64]]
+    _planned: LearntMap
 
     def __init__(
         self,
@@ -172,7 +173,7 @@ class LeastLoad:
             share: Of the full correction, 0 to 1.
         """
         load = self._counted(np.einsum("nij,nj->ni", self._strap_map, forces) * self._matters).reshape(-1)
-        change = change - share * (self._gain @ (self._effect.T @ load + self._effort**2 * change))
+        change = change - share * self._of_straps.correction(load, change)
         return self._within_reach(self.best + change) - self.best
 
     def strap_forces(self, torques: NDArray[np.float64]) -> NDArray[np.float64]:
@@ -207,14 +208,20 @@ class LeastLoad:
             others = (self._share_of_others * (load + (one - maps[0]) @ np.append(tried, 1.0)) for one in maps[1:])
             heard = np.concatenate([load, *others])
         cost = float(heard @ heard + (self._effort * tried) @ (self._effort * tried))
+        did = (tried - self._best[1], heard - self._heard) if np.isfinite(self._best[0]) else None
+        if did:
+            self._planned = self._planned.told(*did)
         if cost < self._best[0]:
             forces, maps = answer or self._answer(contacts)
             self._best, self._heard, self._failed = (cost, tried), heard, 0
-            self._shown = self._with_gain(maps)
+            self._shown = self._counting_all(maps)
+            if did:
+                self._shown = self._shown.told(*did)
             damping, stiffness = self._responses[0].held(contacts)
             self._forces = forces[0][:, :, :-1]
             self.yielding = replace(self.yielding, damping=damping, stiffness=stiffness)
-        elif not self._unheard:
+        elif did and not self._unheard:
+            self._shown = self._shown.told(*did)
             self._failed += 1
             self._by_plan = not self._by_plan
             if self._failed % 2 == 0:
@@ -224,8 +231,7 @@ class LeastLoad:
             self._coefficients = self._untried.pop()
             return cost
         best = self._best[1]
-        effect, gain = self._planned if self._by_plan else self._shown
-        change = gain @ (effect.T @ self._heard + self._effort**2 * best)
+        change = (self._planned if self._by_plan else self._shown).correction(self._heard, best)
         self._coefficients = self._within_reach(best - self._step * change)
         return cost
 
@@ -263,14 +269,14 @@ class LeastLoad:
             force, give = it.forces(carried)
             self._forces = force[:, :, :-1]
             load = self._counted(self._loads @ force).reshape(-1, give.shape[2])
-            self._effect, self._offset = load[:, :-1], load[:, -1] + self._counted(self._own * self._matters).reshape(-1)
-            self._gain = self._gain_of(self._effect)
-            self._coefficients = -self._gain @ (self._effect.T @ self._offset)
+            offset = load[:, -1] + self._counted(self._own * self._matters).reshape(-1)
+            self._of_straps = LearntMap(load[:, :-1], self._effort)
+            self._coefficients = -self._of_straps.correction(offset, np.zeros(load.shape[1] - 1))
             pulling = down & it.pulled(give @ np.append(self._coefficients, 1.0))
             if not pulling.any():
                 break
             down &= ~pulling
-        self._planned = self._with_gain(self._maps([one.forces(carried)[0] for one in self._responses]))
+        self._planned = self._counting_all(self._maps([one.forces(carried)[0] for one in self._responses]))
         damping, stiffness = it.held(carried)
         self.yielding = Yielding(dynamics.inertia, damping, stiffness, it.strap, it.stiffness, it.damping, self._loads, tuple(self.driven))
 
@@ -289,13 +295,11 @@ class LeastLoad:
         out[:, -1] += (self.weights.steady - 1.0) * loads[:, -1].mean(axis=0)
         return out
 
-    def _with_gain(self, maps: list[NDArray[np.float64]]) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
-        """Return the effect of torque harmonics on all loads that count, and the gain that makes these least."""
-        effect = np.concatenate([maps[0][:, :-1], *(self._share_of_others * one[:, :-1] for one in maps[1:])])
-        return effect, self._gain_of(effect)
-
-    def _gain_of(self, effect: NDArray[np.float64]) -> NDArray[np.float64]:
-        return np.asarray(np.linalg.inv(effect.T @ effect + np.diag(self._effort**2)))
+    def _counting_all(self, maps: list[NDArray[np.float64]]) -> LearntMap:
+        """Return the effect of torque harmonics on all loads that count, of straps as they are and otherwise."""
+        return LearntMap(
+            np.concatenate([maps[0][:, :-1], *(self._share_of_others * one[:, :-1] for one in maps[1:])]), self._effort
+        )
 
 
 def _basis(count: int, harmonics: int) -> NDArray[np.float64]:

@@ -26,24 +26,35 @@ class LearntMap:
     Attributes:
         effect: Loads for each number, shape (loads, m).
         effort: What a number costs by itself, in units of loads, shape (m,).
+        beside: By how much more the loads answer in each of some other cases that count as well, shape (cases, loads, m).
+        share: What a load of such a case counts.
     """
 
     effect: NDArray[np.float64]
     effort: NDArray[np.float64]
+    beside: NDArray[np.float64] | None = None
+    share: float = 0.0
+
+    @cached_property
+    def whole(self) -> NDArray[np.float64]:
+        """The effect on all loads that count, one case below the other, shape ((1 + cases) loads, m)."""
+        if self.beside is None:
+            return self.effect
+        return np.concatenate([self.effect, *(self.share * (self.effect + more) for more in self.beside)])
 
     @cached_property
     def gain(self) -> NDArray[np.float64]:
         """Inverse of the normal matrix, shape (m, m)."""
-        return np.asarray(np.linalg.inv(self.effect.T @ self.effect + np.diag(self.effort**2)))
+        return np.asarray(np.linalg.inv(self.whole.T @ self.whole + np.diag(self.effort**2)))
 
     def correction(self, load: NDArray[np.float64], at: NDArray[np.float64]) -> NDArray[np.float64]:
-        """Return what to take off the numbers, shape (m,), for loads, shape (loads,), that they gave where they were `at`."""
-        return np.asarray(self.gain @ (self.effect.T @ load + self.effort**2 * at))
+        """Return what to take off the numbers, shape (m,), for all loads that they gave, as `whole`, where they were `at`."""
+        return np.asarray(self.gain @ (self.whole.T @ load + self.effort**2 * at))
 
     def told(self, change: NDArray[np.float64], answer: NDArray[np.float64]) -> LearntMap:
         """Return the map that knows what loads answered, shape (loads,), to a change of the numbers, shape (m,).
 
-        Directions are told apart by what they do to loads and effort.
+        Directions are told apart by what they do to loads and effort. In the other cases loads answer as much more as they did.
         """
         expected = self.effect @ change
         felt = self.effect.T @ expected + self.effort**2 * change

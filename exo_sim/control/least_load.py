@@ -173,7 +173,8 @@ class LeastLoad:
             others = (self._share_of_others * (load + (one - maps[0]) @ np.append(tried, 1.0)) for one in maps[1:])
             heard = np.concatenate([load, *others])
         cost = float(heard @ heard + (self._effort * tried) @ (self._effort * tried))
-        did = (tried - self._best[1], heard - self._heard) if np.isfinite(self._best[0]) else None
+        count = len(load)
+        did = (tried - self._best[1], load - self._heard[:count]) if np.isfinite(self._best[0]) else None
         if did:
             self._planned = self._planned.told(*did)
         if cost < self._best[0]:
@@ -270,9 +271,9 @@ class LeastLoad:
 
     def _counting_all(self, maps: list[NDArray[np.float64]]) -> LearntMap:
         """Return the effect of torque harmonics on all loads that count, of straps as they are and otherwise."""
-        return LearntMap(
-            np.concatenate([maps[0][:, :-1], *(self._share_of_others * one[:, :-1] for one in maps[1:])]), self._effort
-        )
+        usual = maps[0][:, :-1]
+        beside = np.stack([one[:, :-1] - usual for one in maps[1:]]) if len(maps) > 1 else None
+        return LearntMap(usual, self._effort, beside, self._share_of_others)
 
 
 def _basis(count: int, harmonics: int) -> NDArray[np.float64]:

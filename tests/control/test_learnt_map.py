@@ -40,3 +40,11 @@ def test_what_was_tried_makes_a_wrong_map_better() -> None:
             at, load = at + change, load + answer
         left.append(float(np.linalg.norm(load)))
     assert left[0] < 0.1 * left[1]
+
+
+def test_other_cases_answer_as_much_more_as_they_did() -> None:
+    more, change = RANDOM.normal(size=(2, 30, 6)), RANDOM.normal(size=6)
+    it = LearntMap(BELIEVED, EFFORT, more, 0.3)
+    np.testing.assert_allclose(it.whole[30:60], 0.3 * (BELIEVED + more[0]))
+    told = it.told(change, TRUE @ change)
+    np.testing.assert_allclose(told.whole[60:] @ change, 0.3 * (0.5 * (TRUE + BELIEVED) + more[1]) @ change)

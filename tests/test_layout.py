@@ -76,7 +76,7 @@ THROUGH: dict[str, tuple[str, ...]] = {
         "simulation/torque_driven_wearer.py", "simulation/wearer_inverse_dynamics.py",
     ),
     "simulation/test_walk.py": (
-        "control/strap_feedback.py", "control/strap_loads.py",
+        "control/load_weights.py", "control/strap_feedback.py",
         "simulation/causal_calibration.py", "simulation/coupled_step.py", "simulation/loop_log.py",
         "simulation/valve_loop.py", "simulation/views.py",
         "simulation/worn_demand.py", "simulation/worn_log.py",

@@ -6,7 +6,9 @@ that, so the best torque harmonics are a linear least-squares problem.
 Contact is not linear, and gas lags. So the solution is then improved by rehearsal, stride by stride, as iterative learning
 control does: what the straps really did over a cycle takes the place of the prediction, and the same least-squares gain
 gives the correction (norm-optimal learning, Amann, Owens and Rogers 1996). The gain is that of the heels and toes that carried in the
-best rehearsal so far; where it made it worse, that of the plan's.
+best rehearsal so far; where it made it worse, that of the plan's. Both learn from what each change did (`learnt_map.py`).
+Straps move the centres of pressure under the wearer's soles; where a rehearsal showed these at the edge they go no farther, and the moment
+that no sole can give counts beside those of the joints. A plan that knows of no edge relieves the ankle with a force that is not there.
 
 A plan is cut off at what the actuators can hold. Where no spring holds the ankle, feet that stand on heel and toe at once make it ask for
 torques that are far beyond that, and what is left of them may be no plan: then inverse dynamics is rehearsed as well, before it, and the
@@ -16,13 +18,15 @@ better of both is gone on from.
 from __future__ import annotations
 
 from copy import copy
-from dataclasses import dataclass, replace
+from dataclasses import replace
 
 import numpy as np
 from numpy.typing import NDArray
 
+from exo_sim.control.learnt_map import LearntMap
+from exo_sim.control.load_weights import Weights
 from exo_sim.control.machine_dynamics import PICK, MachineDynamics
-from exo_sim.control.strap_loads import force_sums, own_moments, wearer_moments_of
+from exo_sim.control.strap_loads import StrapLoads, own_moments
 from exo_sim.control.yielding import StrapResponse, Yielding
 from exo_sim.gait.motion import SAMPLES, Motion
 from exo_sim.machine.person import Person
@@ -36,56 +40,8 @@ _LIFTINGS = 4
 _SHARE = 0.5
 
 
-@dataclass(frozen=True)
-class Weights:
-    """What counts as load.
-
-    Attributes:
-        hip, knee, ankle: Weight of a newton metre in the wearer's joint.
-        own: Share of the moments of the wearer's own body that count with those of the straps: 0 asks for a machine that is not felt,
-            1 for one that makes the wearer's whole moments small.
-        moving: By how much more a moment counts while its joint turns, where it costs work [s/rad].
-        torso: Of a newton on the torso straps, up or down [m].
-        torso_ahead: Of a newton on the torso straps, forward or back [m].
-        push: Of a newton that all straps together push the machine ahead [m]: the wearer holds it against the ground, about a metre below.
-        steady: How often as much the mean of that push counts, a sledge that is pulled all the way.
-        effort: Of a newton metre demanded, steady.
-        smoothness: Of a newton metre demanded, for each harmonic.
-        other_straps: By what share loads count that straps half and twice as stiff would give, beside those of the straps as they are.
-    """
-
-    hip: float = 1.0
-    knee: float = 1.0
-    ankle: float = 0.7
-    own: float = 0.7
-    moving: float = 0.5
-    torso: float = 0.5
-    torso_ahead: float = 0.1
-    push: float = 1.0
-    steady: float = 2.0
-    effort: float = 0.05
-    smoothness: float = 0.05
-    other_straps: float = 0.0
-
-    def of_loads(self, rate: NDArray[np.float64]) -> NDArray[np.float64]:
-        """Return what each load counts at each phase, shape (n, 9): hip, knee, ankle on both sides, torso straps ahead and up, push.
-
-        Args:
-            rate: Of the joints [rad/s], shape (n, 6).
-        """
-        joints = np.array([self.hip, self.knee, self.ankle] * 2) * np.hypot(1.0, self.moving * rate)
-        others = np.array([self.torso_ahead, self.torso, self.push])
-        return np.concatenate([joints, np.broadcast_to(others, (len(rate), 3))], axis=1)
-
-
-#: Where both pressures of the cylinders are planned, gas goes with what the torques change by: smoother ones draw a quarter less, and the
-#: wearer hardly feels it (docs/sizing.md).
-SPARING = Weights(smoothness=0.15)
-#: Where straps are felt and learnt from, torques may change faster: what the gas does not follow is answered.
-QUICK = Weights(smoothness=0.02)
-#: By how much straps are thought to be less and more stiff, and the share that such straps count by where the demand meets strides that it
-#: was not rehearsed on: half and twice as stiff ones are thought a tenth as likely.
-_OTHERWISE, CAUTIOUS = (0.5, 2.0), 0.1
+#: By how much straps are thought to be less and more stiff.
+_OTHERWISE = 0.5, 2.0
 
 
 class LeastLoad:
@@ -108,7 +64,9 @@ class LeastLoad:
     """
 
     yielding: Yielding
-    _planned: tuple[NDArray[np.float64], NDArray[np.float64]]
+    _planned: LearntMap
+    _responses: list[StrapResponse]
+    _share_of_others: float
 
     def __init__(
         self,
@@ -126,7 +84,7 @@ class LeastLoad:
         self._support = motion.support
         rate = motion.slope[PICK, 3:] / motion.period
         self._matters = np.maximum(motion.support[PICK], 1e-3)[:, None] * self.weights.of_loads(rate)
-        self._own = np.concatenate([self.weights.own * own_moments(motion, person), np.zeros((len(rate), 3))], axis=1)
+        self._own = np.concatenate([self.weights.own * own_moments(motion, person), np.zeros((len(rate), 4))], axis=1)
         self._strides = max(1, len(motion.position) // SAMPLES)
         self._phases, self._harmonics = len(rate), HARMONICS * self._strides
         harmonic = np.concatenate([[0], np.repeat(np.arange(1, self._harmonics + 1), 2)]) / self._strides
@@ -171,8 +129,8 @@ class LeastLoad:
             forces: By how much the straps' forces on the machine, across and along, were others [N], shape (n, 2 straps).
             share: Of the full correction, 0 to 1.
         """
-        load = self._counted(np.einsum("nij,nj->ni", self._strap_map, forces) * self._matters).reshape(-1)
-        change = change - share * (self._gain @ (self._effect.T @ load + self._effort**2 * change))
+        load = self._counted(np.einsum("nij,nj->ni", self._strap_map, forces)).reshape(-1)
+        change = change - share * self._of_straps.correction(load, change)
         return self._within_reach(self.best + change) - self.best
 
     def strap_forces(self, torques: NDArray[np.float64]) -> NDArray[np.float64]:
@@ -187,7 +145,12 @@ class LeastLoad:
         return np.asarray(self._forces @ self._harmonics_of(torques))
 
     def learn(
-        self, moments: NDArray[np.float64], straps: NDArray[np.float64], contacts: NDArray[np.float64]
+        self,
+        moments: NDArray[np.float64],
+        straps: NDArray[np.float64],
+        contacts: NDArray[np.float64],
+        residual: NDArray[np.float64],
+        at_edge: NDArray[np.float64],
     ) -> float:
         """Better the torques by what they did in a rehearsal.
 
@@ -195,26 +158,37 @@ class LeastLoad:
             moments: The wearer's extra moments at the n even phases of a cycle [N m], shape (n, 6).
             straps: Force of all torso straps, ahead and up, and of all straps ahead, at the same phases [N], shape (n, 3).
             contacts: For what share of each phase each of `machine_dynamics.CONTACTS` carried, shape (n, 4).
+            residual: Moment that no sole could give, at the same phases [N m], shape (n,).
+            at_edge: For what share of each phase there was one, shape (n,).
 
         Returns:
             The cost that was reached; `torque(best=True)` belongs to the least of all.
         """
-        load = self._counted((np.concatenate([moments, straps], axis=1) + self._own) * self._matters).reshape(-1)
+        felt = np.concatenate([moments, residual[:, None], straps], axis=1)
+        load = self._counted((felt + self._own) * self._matters).reshape(-1)
         tried, heard = self._coefficients, load
-        answer = self._answer(contacts) if len(self._responses) > 1 else None
+        answer = self._answer(contacts, at_edge) if len(self._responses) > 1 else None
         if answer is not None:
             maps = answer[1]
             others = (self._share_of_others * (load + (one - maps[0]) @ np.append(tried, 1.0)) for one in maps[1:])
             heard = np.concatenate([load, *others])
         cost = float(heard @ heard + (self._effort * tried) @ (self._effort * tried))
+        count = len(load)
+        did = (tried - self._best[1], load - self._heard[:count]) if np.isfinite(self._best[0]) else None
+        if did:
+            self._planned = self._planned.told(*did)
         if cost < self._best[0]:
-            forces, maps = answer or self._answer(contacts)
+            forces, maps = answer or self._answer(contacts, at_edge)
             self._best, self._heard, self._failed = (cost, tried), heard, 0
-            self._shown = self._with_gain(maps)
+            self._shown = self._counting_all(maps)
+            if did:
+                self._shown = self._shown.told(*did)
             damping, stiffness = self._responses[0].held(contacts)
             self._forces = forces[0][:, :, :-1]
-            self.yielding = replace(self.yielding, damping=damping, stiffness=stiffness)
-        elif not self._unheard:
+            self._strap_map = self._of_straps_at(at_edge)
+            self.yielding = replace(self.yielding, damping=damping, stiffness=stiffness, load=self._strap_map)
+        elif did and not self._unheard:
+            self._shown = self._shown.told(*did)
             self._failed += 1
             self._by_plan = not self._by_plan
             if self._failed % 2 == 0:
@@ -224,8 +198,7 @@ class LeastLoad:
             self._coefficients = self._untried.pop()
             return cost
         best = self._best[1]
-        effect, gain = self._planned if self._by_plan else self._shown
-        change = gain @ (effect.T @ self._heard + self._effort**2 * best)
+        change = (self._planned if self._by_plan else self._shown).correction(self._heard, best)
         self._coefficients = self._within_reach(best - self._step * change)
         return cost
 
@@ -249,8 +222,8 @@ class LeastLoad:
     def _solve(self, dynamics: MachineDynamics, motion: Motion, person: Person, straps: StrapSet, ankle: Ankle) -> None:
         """Find the effect of each torque harmonic on the loads, and the harmonics that make the loads least."""
         n = self._phases
-        self._strap_map = np.concatenate([wearer_moments_of(dynamics, motion, person, straps), force_sums(dynamics, straps)], axis=1)
-        self._loads = self._strap_map * self._matters[:, :, None]
+        self._strap_loads = StrapLoads.of(dynamics, motion, person, straps)
+        self._strap_map = self._of_straps_at(np.zeros(n))
         inputs = np.zeros((n, 6, len(self.driven), 2 * self._harmonics + 1))
         for i, joint in enumerate(self.driven):
             inputs[:, joint, i] = _basis(n, self._harmonics) * self._support[PICK, None]
@@ -262,40 +235,45 @@ class LeastLoad:
             carried = down.astype(float)
             force, give = it.forces(carried)
             self._forces = force[:, :, :-1]
-            load = self._counted(self._loads @ force).reshape(-1, give.shape[2])
-            self._effect, self._offset = load[:, :-1], load[:, -1] + self._counted(self._own * self._matters).reshape(-1)
-            self._gain = self._gain_of(self._effect)
-            self._coefficients = -self._gain @ (self._effect.T @ self._offset)
+            load = self._counted(self._strap_map @ force).reshape(-1, give.shape[2])
+            offset = load[:, -1] + self._counted(self._own * self._matters).reshape(-1)
+            self._of_straps = LearntMap(load[:, :-1], self._effort)
+            self._coefficients = -self._of_straps.correction(offset, np.zeros(load.shape[1] - 1))
             pulling = down & it.pulled(give @ np.append(self._coefficients, 1.0))
             if not pulling.any():
                 break
             down &= ~pulling
-        self._planned = self._with_gain(self._maps([one.forces(carried)[0] for one in self._responses]))
-        damping, stiffness = it.held(carried)
-        self.yielding = Yielding(dynamics.inertia, damping, stiffness, it.strap, it.stiffness, it.damping, self._loads, tuple(self.driven))
+        self._planned = self._counting_all(self._maps([one.forces(carried)[0] for one in self._responses], self._strap_map))
+        self.yielding = Yielding(
+            dynamics.inertia, *it.held(carried), it.strap, it.stiffness, it.damping, self._strap_map, tuple(self.driven)
+        )
 
-    def _answer(self, contacts: NDArray[np.float64]) -> tuple[list[NDArray[np.float64]], list[NDArray[np.float64]]]:
+    def _of_straps_at(self, at_edge: NDArray[np.float64]) -> NDArray[np.float64]:
+        """Return the weighed loads of a unit force of each strap, shape (n, 10, 2 straps), for the phases in which soles give no more."""
+        return self._strap_loads.at(at_edge) * self._matters[:, :, None]
+
+    def _answer(
+        self, contacts: NDArray[np.float64], at_edge: NDArray[np.float64]
+    ) -> tuple[list[NDArray[np.float64]], list[NDArray[np.float64]]]:
         """Return strap forces and loads that follow from torque harmonics where feet carry so, for straps as they are and otherwise."""
         forces = [one.forces(contacts)[0] for one in self._responses]
-        return forces, self._maps(forces)
+        return forces, self._maps(forces, self._of_straps_at(at_edge))
 
-    def _maps(self, forces: list[NDArray[np.float64]]) -> list[NDArray[np.float64]]:
+    def _maps(self, forces: list[NDArray[np.float64]], strap_map: NDArray[np.float64]) -> list[NDArray[np.float64]]:
         """Return what loads follow from torque harmonics, the last column without torques, for straps as they are and otherwise."""
-        return [self._counted(self._loads @ one).reshape(self._matters.size, -1) for one in forces]
+        return [self._counted(strap_map @ one).reshape(self._matters.size, -1) for one in forces]
 
     def _counted(self, loads: NDArray[np.float64]) -> NDArray[np.float64]:
-        """Return weighed loads, shape (n, 9, ...), with the push that is left over a cycle as it counts."""
+        """Return weighed loads, shape (n, 10, ...), with the push that is left over a cycle as it counts."""
         out = loads.copy()
         out[:, -1] += (self.weights.steady - 1.0) * loads[:, -1].mean(axis=0)
         return out
 
-    def _with_gain(self, maps: list[NDArray[np.float64]]) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
-        """Return the effect of torque harmonics on all loads that count, and the gain that makes these least."""
-        effect = np.concatenate([maps[0][:, :-1], *(self._share_of_others * one[:, :-1] for one in maps[1:])])
-        return effect, self._gain_of(effect)
-
-    def _gain_of(self, effect: NDArray[np.float64]) -> NDArray[np.float64]:
-        return np.asarray(np.linalg.inv(effect.T @ effect + np.diag(self._effort**2)))
+    def _counting_all(self, maps: list[NDArray[np.float64]]) -> LearntMap:
+        """Return the effect of torque harmonics on all loads that count, of straps as they are and otherwise."""
+        usual = maps[0][:, :-1]
+        beside = np.stack([one[:, :-1] - usual for one in maps[1:]]) if len(maps) > 1 else None
+        return LearntMap(usual, self._effort, beside, self._share_of_others)
 
 
 def _basis(count: int, harmonics: int) -> NDArray[np.float64]:

@@ -31,7 +31,7 @@ class Yielding:
         inertia, damping, stiffness: Of straps and ground together, shape (n, 9, 9).
         strap: How straps stretch, across and along, shape (n, 2 straps, 9).
         strap_stiffness, strap_damping: [N/m], [N s/m], shape (2 straps,).
-        load: Weighted loads on the wearer for a unit force of each strap on the machine, shape (n, 9, 2 straps).
+        load: Weighted loads on the wearer for a unit force of each strap on the machine, shape (n, 10, 2 straps).
         driven: Which of the six joints have a torque.
     """
 

@@ -88,17 +88,17 @@ class _Parameters:
         waves, heights = _basis(motion.phase, self.harmonics), _basis(motion.phase, self.heights) if self.heights else None
         position = np.empty((len(tried), motion.position.shape[1], len(motion.position)))
         position[:] = motion.position.T
-        for moved, values in zip(position, tried):
-            sway, rest = values[2 : 2 + n], values[2 + n :]
-            pitch = values[0] + waves @ sway
-            moved[2] += pitch
-            moved[[3, 6]] -= pitch
-            if heights is not None:
-                ahead = waves @ rest[:n]
-                moved[0] += ahead
-                for leg in _LEGS:
-                    moved[leg] += held_back(ahead, moved[2] + moved[leg][0], moved[leg][1], person)
-                moved[1] += heights @ rest[n:]
+        pitch = np.stack([values[0] + waves @ values[2 : 2 + n] for values in tried])
+        position[:, 2] += pitch
+        position[:, [3, 6]] -= pitch[:, None]
+        if heights is not None:
+            ahead = np.stack([waves @ values[2 + n : 2 + 2 * n] for values in tried])
+            position[:, 0] += ahead
+            for leg in _LEGS:
+                thigh, knee = position[:, 2] + position[:, leg.start], position[:, leg.start + 1]
+                turns = held_back(ahead.reshape(-1), thigh.reshape(-1), knee.reshape(-1), person)
+                position[:, leg] += np.moveaxis(turns.reshape(3, *ahead.shape), 0, 1)
+            position[:, 1] += np.stack([heights @ values[2 + 2 * n :] for values in tried])
         return position
 
     def centre(self, motion: Motion, person: Person, values: NDArray[np.float64]) -> NDArray[np.float64]:

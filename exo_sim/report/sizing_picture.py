@@ -132,6 +132,7 @@ def front(sizing: Sizing) -> str:
         panel.set(xlabel="gas a cycle [g]", ylabel=words)
     bar = figure.colorbar(dots, ax=panels[0][2])
     bar.set_label("torque margin [%]", fontsize=8)
+    bar.ax.tick_params(labelsize=panels[0][2].xaxis.get_ticklabels()[0].get_fontsize())
     return _svg(figure)
 
 

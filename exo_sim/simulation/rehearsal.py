@@ -77,8 +77,13 @@ class Rehearsals:
         body = self._body if self._body is not None else own(seen).moments
         if seen.moved is None:
             self._body = body
-        moments = with_machine(seen).moments - body
-        cost = self.plan.learn(*(_phase_mean(seen, each) for each in (moments, straps, carrying(seen))))
+        it = with_machine(seen)
+        # one who is a body is held by a spring, whatever his soles give
+        held = it.ground if seen.moved is None else None
+        residual = held.residual[:, 2] if held else np.zeros(len(body))
+        at_edge = held.outside.astype(float) if held else np.zeros(len(body))
+        means = (_phase_mean(seen, each) for each in (it.moments - body, straps, carrying(seen), residual, at_edge))
+        cost = self.plan.learn(*means)
         self._least.append(min([cost, *self._least[-1:]]))
         return cost
 

@@ -13,7 +13,8 @@ from numpy.typing import NDArray
 
 from exo_sim.control import demand as law_of_demand
 from exo_sim.control import machine_dynamics
-from exo_sim.control.least_load import CAUTIOUS, QUICK, SPARING, LeastLoad, Weights
+from exo_sim.control.least_load import LeastLoad
+from exo_sim.control.load_weights import CAUTIOUS, QUICK, SPARING, Weights
 from exo_sim.errors import Diverged
 from exo_sim.machine.worn_model import PAYLOAD_LIMIT, carry
 from exo_sim.simulation.causal_calibration import calibrated

@@ -5,6 +5,7 @@ import pytest
 
 from exo_sim.errors import ScenarioError
 from exo_sim.gait import scenario
+from exo_sim.gait.motion import SAMPLES
 from exo_sim.gait.speed_and_slope import at_speed, on_slope
 from exo_sim.machine.person import Person
 
@@ -33,6 +34,16 @@ def test_stride_and_cadence_go_with_powers_of_speed(level):
 def test_hips_swing_farther_the_faster(level):
     swings = [np.ptp(at_speed(level, PERSON, factor).position[:, 6]) for factor in (0.6, 1.0, 1.3)]
     assert swings[0] < swings[1] < swings[2]
+
+
+def test_the_faster_the_more_the_pelvis_rises_and_the_less_of_the_stride_a_foot_stands(level):
+    """Orendurff and others 2004; Kirtley, Whittle and Jefferson 1985."""
+    pace, rises, stands = level.advance / level.period, np.ptp(level.position[:, 1]), np.mean(level.share > 0.0)
+    for factor in (0.6, 0.8, 1.3):
+        other = at_speed(level, PERSON, factor)
+        assert np.ptp(other.position[:, 1]) == pytest.approx(factor**0.69 * rises, rel=1e-3)
+        assert np.mean(other.share > 0.0) == pytest.approx(stands - 0.035 * (factor - 1.0) * pace, abs=2.5 / SAMPLES)
+        np.testing.assert_allclose(other.share.sum(axis=1), 1.0)
 
 
 def test_uphill_the_leading_leg_is_bent_and_downhill_the_standing_one(level):

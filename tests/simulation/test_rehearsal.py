@@ -63,9 +63,13 @@ def test_the_own_body_is_worked_out_once_where_it_moves_alike_and_only_for_the_r
     seen = counted(walk, 1)
     assert rows == [seen.stop - seen.start] * looked_up
     whole = cycle_mean(walk, with_machine(walk).moments - own(walk).moments, 1)
-    for moments, straps, contacts in pupil.taught:
+    held = with_machine(walk).ground
+    left = [cycle_mean(walk, each, 1) for each in (held.residual[:, 2], held.outside.astype(float))]
+    for moments, straps, contacts, *asked in pupil.taught:
         np.testing.assert_array_equal(moments, whole)
         assert len(straps) == len(contacts) == len(moments)
+        for shown, known in zip(asked, left):  # a spring, and no sole, holds one who is a body
+            np.testing.assert_array_equal(shown, known if wearer == "prescribed" else np.zeros(len(moments)))
 
 
 def test_rows_that_count_are_whole_cycles() -> None:

@@ -91,16 +91,13 @@ def test_the_force_of_straps_is_given_by_segment(on):
     assert set(forces) == {"torso", "thigh", "shoe"}
 
 
-def test_residuals_are_within_the_guideline_alone_and_with_a_backpack(on):
-    """OpenSim's: 25 N and 75 N m at most, 10 N and 50 N m rms; the machine's peak is a little beyond it."""
+def test_residuals_are_within_the_guideline_alone_with_a_backpack_and_with_the_machine(on):
+    """OpenSim's: 25 N and 75 N m at most, 10 N and 50 N m rms; with the machine as well."""
     summary = summarise(on)
     for column in (*summary["compared_with"].values(), summary["wearer"]):
         residual = column["pelvis_residual"]
         assert residual["force_peak_n"] < 25.0 and residual["force_rms_n"] < 10.0
-        assert residual["moment_rms_nm"] < 50.0
-    for column in summary["compared_with"].values():
-        assert column["pelvis_residual"]["moment_peak_nm"] < 75.0
-    assert summary["wearer"]["pelvis_residual"]["moment_peak_nm"] < 85.0
+        assert residual["moment_rms_nm"] < 50.0 and residual["moment_peak_nm"] < 75.0
 
 
 def test_the_centre_of_pressure_is_under_the_soles_that_touch(on):

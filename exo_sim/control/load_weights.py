@@ -1,0 +1,65 @@
+"""What counts as load on the wearer, and by how much."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+
+@dataclass(frozen=True)
+class Weights:
+    """What counts as load.
+
+    Attributes:
+        hip, knee, ankle: Weight of a newton metre in the wearer's joint.
+        residual: Of a newton metre that no sole can give. Of 0, 0.5, 0.7 and 1 a half left small residuals on the level and stairs at no
+            price in the joints (14 walks: levels, slopes, stairs, speeds, three ankles, two machines).
+        own: Share of the moments of the wearer's own body that count with those of the straps: 0 asks for a machine that is not felt,
+            1 for one that makes the wearer's whole moments small.
+        moving: By how much more a moment counts while its joint turns, where it costs work [s/rad].
+        torso: Of a newton on the torso straps, up or down [m].
+        torso_ahead: Of a newton on the torso straps, forward or back [m].
+        push: Of a newton that all straps together push the machine ahead [m]: the wearer holds it against the ground, about a metre below.
+        steady: How often as much the mean of that push counts, a sledge that is pulled all the way.
+        effort: Of a newton metre demanded, steady.
+        smoothness: Of a newton metre demanded, for each harmonic.
+        other_straps: By what share loads count that straps half and twice as stiff would give, beside those of the straps as they are.
+    """
+
+    hip: float = 1.0
+    knee: float = 1.0
+    ankle: float = 0.7
+    residual: float = 0.5
+    own: float = 0.7
+    moving: float = 0.5
+    torso: float = 0.5
+    torso_ahead: float = 0.1
+    push: float = 1.0
+    steady: float = 2.0
+    effort: float = 0.05
+    smoothness: float = 0.05
+    other_straps: float = 0.0
+
+    def of_loads(self, rate: NDArray[np.float64]) -> NDArray[np.float64]:
+        """Return what each load counts at each phase, shape (n, 10).
+
+        These are hip, knee, ankle on both sides, the residual, torso straps ahead and up, and the push.
+
+        Args:
+            rate: Of the joints [rad/s], shape (n, 6).
+        """
+        joints = np.array([self.hip, self.knee, self.ankle] * 2) * np.hypot(1.0, self.moving * rate)
+        others = np.array([self.residual, self.torso_ahead, self.torso, self.push])
+        return np.concatenate([joints, np.broadcast_to(others, (len(rate), 4))], axis=1)
+
+
+#: Where both pressures of the cylinders are planned, gas goes with what the torques change by: smoother ones draw a quarter less, and the
+#: wearer hardly feels it (docs/sizing.md).
+SPARING = Weights(smoothness=0.15)
+#: Where straps are felt and learnt from, torques may change faster: what the gas does not follow is answered.
+QUICK = Weights(smoothness=0.02)
+#: The share that straps half and twice as stiff count by where the demand meets strides that it was not rehearsed on: they are thought a
+#: tenth as likely.
+CAUTIOUS = 0.1

@@ -1,0 +1,50 @@
+"""A map that learns from what a change did."""
+
+import numpy as np
+
+from exo_sim.control.learnt_map import LearntMap
+
+RANDOM = np.random.default_rng(3)
+TRUE, BELIEVED = RANDOM.normal(size=(30, 6)), RANDOM.normal(size=(30, 6))
+EFFORT = np.full(6, 0.1)
+
+
+def test_corrections_with_a_true_map_leave_the_least_loads() -> None:
+    load, at = RANDOM.normal(size=30), RANDOM.normal(size=6)
+    it = LearntMap(TRUE, EFFORT)
+    done = at - it.correction(load, at)
+    left = load + TRUE @ (done - at)
+    np.testing.assert_allclose(TRUE.T @ left + EFFORT**2 * done, 0.0, atol=1e-9)
+
+
+def test_a_map_believes_half_of_what_a_change_did_and_nothing_across_it() -> None:
+    change = RANDOM.normal(size=6)
+    it = LearntMap(BELIEVED, EFFORT)
+    told = it.told(change, TRUE @ change)
+    np.testing.assert_allclose(told.effect @ change, 0.5 * (TRUE + BELIEVED) @ change)
+    across = np.linalg.svd((BELIEVED.T @ BELIEVED + np.diag(EFFORT**2) @ np.eye(6)) @ change[:, None])[0][:, 1]
+    np.testing.assert_allclose(told.effect @ across, BELIEVED @ across)
+    assert it.told(np.zeros(6), np.ones(30)) is it
+
+
+def test_what_was_tried_makes_a_wrong_map_better() -> None:
+    """Loads that could all be met are met sooner by a map that learns."""
+    true, wrong, effort = TRUE[:6] + 3.0 * np.eye(6), TRUE[:6] + 3.0 * np.eye(6) + 0.5 * BELIEVED[:6], np.full(6, 1e-3)
+    left = []
+    for learns in (True, False):
+        it, at, load = LearntMap(wrong, effort), np.zeros(6), RANDOM.normal(size=6)
+        for _ in range(30):
+            change = -0.5 * it.correction(load, at)
+            answer = true @ change
+            it = it.told(change, answer) if learns else it
+            at, load = at + change, load + answer
+        left.append(float(np.linalg.norm(load)))
+    assert left[0] < 0.1 * left[1]
+
+
+def test_other_cases_answer_as_much_more_as_they_did() -> None:
+    more, change = RANDOM.normal(size=(2, 30, 6)), RANDOM.normal(size=6)
+    it = LearntMap(BELIEVED, EFFORT, more, 0.3)
+    np.testing.assert_allclose(it.whole[30:60], 0.3 * (BELIEVED + more[0]))
+    told = it.told(change, TRUE @ change)
+    np.testing.assert_allclose(told.whole[60:] @ change, 0.3 * (0.5 * (TRUE + BELIEVED) + more[1]) @ change)

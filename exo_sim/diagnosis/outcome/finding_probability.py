@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from exo_sim.diagnosis.findings import Finding, Kind
 from exo_sim.diagnosis.outcome.finding_size import may_be_nil
-from exo_sim.diagnosis.policy.probability import EVEN_SHARE, MAY_BE_NIL, STEEPNESS, UNTESTED
+from exo_sim.diagnosis.policy.probability import EVEN_SHARE, LEAST_PROBABILITY, MAY_BE_NIL, STEEPNESS, UNTESTED
 from exo_sim.diagnosis.policy.verdicts import CONFIDENT_BESIDE_UNKNOWN, MOST_CONFIDENT
 
 
@@ -30,3 +30,8 @@ def is_weighed_physics(finding: Finding) -> bool:
 def by_share(share: float | None) -> float:
     """Return the most that a name is probable which explains this share of time kept back, by experience; `share` as of `confidence`."""
     return float(UNTESTED) if share is None else MOST_CONFIDENT / (1.0 + (EVEN_SHARE / max(share, 1e-3)) ** STEEPNESS)
+
+
+def is_doubtful(share: float) -> bool:
+    """Return whether a finding that explains this share of time kept back is more likely wrong than right, by experience."""
+    return by_share(share) < LEAST_PROBABILITY

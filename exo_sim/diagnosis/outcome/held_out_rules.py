@@ -18,10 +18,10 @@ from dataclasses import replace
 from exo_sim.diagnosis import wording
 from exo_sim.diagnosis.estimation.correlation import rms
 from exo_sim.diagnosis.findings import Finding, Kind
-from exo_sim.diagnosis.outcome.finding_probability import by_share, is_weighed_physics
+from exo_sim.diagnosis.outcome.finding_probability import is_doubtful, is_weighed_physics
 from exo_sim.diagnosis.outcome.finding_size import errors_from_nil, may_be_nil
 from exo_sim.diagnosis.policy import validation
-from exo_sim.diagnosis.policy.probability import LEAST_ERRORS, LEAST_PROBABILITY
+from exo_sim.diagnosis.policy.probability import LEAST_ERRORS
 from exo_sim.diagnosis.selection.subsystem_result import SubsystemResult
 from exo_sim.diagnosis.subsystem_model import SubsystemModel
 
@@ -66,7 +66,7 @@ def doubt(finding: Finding, share: float | None, compared: bool = True) -> str:
         if compared and finding.kind is Kind.SENSOR:
             return f"{untested}, where a sensor at fault would be as much at fault as before"
         return f"{untested}, and the interval of its number holds nil" if may_be_nil(finding) else ""
-    if by_share(share) >= LEAST_PROBABILITY:
+    if not is_doubtful(share):
         return ""
     return (
         f"it explains {100 * share:.0f} % of what is missing without it, on time that no number was fitted to: "

@@ -12,7 +12,7 @@ from exo_sim.diagnosis.data.split import Split
 from exo_sim.diagnosis.estimation.budget import Budget
 from exo_sim.diagnosis.estimation.candidate import Candidate
 from exo_sim.diagnosis.findings import Finding
-from exo_sim.diagnosis.policy.probability import EVEN_SHARE
+from exo_sim.diagnosis.outcome.finding_probability import is_doubtful
 from exo_sim.diagnosis.selection.subsystem_result import SubsystemResult
 from exo_sim.diagnosis.selection.unknown_effect import UnknownEffect
 from exo_sim.diagnosis.subsystem_model import SubsystemModel
@@ -137,4 +137,4 @@ class Examination:
 
         Not of those for or against which a small share says nothing.
         """
-        return {key: one.share for key, one in self.checked.worth.items() if one.share > EVEN_SHARE or one.speaks_against}
+        return {key: one.share for key, one in self.checked.worth.items() if not is_doubtful(one.share) or one.speaks_against}

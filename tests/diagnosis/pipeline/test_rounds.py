@@ -210,6 +210,10 @@ def test_names_that_explain_little_of_the_validation_time_are_put_aside_and_it_i
     found = rounds.without_doubtful(examination(data, Plan(Split({})), gas_of(data, LEAK, SPRING), errors(worth=worth)))
     assert [finding.name for finding in found.results.gas[0].findings] == ["piston_leakage"]
     assert list(found.plan.refuted) == [SPRING] and "explains 3 %" in found.plan.refuted[SPRING]
+    undecided = {key: replace(one, amplitude=0.5, error=0.7) for key, one in worth.items()}
+    kept = rounds.without_doubtful(examination(data, Plan(Split({})), gas_of(data, LEAK, SPRING), errors(worth=undecided)))
+    assert [finding.name for finding in kept.results.gas[0].findings] == ["piston_leakage", "return_spring"]
+    assert set(kept.shares) == {"piston_leakage@piston"}
     untested = examination(data, Plan(Split({})), gas_of(data, SPRING), errors(), errors())
     assert rounds.without_doubtful(untested) is untested
 

@@ -19,7 +19,7 @@ from exo_sim.diagnosis.selection.finding_removal import without_findings
 from exo_sim.diagnosis.selection.search import Search
 from exo_sim.diagnosis.selection.subsystem_result import SubsystemResult
 from exo_sim.diagnosis.selection.unknown_effect import unknown_effects
-from exo_sim.diagnosis.validation.held_out import BalanceError, HeldOutErrors, Worth, _beyond, held_out_errors
+from exo_sim.diagnosis.validation.held_out import BalanceError, HeldOutErrors, Worth, _amplitude, _beyond, held_out_errors
 from exo_sim.recording.noise import by_chance
 
 SPLIT = Split({"recording": ((0.0, 400.0),)})
@@ -145,3 +145,40 @@ def test_an_error_counts_against_the_fit_and_the_bound() -> None:
 )
 def test_a_share_is_of_what_is_missing_beyond_the_noise(gained: float, missing: float, share: float) -> None:
     assert Worth(gained, missing).share == pytest.approx(share)
+
+
+@pytest.mark.parametrize(
+    ("amplitude", "error", "against"),
+    [
+        (0.02, 0.1, True),  # it is not there
+        (-3.5, 1.1, True),  # the contrary is
+        (0.3, 0.05, True),  # a third of it: it stands in for something else
+        (0.63, 0.08, False),  # most of it is there
+        (0.5, 0.67, False),  # neither nil nor all of it can be told
+        (1.0, 0.01, False),
+        (0.0, 0.0, True),  # nobody looked
+    ],
+)
+def test_a_small_share_speaks_against_what_time_kept_back_could_show_and_does_not(amplitude: float, error: float, against: bool) -> None:
+    assert Worth(3.0, 100.0, True, amplitude, error).speaks_against is against
+
+
+@pytest.mark.parametrize("there", [1.0, 0.0, 0.4])
+def test_the_amplitude_of_a_change_is_what_least_squares_finds_of_it_with_an_error_that_counts_neighbours_once(there: float) -> None:
+    rng = np.random.default_rng(8)
+    blocks = np.zeros(6000, dtype=np.int64)
+    found, errors = [], []
+    for _ in range(40):
+        change = np.repeat(rng.standard_normal(300), 20)  # what differs lasts for twenty rows
+        slow = np.repeat(rng.standard_normal(300), 20)
+        named = slow - (1.0 - there) * change
+        amplitude, error = _amplitude(named, change, blocks)
+        found.append(amplitude)
+        errors.append(error)
+    assert np.mean(found) == pytest.approx(there, abs=0.03)
+    assert np.std(found) == pytest.approx(np.mean(errors) if there == 1.0 else np.std(found), rel=0.35)
+    assert np.mean(errors) > 0.9 * np.std(found)
+
+
+def test_of_a_change_that_is_no_number_nothing_is_told() -> None:
+    assert _amplitude(np.ones(10), np.full(10, np.inf), np.zeros(10, dtype=np.int64)) == (0.0, 0.0)

@@ -162,7 +162,7 @@ def exceeds_healthy_limit(
     """Return whether any parameter of a candidate is further from neutral than in a healthy machine (practical significance).
 
     Args:
-        candidate: One of the model's.
+        candidate: One of the model's, or of those whose parts are refitted in every model.
         model: Its values.
         errors: Standard errors; with them a parameter counts only if it is surely further out.
         times: By how many of its own; None for `SURELY_MORE`.
@@ -172,9 +172,20 @@ def exceeds_healthy_limit(
     limited = [q for q in candidate.parameters if q.healthy_limit > 0.0]
     if candidate.additive:  # with what a healthy machine has of it, where the candidate does not stand for that
         unit = candidate.parameters[0].unit
-        parts = {q.slot: q for q in (*values, *candidate.parameters) if (q.effect, q.where, q.unit) == (*candidate.at, unit)}
+        own = [q for q in candidate.parameters if q in values]
+        parts = {q.slot: q for q in (*values, *own) if (q.effect, q.where, q.unit) == (*candidate.at, unit)}
         return sum(abs(values[q] - q.neutral) for q in parts.values()) > max((q.healthy_limit for q in limited), default=0.0)
     return not limited or any(abs(values[q] - q.neutral) - times * errors.get(q, 0.0) > q.healthy_limit for q in limited)
+
+
+def remains(candidate: Candidate, without: FittedModel) -> bool:
+    """Return whether a model without a candidate still holds more of its effect than a healthy machine has, as numbers that are refitted.
+
+    Args:
+        candidate: Whose parameters are parts of one quantity, or not.
+        without: A model that it was left out of.
+    """
+    return candidate.additive and candidate.at not in without.named and exceeds_healthy_limit(candidate, without)
 
 
 def reach_of_bound(parameter: FreeParameter, value: float) -> float:

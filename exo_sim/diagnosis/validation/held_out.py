@@ -15,7 +15,7 @@ from exo_sim.diagnosis.estimation.candidate import drop_orphans
 from exo_sim.diagnosis.estimation.correlation import correlation_time, rms
 from exo_sim.diagnosis.findings import Series, SignalFit, Subsystem, held_out_key
 from exo_sim.diagnosis.policy import validation
-from exo_sim.diagnosis.selection.fitted_model import FittedModel
+from exo_sim.diagnosis.selection.fitted_model import FittedModel, remains
 from exo_sim.diagnosis.selection.subsystem_result import SubsystemResult
 from exo_sim.diagnosis.selection.unknown_effect import UnknownEffect, effect_of
 from exo_sim.diagnosis.subsystem_model import Comparison, SubsystemModel
@@ -293,12 +293,17 @@ def _noise_share(one: SubsystemResult[SubsystemModel], compared: Sequence[Compar
 
 
 def _left_out(one: SubsystemResult[SubsystemModel]) -> list[tuple[str, FittedModel]]:
-    """Return, for each finding, its key and the model that is refitted without it and what comes on top of it."""
+    """Return, for each finding, its key and the model that is refitted without it and what comes on top of it.
+
+    Not of one that is still there then: a lag and a delay of a valve that healthy valves have may together be more than a healthy one's.
+    """
     reported = {finding.at for finding in one.findings}
     found = []
     for candidate in (candidate for candidate in one.named if candidate.at in reported):
         rest = drop_orphans([c for c in one.final.candidates if c.key != candidate.key])
-        found.append((held_out_key(*candidate.at), one.fits.fit(rest, one.final)))
+        refitted = one.fits.fit(rest, one.final)
+        if not remains(candidate, refitted):
+            found.append((held_out_key(*candidate.at), refitted))
     return found
 
 

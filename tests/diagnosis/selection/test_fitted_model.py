@@ -8,7 +8,7 @@ import pytest
 from exo_sim.diagnosis.estimation.candidate import Candidate
 from exo_sim.diagnosis.estimation.least_squares import Fit
 from exo_sim.diagnosis.estimation.parameters import FreeParameter, Target
-from exo_sim.diagnosis.selection.fitted_model import FittedModel, exceeds_healthy_limit
+from exo_sim.diagnosis.selection.fitted_model import FittedModel, exceeds_healthy_limit, remains
 
 
 @pytest.mark.parametrize(
@@ -31,6 +31,25 @@ def test_parts_of_one_thing_are_held_against_the_limit_together(asked: dict[str,
     values = {number("delay", (0.0, 1e-3)): healthy, **dict(zip(parameters, asked.values(), strict=True))}
     model = FittedModel((candidate,), Fit(tuple(values), values, np.zeros(4), np.zeros((4, len(values)))))
     assert exceeds_healthy_limit(candidate, model) is large
+
+
+@pytest.mark.parametrize(
+    ("lag", "delay", "additive", "there"),
+    [(0.0024, 0.003, True, True), (0.0024, 0.003, False, False), (0.001, 0.0015, True, False), (0.0, 0.003, True, False)],
+)
+def test_left_out_an_effect_is_still_there_where_healthy_parts_of_it_make_up_more_than_a_healthy_machine_has(
+    lag: float, delay: float, additive: bool, there: bool
+) -> None:
+    values = {
+        FreeParameter("valve_lag", "piston", name, "s", Target.CYLINDER, 1e-3, 0.0, 3e-3, (0.0, 1e-3)): value
+        for name, value in (("time_constant", lag), ("delay", delay))
+    }
+    asked = FreeParameter("valve_lag", "piston", "delay", "s", Target.CYLINDER, 1e-3, 0.0, 0.1, healthy_limit=3e-3)
+    candidate = Candidate("valve_lag", "piston", "delay", (asked,), ((5e-3,),), additive=additive)
+    without = FittedModel((), Fit(tuple(values), values, np.zeros(4), np.zeros((4, 2))))
+    assert remains(candidate, without) is there
+    with_it = FittedModel((candidate,), Fit((asked,), {asked: 0.006}, np.zeros(4), np.zeros((4, 1))))
+    assert not remains(candidate, with_it)
 
 
 def test_how_a_law_goes_on_is_no_part_of_its_size() -> None:

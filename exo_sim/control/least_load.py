@@ -12,7 +12,7 @@ that no sole can give counts beside those of the joints. A plan that knows of no
 
 A plan is cut off at what the actuators can hold. Where no spring holds the ankle, feet that stand on heel and toe at once make it ask for
 torques that are far beyond that, and what is left of them may be no plan: then inverse dynamics is rehearsed as well, before it, and the
-better of both is gone on from.
+better of both is gone on from. That takes two rehearsals; where fewer are walked, the plan is what is asked for.
 """
 
 from __future__ import annotations
@@ -56,7 +56,8 @@ class LeastLoad:
         reach: Least and largest torque that the actuators can hold [N m], shape (n, 6, 2), n phases of
             `machine_dynamics.PICK`.
         weights: What counts as load.
-        otherwise: Torques to begin with as well where no spring holds the ankle [N m], shape (n, 6); None for those of the plan alone.
+        otherwise: Torques to rehearse before the plan's where no spring holds the ankle [N m], shape (n, 6); None for those of the plan
+            alone, which fewer than two rehearsals cannot better.
 
     Attributes:
         driven: Which of the six joints have a torque.
@@ -104,7 +105,7 @@ class LeastLoad:
 
     @property
     def best(self) -> NDArray[np.float64]:
-        """Harmonics of the best rehearsal so far, or those of the plan where there was none."""
+        """Harmonics of the best rehearsal so far, or those to try first where there was none: of the plan, but for `otherwise`."""
         return self._best[1] if np.isfinite(self._best[0]) else self._coefficients
 
     def torque(self, best: bool = False) -> NDArray[np.float64]:

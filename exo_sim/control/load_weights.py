@@ -22,7 +22,7 @@ class Weights:
         torso: Of a newton on the torso straps, up or down [m].
         torso_ahead: Of a newton on the torso straps, forward or back [m].
         push: Of a newton that all straps together push the machine ahead [m]: the wearer holds it against the ground, about a metre below.
-        steady: How often as much the mean of that push counts, a sledge that is pulled all the way.
+        steady: The mean of that push, a sledge that is pulled all the way, counts as if it were so many times as large.
         effort: Of a newton metre demanded, steady.
         smoothness: Of a newton metre demanded, for each harmonic.
         other_straps: By what share loads count that straps half and twice as stiff would give, beside those of the straps as they are.

@@ -2,9 +2,10 @@
 
 Recorded angles on a rigid chain break Newton's laws a little: the centre of pressure would have to leave the foot. As in residual
 reduction (Delp and others 2007, IEEE Transactions on Biomedical Engineering 54:1940) the trunk leans a little more or less along the
-cycle and the pelvis path is moved by millimetres over feet that stay where they are, by damped Gauss-Newton steps, until the ground's
-force passes through the soles near where it is expected and aims at one point above the hips. In a walk from rest to rest the pelvis is
-moved by more. The same is done for a body alone, with a backpack, and with the machine: it says how each leans.
+cycle and the pelvis path is moved by millimetres over feet that stay where they are to a millimetre or two, by damped Gauss-Newton steps,
+until the ground's force passes through the soles near where it is expected and aims at one point above the hips. Where it is expected is
+shifted along the soles as well. On stairs and in a walk from rest to rest the pelvis is moved by more. The same is done for a body alone,
+with a backpack, and with the machine: it says how each leans.
 """
 
 from __future__ import annotations

@@ -7,6 +7,8 @@ force at once, so that heel and ball chatter. MuJoCo's impedance that grows with
 
 from __future__ import annotations
 
+from collections.abc import Callable
+
 import numpy as np
 from numpy.typing import NDArray
 
@@ -18,7 +20,8 @@ RADIUS, FRICTION = 0.005, 0.9
 STIFFNESS, DAMPING, FIRM = 1.5e5, 1e4, 0.010
 #: MuJoCo's impedance at the first touch, and from `FIRM` on: 1/16 of the stiffness and 1/9 of the damping are there from the first.
 TOUCHING, PRESSED = 0.5, 0.9
-#: The pad under the heel: from the rear of the heel so far ahead on a body of the reference height [m]; each end has half the stiffness.
+#: The pad under the heel: from the rear of the heel so far ahead on a body of the reference height [m]; of the stiffness, each end has a
+#: share so large.
 PAD, PAD_SHARE = 0.06, 0.5
 #: Deeper than any load presses [m], and halvings of the depth that is looked for.
 _DEEPEST, _HALVINGS = 0.05, 32
@@ -44,7 +47,7 @@ def force_at(depth: Array) -> Array:
 
 def depth_under(load: Array) -> Array:
     """Return how deep a ball or a tip lies under a load [N], any shape: [m]."""
-    return _deep(load, np.zeros_like(load))
+    return _deep(load, force_at)
 
 
 def heel_depth(load: Array, tilt: Array, scale: float) -> Array:
@@ -56,14 +59,15 @@ def heel_depth(load: Array, tilt: Array, scale: float) -> Array:
         scale: Lengths of the body over the reference body's.
     """
     apart = PAD * scale * np.sin(tilt)
-    return _deep(load, np.abs(apart)) + np.minimum(apart, 0.0)
+    lower = _deep(load, lambda depth: PAD_SHARE * (force_at(depth) + force_at(depth - np.abs(apart))))
+    return lower + np.minimum(apart, 0.0)
 
 
-def _deep(load: Array, apart: Array) -> Array:
-    """Return how deep the lower of two halves of a contact lies, the other one so much higher [m]."""
+def _deep(load: Array, gives: Callable[[Array], Array]) -> Array:
+    """Return how deep what gives a force [N] at a depth [m] lies under a load [N]: [m]."""
     low, high = np.zeros_like(load), np.full_like(load, _DEEPEST)
     for _ in range(_HALVINGS):
         middle = 0.5 * (low + high)
-        short = PAD_SHARE * (force_at(middle) + force_at(middle - apart)) < load
+        short = gives(middle) < load
         low, high = np.where(short, middle, low), np.where(short, high, middle)
     return 0.5 * (low + high)

@@ -46,7 +46,9 @@ class Request:
         assist: "on"; "off": valves closed, gas trapped; "vented": both chambers open to the atmosphere.
         controller: How valves get forces, one of `CONTROLLERS`; where commands come from outside, what to call whoever gives them.
         law: What is demanded, one of `control.demand.LAWS`.
-        rehearsals: How often the least-load demand is bettered before the run, at the most.
+        rehearsals: How often the least-load demand is bettered before the run, at the most, and where a payload is put on the way as often
+            for it. A wearer who is a body and takes strides that are all alike then rehearses himself, twice, each time at the most half
+            as often, rounded up: 16 are 32 in all, 1 is 3. Fewer than two are walked with the plan alone (`control.least_load`).
         weights: What counts in the least-load demand; None for its own, or `least_load.SPARING` where a rig's chambers are planned.
         gains: Of the valve controllers.
         tuned: Gains of single cylinders, by name, in place of `gains`; the demand is read ahead as `gains` says for all.

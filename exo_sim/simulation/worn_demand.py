@@ -60,7 +60,8 @@ def rehearsed_demand(it: Simulation, payload: float) -> Demand:
     weights = request.weights or (SPARING if it.plans_chambers or yields_from_rest else Weights())
     if request.law == "causal" and request.weights is None:
         weights = replace(weights if it.plans_chambers else QUICK, other_straps=CAUTIOUS)
-    plan = LeastLoad(dynamics, it.motion, it.person, it.straps, it.rig.ankle, limits, weights, needed[machine_dynamics.PICK])
+    otherwise = needed[machine_dynamics.PICK] if request.rehearsals > 1 else None  # one rehearsal cannot say which of two is better
+    plan = LeastLoad(dynamics, it.motion, it.person, it.straps, it.rig.ankle, limits, weights, otherwise)
     return Demand(_closed(_rehearsed(it, plan, payload)), remarks, plan)
 
 

@@ -68,8 +68,8 @@ backpack.
 LIMITS = """
 What this leaves out: all is in the sagittal plane; the wearer knows the time of his stride and keeps to it, so that a stumble is not
 answered by another step; gains were chosen with some of these rows in sight; where the residual passes the guideline (straps half as stiff,
-encoders' phase early, with causal control 4 kg more) it is the weak spring that keeps him walking; muscles have no delay and no largest
-force. A run ends where he falls.
+and with causal control encoders' phase early or 4 kg more) it is the weak spring that keeps him walking; muscles have no delay and no
+largest force. A run ends where he falls.
 He does so with the valves open, since legs that drag the machine need another gait, and in a squat; sitting has no chair for him and is
 refused. The prescribed wearer stays the default.
 """

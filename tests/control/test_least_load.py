@@ -8,7 +8,8 @@ import pytest
 from exo_sim import rig as rigs
 from exo_sim.control.least_load import LeastLoad
 from exo_sim.rig import Ankle
-from exo_sim.simulation import worn
+from exo_sim.simulation import worn, worn_demand
+from exo_sim.simulation.rehearsal import Rehearsals
 from exo_sim.simulation.summary import summarise
 from exo_sim.simulation.walk import Request, default_rig
 from exo_sim.simulation.worn import Simulation
@@ -16,12 +17,39 @@ from exo_sim.simulation.worn_demand import rehearsed_by_body
 
 
 @pytest.mark.parametrize(("mode", "watts", "push"), [("free", 700.0, 70.0), ("powered", 480.0, 20.0)])
-def test_a_plan_that_actuators_cannot_hold_gives_way_to_inverse_dynamics(mode: str, watts: float, push: float) -> None:
-    """The free ankle cost 902 W with hips of 77 N m, the powered one pushed its wearer with 36 N."""
+def test_an_ankle_without_a_spring_is_gone_on_with_from_the_better_of_two_starts(mode: str, watts: float, push: float) -> None:
+    """From the plan alone the free ankle cost 902 W with hips of 77 N m, and the powered one pushed its wearer with 36 N."""
     rig = dataclasses.replace(rigs.read(default_rig()), ankle=Ankle(mode))
     wearer = summarise(Simulation(rig, Request("level_walk", 34.0, cycles=5)).run())["wearer"]
     assert wearer["metabolic_w"]["value"] < watts and abs(wearer["forward_push_n"]) < push
     assert wearer["moment_rms_nm"]["hip"] < 40.0
+
+
+def test_inverse_dynamics_is_rehearsed_before_the_plan_where_there_are_two_rehearsals_and_not_where_there_are_fewer(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    rig = dataclasses.replace(rigs.read(default_rig()), ankle=Ankle("free"))
+    once, tried = worn_demand._rehearse, []
+
+    def watched(it: Simulation, rehearsals: Rehearsals) -> None:
+        once(it, rehearsals)
+        tried.append(it.demand)
+
+    def walked(rehearsals: int) -> tuple[np.ndarray, list[np.ndarray]]:
+        tried.clear()
+        return Simulation(rig, Request("level_walk", 34.0, cycles=1, rehearsals=rehearsals)).demand, tried.copy()
+
+    monkeypatch.setattr(worn_demand, "_rehearse", watched)
+    plan, none = walked(0)
+    assert not none
+    after_one, (first,) = walked(1)
+    np.testing.assert_array_equal(first, plan)
+    np.testing.assert_array_equal(after_one, plan)
+    _, (before, then) = walked(2)
+    np.testing.assert_array_equal(then, plan)
+    needed = Simulation(rig, Request("level_walk", 34.0, cycles=1, law="inverse_dynamics")).demand
+    near, far = (np.sqrt(np.mean((one - needed) ** 2)) for one in (before, plan))
+    assert near < 0.2 * far
 
 
 def test_a_plan_that_is_rehearsed_by_another_wearer_stays_as_it_is(monkeypatch: pytest.MonkeyPatch) -> None:

@@ -36,6 +36,7 @@ class Plan:
         refuted: Effects that are not sought again.
         friction: Of pistons behind a transmission that gives; None while the forces have not been asked.
         refutations: How often effects were refuted on this division of time.
+        upheld: Effects and places that are not refuted again: without them more was missed than before.
         budget: The time that all of it may take.
     """
 
@@ -43,6 +44,7 @@ class Plan:
     refuted: Refuted = field(default_factory=dict)
     friction: Friction | None = None
     refutations: int = 0
+    upheld: frozenset[tuple[str, str]] = frozenset()
     budget: Budget = field(default_factory=Budget)
 
     @property

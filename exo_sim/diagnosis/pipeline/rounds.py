@@ -10,6 +10,8 @@ The revisions, in this order:
 
 Where a balance of forces has hardly any rows but those of the end (a piston that sticks until then), the beginning is held out first.
 
+A refutation is taken back where more is missed without what it refuted, of the time that was fitted and of validation time.
+
 No round is repeated: the first revision happens once for every set of refuted effects, the second at most `MOST_REFUTATIONS` times for
 a division of time, the third once.
 """
@@ -48,7 +50,7 @@ def examine_until_stable(data: MachineData, threads: Threads, report: Progress, 
     times = [(table.name, table.time) for table in data.recordings]
     head = _moves_in_the_end(data, split(times), split(times, head=True))
     plan, stable = Plan(split(times, head=head), budget=budget), list[Examination]()
-    searched, judged = Searched(), JudgedBalances()
+    searched, judged, before = Searched(), JudgedBalances(), None
     for _ in range(MOST_ROUNDS):
         found = examine(data, plan, threads, report, searched, judged)
         friction = friction_to_add(found) if plan.friction is None and not budget.is_spent() else None
@@ -58,7 +60,11 @@ def examine_until_stable(data: MachineData, threads: Threads, report: Progress, 
             continue
         report("validating on time held out")
         found = validated(found)
+        if before is not None and (missed := missed_without(before, found)):
+            plan = replace(before.plan, refutations=plan.refutations, upheld=before.plan.upheld | missed)
+            found = replace(before, plan=plan)
         refuted = found.contradicted or newly_refuted(found)
+        before = found if refuted and not found.contradicted else None
         if refuted:
             refutations = plan.refutations + 1
             plan = replace(plan, refuted={**plan.refuted, **refuted}, friction=None, refutations=refutations)
@@ -69,7 +75,7 @@ def examine_until_stable(data: MachineData, threads: Threads, report: Progress, 
         if len(stable) > 1 or found.validation_ratio <= policy.LACKING_RATIO or budget.is_spent():
             break
         report(f"the validation time shows what the fit never met: the {'end' if head else 'beginning'} is held out instead")
-        plan = Plan(split(times, head=not head), budget=budget)
+        plan, before = Plan(split(times, head=not head), budget=budget), None
     return min(stable, key=lambda one: one.validation_ratio)
 
 
@@ -88,7 +94,7 @@ def newly_refuted(examination: Examination) -> Refuted:
         if one.search.unnamed:  # names were found beside it, and it is not known for the time that was kept back
             continue
         useless = []
-        for finding in one.findings:
+        for finding in (finding for finding in one.findings if finding.at not in examination.plan.upheld):
             drop = examination.validation.drops.get(finding.key)
             influence = examination.validation.influence.get(finding.key, 0.0)
             together = one.search.weighed_together
@@ -100,6 +106,25 @@ def newly_refuted(examination: Examination) -> Refuted:
             says = "does not fall" if drop <= 0.0 else f"falls by no more than {100 * drop:.0f} %"
             found[name, where] = f"on time that no number was fitted to, the error {says} with it"
     return found
+
+
+def missed_without(before: Examination, after: Examination) -> frozenset[tuple[str, str]]:
+    """Return the findings whose refutation left more: what was found in their place explains less of what was fitted and of time kept back.
+
+    A dip of friction that hardly acts in time kept back may be all that makes the others fit: without it they give way to wrong names.
+
+    Args:
+        before: An examination of which findings were refuted.
+        after: The examination without them.
+    """
+    if before.validation is None or after.validation is None:
+        return frozenset()
+    gone, found = after.plan.refuted.keys() - before.plan.refuted.keys(), set()
+    for one in before.results.all:
+        was, now = (each.validation.balances.get(one.key) if each.validation else None for each in (before, after))
+        if was is not None and now is not None and now.fitted > was.fitted and now.error > (1.0 + policy.MOST_RISE) * was.error:
+            found |= gone & {finding.at for finding in one.findings}
+    return frozenset(found)
 
 
 def _without_refuted(examination: Examination) -> Examination:

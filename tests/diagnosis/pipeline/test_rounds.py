@@ -124,6 +124,35 @@ def test_an_effect_that_explains_most_of_what_is_missing_is_not_refuted(monkeypa
     assert names(end) == []
 
 
+@pytest.mark.parametrize(
+    ("fitted", "error", "back"),
+    [
+        (4.2, 6.6, True),  # what came in its place leaves more of both times
+        (4.2, 1.3, False),  # no more of the time that was kept back
+        (0.7, 6.6, False),  # no more of the time that was fitted
+    ],
+)
+def test_a_refutation_is_taken_back_where_more_is_missed_without_what_it_refuted(
+    monkeypatch: pytest.MonkeyPatch, data: MachineData, fitted: float, error: float, back: bool
+) -> None:
+    plans: list[Plan] = []
+
+    def examine(data: MachineData, plan: Plan, *rest: Any) -> Examination:
+        plans.append(plan)
+        without = SPRING in plan.refuted
+        balance = BalanceError(error, fitted, 6.0, 0.0) if without else BalanceError(1.3, 0.7, 6.0, 0.0)
+        found = (("quadratic_drag", "slide"),) if without else (LEAK, SPRING)
+        drops = {at: -0.2 if at == SPRING else 0.6 for at in found}
+        return examination(data, plan, gas_of(data, *found), errors(drops, balances={GAS: balance}))
+
+    monkeypatch.setattr(rounds, "examine", examine)
+    monkeypatch.setattr(rounds, "validated", lambda found: found)
+    end = rounds.examine_until_stable(data, SERIAL, print)
+    assert [set(plan.refuted) for plan in plans] == [set(), {SPRING}]
+    assert names(end) == (["piston_leakage", "return_spring"] if back else ["quadratic_drag"])
+    assert end.plan.upheld == ({SPRING} if back else set())
+
+
 def test_in_the_last_round_refuted_effects_are_taken_back(monkeypatch: pytest.MonkeyPatch, data: MachineData) -> None:
     found = [((f"effect_{i}", "piston"),) for i in range(rounds.MOST_REFUTATIONS)]
     end, plans = stable(monkeypatch, data, found, errors({at: -0.3 for (at,) in found}))

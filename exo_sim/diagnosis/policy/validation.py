@@ -55,7 +55,7 @@ TOLD_APART = Number(
 SHOWN = Number(
     0.5, "share of the change that a finding makes",
     "where surely more of it is there, one standard error taken off, a small share of all that is missing speaks not against it",
-    "derived: it is nearer to what was found than to nothing. Seven names of makes drawn at random (X6, X522, X531, X551) were put aside "
+    "derived: it is nearer to what was found than to nothing. Five names of makes drawn at random (X6, X522, X531, X551) were put aside "
     "for shares below 0.15, all of them true: four of four that were looked at have 0.46 to 0.63 of their change, with standard errors of "
     "0.08 to 0.67. A false fault of a sensor (I) has -0.3, with 1.4",
 )  # fmt: skip

@@ -51,7 +51,7 @@ class LearntMap:
         """Return what to take off the numbers, shape (m,), for all loads that they gave, as `whole`, where they were `at`."""
         return np.asarray(self.gain @ (self.whole.T @ load + self.effort**2 * at))
 
-    def told(self, change: NDArray[np.float64], answer: NDArray[np.float64]) -> LearntMap:
+    def updated(self, change: NDArray[np.float64], answer: NDArray[np.float64]) -> LearntMap:
         """Return the map that knows what loads answered, shape (loads,), to a change of the numbers, shape (m,).
 
         Directions are told apart by what they do to loads and effort. In the other cases loads answer as much more as they did.

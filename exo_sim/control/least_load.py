@@ -177,19 +177,19 @@ class LeastLoad:
         count = len(load)
         did = (tried - self._best[1], load - self._heard[:count]) if np.isfinite(self._best[0]) else None
         if did:
-            self._planned = self._planned.told(*did)
+            self._planned = self._planned.updated(*did)
         if cost < self._best[0]:
             forces, maps = answer or self._answer(contacts, at_edge)
             self._best, self._heard, self._failed = (cost, tried), heard, 0
             self._shown = self._counting_all(maps)
             if did:
-                self._shown = self._shown.told(*did)
+                self._shown = self._shown.updated(*did)
             damping, stiffness = self._responses[0].held(contacts)
             self._forces = forces[0][:, :, :-1]
             self._strap_map = self._of_straps_at(at_edge)
             self.yielding = replace(self.yielding, damping=damping, stiffness=stiffness, load=self._strap_map)
         elif did and not self._unheard:
-            self._shown = self._shown.told(*did)
+            self._shown = self._shown.updated(*did)
             self._failed += 1
             self._by_plan = not self._by_plan
             if self._failed % 2 == 0:

@@ -20,11 +20,11 @@ def test_corrections_with_a_true_map_leave_the_least_loads() -> None:
 def test_a_map_believes_half_of_what_a_change_did_and_nothing_across_it() -> None:
     change = RANDOM.normal(size=6)
     it = LearntMap(BELIEVED, EFFORT)
-    told = it.told(change, TRUE @ change)
-    np.testing.assert_allclose(told.effect @ change, 0.5 * (TRUE + BELIEVED) @ change)
+    after = it.updated(change, TRUE @ change)
+    np.testing.assert_allclose(after.effect @ change, 0.5 * (TRUE + BELIEVED) @ change)
     across = np.linalg.svd((BELIEVED.T @ BELIEVED + np.diag(EFFORT**2) @ np.eye(6)) @ change[:, None])[0][:, 1]
-    np.testing.assert_allclose(told.effect @ across, BELIEVED @ across)
-    assert it.told(np.zeros(6), np.ones(30)) is it
+    np.testing.assert_allclose(after.effect @ across, BELIEVED @ across)
+    assert it.updated(np.zeros(6), np.ones(30)) is it
 
 
 def test_what_was_tried_makes_a_wrong_map_better() -> None:
@@ -36,7 +36,7 @@ def test_what_was_tried_makes_a_wrong_map_better() -> None:
         for _ in range(30):
             change = -0.5 * it.correction(load, at)
             answer = true @ change
-            it = it.told(change, answer) if learns else it
+            it = it.updated(change, answer) if learns else it
             at, load = at + change, load + answer
         left.append(float(np.linalg.norm(load)))
     assert left[0] < 0.1 * left[1]
@@ -46,5 +46,5 @@ def test_other_cases_answer_as_much_more_as_they_did() -> None:
     more, change = RANDOM.normal(size=(2, 30, 6)), RANDOM.normal(size=6)
     it = LearntMap(BELIEVED, EFFORT, more, 0.3)
     np.testing.assert_allclose(it.whole[30:60], 0.3 * (BELIEVED + more[0]))
-    told = it.told(change, TRUE @ change)
-    np.testing.assert_allclose(told.whole[60:] @ change, 0.3 * (0.5 * (TRUE + BELIEVED) + more[1]) @ change)
+    after = it.updated(change, TRUE @ change)
+    np.testing.assert_allclose(after.whole[60:] @ change, 0.3 * (0.5 * (TRUE + BELIEVED) + more[1]) @ change)

@@ -40,6 +40,10 @@ class Split:
         """Return the split with validation and test exchanged, the training data the same."""
         return Split(self.validation, self.test)
 
+    def deciding(self) -> Split:
+        """Return the split whose test time is what decides: the validation time, or the test time where there is no other."""
+        return self.validation_as_test() if self.validation else self
+
     def kept_back(self) -> Split:
         """Return the split with validation and test time together as the test, the training data the same."""
         names = dict.fromkeys((*self.validation, *self.test))

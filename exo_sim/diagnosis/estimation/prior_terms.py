@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 
 import numpy as np
 from numpy.typing import NDArray
@@ -18,21 +18,17 @@ def prior_terms(parameters: Sequence[FreeParameter], values: Mapping[FreeParamet
     A number in which an owner may have counted another that is free here is held against what he believes with it and without, whichever
     is nearer: with a hose in the model, a dead volume may be as much smaller than his.
     """
-    counted = _counted(parameters, values)
+    owners = [q for q in parameters if q.displaces]
     rows, jac = [], []
     for j, parameter in enumerate(parameters):
         if parameter.prior is not None:
             mean, spread = parameter.prior
-            away = values[parameter] - mean
+            shares = _counted_in(parameter, values, owners)
             row = np.zeros(len(parameters))
             row[j] = parameter.slope(values[parameter]) / spread
-            shares = counted.get(parameter.key, {})
-            with_them = away + sum(share * values[parameters[k]] for k, share in shares.items())
-            if abs(with_them) < abs(away):
-                away = with_them
-                for k, share in shares.items():
-                    row[k] = share * parameters[k].slope(values[parameters[k]]) / spread
-            rows.append(away / spread)
+            for own, share in shares.items():
+                row[parameters.index(own)] = share * own.slope(values[own]) / spread
+            rows.append((values[parameter] - mean + _sum(shares, values)) / spread)
             jac.append(row)
     return np.array(rows), np.array(jac).reshape(len(rows), len(parameters))
 
@@ -44,15 +40,17 @@ def as_counted(parameter: FreeParameter, values: Mapping[FreeParameter, float]) 
         parameter: One with a prior.
         values: Of all that is free.
     """
-    value, mean = values[parameter], parameter.prior[0] if parameter.prior else parameter.neutral
-    whole = value + sum(share * values[own] for own in values for key, share in own.displaces if key == parameter.key)
-    return min(value, whole, key=lambda one: abs(one - mean))
+    return values[parameter] + _sum(_counted_in(parameter, values, values), values)
 
 
-def _counted(parameters: Sequence[FreeParameter], values: Mapping[FreeParameter, float]) -> dict[tuple[str, str, str], dict[int, float]]:
-    """Return what may be counted in which nuisance parameter: positions of parameters, and their shares of its unit."""
-    found: dict[tuple[str, str, str], dict[int, float]] = {}
-    for k, own in enumerate(parameters):
-        for key, share in own.displaces:
-            found.setdefault(key, {})[k] = share
-    return found
+def _counted_in(
+    parameter: FreeParameter, values: Mapping[FreeParameter, float], owners: Iterable[FreeParameter]
+) -> dict[FreeParameter, float]:
+    """Return of which free parameters what share is counted in a nuisance parameter: of none where it is nearer to belief without them."""
+    shares = {own: share for own in owners for key, share in own.displaces if key == parameter.key}
+    away = values[parameter] - parameter.start
+    return shares if abs(away + _sum(shares, values)) < abs(away) else {}
+
+
+def _sum(shares: Mapping[FreeParameter, float], values: Mapping[FreeParameter, float]) -> float:
+    return sum(share * values[own] for own, share in shares.items())

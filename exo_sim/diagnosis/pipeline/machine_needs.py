@@ -48,7 +48,7 @@ def is_needed(without: Examination, with_it: Examination) -> bool:
     data, split = without.data, without.plan.split
     try:
         poorer, richer = (_rig_of(one) for one in (without, with_it))
-        runs = MachineRuns(replace(data, rig=poorer), split.validation_as_test() if split.validation else split, WINDOW)
+        runs = MachineRuns(replace(data, rig=poorer), split.deciding(), WINDOW)
         by, error = gain(runs, richer, data)
     except (RigError, ModelError):
         return False

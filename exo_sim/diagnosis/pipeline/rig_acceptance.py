@@ -113,7 +113,7 @@ def accepted(
         split: What wins over its validation time is taken, or over the test time where there is no other; errors are of the test time.
         is_spent: Whether the time is up: then it is all of the update, or nothing.
     """
-    judge = Judge(data, split.validation_as_test() if split.validation else split)
+    judge = Judge(data, split.deciding())
     best, by_all = as_far_as_it_wins(update, judge.trial, is_spent), False
     refusals = judge.refusals
     if split.validation:

@@ -117,11 +117,9 @@ def missed_without(before: Examination, after: Examination) -> frozenset[tuple[s
         before: An examination of which findings were refuted.
         after: The examination without them.
     """
-    if before.validation is None or after.validation is None:
-        return frozenset()
     gone, found = after.plan.refuted.keys() - before.plan.refuted.keys(), set()
     for one in before.results.all:
-        was, now = (each.validation.balances.get(one.key) if each.validation else None for each in (before, after))
+        was, now = (each.checked.balances.get(one.key) for each in (before, after))
         if was is not None and now is not None and now.fitted > was.fitted and now.error > (1.0 + policy.MOST_RISE) * was.error:
             found |= gone & {finding.at for finding in one.findings}
     return frozenset(found)

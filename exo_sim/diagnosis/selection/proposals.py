@@ -63,8 +63,8 @@ class Proposals:
     def shaped(self, now: FittedModel) -> list[FittedModel]:
         """Return models with one more candidate whose answer is not in proportion, each where a fit of it is worth beginning."""
         asked = [one for one in self.candidates if one.shapes and one.at not in now.named and now.meets_prerequisite(one)]
-        begun = [best_shape(self.fits.model, now, one, self.fits.threads, self.fits.is_spent) for one in asked]
-        return [model for found in begun if found is not None for drop, model in [found] if self.promise_enough(drop, now)]
+        begun = (best_shape(self.fits.model, now, one, self.fits.threads, self.fits.is_spent) for one in asked)
+        return [model for drop, model in filter(None, begun) if self.promise_enough(drop, now)]
 
     def alternatives(self, now: FittedModel, count: int = FINALISTS) -> list[Candidate]:
         """Return the best scored candidates beside what a model has, whatever they promise."""

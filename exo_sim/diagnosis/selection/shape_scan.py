@@ -14,6 +14,7 @@ import numpy as np
 
 from exo_sim.diagnosis.estimation.budget import IsSpent, never
 from exo_sim.diagnosis.estimation.candidate import Candidate
+from exo_sim.diagnosis.estimation.parameters import FreeParameter
 from exo_sim.diagnosis.estimation.threads import SERIAL, Threads
 from exo_sim.diagnosis.selection.cleared import Cleared
 from exo_sim.diagnosis.selection.fitted_model import FittedModel, LeastSquaresModel
@@ -40,7 +41,7 @@ def best_shape(
         candidate.beside({**now.fit.values, **dict(zip(candidate.parameters, shape, strict=True))}) for shape in candidate.shapes
     ]
 
-    def left(values: dict) -> float:
+    def left(values: dict[FreeParameter, float]) -> float:
         if is_spent():
             return math.inf
         change = model.residual(values, fixed) - now.fit.residual

@@ -117,7 +117,8 @@ STARTS = Count(
 )  # fmt: skip
 SURELY_STRAYS = Number(
     0.95, "probability",
-    "so surely runs from several states miss a signal by more with an improved rig, or it does not count as straying",
+    "so surely runs from several states miss a signal by more with an improved rig, or it does not count as straying; and so surely they "
+    "miss all signals by less, or one run from the beginning that misses them by more speaks against it",
     "derived: of rigs that are equally good one in twenty is called straying, in lognormal errors of four runs 4.6 %; with one standard "
     "error of five runs that all end together it was 39 %",
 )  # fmt: skip

@@ -59,9 +59,9 @@ TOLD_APART = Number(
 SHOWN = Number(
     0.5, "share of the change that a finding makes",
     "a small share of all that is missing speaks against a finding where surely less of it is there, by one standard error",
-    "derived: it is nearer to nothing than to what was found. Names of makes drawn at random that were put aside for shares below 0.15 were "
-    "all true: four of X6, X522, X531 and X551 have 0.46 to 0.63 of their change, with standard errors of 0.08 to 0.67, a hose of X559 has "
-    "0.55 (0.21), a wall of X563 0.61 (0.16)",
+    "derived: it is nearer to nothing than to what was found. Names of makes drawn at random that were put aside for shares below 0.15 "
+    "were all true: four of X6, X522, X531 and X551 have 0.46 to 0.63 of their change, with standard errors of 0.08 to 0.67, a hose of "
+    "X559 has 0.55 (0.21), a wall of X563 0.61 (0.16)",
 )  # fmt: skip
 NEEDED_BY_THE_MACHINE = Number(
     0.15, "share of the error of the whole machine over windows, in time kept back",

@@ -38,7 +38,10 @@ def assess(final: FittedModel, fits: ModelFits, comparisons: Comparisons, propos
             left = final.fit.sse - fits.model.size  # beyond the noise
             runners_up.append((one, min(promised[one.key] / left, 1.0) if left > 0.0 else 0.0))
     models = fits.fit_rivals([((*near.candidates, more), near) for _, more, near in asked], final)
-    models = [_begun_at(final, model, fits) if taken.kind is Kind.SENSOR else model for (taken, _, _), model in zip(asked, models, strict=True)]
+    models = [
+        _begun_at(final, model, fits) if taken.kind is Kind.SENSOR else model
+        for (taken, _, _), model in zip(asked, models, strict=True)
+    ]  # fmt: skip
     by_finding: dict[CandidateKey, list[tuple[Candidate, float]]] = {candidate.key: [] for candidate in final.candidates}
     for (taken, more, _), model in zip(asked, models, strict=True):
         worse = fits.deficit(model, final) + comparisons.price((model, final)) * (model.parameter_count - final.parameter_count)

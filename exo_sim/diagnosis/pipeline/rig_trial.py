@@ -11,7 +11,7 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 
 import numpy as np
-from scipy import stats
+from scipy.special import stdtrit
 
 from exo_sim.diagnosis.data.machine_data import MachineData
 from exo_sim.diagnosis.findings import SignalFit
@@ -139,7 +139,7 @@ def straying_further(runs: Sequence[Fits]) -> tuple[str, ...]:
         if len(logs) < FEWEST_STARTS:
             continue
         error = float(np.std(logs, ddof=1)) / math.sqrt(len(logs))
-        least = _mean(logs) - float(stats.t.ppf(SURELY_STRAYS, len(logs) - 1)) * error
+        least = _mean(logs) - float(stdtrit(len(logs) - 1, SURELY_STRAYS)) * error
         if max(logs) >= DIVERGED or least > math.log1p(SIGNAL_WORSE):
             found.append(column)
     return tuple(found)

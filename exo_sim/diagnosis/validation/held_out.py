@@ -1,4 +1,4 @@
-"""Errors on held-out time, before and after, and what each finding is worth there."""
+"""Errors on held-out time, before and after, and what each finding gains there."""
 
 from __future__ import annotations
 

@@ -49,7 +49,7 @@ class BalanceError:
 
 @dataclass(frozen=True)
 class HeldOutGain:
-    """What a finding is worth on held-out time.
+    """What a finding gains on held-out time.
 
     Attributes:
         gained: By how much the sum of squared errors falls with it, in units of the noise.
@@ -100,7 +100,7 @@ class HeldOutErrors:
         balances: By subsystem and name.
         series: For the report.
         spans: The held-out time, by recording.
-        worth: By the keys of `drops`, what a finding is worth; only where predictions change with it by `LEAST_INFLUENCE` and something
+        worth: By the keys of `drops`, what a finding gains; only where predictions change with it by `LEAST_INFLUENCE` and something
             beyond the noise is missing without it: else it was not tested.
     """
 

@@ -26,7 +26,7 @@ from exo_sim.diagnosis.selection.subsystem_result import SubsystemResult
 from exo_sim.diagnosis.subsystem_model import SubsystemModel
 
 
-def is_refuted(drop: float, log10_odds: float, share: float | None = None, together: bool = False) -> bool:
+def is_refuted(drop: float, log10_odds: float, share: float | None = None, together: bool = False, tells: bool = True) -> bool:
     """Return whether validation speaks against a finding: it hardly explains anything there, and its odds are not great.
 
     A fall of the error by a seventh may be all that is missing, where the rest is noise. Where more than noise is missing without it, the
@@ -38,11 +38,12 @@ def is_refuted(drop: float, log10_odds: float, share: float | None = None, toget
         share: Of the squared error beyond the noise that is missing without it, what it explains; None where no more is
             missing than noise does by chance.
         together: Whether it was weighed beside all others at once: then others explain most of what it would explain alone.
+        tells: Whether validation time surely shows that the change it makes is not there: an error that rises by chance says nothing.
     """
     least = validation.LEAST_DROP_TOGETHER if together else validation.LEAST_DROP
     explains = drop if together or share is None else share
     useless = explains < least and log10_odds < validation.REFUTABLE_ODDS
-    harmful = drop < -validation.MOST_RISE and log10_odds < validation.REFUTABLE_RISE_ODDS
+    harmful = tells and drop < -validation.MOST_RISE and log10_odds < validation.REFUTABLE_RISE_ODDS
     return useless or harmful
 
 

@@ -61,9 +61,12 @@ class Trial:
         """Whether it is worse than the rig handed in by any measure; over windows of the whole machine, unless it is surely better.
 
         These are many, so that they say how far another recording's would differ: what is better by less is hardly likelier to be better
-        there than worse, and the rig handed in is its owner's. A free run that is far better says the same of the whole machine.
+        there than worse, and the rig handed in is its owner's. A free run that is far better says the same of the whole machine. One
+        free run that is worse is by chance where runs from several measured states are surely better.
         """
-        if self.is_refused or is_worse(self.windows, self.spreads) or is_worse(self.free_run, self.spreads):
+        if self.is_refused or is_worse(self.windows, self.spreads):
+            return True
+        if is_worse(self.free_run, self.spreads) and not self.is_surely_better_begun_anew:
             return True
         if _mean(self._run_free()) > math.log1p(MOST_WORSE) or self.strays:
             return True
@@ -75,6 +78,15 @@ class Trial:
     def strays(self) -> tuple[str, ...]:
         """Signals that free runs miss by surely more than with the rig handed in, whatever the others win."""
         return straying_further(self.starts)
+
+    @property
+    def is_surely_better_begun_anew(self) -> bool:
+        """Whether runs from several measured states are surely better, over their signals together, by Student's distribution."""
+        logs = [_mean(own) for own in (_logs(fits, self.spreads) for fits in self.starts) if own]
+        if len(logs) < FEWEST_STARTS:
+            return False
+        error = float(np.std(logs, ddof=1)) / math.sqrt(len(logs))
+        return _mean(logs) + float(stats.t.ppf(SURELY_STRAYS, len(logs) - 1)) * error < 0.0
 
     @property
     def hurts(self) -> bool:

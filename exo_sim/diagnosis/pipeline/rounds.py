@@ -86,7 +86,7 @@ def _moves_in_the_end(data: MachineData, end: Split, beginning: Split) -> bool:
 
 
 def newly_refuted(examination: Examination) -> Refuted:
-    """Return of each balance the finding that validation refutes most plainly, and why."""
+    """Return of each balance the least certain of the findings that validation refutes, and why: it may be what spoils the others."""
     if examination.validation is None:
         return {}
     found, worth = {}, examination.checked.worth
@@ -99,10 +99,11 @@ def newly_refuted(examination: Examination) -> Refuted:
             influence = examination.validation.influence.get(finding.key, 0.0)
             together = one.search.weighed_together
             tested = worth.get(finding.key)
-            share = tested.share if tested is not None and tested.is_plain else None
-            if drop is not None and influence > policy.LEAST_INFLUENCE and is_refuted(drop, finding.log10_odds, share, together):
-                useless.append((drop, finding.name, finding.where))
-        for drop, name, where in sorted(useless)[:1]:  # without it the others may be worth more
+            plain = tested if tested is not None and tested.is_plain else None
+            share, tells = (None, True) if plain is None else (plain.share, plain.speaks_against)
+            if drop is not None and influence > policy.LEAST_INFLUENCE and is_refuted(drop, finding.log10_odds, share, together, tells):
+                useless.append((finding.log10_odds, drop, finding.name, finding.where))
+        for _, drop, name, where in sorted(useless)[:1]:  # without it the others may be worth more
             says = "does not fall" if drop <= 0.0 else f"falls by no more than {100 * drop:.0f} %"
             found[name, where] = f"on time that no number was fitted to, the error {says} with it"
     return found
@@ -148,7 +149,7 @@ def without_doubtful(examination: Examination) -> Examination:
     """Return an examination without the findings that are more likely wrong than right by the time that no number was fitted to."""
     doubtful, shares = {}, examination.shares
     for one in examination.results.all:
-        for finding in one.findings:
+        for finding in (finding for finding in one.findings if finding.at not in examination.plan.upheld):
             why = doubt(finding, shares.get(finding.key), finding.key in examination.checked.drops)
             if why:
                 doubtful[finding.at] = why

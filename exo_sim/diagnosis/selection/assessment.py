@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from exo_sim.diagnosis.estimation.candidate import Candidate, CandidateKey, drop_orphans
+from exo_sim.diagnosis.findings import Kind
 from exo_sim.diagnosis.policy import acceptance
 from exo_sim.diagnosis.policy.budgets import FINALISTS, RUNNERS_UP
 from exo_sim.diagnosis.selection.comparisons import Comparisons
@@ -37,6 +38,10 @@ def assess(final: FittedModel, fits: ModelFits, comparisons: Comparisons, propos
             left = final.fit.sse - fits.model.size  # beyond the noise
             runners_up.append((one, min(promised[one.key] / left, 1.0) if left > 0.0 else 0.0))
     models = fits.fit_rivals([((*near.candidates, more), near) for _, more, near in asked], final)
+    models = [
+        _begun_at(final, model, fits) if taken.kind is Kind.SENSOR else model
+        for (taken, _, _), model in zip(asked, models, strict=True)
+    ]  # fmt: skip
     by_finding: dict[CandidateKey, list[tuple[Candidate, float]]] = {candidate.key: [] for candidate in final.candidates}
     for (taken, more, _), model in zip(asked, models, strict=True):
         worse = fits.deficit(model, final) + comparisons.price((model, final)) * (model.parameter_count - final.parameter_count)
@@ -47,6 +52,15 @@ def assess(final: FittedModel, fits: ModelFits, comparisons: Comparisons, propos
     rivals = {key: tuple(sorted(found, key=lambda pair: pair[1])) for key, found in by_finding.items()}
     runners_up.sort(key=lambda pair: -pair[1])
     return SearchResult(comparisons.baseline, final, evidence, rivals, tuple(runners_up), complete)
+
+
+def _begun_at(final: FittedModel, rival: FittedModel, fits: ModelFits) -> FittedModel:
+    """Return the better fit of a rival of a sensor's fault, begun also at the model with that.
+
+    Without the fault, or before it was found, other numbers moved to where a fit of the rival does not find back from.
+    """
+    begun = FittedModel(tuple(c for c in rival.candidates if c.at in final.named), final.fit)
+    return fits.fit_rivals([(rival.candidates, begun)], final, again=True)[0]
 
 
 def _rivals(candidate: Candidate, without: FittedModel, final: FittedModel, proposals: Proposals) -> list[Candidate]:

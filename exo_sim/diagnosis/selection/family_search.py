@@ -86,7 +86,7 @@ class FamilySearch:
         final = predicting_best(final, plain, errors_about(final, laws))
         if final.candidates and comparisons.is_clean(baseline) and not evidence.is_decisive(final, baseline, best.spreads):
             final, plain = baseline, baseline
-        taking |= richer_beside(final.candidates, chosen, values)
+        taking |= richer_beside(final.candidates, probable, values)
         gone = [c for c in probable if c not in final.candidates and not c.is_law]
         passed_over = [c for c in gone if probabilities.get(c.at, 0.0) > verdicts.PROBABLE]
         kept = {candidate.key for candidate in final.candidates}

@@ -127,7 +127,8 @@ class JointSearch:
             self._report(f"{len(asked)} more to be fitted beside {len(now.candidates)}")
             looks = [self.fits.look((*now.candidates, one), now) for one in asked]
             close = self.comparisons.ranked(looks)[:FIRST_LOOKED] if looks else []
-            models = self.fits.fit_all([(model.candidates, model) for model in (*close, *self.proposals.shaped(now))])
+            models = self.fits.fit_all([(model.candidates, model) for model in close])
+            models += self.fits.fit_all([(model.candidates, model) for model in self.proposals.shaped(now)], again=True)
             shown = [
                 model for model in models
                 if is_more_than_healthy(model.candidates[-1], model) and not is_at_bound(model.candidates[-1], model)

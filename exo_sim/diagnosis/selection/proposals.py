@@ -73,19 +73,21 @@ class Proposals:
     def successors(self, candidate: Candidate, without: FittedModel, whole: FittedModel) -> list[tuple[float, Candidate]]:
         """Return what may take a finding's place, with the drop that each promises there.
 
-        Of a large model that is only what is declared to be mistaken for it, or it for that. Signatures are those beside the whole
-        model, where they are predicted once for all findings.
+        Of a large model that is only what is declared to be mistaken for it, or it for that; but of a sensor's fault it is everything, for
+        one that is off does a little of what any effect does. Signatures are those beside the whole model, where they are predicted once
+        for all findings.
 
         Args:
             candidate: The finding.
             without: The model without it.
             whole: The model.
         """
-        own = declared()[candidate.effect].mistaken_for if whole.is_large else ()
+        few = whole.is_large and candidate.kind is not Kind.SENSOR
+        own = declared()[candidate.effect].mistaken_for if few else ()
 
         def is_asked(one: Candidate) -> bool:
-            alike = one.effect in own or (whole.is_large and candidate.effect in declared()[one.effect].mistaken_for)
-            return one.at != candidate.at and (alike or not whole.is_large)
+            alike = one.effect in own or (few and candidate.effect in declared()[one.effect].mistaken_for)
+            return one.at != candidate.at and (alike or not few)
 
         asked = [one for one in self.candidates if is_asked(one)]
         return scores(self.fits.model, without, asked, self.fits.threads, self._beside(whole), self.fits.is_spent)

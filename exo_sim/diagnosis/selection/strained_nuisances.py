@@ -10,6 +10,7 @@ from __future__ import annotations
 import math
 from collections.abc import Collection, Iterable, Mapping, Sequence
 from dataclasses import replace
+from types import MappingProxyType
 from typing import TypeVar
 
 import numpy as np
@@ -27,10 +28,13 @@ from exo_sim.diagnosis.selection.comparisons import Comparisons
 from exo_sim.diagnosis.selection.fitted_model import FittedModel, SearchResult, is_at_bound, is_more_than_healthy
 from exo_sim.diagnosis.selection.model_fits import ModelFits
 from exo_sim.diagnosis.selection.proposals import Proposals
+from exo_sim.diagnosis.selection.shape_scan import best_shape
 from exo_sim.diagnosis.subsystem_model import SubsystemModel
 from exo_sim.physics.declaration import declared
 
 Model = TypeVar("Model", bound=SubsystemModel)
+#: By effect and place, how much of a quantity a healthy machine shows.
+Limits = Mapping[tuple[str, str], float]
 
 
 def is_beyond_data_sheet(parameter: FreeParameter, value: float, error: float) -> bool:
@@ -47,17 +51,36 @@ def is_beyond_data_sheet(parameter: FreeParameter, value: float, error: float) -
     return abs(value - mean) - SURELY_MORE * error > STRAINED * spread or _is_at_end(parameter, value)
 
 
-def strained(model: FittedModel, errors: Mapping[FreeParameter, float]) -> tuple[FreeParameter, ...]:
+def strained(model: FittedModel, errors: Mapping[FreeParameter, float], limits: Limits = MappingProxyType({})) -> tuple[FreeParameter, ...]:
     """Return the numbers of the rig, and what healthy parts show, that a fit moved beyond any data sheet; `errors` are standard errors.
 
-    Not those of sensors, whose zeros errors of the model move, nor an owner's numbers of an effect, whose law may differ.
+    Not those of sensors, whose zeros errors of the model move, nor an owner's numbers of an effect, whose law may differ. Parts of one
+    quantity (dead time and time constant of a lag) are also judged together, by `limits`: a fit may share out what neither could be.
     """
     values = model.fit.values
-    return tuple(
-        q for q in values
-        if _is_of_a_part(q) and not _is_overridden(q, model)
-        and is_beyond_data_sheet(q, as_counted(q, values), errors.get(q, math.inf))
-    )  # fmt: skip
+    own = [q for q in values if _is_of_a_part(q) and not _is_overridden(q, model)]
+    beyond = [q for q in own if is_beyond_data_sheet(q, as_counted(q, values), errors.get(q, math.inf))]
+    beyond += _shared_out(own, values, errors, limits)
+    return tuple(q for q in own if q in beyond)
+
+
+def _shared_out(own: Sequence[FreeParameter], values: Mapping[FreeParameter, float], errors: Mapping[FreeParameter, float],
+                limits: Limits) -> list[FreeParameter]:  # fmt: skip
+    """Return the parts of quantities that are together surely more than a healthy machine shows: what is uncertain of all parts counts."""
+    found: list[FreeParameter] = []
+    for at, limit in limits.items():
+        parts = [q for q in own if (q.effect, q.where) == at]
+        off = sum(abs(values[q] - q.neutral) - SURELY_MORE * errors.get(q, math.inf) for q in parts)
+        found += parts if len(parts) > 1 and off > limit else []
+    return found
+
+
+def healthy_limits(candidates: Sequence[Candidate]) -> Limits:
+    """Return how much a healthy machine shows of each quantity of which candidates hold several parts."""
+    limits: dict[tuple[str, str], float] = {}
+    for c in (c for c in candidates if c.additive):
+        limits[c.at] = max(limits.get(c.at, 0.0), *(q.healthy_limit for q in c.parameters))
+    return {at: limit for at, limit in limits.items() if limit > 0.0}
 
 
 def relieved(search: SearchResult, fits: ModelFits, proposals: Proposals, model: Model, split: Split) -> tuple[SearchResult, ModelFits]:
@@ -77,9 +100,9 @@ def relieved(search: SearchResult, fits: ModelFits, proposals: Proposals, model:
     Returns:
         The search, and the fits that its final model belongs to.
     """
-    asked_already: set[str] = set()
+    asked_already, limits = set[str](), healthy_limits(proposals.candidates)
     while not search.interrupted and search.final.fit.residual.size and not fits.is_spent():
-        pressed = [q for q in strained(search.final, fits.standard_errors(search.final)) if q.effect not in asked_already]
+        pressed = [q for q in strained(search.final, fits.standard_errors(search.final), limits) if q.effect not in asked_already]
         if not pressed:
             break
         effect = pressed[0].effect
@@ -114,7 +137,7 @@ def _relieved_of(
     asked = absorbers(pressed, final, proposals.candidates)
     if not asked:
         return search, fits
-    within = {q: _within_data_sheet(q) for q in pressed}
+    within = _within(pressed, final.fit.values, healthy_limits(proposals.candidates))
     bounded = ModelFits(fits.model, [within.get(q, q) for q in fits.nuisances], fits.threads, fits.cheap, fits.is_spent)
     near = _of_parameters(final, within)
     own = _own(pressed, final, asked)
@@ -122,6 +145,7 @@ def _relieved_of(
     alone = bounded.fit((*final.candidates, own), _at_prior_means(near, within.values()))
     comparisons = Comparisons(bounded, search.baseline, len(proposals.candidates), model.practical_significance)
     looked = bounded.fit_rivals([((*final.candidates, c), near) for c in asked], alone)
+    looked += _begun_at_shapes(asked, held, bounded)
     tried = [bounded.refined(one) for one in looked if one.fit.sse < (1.0 + FAR_FROM_STRAINED) * alone.fit.sse]
     kept_back = model.on_test_time(split.validation_as_test()) if split.validation else None
 
@@ -145,6 +169,15 @@ def _relieved_of(
     evidence = {**search.evidence, chosen.key: comparisons.evidence(held, best)}
     rivals = {**search.rivals, chosen.key: _sorted((c, worse) for c, worse in losses if c.at != chosen.at)}
     return replace(search, final=best, evidence=evidence, rivals=rivals), bounded
+
+
+def _begun_at_shapes(asked: Sequence[Candidate], held: FittedModel, bounded: ModelFits) -> list[FittedModel]:
+    """Return the fits of candidates whose answer is not in proportion, each begun at the best shape beside numbers that are held.
+
+    With the numbers free the shape hardly shows: they took what it explains.
+    """
+    begun = (best_shape(bounded.model, held, c, bounded.threads, bounded.is_spent) for c in asked if c.shapes)
+    return bounded.fit_all([(one.candidates, one) for _, one in filter(None, begun)], again=True)
 
 
 def _with_numbers_as_rivals(search: SearchResult, fits: ModelFits, comparisons: Comparisons) -> SearchResult:
@@ -208,6 +241,18 @@ def _within_data_sheet(q: FreeParameter) -> FreeParameter:
         return q
     mean, spread = q.prior
     return replace(q, low=max(q.low, mean - HELD_WITHIN * spread), high=min(q.high, mean + HELD_WITHIN * spread))
+
+
+def _within(pressed: Sequence[FreeParameter], values: Mapping[FreeParameter, float], limits: Limits) -> dict[FreeParameter, FreeParameter]:
+    """Return numbers with the bounds of their data sheets; parts of a quantity end where together they are what a healthy machine shows."""
+    within = {q: _within_data_sheet(q) for q in pressed}
+    limit = limits.get((pressed[0].effect, pressed[0].where), math.inf)
+    together = sum(abs(values[q] - q.neutral) for q in pressed)
+    if len(pressed) > 1 and together > limit:
+        for q in pressed:
+            most = abs(values[q] - q.neutral) * limit / together
+            within[q] = replace(within[q], low=max(within[q].low, q.neutral - most), high=min(within[q].high, q.neutral + most))
+    return within
 
 
 def _of_parameters(model: FittedModel, instead: Mapping[FreeParameter, FreeParameter]) -> FittedModel:

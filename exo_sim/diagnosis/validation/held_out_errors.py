@@ -67,14 +67,14 @@ class HeldOutGain:
 
     @property
     def speaks_against(self) -> bool:
-        """Whether a small share speaks against it.
+        """Whether a small share speaks against it: where more than noise is missing, and the change that it makes is surely not there.
 
-        It does not where the change that it makes is plainly there, beside something larger that is missing as well, nor where
-        held-out time distinguishes what was found neither from nothing nor from all of it.
+        Beside something larger that is missing as well a true effect explains little, and held-out time may distinguish what was found
+        neither from nothing nor from all of it.
         """
         reach = validation.TOLD_APART * self.error
         undecided = abs(self.amplitude) < reach and abs(self.amplitude - 1.0) < reach
-        return not undecided and self.amplitude - self.error <= validation.SHOWN
+        return self.is_plain and not undecided and self.amplitude + self.error <= validation.SHOWN
 
     @property
     def share(self) -> float:

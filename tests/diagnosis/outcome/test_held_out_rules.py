@@ -53,6 +53,12 @@ def test_where_something_is_missing_without_a_finding_its_share_of_that_counts(d
     assert is_refuted(0.05, 8.0, share, together=True) is False
 
 
+def test_an_error_that_rises_by_chance_refutes_no_name_of_great_odds() -> None:
+    assert is_refuted(-0.18, 26.0, 0.0)
+    assert not is_refuted(-0.18, 26.0, 0.0, tells=False)
+    assert is_refuted(-0.18, 13.0, 0.0, tells=False)  # useless there, and its odds are not great
+
+
 @pytest.mark.parametrize("share", [0.0, 0.05, 0.14])
 def test_great_odds_do_not_save_a_name_that_explains_little_of_time_kept_back(share: float) -> None:
     assert f"explains {100 * share:.0f} %" in doubt(named(2000.0), share)

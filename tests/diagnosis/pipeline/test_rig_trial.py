@@ -114,6 +114,19 @@ def test_runs_from_several_states_decide_with_the_one_from_the_beginning(rig: Ri
     assert Trial(RigUpdate(rig, ()), {}, position[0], {}, starts=tuple(position[1:])).is_worse
 
 
+@pytest.mark.parametrize(
+    ("first", "anew", "worse"),
+    [(1.9, (0.1, 0.3, 0.05, 0.2), False), (1.9, (0.9, 1.05, 0.95, 0.97), True), (1.9, (0.1, 0.3), True),
+     (1.0, (0.9, 1.1, 0.9, 1.05), False), (math.nan, (0.1, 0.3, 0.05, 0.2), True)],
+    ids=["surely better begun anew", "not surely", "too few to tell", "as before", "it diverges"],
+)  # fmt: skip
+def test_one_free_run_that_is_worse_is_by_chance_where_runs_begun_anew_are_surely_better(
+    rig: Rig, first: float, anew: tuple[float, ...], worse: bool
+) -> None:
+    begun = [{"slide.position": SignalFit("m", 1.0, ratio, 0.0)} for ratio in (first, *anew)]
+    assert Trial(RigUpdate(rig, ()), {}, begun[0], {}, starts=tuple(begun[1:])).is_worse is worse
+
+
 def test_what_one_run_misses_by_chance_is_told_from_what_all_miss(rig: Rig) -> None:
     first, *started = runs(1.7, 0.2, 0.3, 0.2)
     said = Trial(RigUpdate(rig, ()), {}, first, {}, starts=tuple(started)).by_chance()

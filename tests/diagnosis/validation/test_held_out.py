@@ -156,12 +156,14 @@ def test_a_share_is_of_what_is_missing_beyond_the_noise(gained: float, missing: 
         (0.3, 0.05, True),  # a third of it: it stands in for something else
         (0.63, 0.08, False),  # most of it is there
         (0.5, 0.67, False),  # neither nil nor all of it can be told
+        (0.55, 0.21, False),  # as near to all of it as to nil, though neither is compatible
         (1.0, 0.01, False),
         (0.0, 0.0, True),  # nobody looked
     ],
 )
 def test_a_small_share_speaks_against_what_time_kept_back_could_show_and_does_not(amplitude: float, error: float, against: bool) -> None:
     assert HeldOutGain(3.0, 100.0, True, amplitude, error).speaks_against is against
+    assert not HeldOutGain(3.0, 100.0, False, amplitude, error).speaks_against  # nothing is missing but noise
 
 
 @pytest.mark.parametrize("there", [1.0, 0.0, 0.4])

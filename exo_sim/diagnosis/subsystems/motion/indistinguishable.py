@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Mapping, Sequence
 
 import numpy as np
@@ -11,7 +12,7 @@ from exo_sim.diagnosis.estimation.least_squares import Fit
 from exo_sim.diagnosis.estimation.parameters import FreeParameter
 from exo_sim.diagnosis.findings import Finding
 from exo_sim.diagnosis.nominal_numbers import FORCE_OFFSET, PAYLOAD_MASS, SENSOR_GAIN
-from exo_sim.diagnosis.policy.off_nominal import SURE
+from exo_sim.diagnosis.policy.off_nominal import SURE, ZERO_OF_RANGE
 from exo_sim.physics.declaration import declared
 from exo_sim.physics.effects import sensor_bias, sensor_scale
 
@@ -47,17 +48,40 @@ def scale_instead_of_mass(runs: Sequence[MotionRun], parameter: FreeParameter) -
     return (sensor_scale.EFFECT.name,) if parameter.effect == PAYLOAD_MASS and scaled else ()
 
 
-def friction_beside_constant_force(findings: Sequence[Finding], fit: Fit) -> Mapping[tuple[str, str], tuple[str, ...]]:
-    """Return by finding the friction that it may be instead, beside a constant force: a force sensor's bias, or what closed the balance."""
+def force_of_zeros(drive: Drive) -> float:
+    """Return the constant force that the zero of a pressure sensor may make, by ordinary data sheets [N or N m]; 0 without pressures."""
+    forces = [
+        float(np.median(np.abs(drive.levers[column]))) * float(np.max(np.abs(signal)))
+        for column, signal in drive.signals.items() if "pressure" in column
+    ]  # fmt: skip
+    return ZERO_OF_RANGE * max(forces, default=0.0)
+
+
+def friction_beside_constant_force(findings: Sequence[Finding], fit: Fit, drive: Drive) -> Mapping[tuple[str, str], tuple[str, ...]]:
+    """Return by finding the friction that it may be instead, beside a constant force: a force sensor's bias, or what closed the balance.
+
+    Friction of two directions is that of one beside the zero of a pressure sensor, where this may be as large.
+
+    Args:
+        findings: Of a balance.
+        fit: Of its numbers.
+        drive: What drives it.
+    """
+    of_zeros = force_of_zeros(drive) / drive.usual_arm
     names = {finding.name for finding in findings}
     beside = {one.name: one.identification.twins.beside_constant for one in declared().values()}
     twins = {name: twin for name, twin in beside.items() if twin in names}
-    if not twins:
-        return {}
     offsets = [q for q in fit.values if q.effect == FORCE_OFFSET]
     moved = any(abs(fit.values[q] - q.prior[0]) > SURE * q.prior[1] for q in offsets if q.prior)
-    return {
+    found = {
         f.at: tuple(name for name, base in twins.items() if base == f.name or f.name == sensor_bias.EFFECT.name)
         for f in findings
-        if (f.name == sensor_bias.EFFECT.name and f.where.endswith(".external_force")) or (moved and f.name in twins.values())
+        if twins and ((f.name == sensor_bias.EFFECT.name and f.where.endswith(".external_force")) or (moved and f.name in twins.values()))
     }
+    return found | {f.at: (beside[f.name],) for f in findings if beside.get(f.name) and _constant_part(f, beside[f.name]) <= of_zeros}
+
+
+def _constant_part(finding: Finding, single: str) -> float:
+    """Return the constant force of friction of two directions beside that of one, `single` [N or N m]."""
+    parts = [finding.parameters[name].value for name, _ in dict(declared()[finding.name].absorbs)[single] if name in finding.parameters]
+    return 0.5 * (max(parts) - min(parts)) if parts else math.inf

@@ -13,7 +13,12 @@ from exo_sim.diagnosis.data.motion_run import Passive
 from exo_sim.diagnosis.estimation.least_squares import Fit
 from exo_sim.diagnosis.estimation.parameters import FreeParameter, Target
 from exo_sim.diagnosis.findings import Estimate, Finding, Kind
-from exo_sim.diagnosis.subsystems.motion.indistinguishable import friction_beside_constant_force, scale_instead_of_mass, sensor_error_of
+from exo_sim.diagnosis.subsystems.motion.indistinguishable import (
+    force_of_zeros,
+    friction_beside_constant_force,
+    scale_instead_of_mass,
+    sensor_error_of,
+)
 
 OFFSET = FreeParameter("offset", "slide", "offset", "N", Target.SENSOR, 1.0, -9.0, 9.0, (0.0, 1.0))
 RUN = motion_runs.balance(np.zeros(TIME.size), 0.1)
@@ -23,12 +28,26 @@ def test_a_force_sensors_bias_beside_coulomb_friction_may_be_asymmetric_friction
     def twins(size: float, *names: str) -> set[str]:
         found = [Finding(name, "slide.external_force", Kind.SENSOR, "", {"p": Estimate(1.0, "N", 0.0, 2.0)}, 9.0, 0.0) for name in names]
         closed = Fit((OFFSET,), {OFFSET: size}, np.zeros(1), np.zeros((1, 1)))
-        return {name for name, _ in friction_beside_constant_force(found, closed)}
+        return {name for name, _ in friction_beside_constant_force(found, closed, RUN.drive)}
 
     assert twins(0.0, "coulomb_friction") == set()
     assert twins(0.0, "coulomb_friction", "sensor_bias") == {"sensor_bias"}
     assert twins(6.0, "coulomb_friction", "sensor_bias") == {"sensor_bias", "coulomb_friction"}
     assert twins(6.0, "sensor_bias") == set()
+
+
+@pytest.mark.parametrize(("backward", "twins"), [(9.0, True), (1.0, False)], ids=["4 N apart", "12 N apart"])
+def test_friction_of_two_directions_may_be_that_of_one_beside_the_zero_of_a_pressure_sensor(backward: float, twins: bool) -> None:
+    """1 % of 6 bar on 8 cm^2 are 4.8 N, and directions that differ by twice that look the same."""
+    levers, signals = {"piston.pressure_1": np.full(TIME.size, -8e-4)}, {"piston.pressure_1": np.full(TIME.size, 6e5)}
+    drive = replace(RUN.drive, levers=levers, signals=signals)
+    assert force_of_zeros(drive) == pytest.approx(4.8)
+    sizes = {name: Estimate(value, "N", 0.0, 20.0) for name, value in (("forward", 13.0), ("backward", backward))}
+    asymmetric = Finding("asymmetric_friction", "piston", Kind.MISSING_PHYSICS, "", sizes, 9.0, 0.0)
+    closed = Fit((OFFSET,), {OFFSET: 0.0}, np.zeros(1), np.zeros((1, 1)))
+    expected = {("asymmetric_friction", "piston"): ("coulomb_friction",)} if twins else {}
+    assert friction_beside_constant_force([asymmetric], closed, drive) == expected
+    assert friction_beside_constant_force([asymmetric], closed, replace(drive, signals={})) == {}
 
 
 def test_a_mass_that_one_measured_force_moves_is_known_as_well_as_the_scale_of_that_force() -> None:

@@ -86,7 +86,7 @@ class Trial:
         if len(logs) < FEWEST_STARTS:
             return False
         error = float(np.std(logs, ddof=1)) / math.sqrt(len(logs))
-        return _mean(logs) + float(stats.t.ppf(SURELY_STRAYS, len(logs) - 1)) * error < 0.0
+        return _mean(logs) + float(stdtrit(len(logs) - 1, SURELY_STRAYS)) * error < 0.0
 
     @property
     def hurts(self) -> bool:

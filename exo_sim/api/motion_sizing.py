@@ -48,7 +48,8 @@ def size_motion(
     from exo_sim.outputs import replacing
     from exo_sim.report.motion_page import motion_page
     from exo_sim.rig.own_catalogue import find_catalogue, read_catalogue
-    from exo_sim.sizing.motion_search import RodJudge, loads_of, rod_space, search
+    from exo_sim.sizing.motion_search import RodJudge, loads_of, search
+    from exo_sim.sizing.rod_space import rod_space
 
     machine = rig_of(rig)
     limit = None if pressure_limit is None else quantity(pressure_limit, "Pa", "pressure_limit", low=0.0)

@@ -11,8 +11,8 @@ from types import MappingProxyType
 import numpy as np
 from numpy.typing import NDArray
 from scipy.ndimage import gaussian_filter1d
-from scipy.signal import savgol_coeffs, savgol_filter
 
+from exo_sim.recording import local_polynomial
 from exo_sim.recording.noise import white_noise
 
 Array = NDArray[np.float64]
@@ -83,7 +83,7 @@ def smoothed(time: Array, values: Array, seconds: float = POSITION_SMOOTHING) ->
     window = min(smooth_window(time, seconds), 2 * ((len(grid) - 1) // 2) + 1)
     if window < 5:
         return filled, np.gradient(filled, time), np.zeros_like(filled)
-    out = [savgol_filter(grid, window, 3, deriv=d, delta=usual, mode="interp") for d in range(3)]
+    out = [local_polynomial.filtered(grid, window, 3, d, usual) for d in range(3)]
     return _back(time, even, out[0]), _back(time, even, out[1]), _back(time, even, out[2])
 
 
@@ -170,7 +170,7 @@ def noise_gain(order: int, seconds: float, step: float, passed: Mapping[int, flo
 @lru_cache(maxsize=64)  # asked for every window
 def start_weights(points: int) -> Array:
     """Return weights that estimate a value at the start of `points` samples by a local parabola; nobody may write to them."""
-    weights: Array = savgol_coeffs(points, 2, pos=0, use="dot")
+    weights = local_polynomial.weights(points, 2, at=0)
     weights.flags.writeable = False
     return weights
 
@@ -178,7 +178,7 @@ def start_weights(points: int) -> Array:
 @lru_cache(maxsize=256)  # asked for every run over the same clock
 def rate_weights(points: int, step: float, at_start: bool) -> Array:
     """Return weights that estimate the rate in the middle of `points` samples, or at their start, by a local cubic; as `start_weights`."""
-    weights: Array = savgol_coeffs(points, 3, deriv=1, delta=step, pos=0 if at_start else points // 2, use="dot")
+    weights = local_polynomial.weights(points, 3, at=0 if at_start else points // 2, derivative=1, step=step)
     weights.flags.writeable = False
     return weights
 

@@ -13,7 +13,7 @@ from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.signal import oaconvolve
+from scipy import fft
 
 from exo_sim.recording.filters import QUIET, evenly, first_rate_gain, rate_weights, smoothed
 from exo_sim.recording.kept_results import kept
@@ -104,12 +104,14 @@ def _best_span(grid: Array, step: float, noise: float, at_start: bool) -> Span:
     while (more := 2 * (int(max(LONGER * counts[-1], counts[-1] + 2)) // 2) + 1) <= most:
         counts.append(more)
     kernels = [rate_weights(count, step, at_start) for count in counts]
+    size = fft.next_fast_len(len(grid) + counts[-1] - 1, real=True)
+    spectrum = fft.rfft(grid, size)
     spans = [Span(counts[0], noise * float(np.linalg.norm(kernels[0])), 0.0)]
     for (count, kernel), (longer, other) in itertools.pairwise(zip(counts, kernels, strict=True)):
         ahead = 0 if at_start else (longer - count) // 2
         change = other.copy()
         change[ahead : ahead + count] -= kernel
-        found = oaconvolve(grid, change[::-1], mode="valid")
+        found = fft.irfft(spectrum * fft.rfft(change[::-1], size), size)[longer - 1 : len(grid)]
         known = noise * float(np.linalg.norm(change))
         lost = beyond_noise(float(np.mean(found**2)), known**2, len(found) / longer)  # samples a span apart are independent
         spans.append(Span(longer, noise * float(np.linalg.norm(other)), spans[-1].bias + lost))

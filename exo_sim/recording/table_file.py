@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING
 
 from exo_sim.errors import OutputError
 from exo_sim.outputs import replacing
-from exo_sim.recording import columns
+from exo_sim.recording import arrow_without_pandas, columns
 from exo_sim.recording.opensim_table import write_sto
 from exo_sim.recording.table import Recording
 
@@ -79,6 +79,7 @@ class ParquetPieces:
 def _table(recording: Recording) -> pa.Table:
     import pyarrow as pa
 
+    arrow_without_pandas.settle()
     names = [columns.heading(columns.TIME, "s")]
     names += [columns.heading(key, recording.units[key]) for key in recording.columns]
     table = pa.table([pa.array(recording.time), *(pa.array(values) for values in recording.columns.values())], names)

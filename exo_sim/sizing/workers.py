@@ -36,12 +36,14 @@ class Workers:
             self._client = self._stack.enter_context(_client(scheduler))
 
     def __enter__(self) -> Workers:
-        from joblib import Parallel, parallel_config
-
         if self._client is not None:
+            from joblib import Parallel, parallel_config
+
             self._stack.enter_context(parallel_config(backend="dask", client=self._client, wait_for_workers_timeout=_CONNECT))
             self._parallel = Parallel(n_jobs=-1)
         elif self.jobs != 1:
+            from joblib import Parallel, parallel_config
+
             # after Ctrl-C joblib would speak of what it throws away
             warnings.filterwarnings("ignore", message=".*tasks have been successfully executed", category=UserWarning)
             # where this process is killed, its workers have no work any more, and are gone within a minute

@@ -11,7 +11,8 @@ from exo_sim.machine.rig_model import load
 from exo_sim.recording.table import Recording
 from exo_sim.sizing import motion_result
 from exo_sim.sizing.motion_loads import rod_loads
-from exo_sim.sizing.motion_search import RodJudge, front_of, rod_space
+from exo_sim.sizing.motion_search import RodJudge, front_of
+from exo_sim.sizing.rod_space import rod_space
 
 TIME = np.arange(0.0, 1.2, 0.01)
 OMEGA, MIDDLE, SWING = 2 * np.pi, 0.08, 0.03

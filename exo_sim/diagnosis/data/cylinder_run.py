@@ -41,7 +41,7 @@ class CylinderRun:
         initial: Pressure at the first sample of a chamber that was not measured, from the balance of forces [Pa]; NaN where unknown.
         position_noise: Standard deviation of the white noise of `length` before it was smoothed [m].
         command_2: Towards chamber 2 where the valve has independent edges; None where one spool serves both.
-        sampled: Whether commands are samples of a quicker loop, and not what the valve was told until the next.
+        sampled: Whether commands are samples of a quicker loop, and not what the valve got until the next.
         computed: Whether the recording was computed, or smoothed, and not just measured.
         settled: Whether the gas is known to be as warm as its walls where the run begins: it was held there before.
     """

@@ -1,4 +1,4 @@
-"""Commands that are samples of a control loop quicker than the logger, and not what the valve was told until the next sample."""
+"""Commands that are samples of a control loop quicker than the logger, and not what the valve got until the next sample."""
 
 from __future__ import annotations
 

@@ -30,7 +30,7 @@ class Allowance:
         most: So many.
 
     Attributes:
-        stopped: Whether somebody was told so.
+        stopped: Whether somebody has asked since it was used up.
     """
 
     def __init__(self, effort: Effort, most: int):

@@ -1,4 +1,4 @@
-"""What is believed of free parameters before any data, as residuals of a least-squares fit."""
+"""The priors of free parameters, as residuals of a least-squares fit."""
 
 from __future__ import annotations
 

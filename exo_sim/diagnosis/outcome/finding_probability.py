@@ -1,4 +1,4 @@
-"""How probable a finding is, by experience: odds say how surely a model gains, time kept back says whether its name is right."""
+"""How probable a finding is, by experience: odds say how surely a model gains, held-out time says whether its name is right."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ def confidence(finding: Finding, share: float | None, of_doubtful_pressures: boo
 
     Args:
         finding: With its odds.
-        share: Of the squared error beyond the noise that is missing without it, what it explains of time kept back; None where its
+        share: Of the squared error beyond the noise that is missing without it, what it explains of held-out time; None where its
             predictions do not change there, so that nothing was tested.
         of_doubtful_pressures: Whether it is of forces whose pressures belong to a gas in which something has no name: a sensor behind a
             hose that was not found shows another pressure than the piston feels.
@@ -28,10 +28,10 @@ def is_weighed_physics(finding: Finding) -> bool:
 
 
 def by_share(share: float | None) -> float:
-    """Return the most that a name is probable which explains this share of time kept back, by experience; `share` as of `confidence`."""
+    """Return the most that a name is probable which explains this share of held-out time, by experience; `share` as of `confidence`."""
     return float(UNTESTED) if share is None else MOST_CONFIDENT / (1.0 + (EVEN_SHARE / max(share, 1e-3)) ** STEEPNESS)
 
 
 def is_doubtful(share: float) -> bool:
-    """Return whether a finding that explains this share of time kept back is more likely wrong than right, by experience."""
+    """Return whether a finding that explains this share of held-out time is more likely wrong than right, by experience."""
     return by_share(share) < LEAST_PROBABILITY

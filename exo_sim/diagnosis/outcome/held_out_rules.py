@@ -1,4 +1,4 @@
-"""What time kept back says of one finding: the rules by which it may fall, in the order in which they are asked.
+"""What held-out time says of one finding: the rules by which it may fall, in the order in which they are asked.
 
 1. `is_refuted`: it explains hardly anything of what is missing without it. It is not asked again, and every subsystem is searched anew.
 2. `doubt`: its name is more likely wrong than right whatever its odds. The rest is fitted anew without it.
@@ -6,7 +6,7 @@
    listed beside the findings.
 
 A finding beside something unknown has passed a harder rule before, with which its search ended (`selection.decision`): its odds leave no
-doubt, and time kept back is predicted better with it, block for block.
+doubt, and held-out time is predicted better with it, block for block.
 """
 
 from __future__ import annotations
@@ -50,15 +50,15 @@ def is_refuted(drop: float, log10_odds: float, share: float | None = None, toget
 def doubt(finding: Finding, share: float | None, compared: bool = True) -> str:
     """Return why a name is more likely wrong than right whatever its odds, "" where nothing says so.
 
-    Odds alone do not do: where time kept back tests nothing and the number may be nil, neither speaks for the name. A sensor that is off
-    is off at all times: one that time kept back does not show stands in for something else. Where laws that fit as well leave a number
+    Odds alone do not do: where held-out time tests nothing and the number may be nil, neither speaks for the name. A sensor that is off
+    is off at all times: one that held-out time does not show stands in for something else. Where laws that fit as well leave a number
     anywhere about nil, the law is in doubt and not the number alone.
 
     Args:
         finding: With its odds.
-        share: Of the squared error beyond the noise that is missing without it, what it explains of time kept back; None where nothing
+        share: Of the squared error beyond the noise that is missing without it, what it explains of held-out time; None where nothing
             was tested.
-        compared: Whether there was time kept back with its signals.
+        compared: Whether there was held-out time with its signals.
     """
     if is_weighed_physics(finding) and errors_from_nil(finding) < LEAST_ERRORS:
         return "laws of what the rig has that fit as well need none of it: its number is smaller than its own standard error"
@@ -79,21 +79,21 @@ def too_small(
     one: SubsystemResult[SubsystemModel], left: Mapping[str, float], where_acting: Mapping[str, float],
     beyond_healthy: Mapping[str, float], tested: Collection[str],
 ) -> tuple[Finding, ...]:  # fmt: skip
-    """Return the findings of a subsystem without which it is missed by no more than healthy machines are, also in time kept back.
+    """Return the findings of a subsystem without which it is missed by no more than healthy machines are, also in held-out time.
 
     Whatever their odds: what mends a little of what every model gets wrong has great odds in a long recording. Names of a balance of
     forces are weighed beside that already, and a dip of friction acts in few rows: they are small where noise explains what is left
-    without them, in time kept back as a whole and in the rows that they change, and where they change these by no more than the laws of
+    without them, in held-out time as a whole and in the rows that they change, and where they change these by no more than the laws of
     a healthy machine get wrong. Noise is what the sensors' data sheets and a floor say, or, of what is larger than healthy laws are off,
     what is left in fact: the floor may be three times that.
 
     Args:
         one: Of one subsystem.
         left: By `effect@where`, the error of the time that was fitted without it [units of the noise].
-        where_acting: By the same, the error of time kept back without it, in rows that it changes [the most that noise leaves by itself].
+        where_acting: By the same, the error of held-out time without it, in rows that it changes [the most that noise leaves by itself].
         beyond_healthy: By the same, how much it changes the rows of the time that was fitted [what laws of a healthy machine get wrong];
             not asked of what is not in it.
-        tested: Those that time kept back tests: without them it is missed by more than the noise, and their predictions differ.
+        tested: Those that held-out time tests: without them it is missed by more than the noise, and their predictions differ.
     """
 
     def is_small(key: str) -> bool:

@@ -18,10 +18,11 @@ from exo_sim.diagnosis.data.machine_data import MachineData
 from exo_sim.diagnosis.discrepancy.curve import Curve
 from exo_sim.diagnosis.estimation.candidate import Candidate
 from exo_sim.diagnosis.estimation.parameters import FreeParameter
-from exo_sim.diagnosis.estimation.uncertainty import bounded_interval, interval
+from exo_sim.diagnosis.estimation.uncertainty import bounded_interval
 from exo_sim.diagnosis.findings import Estimate, Finding, Kind
 from exo_sim.diagnosis.nominal_numbers import ZERO
 from exo_sim.diagnosis.outcome.rig_corrections import corrections
+from exo_sim.diagnosis.outcome.sensor_entries import NO_FINDING, late_entries, sensor_entry, sensor_error_entry
 from exo_sim.diagnosis.outcome.sensor_faults import error_of, is_faulty
 from exo_sim.diagnosis.policy.off_nominal import LEAST_PART
 from exo_sim.diagnosis.selection.nuisance_calibration import is_declared
@@ -29,12 +30,10 @@ from exo_sim.diagnosis.selection.subsystem_result import SubsystemResult
 from exo_sim.diagnosis.selection.unknown_effect import UnknownEffect, effect_of
 from exo_sim.diagnosis.subsystem_model import SubsystemModel
 from exo_sim.physics.declaration import declared
-from exo_sim.physics.effects import sensor_bias, sensor_delay, sensor_scale
+from exo_sim.physics.effects import sensor_bias
 from exo_sim.physics.effects.unknown import ACTS, DEPENDS_ON
 from exo_sim.physics.effects.unknown import EFFECT as UNKNOWN
 from exo_sim.rig import Correction, EffectEntry, EffectSetting, Rig, improved
-
-_NO_FINDING = "No finding, a healthy machine shows as much. Fitted together with the numbers above, which predict best with it."
 
 #: What stands above a rig that holds such numbers.
 _HEADER = (
@@ -151,13 +150,13 @@ def rig_update(data: MachineData, results: Sequence[Result], unknown: Sequence[U
         healthy = _healthy(data.rig, one, calibrated)
         zeros = tuple(entry for entry in healthy if declared()[entry.setting.name].cut == "sensor")
         parts.append(Part(source, Rank.REFITTED, tuple(entry for entry in healthy if entry not in zeros), refitted))
-        parts.append(Part(source, Rank.SENSORS, (*zeros, *_late(data, one, calibrated))))
+        parts.append(Part(source, Rank.SENSORS, (*zeros, *late_entries(data, one, calibrated))))
         effect = effect_of(unknown, one)
         parts.append(Part(source, Rank.CURVE, tuple(_curves(data.rig, [effect] if effect else []))))
     apart = [effect for effect in unknown if all(one.key != effect.result.key for one in results)]
     parts.append(Part("elsewhere", Rank.CURVE, tuple(_curves(data.rig, apart))))
     faults = [
-        _sensor_entry(found, data.rig)
+        sensor_entry(found, data.rig)
         for found in data.sensors
         if is_declared(found.name) and found.parameters and not found.where.endswith(".valve_command")
     ]
@@ -167,7 +166,7 @@ def rig_update(data: MachineData, results: Sequence[Result], unknown: Sequence[U
 
 def _entry(candidate: Candidate, result: Result, finding: Finding, rig: Rig) -> EffectEntry:
     if candidate.kind is Kind.SENSOR:
-        return _sensor_entry(finding, rig)
+        return sensor_entry(finding, rig)
     values = {parameter.parameter: result.final.fit.values[parameter] for parameter in candidate.parameters}
     values |= {parameter.parameter: value for parameter, value in candidate.fixed if parameter.effect == candidate.effect}
     values = {**_healthy_part(candidate, result), **values}
@@ -213,7 +212,7 @@ def _healthy(rig: Rig, result: Result, calibrated: Collection[str]) -> list[Effe
         if by_force is not None:
             column = by_force[0]
             if not ("pressure" in column and column.split(".")[0] in calibrated):
-                entries.append(_sensor_error(*by_force, error, rig))
+                entries.append(sensor_error_entry(*by_force, error, rig))
         elif parameter.effect == ZERO:
             parts.setdefault((sensor_bias.EFFECT.name, parameter.where), {})[parameter] = error_of(result, parameter, error)
             if is_faulty(result, parameter, error):
@@ -227,56 +226,12 @@ def _healthy(rig: Rig, result: Result, calibrated: Collection[str]) -> list[Effe
             for q, error in errors.items()
         }
         if name == sensor_bias.EFFECT.name:
-            says = wording.says(name) if where in faulty else _NO_FINDING
-            entries.append(_sensor_entry(Finding(name, where, Kind.CALIBRATION, says, estimates, 0.0, 0.0), rig))
+            says = wording.says(name) if where in faulty else NO_FINDING
+            entries.append(sensor_entry(Finding(name, where, Kind.CALIBRATION, says, estimates, 0.0, 0.0), rig))
         else:
             intervals = {parameter: (e.low, e.high) for parameter, e in estimates.items()}
-            entries.append(EffectEntry(EffectSetting(name, where, {p: e.value for p, e in estimates.items()}), intervals, _NO_FINDING))
+            entries.append(EffectEntry(EffectSetting(name, where, {p: e.value for p, e in estimates.items()}), intervals, NO_FINDING))
     return entries
-
-
-def _late(data: MachineData, result: Result, calibrated: Collection[str]) -> list[EffectEntry]:
-    """Return the delays of sensors and their cards that a healthy machine shows as well.
-
-    Where the pressures of a cylinder were `calibrated` by its gas, its forces say nothing of their delay.
-    """
-    values = result.final.fit.values
-    errors = {q.parameter: error for q, error in result.refitted if q.parameter.endswith(".delay")}
-    found = {q.parameter: values[q] for q, _ in result.refitted if q.parameter in errors}
-    if not found or (result.where in calibrated and not result.model.calibrates_pressures):
-        return []
-    late = result.model.late_columns(found, data)
-    error = max(errors.values())
-    return [
-        _sensor_entry(Finding(sensor_delay.EFFECT.name, column, Kind.CALIBRATION, _NO_FINDING, {"seconds": estimate}, 0.0, 0.0), data.rig)
-        for column, value in late.items()
-        if value != 0.0 and all(column in table for table in data.as_read)
-        for estimate in [Estimate(value, "s", *interval(value, error))]
-    ]
-
-
-def _sensor_error(column: str, name: str, parameter: str, value: float, error: float, rig: Rig) -> EffectEntry:
-    """Return an error of a sensor that was fitted as a nuisance parameter."""
-    unit = "1" if name == sensor_scale.EFFECT.name else "Pa" if "pressure" in column else "N"
-    estimate = Estimate(value, unit, *interval(value, error))
-    return _sensor_entry(Finding(name, column, Kind.CALIBRATION, _NO_FINDING, {parameter: estimate}, 0.0, 0.0), rig)
-
-
-def _sensor_entry(finding: Finding, rig: Rig) -> EffectEntry:
-    """Return what the rig must say of a sensor: what it knew was taken off before anything was found, so both count."""
-    known = rig.effect(finding.name, finding.where)
-    scale = rig.effect(sensor_scale.EFFECT.name, finding.where)
-    turning = any("rad" in e.unit or e.unit == "N*m" for e in finding.parameters.values())
-
-    def both(name: str, found: float) -> float:
-        before = known.parameters.get(name, 0.0) if known else 0.0
-        if finding.name == sensor_scale.EFFECT.name:
-            return (before or 1.0) * found
-        return before + found * (scale.parameters["factor"] if scale and finding.name == sensor_bias.EFFECT.name else 1.0)
-
-    values = {name: both(name, e.value) for name, e in finding.parameters.items()}
-    intervals = {name: (both(name, e.low), both(name, e.high)) for name, e in finding.parameters.items()}
-    return EffectEntry(EffectSetting(finding.name, finding.where, values, turning), intervals, finding.says)
 
 
 def _curves(rig: Rig, unknown: Iterable[UnknownEffect]) -> list[EffectEntry]:

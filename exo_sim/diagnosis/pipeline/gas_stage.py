@@ -39,6 +39,9 @@ from exo_sim.diagnosis.subsystems.gas.model import GasModel
 from exo_sim.diagnosis.subsystems.gas.nuisances import healthy_walls, known_effects, nuisance_parameters, with_measured_supply
 from exo_sim.rig import assembly
 
+#: The fit that asks whether the gas is as warm as the room ends where a step gains less than this share: nothing but that is taken of it.
+FELT_TOLERANCE = 0.01
+
 _ENDED = "the search of its gas ended after the most predictions that are made; what it found until then is the answer"
 
 
@@ -237,7 +240,7 @@ def felt_temperatures(model: GasModel, near: Fit, threads: Threads = SERIAL, is_
     free = tuple({q.key: q for q in (*near.parameters, *walls, *asked)}.values())
     start = {q: near.values.get(q, q.start or (q.scale if q in walls else 0.0)) for q in free}
     known = near.columns if set(walls) <= set(near.parameters) else None  # beside walls the same numbers act otherwise
-    found = fit(model.residual, free, start, threads, known_columns=known, is_spent=is_spent)
+    found = fit(model.residual, free, start, threads, tolerance=FELT_TOLERANCE, known_columns=known, is_spent=is_spent)
     errors = standard_errors(model, found, correlation_time(found.residual, model.blocks))
     return () if all(_is_of_the_room(found.values[q], errors[q]) for q in asked) else asked
 

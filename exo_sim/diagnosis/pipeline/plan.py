@@ -19,7 +19,7 @@ from exo_sim.diagnosis.subsystem_model import SubsystemModel
 from exo_sim.diagnosis.subsystems.gas.model import GasModel
 from exo_sim.diagnosis.subsystems.motion.model import MotionModel
 from exo_sim.diagnosis.subsystems.supply.model import SupplyModel
-from exo_sim.diagnosis.validation.held_out import HeldOutErrors
+from exo_sim.diagnosis.validation.held_out_errors import HeldOutErrors
 
 #: Called with a few words on what is going on.
 Progress = Callable[[str], None]

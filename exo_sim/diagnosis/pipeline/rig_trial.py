@@ -1,4 +1,4 @@
-"""One improved rig on the time kept back: in windows of each balance and of the whole machine, and run free from several measured states.
+"""One improved rig on held-out time: in windows of each balance and of the whole machine, and run free from several measured states.
 
 A run that nothing corrects strays by what its first state and the whole way since then happened to be: a piston that nothing holds ends
 elsewhere by chance, with a good rig as with a poor one. Runs begun at several measured states say by how much such a result would differ.
@@ -11,7 +11,7 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 
 import numpy as np
-from scipy import stats
+from scipy.special import stdtrit
 
 from exo_sim.diagnosis.data.machine_data import MachineData
 from exo_sim.diagnosis.findings import SignalFit
@@ -34,7 +34,7 @@ Fits = Mapping[str, SignalFit]
 
 @dataclass(frozen=True)
 class Trial:
-    """One improved rig on the time kept back.
+    """One improved rig on held-out time.
 
     Attributes:
         update: What is in it.
@@ -43,7 +43,7 @@ class Trial:
         spreads: Standard deviations of the signals, as far as they are recorded.
         coupled: Errors of the whole machine over windows.
         uncertain: Standard error of the mean logarithm of the latter.
-        starts: As `free_run`, of runs begun at measured states of the time kept back, one for each, until the next one's.
+        starts: As `free_run`, of runs begun at measured states of held-out time, one for each, until the next one's.
         is_refused: Whether the rig cannot be read, or cannot be a machine.
     """
 
@@ -86,7 +86,7 @@ class Trial:
         if len(logs) < FEWEST_STARTS:
             return False
         error = float(np.std(logs, ddof=1)) / math.sqrt(len(logs))
-        return _mean(logs) + float(stats.t.ppf(SURELY_STRAYS, len(logs) - 1)) * error < 0.0
+        return _mean(logs) + float(stdtrit(len(logs) - 1, SURELY_STRAYS)) * error < 0.0
 
     @property
     def hurts(self) -> bool:
@@ -151,7 +151,7 @@ def straying_further(runs: Sequence[Fits]) -> tuple[str, ...]:
         if len(logs) < FEWEST_STARTS:
             continue
         error = float(np.std(logs, ddof=1)) / math.sqrt(len(logs))
-        least = _mean(logs) - float(stats.t.ppf(SURELY_STRAYS, len(logs) - 1)) * error
+        least = _mean(logs) - float(stdtrit(len(logs) - 1, SURELY_STRAYS)) * error
         if max(logs) >= DIVERGED or least > math.log1p(SIGNAL_WORSE):
             found.append(column)
     return tuple(found)

@@ -80,7 +80,7 @@ _machine_a = (
 )
 GAS_UNTIL = Number(0.55, "share of the time", "the gas of all cylinders may take, in equal parts", _machine_a)
 FORCES_UNTIL = Number(0.75, "share of the time", "is over when the balances of forces end, in equal parts", _machine_a)
-VALIDATION_UNTIL = Number(0.85, "share of the time", "is over when what was found is refitted no more for the time kept back", _machine_a)
+VALIDATION_UNTIL = Number(0.85, "share of the time", "is over when what was found is refitted no more for held-out time", _machine_a)
 
 # -- a diagnosis ----------------------------------------------------------------------------------------------------------------
 MOST_REFUTATIONS = Count(6, "times", "effects are refuted on one division of time")

@@ -46,8 +46,8 @@ FINE_PERIOD = Number(
 )  # fmt: skip
 LEAD_IN = Number(
     0.08, "s",
-    "what a valve was told before a recording begins, nobody knows; its spool has forgotten it after a dead time and five lags of 12 ms, "
-    "the slowest of the learn makes",
+    "how a valve was commanded before a recording begins, nobody knows; its spool has forgotten it after a dead time and five lags of "
+    "12 ms, the slowest of the learn makes",
     "make I of whole machines, seed 77, at its true numbers: eleven windows are predicted to within the noise, the first is off by 12 kPa. "
     "One machine: that it is long enough for a slower valve is not shown",
 )  # fmt: skip
@@ -72,13 +72,13 @@ REVERSED = Number(
     "commands of 73 benches, legs and real machines turned round: `conventions` noticed 61, this one more, behind a long hose",
 )  # fmt: skip
 CONTROL_PERIOD = Number(
-    2e-3, "s", "commands at no longer periods are all that a valve was told; those of a slower logger may be samples of a quicker loop",
+    2e-3, "s", "commands at no longer periods are all that a valve got; those of a slower logger may be samples of a quicker loop",
     "asserted: controllers of valves run at 500 Hz or faster, or are the loggers themselves",
 )  # fmt: skip
 CLOCK_ERROR = Number(0.01, "share of a period", "a logger's clock is off by no more: a longer period than that is longer")
 HELD_AT_FIRST = Number(
     0.5, "share of the squared error", "commands are held until the next sample, as the contract has it, unless read as samples they leave "
-    "less than this beside the numbers of the rig as it is believed ...",
+    "less than this beside the nominal numbers of the rig ...",
     "six machines drawn by chance (200 and 400 Hz, held, three to eight effects missing): 0.76 to 1.59; the README's bench, thinned to 50 "
     "and 100 Hz, 0.30 and 0.77",
 )  # fmt: skip

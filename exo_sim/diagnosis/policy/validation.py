@@ -49,11 +49,11 @@ FEWEST_CHANGED = Count(
 EXCEEDS_HEALTHY = Number(
     1.0, "standard deviations of what laws of a healthy machine get wrong",
     "... and one that changes them by more than this is not small where it exceeds what the fit leaves in fact",
-    "learn machines: true dips change the rows of time kept back by 0.9 to 1.2 (B, X7, X11), and X7's those that were fitted, which count "
+    "learn machines: true dips change the rows of held-out time by 0.9 to 1.2 (B, X7, X11), and X7's those that were fitted, which count "
     "since, by 2.0; friction that slides by 3 to 16. The names of four healthy machines stay small",
 )  # fmt: skip
 TOLD_APART = Number(
-    2.0, "standard errors", "of the amplitude of what a finding changes in time kept back: where nil and all of it lie within, that time "
+    2.0, "standard errors", "of the amplitude of what a finding changes in held-out time: where nil and all of it lie within, that time "
     "tells neither from the other, and a small share there says nothing", "derived: a 95 % interval",
 )  # fmt: skip
 SHOWN = Number(
@@ -64,7 +64,7 @@ SHOWN = Number(
     "X559 has 0.55 (0.21), a wall of X563 0.61 (0.16)",
 )  # fmt: skip
 NEEDED_BY_THE_MACHINE = Number(
-    0.15, "share of the error of the whole machine over windows, in time kept back",
+    0.15, "share of the error of the whole machine over windows, in held-out time",
     "a finding that balances call too small to matter and that lowers it surely by more matters all the same: as much as a finding must "
     "explain of what is missing. That it is there is beyond doubt already",
     "learn make X12 of whole machines: with its dry friction of 67 N, which the balance of forces calls small, windows of a fresh "
@@ -113,7 +113,7 @@ FEWEST_BLOCKS = Count(
     4, "windows", "of the whole machine show how far errors of another recording may differ; of fewer the error itself counts"
 )
 STARTS = Count(
-    4, "moments of the time kept back", "at whose measured states the whole machine is run free as well, the first at its beginning",
+    4, "moments of held-out time", "at whose measured states the whole machine is run free as well, the first at its beginning",
     "49 signals of 18 diagnosed learn machines (X1 to X12, two J, X4 and X8 with a bore 22 % too small and 25 % too large): what one run "
     "from the recording's beginning says of the free run on a fresh recording is off by a factor of 3.1, four moments by 2.4, both by 2.3; "
     "of 18 positions, all better on the fresh one, the one run called three worse (1.14, 1.16, 1.32), the four moments none. Those runs "

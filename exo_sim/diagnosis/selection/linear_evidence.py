@@ -93,6 +93,24 @@ class _Cleared:
     log_evidence: float
 
 
+@dataclass(frozen=True)
+class _Part:
+    """What a subset takes of the normal equations, the same at all spreads.
+
+    Attributes:
+        index: Its columns of the design, shape (m,), background and discrepancy first.
+        gram, moment: Their normal equations, shape (m, m) and (m,).
+        spread: Prior standard deviations of the sizes of its terms, shape (t,).
+        one_sided: Which of these cannot be negative, shape (t,).
+    """
+
+    index: NDArray[np.int64]
+    gram: Array
+    moment: Array
+    spread: Array
+    one_sided: NDArray[np.bool_]
+
+
 class LinearEvidence:
     """The evidence for the subsets of one linearisation of a family.
 
@@ -163,41 +181,51 @@ class LinearEvidence:
     def posterior(self, subset: Subset, spreads: Spreads, correlation_time: float, whole: bool = False) -> Posterior:
         """Return the posterior of a subset; with `whole`, what is left of the target as well."""
         p, d = self.linear.background.shape[1], self.basis.columns.shape[1]
-        index = np.concatenate([self._always, *(self._columns[j] for j in subset)]).astype(np.int64)
-        amplitudes = np.array(spreads.amplitudes)
-        scale = np.concatenate([
-            np.ones(p), amplitudes[self.basis.kinds] if d else np.zeros(0), *(self.linear.terms[j].spread for j in subset)
-        ])  # fmt: skip
-        weight = 1.0 / (spreads.noise**2 * correlation_time)
-        normal = self._gram[np.ix_(index, index)] * (weight * np.outer(scale, scale))
-        normal[np.diag_indices_from(normal)] += 1.0
-        factor = factored(normal)
-        moment = self._moment[index] * (weight * scale)
-        half = dtrtrs(factor, moment, lower=1)[0] if index.size else moment  # LAPACK complains of no rows
-        evidence = -self.linear.target.size / correlation_time * math.log(spreads.noise) - 0.5 * weight * self._square
-        evidence += 0.5 * float(half @ half) - float(np.log(np.diag(factor)).sum())
-        evidence -= 0.5 * float(np.sum((amplitudes / self.basis.healthy) ** 2))
-        found = (dtrtrs(factor, half, lower=1, trans=1)[0] if index.size else half) * scale
-        sizes = found[p + d :]
-        signed = [one for j in subset for one in self.linear.terms[j].one_sided]
-        evidence += math.log(2.0) * sum(signed)
-        if any(yes and size < 0.0 for yes, size in zip(signed, sizes, strict=True)):
-            evidence = -math.inf
+        part = self._part(subset)
+        evidence, found, factor, scale = self._solved(part, spreads, correlation_time)
         errors, left = np.zeros(0), np.zeros(0)
         if whole:
-            inverse = cho_solve((factor, True), np.eye(len(index)))
+            inverse = cho_solve((factor, True), np.eye(len(part.index)))
             errors = np.sqrt(np.diag(inverse))[p + d :] * scale[p + d :]
-            left = self.linear.target - self._design[:, index] @ found
-        return Posterior(evidence, found[:p], sizes, errors, found[p : p + d], left)
+            left = self.linear.target - self._design[:, part.index] @ found
+        return Posterior(evidence, found[:p], found[p + d :], errors, found[p : p + d], left)
+
+    def _part(self, subset: Subset) -> _Part:
+        index = np.concatenate([self._always, *(self._columns[j] for j in subset)]).astype(np.int64)
+        terms = [self.linear.terms[j] for j in subset]
+        one_sided = np.array([one for term in terms for one in term.one_sided], dtype=bool)
+        spread = np.concatenate([np.zeros(0), *(term.spread for term in terms)])
+        return _Part(index, self._gram[np.ix_(index, index)], self._moment[index], spread, one_sided)
+
+    def _solved(self, part: _Part, spreads: Spreads, correlation_time: float) -> tuple[float, Array, Array, Array]:
+        """Return the evidence of a part, its posterior mean, the factor of its precision in units of the prior, and these units."""
+        p, d = self.linear.background.shape[1], self.basis.columns.shape[1]
+        amplitudes = np.array(spreads.amplitudes)
+        scale = np.concatenate([np.ones(p), amplitudes[self.basis.kinds] if d else np.zeros(0), part.spread])
+        weight = 1.0 / (spreads.noise**2 * correlation_time)
+        normal = part.gram * (weight * (scale[:, None] * scale))
+        normal.flat[:: len(scale) + 1] += 1.0
+        factor = factored(normal)
+        moment = part.moment * (weight * scale)
+        half = dtrtrs(factor, moment, lower=1)[0] if scale.size else moment  # LAPACK complains of no rows
+        evidence = -self.linear.target.size / correlation_time * math.log(spreads.noise) - 0.5 * weight * self._square
+        evidence += 0.5 * float(half @ half) - float(np.log(factor.diagonal()).sum())
+        evidence -= 0.5 * float(np.sum((amplitudes / self.basis.healthy) ** 2))
+        found = (dtrtrs(factor, half, lower=1, trans=1)[0] if scale.size else half) * scale
+        evidence += math.log(2.0) * int(part.one_sided.sum())
+        if (found[p + d :][part.one_sided] < 0.0).any():
+            evidence = -math.inf
+        return evidence, found, factor, scale
 
     def estimated(self, subset: Subset, spreads: Spreads, correlation_time: float, sweeps: int = 2) -> tuple[float, Spreads]:
         """Return the evidence of a subset at the spreads that maximise it, and these."""
-        best, at = self.posterior(subset, spreads, correlation_time).log_evidence, spreads
+        part = self._part(subset)
+        best, at = self._solved(part, spreads, correlation_time)[0], spreads
         for _ in range(sweeps):
             for which in range(1 + len(at.amplitudes)):
                 for factor in _FACTORS:
                     tried = self._varied(at, which, factor)
-                    evidence = self.posterior(subset, tried, correlation_time).log_evidence
+                    evidence = self._solved(part, tried, correlation_time)[0]
                     if evidence > best:
                         best, at = evidence, tried
         return best, at

@@ -14,6 +14,7 @@ from exo_sim.errors import RecordingError, TrialError
 from exo_sim.recording import Recording, read
 from exo_sim.recording.foreign import emps, gas_spring, pendulum, seals
 from exo_sim.trials.real.case import BALANCE, FREE_RUN, TAIL, Known, Moving, Name, RealCase
+from exo_sim.trials.real.cut_down import ends, first, halved, rest, thinned, with_given
 
 #: Share of a lone recording that the tool gets.
 GIVEN = 0.7
@@ -21,8 +22,6 @@ GIVEN = 0.7
 DECAY_GIVEN = 60.0
 #: When the supply of the leaking chamber was shut [s]: its pressure begins to fall.
 SHUT = 7.44
-#: Rate to which the slow seals are thinned in variants [Hz].
-THIN = 20.0
 
 SLIDING = Moving(cut_off=5.0, speed=3e-4)
 POSITIONING = Moving(cut_off=60.0, speed=1e-3)
@@ -59,14 +58,6 @@ _GROWING = Name(("pressure_dependent_friction",), _SEAT)
 _SEAL_ODD = (*_friction(*_SEAT), *_zeros("piston.pressure_1", "slide.external_force"))
 _ZILLEN = "E. Zillen, 3D-printed pneumatic actuators (PMC10907517), CC0"
 _MBARI = "MBARI WEC simulator, osrf/mbari_wec_gz, Apache-2.0"
-
-
-def _first(recording: Recording, share: float) -> Recording:
-    return recording.span(recording.time[0], recording.time[0] + share * recording.duration)
-
-
-def _rest(recording: Recording, share: float) -> Recording:
-    return replace(recording.span(recording.time[0] + share * recording.duration, recording.time[-1] + 1.0), name=f"{recording.name}_rest")
 
 
 def _renamed(recording: Recording, parts: Mapping[str, str]) -> Recording:
@@ -120,7 +111,7 @@ def _gas_spring(data: Path) -> RealCase:
         published={},
         source=f"{_MBARI}; honest: heat with one coefficient a chamber; published polytropic exponents leave 0.30 and 0.25 bar",
     )
-    return RealCase("gas_spring", SPRING, "gas_spring", (_first(whole, GIVEN),), (whole,), TAIL, "recorded", known)
+    return RealCase("gas_spring", SPRING, "gas_spring", (first(whole, GIVEN),), (whole,), TAIL, "recorded", known)
 
 
 def _seal(data: Path, seal: str, name: str, must: tuple[Name, ...]) -> RealCase:
@@ -132,7 +123,7 @@ def _seal(data: Path, seal: str, name: str, must: tuple[Name, ...]) -> RealCase:
         published={},
         source=f"{_ZILLEN}; honest: Coulomb, with pressure, viscous, scale and zero of the pressure, place",
     )
-    given, held = (tuple(part(run, GIVEN) for run in runs) for part in (_first, _rest))
+    given, held = (tuple(part(run, GIVEN) for run in runs) for part in (first, rest))
     return RealCase(name, PISTON, "seals_friction", given, held, BALANCE, "predicted", known, SLIDING)
 
 
@@ -202,7 +193,7 @@ def _spring_vented(data: Path) -> RealCase:
         source=f"{_MBARI}; honest: Coulomb and viscous friction and a constant",
     )
     return RealCase(
-        "spring_vented", SPRING, str(folder), (_first(whole, GIVEN),), (_rest(whole, GIVEN),), BALANCE, "predicted", known, STROKES
+        "spring_vented", SPRING, str(folder), (first(whole, GIVEN),), (rest(whole, GIVEN),), BALANCE, "predicted", known, STROKES
     )
 
 
@@ -222,7 +213,7 @@ def _upright(data: Path) -> RealCase:
         '"undetermined" is right',
     )
     return RealCase(
-        "upright", LIFT, str(folder), (_first(whole, GIVEN),), (_rest(whole, GIVEN),), BALANCE, "predicted", known,
+        "upright", LIFT, str(folder), (first(whole, GIVEN),), (rest(whole, GIVEN),), BALANCE, "predicted", known,
         Moving(cut_off=30.0, speed=1e-2),
     )  # fmt: skip
 
@@ -243,47 +234,16 @@ _MACHINES: dict[str, Callable[[Path], RealCase]] = {
 }
 
 
-def _with_given(case: RealCase, name: str, given: tuple[Recording, ...]) -> RealCase:
-    return replace(case, name=name, recordings=given, variant_of=case.name)
-
-
-def _thin(recording: Recording) -> Recording:
-    """Return about `THIN` samples a second, as a slower logger takes them: nothing is smoothed."""
-    every = max(1, round(1.0 / THIN / ((recording.time[-1] - recording.time[0]) / (len(recording.time) - 1))))
-    return replace(recording, time=recording.time[::every], columns={key: values[::every] for key, values in recording.columns.items()})
-
-
-def _thinned(name: str) -> Callable[[Path], RealCase]:
-    def make(data: Path) -> RealCase:
-        case = _MACHINES[name](data)
-        return _with_given(case, f"{name}_20hz", tuple(_thin(run) for run in case.recordings))
-
-    return make
-
-
-def _halved(name: str) -> Callable[[Path], RealCase]:
-    def make(data: Path) -> RealCase:
-        case = _MACHINES[name](data)
-        whole = case.held[0] if case.measure == TAIL else case.recordings[0]
-        return _with_given(case, f"{name}_half", (_first(whole, 0.5),))
-
-    return make
-
-
-def _ends(name: str) -> Callable[[Path], RealCase]:
-    def make(data: Path) -> RealCase:
-        case = _MACHINES[name](data)
-        return _with_given(case, f"{name}_ends", (case.recordings[0], case.recordings[-1]))
-
-    return make
+def _cut(by: Callable[[RealCase], RealCase], name: str) -> Callable[[Path], RealCase]:
+    return lambda data: by(_MACHINES[name](data))
 
 
 _VARIANTS: dict[str, Callable[[Path], RealCase]] = {
-    "emps_half": _halved("emps"),
-    "pendulum_two": lambda data: _with_given(_pendulum(data), "pendulum_two", _pendulum(data).recordings[:2]),
-    "gas_spring_half": _halved("gas_spring"),
-    "o_ring_ends": _ends("o_ring"),
-    **{f"{seal}_20hz": _thinned(seal) for seal in ("kdn", "o_ring", "seal_napn", "seal_pk")},
+    "emps_half": _cut(halved, "emps"),
+    "pendulum_two": lambda data: with_given(_pendulum(data), "pendulum_two", _pendulum(data).recordings[:2]),
+    "gas_spring_half": _cut(halved, "gas_spring"),
+    "o_ring_ends": _cut(ends, "o_ring"),
+    **{f"{seal}_20hz": _cut(thinned, seal) for seal in ("kdn", "o_ring", "seal_napn", "seal_pk")},
 }
 
 NAMES = (*_MACHINES, *_VARIANTS)

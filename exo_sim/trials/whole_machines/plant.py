@@ -12,8 +12,8 @@ import math
 from exo_sim.trials.whole_machines.compiled import kernel
 from exo_sim.trials.whole_machines.friction_laws import contact, level, viscous
 from exo_sim.trials.whole_machines.gas_laws import ELLIPSE, conductance, leak, orifice
+from exo_sim.trials.whole_machines.hose import CELLS, hose_rates
 
-CELLS = 3
 # places in the state vector
 Q, QD, X, V, N1, U1, N2, U2, NX, UX, NT, UT, REG, REG_V, W1, W2, SPOOL, SPOOL_V, BRISTLE, REST, WARM, LED = range(22)
 LINE_1 = 22  # mass, energy of each cell, then the flows out of them towards the chamber
@@ -58,57 +58,6 @@ def valve_path(area, p_a, t_a, p_b, t_b, p):
 def behind_play(spool, place, width):
     """Return where a valve stands behind a play whose whole loop is `width` wide, having stood at `place`."""
     return min(max(place, spool - 0.5 * width), spool + 0.5 * width)
-
-
-@kernel
-def hose_rates(y, out, at, p_chamber, t_chamber, net, enthalpy, needle, p):
-    """Write the rates of one hose fed with (net, enthalpy) at the valve; return what enters the chamber, mass [kg/s] and enthalpy [W].
-
-    `needle` is the area of the cushion's needle where it acts on gas that leaves, else 0.
-    """
-    k = p.heat_ratio
-    cp = k * p.gas_constant / (k - 1.0)
-    if p.hose_kind == 1.0:
-        volume = p.hose_volume
-        p_cell = (k - 1.0) * y[at + 1] / volume
-        t_cell = p_cell * volume / (y[at] * p.gas_constant)
-        area = p.hose_area
-        if needle > 0.0 and p_chamber > p_cell:
-            area = needle
-        w = orifice(area, p_cell, t_cell, p_chamber, t_chamber, ELLIPSE, p.hose_b, 0.5, 0.0, p)
-        carried = cp * w * (t_cell if w > 0.0 else t_chamber)
-        out[at] = net - w
-        out[at + 1] = enthalpy - carried + p.hose_heat * (p.room - t_cell)
-        return w, carried
-    section = 0.25 * math.pi * p.hose_bore * p.hose_bore
-    length = p.hose_length / CELLS
-    volume = section * length
-    w_in, h_in = net, enthalpy
-    for i in range(CELLS):
-        here = at + 2 * i
-        p_here = (k - 1.0) * y[here + 1] / volume
-        t_here = p_here * volume / (y[here] * p.gas_constant)
-        if i + 1 < CELLS:
-            p_next = (k - 1.0) * y[here + 3] / volume
-            t_next = p_next * volume / (y[here + 2] * p.gas_constant)
-        else:
-            p_next, t_next = p_chamber, t_chamber
-        flow = at + 2 * CELLS + i
-        w = y[flow]
-        density = 0.5 * (p_here / t_here + p_next / t_next) / p.gas_constant
-        speed = w / (density * section)
-        reynolds = 4.0 * abs(w) / (math.pi * p.hose_bore * 1.8e-5)
-        # laminar, then Blasius; the larger of both joins them
-        factor = max(64.0 / max(reynolds, 1e-6), 0.3164 / max(reynolds, 2e3) ** 0.25)
-        lost = factor * length / p.hose_bore * 0.5 * density * speed * abs(speed)
-        if i == CELLS - 1:
-            lost += 0.75 * density * speed * abs(speed)  # ends and fittings
-        out[flow] = section / length * (p_here - p_next - lost)
-        h = cp * w * (t_here if w > 0.0 else t_next)
-        out[here] = w_in - w
-        out[here + 1] = h_in - h + p.hose_heat / CELLS * (p.room - t_here)
-        w_in, h_in = w, h
-    return w_in, h_in
 
 
 @kernel

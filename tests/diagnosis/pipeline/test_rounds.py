@@ -29,7 +29,7 @@ from exo_sim.diagnosis.selection.subsystem_result import SubsystemResult
 from exo_sim.diagnosis.subsystems.gas.model import GasModel
 from exo_sim.diagnosis.subsystems.motion.model import MotionModel
 from exo_sim.diagnosis.subsystems.motion.motion_runs import motion_runs
-from exo_sim.diagnosis.validation.held_out import BalanceError, HeldOutErrors, Worth
+from exo_sim.diagnosis.validation.held_out_errors import BalanceError, HeldOutErrors, HeldOutGain
 from exo_sim.diagnosis.validation.long_run import Straying
 from exo_sim.machine.linkage import linkages
 from exo_sim.machine.rig_model import load
@@ -115,11 +115,11 @@ def test_a_refuted_effect_is_not_sought_again(monkeypatch: pytest.MonkeyPatch, d
 
 
 def test_an_effect_that_explains_most_of_what_is_missing_is_not_refuted(monkeypatch: pytest.MonkeyPatch, data: MachineData) -> None:
-    worth = {"piston_leakage@piston": Worth(80.0, 100.0), "return_spring@piston": Worth(4.0, 100.0)}
+    worth = {"piston_leakage@piston": HeldOutGain(80.0, 100.0), "return_spring@piston": HeldOutGain(4.0, 100.0)}
     end, plans = stable(monkeypatch, data, [(LEAK, SPRING), (LEAK,)], errors({LEAK: 0.14, SPRING: 0.02}, worth=worth))
     assert [set(plan.refuted) for plan in plans] == [set(), {SPRING}]
     assert names(end) == ["piston_leakage"]
-    chance = {"piston_leakage@piston": Worth(2.0, 2.0, is_plain=False)}  # all of what is missing, and that is what noise does
+    chance = {"piston_leakage@piston": HeldOutGain(2.0, 2.0, is_plain=False)}  # all of what is missing, and that is what noise does
     end, _ = stable(monkeypatch, data, [(LEAK,), ()], errors({LEAK: 0.02}, worth=chance))
     assert names(end) == []
 
@@ -235,7 +235,7 @@ def test_what_an_unmeasured_chamber_may_do_is_an_open_question(data: MachineData
 
 
 def test_names_that_explain_little_of_the_validation_time_are_put_aside_and_it_is_said_why(data: MachineData) -> None:
-    worth = {"piston_leakage@piston": Worth(60.0, 100.0), "return_spring@piston": Worth(3.0, 100.0)}
+    worth = {"piston_leakage@piston": HeldOutGain(60.0, 100.0), "return_spring@piston": HeldOutGain(3.0, 100.0)}
     found = rounds.without_doubtful(examination(data, Plan(Split({})), gas_of(data, LEAK, SPRING), errors(worth=worth)))
     assert [finding.name for finding in found.results.gas[0].findings] == ["piston_leakage"]
     assert list(found.plan.refuted) == [SPRING] and "explains 3 %" in found.plan.refuted[SPRING]
@@ -249,7 +249,7 @@ def test_names_that_explain_little_of_the_validation_time_are_put_aside_and_it_i
 
 def test_a_name_is_judged_by_validation_time_and_never_by_the_test(data: MachineData) -> None:
     """The errors that are reported would say less than they seem to if anything were chosen by them."""
-    poor, rich = ({"piston_leakage@piston": Worth(gained, 100.0)} for gained in (10.0, 60.0))
+    poor, rich = ({"piston_leakage@piston": HeldOutGain(gained, 100.0)} for gained in (10.0, 60.0))
     for validation, test, share in ((rich, poor, 0.6), (poor, rich, 0.1)):
         one = examination(data, Plan(Split({})), gas_of(data, LEAK), errors(worth=validation), errors(worth=test))
         assert one.shares == {"piston_leakage@piston": pytest.approx(share)}

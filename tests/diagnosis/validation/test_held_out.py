@@ -19,7 +19,8 @@ from exo_sim.diagnosis.selection.finding_removal import without_findings
 from exo_sim.diagnosis.selection.search import Search
 from exo_sim.diagnosis.selection.subsystem_result import SubsystemResult
 from exo_sim.diagnosis.selection.unknown_effect import unknown_effects
-from exo_sim.diagnosis.validation.held_out import BalanceError, HeldOutErrors, Worth, _amplitude, _beyond, held_out_errors
+from exo_sim.diagnosis.validation.held_out import _amplitude, _beyond, held_out_errors
+from exo_sim.diagnosis.validation.held_out_errors import BalanceError, HeldOutErrors, HeldOutGain
 from exo_sim.recording.noise import by_chance
 
 SPLIT = Split({"recording": ((0.0, 400.0),)})
@@ -144,7 +145,7 @@ def test_an_error_counts_against_the_fit_and_the_bound() -> None:
     ("gained", "missing", "share"), [(24.0, 24.0, 1.0), (16.0, 24.0, 2.0 / 3.0), (0.2, -0.2, 1.0), (-9.0, 15.0, 0.0), (math.nan, 1.0, 0.0)]
 )
 def test_a_share_is_of_what_is_missing_beyond_the_noise(gained: float, missing: float, share: float) -> None:
-    assert Worth(gained, missing).share == pytest.approx(share)
+    assert HeldOutGain(gained, missing).share == pytest.approx(share)
 
 
 @pytest.mark.parametrize(
@@ -161,8 +162,8 @@ def test_a_share_is_of_what_is_missing_beyond_the_noise(gained: float, missing: 
     ],
 )
 def test_a_small_share_speaks_against_what_time_kept_back_could_show_and_does_not(amplitude: float, error: float, against: bool) -> None:
-    assert Worth(3.0, 100.0, True, amplitude, error).speaks_against is against
-    assert not Worth(3.0, 100.0, False, amplitude, error).speaks_against  # nothing is missing but noise
+    assert HeldOutGain(3.0, 100.0, True, amplitude, error).speaks_against is against
+    assert not HeldOutGain(3.0, 100.0, False, amplitude, error).speaks_against  # nothing is missing but noise
 
 
 @pytest.mark.parametrize("there", [1.0, 0.0, 0.4])

@@ -32,7 +32,7 @@ def nuisance_parameters(
         moves: Whether the piston moves: then the card of its position may be late.
         supplied: Whether the supply's pressure was recorded; without that the set pressure is a nominal number like others, and both
             pressures would seem to have a wrong gain in its place.
-        period: Of the samples [s]: a valve's dead time shorter than that is not told from the filter of a slow logger's card.
+        period: Of the samples [s]: a valve's dead time shorter than that is not distinguished from the filter of a slow logger's card.
     """
     factors = tuple(
         FreeParameter(effect, cylinder, name, "1", Target.FACTOR, 0.1, 0.05, 10.0, (1.0, spread), neutral=1.0)

@@ -1,4 +1,4 @@
-"""What a slow logger leaves unknown of a gas: what the valve was told, and how the piston moved, between two samples.
+"""What a slow logger leaves unknown of a gas: the command of the valve, and the motion of the piston, between two samples.
 
 The contract holds a command until the next sample. A logger that is slower than the control loop takes one of several commands in each of
 its periods: the command between two samples is about their mean, and by how much it was not, nobody recorded. What that does to a predicted
@@ -25,7 +25,7 @@ Array = NDArray[np.float64]
 def sampling_error(given: GasInputs, plant: PlantParameters) -> Array:
     """Return the standard deviation of a predicted pressure for what happened between samples, shape (n, 2) [Pa].
 
-    Nil where commands are what the valve was told.
+    Nil where commands are held until the next sample.
     """
     n = len(given.time)
     if not given.run.sampled:

@@ -1,0 +1,150 @@
+"""Errors on held-out time as records: of every signal and balance, and what each finding gains there."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Collection, Mapping
+from dataclasses import dataclass, field, replace
+from typing import TypeVar
+
+import numpy as np
+
+from exo_sim.diagnosis.data.split import Spans
+from exo_sim.diagnosis.findings import Series, SignalFit, Subsystem
+from exo_sim.diagnosis.policy import validation
+
+Key = TypeVar("Key")
+Value = TypeVar("Value")
+
+
+@dataclass(frozen=True)
+class BalanceError:
+    """The error of one balance on held-out time, in units of the noise.
+
+    Attributes:
+        error: Root mean square there.
+        fitted: What the fit leaves on the training data.
+        bound: Largest error of a healthy machine.
+        log10_odds: That it is more than noise.
+    """
+
+    error: float
+    fitted: float
+    bound: float
+    log10_odds: float
+
+    @property
+    def ratio(self) -> float:
+        """The error in units of what the fit leaves, or of the noise where that is larger; 0 where it is not a number."""
+        return finite(self.error / max(self.fitted, 1.0))
+
+    def exceeds_bound(self, times: float = 1.0) -> bool:
+        """Return whether the error is more than so many times that of any healthy machine."""
+        return self.error > times * self.bound
+
+    def newly_exceeds_bound(self, times: float = 1.0) -> bool:
+        """Return whether it is, while that of the fit is within the bound."""
+        return self.exceeds_bound(times) and self.fitted < self.bound
+
+
+@dataclass(frozen=True)
+class HeldOutGain:
+    """What a finding gains on held-out time.
+
+    Attributes:
+        gained: By how much the sum of squared errors falls with it, in units of the noise.
+        missing: By how much that sum exceeds the noise without it.
+        is_plain: Whether that is more than noise does by chance.
+        amplitude, error: How much of the change that it makes to predictions is there, by least squares, and the standard error of that:
+            1 where the recording shows it as it was found, 0 where not at all.
+    """
+
+    gained: float
+    missing: float
+    is_plain: bool = True
+    amplitude: float = 0.0
+    error: float = 0.0
+
+    @property
+    def speaks_against(self) -> bool:
+        """Whether a small share speaks against it: where more than noise is missing, and the change that it makes is surely not there.
+
+        Beside something larger that is missing as well a true effect explains little, and held-out time may distinguish what was found
+        neither from nothing nor from all of it.
+        """
+        reach = validation.TOLD_APART * self.error
+        undecided = abs(self.amplitude) < reach and abs(self.amplitude - 1.0) < reach
+        return self.is_plain and not undecided and self.amplitude + self.error <= validation.SHOWN
+
+    @property
+    def share(self) -> float:
+        """What it explains of the squared error that is missing beyond the noise without it, 0 to 1."""
+        return min(max(finite(self.gained / max(self.missing, self.gained, 1e-12)), 0.0), 1.0)
+
+
+@dataclass(frozen=True)
+class HeldOutErrors:
+    """Errors on held-out time.
+
+    Attributes:
+        signals: By column, before and after.
+        drops: By `effect@where` (by place for an unknown effect), the share by which the error falls with it.
+        influence: By the keys of `drops`, how much predictions change with it [units of the noise].
+        left: By the keys of `drops`, the error of the time that was fitted when all the rest is fitted without it [units of the noise].
+        where_acting: By the keys of `drops`, the error without it where predictions change with it, in units of the most that noise by
+            itself leaves there but for chance: each row's square is weighed by that of the change; only where predictions change with it
+            by `LEAST_INFLUENCE`.
+        beyond_healthy: By the keys of `where_acting`, how much predictions of the time that was fitted change with it where they change,
+            in units of what the laws of a healthy machine get wrong there; only where anybody knows that.
+        costs: By the keys of `drops`, `influence` as a share of how much the predicted signals vary; 0 for a shared supply: it is measured.
+        balances: By subsystem and name.
+        series: For the report.
+        spans: The held-out time, by recording.
+        worth: By the keys of `drops`, what a finding gains; only where predictions change with it by `LEAST_INFLUENCE` and something
+            beyond the noise is missing without it: else it was not tested.
+    """
+
+    signals: Mapping[str, SignalFit] = field(default_factory=dict)
+    drops: Mapping[str, float] = field(default_factory=dict)
+    influence: Mapping[str, float] = field(default_factory=dict)
+    left: Mapping[str, float] = field(default_factory=dict)
+    where_acting: Mapping[str, float] = field(default_factory=dict)
+    beyond_healthy: Mapping[str, float] = field(default_factory=dict)
+    costs: Mapping[str, float] = field(default_factory=dict)
+    balances: Mapping[tuple[Subsystem, str], BalanceError] = field(default_factory=dict)
+    series: tuple[Series, ...] = ()
+    spans: Spans = field(default_factory=dict)
+    worth: Mapping[str, HeldOutGain] = field(default_factory=dict)
+
+    @property
+    def ratio(self) -> float:
+        """The largest ratio of a balance; infinite where no signal could be compared."""
+        return max((one.ratio for one in self.balances.values()), default=0.0) if self.signals else math.inf
+
+    def updated(self, later: HeldOutErrors, gone: Collection[str]) -> HeldOutErrors:
+        """Return these errors with those of a later look at some subsystems in the place of theirs.
+
+        Args:
+            later: The later ones.
+            gone: Keys of `drops` that are no findings any more.
+        """
+
+        def both(mine: Mapping[Key, Value], theirs: Mapping[Key, Value]) -> dict[Key, Value]:
+            return {key: value for key, value in {**mine, **theirs}.items() if key not in gone}
+
+        seen = {(one.recording, one.signal): one for one in later.series}
+        return replace(
+            self,
+            signals={**self.signals, **later.signals},
+            drops=both(self.drops, later.drops), influence=both(self.influence, later.influence), costs=both(self.costs, later.costs),
+            left=both(self.left, later.left), where_acting=both(self.where_acting, later.where_acting),
+            beyond_healthy=both(self.beyond_healthy, later.beyond_healthy),
+            worth={key: one for key, one in both(self.worth, later.worth).items() if key in later.worth or key not in later.drops},
+            balances={**self.balances, **later.balances},
+            series=tuple(seen.get((one.recording, one.signal), one) for one in self.series),
+        )  # fmt: skip
+
+
+def finite(value: float) -> float:
+    """Return the value, or 0 where it is not a number."""
+    return float(value) if np.isfinite(value) else 0.0

@@ -26,9 +26,9 @@ of its ends, for his motion prescribed. Power is of both devices together.
 AFTER = """
 Published: devices for hip flexion, knee flexion and hip abduction saved more than one for ankle plantarflexion (p < 0.05), and that for hip
 abduction saved most for its peak power. @ORDER@
-The estimate counts what a joint gives and takes, whoever gives it. Theirs counts muscles: a calf works with its tendon, so that the power of
-the ankle costs little and its device saves little; a muscle that swings the leg ahead costs in both joints it spans and where it only holds;
-and frontal moments, which a plane does not know, cost as well. So this estimate must not be used to choose which joint to power: it
+The estimate counts what a joint gives and takes, whoever gives it. Theirs counts muscles: a calf works with its tendon, so that the power
+of the ankle costs little and its device saves little; a muscle that swings the leg ahead costs in both joints it spans and where it only
+holds; and frontal moments, which a plane does not know, cost as well. So this estimate must not be used to choose which joint to power: it
 gives the ankle too much. What it compares on this page are whole machines on hips and knees against the same load carried.
 """
 

@@ -47,7 +47,8 @@ def test_none_costs_more_and_both_directions_save_what_each_does(walk: Walk, loa
     cost = {name: work_balance.compared(assisted(loaded, name).wearer, walk)["metabolic_w"] for name in DEVICES}
     plain = work_balance.compared(loaded, walk)["metabolic_w"]
     assert max(cost.values()) <= plain
-    for joint, ways in (("hip", ("flexion", "extension")), ("knee", ("flexion", "extension")), ("ankle", ("plantarflexion", "dorsiflexion"))):
+    swings = ("flexion", "extension")
+    for joint, ways in (("hip", swings), ("knee", swings), ("ankle", ("plantarflexion", "dorsiflexion"))):
         each = sum(plain - cost[f"{joint} {way}"] for way in ways)
         assert plain - cost[f"{joint}, both ways"] == pytest.approx(each, abs=1e-6)
 

@@ -64,3 +64,14 @@ def contact_scatter(left: Array, speed: Array) -> ContactScatter | None:
     if factors[0] < CONTACT_SCATTER or not (np.diff(middle) > 0.0).all():
         return None
     return ContactScatter(middle, factors)
+
+
+def friction_of_noise(friction: float, speed: Array, noise: Array, creep: float) -> Array:
+    """Return what noise of the velocity leaves of friction that builds up as tanh(v/creep), standard deviation by row, shape (n,).
+
+    Args:
+        friction: Its size [N or N m].
+        speed, noise: Of the rows, and of their velocity [m/s or rad/s], shape (n,).
+        creep: The speed at which it has built up [m/s or rad/s].
+    """
+    return friction / creep / np.cosh(np.minimum(speed / creep, 50.0)) ** 2 * noise

@@ -24,7 +24,7 @@ from exo_sim.diagnosis.findings import Finding, Series, Subsystem
 from exo_sim.diagnosis.nominal_numbers import DRIVE_DELAY
 from exo_sim.diagnosis.policy import healthy, significance
 from exo_sim.diagnosis.subsystem_model import Comparison, SubsystemModel
-from exo_sim.diagnosis.subsystems.motion.contact_scatter import ContactScatter
+from exo_sim.diagnosis.subsystems.motion.contact_scatter import ContactScatter, friction_of_noise
 from exo_sim.diagnosis.subsystems.motion.discrepancy_basis import friction_discrepancy
 from exo_sim.diagnosis.subsystems.motion.experiments import resisted
 from exo_sim.diagnosis.subsystems.motion.full_scale import full_force
@@ -88,7 +88,8 @@ class MotionModel(SubsystemModel):
         if scatter is not None:
             self.scale[: self._set.of_motion] *= scatter.at(self.speed[: self._set.of_motion])
         if creep > 0.0:
-            self.scale = np.hypot(self.scale, self._of_velocity_noise(creep))
+            noise = np.array([run.kinematics.velocity_noise for run in self.runs])[self._set.recording]
+            self.scale = np.hypot(self.scale, friction_of_noise(self.friction, self.speed, noise, creep))
 
     @property
     def speed(self) -> Array:
@@ -159,12 +160,6 @@ class MotionModel(SubsystemModel):
     def creeps(self) -> bool:
         """Whether noise of the velocity makes rows worth plainly less where friction builds up."""
         return bool((self.scale > healthy.SETTLED_SCATTER * self._set.scale).any())
-
-    def _of_velocity_noise(self, creep: float) -> Array:
-        """Return what noise of the velocity leaves of friction that builds up as tanh(v/creep), standard deviation by row [N or N m]."""
-        noise = np.array([run.kinematics.velocity_noise for run in self.runs])[self._set.recording]
-        slope = self.friction / creep / np.cosh(np.minimum(self.speed / creep, 50.0)) ** 2
-        return np.asarray(slope * noise)
 
     def _stiff_contact(self) -> float:
         """Return the stiffness of a dry contact that slides at once, whatever the level of its friction [N/m]."""

@@ -10,7 +10,7 @@ from diagnosis import motion_runs
 from diagnosis.motion_runs import TIME
 
 from exo_sim.diagnosis.data.split import Split, split
-from exo_sim.diagnosis.subsystems.motion.contact_scatter import contact_scatter
+from exo_sim.diagnosis.subsystems.motion.contact_scatter import contact_scatter, friction_of_noise
 from exo_sim.diagnosis.subsystems.motion.model import MotionModel
 
 SPEED = np.geomspace(1e-3, 0.3, 600)
@@ -62,3 +62,9 @@ def test_noise_of_the_velocity_counts_where_friction_builds_up() -> None:
     assert less.scale[np.argmax(model.speed)] == pytest.approx(model.noise, rel=0.01)
     np.testing.assert_allclose(less.residual({}) * less.scale, model.residual({}) * model.scale)
     assert not MotionModel([plain], motion_runs.plant(), Split({})).with_contact(None, creep).creeps
+
+
+def test_noise_of_the_velocity_moves_friction_by_the_slope_at_which_it_builds_up() -> None:
+    speed, step = np.array([0.0, 1e-3, 2e-3, 0.5]), 1e-7
+    slope = 30.0 * (np.tanh((speed + step) / 2e-3) - np.tanh((speed - step) / 2e-3)) / (2.0 * step)
+    assert friction_of_noise(30.0, speed, np.full(4, 1e-4), 2e-3) == pytest.approx(1e-4 * slope, rel=1e-5, abs=1e-12)

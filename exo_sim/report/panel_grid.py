@@ -8,7 +8,7 @@ from __future__ import annotations
 import math
 from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, Literal
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -47,14 +47,17 @@ def grid_of_panels(figure: Figure, rows: int, columns: int, room: Room, width_ra
 
 
 
-def with_legend(figure: Figure, room: Room, handles: Sequence[Any], words: Sequence[str], columns: int, place: str, size: float) -> None:
+def with_legend(
+    figure: Figure, room: Room, handles: Sequence[Any], words: Sequence[str], columns: int, place: Literal["upper center", "upper left"],
+    size: float,
+) -> None:  # fmt: skip
     """Put a legend above the panels of a grid, and make room for its lines.
 
     Args:
         figure, room: With its grid of panels.
         handles, words: What is explained, and how.
         columns: Of the legend.
-        place: "upper center" or "upper left".
+        place: Of the legend.
         size: Of its letters [pt].
     """
     figure.legend(handles, words, loc=place, ncols=columns, fontsize=size, frameon=False, handlelength=1.6, columnspacing=1.4)

@@ -82,7 +82,7 @@ class MotionModel(SubsystemModel):
         self._weigh(scatter, creep)
 
     def _weigh(self, scatter: ContactScatter | None, creep: float) -> None:
-        """Set the standard deviation of each row, by where its contact scatters and how noise of the velocity moves friction that creeps."""
+        """Set the standard deviation of each row: where its contact scatters, and how noise of the velocity moves friction that creeps."""
         self._scatter, self._creep = scatter, creep
         self.blocks, self.scale = self._set.blocks, self._set.scale.copy()
         if scatter is not None:

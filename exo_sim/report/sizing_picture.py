@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from exo_sim.report.panel_grid import Room, grid_of_panels, with_legend
 from exo_sim.sizing.design import fitted
 from exo_sim.sizing.joint_kinds import JointKind
 from exo_sim.sizing.loads import JOINTS, JointLoads
@@ -23,6 +24,7 @@ if TYPE_CHECKING:
 _LOOP = ("#0072b2", "#d55e00", "#009e73", "#cc79a7", "#56b4e9", "#e69f00")
 _STILL, _MOVING, _HUMAN, _INK = "#e8eef4", "#8fa9bf", "#8a8a8a", "#1a1a1a"
 _WIDTH = 9.4
+_ROOM, _BESIDE_BAR = Room(above=0.15), Room(above=0.15, right=0.55)
 
 
 def envelopes(sizing: Sizing) -> str:
@@ -70,7 +72,7 @@ def envelope_figure(sizing: Sizing) -> Figure:
         row[0].set(xlabel=f"{kind.name} angle [deg]", ylabel=f"{kind.name} torque [N m]")
         row[1].set(xlabel=f"{kind.name} speed [deg/s]")
     handles, words = panels[0][0].get_legend_handles_labels()
-    figure.legend(handles, words, loc="outside upper center", ncols=3, fontsize=7.5, frameon=False)
+    with_legend(figure, _ROOM, handles, words, 3, "upper center", 7.5)
     return figure
 
 
@@ -90,7 +92,7 @@ def margins(sizing: Sizing) -> str:
     for panel, kind in zip(panels[0], kinds):
         _margin(panel, sizing, kind, rig)
     handles, words = panels[0][0].get_legend_handles_labels()
-    figure.legend(handles, words, loc="outside upper center", ncols=2, fontsize=7.5, frameon=False)
+    with_legend(figure, _ROOM, handles, words, 2, "upper center", 7.5)
     return _svg(figure)
 
 
@@ -113,7 +115,7 @@ def front(sizing: Sizing) -> str:
 
     Filled: designs that no other betters; grey: others that can be built; ringed: the recommended one; squares: those walked with.
     """
-    figure, panels = _panels(1, 3, 3.0)
+    figure, panels = _panels(1, 3, 3.0, _BESIDE_BAR)
     found, chosen = sizing.outcome.front, sizing.choice.found
     others = [one.score for one in sizing.outcome.trials if one.score.feasible]
     gas = [1e3 * one.score.gas for one in found]
@@ -185,14 +187,14 @@ def loads_of_all_joints(loads: JointLoads) -> str:
     return _svg(figure)
 
 
-def _panels(rows: int, columns: int, height: float) -> tuple[Figure, Any]:
+def _panels(rows: int, columns: int, height: float, room: Room = _ROOM) -> tuple[Figure, Any]:
     import matplotlib
 
     matplotlib.use("agg")
     from matplotlib.figure import Figure as NewFigure
 
-    figure = NewFigure(figsize=(_WIDTH, height * rows), layout="constrained")
-    panels = figure.subplots(rows, columns, squeeze=False)
+    figure = NewFigure(figsize=(_WIDTH, height * rows))
+    panels = grid_of_panels(figure, rows, columns, room)
     for panel in panels.flat:
         panel.spines[["top", "right"]].set_visible(False)
         panel.tick_params(labelsize=8)

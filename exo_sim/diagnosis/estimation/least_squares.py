@@ -143,7 +143,7 @@ def fit(
     for j, q in enumerate(parameters):
         if known_columns is not None and q in known_columns:
             jac[:, j] = known_columns[q]
-    worth = EXACT_FOR if exact_jacobian else RENEWED_FOR
+    renewed_for = EXACT_FOR if exact_jacobian else RENEWED_FOR
     if len(missing) == len(parameters):
         differenced_at = float(r @ r)
     elif missing:
@@ -153,7 +153,7 @@ def fit(
 
     def is_fresh() -> bool:
         """Return whether hardly anything was gained since the Jacobian was differenced."""
-        return abs(differenced_at - float(r @ r)) <= worth * differenced_at < math.inf
+        return abs(differenced_at - float(r @ r)) <= renewed_for * differenced_at < math.inf
 
     for _ in range(max_iterations):
         if is_spent():

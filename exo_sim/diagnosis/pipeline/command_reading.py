@@ -1,4 +1,4 @@
-"""Whether the commands of a slow recording are what its valves were told, or samples of a loop that is quicker than the logger."""
+"""Whether the commands of a slow recording are what its valves received, or samples of a loop that is quicker than the logger."""
 
 from __future__ import annotations
 

@@ -2,7 +2,7 @@
 
 A balance of forces knows a level of dry friction no better than the laws of healthy friction are wrong, and yet in a machine that a
 controller steers that level decides where the piston sticks. So the machine itself is asked: run with the finding and without it, over
-windows of the time kept back.
+windows of the held-out time.
 """
 
 from __future__ import annotations
@@ -39,7 +39,7 @@ def with_what_the_machine_needs(whole: Examination, found: Examination, is_spent
 
 
 def is_needed(without: Examination, with_it: Examination) -> bool:
-    """Return whether windows of the whole machine, in time kept back, are predicted surely and plainly better by the second than the first.
+    """Return whether windows of the whole machine, in held-out time, are predicted surely and plainly better by the second than the first.
 
     Args:
         without: An examination without some finding.

@@ -139,4 +139,4 @@ class Examination:
 
         Not of those for or against which a small share says nothing.
         """
-        return {key: one.share for key, one in self.checked.worth.items() if not is_doubtful(one.share) or one.speaks_against}
+        return {key: one.share for key, one in self.checked.gains.items() if not is_doubtful(one.share) or one.speaks_against}

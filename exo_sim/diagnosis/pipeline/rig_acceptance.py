@@ -1,4 +1,4 @@
-"""The improved rig as far as it wins over the time kept back.
+"""The improved rig as far as it wins over the held-out time.
 
 Numbers that were fitted to a gas under its recorded motion, and to forces under recorded pressures, may be worse where both are predicted:
 a piston that sticks by other friction compresses its gas elsewhere. Whoever uses the rig runs the whole machine.
@@ -104,7 +104,7 @@ def accepted(
 ) -> tuple[Trial, tuple[str, ...]]:
     """Return as much of an update as wins, with its errors, and remarks: what was left out and why, or that nothing could be tried.
 
-    Validation time chooses. That is not all that was kept back, and whoever runs the rig over all of it shall have no worse machine than
+    Validation time chooses. That is not all that was held out, and whoever runs the rig over all of it shall have no worse machine than
     before: what is worse there is cut down until it is not, and then it is said that the reported errors are of time that chose.
 
     Args:

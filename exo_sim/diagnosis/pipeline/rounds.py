@@ -89,30 +89,30 @@ def newly_refuted(examination: Examination) -> Refuted:
     """Return of each balance the least certain of the findings that validation refutes, and why: it may be what spoils the others."""
     if examination.validation is None:
         return {}
-    found, worth = {}, examination.checked.worth
+    found, gains = {}, examination.checked.gains
     for one in examination.results.all:
-        if one.search.unnamed:  # names were found beside it, and it is not known for the time that was kept back
+        if one.search.unnamed:  # names were found beside it, and it is not known for the held-out time
             continue
         useless = []
         for finding in (finding for finding in one.findings if finding.at not in examination.plan.upheld):
             drop = examination.validation.drops.get(finding.key)
             influence = examination.validation.influence.get(finding.key, 0.0)
             together = one.search.weighed_together
-            tested = worth.get(finding.key)
+            tested = gains.get(finding.key)
             plain = tested if tested is not None and tested.is_plain else None
             share, tells = (None, True) if plain is None else (plain.share, plain.speaks_against)
             if drop is not None and influence > policy.LEAST_INFLUENCE and is_refuted(drop, finding.log10_odds, share, together, tells):
                 useless.append((finding.log10_odds, drop, finding.name, finding.where))
-        for _, drop, name, where in sorted(useless)[:1]:  # without it the others may be worth more
+        for _, drop, name, where in sorted(useless)[:1]:  # without it the others may gain more
             says = "does not fall" if drop <= 0.0 else f"falls by no more than {100 * drop:.0f} %"
             found[name, where] = f"on time that no number was fitted to, the error {says} with it"
     return found
 
 
 def missed_without(before: Examination, after: Examination) -> frozenset[tuple[str, str]]:
-    """Return the findings whose refutation left more: what was found in their place explains less of what was fitted and of time kept back.
+    """Return the findings whose refutation left more: what was found in their place explains less of what was fitted and of held-out time.
 
-    A dip of friction that hardly acts in time kept back may be all that makes the others fit: without it they give way to wrong names.
+    A dip of friction that hardly acts in held-out time may be all that makes the others fit: without it they give way to wrong names.
 
     Args:
         before: An examination of which findings were refuted.
@@ -161,7 +161,7 @@ def without_small(examination: Examination) -> Examination:
     """Return an examination that holds what is too small to matter beside its findings, not among them."""
     seen = examination.checked
     errors = seen.left, seen.where_acting, seen.beyond_healthy
-    return examination.holding_small(tuple(f for one in examination.results.all for f in too_small(one, *errors, seen.worth)))
+    return examination.holding_small(tuple(f for one in examination.results.all for f in too_small(one, *errors, seen.gains)))
 
 
 def with_test_findings(examination: Examination) -> tuple[Examination, list[Finding]]:

@@ -23,7 +23,7 @@ from exo_sim.diagnosis.selection.fitted_model import (
     is_at_bound,
     is_more_than_healthy,
 )
-from exo_sim.diagnosis.selection.kept_back_gain import gain_in_errors
+from exo_sim.diagnosis.selection.held_out_gain import gain_in_errors
 from exo_sim.diagnosis.selection.model_fits import ModelFits
 from exo_sim.diagnosis.selection.nuisance_calibration import Deviation, deviations, refitted_besides
 from exo_sim.diagnosis.selection.remainder import Remainder, has_bursts
@@ -41,7 +41,7 @@ def decide(name: str, model: Model, fits: ModelFits, search: SearchResult, split
     Args:
         name: What identifies the subsystem among those of its kind.
         model, fits, search: What was searched, and what was found.
-        split: Of the time, its validation time kept back; without one no name stands beside something unknown in a gas.
+        split: Of the time, its validation time held out; without one no name stands beside something unknown in a gas.
     """
     return _Decision(model, fits, _off_bounds(fits, search), split).result(name)
 
@@ -201,7 +201,7 @@ class _Decision(Generic[Model]):
     def _stands_alone(self, candidate: Candidate) -> bool:
         """Return whether a finding is beyond doubt although something else is left.
 
-        Beside all others its odds leave no doubt, and time that was kept back is predicted better with it, block for block. That does not
+        Beside all others its odds leave no doubt, and held-out time is predicted better with it, block for block. That does not
         do for a sensor: what is left of a machine biases zeros, scales and delays first, at all times.
         """
         kept_back = self._kept_back

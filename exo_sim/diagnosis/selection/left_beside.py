@@ -14,8 +14,8 @@ def left_beside(fit: Fit, basis: DiscrepancyBasis, row_variance: float) -> float
     """Return the root mean square residual that is left beside a discrepancy [units of the noise of a row].
 
     With D the columns of the discrepancy, H their prior variances, J and P the fitted numbers' responses and the variances of their
-    priors, and s what a row is worth, it is sqrt(s r'(s I + D H D' + J P J')^(-1) r / n): what neither explains, and what it costs them to
-    explain the rest. The numbers move about where the fit left them. Without a discrepancy it is the residual as it is.
+    priors, and s the variance of a row, it is sqrt(s r'(s I + D H D' + J P J')^(-1) r / n): what neither explains, and what it costs them
+    to explain the rest. The numbers move about where the fit left them. Without a discrepancy it is the residual as it is.
 
     Args:
         fit: Of n rows.

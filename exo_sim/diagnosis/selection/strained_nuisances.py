@@ -87,7 +87,7 @@ def relieved(search: SearchResult, fits: ModelFits, proposals: Proposals, model:
     """Return a search whose strained numbers gave way to effects that explain as much with them held within their data sheets.
 
     Such an effect is accepted against the model with the numbers held, as any other is; it must also leave no more than the strained
-    numbers do, nor in time kept back. Where the numbers by themselves are as probable, the finding says so; where they are more so, or no
+    numbers do, nor in held-out time. Where the numbers by themselves are as probable, the finding says so; where they are more so, or no
     effect does all that, the search stays as it is, but for what they may stand for. So it is where the search found such an effect itself.
 
     Args:
@@ -95,7 +95,7 @@ def relieved(search: SearchResult, fits: ModelFits, proposals: Proposals, model:
         fits: The fits of that search.
         proposals: Its candidates.
         model: The subsystem.
-        split: Of the time, its validation time kept back.
+        split: Of the time, its validation time held out.
 
     Returns:
         The search, and the fits that its final model belongs to.
@@ -205,7 +205,7 @@ def _sorted(rivals: Iterable[tuple[Candidate, float]]) -> tuple[tuple[Candidate,
 
 
 def _explains_as_well(one: FittedModel, other: FittedModel, model: Model, kept_back: SubsystemModel | None) -> bool:
-    """Return whether a model leaves no more than another in the time that was fitted and in time kept back, but for what is too little
+    """Return whether a model leaves no more than another in the time that was fitted and in held-out time, but for what is too little
     to matter.
     """
     slack = model.practical_significance

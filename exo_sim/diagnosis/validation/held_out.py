@@ -36,7 +36,7 @@ def held_out_errors(
     """
     signals: dict[str, SignalFit] = {}
     drops: dict[str, float] = {}
-    worth: dict[str, HeldOutGain] = {}
+    gains: dict[str, HeldOutGain] = {}
     influence: dict[str, float] = {}
     left: dict[str, float] = {}
     where_acting: dict[str, float] = {}
@@ -81,11 +81,11 @@ def held_out_errors(
                 independent = other.size / max(correlation_time(other, model.blocks), 1.0)
                 gained, missing = other.size * (lacking**2 - with_it**2), other.size * (lacking**2 - 1.0)
                 there = _amplitude(named, other - named, model.blocks)
-                worth[key] = HeldOutGain(gained, missing, lacking**2 > by_chance(independent), *there)
+                gains[key] = HeldOutGain(gained, missing, lacking**2 > by_chance(independent), *there)
         if effect is not None:
             drops[one.where] = _drop_with_unknown(model, one, error, own)
             costs[one.where] = rms(model.residual_of(one.final_plant)) * _noise_share(one, compared)
-    return HeldOutErrors(signals, drops, influence, left, where_acting, beyond_healthy, costs, balances, tuple(series), split.test, worth)
+    return HeldOutErrors(signals, drops, influence, left, where_acting, beyond_healthy, costs, balances, tuple(series), split.test, gains)
 
 
 def _amplitude(named: Array, change: Array, blocks: NDArray[np.int64]) -> tuple[float, float]:

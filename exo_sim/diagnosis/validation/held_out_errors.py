@@ -100,7 +100,7 @@ class HeldOutErrors:
         balances: By subsystem and name.
         series: For the report.
         spans: The held-out time, by recording.
-        worth: By the keys of `drops`, what a finding gains; only where predictions change with it by `LEAST_INFLUENCE` and something
+        gains: By the keys of `drops`, what a finding gains; only where predictions change with it by `LEAST_INFLUENCE` and something
             beyond the noise is missing without it: else it was not tested.
     """
 
@@ -114,7 +114,7 @@ class HeldOutErrors:
     balances: Mapping[tuple[Subsystem, str], BalanceError] = field(default_factory=dict)
     series: tuple[Series, ...] = ()
     spans: Spans = field(default_factory=dict)
-    worth: Mapping[str, HeldOutGain] = field(default_factory=dict)
+    gains: Mapping[str, HeldOutGain] = field(default_factory=dict)
 
     @property
     def ratio(self) -> float:
@@ -139,7 +139,7 @@ class HeldOutErrors:
             drops=both(self.drops, later.drops), influence=both(self.influence, later.influence), costs=both(self.costs, later.costs),
             left=both(self.left, later.left), where_acting=both(self.where_acting, later.where_acting),
             beyond_healthy=both(self.beyond_healthy, later.beyond_healthy),
-            worth={key: one for key, one in both(self.worth, later.worth).items() if key in later.worth or key not in later.drops},
+            gains={key: one for key, one in both(self.gains, later.gains).items() if key in later.gains or key not in later.drops},
             balances={**self.balances, **later.balances},
             series=tuple(seen.get((one.recording, one.signal), one) for one in self.series),
         )  # fmt: skip

@@ -116,11 +116,11 @@ def test_a_refuted_effect_is_not_sought_again(monkeypatch: pytest.MonkeyPatch, d
 
 def test_an_effect_that_explains_most_of_what_is_missing_is_not_refuted(monkeypatch: pytest.MonkeyPatch, data: MachineData) -> None:
     worth = {"piston_leakage@piston": HeldOutGain(80.0, 100.0), "return_spring@piston": HeldOutGain(4.0, 100.0)}
-    end, plans = stable(monkeypatch, data, [(LEAK, SPRING), (LEAK,)], errors({LEAK: 0.14, SPRING: 0.02}, worth=worth))
+    end, plans = stable(monkeypatch, data, [(LEAK, SPRING), (LEAK,)], errors({LEAK: 0.14, SPRING: 0.02}, gains=worth))
     assert [set(plan.refuted) for plan in plans] == [set(), {SPRING}]
     assert names(end) == ["piston_leakage"]
     chance = {"piston_leakage@piston": HeldOutGain(2.0, 2.0, is_plain=False)}  # all of what is missing, and that is what noise does
-    end, _ = stable(monkeypatch, data, [(LEAK,), ()], errors({LEAK: 0.02}, worth=chance))
+    end, _ = stable(monkeypatch, data, [(LEAK,), ()], errors({LEAK: 0.02}, gains=chance))
     assert names(end) == []
 
 
@@ -236,11 +236,11 @@ def test_what_an_unmeasured_chamber_may_do_is_an_open_question(data: MachineData
 
 def test_names_that_explain_little_of_the_validation_time_are_put_aside_and_it_is_said_why(data: MachineData) -> None:
     worth = {"piston_leakage@piston": HeldOutGain(60.0, 100.0), "return_spring@piston": HeldOutGain(3.0, 100.0)}
-    found = rounds.without_doubtful(examination(data, Plan(Split({})), gas_of(data, LEAK, SPRING), errors(worth=worth)))
+    found = rounds.without_doubtful(examination(data, Plan(Split({})), gas_of(data, LEAK, SPRING), errors(gains=worth)))
     assert [finding.name for finding in found.results.gas[0].findings] == ["piston_leakage"]
     assert list(found.plan.refuted) == [SPRING] and "explains 3 %" in found.plan.refuted[SPRING]
     undecided = {key: replace(one, amplitude=0.5, error=0.7) for key, one in worth.items()}
-    kept = rounds.without_doubtful(examination(data, Plan(Split({})), gas_of(data, LEAK, SPRING), errors(worth=undecided)))
+    kept = rounds.without_doubtful(examination(data, Plan(Split({})), gas_of(data, LEAK, SPRING), errors(gains=undecided)))
     assert [finding.name for finding in kept.results.gas[0].findings] == ["piston_leakage", "return_spring"]
     assert set(kept.shares) == {"piston_leakage@piston"}
     untested = examination(data, Plan(Split({})), gas_of(data, SPRING), errors(), errors())
@@ -251,10 +251,10 @@ def test_a_name_is_judged_by_validation_time_and_never_by_the_test(data: Machine
     """The errors that are reported would say less than they seem to if anything were chosen by them."""
     poor, rich = ({"piston_leakage@piston": HeldOutGain(gained, 100.0)} for gained in (10.0, 60.0))
     for validation, test, share in ((rich, poor, 0.6), (poor, rich, 0.1)):
-        one = examination(data, Plan(Split({})), gas_of(data, LEAK), errors(worth=validation), errors(worth=test))
+        one = examination(data, Plan(Split({})), gas_of(data, LEAK), errors(gains=validation), errors(gains=test))
         assert one.shares == {"piston_leakage@piston": pytest.approx(share)}
         assert bool(names(rounds.without_doubtful(one))) is (share > 0.14)
-    assert examination(data, Plan(Split({})), gas_of(data, LEAK), None, errors(worth=rich)).shares == {}
+    assert examination(data, Plan(Split({})), gas_of(data, LEAK), None, errors(gains=rich)).shares == {}
 
 
 def test_what_is_too_small_to_matter_is_held_beside_the_findings(data: MachineData) -> None:

@@ -75,7 +75,7 @@ def test_a_change_is_held_against_what_healthy_laws_get_wrong_where_it_is() -> N
 def test_each_of_two_findings_is_worth_what_is_lost_without_it() -> None:
     errors = held_out_errors([result(waves.Waves(slow=3.0, quicker=0.6), waves.BASE, waves.OTHER)], (), SPLIT)
     assert errors.drops["base@piston"] > 0.5 > errors.drops["other@piston"] > 0.03
-    assert all(one.share > 0.6 for one in errors.worth.values())  # little of the error, but of what is missing nearly all
+    assert all(one.share > 0.6 for one in errors.gains.values())  # little of the error, but of what is missing nearly all
 
 
 def test_what_changes_only_what_is_within_the_noise_is_not_tested() -> None:
@@ -84,9 +84,9 @@ def test_what_changes_only_what_is_within_the_noise_is_not_tested() -> None:
             return 0.3 * super().residual_of(plant)
 
     found = result(waves.Waves(slow=3.0), waves.BASE)
-    (at,) = held_out_errors([found], (), SPLIT).worth
+    (at,) = held_out_errors([found], (), SPLIT).gains
     quiet = held_out_errors([replace(found, model=Quiet(slow=3.0))], (), SPLIT)
-    assert quiet.influence[at] > LEAST_INFLUENCE and quiet.worth == {}
+    assert quiet.influence[at] > LEAST_INFLUENCE and quiet.gains == {}
 
 
 def test_a_later_look_takes_the_place_of_the_first_and_what_was_put_aside_goes() -> None:
@@ -94,13 +94,13 @@ def test_a_later_look_takes_the_place_of_the_first_and_what_was_put_aside_goes()
     first = held_out_errors([whole], (), SPLIT)
     later = held_out_errors([without_findings(whole, {waves.OTHER.at})], (), SPLIT)
     both = first.updated(later, ["other@piston"])
-    assert set(both.drops) == set(both.worth) == set(both.influence) == set(both.costs) == {"base@piston"}
+    assert set(both.drops) == set(both.gains) == set(both.influence) == set(both.costs) == {"base@piston"}
     assert set(both.left) == set(both.where_acting) == {"base@piston"}
     assert both.left == later.left != first.left
     assert both.signals == later.signals and both.balances == later.balances and both.series == later.series
     assert both.signals["piston.pressure_1"].after > first.signals["piston.pressure_1"].after
     nothing = first.updated(HeldOutErrors(), [])
-    assert nothing.drops == first.drops and nothing.worth == first.worth and nothing.series == first.series
+    assert nothing.drops == first.drops and nothing.gains == first.gains and nothing.series == first.series
 
 
 def test_an_unknown_effect_that_no_curve_describes_lowers_nothing() -> None:
@@ -125,7 +125,7 @@ def test_a_curve_for_what_has_no_name_is_not_to_a_name_s_credit() -> None:
     plain = held_out_errors([stands], (), SPLIT)
     curved = held_out_errors([stands], unknown_effects([stands]), SPLIT)
     assert curved.balances[Subsystem.GAS, "piston"].error < 0.5 * plain.balances[Subsystem.GAS, "piston"].error
-    assert curved.worth == plain.worth and curved.drops["base@piston"] == plain.drops["base@piston"]
+    assert curved.gains == plain.gains and curved.drops["base@piston"] == plain.drops["base@piston"]
 
 
 def test_where_nothing_was_compared_the_ratio_is_infinite() -> None:

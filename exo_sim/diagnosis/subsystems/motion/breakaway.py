@@ -38,7 +38,7 @@ class SlidingLine:
 
 
 def sliding_line(model: MotionModel) -> SlidingLine:
-    """Return the line of a model's rows, each weighed by what its force is worth where friction acts."""
+    """Return the line of a model's rows, each weighed by the standard deviation of its force where friction acts."""
     friction, direction, weight = model.friction_of_rows(), np.sign(model.velocity), model.lever / model.scale
     columns = [np.ones(model.size), model.speed]
     if min(np.count_nonzero(direction > 0.0), np.count_nonzero(direction < 0.0)) >= healthy.FEWEST_FOR_FUNCTIONS:

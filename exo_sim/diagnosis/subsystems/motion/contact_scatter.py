@@ -1,4 +1,4 @@
-"""How much less a balance of forces is worth where a contact hardly slides.
+"""How much less a row of a balance of forces weighs where a contact hardly slides.
 
 At a few millimetres a second dry friction depends on what no position sensor resolves: how far bristles are bent, how a film builds up,
 which of the two directions the last tenth of a millimetre went. What is left there by every law that is known is scatter of the contact,

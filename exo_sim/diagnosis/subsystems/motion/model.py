@@ -82,7 +82,7 @@ class MotionModel(SubsystemModel):
         self._weigh(scatter, creep)
 
     def _weigh(self, scatter: ContactScatter | None, creep: float) -> None:
-        """Set what each row is worth, by where its contact scatters and how noise of the velocity moves friction that creeps."""
+        """Set the standard deviation of each row: where its contact scatters, and how noise of the velocity moves friction that creeps."""
         self._scatter, self._creep = scatter, creep
         self.blocks, self.scale = self._set.blocks, self._set.scale.copy()
         if scatter is not None:
@@ -107,14 +107,14 @@ class MotionModel(SubsystemModel):
         return 0.0 if self._scatter is None else self._scatter.settles_at()
 
     def with_contact(self, scatter: ContactScatter | None, creep: float = 0.0) -> MotionModel:
-        """Return the model with rows that are worth less where the contact scatters, or where friction turns with little speed.
+        """Return the model with rows of less weight where the contact scatters, or where friction turns with little speed.
 
         Args:
             scatter, creep: As of the model.
         """
         if scatter is None and creep <= 0.0:
             return self
-        other = copy(self)  # what was predicted of rows stays so, whatever they are worth
+        other = copy(self)  # what was predicted of rows stays so, whatever their weight
         other._weigh(scatter, creep)
         return other
 
@@ -158,7 +158,7 @@ class MotionModel(SubsystemModel):
 
     @property
     def creeps(self) -> bool:
-        """Whether noise of the velocity makes rows worth plainly less where friction builds up."""
+        """Whether noise of the velocity takes plainly from the weight of rows where friction builds up."""
         return bool((self.scale > healthy.SETTLED_SCATTER * self._set.scale).any())
 
     def _stiff_contact(self) -> float:

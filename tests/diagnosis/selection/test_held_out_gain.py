@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 from diagnosis import waves
 
-from exo_sim.diagnosis.selection.kept_back_gain import gain_in_errors
+from exo_sim.diagnosis.selection.held_out_gain import gain_in_errors
 
 ROWS = waves.Waves()
 NOISE = np.random.default_rng(3).standard_normal(ROWS.size)

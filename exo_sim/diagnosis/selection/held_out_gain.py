@@ -1,4 +1,4 @@
-"""What an effect is worth in time that no number was fitted to, block by block."""
+"""What an effect gains on held-out time, block by block."""
 
 from __future__ import annotations
 

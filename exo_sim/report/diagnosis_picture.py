@@ -13,7 +13,6 @@ from numpy.typing import NDArray
 from exo_sim.diagnosis.findings import Finding, Located, Series
 from exo_sim.diagnosis.result import Diagnosis
 from exo_sim.report import amounts
-from exo_sim.report.panel_grid import Room, grid_of_panels, with_legend
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -31,8 +30,6 @@ LEAST_SHOWN = 0.1
 NEAR, MOST_POINTS = 1.5, 450
 #: Recordings that are drawn; the rest is in comparison.rrd.
 MOST_RECORDINGS, MOST_SIGNALS = 2, 6
-#: Above the panels stands the name of a signal.
-_ROOM = Room(above=0.3)
 _STYLE: dict[Any, Any] = {
     "svg.hashsalt": "exo-sim",
     "svg.fonttype": "path",
@@ -68,7 +65,7 @@ def overview(diagnosis: Diagnosis, recording: str, signals: Sequence[Series]) ->
     places = [place for place in diagnosis.located if place.recording in ("", recording)]
 
     def draw(figure: Figure) -> None:
-        rows = grid_of_panels(figure, len(signals), 2, _ROOM, width_ratios=(1.55, 1.0))
+        rows = figure.subplots(len(signals), 2, squeeze=False, width_ratios=(1.55, 1.0))
         for row, series in zip(rows, signals):
             _error_over_time(row[0], series, [p for p in places if concerns(p, series.signal)], held_out)
             _from_near(row[1], series, held_out)
@@ -92,7 +89,7 @@ def curve(finding: Finding) -> str:
     along, scale = amounts.shown_in("Pa", 1e5) if variable.startswith("pressure") else ("s" if variable == "time" else "SI", 1.0)
 
     def draw(figure: Figure) -> None:
-        axes = grid_of_panels(figure, 1, 1, Room())[0][0]
+        axes = figure.subplots()
         axes.fill_between(at / scale, (values - band) / size, (values + band) / size, color=AFTER, alpha=0.2, linewidth=0.0)
         axes.plot(at / scale, values / size, color=AFTER, marker="o", markersize=3.0)
         axes.axhline(0.0, color=NOISE, linewidth=0.8)
@@ -226,7 +223,7 @@ def _legend(figure: Figure, held_out: bool, located: bool) -> None:
         handles.append(Patch(color=LOCATED, label="located here"))
     if held_out:
         handles.append(Patch(color=HELD_OUT, label="held out: no part in fitting"))
-    with_legend(figure, _ROOM, handles, [one.get_label() for one in handles], len(handles), "upper left", 9.0)
+    figure.legend(handles=handles, loc="outside upper left", ncols=len(handles), frameon=False, handlelength=1.6, columnspacing=1.4)
 
 
 def _svg(size: tuple[float, float], draw: Any) -> str:
@@ -235,7 +232,7 @@ def _svg(size: tuple[float, float], draw: Any) -> str:
     from matplotlib.figure import Figure
 
     with rc_context(_STYLE):
-        figure = Figure(figsize=size)
+        figure = Figure(figsize=size, layout="constrained")
         draw(figure)
         buffer = io.StringIO()
         figure.savefig(buffer, format="svg", metadata={"Date": None, "Creator": None})

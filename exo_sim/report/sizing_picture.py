@@ -8,7 +8,6 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from exo_sim.report.panel_grid import Room, grid_of_panels, with_legend
 from exo_sim.sizing.design import fitted
 from exo_sim.sizing.joint_kinds import JointKind
 from exo_sim.sizing.loads import JOINTS, JointLoads
@@ -24,7 +23,6 @@ if TYPE_CHECKING:
 _LOOP = ("#0072b2", "#d55e00", "#009e73", "#cc79a7", "#56b4e9", "#e69f00")
 _STILL, _MOVING, _HUMAN, _INK = "#e8eef4", "#8fa9bf", "#8a8a8a", "#1a1a1a"
 _WIDTH = 9.4
-_ROOM, _BESIDE_BAR = Room(above=0.15), Room(above=0.15, right=0.55)
 
 
 def envelopes(sizing: Sizing) -> str:
@@ -72,7 +70,7 @@ def envelope_figure(sizing: Sizing) -> Figure:
         row[0].set(xlabel=f"{kind.name} angle [deg]", ylabel=f"{kind.name} torque [N m]")
         row[1].set(xlabel=f"{kind.name} speed [deg/s]")
     handles, words = panels[0][0].get_legend_handles_labels()
-    with_legend(figure, _ROOM, handles, words, 3, "upper center", 7.5)
+    figure.legend(handles, words, loc="outside upper center", ncols=3, fontsize=7.5, frameon=False)
     return figure
 
 
@@ -92,7 +90,7 @@ def margins(sizing: Sizing) -> str:
     for panel, kind in zip(panels[0], kinds):
         _margin(panel, sizing, kind, rig)
     handles, words = panels[0][0].get_legend_handles_labels()
-    with_legend(figure, _ROOM, handles, words, 2, "upper center", 7.5)
+    figure.legend(handles, words, loc="outside upper center", ncols=2, fontsize=7.5, frameon=False)
     return _svg(figure)
 
 
@@ -115,7 +113,7 @@ def front(sizing: Sizing) -> str:
 
     Filled: designs that no other betters; grey: others that can be built; ringed: the recommended one; squares: those walked with.
     """
-    figure, panels = _panels(1, 3, 3.0, _BESIDE_BAR)
+    figure, panels = _panels(1, 3, 3.0)
     found, chosen = sizing.outcome.front, sizing.choice.found
     others = [one.score for one in sizing.outcome.trials if one.score.feasible]
     gas = [1e3 * one.score.gas for one in found]
@@ -187,14 +185,14 @@ def loads_of_all_joints(loads: JointLoads) -> str:
     return _svg(figure)
 
 
-def _panels(rows: int, columns: int, height: float, room: Room = _ROOM) -> tuple[Figure, Any]:
+def _panels(rows: int, columns: int, height: float) -> tuple[Figure, Any]:
     import matplotlib
 
     matplotlib.use("agg")
     from matplotlib.figure import Figure as NewFigure
 
-    figure = NewFigure(figsize=(_WIDTH, height * rows))
-    panels = grid_of_panels(figure, rows, columns, room)
+    figure = NewFigure(figsize=(_WIDTH, height * rows), layout="constrained")
+    panels = figure.subplots(rows, columns, squeeze=False)
     for panel in panels.flat:
         panel.spines[["top", "right"]].set_visible(False)
         panel.tick_params(labelsize=8)

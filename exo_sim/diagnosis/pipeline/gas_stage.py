@@ -24,7 +24,7 @@ from exo_sim.diagnosis.estimation.threads import SERIAL, Threads
 from exo_sim.diagnosis.estimation.uncertainty import HALF_WIDTH, standard_errors
 from exo_sim.diagnosis.pipeline.command_reading import as_sampled, read_as_sampled
 from exo_sim.diagnosis.pipeline.plan import Plan, Progress
-from exo_sim.diagnosis.policy.budgets import FEW_SAMPLES, FORCES_UNTIL, GAS_UNTIL, LEAST_LATER, MOST_EFFORT
+from exo_sim.diagnosis.policy.budgets import FELT_TOLERANCE, FEW_SAMPLES, FORCES_UNTIL, GAS_UNTIL, LEAST_LATER, MOST_EFFORT
 from exo_sim.diagnosis.policy.priors import INITIAL_WARMTH, ROOM_WARM
 from exo_sim.diagnosis.policy.recordings import FEWEST_ROWS, HELD_AT_FIRST, HELD_IN_THE_END, REVERSED
 from exo_sim.diagnosis.policy.verdicts import UNKNOWN_VARIANCE
@@ -38,9 +38,6 @@ from exo_sim.diagnosis.subsystems.gas.initial_temperature import initial_tempera
 from exo_sim.diagnosis.subsystems.gas.model import GasModel
 from exo_sim.diagnosis.subsystems.gas.nuisances import healthy_walls, known_effects, nuisance_parameters, with_measured_supply
 from exo_sim.rig import assembly
-
-#: The fit that asks whether the gas is as warm as the room ends where a step gains less than this share: nothing but that is taken of it.
-FELT_TOLERANCE = 0.01
 
 _ENDED = "the search of its gas ended after the most predictions that are made; what it found until then is the answer"
 

@@ -83,10 +83,7 @@ class Trial:
     def is_surely_better_begun_anew(self) -> bool:
         """Whether runs from several measured states are surely better, over their signals together, by Student's distribution."""
         logs = [_mean(own) for own in (_logs(fits, self.spreads) for fits in self.starts) if own]
-        if len(logs) < FEWEST_STARTS:
-            return False
-        error = float(np.std(logs, ddof=1)) / math.sqrt(len(logs))
-        return _mean(logs) + float(stdtrit(len(logs) - 1, SURELY_STRAYS)) * error < 0.0
+        return len(logs) >= FEWEST_STARTS and _mean(logs) + _reach(logs) < 0.0
 
     @property
     def hurts(self) -> bool:
@@ -150,9 +147,7 @@ def straying_further(runs: Sequence[Fits]) -> tuple[str, ...]:
         logs = _paired(runs, column)
         if len(logs) < FEWEST_STARTS:
             continue
-        error = float(np.std(logs, ddof=1)) / math.sqrt(len(logs))
-        least = _mean(logs) - float(stdtrit(len(logs) - 1, SURELY_STRAYS)) * error
-        if max(logs) >= DIVERGED or least > math.log1p(SIGNAL_WORSE):
+        if max(logs) >= DIVERGED or _mean(logs) - _reach(logs) > math.log1p(SIGNAL_WORSE):
             found.append(column)
     return tuple(found)
 
@@ -218,6 +213,11 @@ def _paired(runs: Sequence[Fits], column: str) -> list[float]:
             floor = max(fit.noise, 1e-300)
             logs.append(math.log(max(fit.after, floor) / max(fit.before, floor)) if math.isfinite(fit.after) else float(DIVERGED))
     return logs
+
+
+def _reach(logs: Sequence[float]) -> float:
+    """Return how far the mean of few runs may be off, by Student's distribution; of two at least."""
+    return float(stdtrit(len(logs) - 1, SURELY_STRAYS)) * float(np.std(logs, ddof=1)) / math.sqrt(len(logs))
 
 
 def _mean(logs: Sequence[float]) -> float:

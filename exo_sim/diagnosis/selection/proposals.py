@@ -13,7 +13,7 @@ from exo_sim.diagnosis.selection.evidence import could_any_be_accepted, could_be
 from exo_sim.diagnosis.selection.fitted_model import FittedModel, SetKey, key_of
 from exo_sim.diagnosis.selection.model_fits import ModelFits
 from exo_sim.diagnosis.selection.score_test import Signatures, scores
-from exo_sim.diagnosis.selection.shape_scan import best_shape
+from exo_sim.diagnosis.selection.shape_scan import best_shapes
 from exo_sim.physics.declaration import declared
 
 
@@ -62,9 +62,9 @@ class Proposals:
 
     def shaped(self, now: FittedModel) -> list[FittedModel]:
         """Return models with one more candidate whose answer is not in proportion, each where a fit of it is worth beginning."""
-        asked = [one for one in self.candidates if one.shapes and one.at not in now.named and now.meets_prerequisite(one)]
-        begun = (best_shape(self.fits.model, now, one, self.fits.threads, self.fits.is_spent) for one in asked)
-        return [model for drop, model in filter(None, begun) if self.promise_enough(drop, now)]
+        asked = [one for one in self.candidates if one.at not in now.named and now.meets_prerequisite(one)]
+        begun = best_shapes(self.fits.model, now, asked, self.fits.threads, self.fits.is_spent)
+        return [model for drop, model in begun if self.promise_enough(drop, now)]
 
     def alternatives(self, now: FittedModel, count: int = FINALISTS) -> list[Candidate]:
         """Return the best scored candidates beside what a model has, whatever they promise."""

@@ -8,6 +8,7 @@ is left then is compared: the variable projection of Golub and Pereyra (1973, do
 from __future__ import annotations
 
 import math
+from collections.abc import Iterable
 from dataclasses import replace
 
 import numpy as np
@@ -18,6 +19,14 @@ from exo_sim.diagnosis.estimation.parameters import FreeParameter
 from exo_sim.diagnosis.estimation.threads import SERIAL, Threads
 from exo_sim.diagnosis.selection.cleared import Cleared
 from exo_sim.diagnosis.selection.fitted_model import FittedModel, LeastSquaresModel
+
+
+def best_shapes(
+    model: LeastSquaresModel, now: FittedModel, candidates: Iterable[Candidate], threads: Threads = SERIAL, is_spent: IsSpent = never
+) -> list[tuple[float, FittedModel]]:
+    """Return, of the candidates with shapes that promise a drop, that drop and where a fit begins; arguments as of `best_shape`."""
+    found = (best_shape(model, now, one, threads, is_spent) for one in candidates if one.shapes)
+    return [one for one in found if one is not None]
 
 
 def best_shape(

@@ -28,7 +28,7 @@ from exo_sim.diagnosis.selection.comparisons import Comparisons
 from exo_sim.diagnosis.selection.fitted_model import FittedModel, SearchResult, is_at_bound, is_more_than_healthy
 from exo_sim.diagnosis.selection.model_fits import ModelFits
 from exo_sim.diagnosis.selection.proposals import Proposals
-from exo_sim.diagnosis.selection.shape_scan import best_shape
+from exo_sim.diagnosis.selection.shape_scan import best_shapes
 from exo_sim.diagnosis.subsystem_model import SubsystemModel
 from exo_sim.physics.declaration import declared
 
@@ -64,8 +64,9 @@ def strained(model: FittedModel, errors: Mapping[FreeParameter, float], limits: 
     return tuple(q for q in own if q in beyond)
 
 
-def _shared_out(own: Sequence[FreeParameter], values: Mapping[FreeParameter, float], errors: Mapping[FreeParameter, float],
-                limits: Limits) -> list[FreeParameter]:  # fmt: skip
+def _shared_out(
+    own: Sequence[FreeParameter], values: Mapping[FreeParameter, float], errors: Mapping[FreeParameter, float], limits: Limits
+) -> list[FreeParameter]:
     """Return the parts of quantities that are together surely more than a healthy machine shows: what is uncertain of all parts counts."""
     found: list[FreeParameter] = []
     for at, limit in limits.items():
@@ -107,7 +108,8 @@ def relieved(search: SearchResult, fits: ModelFits, proposals: Proposals, model:
             break
         effect = pressed[0].effect
         asked_already.add(effect)
-        search, fits = _relieved_of(tuple(q for q in pressed if q.effect == effect), search, fits, proposals, model, split)
+        together = tuple(q for q in pressed if q.effect == effect)
+        search, fits = _relieved_of(together, search, fits, proposals, model, split, limits)
     comparisons = Comparisons(fits, search.baseline, len(proposals.candidates), model.practical_significance)
     return (search if search.interrupted or fits.is_spent() else _with_numbers_as_rivals(search, fits, comparisons)), fits
 
@@ -131,13 +133,14 @@ def absorbers(pressed: Sequence[FreeParameter], now: FittedModel, candidates: Se
 
 
 def _relieved_of(
-    pressed: tuple[FreeParameter, ...], search: SearchResult, fits: ModelFits, proposals: Proposals, model: Model, split: Split
-) -> tuple[SearchResult, ModelFits]:
+    pressed: tuple[FreeParameter, ...], search: SearchResult, fits: ModelFits, proposals: Proposals, model: Model, split: Split,
+    limits: Limits,
+) -> tuple[SearchResult, ModelFits]:  # fmt: skip
     final = search.final
     asked = absorbers(pressed, final, proposals.candidates)
     if not asked:
         return search, fits
-    within = _within(pressed, final.fit.values, healthy_limits(proposals.candidates))
+    within = _within(pressed, final.fit.values, limits)
     bounded = ModelFits(fits.model, [within.get(q, q) for q in fits.nuisances], fits.threads, fits.cheap, fits.is_spent)
     near = _of_parameters(final, within)
     own = _own(pressed, final, asked)
@@ -176,8 +179,8 @@ def _begun_at_shapes(asked: Sequence[Candidate], held: FittedModel, bounded: Mod
 
     With the numbers free the shape hardly shows: they took what it explains.
     """
-    begun = (best_shape(bounded.model, held, c, bounded.threads, bounded.is_spent) for c in asked if c.shapes)
-    return bounded.fit_all([(one.candidates, one) for _, one in filter(None, begun)], again=True)
+    begun = best_shapes(bounded.model, held, asked, bounded.threads, bounded.is_spent)
+    return bounded.fit_all([(one.candidates, one) for _, one in begun], again=True)
 
 
 def _with_numbers_as_rivals(search: SearchResult, fits: ModelFits, comparisons: Comparisons) -> SearchResult:

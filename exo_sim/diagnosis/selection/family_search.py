@@ -21,7 +21,7 @@ from exo_sim.diagnosis.selection.evidence import Evidence
 from exo_sim.diagnosis.selection.family_rivals import equivalents, equivalents_of, rivals, runners_up
 from exo_sim.diagnosis.selection.finalist_fits import FinalistFits, predicting_best
 from exo_sim.diagnosis.selection.fitted_model import FittedModel, SearchResult, is_more_than_healthy
-from exo_sim.diagnosis.selection.law_forms import fitted_forms, plainest, weighed_as_fitted
+from exo_sim.diagnosis.selection.law_forms import as_fitted, fitted_forms, plainest, weighed_as_fitted
 from exo_sim.diagnosis.selection.laws import errors_about, reach_of_laws
 from exo_sim.diagnosis.selection.marginal_fit import MarginalFits
 from exo_sim.diagnosis.selection.model_fits import ModelFits
@@ -82,11 +82,17 @@ class FamilySearch:
         )  # fmt: skip
         final = plainest(forms)
         laws = weighed_as_fitted(laws, forms, final, self.fits.standard_errors)
+        if found.names_suffice:  # the subset had a part of them without a name, and its numbers are of the rest
+            laws = [as_fitted(final, self.fits.standard_errors(final))]
         plain = self.fits.refined(self.fits.fit(final.candidates, final))
         final = predicting_best(final, plain, errors_about(final, laws))
         if final.candidates and comparisons.is_clean(baseline) and not evidence.is_decisive(final, baseline, best.spreads):
             final, plain = baseline, baseline
-        taking |= richer_beside(final.candidates, probable, values)
+        both = FittedModel.at({**values, **final.fit.values})
+        richer = richer_beside(
+            final, probable, lambda chosen: beside.fit(chosen, both, refined=True), lambda one: evidence.log_evidence(one, best.spreads)
+        )
+        taking |= {key: [*taking.get(key, []), *those] for key, those in richer.items()}
         gone = [c for c in probable if c not in final.candidates and not c.is_law]
         passed_over = [c for c in gone if probabilities.get(c.at, 0.0) > verdicts.PROBABLE]
         kept = {candidate.key for candidate in final.candidates}
@@ -102,7 +108,7 @@ class FamilySearch:
             probabilities=probabilities | self._of_poorer(final, best, alike, probabilities),
             errors=errors_about(final, laws),
             reach=reach_of_laws(final, laws),
-            unnamed=unnamed(self.weighing, self.basis, best, finalists, posterior),
+            unnamed=() if found.names_suffice else unnamed(self.weighing, self.basis, best, finalists, posterior),
             least_left=plain.fit.sse,
             undecided=tuple(c for c in passed_over if self._is_strained_without(c, probable, plain)),
             weighed_together=True,

@@ -8,6 +8,7 @@ import pytest
 
 from exo_sim.diagnosis.estimation.candidate import Candidate
 from exo_sim.diagnosis.estimation.parameters import FreeParameter, Target
+from exo_sim.diagnosis.selection.fitted_model import FittedModel
 from exo_sim.diagnosis.selection.simpler_forms import (
     no_richer_than_needed,
     poorer_where_alike,
@@ -50,8 +51,15 @@ def test_a_fit_with_the_poorer_form_begins_at_the_mean_of_both() -> None:
     assert sizes_of_poorer([PLAIN], [PLAIN], {FORCE: 41.0}) == {}
 
 
-@pytest.mark.parametrize(("backward", "open_"), [(22.0, True), (56.0, False)])
-def test_a_fit_that_ends_with_one_number_is_held_against_what_was_weighed(backward: float, open_: bool) -> None:
-    found = richer_beside([PLAIN], [APART], {FORWARD: 57.0, BACKWARD: backward})
-    assert found == ({PLAIN.key: [(APART, 0.0)]} if open_ else {})
-    assert richer_beside([APART], [APART], {FORWARD: 57.0, BACKWARD: 22.0}) == {}
+@pytest.mark.parametrize(("backward", "beside"), [(22.0, [(APART, -2.0)]), (56.0, [])])
+def test_the_richer_form_stands_beside_the_poorer_where_fitted_it_is_two(backward: float, beside: list[tuple[Candidate, float]]) -> None:
+    def fit(candidates: tuple[Candidate, ...]) -> FittedModel:
+        assert candidates == (APART,)
+        return FittedModel.at({FORWARD: 57.0, BACKWARD: backward}, candidates)
+
+    def log_evidence(model: FittedModel) -> float:
+        return 7.0 if model.candidates == (APART,) else 5.0
+
+    final = FittedModel.at({FORCE: 40.0}, (PLAIN,))
+    assert richer_beside(final, [APART], fit, log_evidence).get(PLAIN.key, []) == beside
+    assert richer_beside(FittedModel.at({}, (APART,)), [APART], fit, log_evidence) == {}

@@ -86,6 +86,8 @@ class FamilySearch:
             laws = [as_fitted(final, self.fits.standard_errors(final))]
         plain = self.fits.refined(self.fits.fit(final.candidates, final))
         final = predicting_best(final, plain, errors_about(final, laws))
+        if straining := self._straining(final, comparisons):
+            final = plain = self.fits.refined(self.fits.fit(drop_orphans([c for c in final.candidates if c not in straining]), final))
         if final.candidates and comparisons.is_clean(baseline) and not evidence.is_decisive(final, baseline, best.spreads):
             final, plain = baseline, baseline
         both = FittedModel.at({**values, **final.fit.values})
@@ -137,6 +139,18 @@ class FamilySearch:
             if all(c.kind is Kind.UNKNOWN or is_more_than_healthy(c, model) for c in model.candidates):
                 return [one, *(other for other in finalists if other is not one)]
         return finalists
+
+    def _straining(self, final: FittedModel, comparisons: Comparisons) -> list[Candidate]:
+        """Return the effects that explain no more than noise, and that only beside nuisance parameters plainly further off than without.
+
+        Friction of two directions and a spring's rest that is off pull against each other: what they do together is less than either.
+        """
+        found = []
+        for candidate in (c for c in final.candidates if not c.is_law):
+            without = self.fits.fit(drop_orphans(final.without(candidate)), final)
+            if comparisons.is_clean(without) and final.fit.penalty - without.fit.penalty > HELD_WITHIN**2:
+                found.append(candidate)
+        return found
 
     def _is_strained_without(self, candidate: Candidate, probable: Sequence[Candidate], final: FittedModel) -> bool:
         """Return whether nuisance parameters stand in for an effect of the best subset: without it they are plainly further off."""

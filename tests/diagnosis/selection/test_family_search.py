@@ -58,6 +58,19 @@ def test_what_comes_on_top_needs_its_base_or_a_richer_form_of_it() -> None:
     assert searched(both, *terms).final.named == {waves.BASE.at, waves.ON_TOP.at}
 
 
+@pytest.mark.parametrize(("size", "spread", "named"), [(0.6, 1.0, False), (0.6, 5.0, True), (1.4, 2.0, True)])
+def test_what_is_below_the_noise_and_pulls_nuisance_parameters_off_is_no_finding(size: float, spread: float, named: bool) -> None:
+    """The name does what is left of a quick wave together with a nuisance parameter that undoes the rest of it."""
+    model = waves.Waves(shapes={**TWINS, "rest": size * np.sin(waves.AT / 7.0)}, rest=1.0)
+    nuisance = waves.parameter("known", "one", prior=(0.0, spread), low=-100.0)
+    name = waves.candidate("name", "two")
+    target = -model.residual({})
+    linear = Linearisation(None, {}, target, spread * model.shapes["one"][:, None], (waves.term(model, name),))
+    fits = ModelFits(model, (replace(nuisance, high=100.0),), cheap=True)
+    found = FamilySearch(fits, LinearFamily(fits.nuisances, (linear,)), joined([], target.size)).run()
+    assert bool(found.final.candidates) is named
+
+
 @pytest.mark.parametrize(("quicker", "unnamed"), [(0.0, ()), (4.0, ("position",))])
 def test_what_names_do_where_they_are_fitted_is_not_said_to_lack_a_name(quicker: float, unnamed: tuple[str, ...]) -> None:
     """The name was linearised where its wave has another phase: what that leaves looks like a curve, until the name is fitted."""

@@ -9,10 +9,11 @@ from dataclasses import replace
 from exo_sim.diagnosis.discrepancy.basis import DiscrepancyBasis
 from exo_sim.diagnosis.estimation.candidate import Candidate
 from exo_sim.diagnosis.estimation.parameters import FreeParameter
-from exo_sim.diagnosis.policy import acceptance, verdicts
+from exo_sim.diagnosis.policy import verdicts
 from exo_sim.diagnosis.policy.verdicts import NIL
 from exo_sim.diagnosis.selection.fitted_evidence import FittedEvidence
 from exo_sim.diagnosis.selection.fitted_model import FittedModel, exceeds_healthy_limit
+from exo_sim.diagnosis.selection.left_by_names import leave_nothing
 from exo_sim.diagnosis.selection.linear_evidence import Spreads
 from exo_sim.diagnosis.selection.marginal_fit import MarginalFits
 from exo_sim.diagnosis.selection.model_fits import ModelFits
@@ -60,12 +61,11 @@ class FinalistFits:
         of place beside its own name; fitted as it acts the name leaves nothing to the curve.
         """
         alone = self.fits.fit(found.model.candidates, found.model)
-        spreads = self.evidence.spreads_of(alone, self._widened(found.weighed, found.weighed.spreads))
-        for _, term in nonparametric_terms(self.weighing.terms(found.weighed)):
-            kind = self.basis.names.index(term.candidate.form)
-            if spreads.amplitudes[kind] > acceptance.CERTAIN * self.basis.healthy[kind]:
-                return found
-        again = self._beside(found.weighed, spreads, found.model.candidates, alone)
+        terms = tuple(term for _, term in nonparametric_terms(self.weighing.terms(found.weighed)))
+        whole, is_spent = self.weighing.family.whole, self.fits.is_spent
+        if not leave_nothing(alone.fit, terms, self.basis, self.fits.model.blocks, whole, is_spent):
+            return found
+        again = self._beside(found.weighed, self.evidence.spreads_of(alone, found.weighed.spreads), found.model.candidates, alone)
         return replace(again, names_suffice=again.model.candidates == found.model.candidates)
 
     def _widened(self, one: Weighed, spreads: Spreads) -> Spreads:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass
 
 from exo_sim.diagnosis.estimation.candidate import Candidate, CandidateKey
 from exo_sim.diagnosis.estimation.parameters import FreeParameter
@@ -77,11 +78,26 @@ def sizes_of_poorer(
     return begun
 
 
+@dataclass(frozen=True)
+class RicherForm:
+    """A richer form that stands beside the poorer one that a search ended with.
+
+    Attributes:
+        candidate: It.
+        worse: By how much its log-evidence is lower.
+        numbers: Of the poorer one's parameters: the least and the greatest of its own numbers that each takes the place of.
+    """
+
+    candidate: Candidate
+    worse: float
+    numbers: Mapping[FreeParameter, tuple[float, float]]
+
+
 def richer_beside(
     final: FittedModel, weighed: Sequence[Candidate], fit: Callable[[tuple[Candidate, ...]], FittedModel],
     log_evidence: Callable[[FittedModel], float],
-) -> dict[CandidateKey, list[tuple[Candidate, float]]]:  # fmt: skip
-    """Return, for each poorer form that a search ended with, the richer one that was weighed, and by how much its log-evidence is lower.
+) -> dict[CandidateKey, RicherForm]:  # fmt: skip
+    """Return, for each poorer form that a search ended with, the richer one that was weighed.
 
     Subsets are weighed along lines, over a grid of shapes. The richer form is fitted as it acts: where what it tells apart is then alike
     it is the poorer one in other words, and nothing stands beside that.
@@ -92,12 +108,41 @@ def richer_beside(
         fit: Fits candidates.
         log_evidence: Of a fitted model, parameters paid for.
     """
-    found: dict[CandidateKey, list[tuple[Candidate, float]]] = {}
+    found: dict[CandidateKey, RicherForm] = {}
     for poorer in (c for c in final.candidates if c not in weighed):
         for richer in (c for c in weighed if poorer.effect in poorer_than(c.effect)):
             fitted = fit(tuple(richer if c is poorer else c for c in final.candidates))
             if not _is_alike(richer, poorer.effect, fitted.fit.values):
-                found.setdefault(poorer.key, []).append((richer, log_evidence(final) - log_evidence(fitted)))
+                worse = log_evidence(fit(final.candidates)) - log_evidence(fitted)
+                found[poorer.key] = RicherForm(richer, worse, _numbers_of(richer, poorer, fitted.fit.values))
+    return found
+
+
+def rivals_of_either(
+    richer: Mapping[CandidateKey, RicherForm], rivals: Mapping[CandidateKey, Sequence[tuple[Candidate, float]]]
+) -> dict[CandidateKey, list[tuple[Candidate, float]]]:
+    """Return rivals, those of a poorer form with the richer one beside it among them, and with what may stand in that one's place.
+
+    Args:
+        richer: By the key of the poorer form.
+        rivals: What may stand in the place of each effect that was weighed, and by how much its log-likelihood is lower.
+    """
+    found = {key: list(those) for key, those in rivals.items()}
+    for key, form in richer.items():
+        others = [(c, worse) for c, worse in rivals.get(form.candidate.key, ()) if c.key != key]
+        found[key] = [*found.get(key, []), (form.candidate, form.worse), *others]
+    return found
+
+
+def _numbers_of(
+    richer: Candidate, poorer: Candidate, values: Mapping[FreeParameter, float]
+) -> dict[FreeParameter, tuple[float, float]]:
+    """Return the least and the greatest number of a richer form in the place of each of a poorer one's."""
+    shares, found = poorer_than(richer.effect)[poorer.effect], {}
+    for q in poorer.parameters:
+        own = [values[p] for p in richer.parameters if (p.parameter, q.parameter) in shares]
+        if own:
+            found[q] = min(own), max(own)
     return found
 
 

@@ -97,10 +97,11 @@ def _amplitude(named: Array, change: Array, blocks: NDArray[np.int64]) -> tuple[
         blocks: Block of each row, shape (n,).
     """
     with np.errstate(over="ignore", invalid="ignore"):
-        power = float(change @ change)
-        along = named * change
-        error = math.sqrt(float(along @ along) * correlation_time(along, blocks)) / max(power, 1e-300)
-        found = 1.0 + float(along.sum()) / max(power, 1e-300)
+        power = max(float(change @ change), 1e-300)
+        lacking = float(named @ change) / power
+        along = (named - lacking * change) * change  # of what that much of it leaves: a change that is not there is no scatter
+        error = math.sqrt(float(along @ along) * correlation_time(along, blocks)) / power
+        found = 1.0 + lacking
     return (found, error) if math.isfinite(found) and math.isfinite(error) else (0.0, 0.0)
 
 

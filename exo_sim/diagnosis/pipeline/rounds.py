@@ -97,11 +97,9 @@ def newly_refuted(examination: Examination) -> Refuted:
         for finding in (finding for finding in one.findings if finding.at not in examination.plan.upheld):
             drop = examination.validation.drops.get(finding.key)
             influence = examination.validation.influence.get(finding.key, 0.0)
-            together = one.search.weighed_together
-            tested = gains.get(finding.key)
-            plain = tested if tested is not None and tested.is_plain else None
-            share, tells = (None, True) if plain is None else (plain.share, plain.speaks_against)
-            if drop is not None and influence > policy.LEAST_INFLUENCE and is_refuted(drop, finding.log10_odds, share, together, tells):
+            if drop is None or influence <= policy.LEAST_INFLUENCE:
+                continue
+            if is_refuted(drop, finding.log10_odds, gains.get(finding.key), one.search.weighed_together):
                 useless.append((finding.log10_odds, drop, finding.name, finding.where))
         for _, drop, name, where in sorted(useless)[:1]:  # without it the others may gain more
             says = "does not fall" if drop <= 0.0 else f"falls by no more than {100 * drop:.0f} %"
@@ -161,7 +159,7 @@ def without_small(examination: Examination) -> Examination:
     """Return an examination that holds what is too small to matter beside its findings, not among them."""
     seen = examination.checked
     errors = seen.left, seen.where_acting, seen.beyond_healthy
-    return examination.holding_small(tuple(f for one in examination.results.all for f in too_small(one, *errors, seen.gains)))
+    return examination.holding_small(tuple(f for one in examination.results.all for f in too_small(one, *errors, seen.tested)))
 
 
 def with_test_findings(examination: Examination) -> tuple[Examination, list[Finding]]:

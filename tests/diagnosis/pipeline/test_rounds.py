@@ -24,12 +24,13 @@ from exo_sim.diagnosis.pipeline import rounds
 from exo_sim.diagnosis.pipeline.plan import Examination, Plan, Results
 from exo_sim.diagnosis.policy.validation import LACKING_RATIO
 from exo_sim.diagnosis.selection.fitted_model import FittedModel, SearchResult
+from exo_sim.diagnosis.selection.held_out_gain import HeldOutGain
 from exo_sim.diagnosis.selection.model_fits import ModelFits
 from exo_sim.diagnosis.selection.subsystem_result import SubsystemResult
 from exo_sim.diagnosis.subsystems.gas.model import GasModel
 from exo_sim.diagnosis.subsystems.motion.model import MotionModel
 from exo_sim.diagnosis.subsystems.motion.motion_runs import motion_runs
-from exo_sim.diagnosis.validation.held_out_errors import BalanceError, HeldOutErrors, HeldOutGain
+from exo_sim.diagnosis.validation.held_out_errors import BalanceError, HeldOutErrors
 from exo_sim.diagnosis.validation.long_run import Straying
 from exo_sim.machine.linkage import linkages
 from exo_sim.machine.rig_model import load

@@ -18,7 +18,7 @@ from exo_sim.outputs import check_writable
 from exo_sim.recording import table as table_of
 
 if TYPE_CHECKING:
-    from exo_sim.gait.scenario import Scenario
+    from exo_sim.gait.scenario_record import Scenario
 
 
 def simulate(

@@ -18,7 +18,7 @@ from exo_sim.diagnosis.estimation.budget import IsSpent, never
 from exo_sim.diagnosis.estimation.candidate import Candidate, drop_orphans
 from exo_sim.diagnosis.estimation.correlation import correlation_time
 from exo_sim.diagnosis.estimation.effort import Allowance, Effort
-from exo_sim.diagnosis.estimation.least_squares import Fit, fit
+from exo_sim.diagnosis.estimation.least_squares import Derivatives, Fit, fit
 from exo_sim.diagnosis.estimation.parameters import FreeParameter, PlantParameters
 from exo_sim.diagnosis.estimation.threads import SERIAL, Threads
 from exo_sim.diagnosis.estimation.uncertainty import HALF_WIDTH, standard_errors
@@ -237,7 +237,7 @@ def felt_temperatures(model: GasModel, near: Fit, threads: Threads = SERIAL, is_
     free = tuple({q.key: q for q in (*near.parameters, *walls, *asked)}.values())
     start = {q: near.values.get(q, q.start or (q.scale if q in walls else 0.0)) for q in free}
     known = near.columns if set(walls) <= set(near.parameters) else None  # beside walls the same numbers act otherwise
-    found = fit(model.residual, free, start, threads, tolerance=FELT_TOLERANCE, known_columns=known, is_spent=is_spent)
+    found = fit(model.residual, free, start, threads, tolerance=FELT_TOLERANCE, derivatives=Derivatives(known), is_spent=is_spent)
     errors = standard_errors(model, found, correlation_time(found.residual, model.blocks))
     return () if all(_is_of_the_room(found.values[q], errors[q]) for q in asked) else asked
 

@@ -22,13 +22,13 @@ from exo_sim.errors import ModelError, RigError
 from exo_sim.rig import Rig, parse
 from exo_sim.simulation.replay import WINDOW
 
-_CUT = "improved.toml leaves out what predicts time kept back worse: {}"
+_CUT = "improved.toml leaves out what predicts held-out time worse: {}"
 _REFUSED = "improved.toml holds less than what was found: a rig with all of it is refused, {}"
-_UNPROVED = "improved.toml was not put to the test: nothing of the time kept back can be predicted, or the recordings are too long"
-_BY_ALL = "improved.toml was cut down by all of the time kept back, for part of that was predicted worse: its errors there are no test"
+_UNPROVED = "improved.toml was not put to the test: nothing of the held-out time can be predicted, or the recordings are too long"
+_BY_ALL = "improved.toml was cut down by all of the held-out time, for part of that was predicted worse: its errors there are no test"
 _BY_CHANCE = (
-    "{} strays further with improved.toml in the one run from the beginning, by chance: in runs from {} measured states of the time kept "
-    "back it is missed by {:.2g} of the error of the rig handed in"
+    "{} strays further with improved.toml in the one run from the beginning, by chance: in runs from {} measured states of held-out "
+    "time it is missed by {:.2g} of the error of the rig handed in"
 )
 
 

@@ -197,13 +197,13 @@ def _in_the_test(examination: Examination, one: SubsystemResult[SubsystemModel])
         return ""
     often = f"{test.ratio:.0f} times as much as in the rest" if ratio else "by more than any healthy machine's is"
     what = "something acts there that the rest never met" if ratio else "what holds of the rest does not hold there"
-    return f"In the time kept back the {one.model.balance} of {one.where} is missed {often}: {what}; record more of it."
+    return f"In held-out time the {one.model.balance} of {one.where} is missed {often}: {what}; record more of it."
 
 
 def _adds_up(one: SubsystemResult[SubsystemModel], strayed: Straying) -> str:
     """Return that something adds up which windows do not show, in words."""
     return (
-        f"Run from its first measured state the {one.model.balance} of {one.where} strays over the time kept back by "
+        f"Run from its first measured state the {one.model.balance} of {one.where} strays over held-out time by "
         f"{strayed.error:.0f} times the noise; losses of a healthy machine and uncertain numbers explain {strayed.explained:.0f}. "
         "Something slow acts that has no name and that windows do not show; record a long hold with every path closed."
     )

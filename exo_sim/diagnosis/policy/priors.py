@@ -39,7 +39,7 @@ CARD_SKEW = Number(1e-3, "s", "delay of forces behind the position: filters and 
 MASS = Number(0.05, "share", "mass that a joint moves")
 INERTIA = Number(0.05, "share", "inertia of a joint")
 ANGLE_ZERO = Number(0.01, "rad or m", "zero of a position sensor, as far as gravity feels it")
-DAMPING = Number(0.3, "share", "damping of a joint below what its owner believes: a data sheet knows little of it")
+DAMPING = Number(0.3, "share", "damping of a joint below its nominal value: a data sheet knows little of it")
 SET_PRESSURE = Number(0.02, "share", "set pressure of a regulator")
 FARTHEST_SET_PRESSURE = Number(
     0.08, "share", "a measured supply that differs by more from the rig's is another supply: an input, not a sagging one"

@@ -129,6 +129,15 @@ def test_without_an_effect_that_explains_as_much_everything_stays_as_it_is(model
     assert relieved(search, fits, proposals, model, KEPT) == (search, fits)
 
 
+def test_a_hose_that_rings_is_begun_beside_numbers_that_are_held_at_the_shape_that_leaves_least() -> None:
+    model = waves.Ringing(6.0, 20.4)
+    fits = ModelFits(model, (VOLUME,))
+    alone, proposals = fits.refined(fits.fit((), FittedModel.at({VOLUME: 6.0}))), Proposals(fits, (waves.RINGS,), 0.0)
+    found, _ = relieved(SearchResult(alone, alone), fits, proposals, model, KEPT)
+    assert found.final.fit.values[waves.RATE] == pytest.approx(20.4, abs=0.1)
+    assert found.final.fit.values[waves.SIZE] == pytest.approx(6.0, abs=0.5)
+
+
 @pytest.mark.parametrize("form", ["any form", "valve_lag.slow"], ids=["of another form", "of these very numbers"])
 def test_more_than_healthy_parts_show_is_asked_as_the_effect_itself(form: str) -> None:
     lag = replace(waves.parameter("valve_lag", "slow", prior=(0.0, 1.0)), low=0.0, high=3.0)

@@ -13,7 +13,7 @@ Where a balance of forces has hardly any rows but those of the end (a piston tha
 A refutation is taken back where more is missed without what it refuted, of the time that was fitted and of validation time.
 
 No round is repeated: the first revision happens once for every set of refuted effects, the second at most `MOST_REFUTATIONS` times for
-a division of time, the third once.
+a division of time, the third once. The last of the second takes back whatever is still refuted without searching anew.
 """
 
 from __future__ import annotations
@@ -70,7 +70,7 @@ def examine_until_stable(data: MachineData, threads: Threads, report: Progress, 
             plan = replace(plan, refuted={**plan.refuted, **refuted}, friction=None, refutations=refutations)
             if refutations < MOST_REFUTATIONS and not budget.is_spent():
                 continue
-            found = _without_refuted(replace(found, plan=plan))
+            found = _without_all_refuted(replace(found, plan=plan))
         stable.append(found)
         if len(stable) > 1 or found.validation_ratio <= policy.LACKING_RATIO or budget.is_spent():
             break
@@ -122,6 +122,17 @@ def missed_without(before: Examination, after: Examination) -> frozenset[tuple[s
         if was is not None and now is not None and now.fitted > was.fitted and now.error > (1.0 + policy.MOST_RISE) * was.error:
             found |= gone & {finding.at for finding in one.findings}
     return frozenset(found)
+
+
+def _without_all_refuted(examination: Examination) -> Examination:
+    """Return an examination without the findings that were refuted, nor those that are still refuted beside the rest.
+
+    No round is left in which what spoils others would come out last.
+    """
+    found = _without_refuted(examination)
+    while refuted := newly_refuted(found):
+        found = _without_refuted(replace(found, plan=replace(found.plan, refuted={**found.plan.refuted, **refuted})))
+    return found
 
 
 def _without_refuted(examination: Examination) -> Examination:

@@ -122,12 +122,18 @@ STARTS = Count(
     "of 18 positions, all better on the fresh one, the one run called three worse (1.14, 1.16, 1.32), the four moments none. Those runs "
     "went on to the end of the recording; that each now ends where the next begins was not measured",
 )  # fmt: skip
-SURELY_STRAYS = Number(
-    0.95, "probability",
-    "so surely runs from several states miss a signal by more with an improved rig, or it does not count as straying; and so surely they "
-    "miss all signals by less, or one run from the beginning that misses them by more speaks against it",
-    "derived: of rigs that are equally good one in twenty is called straying, in lognormal errors of four runs 4.6 %; with one standard "
-    "error of five runs that all end together it was 39 %",
+STRAYS_BY_CHANCE = Number(
+    0.05, "probability",
+    "so few rigs that are equally good are said to stray, over all signals together, each of which has an equal part of it",
+    "derived. Lognormal errors of four runs: 4 % of one signal, 5 % of six or thirteen; with the whole of it for each signal it was 25 % "
+    "and 46 %, and with one standard error of five runs that all end together 39 % of one",
+)  # fmt: skip
+BETTER_BY_CHANCE = Number(
+    0.05, "probability",
+    "so few searches for what to write call a rig surely better from several states, over all signals together, that is equally good: half "
+    "of it is for all that was found, which is tried first, the rest in equal parts for what is tried after it. Then one run from the "
+    "beginning that misses them by more does not speak against it, nor is that said of a signal",
+    "derived. Lognormal errors of four runs: 3 % with twelve rigs; with the whole of it for each rig some rig passed in 35 % with eight",
 )  # fmt: skip
 FEWEST_STARTS = Count(3, "runs", "from different measured states say how far the errors of another such run may differ")
 MOST_WORSE = Number(

@@ -14,7 +14,7 @@ from exo_sim.diagnosis.estimation.correlation import correlation_time
 from exo_sim.diagnosis.estimation.least_squares import Derivatives, Fit, Residual, fit
 from exo_sim.diagnosis.estimation.parameters import FreeParameter
 from exo_sim.diagnosis.estimation.threads import SERIAL, Threads
-from exo_sim.diagnosis.estimation.uncertainty import standard_errors
+from exo_sim.diagnosis.estimation.uncertainty import error_of_sum, standard_errors
 from exo_sim.diagnosis.policy import acceptance
 from exo_sim.diagnosis.policy.budgets import CHEAP_STARTS, FIRST_LOOK, LAW_STARTS, MOST_STEPS, WORTH_A_LOOK
 from exo_sim.diagnosis.selection.evidence import negative_log_likelihood
@@ -281,6 +281,10 @@ class ModelFits:
     def standard_errors(self, fitted: FittedModel) -> dict[FreeParameter, float]:
         """Return the standard error of every parameter of a fitted model, in its unit."""
         return standard_errors(self.model, fitted.fit, self.correlation_time(fitted.fit.residual))
+
+    def error_of_sum(self, fitted: FittedModel, weights: Mapping[FreeParameter, float]) -> float:
+        """Return the standard error of a weighted sum of parameters of a fitted model; infinite where one of them was not fitted."""
+        return error_of_sum(self.model, fitted.fit, self.correlation_time(fitted.fit.residual), weights)
 
     def effective_sample_size(self, models: Sequence[FittedModel]) -> float:
         """Return the number of independent rows in the residual of the best of these models."""

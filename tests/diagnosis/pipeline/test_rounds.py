@@ -161,6 +161,46 @@ def test_in_the_last_round_refuted_effects_are_taken_back(monkeypatch: pytest.Mo
     assert len(end.plan.refuted) == rounds.MOST_REFUTATIONS
 
 
+def test_in_the_last_round_all_that_is_still_refuted_is_taken_back(monkeypatch: pytest.MonkeyPatch, data: MachineData) -> None:
+    """Feeble names that come out one a round do not shelter the one that spoils most."""
+    feeble = [(f"effect_{i}", "piston") for i in range(rounds.MOST_REFUTATIONS + 2)]
+
+    def examine(data: MachineData, plan: Plan, *rest: Any) -> Examination:
+        found = gas_of(data, *(at for at in (*feeble, SPRING, LEAK) if at not in plan.refuted))
+        certain = tuple(replace(one, log10_odds=24.0) if one.at == SPRING else one for one in found.findings)
+        drops = {**dict.fromkeys(feeble, 0.01), SPRING: -0.9, LEAK: 0.6}
+        return examination(data, plan, replace(found, findings=certain), errors(drops))
+
+    monkeypatch.setattr(rounds, "examine", examine)
+    monkeypatch.setattr(rounds, "validated", lambda found: found)
+    end = rounds.examine_until_stable(data, SERIAL, print)
+    assert names(end) == ["piston_leakage"] and set(end.plan.refuted) == {*feeble, SPRING}
+    assert "does not fall" in end.plan.refuted[SPRING]
+
+
+def test_the_least_certain_is_refuted_first_whatever_it_spoils(data: MachineData) -> None:
+    found = gas_of(data, LEAK, SPRING)
+    odd = replace(found, findings=tuple(replace(f, log10_odds=20.0 if f.at == LEAK else 5.0) for f in found.findings))
+    assert set(rounds.newly_refuted(examination(data, Plan(Split({})), odd, errors({LEAK: -0.9, SPRING: 0.0})))) == {SPRING}
+
+
+@pytest.mark.parametrize(("error", "refuted"), [(1.5, False), (0.1, True)], ids=["nothing is told", "it is surely not there"])
+def test_an_error_that_rises_refutes_great_odds_only_where_the_change_is_surely_not_there(
+    data: MachineData, error: float, refuted: bool
+) -> None:
+    found = gas_of(data, SPRING)
+    great = replace(found, findings=tuple(replace(f, log10_odds=50.0) for f in found.findings))
+    gains = {"return_spring@piston": HeldOutGain(-20.0, 100.0, amplitude=-0.6, error=error)}
+    assert bool(rounds.newly_refuted(examination(data, Plan(Split({})), great, errors({SPRING: -0.5}, gains=gains)))) is refuted
+
+
+def test_what_was_upheld_is_not_put_aside_as_doubtful(data: MachineData) -> None:
+    worth = errors(gains={"return_spring@piston": HeldOutGain(3.0, 100.0)})
+    for upheld, expected in ((frozenset({SPRING}), ["return_spring"]), (frozenset[At](), [])):
+        one = examination(data, Plan(Split({}), upheld=upheld), gas_of(data, SPRING), worth)
+        assert names(rounds.without_doubtful(one)) == expected
+
+
 @pytest.mark.parametrize(
     "validation", [None, errors({}), errors({SPRING: 0.0}, influence=0.1)], ids=["no validation", "not compared", "no influence"]
 )

@@ -27,7 +27,7 @@ FORCE_OF_ZEROS = Number(
     "zeros of pressure sensors, as a constant force that no motion can tell from friction that differs by direction: the spread by which "
     "the two are weighed. How large a zero may be at all is `off_nominal.ZERO_OF_RANGE`",
     "175 zeros of learn makes of whole machines: median 0.6 kPa, root mean square 2.4 kPa. With 3 kPa here X560 has its Coulomb friction "
-    "for an asymmetric one, X11 its dip besides, X6, X555, X547 and X580 the same names; but 16 N against 24 N on 8 cm^2 have none",
+    "for an asymmetric one, X11 its dip besides, X6, X547 and X580 the same names; but 16 N against 24 N on 8 cm^2 have none",
 )  # fmt: skip
 FORCE_UNMEASURED = Number(
     0.02, "share of the inertial force, one standard deviation", "constant force on a joint of which no force was recorded: it swings free",

@@ -120,7 +120,7 @@ class Ringing(Waves):
     """
 
     def __init__(self, size: float, rate: float, **sizes: float):
-        super().__init__(**sizes)
+        super().__init__(1e9, SHAPES, **sizes)
         self._error = self._error - self._rings(size, rate)
 
     def _rings(self, size: float, rate: float) -> Array:

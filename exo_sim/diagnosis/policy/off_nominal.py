@@ -76,7 +76,11 @@ WRONG_AREA = Number(
 )  # fmt: skip
 ZERO_OF_RANGE = Number(
     0.01, "share of the greatest pressure",
-    "zero of an ordinary pressure sensor: friction of two directions that differ by a force this small may be that of one",
-    "data sheets of industrial transmitters state 0.25 to 1 % of range. Make X560: a zero of 5.0 kPa, 0.7 % of its supply, was asymmetric "
-    "friction; own trial: 2.5 N of true asymmetry on a bore of 32 mm are 0.5 %",
+    "zero that an ordinary pressure sensor may have at most: friction of two directions that differ by a force this small may be that of "
+    "one. It is no spread, as `priors.FORCE_OF_ZEROS` is: far from the mean that is a normal distribution's tail, and nobody's knowledge. "
+    "Odds do not count, for they say that there is friction and not which; nor does what the gas says of the zeros, which errors of its "
+    "model move as far (`healthy.ZERO_MODEL`, three of them of two sensors in one force: 5.6 kPa of 6 bar)",
+    "data sheets of industrial transmitters state 0.25 to 1 % of range; of 175 zeros of learn makes of machines the largest is 0.8 %. "
+    "Make X560: a zero of 5.0 kPa, 0.7 % of its supply, was asymmetric friction, and the gas said 0.7 kPa of it with a standard error "
+    "of 1.4; own trial: 2.5 N of true asymmetry on a bore of 32 mm are 0.5 %",
 )  # fmt: skip

@@ -49,7 +49,7 @@ def scale_instead_of_mass(runs: Sequence[MotionRun], parameter: FreeParameter) -
 
 
 def force_of_zeros(drive: Drive) -> float:
-    """Return the constant force that the zero of a pressure sensor may make, by ordinary data sheets [N or N m]; 0 without pressures."""
+    """Return the greatest constant force that the zero of a pressure sensor may make, by data sheets [N or N m]; 0 without pressures."""
     forces = [
         float(np.median(np.abs(drive.levers[column]))) * float(np.max(np.abs(signal)))
         for column, signal in drive.signals.items() if "pressure" in column
@@ -62,7 +62,8 @@ def friction_beside_constant_force(
 ) -> Mapping[tuple[str, str], tuple[str, ...]]:
     """Return by finding the friction that it may be instead, beside a constant force: a force sensor's bias, or what closed the balance.
 
-    Friction of two directions is that of one beside the zero of a pressure sensor, where this may be as large.
+    Friction of two directions is that of one beside the zero of a pressure sensor, where this may be as large: no motion tells the two
+    apart, however great the odds of either.
 
     Args:
         findings: Of a balance.

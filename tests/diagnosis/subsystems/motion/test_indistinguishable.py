@@ -46,7 +46,7 @@ def test_friction_of_two_directions_may_be_that_of_one_beside_the_zero_of_a_pres
     drive = replace(RUN.drive, levers=levers, signals=signals)
     assert force_of_zeros(drive) == pytest.approx(4.8)
     sizes = {name: Estimate(value, "N", 0.0, 20.0) for name, value in (("forward", 13.0), ("backward", backward))}
-    asymmetric = Finding("asymmetric_friction", "piston", Kind.MISSING_PHYSICS, "", sizes, 9.0, 0.0)
+    asymmetric = Finding("asymmetric_friction", "piston", Kind.MISSING_PHYSICS, "", sizes, 200.0, 0.0)  # which are against no friction
     closed = Fit((OFFSET,), {OFFSET: 0.0}, np.zeros(1), np.zeros((1, 1)))
     expected = {("asymmetric_friction", "piston"): ("coulomb_friction",)} if twins else {}
     assert friction_beside_constant_force([asymmetric], closed, [replace(RUN, drive=drive)]) == expected

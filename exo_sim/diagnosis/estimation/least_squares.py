@@ -16,7 +16,9 @@ from exo_sim.diagnosis.estimation.threads import SERIAL, Threads
 
 Array = NDArray[np.float64]
 
-#: A fit whose mean square residual is below this, in units of the noise, is not differenced anew before it ends.
+#: A fit whose mean square residual is below this, in units of the noise, is not differenced anew before it ends. Of 71 fits to four
+#: benches and legs, the pendulum and EMPS it ended 37; of 16 of these that went on from there all the same the cost fell by 3.1 % once (8.5
+#: in -2 log-likelihood, of a leg with a hose), by 0.3 % at most in the others.
 NEAR_NOISE = 2.0
 #: A fit that lowered its squared error by less than this since its Jacobian was differenced is not differenced anew: of 60 fits to
 #: whole machine A those gained 0.1 % by it at most.

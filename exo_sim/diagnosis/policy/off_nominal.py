@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
+from exo_sim.deciding_number import Count, Number
 from exo_sim.diagnosis import nominal_numbers
-from exo_sim.diagnosis.policy.number import Count, Number
 
 SURE = Number(
     3.0, "standard errors, or prior standard deviations", "a number so far from its nominal value is off",

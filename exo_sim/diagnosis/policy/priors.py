@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from exo_sim.diagnosis.policy.number import Number
+from exo_sim.deciding_number import Number
 
 PREVALENCE = Number(0.1, "share of machines", "that have an effect which does not say itself how common it is")
 UNNAMED = Number(0.03, "share of machines", "whose friction depends on place or time by more than every machine's does")

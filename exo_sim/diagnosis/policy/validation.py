@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from exo_sim.diagnosis.policy.number import Count, Number
+from exo_sim.deciding_number import Count, Number
 
 HELD_OUT_SHARE = Number(
     0.3, "share of every recording", "no parameter is fitted to it",

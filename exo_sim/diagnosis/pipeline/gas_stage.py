@@ -30,8 +30,8 @@ from exo_sim.diagnosis.policy.recordings import FEWEST_ROWS, HELD_AT_FIRST, HELD
 from exo_sim.diagnosis.policy.verdicts import UNKNOWN_VARIANCE
 from exo_sim.diagnosis.selection.decision import decide
 from exo_sim.diagnosis.selection.fitted_model import FittedModel
+from exo_sim.diagnosis.selection.nuisances_beyond_prior import relieved
 from exo_sim.diagnosis.selection.search import Search, StoppingCriteria, WarmStart
-from exo_sim.diagnosis.selection.strained_nuisances import relieved
 from exo_sim.diagnosis.selection.subsystem_result import SubsystemResult
 from exo_sim.diagnosis.subsystems.gas.candidates import candidates, sample_period
 from exo_sim.diagnosis.subsystems.gas.initial_temperature import initial_temperatures

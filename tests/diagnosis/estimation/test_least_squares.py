@@ -1,4 +1,4 @@
-"""Least squares: finds the minimum, keeps to bounds, and a wrong model does not bend believed numbers."""
+"""Least squares: finds the minimum, keeps to bounds, and a wrong model does not bend nominal numbers."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""The rules by which a finding falls on time kept back: refuted, doubtful, too small."""
+"""The rules by which a finding falls on held-out time: refuted, doubtful, too small."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""What one improved rig is worth on the time kept back."""
+"""What one improved rig is worth on held-out time."""
 
 from __future__ import annotations
 

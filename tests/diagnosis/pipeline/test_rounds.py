@@ -129,7 +129,7 @@ def test_an_effect_that_explains_most_of_what_is_missing_is_not_refuted(monkeypa
     ("fitted", "error", "back"),
     [
         (4.2, 2.0, True),  # what came in its place leaves more of both times
-        (4.2, 1.3, False),  # no more of the time that was kept back
+        (4.2, 1.3, False),  # no more of the held-out time
         (0.7, 2.0, False),  # no more of the time that was fitted
     ],
 )

@@ -17,9 +17,9 @@ from exo_sim.diagnosis.policy.verdicts import AS_GOOD
 from exo_sim.diagnosis.selection.decision import decide
 from exo_sim.diagnosis.selection.fitted_model import FittedModel, SearchResult
 from exo_sim.diagnosis.selection.model_fits import ModelFits
+from exo_sim.diagnosis.selection.nuisances_beyond_prior import _held, absorbers, is_beyond_data_sheet, relieved, strained
 from exo_sim.diagnosis.selection.proposals import Proposals
 from exo_sim.diagnosis.selection.quantity_parts import healthy_limits
-from exo_sim.diagnosis.selection.strained_nuisances import _held, absorbers, is_beyond_data_sheet, relieved, strained
 
 #: One standard deviation of what data sheets leave open of the number.
 OPEN = 1.0
@@ -39,7 +39,7 @@ class Volume(waves.Waves):
 
 
 class Misleading(Volume):
-    """Time kept back that shows nothing of what a hose would do."""
+    """Held-out time that shows nothing of what a hose would do."""
 
     def on_test_time(self, split: Split) -> Volume:
         return Volume(shapes=self.shapes, slow=6.0, quick=-0.6)
@@ -121,7 +121,7 @@ def test_a_hose_that_a_search_found_itself_is_held_against_the_number_as_well() 
         (Volume(shapes=SHAPES, slow=6.0), waves.candidate("line_restriction", "quicker")),  # explains something else
         (Volume(shapes=SHAPES, slow=6.0), waves.candidate("piston_leakage", "same")),  # not declared to be like it
         (Volume(shapes=SHAPES, slow=0.5), waves.candidate("line_restriction", "same")),  # within its data sheet
-        (Misleading(shapes=SHAPES, hose=6.0), HOSE),  # time kept back says no
+        (Misleading(shapes=SHAPES, hose=6.0), HOSE),  # held-out time says no
     ],
 )
 def test_without_an_effect_that_explains_as_much_everything_stays_as_it_is(model: Volume, candidate: Candidate) -> None:

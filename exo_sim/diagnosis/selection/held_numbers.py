@@ -1,7 +1,7 @@
 """Within what bounds a number of the rig is held that a fit moved further than any data sheet allows.
 
 Parts of a quantity are held together: a healthy valve is late by so much, however that is shared between waiting and following. A fit
-has bounds of single numbers alone, so the quantity is shared out in a few ways, and the best of their fits is the model with it held.
+has bounds of single numbers alone, so the quantity is shared out in a few ways, the first nearly as it was.
 """
 
 from __future__ import annotations

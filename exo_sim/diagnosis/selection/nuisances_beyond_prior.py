@@ -135,7 +135,7 @@ def _relieved_of(
     alone = bounded.fit((*final.candidates, own), _at_prior_means(near, within.bounded.values()))
     comparisons = Comparisons(bounded, search.baseline, len(proposals.candidates), model.practical_significance)
     looked = bounded.fit_rivals([((*final.candidates, c), near) for c in asked], alone)
-    looked += _begun_at_shapes(asked, held, bounded)
+    looked += _begun_at_shapes(asked, bounded.fit(final.candidates, near), bounded)
     tried = [bounded.refined(one) for one in looked if one.fit.sse < (1.0 + FAR_FROM_STRAINED) * alone.fit.sse]
     kept_back = model.on_test_time(split.validation_as_test()) if split.validation else None
 
@@ -164,7 +164,11 @@ def _relieved_of(
 def _held(
     pressed: Sequence[FreeParameter], final: FittedModel, fits: ModelFits, limits: Limits
 ) -> tuple[Held, ModelFits, FittedModel, FittedModel]:
-    """Return numbers held in the way that leaves least, the fits with them so, where such a fit begins, and the model itself so."""
+    """Return how numbers are held while effects are asked, the fits with them so, where such a fit begins, and the model with them held.
+
+    Effects are asked beside what is healthy, shared out nearly as it was; the model that they are held against is that of the way that
+    leaves least, for however a quantity is shared it is healthy.
+    """
     known = covariance(final.fit, fits.correlation_time(final.fit.residual))
     at = [final.fit.parameters.index(q) for q in pressed]
     units = np.array([q.slope(final.fit.values[q]) for q in pressed])
@@ -174,10 +178,10 @@ def _held(
         bounded = ModelFits(fits.model, nuisances, fits.threads, fits.cheap, fits.is_spent)
         near = _of_parameters(final, within.bounded)
         tried.append((within, bounded, near, bounded.fit(final.candidates, near)))
-    best = tried[0]
-    for other in tried[1:]:
-        best = other if fits.deficit(other[-1], best[-1]) < 0.0 else best
-    return best
+    least = tried[0][-1]
+    for *_, other in tried[1:]:
+        least = other if fits.deficit(other, least) < 0.0 else least
+    return *tried[0][:-1], least
 
 
 def _begun_at_shapes(asked: Sequence[Candidate], held: FittedModel, bounded: ModelFits) -> list[FittedModel]:

@@ -74,7 +74,7 @@ def question(
         raise ScenarioError(f'valves "{valves}"{nearest(valves, VALVES)}')
     if travel not in TRAVELS:
         raise ScenarioError(f'travel "{travel}"{nearest(travel, TRAVELS)}')
-    machine: Machine = rig_of(rig)
+    machine: Machine = rig_of(Rig.included("exo_250_psi") if rig is None else rig)  # its frame carries no cylinder yet
     masses = [quantity(one, "kg", "payload", low=0.0) for one in _several(payloads)]
     wearers: list[float | None] = [quantity(one, "m", "heights", low=0.5, high=3.0) for one in _several(heights)]
     wearers = wearers or [None]

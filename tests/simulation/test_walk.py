@@ -25,7 +25,7 @@ from exo_sim.simulation.wearer_load import alone, own, wearing, with_machine
 
 @pytest.fixture(scope="module")
 def exo(repository):
-    return rigs.read(repository / "assets" / "exo.toml")
+    return rigs.read(repository / "assets" / "exo_250_psi.toml")
 
 
 @pytest.fixture(scope="module")

@@ -111,7 +111,8 @@ def size(
     """Search bores, rods, strokes, attachment points, valves and supply against the joint loads of what the machine must do.
 
     Args:
-        rig: A path or `exo.Rig` of a worn machine, with what a diagnosis found of it; the one of the package when None.
+        rig: A path or `exo.Rig` of a worn machine, with what a diagnosis found of it; `exo_250_psi`, whose frame carries no cylinder yet,
+            when None.
         motion: For a machine that nobody wears: a recording with the positions of its joints and, where there are any, the forces from
             outside. Then attachment points stay, and scenarios, payloads, speeds, reach, travel, springs, heights, robust,
             valves, tank, jobs and scheduler do not count.

@@ -16,9 +16,11 @@ from exo_sim.control import machine_dynamics
 from exo_sim.control.least_load import LeastLoad
 from exo_sim.control.load_weights import CAUTIOUS, QUICK, SPARING, Weights
 from exo_sim.errors import Diverged
+from exo_sim.kept_solutions import kept
 from exo_sim.machine.worn_model import PAYLOAD_LIMIT, carry
 from exo_sim.simulation.causal_calibration import calibrated
 from exo_sim.simulation.rehearsal import Rehearsals
+from exo_sim.simulation.rehearsed_before import identity
 from exo_sim.simulation.torque_limits import too_weak, torque_limits
 
 if TYPE_CHECKING:
@@ -61,7 +63,14 @@ def rehearsed_demand(it: Simulation, payload: float) -> Demand:
     if request.law == "causal" and request.weights is None:
         weights = replace(weights if it.plans_chambers else QUICK, other_straps=CAUTIOUS)
     otherwise = needed[machine_dynamics.PICK] if request.rehearsals > 1 else None  # one rehearsal cannot say which of two is better
-    plan = LeastLoad(dynamics, it.motion, it.person, it.straps, it.rig.ankle, limits, weights, otherwise)
+
+    def planned() -> LeastLoad:
+        return LeastLoad(dynamics, it.motion, it.person, it.straps, it.rig.ankle, limits, weights, otherwise)
+
+    if request.law == "least_load" and request.moved_by == "prescribed":  # nobody asks for the plan itself
+        found = kept(identity(it, model, payload), lambda: _rehearsed(it, planned(), payload))
+        return Demand(_closed(found), remarks)
+    plan = planned()
     return Demand(_closed(_rehearsed(it, plan, payload)), remarks, plan)
 
 

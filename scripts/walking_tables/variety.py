@@ -45,7 +45,7 @@ little of what a person would feel. On commit 70c0a19 it was 115 N m in fast wal
 speed. Nothing that is here now reproduces these three; this page has them as it stands in commit 34eb6c3.
 
 Where a load is uneven the trunk may sway unevenly, too. A wearer who is moved by torques starts and stops eight times, one after the other,
-with a demand as sparing as for independent edges (a faster one made him fall in his second walk). With 45 kg the residual
+with a demand as sparing as for independent edges (a faster one made him fall in his second walk). With 34 and 45 kg the residual
 passes the guideline of 25 N. Bold: more than the backpack.
 
 """

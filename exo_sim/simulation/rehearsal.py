@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import math
+
 import numpy as np
 from numpy.typing import NDArray
 
@@ -11,9 +13,9 @@ from exo_sim.gait.strides import CONTACT_FORCE
 from exo_sim.simulation.walk import Walk
 from exo_sim.simulation.wearer_load import own, with_machine
 
-#: Rehearsals go on until so many of them bettered the plan by no more than this share, and none of them missed the best by more than
-#: that one.
-_LAST, _LITTLE, _NEAR = 3, 0.01, 0.1
+#: Rehearsals go on until so many of them bettered the plan by no more than this share. A step that failed says little: the next is shorter,
+#: and six times two of them go from the longest that is tried to the shortest.
+_LAST, _LITTLE = 12, 0.01
 
 
 def cycle_mean(walk: Walk, values: NDArray[np.float64], settling: float) -> NDArray[np.float64]:
@@ -61,20 +63,18 @@ class Rehearsals:
 
     def __init__(self, plan: LeastLoad, settling: float) -> None:
         self.plan, self._settling = plan, settling
-        self._costs: list[float] = []
         self._least: list[float] = []
         self._body: NDArray[np.float64] | None = None
 
     @property
-    def settled(self) -> bool:
-        """Whether the last rehearsals bettered the plan by so little that more of them are not worth their time.
+    def least(self) -> float:
+        """The least cost that a rehearsal had; infinite where there was none."""
+        return self._least[-1] if self._least else math.inf
 
-        One far worse than the best says that the step was too long, not that there is nothing to be had: the next takes half of it.
-        """
-        if len(self._least) <= _LAST:
-            return False
-        near = max(self._costs[-_LAST:]) < (1.0 + _NEAR) * self._least[-1]
-        return near and self._least[-1] > (1.0 - _LITTLE) * self._least[-1 - _LAST]
+    @property
+    def settled(self) -> bool:
+        """Whether the last rehearsals bettered the plan by so little that more of them are not worth their time."""
+        return len(self._least) > _LAST and self._least[-1] > (1.0 - _LITTLE) * self._least[-1 - _LAST]
 
     def learn_from(self, walk: Walk) -> float:
         """Better the plan by a rehearsal; return the cost it had. All rehearsals have the same motion and the same rows."""
@@ -92,7 +92,6 @@ class Rehearsals:
         at_edge = held.outside.astype(float) if held else np.zeros(len(body))
         means = (_phase_mean(seen, each) for each in (it.moments - body, straps, carrying(seen), residual, at_edge))
         cost = self.plan.learn(*means)
-        self._costs.append(cost)
         self._least.append(min([cost, *self._least[-1:]]))
         return cost
 

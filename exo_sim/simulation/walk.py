@@ -48,7 +48,7 @@ class Request:
         law: What is demanded, one of `control.demand.LAWS`.
         rehearsals: How often the least-load demand is bettered before the run, at the most, and where a payload is put on the way as often
             for it. A wearer who is a body and takes strides that are all alike then rehearses himself, twice, each time at the most half
-            as often, rounded up: 24 are 48 in all, 1 is 3. Fewer than two are walked with the plan alone (`control.least_load`).
+            as often, rounded up: 48 are 96 in all, 1 is 3. Fewer than two are walked with the plan alone (`control.least_load`).
         weights: What counts in the least-load demand; None for its own, or `least_load.SPARING` where a rig's chambers are planned.
         gains: Of the valve controllers.
         tuned: Gains of single cylinders, by name, in place of `gains`; the demand is read ahead as `gains` says for all.
@@ -72,7 +72,7 @@ class Request:
     assist: str = "on"
     controller: str = "model"
     law: str = law_of_demand.DEFAULT_LAW
-    rehearsals: int = 24
+    rehearsals: int = 48
     weights: Weights | None = None
     gains: ValveGains = field(default_factory=ValveGains)
     tuned: Mapping[str, ValveGains] = field(default_factory=dict)

@@ -28,6 +28,8 @@ if TYPE_CHECKING:
 
 #: A rehearsal looks at so much time [s] after it has settled.
 LOOKED_AT = 1.5
+#: Each of two starts has a rehearsal of so many.
+_SHARE_OF_A_START = 4
 
 
 class Demand(NamedTuple):
@@ -62,31 +64,38 @@ def rehearsed_demand(it: Simulation, payload: float) -> Demand:
     weights = request.weights or (SPARING if it.plans_chambers or yields_from_rest else Weights())
     if request.law == "causal" and request.weights is None:
         weights = replace(weights if it.plans_chambers else QUICK, other_straps=CAUTIOUS)
-    otherwise = needed[machine_dynamics.PICK] if request.rehearsals > 1 else None  # one rehearsal cannot say which of two is better
 
-    def planned() -> LeastLoad:
-        return LeastLoad(dynamics, it.motion, it.person, it.straps, it.rig.ankle, limits, weights, otherwise)
+    def rehearsed() -> tuple[NDArray[np.float64], LeastLoad]:
+        plan = LeastLoad(dynamics, it.motion, it.person, it.straps, it.rig.ankle, limits, weights)
+        return _rehearsed(it, plan, needed[machine_dynamics.PICK], payload)
 
     if request.law == "least_load" and request.moved_by == "prescribed":  # nobody asks for the plan itself
-        found = kept(identity(it, model, payload), lambda: _rehearsed(it, planned(), payload))
-        return Demand(_closed(found), remarks)
-    plan = planned()
-    return Demand(_closed(_rehearsed(it, plan, payload)), remarks, plan)
+        return Demand(_closed(kept(identity(it, model, payload), lambda: rehearsed()[0])), remarks)
+    torque, plan = rehearsed()
+    return Demand(_closed(torque), remarks, plan)
 
 
-def _rehearsed(it: Simulation, plan: LeastLoad, payload: float) -> NDArray[np.float64]:
-    """Walk a few cycles at a time and better the plan after each time; return the best of the torques tried."""
-    settling = it.settling
+def _rehearsed(
+    it: Simulation, plan: LeastLoad, otherwise: NDArray[np.float64], payload: float
+) -> tuple[NDArray[np.float64], LeastLoad]:
+    """Walk a few cycles at a time and better the plan after each time; return the best of the torques tried, and the plan they are of.
+
+    Two starts have a share of the rehearsals each: torques that are handed in, shape (n, 6) [N m], and the plan's. Those that are left go
+    on with the better. One rehearsal alone cannot say which that is.
+    """
+    settling, most = it.settling, it.request.rehearsals
     usual = it.demand
     with _few_cycles(it):
         try:
             if payload != it.request.payload:
                 carry(it.model, payload)
-            rehearsals = Rehearsals(plan, settling)
-            for _ in range(it.request.rehearsals):
-                _rehearse(it, rehearsals)
-                if rehearsals.settled:
-                    break
+            best = Rehearsals(plan, settling)
+            if most > 1:
+                share = max(1, most // _SHARE_OF_A_START)
+                best = _better(it, [Rehearsals(plan.begun_with(otherwise), settling), best], share)
+                most -= 2 * share
+            _rehearse(it, best, most)
+            plan = best.plan
             if it.request.law == "causal":
                 it.demand = it.demand_added = _closed(law_of_demand.limit(plan.torque(best=True), it.rig.ankle))
                 it.reset()
@@ -94,30 +103,52 @@ def _rehearsed(it: Simulation, plan: LeastLoad, payload: float) -> NDArray[np.fl
         finally:
             it.demand = usual
             carry(it.model, it.request.payload)
-    return law_of_demand.limit(plan.torque(best=it.request.rehearsals > 0), it.rig.ankle)
+    return law_of_demand.limit(plan.torque(best=it.request.rehearsals > 0), it.rig.ankle), plan
+
+
+def _better(it: Simulation, starts: list[Rehearsals], each: int) -> Rehearsals:
+    """Walk so many rehearsals of each start; return those that cost least in one.
+
+    Raises:
+        Diverged: the wearer fell in the first rehearsal of all.
+    """
+    fell: Diverged | None = None
+    for one in starts:
+        try:
+            _rehearse(it, one, each)
+        except Diverged as error:
+            fell = error
+    best = min(starts, key=lambda one: one.least)
+    if fell is not None and math.isinf(best.least):
+        raise fell
+    return best
 
 
 def rehearsed_by_body(it: Simulation, plan: LeastLoad, rehearsals: int) -> tuple[NDArray[np.float64], LeastLoad]:
     """Return the demand, as `Demand.torque`, bettered by rehearsals of a wearer who is a body, and the plan that they made.
 
-    He yields, and pulls otherwise than one whose motion is prescribed. Rehearsals end where he falls in one. The plan that is handed in
-    stays as it is.
+    He yields, and pulls otherwise than one whose motion is prescribed. Rehearsals end where he falls in the first. The plan that is handed
+    in stays as it is.
     """
     own = plan.begun_again()
     with _few_cycles(it), suppress(Diverged):
-        each = Rehearsals(own, it.settling)
-        for _ in range(rehearsals):
-            _rehearse(it, each)
-            if each.settled:
-                break
+        _rehearse(it, Rehearsals(own, it.settling), rehearsals)
     return _closed(law_of_demand.limit(own.torque(best=True), it.rig.ankle)), own
 
 
-def _rehearse(it: Simulation, rehearsals: Rehearsals) -> None:
-    it.demand = it.demand_added = _closed(law_of_demand.limit(rehearsals.plan.torque(), it.rig.ankle))
-    it.lay_plans()
-    it.reset()
-    rehearsals.learn_from(it.run())
+def _rehearse(it: Simulation, rehearsals: Rehearsals, most: int) -> None:
+    """Walk so many rehearsals, or until they are settled; where the wearer falls in one the next goes less far."""
+    for _ in range(most):
+        it.demand = it.demand_added = _closed(law_of_demand.limit(rehearsals.plan.torque(), it.rig.ankle))
+        it.lay_plans()
+        it.reset()
+        try:
+            rehearsals.learn_from(it.run())
+        except Diverged:
+            if not rehearsals.plan.fell():
+                raise
+        if rehearsals.settled:
+            break
 
 
 @contextmanager

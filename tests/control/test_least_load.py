@@ -8,10 +8,10 @@ import pytest
 from exo_sim import rig as rigs
 from exo_sim.control.least_load import LeastLoad
 from exo_sim.rig import Ankle
-from exo_sim.simulation import worn, worn_demand
+from exo_sim.simulation import worn
 from exo_sim.simulation.rehearsal import Rehearsals
 from exo_sim.simulation.summary import summarise
-from exo_sim.simulation.walk import Request, rig_at_250_psi
+from exo_sim.simulation.walk import Request, Walk, rig_at_250_psi
 from exo_sim.simulation.worn import Simulation
 from exo_sim.simulation.worn_demand import rehearsed_by_body
 
@@ -29,17 +29,18 @@ def test_inverse_dynamics_is_rehearsed_before_the_plan_where_there_are_two_rehea
     monkeypatch: pytest.MonkeyPatch,
 ) -> None:
     rig = dataclasses.replace(rigs.read(rig_at_250_psi()), ankle=Ankle("free"))
-    once, tried = worn_demand._rehearse, []
+    once, tried = Rehearsals.learn_from, []
 
-    def watched(it: Simulation, rehearsals: Rehearsals) -> None:
-        once(it, rehearsals)
-        tried.append(it.demand)
+    def watched(it: Rehearsals, walk: Walk) -> float:
+        torque = it.plan.torque()
+        tried.append(np.concatenate([torque, torque[:1]]))
+        return once(it, walk)
 
     def walked(rehearsals: int) -> tuple[np.ndarray, list[np.ndarray]]:
         tried.clear()
         return Simulation(rig, Request("level_walk", 34.0, cycles=1, rehearsals=rehearsals)).demand, tried.copy()
 
-    monkeypatch.setattr(worn_demand, "_rehearse", watched)
+    monkeypatch.setattr(Rehearsals, "learn_from", watched)
     plan, none = walked(0)
     assert not none
     after_one, (first,) = walked(1)

@@ -60,8 +60,8 @@ def rehearsed_demand(it: Simulation, payload: float) -> Demand:
     remarks = () if request.ideal else too_weak(it.plugin.links, payload, needed[machine_dynamics.PICK], limits)
     if request.law not in ("least_load", "causal"):
         return Demand(_closed(law_of_demand.demand(request.law, dynamics, it.motion, it.straps, it.rig.ankle)), remarks)
-    # from rest faster torques cost the wearer more, and make one who is a body fall in his second walk of 34 kg
-    weights = request.weights or (SPARING if it.plans_chambers or it.motion.from_rest else Weights())
+    sparing = it.plans_chambers or it.motion.from_rest or request.moved_by == "torques"
+    weights = request.weights or (SPARING if sparing else Weights())
     if request.law == "causal" and request.weights is None:
         weights = replace(weights if it.plans_chambers else QUICK, other_straps=CAUTIOUS)
 

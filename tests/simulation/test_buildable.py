@@ -32,7 +32,7 @@ def test_its_bodies_carry_the_cylinders_their_mountings_and_valves(rig):
     simulation = Simulation(rig, Request("stand", 0.0, law="inverse_dynamics"))
     bare = Simulation(dataclasses.replace(rig, body_masses={}), Request("stand", 0.0, law="inverse_dynamics"))
     heavier = simulation.model.body_mass.sum() - bare.model.body_mass.sum()
-    assert heavier == pytest.approx(cylinders + mountings + 4 * 0.4, abs=0.05)
+    assert heavier == pytest.approx(cylinders + mountings + 4 * 0.55, abs=0.05)
 
 
 @pytest.mark.parametrize(

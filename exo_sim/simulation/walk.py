@@ -49,8 +49,8 @@ class Request:
         rehearsals: How often the least-load demand is bettered before the run, at the most, and where a payload is put on the way as often
             for it. A wearer who is a body and takes strides that are all alike then rehearses himself, twice, each time at the most half
             as often, rounded up: 48 are 96 in all, 1 is 3. Fewer than two are walked with the plan alone (`control.least_load`).
-        weights: What counts in the least-load demand; None for its own, or `load_weights.SPARING` from rest, for a wearer who is a
-            body, and where chambers are planned.
+        weights: What counts in the least-load demand; None for its own, or those of `load_weights` from rest, for a wearer who is
+            a body, and where chambers are planned.
         gains: Of the valve controllers.
         tuned: Gains of single cylinders, by name, in place of `gains`; the demand is read ahead as `gains` says for all.
         signals: What the valve controllers go by, one of `force_signals.SIGNALS`: what is, or what gauges and encoders show.

@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 from exo_sim.control import demand as law_of_demand
 from exo_sim.control import machine_dynamics
 from exo_sim.control.least_load import LeastLoad
-from exo_sim.control.load_weights import CAUTIOUS, QUICK, SPARING, Weights
+from exo_sim.control.load_weights import CALM, CAUTIOUS, QUICK, SPARING, Weights
 from exo_sim.errors import Diverged
 from exo_sim.kept_solutions import kept
 from exo_sim.machine.worn_model import PAYLOAD_LIMIT, carry
@@ -60,8 +60,7 @@ def rehearsed_demand(it: Simulation, payload: float) -> Demand:
     remarks = () if request.ideal else too_weak(it.plugin.links, payload, needed[machine_dynamics.PICK], limits)
     if request.law not in ("least_load", "causal"):
         return Demand(_closed(law_of_demand.demand(request.law, dynamics, it.motion, it.straps, it.rig.ankle)), remarks)
-    sparing = it.plans_chambers or it.motion.from_rest or request.moved_by == "torques"
-    weights = request.weights or (SPARING if sparing else Weights())
+    weights = request.weights or _weights(it)
     if request.law == "causal" and request.weights is None:
         weights = replace(weights if it.plans_chambers else QUICK, other_straps=CAUTIOUS)
 
@@ -73,6 +72,14 @@ def rehearsed_demand(it: Simulation, payload: float) -> Demand:
         return Demand(_closed(kept(identity(it, model, payload), lambda: rehearsed()[0])), remarks)
     torque, plan = rehearsed()
     return Demand(_closed(torque), remarks, plan)
+
+
+def _weights(it: Simulation) -> Weights:
+    """Return what counts where nobody said it."""
+    yields = it.request.moved_by == "torques"
+    if yields and it.motion.from_rest:
+        return CALM
+    return SPARING if it.plans_chambers or it.motion.from_rest or yields else Weights()
 
 
 def _rehearsed(

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import itertools
+
 from exo_sim.errors import Diverged
 from exo_sim.rig import Rig
 from exo_sim.simulation.summary import summarise
@@ -86,27 +88,29 @@ def _bold(value: float, limit: float) -> str:
     return f"**{value:.0f}**" if value > limit else f"{value:.0f}"
 
 
-def section(exo: Rig) -> str:
+def section(exo: Rig, drawn: Rig) -> str:
     """Return the section."""
-    return TEXT + "\n".join(table(exo)) + "\n" + AFTER + "\n".join(again(exo)) + "\n"
+    return TEXT + "\n".join(table(exo)) + "\n" + AFTER + "\n".join(again(exo, drawn)) + "\n"
 
 
-def again(exo: Rig) -> list[str]:
+def again(*machines: Rig) -> list[str]:
     """Return the table of a wearer moved by torques who starts and stops again and again."""
     lines = [
         "| | metabolic W, estimated: backpack / machine | push ahead N | residual at most, N and N m: backpack / machine |",
         "|---|---|---|---|",
     ]
-    for payload in (20.0, 34.0, 45.0):
+    for exo, payload in itertools.product(machines, (20.0, 34.0, 45.0)):
+        name = f"{exo.name}, {payload:g} kg"
         try:
             numbers = summarise(Simulation(exo, Request("start_and_stop", payload, cycles=8, wearer="torques")).run())
         except Diverged:
-            lines.append(f"| {payload:g} kg | falls | - | - |")
+            lines.append(f"| {name} | falls | - | - |")
+            print(lines[-1], flush=True)
             continue
         wearer, pack = numbers["wearer"], numbers["compared_with"]["backpack"]
         held = [one["pelvis_residual"] for one in (pack, wearer)]
         residual = [f"{one['force_peak_n']:.0f}, {one['moment_peak_nm']:.0f}" for one in held]
         power = _bold(wearer["metabolic_w"]["value"], pack["metabolic_w"])
-        lines.append(f"| {payload:g} kg | {pack['metabolic_w']:.0f} / {power} | {wearer['forward_push_n']:.0f} | {' / '.join(residual)} |")
+        lines.append(f"| {name} | {pack['metabolic_w']:.0f} / {power} | {wearer['forward_push_n']:.0f} | {' / '.join(residual)} |")
         print(lines[-1], flush=True)
     return lines

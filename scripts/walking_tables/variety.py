@@ -41,14 +41,15 @@ Bold: more than the backpack.
 """
 AFTER = """
 The trunk's lean is chosen by residual reduction, the same way in every column; the residual is what soles on this ground cannot give. With
-the machine it is beyond the guideline of 75 N m on stairs (but for 20 kg upstairs) and in starting and stopping: there the numbers say
-little of what a person would feel. On commit 70c0a19 it was 115 N m in fast walking, and the machine cost 957 W where the backpack cost
-964 W: the demand relieved ankles with centres of pressure that were behind a foot on its ball, and neither pelvis nor stance knew of the
-speed. Nothing that is here now reproduces these three; this page has them as it stands in commit 34eb6c3.
+the machine it is beyond the guideline of 75 N m on stairs and in starting and stopping: there the numbers say little of what a person would
+feel. Down stairs with 20 kg the machine costs more than the backpack, and from rest to rest the wearer's joints do more work. With the
+lighter `exo_250_psi` it was 798 and 328 W (commit 2e3434c); with the heavier frame and stiffer ankles rehearsals end in demands that leave
+over a moment that no sole gives.
 
 Where a load is uneven the trunk may sway unevenly, too. A wearer who is moved by torques starts and stops eight times, one after the other,
-with a demand as sparing as for independent edges (a faster one made him fall in his second walk). With 34 and 45 kg the residual
-passes the guideline of 25 N. Bold: more than the backpack.
+with a demand that is smoother still (a faster one made him fall in his fifth walk). With `exo` he falls. With the lighter `exo_250_psi` he
+does not; with 45 kg the residual passes the guideline of 25 N, and with less he gains nothing over the backpack. Bold: more than the
+backpack.
 
 """
 

@@ -16,6 +16,7 @@ ON_CI = os.environ.get("CI", "").lower() in ("true", "1")
 if sys.platform == "linux" and "DISPLAY" not in os.environ:
     os.environ.setdefault("MUJOCO_GL", "egl")  # read when mujoco is imported
 os.environ.setdefault("MPLBACKEND", "agg")
+os.environ["EXO_SIM_KEEP"] = "0"  # what an earlier start rehearsed hides what a test changes; tests/test_kept_solutions.py has it on
 
 # Compiling a kernel makes the first example slow, hence no deadline.
 hypothesis.settings.register_profile("local", deadline=None, print_blob=True)

@@ -74,7 +74,7 @@ def question(
         raise ScenarioError(f'valves "{valves}"{nearest(valves, VALVES)}')
     if travel not in TRAVELS:
         raise ScenarioError(f'travel "{travel}"{nearest(travel, TRAVELS)}')
-    machine: Machine = rig_of(rig)
+    machine: Machine = rig_of(Rig.included("exo_250_psi") if rig is None else rig)  # its frame carries no cylinder yet
     masses = [quantity(one, "kg", "payload", low=0.0) for one in _several(payloads)]
     wearers: list[float | None] = [quantity(one, "m", "heights", low=0.5, high=3.0) for one in _several(heights)]
     wearers = wearers or [None]
@@ -111,7 +111,8 @@ def size(
     """Search bores, rods, strokes, attachment points, valves and supply against the joint loads of what the machine must do.
 
     Args:
-        rig: A path or `exo.Rig` of a worn machine, with what a diagnosis found of it; the one of the package when None.
+        rig: A path or `exo.Rig` of a worn machine, with what a diagnosis found of it; `exo_250_psi`, whose frame carries no cylinder yet,
+            when None.
         motion: For a machine that nobody wears: a recording with the positions of its joints and, where there are any, the forces from
             outside. Then attachment points stay, and scenarios, payloads, speeds, reach, travel, springs, heights, robust,
             valves, tank, jobs and scheduler do not count.

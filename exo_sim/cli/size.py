@@ -44,7 +44,7 @@ def _given(options: dict[str, str]) -> list[str]:
 @click.option("--speed", "speeds", multiple=True, type=float, default=(1.0,), show_default=True,
               help="Factor on the recorded cadence, 0.7 to 1.3; may be given again.")
 @click.option("--rig", type=options.RigFile(), default=None,
-              help="The machine, with what a diagnosis found of it; exo when absent.")
+              help="The machine, with what a diagnosis found of it; when absent exo_250_psi, whose frame carries no cylinder yet.")
 @click.option("--motion", type=options.InputFile(), default=None,
               help="For a machine that nobody wears (--rig): a recording with the positions of its joints, and forces from outside if any.")
 @click.option("--trials", type=click.IntRange(1, 1000000), default=None,
@@ -89,7 +89,7 @@ def command(scenarios: tuple[str, ...], payloads: tuple[float, ...], speeds: tup
     from exo_sim.api.sizing import question
     from exo_sim.api.sizing import size as search
     from exo_sim.errors import ScenarioError
-    from exo_sim.simulation.walk import default_rig
+    from exo_sim.simulation.walk import rig_at_250_psi
     from exo_sim.sizing import summary_text
 
     if jobs == 0:
@@ -112,7 +112,7 @@ def command(scenarios: tuple[str, ...], payloads: tuple[float, ...], speeds: tup
     if quick:
         from exo_sim.sizing.hand_calculation import joint_by_hand, papers_example
 
-        found = question(rig or default_rig(), **asked)
+        found = question(rig or rig_at_250_psi(), **asked)
         example = papers_example()
         by_joint = {
             f"{kind.name}, {one.condition}": joint_by_hand(found.machine, kind, one, pressure_limit)
@@ -122,7 +122,7 @@ def command(scenarios: tuple[str, ...], payloads: tuple[float, ...], speeds: tup
         printing.show(summary_text.by_hand_numbers(example, by_joint), summary_text.by_hand_words(example, by_joint), as_json=as_json)
         return
     result = search(
-        rig or default_rig(), **asked, motion=motion, trials=trials, jobs=jobs, scheduler=scheduler, seed=seed, out=out or Path("sized"),
+        rig or rig_at_250_psi(), **asked, motion=motion, trials=trials, jobs=jobs, scheduler=scheduler, seed=seed, out=out or Path("sized"),
         quiet=quiet, tell=lambda words: printing.remark(words, quiet=quiet),
     )  # fmt: skip
     printing.show(result.summary, str(result), as_json=as_json)

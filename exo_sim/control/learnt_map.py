@@ -8,6 +8,7 @@ percent more or less from rehearsal to rehearsal, and a whole update makes a map
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass, replace
 from functools import cached_property
 
@@ -50,6 +51,26 @@ class LearntMap:
     def correction(self, load: NDArray[np.float64], at: NDArray[np.float64]) -> NDArray[np.float64]:
         """Return what to take off the numbers, shape (m,), for all loads that they gave, as `whole`, where they were `at`."""
         return np.asarray(self.gain @ (self.whole.T @ load + self.effort**2 * at))
+
+    def damped(
+        self, load: NDArray[np.float64], at: NDArray[np.float64], metric: Callable[[NDArray[np.float64]], NDArray[np.float64]]
+    ) -> NDArray[np.float64]:
+        """Return `correction` where a change counts by itself, too.
+
+        Args:
+            load: All loads that the numbers gave, as `whole`.
+            at: Where the numbers were, shape (m,).
+            metric: What to add to a diagonal of the normal matrix, shape (m,), for it.
+        """
+        whole = self.whole
+        normal = whole.T @ whole + np.diag(self.effort**2)
+        normal[np.diag_indices_from(normal)] += metric(np.diag(normal).copy())
+        return np.asarray(np.linalg.solve(normal, whole.T @ load + self.effort**2 * at))
+
+    def promised(self, load: NDArray[np.float64], at: NDArray[np.float64], change: NDArray[np.float64]) -> float:
+        """Return the cost that a change of the numbers (m,) would have by this map, from loads, as `whole`, where they were `at`."""
+        left, asked = load + self.whole @ change, self.effort * (at + change)
+        return float(left @ left + asked @ asked)
 
     def updated(self, change: NDArray[np.float64], answer: NDArray[np.float64]) -> LearntMap:
         """Return the map that knows what loads answered, shape (loads,), to a change of the numbers, shape (m,).

@@ -4,15 +4,16 @@ The machine gives way against straps and ground (`yielding.py`). Strap forces, a
 that, so the best torque harmonics are a linear least-squares problem.
 
 Contact is not linear, and gas lags. So the solution is then improved by rehearsal, stride by stride, as iterative learning
-control does: what the straps really did over a cycle takes the place of the prediction, and the same least-squares gain
-gives the correction (norm-optimal learning, Amann, Owens and Rogers 1996). The gain is that of the heels and toes that carried in the
-best rehearsal so far; where it made it worse, that of the plan's. Both learn from what each change did (`learnt_map.py`).
+control does: what the straps really did over a cycle takes the place of the prediction, and the same least squares
+give the correction (norm-optimal learning, Amann, Owens and Rogers 1996), which goes the less far, the less the last ones kept of what they
+promised (`step_damping.py`). They are those of the heels and toes that carried in the best rehearsal so far; where a step made it worse,
+those of the plan's. Both learn from what each change did (`learnt_map.py`).
 Straps move the centres of pressure under the wearer's soles; where a rehearsal showed these at the edge they go no farther, and the moment
 that no sole can give counts beside those of the joints. A plan that knows of no edge relieves the ankle with a force that is not there.
 
 A plan is cut off at what the actuators can hold. Where no spring holds the ankle, feet that stand on heel and toe at once make it ask for
-torques that are far beyond that, and what is left of them may be no plan: then inverse dynamics is rehearsed as well, before it, and the
-better of both is gone on from. That takes two rehearsals; where fewer are walked, the plan is what is asked for.
+torques that are far beyond that, and what is left of them may be no plan; where a spring does, it may count on feet that do not stand. So
+rehearsals may begin with other torques as well (`begun_with`).
 """
 
 from __future__ import annotations
@@ -26,6 +27,7 @@ from numpy.typing import NDArray
 from exo_sim.control.learnt_map import LearntMap
 from exo_sim.control.load_weights import Weights
 from exo_sim.control.machine_dynamics import PICK, MachineDynamics
+from exo_sim.control.step_damping import StepDamping
 from exo_sim.control.strap_loads import StrapLoads, own_moments
 from exo_sim.control.yielding import StrapResponse, Yielding
 from exo_sim.gait.motion import SAMPLES, Motion
@@ -36,10 +38,6 @@ from exo_sim.rig.schema import Ankle
 #: Harmonics of the torques in a stride or repetition.
 HARMONICS = 10
 _LIFTINGS = 4
-#: Share of a full correction that a rehearsal makes; halved where it made it worse both ways, going on from the best so far.
-_SHARE = 0.5
-
-
 #: By how much straps are thought to be less and more stiff.
 _OTHERWISE = 0.5, 2.0
 
@@ -56,8 +54,6 @@ class LeastLoad:
         reach: Least and largest torque that the actuators can hold [N m], shape (n, 6, 2), n phases of
             `machine_dynamics.PICK`.
         weights: What counts as load.
-        otherwise: Torques to rehearse before the plan's where no spring holds the ankle [N m], shape (n, 6); None for those of the plan
-            alone, which fewer than two rehearsals cannot better.
 
     Attributes:
         driven: Which of the six joints have a torque.
@@ -78,7 +74,6 @@ class LeastLoad:
         ankle: Ankle,
         reach: NDArray[np.float64],
         weights: Weights | None = None,
-        otherwise: NDArray[np.float64] | None = None,
     ):
         self.weights = weights or Weights()
         self.driven = [0, 1, 3, 4] if ankle.mode != "powered" else [0, 1, 2, 3, 4, 5]
@@ -91,21 +86,19 @@ class LeastLoad:
         harmonic = np.concatenate([[0], np.repeat(np.arange(1, self._harmonics + 1), 2)]) / self._strides
         effort = np.tile(np.hypot(self.weights.effort, self.weights.smoothness * harmonic), len(self.driven))
         self._effort: NDArray[np.float64] = effort * float(np.sqrt(self._phases))
+        self._size = np.tile(np.sum(_basis(self._phases, self._harmonics) ** 2, axis=0), len(self.driven))
         self._reach = reach
         self._coefficients = np.zeros(len(self.driven) * (2 * self._harmonics + 1))
         self._solve(dynamics, motion, person, straps, ankle)
-        starts = [self._within_reach(self._coefficients)]
-        if otherwise is not None and ankle.mode != "sprung":
-            starts.append(self._within_reach(self._harmonics_of(otherwise[:, self.driven])))
-        self._coefficients, self._untried, self._unheard = starts[-1], starts[:-1], len(starts)
-        self._shown, self._by_plan, self._failed = self._planned, False, 0
+        self._coefficients = self._within_reach(self._coefficients)
+        self._shown, self._by_plan = self._planned, False
         self._best: tuple[float, NDArray[np.float64]] = (np.inf, self._coefficients)
         self._heard = np.zeros(0)
-        self._step = _SHARE
+        self._damping = StepDamping()
 
     @property
     def best(self) -> NDArray[np.float64]:
-        """Harmonics of the best rehearsal so far, or those to try first where there was none: of the plan, but for `otherwise`."""
+        """Harmonics of the best rehearsal so far, or those to try first where there was none."""
         return self._best[1] if np.isfinite(self._best[0]) else self._coefficients
 
     def torque(self, best: bool = False) -> NDArray[np.float64]:
@@ -180,7 +173,8 @@ class LeastLoad:
             self._planned = self._planned.updated(*did)
         if cost < self._best[0]:
             forces, maps = answer or self._answer(contacts, at_edge)
-            self._best, self._heard, self._failed = (cost, tried), heard, 0
+            self._damping = self._damping.bettered(self._best[0], cost)
+            self._best, self._heard = (cost, tried), heard
             self._shown = self._counting_all(maps)
             if did:
                 self._shown = self._shown.updated(*did)
@@ -188,27 +182,42 @@ class LeastLoad:
             self._forces = forces[0][:, :, :-1]
             self._strap_map = self._of_straps_at(at_edge)
             self.yielding = replace(self.yielding, damping=damping, stiffness=stiffness, load=self._strap_map)
-        elif did and not self._unheard:
+        elif did:
             self._shown = self._shown.updated(*did)
-            self._failed += 1
-            self._by_plan = not self._by_plan
-            if self._failed % 2 == 0:
-                self._step *= 0.5
-        self._unheard = max(0, self._unheard - 1)
-        if self._untried:
-            self._coefficients = self._untried.pop()
-            return cost
-        best = self._best[1]
-        change = (self._planned if self._by_plan else self._shown).correction(self._heard, best)
-        self._coefficients = self._within_reach(best - self._step * change)
+            self._missed()
+        self._go_on()
         return cost
+
+    def fell(self) -> bool:
+        """Go less far, since a wearer fell with the torques tried last; return whether there was a rehearsal before to go on from."""
+        if not np.isfinite(self._best[0]):
+            return False
+        self._missed()
+        self._go_on()
+        return True
+
+    def _missed(self) -> None:
+        self._by_plan = not self._by_plan
+        self._damping = self._damping.missed()
+
+    def _go_on(self) -> None:
+        """Choose the torques to try next, from the best so far."""
+        best, it = self._best[1], self._planned if self._by_plan else self._shown
+        change = it.damped(self._heard, best, lambda effect: self._damping.metric(self._size, effect))
+        self._coefficients = self._within_reach(best - change)
+        self._damping = replace(self._damping, promised=it.promised(self._heard, best, self._coefficients - best))
 
     def begun_again(self) -> LeastLoad:
         """Return a plan that goes on from the best torques where rehearsals cost otherwise than before: of another wearer."""
         again = copy(self)  # what it learns it puts in the place of what was
         again._coefficients = self.best
-        again._best, again._failed, again._by_plan, again._step = (np.inf, again._coefficients), 0, False, _SHARE
-        again._untried, again._unheard = [], 0
+        again._best, again._by_plan, again._damping = (np.inf, again._coefficients), False, StepDamping()
+        return again
+
+    def begun_with(self, torques: NDArray[np.float64]) -> LeastLoad:
+        """Return a plan that begins with other torques of the six joints [N m], shape (n, 6), as far as actuators can hold them."""
+        again = self.begun_again()
+        again._coefficients = again._within_reach(again._harmonics_of(torques[:, again.driven]))
         return again
 
     def _within_reach(self, coefficients: NDArray[np.float64]) -> NDArray[np.float64]:

@@ -24,7 +24,7 @@ from numpy.typing import NDArray
 
 from exo_sim.gait.motion import look_up, reference
 from exo_sim.machine.person import REFERENCE_HEIGHT, Person, segment_poses
-from exo_sim.physics.compiled import kernel
+from exo_sim.physics.compiled import inlined_kernel
 
 Array = NDArray[np.float64]
 
@@ -114,7 +114,7 @@ def dampen(model: mujoco.MjModel, it: Mover) -> None:
     damping[it.dofs[3:9]] = it.damping
 
 
-@kernel
+@inlined_kernel
 def see(qpos, qvel, q, v, lengths, poses, mover):
     """Read where the wearer is: q, v (9,) and the poses of his segments (7, 6) are written."""
     for j in range(9):
@@ -122,7 +122,7 @@ def see(qpos, qvel, q, v, lengths, poses, mover):
     segment_poses(q, v, lengths, poses)
 
 
-@kernel
+@inlined_kernel
 def _put_ahead(way, first, lengths, wanted):
     """Move an ankle ahead [m] and as high as it is, the foot's pitch unchanged, by hip, knee and ankle that begin at `first`."""
     thigh = wanted[2] + wanted[first]
@@ -138,7 +138,7 @@ def _put_ahead(way, first, lengths, wanted):
     wanted[first + 2] -= by_hip + by_knee
 
 
-@kernel
+@inlined_kernel
 def _held_by_sole(part, leg, push, poses, mover):
     """Return what a leg that carries a share pushes the pelvis ahead with [N] so that the centre of pressure stays in its sole."""
     row = 3 + 3 * leg
@@ -150,7 +150,7 @@ def _held_by_sole(part, leg, push, poses, mover):
     return push[0] - (given - asked) / (part * z)
 
 
-@kernel
+@inlined_kernel
 def ask(cycles, period, advance, climb, position, slope, share, q, v, poses, lengths, mover):
     """Write the torques of now, and the residual, into `mover.applied`."""
     reference(cycles, period, advance, climb, position, slope, mover.wanted, mover.wanted_rate)
@@ -178,7 +178,7 @@ def ask(cycles, period, advance, climb, position, slope, share, q, v, poses, len
     mover.applied[9], mover.applied[10] = mover.planned[6], mover.planned[7]
 
 
-@kernel
+@inlined_kernel
 def apply(poses, wrench, qfrc_applied, mover):
     """Put torques, residual and what the straps do to the segments, shape (7, 3), into MuJoCo's applied forces."""
     load = mover.load

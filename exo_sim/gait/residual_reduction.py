@@ -24,6 +24,7 @@ from exo_sim.gait import pendulum
 from exo_sim.gait.footpaths import with_pelvis_ahead
 from exo_sim.gait.motion import Motion, derivatives, travelling
 from exo_sim.gait.moving_body import Moving, body_loads, trunk
+from exo_sim.kept_solutions import kept
 from exo_sim.machine import ground_reaction
 from exo_sim.machine.leg_angles import held_back
 from exo_sim.machine.person import LEG_START, Person
@@ -154,7 +155,7 @@ def reduced(motion: Motion, person: Person, carried: Carried | None = None, unev
     if problem not in _kept:
         if len(_kept) >= _KEPT_MOST:
             _kept.clear()
-        _kept[problem] = _found(stride, person, parameters, carried)
+        _kept[problem] = kept(b"lean" + problem, lambda: _found(stride, person, parameters, carried))
     done = parameters.applied(motion, person, _kept[problem])
     return _over_its_feet(done, person, carried) if motion.from_rest else done
 

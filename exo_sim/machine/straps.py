@@ -17,7 +17,7 @@ from numpy.typing import NDArray
 
 from exo_sim.errors import ModelError
 from exo_sim.machine.person import SEGMENTS, Person
-from exo_sim.physics.compiled import kernel
+from exo_sim.physics.compiled import inlined_kernel
 
 if TYPE_CHECKING:
     import mujoco
@@ -120,7 +120,7 @@ def fasten(model: mujoco.MjModel, person: Person, straps: tuple[Strap, ...] | No
     )
 
 
-@kernel
+@inlined_kernel
 def pull(
     poses: NDArray[np.float64],
     xpos: NDArray[np.float64],

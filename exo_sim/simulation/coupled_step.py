@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from exo_sim.physics.compiled import inlined_kernel, kernel
+from exo_sim.physics.compiled import inlined_kernel
 from exo_sim.physics.forces import joint_forces, rod_forces
 from exo_sim.physics.plant import FOLLOWED, step
 from exo_sim.simulation.mujoco_calls import call, read_time
@@ -14,7 +14,7 @@ OUT_OF_STEP = -1
 CLOCK_SLACK = 1e-3
 
 
-@kernel
+@inlined_kernel
 def moment_arm(actuator, dof, mechanics):
     """Return dlength/dq of one actuator for one degree of freedom from MuJoCo's sparse rows; 0 where it has none."""
     arm = 0.0

@@ -13,7 +13,7 @@ from exo_sim.control.wearer_torques import Mover
 from exo_sim.gait.motion import Motion, look_up, reference
 from exo_sim.machine.person import Person, pose_bodies, segment_poses
 from exo_sim.machine.straps import pull
-from exo_sim.physics.compiled import borrow, kernel
+from exo_sim.physics.compiled import borrow, inlined_kernel, kernel
 from exo_sim.physics.plant import FOLLOWED
 from exo_sim.simulation import wearer_loop
 from exo_sim.simulation.coupled_step import advance_gas, compute_forces, moment_arm
@@ -113,7 +113,7 @@ def _load_payload(fraction, settings, bodies):
     bodies.body_subtreemass[0] += change
 
 
-@kernel
+@inlined_kernel
 def _ask(cycles, time, fraction, settings, mechanics, plant, wearer, drives):
     """From the phase to the force wanted of each rod, within what its cylinder can hold, and the ankles' torque."""
     n = settings.numbers

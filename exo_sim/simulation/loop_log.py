@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from exo_sim.gait.motion import look_up
-from exo_sim.physics.compiled import kernel
+from exo_sim.physics.compiled import inlined_kernel, kernel
 from exo_sim.physics.forces import sensed_pressures
 from exo_sim.physics.nodes import exhaust_state, supply_state, tank_state, temperatures
 from exo_sim.physics.nozzle import critical_ratio
@@ -26,7 +26,7 @@ def _choked(c, u_1, u_2, p_1, p_2, p_s, p_e, critical):
     return 0.0 if c.vented > 0.0 else found
 
 
-@kernel
+@inlined_kernel
 def log_motion(row, time, mechanics):
     """Write the first columns that `walk.columns` names: time, positions, velocities. MuJoCo's step moves them on."""
     row[0] = time
@@ -34,7 +34,7 @@ def log_motion(row, time, mechanics):
         row[1 + j], row[10 + j] = mechanics.qpos[j], mechanics.qvel[j]
 
 
-@kernel
+@inlined_kernel
 def _log_powers(row, at, mechanics, plant, bodies, wearer):
     """Write the mean power over the step of whatever works on the machine, in the order of `walk.POWERS`, a strap's over the step before.
 
@@ -59,7 +59,7 @@ def _log_powers(row, at, mechanics, plant, bodies, wearer):
         row[at + 4 + wearer.group[i]] += wearer.power[i]
 
 
-@kernel
+@inlined_kernel
 def _pressure_centre(foot, bodies):
     """Return how far ahead of the foot's site, along its body's x axis, the ground's force has no moment about y [m]; 0 in the air.
 
@@ -78,7 +78,7 @@ def _pressure_centre(foot, bodies):
     return (ahead * z - above * x - wrench[at + 4]) / normal
 
 
-@kernel
+@inlined_kernel
 def log_rest(row, cycles, with_gas, mechanics, plant, bodies, wearer, drives):
     """Write the columns behind the motion, in the order of `walk.columns`; forces on the ground are there after MuJoCo's step."""
     at = 19

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import math
+
 import numpy as np
 from numpy.typing import NDArray
 
@@ -11,8 +13,9 @@ from exo_sim.gait.strides import CONTACT_FORCE
 from exo_sim.simulation.walk import Walk
 from exo_sim.simulation.wearer_load import own, with_machine
 
-#: Rehearsals go on until so many of them bettered the plan by no more than this share.
-_LAST, _LITTLE = 3, 0.01
+#: Rehearsals go on until so many of them bettered the plan by no more than this share. A step that failed says little: the next is shorter,
+#: and six times two of them go from the longest that is tried to the shortest.
+_LAST, _LITTLE = 12, 0.01
 
 
 def cycle_mean(walk: Walk, values: NDArray[np.float64], settling: float) -> NDArray[np.float64]:
@@ -62,6 +65,11 @@ class Rehearsals:
         self.plan, self._settling = plan, settling
         self._least: list[float] = []
         self._body: NDArray[np.float64] | None = None
+
+    @property
+    def least(self) -> float:
+        """The least cost that a rehearsal had; infinite where there was none."""
+        return self._least[-1] if self._least else math.inf
 
     @property
     def settled(self) -> bool:

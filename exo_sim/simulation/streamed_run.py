@@ -22,7 +22,7 @@ from exo_sim.simulation.wearer_load import wearing
 from exo_sim.simulation.worn import MOST_ROWS, Simulation
 
 #: Pieces from which a recording has no list of its contents, which would grow in memory with each.
-_LONG = 16
+_LONG = 8
 
 
 def run(

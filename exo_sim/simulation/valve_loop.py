@@ -11,7 +11,7 @@ from exo_sim.control.force_signals import Gauges, seen
 from exo_sim.control.metering import follow, meter
 from exo_sim.control.valve_control import GIVEN, MODEL, PI, invert, pi, spring_pull
 from exo_sim.gait.motion import look_up
-from exo_sim.physics.compiled import kernel
+from exo_sim.physics.compiled import inlined_kernel
 from exo_sim.physics.forces import sensed_pressures
 from exo_sim.physics.nodes import tank_state, temperatures, volumes
 from exo_sim.physics.state import INTEGRATED
@@ -47,7 +47,7 @@ class Drives(NamedTuple):
     gauges: Gauges
 
 
-@kernel
+@inlined_kernel
 def look_ahead(cycles, ramp, grows, fraction, plant, drives):
     """Write the planned pressures of this step; with less demand at the start they are nearer to the exhaust's.
 
@@ -69,7 +69,7 @@ def look_ahead(cycles, ramp, grows, fraction, plant, drives):
             drives.planned[j] = w.exhaust_pressure + ramp * (drives.planned[j] - w.exhaust_pressure)
 
 
-@kernel
+@inlined_kernel
 def open_valves(step, first, dt, controller, mechanics, plant, drives):
     """Write the command of each valve for the force wanted of its rod.
 

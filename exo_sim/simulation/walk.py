@@ -48,8 +48,9 @@ class Request:
         law: What is demanded, one of `control.demand.LAWS`.
         rehearsals: How often the least-load demand is bettered before the run, at the most, and where a payload is put on the way as often
             for it. A wearer who is a body and takes strides that are all alike then rehearses himself, twice, each time at the most half
-            as often, rounded up: 16 are 32 in all, 1 is 3. Fewer than two are walked with the plan alone (`control.least_load`).
-        weights: What counts in the least-load demand; None for its own, or `least_load.SPARING` where a rig's chambers are planned.
+            as often, rounded up: 48 are 96 in all, 1 is 3. Fewer than two are walked with the plan alone (`control.least_load`).
+        weights: What counts in the least-load demand; None for its own, or those of `load_weights` from rest, for a wearer who is
+            a body, and where chambers are planned.
         gains: Of the valve controllers.
         tuned: Gains of single cylinders, by name, in place of `gains`; the demand is read ahead as `gains` says for all.
         signals: What the valve controllers go by, one of `force_signals.SIGNALS`: what is, or what gauges and encoders show.
@@ -72,7 +73,7 @@ class Request:
     assist: str = "on"
     controller: str = "model"
     law: str = law_of_demand.DEFAULT_LAW
-    rehearsals: int = 16
+    rehearsals: int = 48
     weights: Weights | None = None
     gains: ValveGains = field(default_factory=ValveGains)
     tuned: Mapping[str, ValveGains] = field(default_factory=dict)
@@ -223,6 +224,11 @@ def _turned(log: NDArray[np.float64]) -> NDArray[np.float64]:
     for start in range(0, len(log), 128):
         out[:, start : start + 128] = log[start : start + 128].T
     return out
+
+
+def rig_at_250_psi() -> Path:
+    """Return the rig of the worn machine at the pressure of the paper, above what its cylinders are rated for; its frame carries none."""
+    return default_rig().with_name("exo_250_psi.toml")
 
 
 def default_rig() -> Path:

@@ -3,21 +3,21 @@
 from __future__ import annotations
 
 from exo_sim.control import wearer_torques
-from exo_sim.physics.compiled import borrow, kernel
+from exo_sim.physics.compiled import borrow, inlined_kernel, kernel
 from exo_sim.simulation.mujoco_calls import call
 
 #: Numbers that are logged of the wearer at each step, those of `wearer_log.layout`.
 COUNT = 42
 
 
-@kernel
+@inlined_kernel
 def log_before(row, qpos, qvel, mover):
     """Write where the wearer is, and what moves him; MuJoCo's step moves him on."""
     for j in range(11):
         row[j], row[11 + j], row[22 + j] = qpos[mover.dofs[j]], qvel[mover.dofs[j]], mover.applied[j]
 
 
-@kernel
+@inlined_kernel
 def log_after(row, qvel, sensordata, qfrc_constraint, qfrc_passive, dof_damping, ground, mover):
     """Write what the ground did to the wearer in MuJoCo's step (mean power); add what springs and dampers of joints give to the torques."""
     at = 33

@@ -42,7 +42,7 @@ from exo_sim.simulation.worn_log import keys_of, walk_of
 
 _CHUNK = 250
 #: Rows of a piece of a long run, and whole cycles in it at the least: those that a summary leaves out, and one more.
-MOST_ROWS, FEWEST_CYCLES = 1 << 14, 3
+MOST_ROWS, FEWEST_CYCLES = 1 << 15, 3
 #: A rehearsal leaves out so many cycles or so much time [s] at its start.
 _SETTLING, _SETTLING_TIME = 2, 2.0
 #: How often demand and wearer get used to each other: once more, and the push ahead at 34 kg changes by 4 N.

@@ -14,11 +14,13 @@ from numpy.typing import NDArray
 from exo_sim.control import demand as law_of_demand
 from exo_sim.control import machine_dynamics
 from exo_sim.control.least_load import LeastLoad
-from exo_sim.control.load_weights import CAUTIOUS, QUICK, SPARING, Weights
+from exo_sim.control.load_weights import CALM, CAUTIOUS, QUICK, SPARING, Weights
 from exo_sim.errors import Diverged
+from exo_sim.kept_solutions import kept
 from exo_sim.machine.worn_model import PAYLOAD_LIMIT, carry
 from exo_sim.simulation.causal_calibration import calibrated
 from exo_sim.simulation.rehearsal import Rehearsals
+from exo_sim.simulation.rehearsed_before import identity
 from exo_sim.simulation.torque_limits import too_weak, torque_limits
 
 if TYPE_CHECKING:
@@ -26,6 +28,8 @@ if TYPE_CHECKING:
 
 #: A rehearsal looks at so much time [s] after it has settled.
 LOOKED_AT = 1.5
+#: Each of two starts has a rehearsal of so many.
+_SHARE_OF_A_START = 4
 
 
 class Demand(NamedTuple):
@@ -56,28 +60,50 @@ def rehearsed_demand(it: Simulation, payload: float) -> Demand:
     remarks = () if request.ideal else too_weak(it.plugin.links, payload, needed[machine_dynamics.PICK], limits)
     if request.law not in ("least_load", "causal"):
         return Demand(_closed(law_of_demand.demand(request.law, dynamics, it.motion, it.straps, it.rig.ankle)), remarks)
-    yields_from_rest = it.motion.from_rest and request.moved_by == "torques"  # faster torques make him fall in his second walk of 34 kg
-    weights = request.weights or (SPARING if it.plans_chambers or yields_from_rest else Weights())
+    weights = request.weights or _weights(it)
     if request.law == "causal" and request.weights is None:
         weights = replace(weights if it.plans_chambers else QUICK, other_straps=CAUTIOUS)
-    otherwise = needed[machine_dynamics.PICK] if request.rehearsals > 1 else None  # one rehearsal cannot say which of two is better
-    plan = LeastLoad(dynamics, it.motion, it.person, it.straps, it.rig.ankle, limits, weights, otherwise)
-    return Demand(_closed(_rehearsed(it, plan, payload)), remarks, plan)
+
+    def rehearsed() -> tuple[NDArray[np.float64], LeastLoad]:
+        plan = LeastLoad(dynamics, it.motion, it.person, it.straps, it.rig.ankle, limits, weights)
+        return _rehearsed(it, plan, needed[machine_dynamics.PICK], payload)
+
+    if request.law == "least_load" and request.moved_by == "prescribed":  # nobody asks for the plan itself
+        return Demand(_closed(kept(identity(it, model, payload), lambda: rehearsed()[0])), remarks)
+    torque, plan = rehearsed()
+    return Demand(_closed(torque), remarks, plan)
 
 
-def _rehearsed(it: Simulation, plan: LeastLoad, payload: float) -> NDArray[np.float64]:
-    """Walk a few cycles at a time and better the plan after each time; return the best of the torques tried."""
-    settling = it.settling
+def _weights(it: Simulation) -> Weights:
+    """Return what counts where nobody said it."""
+    yields = it.request.moved_by == "torques"
+    if yields and it.motion.from_rest:
+        return CALM
+    return SPARING if it.plans_chambers or it.motion.from_rest or yields else Weights()
+
+
+def _rehearsed(
+    it: Simulation, plan: LeastLoad, otherwise: NDArray[np.float64], payload: float
+) -> tuple[NDArray[np.float64], LeastLoad]:
+    """Walk a few cycles at a time and better the plan after each time; return the best of the torques tried, and the plan they are of.
+
+    Two starts have a share of the rehearsals each: torques that are handed in, shape (n, 6) [N m], and the plan's. Those that are left go
+    on with the better. One rehearsal alone cannot say which that is. For a causal controller all go on from the plan, which counts other
+    straps: begun with inverse dynamics `exo` cost 20 to 40 W more where something was not as calibrated.
+    """
+    settling, most = it.settling, it.request.rehearsals
     usual = it.demand
     with _few_cycles(it):
         try:
             if payload != it.request.payload:
                 carry(it.model, payload)
-            rehearsals = Rehearsals(plan, settling)
-            for _ in range(it.request.rehearsals):
-                _rehearse(it, rehearsals)
-                if rehearsals.settled:
-                    break
+            best = Rehearsals(plan, settling)
+            if most > 1 and it.request.law != "causal":
+                share = max(1, most // _SHARE_OF_A_START)
+                best = _better(it, [Rehearsals(plan.begun_with(otherwise), settling), best], share)
+                most -= 2 * share
+            _rehearse(it, best, most)
+            plan = best.plan
             if it.request.law == "causal":
                 it.demand = it.demand_added = _closed(law_of_demand.limit(plan.torque(best=True), it.rig.ankle))
                 it.reset()
@@ -85,30 +111,52 @@ def _rehearsed(it: Simulation, plan: LeastLoad, payload: float) -> NDArray[np.fl
         finally:
             it.demand = usual
             carry(it.model, it.request.payload)
-    return law_of_demand.limit(plan.torque(best=it.request.rehearsals > 0), it.rig.ankle)
+    return law_of_demand.limit(plan.torque(best=it.request.rehearsals > 0), it.rig.ankle), plan
+
+
+def _better(it: Simulation, starts: list[Rehearsals], each: int) -> Rehearsals:
+    """Walk so many rehearsals of each start; return those that cost least in one.
+
+    Raises:
+        Diverged: the wearer fell in the first rehearsal of all.
+    """
+    fell: Diverged | None = None
+    for one in starts:
+        try:
+            _rehearse(it, one, each)
+        except Diverged as error:
+            fell = error
+    best = min(starts, key=lambda one: one.least)
+    if fell is not None and math.isinf(best.least):
+        raise fell
+    return best
 
 
 def rehearsed_by_body(it: Simulation, plan: LeastLoad, rehearsals: int) -> tuple[NDArray[np.float64], LeastLoad]:
     """Return the demand, as `Demand.torque`, bettered by rehearsals of a wearer who is a body, and the plan that they made.
 
-    He yields, and pulls otherwise than one whose motion is prescribed. Rehearsals end where he falls in one. The plan that is handed in
-    stays as it is.
+    He yields, and pulls otherwise than one whose motion is prescribed. Rehearsals end where he falls in the first. The plan that is handed
+    in stays as it is.
     """
     own = plan.begun_again()
     with _few_cycles(it), suppress(Diverged):
-        each = Rehearsals(own, it.settling)
-        for _ in range(rehearsals):
-            _rehearse(it, each)
-            if each.settled:
-                break
+        _rehearse(it, Rehearsals(own, it.settling), rehearsals)
     return _closed(law_of_demand.limit(own.torque(best=True), it.rig.ankle)), own
 
 
-def _rehearse(it: Simulation, rehearsals: Rehearsals) -> None:
-    it.demand = it.demand_added = _closed(law_of_demand.limit(rehearsals.plan.torque(), it.rig.ankle))
-    it.lay_plans()
-    it.reset()
-    rehearsals.learn_from(it.run())
+def _rehearse(it: Simulation, rehearsals: Rehearsals, most: int) -> None:
+    """Walk so many rehearsals, or until they are settled; where the wearer falls in one the next goes less far."""
+    for _ in range(most):
+        it.demand = it.demand_added = _closed(law_of_demand.limit(rehearsals.plan.torque(), it.rig.ankle))
+        it.lay_plans()
+        it.reset()
+        try:
+            rehearsals.learn_from(it.run())
+        except Diverged:
+            if not rehearsals.plan.fell():
+                raise
+        if rehearsals.settled:
+            break
 
 
 @contextmanager

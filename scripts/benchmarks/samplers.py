@@ -143,7 +143,7 @@ def samplers(seed: int) -> dict[str, Any]:
 
 def measure(asked: Asked) -> Said:
     """Return the mean volumes over the seeds, and how many designs each saw."""
-    machine = rig.read(ROOT / "assets" / "exo.toml")
+    machine = rig.read(ROOT / "assets" / "exo_250_psi.toml")
     task = Task(machine, (Condition("level_walk", 34.0),), space_of(machine, 0.04, None))
     judge = evaluator(task)
     peak = largest_torque(judge.loads, tuple(joint for kind in judge.kinds for joint in kind.joints))

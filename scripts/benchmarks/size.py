@@ -18,7 +18,7 @@ DESIGNS = 100
 
 def measure(asked: Asked) -> Said:
     """Measure designs a second and their cost in bare steps; every design survives screening; both take turns, the quickest counts."""
-    machine = rig.read(ROOT / "assets" / "exo.toml")
+    machine = rig.read(ROOT / "assets" / "exo_250_psi.toml")
     task = Task(machine, (Condition("level_walk", 34.0),), space_of(machine, 0.04, None))
     judge = evaluator(task)
     with Workers(1) as alone:

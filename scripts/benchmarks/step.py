@@ -12,7 +12,7 @@ from exo_sim import rig
 @cache
 def seconds() -> tuple[dict[str, float], float]:
     """Return seconds for `STEPS` steps by way of stepping, and contacts a step."""
-    machine = Machine(rig.read(ROOT / "assets" / "exo.toml"))
+    machine = Machine(rig.read(ROOT / "assets" / "exo_250_psi.toml"))
     machine.record()
     taken = quickest({"bare": machine.bare, "python": machine.from_python, "compiled": machine.compiled})
     return taken, machine.contacts / STEPS

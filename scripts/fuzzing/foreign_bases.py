@@ -123,8 +123,8 @@ def walk(folder: Path) -> None:
     from exo_sim.gait import recorded_gait
 
     folder.mkdir()
-    for name in ("exo.toml", "exo.xml"):
-        shutil.copyfile(ASSETS / name, folder / name)
+    for name in ("exo_250_psi.toml", "exo.xml"):
+        shutil.copyfile(ASSETS / name, folder / name.replace("_250_psi", ""))
     gait, time = recorded_gait.load("falisse"), np.arange(0.0, _STRIDES * _PERIOD + 0.6, _STEP)
     angles: Columns = {}
     for side, shift in (("r", 0.0), ("l", 0.5)):

@@ -33,7 +33,7 @@ TEXT = f"""## {HEADING}
 The paper says that a wide bandwidth needs the model of gas and valve. Here both laws walk the same demand (`least_load`, 34 kg), and
 each is tuned for the machine of its row with the same effort: {len(AHEAD) * len(PI_GAINS)} settings are tried, then {len(FINER)} about the
 best of them; gains are chosen for hips and knees apart, and for all together how far ahead the demand is read. A setting is judged by the
-rms error of the torques over their rms.
+rms error of the torques over their rms. The machine is `exo_250_psi`.
 
 `measured` (`exo_sim/control/force_signals.py`): both laws know pressures through gauges with noise of 1 kPa rms, and piston places
 through joint encoders of 14 bits; the model-based law takes the speed from their differences, smoothed over 5 ms, and reckons with the

@@ -42,7 +42,7 @@ def test_a_file_must_be_there_and_be_no_folder(tmp_path: Path) -> None:
 
 
 def test_a_machine_that_comes_along_is_called_by_its_name(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    assert included_machines().keys() == {"bench", "exo", "exo_9_bar"}
+    assert included_machines().keys() == {"bench", "exo", "exo_250_psi"}
     assert RigFile().convert("bench", None, None) == included_machines()["bench"]
     with pytest.raises(click.BadParameter, match='did you mean "bench"'):
         RigFile().convert("benhc", None, None)

@@ -66,7 +66,7 @@ def test_run_prints_a_report_for_people(capsys, tmp_path):
         str(tmp_path / "s.rrd"),
     )
     assert status == 0
-    assert "backpack" in text and "weight of frame and payload 392.4 N" in text
+    assert "backpack" in text and "weight of frame and payload 522.1 N" in text
 
 
 @pytest.mark.parametrize(
@@ -109,7 +109,7 @@ def test_what_says_how_somebody_walks_is_refused_along_a_motion_that_nobody_walk
 
 def test_a_payload_that_the_cylinders_cannot_carry_is_said(capsys, repository, tmp_path):
     assets = repository / "assets"
-    weak = (assets / "exo.toml").read_text().replace("18.25 bar", "7 bar").replace("exo.xml", str(assets / "exo.xml"))
+    weak = (assets / "exo_250_psi.toml").read_text().replace("18.25 bar", "7 bar").replace("exo.xml", str(assets / "exo.xml"))
     (tmp_path / "weak.toml").write_text(weak)
     given = ["--rig", str(tmp_path / "weak.toml"), "--strides", "1", "--demand", "inverse_dynamics"]
     status, text, words = call(capsys, "run", "level_walk", *given, "--json", "--out", str(tmp_path / "w.rrd"))

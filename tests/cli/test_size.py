@@ -36,9 +36,9 @@ def sized(tmp_path_factory):
 
 
 def rigs_default():
-    from exo_sim.simulation.walk import default_rig
+    from exo_sim.simulation.walk import rig_at_250_psi
 
-    return default_rig()
+    return rig_at_250_psi()
 
 
 def test_json_and_files(sized, capsys):

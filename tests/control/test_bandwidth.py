@@ -17,7 +17,7 @@ def test_bandwidth_of_a_known_lag():
 
 
 def test_the_model_follows_where_pi_lags(repository):
-    rig = rigs.read(repository / "assets" / "exo.toml")
+    rig = rigs.read(repository / "assets" / "exo_250_psi.toml")
     at = np.array([30.0])
     plain, model = (response(rig, "hip_r", code, at, 100.0)[0] for code in (PI, MODEL))
     assert abs(model - 1) < 0.15

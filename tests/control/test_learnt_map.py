@@ -17,6 +17,19 @@ def test_corrections_with_a_true_map_leave_the_least_loads() -> None:
     np.testing.assert_allclose(TRUE.T @ left + EFFORT**2 * done, 0.0, atol=1e-9)
 
 
+def test_a_damped_change_is_the_correction_where_nothing_damps_and_smaller_the_more_does() -> None:
+    random = np.random.default_rng(4)
+    load, at = random.normal(size=30), random.normal(size=6)
+    it = LearntMap(TRUE, EFFORT)
+    plain, little, much = (it.damped(load, at, lambda effect, by=by: by * effect) for by in (0.0, 0.1, 10.0))
+    np.testing.assert_allclose(plain, it.correction(load, at))
+    assert np.linalg.norm(much) < np.linalg.norm(little) < np.linalg.norm(plain)
+    before, after = (it.promised(load, at, -change) for change in (np.zeros(6), little))
+    assert it.promised(load, at, -plain) < after < before
+    left = load - TRUE @ little
+    np.testing.assert_allclose(after, left @ left + np.sum((EFFORT * (at - little)) ** 2))
+
+
 def test_a_map_believes_half_of_what_a_change_did_and_nothing_across_it() -> None:
     change = RANDOM.normal(size=6)
     it = LearntMap(BELIEVED, EFFORT)

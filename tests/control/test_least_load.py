@@ -8,10 +8,10 @@ import pytest
 from exo_sim import rig as rigs
 from exo_sim.control.least_load import LeastLoad
 from exo_sim.rig import Ankle
-from exo_sim.simulation import worn, worn_demand
+from exo_sim.simulation import worn
 from exo_sim.simulation.rehearsal import Rehearsals
 from exo_sim.simulation.summary import summarise
-from exo_sim.simulation.walk import Request, default_rig
+from exo_sim.simulation.walk import Request, Walk, rig_at_250_psi
 from exo_sim.simulation.worn import Simulation
 from exo_sim.simulation.worn_demand import rehearsed_by_body
 
@@ -19,7 +19,7 @@ from exo_sim.simulation.worn_demand import rehearsed_by_body
 @pytest.mark.parametrize(("mode", "watts", "push"), [("free", 700.0, 70.0), ("powered", 480.0, 20.0)])
 def test_an_ankle_without_a_spring_is_gone_on_with_from_the_better_of_two_starts(mode: str, watts: float, push: float) -> None:
     """From the plan alone the free ankle cost 902 W with hips of 77 N m, and the powered one pushed its wearer with 36 N."""
-    rig = dataclasses.replace(rigs.read(default_rig()), ankle=Ankle(mode))
+    rig = dataclasses.replace(rigs.read(rig_at_250_psi()), ankle=Ankle(mode))
     wearer = summarise(Simulation(rig, Request("level_walk", 34.0, cycles=5)).run())["wearer"]
     assert wearer["metabolic_w"]["value"] < watts and abs(wearer["forward_push_n"]) < push
     assert wearer["moment_rms_nm"]["hip"] < 40.0
@@ -28,18 +28,19 @@ def test_an_ankle_without_a_spring_is_gone_on_with_from_the_better_of_two_starts
 def test_inverse_dynamics_is_rehearsed_before_the_plan_where_there_are_two_rehearsals_and_not_where_there_are_fewer(
     monkeypatch: pytest.MonkeyPatch,
 ) -> None:
-    rig = dataclasses.replace(rigs.read(default_rig()), ankle=Ankle("free"))
-    once, tried = worn_demand._rehearse, []
+    rig = dataclasses.replace(rigs.read(rig_at_250_psi()), ankle=Ankle("free"))
+    once, tried = Rehearsals.learn_from, []
 
-    def watched(it: Simulation, rehearsals: Rehearsals) -> None:
-        once(it, rehearsals)
-        tried.append(it.demand)
+    def watched(it: Rehearsals, walk: Walk) -> float:
+        torque = it.plan.torque()
+        tried.append(np.concatenate([torque, torque[:1]]))
+        return once(it, walk)
 
     def walked(rehearsals: int) -> tuple[np.ndarray, list[np.ndarray]]:
         tried.clear()
         return Simulation(rig, Request("level_walk", 34.0, cycles=1, rehearsals=rehearsals)).demand, tried.copy()
 
-    monkeypatch.setattr(worn_demand, "_rehearse", watched)
+    monkeypatch.setattr(Rehearsals, "learn_from", watched)
     plan, none = walked(0)
     assert not none
     after_one, (first,) = walked(1)
@@ -66,5 +67,5 @@ def test_a_plan_that_is_rehearsed_by_another_wearer_stays_as_it_is(monkeypatch: 
         return demand, own
 
     monkeypatch.setattr(worn, "rehearsed_by_body", watched)
-    Simulation(rigs.read(default_rig()), Request("level_walk", 20.0, cycles=3, rehearsals=2, wearer="torques"))
+    Simulation(rigs.read(rig_at_250_psi()), Request("level_walk", 20.0, cycles=3, rehearsals=2, wearer="torques"))
     assert seen == ["watched", "watched"]

@@ -9,7 +9,7 @@ from exo_sim.control.machine_dynamics import PICK
 from exo_sim.control.strap_loads import StrapLoads
 from exo_sim.gait.moving_body import Moving, body_loads
 from exo_sim.machine.ground_reaction import hold, joint_moments
-from exo_sim.simulation.walk import Request, default_rig
+from exo_sim.simulation.walk import Request, rig_at_250_psi
 from exo_sim.simulation.worn import Simulation
 
 #: A torso strap that pushes its wearer back by so much, in the midst of right stance [N].
@@ -18,7 +18,7 @@ MUCH = 250.0
 
 @pytest.fixture(scope="module")
 def worn() -> Simulation:
-    return Simulation(rigs.read(default_rig()), Request("level_walk", 34.0, rehearsals=0))
+    return Simulation(rigs.read(rig_at_250_psi()), Request("level_walk", 34.0, rehearsals=0))
 
 
 def felt(it: Simulation, across: float) -> tuple[np.ndarray, np.ndarray, np.ndarray]:

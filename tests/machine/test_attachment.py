@@ -17,7 +17,7 @@ from exo_sim.rig import Attachment
 
 @pytest.fixture
 def exo(repository):
-    return rigs.read(repository / "assets" / "exo.toml")
+    return rigs.read(repository / "assets" / "exo_250_psi.toml")
 
 
 def test_points_are_counted_from_the_joint(exo):

@@ -21,7 +21,7 @@ from exo_sim.rig.schema import Ankle
 
 def worn(repository: Path, folder: Path, *changes: tuple[str, str]) -> Rig:
     """Return the machine that comes along, with lines of its rig changed."""
-    text = (repository / "assets" / "exo.toml").read_text()
+    text = (repository / "assets" / "exo_250_psi.toml").read_text()
     for old, new in changes:
         assert old in text
         text = text.replace(old, new)

@@ -8,6 +8,7 @@ import pytest
 
 from exo_sim import rig as rigs
 from exo_sim.errors import ModelError, ScenarioError
+from exo_sim.machine.attachment import attach
 from exo_sim.machine.linkage import check_strokes, moment_row
 from exo_sim.machine.person import COORDINATES, SEGMENTS, Person
 from exo_sim.machine.worn_model import build
@@ -19,13 +20,14 @@ def assets(repository: Path) -> Path:
     return repository / "assets"
 
 
-@pytest.mark.parametrize("name", ["exo", "bench"])
+@pytest.mark.parametrize("name", ["exo", "exo_250_psi", "bench"])
 def test_the_assets_open_as_they_are_and_their_rigs_fit(assets, name):
-    model = mujoco.MjModel.from_xml_path(str(assets / f"{name}.xml"))
+    rig = rigs.read(assets / f"{name}.toml")
+    model = mujoco.MjModel.from_xml_path(str(rig.model))
     data = mujoco.MjData(model)
     mujoco.mj_step(model, data)
     assert not any(warning.number for warning in data.warning)
-    rig = rigs.read(assets / f"{name}.toml")
+    attach(model, rig)
     check_strokes(rig, model)
 
 

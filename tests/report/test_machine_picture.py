@@ -15,7 +15,7 @@ from exo_sim.report import machine_picture
 
 @pytest.fixture(scope="module")
 def machine(repository: Path) -> rig.Rig:
-    return rig.read(repository / "assets" / "exo.toml")
+    return rig.read(repository / "assets" / "exo_250_psi.toml")
 
 
 @pytest.fixture(scope="module")

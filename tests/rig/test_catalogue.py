@@ -52,7 +52,7 @@ def test_euler_buckling_of_a_16_mm_rod():
 
 
 def test_mass_between_two_standard_bores(repository):
-    cylinder = rigs.read(repository / "assets" / "exo.toml").cylinders["knee_l"]
+    cylinder = rigs.read(repository / "assets" / "exo_250_psi.toml").cylinders["knee_l"]
     from dataclasses import replace
 
     assert estimated_mass(cylinder) == pytest.approx(entry(0.040).mass(cylinder.stroke))

@@ -122,13 +122,13 @@ def test_parts_that_a_cylinder_does_not_have() -> None:
 
 
 def test_what_acts_on_a_hinge_is_given_in_angles() -> None:
-    text = (ROOT / "assets" / "exo.toml").read_text(encoding="utf-8")
-    wrong = parse(text + '[effects.coulomb_friction.ankle_r]\nforce = "1 N"\n', ROOT / "assets" / "exo.toml")
+    text = (ROOT / "assets" / "exo_250_psi.toml").read_text(encoding="utf-8")
+    wrong = parse(text + '[effects.coulomb_friction.ankle_r]\nforce = "1 N"\n', ROOT / "assets" / "exo_250_psi.toml")
     with pytest.raises(ExoSimError, match=r"force: joint .ankle_r. of exo.xml turns: give it like .1 N.m"):
         load(wrong)
     with pytest.raises(ExoSimError, match="turns"):
         Simulation(wrong, Request("level_walk"))
-    load(parse(text + '[effects.coulomb_friction.ankle_r]\ntorque = "1 N m"\n', ROOT / "assets" / "exo.toml"))
+    load(parse(text + '[effects.coulomb_friction.ankle_r]\ntorque = "1 N m"\n', ROOT / "assets" / "exo_250_psi.toml"))
 
 
 def test_two_cylinders_on_one_actuator() -> None:

@@ -16,7 +16,7 @@ from exo_sim.simulation.worn import Simulation
 
 @pytest.fixture(scope="module")
 def exo(repository):
-    return rigs.read(repository / "exo_sim" / "assets" / "exo.toml")
+    return rigs.read(repository / "exo_sim" / "assets" / "exo_250_psi.toml")
 
 
 class Still:

@@ -10,12 +10,12 @@ from exo_sim import rig as rigs
 from exo_sim.rig.valve import with_edges, with_tank
 from exo_sim.simulation.gas_use import dryness
 from exo_sim.simulation.summary import Summary, span, summarise
-from exo_sim.simulation.walk import Request, default_rig
+from exo_sim.simulation.walk import Request, rig_at_250_psi
 
 
 @pytest.fixture(scope="module")
 def walked():
-    return simulate(rigs.read(default_rig()), Request("level_walk", cycles=4, law="inverse_dynamics"))
+    return simulate(rigs.read(rig_at_250_psi()), Request("level_walk", cycles=4, law="inverse_dynamics"))
 
 
 def test_the_gas_of_the_ledger_is_that_of_the_cylinders(walked):
@@ -42,7 +42,7 @@ def test_rod_work_is_what_the_gas_did_on_the_pistons(walked):
 
 
 def test_cylinders_may_be_called_otherwise_than_their_joints(walked, tmp_path):
-    text = default_rig().read_text().replace('"exo.xml"', f'"{default_rig().with_name("exo.xml")}"')
+    text = rig_at_250_psi().read_text().replace('"exo.xml"', f'"{rig_at_250_psi().with_name("exo.xml")}"')
     (tmp_path / "rig.toml").write_text(re.sub(r"\[cylinders\.(hip|knee)_", r"[cylinders.\1_actuator_", text))
     own = simulate(rigs.read(tmp_path / "rig.toml"), walked.request)
     found, usual = summarise(own), summarise(walked)
@@ -64,7 +64,7 @@ def test_pieces_say_what_the_whole_says(walked):
 
 
 def test_a_tank_saves_gas_at_the_same_torques_and_its_gain_is_taken_off():
-    edges = with_edges(rigs.read(default_rig()))
+    edges = with_edges(rigs.read(rig_at_250_psi()))
     request = Request("level_walk", cycles=4, law="inverse_dynamics")
     plain, tank = (simulate(rig, request) for rig in (edges, with_tank(edges, 2e-3)))
     without, found = summarise(plain), summarise(tank)

@@ -26,7 +26,7 @@ EFFECTS = {
 
 @pytest.fixture(params=list(EFFECTS.values()), ids=list(EFFECTS))
 def machine(request: pytest.FixtureRequest, repository: Path, tmp_path: Path) -> rig.Rig:
-    text = (repository / "assets" / "exo.toml").read_text()
+    text = (repository / "assets" / "exo_250_psi.toml").read_text()
     text = text.replace('"exo.xml"', f'"{(repository / "assets" / "exo.xml").as_posix()}"')
     text = text.replace("[cylinders.", "[cylinders.drive_")  # an effect at a name that both have is the cylinder's
     path = tmp_path / "exo.toml"

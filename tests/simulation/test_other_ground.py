@@ -17,7 +17,7 @@ from exo_sim.simulation.worn import Simulation
 
 @pytest.fixture(scope="module")
 def exo(repository):
-    return rigs.read(repository / "assets" / "exo.toml")
+    return rigs.read(repository / "assets" / "exo_250_psi.toml")
 
 
 @pytest.mark.parametrize("name", ["slope_up", "slope_down", "stairs_up", "stairs_down", "slow_walk", "fast_walk", "uneven_load"])

@@ -7,13 +7,13 @@ import pytest
 
 from exo_sim import rig as rigs
 from exo_sim.control.pressure_plan import INTERVALS
-from exo_sim.simulation.walk import Request, default_rig
+from exo_sim.simulation.walk import Request, rig_at_250_psi
 from exo_sim.simulation.worn import Simulation
 
 
 @pytest.fixture(scope="module")
 def walking():
-    plain = rigs.read(default_rig())
+    plain = rigs.read(rig_at_250_psi())
     edges = {name: replace(c, valve=replace(c.valve, independent=True)) for name, c in plain.cylinders.items()}
     return [Simulation(rig, Request("level_walk", 34.0, law="inverse_dynamics")) for rig in (plain, replace(plain, cylinders=edges))]
 

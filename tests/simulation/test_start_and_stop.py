@@ -16,12 +16,12 @@ from exo_sim.simulation.worn import Simulation
 
 @pytest.fixture(scope="module")
 def exo(repository):
-    return rigs.read(repository / "assets" / "exo.toml")
+    return rigs.read(repository / "assets" / "exo_250_psi.toml")
 
 
 @pytest.fixture(scope="module")
 def walk(exo):
-    return Simulation(exo, Request("start_and_stop", 34.0, cycles=2, rehearsals=3)).run()
+    return Simulation(exo, Request("start_and_stop", 34.0, cycles=2, rehearsals=6)).run()
 
 
 def test_it_walks_off_and_stands_again(walk):

@@ -8,13 +8,13 @@ from exo_sim import rig as rigs
 from exo_sim.errors import ScenarioError
 from exo_sim.simulation import record
 from exo_sim.simulation.summary import summarise
-from exo_sim.simulation.walk import Request, default_rig
+from exo_sim.simulation.walk import Request, rig_at_250_psi
 from exo_sim.simulation.worn import Simulation
 
 
 @pytest.fixture(scope="module")
 def walk():
-    return Simulation(rigs.read(default_rig()), Request("level_walk", 34.0, cycles=6, rehearsals=3, wearer="torques")).run()
+    return Simulation(rigs.read(rig_at_250_psi()), Request("level_walk", 34.0, cycles=6, rehearsals=3, wearer="torques")).run()
 
 
 @pytest.fixture(scope="module")
@@ -72,7 +72,7 @@ def test_what_is_written_has_his_joints_and_forces(tmp_path):
 
 def test_nobody_sits_without_a_chair():
     with pytest.raises(ScenarioError, match="no chair"):
-        Simulation(rigs.read(default_rig()), Request("sit_to_stand", 10.0, rehearsals=0, wearer="torques"))
+        Simulation(rigs.read(rig_at_250_psi()), Request("sit_to_stand", 10.0, rehearsals=0, wearer="torques"))
 
 
 def test_a_wearer_of_another_kind_is_refused():
@@ -99,6 +99,6 @@ def test_rehearsals_with_himself_leave_him_less_to_pull(walk, summary):
 @pytest.mark.slow
 def test_he_starts_and_stops_again_and_again() -> None:
     """With a demand as fast as for one who walks on he fell in his second walk; until the soles were soft at first, in his fourth."""
-    found = summarise(Simulation(rigs.read(default_rig()), Request("start_and_stop", 34.0, cycles=5, wearer="torques")).run())
+    found = summarise(Simulation(rigs.read(rig_at_250_psi()), Request("start_and_stop", 34.0, cycles=5, wearer="torques")).run())
     assert found["wearer"]["pelvis_residual"]["force_peak_n"] < 30.0
     assert found["wearer"]["pressure_centre_outside_share"] == 0.0 and abs(found["ledger"]["closure"]) < 1.0

@@ -8,13 +8,13 @@ from exo_sim import rig as rigs
 from exo_sim.control import machine_dynamics
 from exo_sim.machine.linkage import moment_row
 from exo_sim.simulation.torque_limits import too_weak, torque_limits
-from exo_sim.simulation.walk import Request, default_rig
+from exo_sim.simulation.walk import Request, rig_at_250_psi
 from exo_sim.simulation.worn import Simulation
 
 
 @pytest.fixture(scope="module")
 def vented():
-    return Simulation(rigs.read(default_rig()), Request("stand", cycles=1, assist="vented"))
+    return Simulation(rigs.read(rig_at_250_psi()), Request("stand", cycles=1, assist="vented"))
 
 
 def test_the_limits_are_the_largest_forces_times_the_arm(vented):

@@ -25,7 +25,7 @@ from exo_sim.simulation.wearer_load import alone, own, wearing, with_machine
 
 @pytest.fixture(scope="module")
 def exo(repository):
-    return rigs.read(repository / "assets" / "exo.toml")
+    return rigs.read(repository / "assets" / "exo_250_psi.toml")
 
 
 @pytest.fixture(scope="module")
@@ -264,7 +264,7 @@ def test_the_table_has_the_contracts_columns(on):
 
 
 def test_what_no_cylinder_from_a_shelf_stands_is_said(on):
-    """The machine as it comes runs at 18.25 bar, twice what its cylinders are rated for, and its gas gets cold."""
+    """The machine at the paper's pressure runs at 18.25 bar, twice what its cylinders are rated for, and its gas gets cold."""
     pressure, cold = summarise(on)["warnings"]
     assert "rated for 11 bar" in pressure and "ice" in cold
     within = {"knee_r": {"pressure_peak_pa": 8e5, "temperature_least_k": 275.0}}

@@ -14,7 +14,7 @@ from exo_sim.simulation.worn import Simulation
 
 @pytest.fixture(scope="module")
 def exo(repository):
-    return rigs.read(repository / "assets" / "exo.toml")
+    return rigs.read(repository / "assets" / "exo_250_psi.toml")
 
 
 @pytest.mark.parametrize("law", ["least_load", "inverse_dynamics"])

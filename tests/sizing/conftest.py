@@ -10,7 +10,7 @@ from exo_sim.sizing.study import space_of
 
 @pytest.fixture(scope="session")
 def exo(repository):
-    return rigs.read(repository / "assets" / "exo.toml")
+    return rigs.read(repository / "assets" / "exo_250_psi.toml")
 
 
 @pytest.fixture(scope="session")

@@ -37,7 +37,7 @@ area = "20 mm^2"
 def driven(repository, tmp_path_factory):
     """The machine that comes along with a cylinder behind each shank down to the heel."""
     folder = tmp_path_factory.mktemp("ankle")
-    model, text = ((repository / "assets" / name).read_text(encoding="utf-8") for name in ("exo.xml", "exo.toml"))
+    model, text = ((repository / "assets" / name).read_text(encoding="utf-8") for name in ("exo.xml", "exo_250_psi.toml"))
     for side in "lr":
         heel, knee = f'<site name="foot_{side}_strap_heel"', f'<site name="knee_{side}_rod"'
         model = model.replace(heel, f'<site name="ankle_{side}_rod" pos="-0.08 0 -0.03"/>{heel}')

@@ -5,14 +5,14 @@ import pytest
 
 from exo_sim import rig as rigs
 from exo_sim.rig.catalogue import find
-from exo_sim.simulation.walk import Request, default_rig
+from exo_sim.simulation.walk import Request, rig_at_250_psi
 from exo_sim.simulation.worn import Simulation
 from exo_sim.sizing.rods import _rate, _side_load, rod_checks
 
 
 @pytest.fixture(scope="module")
 def walk():
-    return Simulation(rigs.read(default_rig()), Request("level_walk", 34.0, cycles=2, law="inverse_dynamics")).run()
+    return Simulation(rigs.read(rig_at_250_psi()), Request("level_walk", 34.0, cycles=2, law="inverse_dynamics")).run()
 
 
 def test_the_push_is_the_walks_and_the_buckling_load_euler_s(walk):

@@ -1,7 +1,7 @@
 """A learnt policy: torques of hip and knee over the gait phase, found by CMA-ES in `exo_sim.environments`.
 
 `scripts/learn_policy` learnt `learnt_policy.json`: mean, cosines and sines of each joint's torque over the phase of its own leg.
-Run it with `exo-sim run level_walk --controller learnt_policy.py:LearntPolicy`.
+Run it with `exo-sim run level_walk --rig exo_250_psi --controller learnt_policy.py:LearntPolicy`, the machine that it was learnt on.
 """
 
 from __future__ import annotations

@@ -19,7 +19,7 @@ from exo_sim.recording import Recording
 from exo_sim.recording.filters import SmoothedMotion
 from exo_sim.rig import JointFactors, Rig, read
 from exo_sim.simulation.record import recording
-from exo_sim.simulation.walk import Request, default_rig
+from exo_sim.simulation.walk import Request, rig_at_250_psi
 from exo_sim.simulation.worn import Simulation
 
 LOADED = 41.0
@@ -27,7 +27,7 @@ LOADED = 41.0
 
 @pytest.fixture(scope="module")
 def rig() -> Rig:
-    return read(default_rig())
+    return read(rig_at_250_psi())
 
 
 def walked(rig: Rig, mass: float) -> Recording:

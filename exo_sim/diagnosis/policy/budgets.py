@@ -68,6 +68,10 @@ LAW_STARTS = Count(
 )  # fmt: skip
 FEW_SAMPLES = Count(2000, "samples", "predictions of fewer cost little: every candidate is then fitted, whatever its score")
 ADAPTED = Count(2, "times", "the error process is estimated anew from what the best subset leaves")
+MOST_BEGUN_FROM_NESTED = Count(
+    3, "fits", "of one model from models with an effect less that are more likely than it: each is the more likely of two",
+    "asserted; the friction of X572, which its fit left 22 times the noise of, and without its Coulomb part 3.7",
+)  # fmt: skip
 RUNNERS_UP = Count(3, "candidates", "that were put aside are looked at once more, and listed")
 
 # -- a linear family ------------------------------------------------------------------------------------------------------------

@@ -25,6 +25,7 @@ from exo_sim.diagnosis.selection.law_forms import as_fitted, fitted_forms, plain
 from exo_sim.diagnosis.selection.laws import errors_about, reach_of_laws, reaching
 from exo_sim.diagnosis.selection.marginal_fit import MarginalFits
 from exo_sim.diagnosis.selection.model_fits import ModelFits
+from exo_sim.diagnosis.selection.nested_fits import no_worse_than_nested
 from exo_sim.diagnosis.selection.nonparametric_terms import nonparametric_terms, unnamed
 from exo_sim.diagnosis.selection.refitted_finalists import best_refitted
 from exo_sim.diagnosis.selection.simpler_forms import no_richer_than_needed, poorer_than, richer_beside, rivals_of_either
@@ -73,7 +74,10 @@ class FamilySearch:
         if exceeds and not nonparametric_terms(self.weighing.terms(best)):
             refit = self.finalist_fits.refitted
             found = best_refitted(first, finalists, self._names, refit, lambda model: evidence.log_evidence(model, best.spreads))
-        beside, final = found.beside, found.model
+        beside = found.beside
+        final = no_worse_than_nested(
+            found.model, lambda chosen, near, again: beside.fit(chosen, near, refined=True, again=again), beside.deficit
+        )
         if found is not first:
             probabilities |= {c.at: evidence.probability_in(c, final, best.spreads) for c in final.candidates}
         forms = fitted_forms(
@@ -84,7 +88,7 @@ class FamilySearch:
         if found.names_suffice:  # the subset had a part of them without a name, and its numbers are of the rest
             laws = [as_fitted(final, self.fits.standard_errors(final))]
         laws = weighed_as_fitted(laws, forms, final, self.fits.standard_errors)
-        plain = self.fits.refined(self.fits.fit(final.candidates, final))
+        plain = self.fits.refined(self.fits.fit(final.candidates, final, again=final is not found.model))
         final = predicting_best(final, plain, errors_about(final, laws))
         relaxed = self._without_straining(plain, comparisons)
         if relaxed is not plain:

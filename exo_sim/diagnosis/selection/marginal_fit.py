@@ -73,9 +73,11 @@ class MarginalFits:
         self._model, self._correlation_time = BesideDiscrepancy(fits.model, basis, spreads, correlation_time), correlation_time
         self.beside = ModelFits(self._model, fits.nuisances, fits.threads, fits.cheap, fits.is_spent)
 
-    def fit(self, candidates: Sequence[Candidate], near: FittedModel | None = None, refined: bool = False) -> FittedModel:
-        """Return a fit of these candidates, with the residual and the Jacobian of the subsystem."""
-        found = self.beside.fit(candidates, near)
+    def fit(
+        self, candidates: Sequence[Candidate], near: FittedModel | None = None, refined: bool = False, again: bool = False
+    ) -> FittedModel:
+        """Return a fit of these candidates, with the residual and the Jacobian of the subsystem; `again` as of `ModelFits.fit`."""
+        found = self.beside.fit(candidates, near, again)
         if refined:
             found = self.beside.refined(found)
         return self._as_plain(found)

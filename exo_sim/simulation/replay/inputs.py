@@ -129,7 +129,7 @@ def start_pressures(pieces: Sequence[Steps], starts: NDArray[np.int64], time: Ar
     for w, start in enumerate(starts):
         piece = next(piece for piece in reversed(pieces) if piece.offset <= start)
         at = int(np.searchsorted(time, piece.time[start - piece.offset] - 1e-9))
-        found[w] = start_value(values[at : min(piece.last, at + points)].copy(), points)  # the last bit of a sum hangs on where numbers lie
+        found[w] = start_value(values[at : min(piece.last, at + points)], points)
     return found
 
 

@@ -7,7 +7,9 @@ from __future__ import annotations
 
 from typing import Any
 
-__version__ = "0.2.0"
+from exo_sim.version import VERSION
+
+__version__ = VERSION
 
 #: Name to the module of `exo_sim.api` that holds it.
 _API = {

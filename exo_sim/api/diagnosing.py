@@ -64,12 +64,12 @@ class Diagnosis:
 
     @property
     def rig(self) -> Rig:
-        """Return the improved rig: as believed, with what was found put in."""
+        """Return the improved rig: as given, with what was found put in."""
         return Rig.parse(self.result.improved, self._folder)
 
     @property
     def fit(self) -> Mapping[str, records.SignalFit]:
-        """Return, by signal, the error on time that was kept back: `before`, `after`, and the sensor's `noise`, in SI."""
+        """Return, by signal, the error on held-out time: `before`, `after`, and the sensor's `noise`, in SI."""
         return self.result.signals
 
     @property

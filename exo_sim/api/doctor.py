@@ -14,9 +14,9 @@ from typing import Any
 
 from packaging.requirements import Requirement
 
-import exo_sim
 from exo_sim.errors import one_line
 from exo_sim.plain_text import table
+from exo_sim.version import VERSION
 
 #: What each extra is for.
 _EXTRAS = {
@@ -62,8 +62,8 @@ class Health:
     def summary(self) -> dict[str, Any]:
         """Return what `exo-sim doctor --json` prints."""
         return {
-            "schema": "exo-sim/doctor/1", "version": exo_sim.__version__, "python": platform.python_version(),
-            "platform": platform.platform(), "package": str(Path(exo_sim.__file__).parent), "works": not self.exit_status,
+            "schema": "exo-sim/doctor/1", "version": VERSION, "python": platform.python_version(),
+            "platform": platform.platform(), "package": str(Path(__file__).parents[1]), "works": not self.exit_status,
             "checks": [vars(check) for check in self.checks],
         }  # fmt: skip
 
@@ -73,9 +73,9 @@ class Health:
         return 2 if any(check.state == "fault" and not check.needed_by for check in self.checks) else 0
 
     def __str__(self) -> str:
-        head = f"exo-sim {exo_sim.__version__}, Python {platform.python_version()}, {platform.platform()}"
+        head = f"exo-sim {VERSION}, Python {platform.python_version()}, {platform.platform()}"
         rows = [[one.state, one.what, f"for {one.needed_by}" if one.needed_by else "", one.says] for one in self.checks]
-        return f"{head}\n{Path(exo_sim.__file__).parent}\n\n{table(rows)}"
+        return f"{head}\n{Path(__file__).parents[1]}\n\n{table(rows)}"
 
     def __repr__(self) -> str:
         return str(self)

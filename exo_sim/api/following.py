@@ -3,15 +3,15 @@
 from __future__ import annotations
 
 import os
-import time
 from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 
 from exo_sim.api.arguments import Columns, reading_of
+from exo_sim.api.moment import Moment
 from exo_sim.api.recording import Recording
 from exo_sim.api.rig import Rig
-from exo_sim.api.simulated import Run, summary_of, target_of
+from exo_sim.api.simulated import Run, summary_of, target_of, times_of
 from exo_sim.errors import RecordingError, ScenarioError
 from exo_sim.outputs import check_writable
 from exo_sim.recording import table as table_of
@@ -55,13 +55,13 @@ def follow(
         if source and source.exists() and any(p.exists() and p.samefile(source) for p in (target, target.with_suffix(".parquet"))):
             raise RecordingError(f'"{source}" would be overwritten by the run; name another file with --out')
         check_writable(target.parent)
-    begun = time.perf_counter()
+    begun = Moment.now()
     reading = reading_of(motion, columns)
     for finding in reading.findings:
         if finding.severity != "info":
             tell(finding.says)
     simulation = UnwornSimulation(rig, reading.recording, controller, called, seed)
-    prepared = time.perf_counter()
+    prepared = Moment.now()
     with interrupts_noted() as asked_to_stop:
         done = simulation.run(quiet, asked_to_stop)
     for words in simulation.remarks:
@@ -71,5 +71,5 @@ def follow(
     run = Run(rig, name, summary, simulation.remarks, target, done.interrupted or asked_to_stop(), done, seed)
     if target is not None:
         run.save(target)
-        run.summary["wall_s"] = time.perf_counter() - prepared
+        run.summary.update(times_of(begun, prepared))
     return run

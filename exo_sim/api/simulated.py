@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import os
 import shutil
-import time
 from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import cached_property
@@ -12,6 +11,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from exo_sim.api.arguments import check_target
+from exo_sim.api.moment import Moment
 from exo_sim.api.notebook import html_table
 from exo_sim.api.recording import Recording
 from exo_sim.api.rig import Rig
@@ -142,17 +142,23 @@ def target_of(out: str | os.PathLike[str] | bool, name: str) -> Path | None:
     return check_target(f"{name}.rrd" if out is True else out)
 
 
-def summary_of(numbers: dict[str, Any], begun: float, prepared: float, remarks: tuple[str, ...]) -> dict[str, Any]:
-    """Return what a run says: its numbers, how long preparing and simulating took, and what is to be said.
+def summary_of(numbers: dict[str, Any], begun: Moment, prepared: Moment, remarks: tuple[str, ...]) -> dict[str, Any]:
+    """Return what a run says: its numbers, how long preparing, simulating and compiling took, and what is to be said.
 
     Args:
         numbers: Of the simulation.
-        begun, prepared: When preparing and simulating began, as `time.perf_counter` says [s].
+        begun, prepared: When preparing and simulating began.
         remarks: Plain sentences.
     """
-    times = {"wall_s": time.perf_counter() - prepared, "prepared_s": prepared - begun}
+    times = times_of(begun, prepared)
     first = {key: numbers.pop(key) for key in ("schema", "scenario", "simulated_s")}
     return first | times | numbers | ({"remarks": list(remarks)} if remarks else {})
+
+
+def times_of(begun: Moment, prepared: Moment) -> dict[str, float]:
+    """Return how long simulating and preparing took until now, and compiling, which neither counts [s]."""
+    now = Moment.now()
+    return {"wall_s": prepared.until(now), "prepared_s": begun.until(prepared), "compiled_s": now.compiled - begun.compiled}
 
 
 def _copied(source: Path, target: Path) -> None:

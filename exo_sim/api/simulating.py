@@ -3,13 +3,13 @@
 from __future__ import annotations
 
 import os
-import time
 from collections.abc import Callable
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from exo_sim.api.arguments import Columns, Quantity, RigLike, columns_of, payload_of, rig_of
 from exo_sim.api.following import MOTIONS, follow, is_motion, nobody_walks
+from exo_sim.api.moment import Moment
 from exo_sim.api.recording import Recording
 from exo_sim.api.simulated import Run, summary_of, target_of
 from exo_sim.errors import ScenarioError
@@ -18,7 +18,7 @@ from exo_sim.outputs import check_writable
 from exo_sim.recording import table as table_of
 
 if TYPE_CHECKING:
-    from exo_sim.gait.scenario import Scenario
+    from exo_sim.gait.scenario_record import Scenario
 
 
 def simulate(
@@ -92,14 +92,14 @@ def simulate(
     if target is not None:
         import pyarrow.parquet  # noqa: F401 - both now, so that their start is not taken for work
         import rerun  # noqa: F401
-    begun = time.perf_counter()
+    begun = Moment.now()
     if target is not None:
         check_writable(target.parent)
     of_gait = () if given is None else given.remarks
     for words in of_gait:  # now: what cannot be walked is often a gait of which they tell
         tell(words)
     simulation = Simulation(machine, request, mine, seed)
-    prepared = time.perf_counter()
+    prepared = Moment.now()
     before = simulation.remarks
     for words in before:
         if words not in of_gait:

@@ -16,7 +16,7 @@ from exo_sim.cli.frame import verb
     out="Recording for the viewer (.rrd), recorded and simulated overlaid; RECORDING_compared.rrd when absent.",
 )
 @click.argument("recording", type=options.InputFile())
-@click.option("--rig", type=options.RigFile(), required=True, help="The machine as it is believed to be.")
+@click.option("--rig", type=options.RigFile(), required=True, help="The machine as its owner gives it.")
 @click.option("--columns", type=options.InputFile(), default=None, help="Column map (TOML) for foreign names.")
 @click.option(
     "--motion",

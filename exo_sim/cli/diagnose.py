@@ -17,7 +17,7 @@ from exo_sim.cli.frame import verb
     seed=True,
 )
 @click.argument("recordings", type=options.InputFile(), nargs=-1, required=True, metavar="RECORDING...")
-@click.option("--rig", type=options.RigFile(), required=True, help="The machine as it is believed to be.")
+@click.option("--rig", type=options.RigFile(), required=True, help="The machine as its owner gives it.")
 @click.option("--columns", type=options.InputFile(), default=None, help="Column map (TOML) for foreign names.")
 @click.option("--budget", type=options.Quantity("s", low=1.0), default=None, help="After this time the best answer so far comes.")
 @click.option("--jobs", type=click.IntRange(1, 1024), default=None, help="Threads; all cores when absent. The answer is the same.")

@@ -26,7 +26,7 @@ def command(name: str | None, out: Path | None, as_json: bool, quiet: bool) -> N
         printing.show({"schema": "exo-sim/effects/1", "effects": entries}, text, as_json=as_json, out=out)
         return
     if name in CALIBRATIONS:
-        raise RigError(f"{name} is a believed number, not an effect: change {CALIBRATIONS[name]} in the rig")
+        raise RigError(f"{name} is a nominal number of the rig, not an effect: change {CALIBRATIONS[name]} in the rig")
     if name not in known:
         raise RigError(f'there is no effect "{name}"{nearest(name, known)}')
     effect = known[name]

@@ -10,8 +10,8 @@ from typing import Any
 
 import click
 
-import exo_sim
 from exo_sim.errors import nearest
+from exo_sim.version import VERSION
 
 #: The verbs in the order of the list; one is there as soon as its file is.
 VERBS = ("run", "scenarios", "inspect", "view", "compare", "diagnose", "effects", "size", "trial", "doctor")
@@ -143,4 +143,4 @@ program = Program(
     subcommand_metavar="VERB ...",
     options_metavar="",
 )
-click.version_option(exo_sim.__version__, prog_name="exo-sim", message="%(prog)s %(version)s")(program)
+click.version_option(VERSION, prog_name="exo-sim", message="%(prog)s %(version)s")(program)

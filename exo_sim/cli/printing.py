@@ -12,7 +12,7 @@ from exo_sim.cli import streams
 from exo_sim.errors import printable
 from exo_sim.plain_text import json_text, table
 
-__all__ = ["json_text", "prints_on_stderr", "remark", "show", "table"]
+__all__ = ["compiling", "json_text", "prints_on_stderr", "remark", "show", "table"]
 
 
 def show(data: dict[str, Any], text: str, *, as_json: bool, out: Path | None = None) -> None:
@@ -40,6 +40,11 @@ def remark(text: str, *, quiet: bool = False) -> None:
     """Print a line for a person, on stderr."""
     if not quiet:
         streams.say(text)
+
+
+def compiling(seconds: float) -> str:
+    """Return what a first run took to compile as words behind its time; "" where next to nothing was compiled."""
+    return f", beside {seconds:.1f} s of compiling" if seconds >= 0.05 else ""
 
 
 def _in_ascii(text: str) -> str:

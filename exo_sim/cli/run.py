@@ -98,7 +98,7 @@ def command(scenario: str | None, gait: Path | None, ground: Path | None, column
             tell=lambda words: aside(lambda: printing.remark(f"exo-sim: {words}", quiet=quiet)),
         )  # fmt: skip
     numbers = dict(done.summary)
-    first = {key: numbers.pop(key) for key in ("schema", "scenario", "simulated_s", "wall_s", "prepared_s")}
+    first = {key: numbers.pop(key) for key in ("schema", "scenario", "simulated_s", "wall_s", "prepared_s", "compiled_s")}
     data = {**first, "recording": done.path, "table": done.table, **numbers}
     printing.show(data, (_words if "wearer" in data else motion_words)(data), as_json=as_json)
     if done.interrupted:
@@ -115,7 +115,8 @@ def _words(data: dict[str, Any]) -> str:
     lines = [
         *([data["unreliable"], ""] if "unreliable" in data else []),
         f"{data['scenario']}: {data['simulated_s']:.2f} s simulated in {data['wall_s']:.2f} s, "
-        f"{pace:.{0 if pace >= 10.0 else 2}f} times real time (prepared in {data['prepared_s']:.2f} s)",
+        f"{pace:.{0 if pace >= 10.0 else 2}f} times real time "
+        f"(prepared in {data['prepared_s']:.2f} s{printing.compiling(data['compiled_s'])})",
         f"weight of frame and payload {data['supported_weight_n']:.1f} N; ground and straps carry {carried:.1f} N, "
         f"the ground {100 * data['mean_ground_force_n'] / data['supported_weight_n']:.0f} %",
         f"torso straps, up: mean {straps['torso_vertical_mean']:.0f} N, rms {straps['torso_rms']:.0f} N, "

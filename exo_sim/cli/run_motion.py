@@ -25,7 +25,7 @@ def motion_words(data: dict[str, Any]) -> str:
     ]  # fmt: skip
     books = data["books"]
     return "\n".join([
-        f"{data['scenario']}: {data['simulated_s']:.2f} s simulated in {data['wall_s']:.2f} s", "",
+        f"{data['scenario']}: {data['simulated_s']:.2f} s simulated in {data['wall_s']:.2f} s{printing.compiling(data['compiled_s'])}", "",
         printing.table(rows, ["joint", "error rms", "error peak", "made rms", "made peak"]), "",
         printing.table(cylinders, ["cylinder", "peak bar", "paths choked %", "force error rms N", "gas g"]), "",
         f"conservation error, relative: gas mass {books['gas_mass_residual']:.0e}, energy {books['gas_energy_residual']:.0e}",

@@ -28,7 +28,7 @@ _JOBS = click.option(
 )
 @click.option("--cases", type=click.IntRange(1), default=None, help=f"How many cases, drawn by chance.  [default: {_CASES}]")
 @click.option("--every", type=click.IntRange(1), default=None, metavar="DRAWS",
-              help="Instead: every effect at ten detection limits, so many times each; on a bench, on a bench whose believed "
+              help="Instead: every effect at ten detection limits, so many times each; on a bench, on a bench whose nominal "
               "numbers hide it, and on a walking leg.")
 @click.option("--truth", type=click.Choice(TRUTHS), default="own", show_default=True,
               help="own: effects one at a time or a few together; whole: whole machines of an independent truth, every real effect at "

@@ -10,6 +10,7 @@ from itertools import product
 import numpy as np
 from numpy.typing import NDArray
 
+from exo_sim.conventions import limits
 from exo_sim.conventions.check import Check, named
 from exo_sim.conventions.gas_balance import least_at, misfits_by_zero, worse_without
 from exo_sim.conventions.machine import Machine, chamber_columns, columns_of
@@ -20,30 +21,6 @@ Array = NDArray[np.float64]
 
 #: Units that pressures are written in, in Pa; what stands under the heading of one may have been written in another.
 UNITS = {"Pa": 1.0, "bar": 1e5, "kPa": 1e3, "psi": 6894.757293168361, "MPa": 1e6, "mbar": 1e2}
-#: The chambers of a machine reach no less than this share of the atmosphere, and no more than this many times the supply: else the
-#: unit is another. Of one column among others that are as they should be, only a reading that is next to a vacuum tells it [Pa].
-_LEAST, _MOST, _VACUUM = 0.5, 5.0, 1e3
-#: How near the largest pressure must come to the supply in the unit that is taken.
-_NEAR = (0.4, 1.25)
-#: A chamber that vents rests within this share of the atmosphere from it.
-_RESTS = 0.1
-#: Share of the time that it must be there to outweigh a gas balance that says otherwise.
-_DWELLS = 0.2
-#: Atmospheres that the gas balance of a gauge column wants added, more than: alone, and beside a supply that is off by one; and less
-#: than. Those of 93 benches and legs with all kinds of physics left out, absolute all, want -0.5 to 0.5.
-_GAUGE, _GAUGE_BESIDE, _MOST_GAUGE, _ABSOLUTE = 0.65, 0.3, 1.6, 0.35
-#: How near to an atmosphere below the rig's a supply must be to count from there, as a share of it.
-_OFF_BY = 0.15
-#: Quantile of a supply that is taken for what it is set to: one that sags by an atmosphere for half of the time is not gauge.
-_FULL = 0.9
-#: Misfits must differ by this factor to tell the zero of one chamber, and of all columns together, which from so many atmospheres on
-#: is the atmosphere. Misfits as recorded must be so many times those with an atmosphere added, too: of 78 absolute columns of whole
-#: machines of learn makes a parabola's least alone calls two gauge, both together none.
-_CONTRAST, _COMMON_CONTRAST, _COMMON = 1.5, 1.1, 0.6
-#: Chambers that never vent, beside a supply that is absolute, tell together: every one holds better with an atmosphere added, and the
-#: product of the factors by which the misfits fall is more than this. On 23 recordings of cylinders of other makers, absolute all, the
-#: product is 0.72 at most; with the atmosphere taken off their chambers it tells four that nothing else does, 1.32 to 1.84.
-_TOGETHER = 1.3
 
 
 def in_pascal(recording: Recording, machine: Machine) -> tuple[Recording, list[Check]]:
@@ -51,7 +28,7 @@ def in_pascal(recording: Recording, machine: Machine) -> tuple[Recording, list[C
     keys = [key for key in (*chamber_columns(recording, machine), "supply.pressure", "exhaust.pressure") if key in recording]
     odd = [key for key in keys if _is_odd(recording[key], recording.time, machine)]
     if any(key not in odd for key in chamber_columns(recording, machine)):
-        odd = [key for key in odd if _ends(recording[key])[1] < _VACUUM]
+        odd = [key for key in odd if _ends(recording[key])[1] < limits.VACUUM]
     if not odd or machine.supply is None:
         return recording, []
     lows, highs = zip(*(_ends(recording[key]) for key in odd))
@@ -78,20 +55,20 @@ def _is_odd(values: Array, time: Array, machine: Machine) -> bool:
     if not np.isfinite(values).any():
         return False
     low, high = _ends(values)
-    if high > _MOST * max(machine.supply or 0.0, machine.atmosphere):
+    if high > limits.MOST * max(machine.supply or 0.0, machine.atmosphere):
         return True
     swing = high - low
     # a vented chamber that counts from the atmosphere shows nothing but noise
-    return 0.0 < high < _LEAST * machine.atmosphere and (swing > 20.0 * noise.floor(values, time).std or low > 0.5 * high)
+    return 0.0 < high < limits.LEAST * machine.atmosphere and (swing > 20.0 * noise.floor(values, time).std or low > 0.5 * high)
 
 
 def _unit(low: float, high: float, machine: Machine) -> tuple[str, float] | None:
     """Return the unit in which the largest pressure comes nearest to the supply, and what the column must be multiplied with.
 
     The reader took the column in its heading's unit, so that of a column in `unit` under the heading of another the factor is the
-    ratio of both.
+    ratio of both. A load that is stopped compresses further than the supply.
     """
-    return _nearest(low, high, machine, _NEAR[1]) or _nearest(low, high, machine, _MOST)  # a load that is stopped compresses further
+    return _nearest(low, high, machine, limits.NEAR_HIGH) or _nearest(low, high, machine, limits.MOST)
 
 
 def _nearest(low: float, high: float, machine: Machine, times: float) -> tuple[str, float] | None:
@@ -102,7 +79,7 @@ def _nearest(low: float, high: float, machine: Machine, times: float) -> tuple[s
         factor = size / heading
         for lifted in (0.0, machine.atmosphere):
             most, least = factor * high + lifted, factor * low + lifted
-            near = _NEAR[0] * machine.supply <= most <= times * machine.supply
+            near = limits.NEAR_LOW * machine.supply <= most <= times * machine.supply
             if factor == 1.0 or not near or least < 0.5 * machine.atmosphere:
                 continue
             far = abs(math.log(most / machine.supply)) + 0.3 * abs(math.log(least / machine.atmosphere))
@@ -157,8 +134,8 @@ def _zeros(recording: Recording, machine: Machine, supply_is_gauge: bool) -> dic
     """
     found = {}
     for key, misfits in _misfits(recording, machine, with_supply=False).items():
-        zero = least_at(misfits, _CONTRAST)
-        if zero is not None and (zero < _ABSOLUTE or worse_without(misfits) > (1.0 if supply_is_gauge else _CONTRAST)):
+        zero = least_at(misfits, limits.CONTRAST)
+        if zero is not None and (zero < limits.ABSOLUTE or worse_without(misfits) > (1.0 if supply_is_gauge else limits.CONTRAST)):
             found[key] = zero
     return found
 
@@ -166,13 +143,13 @@ def _zeros(recording: Recording, machine: Machine, supply_is_gauge: bool) -> dic
 def _together_gauge(recording: Recording, machine: Machine) -> bool:
     """Return whether all chambers that tell hold better with an atmosphere added, together plainly so; False where fewer than two tell."""
     factors = [worse_without(misfits) for misfits in _misfits(recording, machine, with_supply=False).values()]
-    return len(factors) > 1 and min(factors) > 1.0 and math.prod(factors) > _TOGETHER
+    return len(factors) > 1 and min(factors) > 1.0 and math.prod(factors) > limits.TOGETHER
 
 
 def _common_zero(recording: Recording, machine: Machine) -> float | None:
     """Return what must be added to all pressures, the supply's too, in atmospheres; None where the balances do not tell."""
     misfits = list(_misfits(recording, machine, with_supply=True).values())
-    return least_at(np.sum(misfits, axis=0), _COMMON_CONTRAST) if misfits else None
+    return least_at(np.sum(misfits, axis=0), limits.COMMON_CONTRAST) if misfits else None
 
 
 def _misfits(recording: Recording, machine: Machine, with_supply: bool) -> dict[str, Array]:
@@ -192,10 +169,10 @@ def _kind(zero: float | None, common: float | None, supply_is_gauge: bool) -> st
     """Return from where a pressure counts whose balance holds best with `zero` atmospheres added, all pressures' with `common`."""
     if zero is None:
         return ""
-    least = _GAUGE_BESIDE if supply_is_gauge else _GAUGE
-    if supply_is_gauge and common is not None and common < _COMMON:
+    least = limits.GAUGE_BESIDE if supply_is_gauge else limits.GAUGE
+    if supply_is_gauge and common is not None and common < limits.COMMON:
         return "absolute"  # the rig's supply is off by the atmosphere, not the columns
-    return "gauge" if least < zero < _MOST_GAUGE else "absolute" if abs(zero) < _ABSOLUTE else ""
+    return "gauge" if least < zero < limits.MOST_GAUGE else "absolute" if abs(zero) < limits.ABSOLUTE else ""
 
 
 def _counts_from(values: Array, time: Array, machine: Machine, by_balance: str) -> str:
@@ -205,8 +182,8 @@ def _counts_from(values: Array, time: Array, machine: Machine, by_balance: str) 
     """
     rests = _rests_at(values, time, machine)
     if rests == "absolute" and by_balance == "gauge":
-        there = np.abs(values[np.isfinite(values)] - machine.atmosphere) < _RESTS * machine.atmosphere
-        return "absolute" if float(np.mean(there)) > _DWELLS else "gauge"
+        there = np.abs(values[np.isfinite(values)] - machine.atmosphere) < limits.RESTS * machine.atmosphere
+        return "absolute" if float(np.mean(there)) > limits.DWELLS else "gauge"
     return rests or by_balance
 
 
@@ -215,7 +192,7 @@ def _rests_at(values: Array, time: Array, machine: Machine) -> str:
     present = values[np.isfinite(values)]
     if not len(present):
         return ""
-    slack = _RESTS * machine.atmosphere
+    slack = limits.RESTS * machine.atmosphere
     low = float(np.quantile(present, 0.01))
     if float(present.max()) < 3.0 * slack and float(np.ptp(present)) == 0.0:
         return ""  # a dead sensor, or a chamber that nobody measured
@@ -232,10 +209,10 @@ def _shared(recording: Recording, machine: Machine) -> tuple[str, ...]:
     found = []
     supply, exhaust = recording.get("supply.pressure"), recording.get("exhaust.pressure")
     if supply is not None and machine.supply is not None:
-        usual = float(np.nanquantile(supply, _FULL))  # where it sags it is below what it is set to
-        if abs(usual + machine.atmosphere - machine.supply) < _OFF_BY * machine.atmosphere:
+        usual = float(np.nanquantile(supply, limits.FULL))  # where it sags it is below what it is set to
+        if abs(usual + machine.atmosphere - machine.supply) < limits.OFF_BY * machine.atmosphere:
             found.append("supply.pressure")
-    if exhaust is not None and abs(float(np.nanmedian(exhaust))) < _RESTS * machine.atmosphere:
+    if exhaust is not None and abs(float(np.nanmedian(exhaust))) < limits.RESTS * machine.atmosphere:
         found.append("exhaust.pressure")
     return tuple(found)
 

@@ -28,7 +28,7 @@ def says(effect: str) -> str:
 
 
 def calibration(name: str, parameter: str, factor: float) -> str:
-    """Return how a believed number is off."""
+    """Return how a nominal number is off."""
     part = {
         "valve_area": "valve area",
         "dead_volume_1": "dead volume of chamber 1",
@@ -36,9 +36,9 @@ def calibration(name: str, parameter: str, factor: float) -> str:
     }
     if name in declared():
         what = f"{name_of(parameter)} of the {name_of(name)} that the rig has"
-        return f"The {what} is {abs(factor - 1.0) * 100:.0f} % {'larger' if factor > 1.0 else 'smaller'} than believed."
+        return f"The {what} is {abs(factor - 1.0) * 100:.0f} % {'larger' if factor > 1.0 else 'smaller'} than nominal."
     what = {PAYLOAD_MASS: "moved mass"}.get(name, part.get(parameter, name_of(name)))
-    return f"The {what} is {abs(factor - 1.0) * 100:.1f} % {'larger' if factor > 1.0 else 'smaller'} than believed."
+    return f"The {what} is {abs(factor - 1.0) * 100:.1f} % {'larger' if factor > 1.0 else 'smaller'} than nominal."
 
 
 def beyond_data_sheet(name: str, rivals: Sequence[str]) -> str:
@@ -84,7 +84,7 @@ def unsure_beside_unknown(share: float) -> str:
 
 def small(effect: str, is_nominal: bool) -> str:
     """Return what is said of an effect, or of a number of the rig (`is_nominal`), that shows beyond doubt but is too small to matter."""
-    what = f"{name_of(effect)} other than believed" if is_nominal else name_of(effect)
+    what = f"{name_of(effect)} other than nominal" if is_nominal else name_of(effect)
     return f"{what[0].upper()}{what[1:]}: the data show it beyond doubt, but no more of it than healthy machines have."
 
 

@@ -14,7 +14,7 @@ from exo_sim.errors import ScenarioError
 from exo_sim.gait import contact_fit, fourier, strides, whole_trial
 from exo_sim.gait.angle_signs import counted_as_machine
 from exo_sim.gait.recorded_gait import RecordedGait
-from exo_sim.gait.scenario import Scenario
+from exo_sim.gait.scenario_record import Scenario
 from exo_sim.gait.walking import walking_as
 from exo_sim.gait.walking_trial import GroundForce, Trial
 from exo_sim.machine.person import REFERENCE_HEIGHT, Person

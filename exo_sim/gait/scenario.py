@@ -1,80 +1,20 @@
-"""What a scenario is, and how scenarios are found: every module in `exo_sim.gait.scenarios` holds one, `SCENARIO`."""
+"""How a scenario is found, by name or in a file, and its motion at a speed."""
 
 from __future__ import annotations
 
-import importlib
-import pkgutil
-from collections.abc import Callable, Mapping
-from dataclasses import dataclass, field
 from pathlib import Path
 
 from exo_sim import units
-from exo_sim.errors import ScenarioError, UnitError, nearest
+from exo_sim.errors import ScenarioError, UnitError
+from exo_sim.gait.included_scenarios import included, names
 from exo_sim.gait.motion import Motion
+from exo_sim.gait.scenario_record import Scenario
 from exo_sim.gait.speed_and_slope import at_speed, on_slope
-from exo_sim.gait.variation import Variation
 from exo_sim.machine.person import Person
 
+__all__ = ["SPEED_RANGE", "cadence", "find", "motion", "names"]
+
 SPEED_RANGE = (0.7, 1.3)
-#: What moves the wearer: the reference itself, or the torques of his joints.
-WEARERS = ("prescribed", "torques")
-
-
-@dataclass(frozen=True)
-class AddedLoad:
-    """Mass put on the back while the scenario runs.
-
-    Attributes:
-        mass: [kg].
-        at: When, in cycles of the motion.
-        over: How long it takes until it hangs fully on the frame [s].
-    """
-
-    mass: float
-    at: float
-    over: float
-
-
-@dataclass(frozen=True)
-class Scenario:
-    """One thing that a person does in the machine.
-
-    Attributes:
-        summary: One line for the list.
-        motion: Gives the reference motion of a person.
-        cycle: What one cycle is called: "stride", "repetition", "second", "walk".
-        cycles: How many, unless asked otherwise.
-        gait: Name of the recorded gait that the angles can be held against, or None.
-        added: Load put on while it runs, or None.
-        remarks: Plain sentences about what it was made of.
-        doubts: Of somebody's own gait what may be wrong with its angles, in words that follow "perhaps because"; None for one that comes
-            along.
-        variation: How its strides differ from the mean one, or None.
-        wearer: What moves the wearer: "prescribed" or "torques".
-        pace: Speed at which a walk goes where none is asked for [m/s]; None for the recorded one.
-        grade: Rise over run of the slope that a level walk is taken to.
-        hung: Mass on bodies of the machine beside their own, by name [kg].
-    """
-
-    summary: str
-    motion: Callable[[Person], Motion]
-    cycle: str = "stride"
-    cycles: int = 10
-    gait: str | None = None
-    added: AddedLoad | None = None
-    remarks: tuple[str, ...] = ()
-    doubts: tuple[str, ...] | None = None
-    variation: Variation | None = None
-    wearer: str = "prescribed"
-    pace: float | None = None
-    grade: float = 0.0
-    hung: Mapping[str, float] = field(default_factory=dict)
-
-
-def names() -> tuple[str, ...]:
-    """Return the names of all scenarios, in alphabetical order."""
-    package = importlib.import_module("exo_sim.gait.scenarios")
-    return tuple(sorted(entry.name for entry in pkgutil.iter_modules(package.__path__)))
 
 
 def find(name: str) -> Scenario:
@@ -84,13 +24,14 @@ def find(name: str) -> Scenario:
         ScenarioError: there is none; the nearest names are offered. A file that cannot be one.
     """
     if name.lower().endswith(".toml"):
-        return importlib.import_module("exo_sim.gait.scenario_file").read(name)
+        from exo_sim.gait import scenario_file
+
+        return scenario_file.read(name)
     if name.lower().endswith((".mot", ".sto", ".c3d")):
-        own_gait = importlib.import_module("exo_sim.gait.own_gait")
+        from exo_sim.gait import own_gait
+
         return own_gait.scenario(own_gait.GaitFile(Path(name)))
-    if name not in names():
-        raise ScenarioError(f'no scenario "{name}"{nearest(name, names())}')
-    return importlib.import_module(f"exo_sim.gait.scenarios.{name}").SCENARIO
+    return included(name)
 
 
 def motion(scenario: str | Scenario, person: Person, speed: float | str) -> Motion:

@@ -59,9 +59,10 @@ from numpy.typing import NDArray
 
 from exo_sim import units
 from exo_sim.errors import ExoSimError, ScenarioError, UnitError, nearest
-from exo_sim.gait import own_gait, scenario
+from exo_sim.gait import own_gait
+from exo_sim.gait.included_scenarios import included, names
 from exo_sim.gait.motion import SAMPLES, Motion
-from exo_sim.gait.scenario import WEARERS, AddedLoad, Scenario
+from exo_sim.gait.scenario_record import WEARERS, AddedLoad, Scenario
 from exo_sim.gait.stairs import DOWN, UP, walking_stairs
 from exo_sim.gait.standing import on_both_feet
 from exo_sim.gait.variation import Variation
@@ -161,9 +162,9 @@ def _columns(path: Path, given: Any) -> tuple[ColumnMap | None, dict[str, str]]:
 
 def _like(path: Path, given: Any) -> Scenario:
     name = _text(path, "like", given)
-    if name not in scenario.names():
-        raise ScenarioError(f'{path}: like = "{name}": no such scenario{nearest(name, scenario.names())}')
-    return scenario.find(name)
+    if name not in names():
+        raise ScenarioError(f'{path}: like = "{name}": no such scenario{nearest(name, names())}')
+    return included(name)
 
 
 def _standing(path: Path, given: Any) -> Scenario:

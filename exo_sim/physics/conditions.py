@@ -29,7 +29,7 @@ class Chamber(NamedTuple):
         area: Of the piston on this side [m^2].
         depth: From the piston to this chamber's end of the stroke [m].
         speed: With which the depth grows [m/s].
-        x, v: Position and speed of the piston, + outwards [m], [m/s].
+        x, v: Position and speed of the piston, + outwards [m], [m/s]; from the end of the stroke where the rod is fully in.
         bore_area: Of the barrel's cross-section [m^2].
         stroke: [m].
     """
@@ -52,7 +52,8 @@ class Motion(NamedTuple):
     """A piston or a joint in motion.
 
     Attributes:
-        x, v: Position and speed [m, rad], [m/s, rad/s]; a piston's positive outwards.
+        x, v: Position and speed [m, rad], [m/s, rad/s]; a piston's positive outwards and from the end of the stroke where the rod is
+            fully in, a joint's as MuJoCo has them.
         bristle: How far the dry contact is bent [m, rad], in the direction that the part moves or is pushed in; of what dry friction
             depends on, its sign alone.
         gauge_1, gauge_2: Chamber pressures above the atmosphere [Pa]; 0 at a joint.

@@ -28,7 +28,7 @@ CUTS = ("gas", "motion", "sensor", "any")
 #: SI units of effects on motion, at a sliding part: a balance of forces knows how large these may be.
 OF_FORCES = ("N", "N s/m", "N s^2/m^2", "N/m", "m", "m/s", "m^2", "1")
 
-#: Believed numbers that an effect may be mistaken for.
+#: Nominal numbers that an effect may be mistaken for.
 CALIBRATED = ("dead_volume", "flow_capacity", "payload_mass")
 
 #: Families that hand something to the gas (where the piston is, how far each path is open) but have no term in its balances.

@@ -16,7 +16,7 @@ class ObservedMotion:
         force: Spread of the forces that act [N or N m].
         speed, travel: Spread of velocity and position [m/s or rad/s, m or rad].
         middle: Mean position [m or rad].
-        base: Believed size of the effect that this one comes on top of, its first parameter; 0 where it comes on top of none.
+        base: Nominal size of the effect that this one comes on top of, its first parameter; 0 where it comes on top of none.
     """
 
     force: float
@@ -56,7 +56,7 @@ class Twins:
         measured: ... and where it was.
         unless: A parameter that none of `measured` has: where it was fitted, they are distinguished.
         beside_constant: Effect that is the same as this one where a constant force, or a force sensor's bias, acts beside it.
-        damping: 1 where it looks like more damping of a joint than was believed, -1 like less; 0 where neither.
+        damping: 1 where it looks like more damping of a joint than nominal, -1 like less; 0 where neither.
         unseen: Those that are the same where added to it they would not show: of play whose load never reverses only the give of its
             contacts does ...
         unseen_from: ... and where parameters are at least this: no contact gives as a strap does.

@@ -6,7 +6,7 @@ A file in `effects/` says of its function which place it belongs to, and that is
     def outward(p, here, there, world): ...
 
 `p` is the effect's record, with the parameters that it declares; a part without the effect has zeros there, for which the function
-returns zero. `summed_effects.py` adds them up. What does not add up but takes another law's place (a flow law, a hose, a regulator) is
+returns zero. `summed_effects.py` adds them up. What does not add up but takes another law's place (a flow law, a line, a regulator) is
 called by name where it acts, in `balances.py`, `plant.py` or `nodes.py`.
 """
 

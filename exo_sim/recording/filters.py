@@ -167,17 +167,9 @@ def noise_gain(order: int, seconds: float, step: float, passed: Mapping[int, flo
     return float(np.sqrt(step * power * both))
 
 
-@lru_cache(maxsize=64)  # asked for every window
-def start_weights(points: int) -> Array:
-    """Return weights that estimate a value at the start of `points` samples by a local parabola; nobody may write to them."""
-    weights = local_polynomial.weights(points, 2, at=0)
-    weights.flags.writeable = False
-    return weights
-
-
 @lru_cache(maxsize=256)  # asked for every run over the same clock
 def rate_weights(points: int, step: float, at_start: bool) -> Array:
-    """Return weights that estimate the rate in the middle of `points` samples, or at their start, by a local cubic; as `start_weights`."""
+    """Return weights that estimate the rate in the middle of `points` samples, or at their start, by a local cubic; for reading only."""
     weights = local_polynomial.weights(points, 3, at=0 if at_start else points // 2, derivative=1, step=step)
     weights.flags.writeable = False
     return weights

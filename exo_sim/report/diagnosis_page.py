@@ -7,10 +7,10 @@ from importlib import metadata
 from pathlib import Path
 from typing import Any
 
-import exo_sim
 from exo_sim.diagnosis.findings import Finding, Located, SignalFit
 from exo_sim.diagnosis.result import Diagnosis
 from exo_sim.report import amounts, diagnosis_picture, diagnosis_words
+from exo_sim.version import VERSION
 
 _HERE = Path(__file__).parent
 _PACKAGES = ("mujoco", "numpy", "scipy", "numba")
@@ -53,7 +53,7 @@ def page(diagnosis: Diagnosis, rig_text: str, rig_name: str = "rig.toml") -> str
         not_drawn=len({s.recording for s in diagnosis.series}) - len(pictures),
         fits=[_fit(name, fit) for name, fit in diagnosis.signals.items()],
         runs=[_fit(name, run) for name, run in diagnosis.free_run.items()],
-        kept_back=diagnosis_words.kept_back(diagnosis),
+        held_out=diagnosis_words.held_out_time(diagnosis),
         rejected=diagnosis_words.weighed_against(diagnosis),
         located=[_located(place) for place in diagnosis.located],
         diff=_diff(rig_text, diagnosis.improved, rig_name),
@@ -63,7 +63,7 @@ def page(diagnosis: Diagnosis, rig_text: str, rig_name: str = "rig.toml") -> str
 
 def versions() -> str:
     """Return what made the page, with versions."""
-    return ", ".join([f"exo-sim {exo_sim.__version__}", *(f"{name} {metadata.version(name)}" for name in _PACKAGES)])
+    return ", ".join([f"exo-sim {VERSION}", *(f"{name} {metadata.version(name)}" for name in _PACKAGES)])
 
 
 def _finding(finding: Finding) -> dict[str, Any]:

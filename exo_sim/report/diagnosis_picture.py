@@ -215,7 +215,7 @@ def _legend(figure: Figure, held_out: bool, located: bool) -> None:
 
     handles: list[Any] = [
         Line2D([], [], color=RECORDED, linewidth=2.6, alpha=0.35, label="recorded"),
-        Line2D([], [], color=BEFORE, label="rig as believed"),
+        Line2D([], [], color=BEFORE, label="rig as given"),
         Line2D([], [], color=AFTER, label="rig as found"),
         Line2D([], [], color=NOISE, linestyle="--", label="noise floor"),
     ]

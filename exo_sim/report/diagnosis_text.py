@@ -31,17 +31,17 @@ def text(diagnosis: Diagnosis, written: Sequence[str] = ()) -> str:
 
 
 def _fitting(head: list[str], sections: list[list[str]], room: int) -> list[str]:
-    """Cut the longest sections until everything fits; a cut one says so."""
-    sections = [list(section) for section in sections]
+    """Cut the longest sections until everything fits; a cut one says how much of it is gone, and where that stands."""
+    sections, gone = [list(section) for section in sections], [0] * len(sections)
 
     def total() -> int:
         return len(head) + sum(len(section) + 1 for section in sections)
 
     while total() > room and max(map(len, sections)) > 4:
-        longest = max(sections, key=len)
-        del longest[-2 if longest[-1].strip() == "..." else -1]
-        if longest[-1].strip() != "...":
-            longest[-1] = "  ..."
+        k = max(range(len(sections)), key=lambda i: len(sections[i]))
+        del sections[k][-2 if gone[k] else -1]
+        gone[k] += 1 if gone[k] else 2
+        sections[k][-1] = f"  ({gone[k]} lines more in the report)"
     lines = list(head)
     for section in sections:
         lines += ["", *section]

@@ -17,7 +17,7 @@ from exo_sim.report import amounts
 #: What a verdict is called on a page.
 VERDICTS = {
     "consistent": "Consistent",
-    "calibration": "Believed numbers are off",
+    "calibration": "Nominal numbers are off",
     "mismatch": "Mismatch",
     "undetermined": "Cannot tell",
 }
@@ -28,7 +28,7 @@ NIL = 0.01
 _CORRECTED = ("sensor_bias", "sensor_scale", "sensor_delay")
 KINDS = {
     "missing_physics": "missing physics",
-    "calibration": "believed number off",
+    "calibration": "nominal number off",
     "sensor": "sensor at fault",
     "unknown": "without a name",
 }
@@ -58,7 +58,7 @@ def verdict(diagnosis: Diagnosis) -> str:
         parts.append(f"{joined([_sensor(f) for f in sensors])}")
     if numbers := by_kind["calibration"]:
         listed = joined(list(dict.fromkeys(f"{name_of(f.name)} of {f.where}" for f in numbers)))
-        off = f"{_count(len(numbers))} believed number{' is' if len(numbers) == 1 else 's are'} off"
+        off = f"{_count(len(numbers))} nominal number{' is' if len(numbers) == 1 else 's are'} off"
         if not parts:
             return f"No physics is missing, but {off}: {listed}."
         parts.append(f"{off} as well")
@@ -114,7 +114,7 @@ def unexplained(left: Unexplained) -> str:
 
 def small(finding: Finding) -> str:
     """Return what is too small to matter, and where."""
-    return f"{name_of(finding.name)} at {finding.where}{', other than believed' if finding.kind == 'calibration' else ''}"
+    return f"{name_of(finding.name)} at {finding.where}{', other than nominal' if finding.kind == 'calibration' else ''}"
 
 
 def first_step(diagnosis: Diagnosis) -> str:
@@ -142,7 +142,7 @@ def first_step(diagnosis: Diagnosis) -> str:
         return f"Find out what acts at {costly[0].where}: {diagnosis.next_experiment.do}."
     if by_kind["calibration"] or by_kind["sensor"]:
         if not diagnosis.improves:
-            return "Keep the rig as it is: with the corrected numbers it predicts the time kept back no better."
+            return "Keep the rig as it is: with the corrected numbers it predicts held-out time no better."
         return "Simulate with improved.toml: it holds the corrected numbers."
     if diagnosis.verdict == "undetermined" and diagnosis.next_experiment is not None:
         return f"Record once more: {diagnosis.next_experiment.do}."
@@ -183,7 +183,7 @@ def proof(diagnosis: Diagnosis) -> str:
     if worst is None:
         return ""
     name, fit = worst
-    kept = kept_back(diagnosis)
+    held_out = held_out_time(diagnosis)
     fit = without_rounding(fit)
     unit, size = amounts.shown_in(fit.unit, max(fit.before, fit.after) or fit.largest)
     before, after, noise = (amounts.digits(v / size, 2) for v in (fit.before, fit.after, fit.noise))
@@ -191,8 +191,8 @@ def proof(diagnosis: Diagnosis) -> str:
     if name in diagnosis.computed:
         beside = f"(noise none; a sensor shows {noise} {unit})"
     if fit.after >= 0.98 * fit.before:
-        return f"On {kept}, the error of {name} is {before} {unit} {beside}."
-    return f"On {kept}, the error of {name} falls from {before} to {after} {unit} {beside}."
+        return f"On {held_out}, the error of {name} is {before} {unit} {beside}."
+    return f"On {held_out}, the error of {name} falls from {before} to {after} {unit} {beside}."
 
 
 def without_rounding(fit: SignalFit) -> SignalFit:
@@ -201,16 +201,16 @@ def without_rounding(fit: SignalFit) -> SignalFit:
     return replace(fit, before=before, after=after)
 
 
-def kept_back(diagnosis: Diagnosis) -> str:
+def held_out_time(diagnosis: Diagnosis) -> str:
     """Return which time took no part in choosing or fitting, in words."""
     if len(diagnosis.held_out) == 1:
         (spans,) = diagnosis.held_out.values()
-        return f"the {amounts.spans(spans)} kept back" if spans else "the time kept back"
-    return "the time kept back of every recording" if diagnosis.held_out else "the time kept back"
+        return f"the held-out {amounts.spans(spans)}" if spans else "held-out time"
+    return "the held-out time of every recording" if diagnosis.held_out else "held-out time"
 
 
 def worst_signal(diagnosis: Diagnosis) -> tuple[str, SignalFit] | None:
-    """Return the signal that the rig as believed misses most, in multiples of its noise."""
+    """Return the signal that the rig as given misses most, in multiples of its noise."""
     known = [(n, s) for n, s in diagnosis.signals.items() if math.isfinite(s.before) and math.isfinite(s.after)]
     return max(known, key=lambda pair: pair[1].before / max(pair[1].noise, 1e-30), default=None)
 

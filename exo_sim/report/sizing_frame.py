@@ -7,7 +7,7 @@ from importlib import metadata
 from pathlib import Path
 from typing import Any
 
-import exo_sim
+from exo_sim.version import VERSION
 
 _HERE = Path(__file__).parent
 _PACKAGES = ("mujoco", "numpy", "numba", "optuna")
@@ -25,7 +25,7 @@ def rendered(template: str, **values: Any) -> str:
     return environment.get_template(template).render(
         **values,
         style=(_HERE / "diagnosis.css").read_text(encoding="utf-8"),
-        versions=", ".join([f"exo-sim {exo_sim.__version__}", *(f"{name} {metadata.version(name)}" for name in _PACKAGES)]),
+        versions=", ".join([f"exo-sim {VERSION}", *(f"{name} {metadata.version(name)}" for name in _PACKAGES)]),
     )
 
 

@@ -34,7 +34,7 @@ def read_effects(table: Table | None, cylinders: Mapping[str, Cylinder]) -> tupl
     for name in table.values:
         if name in CALIBRATIONS:
             raise RigError(
-                f"{table.path}: effects.{name} is a believed number, not an effect: change {CALIBRATIONS[name]} itself"
+                f"{table.path}: effects.{name} is a nominal number of the rig, not an effect: change {CALIBRATIONS[name]} itself"
             )
         if name not in known:
             raise RigError(f"{table.path}: effects.{name} is not an effect{nearest(name, known)}")

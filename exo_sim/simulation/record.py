@@ -7,7 +7,6 @@ import numba
 import numpy as np
 from numpy.typing import NDArray
 
-from exo_sim import __version__
 from exo_sim.machine.linkage import tendon_ends
 from exo_sim.machine.person import SEGMENTS, pose_bodies
 from exo_sim.recording.scene import Arrows, DrawnCylinder, Scene, shapes_of_model
@@ -16,6 +15,7 @@ from exo_sim.simulation import wearer_log
 from exo_sim.simulation.sensors import observe
 from exo_sim.simulation.walk import JOINTS, Walk
 from exo_sim.simulation.wearer_load import Wearing, wearing
+from exo_sim.version import VERSION
 
 #: Frames a second in the scene.
 FRAME_RATE = 50.0
@@ -65,7 +65,7 @@ def as_it_was(walk: Walk, name: str, seed: int = 0, wearer: Wearing | None = Non
         "demand": request.law,
         "rig": walk.rig.text,
         "seed": str(seed),
-        "exo-sim": __version__,
+        "exo-sim": VERSION,
         **{module.__name__: module.__version__ for module in (mujoco, np, numba)},
     }
     return Recording(name, walk.time, columns, units, notes)

@@ -7,19 +7,19 @@ from typing import Any
 
 import numpy as np
 
-from exo_sim import __version__
 from exo_sim.physics.nozzle import critical_ratio
 from exo_sim.recording.scene import Scene
 from exo_sim.recording.table import Recording
 from exo_sim.simulation.machine_scene import FRAME_RATE, machine_scene
 from exo_sim.simulation.sensors import observe
 from exo_sim.simulation.unworn import MotionRun
+from exo_sim.version import VERSION
 
 
 def recording(run: MotionRun, name: str, seed: int = 0) -> Recording:
     """Return a run as a table with the contract's columns, as the rig's sensors show it."""
     notes = {
-        "motion": run.motion.name, "controller": run.controller, "rig": run.rig.text, "seed": str(seed), "exo-sim": __version__,
+        "motion": run.motion.name, "controller": run.controller, "rig": run.rig.text, "seed": str(seed), "exo-sim": VERSION,
         **{package: metadata.version(package) for package in ("mujoco", "numpy", "numba")},
     }  # fmt: skip
     return observe(Recording(name, run.time, run.columns, run.units, notes), run.rig)

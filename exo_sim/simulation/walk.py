@@ -17,7 +17,7 @@ from exo_sim.control.valve_control import CONTROLLERS, ValveGains
 from exo_sim.errors import ScenarioError, nearest
 from exo_sim.gait import scenario as scenarios
 from exo_sim.gait.motion import Motion
-from exo_sim.gait.scenario import WEARERS, Scenario
+from exo_sim.gait.scenario_record import WEARERS, Scenario
 from exo_sim.gait.variation import Variation
 from exo_sim.machine.person import COORDINATES, SEGMENTS, Person
 from exo_sim.machine.straps import StrapSet

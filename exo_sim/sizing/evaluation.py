@@ -9,7 +9,6 @@ from functools import cached_property
 
 import numpy as np
 
-import exo_sim
 from exo_sim.rig import Rig
 from exo_sim.rig.control_step import longest_step
 from exo_sim.sizing.coupled_stride import STEP, CoupledStride, Stride, mean_of
@@ -21,6 +20,7 @@ from exo_sim.sizing.loads import Condition, JointLoads, joint_loads
 from exo_sim.sizing.screening import chosen_bores, screen
 from exo_sim.sizing.springs import beside
 from exo_sim.sizing.unsized_joints import kinds_left_alone, left_alone
+from exo_sim.version import VERSION
 
 #: What stands for gas [kg] and torque error [N m] of a design that was not simulated: worse than any that was.
 UNKNOWN_GAS, UNKNOWN_ERROR = 1.0, 1000.0
@@ -109,7 +109,7 @@ class Task:
         """Short name of everything that a score depends on besides the design."""
         rig = self.rig
         of_rig = rig.text, rig.effects, rig.wearer, rig.ankle, rig.supply, rig.body_masses, rig.joint_factors, rig.cylinders
-        text = repr((exo_sim.__version__, OF_THE_MACHINE, of_rig, self.conditions, self.space, self.step))
+        text = repr((VERSION, OF_THE_MACHINE, of_rig, self.conditions, self.space, self.step))
         return hashlib.sha256(text.encode() + rig.model.read_bytes()).hexdigest()[:16]
 
 

@@ -11,7 +11,7 @@ from exo_sim.physics import design_equations
 from exo_sim.rig import Rig
 from exo_sim.rig.catalogue import CATALOGUE, RATED_PRESSURE
 from exo_sim.sizing.joint_kinds import JointKind
-from exo_sim.sizing.linkage_geometry import length_and_arm
+from exo_sim.sizing.length_and_arm import length_and_arm
 from exo_sim.sizing.loads import JointLoads
 
 _PSI, _INCH, _ATMOSPHERE = 6894.757293168361, 0.0254, 101325.0

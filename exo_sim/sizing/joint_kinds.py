@@ -13,7 +13,7 @@ from exo_sim.machine.attachment import attachments
 from exo_sim.machine.linkage import linkages
 from exo_sim.machine.rig_model import load
 from exo_sim.rig import Attachment, Rig
-from exo_sim.sizing.linkage_geometry import length_and_arm
+from exo_sim.sizing.length_and_arm import length_and_arm
 
 _RANGE_SAMPLES = 41
 

@@ -19,7 +19,7 @@ from exo_sim.gait.motion import phases
 from exo_sim.rig import Rig
 from exo_sim.rig.catalogue import CATALOGUE
 from exo_sim.sizing.design_space import Space
-from exo_sim.sizing.linkage_geometry import length_and_arm
+from exo_sim.sizing.length_and_arm import length_and_arm
 from exo_sim.sizing.loads import JOINTS, Condition, JointLoads, joint_loads
 from exo_sim.sizing.screening import chosen_bores, screen
 

@@ -13,7 +13,7 @@ from exo_sim.sizing.capability import Capability, capability, margin
 from exo_sim.sizing.design import Design, fit, fitted
 from exo_sim.sizing.design_space import Space
 from exo_sim.sizing.joint_kinds import JointKind
-from exo_sim.sizing.linkage_geometry import length_and_arm
+from exo_sim.sizing.length_and_arm import length_and_arm
 from exo_sim.sizing.loads import JointLoads
 
 #: Least moment arm over the joint's whole range [m]: below it a linkage counts as singular.

@@ -8,7 +8,7 @@ from exo_sim.control.pressure_plan import INTERVALS, plan
 from exo_sim.rig import Rig, assembly
 from exo_sim.sizing.design import Design, fit, fitted
 from exo_sim.sizing.joint_kinds import JointKind
-from exo_sim.sizing.linkage_geometry import length_and_arm
+from exo_sim.sizing.length_and_arm import length_and_arm
 from exo_sim.sizing.loads import JointLoads
 
 #: What a workshop can tell apart: stiffness [N/m] and rest [m].

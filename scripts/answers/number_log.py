@@ -13,8 +13,9 @@ from typing import Any
 
 import numpy as np
 
+from exo_sim.conventions import limits
+from exo_sim.deciding_number import Count, Number
 from exo_sim.diagnosis import policy
-from exo_sim.diagnosis.policy.number import Count, Number
 
 #: By number and place in the source, how often a comparison came out false and true.
 Outcomes = dict[str, dict[str, list[int]]]
@@ -98,13 +99,14 @@ class NumberLog:
 
 
 def numbers() -> Iterator[tuple[str, Number | Count]]:
-    """Yield every number of `policy` with its name, "file.NAME", or "file.NAME[key]" in a table."""
-    for module in pkgutil.iter_modules(policy.__path__):
-        for name, value in vars(importlib.import_module(f"{policy.__name__}.{module.name}")).items():
+    """Yield every number of `policy` and of the conventions with its name, "file.NAME", or "file.NAME[key]" in a table."""
+    modules = [importlib.import_module(f"{policy.__name__}.{module.name}") for module in pkgutil.iter_modules(policy.__path__)]
+    for module in (*modules, limits):
+        for name, value in vars(module).items():
             every = value.items() if isinstance(value, dict) else [("", value)]
             for key, one in every:
                 if name.isupper() and isinstance(one, (Number, Count)):
-                    yield f"{module.name}.{name}" + (f"[{key}]" if key else ""), one
+                    yield f"{module.__name__.rpartition('.')[2]}.{name}" + (f"[{key}]" if key else ""), one
 
 
 def _reflected(function: Callable[[Any, Any], Any]) -> Callable[[Any, Any], Any]:

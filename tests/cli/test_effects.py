@@ -17,7 +17,7 @@ def test_the_list_has_every_effect_and_a_page_has_its_numbers(capsys: pytest.Cap
     assert "time_constant" in capsys.readouterr().out
 
 
-@pytest.mark.parametrize(("name", "says"), [("valve_lga", 'did you mean "valve_lag"'), ("payload_mass", "is a believed number")])
+@pytest.mark.parametrize(("name", "says"), [("valve_lga", 'did you mean "valve_lag"'), ("payload_mass", "is a nominal number")])
 def test_what_is_no_effect_is_one_line(capsys: pytest.CaptureFixture[str], name: str, says: str) -> None:
     assert main(["effects", name]) == 2
     assert says in capsys.readouterr().err

@@ -1,6 +1,7 @@
 """A map that learns from what a change did."""
 
 import numpy as np
+from numpy.typing import NDArray
 
 from exo_sim.control.learnt_map import LearntMap
 
@@ -21,7 +22,11 @@ def test_a_damped_change_is_the_correction_where_nothing_damps_and_smaller_the_m
     random = np.random.default_rng(4)
     load, at = random.normal(size=30), random.normal(size=6)
     it = LearntMap(TRUE, EFFORT)
-    plain, little, much = (it.damped(load, at, lambda effect, by=by: by * effect) for by in (0.0, 0.1, 10.0))
+
+    def damped_by(by: float) -> NDArray[np.float64]:
+        return it.damped(load, at, lambda effect: by * effect)
+
+    plain, little, much = map(damped_by, (0.0, 0.1, 10.0))
     np.testing.assert_allclose(plain, it.correction(load, at))
     assert np.linalg.norm(much) < np.linalg.norm(little) < np.linalg.norm(plain)
     before, after = (it.promised(load, at, -change) for change in (np.zeros(6), little))

@@ -17,10 +17,10 @@ def test_a_declared_effect_speaks_for_itself_and_another_by_its_name() -> None:
 
 
 @pytest.mark.parametrize(("name", "parameter", "factor", "says"), [
-    ("flow_capacity", "valve_area", 1.073, "The valve area is 7.3 % larger than believed."),
-    ("dead_volume", "dead_volume_2", 0.88, "The dead volume of chamber 2 is 12.0 % smaller than believed."),
-    ("payload_mass", "payload_mass", 1.2, "The moved mass is 20.0 % larger than believed."),
-    ("piston_leakage", "area", 1.5, "The area of the piston leakage that the rig has is 50 % larger than believed."),
+    ("flow_capacity", "valve_area", 1.073, "The valve area is 7.3 % larger than nominal."),
+    ("dead_volume", "dead_volume_2", 0.88, "The dead volume of chamber 2 is 12.0 % smaller than nominal."),
+    ("payload_mass", "payload_mass", 1.2, "The moved mass is 20.0 % larger than nominal."),
+    ("piston_leakage", "area", 1.5, "The area of the piston leakage that the rig has is 50 % larger than nominal."),
 ])  # fmt: skip
 def test_a_number_that_is_off_is_named(name: str, parameter: str, factor: float, says: str) -> None:
     assert wording.calibration(name, parameter, factor) == says

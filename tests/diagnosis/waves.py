@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
+from dataclasses import replace
 
 import numpy as np
 from numpy.typing import NDArray
@@ -99,3 +100,33 @@ def term(model: Waves, candidate: Candidate, group: str = "", one_sided: bool = 
 
     spread = np.full(len(columns), 4.0)
     return Term(candidate, np.column_stack(columns), spread, (one_sided,) * len(columns), parameters, group or candidate.effect)
+
+
+SIZE, RATE = replace(parameter("line_restriction", "size"), low=0.0), replace(parameter("line_restriction", "rate"), low=1.0, high=60.0)
+#: What rings at a rate that no fit finds from a quarter of it away, but a grid does.
+RINGS = Candidate(
+    "line_restriction", "piston", "size+rate", (SIZE, RATE), ((2.0, 6.0),), proportional=False,
+    shapes=tuple((size, rate) for size in (2.0, 6.0) for rate in np.arange(5.0, 60.0, 0.5)),
+)  # fmt: skip
+
+
+class Ringing(Waves):
+    """Waves, and a slow one of a size of its own with which something rings.
+
+    Args:
+        size: Of that.
+        rate: How often it rings.
+        sizes: Of the other waves.
+    """
+
+    def __init__(self, size: float, rate: float, **sizes: float):
+        super().__init__(1e9, SHAPES, **sizes)
+        self._error = self._error - self._rings(size, rate)
+
+    def _rings(self, size: float, rate: float) -> Array:
+        return size * (self.shapes["slow"] + 0.3 * np.sin(2.0 * np.pi * rate * AT / AT.size))
+
+    def residual_of(self, plant: PlantParameters) -> Array:
+        plain = {name: value for name, value in plant.sensors.items() if name not in (SIZE.parameter, RATE.parameter)}
+        own = self._rings(plant.sensors.get(SIZE.parameter, 0.0), plant.sensors.get(RATE.parameter, 1.0))
+        return super().residual_of(replace(plant, sensors=plain)) + own

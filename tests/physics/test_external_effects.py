@@ -33,22 +33,23 @@ def code_of_its_own(tmp_path_factory: pytest.TempPathFactory) -> Iterator[None]:
 @pytest.fixture
 def example(repository: Path, tmp_path: Path) -> Path:
     """Return a folder with the page's effect and a bench that has it."""
-    effect, _ = blocks(repository, "python")
+    effect, copying, *_ = blocks(repository, "python")
     (tmp_path / "blow_off.py").write_text(effect)
-    (tmp_path / "bench.xml").write_text((repository / "assets" / "bench.xml").read_text())
-    (tmp_path / "rig.toml").write_text((repository / "assets" / "bench.toml").read_text() + "\n" + blocks(repository, "toml")[0])
+    done = run(tmp_path, "-c", copying, named=False)
+    assert done.returncode == 0, done.stderr
+    (tmp_path / "with_blow_off.toml").write_text((tmp_path / "rig.toml").read_text() + "\n" + blocks(repository, "toml")[0])
     return tmp_path
 
 
-def run(folder: Path, *words: str) -> subprocess.CompletedProcess[str]:
-    environment = {**os.environ, external_effects.VARIABLE: str(folder / "blow_off.py")}
+def run(folder: Path, *words: str, named: bool = True) -> subprocess.CompletedProcess[str]:
+    environment = {**os.environ, **({external_effects.VARIABLE: str(folder / "blow_off.py")} if named else {})}
     return subprocess.run([sys.executable, *words], cwd=folder, env=environment, capture_output=True, text=True, timeout=1200, check=False)
 
 
 @pytest.mark.slow
 def test_the_page_s_effect_simulates(repository: Path, example: Path) -> None:
     """The valve lets off above 4 bar what a supply of 7 bar brings; at its bounds and with tiny volumes the step holds, the books close."""
-    script = blocks(repository, "python")[1] + """
+    script = blocks(repository, "python")[2] + """
 import json
 import numpy as np
 from exo_sim.physics.gas_effects_off import effects_on_gas
@@ -66,7 +67,7 @@ for conductance, dead in ((1e-7, 4e-6), (1e-5, 1e-8)):
     found["residuals"] += [books.mass_residual, books.energy_residual, float(gas.pressures(x[-1:]).max())]
 print(json.dumps(found))
 """
-    done = run(example, "-c", script.replace('"blow_off.py"', f'"{example / "blow_off.py"}"'))
+    done = run(example, "-c", script, named=False)
     assert done.returncode == 0, done.stderr
     found = json.loads(done.stdout.splitlines()[-1])
     assert found["seen"]
@@ -101,13 +102,13 @@ write_table(Path("recording.csv"), Recording("r", time, columns, dict(zip(names,
 
 @pytest.mark.slow
 def test_a_diagnosis_names_the_page_s_effect_and_measures_it(repository: Path, example: Path) -> None:
-    """One file, and nothing else in the house: what the believed rig leaves out is found, named, and its numbers are those of the truth."""
-    script = blocks(repository, "python")[1].replace('"blow_off.py"', f'"{example / "blow_off.py"}"')
-    done = run(example, "-c", script + RECORDED)
+    """One file, and nothing else in the house: what the nominal rig leaves out is found, named, and its numbers are those of the truth."""
+    _, _, simulating, diagnosing = blocks(repository, "python")
+    done = run(example, "-c", simulating + RECORDED, named=False)
     assert done.returncode == 0, done.stderr
-    (example / "believed.toml").write_text((repository / "assets" / "bench.toml").read_text())
-    done = run(example, "-m", "exo_sim", "diagnose", "recording.csv", "--rig", "believed.toml", "--out", "found", "--quiet")
-    assert done.returncode == 3, done.stderr
+    done = run(example, "-c", diagnosing.replace("hidden.rrd", "recording.csv"), named=False)
+    assert done.returncode == 0, done.stderr
+    assert done.stdout.splitlines()[-1] == "['blow_off']"
     effects = json.loads((example / "found" / "diagnosis.json").read_text())["effects"]
     assert [effect["name"] for effect in effects] == ["blow_off"]
     for name, truth in (("pressure", 4e5), ("conductance", 1e-7)):
@@ -160,7 +161,7 @@ def test_it_is_too_late_once_the_physics_is_loaded(example: Path) -> None:
 def site(repository: Path, tmp_path_factory: pytest.TempPathFactory) -> Path:
     """Return a folder into which the page's package is installed."""
     folder = tmp_path_factory.mktemp("installed")
-    effect, _ = blocks(repository, "python")
+    effect = blocks(repository, "python")[0]
     package = folder / "package"
     (package / "my_effects").mkdir(parents=True)
     (package / "my_effects" / "__init__.py").write_text("")

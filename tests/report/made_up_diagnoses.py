@@ -24,7 +24,7 @@ LEAK = Finding(
     57.0, 0.97, ("external_leakage",), {"piston_leakage": 0.8, "external_leakage": 0.2},
 )  # fmt: skip
 AREA = Finding(
-    "flow_capacity", "piston", Kind.CALIBRATION, "The valve area is 2.0 % larger than believed.",
+    "flow_capacity", "piston", Kind.CALIBRATION, "The valve area is 2.0 % larger than nominal.",
     {"factor": Estimate(1.02, "1", 1.018, 1.022)},
     12.0, 0.0,
 )  # fmt: skip

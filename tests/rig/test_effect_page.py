@@ -28,7 +28,7 @@ def test_misspelt_effect_offers_the_nearest(capsys: pytest.CaptureFixture[str]) 
     assert main(["effects", "piston_leek"]) == 2
     assert 'did you mean "piston_leakage"' in capsys.readouterr().err
     assert main(["effects", "payload_mass"]) == 2
-    assert "believed number" in capsys.readouterr().err
+    assert "nominal number" in capsys.readouterr().err
 
 
 @pytest.mark.parametrize("name", NAMES)

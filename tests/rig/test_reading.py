@@ -90,7 +90,7 @@ def test_numbers_and_names_that_cannot_be(old: str, new: str, says: str) -> None
             '[effects.coulomb_friction.piston]\nforce = "1 N"\n[effects.asymmetric_friction.piston]\nforward = "1 N"\nbackward = "2 N"',
             "exclude each other.*keep one",
         ),
-        ('[effects.payload_mass.load]\nfactor = 1.1', "believed number.*bodies.NAME. mass"),
+        ('[effects.payload_mass.load]\nfactor = 1.1', "nominal number.*bodies.NAME. mass"),
         ('[effects.coulomb_friction.piston]\nforce = "1 N"\nfroce = "2 N"', "froce is not a key.*did you mean .force"),
         ('[effects.line_restriction.piston]\narea = "5 mm^2"\nsensor = "vlave"', "sensor.*did you mean .valve"),
         ('[effects.coulomb_friction]\nforce = "1 N"', "write .effects.coulomb_friction.WHERE. above its keys, .*cylinder or a joint"),

@@ -5,7 +5,7 @@ import pytest
 
 from exo_sim import rig as rigs
 from exo_sim.errors import ModelError, RigError
-from exo_sim.sizing.linkage_geometry import length_and_arm
+from exo_sim.sizing.length_and_arm import length_and_arm
 from exo_sim.sizing.study import space_of
 
 

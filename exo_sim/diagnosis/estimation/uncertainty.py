@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Mapping
 
 import numpy as np
 from numpy.typing import NDArray
@@ -34,14 +35,28 @@ def standard_errors(rows: Blocked, fit: Fit, correlation_time: float) -> dict[Fr
     """
     if not fit.parameters or not fit.residual.size:
         return {}
-    jac, prior = fit.jacobian, fit.prior_jacobian.reshape(-1, len(fit.parameters))
-    bread, inflation = covariance(fit, correlation_time), _inflation(fit, correlation_time)
-    clustered = _clustered(rows.blocks, jac / math.sqrt(inflation), fit.residual / math.sqrt(inflation), prior)
+    bread, (of_blocks, of_priors) = covariance(fit, correlation_time), _scores(rows.blocks, fit, correlation_time)
+    clustered = np.sum(np.square(of_blocks), axis=0) + np.sum(np.square(of_priors), axis=0)
     found = {}
     for j, parameter in enumerate(fit.parameters):
         both = max(float(bread[j, j]), float(clustered[j]), 0.0)
         found[parameter] = math.sqrt(both) * abs(parameter.slope(fit.values[parameter]))
     return found
+
+
+def error_of_sum(rows: Blocked, fit: Fit, correlation_time: float, weights: Mapping[FreeParameter, float]) -> float:
+    """Return the standard error of a weighted sum of fitted parameters, also where it is known far better than each of them.
+
+    Args:
+        rows, fit, correlation_time: As of `standard_errors`.
+        weights: Of some of the fitted parameters; infinite is the error where one of them was not fitted.
+    """
+    if not set(weights) <= set(fit.parameters) or not fit.residual.size:
+        return math.inf
+    weighed = np.array([weights.get(q, 0.0) * q.slope(fit.values[q]) for q in fit.parameters])
+    plain = float(weighed @ covariance(fit, correlation_time) @ weighed)
+    of_blocks, of_priors = (one @ weighed for one in _scores(rows.blocks, fit, correlation_time))
+    return math.sqrt(max(plain, float(of_blocks @ of_blocks + of_priors @ of_priors), 0.0))
 
 
 def covariance(fit: Fit, correlation_time: float) -> Array:
@@ -62,19 +77,22 @@ def _inflation(fit: Fit, correlation_time: float) -> float:
     return max(fit.sse / max(fit.residual.size - len(fit.parameters), 1), 1.0) * max(correlation_time, 1.0)
 
 
-def _clustered(blocks: NDArray[np.int64], jac: Array, residual: Array, prior: Array) -> Array:
-    """Return the variance of each parameter by the scores of blocks of time, and by those of the priors, shape (parameters,).
+def _scores(blocks: NDArray[np.int64], fit: Fit, correlation_time: float) -> tuple[Array, Array]:
+    """Return by how much each block of time, and each prior, moves the coordinates, shapes (blocks, parameters) and (priors, parameters).
 
-    With A the information of all rows and of the priors, and H_b = J_b A^-1 J_b' what a block of rows pulls the fit towards itself, its
-    residual counts as (I - H_b)^(-1/2) r_b: where rows are independent the variance is then unbiased, however few blocks there are. To
-    leave out one block after the other says nothing of a number that one block alone holds down. What a prior takes part in is as
-    uncertain as the prior's mean.
+    The sum of their squares is the variance of a coordinate, or of a sum of coordinates. With A the information of all rows and of the
+    priors, and H_b = J_b A^-1 J_b' what a block of rows pulls the fit towards itself, its residual counts as (I - H_b)^(-1/2) r_b: where
+    rows are independent the variance is then unbiased, however few blocks there are. To leave out one block after the other says nothing
+    of a number that one block alone holds down. What a prior takes part in is as uncertain as the prior's mean.
 
     Args:
         blocks: Block of each row, shape (n,).
-        jac, residual: Of the fit, shapes (n, parameters) and (n,).
-        prior: Rows of the priors' information, shape (priors, parameters).
+        fit: The fit.
+        correlation_time: Of its residual, in rows.
     """
+    root_of_inflation = math.sqrt(_inflation(fit, correlation_time))
+    jac, residual = fit.jacobian / root_of_inflation, fit.residual / root_of_inflation
+    prior = fit.prior_jacobian.reshape(-1, len(fit.parameters))
     information = jac.T @ jac + prior.T @ prior
     order = np.argsort(blocks, kind="stable")
     ends = np.flatnonzero(np.diff(blocks[order])) + 1
@@ -88,7 +106,7 @@ def _clustered(blocks: NDArray[np.int64], jac: Array, residual: Array, prior: Ar
         score = part.T @ left
         widened = np.where((pulls > _LEAST_PULL) & (pulls < 1.0 - _LEAST_PULL), 1.0 / np.sqrt(np.maximum(1.0 - pulls, _LEAST_PULL)), 1.0)
         scores.append(root @ (directions @ (widened * (directions.T @ score))))
-    return np.asarray(np.sum(np.square(scores), axis=0) + np.sum(np.square(inverse @ prior.T), axis=1))
+    return np.asarray(scores), (inverse @ prior.T).T
 
 
 def interval(value: float, error: float) -> tuple[float, float]:

@@ -22,28 +22,28 @@ from exo_sim.diagnosis.outcome.finding_probability import is_doubtful, is_weighe
 from exo_sim.diagnosis.outcome.finding_size import errors_from_nil, may_be_nil
 from exo_sim.diagnosis.policy import validation
 from exo_sim.diagnosis.policy.probability import LEAST_ERRORS
+from exo_sim.diagnosis.selection.held_out_gain import HeldOutGain
 from exo_sim.diagnosis.selection.subsystem_result import SubsystemResult
 from exo_sim.diagnosis.subsystem_model import SubsystemModel
 
 
-def is_refuted(drop: float, log10_odds: float, share: float | None = None, together: bool = False, tells: bool = True) -> bool:
+def is_refuted(drop: float, log10_odds: float, gain: HeldOutGain | None = None, together: bool = False) -> bool:
     """Return whether validation speaks against a finding: it hardly explains anything there, and its odds are not great.
 
     A fall of the error by a seventh may be all that is missing, where the rest is noise. Where more than noise is missing without it, the
-    share of that counts.
+    share of that counts. What is surely there is not useless, however little it is of all that is missing; and an error that rises by
+    chance, where the change may be there or not, does not refute.
 
     Args:
         drop: The share by which the validation error falls with it.
         log10_odds: Its odds.
-        share: Of the squared error beyond the noise that is missing without it, what it explains; None where no more is
-            missing than noise does by chance.
+        gain: What it gains; None where nothing was compared.
         together: Whether it was weighed beside all others at once: then others explain most of what it would explain alone.
-        tells: Whether validation time surely shows that the change it makes is not there: an error that rises by chance says nothing.
     """
     least = validation.LEAST_DROP_TOGETHER if together else validation.LEAST_DROP
-    explains = drop if together or share is None else share
-    useless = explains < least and log10_odds < validation.REFUTABLE_ODDS
-    harmful = tells and drop < -validation.MOST_RISE and log10_odds < validation.REFUTABLE_RISE_ODDS
+    explains = gain.share if gain is not None and gain.is_plain and not together else drop
+    useless = explains < least and log10_odds < validation.REFUTABLE_ODDS and not (gain is not None and gain.is_shown)
+    harmful = drop < -validation.MOST_RISE and log10_odds < validation.REFUTABLE_RISE_ODDS and (gain is None or gain.is_absent)
     return useless or harmful
 
 
@@ -52,7 +52,8 @@ def doubt(finding: Finding, share: float | None, compared: bool = True) -> str:
 
     Odds alone do not do: where held-out time tests nothing and the number may be nil, neither speaks for the name. A sensor that is off
     is off at all times: one that held-out time does not show stands in for something else. Where laws that fit as well leave a number
-    anywhere about nil, the law is in doubt and not the number alone.
+    anywhere about nil, the law is in doubt and not the number alone; unless the odds against every account without it are great: the
+    height of a dip at rest may be anything where no speed is low enough, and the dip is there.
 
     Args:
         finding: With its odds.
@@ -60,7 +61,8 @@ def doubt(finding: Finding, share: float | None, compared: bool = True) -> str:
             was tested.
         compared: Whether there was held-out time with its signals.
     """
-    if is_weighed_physics(finding) and errors_from_nil(finding) < LEAST_ERRORS:
+    is_open = is_weighed_physics(finding) and errors_from_nil(finding) < LEAST_ERRORS
+    if is_open and finding.log10_odds < validation.REFUTABLE_ODDS:
         return "laws of what the rig has that fit as well need none of it: its number is smaller than its own standard error"
     if share is None:
         untested = "time that no number was fitted to does not test it"

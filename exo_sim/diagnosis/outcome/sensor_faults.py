@@ -14,7 +14,7 @@ from exo_sim.diagnosis.policy.acceptance import SURELY_MORE
 from exo_sim.diagnosis.policy.healthy import ZEROS
 from exo_sim.diagnosis.policy.priors import PRESSURE_ZERO
 from exo_sim.diagnosis.policy.probability import UNTESTED
-from exo_sim.diagnosis.selection.strained_nuisances import is_beyond_data_sheet
+from exo_sim.diagnosis.selection.nuisances_beyond_prior import is_beyond_data_sheet
 from exo_sim.diagnosis.selection.subsystem_result import SubsystemResult
 from exo_sim.diagnosis.selection.unneeded_nuisances import error_of_model
 from exo_sim.diagnosis.subsystem_model import SubsystemModel

@@ -18,7 +18,7 @@ from exo_sim.diagnosis.estimation.budget import IsSpent, never
 from exo_sim.diagnosis.estimation.candidate import Candidate, drop_orphans
 from exo_sim.diagnosis.estimation.correlation import correlation_time
 from exo_sim.diagnosis.estimation.effort import Allowance, Effort
-from exo_sim.diagnosis.estimation.least_squares import Fit, fit
+from exo_sim.diagnosis.estimation.least_squares import Derivatives, Fit, fit
 from exo_sim.diagnosis.estimation.parameters import FreeParameter, PlantParameters
 from exo_sim.diagnosis.estimation.threads import SERIAL, Threads
 from exo_sim.diagnosis.estimation.uncertainty import HALF_WIDTH, standard_errors
@@ -30,8 +30,8 @@ from exo_sim.diagnosis.policy.recordings import FEWEST_ROWS, HELD_AT_FIRST, HELD
 from exo_sim.diagnosis.policy.verdicts import UNKNOWN_VARIANCE
 from exo_sim.diagnosis.selection.decision import decide
 from exo_sim.diagnosis.selection.fitted_model import FittedModel
+from exo_sim.diagnosis.selection.nuisances_beyond_prior import relieved
 from exo_sim.diagnosis.selection.search import Search, StoppingCriteria, WarmStart
-from exo_sim.diagnosis.selection.strained_nuisances import relieved
 from exo_sim.diagnosis.selection.subsystem_result import SubsystemResult
 from exo_sim.diagnosis.subsystems.gas.candidates import candidates, sample_period
 from exo_sim.diagnosis.subsystems.gas.initial_temperature import initial_temperatures
@@ -237,7 +237,7 @@ def felt_temperatures(model: GasModel, near: Fit, threads: Threads = SERIAL, is_
     free = tuple({q.key: q for q in (*near.parameters, *walls, *asked)}.values())
     start = {q: near.values.get(q, q.start or (q.scale if q in walls else 0.0)) for q in free}
     known = near.columns if set(walls) <= set(near.parameters) else None  # beside walls the same numbers act otherwise
-    found = fit(model.residual, free, start, threads, tolerance=FELT_TOLERANCE, known_columns=known, is_spent=is_spent)
+    found = fit(model.residual, free, start, threads, tolerance=FELT_TOLERANCE, derivatives=Derivatives(known), is_spent=is_spent)
     errors = standard_errors(model, found, correlation_time(found.residual, model.blocks))
     return () if all(_is_of_the_room(found.values[q], errors[q]) for q in asked) else asked
 

@@ -137,6 +137,13 @@ class Examination:
     def shares(self) -> Mapping[str, float]:
         """What each finding explains of what is missing without it over the validation time, by `effect@where`.
 
-        Not of those for or against which a small share says nothing.
+        Of one that explains little beside something larger, and whose change is surely there, how much of that is. Not of those for or
+        against which a small share says nothing.
         """
-        return {key: one.share for key, one in self.checked.gains.items() if not is_doubtful(one.share) or one.speaks_against}
+        found = {}
+        for key, one in self.checked.tested.items():
+            if not is_doubtful(one.share) or one.speaks_against:
+                found[key] = one.share
+            elif one.is_plain and one.is_shown:
+                found[key] = min(one.amplitude, 1.0)
+        return found

@@ -22,13 +22,13 @@ from exo_sim.errors import ModelError, RigError
 from exo_sim.rig import Rig, parse
 from exo_sim.simulation.replay import WINDOW
 
-_CUT = "improved.toml leaves out what predicts time kept back worse: {}"
+_CUT = "improved.toml leaves out what predicts held-out time worse: {}"
 _REFUSED = "improved.toml holds less than what was found: a rig with all of it is refused, {}"
-_UNPROVED = "improved.toml was not put to the test: nothing of the time kept back can be predicted, or the recordings are too long"
-_BY_ALL = "improved.toml was cut down by all of the time kept back, for part of that was predicted worse: its errors there are no test"
+_UNPROVED = "improved.toml was not put to the test: nothing of the held-out time can be predicted, or the recordings are too long"
+_BY_ALL = "improved.toml was cut down by all of the held-out time, for part of that was predicted worse: its errors there are no test"
 _BY_CHANCE = (
-    "{} strays further with improved.toml in the one run from the beginning, by chance: in runs from {} measured states of the time kept "
-    "back it is missed by {:.2g} of the error of the rig handed in"
+    "{} strays further with improved.toml in the one run from the beginning, by chance: in runs from {} measured states of held-out "
+    "time it is missed by {:.2g} of the error of the rig handed in"
 )
 
 
@@ -104,8 +104,9 @@ def accepted(
 ) -> tuple[Trial, tuple[str, ...]]:
     """Return as much of an update as wins, with its errors, and remarks: what was left out and why, or that nothing could be tried.
 
-    Validation time chooses. That is not all that was held out, and whoever runs the rig over all of it shall have no worse machine than
-    before: what is worse there is cut down until it is not, and then it is said that the reported errors are of time that chose.
+    Validation time chooses. That is not all that was held out, and what is worse over all of it (as of `Trial.is_worse`) is cut down until
+    it is not; then it is said that the reported errors are of time that chose. One free run over all of it may still stray further with
+    the rig that is written, where runs from several measured states are surely better.
 
     Args:
         data: The recordings, and the rig as handed in.
@@ -141,9 +142,12 @@ def as_far_as_it_wins(update: RigUpdate, tried: Callable[[RigUpdate], Trial], is
         tried: Puts an update to the test.
         is_spent: As of `accepted`.
     """
+    def tried_after(one: RigUpdate) -> Trial:
+        return replace(tried(one), is_first=False)
+
     best, trials = tried(update), 1
     while best.update.parts and (best.is_worse or best.hurts):
-        fewer = [tried(one) for one in best.update.reduced()] if trials < MOST_TRIALS and not is_spent() else []
+        fewer = [tried_after(one) for one in best.update.reduced()] if trials < MOST_TRIALS and not is_spent() else []
         trials += len(fewer)
         next_best = min(fewer, key=lambda one: (one.is_worse, one.loss), default=None)
         if next_best is None:
@@ -153,7 +157,7 @@ def as_far_as_it_wins(update: RigUpdate, tried: Callable[[RigUpdate], Trial], is
         best = next_best
     if not best.is_worse and (best.update.parts or not update.parts):
         return best
-    alone = [] if is_spent() else [trial for trial in map(tried, update.found_alone()) if not trial.is_worse]
+    alone = [] if is_spent() else [trial for trial in map(tried_after, update.found_alone()) if not trial.is_worse]
     if alone:
         return min(alone, key=lambda one: one.loss)
     return tried(RigUpdate(update.rig, ())) if best.update.parts else best

@@ -16,15 +16,17 @@ from scipy.special import stdtrit
 from exo_sim.diagnosis.data.machine_data import MachineData
 from exo_sim.diagnosis.findings import SignalFit
 from exo_sim.diagnosis.outcome.rig_update import RigUpdate
+from exo_sim.diagnosis.policy.budgets import MOST_TRIALS
 from exo_sim.diagnosis.policy.validation import (
+    BETTER_BY_CHANCE,
     DIVERGED,
     FAR_BETTER,
     FEWEST_BLOCKS,
     FEWEST_STARTS,
     MOST_WORSE,
     SIGNAL_WORSE,
+    STRAYS_BY_CHANCE,
     SURELY_BETTER,
-    SURELY_STRAYS,
 )
 from exo_sim.diagnosis.validation.machine_runs import Blocks, MachineRuns
 from exo_sim.rig import Rig
@@ -45,6 +47,7 @@ class Trial:
         uncertain: Standard error of the mean logarithm of the latter.
         starts: As `free_run`, of runs begun at measured states of held-out time, one for each, until the next one's.
         is_refused: Whether the rig cannot be read, or cannot be a machine.
+        is_first: Whether it holds all that was found: of what is tried after it some rig is better by chance sooner than any one.
     """
 
     update: RigUpdate
@@ -55,6 +58,7 @@ class Trial:
     uncertain: float = 0.0
     starts: tuple[Fits, ...] = ()
     is_refused: bool = False
+    is_first: bool = True
 
     @property
     def is_worse(self) -> bool:
@@ -81,9 +85,13 @@ class Trial:
 
     @property
     def is_surely_better_begun_anew(self) -> bool:
-        """Whether runs from several measured states are surely better, over their signals together, by Student's distribution."""
-        logs = [_mean(own) for own in (_logs(fits, self.spreads) for fits in self.starts) if own]
-        return len(logs) >= FEWEST_STARTS and _mean(logs) + _reach(logs) < 0.0
+        """Whether runs from several measured states are surely better, over their signals together."""
+        return _surely_better([_mean(own) for own in (_logs(fits, self.spreads) for fits in self.starts) if own], self._doubt)
+
+    @property
+    def _doubt(self) -> float:
+        """Probability with which it may be called surely better where it is equally good."""
+        return 0.5 * BETTER_BY_CHANCE / (1 if self.is_first else MOST_TRIALS - 1)
 
     @property
     def hurts(self) -> bool:
@@ -105,14 +113,15 @@ class Trial:
 
     def by_chance(self) -> dict[str, tuple[float, int]]:
         """Return which signals one run from the first measured state misses by more than with the rig handed in, and runs from several
-        states by less: by column, the ratio of the latter's errors, and how many runs these are.
+        states surely by less: by column, the ratio of the latter's errors, and how many runs these are.
         """
-        found = {}
-        for column, fit in self.free_run.items():
-            logs = _paired(self.starts, column)
-            if len(logs) >= FEWEST_STARTS and fit.after > (1.0 + SIGNAL_WORSE) * fit.before and _mean(logs) < 0.0:
-                found[column] = math.exp(_mean(logs)), len(logs)
-        return found
+        logs = {column: _paired(self.starts, column) for column in self.free_run}
+        asked = sum(len(own) >= FEWEST_STARTS for own in logs.values())
+        return {
+            column: (math.exp(_mean(logs[column])), len(logs[column]))
+            for column, fit in self.free_run.items()
+            if fit.after > (1.0 + SIGNAL_WORSE) * fit.before and _surely_better(logs[column], self._doubt / max(asked, 1))
+        }
 
     def _run_free(self) -> list[float]:
         return [log for fits in (self.free_run, *self.starts) for log in _logs(fits, self.spreads)]
@@ -134,7 +143,8 @@ def gain(runs: MachineRuns, rig: Rig, data: MachineData) -> tuple[float, float]:
 def straying_further(runs: Sequence[Fits]) -> tuple[str, ...]:
     """Return the signals whose errors are larger by surely more than a trifle, by the mean logarithm over runs and its standard error.
 
-    The latter is that of few runs: Student's distribution says how many of them are sure. A run that diverges alone is a larger error.
+    The latter is that of few runs: Student's distribution says how many of them are sure, and the more signals are asked the surer each
+    of them has to be. A run that diverges alone is a larger error.
 
     Unlike in `is_worse`, a signal counts that neither rig predicts better than its own mean: a piston that stands at the wrong end all the
     time is missed by more than one that merely lags.
@@ -142,14 +152,13 @@ def straying_further(runs: Sequence[Fits]) -> tuple[str, ...]:
     Args:
         runs: Errors by signal, of runs begun at different measured states, none over the time of another.
     """
-    found = []
-    for column in dict.fromkeys(column for fits in runs for column in fits):
-        logs = _paired(runs, column)
-        if len(logs) < FEWEST_STARTS:
-            continue
-        if max(logs) >= DIVERGED or _mean(logs) - _reach(logs) > math.log1p(SIGNAL_WORSE):
-            found.append(column)
-    return tuple(found)
+    every = {column: _paired(runs, column) for column in dict.fromkeys(column for fits in runs for column in fits)}
+    asked = {column: logs for column, logs in every.items() if len(logs) >= FEWEST_STARTS}
+    return tuple(
+        column
+        for column, logs in asked.items()
+        if max(logs) >= DIVERGED or _mean(logs) - _reach(logs, STRAYS_BY_CHANCE / len(asked)) > math.log1p(SIGNAL_WORSE)
+    )
 
 
 def spread_of(data: MachineData, column: str) -> float:
@@ -215,9 +224,14 @@ def _paired(runs: Sequence[Fits], column: str) -> list[float]:
     return logs
 
 
-def _reach(logs: Sequence[float]) -> float:
-    """Return how far the mean of few runs may be off, by Student's distribution; of two at least."""
-    return float(stdtrit(len(logs) - 1, SURELY_STRAYS)) * float(np.std(logs, ddof=1)) / math.sqrt(len(logs))
+def _surely_better(logs: Sequence[float], doubt: float) -> bool:
+    """Return whether the mean of a few runs' logarithms is below nil, with so much doubt left."""
+    return len(logs) >= FEWEST_STARTS and _mean(logs) + _reach(logs, doubt) < 0.0
+
+
+def _reach(logs: Sequence[float], doubt: float) -> float:
+    """Return how far the mean of few runs may be off with so much doubt left, to one side, by Student's distribution; of two at least."""
+    return float(stdtrit(len(logs) - 1, 1.0 - doubt)) * float(np.std(logs, ddof=1)) / math.sqrt(len(logs))
 
 
 def _mean(logs: Sequence[float]) -> float:

@@ -13,7 +13,7 @@ Where a balance of forces has hardly any rows but those of the end (a piston tha
 A refutation is taken back where more is missed without what it refuted, of the time that was fitted and of validation time.
 
 No round is repeated: the first revision happens once for every set of refuted effects, the second at most `MOST_REFUTATIONS` times for
-a division of time, the third once.
+a division of time, the third once. The last of the second takes back whatever is still refuted without searching anew.
 """
 
 from __future__ import annotations
@@ -70,7 +70,7 @@ def examine_until_stable(data: MachineData, threads: Threads, report: Progress, 
             plan = replace(plan, refuted={**plan.refuted, **refuted}, friction=None, refutations=refutations)
             if refutations < MOST_REFUTATIONS and not budget.is_spent():
                 continue
-            found = _without_refuted(replace(found, plan=plan))
+            found = _without_all_refuted(replace(found, plan=plan))
         stable.append(found)
         if len(stable) > 1 or found.validation_ratio <= policy.LACKING_RATIO or budget.is_spent():
             break
@@ -97,11 +97,9 @@ def newly_refuted(examination: Examination) -> Refuted:
         for finding in (finding for finding in one.findings if finding.at not in examination.plan.upheld):
             drop = examination.validation.drops.get(finding.key)
             influence = examination.validation.influence.get(finding.key, 0.0)
-            together = one.search.weighed_together
-            tested = gains.get(finding.key)
-            plain = tested if tested is not None and tested.is_plain else None
-            share, tells = (None, True) if plain is None else (plain.share, plain.speaks_against)
-            if drop is not None and influence > policy.LEAST_INFLUENCE and is_refuted(drop, finding.log10_odds, share, together, tells):
+            if drop is None or influence <= policy.LEAST_INFLUENCE:
+                continue
+            if is_refuted(drop, finding.log10_odds, gains.get(finding.key), one.search.weighed_together):
                 useless.append((finding.log10_odds, drop, finding.name, finding.where))
         for _, drop, name, where in sorted(useless)[:1]:  # without it the others may gain more
             says = "does not fall" if drop <= 0.0 else f"falls by no more than {100 * drop:.0f} %"
@@ -124,6 +122,17 @@ def missed_without(before: Examination, after: Examination) -> frozenset[tuple[s
         if was is not None and now is not None and now.fitted > was.fitted and now.error > (1.0 + policy.MOST_RISE) * was.error:
             found |= gone & {finding.at for finding in one.findings}
     return frozenset(found)
+
+
+def _without_all_refuted(examination: Examination) -> Examination:
+    """Return an examination without the findings that were refuted, nor those that are still refuted beside the rest.
+
+    No round is left in which what spoils others would come out last.
+    """
+    found = _without_refuted(examination)
+    while refuted := newly_refuted(found):
+        found = _without_refuted(replace(found, plan=replace(found.plan, refuted={**found.plan.refuted, **refuted})))
+    return found
 
 
 def _without_refuted(examination: Examination) -> Examination:
@@ -161,7 +170,7 @@ def without_small(examination: Examination) -> Examination:
     """Return an examination that holds what is too small to matter beside its findings, not among them."""
     seen = examination.checked
     errors = seen.left, seen.where_acting, seen.beyond_healthy
-    return examination.holding_small(tuple(f for one in examination.results.all for f in too_small(one, *errors, seen.gains)))
+    return examination.holding_small(tuple(f for one in examination.results.all for f in too_small(one, *errors, seen.tested)))
 
 
 def with_test_findings(examination: Examination) -> tuple[Examination, list[Finding]]:
@@ -199,13 +208,13 @@ def _in_the_test(examination: Examination, one: SubsystemResult[SubsystemModel])
         return ""
     often = f"{test.ratio:.0f} times as much as in the rest" if ratio else "by more than any healthy machine's is"
     what = "something acts there that the rest never met" if ratio else "what holds of the rest does not hold there"
-    return f"In the time kept back the {one.model.balance} of {one.where} is missed {often}: {what}; record more of it."
+    return f"In held-out time the {one.model.balance} of {one.where} is missed {often}: {what}; record more of it."
 
 
 def _adds_up(one: SubsystemResult[SubsystemModel], strayed: Straying) -> str:
     """Return that something adds up which windows do not show, in words."""
     return (
-        f"Run from its first measured state the {one.model.balance} of {one.where} strays over the time kept back by "
+        f"Run from its first measured state the {one.model.balance} of {one.where} strays over held-out time by "
         f"{strayed.error:.0f} times the noise; losses of a healthy machine and uncertain numbers explain {strayed.explained:.0f}. "
         "Something slow acts that has no name and that windows do not show; record a long hold with every path closed."
     )

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 
-from exo_sim.diagnosis.policy.number import Count, Number
+from exo_sim.deciding_number import Count, Number
 
 LEAST_ODDS = Number(
     2.0, "log10 of odds",

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from exo_sim.diagnosis.policy.number import Count, Number
+from exo_sim.deciding_number import Count, Number
 
 # -- one search -----------------------------------------------------------------------------------------------------------------
 MOST_FINDINGS = Count(5, "findings", "of one search that adds effects one after the other: a sixth would be fitted to what five leave")

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from exo_sim.diagnosis.policy.number import Count, Number
+from exo_sim.deciding_number import Count, Number
 
 # -- gas ------------------------------------------------------------------------------------------------------------------------
 GAS_FLOOR = Number(60.0, "Pa", "what the smoothed position and the windows' starts leave of a prediction at least")

@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
+from exo_sim.deciding_number import Count, Number
 from exo_sim.diagnosis import nominal_numbers
-from exo_sim.diagnosis.policy.number import Count, Number
 
 SURE = Number(
     3.0, "standard errors, or prior standard deviations", "a number so far from its nominal value is off",
@@ -48,6 +48,13 @@ HELD_WITHIN = Number(
     "a number that a fit moved further than any data sheet allows is held within so many while effects are asked that it may stand for",
     "derived: 95 % of data sheets",
 )  # fmt: skip
+STRAINING = Number(
+    4.0, "rise of -2 log of the prior of all nuisance parameters",
+    "an effect without which the noise explains all is no finding if with it they are so much further off: it stands only beside numbers "
+    "that are wrong as well",
+    "asserted: two standard deviations of one number. 24 machines that hide something (X1 to X12, X552 to X569), balances of forces: of 36 "
+    "true names below the noise none raises it by more than 1.9; a healthy machine of Cantera's had friction of two directions at 11.4",
+)  # fmt: skip
 FAR_FROM_STRAINED = Number(
     0.1, "share of the squared error",
     "an effect that leaves so much more than such a number did is not fitted to the end in its place: it does not explain as much",
@@ -69,7 +76,11 @@ WRONG_AREA = Number(
 )  # fmt: skip
 ZERO_OF_RANGE = Number(
     0.01, "share of the greatest pressure",
-    "zero of an ordinary pressure sensor: friction of two directions that differ by a force this small may be that of one",
-    "data sheets of industrial transmitters state 0.25 to 1 % of range. Make X560: a zero of 5.0 kPa, 0.7 % of its supply, was asymmetric "
-    "friction; own trial: 2.5 N of true asymmetry on a bore of 32 mm are 0.5 %",
+    "zero that an ordinary pressure sensor may have at most: friction of two directions that differ by a force this small may be that of "
+    "one. It is no spread, as `priors.FORCE_OF_ZEROS` is: far from the mean that is a normal distribution's tail, and nobody's knowledge. "
+    "Odds do not count, for they say that there is friction and not which; nor does what the gas says of the zeros, which errors of its "
+    "model move as far (`healthy.ZERO_MODEL`, three of them of two sensors in one force: 5.6 kPa of 6 bar)",
+    "data sheets of industrial transmitters state 0.25 to 1 % of range; of 175 zeros of learn makes of machines the largest is 0.8 %. "
+    "Make X560: a zero of 5.0 kPa, 0.7 % of its supply, was asymmetric friction, and the gas said 0.7 kPa of it with a standard error "
+    "of 1.4; own trial: 2.5 N of true asymmetry on a bore of 32 mm are 0.5 %",
 )  # fmt: skip

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from exo_sim.diagnosis.policy.number import Number
+from exo_sim.deciding_number import Number
 
 _fitted = (
     "maximum likelihood, 85 names on learn makes A to D, I, K, L of whole machines (also healthy ones and what is outside the list) and on "

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from exo_sim.diagnosis.policy.number import Count, Number
+from exo_sim.deciding_number import Count, Number
 
 FEWEST_A_SECOND = Number(8.0, "samples a second", "fewer do not show what gas does, unless it does it slowly: a vessel that is closed ...")
 SLOW_CHANGE = Number(

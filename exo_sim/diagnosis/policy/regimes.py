@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from exo_sim.diagnosis.policy.number import Count, Number
+from exo_sim.deciding_number import Count, Number
 
 STANDS_OUT = Number(1.3, "mean square error in the regime, in units of the whole's", "below this no regime is named")
 MOST_OF_IT = Number(0.4, "share of the squared error", "so much of it lies in the regime that is named")

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from exo_sim.diagnosis.policy.number import Count, Number
+from exo_sim.deciding_number import Count, Number
 
 SWAMPS = Number(10.0, "root mean square error of the model", "a larger signature is of another machine: a smaller size is tried ...")
 SMALLER = Number(0.2, "share of the size", "... of so much")

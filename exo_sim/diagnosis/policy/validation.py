@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from exo_sim.diagnosis.policy.number import Count, Number
+from exo_sim.deciding_number import Count, Number
 
 HELD_OUT_SHARE = Number(
     0.3, "share of every recording", "no parameter is fitted to it",
@@ -21,7 +21,10 @@ LEAST_DROP_TOGETHER = Number(
     0.02, "share of the validation error", "... or by less than this where it was weighed beside all others at once ...",
     "learn make D of whole machines: a true Stribeck dip lowers the error by 11 %; the moving MBARI spring: what is not there by none",
 )  # fmt: skip
-REFUTABLE_ODDS = Number(25.0, "log10 of odds", "... unless its odds exceed these")
+REFUTABLE_ODDS = Number(
+    25.0, "log10 of odds", "... unless its odds exceed these; nor is a name put aside then because its number may be anything",
+    "asserted; X581's dip of friction has 95, at rest 25 N with an error of 29 N: without it windows are off by 34 times the noise",
+)  # fmt: skip
 MOST_RISE = Number(
     0.1, "share of the validation error", "a finding that raises the error by more, not by chance, is refuted ...",
     "X554's hose raises it by 18 %, and has -0.6 of its change there with a standard error of 1.5: it is true, and a false regulator that "
@@ -119,12 +122,18 @@ STARTS = Count(
     "of 18 positions, all better on the fresh one, the one run called three worse (1.14, 1.16, 1.32), the four moments none. Those runs "
     "went on to the end of the recording; that each now ends where the next begins was not measured",
 )  # fmt: skip
-SURELY_STRAYS = Number(
-    0.95, "probability",
-    "so surely runs from several states miss a signal by more with an improved rig, or it does not count as straying; and so surely they "
-    "miss all signals by less, or one run from the beginning that misses them by more speaks against it",
-    "derived: of rigs that are equally good one in twenty is called straying, in lognormal errors of four runs 4.6 %; with one standard "
-    "error of five runs that all end together it was 39 %",
+STRAYS_BY_CHANCE = Number(
+    0.05, "probability",
+    "so few rigs that are equally good are said to stray, over all signals together, each of which has an equal part of it",
+    "derived. Lognormal errors of four runs: 4 % of one signal, 5 % of six or thirteen; with the whole of it for each signal it was 25 % "
+    "and 46 %, and with one standard error of five runs that all end together 39 % of one",
+)  # fmt: skip
+BETTER_BY_CHANCE = Number(
+    0.05, "probability",
+    "so few searches for what to write call a rig surely better from several states, over all signals together, that is equally good: half "
+    "of it is for all that was found, which is tried first, the rest in equal parts for what is tried after it. Then one run from the "
+    "beginning that misses them by more does not speak against it, nor is that said of a signal",
+    "derived. Lognormal errors of four runs: 3 % with twelve rigs; with the whole of it for each rig some rig passed in 35 % with eight",
 )  # fmt: skip
 FEWEST_STARTS = Count(3, "runs", "from different measured states say how far the errors of another such run may differ")
 MOST_WORSE = Number(

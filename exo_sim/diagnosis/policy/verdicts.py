@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
+from exo_sim.deciding_number import Number
 from exo_sim.diagnosis.policy import acceptance
-from exo_sim.diagnosis.policy.number import Number
 
 AS_GOOD = Number(
     3.0, "log-likelihood, parameters paid for",

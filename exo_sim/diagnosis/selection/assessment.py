@@ -5,12 +5,12 @@ from __future__ import annotations
 from exo_sim.diagnosis.estimation.candidate import Candidate, CandidateKey, drop_orphans
 from exo_sim.diagnosis.findings import Kind
 from exo_sim.diagnosis.policy import acceptance
-from exo_sim.diagnosis.policy.budgets import FINALISTS, RUNNERS_UP
+from exo_sim.diagnosis.policy.budgets import RUNNERS_UP
 from exo_sim.diagnosis.selection.comparisons import Comparisons
 from exo_sim.diagnosis.selection.fitted_model import FittedModel, SearchResult
 from exo_sim.diagnosis.selection.indistinguishable_effects import indistinguishable_effects
 from exo_sim.diagnosis.selection.model_fits import ModelFits
-from exo_sim.diagnosis.selection.proposals import Proposals
+from exo_sim.diagnosis.selection.proposals import Proposals, is_declared_alike
 
 
 def assess(final: FittedModel, fits: ModelFits, comparisons: Comparisons, proposals: Proposals, spent: bool = False) -> SearchResult:
@@ -60,19 +60,23 @@ def _begun_at(final: FittedModel, rival: FittedModel, fits: ModelFits) -> Fitted
     Without the fault, or before it was found, other numbers moved to where a fit of the rival does not find back from.
     """
     begun = FittedModel(tuple(c for c in rival.candidates if c.at in final.named), final.fit)
-    return fits.fit_rivals([(rival.candidates, begun)], final, again=True)[0]
+    other = fits.fit_rivals([(rival.candidates, begun)], final, again=True)[0]
+    return other if fits.deficit(other, rival) < 0.0 else rival
 
 
 def _rivals(candidate: Candidate, without: FittedModel, final: FittedModel, proposals: Proposals) -> list[Candidate]:
     """Return what could take a finding's place.
 
-    In a large model each is a fit of all of it: there only what is declared to look alike is asked, and fitted if it promises enough.
+    In a large model each is a fit of all of it: there only what is declared to look alike is asked, and fitted if it promises enough. Of a
+    sensor's fault everything else is asked too, and crowds out nothing that is declared.
     """
     scored = proposals.successors(candidate, without, final)
     if not final.is_large:
         return proposals.best(scored)
     wanted = without.fit.sse - final.fit.sse
-    return [rival for promised, rival in scored[:FINALISTS] if acceptance.UNDERRATED * promised > wanted]
+    promising = [(promised, rival) for promised, rival in scored if acceptance.UNDERRATED * promised > wanted]
+    declared_alike = [(promised, rival) for promised, rival in promising if is_declared_alike(candidate, rival)]
+    return list({rival.key: rival for rival in (*proposals.best(declared_alike), *proposals.best(promising))}.values())
 
 
 def _with_all_parameters(candidate: Candidate, now: FittedModel, fits: ModelFits, proposals: Proposals) -> FittedModel | None:

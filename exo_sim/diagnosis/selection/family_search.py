@@ -14,20 +14,20 @@ from exo_sim.diagnosis.estimation.candidate import Candidate, drop_orphans
 from exo_sim.diagnosis.estimation.linear_family import LinearFamily
 from exo_sim.diagnosis.findings import Kind
 from exo_sim.diagnosis.policy import verdicts
-from exo_sim.diagnosis.policy.off_nominal import HELD_WITHIN
+from exo_sim.diagnosis.policy.off_nominal import HELD_WITHIN, STRAINING
 from exo_sim.diagnosis.policy.recordings import FEWEST_ROWS
 from exo_sim.diagnosis.selection.comparisons import Comparisons
 from exo_sim.diagnosis.selection.evidence import Evidence
 from exo_sim.diagnosis.selection.family_rivals import equivalents, equivalents_of, rivals, runners_up
 from exo_sim.diagnosis.selection.finalist_fits import FinalistFits, predicting_best
 from exo_sim.diagnosis.selection.fitted_model import FittedModel, SearchResult, is_more_than_healthy
-from exo_sim.diagnosis.selection.law_forms import fitted_forms, plainest, weighed_as_fitted
-from exo_sim.diagnosis.selection.laws import errors_about, reach_of_laws
+from exo_sim.diagnosis.selection.law_forms import as_fitted, fitted_forms, plainest, weighed_as_fitted
+from exo_sim.diagnosis.selection.laws import errors_about, reach_of_laws, reaching
 from exo_sim.diagnosis.selection.marginal_fit import MarginalFits
 from exo_sim.diagnosis.selection.model_fits import ModelFits
 from exo_sim.diagnosis.selection.nonparametric_terms import nonparametric_terms, unnamed
 from exo_sim.diagnosis.selection.refitted_finalists import best_refitted
-from exo_sim.diagnosis.selection.simpler_forms import no_richer_than_needed, poorer_than, richer_beside
+from exo_sim.diagnosis.selection.simpler_forms import no_richer_than_needed, poorer_than, richer_beside, rivals_of_either
 from exo_sim.diagnosis.selection.subset_numbers import laws_of, values_and_errors
 from exo_sim.diagnosis.selection.subset_weighing import At, SubsetWeighing, Weighed
 
@@ -81,12 +81,22 @@ class FamilySearch:
             lambda one: evidence.log_evidence(one, best.spreads),
         )  # fmt: skip
         final = plainest(forms)
+        if found.names_suffice:  # the subset had a part of them without a name, and its numbers are of the rest
+            laws = [as_fitted(final, self.fits.standard_errors(final))]
         laws = weighed_as_fitted(laws, forms, final, self.fits.standard_errors)
         plain = self.fits.refined(self.fits.fit(final.candidates, final))
         final = predicting_best(final, plain, errors_about(final, laws))
+        relaxed = self._without_straining(plain, comparisons)
+        if relaxed is not plain:
+            final = plain = relaxed
         if final.candidates and comparisons.is_clean(baseline) and not evidence.is_decisive(final, baseline, best.spreads):
             final, plain = baseline, baseline
-        taking |= richer_beside(final.candidates, probable, values)
+        both = FittedModel.at({**values, **final.fit.values})
+        richer = richer_beside(
+            final, probable if found is first else (), lambda chosen: beside.fit(chosen, both, refined=True),
+            lambda one: evidence.log_evidence(one, best.spreads),
+        )  # fmt: skip
+        taking = rivals_of_either(richer, taking)
         gone = [c for c in probable if c not in final.candidates and not c.is_law]
         passed_over = [c for c in gone if probabilities.get(c.at, 0.0) > verdicts.PROBABLE]
         kept = {candidate.key for candidate in final.candidates}
@@ -101,8 +111,8 @@ class FamilySearch:
             runners_up(self.weighing, best, posterior),
             probabilities=probabilities | self._of_poorer(final, best, alike, probabilities),
             errors=errors_about(final, laws),
-            reach=reach_of_laws(final, laws),
-            unnamed=unnamed(self.weighing, self.basis, best, finalists, posterior),
+            reach=reaching(reach_of_laws(final, laws), final, [form.numbers for form in richer.values()]),
+            unnamed=() if found.names_suffice else unnamed(self.weighing, self.basis, best, finalists, posterior),
             least_left=plain.fit.sse,
             undecided=tuple(c for c in passed_over if self._is_strained_without(c, probable, plain)),
             weighed_together=True,
@@ -131,6 +141,23 @@ class FamilySearch:
             if all(c.kind is Kind.UNKNOWN or is_more_than_healthy(c, model) for c in model.candidates):
                 return [one, *(other for other in finalists if other is not one)]
         return finalists
+
+    def _without_straining(self, plain: FittedModel, comparisons: Comparisons) -> FittedModel:
+        """Return a plain fit without the effects that explain no more than noise, and that only beside numbers that are further off.
+
+        Friction of two directions and a spring's rest that is off pull against each other: what they do together is less than either.
+        One goes at a time, the one that moves the nuisance parameters most.
+        """
+        while True:
+            strained = []
+            for candidate in (c for c in plain.candidates if not c.is_law):
+                without = self.fits.fit(drop_orphans(plain.without(candidate)), plain)
+                rise = plain.fit.penalty - without.fit.penalty
+                if rise > STRAINING and comparisons.is_clean(without):
+                    strained.append((rise, without))
+            if not strained:
+                return plain
+            plain = self.fits.refined(max(strained, key=lambda pair: pair[0])[1])
 
     def _is_strained_without(self, candidate: Candidate, probable: Sequence[Candidate], final: FittedModel) -> bool:
         """Return whether nuisance parameters stand in for an effect of the best subset: without it they are plainly further off."""

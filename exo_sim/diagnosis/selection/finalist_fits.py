@@ -13,6 +13,7 @@ from exo_sim.diagnosis.policy import verdicts
 from exo_sim.diagnosis.policy.verdicts import NIL
 from exo_sim.diagnosis.selection.fitted_evidence import FittedEvidence
 from exo_sim.diagnosis.selection.fitted_model import FittedModel, exceeds_healthy_limit
+from exo_sim.diagnosis.selection.left_by_names import leave_nothing
 from exo_sim.diagnosis.selection.linear_evidence import Spreads
 from exo_sim.diagnosis.selection.marginal_fit import MarginalFits
 from exo_sim.diagnosis.selection.model_fits import ModelFits
@@ -45,8 +46,27 @@ class FinalistFits:
         if near is None:
             near = FittedModel.at(values_and_errors(self.weighing, self.fits.nuisances, one, self.weighing.posterior(one))[0])
         spreads = self._widened(one, self.evidence.spreads_of(self.fits.fit(chosen, near), one.spreads))
+        found = self._beside(one, spreads, chosen, near)
+        return self._by_names_alone(found) if found.model.candidates and nonparametric_terms(self.weighing.terms(one)) else found
+
+    def _beside(self, one: Weighed, spreads: Spreads, chosen: tuple[Candidate, ...], near: FittedModel) -> Refitted:
+        """Return names fitted beside a discrepancy of these spreads."""
         beside = MarginalFits(self.fits, self.basis, spreads, self.weighing.correlation_time)
         return Refitted(one, beside, self._fitted(chosen, near, beside))
+
+    def _by_names_alone(self, found: Refitted) -> Refitted:
+        """Return names fitted without what their subset has beside them and has no name, where they leave none of that.
+
+        A subset has its names at the shapes where they were linearised. A bump of friction at another place of the stroke is then a curve
+        of place beside its own name; fitted as it acts the name leaves nothing to the curve.
+        """
+        alone = self.fits.fit(found.model.candidates, found.model)
+        terms = tuple(term for _, term in nonparametric_terms(self.weighing.terms(found.weighed)))
+        whole, is_spent = self.weighing.family.whole, self.fits.is_spent
+        if not leave_nothing(alone.fit, terms, self.basis, self.fits.model.blocks, whole, is_spent):
+            return found
+        again = self._beside(found.weighed, self.evidence.spreads_of(alone, found.weighed.spreads), found.model.candidates, alone)
+        return replace(again, names_suffice=again.model.candidates == found.model.candidates)
 
     def _widened(self, one: Weighed, spreads: Spreads) -> Spreads:
         """Return spreads with which what is missing without a name counts as discrepancy: no fit has numbers for it."""

@@ -16,6 +16,7 @@ from exo_sim.diagnosis.estimation.parameters import FreeParameter
 from exo_sim.diagnosis.policy import acceptance, verdicts
 from exo_sim.diagnosis.policy.budgets import LARGE
 from exo_sim.diagnosis.selection.evidence import Evidence
+from exo_sim.diagnosis.selection.quantity_parts import parts_of, quantity_of, together
 from exo_sim.physics.declaration import declared, identification_of
 
 Array = NDArray[np.float64]
@@ -170,11 +171,10 @@ def exceeds_healthy_limit(
     values, errors = model.fit.values, errors or {}
     times = float(acceptance.SURELY_MORE) if times is None else times
     limited = [q for q in candidate.parameters if q.healthy_limit > 0.0]
-    if candidate.additive:  # with what a healthy machine has of it, where the candidate does not stand for that
-        unit = candidate.parameters[0].unit
+    if candidate.additive and candidate.parameters:  # with what a healthy machine has of it, where the candidate does not stand for that
         own = [q for q in candidate.parameters if q in values]
-        parts = {q.slot: q for q in (*values, *own) if (q.effect, q.where, q.unit) == (*candidate.at, unit)}
-        return sum(abs(values[q] - q.neutral) for q in parts.values()) > max((q.healthy_limit for q in limited), default=0.0)
+        parts = parts_of(quantity_of(candidate.parameters[0]), (*values, *own))
+        return together(parts, values) > max((q.healthy_limit for q in limited), default=0.0)
     return not limited or any(abs(values[q] - q.neutral) - times * errors.get(q, 0.0) > q.healthy_limit for q in limited)
 
 

@@ -1,16 +1,63 @@
-"""What an effect gains on held-out time, block by block."""
+"""What an effect gains on held-out time, in all and block by block."""
 
 from __future__ import annotations
 
 import math
+from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
 
 from exo_sim.diagnosis.estimation.correlation import Blocked
+from exo_sim.diagnosis.policy import validation
 from exo_sim.diagnosis.selection.evidence import misfit
 
 Array = NDArray[np.float64]
+
+
+@dataclass(frozen=True)
+class HeldOutGain:
+    """What a finding gains on held-out time.
+
+    Attributes:
+        gained: By how much the sum of squared errors falls with it, in units of the noise.
+        missing: By how much that sum exceeds the noise without it.
+        is_plain: Whether that is more than noise does by chance.
+        amplitude, error: How much of the change that it makes to predictions is there, by least squares, and the standard error of that:
+            1 where the recording shows it as it was found, 0 where not at all.
+    """
+
+    gained: float
+    missing: float
+    is_plain: bool = True
+    amplitude: float = 0.0
+    error: float = 0.0
+
+    @property
+    def is_absent(self) -> bool:
+        """Whether the change that it makes is surely not there; held-out time may tell it neither from nothing nor from all of it."""
+        reach = validation.TOLD_APART * self.error
+        undecided = abs(self.amplitude) < reach and abs(self.amplitude - 1.0) < reach
+        return not undecided and self.amplitude + self.error <= validation.SHOWN
+
+    @property
+    def speaks_against(self) -> bool:
+        """Whether a small share speaks against it: where more than noise is missing, and the change that it makes is surely not there.
+
+        Beside something larger that is missing as well a true effect explains little.
+        """
+        return self.is_plain and self.is_absent
+
+    @property
+    def is_shown(self) -> bool:
+        """Whether its change is surely there, more of it than not."""
+        return self.amplitude > max(validation.TOLD_APART * self.error, validation.SHOWN)
+
+    @property
+    def share(self) -> float:
+        """What it explains of the squared error that is missing beyond the noise without it, 0 to 1."""
+        share = self.gained / max(self.missing, self.gained, 1e-12)
+        return min(max(share, 0.0), 1.0) if math.isfinite(share) else 0.0
 
 
 def gain_in_errors(rows: Blocked, without: Array, with_it: Array) -> float:

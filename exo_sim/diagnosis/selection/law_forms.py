@@ -52,6 +52,16 @@ def plainest(found: Sequence[FittedForm]) -> FittedModel:
     return min(good, key=lambda one: (one.model.parameter_count, -one.log_evidence)).model
 
 
+def as_fitted(model: FittedModel, errors: Mapping[FreeParameter, float]) -> Law:
+    """Return the law of a model that was fitted as it acts.
+
+    Args:
+        model: The model.
+        errors: Its standard errors.
+    """
+    return Law(1.0, True, model.fit.values, errors, _form(model))
+
+
 def weighed_as_fitted(
     laws: Sequence[Law], found: Sequence[FittedForm], final: FittedModel, errors: Callable[[FittedModel], Mapping[FreeParameter, float]]
 ) -> list[Law]:

@@ -73,6 +73,23 @@ def reach_of_laws(final: FittedModel, laws: Sequence[Law]) -> dict[FreeParameter
     }
 
 
+def reaching(
+    reach: Mapping[FreeParameter, tuple[float, float]], final: FittedModel, others: Sequence[Mapping[FreeParameter, tuple[float, float]]]
+) -> dict[FreeParameter, tuple[float, float]]:
+    """Return a reach, as far as what else explains the recording as well has the numbers.
+
+    Args:
+        reach: As of `reach_of_laws`.
+        final: The model about whose values it is.
+        others: The least and the greatest number that each would have instead.
+    """
+    found = dict(reach)
+    for q, (low, high) in (pair for one in others for pair in one.items()):
+        value, (below, above) = final.fit.values[q], found.get(q, (0.0, 0.0))
+        found[q] = max(below, (value - low) / HALF_WIDTH), max(above, (high - value) / HALF_WIDTH)
+    return found
+
+
 @dataclass(frozen=True)
 class _Mixture:
     """A mixture of normal distributions, one a law, shape (laws,) each; the weights sum to one."""

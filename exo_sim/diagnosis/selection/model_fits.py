@@ -11,10 +11,10 @@ from exo_sim.diagnosis.estimation.budget import IsSpent, never
 from exo_sim.diagnosis.estimation.candidate import Candidate
 from exo_sim.diagnosis.estimation.common_part import with_common_parts_split
 from exo_sim.diagnosis.estimation.correlation import correlation_time
-from exo_sim.diagnosis.estimation.least_squares import Fit, Residual, fit
+from exo_sim.diagnosis.estimation.least_squares import Derivatives, Fit, Residual, fit
 from exo_sim.diagnosis.estimation.parameters import FreeParameter
 from exo_sim.diagnosis.estimation.threads import SERIAL, Threads
-from exo_sim.diagnosis.estimation.uncertainty import standard_errors
+from exo_sim.diagnosis.estimation.uncertainty import error_of_sum, standard_errors
 from exo_sim.diagnosis.policy import acceptance
 from exo_sim.diagnosis.policy.budgets import CHEAP_STARTS, FIRST_LOOK, LAW_STARTS, MOST_STEPS, WORTH_A_LOOK
 from exo_sim.diagnosis.selection.evidence import negative_log_likelihood
@@ -79,8 +79,8 @@ class ModelFits:
             if any(candidate.is_law for candidate in candidates):
                 begin = self._furthest_led(residual, parameters, [options[i] for i in order], length, columns)
             done = fit(
-                residual, parameters, begin, self.threads,
-                max_iterations=MOST_STEPS, correlation_length=length, known_columns=columns, is_spent=self.is_spent,
+                residual, parameters, begin, self.threads, max_iterations=MOST_STEPS, correlation_length=length,
+                derivatives=Derivatives(columns), is_spent=self.is_spent,
             )  # fmt: skip
         return FittedModel(tuple(candidates), with_common_parts_split(done))
 
@@ -210,7 +210,7 @@ class ModelFits:
         """Return a fit after the first steps that are worth it, with known derivatives where there are some."""
         return fit(
             residual, parameters, begin, self.threads, max_iterations=FIRST_LOOK, tolerance=WORTH_A_LOOK, correlation_length=length,
-            known_columns=columns, renewed=False, is_spent=self.is_spent,
+            derivatives=Derivatives(columns, renewed=False), is_spent=self.is_spent,
         )  # fmt: skip
 
     def _fit_cheaply(
@@ -249,7 +249,7 @@ class ModelFits:
         length = min(self.correlation_time(model.fit.residual), acceptance.LONGEST_CORRELATION)
         done = fit(
             self._residual_of(model.candidates), parameters, model.fit.values, self.threads, max_iterations=12, tolerance=1e-6,
-            correlation_length=length, known_columns=model.fit.columns, exact_jacobian=True, differenced_at=model.fit.differenced_at,
+            correlation_length=length, derivatives=Derivatives(model.fit.columns, exact=True, differenced_at=model.fit.differenced_at),
             is_spent=self.is_spent,
         )  # fmt: skip
         better = FittedModel(model.candidates, with_common_parts_split(done))
@@ -267,7 +267,7 @@ class ModelFits:
         length = min(self.correlation_time(model.fit.residual), acceptance.LONGEST_CORRELATION)
         return fit(
             self._residual_of(model.candidates), parameters, model.fit.values, self.threads, max_iterations=12, tolerance=1e-6,
-            correlation_length=length, known_columns=model.fit.columns, renewed=False, is_spent=self.is_spent,
+            correlation_length=length, derivatives=Derivatives(model.fit.columns, renewed=False), is_spent=self.is_spent,
         )  # fmt: skip
 
     def _residual_of(self, candidates: Sequence[Candidate]) -> Residual:
@@ -281,6 +281,10 @@ class ModelFits:
     def standard_errors(self, fitted: FittedModel) -> dict[FreeParameter, float]:
         """Return the standard error of every parameter of a fitted model, in its unit."""
         return standard_errors(self.model, fitted.fit, self.correlation_time(fitted.fit.residual))
+
+    def error_of_sum(self, fitted: FittedModel, weights: Mapping[FreeParameter, float]) -> float:
+        """Return the standard error of a weighted sum of parameters of a fitted model; infinite where one of them was not fitted."""
+        return error_of_sum(self.model, fitted.fit, self.correlation_time(fitted.fit.residual), weights)
 
     def effective_sample_size(self, models: Sequence[FittedModel]) -> float:
         """Return the number of independent rows in the residual of the best of these models."""

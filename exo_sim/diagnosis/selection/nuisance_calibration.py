@@ -15,7 +15,7 @@ from exo_sim.diagnosis.nominal_numbers import DEAD_VOLUME, INITIAL_TEMPERATURE
 from exo_sim.diagnosis.policy.off_nominal import BEYOND_SHEET, LAW_SHARE, MODEL_SHARE, MOVED, OPEN_LAW_SHARE, SURE, WORTH
 from exo_sim.diagnosis.policy.probability import CALIBRATED, UNTESTED
 from exo_sim.diagnosis.selection.fitted_model import FittedModel
-from exo_sim.diagnosis.selection.strained_nuisances import is_beyond_data_sheet
+from exo_sim.diagnosis.selection.nuisances_beyond_prior import is_beyond_data_sheet
 from exo_sim.physics.declaration import declared, identification_of
 
 

@@ -83,13 +83,7 @@ class Proposals:
             whole: The model.
         """
         few = whole.is_large and candidate.kind is not Kind.SENSOR
-        own = declared()[candidate.effect].mistaken_for if few else ()
-
-        def is_asked(one: Candidate) -> bool:
-            alike = one.effect in own or (few and candidate.effect in declared()[one.effect].mistaken_for)
-            return one.at != candidate.at and (alike or not few)
-
-        asked = [one for one in self.candidates if is_asked(one)]
+        asked = [one for one in self.candidates if one.at != candidate.at and (not few or is_declared_alike(candidate, one))]
         return scores(self.fits.model, without, asked, self.fits.threads, self._beside(whole), self.fits.is_spent)
 
     def best(self, scored: Sequence[tuple[float, Candidate]]) -> list[Candidate]:
@@ -150,6 +144,11 @@ class Proposals:
     def fullest(self, candidate: Candidate) -> Candidate:
         """Return the form of a candidate's effect with the most parameters."""
         return max((c for c in self.candidates if c.at == candidate.at), key=lambda form: len(form.parameters), default=candidate)
+
+
+def is_declared_alike(one: Candidate, other: Candidate) -> bool:
+    """Return whether one of two effects is declared to be mistaken for the other."""
+    return any(a.effect in declared() and b.effect in declared()[a.effect].mistaken_for for a, b in ((one, other), (other, one)))
 
 
 def _names(parameters: Collection[FreeParameter]) -> set[str]:

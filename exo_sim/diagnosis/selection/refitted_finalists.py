@@ -27,11 +27,14 @@ class Refitted:
         weighed: The subset.
         beside: Fits beside the discrepancy that this subset leaves.
         model: The fit, without what it left nothing of.
+        names_suffice: The subset holds something without a name as well, of which the names, fitted as they act, leave no more than a
+            healthy machine has.
     """
 
     weighed: Weighed
     beside: MarginalFits
     model: FittedModel
+    names_suffice: bool = False
 
 
 def best_refitted(

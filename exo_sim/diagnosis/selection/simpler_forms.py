@@ -2,11 +2,13 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass
 
 from exo_sim.diagnosis.estimation.candidate import Candidate, CandidateKey
 from exo_sim.diagnosis.estimation.parameters import FreeParameter
 from exo_sim.diagnosis.policy import verdicts
+from exo_sim.diagnosis.selection.fitted_model import FittedModel
 from exo_sim.physics.declaration import declared
 
 
@@ -47,10 +49,9 @@ def poorer_where_alike(
     found = []
     for candidate in candidates:
         kept: Candidate | None = candidate
-        for poorer, parts in poorer_than(candidate.effect).items():
+        for poorer in poorer_than(candidate.effect):
             known = any(q.effect == poorer for q, _ in candidate.fixed)
-            apart = [values[q] for q in candidate.parameters if q.parameter in dict(parts)]
-            if (poorer in asked or known) and apart and max(apart) - min(apart) < verdicts.ALIKE * max(apart):
+            if (poorer in asked or known) and _is_alike(candidate, poorer, values):
                 kept = asked.get(poorer)
         found += [kept] if kept is not None else []
     return tuple(found)
@@ -77,23 +78,76 @@ def sizes_of_poorer(
     return begun
 
 
-def richer_beside(
-    candidates: Sequence[Candidate], weighed: Sequence[Candidate], values: Mapping[FreeParameter, float]
-) -> dict[CandidateKey, list[tuple[Candidate, float]]]:
-    """Return, for each poorer form that a fit ended with, the richer one where that was weighed with what it tells apart far apart.
+@dataclass(frozen=True)
+class RicherForm:
+    """A richer form that stands beside the poorer one that a search ended with.
 
-    Fit and weighing then disagree: the recording does not say which of both it is.
+    Attributes:
+        candidate: It.
+        worse: By how much its log-evidence is lower.
+        numbers: Of the poorer one's parameters: the least and the greatest of its own numbers that each takes the place of.
+    """
+
+    candidate: Candidate
+    worse: float
+    numbers: Mapping[FreeParameter, tuple[float, float]]
+
+
+def richer_beside(
+    final: FittedModel, weighed: Sequence[Candidate], fit: Callable[[tuple[Candidate, ...]], FittedModel],
+    log_evidence: Callable[[FittedModel], float],
+) -> dict[CandidateKey, RicherForm]:  # fmt: skip
+    """Return, for each poorer form that a search ended with, the richer one that was weighed.
+
+    Subsets are weighed along lines, over a grid of shapes. The richer form is fitted as it acts: where what it tells apart is then alike
+    it is the poorer one in other words, and nothing stands beside that.
 
     Args:
-        candidates: What the fit ended with.
+        final: What the search ended with.
         weighed: The effects of the most probable subset.
-        values: Of that subset.
+        fit: Fits candidates.
+        log_evidence: Of a fitted model, parameters paid for.
     """
-    found: dict[CandidateKey, list[tuple[Candidate, float]]] = {}
-    for poorer in (c for c in candidates if c not in weighed):
-        for richer in weighed:
-            parts = dict(poorer_than(richer.effect).get(poorer.effect, ()))
-            apart = [values[q] for q in richer.parameters if q.parameter in parts]
-            if apart and max(apart) - min(apart) > verdicts.ALIKE * max(apart):
-                found[poorer.key] = [(richer, 0.0)]
+    found: dict[CandidateKey, RicherForm] = {}
+    for poorer in (c for c in final.candidates if c not in weighed):
+        for richer in (c for c in weighed if poorer.effect in poorer_than(c.effect)):
+            fitted = fit(tuple(richer if c is poorer else c for c in final.candidates))
+            if not _is_alike(richer, poorer.effect, fitted.fit.values):
+                worse = log_evidence(fit(final.candidates)) - log_evidence(fitted)
+                found[poorer.key] = RicherForm(richer, worse, _numbers_of(richer, poorer, fitted.fit.values))
     return found
+
+
+def rivals_of_either(
+    richer: Mapping[CandidateKey, RicherForm], rivals: Mapping[CandidateKey, Sequence[tuple[Candidate, float]]]
+) -> dict[CandidateKey, list[tuple[Candidate, float]]]:
+    """Return rivals, those of a poorer form with the richer one beside it among them, and with what may stand in that one's place.
+
+    Args:
+        richer: By the key of the poorer form.
+        rivals: What may stand in the place of each effect that was weighed, and by how much its log-likelihood is lower.
+    """
+    found = {key: list(those) for key, those in rivals.items()}
+    for key, form in richer.items():
+        others = [(c, worse) for c, worse in rivals.get(form.candidate.key, ()) if c.key != key]
+        found[key] = [*found.get(key, []), (form.candidate, form.worse), *others]
+    return found
+
+
+def _numbers_of(
+    richer: Candidate, poorer: Candidate, values: Mapping[FreeParameter, float]
+) -> dict[FreeParameter, tuple[float, float]]:
+    """Return the least and the greatest number of a richer form in the place of each of a poorer one's."""
+    shares, found = poorer_than(richer.effect)[poorer.effect], {}
+    for q in poorer.parameters:
+        own = [values[p] for p in richer.parameters if (p.parameter, q.parameter) in shares]
+        if own:
+            found[q] = min(own), max(own)
+    return found
+
+
+def _is_alike(richer: Candidate, poorer: str, values: Mapping[FreeParameter, float]) -> bool:
+    """Return whether the numbers of a richer form that are one number of a poorer one hardly differ."""
+    parts = dict(poorer_than(richer.effect)[poorer])
+    apart = [values[q] for q in richer.parameters if q.parameter in parts]
+    return bool(apart) and max(apart) - min(apart) < verdicts.ALIKE * max(apart)

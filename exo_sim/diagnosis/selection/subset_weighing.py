@@ -65,6 +65,7 @@ class SubsetWeighing:
         self.family, self.standing = family, frozenset(standing)
         self._evidence = [LinearEvidence(linear, basis) for linear in family.linearisations]
         self._basis, self._blocks = basis, blocks
+        self._groups_of = [_groups_of_effects(linear.terms) for linear in family.linearisations]
         self.correlation_time = 1.0
 
     def posterior(self, weighed: Weighed, more: Subset = ()) -> Posterior:
@@ -241,10 +242,18 @@ class SubsetWeighing:
             asked.append((chosen.candidate, chosen.alternatives))
         for candidate, alternatives in asked:
             base = candidate.prerequisite
-            if base and base not in self.standing and not any(t.group in groups and t.candidate.effect == base for t in chosen.terms):
+            if base and base not in self.standing and groups.isdisjoint(self._groups_of[point].get(base, ())):
                 return -math.inf
             total += candidate.prevalence_log_odds - math.log(alternatives)
         return total
 
     def _at(self, point: int, term: int) -> At:
         return self.family.linearisations[point].terms[term].candidate.at
+
+
+def _groups_of_effects(terms: Sequence[Term]) -> dict[str, set[str]]:
+    """Return the groups in which each effect has a term, by its name: asked of every subset, of thousands."""
+    found: dict[str, set[str]] = {}
+    for term in terms:
+        found.setdefault(term.candidate.effect, set()).add(term.group)
+    return found

@@ -14,10 +14,11 @@ from exo_sim.diagnosis.estimation.correlation import correlation_time, rms
 from exo_sim.diagnosis.findings import Series, SignalFit, Subsystem, held_out_key
 from exo_sim.diagnosis.policy import validation
 from exo_sim.diagnosis.selection.fitted_model import FittedModel, remains
+from exo_sim.diagnosis.selection.held_out_gain import HeldOutGain
 from exo_sim.diagnosis.selection.subsystem_result import SubsystemResult
 from exo_sim.diagnosis.selection.unknown_effect import UnknownEffect, effect_of
 from exo_sim.diagnosis.subsystem_model import Comparison, SubsystemModel
-from exo_sim.diagnosis.validation.held_out_errors import BalanceError, HeldOutErrors, HeldOutGain, finite
+from exo_sim.diagnosis.validation.held_out_errors import BalanceError, HeldOutErrors, finite
 from exo_sim.recording.noise import by_chance
 
 Array = NDArray[np.float64]
@@ -77,11 +78,10 @@ def held_out_errors(
             beyond = _beyond(refitted.fit.residual - one.final.fit.residual, misfit)
             if beyond is not None:
                 beyond_healthy[key] = beyond
-            if lacking > 1.0:
-                independent = other.size / max(correlation_time(other, model.blocks), 1.0)
-                gained, missing = other.size * (lacking**2 - with_it**2), other.size * (lacking**2 - 1.0)
-                there = _amplitude(named, other - named, model.blocks)
-                gains[key] = HeldOutGain(gained, missing, lacking**2 > by_chance(independent), *there)
+            independent = other.size / max(correlation_time(other, model.blocks), 1.0)
+            gained, missing = other.size * (lacking**2 - with_it**2), other.size * (lacking**2 - 1.0)
+            there = _amplitude(named, other - named, model.blocks)
+            gains[key] = HeldOutGain(gained, missing, lacking**2 > max(by_chance(independent), 1.0), *there)
         if effect is not None:
             drops[one.where] = _drop_with_unknown(model, one, error, own)
             costs[one.where] = rms(model.residual_of(one.final_plant)) * _noise_share(one, compared)
@@ -97,10 +97,12 @@ def _amplitude(named: Array, change: Array, blocks: NDArray[np.int64]) -> tuple[
         blocks: Block of each row, shape (n,).
     """
     with np.errstate(over="ignore", invalid="ignore"):
-        power = float(change @ change)
-        along = named * change
-        error = math.sqrt(float(along @ along) * correlation_time(along, blocks)) / max(power, 1e-300)
-        found = 1.0 + float(along.sum()) / max(power, 1e-300)
+        power = max(float(change @ change), 1e-300)
+        lacking = float(named @ change) / power
+        along = (named - lacking * change) * change  # of what that much of it leaves: a change that is not there is no scatter
+        scatter = float(along @ along) * correlation_time(along, blocks)
+        error = math.sqrt(max(scatter, power)) / power  # no less than the noise of the rows: of one that changes much there is no scatter
+        found = 1.0 + lacking
     return (found, error) if math.isfinite(found) and math.isfinite(error) else (0.0, 0.0)
 
 

@@ -11,7 +11,7 @@ import numpy as np
 
 from exo_sim.diagnosis.data.split import Spans
 from exo_sim.diagnosis.findings import Series, SignalFit, Subsystem
-from exo_sim.diagnosis.policy import validation
+from exo_sim.diagnosis.selection.held_out_gain import HeldOutGain
 
 Key = TypeVar("Key")
 Value = TypeVar("Value")
@@ -48,41 +48,6 @@ class BalanceError:
 
 
 @dataclass(frozen=True)
-class HeldOutGain:
-    """What a finding gains on held-out time.
-
-    Attributes:
-        gained: By how much the sum of squared errors falls with it, in units of the noise.
-        missing: By how much that sum exceeds the noise without it.
-        is_plain: Whether that is more than noise does by chance.
-        amplitude, error: How much of the change that it makes to predictions is there, by least squares, and the standard error of that:
-            1 where the recording shows it as it was found, 0 where not at all.
-    """
-
-    gained: float
-    missing: float
-    is_plain: bool = True
-    amplitude: float = 0.0
-    error: float = 0.0
-
-    @property
-    def speaks_against(self) -> bool:
-        """Whether a small share speaks against it: where more than noise is missing, and the change that it makes is surely not there.
-
-        Beside something larger that is missing as well a true effect explains little, and held-out time may distinguish what was found
-        neither from nothing nor from all of it.
-        """
-        reach = validation.TOLD_APART * self.error
-        undecided = abs(self.amplitude) < reach and abs(self.amplitude - 1.0) < reach
-        return self.is_plain and not undecided and self.amplitude + self.error <= validation.SHOWN
-
-    @property
-    def share(self) -> float:
-        """What it explains of the squared error that is missing beyond the noise without it, 0 to 1."""
-        return min(max(finite(self.gained / max(self.missing, self.gained, 1e-12)), 0.0), 1.0)
-
-
-@dataclass(frozen=True)
 class HeldOutErrors:
     """Errors on held-out time.
 
@@ -100,8 +65,7 @@ class HeldOutErrors:
         balances: By subsystem and name.
         series: For the report.
         spans: The held-out time, by recording.
-        gains: By the keys of `drops`, what a finding gains; only where predictions change with it by `LEAST_INFLUENCE` and something
-            beyond the noise is missing without it: else it was not tested.
+        gains: By the keys of `drops`, what a finding gains; only where predictions change with it by `LEAST_INFLUENCE`.
     """
 
     signals: Mapping[str, SignalFit] = field(default_factory=dict)
@@ -120,6 +84,11 @@ class HeldOutErrors:
     def ratio(self) -> float:
         """The largest ratio of a balance; infinite where no signal could be compared."""
         return max((one.ratio for one in self.balances.values()), default=0.0) if self.signals else math.inf
+
+    @property
+    def tested(self) -> dict[str, HeldOutGain]:
+        """What those findings gain that held-out time tests: without them more than the noise is missing there."""
+        return {key: one for key, one in self.gains.items() if one.missing > 0.0}
 
     def updated(self, later: HeldOutErrors, gone: Collection[str]) -> HeldOutErrors:
         """Return these errors with those of a later look at some subsystems in the place of theirs.

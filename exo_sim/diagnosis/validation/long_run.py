@@ -16,8 +16,6 @@ from exo_sim.diagnosis.subsystem_model import SubsystemModel
 
 #: A response is taken over so small a part of a number's standard error: numbers that stand in for each other have large ones.
 STEPS = 10.0
-#: What the noise of the first measured state adds, in units of the noise: no chamber makes more of it than it was.
-START = 1.0
 
 
 @dataclass(frozen=True)
@@ -80,4 +78,4 @@ def straying(one: SubsystemResult[SubsystemModel], split: Split) -> Straying | N
     known_so_well = float(np.einsum("ij,jk,ik->", responses, known, responses)) / run.size
     losses = sum(rms(run.residual_of(other) - residual) ** 2 for other in one.model.healthy_variants(plant))
     healthy = math.hypot(run.discrepancy_bound, math.sqrt(losses))
-    return Straying(rms(residual), healthy, math.sqrt(1.0 + START**2 + known_so_well + (HEALTHY_KNOWN * healthy) ** 2))
+    return Straying(rms(residual), healthy, math.sqrt(1.0 + known_so_well + (HEALTHY_KNOWN * healthy) ** 2))

@@ -2,7 +2,7 @@
 
 from functools import partial
 
-from exo_sim.gait.scenario import Scenario
+from exo_sim.gait.scenario_record import Scenario
 from exo_sim.gait.walking import walking
 
 SCENARIO = Scenario(

@@ -1,6 +1,6 @@
 """Standing still while somebody puts 20 kg more on the back."""
 
-from exo_sim.gait.scenario import AddedLoad, Scenario
+from exo_sim.gait.scenario_record import AddedLoad, Scenario
 from exo_sim.gait.scenarios.stand import motion
 
 SCENARIO = Scenario(

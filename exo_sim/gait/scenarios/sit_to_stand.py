@@ -3,7 +3,7 @@
 import numpy as np
 
 from exo_sim.gait.motion import Motion, phases, smooth
-from exo_sim.gait.scenario import Scenario
+from exo_sim.gait.scenario_record import Scenario
 from exo_sim.gait.standing import on_both_feet
 from exo_sim.machine.person import Person
 

@@ -90,11 +90,12 @@ def _power_shares(
     place, rate, change, force = data.qpos, data.qvel, data.qacc, data.qfrc_inverse
     simple = all(model.actuator_trntype[link.actuator] == int(mujoco.mjtTrn.mjTRN_JOINT) for link in links)
     levers = np.zeros((1 if simple else len(pick), len(links), model.nv))
-    for i in range(len(pick)):
-        place[:], rate[:], change[:] = q[i], qd[i], qdd[i]
+    varying = len(levers)
+    for i, (there, speed, acceleration) in enumerate(zip(q, qd, qdd, strict=True)):
+        place[:], rate[:], change[:] = there, speed, acceleration
         mujoco.mj_inverse(model, data)
         needed[i] = force
-        if i < len(levers):
+        if i < varying:
             for k, link in enumerate(links):
                 levers[i, k] = moment_row(model, data, link.actuator)
     for k, link in enumerate(links):

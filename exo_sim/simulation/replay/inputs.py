@@ -11,16 +11,14 @@ import mujoco
 import numpy as np
 from numpy.typing import NDArray
 
-from exo_sim.recording.filters import forward_filled, smoothed, start_weights
+from exo_sim.recording.filters import forward_filled, smoothed
 from exo_sim.recording.local_state import LEAST, LocalStates, is_noisy
+from exo_sim.recording.start_value import start_points, start_value
 from exo_sim.recording.table import Recording
 from exo_sim.recording.windows import clock_breaks, local_range
 from exo_sim.recording.windows import window_starts as starts_of_windows
 
 Array = NDArray[np.float64]
-
-#: Seconds of samples, and the most of them, that estimate the pressure at the start of a window.
-START_SECONDS, START_SAMPLES = 0.015, 31
 
 
 @dataclass(frozen=True)
@@ -123,23 +121,15 @@ def start_motion(
 
 
 def start_pressures(pieces: Sequence[Steps], starts: NDArray[np.int64], time: Array, values: Array | None) -> Array:
-    """Return the measured pressure at the start of each window, by a local parabola through what follows, shape (w,)."""
+    """Return the measured pressure at the start of each window, from what follows, shape (w,) [Pa]."""
     found = np.full(len(starts), math.nan)
     if values is None:
         return found
+    points = start_points(time)
     for w, start in enumerate(starts):
         piece = next(piece for piece in reversed(pieces) if piece.offset <= start)
         at = int(np.searchsorted(time, piece.time[start - piece.offset] - 1e-9))
-        span = values[at : min(piece.last, at + START_SAMPLES)]
-        clock = time[at : at + len(span)]
-        span = span[clock - clock[0] <= START_SECONDS] if len(clock) else span
-        good = np.isfinite(span)
-        if not good.any():
-            continue
-        if good.all() and len(span) >= 5:
-            found[w] = float(start_weights(len(span) - 1 + len(span) % 2) @ span[: len(span) - 1 + len(span) % 2])
-        else:
-            found[w] = float(span[good][0])
+        found[w] = start_value(values[at : min(piece.last, at + points)].copy(), points)  # the last bit of a sum hangs on where numbers lie
     return found
 
 

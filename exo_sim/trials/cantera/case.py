@@ -15,7 +15,7 @@ from exo_sim.trials.whole_machines.draw import Built, build, cells_of
 from exo_sim.trials.whole_machines.friction_laws import EXPONENTIAL, SUM, TANH
 from exo_sim.trials.whole_machines.gas_laws import CONSTANT, ELLIPSE, ORIFICE
 from exo_sim.trials.whole_machines.hidden_effects import check_keys
-from exo_sim.trials.whole_machines.machine_run import Run, span_of, ticks
+from exo_sim.trials.whole_machines.machine_run import Run, Ticks, span_of, ticks
 from exo_sim.trials.whole_machines.make import LABORATORY, Laws, Make
 
 Array = NDArray[np.float64]
@@ -108,7 +108,7 @@ def drive(built: Built, names: tuple[str, ...], duration: float, rng: np.random.
     x = log["piston"]
     if np.ptp(x) < 0.25 * m["stroke"] or x.min() < 0.0 or x.max() > m["stroke"]:
         raise TrialError("a drawn machine hardly moved or met its end")
-    return Run(log, steps, sub, dt, np.zeros((0, 0)))
+    return Run(log, Ticks(steps, sub, dt), np.zeros((0, 0)))
 
 
 def _goal(

@@ -25,33 +25,57 @@ _FINE = 2000.0
 
 
 @dataclass(frozen=True)
+class Ticks:
+    """The clock of a run.
+
+    Attributes:
+        steps: Integration steps in each row of the log.
+        sub: Rows between two samples.
+        dt: Integration step [s].
+    """
+
+    steps: Counts
+    sub: int
+    dt: float
+
+
+@dataclass(frozen=True)
+class Restarts:
+    """A run that is started anew at some samples; see `loop.run`.
+
+    Attributes:
+        states: To start from, shape (n, STATES + MEMO).
+        resets: Where, shape (n,).
+    """
+
+    states: Array
+    resets: Counts
+
+
+@dataclass(frozen=True)
 class Run:
     """What is true of a machine during a recording.
 
     Attributes:
         log: Name of `loop.LOG` to values, shape (n * sub,).
-        steps: Integration steps in each row of the log.
-        sub: Rows between two samples.
-        dt: Integration step [s].
+        ticks: Its clock.
         states: At each sample, shape (n, STATES + MEMO).
         led: Position, speed and acceleration in each row of a load that is led, shape (n * sub, 3) or (0, 3).
     """
 
     log: dict[str, Array]
-    steps: Counts
-    sub: int
-    dt: float
+    ticks: Ticks
     states: Array
     led: Array = field(default_factory=lambda: np.zeros((0, 3)))
 
     @property
     def time(self) -> Array:
         """Times of the samples [s], shape (n,)."""
-        return self.log["time"][:: self.sub]
+        return self.log["time"][:: self.ticks.sub]
 
     def at_samples(self, name: str) -> Array:
         """Return a true signal at the samples, shape (n,)."""
-        return self.log[name][:: self.sub]
+        return self.log[name][:: self.ticks.sub]
 
 
 def span_of(built: Built) -> Range:
@@ -93,7 +117,7 @@ def drive(built: Built, names: tuple[str, ...], duration: float, rng: np.random.
     p2 = m["ambient"] + (0.5 * (m["supply"] - m["ambient"]) if m["single_acting"] == 0 else 0.0)
     p1 = (p2 * m["area_2"] + m["ambient"] * (m["area_1"] - m["area_2"]) + span.force) / m["area_1"]
     at_rest(y, span.middle, p1, p2, record[0])
-    run_ = advance(m, y, np.zeros(MEMO), steps, sub, dt, plan, own, noise * rng.standard_normal(n), keep=True)
+    run_ = advance(m, y, np.zeros(MEMO), Ticks(steps, sub, dt), plan, own, noise * rng.standard_normal(n), keep=True)
     _check(run_, built)
     return run_
 
@@ -108,17 +132,18 @@ def ticks(make: Make, dt: float, duration: float, rng: np.random.Generator) -> t
     return (wide[:, None] * (np.arange(sub) + 1) // sub - wide[:, None] * np.arange(sub) // sub).ravel(), sub
 
 
-def advance(m: Machine, y: Array, memo: Array, steps: Counts, sub: int, dt: float, plan: Program, own: Array, noise: Array,
-            keep: bool = False, starts: Array | None = None, resets: Counts | None = None, led: Array | None = None) -> Run:  # fmt: skip
-    """Run a machine; see `loop.run`. With `starts` and `resets` it is started anew at some samples."""
+def advance(
+    m: Machine, y: Array, memo: Array, clock: Ticks, plan: Program, own: Array, noise: Array, keep: bool = False,
+    again: Restarts | None = None, led: Array | None = None,
+) -> Run:  # fmt: skip
+    """Run a machine; see `loop.run`."""
     n = len(plan.mode)
-    log = np.zeros((n * sub, len(LOG)))
-    states = starts if starts is not None else np.zeros((n if keep else 0, STATES + MEMO))
-    again = resets if resets is not None else np.zeros(n, np.int64)
+    log = np.zeros((n * clock.sub, len(LOG)))
+    anew = again or Restarts(np.zeros((n if keep else 0, STATES + MEMO)), np.zeros(n, np.int64))
     moved = led if led is not None else np.zeros((0, 3))
     driving = (plan.mode, plan.goal, plan.speed, plan.feed, own, noise)
-    run(m.packed(), y.copy(), memo.copy(), steps, sub, dt, *driving, log, states, again, moved)
-    return Run({name: log[:, i] for i, name in enumerate(LOG)}, steps, sub, dt, states, moved)
+    run(m.packed(), y.copy(), memo.copy(), clock.steps, clock.sub, clock.dt, *driving, log, anew.states, anew.resets, moved)
+    return Run({name: log[:, i] for i, name in enumerate(LOG)}, clock, anew.states, moved)
 
 
 def replayed(m: Machine, truth: Run, starts: Array, resets: Counts) -> Run:
@@ -126,8 +151,8 @@ def replayed(m: Machine, truth: Run, starts: Array, resets: Counts) -> Run:
     n = len(truth.time)
     nothing = np.zeros(n)
     plan = Program(np.full(n, FED, np.int64), nothing, nothing, truth.at_samples("command"))
-    return advance(m, starts[0, :STATES], starts[0, STATES:], truth.steps, truth.sub, truth.dt, plan, np.zeros(GAINS), nothing,
-                   starts=starts.copy(), resets=resets, led=truth.led)  # fmt: skip
+    again = Restarts(starts.copy(), resets)
+    return advance(m, starts[0, :STATES], starts[0, STATES:], truth.ticks, plan, np.zeros(GAINS), nothing, again=again, led=truth.led)
 
 
 def _check(one: Run, built: Built) -> None:
@@ -143,7 +168,7 @@ def _check(one: Run, built: Built) -> None:
 def recorded(one: Run, rack: Rack, built: Built, columns: tuple[str, ...], rng: np.random.Generator) -> dict[str, Array]:
     """Return the table of a recording: column of the contract to values, `time [s]` first."""
     make = built.make
-    rate = make.rate * one.sub
+    rate = make.rate * one.ticks.sub
     joint_unit = "rad" if make.build == "lever" else "m"
     where = {
         f"{make.cylinder}.valve_command [1]": ("command", None),
@@ -160,7 +185,7 @@ def recorded(one: Run, rack: Rack, built: Built, columns: tuple[str, ...], rng: 
         if channel is None:
             table[column] = one.at_samples(name)
         else:
-            table[column] = shown(filtered(one.log[name], channel, rate)[:: one.sub], channel, rng)
+            table[column] = shown(filtered(one.log[name], channel, rate)[:: one.ticks.sub], channel, rng)
     if make.grade.lost > 0.0:
         there = rng.random(len(one.time)) >= make.grade.lost
         there[[0, -1]] = True

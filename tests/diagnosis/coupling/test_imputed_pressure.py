@@ -67,7 +67,7 @@ def test_the_forces_say_with_which_pressure_a_chamber_began(tmp_path: Path, gone
     gathered = gather([tmp_path / "recording.csv"], tmp_path / "rig.toml")
     run = with_initial_pressure(gathered, gathered.cylinders["piston"][0])
     truth = float(case.truth[0].log[f"pressure_{gone}"][0])
-    dry = 0.01 * 7e5  # what the believed numbers and a trace of friction may hide
+    dry = 0.01 * 7e5  # what the nominal numbers and a trace of friction may hide
     assert run.initial[gone - 1] == pytest.approx(truth, abs=dry + 0.05 * truth)
     assert np.isnan(run.initial[2 - gone])
 

@@ -1,11 +1,11 @@
-"""Least squares: finds the minimum, keeps to bounds, and a wrong model does not bend believed numbers."""
+"""Least squares: finds the minimum, keeps to bounds, and a wrong model does not bend nominal numbers."""
 
 from __future__ import annotations
 
 import numpy as np
 import pytest
 
-from exo_sim.diagnosis.estimation.least_squares import differences, fit
+from exo_sim.diagnosis.estimation.least_squares import Derivatives, differences, fit
 from exo_sim.diagnosis.estimation.parameters import FreeParameter, Target
 
 AT = np.linspace(0.0, 4.0, 400)
@@ -26,7 +26,7 @@ def decay(values: dict[FreeParameter, float]) -> np.ndarray:
 def test_it_finds_the_minimum(carried: bool) -> None:
     start = {A: 1.0, B: 0.3}
     known = dict(zip((A, B), differences(decay, (A, B), start, decay(start)).T, strict=True)) if carried else None
-    found = fit(decay, (A, B), start, max_iterations=40, tolerance=1e-9, known_columns=known)
+    found = fit(decay, (A, B), start, max_iterations=40, tolerance=1e-9, derivatives=Derivatives(known))
     assert found.values[A] == pytest.approx(2.0, rel=1e-3)
     assert found.values[B] == pytest.approx(0.7, rel=1e-3)
 
@@ -36,7 +36,8 @@ def test_a_carried_jacobian_costs_fewer_predictions() -> None:
     start = {A: 1.8, B: 0.6}
     for known in (None, dict(zip((A, B), differences(decay, (A, B), start, decay(start)).T, strict=True))):
         calls: list[int] = []
-        fit(lambda v, calls=calls: calls.append(1) or decay(v), (A, B), start, max_iterations=20, known_columns=known)  # type: ignore[misc, func-returns-value]
+        counted = lambda v, calls=calls: calls.append(1) or decay(v)  # type: ignore[misc, func-returns-value]  # noqa: E731
+        fit(counted, (A, B), start, max_iterations=20, derivatives=Derivatives(known))
         counts.append(len(calls))
     assert counts[1] < counts[0]
 
@@ -48,12 +49,12 @@ def test_a_jacobian_that_was_differenced_where_a_fit_ended_is_not_differenced_ag
         calls.append(1)
         return decay(values) + 3.0 * np.sin(20.0 * AT)
 
-    first = fit(missed, (A, B), {A: 1.0, B: 0.3}, max_iterations=40, tolerance=1e-9, exact_jacobian=True)
+    first = fit(missed, (A, B), {A: 1.0, B: 0.3}, max_iterations=40, tolerance=1e-9, derivatives=Derivatives(exact=True))
     calls.clear()
-    again = fit(missed, (A, B), first.values, known_columns=first.columns, exact_jacobian=True, differenced_at=first.differenced_at)
+    again = fit(missed, (A, B), first.values, derivatives=Derivatives(first.columns, exact=True, differenced_at=first.differenced_at))
     assert len(calls) <= 1 + 5  # the start, and steps that lead no further
     np.testing.assert_array_equal(again.jacobian, first.jacobian)
-    moved = fit(missed, (A, B), {A: 1.2, B: 0.5}, known_columns=first.columns, exact_jacobian=True, differenced_at=first.differenced_at)
+    moved = fit(missed, (A, B), {A: 1.2, B: 0.5}, derivatives=Derivatives(first.columns, exact=True, differenced_at=first.differenced_at))
     np.testing.assert_allclose(moved.jacobian, differences(missed, (A, B), moved.values, moved.residual), rtol=1e-2, atol=1e-2)
 
 
@@ -93,9 +94,9 @@ def test_a_fit_whose_time_is_up_ends_where_it_is() -> None:
         return len(steps) > 3
 
     start = {A: 1.0, B: 0.3}
-    whole = fit(decay, (A, B), start, max_iterations=40, tolerance=1e-9, exact_jacobian=True)
-    ended = fit(counted, (A, B), start, max_iterations=40, tolerance=1e-9, exact_jacobian=True, is_spent=after_two)
+    whole = fit(decay, (A, B), start, max_iterations=40, tolerance=1e-9, derivatives=Derivatives(exact=True))
+    ended = fit(counted, (A, B), start, max_iterations=40, tolerance=1e-9, derivatives=Derivatives(exact=True), is_spent=after_two)
     assert whole.sse < ended.sse < float(decay(start) @ decay(start))
     calls.clear()
-    at_once = fit(counted, (A, B), start, max_iterations=40, exact_jacobian=True, is_spent=lambda: True)
+    at_once = fit(counted, (A, B), start, max_iterations=40, derivatives=Derivatives(exact=True), is_spent=lambda: True)
     assert at_once.values == start and len(calls) == 1 + 2

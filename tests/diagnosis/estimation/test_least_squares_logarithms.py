@@ -9,7 +9,7 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from exo_sim.diagnosis.estimation.least_squares import LARGEST_LOG_STEP, differences, fit
+from exo_sim.diagnosis.estimation.least_squares import LARGEST_LOG_STEP, Derivatives, differences, fit
 from exo_sim.diagnosis.estimation.parameters import FreeParameter, Target
 
 AT = np.linspace(0.0, 4.0, 200)
@@ -93,7 +93,7 @@ def test_a_stale_jacobian_still_ends_at_the_minimum(kind: str) -> None:
         "far too large": 1e3 * true,
     }[kind]
     known = dict(zip(quantities, columns.T, strict=True))
-    found = fit(both, quantities, start, max_iterations=40, tolerance=1e-6, known_columns=known, exact_jacobian=True)
+    found = fit(both, quantities, start, max_iterations=40, tolerance=1e-6, derivatives=Derivatives(known, exact=True))
     assert found.values[SIZE] == pytest.approx(2.0, rel=5e-3)
     assert found.values[R] == pytest.approx(1.0 / TRUE, rel=5e-3)
     at_end = differences(both, quantities, found.values, found.residual)

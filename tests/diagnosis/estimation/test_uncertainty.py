@@ -7,7 +7,7 @@ import pytest
 
 from exo_sim.diagnosis.estimation.least_squares import Fit, fit
 from exo_sim.diagnosis.estimation.parameters import FreeParameter, Target
-from exo_sim.diagnosis.estimation.uncertainty import HALF_WIDTH, bounded_interval, interval, standard_errors
+from exo_sim.diagnosis.estimation.uncertainty import HALF_WIDTH, bounded_interval, error_of_sum, interval, standard_errors
 
 N = 4000
 MEAN = FreeParameter("effect", "piston", "mean", "1", Target.SENSOR, 1.0, -10.0, 10.0)
@@ -119,3 +119,16 @@ def test_an_interval_stays_inside_the_bounds() -> None:
 
 def test_nothing_fitted_has_no_error() -> None:
     assert standard_errors(Rows(), Fit((), {}, np.zeros(N), np.zeros((N, 0))), 1.0) == {}
+
+
+def test_a_sum_is_known_where_its_parts_are_not() -> None:
+    """Two columns that are the same but for a hundredth: each is known a hundred times worse than their sum, of which nil is known."""
+    rng = np.random.default_rng(3)
+    noise, shape = rng.standard_normal(N), 0.01 * rng.standard_normal(N)
+    pair = [FreeParameter("effect", "piston", name, "1", Target.SENSOR, 1.0, -10.0, 10.0) for name in ("one", "other")]
+    found = fit(lambda v: noise + v[pair[0]] + (1.0 + shape) * v[pair[1]], pair, dict.fromkeys(pair, 0.0), tolerance=1e-9)
+    errors = standard_errors(Rows(), found, 1.0)
+    assert min(errors.values()) > 50.0 / np.sqrt(N)
+    assert error_of_sum(Rows(), found, 1.0, dict.fromkeys(pair, 1.0)) == pytest.approx(1.0 / np.sqrt(N), rel=0.1)
+    assert error_of_sum(Rows(), found, 1.0, {pair[0]: 1.0}) == pytest.approx(errors[pair[0]])
+    assert error_of_sum(Rows(), found, 1.0, {MEAN: 1.0}) == np.inf

@@ -1,4 +1,4 @@
-"""How probable a name is by what it explains of time kept back."""
+"""How probable a name is by what it explains of held-out time."""
 
 from __future__ import annotations
 

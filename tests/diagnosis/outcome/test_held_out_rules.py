@@ -1,4 +1,4 @@
-"""The rules by which a finding falls on time kept back: refuted, doubtful, too small."""
+"""The rules by which a finding falls on held-out time: refuted, doubtful, too small."""
 
 from __future__ import annotations
 
@@ -14,6 +14,7 @@ from exo_sim.diagnosis.estimation.parameters import FreeParameter, Target
 from exo_sim.diagnosis.findings import Estimate, Finding, Kind
 from exo_sim.diagnosis.outcome.held_out_rules import doubt, is_refuted, too_small
 from exo_sim.diagnosis.selection.fitted_model import FittedModel, SearchResult
+from exo_sim.diagnosis.selection.held_out_gain import HeldOutGain
 from exo_sim.diagnosis.selection.model_fits import ModelFits
 from exo_sim.diagnosis.selection.subsystem_result import SubsystemResult
 
@@ -48,15 +49,24 @@ def test_less_is_asked_of_what_was_weighed_beside_all_others(drop: float, refute
     ("drop", "share", "refuted"), [(0.14, 0.9, False), (0.1, 0.2, False), (0.05, 0.1, True), (0.0, 0.0, True), (0.14, None, True)]
 )
 def test_where_something_is_missing_without_a_finding_its_share_of_that_counts(drop: float, share: float | None, refuted: bool) -> None:
-    assert is_refuted(drop, 8.0, share) is refuted
-    assert is_refuted(drop, 60.0, share) is False  # great odds
-    assert is_refuted(0.05, 8.0, share, together=True) is False
+    gain = None if share is None else HeldOutGain(100.0 * share, 100.0)
+    assert is_refuted(drop, 8.0, gain) is refuted
+    assert is_refuted(drop, 60.0, gain) is False  # great odds
+    assert is_refuted(0.05, 8.0, gain, together=True) is False
 
 
-def test_an_error_that_rises_by_chance_refutes_no_name_of_great_odds() -> None:
-    assert is_refuted(-0.18, 26.0, 0.0)
-    assert not is_refuted(-0.18, 26.0, 0.0, tells=False)
-    assert is_refuted(-0.18, 13.0, 0.0, tells=False)  # useless there, and its odds are not great
+@pytest.mark.parametrize("plain", [True, False])
+def test_an_error_that_rises_by_chance_refutes_no_name_of_great_odds(plain: bool) -> None:
+    """Whether more than noise is missing or not: what matters is whether the change is surely not there."""
+    absent, undecided = HeldOutGain(-20.0, 100.0, plain, 0.02, 0.1), HeldOutGain(-20.0, 100.0, plain, 0.5, 0.67)
+    assert is_refuted(-0.18, 26.0, absent)
+    assert not is_refuted(-0.18, 26.0, undecided)
+    assert is_refuted(-0.18, 13.0, undecided)  # useless there, and its odds are not great
+
+
+def test_what_is_surely_there_is_not_useless_however_much_else_is_missing() -> None:
+    assert not is_refuted(0.01, 20.0, HeldOutGain(3.0, 100.0, True, 0.95, 0.05))
+    assert is_refuted(0.01, 20.0, HeldOutGain(3.0, 100.0, True, 0.95, 0.6))
 
 
 @pytest.mark.parametrize("share", [0.0, 0.05, 0.14])
@@ -102,9 +112,12 @@ def test_a_sensor_at_fault_shows_in_time_kept_back_as_well(share: float | None, 
     assert bool(doubt(finding, share, compared)) is doubted
 
 
-def test_how_quickly_a_dip_falls_does_not_say_that_there_is_one() -> None:
+@pytest.mark.parametrize(("odds", "doubted"), [(7.0, True), (95.0, False)])
+def test_how_quickly_a_dip_falls_does_not_say_that_there_is_one_but_great_odds_against_all_laws_without_it_do(
+    odds: float, doubted: bool
+) -> None:
     parts = {"breakaway": Estimate(300.0, "N", 0.0, 3e4), "velocity": Estimate(0.02, "m/s", 0.018, 0.022)}
-    assert doubt(replace(named(300.0, 0.999), name="stribeck_friction", parameters=parts), 0.9)
+    assert bool(doubt(replace(named(odds, 0.999), name="stribeck_friction", parameters=parts), 0.9)) is doubted
 
 
 @pytest.mark.parametrize(

@@ -90,6 +90,23 @@ def test_what_was_found_stays_where_more_must_go_than_can_be_tried(rig: Rig) -> 
     assert len(trials) < 30
 
 
+@pytest.mark.parametrize(("anew", "left"), [((0.6, 0.6, 0.58, 0.62), {"motion_FOUND"}), ((0.5, 0.8, 0.6, 0.7), set())])
+def test_what_is_tried_after_all_that_was_found_must_be_surer_to_be_better(rig: Rig, anew: tuple[float, ...], left: set[str]) -> None:
+    """Runs begun anew that would do for the one rig with all that was found do not for the best of many rigs."""
+    parts = part("gas", Rank.FOUND), part("motion", Rank.FOUND)
+
+    def tried(update: RigUpdate) -> Trial:
+        free = {"x": SignalFit("m", 1.0, 1.2 if update.parts else 1.0, 0.0)}
+        begun = anew if {one.source for one in update.parts} == {"motion"} else (1.0, 1.3, 1.2, 1.3)
+        starts = tuple({"x": SignalFit("m", 1.0, one if update.parts else 1.0, 0.0)} for one in begun)
+        return Trial(update, {}, free, {}, starts=starts)
+
+    kept = as_far_as_it_wins(RigUpdate(rig, parts), tried)
+    assert {entry.setting.name for entry in kept.update.entries} == left
+    begun = tuple({"x": SignalFit("m", 1.0, one, 0.0)} for one in anew)
+    assert Trial(RigUpdate(rig, parts), {}, {}, {}, starts=begun).is_surely_better_begun_anew
+
+
 def test_where_nothing_wins_the_rig_stays_as_it_was(rig: Rig) -> None:
     parts = tuple(part(source, rank) for source in ("gas", "motion") for rank in Rank)
     worth = {f"{source}_{rank.name}": (1.2, 1.2) for source in ("gas", "motion") for rank in Rank}

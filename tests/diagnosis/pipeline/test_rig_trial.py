@@ -1,4 +1,4 @@
-"""What one improved rig is worth on the time kept back."""
+"""What one improved rig is worth on held-out time."""
 
 from __future__ import annotations
 
@@ -11,6 +11,7 @@ import pytest
 from exo_sim.diagnosis.findings import SignalFit
 from exo_sim.diagnosis.outcome.rig_update import RigUpdate
 from exo_sim.diagnosis.pipeline.rig_trial import Trial, is_worse, straying_further, uncertainty
+from exo_sim.diagnosis.policy.budgets import MOST_TRIALS
 from exo_sim.rig import Rig
 
 
@@ -90,12 +91,27 @@ def test_a_position_that_strays_surely_further_is_not_paid_for_by_pressures(rig:
         assert trial.is_worse
 
 
-def test_of_rigs_that_are_equally_good_few_are_said_to_stray() -> None:
+@pytest.mark.parametrize("signals", [1, 6, 13])
+def test_of_rigs_that_are_equally_good_few_are_said_to_stray_however_many_signals_they_have(signals: int) -> None:
     rng, strays = np.random.default_rng(0), 0
     for _ in range(1000):
-        before, after = rng.lognormal(0.0, 1.0, (2, 4))
-        strays += bool(straying_further([{"x": SignalFit("m", b, a, 1e-9)} for b, a in zip(before, after, strict=True)]))
-    assert 20 < strays < 70
+        errors = rng.lognormal(0.0, 1.0, (4, signals, 2))
+        begun = [{str(n): SignalFit("m", b, a, 1e-9) for n, (b, a) in enumerate(one)} for one in errors]
+        strays += bool(straying_further(begun))
+    assert 15 < strays < 70
+
+
+def test_of_many_rigs_that_are_equally_good_hardly_one_is_surely_better_begun_anew(rig: Rig) -> None:
+    rng, whole, any_of_them = np.random.default_rng(1), 0, 0
+    for _ in range(1000):
+        errors = np.exp(rng.normal(0.0, 1.0, (MOST_TRIALS, 4)))
+        trials = [
+            Trial(RigUpdate(rig, ()), {}, {}, {}, starts=tuple({"x": SignalFit("m", 1.0, a, 1e-9)} for a in one), is_first=number == 0)
+            for number, one in enumerate(errors)
+        ]
+        better = [trial.is_surely_better_begun_anew for trial in trials]
+        whole, any_of_them = whole + better[0], any_of_them + any(better)
+    assert 10 < whole < 45 and any_of_them < 70
 
 
 def test_the_run_from_the_beginning_covers_what_others_do_and_is_none_of_them(rig: Rig) -> None:
@@ -134,5 +150,6 @@ def test_what_one_run_misses_by_chance_is_told_from_what_all_miss(rig: Rig) -> N
     elsewhere = ({"piston.pressure_1": SignalFit("Pa", 1.0, 0.1, 0.0)}, *started)
     assert Trial(RigUpdate(rig, ()), {}, first, {}, starts=elsewhere).by_chance()["slide.position"][1] == 3
     assert Trial(RigUpdate(rig, ()), {}, first, {}, starts=tuple(started[:2])).by_chance() == {}
-    first, *started = runs(1.7, 1.2, 1.3, 1.2)
-    assert Trial(RigUpdate(rig, ()), {}, first, {}, starts=tuple(started)).by_chance() == {}
+    for ratios in ((1.2, 1.3, 1.2), (0.9, 1.05, 0.9)):  # by more in all, and by less in the mean that may be chance itself
+        first, *started = runs(1.7, *ratios)
+        assert Trial(RigUpdate(rig, ()), {}, first, {}, starts=tuple(started)).by_chance() == {}

@@ -24,12 +24,13 @@ from exo_sim.diagnosis.pipeline import rounds
 from exo_sim.diagnosis.pipeline.plan import Examination, Plan, Results
 from exo_sim.diagnosis.policy.validation import LACKING_RATIO
 from exo_sim.diagnosis.selection.fitted_model import FittedModel, SearchResult
+from exo_sim.diagnosis.selection.held_out_gain import HeldOutGain
 from exo_sim.diagnosis.selection.model_fits import ModelFits
 from exo_sim.diagnosis.selection.subsystem_result import SubsystemResult
 from exo_sim.diagnosis.subsystems.gas.model import GasModel
 from exo_sim.diagnosis.subsystems.motion.model import MotionModel
 from exo_sim.diagnosis.subsystems.motion.motion_runs import motion_runs
-from exo_sim.diagnosis.validation.held_out_errors import BalanceError, HeldOutErrors, HeldOutGain
+from exo_sim.diagnosis.validation.held_out_errors import BalanceError, HeldOutErrors
 from exo_sim.diagnosis.validation.long_run import Straying
 from exo_sim.machine.linkage import linkages
 from exo_sim.machine.rig_model import load
@@ -128,7 +129,7 @@ def test_an_effect_that_explains_most_of_what_is_missing_is_not_refuted(monkeypa
     ("fitted", "error", "back"),
     [
         (4.2, 2.0, True),  # what came in its place leaves more of both times
-        (4.2, 1.3, False),  # no more of the time that was kept back
+        (4.2, 1.3, False),  # no more of the held-out time
         (0.7, 2.0, False),  # no more of the time that was fitted
     ],
 )
@@ -158,6 +159,46 @@ def test_in_the_last_round_refuted_effects_are_taken_back(monkeypatch: pytest.Mo
     end, plans = stable(monkeypatch, data, found, errors({at: -0.3 for (at,) in found}))
     assert len(plans) == rounds.MOST_REFUTATIONS and names(end) == []
     assert len(end.plan.refuted) == rounds.MOST_REFUTATIONS
+
+
+def test_in_the_last_round_all_that_is_still_refuted_is_taken_back(monkeypatch: pytest.MonkeyPatch, data: MachineData) -> None:
+    """Feeble names that come out one a round do not shelter the one that spoils most."""
+    feeble = [(f"effect_{i}", "piston") for i in range(rounds.MOST_REFUTATIONS + 2)]
+
+    def examine(data: MachineData, plan: Plan, *rest: Any) -> Examination:
+        found = gas_of(data, *(at for at in (*feeble, SPRING, LEAK) if at not in plan.refuted))
+        certain = tuple(replace(one, log10_odds=24.0) if one.at == SPRING else one for one in found.findings)
+        drops = {**dict.fromkeys(feeble, 0.01), SPRING: -0.9, LEAK: 0.6}
+        return examination(data, plan, replace(found, findings=certain), errors(drops))
+
+    monkeypatch.setattr(rounds, "examine", examine)
+    monkeypatch.setattr(rounds, "validated", lambda found: found)
+    end = rounds.examine_until_stable(data, SERIAL, print)
+    assert names(end) == ["piston_leakage"] and set(end.plan.refuted) == {*feeble, SPRING}
+    assert "does not fall" in end.plan.refuted[SPRING]
+
+
+def test_the_least_certain_is_refuted_first_whatever_it_spoils(data: MachineData) -> None:
+    found = gas_of(data, LEAK, SPRING)
+    odd = replace(found, findings=tuple(replace(f, log10_odds=20.0 if f.at == LEAK else 5.0) for f in found.findings))
+    assert set(rounds.newly_refuted(examination(data, Plan(Split({})), odd, errors({LEAK: -0.9, SPRING: 0.0})))) == {SPRING}
+
+
+@pytest.mark.parametrize(("error", "refuted"), [(1.5, False), (0.1, True)], ids=["nothing is told", "it is surely not there"])
+def test_an_error_that_rises_refutes_great_odds_only_where_the_change_is_surely_not_there(
+    data: MachineData, error: float, refuted: bool
+) -> None:
+    found = gas_of(data, SPRING)
+    great = replace(found, findings=tuple(replace(f, log10_odds=50.0) for f in found.findings))
+    gains = {"return_spring@piston": HeldOutGain(-20.0, 100.0, amplitude=-0.6, error=error)}
+    assert bool(rounds.newly_refuted(examination(data, Plan(Split({})), great, errors({SPRING: -0.5}, gains=gains)))) is refuted
+
+
+def test_what_was_upheld_is_not_put_aside_as_doubtful(data: MachineData) -> None:
+    worth = errors(gains={"return_spring@piston": HeldOutGain(3.0, 100.0)})
+    for upheld, expected in ((frozenset({SPRING}), ["return_spring"]), (frozenset[At](), [])):
+        one = examination(data, Plan(Split({}), upheld=upheld), gas_of(data, SPRING), worth)
+        assert names(rounds.without_doubtful(one)) == expected
 
 
 @pytest.mark.parametrize(

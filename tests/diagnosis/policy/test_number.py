@@ -9,16 +9,17 @@ from collections.abc import Iterator
 
 import pytest
 
+from exo_sim.conventions import limits
+from exo_sim.deciding_number import Count, Number
 from exo_sim.diagnosis import policy
-from exo_sim.diagnosis.policy.number import Count, Number
 
 
 def numbers() -> Iterator[tuple[str, object]]:
-    for module in pkgutil.iter_modules(policy.__path__):
-        names = vars(importlib.import_module(f"{policy.__name__}.{module.name}"))
-        for name, value in names.items():
-            if name.isupper() and name != "ASSERTED":
-                yield from value.items() if isinstance(value, dict) else ((f"{module.name}.{name}", value),)
+    modules = [importlib.import_module(f"{policy.__name__}.{module.name}") for module in pkgutil.iter_modules(policy.__path__)]
+    for module in (*modules, limits):
+        for name, value in vars(module).items():
+            if name.isupper():
+                yield from value.items() if isinstance(value, dict) else ((f"{module.__name__}.{name}", value),)
 
 
 @pytest.mark.parametrize(("name", "value"), list(numbers()))
@@ -28,7 +29,7 @@ def test_it_has_a_unit_a_derivation_and_an_origin(name: str, value: object) -> N
 
 
 def test_no_name_stands_for_two_numbers() -> None:
-    names = [name.split(".")[-1] for name, _ in numbers() if "." in name]
+    names = [name.rpartition(".")[2] for name, _ in numbers() if "." in name]
     assert sorted({name for name in names if names.count(name) > 1}) == []
 
 

@@ -9,7 +9,9 @@ import pytest
 from diagnosis import waves
 
 from exo_sim.diagnosis.discrepancy.basis import joined
+from exo_sim.diagnosis.estimation.candidate import Candidate
 from exo_sim.diagnosis.estimation.linear_family import LinearFamily, Linearisation, Term
+from exo_sim.diagnosis.findings import Kind
 from exo_sim.diagnosis.selection.family_search import FamilySearch
 from exo_sim.diagnosis.selection.fitted_model import SearchResult
 from exo_sim.diagnosis.selection.model_fits import ModelFits
@@ -54,6 +56,36 @@ def test_what_comes_on_top_needs_its_base_or_a_richer_form_of_it() -> None:
     richer = waves.candidate("richer", "slow", "level")
     terms = [waves.term(both, waves.BASE, "base"), waves.term(both, richer, "base"), waves.term(both, waves.ON_TOP)]
     assert searched(both, *terms).final.named == {waves.BASE.at, waves.ON_TOP.at}
+
+
+@pytest.mark.parametrize(("size", "spread", "named"), [(0.6, 1.0, False), (0.6, 5.0, True), (1.4, 2.0, True)])
+def test_what_is_below_the_noise_and_pulls_nuisance_parameters_off_is_no_finding(size: float, spread: float, named: bool) -> None:
+    """The name does what is left of a quick wave together with a nuisance parameter that undoes the rest of it."""
+    model = waves.Waves(shapes={**TWINS, "rest": size * np.sin(waves.AT / 7.0)}, rest=1.0)
+    nuisance = waves.parameter("known", "one", prior=(0.0, spread), low=-100.0)
+    name = waves.candidate("name", "two")
+    target = -model.residual({})
+    linear = Linearisation(None, {}, target, spread * model.shapes["one"][:, None], (waves.term(model, name),))
+    fits = ModelFits(model, (replace(nuisance, high=100.0),), cheap=True)
+    found = FamilySearch(fits, LinearFamily(fits.nuisances, (linear,)), joined([], target.size)).run()
+    assert bool(found.final.candidates) is named
+
+
+@pytest.mark.parametrize(("quicker", "unnamed"), [(0.0, ()), (4.0, ("position",))])
+def test_what_names_do_where_they_are_fitted_is_not_said_to_lack_a_name(quicker: float, unnamed: tuple[str, ...]) -> None:
+    """The name was linearised where its wave has another phase: what that leaves looks like a curve, until the name is fitted."""
+    model = waves.Waves(slow=6.0, quicker=quicker)
+    aside = replace(waves.term(model, waves.BASE), columns=np.sin((waves.AT + 25.0) / 30.0)[:, None])
+    curve = np.column_stack([np.cos(waves.AT / 30.0), waves.SHAPES["quicker"]])
+    unknown = Candidate("position", "piston", "position", (), ((),), kind=Kind.UNKNOWN)
+    term = Term(unknown, curve, np.full(2, 5.0), (False,) * 2, lambda sizes, before: {}, "unnamed position")
+    basis = joined([("position", curve, 0.1)], waves.AT.size)
+    target = -model.residual({})
+    linear = Linearisation(None, {}, target, np.zeros((target.size, 0)), (aside, term))
+    found = FamilySearch(ModelFits(model, (), cheap=True), LinearFamily((), (linear,)), basis).run()
+    assert found.final.named == {waves.BASE.at} and tuple(one.variable for one in found.unnamed) == unnamed
+    (size,) = waves.BASE.parameters
+    assert found.final.fit.values[size] == pytest.approx(6.0, abs=0.3)
 
 
 def test_a_wave_of_the_wrong_sign_is_no_effect_of_one_sign() -> None:

@@ -1,4 +1,4 @@
-"""What an effect is worth in time kept back: in how many blocks it gains counts, not how much the loudest of them does."""
+"""What an effect is worth in held-out time: in how many blocks it gains counts, not how much the loudest of them does."""
 
 from __future__ import annotations
 

@@ -5,8 +5,9 @@ from __future__ import annotations
 from collections.abc import Callable
 
 import pytest
-from diagnosis.waves import BASE, OTHER, Waves, candidate
+from diagnosis.waves import BASE, OTHER, RATE, RINGS, Ringing, Waves, candidate
 
+from exo_sim.diagnosis.estimation.candidate import Candidate
 from exo_sim.diagnosis.selection import joint_search
 from exo_sim.diagnosis.selection.comparisons import Comparisons
 from exo_sim.diagnosis.selection.fitted_model import FittedModel
@@ -14,10 +15,14 @@ from exo_sim.diagnosis.selection.joint_search import JointSearch
 from exo_sim.diagnosis.selection.search import Search
 from exo_sim.diagnosis.selection.simplification import Simplification
 
+ASKED = (BASE, OTHER, candidate("level", "level"))
 
-def begun(model: Waves, is_spent: Callable[[], bool] = lambda: False) -> tuple[JointSearch, FittedModel]:
-    """Return a search for two waves and a level, and its baseline."""
-    one = Search(model, (), (BASE, OTHER, candidate("level", "level")))
+
+def begun(
+    model: Waves, is_spent: Callable[[], bool] = lambda: False, asked: tuple[Candidate, ...] = ASKED
+) -> tuple[JointSearch, FittedModel]:
+    """Return a search, for two waves and a level where nothing else is said, and its baseline."""
+    one = Search(model, (), asked)
     bare = one.fits.refined(one.fits.fit(()))
     comparisons = Comparisons(one.fits, bare, 3, 0.0)
     simplification = Simplification(one.fits, comparisons, one.proposals)
@@ -64,3 +69,11 @@ def test_what_a_closed_form_leaves_out_stays_where_a_fit_misses_it(monkeypatch: 
     both = search.fits.refined(search.fits.fit((BASE, OTHER), bare))
     monkeypatch.setattr(joint_search, "jointly_pruned", lambda model, now, threads: now.candidates[:1])
     assert search._jointly_pruned(both) is both
+
+
+def test_what_rings_is_begun_at_its_best_shape_whatever_a_fit_from_elsewhere_found_before() -> None:
+    search, bare = begun(Ringing(8.0, 20.4, quicker=6.0), asked=(OTHER, RINGS))
+    now = search.fits.refined(search.fits.fit((OTHER,), bare))
+    before = search.fits.fit((OTHER, RINGS), now)
+    assert abs(before.fit.values[RATE] - 20.4) > 1.0
+    assert search.extended(now).fit.values[RATE] == pytest.approx(20.4, abs=0.1)

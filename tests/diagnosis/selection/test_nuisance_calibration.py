@@ -1,4 +1,4 @@
-"""Believed numbers that are off become findings: the two dead volumes of one cylinder are one, of two cylinders two."""
+"""Nominal numbers that are off become findings: the two dead volumes of one cylinder are one, of two cylinders two."""
 
 from __future__ import annotations
 

@@ -67,3 +67,13 @@ def test_simpler_forms_have_fewer_parameters_and_those_that_are_kept() -> None:
     assert found.simpler(RICH, bare, set()) == [slow, bias]
     assert found.simpler(RICH, bare, {"both.quick"}) == [bias]
     assert found.fullest(slow) == RICH and found.fullest(OTHER) == OTHER
+
+
+def test_beside_many_findings_only_declared_twins_succeed_physics_but_anything_a_sensors_fault() -> None:
+    fault, lag = replace(candidate("sensor_delay", "quicker"), kind=Kind.SENSOR), candidate("valve_lag", "slow")
+    findings = (fault, lag, candidate("second", "quick"), candidate("third", "level"))
+    found, _ = proposals(*findings, candidate("line_restriction", "slow"), candidate("fourth", "slow"), quicker=6.0, slow=4.0)
+    whole = found.fits.fit(findings)
+    for finding, expected in ((fault, {"line_restriction", "fourth"}), (lag, {"line_restriction"})):
+        without = found.fits.fit(whole.without(finding), whole)
+        assert {one.effect for _, one in found.successors(finding, without, whole)} == expected

@@ -167,7 +167,7 @@ def _has(effect: str, model: FittedModel) -> bool:
 
 
 class Weight(Waves):
-    """An error that is there all the time: a believed number far off, or something else that acts in one long stretch."""
+    """An error that is there all the time: a nominal number far off, or something else that acts in one long stretch."""
 
     def __init__(self, level: float, wave: float = 0.0):
         super().__init__(slow=wave)

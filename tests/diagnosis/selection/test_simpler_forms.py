@@ -8,10 +8,13 @@ import pytest
 
 from exo_sim.diagnosis.estimation.candidate import Candidate
 from exo_sim.diagnosis.estimation.parameters import FreeParameter, Target
+from exo_sim.diagnosis.selection.fitted_model import FittedModel
 from exo_sim.diagnosis.selection.simpler_forms import (
+    RicherForm,
     no_richer_than_needed,
     poorer_where_alike,
     richer_beside,
+    rivals_of_either,
     sizes_of_poorer,
 )
 
@@ -50,8 +53,21 @@ def test_a_fit_with_the_poorer_form_begins_at_the_mean_of_both() -> None:
     assert sizes_of_poorer([PLAIN], [PLAIN], {FORCE: 41.0}) == {}
 
 
-@pytest.mark.parametrize(("backward", "open_"), [(22.0, True), (56.0, False)])
-def test_a_fit_that_ends_with_one_number_is_held_against_what_was_weighed(backward: float, open_: bool) -> None:
-    found = richer_beside([PLAIN], [APART], {FORWARD: 57.0, BACKWARD: backward})
-    assert found == ({PLAIN.key: [(APART, 0.0)]} if open_ else {})
-    assert richer_beside([APART], [APART], {FORWARD: 57.0, BACKWARD: 22.0}) == {}
+@pytest.mark.parametrize(("backward", "is_beside"), [(22.0, True), (56.0, False)])
+def test_the_richer_form_stands_beside_the_poorer_where_fitted_it_is_two(backward: float, is_beside: bool) -> None:
+    def fit(candidates: tuple[Candidate, ...]) -> FittedModel:
+        return FittedModel.at({FORWARD: 57.0, BACKWARD: backward} if candidates == (APART,) else {FORCE: 40.0}, candidates)
+
+    def log_evidence(model: FittedModel) -> float:
+        return 7.0 if model.candidates == (APART,) else 5.0
+
+    found = richer_beside(fit((PLAIN,)), [APART], fit, log_evidence)
+    assert found == ({PLAIN.key: RicherForm(APART, -2.0, {FORCE: (22.0, 57.0)})} if is_beside else {})
+    assert richer_beside(fit((APART,)), [APART], fit, log_evidence) == {}
+
+
+def test_what_may_stand_in_the_place_of_the_richer_form_may_stand_in_that_of_the_poorer() -> None:
+    other = Candidate("quadratic_drag", "piston", "coefficient", (number("quadratic_drag", "coefficient"),), ((1.0,),))
+    beside = {PLAIN.key: RicherForm(APART, -2.0, {})}
+    found = rivals_of_either(beside, {APART.key: [(PLAIN, 1.0), (other, 2.0)]})
+    assert found[PLAIN.key] == [(APART, -2.0), (other, 2.0)] and found[APART.key] == [(PLAIN, 1.0), (other, 2.0)]

@@ -16,11 +16,12 @@ from exo_sim.diagnosis.findings import Subsystem
 from exo_sim.diagnosis.policy.validation import BEYOND_HEALTHY, FEWEST_CHANGED, LEAST_INFLUENCE
 from exo_sim.diagnosis.selection.decision import decide
 from exo_sim.diagnosis.selection.finding_removal import without_findings
+from exo_sim.diagnosis.selection.held_out_gain import HeldOutGain
 from exo_sim.diagnosis.selection.search import Search
 from exo_sim.diagnosis.selection.subsystem_result import SubsystemResult
 from exo_sim.diagnosis.selection.unknown_effect import unknown_effects
 from exo_sim.diagnosis.validation.held_out import _amplitude, _beyond, held_out_errors
-from exo_sim.diagnosis.validation.held_out_errors import BalanceError, HeldOutErrors, HeldOutGain
+from exo_sim.diagnosis.validation.held_out_errors import BalanceError, HeldOutErrors
 from exo_sim.recording.noise import by_chance
 
 SPLIT = Split({"recording": ((0.0, 400.0),)})
@@ -86,7 +87,7 @@ def test_what_changes_only_what_is_within_the_noise_is_not_tested() -> None:
     found = result(waves.Waves(slow=3.0), waves.BASE)
     (at,) = held_out_errors([found], (), SPLIT).gains
     quiet = held_out_errors([replace(found, model=Quiet(slow=3.0))], (), SPLIT)
-    assert quiet.influence[at] > LEAST_INFLUENCE and quiet.gains == {}
+    assert quiet.influence[at] > LEAST_INFLUENCE and at in quiet.gains and quiet.tested == {}
 
 
 def test_a_later_look_takes_the_place_of_the_first_and_what_was_put_aside_goes() -> None:
@@ -166,21 +167,23 @@ def test_a_small_share_speaks_against_what_time_kept_back_could_show_and_does_no
     assert not HeldOutGain(3.0, 100.0, False, amplitude, error).speaks_against  # nothing is missing but noise
 
 
+@pytest.mark.parametrize("sign", [0.0, 3.0])
 @pytest.mark.parametrize("there", [1.0, 0.0, 0.4])
-def test_the_amplitude_of_a_change_is_what_least_squares_finds_of_it_with_an_error_that_counts_neighbours_once(there: float) -> None:
+def test_the_amplitude_of_a_change_is_what_least_squares_finds_of_it_with_an_error_that_counts_neighbours_once(
+    there: float, sign: float
+) -> None:
+    """Also of one that has the same sign throughout, as friction of a slow stroke has, and whatever there is of it."""
     rng = np.random.default_rng(8)
-    blocks = np.zeros(6000, dtype=np.int64)
+    blocks = np.repeat(np.arange(24), 250)
     found, errors = [], []
-    for _ in range(40):
-        change = np.repeat(rng.standard_normal(300), 20)  # what differs lasts for twenty rows
+    for _ in range(60):
+        change = np.repeat(sign + rng.standard_normal(300), 20)  # what differs lasts for twenty rows
         slow = np.repeat(rng.standard_normal(300), 20)
-        named = slow - (1.0 - there) * change
-        amplitude, error = _amplitude(named, change, blocks)
+        amplitude, error = _amplitude(slow - (1.0 - there) * change, change, blocks)
         found.append(amplitude)
         errors.append(error)
     assert np.mean(found) == pytest.approx(there, abs=0.03)
-    assert np.std(found) == pytest.approx(np.mean(errors) if there == 1.0 else np.std(found), rel=0.35)
-    assert np.mean(errors) > 0.9 * np.std(found)
+    assert np.mean(errors) == pytest.approx(np.std(found), rel=0.3)
 
 
 def test_of_a_change_that_is_no_number_nothing_is_told() -> None:

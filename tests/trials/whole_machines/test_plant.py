@@ -25,7 +25,7 @@ from exo_sim.trials.whole_machines.gas_laws import (
 )
 from exo_sim.trials.whole_machines.loop import FED, GAINS, MEMO, POSITION
 from exo_sim.trials.whole_machines.machine import Machine
-from exo_sim.trials.whole_machines.machine_run import Run, advance
+from exo_sim.trials.whole_machines.machine_run import Run, Ticks, advance
 from exo_sim.trials.whole_machines.makes import MAKES
 from exo_sim.trials.whole_machines.plant import (
     LINE_1,
@@ -70,7 +70,7 @@ def run(
     feed = np.broadcast_to(np.asarray(command, float), n).copy()
     plan = Program(np.full(n, FED, np.int64), np.zeros(n), np.zeros(n), feed)
     steps = np.full(n, round(1 / rate / dt), np.int64)
-    return advance(m, y, np.zeros(MEMO), steps, 1, dt, plan, np.zeros(GAINS), np.zeros(n), keep=True)
+    return advance(m, y, np.zeros(MEMO), Ticks(steps, 1, dt), plan, np.zeros(GAINS), np.zeros(n), keep=True)
 
 
 def test_nozzle_and_ellipse_choke_where_they_say_and_meet_at_equal_pressures():
@@ -292,5 +292,5 @@ def test_position_control_reaches_its_goal():
     gains[:3] = 8.0, 0.2, 1e-3
     y = np.zeros(STATES)
     at_rest(y, 0.05, 3e5, 3.4e5, m.packed()[0])
-    one = advance(m, y, np.zeros(MEMO), np.full(n, 50, np.int64), 1, 2e-5, plan, gains, np.zeros(n))
+    one = advance(m, y, np.zeros(MEMO), Ticks(np.full(n, 50, np.int64), 1, 2e-5), plan, gains, np.zeros(n))
     assert one.at_samples("position")[-1] == pytest.approx(0.07, abs=2e-3)

@@ -13,15 +13,13 @@ from numpy.typing import NDArray
 
 from exo_sim.diagnosis.data.cylinder_run import CylinderRun
 from exo_sim.diagnosis.policy.recordings import LEAD_IN, NO_PART, SWITCHED, WORTH_A_LEAD_IN
-from exo_sim.recording.filters import start_weights
+from exo_sim.recording.start_value import start_points, start_value
 from exo_sim.recording.windows import local_range, window_starts
 
 Array = NDArray[np.float64]
 
 #: Delayed commands are kept up to so many samples, the latest: a fit asks for a few delays again and again, then never more.
 MOST_KEPT = 200_000
-#: Samples that estimate the pressure at the start of a window, and the longest time that they may span [s].
-START_SAMPLES, START_SECONDS = 15, 0.03
 
 
 @dataclass(frozen=True)
@@ -136,20 +134,20 @@ def windows(run: CylinderRun, seconds: float) -> Windows:
         stops += [*found[1:], end]
         lead += [start < first for start in found]
     pressure = np.full((len(starts), 2), np.nan)
-    points = _start_points(time)
+    points = start_points(time)
     for side, values in enumerate(run.pressure):
         if values is None:
             pressure[0, side] = run.initial[side]
             continue
         for w, (begin, end) in enumerate(zip(starts, stops, strict=True)):
-            pressure[w, side] = _start(values[begin:end], points)
+            pressure[w, side] = start_value(values[begin:end], points)
     return Windows(np.array(starts), np.array(stops), pressure, np.array(lead))
 
 
 def with_late_pressures(given: GasInputs, late: tuple[float, float]) -> GasInputs:
     """Return inputs whose windows start from what the sensors of both pressures show `late` seconds after the start [s]."""
     run, starts = given.run, given.windows.starts
-    points = _start_points(run.time)
+    points = start_points(run.time)
     pressure = given.windows.pressure.copy()
     for side, (values, seconds) in enumerate(zip(run.pressure, late, strict=True)):
         if values is None or seconds == 0.0:
@@ -157,26 +155,11 @@ def with_late_pressures(given: GasInputs, late: tuple[float, float]) -> GasInput
         at = np.interp(run.time[starts] + seconds, run.time, np.arange(len(run.time)))
         for w, (place, stop) in enumerate(zip(at, given.windows.stops, strict=True)):
             first = int(place)
-            ends = [_start(values[i : max(stop, i + points)], points) for i in (first, min(first + 1, len(values) - 1))]
+            ends = [start_value(values[i : max(stop, i + points)], points) for i in (first, min(first + 1, len(values) - 1))]
             shown = ends[0] + (place - first) * (ends[1] - ends[0])
             if math.isfinite(shown):
                 pressure[w, side] = shown
     return replace(given, windows=replace(given.windows, pressure=pressure))
-
-
-def _start_points(time: Array) -> int:
-    """Return how many samples estimate the pressure at the start of a window."""
-    return min(START_SAMPLES, int(START_SECONDS / max(float(np.median(np.diff(time))), 1e-9)) + 1) if len(time) > 1 else 1
-
-
-def _start(values: Array, points: int) -> float:
-    good = np.isfinite(values)
-    if not good.any():
-        return math.nan
-    points = min(points, len(values))
-    if points < 5 or not good[:points].all():
-        return float(values[int(np.argmax(good))])
-    return float(start_weights(points) @ values[:points])
 
 
 def late_commands(time: Array, commands: Array, delay: float) -> ArrivedCommands:

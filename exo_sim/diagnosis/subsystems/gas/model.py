@@ -22,7 +22,7 @@ from exo_sim.diagnosis.discrepancy.trace import Trace
 from exo_sim.diagnosis.estimation.budget import IsSpent, never
 from exo_sim.diagnosis.estimation.effort import Effort
 from exo_sim.diagnosis.estimation.kept_residuals import KeptResiduals
-from exo_sim.diagnosis.estimation.least_squares import Fit, fit
+from exo_sim.diagnosis.estimation.least_squares import Derivatives, Fit, fit
 from exo_sim.diagnosis.estimation.parameters import FreeParameter, PlantParameters, card_delays
 from exo_sim.diagnosis.estimation.threads import SERIAL, Threads
 from exo_sim.diagnosis.findings import Finding, Series, Subsystem
@@ -171,7 +171,7 @@ class GasModel(SubsystemModel):
         The two differ by at most 0.152 % of choked flow; a healthy valve may follow either, and neither is a finding.
         """
         start = {q: q.start for q in nuisances}
-        own = fit(self.residual, nuisances, start, threads, max_iterations=4, known_columns={}, is_spent=is_spent)
+        own = fit(self.residual, nuisances, start, threads, max_iterations=4, derivatives=Derivatives({}), is_spent=is_spent)
         if float(self.nominal.cylinder[flow_law.EFFECT.name]["ratio"][0]) > 0.0:
             return self, own
         rival = copy(self)
@@ -179,7 +179,7 @@ class GasModel(SubsystemModel):
         rival.nominal = self.nominal.copy()
         rival.nominal.cylinder[flow_law.EFFECT.name]["ratio"] = critical_ratio(float(self.nominal.world["k"][0]))
         other = fit(
-            rival.residual, nuisances, own.values, threads, max_iterations=4, known_columns=own.columns, is_spent=is_spent
+            rival.residual, nuisances, own.values, threads, max_iterations=4, derivatives=Derivatives(own.columns), is_spent=is_spent,
         )
         return (rival, other) if other.sse < own.sse else (self, own)
 

@@ -49,7 +49,7 @@ def scale_instead_of_mass(runs: Sequence[MotionRun], parameter: FreeParameter) -
 
 
 def force_of_zeros(drive: Drive) -> float:
-    """Return the constant force that the zero of a pressure sensor may make, by ordinary data sheets [N or N m]; 0 without pressures."""
+    """Return the greatest constant force that the zero of a pressure sensor may make, by data sheets [N or N m]; 0 without pressures."""
     forces = [
         float(np.median(np.abs(drive.levers[column]))) * float(np.max(np.abs(signal)))
         for column, signal in drive.signals.items() if "pressure" in column
@@ -57,17 +57,20 @@ def force_of_zeros(drive: Drive) -> float:
     return ZERO_OF_RANGE * max(forces, default=0.0)
 
 
-def friction_beside_constant_force(findings: Sequence[Finding], fit: Fit, drive: Drive) -> Mapping[tuple[str, str], tuple[str, ...]]:
+def friction_beside_constant_force(
+    findings: Sequence[Finding], fit: Fit, runs: Sequence[MotionRun]
+) -> Mapping[tuple[str, str], tuple[str, ...]]:
     """Return by finding the friction that it may be instead, beside a constant force: a force sensor's bias, or what closed the balance.
 
-    Friction of two directions is that of one beside the zero of a pressure sensor, where this may be as large.
+    Friction of two directions is that of one beside the zero of a pressure sensor, where this may be as large: no motion tells the two
+    apart, however great the odds of either.
 
     Args:
         findings: Of a balance.
         fit: Of its numbers.
-        drive: What drives it.
+        runs: The balance in every recording: the greatest pressure of all of them says the range of its sensors.
     """
-    of_zeros = force_of_zeros(drive) / drive.usual_arm
+    of_zeros = max(force_of_zeros(run.drive) / run.drive.usual_arm for run in runs)
     names = {finding.name for finding in findings}
     beside = {one.name: one.identification.twins.beside_constant for one in declared().values()}
     twins = {name: twin for name, twin in beside.items() if twin in names}
@@ -82,6 +85,7 @@ def friction_beside_constant_force(findings: Sequence[Finding], fit: Fit, drive:
 
 
 def _constant_part(finding: Finding, single: str) -> float:
-    """Return the constant force of friction of two directions beside that of one, `single` [N or N m]."""
-    parts = [finding.parameters[name].value for name, _ in dict(declared()[finding.name].absorbs)[single] if name in finding.parameters]
+    """Return the constant force of friction of two directions beside that of one, `single` [N or N m]; infinite where none is declared."""
+    shared = dict(declared()[finding.name].absorbs).get(single, ())
+    parts = [finding.parameters[name].value for name, _ in shared if name in finding.parameters]
     return 0.5 * (max(parts) - min(parts)) if parts else math.inf

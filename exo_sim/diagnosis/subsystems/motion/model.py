@@ -296,4 +296,4 @@ class MotionModel(SubsystemModel):
         return scale_instead_of_mass(self.runs, parameter)
 
     def indistinguishable(self, findings: Sequence[Finding], fit: Fit) -> Mapping[tuple[str, str], tuple[str, ...]]:
-        return friction_beside_constant_force(findings, fit, self.runs[0].drive)
+        return friction_beside_constant_force(findings, fit, self.runs)

@@ -17,7 +17,7 @@ from exo_sim.trials.whole_machines.excitation import Program, gains
 from exo_sim.trials.whole_machines.hidden_effects import BLOCKS, check_keys
 from exo_sim.trials.whole_machines.instruments import Rack, draw_rack, filtered, shown
 from exo_sim.trials.whole_machines.loop import FED, FORCES, MEMO
-from exo_sim.trials.whole_machines.machine_run import Run, advance, span_of, ticks
+from exo_sim.trials.whole_machines.machine_run import Run, Ticks, advance, span_of, ticks
 from exo_sim.trials.whole_machines.make import Make
 from exo_sim.trials.whole_machines.makes import find
 from exo_sim.trials.whole_machines.materiality import matters
@@ -105,7 +105,7 @@ def walk(worn: Worn, make: Make, names: tuple[str, ...], duration: float, rng: n
         at_rest(y, place[0], p1, p2, m.packed()[0])
         own = gains(span_of(built), m.moved_mass, 0.3 / make.rate, 1e-5)
         own[5] = 0.0  # a force is wanted wherever the joint is
-        one = advance(m, y, np.zeros(MEMO), steps, sub, dt, plan, own, np.zeros(len(closed)), keep=True, led=led)
+        one = advance(m, y, np.zeros(MEMO), Ticks(steps, sub, dt), plan, own, np.zeros(len(closed)), keep=True, led=led)
         if not np.isfinite(one.log["pressure_1"]).all() or place.min() < 0.0 or place.max() > m["stroke"]:
             raise TrialError(f"{name}: a drawn cylinder diverged or its piston met an end")
         runs[name] = one
@@ -163,14 +163,14 @@ def _recorded(one: Walk, worn: Worn, racks: Mapping[str, Rack], columns: Sequenc
     """Return the table of a recording."""
     table: dict[str, Array] = {}
     for joint, run in one.runs.items():
-        rack, rate = racks[joint], worn.cylinders[joint].make.rate * run.sub
+        rack, rate = racks[joint], worn.cylinders[joint].make.rate * run.ticks.sub
         table.setdefault("time [s]", run.time)
         table[f"{joint}.valve_command [1]"] = run.at_samples("command")
         signals = [("pressure_1", "Pa"), ("pressure_2", "Pa"), *([("force", "N")] if "force" in columns else [])]
         for signal, unit in signals:
             channel = getattr(rack, signal)
-            table[f"{joint}.{signal} [{unit}]"] = shown(filtered(run.log[signal], channel, rate)[:: run.sub], channel, rng)
-        table[f"{joint}.position [rad]"] = shown(filtered(one.angles[joint], rack.position, rate)[:: run.sub], rack.position, rng)
+            table[f"{joint}.{signal} [{unit}]"] = shown(filtered(run.log[signal], channel, rate)[:: run.ticks.sub], channel, rng)
+        table[f"{joint}.position [rad]"] = shown(filtered(one.angles[joint], rack.position, rate)[:: run.ticks.sub], rack.position, rng)
     if supply:
         run, rack = next(iter(one.runs.values())), next(iter(racks.values()))
         table["supply.pressure [Pa]"] = shown(run.at_samples("supply"), rack.supply, rng)

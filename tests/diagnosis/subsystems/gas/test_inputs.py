@@ -11,7 +11,8 @@ from numpy.typing import NDArray
 
 from exo_sim.diagnosis.data.cylinder_run import CylinderRun
 from exo_sim.diagnosis.policy.recordings import LEAD_IN
-from exo_sim.diagnosis.subsystems.gas.inputs import START_SAMPLES, late_commands, windows
+from exo_sim.diagnosis.subsystems.gas.inputs import late_commands, windows
+from exo_sim.recording.start_value import MOST
 from exo_sim.recording.windows import QUIET_REACH, window_starts
 
 N = 4000
@@ -29,7 +30,7 @@ def bursts(seed: int, side: int = 0) -> np.ndarray:
 
 def local_range(run: CylinderRun, at: int) -> float:
     """Return by how much the pressures of a run swing around a sample [Pa]."""
-    around = slice(max(at - START_SAMPLES, 0), at + START_SAMPLES)
+    around = slice(max(at - MOST, 0), at + MOST)
     return sum(float(np.ptp(values[around])) for values in run.pressure if values is not None)
 
 
@@ -63,7 +64,7 @@ def test_a_start_in_a_burst_moves_out_of_it() -> None:
     pressure[at - 100 : at + 60] += np.linspace(0.0, 1e5, 160)
     pressure[at + 60 :] += 1e5
     start = int(windows(cylinder_runs.run_of(pressure), 2.0).starts[1])
-    assert not at - 100 - START_SAMPLES < start < at + 60 + START_SAMPLES - 1
+    assert not at - 100 - MOST < start < at + 60 + MOST - 1
     assert abs(start - at) <= QUIET_REACH * N / 2
 
 
@@ -76,7 +77,7 @@ def test_they_begin_at_the_pressure_itself_not_at_a_jittery_sample(seed: int, sl
     run = cylinder_runs.run_of(clean + jitter * np.random.default_rng(seed).standard_normal(N))
     cut = windows(run, SECONDS)
     off = cut.pressure[:, 0] - clean[cut.starts]
-    # a parabola's end through 15 samples keeps 0.77 of the jitter; windows seek out what is quiet by chance
+    # a parabola's end through 15 samples keeps 0.68 of the jitter; windows seek out what is quiet by chance
     assert np.sqrt(np.mean(off**2)) < 1.5 * jitter and np.abs(off).max() < 4.0 * jitter
     assert np.isnan(cut.pressure[:, 1]).all()
 
@@ -85,7 +86,7 @@ def test_no_window_begins_in_a_hole_that_it_can_avoid() -> None:
     pressure = bursts(3)
     pressure[N // 2 - 20 : N // 2 + 20] = np.nan
     start = int(windows(cylinder_runs.run_of(pressure), 2.0).starts[1])
-    assert np.isfinite(pressure[start - START_SAMPLES : start + START_SAMPLES]).all()
+    assert np.isfinite(pressure[start - MOST : start + MOST]).all()
 
 
 @pytest.mark.parametrize("seconds", [0.1, 0.5, 1.2])

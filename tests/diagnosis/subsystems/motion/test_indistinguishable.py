@@ -9,16 +9,19 @@ import pytest
 from diagnosis import motion_runs
 from diagnosis.motion_runs import POSITION, TIME
 
-from exo_sim.diagnosis.data.motion_run import Passive
+from exo_sim.diagnosis.data.motion_run import MotionRun, Passive
+from exo_sim.diagnosis.data.split import Split
 from exo_sim.diagnosis.estimation.least_squares import Fit
 from exo_sim.diagnosis.estimation.parameters import FreeParameter, Target
 from exo_sim.diagnosis.findings import Estimate, Finding, Kind
+from exo_sim.diagnosis.subsystems.motion import indistinguishable
 from exo_sim.diagnosis.subsystems.motion.indistinguishable import (
     force_of_zeros,
     friction_beside_constant_force,
     scale_instead_of_mass,
     sensor_error_of,
 )
+from exo_sim.diagnosis.subsystems.motion.model import MotionModel
 
 OFFSET = FreeParameter("offset", "slide", "offset", "N", Target.SENSOR, 1.0, -9.0, 9.0, (0.0, 1.0))
 RUN = motion_runs.balance(np.zeros(TIME.size), 0.1)
@@ -28,7 +31,7 @@ def test_a_force_sensors_bias_beside_coulomb_friction_may_be_asymmetric_friction
     def twins(size: float, *names: str) -> set[str]:
         found = [Finding(name, "slide.external_force", Kind.SENSOR, "", {"p": Estimate(1.0, "N", 0.0, 2.0)}, 9.0, 0.0) for name in names]
         closed = Fit((OFFSET,), {OFFSET: size}, np.zeros(1), np.zeros((1, 1)))
-        return {name for name, _ in friction_beside_constant_force(found, closed, RUN.drive)}
+        return {name for name, _ in friction_beside_constant_force(found, closed, [RUN])}
 
     assert twins(0.0, "coulomb_friction") == set()
     assert twins(0.0, "coulomb_friction", "sensor_bias") == {"sensor_bias"}
@@ -43,11 +46,35 @@ def test_friction_of_two_directions_may_be_that_of_one_beside_the_zero_of_a_pres
     drive = replace(RUN.drive, levers=levers, signals=signals)
     assert force_of_zeros(drive) == pytest.approx(4.8)
     sizes = {name: Estimate(value, "N", 0.0, 20.0) for name, value in (("forward", 13.0), ("backward", backward))}
-    asymmetric = Finding("asymmetric_friction", "piston", Kind.MISSING_PHYSICS, "", sizes, 9.0, 0.0)
+    asymmetric = Finding("asymmetric_friction", "piston", Kind.MISSING_PHYSICS, "", sizes, 200.0, 0.0)  # which are against no friction
     closed = Fit((OFFSET,), {OFFSET: 0.0}, np.zeros(1), np.zeros((1, 1)))
     expected = {("asymmetric_friction", "piston"): ("coulomb_friction",)} if twins else {}
-    assert friction_beside_constant_force([asymmetric], closed, drive) == expected
-    assert friction_beside_constant_force([asymmetric], closed, replace(drive, signals={})) == {}
+    assert friction_beside_constant_force([asymmetric], closed, [replace(RUN, drive=drive)]) == expected
+    assert friction_beside_constant_force([asymmetric], closed, [replace(RUN, drive=replace(drive, signals={}))]) == {}
+
+
+def _pushed(pressure: float) -> MotionRun:
+    """Return a balance of one chamber of 8 cm^2 whose pressure this is [Pa above the atmosphere]."""
+    levers, signals = {"piston.pressure_1": np.full(TIME.size, -8e-4)}, {"piston.pressure_1": np.full(TIME.size, pressure)}
+    return replace(RUN, drive=replace(RUN.drive, levers=levers, signals=signals))
+
+
+def test_the_order_of_recordings_does_not_decide_what_looks_the_same() -> None:
+    """4 N apart: 1 % of 6 bar make them, 1 % of 2 bar do not."""
+    sizes = {name: Estimate(value, "N", 0.0, 20.0) for name, value in (("forward", 13.0), ("backward", 9.0))}
+    asymmetric = Finding("asymmetric_friction", "piston", Kind.MISSING_PHYSICS, "", sizes, 9.0, 0.0)
+    closed, runs = Fit((OFFSET,), {OFFSET: 0.0}, np.zeros(1), np.zeros((1, 1))), [_pushed(2e5), _pushed(6e5)]
+    both = [MotionModel(own, motion_runs.plant(), Split({})).indistinguishable([asymmetric], closed) for own in (runs, runs[::-1])]
+    assert both == [{("asymmetric_friction", "piston"): ("coulomb_friction",)}] * 2
+    assert MotionModel(runs[:1], motion_runs.plant(), Split({})).indistinguishable([asymmetric], closed) == {}
+
+
+def test_an_effect_that_says_of_which_friction_it_is_the_richer_form_in_no_numbers_has_no_twin(monkeypatch: pytest.MonkeyPatch) -> None:
+    own = replace(indistinguishable.declared()["asymmetric_friction"], absorbs=())
+    monkeypatch.setattr(indistinguishable, "declared", lambda: {own.name: own})
+    found = Finding(own.name, "piston", Kind.MISSING_PHYSICS, "", {"forward": Estimate(13.0, "N", 0.0, 20.0)}, 9.0, 0.0)
+    closed = Fit((OFFSET,), {OFFSET: 0.0}, np.zeros(1), np.zeros((1, 1)))
+    assert friction_beside_constant_force([found], closed, [_pushed(6e5)]) == {}
 
 
 def test_a_mass_that_one_measured_force_moves_is_known_as_well_as_the_scale_of_that_force() -> None:

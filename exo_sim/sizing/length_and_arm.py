@@ -1,4 +1,7 @@
-"""Length and moment arm of a cylinder between two points, in closed form (B24 of a crank, without its special cases)."""
+"""Length and moment arm of a cylinder between two points, in closed form (B24 of a crank, without its special cases).
+
+A search asks for these of rods that are in no model yet; those of a compiled model are MuJoCo's (`exo_sim/machine/linkage.py`).
+"""
 
 from __future__ import annotations
 

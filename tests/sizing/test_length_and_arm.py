@@ -6,7 +6,7 @@ import pytest
 
 from exo_sim.machine.linkage import moment_row
 from exo_sim.machine.rig_model import load
-from exo_sim.sizing.linkage_geometry import length_and_arm
+from exo_sim.sizing.length_and_arm import length_and_arm
 
 
 def test_closed_form_linkage_is_mujocos(exo, space):

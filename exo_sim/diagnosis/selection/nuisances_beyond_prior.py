@@ -20,21 +20,22 @@ from exo_sim.diagnosis.estimation.candidate import Candidate, drop_orphans
 from exo_sim.diagnosis.estimation.correlation import rms
 from exo_sim.diagnosis.estimation.parameters import FreeParameter
 from exo_sim.diagnosis.estimation.prior_terms import as_counted
+from exo_sim.diagnosis.estimation.uncertainty import covariance
 from exo_sim.diagnosis.findings import Kind
 from exo_sim.diagnosis.policy.acceptance import SURELY_MORE
-from exo_sim.diagnosis.policy.off_nominal import FAR_FROM_STRAINED, HELD_WITHIN, WORTH, WRONG_NUMBER
-from exo_sim.diagnosis.policy.verdicts import AS_GOOD, AT_BOUND, STRAINED
+from exo_sim.diagnosis.policy.off_nominal import FAR_FROM_STRAINED, WORTH, WRONG_NUMBER
+from exo_sim.diagnosis.policy.verdicts import AS_GOOD, STRAINED
 from exo_sim.diagnosis.selection.comparisons import Comparisons
 from exo_sim.diagnosis.selection.fitted_model import FittedModel, SearchResult, is_at_bound, is_more_than_healthy
+from exo_sim.diagnosis.selection.held_numbers import Held, is_at_end, ways_to_hold
 from exo_sim.diagnosis.selection.model_fits import ModelFits
 from exo_sim.diagnosis.selection.proposals import Proposals
+from exo_sim.diagnosis.selection.quantity_parts import Limits, healthy_limits, parts_of, together, weights_of
 from exo_sim.diagnosis.selection.shape_scan import best_shapes
 from exo_sim.diagnosis.subsystem_model import SubsystemModel
 from exo_sim.physics.declaration import declared
 
 Model = TypeVar("Model", bound=SubsystemModel)
-#: By effect and place, how much of a quantity a healthy machine shows.
-Limits = Mapping[tuple[str, str], float]
 
 
 def is_beyond_data_sheet(parameter: FreeParameter, value: float, error: float) -> bool:
@@ -48,40 +49,29 @@ def is_beyond_data_sheet(parameter: FreeParameter, value: float, error: float) -
     if parameter.prior is None:
         return False
     mean, spread = parameter.prior
-    return abs(value - mean) - SURELY_MORE * error > STRAINED * spread or _is_at_end(parameter, value)
+    return abs(value - mean) - SURELY_MORE * error > STRAINED * spread or is_at_end(parameter, value)
 
 
-def strained(model: FittedModel, errors: Mapping[FreeParameter, float], limits: Limits = MappingProxyType({})) -> tuple[FreeParameter, ...]:
-    """Return the numbers of the rig, and what healthy parts show, that a fit moved beyond any data sheet; `errors` are standard errors.
+def strained(model: FittedModel, fits: ModelFits, limits: Limits = MappingProxyType({})) -> tuple[FreeParameter, ...]:
+    """Return the numbers of the rig, and what healthy parts show, that a fit moved beyond any data sheet.
 
     Not those of sensors, whose zeros errors of the model move, nor an owner's numbers of an effect, whose law may differ. Parts of one
     quantity (dead time and time constant of a lag) are also judged together, by `limits`: a fit may share out what neither could be.
+
+    Args:
+        model: Fitted.
+        fits: That it is one of.
+        limits: How much of a quantity is healthy.
     """
-    values = model.fit.values
+    values, errors = model.fit.values, fits.standard_errors(model)
     own = [q for q in values if _is_of_a_part(q) and not _is_overridden(q, model)]
     beyond = [q for q in own if is_beyond_data_sheet(q, as_counted(q, values), errors.get(q, math.inf))]
-    beyond += _shared_out(own, values, errors, limits)
+    for quantity, limit in limits.items():
+        parts = parts_of(quantity, own)
+        if len(parts) > 1 and together(parts, values) > limit:
+            error = fits.error_of_sum(model, weights_of(parts, values))
+            beyond += parts if together(parts, values) - SURELY_MORE * error > limit else ()
     return tuple(q for q in own if q in beyond)
-
-
-def _shared_out(
-    own: Sequence[FreeParameter], values: Mapping[FreeParameter, float], errors: Mapping[FreeParameter, float], limits: Limits
-) -> list[FreeParameter]:
-    """Return the parts of quantities that are together surely more than a healthy machine shows: what is uncertain of all parts counts."""
-    found: list[FreeParameter] = []
-    for at, limit in limits.items():
-        parts = [q for q in own if (q.effect, q.where) == at]
-        off = sum(abs(values[q] - q.neutral) - SURELY_MORE * errors.get(q, math.inf) for q in parts)
-        found += parts if len(parts) > 1 and off > limit else []
-    return found
-
-
-def healthy_limits(candidates: Sequence[Candidate]) -> Limits:
-    """Return how much a healthy machine shows of each quantity of which candidates hold several parts."""
-    limits: dict[tuple[str, str], float] = {}
-    for c in (c for c in candidates if c.additive):
-        limits[c.at] = max(limits.get(c.at, 0.0), *(q.healthy_limit for q in c.parameters))
-    return {at: limit for at, limit in limits.items() if limit > 0.0}
 
 
 def relieved(search: SearchResult, fits: ModelFits, proposals: Proposals, model: Model, split: Split) -> tuple[SearchResult, ModelFits]:
@@ -103,7 +93,7 @@ def relieved(search: SearchResult, fits: ModelFits, proposals: Proposals, model:
     """
     asked_already, limits = set[str](), healthy_limits(proposals.candidates)
     while not search.interrupted and search.final.fit.residual.size and not fits.is_spent():
-        pressed = [q for q in strained(search.final, fits.standard_errors(search.final), limits) if q.effect not in asked_already]
+        pressed = [q for q in strained(search.final, fits, limits) if q.effect not in asked_already]
         if not pressed:
             break
         effect = pressed[0].effect
@@ -140,21 +130,18 @@ def _relieved_of(
     asked = absorbers(pressed, final, proposals.candidates)
     if not asked:
         return search, fits
-    within = _within(pressed, final.fit.values, limits)
-    bounded = ModelFits(fits.model, [within.get(q, q) for q in fits.nuisances], fits.threads, fits.cheap, fits.is_spent)
-    near = _of_parameters(final, within)
+    within, bounded, near, held = _held(pressed, final, fits, limits)
     own = _own(pressed, final, asked)
-    held = bounded.fit(final.candidates, near)
-    alone = bounded.fit((*final.candidates, own), _at_prior_means(near, within.values()))
+    alone = bounded.fit((*final.candidates, own), _at_prior_means(near, within.bounded.values()))
     comparisons = Comparisons(bounded, search.baseline, len(proposals.candidates), model.practical_significance)
     looked = bounded.fit_rivals([((*final.candidates, c), near) for c in asked], alone)
-    looked += _begun_at_shapes(asked, held, bounded)
+    looked += _begun_at_shapes(asked, bounded.fit(final.candidates, near), bounded)
     tried = [bounded.refined(one) for one in looked if one.fit.sse < (1.0 + FAR_FROM_STRAINED) * alone.fit.sse]
     kept_back = model.on_test_time(split.validation_as_test()) if split.validation else None
 
     def stands(one: FittedModel) -> bool:
         candidate = one.candidates[-1]
-        gives_way = not any(_is_at_end(q, one.fit.values[q]) for q in within.values() if not _is_overridden(q, one))
+        gives_way = not within.is_at_end([q for q in within.bounded.values() if not _is_overridden(q, one)], one.fit.values)
         found = is_more_than_healthy(candidate, one, bounded.standard_errors(one)) and not is_at_bound(candidate, one)
         return gives_way and found and comparisons.accepts(held, one) and _explains_as_well(one, alone, model, kept_back)
 
@@ -172,6 +159,29 @@ def _relieved_of(
     evidence = {**search.evidence, chosen.key: comparisons.evidence(held, best)}
     rivals = {**search.rivals, chosen.key: _sorted((c, worse) for c, worse in losses if c.at != chosen.at)}
     return replace(search, final=best, evidence=evidence, rivals=rivals), bounded
+
+
+def _held(
+    pressed: Sequence[FreeParameter], final: FittedModel, fits: ModelFits, limits: Limits
+) -> tuple[Held, ModelFits, FittedModel, FittedModel]:
+    """Return how numbers are held while effects are asked, the fits with them so, where such a fit begins, and the model with them held.
+
+    Effects are asked beside what is healthy, shared out nearly as it was; the model that they are held against is that of the way that
+    leaves least, for however a quantity is shared it is healthy.
+    """
+    known = covariance(final.fit, fits.correlation_time(final.fit.residual))
+    at = [final.fit.parameters.index(q) for q in pressed]
+    units = np.array([q.slope(final.fit.values[q]) for q in pressed])
+    tried = []
+    for within in ways_to_hold(pressed, final.fit.values, known[np.ix_(at, at)] * np.outer(units, units), limits):
+        nuisances = [within.bounded.get(q, q) for q in fits.nuisances]
+        bounded = ModelFits(fits.model, nuisances, fits.threads, fits.cheap, fits.is_spent)
+        near = _of_parameters(final, within.bounded)
+        tried.append((within, bounded, near, bounded.fit(final.candidates, near)))
+    least = tried[0][-1]
+    for *_, other in tried[1:]:
+        least = other if fits.deficit(other, least) < 0.0 else least
+    return *tried[0][:-1], least
 
 
 def _begun_at_shapes(asked: Sequence[Candidate], held: FittedModel, bounded: ModelFits) -> list[FittedModel]:
@@ -239,25 +249,6 @@ def _own(pressed: Sequence[FreeParameter], final: FittedModel, asked: Sequence[C
     return Candidate(first.effect, first.where, form, free, (values,), kind=Kind.CALIBRATION, prevalence=float(WRONG_NUMBER))
 
 
-def _within_data_sheet(q: FreeParameter) -> FreeParameter:
-    if q.prior is None:
-        return q
-    mean, spread = q.prior
-    return replace(q, low=max(q.low, mean - HELD_WITHIN * spread), high=min(q.high, mean + HELD_WITHIN * spread))
-
-
-def _within(pressed: Sequence[FreeParameter], values: Mapping[FreeParameter, float], limits: Limits) -> dict[FreeParameter, FreeParameter]:
-    """Return numbers with the bounds of their data sheets; parts of a quantity end where together they are what a healthy machine shows."""
-    within = {q: _within_data_sheet(q) for q in pressed}
-    limit = limits.get((pressed[0].effect, pressed[0].where), math.inf)
-    together = sum(abs(values[q] - q.neutral) for q in pressed)
-    if len(pressed) > 1 and together > limit:
-        for q in pressed:
-            most = abs(values[q] - q.neutral) * limit / together
-            within[q] = replace(within[q], low=max(within[q].low, q.neutral - most), high=min(within[q].high, q.neutral + most))
-    return within
-
-
 def _of_parameters(model: FittedModel, instead: Mapping[FreeParameter, FreeParameter]) -> FittedModel:
     """Return a model with other bounds of some parameters, for a fit to begin with."""
     fit = model.fit
@@ -279,12 +270,3 @@ def _is_of_a_part(q: FreeParameter) -> bool:
 def _is_overridden(q: FreeParameter, model: FittedModel) -> bool:
     """Return whether an effect of a model holds the very number that a nuisance parameter stands for."""
     return q.slot in {own.slot for c in model.candidates for own in c.parameters}
-
-
-def _is_at_end(q: FreeParameter, value: float) -> bool:
-    """Return whether a nuisance parameter ended at a bound beyond which it would go on, away from what is believed."""
-    if q.prior is None:
-        return False
-    mean, spread = q.prior
-    near = AT_BOUND * spread
-    return (value - q.low < near and q.low < mean) or (q.high - value < near and q.high > mean)

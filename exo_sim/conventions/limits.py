@@ -1,0 +1,41 @@
+"""Every number that decides from which zero and in which unit pressures were written, with what set it."""
+
+from __future__ import annotations
+
+from exo_sim.deciding_number import Number
+
+# -- unit -----------------------------------------------------------------------------------------------------------------------
+LEAST = Number(0.5, "atmospheres", "the chambers of a machine reach no less than this, else the unit is another ...")
+MOST = Number(5.0, "pressures of the supply", "... and no more than this")
+VACUUM = Number(
+    1e3, "Pa", "of one column among others that are as they should be only a reading that is nearer to a vacuum than this has another unit"
+)
+NEAR_LOW = Number(0.4, "pressures of the supply", "in the unit that is taken the largest pressure is at least this ...")
+NEAR_HIGH = Number(1.25, "pressures of the supply", "... and at most this, where one unit brings it there")
+
+# -- zero -----------------------------------------------------------------------------------------------------------------------
+RESTS = Number(0.1, "atmospheres", "a chamber that vents rests no farther from the atmosphere, or from nothing where its sensor is gauge")
+DWELLS = Number(0.2, "share of the time", "it must rest there for so long to outweigh a gas balance that says otherwise")
+_balance = "those of 93 benches and legs with all kinds of physics left out, absolute all, want -0.5 to 0.5"
+GAUGE = Number(0.65, "atmospheres", "a column is gauge whose gas balance wants more added, alone ...", _balance)
+GAUGE_BESIDE = Number(0.3, "atmospheres", "... and beside a supply that is off by one", _balance)
+MOST_GAUGE = Number(1.6, "atmospheres", "one that wants more added is neither", _balance)
+ABSOLUTE = Number(0.35, "atmospheres", "a column is absolute whose gas balance wants less added", _balance)
+OFF_BY = Number(0.15, "atmospheres", "a supply counts from the atmosphere that is off from one below the rig's by less")
+FULL = Number(
+    0.9, "quantile", "of a supply that is taken for what it is set to: one that sags by an atmosphere for half of the time is not gauge"
+)
+CONTRAST = Number(1.5, "ratio of misfits", "by so much they must differ to tell the zero of one chamber ...")
+COMMON_CONTRAST = Number(1.1, "ratio of misfits", "... and of all columns together, ...")
+COMMON = Number(
+    0.6, "atmospheres",
+    "... which from so many on is the atmosphere. Misfits as recorded must be so many times those with an atmosphere added, too",
+    "of 78 absolute columns of whole machines of learn makes a parabola's least alone calls two gauge, both together none",
+)  # fmt: skip
+TOGETHER = Number(
+    1.3, "product of ratios of misfits",
+    "chambers that never vent, beside a supply that is absolute, tell together: every one holds better with an atmosphere added, and the "
+    "product of the factors by which the misfits fall is more than this",
+    "23 recordings of cylinders of other makers, absolute all: 0.72 at most; with the atmosphere taken off their chambers it tells four "
+    "that nothing else does, 1.32 to 1.84",
+)  # fmt: skip

@@ -66,7 +66,7 @@ def test_run_prints_a_report_for_people(capsys, tmp_path):
         str(tmp_path / "s.rrd"),
     )
     assert status == 0
-    assert "backpack" in text and "weight of frame and payload 522.1 N" in text
+    assert "backpack" in text and "weight of frame and payload 528.0 N" in text
 
 
 @pytest.mark.parametrize(

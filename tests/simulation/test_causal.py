@@ -19,7 +19,7 @@ STRIDES = 9
 
 @pytest.fixture(scope="module")
 def exo(repository):
-    return rigs.read(repository / "assets" / "exo_250_psi.toml")
+    return rigs.read(repository / "assets" / "exo.toml")
 
 
 @pytest.fixture(scope="module")

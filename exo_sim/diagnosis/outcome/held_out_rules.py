@@ -52,8 +52,8 @@ def doubt(finding: Finding, share: float | None, compared: bool = True) -> str:
 
     Odds alone do not do: where held-out time tests nothing and the number may be nil, neither speaks for the name. A sensor that is off
     is off at all times: one that held-out time does not show stands in for something else. Where laws that fit as well leave a number
-    anywhere about nil, the law is in doubt and not the number alone; unless the odds against every account without it are great: the
-    height of a dip at rest may be anything where no speed is low enough, and the dip is there.
+    anywhere about nil, the law is in doubt and not the number alone; unless the odds against every account without it are great (the
+    height of a dip at rest may be anything where no speed is low enough, and the dip is there), or it explains nearly all that is missing.
 
     Args:
         finding: With its odds.
@@ -62,7 +62,7 @@ def doubt(finding: Finding, share: float | None, compared: bool = True) -> str:
         compared: Whether there was held-out time with its signals.
     """
     is_open = is_weighed_physics(finding) and errors_from_nil(finding) < LEAST_ERRORS
-    if is_open and finding.log10_odds < validation.REFUTABLE_ODDS:
+    if is_open and finding.log10_odds < validation.REFUTABLE_ODDS and (share is None or share < validation.BORNE_OUT):
         return "laws of what the rig has that fit as well need none of it: its number is smaller than its own standard error"
     if share is None:
         untested = "time that no number was fitted to does not test it"

@@ -48,7 +48,7 @@ def test_a_joint_that_somebody_leads_has_no_balance_but_its_gas_has(tmp_path: Pa
 def test_a_stop_that_throws_a_piston_back_is_nobody_s_hand(tmp_path: Path) -> None:
     """Gas pushes it against its friction from stop to stop, and the stops turn it round: their push nobody recorded."""
     table = benches.recorded(benches.bench(tmp_path), 4.0)
-    flight = 0.1 * 2.0 / np.pi * np.arcsin(0.998 * np.sin(2.0 * np.pi * 0.75 * table.time))
+    flight = 0.1 * 2.0 / np.pi * np.arcsin(0.998 * np.sin(2.0 * np.pi * 0.625 * table.time))
     pressures = {f"piston.pressure_{side}": 2e5 + 2e2 * sign * np.sign(np.gradient(flight)) for side, sign in ((1, 1.0), (2, -1.0))}
     thrown = replace(table, columns={**table.columns, **pressures, "slide.position": flight})
     assert sorted_data(tmp_path, thrown, stops=(-0.095, 0.095)).externally_driven == frozenset()

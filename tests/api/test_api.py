@@ -16,6 +16,7 @@ import pytest
 import exo_sim as exo
 from exo_sim import cli
 from exo_sim.trials.cases import make_case, write_case
+from exo_sim.trials.conditions import Conditions
 
 #: What no type checker would let through.
 NO_PATH: Any = 3
@@ -147,7 +148,7 @@ def test_text_in_a_notebook_is_escaped(bench: tuple[exo.Rig, exo.Recording]) -> 
 @pytest.mark.slow
 def test_a_recording_in_memory_is_diagnosed_and_the_better_rig_is_a_rig(tmp_path: Path) -> None:
     """What leaks is found without a file in between; the improved rig runs, saves and loads."""
-    case = make_case("case", effects=("piston_leakage",), seed=11, size=1.0, known="none", duration=12.0)
+    case = make_case("case", effects=("piston_leakage",), seed=11, size=1.0, conditions=Conditions(known=(), duration=12.0))
     write_case(case, tmp_path / "case", "csv", open_truth=True)
     truth = json.loads((tmp_path / "case" / "truth.json").read_text())["hidden"][0]["parameters"]["area"]["value"]
     frame = exo.Recording.load(tmp_path / "case" / "recording.csv").to_pandas()

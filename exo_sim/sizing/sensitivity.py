@@ -20,7 +20,7 @@ _PRESSURE, _VALVE, _ARM = 5e4, 1.25, 5e-3
 
 @dataclass(frozen=True)
 class Requirement:
-    """One thing that a recommended design must keep: what it has, what is asked, in words, and the share that is left of what is asked."""
+    """A requirement of a recommended design: what it has, what is required, in words, and the share of that which is left."""
 
     name: str
     has: str
@@ -144,7 +144,7 @@ def _fails(score: Score, task: Task, design: Design, peak: float) -> str:
     if first is not None:
         return fails_in_words(names[first], score.violations[first])
     if score.margin < ENOUGH_MARGIN:
-        return f"torque margin {100 * score.margin:.0f} %, {100 * ENOUGH_MARGIN:.0f} % asked"
+        return f"torque margin {100 * score.margin:.0f} %, {100 * ENOUGH_MARGIN:.0f} % required"
     if not score.error <= ENOUGH_TRACKING * peak:
         return f"torque error {score.error:.2f} N m rms, {ENOUGH_TRACKING * peak:.2f} allowed"
     return ""
@@ -160,7 +160,7 @@ def fails_in_words(constraint: str, beyond: float) -> str:
     joint, _, name = constraint.rpartition(": ")
     share = f"{100 * beyond:.0f} %"
     words = {
-        "dead centre": f"moment arm {share} below the {1e3 * LEAST_ARM:g} mm asked for",
+        "dead centre": f"moment arm {share} below the {1e3 * LEAST_ARM:g} mm required",
         "stroke": "no stroke to be had is as long as its travel",
         "length": f"pivots {share} nearer than its shortest length",
         "buckling": f"push {share} beyond a fifth of what buckles its rod",

@@ -56,7 +56,7 @@ def with_corrected_pressures(data: MachineData, gas: Sequence[SubsystemResult[Ga
 
 def _external_power(run: MotionRun) -> str:
     speed = run.kinematics.velocity / run.drive.divisor
-    return external_power(run.time, run.demand, run.drive.force, speed)
+    return external_power(run.time, run.demand, run.drive.force, speed, run.judged)
 
 
 def corrected_balances(

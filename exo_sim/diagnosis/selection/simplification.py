@@ -2,8 +2,10 @@
 
 from __future__ import annotations
 
+from collections.abc import Collection
+
 from exo_sim.diagnosis.estimation.budget import IsSpent, never
-from exo_sim.diagnosis.estimation.candidate import drop_orphans
+from exo_sim.diagnosis.estimation.candidate import Candidate, CandidateKey, drop_orphans
 from exo_sim.diagnosis.estimation.parameters import FreeParameter
 from exo_sim.diagnosis.policy import acceptance
 from exo_sim.diagnosis.selection.comparisons import Comparisons
@@ -61,8 +63,10 @@ class Simplification:
     def settled(self, now: FittedModel) -> FittedModel:
         """Return a model without the parameters, and whole findings, that the data do not distinguish from neutral.
 
-        Parameters that are vague only because they stand in for each other stay.
+        Parameters that are vague only because they stand in for each other stay. So do those without which a finding would not be accepted
+        any more: a simpler form that explains about as much is no reason to lose what the richer one was accepted for.
         """
+        needed: set[CandidateKey] = set()
         while now.candidates and not self.fits.is_spent():
             if not all(is_more_than_healthy(c, now) for c in now.candidates):  # the last refinement made one healthy
                 fewer = self.pruned(now)
@@ -76,15 +80,22 @@ class Simplification:
                 for q in c.parameters
                 if abs(now.fit.values[q] - q.neutral) < acceptance.CERTAIN * errors.get(q, 0.0)
             }
-            simpler = self._without_vague(now, vague)
+            simpler = self._without_vague(now, vague, needed)
             if simpler is None:
                 break
-            now = self.fits.refined(self.pruned(simpler))
+            fewer = self.pruned(simpler)
+            lost = [c for c in now.candidates if c.at in simpler.named - fewer.named and c.key not in {one.key for one in simpler.candidates}]
+            if lost:
+                needed |= {one.key for one in lost}
+                continue
+            now = self.fits.refined(fewer)
         return now
 
-    def _without_vague(self, now: FittedModel, vague: set[FreeParameter]) -> FittedModel | None:
-        """Return a model with fewer vague parameters, None where there is none as good."""
+    def _without_vague(self, now: FittedModel, vague: set[FreeParameter], needed: Collection[CandidateKey]) -> FittedModel | None:
+        """Return a model with fewer vague parameters, None where there is none as good; the forms in `needed` stay as they are."""
         for candidate in now.candidates:
+            if candidate.key in needed:
+                continue
             others = now.without(candidate)
             clear = {q.parameter for q in candidate.parameters if q not in vague}
             if len(clear) == len(candidate.parameters) or len(drop_orphans(others)) < len(others):
@@ -115,5 +126,12 @@ class Simplification:
                 simpler = form.at == candidate.at and model.parameter_count < best.parameter_count
                 if self.comparisons.ranked((model, best))[0] is model or (simpler and self.comparisons.is_as_good(model, best)):
                     best = model
-            now = best
+            now = now if self._is_lost_in(best, now, candidate) else best
         return now
+
+    def _is_lost_in(self, simpler: FittedModel, now: FittedModel, candidate: Candidate) -> bool:
+        """Return whether a finding would not be accepted any more in a form with fewer parameters, and is in the one that it has."""
+        if simpler.parameter_count >= now.parameter_count or candidate.at not in simpler.named:
+            return False
+        without = self.fits.fit(drop_orphans(now.without(candidate)), now)
+        return not self.comparisons.accepts(without, simpler, stands=True) and self.comparisons.accepts(without, now, stands=True)

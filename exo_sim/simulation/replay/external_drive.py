@@ -2,15 +2,19 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Sequence
 
 import mujoco
 import numpy as np
 from numpy.typing import NDArray
+from scipy.ndimage import binary_dilation
 
 from exo_sim.conventions.undriven import is_undriven
+from exo_sim.machine.joint_stops import touches_stop
 from exo_sim.machine.linkage import Linkage, moment_row
 from exo_sim.recording.filters import smoothed
+from exo_sim.recording.noise import white_noise
 from exo_sim.recording.table import Recording
 from exo_sim.rig import Rig
 from exo_sim.simulation.replay.inputs import has_samples, recorded_joints
@@ -23,6 +27,8 @@ STILL = 1e-4
 DRIVEN_SHARE = 0.12
 #: Powers are compared on motion smoothed over this time [s], averaged over blocks of this length [s], on at most so many samples.
 POWER_SMOOTHING, POWER_BLOCK, MOST_SAMPLES = 0.06, 0.1, 4000
+#: A joint that is closer to a stop than so many standard deviations of its position's noise may be pushed by it.
+AT_STOP_NOISE = 4.0
 #: Delays of the pressures' card that are tried [s]: the one with the smallest unknown power counts.
 CARD_DELAYS = (-0.04, -0.02, -0.01, 0.0, 0.01, 0.02, 0.04)
 
@@ -31,7 +37,8 @@ def externally_driven(recording: Recording, rig: Rig, model: mujoco.MjModel, lin
     """Return the joints that were driven or held by forces that nobody measured, and why.
 
     Friction and drag only dissipate. So where inverse dynamics, measured pressures and the measured outside force leave an unknown
-    force that supplies much power, a person or a test machine was at work. A joint whose pressures were not measured counts as free, and
+    force that supplies much power, a person or a test machine was at work. A stop that throws a joint back supplies power too, and nobody
+    measures its push: time at a stop does not count. A joint whose pressures were not measured counts as free, and
     so does every joint of a machine that nothing drives: a pendulum that is let go, of which only the position is recorded.
     """
     joints = recorded_joints(recording, model)
@@ -52,16 +59,19 @@ def externally_driven(recording: Recording, rig: Rig, model: mujoco.MjModel, lin
     return found
 
 
-def external_power(time: Array, needed: Array, drive: Array, velocity: Array) -> str:
+def external_power(
+    time: Array, needed: Array, drive: Array, velocity: Array, free: NDArray[np.bool_] | None = None
+) -> str:
     """Return in words how much power unmeasured forces put into a joint's motion, or "" where it is too little to count.
 
     Args:
         time: Even clock, shape (n,).
         needed, drive: Force that the motion took and known driving force [N m, or N], shape (n,).
         velocity: Of the joint, shape (n,).
+        free: Where no stop pushes it, shape (n,); everywhere when absent.
     """
     block = max(1, round(POWER_BLOCK / float(np.median(np.diff(time)))))
-    share = _power_share(needed, drive, velocity, block)
+    share = _power_share(needed, drive, velocity, block, free)
     return _in_words(share) if share > DRIVEN_SHARE else ""
 
 
@@ -106,18 +116,36 @@ def _power_shares(
         name, dof = model.joint(j).name, int(model.jnt_dofadr[j])
         if any(link.dof == dof and link.cylinder not in known for link in links):
             continue
+        free = ~_at_stop(model, j, recording, pick)
         shares[name] = min(
-            _power_share(needed[:, dof], np.interp(time[pick] - late, time[pick], gas[:, dof]), qd[:, dof], block)
+            _power_share(needed[:, dof], np.interp(time[pick] - late, time[pick], gas[:, dof]), qd[:, dof], block, free)
             for late in CARD_DELAYS
         )
     return shares
 
 
-def _power_share(needed: Array, drive: Array, velocity: Array, block: int) -> float:
-    """Return the power that an unknown force supplies as a share of all power; a constant force (a gauge sensor's) does not count."""
-    missing = needed - drive
-    unknown = _blocks((missing - missing.mean()) * velocity, block)
-    worked = np.maximum(np.abs(_blocks(drive * velocity, block)), np.abs(_blocks(needed * velocity, block))).sum()
+def _at_stop(model: mujoco.MjModel, joint: int, recording: Recording, pick: NDArray[np.int64]) -> NDArray[np.bool_]:
+    """Return at which picked samples a stop may push a joint, as far as the smoothed motion shows it, shape (picked,)."""
+    position = _filled(recording, f"{model.joint(joint).name}.position", pick)
+    assert position is not None
+    noise = white_noise(recording[f"{model.joint(joint).name}.position"])
+    reach = math.ceil(POWER_SMOOTHING / max(float(np.median(np.diff(recording.time[pick]))), 1e-9))
+    return np.asarray(binary_dilation(touches_stop(model, joint, position, AT_STOP_NOISE * noise), iterations=reach))
+
+
+def _power_share(needed: Array, drive: Array, velocity: Array, block: int, free: NDArray[np.bool_] | None = None) -> float:
+    """Return the power that an unknown force supplies as a share of all power; a constant force (a gauge sensor's) does not count.
+
+    Blocks with a sample that is not free are left out; the power is that of all where none is free.
+    """
+    missing, whole = needed - drive, len(needed) // block * block
+    kept = np.ones(whole // block, dtype=bool) if free is None else free[:whole].reshape(-1, block).all(axis=1)
+    if not kept.any():
+        kept[:] = True
+    inside = np.repeat(kept, block)
+    constant = missing[:whole][inside].mean() if inside.any() else 0.0
+    unknown = _blocks((missing - constant) * velocity, block)[kept]
+    worked = np.maximum(np.abs(_blocks(drive * velocity, block)), np.abs(_blocks(needed * velocity, block)))[kept].sum()
     return float(np.maximum(unknown, 0.0).sum() / worked) if worked > 0.0 else 0.0
 
 

@@ -121,8 +121,10 @@ def choose(make: Make, cell: str, rng: np.random.Generator, only: Sequence[str] 
         hidden = []
     if "cushion" in present and "hose" not in present:
         present.append("hose")
-    if "wall" in hidden and "heat" not in present:
+    if "wall" in present and "heat" not in present:
         present.append("heat")
+    if "heat" in hidden and "wall" not in hidden and "wall" in present:
+        present.remove("wall")  # who does not know that a wall takes heat does not know that it warms
     if make.single and make.build == "slide" and "spring" not in hidden:
         present.append("spring")  # which a data sheet gives
     known = tuple(dict.fromkeys(key for key in present if key not in hidden))

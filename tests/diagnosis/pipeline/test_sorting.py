@@ -16,12 +16,16 @@ from exo_sim.machine.rig_model import load
 from exo_sim.recording import Recording
 
 
-def sorted_data(folder: Path, table: Recording | None = None, without: tuple[str, ...] = (), every: int = 1) -> MachineData:
+def sorted_data(
+    folder: Path, table: Recording | None = None, without: tuple[str, ...] = (), every: int = 1, stops: tuple[float, float] | None = None
+) -> MachineData:
     rig = benches.bench(folder)
     table = table or benches.led(rig, 2.0)
     columns = {key: values[::every] for key, values in table.columns.items() if key not in without}
     table = replace(table, time=table.time[::every], columns=columns)
     model = load(rig)
+    if stops is not None:
+        model.jnt_limited[0], model.jnt_range[0] = True, stops
     return sort(MachineData(rig, model, linkages(rig, model), (table,), (table,), {}, {}))
 
 
@@ -39,6 +43,16 @@ def test_a_joint_that_somebody_leads_has_no_balance_but_its_gas_has(tmp_path: Pa
     data = sorted_data(tmp_path)
     assert set(data.cylinders) == {"piston"} and "slide" not in data.joints and data.externally_driven == {"slide"}
     assert "the balance of forces at slide in bench" in whys(data)
+
+
+def test_a_stop_that_throws_a_piston_back_is_nobody_s_hand(tmp_path: Path) -> None:
+    """Gas pushes it against its friction from stop to stop, and the stops turn it round: their push nobody recorded."""
+    table = benches.recorded(benches.bench(tmp_path), 4.0)
+    flight = 0.1 * 2.0 / np.pi * np.arcsin(0.998 * np.sin(2.0 * np.pi * 0.625 * table.time))
+    pressures = {f"piston.pressure_{side}": 2e5 + 2e2 * sign * np.sign(np.gradient(flight)) for side, sign in ((1, 1.0), (2, -1.0))}
+    thrown = replace(table, columns={**table.columns, **pressures, "slide.position": flight})
+    assert sorted_data(tmp_path, thrown, stops=(-0.095, 0.095)).externally_driven == frozenset()
+    assert sorted_data(tmp_path, thrown, stops=(-0.2, 0.2)).externally_driven == {"slide"}  # in mid-stroke somebody turns it round
 
 
 @pytest.mark.parametrize(

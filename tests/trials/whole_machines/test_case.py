@@ -54,6 +54,14 @@ def test_whole_machines_hide_five_to_eight_and_the_seal_always():
             assert 5 <= len(hidden) <= 8 and set(SEAL) <= set(hidden) and not set(hidden) & set(known)
 
 
+def test_who_does_not_know_that_a_wall_takes_heat_does_not_know_that_it_warms():
+    make = next(make for make in MAKES.values() if "wall" in make.optional)
+    drawn = [choose(make, "whole", np.random.default_rng(seed)) for seed in range(200)]
+    assert all("heat" in known for _, known in drawn if "wall" in known)
+    assert all("heat" in (*hidden, *known) for hidden, known in drawn if "wall" in hidden)
+    assert any("heat" in hidden and "wall" in hidden for hidden, _ in drawn) and any("wall" in known for _, known in drawn)
+
+
 def test_other_cells_hide_one_or_nothing():
     rng = np.random.default_rng(1)
     for make in MAKES.values():

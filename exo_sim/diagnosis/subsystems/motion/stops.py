@@ -9,6 +9,7 @@ from scipy.ndimage import binary_dilation
 
 from exo_sim.diagnosis.policy.recordings import AT_STOP_NOISE
 from exo_sim.diagnosis.subsystems.motion.smoothing import reach
+from exo_sim.machine.joint_stops import touches_stop
 from exo_sim.recording.filters import SmoothedMotion
 
 Array = NDArray[np.float64]
@@ -24,9 +25,5 @@ def at_stop(model: mujoco.MjModel, joint: int, time: Array, move: SmoothedMotion
         move: How it moved.
         smoothing: Width of the filter that noise asks for [s].
     """
-    if not model.jnt_limited[joint]:
-        return np.zeros(len(time), dtype=bool)
-    low, high = model.jnt_range[joint]
-    near = float(model.jnt_margin[joint]) + AT_STOP_NOISE * move.position_noise
-    touching = (move.position < low + near) | (move.position > high - near)
+    touching = touches_stop(model, joint, move.position, AT_STOP_NOISE * move.position_noise)
     return np.asarray(binary_dilation(touching, iterations=reach(time, smoothing)))

@@ -232,16 +232,15 @@ def ideal_limit(key: str, seed: int, conditions: Conditions, rounds: int = 4) ->
     return float(np.exp(np.clip(best - off, bottom, top)))
 
 
-def limit(key: str, seed: int | None = None, conditions: Conditions | None = None) -> float:
+def limit(key: str) -> float:
     """Return the limit that sizes are counted in: the ideal one and 3.86 healthy imperfections, in quadrature.
+
+    The ideal limit is the median of the reference benches (`limits.json`, written by `python -m exo_sim.trials.detection_limit`).
 
     Args:
         key: Of `hidden_effects.EFFECTS`.
-        seed, conditions: Compute the ideal limit on this bench; without them the median of the reference benches is used
-            (`limits.json`, written by `python -m exo_sim.trials.detection_limit`).
     """
-    ideal = reference_limits()[key] if seed is None else ideal_limit(key, seed, conditions or Conditions())
-    return float(np.hypot(ideal, NEEDED * find(key).healthy))
+    return float(np.hypot(reference_limits()[key], NEEDED * find(key).healthy))
 
 
 def sized(keys: Sequence[str], times: float) -> list[float]:

@@ -38,8 +38,8 @@ class Rig(schema.Rig):
 
     @classmethod
     def included(cls, name: str = "exo") -> Rig:
-        """Return a machine that comes with the package: "exo", the worn one, "exo_250_psi", the same at the
-        pressure of the paper, which its cylinders are not rated for, or "bench", one cylinder that lifts a mass.
+        """Return a machine that comes with the package: "exo", the worn one, "exo_250_psi", the same at the pressure of the
+        paper, which its cylinders are not rated for, or "bench", one cylinder that lifts a mass.
 
         Raises:
             RigError: there is none of this name.

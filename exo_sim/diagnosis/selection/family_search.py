@@ -27,7 +27,7 @@ from exo_sim.diagnosis.selection.marginal_fit import MarginalFits
 from exo_sim.diagnosis.selection.model_fits import ModelFits
 from exo_sim.diagnosis.selection.nested_fits import no_worse_than_nested
 from exo_sim.diagnosis.selection.nonparametric_terms import nonparametric_terms, unnamed
-from exo_sim.diagnosis.selection.refitted_finalists import best_refitted
+from exo_sim.diagnosis.selection.refitted_finalists import best_refitted, poorer_forms_first
 from exo_sim.diagnosis.selection.simpler_forms import no_richer_than_needed, poorer_than, richer_beside, rivals_of_either
 from exo_sim.diagnosis.selection.subset_numbers import laws_of, values_and_errors
 from exo_sim.diagnosis.selection.subset_weighing import At, SubsetWeighing, Weighed
@@ -73,7 +73,11 @@ class FamilySearch:
         exceeds = first.model.fit.sse > min(most, verdicts.LOST * max(self.weighing.square_left(posterior), model.size))
         if exceeds and not nonparametric_terms(self.weighing.terms(best)):
             refit = self.finalist_fits.refitted
-            found = best_refitted(first, finalists, self._names, refit, lambda model: evidence.log_evidence(model, best.spreads))
+            asked = poorer_forms_first(finalists, self._names)
+            found = best_refitted(first, asked, self._names, refit, lambda model: evidence.log_evidence(model, best.spreads))
+            if found is not first:  # what was more probable along lines does not fit as it acts
+                others = [one for one in finalists if one.score <= found.weighed.score]
+                laws = laws_of(self.weighing, self.fits.nuisances, found.weighed, others)
         beside = found.beside
         final = no_worse_than_nested(
             found.model, lambda chosen, near, again: beside.fit(chosen, near, refined=True, again=again), beside.deficit

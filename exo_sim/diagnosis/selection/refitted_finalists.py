@@ -16,6 +16,7 @@ from exo_sim.diagnosis.policy import verdicts
 from exo_sim.diagnosis.policy.budgets import MOST_REFITTED
 from exo_sim.diagnosis.selection.fitted_model import FittedModel, key_of
 from exo_sim.diagnosis.selection.marginal_fit import MarginalFits
+from exo_sim.diagnosis.selection.simpler_forms import poorer_than
 from exo_sim.diagnosis.selection.subset_weighing import Weighed
 
 
@@ -35,6 +36,27 @@ class Refitted:
     beside: MarginalFits
     model: FittedModel
     names_suffice: bool = False
+
+
+def poorer_forms_first(finalists: Sequence[Weighed], names: Callable[[Weighed], tuple[Candidate, ...]]) -> list[Weighed]:
+    """Return subsets, behind the most probable one that which has the same effects in poorer forms, the others in their order.
+
+    A richer form takes up what lines leave of the shapes of the others; fitted as they act the poorer one may leave less.
+
+    Args:
+        finalists: The subsets, the most probable first.
+        names: What a subset names.
+    """
+    best, *rest = finalists
+    effects = {c.effect for c in names(best)}
+
+    def is_poorer(one: Weighed) -> bool:
+        own = {c.effect for c in names(one)}
+        gone, new = effects - own, own - effects
+        return bool(gone) and len(own) == len(effects) and all(any(name in poorer_than(richer) for richer in gone) for name in new)
+
+    first = next((one for one in rest if is_poorer(one)), None)
+    return list(finalists) if first is None else [best, first, *(one for one in rest if one is not first)]
 
 
 def best_refitted(

@@ -69,8 +69,8 @@ def sensitivity(task: Task, outcome: Outcome, chosen: Found, loads: tuple[JointL
     neighbours = []
     for what, design in _steps(task, chosen):
         score = judge.judge(design)
-        neighbours.append(Neighbour(what, score, _fails(score, task, design, peak)))
-    return Sensitivity(_requirements(task, chosen, peak), tuple(neighbours), _relaxed(task, outcome, chosen, peak))
+        neighbours.append(Neighbour(what, score, _fails(score, task, peak)))
+    return Sensitivity(_requirements(task, chosen, peak), tuple(neighbours), _relaxed(outcome, chosen, peak))
 
 
 def _requirements(task: Task, chosen: Found, peak: float) -> tuple[Requirement, ...]:
@@ -137,7 +137,7 @@ def _steps(task: Task, chosen: Found) -> Iterator[tuple[str, Design]]:
                     yield f"{kind.name}: {words} {1e3 * distance:.0f} mm from the axis", moved(**{f"{kind.name}.{end}": distance})
 
 
-def _fails(score: Score, task: Task, design: Design, peak: float) -> str:
+def _fails(score: Score, task: Task, peak: float) -> str:
     """Return the first requirement that a design fails, with its number; "" where it keeps all of the search's."""
     names = [f"{kind.name}: {words}" for kind in task.space.kinds for words in CONSTRAINTS] + list(OF_THE_MACHINE)
     first = next((i for i, value in enumerate(score.violations) if value > 0.0), None)
@@ -175,7 +175,7 @@ def fails_in_words(constraint: str, beyond: float) -> str:
     return f"{joint}: {words}" if joint else words
 
 
-def _relaxed(task: Task, outcome: Outcome, chosen: Found, peak: float) -> tuple[Relaxed, ...]:
+def _relaxed(outcome: Outcome, chosen: Found, peak: float) -> tuple[Relaxed, ...]:
     """Return for each requirement the cheapest design of the search that fails it alone, where it is cheaper than the recommended one."""
     gas, mass = chosen.score.gas, chosen.score.mass
 

@@ -157,7 +157,7 @@ def both_starts(values: NDArray[np.float64], rate: float) -> tuple[float, float]
 @pytest.mark.parametrize("rate", [100.0, 200.0, 500.0, 1000.0, 4000.0])
 @pytest.mark.parametrize("filling", [0.0, 2e6])
 def test_gas_and_replay_start_from_the_same_pressure_at_rest_and_where_it_rises_steadily(rate: float, filling: float) -> None:
-    values = 4e5 + filling * np.arange(400) / rate
+    values = np.array(4e5 + filling * np.arange(400) / rate, dtype=np.float64)
     assert both_starts(values, rate) == pytest.approx((4e5, 4e5), rel=1e-9)
 
 

@@ -34,6 +34,9 @@ def is_refuted(drop: float, log10_odds: float, gain: HeldOutGain | None = None, 
     share of that counts. What is surely there is not useless, however little it is of all that is missing; and an error that rises by
     chance, where the change may be there or not, does not refute.
 
+    Where hardly more than noise is missing without it, or others were weighed beside it, the error says little. Then it is refuted only if
+    that time speaks against the change itself, and its odds are not great with that counted in.
+
     Args:
         drop: The share by which the validation error falls with it.
         log10_odds: Its odds.
@@ -44,6 +47,9 @@ def is_refuted(drop: float, log10_odds: float, gain: HeldOutGain | None = None, 
     explains = gain.share if gain is not None and gain.is_plain and not together else drop
     useless = explains < least and log10_odds < validation.REFUTABLE_ODDS and not (gain is not None and gain.is_shown)
     harmful = drop < -validation.MOST_RISE and log10_odds < validation.REFUTABLE_RISE_ODDS and (gain is None or gain.is_absent)
+    if gain is not None and (together or not gain.is_plain):
+        is_certain = log10_odds + gain.log10_odds >= validation.CERTAIN_ODDS
+        return (useless or harmful) and gain.log10_odds < 0.0 and not is_certain
     return useless or harmful
 
 

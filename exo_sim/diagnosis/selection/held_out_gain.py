@@ -25,6 +25,8 @@ class HeldOutGain:
         is_plain: Whether that is more than noise does by chance.
         amplitude, error: How much of the change that it makes to predictions is there, by least squares, and the standard error of that:
             1 where the recording shows it as it was found, 0 where not at all.
+        log10_odds: By how much that changes the odds that it is there, all of it against none, by Student's distribution over blocks of
+            time; 0 where one block shows all of the change, and says nothing of its own error.
     """
 
     gained: float
@@ -32,6 +34,7 @@ class HeldOutGain:
     is_plain: bool = True
     amplitude: float = 0.0
     error: float = 0.0
+    log10_odds: float = 0.0
 
     @property
     def is_absent(self) -> bool:

@@ -7,6 +7,7 @@ from collections.abc import Mapping, Sequence
 
 import numpy as np
 from numpy.typing import NDArray
+from scipy import stats
 
 from exo_sim.diagnosis.data.split import Split
 from exo_sim.diagnosis.estimation.candidate import drop_orphans
@@ -22,6 +23,9 @@ from exo_sim.diagnosis.validation.held_out_errors import BalanceError, HeldOutEr
 from exo_sim.recording.noise import by_chance
 
 Array = NDArray[np.float64]
+
+#: Fewer degrees of freedom say nothing of a spread.
+LEAST_FREEDOM = 0.2
 
 
 def held_out_errors(
@@ -88,8 +92,11 @@ def held_out_errors(
     return HeldOutErrors(signals, drops, influence, left, where_acting, beyond_healthy, costs, balances, tuple(series), split.test, gains)
 
 
-def _amplitude(named: Array, change: Array, blocks: NDArray[np.int64]) -> tuple[float, float]:
-    """Return how much of a change is there by least squares, and the standard error of that, neighbours counted once.
+def _amplitude(named: Array, change: Array, blocks: NDArray[np.int64]) -> tuple[float, float, float]:
+    """Return how much of a change is there by least squares, the standard error of that, neighbours counted once, and what that says.
+
+    The last is by how much it changes the odds of all of the change against none of it (log10). Blocks of time say how far it varies: so
+    many as share the change count, for a number of one block has no error that anybody knows.
 
     Args:
         named: Residual with all of it, shape (n,).
@@ -103,7 +110,16 @@ def _amplitude(named: Array, change: Array, blocks: NDArray[np.int64]) -> tuple[
         scatter = float(along @ along) * correlation_time(along, blocks)
         error = math.sqrt(max(scatter, power)) / power  # no less than the noise of the rows: of one that changes much there is no scatter
         found = 1.0 + lacking
-    return (found, error) if math.isfinite(found) and math.isfinite(error) else (0.0, 0.0)
+        shares, away = (np.bincount(np.unique(blocks, return_inverse=True)[1], weights=one) / power for one in (change**2, along))
+        freedom = 1.0 / max(float(shares @ shares), 1e-300) - 1.0
+        if not (math.isfinite(found) and math.isfinite(error)):
+            return 0.0, 0.0, 0.0
+        if not freedom > LEAST_FREEDOM:
+            return found, error, 0.0
+        between = math.sqrt(float(away @ away) * (freedom + 1.0) / freedom)
+    spread = max(error, between)
+    odds = (stats.t.logpdf((found - 1.0) / spread, freedom) - stats.t.logpdf(found / spread, freedom)) / math.log(10.0)
+    return found, error, float(odds)
 
 
 def _missed_where_acting(error: Array, change: Array) -> float:

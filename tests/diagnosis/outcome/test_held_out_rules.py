@@ -55,13 +55,30 @@ def test_where_something_is_missing_without_a_finding_its_share_of_that_counts(d
     assert is_refuted(0.05, 8.0, gain, together=True) is False
 
 
-@pytest.mark.parametrize("plain", [True, False])
-def test_an_error_that_rises_by_chance_refutes_no_name_of_great_odds(plain: bool) -> None:
-    """Whether more than noise is missing or not: what matters is whether the change is surely not there."""
-    absent, undecided = HeldOutGain(-20.0, 100.0, plain, 0.02, 0.1), HeldOutGain(-20.0, 100.0, plain, 0.5, 0.67)
+def test_an_error_that_rises_by_chance_refutes_no_name_of_great_odds() -> None:
+    absent, undecided = HeldOutGain(-20.0, 100.0, True, 0.02, 0.1), HeldOutGain(-20.0, 100.0, True, 0.5, 0.67)
     assert is_refuted(-0.18, 26.0, absent)
     assert not is_refuted(-0.18, 26.0, undecided)
     assert is_refuted(-0.18, 13.0, undecided)  # useless there, and its odds are not great
+
+
+@pytest.mark.parametrize(
+    ("odds", "more", "refuted"),
+    [
+        (11.6, -1.4, False),  # its change is hardly there, and it is certain all the same
+        (6.3, -1.3, True),
+        (60.6, -7.1, False),
+        (2.4, 0.0, False),  # that time tells nothing
+        (2.4, 1.1, False),  # it speaks for it
+        (0.8, -0.4, True),
+    ],
+)
+@pytest.mark.parametrize(("plain", "together"), [(False, False), (False, True), (True, True)])
+def test_an_error_of_forces_or_of_noise_refutes_only_what_is_not_certain(
+    odds: float, more: float, refuted: bool, plain: bool, together: bool
+) -> None:
+    gain = HeldOutGain(-20.0, 100.0, plain, 0.02, 0.1, more)
+    assert is_refuted(-0.5, odds, gain, together) is refuted
 
 
 def test_what_is_surely_there_is_not_useless_however_much_else_is_missing() -> None:

@@ -120,7 +120,7 @@ def test_an_effect_that_explains_most_of_what_is_missing_is_not_refuted(monkeypa
     end, plans = stable(monkeypatch, data, [(LEAK, SPRING), (LEAK,)], errors({LEAK: 0.14, SPRING: 0.02}, gains=worth))
     assert [set(plan.refuted) for plan in plans] == [set(), {SPRING}]
     assert names(end) == ["piston_leakage"]
-    chance = {"piston_leakage@piston": HeldOutGain(2.0, 2.0, is_plain=False)}  # all of what is missing, and that is what noise does
+    chance = {"piston_leakage@piston": HeldOutGain(2.0, 2.0, is_plain=False, log10_odds=-300.0)}  # all of what is missing, and that is what noise does
     end, _ = stable(monkeypatch, data, [(LEAK,), ()], errors({LEAK: 0.02}, gains=chance))
     assert names(end) == []
 

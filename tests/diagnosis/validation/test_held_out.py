@@ -179,7 +179,7 @@ def test_the_amplitude_of_a_change_is_what_least_squares_finds_of_it_with_an_err
     for _ in range(60):
         change = np.repeat(sign + rng.standard_normal(300), 20)  # what differs lasts for twenty rows
         slow = np.repeat(rng.standard_normal(300), 20)
-        amplitude, error = _amplitude(slow - (1.0 - there) * change, change, blocks)
+        amplitude, error, _ = _amplitude(slow - (1.0 - there) * change, change, blocks)
         found.append(amplitude)
         errors.append(error)
     assert np.mean(found) == pytest.approx(there, abs=0.03)
@@ -187,4 +187,22 @@ def test_the_amplitude_of_a_change_is_what_least_squares_finds_of_it_with_an_err
 
 
 def test_of_a_change_that_is_no_number_nothing_is_told() -> None:
-    assert _amplitude(np.ones(10), np.full(10, np.inf), np.zeros(10, dtype=np.int64)) == (0.0, 0.0)
+    assert _amplitude(np.ones(10), np.full(10, np.inf), np.zeros(10, dtype=np.int64)) == (0.0, 0.0, 0.0)
+
+
+@pytest.mark.parametrize(("there", "least", "most"), [(1.0, 10.0, 300.0), (0.5, -6.0, 6.0), (0.0, -300.0, -10.0)])
+def test_held_out_time_changes_the_odds_by_how_much_of_a_change_is_there(there: float, least: float, most: float) -> None:
+    rng = np.random.default_rng(3)
+    change, blocks = 0.5 * rng.standard_normal(4000), np.repeat(np.arange(20), 200)
+    odds = _amplitude(rng.standard_normal(4000) - (1.0 - there) * change, change, blocks)[2]
+    assert least < odds < most
+
+
+def test_a_change_in_one_block_of_time_does_not_change_the_odds() -> None:
+    """How far such a number varies from block to block nobody knows."""
+    rng = np.random.default_rng(4)
+    blocks = np.repeat(np.arange(20), 200)
+    change = np.where(blocks == 7, 3.0, 0.0)
+    assert _amplitude(rng.standard_normal(4000) - change, change, blocks)[2] == 0.0
+    few = np.where((blocks == 7) | (blocks == 9), 3.0, 0.0)
+    assert -5.0 < _amplitude(rng.standard_normal(4000) - few, few, blocks)[2] < -0.5

@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
-#: What is said where nobody wrote down an experiment.
-ASSERTED = "asserted; no experiment is on record"
+#: What is said where no experiment set a number: it is as large as `why` makes it, and was not varied.
+CONVENTION = "convention, not measured"
 
 
 class Number(float):
@@ -19,7 +19,7 @@ class Number(float):
     why: str
     set_by: str
 
-    def __new__(cls, value: float, unit: str = "", why: str = "", set_by: str = ASSERTED) -> Number:
+    def __new__(cls, value: float, unit: str = "", why: str = "", set_by: str = CONVENTION) -> Number:
         number = super().__new__(cls, value)
         number.unit, number.why, number.set_by = unit, why, set_by
         return number
@@ -32,7 +32,7 @@ class Count(int):
     why: str
     set_by: str
 
-    def __new__(cls, value: int, unit: str = "", why: str = "", set_by: str = ASSERTED) -> Count:
+    def __new__(cls, value: int, unit: str = "", why: str = "", set_by: str = CONVENTION) -> Count:
         count = super().__new__(cls, value)
         count.unit, count.why, count.set_by = unit, why, set_by
         return count

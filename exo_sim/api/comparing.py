@@ -102,7 +102,7 @@ def compare(
 
     Args:
         recording: A path or `exo.Recording`.
-        rig: A path or `exo.Rig`: the machine as it is believed to be.
+        rig: A path or `exo.Rig`: the nominal machine, as its owner describes it.
         motion: "predicted": positions are predicted too; "recorded": they are led as recorded; "auto" leads them where forces that
             nobody measured moved them.
         columns: Foreign names: a column map (TOML) or a dictionary.

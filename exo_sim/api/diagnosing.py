@@ -44,13 +44,18 @@ class Diagnosis:
 
     result: Answer
     time_s: float
-    _believed: Path | Rig
+    _nominal: Path | Rig
     _folder: Path
 
     @cached_property
+    def nominal(self) -> Rig:
+        """Return the nominal rig: as it was handed in."""
+        return rig_of(self._nominal)
+
+    @property
     def believed(self) -> Rig:
-        """Return the rig as it was handed in."""
-        return rig_of(self._believed)
+        """Return `nominal`, by its earlier name."""
+        return self.nominal
 
     @property
     def verdict(self) -> str:
@@ -97,16 +102,16 @@ class Diagnosis:
         from exo_sim.report.diagnosis_page import page
 
         place = Path(folder)
-        believed = self._believed
-        path = believed if isinstance(believed, Path) else believed.path
+        nominal = self._nominal
+        path = nominal if isinstance(nominal, Path) else nominal.path
         refuse_own_rig(place, path)
         there = place.resolve() == self._folder.resolve()  # the text that was proved, as it stands
         texts = {
             "improved": self.result.improved if there else self.rig.text_in(place),
-            "report": page(self.result, text_of(path) if isinstance(believed, Path) else believed.text, path.name),
+            "report": page(self.result, text_of(path) if isinstance(nominal, Path) else nominal.text, path.name),
             "diagnosis": json_text(self.result.as_dict()) + "\n",
         }
-        machine = Rig.load(believed) if isinstance(believed, Path) else believed
+        machine = Rig.load(nominal) if isinstance(nominal, Path) else nominal
         return_freed()  # what the pictures of the page took
         write_comparison(place / FILES["comparison"][0], self.result, self.result.tables, machine)
         for key, text in texts.items():
@@ -158,7 +163,7 @@ def diagnose(
 
     Args:
         recordings: One or several paths or `exo.Recording`; several are one case with shared parameters.
-        rig: A path or `exo.Rig`: the machine as it is believed to be.
+        rig: A path or `exo.Rig`: the nominal machine, as its owner describes it.
         budget: Time after which the best answer so far comes: seconds, or text like "60 s".
         columns: Foreign names: a column map (TOML) or a dictionary.
         jobs: Threads; all cores when None. No answer depends on it.
@@ -178,17 +183,17 @@ def diagnose(
     if not handed_in:
         raise RecordingError("no recording was given")
     cases = [Path(one) if isinstance(one, str | os.PathLike) else reading_of(one) for one in handed_in]
-    believed = Path(rig) if isinstance(rig, str | os.PathLike) else rig_of(rig)
-    beside = (believed if isinstance(believed, Path) else believed.path).parent
+    nominal = Path(rig) if isinstance(rig, str | os.PathLike) else rig_of(rig)
+    beside = (nominal if isinstance(nominal, Path) else nominal.path).parent
     folder = beside if out is None else Path(out)
     column_map = columns_of(columns)
     result = search(
-        cases, believed, column_map=column_map, seed=seed, jobs=jobs, progress=progress, folder=folder, budget=allowed
+        cases, nominal, column_map=column_map, seed=seed, jobs=jobs, progress=progress, folder=folder, budget=allowed
     )
     if not result.tables:
         tables = [reading_of(given, column_map).recording for given in handed_in]
         result = replace(result, tables=tuple(replace(table, name=name) for table, name in zip(tables, result.recordings, strict=True)))
-    found = Diagnosis(result, time.monotonic() - begun, believed, folder)
+    found = Diagnosis(result, time.monotonic() - begun, nominal, folder)
     if out is not None:
         if progress is not None:
             progress("writing")

@@ -1,4 +1,4 @@
-"""`exo.Rig`: one machine as its owner believes it to be."""
+"""`exo.Rig`: the nominal machine, as its owner describes it."""
 
 from __future__ import annotations
 
@@ -21,7 +21,7 @@ _INCLUDED = Path(__file__).resolve().parents[1] / "assets"
 
 @dataclass(frozen=True, repr=False)
 class Rig(schema.Rig):
-    """One machine as its owner believes it to be: `rig.toml` and the MJCF that it names. Everything in SI; pressures absolute.
+    """The nominal machine, as its owner describes it: `rig.toml` and the MJCF that it names. Everything in SI; pressures absolute.
 
     Attributes are those of `exo_sim.rig.schema.Rig`: `name`, `model` (path of the MJCF), `cylinders`, `supply`, `environment`, `effects`
     and so on. A rig does not change; `changed` returns another one.
@@ -38,8 +38,8 @@ class Rig(schema.Rig):
 
     @classmethod
     def included(cls, name: str = "exo") -> Rig:
-        """Return a machine that comes with the package: "exo", the worn one, "exo_250_psi", the same at the
-        pressure of the paper, which its cylinders are not rated for, or "bench", one cylinder that lifts a mass.
+        """Return a machine that comes with the package: "exo", the worn one, "exo_250_psi", the same at the pressure of the
+        paper, which its cylinders are not rated for, or "bench", one cylinder that lifts a mass.
 
         Raises:
             RigError: there is none of this name.

@@ -45,7 +45,7 @@ def simulate(
         assist: "on"; "off": valves closed; "vented": both chambers open to the atmosphere.
         controller: How valves get forces: "model" inverts the gas equations, "pi" is plain PI; or a controller of your own, as an object
             with `reset(context)` and `act(observation)`, or as "FILE.py:NAME".
-        demand: Law by which joint torques are asked for: "least_load", "causal" (from what the machine itself measures),
+        demand: Law that gives the joint torques demanded: "least_load", "causal" (from what the machine itself measures),
             "inverse_dynamics" or "virtual_support".
         wearer: "prescribed" (the default, where a scenario file does not say otherwise): the wearer's motion is given whatever happens;
             "torques": he is a body with mass on his own feet, moved by torques, and yields to the straps.

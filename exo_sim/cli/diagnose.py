@@ -27,7 +27,7 @@ def command(
 ) -> int:  # fmt: skip
     """Find what the rig of a machine leaves out, from one or more RECORDINGS of it.
 
-    Exit status: 0 where they agree, at most after believed numbers were corrected; 3 where physics is missing or a sensor
+    Exit status: 0 where they agree, at most after numbers of the rig were corrected; 3 where physics is missing or a sensor
     is at fault; 4 where the recordings cannot tell; 2 for unusable input.
     """
     from exo_sim.api.diagnosing import FILES, diagnose, refuse_own_rig

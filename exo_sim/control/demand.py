@@ -1,5 +1,4 @@
-"""Joint torques that carry frame and payload through the stance leg: four laws. The first
-three are tables over the phase of the motion.
+"""Joint torques that carry frame and payload through the stance leg: four laws. The first three are tables over the phase of the motion.
 
 - `virtual_support`: the stance leg pushes on the ground with a force that carries the whole machine, aimed at its mass
   centre.

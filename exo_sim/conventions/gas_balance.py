@@ -47,6 +47,7 @@ class CylinderColumns:
         command: Of the valve, shape (n,); zeros where there is none.
         supply, exhaust: [Pa], shape (n,).
         noise: Of each pressure, one standard deviation [Pa].
+        command_2: Of the edges of chamber 2 where they are independent, shape (n,); None where one spool serves both.
     """
 
     time: Array

@@ -4,29 +4,48 @@ from __future__ import annotations
 
 from exo_sim.deciding_number import Number
 
+_ways = "(scripts/pressure_limits: 938 ways to write the recordings of 93 benches and legs, 20 whole machines and 12 real ones)"
+_decides_nothing = f"convention; from a twentieth to twenty times it no reading changes for the worse {_ways}"
+
+
+def _right(low: str, high: str) -> str:
+    return f"varied: from {low} to {high} all that is read rightly stays so {_ways}"
+
+
 # -- unit -----------------------------------------------------------------------------------------------------------------------
-LEAST = Number(0.5, "atmospheres", "the chambers of a machine reach no less than this, else the unit is another ...")
-MOST = Number(5.0, "pressures of the supply", "... and no more than this")
+LEAST = Number(0.5, "atmospheres", "the chambers of a machine reach no less than this, else the unit is another ...", _right("0.025", "1"))
+MOST = Number(5.0, "pressures of the supply", "... and no more than this", _right("1.65", "100"))
 VACUUM = Number(
-    1e3, "Pa", "of one column among others that are as they should be only a reading that is nearer to a vacuum than this has another unit"
-)
-NEAR_LOW = Number(0.4, "pressures of the supply", "in the unit that is taken the largest pressure is at least this ...")
-NEAR_HIGH = Number(1.25, "pressures of the supply", "... and at most this, where one unit brings it there")
+    1e3, "Pa", "of one column among others that are as they should be only a reading that is nearer to a vacuum than this has another unit",
+    _decides_nothing,
+)  # fmt: skip
+NEAR_LOW = Number(
+    0.4, "pressures of the supply", "in the unit that is taken the largest pressure is at least this ...", _right("0.36", "0.5")
+)  # fmt: skip
+NEAR_HIGH = Number(1.25, "pressures of the supply", "... and at most this, where one unit brings it there", _decides_nothing)
 
 # -- zero -----------------------------------------------------------------------------------------------------------------------
-RESTS = Number(0.1, "atmospheres", "a chamber that vents rests no farther from the atmosphere, or from nothing where its sensor is gauge")
-DWELLS = Number(0.2, "share of the time", "it must rest there for so long to outweigh a gas balance that says otherwise")
+RESTS = Number(
+    0.1, "atmospheres", "a chamber that vents rests no farther from the atmosphere, or from nothing where its sensor is gauge",
+    _right("0.08", "0.2"),
+)  # fmt: skip
+DWELLS = Number(
+    0.2, "share of the time", "it must rest there for so long to outweigh a gas balance that says otherwise", _right("0.02", "1")
+)  # fmt: skip
 _balance = "those of 93 benches and legs with all kinds of physics left out, absolute all, want -0.5 to 0.5"
 GAUGE = Number(0.65, "atmospheres", "a column is gauge whose gas balance wants more added, alone ...", _balance)
 GAUGE_BESIDE = Number(0.3, "atmospheres", "... and beside a supply that is off by one", _balance)
 MOST_GAUGE = Number(1.6, "atmospheres", "one that wants more added is neither", _balance)
 ABSOLUTE = Number(0.35, "atmospheres", "a column is absolute whose gas balance wants less added", _balance)
-OFF_BY = Number(0.15, "atmospheres", "a supply counts from the atmosphere that is off from one below the rig's by less")
+OFF_BY = Number(
+    0.15, "atmospheres", "a supply counts from the atmosphere that is off from one below the rig's by less", _right("0.1", "0.75")
+)  # fmt: skip
 FULL = Number(
-    0.9, "quantile", "of a supply that is taken for what it is set to: one that sags by an atmosphere for half of the time is not gauge"
-)
-CONTRAST = Number(1.5, "ratio of misfits", "by so much they must differ to tell the zero of one chamber ...")
-COMMON_CONTRAST = Number(1.1, "ratio of misfits", "... and of all columns together, ...")
+    0.9, "quantile", "of a supply that is taken for what it is set to: one that sags by an atmosphere for half of the time is not gauge",
+    _right("0.81", "0.99"),
+)  # fmt: skip
+CONTRAST = Number(1.5, "ratio of misfits", "by so much they must differ to tell the zero of one chamber ...", _right("1.2", "1.5"))
+COMMON_CONTRAST = Number(1.1, "ratio of misfits", "... and of all columns together, ...", _decides_nothing)
 COMMON = Number(
     0.6, "atmospheres",
     "... which from so many on is the atmosphere. Misfits as recorded must be so many times those with an atmosphere added, too",

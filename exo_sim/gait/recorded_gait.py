@@ -24,10 +24,8 @@ class RecordedGait:
         stance_end: Phase at which the foot leaves the ground.
         ankle_offset: Added to recorded ankle angles so that the sole of a rigid foot lies flat in mid-stance [rad].
         mass: Of the person recorded [kg].
-        motion: "thigh" (angle in space), "knee", "ankle", "tilt", "pelvis_x", "pelvis_z": the mean stride, moved
-            within the
-            spread so that a rigid chain's stance foot rests on the ground; pelvis_x is what is left of a steady
-            advance.
+        motion: "thigh" (angle in space), "knee", "ankle", "tilt", "pelvis_x", "pelvis_z": the mean stride, moved within the spread so that
+            a rigid chain's stance foot rests on the ground; pelvis_x is what is left of a steady advance.
         recorded, spread: "thigh", "knee", "ankle", "tilt": mean over trials and standard deviation between them.
         moment: "hip", "knee", "ankle": mean joint moments, signs as the angles'.
     """

@@ -41,7 +41,7 @@ def motion(scenario: str | Scenario, person: Person, speed: float | str) -> Moti
         scenario: The scenario or its name.
         person: Who does it.
         speed: Factor on the cadence within `SPEED_RANGE`, strides staying as long; or the speed of walking like "1.3 m/s", for which
-            strides get longer or shorter as well (`other_ground.at_speed`).
+            strides get longer or shorter as well (`speed_and_slope.at_speed`).
 
     Raises:
         ScenarioError: no such scenario, or a speed outside the range.

@@ -42,7 +42,7 @@ class Parameter:
     Attributes:
         name: Its key in a rig file.
         unit: SI unit on a cylinder or a shared part.
-        low, high: Bounds of what can be believed; outside them a rig file is refused.
+        low, high: Bounds of what is plausible; outside them a rig file is refused.
         typical: The range met in practice.
         source: Where the range comes from.
         angular_unit: SI unit where the effect acts on a turning joint, if it differs.

@@ -70,11 +70,6 @@ class Pneumatics:
         start = state.integrated_size(n)
         return self.vector[start : start + n * state.REMEMBERED].reshape(n, state.REMEMBERED)
 
-    @property
-    def bristles(self) -> NDArray[np.float64]:
-        """The joints' bristles, shape (m,); a view."""
-        return self.vector[self.vector.size - len(self.joints) :]
-
     def fill(
         self,
         x: NDArray[np.float64],

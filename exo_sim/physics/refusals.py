@@ -118,7 +118,7 @@ def _rates(world: NDArray[np.void], cylinder: NDArray[np.void], vector: Array, i
     sides = [(one, two, a_s1, a_1e), (two, one, a_s2, a_2e)][: 1 if c["single_acting"] > 0.0 else 2]
     gas = hot_gas(w["k"], w["r"])
     found = [
-        side_rate(w, c, vector, base, here, there, fed, let_off, supply, exhaust, dt, rate_of_effects(w, c, here, there, dt), gas)[0]
+        side_rate(w, c, vector, base, here, fed, let_off, supply, exhaust, dt, rate_of_effects(w, c, here, there, dt), gas)[0]
         for here, there, fed, let_off in sides
     ]
     return [rate if np.isfinite(rate) else 0.0 for rate in found]

@@ -65,7 +65,7 @@ def rate_of_effects(world, c, here, there, span):
 
 
 @inlined_kernel
-def side_rate(world, c, y, base, here, there, a_supply, a_exhaust, supply, exhaust, span, added, gas):
+def side_rate(world, c, y, base, here, a_supply, a_exhaust, supply, exhaust, span, added, gas):
     """Return how fast one chamber and its hose can settle within `span` seconds, and what they add to an accumulator's and a manifold's
     rate [1/s].
 
@@ -74,7 +74,7 @@ def side_rate(world, c, y, base, here, there, a_supply, a_exhaust, supply, exhau
 
     Args:
         y: Integrated state; the cylinder's part begins at `base`.
-        here, there: This `Chamber`, and the other one.
+        here: This `Chamber`.
         a_supply, a_exhaust, supply, exhaust: Areas of the valve's paths [m^2], and the `Reservoir` behind each.
         added: How fast the chamber settles by what effects add to its balances [1/s].
         gas: The `HotGas`.
@@ -134,10 +134,10 @@ def fastest_rate(world, cylinders, y, supply, exhaust, x, spool, span, gas):
             recovered = tank_state(world, y, len(cylinders) * INTEGRATED)
             added_1 += exchange_rate(world, c, one, spool[2 * len(cylinders) + i], recovered, span)
             added_2 += exchange_rate(world, c, two, spool[3 * len(cylinders) + i], recovered, span)
-        rate, more, less = side_rate(world, c, y, base, one, two, a_s1, a_1e, supply, exhaust, span, added_1, gas)
+        rate, more, less = side_rate(world, c, y, base, one, a_s1, a_1e, supply, exhaust, span, added_1, gas)
         fastest, drawn, vented = max(fastest, rate), drawn + more, vented + less
         if c.single_acting == 0.0:
-            rate, more, less = side_rate(world, c, y, base, two, one, a_s2, a_2e, supply, exhaust, span, added_2, gas)
+            rate, more, less = side_rate(world, c, y, base, two, a_s2, a_2e, supply, exhaust, span, added_2, gas)
             fastest, drawn, vented = max(fastest, rate), drawn + more, vented + less
     return max(fastest, drawn, vented)
 

@@ -71,7 +71,7 @@ def begin(path: Path, raw: bytes, encoding: str, column_map: ColumnMap | None) -
         )
     _refuse_preamble(path, headings, lines, skipped, delimiter, column_map)
     selection = select(str(path), headings, column_map)
-    selection.refuse_if_too_long(str(path), _rows(path, sample, lines, skipped))
+    selection.refuse_if_too_long(str(path), _rows(path, lines, skipped))
     return Beginning(headings, delimiter, skipped + 1, selection, lines[skipped + 1 :])
 
 
@@ -135,7 +135,8 @@ def _is_numeric(cell: str) -> bool:
     return is_number(cell) or is_number(cell.replace(",", ".", 1))
 
 
-def _rows(path: Path, sample: str, lines: list[str], skipped: int) -> float:
+def _rows(path: Path, lines: list[str], skipped: int) -> float:
+    """Return about how many rows a file has, from the length of its first."""
     body = lines[skipped + 1 : -1] or lines[skipped + 1 :]
     if not body:
         raise RecordingError(f'"{path}": there is a heading and no row below it')

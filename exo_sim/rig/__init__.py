@@ -1,4 +1,4 @@
-"""One machine as its owner believes it to be: `rig.toml` read, checked, turned into records, and written back."""
+"""The nominal machine, as its owner describes it: `rig.toml` read, checked, turned into records, and written back."""
 
 from exo_sim.rig.effect_text import EffectEntry
 from exo_sim.rig.improved_text import Correction, improved

@@ -1,6 +1,6 @@
 """Write a rig back with what was found of it, so that it reads as a diff against the owner's file.
 
-Nothing of the owner's text moves: believed numbers are replaced where they stand, with the old one and the interval in a comment, and
+Nothing of the owner's text moves: nominal numbers are replaced where they stand, with the old one and the interval in a comment, and
 new tables go to the end.
 """
 
@@ -38,7 +38,7 @@ _AGAIN = "As above."
 
 @dataclass(frozen=True)
 class Correction:
-    """A believed number that is off.
+    """A nominal number that is off.
 
     Attributes:
         key: Where it stands, e.g. ("cylinders", "piston", "valve", "area") or ("bodies", "load", "mass").

@@ -164,7 +164,7 @@ class JointFactors:
 
 @dataclass(frozen=True)
 class Rig:
-    """One machine as its owner believes it to be.
+    """The nominal machine, as its owner describes it.
 
     Attributes:
         name: What it is called.

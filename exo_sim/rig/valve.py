@@ -31,11 +31,6 @@ def area_of(conductance: float) -> float:
     return conductance * FREE_AIR_DENSITY * math.sqrt(FREE_AIR_TEMPERATURE * _R / _K) / critical_flow_factor(_K)
 
 
-def conductance_of(area: float) -> float:
-    """Return the sonic conductance [m^3/(s Pa)] of an effective throat area [m^2]."""
-    return area / area_of(1.0)
-
-
 def read_valve(name: str, part: Table | None, bore: float) -> tuple[float, Valve, list[EffectSetting]]:
     """Return the area of a valve's largest path [m^2], what else it is, and the effects that say how its edges differ.
 

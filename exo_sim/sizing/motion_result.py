@@ -157,12 +157,13 @@ def bought(found: MotionSizing) -> list[str]:
 def changes(found: MotionSizing) -> list[str]:
     """Return what the recommendation rests on and what would have been chosen beside it, in lines of text."""
     chosen = found.chosen
-    lines = [f"Force margin {100 * chosen.margin:.0f} %, {100 * ENOUGH_MARGIN:.0f} % asked; largest pressure {chosen.peak / 1e5:.1f} bar."]
+    margin = f"Force margin {100 * chosen.margin:.0f} %, {100 * ENOUGH_MARGIN:.0f} % required"
+    lines = [f"{margin}; largest pressure {chosen.peak / 1e5:.1f} bar."]
     for what, key, unit in (("gas", "gas", "g"), ("mass", "mass", "kg"), ("position error", "position_error", "")):
         best = min(found.front, key=lambda one: float(getattr(one, key)))
         if best is chosen:
             continue
-        weak = f"has a force margin of {100 * best.margin:.0f} %, less than asked"
+        weak = f"has a force margin of {100 * best.margin:.0f} %, less than required"
         short = weak if best.margin < ENOUGH_MARGIN else "costs more of the rest"
         value = f", {(1e3 if key == 'gas' else 1.0) * getattr(best, key):.2f} {unit}" if unit else ""
         lines.append(f"The least {what} on the Pareto front is design {best.number}'s{value}; it {short}.")

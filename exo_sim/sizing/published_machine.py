@@ -27,7 +27,7 @@ from exo_sim.sizing.screening import chosen_bores, screen
 PERSON, PAYLOAD, SUPPLY, VALVE = 75.0, 34.0, 1825014.0, 5e-6
 #: Knee torque [N m], moment arm [m], net pressure [Pa], bore [m], and rod speed [m/s] that the literature leads to.
 KNEE, ARM, NET, BORE, ROD_SPEED = 60.0, 0.050, 1.0e6, 0.040, (0.30, 0.35)
-#: Bore [m] and pressure [Pa] of the hydraulic prototype.
+#: Bore [m] and pressure [Pa] of the hydraulic prototype; `report/sizing.html` shows them.
 HYDRAULIC = 0.019, 6.9e6
 #: What that prototype took in level walking at 0.9 m/s with 34 kg: hydraulic and electric power [W].
 HYDRAULIC_POWER, ELECTRIC_POWER = 1143.0, 200.0

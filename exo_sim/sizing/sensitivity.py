@@ -20,7 +20,7 @@ _PRESSURE, _VALVE, _ARM = 5e4, 1.25, 5e-3
 
 @dataclass(frozen=True)
 class Requirement:
-    """One thing that a recommended design must keep: what it has, what is asked, in words, and the share that is left of what is asked."""
+    """A requirement of a recommended design: what it has, what is required, in words, and the share of that which is left."""
 
     name: str
     has: str
@@ -69,8 +69,8 @@ def sensitivity(task: Task, outcome: Outcome, chosen: Found, loads: tuple[JointL
     neighbours = []
     for what, design in _steps(task, chosen):
         score = judge.judge(design)
-        neighbours.append(Neighbour(what, score, _fails(score, task, design, peak)))
-    return Sensitivity(_requirements(task, chosen, peak), tuple(neighbours), _relaxed(task, outcome, chosen, peak))
+        neighbours.append(Neighbour(what, score, _fails(score, task, peak)))
+    return Sensitivity(_requirements(task, chosen, peak), tuple(neighbours), _relaxed(outcome, chosen, peak))
 
 
 def _requirements(task: Task, chosen: Found, peak: float) -> tuple[Requirement, ...]:
@@ -137,14 +137,14 @@ def _steps(task: Task, chosen: Found) -> Iterator[tuple[str, Design]]:
                     yield f"{kind.name}: {words} {1e3 * distance:.0f} mm from the axis", moved(**{f"{kind.name}.{end}": distance})
 
 
-def _fails(score: Score, task: Task, design: Design, peak: float) -> str:
+def _fails(score: Score, task: Task, peak: float) -> str:
     """Return the first requirement that a design fails, with its number; "" where it keeps all of the search's."""
     names = [f"{kind.name}: {words}" for kind in task.space.kinds for words in CONSTRAINTS] + list(OF_THE_MACHINE)
     first = next((i for i, value in enumerate(score.violations) if value > 0.0), None)
     if first is not None:
         return fails_in_words(names[first], score.violations[first])
     if score.margin < ENOUGH_MARGIN:
-        return f"torque margin {100 * score.margin:.0f} %, {100 * ENOUGH_MARGIN:.0f} % asked"
+        return f"torque margin {100 * score.margin:.0f} %, {100 * ENOUGH_MARGIN:.0f} % required"
     if not score.error <= ENOUGH_TRACKING * peak:
         return f"torque error {score.error:.2f} N m rms, {ENOUGH_TRACKING * peak:.2f} allowed"
     return ""
@@ -160,7 +160,7 @@ def fails_in_words(constraint: str, beyond: float) -> str:
     joint, _, name = constraint.rpartition(": ")
     share = f"{100 * beyond:.0f} %"
     words = {
-        "dead centre": f"moment arm {share} below the {1e3 * LEAST_ARM:g} mm asked for",
+        "dead centre": f"moment arm {share} below the {1e3 * LEAST_ARM:g} mm required",
         "stroke": "no stroke to be had is as long as its travel",
         "length": f"pivots {share} nearer than its shortest length",
         "buckling": f"push {share} beyond a fifth of what buckles its rod",
@@ -175,7 +175,7 @@ def fails_in_words(constraint: str, beyond: float) -> str:
     return f"{joint}: {words}" if joint else words
 
 
-def _relaxed(task: Task, outcome: Outcome, chosen: Found, peak: float) -> tuple[Relaxed, ...]:
+def _relaxed(outcome: Outcome, chosen: Found, peak: float) -> tuple[Relaxed, ...]:
     """Return for each requirement the cheapest design of the search that fails it alone, where it is cheaper than the recommended one."""
     gas, mass = chosen.score.gas, chosen.score.mass
 

@@ -169,8 +169,8 @@ def words(sizing: Sizing, folder: Path) -> str:
 def changes(sizing: Sizing) -> list[str]:
     """Return what would change the recommendation, in lines of text."""
     tight = sizing.sensitivity.requirements[0]
-    asked = "" if tight.asked == "none" else f" ({tight.asked} asked)"
-    lines = [f"Tightest requirement: {tight.name}, {tight.has}{asked}."]
+    required = "" if tight.asked == "none" else f" ({tight.asked} required)"
+    lines = [f"Tightest requirement: {tight.name}, {tight.has}{required}."]
     for one in sizing.sensitivity.relaxed:
         score = one.found.score
         lines.append(

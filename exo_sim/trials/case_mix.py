@@ -4,10 +4,11 @@ from __future__ import annotations
 
 import hashlib
 from collections.abc import Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 
 import numpy as np
 
+from exo_sim.trials.conditions import Conditions, Sensors
 from exo_sim.trials.hidden_effects import CALIBRATIONS, EFFECTS, LISTED, OUTSIDE, SENSORS
 from exo_sim.trials.leg_cases import FORCE, GAS
 
@@ -50,8 +51,8 @@ EXCLUSIVE = (
 )
 
 
-#: Cell, effects, sizes, settings, and whether it is concealed.
-_Draft = tuple[str, tuple[str, ...], tuple[float, ...], dict[str, object], bool]
+#: Cell, effects, sizes, conditions, and whether it is concealed.
+_Draft = tuple[str, tuple[str, ...], tuple[float, ...], Conditions, bool]
 
 
 @dataclass(frozen=True)
@@ -61,10 +62,10 @@ class Plan:
     Attributes:
         name: "case_0001".
         cell: Of `SHARES`.
-        effects: Keys of `effects.EFFECTS`.
+        effects: Keys of `hidden_effects.EFFECTS`.
         times: Size of each in limits.
         seed: Chance.
-        settings: Further arguments of `make_case`.
+        conditions: Under what a bench is recorded; a walking leg has its own.
         conceal: Whether the believed numbers are tuned to hide it.
     """
 
@@ -73,7 +74,7 @@ class Plan:
     effects: tuple[str, ...]
     times: tuple[float, ...]
     seed: int
-    settings: dict[str, object] = field(default_factory=dict)
+    conditions: Conditions = field(default_factory=Conditions)
     conceal: bool = False
 
 
@@ -84,16 +85,20 @@ def _compatible(keys: tuple[str, ...]) -> bool:
     return all(len(group & set(names)) < 2 for group in EXCLUSIVE)
 
 
-def _instruments(rng: np.random.Generator) -> dict[str, object]:
+def _conditions(rng: np.random.Generator) -> Conditions:
     """Return what differs between good benches: noise, bits, sample rate, number of recordings."""
-    return {
-        "program": "mixed",
-        "pressure_noise": float(rng.choice([150.0, 250.0, 250.0, 400.0])),
-        "bits": int(rng.choice([14, 16])),
-        "rate": float(rng.choice([500.0, 1000.0, 1000.0, 1000.0])),
-        "recordings": int(rng.choice([1, 1, 1, 1, 1, 2])),
-        "supply_recorded": bool(rng.random() < 0.8),
-    }
+    sensors = Sensors(pressure_noise=float(rng.choice([150.0, 250.0, 250.0, 400.0])), bits=int(rng.choice([14, 16])))
+    rate = float(rng.choice([500.0, 1000.0, 1000.0, 1000.0]))
+    recordings = int(rng.choice([1, 1, 1, 1, 1, 2]))
+    return Conditions(sensors=sensors, rate=rate, recordings=recordings, supply_recorded=bool(rng.random() < 0.8))
+
+
+def _with_oddities(plain: Conditions, rng: np.random.Generator) -> Conditions:
+    """Return the conditions of a bench with mild oddities: an uneven clock, cards that lag, filters, sensors that drift."""
+    jitter = float(rng.choice([0.0, 5e-5]))
+    skew, lag = float(rng.uniform(0, 2e-4)), float(rng.uniform(0, 3e-4))
+    sensors = replace(plain.sensors, skew=skew, lag=lag, drift=float(rng.normal(0, 300)))
+    return replace(plain, oddities=True, jitter=jitter, sensors=sensors)
 
 
 def draw_plans(count: int, seed: int) -> list[Plan]:
@@ -114,17 +119,11 @@ def draw_plans(count: int, seed: int) -> list[Plan]:
     drafts: list[_Draft] = []
     for cell, number in zip(SHARES, counts):
         for i in range(number):
-            settings = _instruments(rng)
+            conditions = _conditions(rng)
             keys: tuple[str, ...] = ()
             times: tuple[float, ...] = ()
             if cell == "oddities":
-                settings |= {
-                    "oddities": True,
-                    "jitter": float(rng.choice([0.0, 5e-5])),
-                    "skew": float(rng.uniform(0, 2e-4)),
-                    "lag": float(rng.uniform(0, 3e-4)),
-                    "drift": float(rng.normal(0, 300)),
-                }
+                conditions = _with_oddities(conditions, rng)
             elif cell == "single":
                 key, size = ladder[i % len(ladder)]
                 if i % 8 == 7:
@@ -139,7 +138,7 @@ def draw_plans(count: int, seed: int) -> list[Plan]:
                 keys, times = (OUTSIDE[i % len(OUTSIDE)],), (10.0,)
             elif cell == "twin":
                 key, program = TWINS[i % len(TWINS)]
-                keys, times, settings["program"] = (key,), (10.0,), program
+                keys, times, conditions = (key,), (10.0,), replace(conditions, program=program)
             elif cell == "concealed":
                 keys, times = (str(rng.choice(LISTED)),), (10.0,)
             elif cell == "missing_sensor":
@@ -147,12 +146,12 @@ def draw_plans(count: int, seed: int) -> list[Plan]:
                 gone = str(rng.choice(["piston.pressure_2", "slide.position", "supply.pressure", "piston.pressure_1"]))
                 if gone == EFFECTS[keys[0]].where:
                     gone = "supply.pressure"
-                settings |= {"missing": (gone,)}
+                conditions = replace(conditions, missing=(gone,))
             elif cell == "leg":
-                settings = {}
+                conditions = Conditions()
                 if i % 6 != 5:
                     keys, times = (LEG[i % len(LEG)],), (10.0,)
-            drafts.append((cell, keys, times, settings, cell == "concealed"))
+            drafts.append((cell, keys, times, conditions, cell == "concealed"))
     return _shuffled(drafts, rng)
 
 
@@ -167,9 +166,9 @@ def every_plan(draws: int, seed: int) -> list[Plan]:
     rng = np.random.default_rng([seed, 6])
     drafts: list[_Draft] = []
     for _ in range(draws):
-        drafts += [("single", (key,), (10.0,), _instruments(rng), False) for key in LISTED]
-        drafts += [("concealed", (key,), (10.0,), _instruments(rng), True) for key in LISTED]
-        drafts += [("leg", (key,), (10.0,), {}, False) for key in LEG]
+        drafts += [("single", (key,), (10.0,), _conditions(rng), False) for key in LISTED]
+        drafts += [("concealed", (key,), (10.0,), _conditions(rng), True) for key in LISTED]
+        drafts += [("leg", (key,), (10.0,), Conditions(), False) for key in LEG]
     return _shuffled(drafts, rng)
 
 
@@ -178,6 +177,6 @@ def _shuffled(drafts: Sequence[_Draft], rng: np.random.Generator) -> list[Plan]:
     seeds = rng.integers(1, 2**31, len(drafts))
     plans = []
     for n, k in enumerate(order):
-        cell, keys, times, settings, conceal = drafts[k]
-        plans.append(Plan(f"case_{n + 1:04d}", cell, keys, times, int(seeds[n]), settings, conceal))
+        cell, keys, times, conditions, conceal = drafts[k]
+        plans.append(Plan(f"case_{n + 1:04d}", cell, keys, times, int(seeds[n]), conditions, conceal))
     return plans

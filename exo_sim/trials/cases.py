@@ -11,7 +11,8 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from exo_sim.trials.hidden_effects import Hidden, find, plant
+from exo_sim.trials.conditions import ALL_KNOWN, Conditions
+from exo_sim.trials.hidden_effects import Effect, Hidden, find, plant
 from exo_sim.trials.leg_cases import LegCase
 from exo_sim.trials.truth.bench import CYLINDER, JOINT, Bench, believed, draw_bench
 from exo_sim.trials.truth.drive import Truth, drive
@@ -19,7 +20,6 @@ from exo_sim.trials.truth.instruments import Instrument, measure
 from exo_sim.trials.truth.machine import Machine
 
 Array = NDArray[np.float64]
-ALL_KNOWN = ("wall_heat_transfer", "coulomb_friction", "viscous_friction")
 #: What every healthy bench has a trace of, drawn where "mild oddities" are asked for.
 HEALTHY = (
     "wall_heat_transfer",
@@ -87,127 +87,114 @@ def make_case(
     effects: Sequence[str] = (),
     seed: int = 0,
     size: float | Sequence[float] = 1.0,
-    *,
-    known: Sequence[str] | None = None,
-    program: str = "mixed",
-    recordings: int = 1,
-    duration: float = 24.0,
-    rate: float = 1000.0,
-    jitter: float = 0.0,
-    errors: float = 1.0,
-    pressure_noise: float = 250.0,
-    position_noise: float = 2e-5,
-    correlated: float = 0.0,
-    bits: int = 16,
-    skew: float = 0.0,
-    lag: float = 0.0,
-    drift: float = 0.0,
-    supply_recorded: bool = True,
-    exhaust_recorded: bool = False,
-    missing: Sequence[str] = (),
-    oddities: bool = False,
+    conditions: Conditions | None = None,
     keep_states: bool = False,
 ) -> Case:
     """Draw a case.
 
     Args:
         name: Its name.
-        effects: Keys of `effects.EFFECTS`.
-        seed: Chance; the same seed gives the same case.
+        effects: Keys of `hidden_effects.EFFECTS`.
+        seed: Seed of the random numbers; the same seed gives the same case.
         size: Size of every effect, or one each; 1 is clearly visible.
-        known: Effects that the owner has in the rig already (of `ALL_KNOWN`); None draws "nothing known" or all,
-        and always
-            adds those without which a hidden effect makes no sense.
-        program: One of `excitation.PROGRAMS`.
-        recordings: How many recordings of the machine.
-        duration, rate, jitter: Length [s], samples a second [Hz], standard deviation of the sample period [s].
-        errors: Factor on the calibration errors of a careful laboratory.
-        pressure_noise, position_noise: White noise [Pa], [m].
-        correlated: Correlated noise as a share of the white noise.
-        bits: Converter bits.
-        skew: Seconds by which the position's card lags the pressures'.
-        lag: Anti-alias filter on pressures and position [s].
-        drift: Of the pressure sensors over a recording [Pa].
-        supply_recorded, exhaust_recorded: Whether these columns exist.
-        missing: Columns left out, without unit, e.g. "piston.pressure_2".
-        oddities: What healthy benches have: a trace of every effect of `HEALTHY`, a spool of second order, heat
-            transfer that grows with pressure, correlated noise.
-        keep_states: Keep the full true state at every sample, which `limit` needs.
+        conditions: Under what it is recorded; those of a good laboratory when absent.
+        keep_states: Keep the full true state at every sample, which `detection_limit.distance` needs.
 
     Raises:
         TrialError: an effect is unknown, or the drawn machine diverged.
     """
+    under = conditions or Conditions()
     rng = np.random.default_rng([seed, 20260])
     wanted = [find(key) for key in effects]
+    owner_knows = _owner_knows(wanted, under.known, rng)
+    bench = draw_bench(rng, owner_knows)
+    sizes = [float(size)] * len(wanted) if isinstance(size, int | float) else [float(s) for s in size]
+    hidden = tuple(plant(effect, bench, s, seed * 31 + i) for i, (effect, s) in enumerate(zip(wanted, sizes)))
+    machine = _with_oddities(bench, seed, rng) if under.oddities else bench.machine()
+    for entry in hidden:
+        machine = entry.into(machine, bench)
+    own = believed(bench, rng, 0.02 * under.errors, 0.05 * under.errors, 0.005 * under.errors, 0.01 * under.errors)
+    reach = max([0.7] + [effect.reach for effect in wanted])
+    truths = tuple(
+        drive(bench, machine, under.program, under.duration, under.rate, under.jitter, reach, rng, keep_states)
+        for _ in range(under.recordings)
+    )
+    pressure, position = _instruments(under)
+    about = {
+        "seed": seed,
+        "program": under.program,
+        "known": list(owner_knows),
+        "recordings": under.recordings,
+        "oddities": under.oddities,
+    }
+    case = Case(name, bench, own, machine, hidden, truths, (), about, pressure, position)
+    return replace(case, recordings=tuple(_measured(case, truth, under, rng) for truth in truths))
+
+
+def _owner_knows(wanted: Sequence[Effect], known: Sequence[str] | None, rng: np.random.Generator) -> tuple[str, ...]:
+    """Return what the owner has in the rig: what is known or needed, but never what is hidden."""
     needs = {need for effect in wanted for need in effect.known}
     if known is None:
         known = ALL_KNOWN if rng.random() < 0.5 else ()
-    hidden_names = {effect.name for effect in wanted}
-    owner_knows = [key for key in ALL_KNOWN if (key in known or key in needs) and key not in hidden_names]
-    if "asymmetric_friction" in hidden_names and "coulomb_friction" not in needs:
-        owner_knows = [key for key in owner_knows if key != "coulomb_friction"]
-    bench = draw_bench(rng, tuple(owner_knows))
-    sizes = [float(size)] * len(wanted) if isinstance(size, int | float) else [float(s) for s in size]
-    hidden = tuple(plant(effect, bench, s, seed * 31 + i) for i, (effect, s) in enumerate(zip(wanted, sizes)))
-    machine = bench.machine()
-    if oddities:
-        machine = machine.with_(spool_frequency=rng.uniform(110, 160), spool_damping=0.8)
-        if machine["heat_conductance"] > 0:
-            machine = machine.with_(heat_eichelberg=rng.uniform(0.05, 0.15))
-        for i, key in enumerate(HEALTHY):
-            effect = find(key)
-            trace = plant(effect, bench, effect.healthy * min(abs(rng.standard_normal()), 2.5), seed * 31 + 1000 + i)
-            fields = effect.fields(bench, trace.parameters)
-            machine = machine.with_(**{name: value for name, value in fields.items() if machine.is_default(name)})
-        correlated = max(correlated, 0.5)
-    for entry in hidden:
-        machine = entry.into(machine, bench)
-    own = believed(bench, rng, 0.02 * errors, 0.05 * errors, 0.005 * errors, 0.01 * errors)
-    reach = max([0.7] + [effect.reach for effect in wanted])
-    truths = tuple(
-        drive(bench, machine, program, duration, rate, jitter, reach, rng, keep_states) for _ in range(recordings)
-    )
-    columns = [
-        column
-        for column in COLUMNS
-        if column.split(" ")[0] not in missing
-        and (supply_recorded or not column.startswith("supply."))
-        and (exhaust_recorded or not column.startswith("exhaust."))
-    ]
+    hidden = {effect.name for effect in wanted}
+    if "asymmetric_friction" in hidden and "coulomb_friction" not in needs:
+        hidden |= {"coulomb_friction"}
+    return tuple(key for key in ALL_KNOWN if (key in known or key in needs) and key not in hidden)
+
+
+def _with_oddities(bench: Bench, seed: int, rng: np.random.Generator) -> Machine:
+    """Return the machine with what every healthy bench has a trace of."""
+    machine = bench.machine().with_(spool_frequency=rng.uniform(110, 160), spool_damping=0.8)
+    if machine["heat_conductance"] > 0:
+        machine = machine.with_(heat_eichelberg=rng.uniform(0.05, 0.15))
+    for i, key in enumerate(HEALTHY):
+        effect = find(key)
+        trace = plant(effect, bench, effect.healthy * min(abs(rng.standard_normal()), 2.5), seed * 31 + 1000 + i)
+        fields = effect.fields(bench, trace.parameters)
+        machine = machine.with_(**{name: value for name, value in fields.items() if machine.is_default(name)})
+    return machine
+
+
+def _instruments(under: Conditions) -> tuple[Instrument, Instrument]:
+    """Return the instruments of pressures and position."""
+    sensors = under.sensors
+    correlated = max(sensors.correlated, 0.5) if under.oddities else sensors.correlated
     pressure = Instrument(
-        noise=pressure_noise,
-        slow_noise=correlated * pressure_noise,
-        bits=bits,
+        noise=sensors.pressure_noise,
+        slow_noise=correlated * sensors.pressure_noise,
+        bits=sensors.bits,
         low=0.0,
         high=1.2e6,
-        lag=lag,
-        drift=drift,
+        lag=sensors.lag,
+        drift=sensors.drift,
     )
     position = Instrument(
-        noise=position_noise, slow_noise=correlated * position_noise, bits=bits, low=-0.3, high=0.3, lag=lag, delay=skew
+        noise=sensors.position_noise,
+        slow_noise=correlated * sensors.position_noise,
+        bits=sensors.bits,
+        low=-0.3,
+        high=0.3,
+        lag=sensors.lag,
+        delay=sensors.skew,
     )
-    about = {
-        "seed": seed,
-        "program": program,
-        "known": list(owner_knows),
-        "recordings": recordings,
-        "oddities": oddities,
-    }
-    case = Case(name, bench, own, machine, hidden, truths, (), about, pressure, position)
-    tables = []
-    for truth in truths:
-        table = {"time [s]": truth.log["time"]}
-        for column in columns:
-            key = COLUMNS[column]
-            if key == "command":
-                table[column] = truth.log[key]
-                continue
-            if case.at_valve and key in ("pressure_1", "pressure_2"):
-                key = "line" + key[-2:]
-            true = truth.log[key] - bench.zero if key == "position" else truth.log[key]
-            table[column] = measure(truth.log["time"], true, instrument_of(case, column), rng)
-        tables.append(table)
-    return replace(case, recordings=tuple(tables))
+    return pressure, position
+
+
+def _measured(case: Case, truth: Truth, under: Conditions, rng: np.random.Generator) -> dict[str, Array]:
+    """Return one recording as its table."""
+    table = {"time [s]": truth.log["time"]}
+    for column, key in COLUMNS.items():
+        absent = {"supply": not under.supply_recorded, "exhaust": not under.exhaust_recorded}.get(key, False)
+        if absent or column.split(" ")[0] in under.missing:
+            continue
+        if key == "command":
+            table[column] = truth.log[key]
+            continue
+        if case.at_valve and key in ("pressure_1", "pressure_2"):
+            key = "line" + key[-2:]
+        true = truth.log[key] - case.bench.zero if key == "position" else truth.log[key]
+        table[column] = measure(truth.log["time"], true, instrument_of(case, column), rng)
+    return table
 
 
 def instrument_of(case: Case, column: str) -> Instrument:

@@ -27,6 +27,7 @@ from exo_sim.errors import TrialError
 from exo_sim.outputs import replacing
 from exo_sim.progress import each
 from exo_sim.trials.cases import COLUMNS, Case, instrument_of, make_case
+from exo_sim.trials.conditions import Conditions
 from exo_sim.trials.hidden_effects import EFFECTS, find
 from exo_sim.trials.truth.drive import Truth, advance
 from exo_sim.trials.truth.excitation import Program
@@ -198,24 +199,24 @@ def concealed(case: Case) -> Case:
     return replace(case, believed=owner)
 
 
-def ideal_limit(key: str, seed: int, settings: Mapping[str, object], rounds: int = 4) -> float:
+def ideal_limit(key: str, seed: int, conditions: Conditions, rounds: int = 4) -> float:
     """Return the size of one effect that the instruments alone would let a perfect method find on this seed's bench.
 
     Args:
-        key: Of `effects.EFFECTS`.
-        seed, settings: As `make_case` takes them.
+        key: Of `hidden_effects.EFFECTS`.
+        seed, conditions: As `make_case` takes them.
         rounds: Steps of the search; each redraws the case at a new size.
 
     Returns:
         Size, between the effect's `smallest` and 8; at either end it means "beyond".
     """
-    chosen = {**settings, "recordings": 1, "oddities": False, "keep_states": True, "correlated": 0.0}
+    chosen = replace(conditions, recordings=1, oddities=False, sensors=replace(conditions.sensors, correlated=0.0))
     bottom, top = float(np.log(find(key).smallest)), math.log(8.0)
     low, high = bottom, top
     place = max(float(np.log(0.003)), bottom)
     tried: list[tuple[float, float]] = []
     for _ in range(rounds):
-        apart = distance(make_case(key, [key], seed, float(np.exp(place)), **chosen))  # type: ignore[arg-type]
+        apart = distance(make_case(key, [key], seed, float(np.exp(place)), chosen, keep_states=True))
         off = float(np.log(max(apart, 1e-3) / NEEDED))
         tried.append((place, off))
         if abs(off) < 0.1 or (off > 0 and place <= bottom):
@@ -231,16 +232,15 @@ def ideal_limit(key: str, seed: int, settings: Mapping[str, object], rounds: int
     return float(np.exp(np.clip(best - off, bottom, top)))
 
 
-def limit(key: str, seed: int | None = None, settings: Mapping[str, object] | None = None) -> float:
+def limit(key: str) -> float:
     """Return the limit that sizes are counted in: the ideal one and 3.86 healthy imperfections, in quadrature.
 
+    The ideal limit is the median of the reference benches (`limits.json`, written by `python -m exo_sim.trials.detection_limit`).
+
     Args:
-        key: Of `effects.EFFECTS`.
-        seed, settings: Compute the ideal limit on this bench; without them the median of the reference benches is used
-            (`limits.json`, written by `python -m exo_sim.trials.detection_limit`).
+        key: Of `hidden_effects.EFFECTS`.
     """
-    ideal = reference_limits()[key] if seed is None else ideal_limit(key, seed, settings or {})
-    return float(np.hypot(ideal, NEEDED * find(key).healthy))
+    return float(np.hypot(reference_limits()[key], NEEDED * find(key).healthy))
 
 
 def sized(keys: Sequence[str], times: float) -> list[float]:
@@ -261,7 +261,7 @@ def main(seeds: Sequence[int] = (11, 12, 13)) -> None:
         found = []
         for seed in seeds:
             with suppress(TrialError):
-                found.append(ideal_limit(key, seed, {}))
+                found.append(ideal_limit(key, seed, Conditions()))
         table[key] = float(f"{np.median(found):.4g}")
     with replacing(_REFERENCE) as path:
         path.write_text(

@@ -10,6 +10,7 @@ from pathlib import Path
 
 from exo_sim.errors import ExoSimError
 from exo_sim.trials.cases import Case, make_case, write_case
+from exo_sim.trials.conditions import ALL_KNOWN, Conditions, LegConditions
 from exo_sim.trials.hidden_effects import CALIBRATIONS, EFFECTS, LISTED, OUTSIDE, SENSORS
 from exo_sim.trials.leg_cases import FORCE, GAS, LegCase, make_leg_case
 from exo_sim.trials.truth.excitation import PROGRAMS
@@ -48,9 +49,11 @@ def main(argv: list[str] | None = None) -> int:
     )
     parser.add_argument("--format", default="csv", choices=("csv", "parquet"))
     options = parser.parse_args(argv)
-    known = {"draw": None, "none": (), "all": ("wall_heat_transfer", "coulomb_friction", "viscous_friction")}[
-        options.known
-    ]
+    known = {"draw": None, "none": (), "all": ALL_KNOWN}[options.known]
+    conditions = Conditions(
+        known=known, program=options.program, recordings=options.recordings, duration=options.duration, jitter=options.jitter,
+        oddities=options.oddities, supply_recorded=not options.no_supply,
+    )  # fmt: skip
     chosen = [key for name in options.effects.split(",") for key in GROUPS.get(name, (name,))]
     try:
         for j, entry in enumerate(chosen):
@@ -58,11 +61,6 @@ def main(argv: list[str] | None = None) -> int:
             for draw in range(options.draws):
                 seed = options.seed + 1000 * draw + 7 * j
                 label = entry.replace(":", "-") or "nothing"
-                settings = {
-                    "known": known, "program": options.program, "recordings": options.recordings, "duration":
-                    options.duration,
-                    "jitter": options.jitter, "oddities": options.oddities, "supply_recorded": not options.no_supply,
-                }  # fmt: skip
                 size: float | list[float]
                 if options.size.endswith("x"):
                     from exo_sim.trials.detection_limit import sized
@@ -72,9 +70,9 @@ def main(argv: list[str] | None = None) -> int:
                     size = float(options.size)
                 case: Case | LegCase
                 if options.leg:
-                    case = make_leg_case(f"{label}_{draw}", keys, seed, size, known=known, duration=options.duration)
+                    case = make_leg_case(f"{label}_{draw}", keys, seed, size, LegConditions(known=known, duration=options.duration))
                 else:
-                    case = make_case(f"{label}_{draw}", keys, seed, size, **settings)
+                    case = make_case(f"{label}_{draw}", keys, seed, size, conditions)
                 write_case(case, options.out / case.name, options.format, open_truth=True)
                 print(options.out / case.name)
     except ExoSimError as error:

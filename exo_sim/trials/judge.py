@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 from typing import Any
 
 from exo_sim.trials.detection_limit import NEEDED
@@ -64,7 +64,6 @@ class Mark:
     held_out: tuple[float, ...] = ()
     drop: tuple[float, ...] = ()
     answered: bool = True
-    extra: Mapping[str, Any] = field(default_factory=dict)
 
 
 def judge(truth: Mapping[str, Any], diagnosis: Mapping[str, Any] | None) -> Mark:

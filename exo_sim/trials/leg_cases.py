@@ -10,6 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from exo_sim.errors import TrialError
+from exo_sim.trials.conditions import ALL_KNOWN, LegConditions
 from exo_sim.trials.hidden_effects import Hidden, find, plant
 from exo_sim.trials.truth.bench import CYLINDER, JOINT, believed
 from exo_sim.trials.truth.drive import Truth
@@ -54,44 +55,35 @@ def make_leg_case(
     effects: Sequence[str] = (),
     seed: int = 0,
     size: float | Sequence[float] = 1.0,
-    *,
-    known: Sequence[str] | None = None,
-    duration: float = 24.0,
-    rate: float = 1000.0,
-    errors: float = 1.0,
-    pressure_noise: float = 500.0,
-    angle_noise: float = 2e-4,
-    force_noise: float = 0.5,
-    load_cell: bool | None = None,
-    supply_recorded: bool = True,
+    conditions: LegConditions | None = None,
 ) -> LegCase:
     """Draw a case of a walking leg.
 
     Args:
         name: Its name.
         effects: Of `GAS` and `FORCE`; the latter need the load cell.
-        seed: Chance; the same seed gives the same case.
-        size, known, duration, rate, errors, supply_recorded: As in `cases.make_case`.
-        pressure_noise, angle_noise, force_noise: White noise [Pa], [rad], [N].
-        load_cell: Whether rod forces are recorded; None: where an effect needs them, else by chance.
+        seed: Seed of the random numbers; the same seed gives the same case.
+        size: As in `cases.make_case`.
+        conditions: Under what it is recorded; those of a good laboratory when absent.
 
     Raises:
         TrialError: an effect is unknown or cannot be on a leg, or the drawn machine diverged.
     """
+    under = conditions or LegConditions()
     rng = np.random.default_rng([seed, 20261])
     wanted = [find(key) for key in effects]
     for key in effects:
         if key not in GAS + FORCE:
             raise TrialError(f"{key} cannot be planted in a leg; there is: {', '.join(GAS + FORCE)}")
     needs = {need for effect in wanted for need in effect.known}
-    every = ("wall_heat_transfer", "coulomb_friction", "viscous_friction")
+    known = under.known
     if known is None:
-        known = every if rng.random() < 0.5 else ()
+        known = ALL_KNOWN if rng.random() < 0.5 else ()
     chance = bool(rng.random() < 0.5)
     names = {effect.name for effect in wanted}
     if "asymmetric_friction" in names:
         names |= {"coulomb_friction"}
-    owner_knows = tuple(key for key in every if (key in known or key in needs) and key not in names)
+    owner_knows = tuple(key for key in ALL_KNOWN if (key in known or key in needs) and key not in names)
     leg = draw_leg(rng, owner_knows)
     joint = str(rng.choice(JOINTS))
     bench = leg.cylinders[joint]
@@ -107,13 +99,13 @@ def make_leg_case(
     }
     for entry in hidden:
         machines[joint] = entry.into(machines[joint], bench)
-    spread = (0.02 * errors, 0.05 * errors, 0.0, 0.01 * errors)
+    spread = (0.02 * under.errors, 0.05 * under.errors, 0.0, 0.01 * under.errors)
     own = Leg({key: believed(one, rng, *spread) for key, one in leg.cylinders.items()})
-    angles, truths = walk(leg, machines, duration, rate, rng)
-    cell = load_cell if load_cell is not None else chance or bool(set(effects) & set(FORCE))
-    pressure = Instrument(noise=pressure_noise, bits=16, low=0.0, high=4e6)
-    angle = Instrument(noise=angle_noise, bits=16, low=-3.2, high=3.2)
-    force = Instrument(noise=force_noise, bits=16, low=-3e3, high=3e3)
+    angles, truths = walk(leg, machines, under.duration, under.rate, rng)
+    cell = under.load_cell if under.load_cell is not None else chance or bool(set(effects) & set(FORCE))
+    pressure = Instrument(noise=under.pressure_noise, bits=16, low=0.0, high=4e6)
+    angle = Instrument(noise=under.angle_noise, bits=16, low=-3.2, high=3.2)
+    force = Instrument(noise=under.force_noise, bits=16, low=-3e3, high=3e3)
     time = truths[joint].log["time"]
     table = {"time [s]": time}
     for key, truth in truths.items():
@@ -127,7 +119,7 @@ def make_leg_case(
             table[f"{key}.force [N]"] = measure(time, truth.log["force"], force, rng)
     for key, values in angles.items():
         table[f"{key}.position [rad]"] = measure(time, values, angle, rng)
-    if supply_recorded:
+    if under.supply_recorded:
         table["supply.pressure [Pa]"] = measure(time, truths[joint].log["supply"], pressure, rng)
     about = {"seed": seed, "known": list(owner_knows), "load_cell": cell, "walks": True}
     return LegCase(name, leg, own, machines, joint, tuple(hidden), truths, (table,), (pressure, force), about)

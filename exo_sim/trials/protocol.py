@@ -7,6 +7,7 @@ import re
 import shlex
 import sys
 from collections.abc import Callable, Sequence
+from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -81,8 +82,7 @@ def make_one(plan: Plan, folder: Path, key: str, duration: float, fmt: str = "pa
         return _make_leg(plan, folder, key, size, duration, fmt)
 
     def draw(effects: Sequence[str], sizes: Sequence[float], seed: int) -> Case:
-        settings: dict[str, Any] = {**plan.settings, "duration": duration, "keep_states": True}
-        return make_case(plan.name, effects, seed, sizes, **settings)
+        return make_case(plan.name, effects, seed, sizes, replace(plan.conditions, duration=duration), keep_states=True)
 
     case, seed = None, plan.seed
     while case is None:
@@ -116,11 +116,12 @@ def _make_leg(
     plan: Plan, folder: Path, key: str, size: Sequence[float], duration: float, fmt: str
 ) -> tuple[str, dict[str, Any]]:
     from exo_sim.trials.cases import truth_of, write_case
+    from exo_sim.trials.conditions import LegConditions
     from exo_sim.trials.detection_limit import limit
     from exo_sim.trials.leg_cases import actual, make_leg_case
     from exo_sim.trials.leg_detection_limit import distance
 
-    case = make_leg_case(plan.name, plan.effects, plan.seed, size, duration=duration)
+    case = make_leg_case(plan.name, plan.effects, plan.seed, size, LegConditions(duration=duration))
     where = folder / "cases" / plan.name
     paths = write_case(case, where, fmt)
     truth = truth_of(case)

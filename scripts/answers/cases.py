@@ -6,45 +6,45 @@ import shutil
 import subprocess
 import sys
 import tempfile
-from collections.abc import Callable, Mapping
-from dataclasses import dataclass, field, replace
+from collections.abc import Callable
+from dataclasses import dataclass, replace
 from functools import cache
 from itertools import zip_longest
 from pathlib import Path
-from typing import Any
 
 from exo_sim.recording import Recording, read, write_table
 from exo_sim.trials.cases import Case, make_case, write_case
+from exo_sim.trials.conditions import ALL_KNOWN, Conditions, LegConditions, Sensors
 from exo_sim.trials.hidden_effects import EFFECTS
 from exo_sim.trials.leg_cases import make_leg_case
 
 #: Length of a recording [s]: with 1000 samples a second long enough that fits are not counted as cheap.
 SECONDS = 5.5
+BENCH = Conditions(duration=SECONDS, known=())
 
 
 @dataclass(frozen=True)
 class Bench:
-    """A bench of the proving ground; `settings` go to `make_case`."""
+    """A bench of the proving ground."""
 
     effects: tuple[str, ...] = ()
-    settings: Mapping[str, Any] = field(default_factory=dict)
+    conditions: Conditions = BENCH
+    seed: int = 11
     change: Callable[[Case], Case] = lambda case: case
 
     def write(self, name: str, folder: Path, repository: Path) -> None:
-        settings = {"duration": SECONDS, "known": (), "seed": 11, **self.settings}
-        write_case(self.change(make_case(name, self.effects, **settings)), folder)
+        write_case(self.change(make_case(name, self.effects, self.seed, conditions=self.conditions)), folder)
 
 
 @dataclass(frozen=True)
 class Leg:
-    """A walking leg; `settings` go to `make_leg_case`."""
+    """A walking leg."""
 
     effects: tuple[str, ...]
-    settings: Mapping[str, Any] = field(default_factory=dict)
+    seed: int = 5
 
     def write(self, name: str, folder: Path, repository: Path) -> None:
-        settings = {"duration": 4.0, "known": (), "seed": 5, **self.settings}
-        write_case(make_leg_case(name, self.effects, **settings), folder)
+        write_case(make_leg_case(name, self.effects, self.seed, conditions=LegConditions(duration=4.0, known=())), folder)
 
 
 @dataclass(frozen=True)
@@ -120,36 +120,36 @@ LEGS = {
     "leg_hose_at_valve": Leg(("line_restriction:valve_end",)),
     "leg_sensor_delay": Leg(("sensor_delay",)),
     "leg_coulomb_friction": Leg(("coulomb_friction",)),
-    "leg_two": Leg(("wall_heat_transfer", "viscous_friction"), {"seed": 7}),
+    "leg_two": Leg(("wall_heat_transfer", "viscous_friction"), 7),
 }
 SPECIAL = {
     "nothing": Bench(),
-    "nothing_with_oddities": Bench(settings={"oddities": True, "seed": 3}),
-    "nothing_owner_knows_all": Bench(settings={"known": None, "seed": 4}),
-    "owner_knows_heat_and_friction": Bench(("piston_leakage",), {"known": ("wall_heat_transfer", "coulomb_friction", "viscous_friction")}),
-    "longer_heat": Bench(("wall_heat_transfer",), {"duration": 12.0}),
-    "longer_nothing": Bench(settings={"duration": 12.0, "seed": 12}),
-    "longer_drag": Bench(("quadratic_drag",), {"duration": 12.0}),
-    "few_samples": Bench(("valve_offset",), {"rate": 250.0, "duration": 10.0}),
-    "few_samples_two": Bench(("external_leakage", "viscous_friction"), {"rate": 200.0, "duration": 12.0}),
-    "slow_clock": Bench(("coulomb_friction",), {"rate": 20.0, "duration": 40.0}),
-    "two_recordings": Bench(("wall_heat_transfer",), {"recordings": 2, "duration": 4.0}),
-    "three_recordings": Bench(("coulomb_friction", "piston_leakage"), {"recordings": 3, "duration": 3.0}),
-    "no_supply": Bench(("supply_droop",), {"supply_recorded": False}),
-    "no_supply_leak": Bench(("piston_leakage",), {"supply_recorded": False}),
-    "exhaust_recorded": Bench(("exhaust_back_pressure",), {"exhaust_recorded": True}),
-    "no_pressure_1": Bench(("viscous_friction",), {"missing": ("piston.pressure_1",)}),
-    "no_pressure_2": Bench(("coulomb_friction",), {"missing": ("piston.pressure_2",)}),
-    "no_pressure_2_leak": Bench(("external_leakage:chamber_2",), {"missing": ("piston.pressure_2",)}),
-    "no_pressures": Bench(("coulomb_friction",), {"missing": ("piston.pressure_1", "piston.pressure_2")}),
-    "no_position": Bench(("piston_leakage",), {"missing": ("slide.position",)}),
-    "no_command": Bench(("piston_leakage",), {"missing": ("piston.valve_command",)}),
+    "nothing_with_oddities": Bench(conditions=replace(BENCH, oddities=True), seed=3),
+    "nothing_owner_knows_all": Bench(conditions=replace(BENCH, known=None), seed=4),
+    "owner_knows_heat_and_friction": Bench(("piston_leakage",), replace(BENCH, known=ALL_KNOWN)),
+    "longer_heat": Bench(("wall_heat_transfer",), replace(BENCH, duration=12.0)),
+    "longer_nothing": Bench(conditions=replace(BENCH, duration=12.0), seed=12),
+    "longer_drag": Bench(("quadratic_drag",), replace(BENCH, duration=12.0)),
+    "few_samples": Bench(("valve_offset",), replace(BENCH, rate=250.0, duration=10.0)),
+    "few_samples_two": Bench(("external_leakage", "viscous_friction"), replace(BENCH, rate=200.0, duration=12.0)),
+    "slow_clock": Bench(("coulomb_friction",), replace(BENCH, rate=20.0, duration=40.0)),
+    "two_recordings": Bench(("wall_heat_transfer",), replace(BENCH, recordings=2, duration=4.0)),
+    "three_recordings": Bench(("coulomb_friction", "piston_leakage"), replace(BENCH, recordings=3, duration=3.0)),
+    "no_supply": Bench(("supply_droop",), replace(BENCH, supply_recorded=False)),
+    "no_supply_leak": Bench(("piston_leakage",), replace(BENCH, supply_recorded=False)),
+    "exhaust_recorded": Bench(("exhaust_back_pressure",), replace(BENCH, exhaust_recorded=True)),
+    "no_pressure_1": Bench(("viscous_friction",), replace(BENCH, missing=("piston.pressure_1",))),
+    "no_pressure_2": Bench(("coulomb_friction",), replace(BENCH, missing=("piston.pressure_2",))),
+    "no_pressure_2_leak": Bench(("external_leakage:chamber_2",), replace(BENCH, missing=("piston.pressure_2",))),
+    "no_pressures": Bench(("coulomb_friction",), replace(BENCH, missing=("piston.pressure_1", "piston.pressure_2"))),
+    "no_position": Bench(("piston_leakage",), replace(BENCH, missing=("slide.position",))),
+    "no_command": Bench(("piston_leakage",), replace(BENCH, missing=("piston.valve_command",))),
     "command_turned_round": Bench(("valve_lag",), change=_command_turned_round),
     "jump_of_the_clock": Bench(("wall_heat_transfer",), change=_with_a_jump_of_the_clock),
     "stuck_sensor": Bench(("viscous_friction",), change=_stuck),
-    "jitter_and_skew": Bench(("piston_leakage",), {"jitter": 1e-4, "skew": 1e-3}),
-    "holds": Bench(("external_leakage:porous",), {"program": "holds"}),
-    "tracking": Bench(("stribeck_friction",), {"program": "tracking"}),
+    "jitter_and_skew": Bench(("piston_leakage",), replace(BENCH, jitter=1e-4, sensors=Sensors(skew=1e-3))),
+    "holds": Bench(("external_leakage:porous",), replace(BENCH, program="holds")),
+    "tracking": Bench(("stribeck_friction",), replace(BENCH, program="tracking")),
 }
 REAL = {
     "real_emps": Real("emps", "*.parquet"),

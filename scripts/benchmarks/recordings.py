@@ -7,6 +7,7 @@ from dataclasses import replace
 from pathlib import Path
 
 from exo_sim.trials.cases import make_case, write_case
+from exo_sim.trials.conditions import Conditions
 
 SEED = 11
 
@@ -24,7 +25,8 @@ def write(folder: Path, effect: str, lengths: Sequence[float], together: bool = 
     """
     most = max(lengths)
     count = len(lengths) if together else 1
-    case = make_case("bench", effects=(effect,), seed=SEED, duration=most, known=(), recordings=count, supply_recorded=supply)
+    conditions = Conditions(duration=most, known=(), recordings=count, supply_recorded=supply)
+    case = make_case("bench", (effect,), SEED, conditions=conditions)
     if together:
         paths = write_case(case, folder / "together", "parquet")
         return [(path, path.with_name("rig.toml")) for path in paths]

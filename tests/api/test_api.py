@@ -16,6 +16,7 @@ import pytest
 import exo_sim as exo
 from exo_sim import cli
 from exo_sim.trials.cases import make_case, write_case
+from exo_sim.trials.conditions import Conditions
 
 #: What no type checker would let through.
 NO_PATH: Any = 3
@@ -147,23 +148,24 @@ def test_text_in_a_notebook_is_escaped(bench: tuple[exo.Rig, exo.Recording]) -> 
 @pytest.mark.slow
 def test_a_recording_in_memory_is_diagnosed_and_the_better_rig_is_a_rig(tmp_path: Path) -> None:
     """What leaks is found without a file in between; the improved rig runs, saves and loads."""
-    case = make_case("case", effects=("piston_leakage",), seed=11, size=1.0, known="none", duration=12.0)
+    case = make_case("case", effects=("piston_leakage",), seed=11, size=1.0, conditions=Conditions(known=(), duration=12.0))
     write_case(case, tmp_path / "case", "csv", open_truth=True)
     truth = json.loads((tmp_path / "case" / "truth.json").read_text())["hidden"][0]["parameters"]["area"]["value"]
     frame = exo.Recording.load(tmp_path / "case" / "recording.csv").to_pandas()
-    recording, believed = exo.Recording.from_pandas(frame), exo.Rig.load(tmp_path / "case" / "rig.toml")
-    found = exo.diagnose(recording, believed)
+    recording, nominal = exo.Recording.from_pandas(frame), exo.Rig.load(tmp_path / "case" / "rig.toml")
+    found = exo.diagnose(recording, nominal)
     assert found.verdict == "mismatch" and "piston_leakage" in [one.name for one in found.findings]
+    assert found.nominal is found.believed and found.nominal.effects == nominal.effects
     leak = found.rig.effect("piston_leakage", "piston")
     assert leak is not None and leak.parameters["area"] == pytest.approx(truth, rel=0.05)
     assert all(one.after < one.before for key, one in found.fit.items() if key.startswith("piston.pressure"))
-    better, worse = exo.compare(recording, found.rig), exo.compare(recording, believed)
+    better, worse = exo.compare(recording, found.rig), exo.compare(recording, nominal)
     key = "piston.pressure_1"
     assert better.signals[key]["windowed_rms"] < 0.5 * worse.signals[key]["windowed_rms"]
     folder = found.save(tmp_path / "elsewhere" / "found")
     assert {path.name for path in folder.iterdir()} == {"report.html", "improved.toml", "comparison.rrd", "diagnosis.json"}
     saved = exo.Rig.load(folder / "improved.toml")
-    assert saved.effects == found.rig.effects and saved.mujoco_model().nq == believed.mujoco_model().nq
+    assert saved.effects == found.rig.effects and saved.mujoco_model().nq == nominal.mujoco_model().nq
     assert "piston leakage" in str(found) and "leakage" in found._repr_html_()
     assert found.plot()._repr_png_().startswith(b"\x89PNG")
 

@@ -18,6 +18,7 @@ from exo_sim.recording import reader
 from exo_sim.recording.table import Recording
 from exo_sim.rig import Rig, read
 from exo_sim.trials.cases import make_case, write_case
+from exo_sim.trials.conditions import Conditions
 
 
 def at(rate: float, **columns: np.ndarray) -> Recording:
@@ -57,7 +58,7 @@ def test_a_clock_that_fits_another_cylinder_is_not_asked() -> None:
 
 
 def test_minutes_are_put_right(tmp_path: Path) -> None:
-    (path,) = write_case(make_case("bench", [], 31, 1.0, duration=12.0), tmp_path)
+    (path,) = write_case(make_case("bench", [], 31, 1.0, Conditions(duration=12.0)), tmp_path)
     rig, recorded = read(tmp_path / "rig.toml"), reader.read(path).recording
     settled, (check,) = in_order(replace(recorded, time=recorded.time / 60.0), Machine.of(rig, load(rig)))
     assert check.what == "unit" and "Taken as minutes" in check.says

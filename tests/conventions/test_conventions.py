@@ -30,6 +30,7 @@ from exo_sim.machine.rig_model import load
 from exo_sim.recording import Recording, read, write_table
 from exo_sim.rig import Rig
 from exo_sim.trials.cases import make_case, write_case
+from exo_sim.trials.conditions import Conditions, LegConditions
 from exo_sim.trials.leg_cases import make_leg_case
 
 ATMOSPHERE = 101325.0
@@ -43,10 +44,10 @@ LEGS = ("external_leakage",)
 def machines(tmp_path_factory: pytest.TempPathFactory) -> dict[str, Path]:
     folder = tmp_path_factory.mktemp("cases")
     for number, effect in enumerate(BENCHES):
-        bench = make_case(f"bench_{effect}", [effect] if effect else [], 31 + 7 * number, 1.0, duration=12.0)
+        bench = make_case(f"bench_{effect}", [effect] if effect else [], 31 + 7 * number, 1.0, Conditions(duration=12.0))
         write_case(bench, folder / bench.name)
     for number, effect in enumerate(LEGS):
-        case = make_leg_case(f"leg_{effect}", [effect] if effect else [], 77 + 7 * number, 1.0, duration=8.0)
+        case = make_leg_case(f"leg_{effect}", [effect] if effect else [], 77 + 7 * number, 1.0, LegConditions(duration=8.0))
         write_case(case, folder / case.name)
     return {path.name: path for path in folder.iterdir()}
 

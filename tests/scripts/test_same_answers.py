@@ -28,7 +28,7 @@ def test_the_set_holds_every_effect_and_every_kind_of_case(answers: ModuleType) 
     assert set(alone) == {key.replace(":", "-") for key in EFFECTS} and {*LISTED, *SENSORS, *CALIBRATIONS, *OUTSIDE} <= set(EFFECTS)
     assert set(declared()) - {key.split(":")[0] for key in EFFECTS} == NOT_CONCEALED
     assert all(len(case.effects) == 2 for case in pairs.values()) and len(pairs) >= 5 and len(legs) >= 3 and len(real) >= 5
-    assert sum("missing" in getattr(case, "settings", {}) for case in special.values()) >= 3
+    assert sum(bool(case.conditions.missing) for case in special.values()) >= 3
     assert len(alone) + len(pairs) + len(legs) + len(special) >= 40
 
 

@@ -1,7 +1,6 @@
 from __future__ import annotations
 
-import json
-from typing import Any
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -9,16 +8,17 @@ import pytest
 from exo_sim.errors import TrialError
 from exo_sim.trials.case_mix import EXCLUSIVE, LEG, SHARES, draw_plans, every_plan
 from exo_sim.trials.cases import make_case, write_case
+from exo_sim.trials.conditions import Conditions, Sensors
 from exo_sim.trials.detection_limit import NEEDED, concealed, distance, ideal_limit, limit, reference_limits
 from exo_sim.trials.hidden_effects import EFFECTS, LISTED, OUTSIDE, find, plant
 from exo_sim.trials.truth.instruments import Instrument, measure
 
-SHORT: dict[str, Any] = {"duration": 4.0, "known": ()}
+SHORT = Conditions(duration=4.0, known=())
 
 
 @pytest.mark.parametrize("key", list(EFFECTS))
 def test_every_effect_shows_at_its_own_size_and_stays_off_the_ends(key):
-    with_it = make_case("a", [key], 3, 1.0, duration=12.0, known=())
+    with_it = make_case("a", [key], 3, 1.0, Conditions(duration=12.0, known=()))
     true = with_it.truth[0].log
     assert np.isfinite(list(true.values())).all()
     travelled = true["piston"] / with_it.bench.stroke
@@ -27,7 +27,7 @@ def test_every_effect_shows_at_its_own_size_and_stays_off_the_ends(key):
         shown = with_it.recordings[0]["piston.pressure_1 [Pa]"]
         assert np.median(true["pressure_1"] - shown) == pytest.approx(101325, abs=200)
         return
-    next_to_nothing = make_case("a", [key], 3, find(key).smallest, duration=12.0, known=())
+    next_to_nothing = make_case("a", [key], 3, find(key).smallest, Conditions(duration=12.0, known=()))
     noise = {"piston.pressure_1 [Pa]": 250, "piston.pressure_2 [Pa]": 250, "slide.position [m]": 2e-5}
     one, other = with_it.recordings[0], next_to_nothing.recordings[0]
     assert max(np.abs(one[name] - other[name]).max() / sigma for name, sigma in noise.items()) > 8
@@ -49,8 +49,8 @@ def test_the_names_of_the_public_list_can_all_be_planted():
 
 
 def test_same_seed_same_bytes(tmp_path):
-    first = write_case(make_case("a", ["piston_leakage"], 5, 1.0, **SHORT), tmp_path / "1")[0]
-    again = write_case(make_case("a", ["piston_leakage"], 5, 1.0, **SHORT), tmp_path / "2")[0]
+    first = write_case(make_case("a", ["piston_leakage"], 5, 1.0, SHORT), tmp_path / "1")[0]
+    again = write_case(make_case("a", ["piston_leakage"], 5, 1.0, SHORT), tmp_path / "2")[0]
     assert first.read_bytes() == again.read_bytes()
     assert (tmp_path / "1" / "rig.toml").read_bytes() == (tmp_path / "2" / "rig.toml").read_bytes()
 
@@ -60,7 +60,7 @@ def test_a_case_is_what_its_owner_would_hand_over(tmp_path):
 
     import mujoco
 
-    case = make_case("a", ["stribeck_friction"], 8, 1.0, duration=4.0)
+    case = make_case("a", ["stribeck_friction"], 8, 1.0, Conditions(duration=4.0))
     path = write_case(case, tmp_path)[0]
     rig = tomllib.loads((tmp_path / "rig.toml").read_text())
     model = mujoco.MjModel.from_xml_path(str(tmp_path / rig["model"]))
@@ -74,7 +74,7 @@ def test_a_case_is_what_its_owner_would_hand_over(tmp_path):
 
 def test_position_and_length_agree():
     """Joint position minus retracted length is the piston's place in the cylinder, whatever zero was drawn."""
-    case = next(c for c in (make_case("a", [], seed, **SHORT) for seed in range(20)) if c.bench.zero > 0)
+    case = next(c for c in (make_case("a", [], seed, conditions=SHORT) for seed in range(20)) if c.bench.zero > 0)
     measured = case.recordings[0]["slide.position [m]"] + case.bench.zero
     assert np.abs(measured - case.truth[0].log["piston"]).max() < 2e-4
 
@@ -103,13 +103,12 @@ def test_instrument_delay_bias_and_bits():
 
 
 def test_limit_is_where_the_likelihood_says():
-    settings: dict[str, Any] = {"duration": 6.0, "known": (), "keep_states": True}
-    assert distance(make_case("a", [], 4, **settings)) == 0.0
-    smallest = ideal_limit("piston_leakage", 4, {"duration": 6.0, "known": ()})
-    assert distance(make_case("a", ["piston_leakage"], 4, smallest, **settings)) == pytest.approx(NEEDED, rel=0.15)
-    assert limit("piston_leakage", 4, {"duration": 6.0, "known": ()}) == pytest.approx(
-        np.hypot(smallest, NEEDED * find("piston_leakage").healthy), rel=1e-6
-    )
+    under = Conditions(duration=6.0, known=())
+    assert distance(make_case("a", [], 4, conditions=under, keep_states=True)) == 0.0
+    smallest = ideal_limit("piston_leakage", 4, under)
+    assert distance(make_case("a", ["piston_leakage"], 4, smallest, under, keep_states=True)) == pytest.approx(NEEDED, rel=0.15)
+    hypot = np.hypot(reference_limits()["piston_leakage"], NEEDED * find("piston_leakage").healthy)
+    assert limit("piston_leakage") == pytest.approx(hypot, rel=1e-6)
 
 
 def test_every_effect_has_a_reference_limit():
@@ -118,20 +117,21 @@ def test_every_effect_has_a_reference_limit():
 
 
 def test_noise_raises_the_limit_in_proportion():
-    quiet: dict[str, Any] = {"duration": 4.0, "known": (), "keep_states": True, "bits": 0}
-    one = distance(make_case("a", ["valve_offset"], 4, 1e-3, **quiet))
-    two = distance(make_case("a", ["valve_offset"], 4, 1e-3, **quiet, pressure_noise=500.0, position_noise=4e-5))
+    quiet, loud = (
+        replace(SHORT, sensors=sensors) for sensors in (Sensors(bits=0), Sensors(bits=0, pressure_noise=500.0, position_noise=4e-5))
+    )
+    one, two = (distance(make_case("a", ["valve_offset"], 4, 1e-3, under, keep_states=True)) for under in (quiet, loud))
     assert two < 0.75 * one
 
 
 def test_concealing_moves_the_believed_numbers():
-    case = make_case("a", ["valve_deadband"], 4, 1.0, duration=6.0, known=(), keep_states=True)
+    case = make_case("a", ["valve_deadband"], 4, 1.0, conditions=Conditions(duration=6.0, known=()), keep_states=True)
     assert abs(concealed(case).believed.valve_area / case.bench.valve_area - 1) > 0.05
     assert concealed(case).recordings is case.recordings
 
 
 def test_plant_keeps_its_shape_at_every_size():
-    bench = make_case("a", [], 2, **SHORT).bench
+    bench = make_case("a", [], 2, conditions=SHORT).bench
     small, large = (plant(find("return_spring"), bench, size, 9).parameters for size in (0.1, 1.0))
     assert small["rest"] == large["rest"]
     assert large["stiffness"] == pytest.approx(10 * small["stiffness"])
@@ -146,7 +146,7 @@ def test_mix_covers_every_cell_and_never_hides_what_excludes_itself():
         names = {EFFECTS[key].name for key in plan.effects}
         assert len(names) == len(plan.effects)
         assert all(len(names & group) < 2 for group in EXCLUSIVE)
-    assert json.dumps([vars(p) for p in plans]) == json.dumps([vars(p) for p in draw_plans(400, 3)])
+    assert plans == draw_plans(400, 3)
 
 
 def test_every_effect_comes_as_often_as_asked_at_ten_limits():

@@ -14,6 +14,7 @@ from exo_sim.rig import read
 from exo_sim.trials import oracle, protocol
 from exo_sim.trials.case_mix import draw_plans
 from exo_sim.trials.cases import make_case, truth_of, write_case
+from exo_sim.trials.conditions import Conditions
 from exo_sim.trials.hidden_effects import LISTED
 
 TOOL = """
@@ -28,7 +29,7 @@ fit = {"signal": {"piston.pressure_1": {"before": 9.0, "after": error, "noise": 
 
 @pytest.mark.parametrize("key", LISTED)
 def test_a_rig_can_hold_every_listed_effect(key: str, tmp_path: Path) -> None:
-    case = make_case("oracle", (key,), 3, (0.5,), duration=4.0)
+    case = make_case("oracle", (key,), 3, (0.5,), Conditions(duration=4.0))
     write_case(case, tmp_path)
     hidden = truth_of(case)["hidden"]
     path = tmp_path / "rig.toml"

@@ -7,8 +7,8 @@
 
 Commands are a dictionary, or numbers in the order of `context.cylinders`: `"knee_l"` or `"knee_l.valve_command"` opens that cylinder's
 valve, -1 to 1 (where its edges are independent `"knee_l.valve_command_1"` and `_2` open those of each chamber); `"knee_l.torque"` asks
-for a joint's torque [N m] (of a sliding joint, its force [N]), which the built-in force loop
-then makes. One kind at a time; what is left out is 0.
+for a joint's torque [N m] (of a sliding joint, its force [N]), which the built-in force loop then makes. One kind at a time; what
+is left out is 0.
 """
 
 from exo_sim.control.user_controller.commands import TORQUES, VALVES, Commands, read

@@ -27,6 +27,7 @@ class CylinderRun:
     """One cylinder in one recording; every array has shape (n,), NaN where a sample is missing.
 
     Attributes:
+        recording, cylinder: Their names.
         time: [s].
         command: Valve command, -1 to 1, towards chamber 1; zero where none was recorded.
         length: Piston position X as the joint has it [m], smoothed; None where no position was recorded.

@@ -18,7 +18,7 @@ from exo_sim.rig import Rig
 
 @dataclass(frozen=True)
 class MachineData:
-    """The rig as its owner believes it, and what the recordings hold. A stage that learns more returns a new one.
+    """The nominal rig, and what the recordings hold. A stage that learns more returns a new one.
 
     Attributes:
         rig, model, links: The machine.

@@ -55,7 +55,7 @@ def diagnose(
 
     Args:
         recordings: Files of the contract, or what was read of them; several are one case with shared parameters.
-        rig: The rig as its owner believes it to be.
+        rig: The nominal rig, as its owner describes the machine.
         column_map: Names of foreign columns.
         seed: Kept for the contract: nothing here is drawn by chance.
         jobs: Threads; every core when absent. The answer does not depend on it.

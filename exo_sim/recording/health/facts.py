@@ -14,7 +14,7 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True)
 class Facts:
-    """Believed numbers of the machine.
+    """Nominal numbers of the machine.
 
     Attributes:
         atmosphere: Pa.

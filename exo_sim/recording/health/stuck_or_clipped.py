@@ -61,7 +61,7 @@ def check(recording: Recording, key: str, noise: Mapping[str, Noise]) -> list[Fi
     at_end = (values[held[:, 0]] == low) | (values[held[:, 0]] == high)
     clipped = _clipped(values, held[at_end], dithers, longest, noise[key], quick and signal != "position")
     if len(clipped):
-        return _say_clipped(recording, key, clipped, low, high)
+        return _say_clipped(recording, key, clipped)
     if not dithers:
         long = _released_by_a_jump(recording, key, values, long, noise)
     return _say_stuck(recording, key, long) if len(long) else []
@@ -155,7 +155,7 @@ def _others_move(recording: Recording, spreads: Mapping[str, float], start: int,
     return False
 
 
-def _say_clipped(recording: Recording, key: str, spans: Rows, low: float, high: float) -> list[Finding]:
+def _say_clipped(recording: Recording, key: str, spans: Rows) -> list[Finding]:
     values, unit = recording[key], recording.units.get(key, "")
     ends = {float(values[start]) for start, _ in spans}
     limit = " and ".join(f"{end:.6g} {unit}" for end in sorted(ends))

@@ -123,7 +123,12 @@ def start_motion(
 
 
 def start_pressures(pieces: Sequence[Steps], starts: NDArray[np.int64], time: Array, values: Array | None) -> Array:
-    """Return the measured pressure at the start of each window, by a local parabola through what follows, shape (w,)."""
+    """Return the measured pressure at the start of each window, by a local parabola through what follows, shape (w,).
+
+    Over a time, however often it was sampled, in which a filling chamber is little else than a parabola: an error of the start stays in
+    the whole window, for nothing is fitted here. The diagnosis of the gas, which does fit it, takes a number of samples instead
+    (`_start` of `exo_sim/diagnosis/subsystems/gas/inputs.py`).
+    """
     found = np.full(len(starts), math.nan)
     if values is None:
         return found

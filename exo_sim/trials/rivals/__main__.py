@@ -2,12 +2,12 @@
 
     exo-sim trial run trial --tool "python -m exo_sim.trials.rivals prune"
 
-`nothing` finds every machine consistent; the others regress what the paper's balances leave over on one
-column an effect, in weak form (windows of a smooth test function, derivatives moved onto it), and differ in how they
-choose: `threshold` drops small terms until none is left to drop (as SINDy does), `prune` fits everything and drops the
-term that is missed least, `greedy` adds the term that lowers the error most, `ensemble` keeps what most of many thresholded fits keep
-(pysindy's ensemble). `surrogate` names nothing: a Gaussian process learns what the balances leave over from the signals, and where that
-predicts held-out time something is unknown. The last two need `pip install 'exo-sim-pneumatic[rivals]'`.
+`nothing` finds every machine consistent; the others regress what the paper's balances leave over on one column an effect, in weak form
+(windows of a smooth test function, derivatives moved onto it), and differ in how they choose: `threshold` drops small terms until none is
+left to drop (as SINDy does), `prune` fits everything and drops the term that is missed least, `greedy` adds the term that lowers the error
+most, `ensemble` keeps what most of many thresholded fits keep (pysindy's ensemble). `surrogate` names nothing: a Gaussian process learns
+what the balances leave over from the signals, and where that predicts held-out time something is unknown. The last two need `pip install
+'exo-sim-pneumatic[rivals]'`.
 """
 
 from __future__ import annotations

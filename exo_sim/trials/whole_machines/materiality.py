@@ -85,7 +85,7 @@ def matters(built: Built, truth: Run, rack: Rack, columns: Sequence[str], keys: 
     m = built.machine
     seen = windows(truth, rack, columns)
     base = _predict(m, truth, seen, truth.states)
-    locally = [_predict(m, truth, seen, states) - base for states in _moved_starts(truth, seen, m)]
+    locally = [_predict(m, truth, seen, states) - base for states in _moved_starts(truth, seen)]
     numbers = _numbers(built)
     found = {}
     slopes = {
@@ -109,7 +109,7 @@ def _predict(m: Machine, truth: Run, seen: Seen, starts: Array) -> Array:
     return np.nan_to_num(np.clip(values, -1e7, 1e7))
 
 
-def _moved_starts(truth: Run, seen: Seen, m: Machine) -> list[Array]:
+def _moved_starts(truth: Run, seen: Seen) -> list[Array]:
     """Return the states with a start moved by about what an owner can know of it: pressures and speed."""
     moved = []
     for places in ((N1, U1), (N2, U2)):

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from dataclasses import replace
 from pathlib import Path
-from typing import Any
 
 import numpy as np
 import pytest
@@ -14,10 +13,12 @@ from exo_sim.diagnosis.pipeline.diagnose import diagnose
 from exo_sim.diagnosis.pipeline.reading import gather
 from exo_sim.diagnosis.result import Diagnosis
 from exo_sim.trials.cases import make_case, write_case
+from exo_sim.trials.conditions import Conditions
 
 
-def folder_of(tmp_path: Path, effects: tuple[str, ...], seed: int, gone: int, **more: Any) -> Path:
-    case = make_case("case", effects, seed, duration=8.0, missing=(f"piston.pressure_{gone}",), **more)
+def folder_of(tmp_path: Path, effects: tuple[str, ...], seed: int, gone: int, oddities: bool = False) -> Path:
+    under = Conditions(duration=8.0, missing=(f"piston.pressure_{gone}",), oddities=oddities)
+    case = make_case("case", effects, seed, conditions=under)
     write_case(case, tmp_path, "csv", open_truth=True)
     return tmp_path
 
@@ -40,7 +41,7 @@ def named(found: Diagnosis) -> list[tuple[str, str]]:
     ],
 )
 def test_it_is_named_with_one_pressure_missing(tmp_path: Path, effect: str, gone: int, parameter: str) -> None:
-    case = make_case("case", (effect,), 7201, duration=8.0, missing=(f"piston.pressure_{gone}",))
+    case = make_case("case", (effect,), 7201, conditions=Conditions(duration=8.0, missing=(f"piston.pressure_{gone}",)))
     write_case(case, tmp_path, "csv")
     found = diagnosed(tmp_path)
     assert named(found) == [(effect.split(":")[0], "piston")]
@@ -62,7 +63,8 @@ def test_a_healthy_machine_stays_healthy(tmp_path: Path, gone: int) -> None:
 
 @pytest.mark.parametrize("gone", [1, 2])
 def test_the_forces_say_with_which_pressure_a_chamber_began(tmp_path: Path, gone: int) -> None:
-    case = make_case("case", (), 7010, duration=2.0, known=(), missing=(f"piston.pressure_{gone}",), keep_states=True)
+    under = Conditions(duration=2.0, known=(), missing=(f"piston.pressure_{gone}",))
+    case = make_case("case", (), 7010, conditions=under, keep_states=True)
     write_case(case, tmp_path, "csv")
     gathered = gather([tmp_path / "recording.csv"], tmp_path / "rig.toml")
     run = with_initial_pressure(gathered, gathered.cylinders["piston"][0])
@@ -98,7 +100,7 @@ def test_a_chamber_begins_between_nothing_and_what_the_machine_has(tmp_path: Pat
 
 
 def test_a_recording_with_both_needs_no_forces(tmp_path: Path) -> None:
-    write_case(make_case("case", (), 7010, duration=2.0), tmp_path, "csv")
+    write_case(make_case("case", (), 7010, conditions=Conditions(duration=2.0)), tmp_path, "csv")
     gathered = gather([tmp_path / "recording.csv"], tmp_path / "rig.toml")
     run = gathered.cylinders["piston"][0]
     assert with_initial_pressure(gathered, run) is run

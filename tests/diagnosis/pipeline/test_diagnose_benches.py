@@ -15,6 +15,7 @@ from exo_sim.errors import RecordingError
 from exo_sim.recording import read
 from exo_sim.simulation.replay import replay, rms
 from exo_sim.trials.cases import make_case, write_case
+from exo_sim.trials.conditions import Conditions, LegConditions, Sensors
 from exo_sim.trials.leg_cases import make_leg_case
 from exo_sim.trials.oracle import oracle_rig
 
@@ -32,7 +33,7 @@ PLANTED = [
 
 
 def case_folder(tmp_path: Path, effects: tuple[str, ...], seed: int = 11, seconds: float = 24.0) -> Path:
-    write_case(make_case("case", effects, seed, 1.0, known="none", duration=seconds), tmp_path, "csv", open_truth=True)
+    write_case(make_case("case", effects, seed, 1.0, Conditions(known=(), duration=seconds)), tmp_path, "csv", open_truth=True)
     return next(path.parent for path in tmp_path.rglob("rig.toml"))
 
 
@@ -88,7 +89,7 @@ def test_nothing_hidden_names_nothing(tmp_path: Path) -> None:
 @pytest.mark.slow
 def test_a_wrong_number_of_an_effect_that_the_rig_has_is_a_believed_number(tmp_path: Path) -> None:
     known = ("wall_heat_transfer", "coulomb_friction", "viscous_friction")
-    write_case(make_case("case", effects=(), seed=11, known=known), tmp_path, "csv")
+    write_case(make_case("case", effects=(), seed=11, conditions=Conditions(known=known)), tmp_path, "csv")
     rig = tmp_path / "rig.toml"
     text = rig.read_text()
     true = {name: float(re.search(rf'{name} *= "([\d.e+-]+)', text)[1]) for name in ("conductance", "force")}  # type: ignore[index]
@@ -124,7 +125,7 @@ def test_damping_believed_too_large_is_a_believed_number(tmp_path: Path) -> None
 @pytest.mark.slow
 def test_too_much_damping_behind_a_soft_contact_is_not_friction_that_falls_with_speed(tmp_path: Path) -> None:
     known = ("coulomb_friction",)
-    write_case(make_case("case", effects=("presliding",), seed=11, size=1.0, known=known), tmp_path, "csv")
+    write_case(make_case("case", effects=("presliding",), seed=11, size=1.0, conditions=Conditions(known=known)), tmp_path, "csv")
     model = tmp_path / "bench.xml"
     model.write_text(re.sub(r'damping="([\d.e+-]+)"', lambda found: f'damping="{1.2 * float(found[1])}"', model.read_text()))
     rig = tmp_path / "rig.toml"
@@ -137,7 +138,8 @@ def test_too_much_damping_behind_a_soft_contact_is_not_friction_that_falls_with_
 @pytest.mark.parametrize("factor", [0.75, 1.3])
 def test_a_payload_far_from_the_one_believed_is_a_believed_number(tmp_path: Path, factor: float) -> None:
     """An upright axis: its weight is missed all the time, as something that acts in one long stretch would be."""
-    case = next(c for c in (make_case("case", (), seed, known="none", duration=12.0) for seed in range(40)) if c.bench.upright)
+    under = Conditions(known=(), duration=12.0)
+    case = next(c for c in (make_case("case", (), seed, conditions=under) for seed in range(40)) if c.bench.upright)
     write_case(replace(case, believed=replace(case.believed, mass=case.believed.mass / factor)), tmp_path, "csv", open_truth=True)
     found = diagnose(sorted(tmp_path.glob("recording*.csv")), tmp_path / "rig.toml", folder=tmp_path)
     numbers = {finding.name: finding for finding in found.effects}
@@ -149,7 +151,7 @@ def test_a_payload_far_from_the_one_believed_is_a_believed_number(tmp_path: Path
 @pytest.mark.slow
 @pytest.mark.parametrize(("effect", "parameter"), [("quadratic_drag", "coefficient"), ("coulomb_friction", "force")])
 def test_damping_believed_too_large_does_not_bend_what_was_found(tmp_path: Path, effect: str, parameter: str) -> None:
-    case = make_case("case", (effect,), 11, 0.5, known="none", duration=12.0)
+    case = make_case("case", (effect,), 11, 0.5, Conditions(known=(), duration=12.0))
     write_case(replace(case, believed=replace(case.believed, damping=1.35 * case.believed.damping)), tmp_path, "csv", open_truth=True)
     found = diagnose(sorted(tmp_path.glob("recording*.csv")), tmp_path / "rig.toml", folder=tmp_path)
     (named,) = [finding for finding in found.effects if finding.kind != "calibration"]
@@ -166,7 +168,7 @@ def test_parts_of_a_lag_that_are_not_distinguished_are_inside_the_interval(tmp_p
 
     So does a logger whose sensors all come later than its commands, by at most a sample: the sum of all three is what is known.
     """
-    case = make_leg_case("case", ("valve_lag:delay",), 1430767612, 0.97, duration=12.0)
+    case = make_leg_case("case", ("valve_lag:delay",), 1430767612, 0.97, LegConditions(duration=12.0))
     write_case(case, tmp_path, "parquet", open_truth=True)
     found = diagnose([tmp_path / "recording.parquet"], tmp_path / "rig.toml", folder=tmp_path)
     (named,) = [finding for finding in found.effects if finding.kind != "calibration"]
@@ -187,7 +189,8 @@ def test_parts_of_a_lag_that_are_not_distinguished_are_inside_the_interval(tmp_p
 @pytest.mark.slow
 def test_a_tank_that_keeps_its_temperature_is_a_regulator_without_hysteresis(tmp_path: Path) -> None:
     """The truth's tank is isothermal, ours adiabatic: where that shows, the regulator fits better and the tank stands beside it."""
-    case = make_case("case", ("supply_droop",), 2035664264, 0.9645, duration=12.0, pressure_noise=400.0, bits=14, rate=500.0)
+    under = Conditions(duration=12.0, rate=500.0, sensors=Sensors(pressure_noise=400.0, bits=14))
+    case = make_case("case", ("supply_droop",), 2035664264, 0.9645, under)
     write_case(case, tmp_path, "parquet", open_truth=True)
     found = diagnose([tmp_path / "recording.parquet"], tmp_path / "rig.toml", folder=tmp_path)
     (named,) = [finding for finding in found.effects if finding.kind != "calibration"]
@@ -197,7 +200,7 @@ def test_a_tank_that_keeps_its_temperature_is_a_regulator_without_hysteresis(tmp
 
 @pytest.mark.slow
 def test_friction_that_fades_while_it_is_recorded_is_not_taken_for_healthy(tmp_path: Path) -> None:
-    case = make_case("case", ("warming_grease",), 1070968357, 1.0, duration=12.0)
+    case = make_case("case", ("warming_grease",), 1070968357, 1.0, Conditions(duration=12.0))
     write_case(case, tmp_path, "parquet", open_truth=True)
     found = diagnose([tmp_path / "recording.parquet"], tmp_path / "rig.toml", folder=tmp_path)
     assert found.verdict == "mismatch"

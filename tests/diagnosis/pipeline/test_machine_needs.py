@@ -11,6 +11,7 @@ from exo_sim.diagnosis.pipeline.plan import Examination
 from exo_sim.diagnosis.pipeline.reading import gather
 from exo_sim.diagnosis.pipeline.rounds import examine_until_stable, without_doubtful
 from exo_sim.trials.cases import make_case, write_case
+from exo_sim.trials.conditions import Conditions
 
 FRICTION = "coulomb_friction"
 
@@ -18,7 +19,7 @@ FRICTION = "coulomb_friction"
 @pytest.fixture(scope="module")
 def whole(tmp_path_factory: pytest.TempPathFactory) -> Examination:
     folder = tmp_path_factory.mktemp("needs")
-    write_case(make_case("a", (FRICTION,), 11, 0.5, duration=10.0, known="none"), folder, "parquet")
+    write_case(make_case("a", (FRICTION,), 11, 0.5, Conditions(duration=10.0, known=())), folder, "parquet")
     data = gather([folder / "recording.parquet"], folder / "rig.toml")
     return without_doubtful(examine_until_stable(data, SERIAL, lambda words: None, Budget(1e9)))
 

@@ -22,6 +22,7 @@ from exo_sim.diagnosis.policy.validation import STARTS
 from exo_sim.diagnosis.validation import machine_runs
 from exo_sim.rig import EffectEntry, EffectSetting, Rig
 from exo_sim.trials.cases import make_case, write_case
+from exo_sim.trials.conditions import Conditions
 
 
 @pytest.fixture(scope="module")
@@ -128,7 +129,7 @@ def test_a_rig_that_is_refused_is_written_without_what_makes_it_so(rig: Rig) -> 
 @pytest.fixture(scope="module")
 def leaking(tmp_path_factory: pytest.TempPathFactory) -> MachineData:
     folder = tmp_path_factory.mktemp("leak")
-    write_case(make_case("a", ("piston_leakage",), 11, 0.5, duration=10.0, known="none"), folder, "parquet")
+    write_case(make_case("a", ("piston_leakage",), 11, 0.5, Conditions(duration=10.0, known=())), folder, "parquet")
     return gather([folder / "recording.parquet"], folder / "rig.toml")
 
 

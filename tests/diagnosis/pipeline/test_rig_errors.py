@@ -13,6 +13,7 @@ from exo_sim.diagnosis.pipeline.reading import gather
 from exo_sim.diagnosis.pipeline.rig_errors import WindowErrors
 from exo_sim.rig import Rig, parse
 from exo_sim.trials.cases import make_case, write_case
+from exo_sim.trials.conditions import Conditions
 from exo_sim.trials.oracle import oracle_rig
 
 BALANCE = "piston.force_balance"
@@ -20,7 +21,7 @@ BALANCE = "piston.force_balance"
 
 def case(folder: Path, effect: str) -> tuple[WindowErrors, Rig, Rig]:
     """Write a case of ten seconds; return its errors over the seventh to ninth, its rig and that with the truth in it."""
-    write_case(make_case("a", (effect,), 11, 0.5, duration=10.0, known="none"), folder, "parquet", open_truth=True)
+    write_case(make_case("a", (effect,), 11, 0.5, Conditions(duration=10.0, known=())), folder, "parquet", open_truth=True)
     data = gather([folder / "recording.parquet"], folder / "rig.toml")
     believed = (folder / "rig.toml").read_text()
     right = oracle_rig(believed, json.loads((folder / "truth.json").read_text())["hidden"])

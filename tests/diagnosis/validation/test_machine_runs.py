@@ -25,19 +25,20 @@ from exo_sim.recording.table import Recording
 from exo_sim.rig import Rig
 from exo_sim.simulation.replay import WINDOW, replay, rms, usable
 from exo_sim.trials.cases import make_case, write_case
+from exo_sim.trials.conditions import Conditions
 from exo_sim.trials.oracle import oracle_rig
 
 
 @pytest.fixture(scope="module")
 def bench(tmp_path_factory: pytest.TempPathFactory) -> Path:
     folder = tmp_path_factory.mktemp("leak")
-    write_case(make_case("a", ("piston_leakage",), 11, 0.5, duration=10.0), folder, "parquet")
+    write_case(make_case("a", ("piston_leakage",), 11, 0.5, Conditions(duration=10.0)), folder, "parquet")
     return folder
 
 
 def with_truth(folder: Path, effect: str, seed: int = 11, size: float = 0.5) -> tuple[MachineData, Rig]:
     """Write a case; return it, and its rig with the truth in it."""
-    case = make_case("a", (effect,), seed, size, duration=10.0, known="none")
+    case = make_case("a", (effect,), seed, size, Conditions(duration=10.0, known=()))
     write_case(case, folder, "parquet", open_truth=True)
     rig = oracle_rig((folder / "rig.toml").read_text(), json.loads((folder / "truth.json").read_text())["hidden"])
     return gather([folder / "recording.parquet"], folder / "rig.toml"), rigs.parse(rig, folder / "rig.toml")

@@ -1,7 +1,7 @@
 from __future__ import annotations
 
 import tomllib
-from typing import Any
+from dataclasses import replace
 
 import mujoco
 import numpy as np
@@ -9,15 +9,16 @@ import pytest
 
 from exo_sim.errors import TrialError
 from exo_sim.trials.cases import truth_of, write_case
+from exo_sim.trials.conditions import LegConditions
 from exo_sim.trials.leg_cases import FORCE, GAS, make_leg_case
 from exo_sim.trials.truth.leg import JOINTS, length
 
-SHORT: dict[str, Any] = {"duration": 12.0}
+SHORT = LegConditions(duration=12.0, known=())
 
 
 @pytest.fixture(scope="module")
 def case():
-    return make_leg_case("a", [], 2, known=(), load_cell=True, **SHORT)
+    return make_leg_case("a", [], 2, conditions=replace(SHORT, load_cell=True))
 
 
 def test_lengths_are_those_of_the_tendons(case):
@@ -61,7 +62,7 @@ def test_load_cell_feels_gas_without_friction_and_less_with(case):
     gas = log["pressure_1"] * bench.area_1 - log["pressure_2"] * bench.area_2
     gas -= bench.ambient * (bench.area_1 - bench.area_2)
     assert np.abs(log["force"] - gas).max() < 1e-6
-    rough = make_leg_case("a", ["coulomb_friction"], 2, known=(), **SHORT)
+    rough = make_leg_case("a", ["coulomb_friction"], 2, conditions=SHORT)
     log, force = rough.truth[joint].log, rough.hidden[0].parameters["force"]
     gas = log["pressure_1"] * bench.area_1 - log["pressure_2"] * bench.area_2
     gas -= bench.ambient * (bench.area_1 - bench.area_2)
@@ -71,7 +72,7 @@ def test_load_cell_feels_gas_without_friction_and_less_with(case):
 
 @pytest.mark.parametrize("key", GAS + FORCE)
 def test_every_effect_of_a_leg_shows(key):
-    plain, with_it = (make_leg_case("a", [key], 5, size, known=(), **SHORT) for size in (0.05, 1.0))
+    plain, with_it = (make_leg_case("a", [key], 5, size, SHORT) for size in (0.05, 1.0))
     joint = with_it.joint
     assert with_it.hidden[0].effect.where.startswith(joint)
     noise = {f"{joint}.pressure_1 [Pa]": 500, f"{joint}.pressure_2 [Pa]": 500, f"{joint}.force [N]": 0.5}
@@ -100,7 +101,7 @@ def test_what_a_leg_cannot_show_is_refused():
 def test_distance_of_a_leg_is_nothing_without_and_large_with():
     from exo_sim.trials.leg_detection_limit import distance
 
-    assert distance(make_leg_case("a", [], 3, known=(), duration=8.0)) == pytest.approx(0.0, abs=1e-6)
-    near, far = (distance(make_leg_case("a", ["valve_offset"], 3, s, known=(), duration=8.0)) for s in (1e-4, 1e-3))
+    assert distance(make_leg_case("a", [], 3, conditions=LegConditions(known=(), duration=8.0))) == pytest.approx(0.0, abs=1e-6)
+    near, far = (distance(make_leg_case("a", ["valve_offset"], 3, s, LegConditions(known=(), duration=8.0))) for s in (1e-4, 1e-3))
     assert far == pytest.approx(10 * near, rel=0.3)
-    assert distance(make_leg_case("a", ["piston_leakage"], 3, 1.0, known=(), duration=8.0)) > 100
+    assert distance(make_leg_case("a", ["piston_leakage"], 3, 1.0, LegConditions(known=(), duration=8.0))) > 100

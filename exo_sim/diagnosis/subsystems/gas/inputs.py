@@ -170,6 +170,12 @@ def _start_points(time: Array) -> int:
 
 
 def _start(values: Array, points: int) -> float:
+    """Return the pressure at the start of a window [Pa] by a local parabola through `points` samples; the first there is where any lacks.
+
+    A number of samples, of as much noise at 500 Hz as at 1 kHz: what the noise of a start does to a window is a nuisance of the fit
+    (`rows.py`). A replay has no such nuisance and takes a time instead (`exo_sim.simulation.replay.inputs.start_pressures`). One estimate
+    for both moved what recordings of 200 Hz answer, some of it for the worse. At 1 kHz and in a gas at rest both are one.
+    """
     good = np.isfinite(values)
     if not good.any():
         return math.nan

@@ -66,6 +66,7 @@ def predict(
         world, cylinders: Records, shape (1,) each; the world's supply and exhaust are overwritten at every sample.
         vector: State of one cylinder, filled.
         time, length, supply, exhaust, supply_temperature: Inputs, shape (n,).
+        gap: Nothing is predicted over a step of the clock that is no shorter [s].
         command: Towards both chambers over the first part of each step and over the rest, shape (n, 4); the second and fourth count
             where the valve has independent edges.
         first: Length of the first part [s], shape (n,); 0 where a step is one part.

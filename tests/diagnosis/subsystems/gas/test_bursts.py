@@ -15,6 +15,7 @@ from exo_sim.diagnosis.policy.healthy import BURSTS
 from exo_sim.diagnosis.subsystems.gas.bursts import burst_ratio, fast_errors
 from exo_sim.diagnosis.subsystems.gas.rows import Rows
 from exo_sim.trials.cases import make_case, write_case
+from exo_sim.trials.conditions import Conditions
 
 
 @given(st.integers(0, 10_000), st.floats(1.0, 1e4), st.floats(0.3, 2.0))
@@ -49,7 +50,7 @@ def test_errors_within_rows_are_fast_and_a_pressure_of_single_samples_has_none()
 
 @pytest.mark.slow
 def test_a_hose_that_rings_has_no_name(tmp_path: Path) -> None:
-    write_case(make_case("case", effects=("ringing_hose",), seed=15, size=1.0, known="none"), tmp_path, "csv")
+    write_case(make_case("case", effects=("ringing_hose",), seed=15, size=1.0, conditions=Conditions(known=())), tmp_path, "csv")
     found = diagnose(sorted(tmp_path.rglob("recording*.csv")), next(tmp_path.rglob("rig.toml")), folder=tmp_path)
     assert [finding.name for finding in found.effects if finding.kind != "calibration"] == ["unknown"]
     assert "bursts" in next(f for f in found.effects if f.kind == "unknown").says

@@ -13,6 +13,7 @@ from exo_sim.diagnosis.data.cylinder_run import CylinderRun
 from exo_sim.diagnosis.policy.recordings import LEAD_IN
 from exo_sim.diagnosis.subsystems.gas.inputs import START_SAMPLES, late_commands, windows
 from exo_sim.recording.windows import QUIET_REACH, window_starts
+from exo_sim.simulation.replay import inputs as replay
 
 N = 4000
 SECONDS = 0.5
@@ -143,3 +144,23 @@ def test_a_stretch_of_a_working_valve_is_led_in_until_commands_from_before_are_f
     np.testing.assert_array_equal(cut.stops[:-1], cut.starts[1:])
     held = cylinder_runs.run_of(level, level, command=np.full(N, 0.5), commanded=True)
     assert not windows(held, SECONDS).lead.any()
+
+
+def both_starts(values: NDArray[np.float64], rate: float) -> tuple[float, float]:
+    """Return the pressure at the start of one long window, as the fit of the gas and as a replay estimates it [Pa]."""
+    time = np.arange(len(values)) / rate
+    gas = windows(cylinder_runs.run_of(values, time=time), np.inf).pressure
+    pieces = replay.steps(time, 1e-3)
+    return float(gas[0, 0]), float(replay.start_pressures(pieces, np.array([0]), time, values)[0])
+
+
+@pytest.mark.parametrize("rate", [100.0, 200.0, 500.0, 1000.0, 4000.0])
+@pytest.mark.parametrize("filling", [0.0, 2e6])
+def test_gas_and_replay_start_from_the_same_pressure_at_rest_and_where_it_rises_steadily(rate: float, filling: float) -> None:
+    values = np.array(4e5 + filling * np.arange(400) / rate, dtype=np.float64)
+    assert both_starts(values, rate) == pytest.approx((4e5, 4e5), rel=1e-9)
+
+
+def test_at_a_kilohertz_gas_and_replay_start_from_the_same_pressure_whatever_it_does() -> None:
+    gas, replayed = both_starts(bursts(3), 1000.0)
+    assert gas == pytest.approx(replayed, rel=1e-12)

@@ -5,7 +5,6 @@ from __future__ import annotations
 import math
 from collections.abc import Iterator
 from contextlib import contextmanager, suppress
-from dataclasses import replace
 from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
@@ -14,7 +13,7 @@ from numpy.typing import NDArray
 from exo_sim.control import demand as law_of_demand
 from exo_sim.control import machine_dynamics
 from exo_sim.control.least_load import LeastLoad
-from exo_sim.control.load_weights import CALM, CAUTIOUS, QUICK, SPARING, Weights
+from exo_sim.control.load_weights import CALM, QUICK, SPARING, Weights
 from exo_sim.errors import Diverged
 from exo_sim.kept_solutions import kept
 from exo_sim.machine.worn_model import PAYLOAD_LIMIT, carry
@@ -62,7 +61,7 @@ def rehearsed_demand(it: Simulation, payload: float) -> Demand:
         return Demand(_closed(law_of_demand.demand(request.law, dynamics, it.motion, it.straps, it.rig.ankle)), remarks)
     weights = request.weights or _weights(it)
     if request.law == "causal" and request.weights is None:
-        weights = replace(weights if it.plans_chambers else QUICK, other_straps=CAUTIOUS)
+        weights = weights if it.plans_chambers else QUICK
 
     def rehearsed() -> tuple[NDArray[np.float64], LeastLoad]:
         plan = LeastLoad(dynamics, it.motion, it.person, it.straps, it.rig.ankle, limits, weights)

@@ -8,8 +8,9 @@ stride, as iterative learning control does: what the straps really did over a cy
 give the correction (norm-optimal learning, Amann, Owens and Rogers 1996), which goes the less far, the less the last ones kept of what they
 promised (`step_damping.py`). What a change does is worked out along the best rehearsal so far (`walk_response.py`): with the map of
 `yielding.py`, which leaves out what tips over, torques of the lowest harmonics did five times as much as promised, and other things
-(mean correlation over the loads 0.53, of the steady torques none; along the walk 0.97; level, 34 kg). Both maps learn from what each change
-did (`learnt_map.py`), which is all that there is where nobody worked it out, as for a wearer who is a body.
+(mean correlation over the loads 0.53, of the steady torques none; along the walk 0.97; level, 34 kg). Where nobody worked it out, as for a
+wearer who is a body, changes go by the map for the feet that carried in the best rehearsal, and where one made it worse by that for those
+of the plan. All of these maps learn from what each change did (`learnt_map.py`).
 Straps move the centres of pressure under the wearer's soles; where a rehearsal showed these at the edge they go no farther, and the moment
 that no sole can give counts beside those of the joints. A plan that knows of no edge relieves the ankle with a force that is not there.
 
@@ -30,7 +31,7 @@ from exo_sim.control.learnt_map import BELIEVED, LearntMap
 from exo_sim.control.load_weights import Weights
 from exo_sim.control.machine_dynamics import PICK, MachineDynamics
 from exo_sim.control.rehearsed import Rehearsed
-from exo_sim.control.step_damping import StepDamping
+from exo_sim.control.step_damping import BY_TWO_MAPS, StepDamping
 from exo_sim.control.strap_loads import StrapLoads, own_moments
 from exo_sim.control.walk_response import WalkResponse
 from exo_sim.control.yielding import StrapResponse, Yielding
@@ -92,7 +93,7 @@ class LeastLoad:
         self._coefficients = np.zeros(len(self.driven) * (2 * self._harmonics + 1))
         self._solve(dynamics, motion, person, straps, ankle)
         self._coefficients = self._within_reach(self._coefficients)
-        self.response = None
+        self.response, self._exact, self._by_thought = None, False, False
         self._best: tuple[float, NDArray[np.float64]] = (np.inf, self._coefficients)
         self._heard = np.zeros(0)
         self._damping = StepDamping()
@@ -149,15 +150,20 @@ class LeastLoad:
         tried, heard = self._coefficients, self._counted((felt + self._own) * self._matters).reshape(-1)
         cost = float(heard @ heard + (self._effort * tried) @ (self._effort * tried))
         did = (tried - self._best[1], heard - self._heard) if np.isfinite(self._best[0]) else None
-        exact = seen.response is not None
-        if did:
-            self._shown = self._shown.updated(*did, believed=1.0 if exact else BELIEVED)
+        self._exact = seen.response is not None
+        if did is None:
+            self._damping = StepDamping() if self._exact else BY_TWO_MAPS
+        elif not self._exact:
+            self._thought = self._thought.updated(*did)
         if cost < self._best[0]:
             self._damping = self._damping.bettered(self._best[0], cost)
             self._best, self._heard = (cost, tried), heard
             self._see(seen)
+            if did and not self._exact:
+                self._shown = self._shown.updated(*did)
         elif did:
-            self._damping = self._damping.missed()
+            self._shown = self._shown.updated(*did, believed=1.0 if self._exact else BELIEVED)
+            self._missed()
         self._go_on()
         return cost
 
@@ -166,24 +172,31 @@ class LeastLoad:
         damping, stiffness = self._planned.held(seen.contacts)
         self._strap_map = self._of_straps_at(seen.at_edge)
         self.yielding = replace(self.yielding, damping=damping, stiffness=stiffness, load=self._strap_map)
-        if seen.response is not None:
+        if seen.response is None:
+            self._forces = self._planned.forces(seen.contacts)[0][:, :, :-1]
+        else:
             self.response = found = seen.response()
             carried = np.interp(found.phase, np.arange(len(self._support)) / len(self._support), self._support, period=1.0)
             self._forces = found.steady(_basis_at(found.phase, self._harmonics) * carried[:, None], self._phases)
-            effect = self._counted(self._strap_map @ self._forces).reshape(self._matters.size, -1)
-            self._shown = self._of_straps = LearntMap(effect, self._effort)
+        self._shown = LearntMap(self._counted(self._strap_map @ self._forces).reshape(self._matters.size, -1), self._effort)
+        if self._exact:
+            self._of_straps = self._shown
 
     def fell(self) -> bool:
         """Go less far, since a wearer fell with the torques tried last; return whether there was a rehearsal before to go on from."""
         if not np.isfinite(self._best[0]):
             return False
-        self._damping = self._damping.missed()
+        self._missed()
         self._go_on()
         return True
 
+    def _missed(self) -> None:
+        self._by_thought = not self._exact and not self._by_thought
+        self._damping = self._damping.missed()
+
     def _go_on(self) -> None:
         """Choose the torques to try next, from the best so far."""
-        best, it = self._best[1], self._shown
+        best, it = self._best[1], self._thought if self._by_thought else self._shown
         change = it.damped(self._heard, best, lambda effect: self._damping.metric(self._size, effect))
         self._coefficients = self._within_reach(best - change)
         self._damping = replace(self._damping, promised=it.promised(self._heard, best, self._coefficients - best))
@@ -192,7 +205,7 @@ class LeastLoad:
         """Return a plan that goes on from the best torques where rehearsals cost otherwise than before: of another wearer."""
         again = copy(self)  # what it learns it puts in the place of what was
         again._coefficients = self.best
-        again._best, again._damping = (np.inf, again._coefficients), StepDamping()
+        again._best, again._by_thought = (np.inf, again._coefficients), False
         return again
 
     def begun_with(self, torques: NDArray[np.float64]) -> LeastLoad:
@@ -232,7 +245,7 @@ class LeastLoad:
             if not pulling.any():
                 break
             down &= ~pulling
-        self._shown = self._of_straps
+        self._shown = self._thought = self._of_straps
         self.yielding = Yielding(
             dynamics.inertia, *it.held(carried), it.strap, it.stiffness, it.damping, self._strap_map, tuple(self.driven)
         )

@@ -58,7 +58,11 @@ class Weights:
 #: wearer hardly feels it (docs/sizing.md). From rest rehearsals find smoother ones sooner: 371 W for 398 W
 #: with `exo` and 34 kg. One who is a body walks the better with them: 508 W for 583 W, his pelvis held by 23 N at most for 74 N.
 SPARING = Weights(smoothness=0.15)
+#: The same from rest and for one who is a body: maps that are not worked out along the walk go by it less well where own moments count
+#: whole. Walks from rest that are linearised end dearer (520 W for 371 W with `exo` and 34 kg): torques there are cut off by what cylinders
+#: can hold, which the linear answer does not know.
+THOUGHT = Weights(smoothness=0.15, own=0.7, moving=0.5)
 #: Who is a body walks off and stops to a demand that was not rehearsed with him: with faster torques he falls in his fifth walk.
-CALM = Weights(smoothness=0.3)
+CALM = Weights(smoothness=0.3, own=0.7, moving=0.5)
 #: Where straps are felt and learnt from, torques may change faster: what the gas does not follow is answered.
 QUICK = Weights(smoothness=0.02)

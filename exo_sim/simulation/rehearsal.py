@@ -100,7 +100,9 @@ class Rehearsals:
         residual = held.residual[:, 2] if held else np.zeros(len(body))
         at_edge = held.outside.astype(float) if held else np.zeros(len(body))
         means = (_phase_mean(seen, each) for each in (it.moments - body, straps, carrying(seen), residual, at_edge))
-        response = partial(linearised, walk, self.plan.driven) if seen.moved is None else None
+        # one who is a body moves the machine otherwise, and walks worse with what was rehearsed this way for one who is none
+        steady = walk.request.moved_by == "prescribed" and not walk.motion.from_rest
+        response = partial(linearised, walk, self.plan.driven) if steady else None
         return Rehearsed(*means, response=response)
 
 

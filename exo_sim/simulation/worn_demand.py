@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 from exo_sim.control import demand as law_of_demand
 from exo_sim.control import machine_dynamics
 from exo_sim.control.least_load import LeastLoad
-from exo_sim.control.load_weights import CALM, QUICK, SPARING, Weights
+from exo_sim.control.load_weights import CALM, QUICK, SPARING, THOUGHT, Weights
 from exo_sim.errors import Diverged
 from exo_sim.kept_solutions import kept
 from exo_sim.machine.worn_model import PAYLOAD_LIMIT, carry
@@ -78,7 +78,9 @@ def _weights(it: Simulation) -> Weights:
     yields = it.request.moved_by == "torques"
     if yields and it.motion.from_rest:
         return CALM
-    return SPARING if it.plans_chambers or it.motion.from_rest or yields else Weights()
+    if yields or it.motion.from_rest:
+        return THOUGHT
+    return SPARING if it.plans_chambers else Weights()
 
 
 def _rehearsed(

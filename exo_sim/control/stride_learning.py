@@ -15,7 +15,7 @@ from exo_sim.control.least_load import LeastLoad
 from exo_sim.control.stride_means import StrideMeans
 
 #: Share of a full correction that one stride makes.
-_SHARE = 0.1
+_SHARE = 0.2
 
 
 class StrideLearning:

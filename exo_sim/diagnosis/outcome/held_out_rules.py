@@ -12,7 +12,7 @@ doubt, and held-out time is predicted better with it, block for block.
 from __future__ import annotations
 
 import math
-from collections.abc import Collection, Mapping
+from collections.abc import Mapping
 from dataclasses import replace
 
 from exo_sim.diagnosis import wording
@@ -85,7 +85,7 @@ def doubt(finding: Finding, share: float | None, compared: bool = True) -> str:
 
 def too_small(
     one: SubsystemResult[SubsystemModel], left: Mapping[str, float], where_acting: Mapping[str, float],
-    beyond_healthy: Mapping[str, float], tested: Collection[str],
+    beyond_healthy: Mapping[str, float], tested: Mapping[str, HeldOutGain],
 ) -> tuple[Finding, ...]:  # fmt: skip
     """Return the findings of a subsystem without which it is missed by no more than healthy machines are, also in held-out time.
 
@@ -101,19 +101,23 @@ def too_small(
         where_acting: By the same, the error of held-out time without it, in rows that it changes [the most that noise leaves by itself].
         beyond_healthy: By the same, how much it changes the rows of the time that was fitted [what laws of a healthy machine get wrong];
             not asked of what is not in it.
-        tested: Those that held-out time tests: without them it is missed by more than the noise, and their predictions differ.
+        tested: Those that held-out time tests, and what they gain there: without them it is missed by more than the noise, and their
+            predictions differ. A name of a gas that is not certain with that counted in is small all the same: what healthy machines
+            leave has no particular shape, and every candidate explains a little of it.
     """
 
-    def is_small(key: str) -> bool:
+    def is_small(finding: Finding) -> bool:
+        key = finding.key
         if key in tested:
-            return False
+            is_certain = finding.log10_odds + tested[key].log10_odds >= validation.CERTAIN_ODDS
+            return not (is_certain or one.search.weighed_together) and left.get(key, math.inf) <= one.model.discrepancy_bound
         missed, beyond = where_acting.get(key, math.inf) / validation.LEAST_MISSED, beyond_healthy.get(key, 0.0)
         seen = missed >= min(rms(one.final.fit.residual), 1.0) and beyond >= validation.EXCEEDS_HEALTHY
         if one.search.weighed_together and (missed >= 1.0 or seen or beyond >= validation.BEYOND_HEALTHY):
             return False
         return left.get(key, math.inf) <= one.model.discrepancy_bound
 
-    small = [finding for finding in one.findings if is_small(finding.key)]
+    small = [finding for finding in one.findings if is_small(finding)]
     names = {finding.at for finding in small}
     borne = {(c.prerequisite, c.where) for c in one.named if c.prerequisite and c.at not in names}
     return tuple(

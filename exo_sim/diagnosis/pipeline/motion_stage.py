@@ -10,7 +10,6 @@ import numpy as np
 from numpy.typing import NDArray
 
 from exo_sim.diagnosis import wording
-from exo_sim.diagnosis.coupling.cell_zero import Zero, cell_zeros, zero_along
 from exo_sim.diagnosis.data import open_questions
 from exo_sim.diagnosis.data.machine_data import MachineData
 from exo_sim.diagnosis.data.motion_run import MotionRun
@@ -52,8 +51,7 @@ class JudgedBalances:
     """Balances of forces that were judged: a round that asks the same of the very same balance gets the same answer.
 
     Attributes:
-        results: By name, test time, which of the effects that they ask were refuted and the zero of a rod's cell, with the runs that were
-            judged.
+        results: By name, test time and which of the effects that they ask were refuted, with the runs that were judged.
     """
 
     results: dict[tuple[Hashable, ...], tuple[tuple[MotionRun, ...], SubsystemResult[MotionModel]]] = field(default_factory=dict)
@@ -73,18 +71,16 @@ def examine_motion(
         data, plan, threads, report: As in `examine`.
         judged: What earlier rounds judged of the same data.
     """
-    judged, found = judged or JudgedBalances(), dict[str, SubsystemResult[MotionModel]]()
-    in_order = sorted(data.joints.items(), key=lambda item: not item[1][0].inertia.has_mass)  # loads tell of the cells of rods
-    for number, (name, runs) in enumerate(in_order):
+    judged, found = judged or JudgedBalances(), []
+    for number, (name, runs) in enumerate(data.joints.items()):
         plan.budget.allow_until(GAS_UNTIL + (FORCES_UNTIL - GAS_UNTIL) * (number + 1) / len(data.joints))
-        zero = zero_along(runs, cell_zeros(tuple(found.values())))
-        key = (name, plan.test_time, _refuted_of(name, runs, data, plan), zero)
+        key = (name, plan.test_time, _refuted_of(name, runs, data, plan))
         result = judged.of(key, runs)
         if result is None:
-            result = examine_balance(name, runs, data, plan, threads, report, zero)
+            result = examine_balance(name, runs, data, plan, threads, report)
             judged.results[key] = tuple(runs), result
-        found[name] = result
-    return tuple(found[name] for name in data.joints)
+        found.append(result)
+    return tuple(found)
 
 
 def _refuted_of(name: str, runs: Sequence[MotionRun], data: MachineData, plan: Plan) -> frozenset[tuple[str, str]]:
@@ -125,7 +121,7 @@ def undecided(found: Sequence[SubsystemResult[MotionModel]]) -> tuple[OpenQuesti
 
 
 def examine_balance(
-    name: str, runs: Sequence[MotionRun], data: MachineData, plan: Plan, threads: Threads, report: Progress, cell_zero: Zero | None = None
+    name: str, runs: Sequence[MotionRun], data: MachineData, plan: Plan, threads: Threads, report: Progress
 ) -> SubsystemResult[MotionModel]:
     """Return the result of one balance of forces.
 
@@ -133,11 +129,10 @@ def examine_balance(
         name: Of the joint or rod.
         runs: Its balance in every recording.
         data, plan, threads, report: As in `examine`.
-        cell_zero: Of the load cell of a rod, as another balance showed it.
     """
     is_spent = plan.budget.is_spent
     model = MotionModel(runs, nominal_balance(data, name, runs), plan.split)
-    nuisances = with_damping_if_too_large(model, nuisance_parameters(runs, model.nominal, model.where, cell_zero))
+    nuisances = with_damping_if_too_large(model, nuisance_parameters(runs, model.nominal, model.where))
     asked = plan.without_refuted(candidates(runs, model.nominal, model.where))
     report(f"{name}: weighing {len(asked)} effects side by side")
     standing = [one.name for one in declared().values() if one.cut == "motion" and model.nominal.is_on(one)]

@@ -5,8 +5,9 @@ The revisions, in this order:
 1. Forces were found to resist a piston behind a transmission that gives: the gas is examined once more with them.
 2. Forces contradict a sensor's fault that the gas asks for, or validation refutes effects: they are not sought again, and the friction is
    found anew.
-3. The validation error is much larger than what the fit leaves: the time that was fitted lacks something, and the beginning of the
-   recording is held out instead of its end. The division with the smaller ratio of the two errors counts.
+3. The validation error is much larger than what the fit leaves, and larger than a healthy machine's: the time that was fitted lacks
+   something, and the beginning of the recording is held out instead of its end. The division with the smaller ratio of the two errors
+   counts.
 
 Where a balance of forces has hardly any rows but those of the end (a piston that sticks until then), the beginning is held out first.
 
@@ -72,7 +73,8 @@ def examine_until_stable(data: MachineData, threads: Threads, report: Progress, 
                 continue
             found = _without_all_refuted(replace(found, plan=plan))
         stable.append(found)
-        if len(stable) > 1 or found.validation_ratio <= policy.LACKING_RATIO or budget.is_spent():
+        lacks = found.validation is not None and found.validation.lacks(policy.LACKING_RATIO)
+        if len(stable) > 1 or not lacks or budget.is_spent():
             break
         report(f"the validation time shows what the fit never met: the {'end' if head else 'beginning'} is held out instead")
         plan, before = Plan(split(times, head=not head), budget=budget), None

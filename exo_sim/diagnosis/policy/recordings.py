@@ -129,11 +129,6 @@ AT_STOP_NOISE = Number(
     4.0, "standard deviations of the position's noise", "a joint that is closer to a stop of its MJCF may lie against it",
     "a suit with a heavier load on its back ran a knee 1 degree into its stop: 20 times the noise, and no name",
 )  # fmt: skip
-END_OF_STROKE = Number(
-    0.01, "share of the stroke", "a piston that is closer to an end of its cylinder may lie against it: how far in it begins is not known "
-    "better", "whole machine X601: a piston that hits its end five times leaves 4.6 times the noise of the balance along its rod, 0.5 without "
-    "these moments; the share is asserted",
-)  # fmt: skip
 LEAST_KNOWN = Number(0.5, "s", "a joint whose forces are all recorded for less than this is not judged")
 SWITCHED = Number(
     0.1, "valve command",

@@ -84,7 +84,8 @@ class Simplification:
             if simpler is None:
                 break
             fewer = self.pruned(simpler)
-            lost = [c for c in now.candidates if c.at in simpler.named - fewer.named and c.key not in {one.key for one in simpler.candidates}]
+            changed = [c for c in now.candidates if c.key not in {one.key for one in simpler.candidates}]
+            lost = [c for c in changed if c.at in simpler.named - fewer.named]
             if lost:
                 needed |= {one.key for one in lost}
                 continue
@@ -92,7 +93,7 @@ class Simplification:
         return now
 
     def _without_vague(self, now: FittedModel, vague: set[FreeParameter], needed: Collection[CandidateKey]) -> FittedModel | None:
-        """Return a model with fewer vague parameters, None where there is none as good; the forms in `needed` stay as they are."""
+        """Return a model with fewer vague parameters, None where there is none as good; forms in `needed` stay."""
         for candidate in now.candidates:
             if candidate.key in needed:
                 continue

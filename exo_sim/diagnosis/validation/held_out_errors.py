@@ -85,6 +85,13 @@ class HeldOutErrors:
         """The largest ratio of a balance; infinite where no signal could be compared."""
         return max((one.ratio for one in self.balances.values()), default=0.0) if self.signals else math.inf
 
+    def lacks(self, times: float) -> bool:
+        """Return whether a balance misses held-out time by more than any healthy machine, and by so many times what the fit leaves.
+
+        Also where no signal could be compared.
+        """
+        return not self.signals or any(one.ratio > times and one.exceeds_bound() for one in self.balances.values())
+
     @property
     def tested(self) -> dict[str, HeldOutGain]:
         """What those findings gain that held-out time tests: without them more than the noise is missing there."""

@@ -139,9 +139,9 @@ def _power_share(needed: Array, drive: Array, velocity: Array, block: int, free:
     Blocks with a sample that is not free are left out; the power is that of all where none is free.
     """
     missing, whole = needed - drive, len(needed) // block * block
-    kept = np.ones(whole // block, dtype=bool) if free is None else free[:whole].reshape(-1, block).all(axis=1)
-    if not kept.any():
-        kept[:] = True
+    every: NDArray[np.bool_] = np.ones(whole // block, dtype=bool)
+    kept = every if free is None else np.asarray(free[:whole].reshape(-1, block).all(axis=1))
+    kept = kept if kept.any() else every
     inside = np.repeat(kept, block)
     constant = missing[:whole][inside].mean() if inside.any() else 0.0
     unknown = _blocks((missing - constant) * velocity, block)[kept]

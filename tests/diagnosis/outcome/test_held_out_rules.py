@@ -147,9 +147,23 @@ def test_a_finding_without_which_the_machine_is_missed_no_more_than_a_healthy_on
     leak = Finding("piston_leakage", "piston", Kind.MISSING_PHYSICS, "", {}, 80.0, 0.0)
     one = result(waves.Waves(bound=1.2), leak)
     key = "piston_leakage@piston"
-    found = too_small(one, {key: left}, {}, {}, {key} if tested else ())
+    found = too_small(one, {key: left}, {}, {}, {key: HeldOutGain(50.0, 100.0)} if tested else {})
     assert [finding.name for finding in found] == (["piston_leakage"] if is_small else [])
     assert not found or "beyond doubt" in found[0].says
+
+
+@pytest.mark.parametrize(
+    ("odds", "more", "is_small"), [(1.6, 0.3, True), (-0.9, 0.6, True), (32.9, -0.7, False), (9.0, -4.0, True), (3.0, 5.0, False)]
+)
+def test_what_explains_a_little_of_what_healthy_machines_leave_is_small_unless_it_is_certain(
+    odds: float, more: float, is_small: bool
+) -> None:
+    back = Finding("exhaust_back_pressure", "exhaust", Kind.MISSING_PHYSICS, "", {}, odds, 0.0)
+    one, tested = result(waves.Waves(bound=3.8), back), {back.key: HeldOutGain(24.0, 100.0, log10_odds=more)}
+    assert bool(too_small(one, {back.key: 3.7}, {}, {}, tested)) is is_small
+    assert too_small(one, {back.key: 3.9}, {}, {}, tested) == ()  # no healthy machine leaves so much
+    weighed = replace(one, search=replace(one.search, weighed_together=True))
+    assert too_small(weighed, {back.key: 3.7}, {}, {}, tested) == ()
 
 
 def test_what_another_finding_needs_is_not_small() -> None:
@@ -157,7 +171,7 @@ def test_what_another_finding_needs_is_not_small() -> None:
     wall = Candidate("moving_wall_temperature", "piston", "form", (WIDTH,), ((1.0,),), prerequisite="wall_heat_transfer")
     one = result(waves.Waves(bound=1.2), heat, named=(wall,))
     key = "wall_heat_transfer@piston"
-    assert too_small(one, {key: 1.1}, {}, {}, ()) == () and too_small(replace(one, named=()), {key: 1.1}, {}, {}, ()) != ()
+    assert too_small(one, {key: 1.1}, {}, {}, {}) == () and too_small(replace(one, named=()), {key: 1.1}, {}, {}, {}) != ()
 
 
 @pytest.mark.parametrize(
@@ -172,6 +186,7 @@ def test_a_name_of_forces_is_small_where_noise_and_healthy_laws_explain_the_rows
     one = result(waves.Waves(bound=1.2), spring)
     weighed = replace(one, search=replace(one.search, weighed_together=True))
     acting = {} if missed is None else {spring.key: missed}, {} if changed is None else {spring.key: changed}
-    assert bool(too_small(weighed, {spring.key: 1.1}, *acting, ())) is is_small
-    assert too_small(weighed, {spring.key: 1.1}, *acting, {spring.key}) == ()  # as a whole more than noise is missing
-    assert too_small(one, {spring.key: 1.1}, *acting, ()) != ()  # of gas all its rows count
+    assert bool(too_small(weighed, {spring.key: 1.1}, *acting, {})) is is_small
+    missing = {spring.key: HeldOutGain(50.0, 100.0)}  # as a whole more than noise
+    assert too_small(weighed, {spring.key: 1.1}, *acting, missing) == ()
+    assert too_small(one, {spring.key: 1.1}, *acting, {}) != ()  # of gas all its rows count

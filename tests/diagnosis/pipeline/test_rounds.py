@@ -120,7 +120,8 @@ def test_an_effect_that_explains_most_of_what_is_missing_is_not_refuted(monkeypa
     end, plans = stable(monkeypatch, data, [(LEAK, SPRING), (LEAK,)], errors({LEAK: 0.14, SPRING: 0.02}, gains=worth))
     assert [set(plan.refuted) for plan in plans] == [set(), {SPRING}]
     assert names(end) == ["piston_leakage"]
-    chance = {"piston_leakage@piston": HeldOutGain(2.0, 2.0, is_plain=False, log10_odds=-300.0)}  # all of what is missing, and that is what noise does
+    # all of what is missing, and that is what noise does
+    chance = {"piston_leakage@piston": HeldOutGain(2.0, 2.0, is_plain=False, log10_odds=-300.0)}
     end, _ = stable(monkeypatch, data, [(LEAK,), ()], errors({LEAK: 0.02}, gains=chance))
     assert names(end) == []
 
@@ -214,11 +215,17 @@ def test_what_was_not_tested_is_not_refuted(
 def test_the_beginning_is_held_out_once_where_validation_shows_something_new(
     monkeypatch: pytest.MonkeyPatch, data: MachineData
 ) -> None:
-    worse = errors(balances={GAS: BalanceError(2.0 * LACKING_RATIO, 1.0, 9.0, 1.0)})
+    worse = errors(balances={GAS: BalanceError(2.0 * LACKING_RATIO, 1.0, 5.0, 1.0)})
     end, plans = stable(monkeypatch, data, [(LEAK,)], worse)
     (tail,), (head,) = (plan.split.test["bench"] for plan in plans)
     assert tail[1] == pytest.approx(0.999) and head[0] == 0.0
     assert end.plan is plans[0]  # no better, so the first counts
+
+
+def test_what_a_healthy_machine_is_missed_by_as_well_shows_nothing_new(monkeypatch: pytest.MonkeyPatch, data: MachineData) -> None:
+    within = errors(balances={GAS: BalanceError(2.0 * LACKING_RATIO, 1.0, 9.0, 1.0)})
+    _, plans = stable(monkeypatch, data, [(LEAK,)], within)
+    assert len(plans) == 1
 
 
 def test_gas_is_examined_once_more_with_the_friction_of_its_piston(monkeypatch: pytest.MonkeyPatch, data: MachineData) -> None:

@@ -15,7 +15,7 @@ from exo_sim.diagnosis.policy.verdicts import AS_GOOD
 from exo_sim.diagnosis.selection.fitted_model import FittedModel
 from exo_sim.diagnosis.selection.linear_evidence import Spreads
 from exo_sim.diagnosis.selection.marginal_fit import MarginalFits
-from exo_sim.diagnosis.selection.refitted_finalists import Refitted, best_refitted, probability_of
+from exo_sim.diagnosis.selection.refitted_finalists import Refitted, best_refitted, poorer_forms_first, probability_of
 from exo_sim.diagnosis.selection.subset_weighing import Weighed
 
 NAMES: Mapping[int, tuple[Candidate, ...]] = {
@@ -63,3 +63,22 @@ def test_a_set_of_names_is_fitted_once_and_only_some_are() -> None:
 def test_a_name_is_as_probable_as_its_evidence_says() -> None:
     assert probability_of(0.0) == 0.5 and probability_of(3.0) == pytest.approx(1.0 / (1.0 + math.exp(-3.0)))
     assert probability_of(1e9) == 1.0 and probability_of(-1e9) == pytest.approx(0.0)
+
+
+def named_as(*effects: str) -> tuple[Candidate, ...]:
+    return tuple(waves.candidate(effect, "size") for effect in effects)
+
+
+@pytest.mark.parametrize(
+    ("sets", "order"),
+    [
+        # the same effects with friction of one direction come next, whatever is more probable
+        ([("asymmetric_friction", "viscous_friction"), ("asymmetric_friction",), ("coulomb_friction", "viscous_friction")], [0, 2, 1]),
+        ([("asymmetric_friction", "viscous_friction"), ("coulomb_friction",)], [0, 1]),  # with less beside it they are others
+        ([("coulomb_friction",), ("asymmetric_friction",), ("quadratic_drag",)], [0, 1, 2]),  # a richer form is no poorer one
+        ([("asymmetric_friction",), ("quadratic_drag",), ("viscous_friction",)], [0, 1, 2]),
+    ],
+)
+def test_the_same_effects_in_poorer_forms_are_fitted_first(sets: list[tuple[str, ...]], order: list[int]) -> None:
+    subsets = [subset(k) for k in range(len(sets))]
+    assert [one.subset[0] for one in poorer_forms_first(subsets, lambda one: named_as(*sets[one.subset[0]]))] == order

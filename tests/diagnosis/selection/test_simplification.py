@@ -2,9 +2,12 @@
 
 from __future__ import annotations
 
-from diagnosis.waves import BASE, ON_TOP, OTHER, Waves
+import pytest
+from diagnosis.waves import BASE, ON_TOP, OTHER, Waves, candidate
 
+from exo_sim.diagnosis.estimation.candidate import Candidate
 from exo_sim.diagnosis.selection.comparisons import Comparisons
+from exo_sim.diagnosis.selection.fitted_model import FittedModel
 from exo_sim.diagnosis.selection.search import Search
 from exo_sim.diagnosis.selection.simplification import Simplification
 
@@ -16,3 +19,23 @@ def test_pruning_keeps_what_another_stands_on() -> None:
     kept = simplification.pruned(one.fits.fit((BASE, ON_TOP)))
     assert {c.effect for c in kept.candidates} == {"base", "on_top"}
     assert simplification.pruned(one.fits.fit((BASE, OTHER))).candidates == ()
+
+
+RICH, POOR = candidate("wide", "slow", "quick"), candidate("wide", "slow")
+
+
+class OnlyRich(Comparisons):
+    """Comparisons that accept an effect in its richer form alone."""
+
+    def accepts(self, without: FittedModel, with_it: FittedModel, stands: bool = False) -> bool:
+        return POOR not in with_it.candidates
+
+
+@pytest.mark.parametrize(("kind", "kept"), [(Comparisons, POOR), (OnlyRich, RICH)], ids=["accepted in it", "not accepted in it"])
+def test_a_simpler_form_takes_a_place_only_where_the_finding_is_accepted_in_it(kind: type[Comparisons], kept: Candidate) -> None:
+    """The second wave is hardly there: the first alone explains as much."""
+    one = Search(Waves(slow=4.0, quick=0.02), (), (RICH, POOR))
+    simplification = Simplification(one.fits, kind(one.fits, one.fits.fit(()), 2, 0.0), one.proposals)
+    rich = one.fits.fit((RICH,))
+    assert simplification.tidied(rich).candidates == (kept,)
+    assert simplification.settled(rich).candidates == (kept,)

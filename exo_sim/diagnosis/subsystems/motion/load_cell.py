@@ -11,7 +11,6 @@ from exo_sim.diagnosis.data.cylinder_run import CylinderRun
 from exo_sim.diagnosis.data.motion_run import Drive, Inertia, Kinematics, MotionRun, Passive
 from exo_sim.diagnosis.policy.recordings import STILL_NOISE, STILL_SHARE
 from exo_sim.diagnosis.subsystems.motion.smoothing import smoothing_width, stride, thinned
-from exo_sim.diagnosis.subsystems.motion.stops import at_end
 from exo_sim.recording.filters import gaussian_smoothed, noise_gain, restored, smoothed_motion
 from exo_sim.recording.noise import white_noise
 from exo_sim.rig import Rig
@@ -68,5 +67,4 @@ def rod_run(run: CylinderRun, rig: Rig) -> MotionRun | None:
         external=nothing,
         noise=float(np.sqrt(variance)),
         every=every,
-        known=thinned(~at_end(c, time, rod), every),
     )

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import math
 from collections.abc import Sequence
 
 import numpy as np
@@ -23,16 +22,13 @@ from exo_sim.physics.declaration import declared
 NEGLIGIBLE = 1e-6
 
 
-def nuisance_parameters(
-    runs: Sequence[MotionRun], plant: PlantParameters, where: str, cell_zero: tuple[float, float] | None = None
-) -> tuple[FreeParameter, ...]:
+def nuisance_parameters(runs: Sequence[MotionRun], plant: PlantParameters, where: str) -> tuple[FreeParameter, ...]:
     """Return the nuisance parameters of the balance, without the joint's damping (see `with_damping`).
 
     Args:
         runs: The balances.
         plant: The nominal machine.
         where: The cylinder or joint that what resists belongs to.
-        cell_zero: Zero of the load cell of a rod, and its standard error [N], where another balance showed it.
     """
     run = runs[0]
     forces, inertia = run.driving, run.inertia
@@ -48,9 +44,7 @@ def nuisance_parameters(
     if inertia.has_mass and any(drives(each.driving) for each in runs):
         found.append(_of_sensor(PAYLOAD_MASS, run.joint, PAYLOAD_MASS, "1", 0.02, (0.2, 5.0), (1.0, priors.MASS), neutral=1.0))
     unit = "N*m" if run.turning else "N"
-    centre, unsure = cell_zero or (0.0, 0.0)
-    spread = math.hypot(spread, unsure)
-    found.append(_of_sensor(FORCE_OFFSET, run.joint, FORCE_OFFSET, unit, max(spread, 1e-6), (-1e6, 1e6), (centre, spread)))
+    found.append(_of_sensor(FORCE_OFFSET, run.joint, FORCE_OFFSET, unit, max(spread, 1e-6), (-1e6, 1e6), (0.0, spread)))
     found += [
         _of_sensor(SENSOR_GAIN, column, f"{column}.scale", "1", priors.FORCE_SCALE, reach, (1.0, priors.FORCE_SCALE), neutral=1.0)
         for column in _scaled_columns(run)

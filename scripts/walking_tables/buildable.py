@@ -24,7 +24,8 @@ level.
 AFTER = """
 Causal control on the level stays within the rating; rehearsed level walking with 34 kg passes it by 0.4 bar. Fast walking, slopes down,
 stairs down, an uneven load, starting and stopping and squats push chambers beyond it, to 13.8 bar at most: a chamber that is
-shut in is pressed together, and the demand does not price it. `exo-sim run` says so. Squatting and sitting, the residual passes the guideline of 75 N m.
+shut in is pressed together, and the demand does not price it. `exo-sim run` says so.
+Squatting and sitting, the residual passes the guideline of 75 N m.
 Chambers get below freezing, so that the air must be dried.
 """
 CASES = (

@@ -66,6 +66,10 @@ class LeastLoad:
 
     yielding: Yielding
     response: WalkResponse | None
+    _shown: LearntMap
+    _thought: LearntMap
+    _of_straps: LearntMap
+    _planned: StrapResponse
 
     def __init__(
         self,

@@ -99,11 +99,12 @@ class Rehearsals:
         held = it.ground if seen.moved is None else None
         residual = held.residual[:, 2] if held else np.zeros(len(body))
         at_edge = held.outside.astype(float) if held else np.zeros(len(body))
-        means = (_phase_mean(seen, each) for each in (it.moments - body, straps, carrying(seen), residual, at_edge))
+        each = (it.moments - body, straps, carrying(seen), residual, at_edge)
+        moments, forces, contacts, left, edge = (_phase_mean(seen, one) for one in each)
         # one who is a body moves the machine otherwise, and walks worse with what was rehearsed this way for one who is none
         steady = walk.request.moved_by == "prescribed" and not walk.motion.from_rest
         response = partial(linearised, walk, self.plan.driven) if steady else None
-        return Rehearsed(*means, response=response)
+        return Rehearsed(moments, forces, contacts, left, edge, response)
 
 
 def counted(walk: Walk, settling: float) -> slice:

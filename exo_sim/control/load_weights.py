@@ -19,7 +19,8 @@ class Weights:
         own: Share of the moments of the wearer's own body that count with those of the straps: 0 asks for a machine that is not felt,
             1 for one that makes the wearer's whole moments small.
         moving: By how much more a moment counts while its joint turns, where it costs work [s/rad]. With 1 for this and for `own` the
-            wearer's joints did 119 J a stride, with 0.5 and 0.7 it was 122 J (level, 34 kg, `QUICK`, rehearsed from the same torques).
+            wearer's joints did 119 J a stride, with 0.5 and 0.7 it was 122 J (level, 34 kg, `QUICK`, rehearsed from the same torques,
+            by demands of that day and not the one that comes along).
         torso: Of a newton on the torso straps, up or down [m].
         torso_ahead: Of a newton on the torso straps, forward or back [m].
         push: Of a newton that all straps together push the machine ahead [m]: the wearer holds it against the ground, about a metre below.

@@ -89,8 +89,8 @@ def _rehearsed(
     """Walk a few cycles at a time and better the plan after each time; return the best of the torques tried, and the plan they are of.
 
     Two starts have a share of the rehearsals each: torques that are handed in, shape (n, 6) [N m], and the plan's. Those that are left go
-    on with the better. One rehearsal alone cannot say which that is. For a causal controller all go on from the plan: of demands rehearsed
-    from inverse dynamics three with other weights cost as little as calibrated and up to 80 W more on straps that are otherwise.
+    on with the better. One rehearsal alone cannot say which that is. For a causal controller all go on from the plan: demands rehearsed
+    from inverse dynamics cost as little as calibrated, and some of them more on straps that are otherwise.
     """
     settling, most = it.settling, it.request.rehearsals
     usual = it.demand

@@ -88,7 +88,8 @@ class Identification:
         shapes: By form, for a dead volume [m^3] that an owner may have counted it in: values of its parameters among which a fit may begin,
             where no single start is near every machine's.
         of_dead_volume: A parameter that owners count among both dead volumes: a fit may begin where it is taken off these.
-        within_speeds: Parameters that are speeds at which the law bends: a bend far from the speeds that occurred does not show.
+        within_speeds: Parameters that are speeds at which the law bends where motion begins: they are sought from half of the slowest speed
+            that occurred to a quarter of the fastest, for beyond that such a bend is a number of the whole law.
         within_travels: Parameters that are positions near the travel: from far outside it a law that changes along it is a constant.
         common: A parameter of the effect that this comes on top of, and own ones that are added to it: only the sums show.
         scale: Typical size of its parameters where neither its ranges nor the motion say it; 0 where they do.

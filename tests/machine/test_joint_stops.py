@@ -5,7 +5,7 @@ from __future__ import annotations
 import mujoco
 import numpy as np
 
-from exo_sim.machine.joint_stops import touches_stop
+from exo_sim.machine.joint_stops import AT_STOP_NOISE, touches_stop
 
 MODEL = """
 <mujoco><worldbody>
@@ -19,7 +19,7 @@ def test_a_stop_is_felt_within_its_margin_and_what_the_position_may_be_off() -> 
     model = mujoco.MjModel.from_xml_string(MODEL)
     position = np.array([-0.2, -0.091, -0.086, -0.084, 0.0, 0.184, 0.186, 0.3])
     assert touches_stop(model, 0, position, 0.0).tolist() == [True, True, False, False, False, False, False, True]
-    assert touches_stop(model, 0, position, 0.005).tolist() == [True, True, True, False, False, False, True, True]
+    assert touches_stop(model, 0, position, 0.005 / AT_STOP_NOISE).tolist() == [True, True, True, False, False, False, True, True]
 
 
 def test_a_joint_without_stops_never_lies_against_one() -> None:

@@ -125,10 +125,6 @@ GLANCING = Number(
     "a force within 11 degrees of the sole: a line that misses the contact by a millimetre meets the sole five times as far away",
     "a worn suit at toe-off, foot 55 degrees down on a sphere of 20 mm: up to 1.3 N m of 12 at the ankle, which passed for drag there",
 )  # fmt: skip
-AT_STOP_NOISE = Number(
-    4.0, "standard deviations of the position's noise", "a joint that is closer to a stop of its MJCF may lie against it",
-    "a suit with a heavier load on its back ran a knee 1 degree into its stop: 20 times the noise, and no name",
-)  # fmt: skip
 LEAST_KNOWN = Number(0.5, "s", "a joint whose forces are all recorded for less than this is not judged")
 SWITCHED = Number(
     0.1, "valve command",

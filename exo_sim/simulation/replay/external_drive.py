@@ -27,8 +27,6 @@ STILL = 1e-4
 DRIVEN_SHARE = 0.12
 #: Powers are compared on motion smoothed over this time [s], averaged over blocks of this length [s], on at most so many samples.
 POWER_SMOOTHING, POWER_BLOCK, MOST_SAMPLES = 0.06, 0.1, 4000
-#: A joint that is closer to a stop than so many standard deviations of its position's noise may be pushed by it.
-AT_STOP_NOISE = 4.0
 #: Delays of the pressures' card that are tried [s]: the one with the smallest unknown power counts.
 CARD_DELAYS = (-0.04, -0.02, -0.01, 0.0, 0.01, 0.02, 0.04)
 
@@ -38,8 +36,8 @@ def externally_driven(recording: Recording, rig: Rig, model: mujoco.MjModel, lin
 
     Friction and drag only dissipate. So where inverse dynamics, measured pressures and the measured outside force leave an unknown
     force that supplies much power, a person or a test machine was at work. A stop that throws a joint back supplies power too, and nobody
-    measures its push: time at a stop does not count. A joint whose pressures were not measured counts as free, and
-    so does every joint of a machine that nothing drives: a pendulum that is let go, of which only the position is recorded.
+    measures its push: time at a stop does not count. A joint whose pressures were not measured counts as free, and so does every joint of a
+    machine that nothing drives: a pendulum that is let go, of which only the position is recorded.
     """
     joints = recorded_joints(recording, model)
     if len(joints) < model.njnt:
@@ -59,9 +57,7 @@ def externally_driven(recording: Recording, rig: Rig, model: mujoco.MjModel, lin
     return found
 
 
-def external_power(
-    time: Array, needed: Array, drive: Array, velocity: Array, free: NDArray[np.bool_] | None = None
-) -> str:
+def external_power(time: Array, needed: Array, drive: Array, velocity: Array, free: NDArray[np.bool_] | None = None) -> str:
     """Return in words how much power unmeasured forces put into a joint's motion, or "" where it is too little to count.
 
     Args:
@@ -130,7 +126,7 @@ def _at_stop(model: mujoco.MjModel, joint: int, recording: Recording, pick: NDAr
     assert position is not None
     noise = white_noise(recording[f"{model.joint(joint).name}.position"])
     reach = math.ceil(POWER_SMOOTHING / max(float(np.median(np.diff(recording.time[pick]))), 1e-9))
-    return np.asarray(binary_dilation(touches_stop(model, joint, position, AT_STOP_NOISE * noise), iterations=reach))
+    return np.asarray(binary_dilation(touches_stop(model, joint, position, noise), iterations=reach))
 
 
 def _power_share(needed: Array, drive: Array, velocity: Array, block: int, free: NDArray[np.bool_] | None = None) -> float:

@@ -7,7 +7,6 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.ndimage import binary_dilation
 
-from exo_sim.diagnosis.policy.recordings import AT_STOP_NOISE
 from exo_sim.diagnosis.subsystems.motion.smoothing import reach
 from exo_sim.machine.joint_stops import touches_stop
 from exo_sim.recording.filters import SmoothedMotion
@@ -25,5 +24,5 @@ def at_stop(model: mujoco.MjModel, joint: int, time: Array, move: SmoothedMotion
         move: How it moved.
         smoothing: Width of the filter that noise asks for [s].
     """
-    touching = touches_stop(model, joint, move.position, AT_STOP_NOISE * move.position_noise)
+    touching = touches_stop(model, joint, move.position, move.position_noise)
     return np.asarray(binary_dilation(touching, iterations=reach(time, smoothing)))

@@ -48,9 +48,13 @@ def is_refuted(drop: float, log10_odds: float, gain: HeldOutGain | None = None, 
     useless = explains < least and log10_odds < validation.REFUTABLE_ODDS and not (gain is not None and gain.is_shown)
     harmful = drop < -validation.MOST_RISE and log10_odds < validation.REFUTABLE_RISE_ODDS and (gain is None or gain.is_absent)
     if gain is not None and (together or not gain.is_plain):
-        is_certain = log10_odds + gain.log10_odds >= validation.CERTAIN_ODDS
-        return (useless or harmful) and gain.log10_odds < 0.0 and not is_certain
+        return (useless or harmful) and gain.log10_odds < 0.0 and not _is_certain(log10_odds, gain)
     return useless or harmful
+
+
+def _is_certain(log10_odds: float, gain: HeldOutGain) -> bool:
+    """Return whether a finding is certain with what held-out time says of its change counted in."""
+    return log10_odds + gain.log10_odds >= validation.CERTAIN_ODDS
 
 
 def doubt(finding: Finding, share: float | None, compared: bool = True) -> str:
@@ -108,14 +112,13 @@ def too_small(
 
     def is_small(finding: Finding) -> bool:
         key = finding.key
+        if left.get(key, math.inf) > one.model.discrepancy_bound:
+            return False
         if key in tested:
-            is_certain = finding.log10_odds + tested[key].log10_odds >= validation.CERTAIN_ODDS
-            return not (is_certain or one.search.weighed_together) and left.get(key, math.inf) <= one.model.discrepancy_bound
+            return not (one.search.weighed_together or _is_certain(finding.log10_odds, tested[key]))
         missed, beyond = where_acting.get(key, math.inf) / validation.LEAST_MISSED, beyond_healthy.get(key, 0.0)
         seen = missed >= min(rms(one.final.fit.residual), 1.0) and beyond >= validation.EXCEEDS_HEALTHY
-        if one.search.weighed_together and (missed >= 1.0 or seen or beyond >= validation.BEYOND_HEALTHY):
-            return False
-        return left.get(key, math.inf) <= one.model.discrepancy_bound
+        return not (one.search.weighed_together and (missed >= 1.0 or seen or beyond >= validation.BEYOND_HEALTHY))
 
     small = [finding for finding in one.findings if is_small(finding)]
     names = {finding.at for finding in small}

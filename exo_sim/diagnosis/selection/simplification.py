@@ -2,10 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Collection
-
 from exo_sim.diagnosis.estimation.budget import IsSpent, never
-from exo_sim.diagnosis.estimation.candidate import Candidate, CandidateKey, drop_orphans
+from exo_sim.diagnosis.estimation.candidate import Candidate, drop_orphans
 from exo_sim.diagnosis.estimation.parameters import FreeParameter
 from exo_sim.diagnosis.policy import acceptance
 from exo_sim.diagnosis.selection.comparisons import Comparisons
@@ -66,7 +64,6 @@ class Simplification:
         Parameters that are vague only because they stand in for each other stay. So do those without which a finding would not be accepted
         any more: a simpler form that explains about as much is no reason to lose what the richer one was accepted for.
         """
-        needed: set[CandidateKey] = set()
         while now.candidates and not self.fits.is_spent():
             if not all(is_more_than_healthy(c, now) for c in now.candidates):  # the last refinement made one healthy
                 fewer = self.pruned(now)
@@ -80,23 +77,15 @@ class Simplification:
                 for q in c.parameters
                 if abs(now.fit.values[q] - q.neutral) < acceptance.CERTAIN * errors.get(q, 0.0)
             }
-            simpler = self._without_vague(now, vague, needed)
+            simpler = self._without_vague(now, vague)
             if simpler is None:
                 break
-            fewer = self.pruned(simpler)
-            changed = [c for c in now.candidates if c.key not in {one.key for one in simpler.candidates}]
-            lost = [c for c in changed if c.at in simpler.named - fewer.named]
-            if lost:
-                needed |= {one.key for one in lost}
-                continue
-            now = self.fits.refined(fewer)
+            now = self.fits.refined(self.pruned(simpler))
         return now
 
-    def _without_vague(self, now: FittedModel, vague: set[FreeParameter], needed: Collection[CandidateKey]) -> FittedModel | None:
-        """Return a model with fewer vague parameters, None where there is none as good; forms in `needed` stay."""
+    def _without_vague(self, now: FittedModel, vague: set[FreeParameter]) -> FittedModel | None:
+        """Return a model with fewer vague parameters, None where there is none as good."""
         for candidate in now.candidates:
-            if candidate.key in needed:
-                continue
             others = now.without(candidate)
             clear = {q.parameter for q in candidate.parameters if q not in vague}
             if len(clear) == len(candidate.parameters) or len(drop_orphans(others)) < len(others):
@@ -108,7 +97,7 @@ class Simplification:
                 continue
             for form in self.proposals.simpler(candidate, now, clear):
                 model = self.fits.fit((*others, form), now)
-                if self.comparisons.is_as_good(model, now):
+                if self.comparisons.is_as_good(model, now) and not self._is_lost_in(model, now, candidate):
                     return model
         return None
 

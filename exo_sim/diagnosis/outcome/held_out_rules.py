@@ -14,6 +14,7 @@ from __future__ import annotations
 import math
 from collections.abc import Mapping
 from dataclasses import replace
+from types import MappingProxyType
 
 from exo_sim.diagnosis import wording
 from exo_sim.diagnosis.estimation.correlation import rms
@@ -21,6 +22,7 @@ from exo_sim.diagnosis.findings import Finding, Kind
 from exo_sim.diagnosis.outcome.finding_probability import is_doubtful, is_weighed_physics
 from exo_sim.diagnosis.outcome.finding_size import errors_from_nil, may_be_nil
 from exo_sim.diagnosis.policy import validation
+from exo_sim.diagnosis.policy.acceptance import RELIEF
 from exo_sim.diagnosis.policy.probability import LEAST_ERRORS
 from exo_sim.diagnosis.selection.held_out_gain import HeldOutGain
 from exo_sim.diagnosis.selection.subsystem_result import SubsystemResult
@@ -89,7 +91,7 @@ def doubt(finding: Finding, share: float | None, compared: bool = True) -> str:
 
 def too_small(
     one: SubsystemResult[SubsystemModel], left: Mapping[str, float], where_acting: Mapping[str, float],
-    beyond_healthy: Mapping[str, float], tested: Mapping[str, HeldOutGain],
+    beyond_healthy: Mapping[str, float], tested: Mapping[str, HeldOutGain], relief: Mapping[str, float] = MappingProxyType({}),
 ) -> tuple[Finding, ...]:  # fmt: skip
     """Return the findings of a subsystem without which it is missed by no more than healthy machines are, also in held-out time.
 
@@ -102,17 +104,19 @@ def too_small(
     Args:
         one: Of one subsystem.
         left: By `effect@where`, the error of the time that was fitted without it [units of the noise].
-        where_acting: By the same, the error of held-out time without it, in rows that it changes [the most that noise leaves by itself].
+        where_acting: By the same, the error without it in rows that it changes, of held-out time if it changes that [the most that noise
+            leaves by itself].
         beyond_healthy: By the same, how much it changes the rows of the time that was fitted [what laws of a healthy machine get wrong];
             not asked of what is not in it.
         tested: Those that held-out time tests, and what they gain there: without them it is missed by more than the noise, and their
             predictions differ. A name of a gas that is not certain with that counted in is small all the same: what healthy machines
             leave has no particular shape, and every candidate explains a little of it.
+        relief: By the same, how much nearer to their data sheets the rig's numbers are with it: what makes them right is not small.
     """
 
     def is_small(finding: Finding) -> bool:
         key = finding.key
-        if left.get(key, math.inf) > one.model.discrepancy_bound:
+        if left.get(key, math.inf) > one.model.discrepancy_bound or relief.get(key, 0.0) > RELIEF:
             return False
         if key in tested:
             return not (one.search.weighed_together or _is_certain(finding.log10_odds, tested[key]))

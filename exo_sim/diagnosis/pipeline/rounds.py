@@ -171,8 +171,8 @@ def without_doubtful(examination: Examination) -> Examination:
 def without_small(examination: Examination) -> Examination:
     """Return an examination that holds what is too small to matter beside its findings, not among them."""
     seen = examination.checked
-    errors = seen.left, seen.where_acting, seen.beyond_healthy
-    return examination.holding_small(tuple(f for one in examination.results.all for f in too_small(one, *errors, seen.tested)))
+    errors = seen.left, seen.where_acting, seen.beyond_healthy, seen.tested, seen.relief
+    return examination.holding_small(tuple(f for one in examination.results.all for f in too_small(one, *errors)))
 
 
 def with_test_findings(examination: Examination) -> tuple[Examination, list[Finding]]:

@@ -93,7 +93,8 @@ def is_accepted(
     """Return whether a candidate passes every gate.
 
     Once nine tenths are explained, a further effect must reach the noise or take half of what is left: the last tenth of a real machine
-    has no particular shape, and every candidate fits a little of it.
+    has no particular shape, and every candidate fits a little of it. What has a shape of its own and returns the rig's numbers to their
+    data sheets need do neither: they lower the error in its place.
 
     Args:
         evidence: For it.
@@ -103,6 +104,9 @@ def is_accepted(
         stands: Whether it stands in a model already: then it stays however small its share is, if a shape of its own shows.
     """
     n = max(without.residual.size, 1)
+    gains = evidence.steady > acceptance.STEADY_GAIN
+    if without.penalty - with_it.penalty > acceptance.RELIEF and evidence.beside_discrepancy > acceptance.BESIDE_DISCREPANCY and gains:
+        return evidence.log10_odds > acceptance.LEAST_ODDS
     plain = evidence.log10_odds > acceptance.BEYOND_DOUBT_ODDS and evidence.share > acceptance.BEYOND_DOUBT_SHARE
     beyond_doubt = plain and without.sse > acceptance.BEYOND_DOUBT_VARIANCE * n
     if math.sqrt(without.sse / n) - math.sqrt(with_it.sse / n) < practical_significance and not beyond_doubt:
@@ -110,7 +114,7 @@ def is_accepted(
     explained = 1.0 - max(without.sse - n, 0.0) / max(baseline.sse - n, 1e-9)
     much_left = explained < acceptance.MOSTLY_EXPLAINED or with_it.sse < acceptance.CLEAN * n
     wanted = acceptance.LEAST_SHARE if much_left else acceptance.SHARE_OF_THE_REST
-    steady = evidence.steady > acceptance.STEADY_GAIN or evidence.share > acceptance.STEADY_SHARE
+    steady = gains or evidence.share > acceptance.STEADY_SHARE
     if stands and evidence.beside_discrepancy > acceptance.BESIDE_DISCREPANCY and steady:
         return True
     return evidence.log10_odds > acceptance.LEAST_ODDS and evidence.share > wanted and steady

@@ -27,7 +27,7 @@ from exo_sim.diagnosis.selection.marginal_fit import MarginalFits
 from exo_sim.diagnosis.selection.model_fits import ModelFits
 from exo_sim.diagnosis.selection.nested_fits import no_worse_than_nested
 from exo_sim.diagnosis.selection.nonparametric_terms import nonparametric_terms, unnamed
-from exo_sim.diagnosis.selection.refitted_finalists import best_refitted, poorer_forms_first
+from exo_sim.diagnosis.selection.refitted_finalists import best_form, best_refitted, poorer_forms_first
 from exo_sim.diagnosis.selection.simpler_forms import no_richer_than_needed, poorer_than, richer_beside, rivals_of_either
 from exo_sim.diagnosis.selection.subset_numbers import laws_of, values_and_errors
 from exo_sim.diagnosis.selection.subset_weighing import At, SubsetWeighing, Weighed
@@ -74,7 +74,13 @@ class FamilySearch:
         if exceeds and not nonparametric_terms(self.weighing.terms(best)):
             refit = self.finalist_fits.refitted
             asked = poorer_forms_first(finalists, self._names)
-            found = best_refitted(first, asked, self._names, refit, lambda model: evidence.log_evidence(model, best.spreads))
+
+            def log_evidence(model: FittedModel) -> float:
+                return evidence.log_evidence(model, best.spreads)
+
+            found = best_refitted(first, asked, self._names, refit, log_evidence)
+            if found.model.fit.sse > most:
+                found = best_form(found, self._alike(found.weighed, finalists), self._names, refit, log_evidence)
             if found is not first:  # what was more probable along lines does not fit as it acts
                 others = [one for one in finalists if one.score <= found.weighed.score]
                 laws = laws_of(self.weighing, self.fits.nuisances, found.weighed, others)
@@ -134,6 +140,12 @@ class FamilySearch:
     def _names(self, one: Weighed) -> tuple[Candidate, ...]:
         """Return what a subset names."""
         return tuple(c for c in self.weighing.candidates(one) if c.kind is not Kind.UNKNOWN)
+
+    def _alike(self, best: Weighed, finalists: Sequence[Weighed]) -> list[Weighed]:
+        """Return the subsets with the effects of one, however a contact begins to slide, the most probable first."""
+        own = {c.at for c in self._names(best) if not c.is_law}
+        alike = (one for one in self.weighing.alike(best, finalists) if {c.at for c in self._names(one) if not c.is_law} == own)
+        return sorted(alike, key=lambda one: -one.score)
 
     def _findings_first(self, finalists: list[Weighed]) -> list[Weighed]:
         """Return subsets, one first whose effects are all findings, of those about as probable as the best.

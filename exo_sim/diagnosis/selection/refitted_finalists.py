@@ -88,6 +88,34 @@ def best_refitted(
     return best
 
 
+def best_form(
+    first: Refitted, alike: Sequence[Weighed], names: Callable[[Weighed], tuple[Candidate, ...]],
+    refit: Callable[[Weighed, tuple[Candidate, ...]], Refitted], evidence: Callable[[FittedModel], float],
+) -> Refitted:  # fmt: skip
+    """Return the effects of the first subset fitted in each of their forms, the fit with the greatest evidence; the first, unless another
+    surpasses it plainly.
+
+    Lines are formed at a few values of how soon a contact slides, and beside a discrepancy that takes up what these leave. A form with a
+    shape of its own takes that up as well: its fit may end where one power of speed does what dry friction, its dip and a film do.
+
+    Args:
+        first: As it was fitted.
+        alike: Subsets with the same effects, the most probable first: the fit of a form begins at the most probable one that has it.
+        names, refit, evidence: As of `best_refitted`.
+    """
+    best, most, tried = first, evidence(first.model), {key_of(names(first.weighed))}
+    for one in alike:
+        candidates = names(one)
+        if key_of(candidates) in tried:
+            continue
+        tried.add(key_of(candidates))
+        rival = refit(one, candidates)
+        found = evidence(rival.model)
+        if found > most + verdicts.AS_GOOD:
+            best, most = rival, found
+    return best
+
+
 def probability_of(gain: float) -> float:
     """Return the probability of a name whose model has this logarithm of evidence more than that without it."""
     return 1.0 / (1.0 + math.exp(-min(max(gain, -700.0), 700.0)))

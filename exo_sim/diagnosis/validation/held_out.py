@@ -46,6 +46,7 @@ def held_out_errors(
     left: dict[str, float] = {}
     where_acting: dict[str, float] = {}
     beyond_healthy: dict[str, float] = {}
+    relief: dict[str, float] = {}
     costs: dict[str, float] = {}
     balances: dict[tuple[Subsystem, str], BalanceError] = {}
     series: list[Series] = []
@@ -72,16 +73,19 @@ def held_out_errors(
         for key, refitted in _left_out(one):
             other = model.residual_of(one.plant_of(refitted))
             left[key] = rms(refitted.fit.residual)
+            relief[key] = refitted.fit.penalty - one.final.fit.penalty
             with_it, lacking = rms(named), rms(other)
             drops[key] = finite(1.0 - with_it / lacking) if lacking > 0.0 else 0.0
             influence[key] = finite(rms(other - named))
             costs[key] = influence[key] * _noise_share(one, compared)
-            if influence[key] <= validation.LEAST_INFLUENCE:  # what changes nothing was not tested
-                continue
-            where_acting[key] = _missed_where_acting(other, other - named)
-            beyond = _beyond(refitted.fit.residual - one.final.fit.residual, misfit)
+            change = refitted.fit.residual - one.final.fit.residual
+            beyond = _beyond(change, misfit)
             if beyond is not None:
                 beyond_healthy[key] = beyond
+            if influence[key] <= validation.LEAST_INFLUENCE:  # what changes nothing was not tested
+                where_acting[key] = _missed_where_acting(refitted.fit.residual, change)
+                continue
+            where_acting[key] = _missed_where_acting(other, other - named)
             independent = other.size / max(correlation_time(other, model.blocks), 1.0)
             gained, missing = other.size * (lacking**2 - with_it**2), other.size * (lacking**2 - 1.0)
             there = _amplitude(named, other - named, model.blocks)
@@ -89,7 +93,9 @@ def held_out_errors(
         if effect is not None:
             drops[one.where] = _drop_with_unknown(model, one, error, own)
             costs[one.where] = rms(model.residual_of(one.final_plant)) * _noise_share(one, compared)
-    return HeldOutErrors(signals, drops, influence, left, where_acting, beyond_healthy, costs, balances, tuple(series), split.test, gains)
+    return HeldOutErrors(
+        signals, drops, influence, left, where_acting, beyond_healthy, costs, balances, tuple(series), split.test, gains, relief
+    )
 
 
 def _amplitude(named: Array, change: Array, blocks: NDArray[np.int64]) -> tuple[float, float, float]:

@@ -57,15 +57,16 @@ class HeldOutErrors:
         influence: By the keys of `drops`, how much predictions change with it [units of the noise].
         left: By the keys of `drops`, the error of the time that was fitted when all the rest is fitted without it [units of the noise].
         where_acting: By the keys of `drops`, the error without it where predictions change with it, in units of the most that noise by
-            itself leaves there but for chance: each row's square is weighed by that of the change; only where predictions change with it
-            by `LEAST_INFLUENCE`.
-        beyond_healthy: By the keys of `where_acting`, how much predictions of the time that was fitted change with it where they change,
-            in units of what the laws of a healthy machine get wrong there; only where anybody knows that.
+            itself leaves there but for chance: each row's square is weighed by that of the change; where predictions of held-out time do
+            not change with it by `LEAST_INFLUENCE`, of the time that was fitted.
+        beyond_healthy: By the keys of `drops`, how much predictions of the time that was fitted change with it where they change, in units
+            of what the laws of a healthy machine get wrong there; only where anybody knows that.
         costs: By the keys of `drops`, `influence` as a share of how much the predicted signals vary; 0 for a shared supply: it is measured.
         balances: By subsystem and name.
         series: For the report.
         spans: The held-out time, by recording.
         gains: By the keys of `drops`, what a finding gains; only where predictions change with it by `LEAST_INFLUENCE`.
+        relief: By the keys of `drops`, by how much -2 log of the prior of all nuisance parameters is less with it.
     """
 
     signals: Mapping[str, SignalFit] = field(default_factory=dict)
@@ -79,6 +80,7 @@ class HeldOutErrors:
     series: tuple[Series, ...] = ()
     spans: Spans = field(default_factory=dict)
     gains: Mapping[str, HeldOutGain] = field(default_factory=dict)
+    relief: Mapping[str, float] = field(default_factory=dict)
 
     @property
     def ratio(self) -> float:
@@ -114,7 +116,7 @@ class HeldOutErrors:
             signals={**self.signals, **later.signals},
             drops=both(self.drops, later.drops), influence=both(self.influence, later.influence), costs=both(self.costs, later.costs),
             left=both(self.left, later.left), where_acting=both(self.where_acting, later.where_acting),
-            beyond_healthy=both(self.beyond_healthy, later.beyond_healthy),
+            beyond_healthy=both(self.beyond_healthy, later.beyond_healthy), relief=both(self.relief, later.relief),
             gains={key: one for key, one in both(self.gains, later.gains).items() if key in later.gains or key not in later.drops},
             balances={**self.balances, **later.balances},
             series=tuple(seen.get((one.recording, one.signal), one) for one in self.series),

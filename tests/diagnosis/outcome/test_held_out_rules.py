@@ -13,6 +13,7 @@ from exo_sim.diagnosis.estimation.least_squares import Fit
 from exo_sim.diagnosis.estimation.parameters import FreeParameter, Target
 from exo_sim.diagnosis.findings import Estimate, Finding, Kind
 from exo_sim.diagnosis.outcome.held_out_rules import doubt, is_refuted, too_small
+from exo_sim.diagnosis.policy.acceptance import RELIEF
 from exo_sim.diagnosis.selection.fitted_model import FittedModel, SearchResult
 from exo_sim.diagnosis.selection.held_out_gain import HeldOutGain
 from exo_sim.diagnosis.selection.model_fits import ModelFits
@@ -164,6 +165,13 @@ def test_what_explains_a_little_of_what_healthy_machines_leave_is_small_unless_i
     assert too_small(one, {back.key: 3.9}, {}, {}, tested) == ()  # no healthy machine leaves so much
     weighed = replace(one, search=replace(one.search, weighed_together=True))
     assert too_small(weighed, {back.key: 3.7}, {}, {}, tested) == ()
+
+
+def test_what_returns_the_numbers_of_a_rig_to_their_data_sheets_is_not_small() -> None:
+    ratio = Finding("critical_ratio", "piston", Kind.MISSING_PHYSICS, "", {}, 40.0, 0.0)
+    one = result(waves.Waves(bound=1.2), ratio)
+    assert too_small(one, {ratio.key: 1.0}, {}, {}, {}, {ratio.key: RELIEF - 1.0}) != ()
+    assert too_small(one, {ratio.key: 1.0}, {}, {}, {}, {ratio.key: RELIEF + 1.0}) == ()
 
 
 def test_what_another_finding_needs_is_not_small() -> None:

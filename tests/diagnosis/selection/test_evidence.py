@@ -3,11 +3,12 @@
 from __future__ import annotations
 
 import numpy as np
+import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
 from exo_sim.diagnosis.estimation.least_squares import Fit
-from exo_sim.diagnosis.policy.acceptance import BEYOND_DOUBT_ODDS, BEYOND_DOUBT_SHARE, UNDERRATED
+from exo_sim.diagnosis.policy.acceptance import BEYOND_DOUBT_ODDS, BEYOND_DOUBT_SHARE, RELIEF, UNDERRATED
 from exo_sim.diagnosis.selection.evidence import (
     compare,
     could_any_be_accepted,
@@ -83,6 +84,26 @@ def test_great_odds_for_a_small_share_are_not_beyond_doubt() -> None:
     weighing = compare(rows, start, less, 1, 30)
     assert weighing.share < BEYOND_DOUBT_SHARE
     assert not is_accepted(weighing, start, start, less, 10.0)
+
+
+@pytest.mark.parametrize(
+    ("penalty", "size", "accepted"),
+    [(RELIEF + 1.0, 0.35, True), (RELIEF - 1.0, 0.35, False), (RELIEF + 1.0, 0.02, False)],
+    ids=["hidden by numbers", "hardly", "no shape"],
+)
+def test_a_small_shape_that_returns_the_numbers_of_a_rig_to_their_data_sheets_counts(penalty: float, size: float, accepted: bool) -> None:
+    rng = np.random.default_rng(3)
+    noise, wave = 0.9 * rng.standard_normal(BLOCKS.size), np.sin(np.arange(BLOCKS.size) / 7.0)
+    rows, strained, true = Rows(BLOCKS), fit_of(noise + size * wave, 20.0 + penalty), fit_of(noise, 20.0)
+    assert is_accepted(compare(rows, strained, true, 1, 30), strained, strained, true, 10.0) is accepted
+
+
+def test_what_relieves_numbers_in_one_block_alone_is_not_accepted_for_that() -> None:
+    rng = np.random.default_rng(3)
+    noise = 0.9 * rng.standard_normal(BLOCKS.size)
+    burst = np.where(BLOCKS == 7, 1.5 * np.sin(np.arange(BLOCKS.size) / 7.0), 0.0)
+    strained, less = fit_of(noise + burst, 30.0), fit_of(noise, 10.0)
+    assert not is_accepted(compare(Rows(BLOCKS), strained, less, 1, 30), strained, strained, less, 10.0)
 
 
 @given(st.floats(0.3, 100.0), st.floats(0.0, 1.0), st.floats(0.0, 3.0))

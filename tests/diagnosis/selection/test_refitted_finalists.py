@@ -15,7 +15,7 @@ from exo_sim.diagnosis.policy.verdicts import AS_GOOD
 from exo_sim.diagnosis.selection.fitted_model import FittedModel
 from exo_sim.diagnosis.selection.linear_evidence import Spreads
 from exo_sim.diagnosis.selection.marginal_fit import MarginalFits
-from exo_sim.diagnosis.selection.refitted_finalists import Refitted, best_refitted, poorer_forms_first, probability_of
+from exo_sim.diagnosis.selection.refitted_finalists import Refitted, best_form, best_refitted, poorer_forms_first, probability_of
 from exo_sim.diagnosis.selection.subset_weighing import Weighed
 
 NAMES: Mapping[int, tuple[Candidate, ...]] = {
@@ -63,6 +63,23 @@ def test_a_set_of_names_is_fitted_once_and_only_some_are() -> None:
 def test_a_name_is_as_probable_as_its_evidence_says() -> None:
     assert probability_of(0.0) == 0.5 and probability_of(3.0) == pytest.approx(1.0 / (1.0 + math.exp(-3.0)))
     assert probability_of(1e9) == 1.0 and probability_of(-1e9) == pytest.approx(0.0)
+
+
+@pytest.mark.parametrize(("gain", "wins"), [(AS_GOOD + 0.1, 2), (AS_GOOD - 0.1, 0)])
+def test_each_form_of_the_same_effects_is_fitted_once_from_the_most_probable_that_has_it(gain: float, wins: int) -> None:
+    curved, plain = waves.candidate("base", "curved"), waves.candidate("base", "plain")
+    forms, asked = {0: (curved,), 1: (curved,), 2: (plain,), 3: (plain,)}, []
+    worth = {curved.key: 0.0, plain.key: gain}
+
+    def fitted(one: Weighed, candidates: tuple[Candidate, ...]) -> Refitted:
+        asked.append(one.subset[0])
+        return refit(one, candidates)
+
+    found = best_form(
+        refit(subset(0), forms[0]), [subset(k) for k in forms], lambda one: forms[one.subset[0]], fitted,
+        lambda model: worth[model.candidates[0].key],
+    )  # fmt: skip
+    assert asked == [2] and found.weighed.subset[0] == wins
 
 
 def named_as(*effects: str) -> tuple[Candidate, ...]:

@@ -90,6 +90,23 @@ def test_what_changes_only_what_is_within_the_noise_is_not_tested() -> None:
     assert quiet.influence[at] > LEAST_INFLUENCE and at in quiet.gains and quiet.tested == {}
 
 
+def test_what_held_out_time_does_not_show_is_looked_at_where_it_acted_before() -> None:
+    class Still(waves.Waves):
+        def residual_of(self, plant: PlantParameters) -> waves.Array:
+            return super().residual_of(self.nominal)
+
+    found = result(waves.Waves(slow=3.0), waves.BASE)
+    seen = held_out_errors([found], (), SPLIT)
+    untested = held_out_errors([replace(found, model=Still(slow=3.0))], (), SPLIT)
+    assert untested.influence == {"base@piston": 0.0} and untested.gains == {}
+    assert untested.where_acting["base@piston"] == pytest.approx(seen.where_acting["base@piston"], rel=0.05)
+
+
+def test_how_much_nearer_to_their_data_sheets_numbers_are_with_a_finding_is_kept() -> None:
+    found = held_out_errors([result(waves.Waves(slow=3.0), waves.BASE)], (), SPLIT)
+    assert found.relief == {"base@piston": 0.0}  # waves have no such numbers
+
+
 def test_a_later_look_takes_the_place_of_the_first_and_what_was_put_aside_goes() -> None:
     whole = result(waves.Waves(slow=3.0, quicker=0.6), waves.BASE, waves.OTHER)
     first = held_out_errors([whole], (), SPLIT)

@@ -20,14 +20,14 @@ from exo_sim.diagnosis.selection.comparisons import Comparisons
 from exo_sim.diagnosis.selection.evidence import Evidence
 from exo_sim.diagnosis.selection.family_rivals import equivalents, equivalents_of, rivals, runners_up
 from exo_sim.diagnosis.selection.finalist_fits import FinalistFits, predicting_best
-from exo_sim.diagnosis.selection.fitted_model import FittedModel, SearchResult, is_more_than_healthy
+from exo_sim.diagnosis.selection.fitted_model import FittedModel, SearchResult, is_more_than_healthy, key_of
 from exo_sim.diagnosis.selection.law_forms import as_fitted, fitted_forms, plainest, weighed_as_fitted
 from exo_sim.diagnosis.selection.laws import errors_about, reach_of_laws, reaching
 from exo_sim.diagnosis.selection.marginal_fit import MarginalFits
 from exo_sim.diagnosis.selection.model_fits import ModelFits
 from exo_sim.diagnosis.selection.nested_fits import no_worse_than_nested
 from exo_sim.diagnosis.selection.nonparametric_terms import nonparametric_terms, unnamed
-from exo_sim.diagnosis.selection.refitted_finalists import best_form, best_refitted, poorer_forms_first
+from exo_sim.diagnosis.selection.refitted_finalists import Refitted, best_form, best_refitted, poorer_forms_first
 from exo_sim.diagnosis.selection.simpler_forms import no_richer_than_needed, poorer_than, richer_beside, rivals_of_either
 from exo_sim.diagnosis.selection.subset_numbers import laws_of, values_and_errors
 from exo_sim.diagnosis.selection.subset_weighing import At, SubsetWeighing, Weighed
@@ -72,17 +72,8 @@ class FamilySearch:
         most = model.discrepancy_bound**2 * model.size
         exceeds = first.model.fit.sse > min(most, verdicts.LOST * max(self.weighing.square_left(posterior), model.size))
         if exceeds and not nonparametric_terms(self.weighing.terms(best)):
-            refit = self.finalist_fits.refitted
-            asked = poorer_forms_first(finalists, self._names)
-
-            def log_evidence(model: FittedModel) -> float:
-                return evidence.log_evidence(model, best.spreads)
-
-            found = best_refitted(first, asked, self._names, refit, log_evidence)
-            if found.model.fit.sse > most:
-                found = best_form(found, self._alike(found.weighed, finalists), self._names, refit, log_evidence)
+            found, others = self._as_it_acts(first, finalists, most)
             if found is not first:  # what was more probable along lines does not fit as it acts
-                others = [one for one in finalists if one.score <= found.weighed.score]
                 laws = laws_of(self.weighing, self.fits.nuisances, found.weighed, others)
         beside = found.beside
         final = no_worse_than_nested(
@@ -100,7 +91,7 @@ class FamilySearch:
         laws = weighed_as_fitted(laws, forms, final, self.fits.standard_errors)
         plain = self.fits.refined(self.fits.fit(final.candidates, final, again=final is not found.model))
         final = predicting_best(final, plain, errors_about(final, laws))
-        relaxed = self._without_straining(plain, comparisons)
+        relaxed = self._without_straining(plain)
         if relaxed is not plain:
             final = plain = relaxed
         if final.candidates and comparisons.is_clean(baseline) and not evidence.is_decisive(final, baseline, best.spreads):
@@ -119,6 +110,7 @@ class FamilySearch:
             final,
             {
                 c.key: self._evidence_for(c, final, beside, finalists, equivalents_of(c, alike), comparisons)
+                if found is first else self._evidence_as_fitted(c, final, beside, best, comparisons)
                 for c in final.candidates
             },
             {key: those for key, those in taking.items() if key in kept},
@@ -131,6 +123,28 @@ class FamilySearch:
             undecided=tuple(c for c in passed_over if self._is_strained_without(c, probable, plain)),
             weighed_together=True,
         )
+
+    def _as_it_acts(self, first: Refitted, finalists: Sequence[Weighed], most: float) -> tuple[Refitted, list[Weighed]]:
+        """Return the subset that leaves least where it is fitted, and those that no fit speaks against.
+
+        Args:
+            first: The most probable one, fitted: it leaves too much.
+            finalists: All of them.
+            most: The largest sum of squares of a healthy machine: of what leaves more each form is fitted.
+        """
+        fitted = {key_of(first.model.candidates), key_of(self._names(first.weighed))}
+
+        def refit(one: Weighed, names: tuple[Candidate, ...]) -> Refitted:
+            fitted.add(key_of(names))
+            return self.finalist_fits.refitted(one, names)
+
+        def log_evidence(model: FittedModel) -> float:
+            return self.finalist_fits.evidence.log_evidence(model, first.weighed.spreads)
+
+        found = best_refitted(first, poorer_forms_first(finalists, self._names), self._names, refit, log_evidence)
+        if found.model.fit.sse > most:
+            found = best_form(found, self._alike(found.weighed, finalists), self._names, refit, log_evidence)
+        return found, [one for one in finalists if key_of(self._names(one)) not in fitted]
 
     def _forms(self) -> tuple[Candidate, ...]:
         """Return every form of every effect that the family has."""
@@ -162,7 +176,7 @@ class FamilySearch:
                 return [one, *(other for other in finalists if other is not one)]
         return finalists
 
-    def _without_straining(self, plain: FittedModel, comparisons: Comparisons) -> FittedModel:
+    def _without_straining(self, plain: FittedModel) -> FittedModel:
         """Return a plain fit without the effects that explain no more than noise, and that only beside numbers that are further off.
 
         Friction of two directions and a spring's rest that is off pull against each other: what they do together is less than either.
@@ -173,7 +187,7 @@ class FamilySearch:
             for candidate in (c for c in plain.candidates if not c.is_law):
                 without = self.fits.fit(drop_orphans(plain.without(candidate)), plain)
                 rise = plain.fit.penalty - without.fit.penalty
-                if rise > STRAINING and comparisons.is_clean(without):
+                if rise > STRAINING and without.fit.sse <= self.fits.model.size:
                     strained.append((rise, without))
             if not strained:
                 return plain
@@ -212,3 +226,11 @@ class FamilySearch:
         rest = [one.score for one in finalists if not alike & {c.at for c in self.weighing.candidates(one)}]
         lowest = min(one.score for one in finalists if one.score > -math.inf)
         return replace(found, log10_odds=(finalists[0].score - max(rest, default=lowest)) / math.log(10.0))
+
+    def _evidence_as_fitted(
+        self, candidate: Candidate, final: FittedModel, beside: MarginalFits, best: Weighed, comparisons: Comparisons
+    ) -> Evidence:
+        """Return the evidence for an effect of a model that was not the most probable one along lines: of fits with it and without."""
+        without = beside.fit(drop_orphans(final.without(candidate)), final)
+        gain = [self.finalist_fits.evidence.log_evidence(one, best.spreads) for one in (final, without)]
+        return replace(comparisons.evidence(without, final), log10_odds=(gain[0] - gain[1]) / math.log(10.0))

@@ -59,14 +59,14 @@ _vector, _work, _scratch = own_array(state.size(1, 0)), own_array(5, state.integ
 @kernel
 def predict(
     world, cylinders, vector, time, gap, command, first, length, supply, exhaust, supply_temperature, starts, start_pressure,
-    work, scratch, out, inside, drawn, warmth,
+    out, inside, drawn, warmth,
 ):  # fmt: skip
     """Run one cylinder through a recording, its pressures set to the measured ones at the start of every window.
 
     A chamber's temperature is carried from window to window, for no sensor measures it.
 
     Args:
-        world, cylinders: Records, shape (1,) each; the world's supply and exhaust are overwritten at every sample.
+        world, cylinders: Records, shape (1,) each.
         vector: State of one cylinder, filled.
         time, length, supply, exhaust, supply_temperature: Inputs, shape (n,).
         gap: Nothing is predicted over a step of the clock that is no shorter [s].
@@ -79,10 +79,8 @@ def predict(
         inside: Predicted pressures in the chambers, shape (n, 2); this and the next two may be empty, then they are left out.
         drawn: Mass flow from the supply over the step that follows each sample [kg/s], shape (n,).
         warmth: Predicted gas temperatures, shape (n, 2).
-        work: As of `plant.advance`.
-        scratch: Shape (8, 2).
     """
-    world, cylinders, vector, start_pressure, _, _ = borrow((world, cylinders, vector, start_pressure, work, scratch))
+    world, cylinders, vector, start_pressure = borrow((world, cylinders, vector, start_pressure))
     time, command, first, length, supply, exhaust = borrow((time, command, first, length, supply, exhaust))
     supply_temperature, starts, out, inside, drawn, warmth = borrow((supply_temperature, starts, out, inside, drawn, warmth))
     whole = drawn.size > 0
@@ -263,6 +261,6 @@ def run_gas(
     gap = max(GAP, windows.JUMP * usual)
     predict(
         world, cylinder, gas.vector, feed.time, gap, arrived.command, arrived.first, length, feed.supply, feed.exhaust,
-        feed.supply_temperature, feed.windows.starts, start, gas._work, np.zeros((8, 2)), out, inside, drawn, temperature,
+        feed.supply_temperature, feed.windows.starts, start, out, inside, drawn, temperature,
     )  # fmt: skip
     return GasPrediction(out, inside, drawn, temperature)

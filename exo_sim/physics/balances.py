@@ -6,7 +6,7 @@ The same lines are compiled twice: as they stand, and for a cylinder to whose ga
 from __future__ import annotations
 
 from exo_sim.physics import chamber, nozzle
-from exo_sim.physics.compiled import inlined_kernel, kernel
+from exo_sim.physics.compiled import inlined_kernel
 from exo_sim.physics.conditions import Reservoir
 from exo_sim.physics.effects import (
     critical_ratio,
@@ -251,7 +251,7 @@ def cylinder_rates(world, c, y, dy, base, x, v, opening_1, opening_2, supply, ex
     return _rates_with_effects(world, c, y, dy, base, x, v, opening_1, opening_2, supply, exhaust)
 
 
-@kernel
+@inlined_kernel
 def rates(world, cylinders, y, dy, held, x, v, spool):
     """Write d/dt of the integrated state; return the mass flow drawn from the supply [kg/s].
 

@@ -9,6 +9,7 @@ from __future__ import annotations
 
 import contextlib
 import hashlib
+import math
 import os
 import platform
 from collections.abc import Callable
@@ -17,11 +18,13 @@ from typing import Any, TypeVar
 
 import numba
 import numpy
+from llvmlite import ir
 from numba import types
 from numba.core import cgutils, config
 from numba.core.caching import FunctionCache
 from numba.core.runtime import rtsys
 from numba.extending import intrinsic
+from numba.np import arrayobj
 
 from exo_sim.physics import compiled_cache, external_effects
 
@@ -123,3 +126,43 @@ def _borrow(typingctx: Any, arrays: Any) -> Any:
 
 #: `borrow(tuple)` in compiled code whose caller keeps the arrays: counting their references costs more than small kernels do.
 borrow: Any = intrinsic(_borrow)
+
+
+def _own_copy(typingctx: Any, record: Any) -> Any:
+    """Compile to a copy of a record on the stack of the kernel."""
+
+    def generate(context: Any, builder: Any, signature: Any, arguments: Any) -> Any:
+        words = signature.args[0].size // 8
+        with builder.goto_entry_block():
+            place = builder.alloca(ir.ArrayType(ir.DoubleType(), words))
+        copy = builder.bitcast(place, context.get_value_type(signature.return_type))
+        cgutils.raw_memcpy(builder, copy, arguments[0], ir.Constant(ir.IntType(64), signature.args[0].size), 1)
+        return copy
+
+    return record(record), generate
+
+
+#: `own_copy(record)` in compiled code: the compiler then knows that what else is written leaves the record's numbers as they are.
+own_copy: Any = intrinsic(_own_copy)
+
+
+def own_array(*shape: int) -> Any:
+    """Return a function for compiled code that returns an array of floats on the stack of the kernel, not filled, of this shape."""
+
+    def _own_array(typingctx: Any) -> Any:
+        kind = types.Array(types.float64, len(shape), "C")
+
+        def generate(context: Any, builder: Any, signature: Any, arguments: Any) -> Any:
+            with builder.goto_entry_block():
+                place = builder.alloca(ir.ArrayType(ir.DoubleType(), math.prod(shape)))
+            size = context.get_constant(types.intp, 8)
+            array = context.make_array(kind)(context, builder)
+            sides = [context.get_constant(types.intp, side) for side in shape]
+            strides = [context.get_constant(types.intp, 8 * math.prod(shape[i + 1 :])) for i in range(len(shape))]
+            data = builder.bitcast(place, array.data.type)
+            arrayobj.populate_array(array, data=data, shape=sides, strides=strides, itemsize=size, meminfo=None)
+            return array._getvalue()
+
+        return kind(), generate
+
+    return intrinsic(_own_array)

@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import math
 
-from exo_sim.physics.compiled import kernel
+from exo_sim.physics.compiled import inlined_kernel, kernel
 from exo_sim.physics.effects import friction_smoothing, presliding
 from exo_sim.physics.summed_effects import (
     joint_damping,
@@ -29,7 +29,7 @@ STUCK_ANGLE = 1e-4
 STUCK_TIME = 2e-3
 
 
-@kernel
+@inlined_kernel
 def sharp_level(c, motion):
     """Return the dry friction that a piston in this `Motion` meets [N], as if nothing smoothed it."""
     return piston_with_excess(c, piston_dry_friction(c, motion), motion)

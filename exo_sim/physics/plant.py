@@ -44,7 +44,7 @@ from exo_sim.physics.state import (
     TANK_SPOOL_1,
     TANK_SPOOL_2,
 )
-from exo_sim.physics.step import all_plain, integrate
+from exo_sim.physics.step import all_plain, integrate, moving_numbers
 from exo_sim.physics.step_length import MOST_STEPS, step_length
 from exo_sim.physics.transmission import gives, piston_at
 
@@ -102,7 +102,7 @@ def widest(c, here: float, there: float) -> float:
 
 
 @inlined_kernel
-def advance(world, cylinders, state, x0, x1, command, dt, work, scratch):
+def advance(world, cylinders, state, x0, x1, command, dt, work, scratch, books):
     """Move the whole pneumatic state on by `dt` seconds; return False where the gas is too fast to be followed, and stop there.
 
     Args:
@@ -114,6 +114,8 @@ def advance(world, cylinders, state, x0, x1, command, dt, work, scratch):
             others, where a cylinder has a valve for each chamber; (4 n,), those of the paths to a recovery tank behind these.
         work: Scratch, shape (5, integrated_size(n)).
         scratch: Scratch, shape (5, 2 n), or (5, 4 n) with a recovery tank.
+        books: Whether the books are kept, and dry contacts followed of pistons, too, that the transmission holds fast: the gas feels
+            neither. Where they are not, `work` is zero to begin with.
     """
     n = len(cylinders)
     total = n * INTEGRATED + SHARED
@@ -125,6 +127,8 @@ def advance(world, cylinders, state, x0, x1, command, dt, work, scratch):
         start[i], end[i] = x0[i], x1[i]
         c = cylinders[i]
         place = i * REMEMBERED
+        if not books and not gives(c):
+            continue
         p_1, p_2 = pressures(world, c, y, i * INTEGRATED, memory[place + PISTON] if gives(c) else x0[i])
         if gives(c):
             start[i] = memory[place + PISTON]
@@ -137,6 +141,7 @@ def advance(world, cylinders, state, x0, x1, command, dt, work, scratch):
         memory[place + BRISTLE] = move_bristle(c, memory[place + BRISTLE], speed, level, dt)
     for i in range(n):  # what the joints do beyond the ends of a stroke does not squeeze the gas
         start[i], end[i] = within(cylinders[i], start[i]), within(cylinders[i], end[i])
+    moving = y.size if books else moving_numbers(world, cylinders, y)
     left = dt
     most = world.most_steps if world.most_steps > 0.0 else MOST_STEPS
     tries, known = MOST_TRIES * most, all_plain(world, cylinders)
@@ -160,7 +165,7 @@ def advance(world, cylinders, state, x0, x1, command, dt, work, scratch):
             if world.tank_volume > 0.0:
                 spool[2 * n + i] = move_spool(cylinders[i], memory, place + TANK_SPOOL_1, place + TANK_PLAY_1, command[2 * n + i], h)
                 spool[3 * n + i] = move_spool(cylinders[i], memory, place + TANK_SPOOL_2, place + TANK_PLAY_2, command[3 * n + i], h)
-        drawn, tried, too_fast = integrate(world, cylinders, y, held, start, end, left, spool, h, stages, work, x, v, tries, known)
+        drawn, tried, too_fast = integrate(world, cylinders, y, held, start, end, left, spool, h, stages, work, x, v, tries, known, moving)
         tries -= tried
         if tries < 0:
             return False
@@ -218,7 +223,7 @@ def step(world, cylinders, joints, vector, history, x0, x1, q0, q1, command, dt,
             history[i, newest] = held
             held = delayed(history[i, :size], newest, cylinders[i % n].valve_lag.delay, dt)
         late[i] = held
-    if not advance(world, cylinders, vector, x0, x1, late, dt, work, scratch):
+    if not advance(world, cylinders, vector, x0, x1, late, dt, work, scratch, True):
         return TOO_FAST
     bristles = vector[vector.size - len(joints) :]
     advance_joints(joints, bristles, q0, q1, dt)

@@ -7,7 +7,7 @@ tank is one volume, mixed, without heat from its wall: what it gets has cooled a
 from __future__ import annotations
 
 from exo_sim.physics import chamber, nozzle
-from exo_sim.physics.compiled import kernel
+from exo_sim.physics.compiled import inlined_kernel
 from exo_sim.physics.effects import line_restriction
 from exo_sim.physics.nodes import chambers
 from exo_sim.physics.settling import hot_gas, path_rate
@@ -25,7 +25,7 @@ from exo_sim.physics.state import (
 )
 
 
-@kernel
+@inlined_kernel
 def exchange(world, c, y, dy, base, shared, here, opening, tank, mass, energy, hose_mass, hose_energy):
     """Add what flows from one chamber, or the valve's end of its hose, into the tank to the rates of both.
 
@@ -52,7 +52,7 @@ def exchange(world, c, y, dy, base, shared, here, opening, tank, mass, energy, h
     dy[shared + TANK_ENERGY] += h
 
 
-@kernel
+@inlined_kernel
 def exchange_of_cylinder(world, c, y, dy, base, shared, x, v, opening_1, opening_2, tank):
     """Add what flows between both chambers of a cylinder and the tank to the rates; arguments as of `exchange`."""
     one, two = chambers(world, c, y, base, x, v)
@@ -61,7 +61,7 @@ def exchange_of_cylinder(world, c, y, dy, base, shared, x, v, opening_1, opening
         exchange(world, c, y, dy, base, shared, two, opening_2, tank, MASS_2, ENERGY_2, HOSE_MASS_2, HOSE_ENERGY_2)
 
 
-@kernel
+@inlined_kernel
 def exchange_rate(world, c, here, opening, tank, span):
     """Return a bound on how fast a chamber, or its hose, settles through its path to the tank within `span` seconds [1/s]."""
     area = min(max(opening, 0.0), 1.0) * c.tank_area

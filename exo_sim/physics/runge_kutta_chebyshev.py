@@ -9,7 +9,7 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
-from exo_sim.physics.compiled import kernel
+from exo_sim.physics.compiled import inlined_kernel
 
 #: The most stages in one step; beyond that `step_length.py` divides it.
 MOST_STAGES = 20
@@ -69,7 +69,7 @@ for _stages in range(2, MOST_STAGES + 1):
     REACH[_stages] = stable_reach(_stages)
 
 
-@kernel
+@inlined_kernel
 def enough_stages(reach: float) -> int:
     """Return how many stages are stable up to h * lambda = `reach`; never more than there are."""
     stages = 2

@@ -13,10 +13,10 @@ from __future__ import annotations
 
 from exo_sim.physics.balances import rates
 from exo_sim.physics.compiled import inlined_kernel
-from exo_sim.physics.effects import exhaust_back_pressure, supply_droop
+from exo_sim.physics.effects import exhaust_back_pressure, line_restriction, supply_droop
 from exo_sim.physics.gas_effects_off import plain
 from exo_sim.physics.runge_kutta_chebyshev import COEFFICIENTS, MOST_STAGES, REACH, enough_stages
-from exo_sim.physics.state import CONTENTS, HOSE_MASS_1, INTEGRATED, MIDDLE_MASS_1, SHARED_CONTENTS
+from exo_sim.physics.state import CONTENTS, DRAWN, HOSE_MASS_1, INTEGRATED, MIDDLE_MASS_1, SHARED_CONTENTS
 
 #: In the place of a number of stages: a classic step; how many stages it has, and the largest h * lambda that it keeps stable, of what
 #: settles and of waves alike.
@@ -31,7 +31,7 @@ _MARGIN = 1.3
 
 
 @inlined_kernel
-def chebyshev_step(world, cylinders, y, held, x0, v, spool, h, stages, work, x, known):
+def chebyshev_step(world, cylinders, y, held, x0, v, spool, h, stages, work, x, known, moving):
     """Take one Runge-Kutta-Chebyshev step of `h` seconds, with pistons at x0 moving at v; return the flow drawn and the rate seen.
 
     The state afterwards is left in work[3], `y` stays as it is.
@@ -44,27 +44,30 @@ def chebyshev_step(world, cylinders, y, held, x0, v, spool, h, stages, work, x, 
         work: Scratch, shape (5, integrated_size).
         x: Scratch, shape (n,).
         known: True where the rate need not be seen: it is returned as 0.
+        moving: How many of the first numbers of `y` may change (`moving_numbers`).
     """
     n = len(cylinders)
     change, first, before, there, rate = work[0], work[1], work[2], work[3], work[4]  # changes: they round less than what they change
-    for i in range(n):
-        x[i] = x0[i]
-    drawn = rates(world, cylinders, y, first, held, x, v, spool)
-    a = COEFFICIENTS[stages, 1, 2] * h
     for q in range(y.size):
-        before[q] = 0.0
-        change[q] = a * first[q]
-        there[q] = y[q] + change[q]
-    seen = 0.0
-    for j in range(2, stages + 1):
+        there[q] = y[q]
+    drawn = seen = 0.0
+    for j in range(1, stages + 1):
         row = COEFFICIENTS[stages, j]
         for i in range(n):
             x[i] = x0[i] + v[i] * row[4] * h
-        rates(world, cylinders, there, rate, held, x, v, spool)
+        flow = rates(world, cylinders, there, rate, held, x, v, spool)
+        mu, nu, a, b = row[0], row[1], row[2] * h, row[3] * h
+        if j == 1:
+            drawn = flow
+            for q in range(moving):
+                first[q] = rate[q]
+                before[q] = 0.0
+                change[q] = a * rate[q]
+                there[q] = y[q] + change[q]
+            continue
         if j == stages and not known:
             seen = rate_seen(y, change, first, rate, n)
-        mu, nu, a, b = row[0], row[1], row[2] * h, row[3] * h
-        for q in range(y.size):
+        for q in range(moving):
             new = mu * change[q] + nu * before[q] + a * rate[q] + b * first[q]
             before[q] = change[q]
             change[q] = new
@@ -73,27 +76,30 @@ def chebyshev_step(world, cylinders, y, held, x0, v, spool, h, stages, work, x, 
 
 
 @inlined_kernel
-def classic_step(world, cylinders, y, held, x0, v, spool, h, work, x):
+def classic_step(world, cylinders, y, held, x0, v, spool, h, work, x, moving):
     """Take one classic Runge-Kutta step of `h` seconds; arguments and what is returned as of `chebyshev_step`."""
     n = len(cylinders)
     total, first, change, there, rate = work[0], work[1], work[2], work[3], work[4]
-    for i in range(n):
-        x[i] = x0[i]
-    drawn = rates(world, cylinders, y, first, held, x, v, spool)
     for q in range(y.size):
-        change[q] = 0.5 * h * first[q]
-        total[q] = first[q]
-        there[q] = y[q] + change[q]
-    seen = 0.0
-    for j in range(2, 5):
-        ahead = h if j == 4 else 0.5 * h
+        there[q] = y[q]
+    drawn = seen = 0.0
+    for j in range(1, CLASSIC_STAGES + 1):
+        ahead = 0.0 if j == 1 else h if j == 4 else 0.5 * h
         for i in range(n):
             x[i] = x0[i] + v[i] * ahead
-        rates(world, cylinders, there, rate, held, x, v, spool)
+        flow = rates(world, cylinders, there, rate, held, x, v, spool)
+        if j == 1:
+            drawn = flow
+            for q in range(moving):
+                change[q] = 0.5 * h * rate[q]
+                first[q] = rate[q]
+                total[q] = rate[q]
+                there[q] = y[q] + change[q]
+            continue
         if j == 2:
             seen = rate_seen(y, change, first, rate, n)
         weight, on = (1.0 if j == 4 else 2.0), (h if j == 3 else 0.5 * h)
-        for q in range(y.size):
+        for q in range(moving):
             total[q] += weight * rate[q]
             there[q] = y[q] + (h / 6.0 * total[q] if j == 4 else on * rate[q])
     return drawn, seen
@@ -151,7 +157,19 @@ def all_plain(world, cylinders) -> bool:
 
 
 @inlined_kernel
-def integrate(world, cylinders, y, held, x0, x1, span, spool, h, stages, work, x, v, most, known):
+def moving_numbers(world, cylinders, y) -> int:
+    """Return how many of the first integrated numbers change at all where nobody reads the books."""
+    shared = supply_droop.present(world.supply_droop) or exhaust_back_pressure.present(world.exhaust_back_pressure)
+    if shared or world.tank_volume > 0.0 or len(cylinders) > 1:
+        return y.size
+    c = cylinders[0]
+    if c.moving_wall_temperature.heat_capacity > 0.0 or line_restriction.has_inertia(c.line_restriction):
+        return DRAWN
+    return MIDDLE_MASS_1 if line_restriction.present(c.line_restriction) else HOSE_MASS_1
+
+
+@inlined_kernel
+def integrate(world, cylinders, y, held, x0, x1, span, spool, h, stages, work, x, v, most, known, moving):
     """Advance the integrated state by `h` seconds with pistons moving evenly from x0 to x1 over `span`.
 
     Return the flow drawn at the start, how many steps were tried, and the rate that the stages must reach where they did not [1/s]. One
@@ -163,6 +181,7 @@ def integrate(world, cylinders, y, held, x0, x1, span, spool, h, stages, work, x
         x, v: Scratch, shape (n,).
         most: Steps that may be tried.
         known: True where the stages are surely enough (`all_plain`): then the step is not asked.
+        moving: How many of the first numbers of `y` may change; of `work` the rest is zero where that is less than all.
     """
     n = len(cylinders)
     for i in range(n):
@@ -174,14 +193,14 @@ def integrate(world, cylinders, y, held, x0, x1, span, spool, h, stages, work, x
         if tried > most:
             break
         if stages == CLASSIC:
-            drawn, seen = classic_step(world, cylinders, y, held, x0, v, spool, piece, work, x)
+            drawn, seen = classic_step(world, cylinders, y, held, x0, v, spool, piece, work, x, moving)
         else:
-            drawn, seen = chebyshev_step(world, cylinders, y, held, x0, v, spool, piece, stages, work, x, known)
+            drawn, seen = chebyshev_step(world, cylinders, y, held, x0, v, spool, piece, stages, work, x, known, moving)
         if tried == 1:
             first = drawn
         unstable = not seen * piece <= (CLASSIC_REACH if stages == CLASSIC else REACH[stages])
         if _sound(there, y, n) and not unstable:
-            for q in range(y.size):
+            for q in range(moving):
                 y[q] = there[q]
             for i in range(n):
                 x0[i] += v[i] * piece

@@ -5,7 +5,7 @@ The piston is taken as massless: gas force less what resists it equals what the 
 
 from __future__ import annotations
 
-from exo_sim.physics.compiled import kernel
+from exo_sim.physics.compiled import inlined_kernel, kernel
 from exo_sim.physics.conditions import Motion
 from exo_sim.physics.effects import backlash, friction_smoothing, transmission_compliance, unknown
 from exo_sim.physics.friction import bristle_stiffness, sharp_level
@@ -55,7 +55,7 @@ def carried(c, piston: float, x: float) -> float:
     return stiffness(c) * play(c, piston - x)
 
 
-@kernel
+@inlined_kernel
 def piston_at(
     world, c, p_1: float, p_2: float, from_x: float, x: float, z: float, speed: float, span: float
 ) -> float:

@@ -9,6 +9,7 @@ import sys
 from pathlib import Path
 from types import ModuleType
 
+import numpy as np
 import pytest
 from numba.core.caching import FunctionCache
 
@@ -89,3 +90,22 @@ def test_a_full_disk_costs_only_the_keeping(tmp_path: Path, monkeypatch: pytest.
         twice = fresh(tmp_path, "lost").twice
         assert twice(1.5) == 3.0
         assert not twice.stats.cache_hits
+
+
+PAIR = np.dtype([("one", float), ("two", float)])
+_own = compiled.own_array(2, 3)
+
+
+@compiled.kernel
+def changed(pairs):  # type: ignore[no-untyped-def]
+    own, table = compiled.own_copy(pairs[0]), _own()
+    own.one += 1.0
+    table[:] = own.one
+    table[1, 2] = own.two
+    return own.one + pairs[0].one, table.sum(), table.shape
+
+
+def test_what_a_kernel_has_of_its_own_is_nobody_elses() -> None:
+    pairs = np.array([(2.0, 7.0)], PAIR)
+    assert changed(pairs) == (5.0, 5 * 3.0 + 7.0, (2, 3))
+    assert pairs[0]["one"] == 2.0

@@ -183,3 +183,20 @@ def test_a_cylinder_without_effects_takes_a_short_way_to_the_same_bits() -> None
     assert np.array_equal(ends[0], ends[1])
     assert ends[0][state.DRAWN] > 0.0
     assert ends[0][state.EXHAUSTED] > 0.0
+
+
+@pytest.mark.parametrize("hose", [0.0, 4e-6])
+def test_without_books_the_gas_does_the_same(hose: float) -> None:
+    gas = Pneumatics(paper_world(), paper_cylinder(0.032, 0.012, 0.1, 5e-6, 3e-6, 3e-6), dt=1e-3)
+    gas.cylinders["line_restriction"]["area"], gas.cylinders["line_restriction"]["volume"] = hose, 5e-6
+    gas.cylinders["wall_heat_transfer"]["conductance"], gas.cylinders["coulomb_friction"]["force"] = 0.3, 20.0
+    gas.fill(np.array([0.03]), 3e5, 4e5)
+    full, bare = gas.vector.copy(), gas.vector.copy()
+    work, scratch = np.zeros((2, 5, state.integrated_size(1))), np.zeros((5, 2))
+    for i in range(200):
+        x0, x1, command = np.array([0.03 + 1e-4 * i]), np.array([0.03 + 1e-4 * (i + 1)]), np.array([np.sin(0.2 * i)])
+        for books, vector in ((True, full), (False, bare)):
+            plant.advance(gas.world[0], gas.cylinders, vector, x0, x1, command, 1e-3, work[int(books)], scratch, books)
+    np.testing.assert_array_equal(full[: state.DRAWN], bare[: state.DRAWN])
+    assert full[state.DRAWN] > 0.0 and bare[state.DRAWN] == 0.0
+    assert full[state.integrated_size(1) + state.BRISTLE] != 0.0

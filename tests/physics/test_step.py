@@ -14,7 +14,7 @@ from exo_sim.physics.nodes import change_hose_pressure
 from exo_sim.physics.pneumatics import Pneumatics, paper_cylinder, paper_world
 from exo_sim.physics.runge_kutta_chebyshev import enough_stages
 from exo_sim.physics.state import integrated_size
-from exo_sim.physics.step import CLASSIC, chebyshev_step, integrate
+from exo_sim.physics.step import CLASSIC, chebyshev_step, integrate, moving_numbers
 from exo_sim.physics.step_length import step_length
 from exo_sim.physics.summed_effects import outward_rate
 from exo_sim.physics.terms import OUTWARD_FLOW, Term, within
@@ -41,7 +41,9 @@ def after(gas: Pneumatics, stages: int, most: int, pieces: int = 1, steps: int =
         for i in range(pieces):
             left, h = H * (1.0 - i / pieces), H / pieces
             enough = max(stages, enough_stages(faster * h))
-            _, more, too_fast = integrate(gas.world[0], gas.cylinders, y, 0.0, x0, x1, left, spool, h, enough, gas._work, x, v, most, False)
+            _, more, too_fast = integrate(
+                gas.world[0], gas.cylinders, y, 0.0, x0, x1, left, spool, h, enough, gas._work, x, v, most, False, size
+            )
             tried, faster = tried + more, max(faster, too_fast)
     return y, tried
 
@@ -51,7 +53,7 @@ def test_too_few_stages_are_seen_and_the_step_is_taken_again() -> None:
     size = integrated_size(1)
     stocks = slice(0, 8)
     at, speed, opening = np.array([0.002]), np.array([0.2]), np.array([0.6])
-    chebyshev_step(gas.world[0], gas.cylinders, gas.vector[:size], 0.0, at, speed, opening, H, 2, gas._work, np.zeros(1), False)
+    chebyshev_step(gas.world[0], gas.cylinders, gas.vector[:size], 0.0, at, speed, opening, H, 2, gas._work, np.zeros(1), False, size)
     alone = gas._work[3].copy()
     assert not (np.abs(alone - gas.vector[:size]) < gas.vector[:size])[stocks].all(), "two stages alone should not hold this"
     guarded, tried = after(gas, 2, 1000, steps=40)
@@ -85,7 +87,9 @@ def rung(gas: Pneumatics, h: float, seconds: float) -> NDArray[np.float64]:
     """Return the integrated state after classic steps of `h`, the piston at rest."""
     y, at, none = gas.vector[: integrated_size(1)].copy(), np.array([0.05]), np.zeros(2)
     for _ in range(round(seconds / h)):
-        integrate(gas.world[0], gas.cylinders, y, 0.0, at, at.copy(), h, none, h, CLASSIC, gas._work, np.zeros(1), np.zeros(1), 1, False)
+        integrate(
+            gas.world[0], gas.cylinders, y, 0.0, at, at.copy(), h, none, h, CLASSIC, gas._work, np.zeros(1), np.zeros(1), 1, False, y.size
+        )
     return y
 
 
@@ -118,7 +122,8 @@ def test_a_classic_step_that_is_not_stable_is_halved() -> None:
     y = gas.vector[: integrated_size(1)].copy()
     y[state.ENERGY_1] *= 1.1
     _, tried, _ = integrate(
-        gas.world[0], gas.cylinders, y, 0.0, at, at.copy(), 0.02, none, 0.02, CLASSIC, gas._work, np.zeros(1), np.zeros(1), 1000, False
+        gas.world[0], gas.cylinders, y, 0.0, at, at.copy(), 0.02, none, 0.02, CLASSIC, gas._work, np.zeros(1), np.zeros(1), 1000, False,
+        y.size,
     )
     assert tried > 2 and np.isfinite(y).all() and (y[:8] > 0.0).all()
 
@@ -182,3 +187,16 @@ def test_a_declared_bound_is_used_and_an_undeclared_one_estimated() -> None:
     declared = outward_rate(cylinder[0], here, here, 1e-3, world)
     estimated = made.fastest("cylinder", settling.by_outward_flow)(cylinder[0], here, here, 1e-3, world)
     assert estimated == pytest.approx(declared, rel=0.03)
+
+
+@pytest.mark.parametrize(
+    ("area", "length", "capacity", "moving"),
+    [(0.0, 0.0, 0.0, 4), (4e-6, 0.0, 0.0, 8), (4e-6, 1.0, 0.0, 18), (0.0, 0.0, 5.0, 18)],
+)
+def test_only_what_moves_is_followed_where_nobody_reads_the_books(area: float, length: float, capacity: float, moving: int) -> None:
+    gas = stiff()
+    hose, wall = gas.cylinders["line_restriction"], gas.cylinders["moving_wall_temperature"]
+    hose["area"], hose["volume"], hose["length"], wall["heat_capacity"] = area, 5e-6, length, capacity
+    assert moving_numbers(gas.world[0], gas.cylinders, gas.vector[: integrated_size(1)]) == moving
+    gas.world["exhaust_back_pressure"]["area"] = 1e-5
+    assert moving_numbers(gas.world[0], gas.cylinders, gas.vector[: integrated_size(1)]) == integrated_size(1)

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from exo_sim.physics import nozzle
-from exo_sim.physics.compiled import kernel
+from exo_sim.physics.compiled import inlined_kernel, kernel
 from exo_sim.physics.declaration import Effect, Identification, Parameter
 from exo_sim.physics.identification import Applicability
 
@@ -45,7 +45,7 @@ def present(p) -> bool:
     return p.area > 0.0
 
 
-@kernel
+@inlined_kernel
 def flow(p, p_node: float, t_node: float, p_out: float, t_out: float, k: float, r: float) -> float:
     """Return the mass flow from the exhaust manifold to the outside [kg/s]."""
     return nozzle.flow(p.area, p_node, t_node, p_out, t_out, k, r)

@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 
 from exo_sim.physics import nozzle
-from exo_sim.physics.compiled import kernel
+from exo_sim.physics.compiled import inlined_kernel, kernel
 from exo_sim.physics.declaration import Effect, Identification, Parameter
 from exo_sim.physics.effects import critical_ratio
 from exo_sim.physics.identification import Applicability
@@ -155,7 +155,7 @@ def friction_rate(p, w: float, density: float) -> float:
     return p.volume / (p.length * p.length) * abs(w) / (density * p.area * p.area)
 
 
-@kernel
+@inlined_kernel
 def resistance(p, area: float, p_a: float, t_a: float, p_b: float, t_b: float, k: float, r: float) -> float:
     """Return the drop of pressure from end to end over the square of the flow that it drives steadily [Pa s^2/kg^2].
 
@@ -185,7 +185,7 @@ def acceleration(p, whole: float, w: float, p_a: float, t_a: float, p_b: float, 
     return section / length * (p_a - p_b - max(0.5 * whole * abs(w), laminar) * w)
 
 
-@kernel
+@inlined_kernel
 def flow(p, area: float, p_a: float, t_a: float, p_b: float, t_b: float, k: float, r: float) -> float:
     """Return the mass flow through the hose's throttle from a to b [kg/s], negative where b is upstream.
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping
 from itertools import pairwise
 
-from exo_sim.physics.compiled import kernel
+from exo_sim.physics.compiled import inlined_kernel, kernel
 from exo_sim.physics.declaration import Effect, Parameter
 from exo_sim.physics.settling import HOT
 from exo_sim.physics.terms import DRY_FRICTION, OUTWARD_FLOW
@@ -73,7 +73,7 @@ def present(p) -> bool:
     return p.at[KNOTS - 1] > p.at[0]
 
 
-@kernel
+@inlined_kernel
 def curve(p, variable: float) -> float:
     """Return the curve between its knots; beyond them it keeps its last value."""
     if variable <= p.at[0]:
@@ -85,7 +85,7 @@ def curve(p, variable: float) -> float:
     return p.values[KNOTS - 1]
 
 
-@kernel
+@inlined_kernel
 def acting(p, on: int, x: float, v: float, p_1: float, p_2: float) -> float:
     """Return the force on a part [N or N m] (on = 0), or the flow into chamber 1 or 2 [kg/s] (on = 1, 2)."""
     if not present(p) or int(p.acts) != on:
@@ -93,7 +93,7 @@ def acting(p, on: int, x: float, v: float, p_1: float, p_2: float) -> float:
     return _of_signals(p, x, v, p_1, p_2)
 
 
-@kernel
+@inlined_kernel
 def _of_signals(p, x: float, v: float, p_1: float, p_2: float) -> float:
     """Return the curve at the signal that it depends on."""
     if p.depends_on == 0.0:

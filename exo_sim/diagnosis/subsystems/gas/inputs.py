@@ -194,17 +194,20 @@ def late_commands(time: Array, commands: Array, delay: float) -> ArrivedCommands
     n = len(time)
     if delay == 0.0:
         return ArrivedCommands(np.hstack([commands, commands]), np.zeros(n))
+    mirrored = np.array_equal(commands[:, 1], -commands[:, 0])  # one spool serves both chambers: so are the means
+    sides = [np.ascontiguousarray(side) for side in (commands.T[:1] if mirrored else commands.T)]
     edges = np.append(time, 2 * time[-1] - time[-2]) - delay
-    total = np.vstack([np.zeros(2), np.cumsum(commands[:-1] * np.diff(time)[:, None], axis=0)])
+    steps = np.diff(time)
+    total = [np.concatenate(([0.0], np.cumsum(side[:-1] * steps))) for side in sides]
 
-    def passed(at: Array) -> Array:
-        inside = np.stack([np.interp(at, time, column) for column in total.T], axis=1)
-        before, behind = np.minimum(at - time[0], 0.0)[:, None], np.maximum(at - time[-1], 0.0)[:, None]
-        return np.asarray(inside + before * commands[0] + behind * commands[-1])
+    def passed(at: Array) -> list[Array]:
+        before, behind = np.minimum(at - time[0], 0.0), np.maximum(at - time[-1], 0.0)
+        return [np.interp(at, time, sums) + before * side[0] + behind * side[-1] for sums, side in zip(total, sides, strict=True)]
 
     at_edges = passed(edges)
     first = np.zeros(n)
-    change = np.abs(np.diff(commands, axis=0)).max(axis=1)
+    changes = [np.abs(np.diff(side)) for side in sides]
+    change = changes[0] if mirrored else np.maximum(*changes)
     switched = np.flatnonzero(change > SWITCHED)
     switched = switched[np.argsort(change[switched], kind="stable")] + 1  # of several in one step the largest is written last
     step = np.searchsorted(edges, time[switched], side="right") - 1
@@ -213,11 +216,15 @@ def late_commands(time: Array, commands: Array, delay: float) -> ArrivedCommands
     first[step] = time[switched] - edges[step]
     whole = np.diff(edges)
     first[(first < NO_PART * whole) | (first > (1.0 - NO_PART) * whole)] = 0.0
-    means = np.diff(at_edges, axis=0) / whole[:, None]
-    early, late = means, means.copy()
     parts = np.flatnonzero(first)
-    if parts.size:
-        between = passed(edges[parts] + first[parts])
-        early[parts] = (between - at_edges[parts]) / first[parts, None]
-        late[parts] = (at_edges[parts + 1] - between) / (whole - first)[parts, None]
-    return ArrivedCommands(np.hstack([early, late]), first)
+    between = passed(edges[parts] + first[parts])
+    arrived = np.empty((n, 4))
+    for column, (edge, middle) in enumerate(zip(at_edges, between, strict=True)):
+        early = np.diff(edge) / whole
+        late = early.copy()
+        early[parts] = (middle - edge[parts]) / first[parts]
+        late[parts] = (edge[parts + 1] - middle) / (whole - first)[parts]
+        arrived[:, column], arrived[:, column + 2] = early, late
+    if mirrored:
+        arrived[:, 1::2] = -arrived[:, 0::2]
+    return ArrivedCommands(arrived, first)

@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 
 from exo_sim.diagnosis.subsystems.gas.inputs import GasInputs
 from exo_sim.physics import chamber, plant, state
-from exo_sim.physics.compiled import borrow, kernel
+from exo_sim.physics.compiled import borrow, kernel, own_array, own_copy
 from exo_sim.physics.effects import line_restriction, valve_lag
 from exo_sim.physics.nodes import change_hose_pressure, change_pressure
 from exo_sim.physics.pneumatics import Pneumatics
@@ -52,18 +52,21 @@ GAP = 0.5
 #: What settles faster than this, behind a choked path, is not resolved [s]: a fifth of the shortest row of a fit.
 SETTLED = 1e-3
 
+#: The state of one cylinder, and what a step of it writes to.
+_vector, _work, _scratch = own_array(state.size(1, 0)), own_array(5, state.integrated_size(1)), own_array(8, 2)
+
 
 @kernel
 def predict(
     world, cylinders, vector, time, gap, command, first, length, supply, exhaust, supply_temperature, starts, start_pressure,
-    work, scratch, out, inside, drawn, warmth,
+    out, inside, drawn, warmth,
 ):  # fmt: skip
     """Run one cylinder through a recording, its pressures set to the measured ones at the start of every window.
 
     A chamber's temperature is carried from window to window, for no sensor measures it.
 
     Args:
-        world, cylinders: Records, shape (1,) each; the world's supply and exhaust are overwritten at every sample.
+        world, cylinders: Records, shape (1,) each.
         vector: State of one cylinder, filled.
         time, length, supply, exhaust, supply_temperature: Inputs, shape (n,).
         gap: Nothing is predicted over a step of the clock that is no shorter [s].
@@ -76,26 +79,29 @@ def predict(
         inside: Predicted pressures in the chambers, shape (n, 2); this and the next two may be empty, then they are left out.
         drawn: Mass flow from the supply over the step that follows each sample [kg/s], shape (n,).
         warmth: Predicted gas temperatures, shape (n, 2).
-        work: As of `plant.advance`.
-        scratch: Shape (8, 2).
     """
-    world, cylinders, vector, start_pressure, work, scratch = borrow((world, cylinders, vector, start_pressure, work, scratch))
+    world, cylinders, vector, start_pressure = borrow((world, cylinders, vector, start_pressure))
     time, command, first, length, supply, exhaust = borrow((time, command, first, length, supply, exhaust))
     supply_temperature, starts, out, inside, drawn, warmth = borrow((supply_temperature, starts, out, inside, drawn, warmth))
     whole = drawn.size > 0
     n = time.size
-    c = cylinders[0]
-    k = world[0].k
+    c, w = own_copy(cylinders[0]), own_copy(world[0])
+    alone = (c,)
+    k = w.k
     memory = state.INTEGRATED + state.SHARED
     window = 0
+    own, work, scratch = _vector(), _work(), _scratch()
+    for j in range(own.size):
+        own[j] = vector[j]
+    work[:] = 0.0
     u, x0, x1 = scratch[5], scratch[6, :1], scratch[7, :1]
     at_valve = line_restriction.present(c.line_restriction) and c.line_restriction.sensor > 0.5
     node = line_restriction.node_volume(c.line_restriction)
     for i in range(n):
-        world[0].supply_pressure = supply[i]
-        world[0].exhaust_pressure = exhaust[i]
-        world[0].supply_temperature = supply_temperature[i]
-        here = vector[memory + state.PISTON] if gives(c) else length[i]
+        w.supply_pressure = supply[i]
+        w.exhaust_pressure = exhaust[i]
+        w.supply_temperature = supply_temperature[i]
+        here = own[memory + state.PISTON] if gives(c) else length[i]
         if window < starts.size and starts[window] == i:
             v_1, v_2 = plant.volumes(c, here)
             for side in range(2):
@@ -103,25 +109,25 @@ def predict(
                 if math.isnan(target) or (side == 1 and c.single_acting > 0.0):
                     continue
                 volume = v_1 if side == 0 else v_2
-                seen = chamber.pressure(vector[state.ENERGY_1 + 2 * side], volume, k)
+                seen = chamber.pressure(own[state.ENERGY_1 + 2 * side], volume, k)
                 if at_valve:
-                    seen = chamber.pressure(vector[state.HOSE_ENERGY_1 + 2 * side], node, k)
-                change_pressure(vector, state.MASS_1 + 2 * side, volume, target - seen, k)
-                change_hose_pressure(c, vector, 0, side, target - seen, k)
+                    seen = chamber.pressure(own[state.HOSE_ENERGY_1 + 2 * side], node, k)
+                change_pressure(own, state.MASS_1 + 2 * side, volume, target - seen, k)
+                change_hose_pressure(c, own, 0, side, target - seen, k)
             window += 1
-        p_1, p_2 = plant.pressures(world[0], c, vector, 0, here)
+        p_1, p_2 = plant.pressures(w, c, own, 0, here)
         if whole:
-            t_1, t_2 = plant.temperatures(world[0], vector, 0)
+            t_1, t_2 = plant.temperatures(w, own, 0)
             warmth[i, 0], warmth[i, 1] = t_1, t_2
             inside[i, 0], inside[i, 1] = p_1, p_2
         if at_valve:
-            out[i, 0] = chamber.pressure(vector[state.HOSE_ENERGY_1], node, k)
-            out[i, 1] = chamber.pressure(vector[state.HOSE_ENERGY_2], node, k)
+            out[i, 0] = chamber.pressure(own[state.HOSE_ENERGY_1], node, k)
+            out[i, 1] = chamber.pressure(own[state.HOSE_ENERGY_2], node, k)
         else:
             out[i, 0], out[i, 1] = p_1, p_2
         if i + 1 < n:
             dt = time[i + 1] - time[i]
-            before = vector[state.DRAWN]
+            before = own[state.DRAWN]
             if dt < gap:
                 part, to = first[i], length[i + 1]
                 x1[0] = length[i]
@@ -131,9 +137,9 @@ def predict(
                     x1[0] = to if rest == 1 else length[i] + (to - length[i]) * part / dt
                     column = 2 if rest == 1 and part > 0.0 else 0
                     u[0], u[1] = command[i, column], command[i, column + 1]
-                    plant.advance(world[0], cylinders, vector, x0, x1, u, span, work, scratch)
+                    plant.advance(w, alone, own, x0, x1, u, span, work, scratch, whole)
             if whole:
-                drawn[i] = (vector[state.DRAWN] - before) / dt
+                drawn[i] = (own[state.DRAWN] - before) / dt
 
 
 def _widen_hose(world: NDArray[np.void], cylinder: NDArray[np.void], seconds: float) -> None:
@@ -255,6 +261,6 @@ def run_gas(
     gap = max(GAP, windows.JUMP * usual)
     predict(
         world, cylinder, gas.vector, feed.time, gap, arrived.command, arrived.first, length, feed.supply, feed.exhaust,
-        feed.supply_temperature, feed.windows.starts, start, gas._work, np.zeros((8, 2)), out, inside, drawn, temperature,
+        feed.supply_temperature, feed.windows.starts, start, out, inside, drawn, temperature,
     )  # fmt: skip
     return GasPrediction(out, inside, drawn, temperature)

@@ -123,6 +123,17 @@ def test_late_commands_keep_their_integral_and_divide_steps_where_the_valve_is_t
     assert set(np.round(np.unique(late.command[late.first > 0.0]), 9)) <= {-1.0, -0.3, 0.0, 0.3, 1.0}
 
 
+def test_mirrored_commands_arrive_as_each_would_alone() -> None:
+    rng = np.random.default_rng(3)
+    time: NDArray[np.float64] = np.cumsum(rng.uniform(0.9e-3, 1.1e-3, 500))
+    one: NDArray[np.float64] = np.repeat(rng.choice([-1.0, 0.1, 1.0], 50), 10)
+    other = -one
+    other[-1] *= 1.0 + 1e-15  # no longer mirrored
+    mirrored, apart = (late_commands(time, np.stack([one, second], axis=1), 3.3e-3) for second in (-one, other))
+    np.testing.assert_array_equal(mirrored.command[:-5], apart.command[:-5])
+    np.testing.assert_array_equal(mirrored.first, apart.first)
+
+
 def test_a_command_that_hardly_changes_is_not_divided() -> None:
     time: NDArray[np.float64] = np.arange(50, dtype=np.float64) * 1e-3
     smooth: NDArray[np.float64] = 0.05 * np.arange(50, dtype=np.float64)

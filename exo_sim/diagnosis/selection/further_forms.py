@@ -1,4 +1,4 @@
-"""Effects that were found, in forms in which their law goes on: asked where something is left beside them, and nowhere else."""
+"""Effects that were found, in forms in which their law goes on: asked where something is left, or another would take a place."""
 
 from __future__ import annotations
 
@@ -11,15 +11,21 @@ from exo_sim.diagnosis.selection.model_fits import ModelFits
 from exo_sim.diagnosis.selection.proposals import Proposals
 
 
-def with_further_forms(now: FittedModel, fits: ModelFits, comparisons: Comparisons, proposals: Proposals) -> FittedModel:
+def with_further_forms(
+    now: FittedModel, fits: ModelFits, comparisons: Comparisons, proposals: Proposals, instead: bool = False
+) -> FittedModel:  # fmt: skip
     """Return a model with findings in the further forms that the data support; itself where they support none, or nothing is left.
 
     A further form is no other effect: it passes the gates of what stands in a model already, where the poorer one is not as good. It is
     fitted from each of its starts, for how a law goes on may be felt only beyond a size: the waves of a hose stay out of a fit that
     begins with half its length.
+
+    Args:
+        now, fits, comparisons, proposals: Of the search.
+        instead: Whether another effect would take the place of one of them: then they are asked though nothing is left.
     """
     for candidate in now.candidates:
-        if comparisons.is_clean(now) or fits.is_spent():
+        if (comparisons.is_clean(now) and not instead) or fits.is_spent():
             break
         shown = []
         for form in proposals.further(candidate, now):

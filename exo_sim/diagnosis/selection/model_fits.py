@@ -19,7 +19,7 @@ from exo_sim.diagnosis.policy import acceptance
 from exo_sim.diagnosis.policy.budgets import CHEAP_STARTS, FIRST_LOOK, LAW_STARTS, MOST_STEPS, WORTH_A_LOOK
 from exo_sim.diagnosis.selection.evidence import negative_log_likelihood
 from exo_sim.diagnosis.selection.fitted_model import FittedModel, LeastSquaresModel, SetKey, key_of
-from exo_sim.diagnosis.selection.score_test import Sizes
+from exo_sim.diagnosis.selection.score_test import Promised, Sizes
 
 Array = NDArray[np.float64]
 
@@ -41,6 +41,8 @@ class ModelFits:
 
     Attributes:
         signature_sizes: Of the candidates, as they were asked last.
+        promised: Where candidates left least along their signatures, as they were asked last: a fit may begin there, too. What a usual
+            size does to a small and quiet machine may be hundreds of times the noise, and from there no fit comes back.
     """
 
     def __init__(
@@ -50,6 +52,7 @@ class ModelFits:
         self.is_spent = is_spent
         self.model, self.nuisances, self.threads, self.cheap = model, tuple(nuisances), threads, cheap
         self.signature_sizes: Sizes = {}
+        self.promised: Promised = {}
         self._fitted: dict[SetKey, FittedModel] = {}
 
     def fit(self, candidates: Sequence[Candidate], near: FittedModel | None = None, again: bool = False) -> FittedModel:
@@ -168,7 +171,8 @@ class ModelFits:
             options.append({**begun, **{q: q.prior[0] for q in self.nuisances if q.prior}})
         for candidate in candidates:
             if any(q not in start for q in candidate.parameters):
-                options = [{**o, **dict(zip(candidate.parameters, values, strict=True))} for o in options for values in candidate.starts]
+                own = (*candidate.starts, *(start for key, start in self.promised.items() if key == candidate.key))
+                options = [{**o, **dict(zip(candidate.parameters, values, strict=True))} for o in options for values in own]
                 options += [candidate.beside(option) for option in options if candidate.displaced]
         return parameters, options
 

@@ -49,7 +49,7 @@ class Proposals:
         """Return the signatures of candidates beside a model; only those of the latest are kept, for they take much memory."""
         key = key_of(model.candidates)
         if self._latest is None or self._latest[0] != key:
-            self._latest = key, Signatures(self.fits.model, model, self.fits.signature_sizes)
+            self._latest = key, Signatures(self.fits.model, model, self.fits.signature_sizes, self.fits.promised)
         return self._latest[1]
 
     def promise_enough(self, promised: float, now: FittedModel) -> bool:
@@ -61,8 +61,11 @@ class Proposals:
         return self._finalists([(score, candidate) for score, candidate in self.scored(now) if self.promise_enough(score, now)])
 
     def shaped(self, now: FittedModel) -> list[FittedModel]:
-        """Return models with one more candidate whose answer is not in proportion, each where a fit of it is worth beginning."""
-        asked = [one for one in self.candidates if one.at not in now.named and now.meets_prerequisite(one)]
+        """Return models with one more candidate whose answer is not in proportion, each where a fit of it is worth beginning.
+
+        Also in a further form: a hose of small bore is as warm as the room, and without that does nothing for what it explains.
+        """
+        asked = [one for one in (*self.candidates, *self._further) if one.at not in now.named and now.meets_prerequisite(one)]
         begun = best_shapes(self.fits.model, now, asked, self.fits.threads, self.fits.is_spent)
         return [model for drop, model in begun if self.promise_enough(drop, now)]
 

@@ -21,6 +21,8 @@ Array = NDArray[np.float64]
 
 #: At which share of a candidate's start its signature stood out of the noise when it was asked last, by candidate and start.
 Sizes = dict[tuple[CandidateKey, tuple[float, ...]], float]
+#: Where a candidate in proportion leaves least along its signature, all else refitted along its derivatives, by candidate.
+Promised = dict[CandidateKey, tuple[float, ...]]
 
 
 class Signatures:
@@ -29,16 +31,25 @@ class Signatures:
     Args:
         model: The subsystem.
         beside: The fitted model.
-        sizes: Known from other fitted models of the subsystem; what is found here is added.
+        sizes, promised: Known from other fitted models of the subsystem; what is found here is added.
     """
 
-    def __init__(self, model: LeastSquaresModel, beside: FittedModel, sizes: Sizes | None = None):
+    def __init__(self, model: LeastSquaresModel, beside: FittedModel, sizes: Sizes | None = None, promised: Promised | None = None):
         self._model, self._beside = model, beside
         self._sizes: Sizes = {} if sizes is None else sizes
-        self._kept: dict[CandidateKey, list[Array]] = {}
+        self._promised: Promised = {} if promised is None else promised
+        self._kept: dict[CandidateKey, list[tuple[Array, dict[FreeParameter, float]]]] = {}
 
-    def of(self, candidate: Candidate) -> list[Array]:
-        """Return the changes of the residual by a candidate, shape (n,) each: one for each start that can be predicted."""
+    def promise(self, candidate: Candidate, values: dict[FreeParameter, float], share: float) -> None:
+        """Keep where a candidate leaves least: at so large a share of the size that its signature has."""
+        if candidate.proportional:
+            start = tuple(q.neutral + share * (values[q] - q.neutral) for q in candidate.parameters)
+            self._promised[candidate.key] = tuple(
+                float(np.clip(v, q.low, q.high)) for v, q in zip(start, candidate.parameters, strict=True)
+            )
+
+    def of(self, candidate: Candidate) -> list[tuple[Array, dict[FreeParameter, float]]]:
+        """Return the changes of the residual by a candidate, shape (n,) each, and the size: one for each start that can be predicted."""
         if candidate.key not in self._kept:
             base = self._beside.fit.residual
             level = math.sqrt(float(base @ base) / max(base.size, 1))
@@ -46,7 +57,7 @@ class Signatures:
                 signature(self._model, candidate, start, self._beside, self._beside.fixed, base, level, self._sizes)
                 for start in candidate.starts
             ]
-            self._kept[candidate.key] = [pair[0] for pair in found if pair is not None]
+            self._kept[candidate.key] = [pair for pair in found if pair is not None]
         return self._kept[candidate.key]
 
 
@@ -86,7 +97,7 @@ def scores(
         beyond = clear_of(candidate)
         if candidate.is_law:
             return _promise_of_law(model, candidate, now, fixed_now, level, beyond), candidate
-        for change in signatures.of(candidate):
+        for change, values in signatures.of(candidate):
             clear = beyond.clear(change)
             power = float(clear @ clear)
             pull = -float(clear @ beyond.left)
@@ -95,7 +106,9 @@ def scores(
             one_sided = all(q.low >= q.neutral and q.slot not in held for q in candidate.parameters)
             if pull <= 0.0 and one_sided:
                 continue
-            best = max(best, pull * pull / power)
+            if pull * pull / power > best:
+                best = pull * pull / power
+                signatures.promise(candidate, values, pull / power)
         return best, candidate
 
     left = [c for c in candidates if c.at not in now.named and now.meets_prerequisite(c)]

@@ -224,6 +224,9 @@ class _Growth:
             better = self._overtaken(found)
             if better is None:
                 break
+            if not self._is_over():  # what an effect that stands gets wrong in its form is no reason for the name of another
+                richer = with_further_forms(found.final, self.fits, self.comparisons, self.proposals, instead=True)
+                better = self.comparisons.ranked([better, richer])[0] if richer is not found.final else better
             found = self._assessed(better)
         return found
 

@@ -19,15 +19,26 @@ def sonic_conductance(bore: float, length: float) -> float:
     return 0.029 * bore**2 / math.sqrt(length / bore**1.25 + 510.0)
 
 
-def _hoses_within(dead_volume: float) -> tuple[tuple[float, float, float], ...]:
+#: Heat that a metre of hose takes from gas that flows in layers, Nu k pi with Nu = 3.66 (Incropera, ch. 8) [W/(K m)].
+_HEAT = 0.3
+
+
+def _hoses_within(
+    dead_volume: float, lengths: tuple[float, ...] = (0.5, 0.75, 1.0, 1.25, 1.5, 1.75, 2.0, 2.5, 3.0)
+) -> tuple[tuple[float, float, float], ...]:
     """Return area [m^2], volume [m^3] and length [m] of hoses that hold a share of a dead volume, each with the area of its bore."""
     found = []
     for share in (0.35, 0.6, 0.85):
-        for length in (0.5, 0.75, 1.0, 1.25, 1.5, 1.75, 2.0, 2.5, 3.0):
+        for length in lengths:
             volume = share * dead_volume
             bore = math.sqrt(4.0 * volume / (math.pi * length))
             found.append((_NOZZLE * sonic_conductance(bore, length), volume, length))
     return tuple(found)
+
+
+def _warm_hoses_within(dead_volume: float) -> tuple[tuple[float, float, float], ...]:
+    """Return area [m^2], volume [m^3] and conductance [W/K] of such hoses."""
+    return tuple((area, volume, _HEAT * length) for area, volume, length in _hoses_within(dead_volume, (0.5, 1.0, 2.0, 3.0)))
 
 
 EFFECT = Effect(
@@ -89,10 +100,11 @@ EFFECT = Effect(
         forms=(("area", "volume"), ("area", "volume", "ratio"), ("area", "volume", "length")),
         further={
             ("area", "volume", "conductance"): {"conductance": (0.3, 0.6)},
+            ("area", "volume", "ratio", "conductance"): {"ratio": (0.36, 0.36), "conductance": (0.3, 0.6)},
             ("area", "volume", "length", "conductance"): {"length": (1.0, 2.0), "conductance": (0.3, 0.6)},
         },
         starts_by_valve={"area": (2.0, 0.6, 0.25), "volume": (5e-6, 1e-5, 5e-6), "ratio": (0.36,) * 3, "length": (1.0, 2.0, 1.0)},
-        shapes={("area", "volume", "length"): _hoses_within},
+        shapes={("area", "volume", "length"): _hoses_within, ("area", "volume", "conductance"): _warm_hoses_within},
         of_dead_volume="volume",
         known={"ratio": (0.36, 0.08)},
         left_open={"length": (0.7, 1.5, 3.0), "conductance": (0.2, 0.45, 0.9)},

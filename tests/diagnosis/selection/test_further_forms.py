@@ -41,6 +41,14 @@ def test_a_law_stays_as_it_was_where_nothing_is_left() -> None:
     assert richer is now
 
 
+@pytest.mark.parametrize(("quick", "goes_on"), [(1.1, True), (0.0, False)])
+def test_a_clean_law_goes_on_where_another_effect_would_take_a_place(quick: float, goes_on: bool) -> None:
+    now, richer, one = asked(Waves(slow=8.0, quick=quick), BASE)
+    assert richer is now
+    comparisons = Comparisons(one.fits, one.fits.fit(()), 3, 0.0)
+    assert (with_further_forms(now, one.fits, comparisons, one.proposals, instead=True) is not now) is goes_on
+
+
 def test_a_law_stays_as_it_was_where_the_further_form_does_not_help() -> None:
     now, richer, _ = asked(Waves(slow=8.0, quicker=4.0), BASE)
     assert richer is now

@@ -8,6 +8,7 @@ import numpy as np
 import pytest
 from diagnosis import waves
 
+from exo_sim.diagnosis.estimation.parameters import PlantParameters
 from exo_sim.diagnosis.policy import signatures
 from exo_sim.diagnosis.selection.model_fits import ModelFits
 from exo_sim.diagnosis.selection.score_test import Signatures, Sizes, scores, signature
@@ -21,6 +22,25 @@ def test_a_linear_signature_promises_exactly_what_the_fit_gains(size: float) -> 
     ((promised, found),) = scores(model, now, (waves.BASE,))
     assert found is waves.BASE
     assert promised == pytest.approx(now.fit.sse - then.fit.sse, rel=1e-6)
+
+
+def test_a_fit_may_begin_where_the_signature_leaves_least() -> None:
+    """A wave that saturates far below its usual size: from there nothing leads back, along its signature it does."""
+
+    class Saturating(waves.Waves):
+        def residual_of(self, plant: PlantParameters) -> waves.Array:
+            return self._error + self.shapes["slow"] * 30.0 * np.tanh(plant.sensors.get("base.slow", 0.0))
+
+    model, fits = Saturating(slow=3.0), ModelFits(Saturating(slow=3.0), ())
+    usual = replace(waves.BASE, starts=((20.0,),))
+    now = fits.fit(())
+    without = fits._fitted_from((usual,), now)
+    assert without.fit.sse > now.fit.sse  # from its usual size no fit comes back
+    scores(model, now, (usual,), signatures=Signatures(model, now, promised=fits.promised))
+    (start,) = fits.promised[usual.key]
+    assert 0.0 < start < 1.0
+    found = fits.fit((usual,), now)
+    assert found.fit.sse == pytest.approx(model.size, rel=0.1)
 
 
 def test_what_a_fitted_parameter_explains_is_not_promised_again() -> None:

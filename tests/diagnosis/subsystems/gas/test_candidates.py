@@ -56,11 +56,16 @@ def test_long_hoses_are_sought_among_those_that_the_smaller_dead_volume_may_hold
     run = cylinder_runs.run_of(level, level, command=np.linspace(-0.2, 0.2, 50), commanded=True)
     hoses = [c for c in candidates(plant, [run], "piston", "slide") if c.effect == "line_restriction"]
     with_shapes = [c for c in hoses if c.shapes]
-    assert {tuple(q.parameter for q in c.parameters) for c in with_shapes} == {("area", "volume", "length")}
-    for area, volume, length in with_shapes[0].shapes:
+    forms = {tuple(q.parameter for q in c.parameters): c for c in with_shapes}
+    assert set(forms) == {("area", "volume", "length"), ("area", "volume", "conductance")}
+    # laminar in a tube as warm as the room: Nu = 3.66, k of air 0.026 W/(m K)
+    warm = [(area, volume, heat / (3.66 * 0.026 * np.pi)) for area, volume, heat in forms["area", "volume", "conductance"].shapes]
+    for (area, volume, length), within in (
+        *((shape, 1e-9) for shape in forms["area", "volume", "length"].shapes), *((shape, 0.02) for shape in warm)
+    ):
         assert 0.0 < volume < 3e-5
         bore = np.sqrt(4.0 * volume / (np.pi * length))
-        assert area == pytest.approx(502.0 * 0.029 * bore**2 / np.sqrt(length / bore**1.25 + 510.0))  # ISO 6358-3
+        assert area == pytest.approx(502.0 * 0.029 * bore**2 / np.sqrt(length / bore**1.25 + 510.0), rel=within)  # ISO 6358-3
 
 
 @pytest.mark.parametrize(("command", "asked"), [(np.full(50, 0.8), False), (np.linspace(0.0, 0.8, 50), True), (np.zeros(50), True)])

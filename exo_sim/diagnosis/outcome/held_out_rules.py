@@ -111,12 +111,13 @@ def too_small(
         tested: Those that held-out time tests, and what they gain there: without them it is missed by more than the noise, and their
             predictions differ. A name of a gas that is not certain with that counted in is small all the same: what healthy machines
             leave has no particular shape, and every candidate explains a little of it.
-        relief: By the same, how much nearer to their data sheets the rig's numbers are with it: what makes them right is not small.
+        relief: By the same, how much nearer to their data sheets the rig's numbers are with it: what certainly makes them right is not small.
     """
 
     def is_small(finding: Finding) -> bool:
         key = finding.key
-        if left.get(key, math.inf) > one.model.discrepancy_bound or relief.get(key, 0.0) > RELIEF:
+        relieves = relief.get(key, 0.0) > RELIEF and finding.log10_odds >= validation.CERTAIN_ODDS
+        if left.get(key, math.inf) > one.model.discrepancy_bound or relieves:
             return False
         if key in tested:
             return not (one.search.weighed_together or _is_certain(finding.log10_odds, tested[key]))

@@ -172,6 +172,8 @@ def test_what_returns_the_numbers_of_a_rig_to_their_data_sheets_is_not_small() -
     one = result(waves.Waves(bound=1.2), ratio)
     assert too_small(one, {ratio.key: 1.0}, {}, {}, {}, {ratio.key: RELIEF - 1.0}) != ()
     assert too_small(one, {ratio.key: 1.0}, {}, {}, {}, {ratio.key: RELIEF + 1.0}) == ()
+    unsure = result(waves.Waves(bound=1.2), replace(ratio, log10_odds=2.0))
+    assert too_small(unsure, {ratio.key: 1.0}, {}, {}, {}, {ratio.key: RELIEF + 1.0}) != ()
 
 
 def test_what_another_finding_needs_is_not_small() -> None:

@@ -111,7 +111,7 @@ def too_small(
         tested: Those that held-out time tests, and what they gain there: without them it is missed by more than the noise, and their
             predictions differ. A name of a gas that is not certain with that counted in is small all the same: what healthy machines
             leave has no particular shape, and every candidate explains a little of it.
-        relief: By the same, how much nearer to their data sheets the rig's numbers are with it: what certainly makes them right is not small.
+        relief: By the same, how much nearer to their data sheets the rig's numbers are with it: what surely makes them right is not small.
     """
 
     def is_small(finding: Finding) -> bool:

@@ -36,16 +36,18 @@ def clock_breaks(time: Array) -> tuple[int, ...]:
 def stretch_starts(time: Array, *channels: Array | None) -> tuple[int, ...]:
     """Return the indices at which a stretch begins: jumps of the clock, and both ends of every hole in a channel."""
     edges = set(clock_breaks(time))
-    least = max(3, int(HOLE / max(float(np.median(np.diff(time))), 1e-9))) if len(time) > 1 else 3
     for values in channels:
-        if values is None:
-            continue
-        bad = np.concatenate([[0], (~np.isfinite(values)).astype(int), [0]])
-        turns = np.flatnonzero(np.diff(bad))
-        for begin, end in zip(turns[::2], turns[1::2], strict=True):
-            if end - begin >= least:
-                edges |= {int(begin), int(end)}
+        if values is not None:
+            edges |= {edge for hole in holes(time, values) for edge in hole}
     return tuple(sorted(edge for edge in edges if edge < len(time)))
+
+
+def holes(time: Array, values: Array) -> list[tuple[int, int]]:
+    """Return the holes of a channel, first and past the last sample of each: too long to be bridged (single samples are interpolated)."""
+    least = max(3, int(HOLE / max(float(np.median(np.diff(time))), 1e-9))) if len(time) > 1 else 3
+    bad = np.concatenate([[0], (~np.isfinite(values)).astype(int), [0]])
+    turns = np.flatnonzero(np.diff(bad))
+    return [(int(begin), int(end)) for begin, end in zip(turns[::2], turns[1::2], strict=True) if end - begin >= least]
 
 
 def local_range(pressures: Iterable[Array | None], n: int) -> Array:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import itertools
 import math
 from dataclasses import dataclass, replace
 
@@ -16,7 +17,7 @@ from exo_sim.machine.linkage import Linkage, moment_row
 from exo_sim.recording.filters import forward_filled, smoothed
 from exo_sim.recording.noise import white_noise
 from exo_sim.recording.table import Recording
-from exo_sim.recording.windows import stretch_starts
+from exo_sim.recording.windows import mended_at, stretch_starts
 from exo_sim.rig import Rig
 
 Array = NDArray[np.float64]
@@ -134,7 +135,7 @@ def lengths(
         raw = recording.get(f"{model.joint(joint).name}.position")
         if raw is None or np.isfinite(raw).sum() < FEWEST_OF_CHANNEL:
             continue
-        position, velocity, _ = smoothed(recording.time, raw)
+        position, velocity = _smoothed(recording, raw)
         noise, retracted = white_noise(raw), rig.cylinders[link.cylinder].retracted_length
         if model.actuator_trntype[link.actuator] == int(mujoco.mjtTrn.mjTRN_JOINT):
             gear = float(model.actuator_gear[link.actuator, 0])
@@ -156,6 +157,14 @@ def lengths(
     return found
 
 
+def _smoothed(recording: Recording, values: Array) -> tuple[Array, Array]:
+    """Return smoothed values and their rate, shape (n,) each; apart before and after every moment at which the clock was mended."""
+    time = recording.time
+    edges = [0, *(cut for cut in mended_at(time, recording.breaks) if FEWEST_OF_CHANNEL < cut < len(time) - FEWEST_OF_CHANNEL), len(time)]
+    pieces = [smoothed(time[begin:end], values[begin:end]) for begin, end in itertools.pairwise(edges)]
+    return np.concatenate([piece[0] for piece in pieces]), np.concatenate([piece[1] for piece in pieces])
+
+
 def cylinder_runs(
     recording: Recording, rig: Rig, model: mujoco.MjModel, links: tuple[Linkage, ...]
 ) -> list[CylinderRun]:
@@ -175,7 +184,7 @@ def cylinder_runs(
                 pressure=(p_1, p_2), supply=_bridged(recording, "supply.pressure"), exhaust=_bridged(recording, "exhaust.pressure"),
                 supply_temperature=_bridged(recording, "supply.temperature"), force=recording.get(f"{name}.force"),
                 commanded=all(one is not None for one in commands), noise=(white_noise(p_1), white_noise(p_2)),
-                breaks=stretch_starts(recording.time, p_1, p_2, _position(recording, name, links)), position_noise=position_noise,
+                breaks=stretch_starts(recording.time, p_1, p_2, _position(recording, name, links), mended=recording.breaks), position_noise=position_noise,
                 command_2=held[1] if len(held) > 1 else None, computed=computed,
             )  # fmt: skip
         )

@@ -278,7 +278,7 @@ def _run(
         joint=name,
         turning=bool(model.jnt_type[joint] == int(mujoco.mjtJoint.mjJNT_HINGE)),
         time=time,
-        breaks=tuple(dict.fromkeys(begin // every for begin in clock_breaks(recording.time))),
+        breaks=tuple(dict.fromkeys(begin // every for begin in clock_breaks(recording.time, recording.breaks))),
         kinematics=Kinematics(
             position, velocity, max(STILL_NOISE * velocity_noise, STILL_SHARE * float(np.nanstd(velocity))), velocity_noise,
         ),

@@ -57,7 +57,7 @@ def _is_certain(log10_odds: float, gain: HeldOutGain) -> bool:
     return log10_odds + gain.log10_odds >= validation.CERTAIN_ODDS
 
 
-def doubt(finding: Finding, share: float | None, compared: bool = True) -> str:
+def doubt(finding: Finding, share: float | None, compared: bool = True, beside_unknown: bool = False) -> str:
     """Return why a name is more likely wrong than right whatever its odds, "" where nothing says so.
 
     Odds alone do not do: where held-out time tests nothing and the number may be nil, neither speaks for the name. A sensor that is off
@@ -70,7 +70,10 @@ def doubt(finding: Finding, share: float | None, compared: bool = True) -> str:
         share: Of the squared error beyond the noise that is missing without it, what it explains of held-out time; None where nothing
             was tested.
         compared: Whether there was held-out time with its signals.
+        beside_unknown: Whether something without a name acts in its subsystem: what may be nil then stands in for a part of that.
     """
+    if beside_unknown and may_be_nil(finding):
+        return "beside something without a name its numbers may all be nil: it stands in for a part of that"
     is_open = is_weighed_physics(finding) and errors_from_nil(finding) < LEAST_ERRORS
     if is_open and finding.log10_odds < validation.REFUTABLE_ODDS and (share is None or share < validation.BORNE_OUT):
         return "laws of what the rig has that fit as well need none of it: its number is smaller than its own standard error"

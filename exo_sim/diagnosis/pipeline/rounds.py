@@ -161,7 +161,7 @@ def without_doubtful(examination: Examination) -> Examination:
     doubtful, shares = {}, examination.shares
     for one in examination.results.all:
         for finding in (finding for finding in one.findings if finding.at not in examination.plan.upheld):
-            why = doubt(finding, shares.get(finding.key), finding.key in examination.checked.drops)
+            why = doubt(finding, shares.get(finding.key), finding.key in examination.checked.drops, one.has_unknown)
             if why:
                 doubtful[finding.at] = why
     plan = replace(examination.plan, refuted={**examination.plan.refuted, **doubtful})

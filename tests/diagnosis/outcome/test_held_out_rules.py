@@ -107,6 +107,13 @@ def test_a_number_that_may_be_nil_and_that_nothing_tested_is_no_name(low: float,
     assert bool(doubt(finding, share)) is doubted
 
 
+def test_beside_an_unknown_a_name_stands_only_with_a_number_that_is_not_nil() -> None:
+    finding = replace(named(300.0), parameters={"coefficient": Estimate(30.0, "N s^2/m^2", 0.0, 97.0)})
+    assert not doubt(finding, 0.9) and "without a name" in doubt(finding, 0.9, beside_unknown=True)
+    sure = replace(finding, parameters={"coefficient": Estimate(30.0, "N s^2/m^2", 2.0, 97.0)})
+    assert not doubt(sure, 0.9, beside_unknown=True)
+
+
 @pytest.mark.parametrize(
     ("value", "high", "weighed", "doubted"),
     [(30.0, 257.0, 0.999, True), (30.0, 257.0, None, False), (30.0, 84.0, 0.999, False), (-30.0, 40.0, 0.999, True)],

@@ -17,7 +17,7 @@ from exo_sim.machine.linkage import Linkage, moment_row
 from exo_sim.recording.filters import forward_filled, smoothed
 from exo_sim.recording.noise import white_noise
 from exo_sim.recording.table import Recording
-from exo_sim.recording.windows import mended_at, stretch_starts
+from exo_sim.recording.windows import holes, mended_at, stretch_starts
 from exo_sim.rig import Rig
 
 Array = NDArray[np.float64]
@@ -177,6 +177,7 @@ def cylinder_runs(
             continue
         commands = [recording.get(f"{name}.{signal}") for signal in rig.cylinders[name].commands]
         length, speed, position_noise = known.get(name, (None, None, 0.0))
+        p_1, p_2 = (_where_placed(recording, _position(recording, name, links), one) for one in (p_1, p_2))
         held = [np.zeros_like(recording.time) if one is None else np.clip(forward_filled(one), -1.0, 1.0) for one in commands]
         runs.append(
             CylinderRun(
@@ -194,6 +195,16 @@ def cylinder_runs(
 def _position(recording: Recording, cylinder: str, links: tuple[Linkage, ...]) -> Array | None:
     joint = next((link.joint for link in links if link.cylinder == cylinder), "")
     return recording.get(f"{joint}.position")
+
+
+def _where_placed(recording: Recording, position: Array | None, pressure: Array | None) -> Array | None:
+    """Return a pressure without what was recorded in a hole of the piston's position: how large its chamber was nobody knows."""
+    if position is None or pressure is None or not (gaps := holes(recording.time, position)):
+        return pressure
+    known = pressure.copy()
+    for begin, end in gaps:
+        known[begin:end] = np.nan
+    return known
 
 
 def _bridged(recording: Recording, key: str) -> Array | None:

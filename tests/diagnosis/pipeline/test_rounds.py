@@ -222,6 +222,22 @@ def test_the_beginning_is_held_out_once_where_validation_shows_something_new(
     assert end.plan is plans[0]  # no better, so the first counts
 
 
+def test_of_two_divisions_the_one_counts_whose_fit_lacks_nothing(monkeypatch: pytest.MonkeyPatch, data: MachineData) -> None:
+    """The other one misses held-out time by less of what its fit leaves, and by more than any healthy machine."""
+    lacking = BalanceError(2.0 * LACKING_RATIO, 1.0, 5.0, 1.0)
+    healthy = BalanceError(3.0 * LACKING_RATIO, 1.0, 4.0 * LACKING_RATIO, 1.0)
+    plans: list[Plan] = []
+
+    def examine(data: MachineData, plan: Plan, *rest: Any) -> Examination:
+        plans.append(plan)
+        return examination(data, plan, gas_of(data), errors(balances={GAS: healthy if len(plans) > 1 else lacking}))
+
+    monkeypatch.setattr(rounds, "examine", examine)
+    monkeypatch.setattr(rounds, "validated", lambda found: found)
+    end = rounds.examine_until_stable(data, SERIAL, print)
+    assert len(plans) == 2 and end.plan is plans[1] and end.validation_ratio == 3.0 * LACKING_RATIO
+
+
 def test_what_a_healthy_machine_is_missed_by_as_well_shows_nothing_new(monkeypatch: pytest.MonkeyPatch, data: MachineData) -> None:
     within = errors(balances={GAS: BalanceError(2.0 * LACKING_RATIO, 1.0, 9.0, 1.0)})
     _, plans = stable(monkeypatch, data, [(LEAK,)], within)

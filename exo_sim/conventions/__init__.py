@@ -19,6 +19,9 @@ from exo_sim.recording.data_quality_finding import Finding
 from exo_sim.recording.table import Recording
 from exo_sim.rig import Rig
 
+#: Checks after which a column is not used.
+_GONE = ("part", "command")
+
 __all__ = ["Check", "Settled", "findings", "settle"]
 
 
@@ -75,6 +78,6 @@ def findings(settled: Settled) -> list[Finding]:
     return [
         Finding(check.columns[0], check.what, check.says, severity="fault", use="used")
         if check.refused
-        else Finding(check.columns[0], check.what, check.says, severity="warning", use="set aside" if check.what in ("part", "command") else "repaired")
+        else Finding(check.columns[0], check.what, check.says, severity="warning", use="set aside" if check.what in _GONE else "repaired")
         for check in settled.checks
     ]

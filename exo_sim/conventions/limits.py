@@ -61,8 +61,8 @@ TOGETHER = Number(
 
 # -- acting ---------------------------------------------------------------------------------------------------------------------
 VENTED = Number(
-    0.5, "atmospheres", "a chamber 2 that is open to the atmosphere, as a single-acting cylinder's, is no further above it for a quarter of "
-    "the time: a silencer that throttles a quick stroke keeps up less, and not for long",
+    0.5, "atmospheres", "a chamber 2 that is open to the atmosphere, as a single-acting cylinder's, is no further above it for a quarter "
+    "of the time: a silencer that throttles a quick stroke keeps up less, and not for long",
     "asserted; a bench whose chamber 2 is driven has 2.5 to 4.7 atmospheres",
 )  # fmt: skip
 

@@ -177,7 +177,8 @@ def cylinder_runs(
             continue
         commands = [recording.get(f"{name}.{signal}") for signal in rig.cylinders[name].commands]
         length, speed, position_noise = known.get(name, (None, None, 0.0))
-        p_1, p_2 = (_where_placed(recording, _position(recording, name, links), one) for one in (p_1, p_2))
+        placed = _position(recording, name, links)
+        p_1, p_2 = (_where_placed(recording, placed, one) for one in (p_1, p_2))
         held = [np.zeros_like(recording.time) if one is None else np.clip(forward_filled(one), -1.0, 1.0) for one in commands]
         runs.append(
             CylinderRun(
@@ -185,7 +186,7 @@ def cylinder_runs(
                 pressure=(p_1, p_2), supply=_bridged(recording, "supply.pressure"), exhaust=_bridged(recording, "exhaust.pressure"),
                 supply_temperature=_bridged(recording, "supply.temperature"), force=recording.get(f"{name}.force"),
                 commanded=all(one is not None for one in commands), noise=(white_noise(p_1), white_noise(p_2)),
-                breaks=stretch_starts(recording.time, p_1, p_2, _position(recording, name, links), mended=recording.breaks), position_noise=position_noise,
+                breaks=stretch_starts(recording.time, p_1, p_2, placed, mended=recording.breaks), position_noise=position_noise,
                 command_2=held[1] if len(held) > 1 else None, computed=computed,
             )  # fmt: skip
         )

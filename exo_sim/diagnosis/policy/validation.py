@@ -68,7 +68,7 @@ EXCEEDS_HEALTHY = Number(
     "since, by 2.0; friction that slides by 3 to 16. The names of four healthy machines stay small",
 )  # fmt: skip
 FEWEST_SHARING = Number(
-    1.2, "blocks of time that share a change", "fewer say nothing of how far it varies, nor do their rows: what lasts for a block is in all",
+    1.2, "blocks of time that share a change", "fewer say nothing of how far it varies, nor do rows: what lasts for a block is in all",
     "derived: one block, and a second with a tenth of its change",
 )  # fmt: skip
 BLOCKS_TELL = Number(

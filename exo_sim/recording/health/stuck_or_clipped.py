@@ -107,8 +107,10 @@ def _is_worked(recording: Recording, key: str, value: float, facts: Facts, noise
     if abs(value - facts.atmosphere) < _SWINGS * facts.atmosphere:  # left open, as whoever wrote the column knows
         return ""
     other = f"{part}.pressure_{2 if signal.endswith('1') else 1}"
-    swings = other in recording and _range(recording[other]) > max(_SWINGS * float(np.nanmax(recording[other])), 12.0 * noise[other].std)
-    moves = any(_range(values) > max(12.0 * noise[name].std, 1e-3) for name, values in recording.columns.items() if name.endswith(".position"))
+    beside = recording.columns.get(other, np.full(1, np.nan))
+    swings = _range(beside) > (max(_SWINGS * float(np.nanmax(beside)), 12.0 * noise[other].std) if np.isfinite(beside).any() else 0.0)
+    places = {name: values for name, values in recording.columns.items() if name.endswith(".position")}
+    moves = any(_range(values) > max(12.0 * noise[name].std, 1e-3) for name, values in places.items())
     return f'"{other}" swings and the machine moves' if swings and moves else ""
 
 

@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 
 from exo_sim.conventions.commands import in_time, that_open
-from exo_sim.conventions.machine import Machine
+from exo_sim.conventions.machine import Machine, columns_of
 from exo_sim.diagnosis.findings import Kind
 from exo_sim.diagnosis.pipeline.reading import gather
 from exo_sim.machine.rig_model import load
@@ -77,6 +77,13 @@ def test_a_command_in_time_and_what_lags_behind_it_stay(rig: Rig, driven: Record
     """A valve that answers 20 ms late, and a card that is 4 ms late, are no other clock."""
     one = shifted(driven, samples)
     assert in_time(one, Machine.of(rig, load(rig))) == (one, [])
+
+
+def test_no_interval_is_looked_at_across_a_mended_clock(rig: Rig, driven: Recording) -> None:
+    machine = Machine.of(rig, load(rig))
+    whole = columns_of(driven, machine, machine.links[0])
+    cut = columns_of(replace(driven, breaks=(float(driven.time[2500]),)), machine, machine.links[0])
+    assert whole is not None and cut is not None and list(whole.breaks) == [0] and list(cut.breaks) == [0, 2500]
 
 
 def test_it_is_a_fault_of_the_column(rig: Rig, driven: Recording) -> None:

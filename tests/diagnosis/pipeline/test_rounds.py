@@ -19,7 +19,7 @@ from exo_sim.diagnosis.estimation.candidate import Candidate
 from exo_sim.diagnosis.estimation.least_squares import Fit
 from exo_sim.diagnosis.estimation.parameters import FreeParameter, PlantParameters, Target
 from exo_sim.diagnosis.estimation.threads import SERIAL
-from exo_sim.diagnosis.findings import Finding, Kind, SignalFit, Subsystem
+from exo_sim.diagnosis.findings import Estimate, Finding, Kind, SignalFit, Subsystem
 from exo_sim.diagnosis.pipeline import rounds
 from exo_sim.diagnosis.pipeline.plan import Examination, Plan, Results
 from exo_sim.diagnosis.policy.validation import LACKING_RATIO
@@ -309,6 +309,19 @@ def test_names_that_explain_little_of_the_validation_time_are_put_aside_and_it_i
     assert set(kept.shares) == {"piston_leakage@piston"}
     untested = examination(data, Plan(Split({})), gas_of(data, SPRING), errors(), errors())
     assert rounds.without_doubtful(untested) is untested
+
+
+def test_beside_something_unknown_what_may_be_nil_is_put_aside(data: MachineData) -> None:
+    worth = {"piston_leakage@piston": HeldOutGain(60.0, 100.0), "return_spring@piston": HeldOutGain(60.0, 100.0)}
+
+    def left(unknown: bool) -> list[str]:
+        gas = gas_of(data, LEAK, SPRING, has_unknown=unknown)
+        maybe = {"stiffness": Estimate(30.0, "N/m", 0.0, 90.0)}
+        findings = tuple(replace(one, parameters=maybe) if one.at == SPRING else one for one in gas.findings)
+        one = examination(data, Plan(Split({})), replace(gas, findings=findings), errors(gains=worth))
+        return [finding.name for finding in rounds.without_doubtful(one).results.gas[0].findings]
+
+    assert left(False) == ["piston_leakage", "return_spring"] and left(True) == ["piston_leakage"]
 
 
 def test_a_name_is_judged_by_validation_time_and_never_by_the_test(data: MachineData) -> None:

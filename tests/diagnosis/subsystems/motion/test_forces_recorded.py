@@ -74,6 +74,16 @@ def test_nor_along_a_rod(rig: Rig, column: str) -> None:
     assert rod is not None and not compared(rod)[HOLE].any() and compared(rod).any()
 
 
+def test_how_large_a_chamber_is_nobody_knows_in_a_hole_of_the_position(rig: Rig) -> None:
+    """Nor is its pressure compared there, by the gas or along a rod."""
+    model = load(rig)
+    (run,) = cylinder_runs(table(rig, "slide.position"), rig, model, linkages(rig, model))
+    for pressure in run.pressure:
+        assert pressure is not None and np.isnan(pressure[HOLE]).all() and np.isfinite(np.delete(pressure, HOLE)).all()
+    rod = rod_run(run, rig)
+    assert rod is not None and not compared(rod)[HOLE].any()
+
+
 def test_a_lone_missing_sample_is_bridged() -> None:
     time = np.arange(1000) * 1e-3
     values = np.sin(time)

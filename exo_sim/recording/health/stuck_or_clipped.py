@@ -8,8 +8,9 @@ Five kinds of evidence are accepted, none of which a machine at rest or against 
   between two samples while other signals move meanwhile (stuck);
 - it runs at full speed into its own extreme, again and again, and stays there exactly (clipped; not for positions,
   whose machine has end stops);
-- its noise is far above its step and it repeats elsewhere by chance only, but does at its extreme (clipped; a piston that rests at
-  a stop shows that noise there too, and an encoder without it repeats elsewhere as well);
+- its noise is above its step where it moves slowly, and it repeats elsewhere by chance only, but at its extreme for longer than
+  that noise lets it (clipped; a piston that rests at a stop shows the noise there too, and an encoder without noise has none
+  where it moves slowly);
 - a chamber's pressure is one number from first to last while its valve is worked, or while the piston moves and the other
   chamber's pressure swings.
 """
@@ -37,8 +38,8 @@ _CHANCE = 1e-6
 _FEWEST = 20
 #: A column of so few readings, neighbouring steps of its converter, shows its rounding and not whether it stops.
 _FEW_READINGS = 4
-#: Noise that is so many steps and this share of the range hardly repeats; more than twice chance and this share of the rows is rest.
-_FAR_ABOVE, _ROUGH, _SELDOM = 4.0, 1e-5, 1e-3
+#: Share of the samples that counts as slow; noise below this share of the range is rounding; share of rows that repeat for other reasons.
+_SLOWEST, _LEAST, _SELDOM = 0.3, 1e-5, 1e-3
 #: Share of neighbouring fourth differences of opposite sign: 0.80 of white noise.
 _TURNS = 0.6
 #: A valve is worked whose command changes by so much; a pressure swings that changes by this share of its greatest.
@@ -70,9 +71,8 @@ def check(recording: Recording, key: str, noise: Mapping[str, Noise], facts: Fac
     long = held[held[:, 1] - held[:, 0] >= (longest if dithers else _FEWEST)]
     low, high = float(present.min()), float(present.max())
     at_end = (values[held[:, 0]] == low) | (values[held[:, 0]] == high)
-    rough = not dithers and _never_repeats(values, held[~at_end], noise[key])
-    longest = _FEWEST if rough else longest
-    clipped = _clipped(values, held[at_end], dithers or rough, longest, noise[key], quick and signal != "position")
+    rough = None if dithers else _rough(values, held, at_end, noise[key])
+    clipped = _clipped(values, held[at_end], dithers or rough is not None, rough or longest, noise[key], quick and signal != "position")
     if len(clipped):
         return _say_clipped(recording, key, clipped)
     if not dithers:
@@ -118,16 +118,35 @@ def _range(values: NDArray[np.float64]) -> float:
     return float(np.nanmax(values) - np.nanmin(values)) if np.isfinite(values).any() else 0.0
 
 
-def _never_repeats(values: NDArray[np.float64], held: Rows, noise: Noise) -> bool:
-    """Return whether noise keeps readings from repeating but by chance, and does so except at the ends; `held` are repeats elsewhere."""
-    if noise.white <= max(_FAR_ABOVE * noise.step, _ROUGH * _range(values)):
-        return False
-    by_chance = noise.step / (2.0 * math.sqrt(math.pi) * noise.white)  # that two readings fall into one step
-    if float((held[:, 1] - held[:, 0] - 1).sum()) > (2.0 * by_chance + _SELDOM) * len(values):
-        return False
-    fine = np.diff(values, 4)  # of white noise four of five change their sign, of motion hardly any
-    fine = fine[np.isfinite(fine) & (fine != 0.0)]
-    return len(fine) > _FEWEST and bool(np.mean(fine[1:] * fine[:-1] < 0.0) > _TURNS)
+def _rough(values: NDArray[np.float64], held: Rows, at_end: NDArray[np.bool_], noise: Noise) -> int | None:
+    """Return how long a run of equal readings must be for noise not to leave it by chance, None where noise is too small to say.
+
+    What moves slowly and does not stand tells that noise: a machine that shakes, or a clock that is uneven, makes some of quick motion.
+
+    Args:
+        values: Shape (n,).
+        held: Runs of equal readings, `at_end` which of them are at an extreme.
+        noise: Of the column.
+    """
+    standing = np.zeros(len(values), dtype=bool)
+    for begin, end in held[at_end]:
+        standing[begin:end] = True
+    fine = np.diff(values, 4) / math.sqrt(70.0)  # of white noise four of five change their sign, of motion hardly any
+    good = np.isfinite(fine) & ~standing[4:] & ~standing[:-4]
+    if good.sum() <= 5 * _FEWEST:
+        return None
+    way = np.abs(values[4:] - values[:-4])
+    slow = good & (way <= np.quantile(way[good], _SLOWEST))
+    level, fine = 1.4826 * float(np.median(np.abs(fine[slow]))), fine[good]
+    readings = np.unique(values[np.isfinite(values)])
+    step = max(noise.step, float(np.quantile(np.diff(readings), 0.1)))  # also one that no grid tells of
+    turns = float(np.mean(fine[1:] * fine[:-1] < 0.0))
+    if level <= max(step, _LEAST * _range(values)) or turns < _TURNS:
+        return None
+    again = math.erf(step / (math.sqrt(8.0) * level))
+    if float((held[~at_end, 1] - held[~at_end, 0] - 1).sum()) > (again + _SELDOM) * len(values):  # it rests elsewhere as quietly
+        return None
+    return max(_FEWEST, 1 + math.ceil(math.log(_CHANCE / len(values)) / math.log(max(again, 1e-3))))
 
 
 def _turns_often(values: NDArray[np.float64]) -> bool:

@@ -97,3 +97,12 @@ def test_a_piston_that_rests_at_its_stops_is_not_clipped_whatever_its_encoder(no
     seen = stopped + RNG.normal(0.0, max(noise, 1e-12), TIME.size)
     for values in (1e-4 * np.round(seen / 1e-4), seen if noise else stopped):
         assert found(table_of(slide__position=values), "slide.position") == []
+
+
+def test_a_quick_stroke_by_steps_that_no_grid_tells_of_is_not_clipped_at_its_stops() -> None:
+    """On a slow clock it never repeats on its way, and its rounding looks like noise."""
+    time = np.arange(1200.0) * 1e-2
+    stroke = np.clip(0.3 * np.sin(2.0 * time), 0.0, 0.16)
+    values = 3e-4 * np.round(stroke / 3e-4)
+    table = Recording("r", time, {"slide.position": values}, {"slide.position": "m"})
+    assert stuck_or_clipped.check(table, "slide.position", floors(table)) == []

@@ -14,11 +14,13 @@ from numpy.typing import NDArray
 
 from exo_sim.conventions import limits
 from exo_sim.conventions.check import Check, named
-from exo_sim.conventions.fed_chambers import fed_cylinders
+from exo_sim.conventions.fed_chambers import fed_cylinders, volumes
 from exo_sim.conventions.gas_balance import CylinderColumns, Explained, explained
 from exo_sim.conventions.machine import Machine, columns_of
 from exo_sim.recording.table import Recording
 
+#: Changes of closed chambers are looked at over this time [s].
+CLOSED_SPAN = 0.04
 #: What a check of a late command is called.
 LATE_COMMAND = "late command"
 
@@ -35,7 +37,7 @@ def that_open(recording: Recording, machine: Machine) -> tuple[Recording, list[C
         return recording, []
     unsaid = {key for keys in silent.values() for key in keys}
     rest = replace(recording, columns={key: values for key, values in recording.columns.items() if key not in unsaid})
-    fed = fed_cylinders(rest, machine.rig, machine.model)
+    fed = fed_cylinders(rest, machine.rig, machine.model) - _closed_and_late(recording, machine)
     gone = {key for name in silent if name in fed for key in silent[name]}
     checks = []
     for name in (name for name in silent if name in fed):
@@ -46,6 +48,35 @@ def that_open(recording: Recording, machine: Machine) -> tuple[Recording, list[C
         )
         checks.append(Check("command", silent[name], says))
     return replace(recording, columns={key: values for key, values in recording.columns.items() if key not in gone}), checks
+
+
+def _closed_and_late(recording: Recording, machine: Machine) -> frozenset[str]:
+    """Return the cylinders whose pressures follow their volumes as closed chambers' do, however late: such a command is believed."""
+    found, time = set(), recording.time
+    grid = np.arange(time[0], time[-1], CLOSED_SPAN)
+    for link in machine.links:
+        cylinder, position = machine.cylinder(link), recording.get(f"{link.joint}.position")
+        measured = [(side, one) for side in (0, 1) if (one := recording.get(f"{link.cylinder}.pressure_{side + 1}")) is not None]
+        if position is None or not measured or len(grid) < 3:
+            continue
+        volume = volumes(cylinder, machine.piston(link, position))
+        good = np.isfinite(volume).all(axis=0)
+        present = [(side, one, np.isfinite(one)) for side, one in measured if np.isfinite(one).any()]
+        changes = [np.diff(np.log(np.maximum(np.interp(grid, time[ok], one[ok]), 1.0))) for _, one, ok in present]
+        for late in np.arange(0.0, limits.CARDS_LATE, CLOSED_SPAN / 2.0):
+            shrunk = [-np.diff(np.log(np.interp(grid - late, time[good], volume[side][good]))) for side, _, _ in present]
+            follows = [_follows(change, one, machine.rig.heat_capacity_ratio) for change, one in zip(changes, shrunk, strict=True)]
+            if min(follows, default=0.0) > limits.FOLLOWS:
+                found.add(link.cylinder)
+                break
+    return frozenset(found)
+
+
+def _follows(change: NDArray[np.float64], shrunk: NDArray[np.float64], k: float) -> float:
+    """Return which share of the squares of changes of ln p those of -ln V explain, between isothermal and isentropic."""
+    exponent = min(max(float(change @ shrunk) / max(float(shrunk @ shrunk), 1e-300), 1.0), k)
+    rest = change - exponent * shrunk
+    return 1.0 - float(rest @ rest) / max(float(change @ change), 1e-300)
 
 
 def _never_opens(values: NDArray[np.float64]) -> bool:

@@ -59,6 +59,14 @@ def test_a_closed_valve_may_be_closed(rig: Rig) -> None:
     assert that_open(closed, Machine.of(rig, load(rig))) == (closed, [])
 
 
+@pytest.mark.parametrize("late", [0.0, 0.1, 0.18])
+def test_closed_chambers_whose_pressures_are_late_are_not_fed(rig: Rig, late: float) -> None:
+    led = benches.led(rig, 20.0)
+    slow = np.interp(led.time - late, led.time, led["piston.pressure_1"]), np.interp(led.time - late, led.time, led["piston.pressure_2"])
+    table = replace(led, columns={**led.columns, "piston.pressure_1": slow[0], "piston.pressure_2": slow[1]})
+    assert that_open(table, Machine.of(rig, load(rig))) == (table, [])
+
+
 def test_then_the_gas_is_left_open_and_nothing_is_named(rig: Rig, driven: Recording) -> None:
     data = gather([Reading(with_command(driven, 0.0 * driven.time), ())], rig)
     assert not data.cylinders and data.fed == {"piston"} and any("does not say" in one for one in data.remarks)

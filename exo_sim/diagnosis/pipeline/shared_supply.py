@@ -22,7 +22,7 @@ from exo_sim.diagnosis.pipeline.sorting import sort
 from exo_sim.diagnosis.policy.off_nominal import SAME_GAIN
 from exo_sim.diagnosis.policy.probability import UNTESTED
 from exo_sim.diagnosis.policy.validation import MOST_RISE
-from exo_sim.physics.effects import sensor_scale
+from exo_sim.physics.effects import sensor_bias, sensor_scale
 from exo_sim.recording.table import Recording
 
 SUPPLY = "supply.pressure"
@@ -87,7 +87,7 @@ def put_right(data: MachineData, gains: Mapping[str, Finding]) -> MachineData:
     odds = min(each.log10_odds for each in gains.values())
     finding = Finding(
         sensor_scale.EFFECT.name, SUPPLY, Kind.SENSOR, says, {"factor": Estimate(1.0 / gain, "1", low, high)}, odds, 0.0,
-        ambiguous_with=("sensor_bias",), probability=float(UNTESTED),
+        ambiguous_with=(sensor_bias.EFFECT.name,), probability=float(UNTESTED),
     )  # fmt: skip
 
     def right(table: Recording) -> Recording:

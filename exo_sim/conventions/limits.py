@@ -71,7 +71,9 @@ OPENS = Number(
     0.02, "share of the full command", "a command that is never further from its middle opens no valve that leaves its edges closed there",
     "asserted: a tenth of the dead band that overlaps leave; noise and zeros of cards are below 0.005",
 )  # fmt: skip
-CARDS_LATE = Number(0.6, "s", "so late pressures are tried behind the volumes of closed chambers", "asserted: three times a slow logger's card")
+CARDS_LATE = Number(
+    0.6, "s", "so late pressures are tried behind the volumes of closed chambers", "asserted: three times a slow logger's card",
+)  # fmt: skip
 FOLLOWS = Number(
     0.7, "share of the squares of changes of ln p", "that must follow from the volumes for a command that opens nothing to be believed",
     "closed chambers whose noisy pressures are 0.18 s late at 50 Hz: 0.78; three driven benches: 0.48 at most",

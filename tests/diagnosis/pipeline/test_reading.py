@@ -53,10 +53,10 @@ def test_a_stuck_sensor_is_a_finding_and_its_samples_are_left_out(tmp_path: Path
 
 def test_nothing_runs_across_a_mended_clock(tmp_path: Path, table: Recording) -> None:
     """A logger that sets its clock back for 0.1 s: from there on the pressures are those of 0.1 s later."""
-    write_table(tmp_path / "bench.csv", replace(table, time=table.time - 0.1 * (np.arange(len(table.time)) >= 1200)))
+    write_table(tmp_path / "bench.csv", replace(table, time=table.time - 0.1 * (np.arange(len(table.time)) >= 1350)))
     data = gather([tmp_path / "bench.csv"], tmp_path / "rig.toml")
-    begun = int(np.searchsorted(data.recordings[0].time, 1.1995))
-    assert data.recordings[0].breaks == (pytest.approx(1.2),)
+    begun = int(np.searchsorted(data.recordings[0].time, 1.3495))
+    assert data.recordings[0].breaks == (pytest.approx(1.35),)
     (balance,), _ = motion_runs(data.recordings[0], data.rig, data.model, data.links)
     assert data.cylinders["piston"][0].breaks == balance.breaks == (0, begun)
     assert [piece.first for piece in RecordedMachine(data.recordings[0], data.rig, data.model).pieces] == [0, begun]

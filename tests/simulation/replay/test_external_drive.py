@@ -10,8 +10,9 @@ import numpy as np
 import pytest
 from numpy.typing import NDArray
 
+from exo_sim.machine.linkage import linkages
 from exo_sim.machine.rig_model import load
-from exo_sim.simulation.replay.external_drive import DRIVEN_SHARE, POWER_SMOOTHING, _is_free, external_power
+from exo_sim.simulation.replay.external_drive import DRIVEN_SHARE, POWER_SMOOTHING, _is_free, _power_shares, external_power
 
 Array = NDArray[np.float64]
 TIME: Array = np.asarray(np.arange(4000) * 1e-3, dtype=np.float64)
@@ -78,6 +79,15 @@ def test_beside_a_stop_nothing_counts_as_far_as_the_smoothed_motion_shows_it(tmp
     for event in (2.0, 4.0, 7.0 + step):
         assert not free[np.abs(time - event) < 0.95 * width].any()
     assert free[time < 2.0 - 1.5 * width].all() and free[np.abs(time - 3.0) < 0.3].all()
+
+
+def test_what_stops_throw_back_puts_in_no_power(tmp_path: Path) -> None:
+    rig = benches.bench(tmp_path)
+    joint = '<joint name="slide" type="slide" axis="1 0 0"'
+    springy = joint + ' limited="true" range="-0.03 0.03" solreflimit="-40000 -20"'
+    rig.model.write_text(rig.model.read_text().replace(joint, springy))
+    model = load(rig)
+    assert _power_shares(benches.recorded(rig, 8.0), rig, model, linkages(rig, model), [0])["slide"] < 0.02
 
 
 def test_a_joint_that_nothing_moves_is_not_driven() -> None:

@@ -72,8 +72,7 @@ SAME_FACTOR = Number(
 )  # fmt: skip
 SAME_GAIN = Number(
     1.01, "ratio of the largest gain to the least", "sensors of the chambers that are all off by gains no further apart are off by one",
-    "a bench whose supply reads 0.4 bar too much: 0.9436 and 0.9437; gains of independent sensors are drawn 1 to 10 % off, so that two of "
-    "them are as near by chance once in ten",
+    "asserted; a bench whose supply reads 0.4 bar too much: 0.9436 and 0.9437, each known to 0.3 %",
 )  # fmt: skip
 WRONG_AREA = Number(
     0.15, "share", "one factor that is nearer to 1 is what data sheets leave open",

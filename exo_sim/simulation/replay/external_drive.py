@@ -28,8 +28,7 @@ STILL = 1e-4
 DRIVEN_SHARE = 0.12
 #: Powers are compared on motion smoothed over this time [s], averaged over blocks of this length [s], on at most so many samples.
 POWER_SMOOTHING, POWER_BLOCK, MOST_SAMPLES = 0.06, 0.1, 4000
-#: So many free blocks at least tell a drive from a constant force. Asserted: a second of motion; with two of forty, friction beside slow
-#: errors of the forces was called a drive in one recording of five.
+#: So many free blocks at least tell a drive from a constant force. Asserted: a second of motion.
 FEWEST_FREE = 10
 #: Delays of the pressures' card that are tried [s]: the one with the smallest unknown power counts.
 CARD_DELAYS = (-0.04, -0.02, -0.01, 0.0, 0.01, 0.02, 0.04)

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import os
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, field, fields
+from dataclasses import dataclass, fields
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -36,15 +36,14 @@ class Recording(table.Recording):
         columns: `"<part>.<signal>"` to values, shape (n,); NaN where a sample is missing.
         units: `"<part>.<signal>"` to the SI unit of its values.
         metadata: Text that travels with it.
-        findings: What was odd about the file and what was done about it.
         breaks: Seconds at which the clock was mended; no prediction runs across.
+        findings: What was odd about the file and what was done about it.
 
     Raises:
         RecordingError: columns of unequal length, or with a name that is no signal.
     """
 
     findings: tuple[Finding, ...] = ()
-    breaks: tuple[float, ...] = field(default=())
 
     def __post_init__(self) -> None:
         time = np.asarray(self.time, dtype=float)
@@ -84,7 +83,7 @@ class Recording(table.Recording):
             return recording
         reading = recording if isinstance(recording, reader.Reading) else reader.Reading(recording, ())
         own = {each.name: getattr(reading.recording, each.name) for each in fields(table.Recording)}
-        return cls(**own, findings=reading.findings, breaks=reading.breaks)
+        return cls(**own, findings=reading.findings)
 
     @classmethod
     def from_columns(cls, values: Mapping[str, Any], name: str = "recording", columns: Mapping[str, Any] | None = None) -> Recording:
@@ -181,7 +180,7 @@ class Recording(table.Recording):
 
     def as_read(self) -> reader.Reading:
         """Return the recording as a reader of files gives it, with what was odd about the file."""
-        return reader.Reading(self, self.findings, self.breaks)
+        return reader.Reading(self, self.findings)
 
     def _rows(self) -> list[list[str]]:
         rows = []

@@ -11,13 +11,16 @@ from dataclasses import dataclass, replace
 
 import mujoco
 
-from exo_sim.conventions import joint_units, positions, pressures, signs, unknown_parts
+from exo_sim.conventions import acting, commands, joint_units, positions, pressures, signs, unknown_parts
 from exo_sim.conventions.check import Check
 from exo_sim.conventions.machine import Machine
 from exo_sim.errors import RecordingError
 from exo_sim.recording.data_quality_finding import Finding
 from exo_sim.recording.table import Recording
 from exo_sim.rig import Rig
+
+#: Checks after which a column is not used.
+_GONE = ("part", "command")
 
 __all__ = ["Check", "Settled", "findings", "settle"]
 
@@ -59,7 +62,8 @@ def asked(recording: Recording, rig: Rig, model: mujoco.MjModel) -> Settled:
     """As `settle`, but refuses nothing: for those who want to hear all that is wrong."""
     machine, checks = Machine.of(rig, model), []
     steps = (
-        unknown_parts.known, joint_units.of_their_kind, pressures.in_pascal, pressures.absolute, positions.in_place, signs.in_order
+        unknown_parts.known, joint_units.of_their_kind, pressures.in_pascal, pressures.absolute, acting.as_recorded,
+        positions.in_place, signs.in_order, commands.that_open, commands.in_time,
     )  # fmt: skip
     for step in steps:
         recording, found = step(recording, machine)
@@ -74,6 +78,6 @@ def findings(settled: Settled) -> list[Finding]:
     return [
         Finding(check.columns[0], check.what, check.says, severity="fault", use="used")
         if check.refused
-        else Finding(check.columns[0], check.what, check.says, severity="warning", use="set aside" if check.what == "part" else "repaired")
+        else Finding(check.columns[0], check.what, check.says, severity="warning", use="set aside" if check.what in _GONE else "repaired")
         for check in settled.checks
     ]

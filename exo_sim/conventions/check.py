@@ -11,10 +11,12 @@ class Check:
     """One question to whoever recorded.
 
     Attributes:
-        what: One word or two for machines: "gauge", "unit", "swapped chambers", "turned valve", "stroke", "sign", "part", "column".
+        what: One word or two for machines: "gauge", "unit", "swapped chambers", "turned valve", "stroke", "sign", "acting", "command",
+            "late command", "part", "column".
         columns: Which columns it is about.
         says: The question, and what was done or must be done, in one plain sentence.
         refused: True where nothing sensible can be computed until it is answered.
+        value: By how much it is off, in SI, where that is known; 0 elsewhere.
         meant: The column that it was evidently meant to be, where nothing reads it under its name; else "".
     """
 
@@ -23,6 +25,7 @@ class Check:
     says: str
     refused: bool = False
     meant: str = ""
+    value: float = 0.0
 
     def as_dict(self) -> dict[str, Any]:
         """Return what `diagnosis.json` lists under `checks`."""

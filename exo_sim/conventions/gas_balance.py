@@ -21,6 +21,7 @@ from numpy.typing import NDArray
 
 from exo_sim.physics.compiled import kernel
 from exo_sim.physics.nozzle import flow
+from exo_sim.recording.windows import mended_at
 from exo_sim.rig import Cylinder, Rig
 
 Array = NDArray[np.float64]
@@ -218,18 +219,19 @@ def _pressure_rate(pressure, volume, area, supply, exhaust, k, r, temperature):
     return out
 
 
-def stretches(time: Array, rows: Sequence[NDArray[np.bool_]]) -> tuple[NDArray[np.intp], NDArray[np.intp]]:
+def stretches(time: Array, rows: Sequence[NDArray[np.bool_]], mended: Sequence[float] = ()) -> tuple[NDArray[np.intp], NDArray[np.intp]]:
     """Return rows to look at and where among them each stretch begins: no gap of the clock and no missing sample lies within one.
 
     Args:
         time: [s], shape (n,).
         rows: Which rows are present, one entry a column that is needed, shape (n,) each.
+        mended: Times at which the clock was mended [s].
     """
     step = np.diff(time)
     usual = float(np.median(step)) if len(step) else 1.0
     there = np.logical_and.reduce([np.ones(len(time), dtype=bool), *rows])
     cut = np.flatnonzero(~there | np.concatenate(([False], step > 5.0 * usual)))
-    edges = np.unique(np.concatenate(([0], cut, cut + 1, [len(time)])))
+    edges = np.unique(np.concatenate(([0], cut, cut + 1, np.array(mended_at(time, mended), dtype=np.intp), [len(time)])))
     spans = [(start, stop) for start, stop in zip(edges[:-1], edges[1:]) if there[start] and stop - start >= 100]
     spans = [(start, min(stop, start + LENGTH)) for begin, stop in spans for start in range(begin, stop, LENGTH) if stop - start >= 100]
     if len(spans) > STRETCHES:

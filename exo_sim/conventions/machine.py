@@ -90,7 +90,7 @@ def columns_of(recording: Recording, machine: Machine, link: Linkage) -> Cylinde
         return None
     columns = [recording.get(f"{name}.{command}") for command in machine.rig.cylinders[name].commands]
     commands = [np.zeros(len(recording.time)) if values is None else values for values in columns]
-    rows, breaks = stretches(recording.time, [np.isfinite(position), *(np.isfinite(values) for values in commands)])
+    rows, breaks = stretches(recording.time, [np.isfinite(position), *(np.isfinite(values) for values in commands)], recording.breaks)
     if not len(rows):
         return None
 

@@ -109,7 +109,8 @@ def _with_clock(recording: Recording, unit: str) -> tuple[Recording, Check]:
         f'"time" goes over {recording.duration:.4g} s in {len(recording.time)} rows, at which the pressures would follow no valve of '
         f"this machine; was it written in {unit}? Taken as {unit}"
     )
-    return replace(recording, time=factor * recording.time, columns=columns), Check("unit", ("time",), says)
+    breaks = tuple(factor * at for at in recording.breaks)
+    return replace(recording, time=factor * recording.time, columns=columns, breaks=breaks), Check("unit", ("time",), says)
 
 
 def _is_rate(recording: Recording, key: str) -> bool:

@@ -88,6 +88,12 @@ def small(effect: str, is_nominal: bool) -> str:
     return f"{what[0].upper()}{what[1:]}: the data show it beyond doubt, but no more of it than healthy machines have."
 
 
+def unsure(effect: str) -> str:
+    """Return what is said of an effect that is not certain, of which healthy machines have as much."""
+    what = name_of(effect)
+    return f"{what[0].upper()}{what[1:]}: the data do not show it surely, and no more of it than healthy machines have."
+
+
 def rest(share: float, error: float, noise: float, unit: str) -> str:
     """Return how much is left without a name.
 

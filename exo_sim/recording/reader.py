@@ -30,12 +30,15 @@ class Reading:
     Attributes:
         recording: The signals.
         findings: What was odd about the file and what was done about it (`health.check` looks at the signals).
-        breaks: Seconds at which the clock was mended; no prediction should run across.
     """
 
     recording: Recording
     findings: tuple[Finding, ...]
-    breaks: tuple[float, ...] = ()
+
+    @property
+    def breaks(self) -> tuple[float, ...]:
+        """Seconds at which the clock was mended."""
+        return self.recording.breaks
 
 
 def read(path: str | Path, column_map: str | Path | ColumnMap | None = None) -> Reading:
@@ -151,4 +154,4 @@ def tidy(path: Path, raw: RawTable) -> Reading:
     if not columns:
         raise RecordingError(f'"{path}": no column beside the time holds a number; {len(time)} rows of nothing')
     units = {key: raw.units[key] for key in columns}
-    return Reading(Recording(printable(path.stem), time, columns, units, raw.metadata), tuple(findings), breaks)
+    return Reading(Recording(printable(path.stem), time, columns, units, raw.metadata, breaks), tuple(findings))

@@ -19,6 +19,8 @@ class Recording:
         columns: `"<part>.<signal>"` to values, shape (n,); NaN where a sample is missing.
         units: `"<part>.<signal>"` to the SI unit of its values.
         metadata: What travels with it: rig text, scenario, versions, seed. All text.
+        breaks: Times at which the clock was mended [s]: what comes from there on does not follow what was before, and no prediction runs
+            across, as across a jump of the clock.
 
     Of a file name that is no UTF-8, the bytes stand as escapes in `name` and `metadata`: every format can hold those.
     """
@@ -28,6 +30,7 @@ class Recording:
     columns: Mapping[str, NDArray[np.float64]]
     units: Mapping[str, str]
     metadata: Mapping[str, str] = field(default_factory=dict)
+    breaks: tuple[float, ...] = ()
 
     def __post_init__(self) -> None:
         object.__setattr__(self, "name", _unicode(self.name))

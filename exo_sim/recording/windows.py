@@ -6,7 +6,7 @@ jitter of a sample becomes a pressure error.
 
 from __future__ import annotations
 
-from collections.abc import Iterable
+from collections.abc import Iterable, Sequence
 
 import numpy as np
 from numpy.typing import NDArray
@@ -26,26 +26,41 @@ FEWEST_IN_WINDOW = 5
 QUIET_REACH = 0.25
 
 
-def clock_breaks(time: Array) -> tuple[int, ...]:
-    """Return the indices at which the clock has jumped, 0 first."""
+def clock_breaks(time: Array, mended: Sequence[float] = ()) -> tuple[int, ...]:
+    """Return the indices at which the clock has jumped, 0 first.
+
+    Args:
+        time: [s], shape (n,).
+        mended: Times at which it was mended, which is a jump as well (`Recording.breaks`) [s].
+    """
     step = np.diff(time)
     usual = float(np.median(step)) if step.size else 1.0
-    return (0, *(int(i) + 1 for i in np.flatnonzero(step > JUMP * usual)))
+    return tuple(sorted({0, *(int(i) + 1 for i in np.flatnonzero(step > JUMP * usual)), *mended_at(time, mended)}))
 
 
-def stretch_starts(time: Array, *channels: Array | None) -> tuple[int, ...]:
-    """Return the indices at which a stretch begins: jumps of the clock, and both ends of every hole in a channel."""
-    edges = set(clock_breaks(time))
-    least = max(3, int(HOLE / max(float(np.median(np.diff(time))), 1e-9))) if len(time) > 1 else 3
+def mended_at(time: Array, mended: Sequence[float]) -> list[int]:
+    """Return the first samples after a clock was mended; arguments as of `clock_breaks`."""
+    if not mended:
+        return []
+    before = 0.5 * float(np.median(np.diff(time)))
+    return [int(at) for at in np.searchsorted(time, np.asarray(mended) - before) if at < len(time)]
+
+
+def stretch_starts(time: Array, *channels: Array | None, mended: Sequence[float] = ()) -> tuple[int, ...]:
+    """Return the indices at which a stretch begins: jumps of the clock (`clock_breaks`), and both ends of every hole in a channel."""
+    edges = set(clock_breaks(time, mended))
     for values in channels:
-        if values is None:
-            continue
-        bad = np.concatenate([[0], (~np.isfinite(values)).astype(int), [0]])
-        turns = np.flatnonzero(np.diff(bad))
-        for begin, end in zip(turns[::2], turns[1::2], strict=True):
-            if end - begin >= least:
-                edges |= {int(begin), int(end)}
+        if values is not None:
+            edges |= {edge for hole in holes(time, values) for edge in hole}
     return tuple(sorted(edge for edge in edges if edge < len(time)))
+
+
+def holes(time: Array, values: Array) -> list[tuple[int, int]]:
+    """Return the holes of a channel, first and past the last sample of each: too long to be bridged (single samples are interpolated)."""
+    least = max(3, int(HOLE / max(float(np.median(np.diff(time))), 1e-9))) if len(time) > 1 else 3
+    bad = np.concatenate([[0], (~np.isfinite(values)).astype(int), [0]])
+    turns = np.flatnonzero(np.diff(bad))
+    return [(int(begin), int(end)) for begin, end in zip(turns[::2], turns[1::2], strict=True) if end - begin >= least]
 
 
 def local_range(pressures: Iterable[Array | None], n: int) -> Array:

@@ -18,7 +18,8 @@ ABOUT = {
     "outcome/sensor_entries.py": {"sensor_bias", "sensor_delay", "sensor_scale"},
     "outcome/small_findings.py": {"sensor_bias"},
     "outcome/sensor_faults.py": {"sensor_bias", "sensor_scale"},
-    "pipeline/reading.py": {"sensor_bias", "sensor_scale"},
+    "pipeline/reading.py": {"sensor_bias", "sensor_delay", "sensor_scale"},
+    "pipeline/shared_supply.py": {"sensor_bias", "sensor_scale"},
     "subsystems/gas/candidates.py": {"sensor_bias", "sensor_delay", "sensor_scale"},
     "subsystems/motion/indistinguishable.py": {"sensor_bias", "sensor_scale"},
     # what has no name

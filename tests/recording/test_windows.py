@@ -9,6 +9,12 @@ from exo_sim.recording.windows import FEWEST_IN_WINDOW, RANGE_SAMPLES, clock_bre
 TIME = np.arange(1000, dtype=float) * 1e-3
 
 
+def test_where_the_clock_was_mended_it_has_jumped() -> None:
+    mended = (float(TIME[200]),)
+    assert clock_breaks(TIME, mended) == stretch_starts(TIME, TIME, mended=mended) == (0, 200)
+    assert clock_breaks(TIME, (float(TIME[0]), float(TIME[-1]) + 1.0)) == (0,)  # of a piece that ends before, and one that begins there
+
+
 def test_a_jump_of_the_clock_begins_a_stretch() -> None:
     assert clock_breaks(TIME) == (0,)
     assert clock_breaks(TIME + 0.5 * (TIME > 0.3995)) == (0, 400)

@@ -181,7 +181,8 @@ def _unmeasured_side(data: MachineData, run: CylinderRun) -> int | None:
     Nor is it one across a jump of the clock: nobody knows what the chamber did meanwhile.
     """
     lacking = [side for side in range(2) if run.pressure[side] is None]
-    whole = len(run.time) == len(data.table(run.recording).time) and len(clock_breaks(run.time)) == 1
+    table = data.table(run.recording)
+    whole = len(run.time) == len(table.time) and len(clock_breaks(run.time, table.breaks)) == 1
     if data.rig.cylinders[run.cylinder].single_acting or run.force is not None or not whole or len(lacking) != 1:
         return None
     return lacking[0]

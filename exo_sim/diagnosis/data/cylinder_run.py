@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import itertools
 import math
 from dataclasses import dataclass, replace
 
@@ -16,7 +17,7 @@ from exo_sim.machine.linkage import Linkage, moment_row
 from exo_sim.recording.filters import forward_filled, smoothed
 from exo_sim.recording.noise import white_noise
 from exo_sim.recording.table import Recording
-from exo_sim.recording.windows import stretch_starts
+from exo_sim.recording.windows import holes, mended_at, stretch_starts
 from exo_sim.rig import Rig
 
 Array = NDArray[np.float64]
@@ -134,7 +135,7 @@ def lengths(
         raw = recording.get(f"{model.joint(joint).name}.position")
         if raw is None or np.isfinite(raw).sum() < FEWEST_OF_CHANNEL:
             continue
-        position, velocity, _ = smoothed(recording.time, raw)
+        position, velocity = _smoothed(recording, raw)
         noise, retracted = white_noise(raw), rig.cylinders[link.cylinder].retracted_length
         if model.actuator_trntype[link.actuator] == int(mujoco.mjtTrn.mjTRN_JOINT):
             gear = float(model.actuator_gear[link.actuator, 0])
@@ -156,6 +157,14 @@ def lengths(
     return found
 
 
+def _smoothed(recording: Recording, values: Array) -> tuple[Array, Array]:
+    """Return smoothed values and their rate, shape (n,) each; apart before and after every moment at which the clock was mended."""
+    time = recording.time
+    edges = [0, *(cut for cut in mended_at(time, recording.breaks) if FEWEST_OF_CHANNEL < cut < len(time) - FEWEST_OF_CHANNEL), len(time)]
+    pieces = [smoothed(time[begin:end], values[begin:end]) for begin, end in itertools.pairwise(edges)]
+    return np.concatenate([piece[0] for piece in pieces]), np.concatenate([piece[1] for piece in pieces])
+
+
 def cylinder_runs(
     recording: Recording, rig: Rig, model: mujoco.MjModel, links: tuple[Linkage, ...]
 ) -> list[CylinderRun]:
@@ -168,6 +177,8 @@ def cylinder_runs(
             continue
         commands = [recording.get(f"{name}.{signal}") for signal in rig.cylinders[name].commands]
         length, speed, position_noise = known.get(name, (None, None, 0.0))
+        placed = _position(recording, name, links)
+        p_1, p_2 = (_where_placed(recording, placed, one) for one in (p_1, p_2))
         held = [np.zeros_like(recording.time) if one is None else np.clip(forward_filled(one), -1.0, 1.0) for one in commands]
         runs.append(
             CylinderRun(
@@ -175,7 +186,7 @@ def cylinder_runs(
                 pressure=(p_1, p_2), supply=_bridged(recording, "supply.pressure"), exhaust=_bridged(recording, "exhaust.pressure"),
                 supply_temperature=_bridged(recording, "supply.temperature"), force=recording.get(f"{name}.force"),
                 commanded=all(one is not None for one in commands), noise=(white_noise(p_1), white_noise(p_2)),
-                breaks=stretch_starts(recording.time, p_1, p_2, _position(recording, name, links)), position_noise=position_noise,
+                breaks=stretch_starts(recording.time, p_1, p_2, placed, mended=recording.breaks), position_noise=position_noise,
                 command_2=held[1] if len(held) > 1 else None, computed=computed,
             )  # fmt: skip
         )
@@ -185,6 +196,16 @@ def cylinder_runs(
 def _position(recording: Recording, cylinder: str, links: tuple[Linkage, ...]) -> Array | None:
     joint = next((link.joint for link in links if link.cylinder == cylinder), "")
     return recording.get(f"{joint}.position")
+
+
+def _where_placed(recording: Recording, position: Array | None, pressure: Array | None) -> Array | None:
+    """Return a pressure without what was recorded in a hole of the piston's position: how large its chamber was nobody knows."""
+    if position is None or pressure is None or not (gaps := holes(recording.time, position)):
+        return pressure
+    known = pressure.copy()
+    for begin, end in gaps:
+        known[begin:end] = np.nan
+    return known
 
 
 def _bridged(recording: Recording, key: str) -> Array | None:

@@ -37,6 +37,16 @@ class Budget:
         """Let what is asked from now on go on until this share of the whole is over."""
         self._end = self._begun + share * self._seconds
 
+    @property
+    def used(self) -> float:
+        """Seconds that went by."""
+        return time.monotonic() - self._begun
+
+    @property
+    def left(self) -> float:
+        """Seconds that are left of the whole; infinite where there is no end."""
+        return self._seconds - self.used
+
     def is_spent(self) -> bool:
         """Return whether it is spent, and remember that something was left out for it."""
         spent = time.monotonic() > self._end

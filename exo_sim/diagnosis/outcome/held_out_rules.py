@@ -37,7 +37,8 @@ def is_refuted(drop: float, log10_odds: float, gain: HeldOutGain | None = None, 
     chance, where the change may be there or not, does not refute.
 
     Where hardly more than noise is missing without it, or others were weighed beside it, the error says little. Then it is refuted only if
-    that time speaks against the change itself, and its odds are not great with that counted in.
+    that time speaks against the change itself, and its odds are not great with that counted in. Where it tells nothing of the change, the
+    error is all there is.
 
     Args:
         drop: The share by which the validation error falls with it.
@@ -49,7 +50,7 @@ def is_refuted(drop: float, log10_odds: float, gain: HeldOutGain | None = None, 
     explains = gain.share if gain is not None and gain.is_plain and not together else drop
     useless = explains < least and log10_odds < validation.REFUTABLE_ODDS and not (gain is not None and gain.is_shown)
     harmful = drop < -validation.MOST_RISE and log10_odds < validation.REFUTABLE_RISE_ODDS and (gain is None or gain.is_absent)
-    if gain is not None and (together or not gain.is_plain):
+    if gain is not None and gain.tells and (together or not gain.is_plain):
         return (useless or harmful) and gain.log10_odds < 0.0 and not _is_certain(log10_odds, gain)
     return useless or harmful
 
@@ -59,7 +60,7 @@ def _is_certain(log10_odds: float, gain: HeldOutGain) -> bool:
     return log10_odds + gain.log10_odds >= validation.CERTAIN_ODDS
 
 
-def doubt(finding: Finding, share: float | None, compared: bool = True) -> str:
+def doubt(finding: Finding, share: float | None, compared: bool = True, beside_unknown: bool = False) -> str:
     """Return why a name is more likely wrong than right whatever its odds, "" where nothing says so.
 
     Odds alone do not do: where held-out time tests nothing and the number may be nil, neither speaks for the name. A sensor that is off
@@ -72,7 +73,10 @@ def doubt(finding: Finding, share: float | None, compared: bool = True) -> str:
         share: Of the squared error beyond the noise that is missing without it, what it explains of held-out time; None where nothing
             was tested.
         compared: Whether there was held-out time with its signals.
+        beside_unknown: Whether something without a name acts in its subsystem: what may be nil then stands in for a part of that.
     """
+    if beside_unknown and may_be_nil(finding):
+        return "beside something without a name its numbers may all be nil: it stands in for a part of that"
     is_open = is_weighed_physics(finding) and errors_from_nil(finding) < LEAST_ERRORS
     if is_open and finding.log10_odds < validation.REFUTABLE_ODDS and (share is None or share < validation.BORNE_OUT):
         return "laws of what the rig has that fit as well need none of it: its number is smaller than its own standard error"
@@ -125,9 +129,11 @@ def too_small(
         seen = missed >= min(rms(one.final.fit.residual), 1.0) and beyond >= validation.EXCEEDS_HEALTHY
         return not (one.search.weighed_together and (missed >= 1.0 or seen or beyond >= validation.BEYOND_HEALTHY))
 
+    def said(finding: Finding) -> str:
+        unsure = finding.key in tested and not _is_certain(finding.log10_odds, tested[finding.key])
+        return wording.unsure(finding.name) if unsure else wording.small(finding.name, False)
+
     small = [finding for finding in one.findings if is_small(finding)]
     names = {finding.at for finding in small}
     borne = {(c.prerequisite, c.where) for c in one.named if c.prerequisite and c.at not in names}
-    return tuple(
-        replace(finding, says=wording.small(finding.name, False)) for finding in small if finding.at not in borne
-    )
+    return tuple(replace(finding, says=said(finding)) for finding in small if finding.at not in borne)

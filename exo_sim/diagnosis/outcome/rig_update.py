@@ -34,6 +34,7 @@ from exo_sim.physics.effects import sensor_bias
 from exo_sim.physics.effects.unknown import ACTS, DEPENDS_ON
 from exo_sim.physics.effects.unknown import EFFECT as UNKNOWN
 from exo_sim.rig import Correction, EffectEntry, EffectSetting, Rig, improved
+from exo_sim.signals import VALVE_COMMANDS
 
 #: What stands above a rig that holds such numbers.
 _HEADER = (
@@ -158,7 +159,7 @@ def rig_update(data: MachineData, results: Sequence[Result], unknown: Sequence[U
     faults = [
         sensor_entry(found, data.rig)
         for found in data.sensors
-        if is_declared(found.name) and found.parameters and not found.where.endswith(".valve_command")
+        if is_declared(found.name) and found.parameters and found.where.rsplit(".", 1)[-1] not in VALVE_COMMANDS
     ]
     parts.append(Part("sensors", Rank.FOUND, tuple(faults)))
     return RigUpdate(data.rig, tuple(part for part in parts if part.entries or part.corrections))

@@ -28,6 +28,7 @@ from exo_sim.diagnosis.pipeline.rate_questions import hidden_by_rate
 from exo_sim.diagnosis.pipeline.reading import gather
 from exo_sim.diagnosis.pipeline.rig_acceptance import accepted
 from exo_sim.diagnosis.pipeline.rounds import examine_until_stable, with_test_findings, without_doubtful, without_small
+from exo_sim.diagnosis.pipeline.shared_supply import with_supply_put_right
 from exo_sim.diagnosis.policy.budgets import MOST_REJECTED
 from exo_sim.diagnosis.result import Diagnosis, Verdict
 from exo_sim.diagnosis.selection.nuisance_calibration import calibration_findings
@@ -73,7 +74,10 @@ def diagnose(
     data = gather(recordings, rig, column_map)
     data.rig.check_no_recovery("a recording")
     with Threads(jobs or os.cpu_count() or 1) as threads:  # what is reported of rivals is fitted as well
-        answer = _reported(examine_until_stable(data, threads, report, allowed), allowed, report, folder)
+        stable = examine_until_stable(data, threads, report, allowed)
+        stable, left = with_supply_put_right(stable, threads, report, allowed, data)
+        left.stopped |= allowed.stopped
+        answer = _reported(stable, left, report, folder)
     return_freed()
     return answer
 

@@ -12,16 +12,17 @@ import numpy as np
 from exo_sim import conventions
 from exo_sim import recording as recordings
 from exo_sim.conventions.belonging import of_another_machine
+from exo_sim.conventions.commands import LATE_COMMAND
 from exo_sim.conventions.filling import slow_for_gas
 from exo_sim.diagnosis.data.machine_data import MachineData
 from exo_sim.diagnosis.findings import Estimate, Finding, Kind
 from exo_sim.diagnosis.pipeline.sorting import sort
 from exo_sim.diagnosis.policy.recordings import FEWEST_IN_COLUMN
-from exo_sim.diagnosis.policy.verdicts import GAUGE_ERROR, OBVIOUS_FAULT
+from exo_sim.diagnosis.policy.verdicts import GAUGE_ERROR, LATE_ERROR, OBVIOUS_FAULT
 from exo_sim.errors import RecordingError
 from exo_sim.machine.linkage import linkages
 from exo_sim.machine.rig_model import load
-from exo_sim.physics.effects import sensor_bias, sensor_scale
+from exo_sim.physics.effects import sensor_bias, sensor_delay, sensor_scale
 from exo_sim.recording.column_map import ColumnMap
 from exo_sim.recording.health import Facts, blanked, check
 from exo_sim.recording.reader import Reading
@@ -66,6 +67,7 @@ def gather(handed_in: Sequence[Path | Reading], rig: Path | Rig, column_map: Pat
         remarks += [check.says for check in settled.checks]
         remarks += [finding.says for finding in reading.findings if finding.severity != "info"]
         remarks += [finding.says for finding in slow_for_gas(table, rig)]
+        sensors += [_late(check) for check in settled.checks if check.what == LATE_COMMAND]
         as_read.append(table)
         table, corrected = seen_through(table, rig)
         remarks += [f"{table.name}: {column} was put right by what the rig says of its sensor" for column in corrected]
@@ -95,6 +97,13 @@ def gather_again(data: MachineData, rig: Rig, tables: Sequence[Recording]) -> Ma
     model = load(rig)
     cleaned = tuple(_trusted(seen_through(table, rig)[0], rig, model)[0] for table in tables)
     return sort(MachineData(rig, model, linkages(rig, model), tuple(tables), cleaned, {}, {}, data.sensors))
+
+
+def _late(check: conventions.Check) -> Finding:
+    """Return the finding of a command whose column stands on a clock of its own."""
+    low, high = (check.value + off for off in (-LATE_ERROR, LATE_ERROR))
+    name, says = sensor_delay.EFFECT.name, f"The column comes late. {check.says}."
+    return Finding(name, check.columns[0], Kind.SENSOR, says, {"seconds": Estimate(check.value, "s", low, high)}, OBVIOUS_FAULT, 0.0)
 
 
 def _check_belongs(table: Recording, path: Path | str, rig: Rig, model: mujoco.MjModel) -> None:

@@ -6,8 +6,8 @@ The revisions, in this order:
 2. Forces contradict a sensor's fault that the gas asks for, or validation refutes effects: they are not sought again, and the friction is
    found anew.
 3. The validation error is much larger than what the fit leaves, and larger than a healthy machine's: the time that was fitted lacks
-   something, and the beginning of the recording is held out instead of its end. The division with the smaller ratio of the two errors
-   counts.
+   something, and the beginning of the recording is held out instead of its end. The division counts whose fit lacks nothing, of two alike
+   the one with the smaller ratio of the two errors.
 
 Where a balance of forces has hardly any rows but those of the end (a piston that sticks until then), the beginning is held out first.
 
@@ -73,12 +73,16 @@ def examine_until_stable(data: MachineData, threads: Threads, report: Progress, 
                 continue
             found = _without_all_refuted(replace(found, plan=plan))
         stable.append(found)
-        lacks = found.validation is not None and found.validation.lacks(policy.LACKING_RATIO)
-        if len(stable) > 1 or not lacks or budget.is_spent():
+        if len(stable) > 1 or not _lacking(found)[0] or budget.is_spent():
             break
         report(f"the validation time shows what the fit never met: the {'end' if head else 'beginning'} is held out instead")
         plan, before = Plan(split(times, head=not head), budget=budget), None
-    return min(stable, key=lambda one: one.validation_ratio)
+    return min(stable, key=_lacking)
+
+
+def _lacking(one: Examination) -> tuple[bool, float]:
+    """Return by what the better of two divisions of time is chosen: that its fit lacks nothing, then the ratio of its errors."""
+    return one.validation is not None and one.validation.lacks(policy.LACKING_RATIO), one.validation_ratio
 
 
 def _moves_in_the_end(data: MachineData, end: Split, beginning: Split) -> bool:
@@ -161,7 +165,7 @@ def without_doubtful(examination: Examination) -> Examination:
     doubtful, shares = {}, examination.shares
     for one in examination.results.all:
         for finding in (finding for finding in one.findings if finding.at not in examination.plan.upheld):
-            why = doubt(finding, shares.get(finding.key), finding.key in examination.checked.drops)
+            why = doubt(finding, shares.get(finding.key), finding.key in examination.checked.drops, one.has_unknown)
             if why:
                 doubtful[finding.at] = why
     plan = replace(examination.plan, refuted={**examination.plan.refuted, **doubtful})

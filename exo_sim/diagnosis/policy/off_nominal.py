@@ -70,6 +70,10 @@ SAME_FACTOR = Number(
     1.25, "ratio of the largest factor to the least", "numbers that are off by factors no further apart are off by one",
     "the bench of the README with a bore of 40 mm for 32 mm: valve 1.55, dead volumes 1.69 and 1.63, mass 1.65",
 )  # fmt: skip
+SAME_GAIN = Number(
+    1.01, "ratio of the largest gain to the least", "sensors of the chambers that are all off by gains no further apart are off by one",
+    "asserted; a bench whose supply reads 0.4 bar too much: 0.9436 and 0.9437, each known to 0.3 %",
+)  # fmt: skip
 WRONG_AREA = Number(
     0.15, "share", "one factor that is nearer to 1 is what data sheets leave open",
     "asserted: twice the spread of a valve's area; the next bore of a series differs by a quarter, its area by a half",

@@ -67,6 +67,18 @@ EXCEEDS_HEALTHY = Number(
     "learn machines: true dips change the rows of held-out time by 0.9 to 1.2 (B, X7, X11), and X7's those that were fitted, which count "
     "since, by 2.0; friction that slides by 3 to 16. The names of four healthy machines stay small",
 )  # fmt: skip
+FEWEST_SHARING = Number(
+    1.2, "blocks of time that share a change", "fewer say nothing of how far it varies, nor do rows: what lasts for a block is in all",
+    "derived: one block, and a second with a tenth of its change",
+)  # fmt: skip
+BLOCKS_TELL = Number(
+    4.0, "blocks of time that share a change", "from so many on they say how far it varies; of fewer, rows do, each counted for as long as "
+    "it is like the next, and the blocks only where they differ by more",
+    "derived: Student's distribution of two degrees of freedom can take three decades at most, however surely a change is not there",
+)  # fmt: skip
+MOST_LIKE = Number(
+    0.8, "correlation of neighbouring blocks", "is taken for so much at most: of few blocks it is known to 1/sqrt(blocks) only", "derived"
+)  # fmt: skip
 TOLD_APART = Number(
     2.0, "standard errors", "of the amplitude of what a finding changes in held-out time: where nil and all of it lie within, that time "
     "tells neither from the other, and a small share there says nothing", "derived: a 95 % interval",

@@ -83,6 +83,7 @@ LEAST_LEFT = Number(0.8, "share of the squared error", "... and this much of the
 NIL = Number(1e-3, "share of its usual size", "an effect of which a fit left less is none")
 OBVIOUS_FAULT = Number(10.0, "log10 of odds", "of a sensor's fault that its column shows by itself, without any model")
 GAUGE_ERROR = Number(2000.0, "Pa", "how far the air pressure of the day is from the rig's: half the interval of a gauge sensor's bias")
+LATE_ERROR = Number(3e-3, "s", "half the interval of how late a command is: a healthy valve and card may be late themselves", "asserted")
 FAR_WORSE = Number(7.0, "log-likelihood", "below the chosen effect, odds of a thousand to one: a rival is said to fit far worse")
 NOTHING_EXPLAINED = Number(0.01, "share of what is left", "a rejected candidate that explains less is said to explain nothing")
 HALF_EXPLAINED = Number(

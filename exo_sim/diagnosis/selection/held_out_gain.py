@@ -37,6 +37,11 @@ class HeldOutGain:
     log10_odds: float = 0.0
 
     @property
+    def tells(self) -> bool:
+        """Whether it says anything of the change: not of one in a single block of time."""
+        return self.log10_odds != 0.0
+
+    @property
     def is_absent(self) -> bool:
         """Whether the change that it makes is surely not there; held-out time may tell it neither from nothing nor from all of it."""
         reach = validation.TOLD_APART * self.error

@@ -114,9 +114,10 @@ class Simplification:
             models = self.fits.fit_rivals([(chosen, now) for chosen in sets], now)
             for form, model in zip(forms, models, strict=True):
                 simpler = form.at == candidate.at and model.parameter_count < best.parameter_count
-                if self.comparisons.ranked((model, best))[0] is model or (simpler and self.comparisons.is_as_good(model, best)):
+                better = self.comparisons.ranked((model, best))[0] is model or (simpler and self.comparisons.is_as_good(model, best))
+                if better and not self._is_lost_in(model, now, candidate):
                     best = model
-            now = now if self._is_lost_in(best, now, candidate) else best
+            now = best
         return now
 
     def _is_lost_in(self, simpler: FittedModel, now: FittedModel, candidate: Candidate) -> bool:

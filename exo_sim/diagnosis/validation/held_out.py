@@ -24,9 +24,6 @@ from exo_sim.recording.noise import by_chance
 
 Array = NDArray[np.float64]
 
-#: Fewer degrees of freedom say nothing of a spread.
-LEAST_FREEDOM = 0.2
-
 
 def held_out_errors(
     results: Sequence[SubsystemResult[SubsystemModel]], unknown: Sequence[UnknownEffect], split: Split, keep_series: bool = True
@@ -101,8 +98,9 @@ def held_out_errors(
 def _amplitude(named: Array, change: Array, blocks: NDArray[np.int64]) -> tuple[float, float, float]:
     """Return how much of a change is there by least squares, the standard error of that, neighbours counted once, and what that says.
 
-    The last is by how much it changes the odds of all of the change against none of it (log10). Blocks of time say how far it varies: so
-    many as share the change count, for a number of one block has no error that anybody knows.
+    The last is by how much it changes the odds of all of the change against none of it (log10); more than all of it counts as all, less
+    than none as none. Blocks of time say how far it varies, so many as share the change, and fewer where one block is off as the one before
+    it. Too few do not say that: then independent rows count, whose number is known. Of one block nobody knows how far it is off: 0.
 
     Args:
         named: Residual with all of it, shape (n,).
@@ -117,15 +115,35 @@ def _amplitude(named: Array, change: Array, blocks: NDArray[np.int64]) -> tuple[
         error = math.sqrt(max(scatter, power)) / power  # no less than the noise of the rows: of one that changes much there is no scatter
         found = 1.0 + lacking
         shares, away = (np.bincount(np.unique(blocks, return_inverse=True)[1], weights=one) / power for one in (change**2, along))
-        freedom = 1.0 / max(float(shares @ shares), 1e-300) - 1.0
+        many = 1.0 / max(float(shares @ shares), 1e-300)
         if not (math.isfinite(found) and math.isfinite(error)):
             return 0.0, 0.0, 0.0
-        if not freedom > LEAST_FREEDOM:
+        if not many > validation.FEWEST_SHARING:
             return found, error, 0.0
-        between = math.sqrt(float(away @ away) * (freedom + 1.0) / freedom)
-    spread = max(error, between)
-    odds = (stats.t.logpdf((found - 1.0) / spread, freedom) - stats.t.logpdf(found / spread, freedom)) / math.log(10.0)
+        longer = _lasting(away)
+        spread = max(error, math.sqrt(float(away @ away) * longer * many / (many - 1.0)))
+        if many < validation.BLOCKS_TELL:
+            rows = 1.0 / max(float((change**2 / power) @ (change**2 / power)), 1e-300) / correlation_time(along, blocks)
+            freedom = max(rows, many) - 1.0
+        else:
+            freedom = max(many / longer, validation.FEWEST_SHARING) - 1.0
+    there = min(max(found, 0.0), 1.0)
+    odds = (stats.t.logpdf((there - 1.0) / spread, freedom) - stats.t.logpdf(there / spread, freedom)) / math.log(10.0)
     return found, error, float(odds)
+
+
+def _lasting(away: Array) -> float:
+    """Return how many blocks of time in a row are off alike: by that the variance of a mean over them is larger, 1 where none are.
+
+    Args:
+        away: By how much each block is off, in the order of time, shape (blocks,); their sum is nil, which takes some of the likeness.
+    """
+    total = float(away @ away)
+    if away.size < validation.BLOCKS_TELL or not total > 0.0:
+        return 1.0
+    like = float(away[1:] @ away[:-1]) / total + 1.0 / away.size
+    like = min(max(like, 0.0), float(validation.MOST_LIKE))
+    return (1.0 + like) / (1.0 - like)
 
 
 def _missed_where_acting(error: Array, change: Array) -> float:

@@ -32,7 +32,7 @@ def check(recording: Recording, facts: Facts | None = None) -> list[Finding]:
     found = clock.check(recording)
     for key in recording.columns:
         found += samples.check(recording, key, noise[key])
-        found += stuck_or_clipped.check(recording, key, noise)
+        found += stuck_or_clipped.check(recording, key, noise, facts)
         found += plausibility.check(recording, key, noise[key], facts)
     spoilt = {finding.column for finding in found if finding.severity == "fault"}
     found += consistency.check(recording, noise, spoilt)

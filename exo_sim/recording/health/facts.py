@@ -20,11 +20,13 @@ class Facts:
         atmosphere: Pa.
         supply_pressure: Pa, where it is known.
         joint_range: Joint to its least and greatest coordinate, m or rad.
+        vented: Pressures of chambers that are open to the atmosphere.
     """
 
     atmosphere: float = 101325.0
     supply_pressure: float | None = None
     joint_range: Mapping[str, tuple[float, float]] = field(default_factory=dict)
+    vented: frozenset[str] = frozenset()
 
     @classmethod
     def of(cls, rig: Rig, model: mujoco.MjModel) -> Facts:
@@ -35,4 +37,5 @@ class Facts:
             if model.jnt_limited[i]
         }
         supply = rig.supply.pressure if any(one.valve_area > 0.0 for one in rig.cylinders.values()) else None
-        return cls(rig.environment.pressure, supply, ranges)
+        vented = frozenset(f"{name}.pressure_2" for name, one in rig.cylinders.items() if one.single_acting)
+        return cls(rig.environment.pressure, supply, ranges, vented)

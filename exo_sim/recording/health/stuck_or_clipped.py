@@ -1,13 +1,18 @@
 """Sensors that stop: stuck at one reading while things move, cut off at the end of their range, never moving at all.
 
-Three kinds of evidence are accepted, none of which a machine at rest or against its stop gives:
+Five kinds of evidence are accepted, none of which a machine at rest or against its stop gives:
 
 - the sensor shows noise finer than or near its step elsewhere, and a long run of one exact reading is then next to
   impossible (chance below one in a million for the whole recording);
 - it is on a grid coarser than its noise, or free of noise, and leaves the run by a jump far larger than it ever makes
   between two samples while other signals move meanwhile (stuck);
 - it runs at full speed into its own extreme, again and again, and stays there exactly (clipped; not for positions,
-  whose machine has end stops).
+  whose machine has end stops);
+- its noise is above its step where it moves slowly, and it repeats elsewhere by chance only, but at its extreme for longer than
+  that noise lets it (clipped; a piston that rests at a stop shows the noise there too, and an encoder without noise has none
+  where it moves slowly);
+- a chamber's pressure is one number from first to last while its valve is worked, or while the piston moves and the other
+  chamber's pressure swings.
 """
 
 from __future__ import annotations
@@ -20,6 +25,7 @@ from numpy.typing import NDArray
 
 from exo_sim.recording.columns import signal_of
 from exo_sim.recording.data_quality_finding import Finding
+from exo_sim.recording.health.facts import Facts
 from exo_sim.recording.health.spans import Rows, listed, runs, where
 from exo_sim.recording.noise import Noise
 from exo_sim.recording.table import Recording
@@ -32,19 +38,25 @@ _CHANCE = 1e-6
 _FEWEST = 20
 #: A column of so few readings, neighbouring steps of its converter, shows its rounding and not whether it stops.
 _FEW_READINGS = 4
+#: Share of the samples that counts as slow; noise below this share of the range is rounding; share of rows that repeat for other reasons.
+_SLOWEST, _LEAST, _SELDOM = 0.3, 1e-5, 1e-3
+#: Share of neighbouring fourth differences of opposite sign: 0.80 of white noise.
+_TURNS = 0.6
+#: A valve is worked whose command changes by so much; a pressure swings that changes by this share of its greatest.
+_WORKED, _SWINGS = 0.1, 0.1
 #: Seconds between samples up to which a corner in a curve is seen as one.
 _QUICK = 0.01
 
 
-def check(recording: Recording, key: str, noise: Mapping[str, Noise]) -> list[Finding]:
-    """Look for spans in which one column stands still."""
+def check(recording: Recording, key: str, noise: Mapping[str, Noise], facts: Facts | None = None) -> list[Finding]:
+    """Look for spans in which one column stands still; of a machine of which no `facts` are known no chamber is taken for vented."""
     values = recording[key]
     signal = key.rsplit(".", 1)[-1]
     present = values[np.isfinite(values)]
     if len(present) < 2 * _FEWEST or not signal_of(key).measured:  # what only a simulation knows has no sensor
         return []
     if np.all(present == present[0]):
-        return _constant(recording, key, float(present[0]))
+        return _constant(recording, key, float(present[0]), facts or Facts(), noise)
     if signal in _FLAT_BY_NATURE or len(np.unique(present)) <= _FEW_READINGS:
         return []
     held = runs(np.diff(values) == 0.0)
@@ -59,7 +71,8 @@ def check(recording: Recording, key: str, noise: Mapping[str, Noise]) -> list[Fi
     long = held[held[:, 1] - held[:, 0] >= (longest if dithers else _FEWEST)]
     low, high = float(present.min()), float(present.max())
     at_end = (values[held[:, 0]] == low) | (values[held[:, 0]] == high)
-    clipped = _clipped(values, held[at_end], dithers, longest, noise[key], quick and signal != "position")
+    rough = None if dithers else _rough(values, held, at_end, noise[key])
+    clipped = _clipped(values, held[at_end], dithers or rough is not None, rough or longest, noise[key], quick and signal != "position")
     if len(clipped):
         return _say_clipped(recording, key, clipped)
     if not dithers:
@@ -67,7 +80,7 @@ def check(recording: Recording, key: str, noise: Mapping[str, Noise]) -> list[Fi
     return _say_stuck(recording, key, long) if len(long) else []
 
 
-def _constant(recording: Recording, key: str, value: float) -> list[Finding]:
+def _constant(recording: Recording, key: str, value: float, facts: Facts, noise: Mapping[str, Noise]) -> list[Finding]:
     unit = recording.units.get(key, "1")
     signal = key.rsplit(".", 1)[-1]
     says = f'"{key}" reads exactly {value:.6g}{"" if unit == "1" else " " + unit} from first to last'
@@ -76,9 +89,64 @@ def _constant(recording: Recording, key: str, value: float) -> list[Finding]:
         and signal != "temperature"
         and not key.startswith(("supply.", "exhaust."))
     )
+    if unit == "Pa" and value > 0.0 and key not in facts.vented and (why := _is_worked(recording, key, value, facts, noise)):
+        return [Finding(key, "constant", f"{says}, while {why}: no sensor that works", severity="fault", use="set aside")]
     if not grave or value > 0.0:
         return [Finding(key, "constant", says, severity="info")]
     return [Finding(key, "constant", says + ": a dead sensor", severity="fault", use="set aside")]
+
+
+def _is_worked(recording: Recording, key: str, value: float, facts: Facts, noise: Mapping[str, Noise]) -> str:
+    """Return what makes the pressure of a chamber change, "" where nothing that was recorded does."""
+    part, signal = key.rsplit(".", 1)
+    if signal not in ("pressure_1", "pressure_2"):
+        return ""
+    commands = [values for command in VALVE_COMMANDS if (values := recording.get(f"{part}.{command}")) is not None]
+    if any(np.isfinite(one).any() and np.nanmax(one) - np.nanmin(one) > _WORKED for one in commands):
+        return "its valve is worked"
+    if abs(value - facts.atmosphere) < _SWINGS * facts.atmosphere:  # left open, as whoever wrote the column knows
+        return ""
+    other = f"{part}.pressure_{2 if signal.endswith('1') else 1}"
+    beside = recording.columns.get(other, np.full(1, np.nan))
+    swings = _range(beside) > (max(_SWINGS * float(np.nanmax(beside)), 12.0 * noise[other].std) if np.isfinite(beside).any() else 0.0)
+    places = {name: values for name, values in recording.columns.items() if name.endswith(".position")}
+    moves = any(_range(values) > max(12.0 * noise[name].std, 1e-3) for name, values in places.items())
+    return f'"{other}" swings and the machine moves' if swings and moves else ""
+
+
+def _range(values: NDArray[np.float64]) -> float:
+    return float(np.nanmax(values) - np.nanmin(values)) if np.isfinite(values).any() else 0.0
+
+
+def _rough(values: NDArray[np.float64], held: Rows, at_end: NDArray[np.bool_], noise: Noise) -> int | None:
+    """Return how long a run of equal readings must be for noise not to leave it by chance, None where noise is too small to say.
+
+    What moves slowly and does not stand tells that noise: a machine that shakes, or a clock that is uneven, makes some of quick motion.
+
+    Args:
+        values: Shape (n,).
+        held: Runs of equal readings, `at_end` which of them are at an extreme.
+        noise: Of the column.
+    """
+    standing = np.zeros(len(values), dtype=bool)
+    for begin, end in held[at_end]:
+        standing[begin:end] = True
+    fine = np.diff(values, 4) / math.sqrt(70.0)  # of white noise four of five change their sign, of motion hardly any
+    good = np.isfinite(fine) & ~standing[4:] & ~standing[:-4]
+    if good.sum() <= 5 * _FEWEST:
+        return None
+    way = np.abs(values[4:] - values[:-4])
+    slow = good & (way <= np.quantile(way[good], _SLOWEST))
+    level, fine = 1.4826 * float(np.median(np.abs(fine[slow]))), fine[good]
+    readings = np.unique(values[np.isfinite(values)])
+    step = max(noise.step, float(np.quantile(np.diff(readings), 0.1)))  # also one that no grid tells of
+    turns = float(np.mean(fine[1:] * fine[:-1] < 0.0))
+    if level <= max(step, _LEAST * _range(values)) or turns < _TURNS:
+        return None
+    again = math.erf(step / (math.sqrt(8.0) * level))
+    if float((held[~at_end, 1] - held[~at_end, 0] - 1).sum()) > (again + _SELDOM) * len(values):  # it rests elsewhere as quietly
+        return None
+    return max(_FEWEST, 1 + math.ceil(math.log(_CHANCE / len(values)) / math.log(max(again, 1e-3))))
 
 
 def _turns_often(values: NDArray[np.float64]) -> bool:

@@ -16,6 +16,7 @@ from exo_sim.machine.linkage import Linkage, moment_row
 from exo_sim.recording.filters import smoothed
 from exo_sim.recording.noise import white_noise
 from exo_sim.recording.table import Recording
+from exo_sim.recording.windows import holes, mended_at
 from exo_sim.rig import Rig
 from exo_sim.simulation.replay.inputs import has_samples, recorded_joints
 
@@ -27,6 +28,8 @@ STILL = 1e-4
 DRIVEN_SHARE = 0.12
 #: Powers are compared on motion smoothed over this time [s], averaged over blocks of this length [s], on at most so many samples.
 POWER_SMOOTHING, POWER_BLOCK, MOST_SAMPLES = 0.06, 0.1, 4000
+#: So many free blocks at least tell a drive from a constant force. Asserted: a second of motion.
+FEWEST_FREE = 10
 #: Delays of the pressures' card that are tried [s]: the one with the smallest unknown power counts.
 CARD_DELAYS = (-0.04, -0.02, -0.01, 0.0, 0.01, 0.02, 0.04)
 
@@ -112,7 +115,8 @@ def _power_shares(
         name, dof = model.joint(j).name, int(model.jnt_dofadr[j])
         if any(link.dof == dof and link.cylinder not in known for link in links):
             continue
-        free = ~_at_stop(model, j, recording, pick)
+        sides = [f"{link.cylinder}.pressure_{side}" for link in links if link.dof == dof for side in (1, 2)]
+        free = _is_free(model, j, recording, sides)[pick]
         shares[name] = min(
             _power_share(needed[:, dof], np.interp(time[pick] - late, time[pick], gas[:, dof]), qd[:, dof], block, free)
             for late in CARD_DELAYS
@@ -120,26 +124,38 @@ def _power_shares(
     return shares
 
 
-def _at_stop(model: mujoco.MjModel, joint: int, recording: Recording, pick: NDArray[np.int64]) -> NDArray[np.bool_]:
-    """Return at which picked samples a stop may push a joint, as far as the smoothed motion shows it, shape (picked,)."""
-    position = _filled(recording, f"{model.joint(joint).name}.position", pick)
+def _is_free(model: mujoco.MjModel, joint: int, recording: Recording, sides: Sequence[str]) -> NDArray[np.bool_]:
+    """Return where no stop pushes a joint and all was recorded, as far as the smoothed motion shows it, shape (n,).
+
+    Args:
+        model, joint: Whose.
+        recording: Signals in SI, n samples.
+        sides: Columns of what drives it.
+    """
+    column, time = f"{model.joint(joint).name}.position", recording.time
+    position = _filled(recording, column, np.arange(len(time)))
     assert position is not None
-    noise = white_noise(recording[f"{model.joint(joint).name}.position"])
-    reach = math.ceil(POWER_SMOOTHING / max(float(np.median(np.diff(recording.time[pick]))), 1e-9))
-    return np.asarray(binary_dilation(touches_stop(model, joint, position, noise), iterations=reach))
+    spoilt = touches_stop(model, joint, position, white_noise(recording[column]))
+    spoilt[mended_at(time, recording.breaks)] = True
+    for key in (column, *(side for side in sides if side in recording)):
+        for begin, end in holes(time, recording[key]):
+            spoilt[begin:end] = True
+    usual = float(np.median(np.diff(time)))
+    return np.asarray(~binary_dilation(spoilt, iterations=math.ceil(max(POWER_SMOOTHING, 5 * usual) / usual)))
 
 
 def _power_share(needed: Array, drive: Array, velocity: Array, block: int, free: NDArray[np.bool_] | None = None) -> float:
     """Return the power that an unknown force supplies as a share of all power; a constant force (a gauge sensor's) does not count.
 
-    Blocks with a sample that is not free are left out; the power is that of all where none is free.
+    Blocks with a sample that is not free are left out. Of fewer than `FEWEST_FREE` none is said to be driven: who pushed in so short a time
+    nobody can tell from a constant.
     """
     missing, whole = needed - drive, len(needed) // block * block
-    every: NDArray[np.bool_] = np.ones(whole // block, dtype=bool)
-    kept = every if free is None else np.asarray(free[:whole].reshape(-1, block).all(axis=1))
-    kept = kept if kept.any() else every
-    inside = np.repeat(kept, block)
-    constant = missing[:whole][inside].mean() if inside.any() else 0.0
+    free = np.ones(len(needed), dtype=bool) if free is None else free
+    kept = np.asarray(free[:whole].reshape(-1, block).all(axis=1))
+    if kept.sum() < min(FEWEST_FREE, whole // block):
+        return 0.0
+    constant = missing[free].mean() if free.any() else 0.0
     unknown = _blocks((missing - constant) * velocity, block)[kept]
     worked = np.maximum(np.abs(_blocks(drive * velocity, block)), np.abs(_blocks(needed * velocity, block)))[kept].sum()
     return float(np.maximum(unknown, 0.0).sum() / worked) if worked > 0.0 else 0.0

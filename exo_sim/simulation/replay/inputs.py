@@ -39,9 +39,9 @@ class Steps:
     offset: int
 
 
-def steps(time: Array, dt: float) -> list[Steps]:
-    """Return even steps over every stretch of a clock that does not jump."""
-    edges = [*clock_breaks(time), len(time)]
+def steps(time: Array, dt: float, mended: Sequence[float] = ()) -> list[Steps]:
+    """Return even steps over every stretch of a clock that does not jump and was not mended (`Recording.breaks`)."""
+    edges = [*clock_breaks(time, mended), len(time)]
     found: list[Steps] = []
     offset = 0
     for first, last in itertools.pairwise(edges):

@@ -56,7 +56,7 @@ class RecordedMachine:
                 "is its clock in seconds? Else cut it into pieces"
             )
         self.led = fed_cylinders(recording, rig, model)
-        self.pieces = inputs.steps(recording.time, self.dt)
+        self.pieces = inputs.steps(recording.time, self.dt, recording.breaks)
         if not self.pieces:
             raise RecordingError(f'"{recording.name}": its clock jumps at every few samples; nothing can be simulated')
         n = sum(len(piece.time) for piece in self.pieces)

@@ -11,7 +11,7 @@ import mujoco
 import numpy as np
 import pytest
 
-from exo_sim.diagnosis.coupling.corrected_pressures import corrected_balances
+from exo_sim.diagnosis.coupling.corrected_pressures import _external_power, corrected_balances
 from exo_sim.diagnosis.data.cylinder_run import cylinder_runs
 from exo_sim.diagnosis.data.machine_data import MachineData
 from exo_sim.diagnosis.data.motion_run import MotionRun
@@ -135,6 +135,18 @@ def test_missing_samples_do_not_spread(rig: Rig, truth: Recording) -> None:
     (mended,) = corrected_balances(case, [judged(case, "sensor_delay", 0.008)], PARTS)["slide"]
     assert np.isfinite(mended.drive.force).all()
     assert force_error(mended, exact) < 0.02 * force_error(case.joints["slide"][0], exact)
+
+
+def test_what_pushes_where_forces_are_not_known_is_no_drive(rig: Rig, truth: Recording) -> None:
+    """A stop, or a hole of the pressures: what is missing there is nobody's push."""
+    case = case_of(rig, truth)
+    (run,) = case.joints["slide"]
+    there = np.ones(len(run.time), dtype=bool)
+    there[1100:] = False
+    speed = run.kinematics.velocity / run.drive.divisor
+    known = replace(run, drive=replace(run.drive, force=run.demand - 20.0 * np.sign(speed) * ~there))
+    assert _external_power(known) != ""
+    assert _external_power(replace(known, known=there)) == ""
 
 
 @pytest.mark.parametrize("why", ["nothing judged", "nothing named", "no name", "hardly a fault"])

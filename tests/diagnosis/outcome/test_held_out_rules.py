@@ -69,7 +69,7 @@ def test_an_error_that_rises_by_chance_refutes_no_name_of_great_odds() -> None:
         (11.6, -1.4, False),  # its change is hardly there, and it is certain all the same
         (6.3, -1.3, True),
         (60.6, -7.1, False),
-        (2.4, 0.0, False),  # that time tells nothing
+        (2.4, 0.0, True),  # that time tells nothing of its change: then the error does
         (2.4, 1.1, False),  # it speaks for it
         (0.8, -0.4, True),
     ],
@@ -106,6 +106,13 @@ def test_a_name_without_numbers_that_nothing_tested_is_not_in_doubt(weighed: flo
 def test_a_number_that_may_be_nil_and_that_nothing_tested_is_no_name(low: float, share: float | None, doubted: bool) -> None:
     finding = replace(named(300.0), parameters={"coefficient": Estimate(30.0, "N s^2/m^2", low, 97.0)})
     assert bool(doubt(finding, share)) is doubted
+
+
+def test_beside_an_unknown_a_name_stands_only_with_a_number_that_is_not_nil() -> None:
+    finding = replace(named(300.0), parameters={"coefficient": Estimate(30.0, "N s^2/m^2", 0.0, 97.0)})
+    assert not doubt(finding, 0.9) and "without a name" in doubt(finding, 0.9, beside_unknown=True)
+    sure = replace(finding, parameters={"coefficient": Estimate(30.0, "N s^2/m^2", 2.0, 97.0)})
+    assert not doubt(sure, 0.9, beside_unknown=True)
 
 
 @pytest.mark.parametrize(
@@ -161,7 +168,9 @@ def test_what_explains_a_little_of_what_healthy_machines_leave_is_small_unless_i
 ) -> None:
     back = Finding("exhaust_back_pressure", "exhaust", Kind.MISSING_PHYSICS, "", {}, odds, 0.0)
     one, tested = result(waves.Waves(bound=3.8), back), {back.key: HeldOutGain(24.0, 100.0, log10_odds=more)}
-    assert bool(too_small(one, {back.key: 3.7}, {}, {}, tested)) is is_small
+    found = too_small(one, {back.key: 3.7}, {}, {}, tested)
+    assert bool(found) is is_small
+    assert all("do not show it surely" in each.says and "beyond doubt" not in each.says for each in found)
     assert too_small(one, {back.key: 3.9}, {}, {}, tested) == ()  # no healthy machine leaves so much
     weighed = replace(one, search=replace(one.search, weighed_together=True))
     assert too_small(weighed, {back.key: 3.7}, {}, {}, tested) == ()

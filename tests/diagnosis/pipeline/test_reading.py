@@ -11,9 +11,11 @@ import pytest
 
 from exo_sim.diagnosis.findings import Kind
 from exo_sim.diagnosis.pipeline.reading import gather
+from exo_sim.diagnosis.subsystems.motion.motion_runs import motion_runs
 from exo_sim.errors import RecordingError
 from exo_sim.recording import Recording, write_table
 from exo_sim.recording.reader import Reading
+from exo_sim.simulation.replay.machine import RecordedMachine
 
 
 @pytest.fixture
@@ -47,6 +49,19 @@ def test_a_stuck_sensor_is_a_finding_and_its_samples_are_left_out(tmp_path: Path
     assert (finding.name, finding.where, finding.kind) == ("sensor_stuck", "piston.pressure_1", Kind.SENSOR)
     assert np.isnan(data.recordings[0]["piston.pressure_1"][600:1200]).all()
     assert np.isfinite(data.as_read[0]["piston.pressure_1"]).all()
+
+
+def test_nothing_runs_across_a_mended_clock(tmp_path: Path, table: Recording) -> None:
+    """A logger that sets its clock back for 0.1 s: from there on the pressures are those of 0.1 s later."""
+    write_table(tmp_path / "bench.csv", replace(table, time=table.time - 0.1 * (np.arange(len(table.time)) >= 1350)))
+    data = gather([tmp_path / "bench.csv"], tmp_path / "rig.toml")
+    begun = int(np.searchsorted(data.recordings[0].time, 1.3495))
+    assert data.recordings[0].breaks == (pytest.approx(1.35),)
+    (balance,), _ = motion_runs(data.recordings[0], data.rig, data.model, data.links)
+    assert data.cylinders["piston"][0].breaks == balance.breaks == (0, begun)
+    assert [piece.first for piece in RecordedMachine(data.recordings[0], data.rig, data.model).pieces] == [0, begun]
+    speed, slowest = data.cylinders["piston"][0].speed, 0.04 * 2.0 * np.pi
+    assert speed is not None and np.abs(speed).max() < 1.01 * slowest  # a position that jumps is no speed
 
 
 def test_another_machines_recording_is_refused_with_the_nearest_part(tmp_path: Path, table: Recording) -> None:

@@ -19,7 +19,7 @@ from exo_sim.diagnosis.estimation.candidate import Candidate
 from exo_sim.diagnosis.estimation.least_squares import Fit
 from exo_sim.diagnosis.estimation.parameters import FreeParameter, PlantParameters, Target
 from exo_sim.diagnosis.estimation.threads import SERIAL
-from exo_sim.diagnosis.findings import Finding, Kind, SignalFit, Subsystem
+from exo_sim.diagnosis.findings import Estimate, Finding, Kind, SignalFit, Subsystem
 from exo_sim.diagnosis.pipeline import rounds
 from exo_sim.diagnosis.pipeline.plan import Examination, Plan, Results
 from exo_sim.diagnosis.policy.validation import LACKING_RATIO
@@ -222,6 +222,22 @@ def test_the_beginning_is_held_out_once_where_validation_shows_something_new(
     assert end.plan is plans[0]  # no better, so the first counts
 
 
+def test_of_two_divisions_the_one_counts_whose_fit_lacks_nothing(monkeypatch: pytest.MonkeyPatch, data: MachineData) -> None:
+    """The other one misses held-out time by less of what its fit leaves, and by more than any healthy machine."""
+    lacking = BalanceError(2.0 * LACKING_RATIO, 1.0, 5.0, 1.0)
+    healthy = BalanceError(3.0 * LACKING_RATIO, 1.0, 4.0 * LACKING_RATIO, 1.0)
+    plans: list[Plan] = []
+
+    def examine(data: MachineData, plan: Plan, *rest: Any) -> Examination:
+        plans.append(plan)
+        return examination(data, plan, gas_of(data), errors(balances={GAS: healthy if len(plans) > 1 else lacking}))
+
+    monkeypatch.setattr(rounds, "examine", examine)
+    monkeypatch.setattr(rounds, "validated", lambda found: found)
+    end = rounds.examine_until_stable(data, SERIAL, print)
+    assert len(plans) == 2 and end.plan is plans[1] and end.validation_ratio == 3.0 * LACKING_RATIO
+
+
 def test_what_a_healthy_machine_is_missed_by_as_well_shows_nothing_new(monkeypatch: pytest.MonkeyPatch, data: MachineData) -> None:
     within = errors(balances={GAS: BalanceError(2.0 * LACKING_RATIO, 1.0, 9.0, 1.0)})
     _, plans = stable(monkeypatch, data, [(LEAK,)], within)
@@ -293,6 +309,19 @@ def test_names_that_explain_little_of_the_validation_time_are_put_aside_and_it_i
     assert set(kept.shares) == {"piston_leakage@piston"}
     untested = examination(data, Plan(Split({})), gas_of(data, SPRING), errors(), errors())
     assert rounds.without_doubtful(untested) is untested
+
+
+def test_beside_something_unknown_what_may_be_nil_is_put_aside(data: MachineData) -> None:
+    worth = {"piston_leakage@piston": HeldOutGain(60.0, 100.0), "return_spring@piston": HeldOutGain(60.0, 100.0)}
+
+    def left(unknown: bool) -> list[str]:
+        gas = gas_of(data, LEAK, SPRING, has_unknown=unknown)
+        maybe = {"stiffness": Estimate(30.0, "N/m", 0.0, 90.0)}
+        findings = tuple(replace(one, parameters=maybe) if one.at == SPRING else one for one in gas.findings)
+        one = examination(data, Plan(Split({})), replace(gas, findings=findings), errors(gains=worth))
+        return [finding.name for finding in rounds.without_doubtful(one).results.gas[0].findings]
+
+    assert left(False) == ["piston_leakage", "return_spring"] and left(True) == ["piston_leakage"]
 
 
 def test_a_name_is_judged_by_validation_time_and_never_by_the_test(data: MachineData) -> None:

@@ -39,3 +39,40 @@ def test_a_simpler_form_takes_a_place_only_where_the_finding_is_accepted_in_it(k
     rich = one.fits.fit((RICH,))
     assert simplification.tidied(rich).candidates == (kept,)
     assert simplification.settled(rich).candidates == (kept,)
+
+
+WHOLE, OTHER_WAY = candidate("wide", "slow", "quick", "quicker"), candidate("wide", "slow", "quicker")
+
+
+def simplest(kind: type[Comparisons], waves: Waves, now: Candidate, *offered: Candidate) -> tuple[Candidate, ...]:
+    """Return the candidates of the simplest model with these forms on offer."""
+    one = Search(waves, (), (now, *offered))
+    simplification = Simplification(one.fits, kind(one.fits, one.fits.fit(()), 3, 0.0), one.proposals)
+    return simplification._simplest(one.fits.fit((now,))).candidates
+
+
+def test_a_form_in_which_the_finding_would_be_lost_does_not_bar_a_richer_one_that_is_simpler_all_the_same() -> None:
+    assert simplest(OnlyRich, Waves(slow=4.0, quick=0.02, quicker=0.02), WHOLE, RICH, POOR) == (RICH,)
+    assert simplest(Comparisons, Waves(slow=4.0, quick=0.02, quicker=0.02), WHOLE, RICH, POOR) == (POOR,)
+
+
+class None_(Comparisons):
+    """Comparisons that accept nothing."""
+
+    def accepts(self, without: FittedModel, with_it: FittedModel, stands: bool = False) -> bool:
+        return False
+
+
+def test_what_is_accepted_in_no_form_is_not_lost_in_a_simpler_one() -> None:
+    assert simplest(None_, Waves(slow=4.0, quick=0.02), RICH, POOR) == (POOR,)
+
+
+class NotOtherWay(Comparisons):
+    """Comparisons that do not accept an effect in one form of two parameters."""
+
+    def accepts(self, without: FittedModel, with_it: FittedModel, stands: bool = False) -> bool:
+        return OTHER_WAY not in with_it.candidates
+
+
+def test_a_form_with_as_many_parameters_that_explains_more_is_not_asked_whether_it_is_accepted() -> None:
+    assert simplest(NotOtherWay, Waves(slow=4.0, quicker=4.0), RICH, OTHER_WAY) == (OTHER_WAY,)

@@ -8,11 +8,12 @@ from dataclasses import replace
 import numpy as np
 import pytest
 from diagnosis import waves
+from scipy import stats
 
 from exo_sim.diagnosis.data.split import Split
 from exo_sim.diagnosis.discrepancy.signal import Discrepancy
 from exo_sim.diagnosis.estimation.parameters import PlantParameters
-from exo_sim.diagnosis.findings import Subsystem
+from exo_sim.diagnosis.findings import SignalFit, Subsystem
 from exo_sim.diagnosis.policy.validation import BEYOND_HEALTHY, FEWEST_CHANGED, LEAST_INFLUENCE
 from exo_sim.diagnosis.selection.decision import decide
 from exo_sim.diagnosis.selection.finding_removal import without_findings
@@ -151,6 +152,17 @@ def test_where_nothing_was_compared_the_ratio_is_infinite() -> None:
     assert held_out_errors([], (), SPLIT).signals == {}
 
 
+def test_a_balance_lacks_something_where_it_misses_more_than_healthy_machines_and_than_its_fit_by_times() -> None:
+    """Of what could not be compared nobody knows; of what the fit misses as much as held-out time no other division tells more."""
+    signals = {"piston.pressure_1": SignalFit("Pa", 2.0, 1.0, 1.0)}
+
+    def lacks(error: float, fitted: float, bound: float) -> bool:
+        return HeldOutErrors(signals, balances={(Subsystem.GAS, "piston"): BalanceError(error, fitted, bound, 1.0)}).lacks(3.0)
+
+    assert lacks(20.0, 2.0, 5.0) and not lacks(20.0, 10.0, 5.0) and not lacks(20.0, 2.0, 25.0)
+    assert HeldOutErrors().lacks(3.0) and not HeldOutErrors(signals).lacks(3.0)
+
+
 def test_an_error_counts_against_the_fit_and_the_bound() -> None:
     one = BalanceError(error=6.0, fitted=2.0, bound=5.0, log10_odds=9.0)
     assert one.ratio == 3.0 and one.exceeds_bound() and not one.exceeds_bound(1.25) and one.newly_exceeds_bound()
@@ -221,5 +233,45 @@ def test_a_change_in_one_block_of_time_does_not_change_the_odds() -> None:
     blocks = np.repeat(np.arange(20), 200)
     change = np.where(blocks == 7, 3.0, 0.0)
     assert _amplitude(rng.standard_normal(4000) - change, change, blocks)[2] == 0.0
+
+
+def test_of_two_blocks_their_rows_say_how_surely_a_change_is_not_there() -> None:
+    """Student's distribution of one degree of freedom took a decade and a half at most; how far both blocks differ still counts."""
+    rng = np.random.default_rng(4)
+    blocks = np.repeat(np.arange(20), 200)
     few = np.where((blocks == 7) | (blocks == 9), 3.0, 0.0)
-    assert -5.0 < _amplitude(rng.standard_normal(4000) - few, few, blocks)[2] < -0.5
+    noise = rng.standard_normal(4000)
+    assert _amplitude(noise - few, few, blocks)[2] < -5.0
+    assert _amplitude(noise, few, blocks)[2] > 5.0
+    differing = noise - np.where(blocks == 7, 1.0, 0.0) * few  # all of it in one, none of it in the other
+    assert abs(_amplitude(differing, few, blocks)[2]) < 1.0
+
+
+def odds_of(amplitude: float, away: np.ndarray) -> float:
+    """Return the odds of so much of a change of 1 in every block, one row each, that is off by `away` there; their mean is nil."""
+    change = np.ones(away.size)
+    found, _, odds = _amplitude((amplitude - 1.0) * change + away, change, np.arange(away.size))
+    assert found == pytest.approx(amplitude)
+    return odds
+
+
+ALTERNATING = 3.0 * (-1.0) ** np.arange(6)
+
+
+def test_blocks_that_differ_say_how_far_the_amplitude_varies() -> None:
+    spread = 3.0 / math.sqrt(5.0)  # the standard error of a mean of six values whose deviation is estimated
+    expected = stats.t.logpdf(0.2 / spread, 5) - stats.t.logpdf(0.8 / spread, 5)
+    assert odds_of(0.8, ALTERNATING) == pytest.approx(expected / math.log(10.0), rel=1e-6)
+
+
+@pytest.mark.parametrize("far", [-0.5, -5.0, -19.0])
+def test_the_contrary_of_a_change_speaks_against_it_no_less_than_nothing_of_it_and_more_than_all_of_it_for_it(far: float) -> None:
+    assert odds_of(far, ALTERNATING) == pytest.approx(odds_of(0.0, ALTERNATING)) and odds_of(0.0, ALTERNATING) < 0.0
+    assert odds_of(1.0 - far, ALTERNATING) == pytest.approx(odds_of(1.0, ALTERNATING)) and odds_of(1.0, ALTERNATING) > 0.0
+
+
+def test_blocks_that_are_off_as_the_one_before_them_count_as_fewer() -> None:
+    slow = 3.0 * np.sin(2.0 * np.pi * (np.arange(20) + 0.5) / 20.0)
+    mixed = slow[np.random.default_rng(1).permutation(20)]
+    assert 0.0 < odds_of(1.0, slow) < 0.4 * odds_of(1.0, mixed)
+    assert 0.4 * odds_of(0.0, mixed) < odds_of(0.0, slow) < 0.0

@@ -64,16 +64,17 @@ class _Risk:
         return int(np.argmin(self.noise**2 + self.bias**2))
 
 
-def asked_width(time: Array, positions: Sequence[Array]) -> AskedWidth:
+def asked_width(time: Array, positions: Sequence[Array], mended: Sequence[float] = ()) -> AskedWidth:
     """Return the width that the positions of all joints ask for: that of the joint that moves and asks for the least.
 
     Args:
         time: Of the samples, shape (n,) [s].
         positions: Of the joints, shape (n,) each.
+        mended: Times at which the clock was mended [s].
     """
     plain = tuple(white_noise(values) for values in positions)
     least = smoothing_width(time)
-    edges = [*clock_breaks(time), len(time)]
+    edges = [*clock_breaks(time, mended), len(time)]
     first, last = max(zip(edges, edges[1:], strict=False), key=lambda edge: edge[1] - edge[0])
     risks = [
         _risk(time[first:last], values[first:last], least, noise) if noise > 0.0 and float(np.nanstd(values)) > MOVES * noise else None

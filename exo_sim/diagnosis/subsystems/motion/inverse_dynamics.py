@@ -22,11 +22,12 @@ from exo_sim.diagnosis.data.open_questions import Unjudged
 from exo_sim.diagnosis.policy.recordings import STILL_NOISE, STILL_SHARE
 from exo_sim.diagnosis.subsystems.motion.contact_forces import AtJoints, ContactForces, SiteForce, site_forces
 from exo_sim.diagnosis.subsystems.motion.filter_width import AskedWidth
+from exo_sim.diagnosis.subsystems.motion.forces_recorded import columns_of_balance, recorded
 from exo_sim.diagnosis.subsystems.motion.kept_dynamics import KeptDynamics
 from exo_sim.diagnosis.subsystems.motion.moving_masses import MovingMasses, payload, with_twice_the_payload
 from exo_sim.diagnosis.subsystems.motion.smoothing import smoothed_alike, smoothing_width, stride, thinned
 from exo_sim.diagnosis.subsystems.motion.stops import at_stop
-from exo_sim.diagnosis.subsystems.motion.unjudged_balance import bound_by_model, not_recorded, rarely_free, rarely_known
+from exo_sim.diagnosis.subsystems.motion.unjudged_balance import bound_by_model, not_recorded, rarely_free, rarely_known, rarely_whole
 from exo_sim.machine.linkage import Linkage, moment_row
 from exo_sim.recording.filters import SmoothedMotion, gaussian_smoothed, noise_gain, restored, smoothed_motion
 from exo_sim.recording.noise import white_noise
@@ -84,12 +85,14 @@ def balances(
         pushed = f"{name}.external_force" in recording or bool(dynamics.contacts.reached[dof])
         known = dynamics.contacts.known[:, dof]
         free = ~at_stop(model, j, thin, moves[j], smoothing)
+        columns = columns_of_balance(recording, rig, names, name, driven)
+        whole = recorded(time, [recording[column] for column in columns], smoothing)
         lacks = not_recorded(recording, rig, driven, pushed, fed)
-        reason = Unjudged(lacks) if lacks else rarely_known(thin, known) or rarely_free(thin, free)
+        reason = Unjudged(lacks) if lacks else rarely_known(thin, known) or rarely_free(thin, free) or rarely_whole(thin, whole, columns)
         if reason:
             reasons.append((name, reason))
         else:
-            runs.append(_run(recording, rig, model, j, driven, moves, dynamics, known & free, asked))
+            runs.append(_run(recording, rig, model, j, driven, moves, dynamics, known & free & whole, asked))
     return runs, reasons
 
 
@@ -275,7 +278,7 @@ def _run(
         joint=name,
         turning=bool(model.jnt_type[joint] == int(mujoco.mjtJoint.mjJNT_HINGE)),
         time=time,
-        breaks=tuple(dict.fromkeys(begin // every for begin in clock_breaks(recording.time))),
+        breaks=tuple(dict.fromkeys(begin // every for begin in clock_breaks(recording.time, recording.breaks))),
         kinematics=Kinematics(
             position, velocity, max(STILL_NOISE * velocity_noise, STILL_SHARE * float(np.nanstd(velocity))), velocity_noise,
         ),

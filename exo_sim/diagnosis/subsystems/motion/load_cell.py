@@ -10,6 +10,7 @@ import numpy as np
 from exo_sim.diagnosis.data.cylinder_run import CylinderRun
 from exo_sim.diagnosis.data.motion_run import Drive, Inertia, Kinematics, MotionRun, Passive
 from exo_sim.diagnosis.policy.recordings import STILL_NOISE, STILL_SHARE
+from exo_sim.diagnosis.subsystems.motion.forces_recorded import recorded
 from exo_sim.diagnosis.subsystems.motion.smoothing import smoothing_width, stride, thinned
 from exo_sim.recording.filters import gaussian_smoothed, noise_gain, restored, smoothed_motion
 from exo_sim.recording.noise import white_noise
@@ -52,7 +53,7 @@ def rod_run(run: CylinderRun, rig: Rig) -> MotionRun | None:
         variance += (area * white_noise(values) * keep) ** 2
     levers[f"{run.cylinder}.force"] = np.full(n, -1.0)
     signals[f"{run.cylinder}.force"] = measured
-    nothing = np.zeros(n)
+    nothing, known = np.zeros(n), recorded(time, (run.force, p_1, None if c.single_acting else p_2))
     still = max(STILL_NOISE * rod.velocity_noise, STILL_SHARE * float(np.nanstd(velocity)))
     return MotionRun(
         recording=run.recording,
@@ -67,4 +68,5 @@ def rod_run(run: CylinderRun, rig: Rig) -> MotionRun | None:
         external=nothing,
         noise=float(np.sqrt(variance)),
         every=every,
+        known=None if known.all() else known,
     )

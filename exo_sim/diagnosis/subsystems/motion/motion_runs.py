@@ -42,7 +42,7 @@ def motion_runs(recording: Recording, rig: Rig, model: mujoco.MjModel, links: tu
     names = [model.joint(j).name for j in range(model.njnt)]
     positions = [recording[f"{name}.position"] for name in names]
     if noisy:
-        asked = asked_width(recording.time, positions)
+        asked = asked_width(recording.time, positions, recording.breaks)
         tried = [asked] if asked.seconds > smoothing_width(recording.time) else []
     else:
         noise, still = tuple(white_noise(values) for values in positions), (0.0,) * len(names)

@@ -57,6 +57,14 @@ def rarely_free(time: Array, free: NDArray[np.bool_]) -> Unjudged | None:
     return Unjudged(why, "move it between its stops, or correct its range in the MJCF")
 
 
+def rarely_whole(time: Array, whole: NDArray[np.bool_], columns: Sequence[str]) -> Unjudged | None:
+    """Return why a joint cannot be judged of whose columns one or another has a hole nearly all the time, or None."""
+    if _is_enough(time, whole):
+        return None
+    why = f"{' or '.join(columns)} has holes nearly all the time, which no filter bridges"
+    return Unjudged(why, f"record {LEAST_KNOWN:g} s or more without holes")
+
+
 def _is_enough(time: Array, usable: NDArray[np.bool_]) -> bool:
     """Return whether so much of a time is usable that a joint can be judged by it."""
     return float(usable.mean()) * float(np.ptp(time)) >= LEAST_KNOWN

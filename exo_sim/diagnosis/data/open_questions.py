@@ -41,9 +41,9 @@ def of_quick_motion(joint: str, recording: str, seconds: float) -> OpenQuestion:
     return OpenQuestion(f"the balance of forces at {joint} in {recording}", _FORCES, why, do)
 
 
-def of_little_motion(joint: str, recording: str, share: float) -> OpenQuestion:
-    """Return the same of a joint that is in motion for no more than this share of the time that may be fitted."""
-    why = f"it is in motion for {100.0 * share:.2g} % of the time, which is too little"
+def of_little_motion(joint: str, recording: str, rows: int, fewest: int, seconds: float) -> OpenQuestion:
+    """Return the same of a joint that moves one way for so many times over which forces are averaged [s], where no fewer are needed."""
+    why = f"of all that may be fitted it moves one way, clear of noise, for {rows} times {seconds:.2g} s, and {fewest} are needed"
     return OpenQuestion(f"the balance of forces at {joint} in {recording}", _FORCES, why, "record more of its motion")
 
 

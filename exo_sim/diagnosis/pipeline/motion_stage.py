@@ -106,7 +106,7 @@ def balances_left_open(found: Sequence[SubsystemResult[MotionModel]]) -> tuple[O
             if share * float(np.ptp(run.time)) > FEWEST_ROWS * seconds:
                 questions.append(open_questions.of_quick_motion(run.joint, run.recording, seconds))
             else:
-                questions.append(open_questions.of_little_motion(run.joint, run.recording, share))
+                questions.append(open_questions.of_little_motion(run.joint, run.recording, one.model.size, int(FEWEST_ROWS), seconds))
     return tuple(questions)
 
 

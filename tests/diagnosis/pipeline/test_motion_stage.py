@@ -235,7 +235,7 @@ def test_a_joint_that_hardly_moves_is_to_be_moved(tmp_path: Path) -> None:
     run = replace(motion_runs.balance(still, 0.3), kinematics=Kinematics(still, still, 1e-3))
     data = MachineData(rig, model, linkages(rig, model), (), (), {}, {"slide": (run,)})
     (question,) = balances_left_open(examine_motion(data, Plan(Split({})), SERIAL, lambda words: None))
-    assert "in motion for 0 %" in question.why and "motion" in question.do
+    assert "for 0 times" in question.why and "30 are needed" in question.why and "motion" in question.do
 
 
 def test_a_probable_effect_that_zeros_and_scales_stand_in_for_is_an_open_question_with_its_experiment(tmp_path: Path) -> None:

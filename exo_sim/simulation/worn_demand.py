@@ -5,7 +5,6 @@ from __future__ import annotations
 import math
 from collections.abc import Iterator
 from contextlib import contextmanager, suppress
-from dataclasses import replace
 from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
@@ -14,7 +13,7 @@ from numpy.typing import NDArray
 from exo_sim.control import demand as law_of_demand
 from exo_sim.control import machine_dynamics
 from exo_sim.control.least_load import LeastLoad
-from exo_sim.control.load_weights import CALM, CAUTIOUS, QUICK, SPARING, Weights
+from exo_sim.control.load_weights import CALM, QUICK, SPARING, THOUGHT, Weights
 from exo_sim.errors import Diverged
 from exo_sim.kept_solutions import kept
 from exo_sim.machine.worn_model import PAYLOAD_LIMIT, carry
@@ -62,7 +61,7 @@ def rehearsed_demand(it: Simulation, payload: float) -> Demand:
         return Demand(_closed(law_of_demand.demand(request.law, dynamics, it.motion, it.straps, it.rig.ankle)), remarks)
     weights = request.weights or _weights(it)
     if request.law == "causal" and request.weights is None:
-        weights = replace(weights if it.plans_chambers else QUICK, other_straps=CAUTIOUS)
+        weights = weights if it.plans_chambers else QUICK
 
     def rehearsed() -> tuple[NDArray[np.float64], LeastLoad]:
         plan = LeastLoad(dynamics, it.motion, it.person, it.straps, it.rig.ankle, limits, weights)
@@ -79,7 +78,9 @@ def _weights(it: Simulation) -> Weights:
     yields = it.request.moved_by == "torques"
     if yields and it.motion.from_rest:
         return CALM
-    return SPARING if it.plans_chambers or it.motion.from_rest or yields else Weights()
+    if yields or it.motion.from_rest:
+        return THOUGHT
+    return SPARING if it.plans_chambers else Weights()
 
 
 def _rehearsed(
@@ -88,8 +89,8 @@ def _rehearsed(
     """Walk a few cycles at a time and better the plan after each time; return the best of the torques tried, and the plan they are of.
 
     Two starts have a share of the rehearsals each: torques that are handed in, shape (n, 6) [N m], and the plan's. Those that are left go
-    on with the better. One rehearsal alone cannot say which that is. For a causal controller all go on from the plan, which counts other
-    straps: begun with inverse dynamics `exo` cost 20 to 40 W more where something was not as calibrated.
+    on with the better. One rehearsal alone cannot say which that is. For a causal controller all go on from the plan: demands rehearsed
+    from inverse dynamics cost as little as calibrated, and some of them more on straps that are otherwise.
     """
     settling, most = it.settling, it.request.rehearsals
     usual = it.demand

@@ -144,14 +144,38 @@ class LeastLoad:
         """
         return np.asarray(self._forces @ self._harmonics_of(torques))
 
+    def later(self, strides: float) -> LeastLoad:
+        """Return a plan whose best torques come so much later than these, as if they had been rehearsed."""
+        angle = 2.0 * np.pi * np.arange(1, self._harmonics + 1) * strides / self._strides
+        waves = self.best.reshape(len(self.driven), -1).copy()
+        cosine, sine = waves[:, 1::2].copy(), waves[:, 2::2].copy()
+        waves[:, 1::2] = np.cos(angle) * cosine - np.sin(angle) * sine
+        waves[:, 2::2] = np.sin(angle) * cosine + np.cos(angle) * sine
+        other = copy(self)
+        other._best = (self._best[0], self._within_reach(waves.reshape(-1)))
+        return other
+
+    def answering(self, response: WalkResponse) -> LeastLoad:
+        """Return a plan that knows how the machine answers along a walk with its best torques."""
+        other = copy(self)
+        other.response = response
+        return other
+
+    def _heard_of(self, seen: Rehearsed) -> NDArray[np.float64]:
+        """Return what counts of a rehearsal: weighed loads, then, where rehearsals go by the answer along the walk, chambers' pressures."""
+        felt = np.concatenate([seen.moments, seen.residual[:, None], seen.straps], axis=1)
+        loads = self._counted((felt + self._own) * self._matters).reshape(-1)
+        if seen.response is None or seen.pressed is None:
+            return loads
+        return np.concatenate([loads, self.weights.pressed * seen.pressed[:, self.driven].reshape(-1)])
+
     def learn(self, seen: Rehearsed) -> float:
         """Better the torques by what they did in a rehearsal.
 
         Returns:
             The cost that was reached; `torque(best=True)` belongs to the least of all.
         """
-        felt = np.concatenate([seen.moments, seen.residual[:, None], seen.straps], axis=1)
-        tried, heard = self._coefficients, self._counted((felt + self._own) * self._matters).reshape(-1)
+        tried, heard = self._coefficients, self._heard_of(seen)
         cost = float(heard @ heard + (self._effort * tried) @ (self._effort * tried))
         did = (tried - self._best[1], heard - self._heard) if np.isfinite(self._best[0]) else None
         self._exact = seen.response is not None
@@ -182,9 +206,21 @@ class LeastLoad:
             self.response = found = seen.response()
             carried = np.interp(found.phase, np.arange(len(self._support)) / len(self._support), self._support, period=1.0)
             self._forces = found.steady(_basis_at(found.phase, self._harmonics) * carried[:, None], self._phases)
-        self._shown = LearntMap(self._counted(self._strap_map @ self._forces).reshape(self._matters.size, -1), self._effort)
+        effect = self._counted(self._strap_map @ self._forces).reshape(self._matters.size, -1)
+        self._shown = LearntMap(effect, self._effort)
         if self._exact:
             self._of_straps = self._shown
+            self._shown = LearntMap(np.concatenate([effect, self._pressing(seen)]), self._effort)
+
+    def _pressing(self, seen: Rehearsed) -> NDArray[np.float64]:
+        """Return how chambers' pressures, as they count, answer to the harmonics, shape (n driven or 0, m)."""
+        basis = _basis(self._phases, self._harmonics) * self._support[PICK, None]
+        if seen.presses is None:
+            return np.zeros((0, len(self._effort)))
+        rows = np.zeros((self._phases, len(self.driven), len(self.driven), basis.shape[1]))
+        for i, joint in enumerate(self.driven):
+            rows[:, i, i] = self.weights.pressed * seen.presses[:, joint, None] * basis
+        return rows.reshape(self._phases * len(self.driven), -1)
 
     def fell(self) -> bool:
         """Go less far, since a wearer fell with the torques tried last; return whether there was a rehearsal before to go on from."""

@@ -35,10 +35,11 @@ class Weights:
     residual: float = 0.5
     own: float = 1.0
     moving: float = 1.0
-    torso: float = 0.5
+    torso: float = 0.7
     torso_ahead: float = 0.1
     push: float = 1.0
     steady: float = 2.0
+    pressed: float = 20.0
     effort: float = 0.05
     smoothness: float = 0.05
 
@@ -62,8 +63,10 @@ SPARING = Weights(smoothness=0.15)
 #: The same from rest and for one who is a body: maps that are not worked out along the walk go by it less well where own moments count
 #: whole. Walks from rest that are linearised end dearer (520 W for 371 W with `exo` and 34 kg): torques there are cut off by what cylinders
 #: can hold, which the linear answer does not know.
-THOUGHT = Weights(smoothness=0.15, own=0.7, moving=0.5)
+THOUGHT = Weights(smoothness=0.15, own=0.7, moving=0.5, torso=0.5)
 #: Who is a body walks off and stops to a demand that was not rehearsed with him: with faster torques he falls in his fifth walk.
-CALM = Weights(smoothness=0.3, own=0.7, moving=0.5)
+CALM = Weights(smoothness=0.3, own=0.7, moving=0.5, torso=0.5)
 #: Where straps are felt and learnt from, torques may change faster: what the gas does not follow is answered.
-QUICK = Weights(smoothness=0.02)
+QUICK = Weights(smoothness=0.02, torso=0.5)
+#: In place, too.
+IN_PLACE = Weights(own=0.7, moving=0.5, torso=0.5)

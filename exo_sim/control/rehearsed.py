@@ -22,6 +22,9 @@ class Rehearsed:
         residual: Moment that no sole could give [N m], shape (n,).
         at_edge: For what share of each phase there was one, shape (n,).
         response: Works out how the machine answered along it; None where that cannot be had.
+        pressed: Torque of each joint that chambers hold with pressure beyond what they should see [N m], shape (n, 6); None where no
+            cylinder has such a limit.
+        presses: By how much that grows with the joint's torque, shape (n, 6).
     """
 
     moments: NDArray[np.float64]
@@ -30,3 +33,5 @@ class Rehearsed:
     residual: NDArray[np.float64]
     at_edge: NDArray[np.float64]
     response: Callable[[], WalkResponse] | None = None
+    pressed: NDArray[np.float64] | None = None
+    presses: NDArray[np.float64] | None = None

@@ -16,7 +16,7 @@ from exo_sim.control.stride_means import StrideMeans
 
 #: Share of a full correction that one stride makes. Of 0.1, 0.2 and 0.3 with six rows of docs/walking.md in sight (longer right step: 147,
 #: 146 and 145 J a stride, an early phase: 157, 155 and 154; by the demand of that day).
-_SHARE = 0.2
+_SHARE = 0.3
 
 
 class StrideLearning:

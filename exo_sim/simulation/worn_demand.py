@@ -12,13 +12,16 @@ from numpy.typing import NDArray
 
 from exo_sim.control import demand as law_of_demand
 from exo_sim.control import machine_dynamics
+from exo_sim.control.causal import Calibration
 from exo_sim.control.least_load import LeastLoad
-from exo_sim.control.load_weights import CALM, QUICK, SPARING, THOUGHT, Weights
+from exo_sim.control.load_weights import CALM, IN_PLACE, QUICK, SPARING, THOUGHT, Weights
 from exo_sim.errors import Diverged
 from exo_sim.kept_solutions import kept
 from exo_sim.machine.worn_model import PAYLOAD_LIMIT, carry
 from exo_sim.simulation.causal_calibration import calibrated
-from exo_sim.simulation.rehearsal import Rehearsals
+from exo_sim.simulation.demand_choice import Choice, finalists
+from exo_sim.simulation.linearised_walk import linearised
+from exo_sim.simulation.rehearsal import Rehearsals, steps_alike
 from exo_sim.simulation.rehearsed_before import identity
 from exo_sim.simulation.torque_limits import too_weak, torque_limits
 
@@ -80,6 +83,8 @@ def _weights(it: Simulation) -> Weights:
         return CALM
     if yields or it.motion.from_rest:
         return THOUGHT
+    if it.motion.advance == 0.0:
+        return IN_PLACE
     return SPARING if it.plans_chambers else Weights()
 
 
@@ -90,7 +95,8 @@ def _rehearsed(
 
     Two starts have a share of the rehearsals each: torques that are handed in, shape (n, 6) [N m], and the plan's. Those that are left go
     on with the better. One rehearsal alone cannot say which that is. For a causal controller all go on from the plan: demands rehearsed
-    from inverse dynamics cost as little as calibrated, and some of them more on straps that are otherwise.
+    from inverse dynamics cost as little as calibrated, and some of them more on straps that are otherwise. Which of the last it gets is
+    chosen where something is otherwise (`demand_choice.py`).
     """
     settling, most = it.settling, it.request.rehearsals
     usual = it.demand
@@ -106,13 +112,26 @@ def _rehearsed(
             _rehearse(it, best, most)
             plan = best.plan
             if it.request.law == "causal":
-                it.demand = it.demand_added = _closed(law_of_demand.limit(plan.torque(best=True), it.rig.ankle))
-                it.reset()
-                it.calibration = calibrated(plan, it.run(), settling)
+                it.calibration = _calibration(it, best)
+                plan = it.calibration.plan
         finally:
             it.demand = usual
             carry(it.model, it.request.payload)
     return law_of_demand.limit(plan.torque(best=it.request.rehearsals > 0), it.rig.ankle), plan
+
+
+def _calibration(it: Simulation, rehearsals: Rehearsals) -> Calibration:
+    """Return what a causal controller begins with: of the best rehearsal, or, where they go by the answer along the walk, chosen."""
+
+    def of(plan: LeastLoad) -> Calibration:
+        it.demand = it.demand_added = _closed(law_of_demand.limit(plan.torque(best=True), it.rig.ankle))
+        it.reset()
+        walk = it.run()
+        return calibrated(plan if plan.response is not None else plan.answering(linearised(walk, plan.driven)), walk, it.settling)
+
+    if not steps_alike(it.request, it.motion) or not rehearsals.bettered:
+        return of(rehearsals.plan)
+    return Choice(it).of(finalists(rehearsals.bettered), of)
 
 
 def _better(it: Simulation, starts: list[Rehearsals], each: int) -> Rehearsals:

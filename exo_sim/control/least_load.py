@@ -13,6 +13,7 @@ wearer who is a body, changes go by the map for the feet that carried in the bes
 of the plan. All of these maps learn from what each change did (`learnt_map.py`).
 Straps move the centres of pressure under the wearer's soles; where a rehearsal showed these at the edge they go no farther, and the moment
 that no sole can give counts beside those of the joints. A plan that knows of no edge relieves the ankle with a force that is not there.
+So does what chambers hold with pressure near their rating, as torque (`simulation/chamber_limits.py`), where a rehearsal showed any.
 
 A plan is cut off at what the actuators can hold. Where no spring holds the ankle, feet that stand on heel and toe at once make it ask for
 torques that are far beyond that, and what is left of them may be no plan; where a spring does, it may count on feet that do not stand. So

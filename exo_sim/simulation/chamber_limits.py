@@ -69,7 +69,7 @@ class ChamberLimits:
         )  # fmt: skip
 
     def passed(self, walk: Walk) -> tuple[Array, Array]:
-        """Return by how much pressure was beyond the limits, and where, shape (rows, k, 2): [Pa], negative in the second chamber; -1, 0, 1."""
+        """Return by how much pressure was beyond the limits [Pa], negative in the second chamber, and its sign, shape (rows, k, 2) each."""
         pressure = np.stack([[walk.columns[f"{name}.pressure_{side}"] for side in (1, 2)] for name in self.names]).transpose(2, 0, 1)
         beyond = np.maximum(pressure - self.most[:, None], 0.0) * np.array([1.0, -1.0])
         return beyond, np.sign(beyond)

@@ -12,8 +12,8 @@ from numpy.typing import NDArray
 from exo_sim.control.least_load import LeastLoad
 from exo_sim.control.machine_dynamics import PICK
 from exo_sim.control.rehearsed import Rehearsed
-from exo_sim.gait.strides import CONTACT_FORCE
 from exo_sim.gait.motion import Motion
+from exo_sim.gait.strides import CONTACT_FORCE
 from exo_sim.simulation.chamber_limits import ChamberLimits
 from exo_sim.simulation.linearised_walk import linearised
 from exo_sim.simulation.walk import Request, Walk

@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Iterator
 from contextlib import contextmanager, suppress
+from dataclasses import replace
 from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
@@ -64,7 +65,7 @@ def rehearsed_demand(it: Simulation, payload: float) -> Demand:
         return Demand(_closed(law_of_demand.demand(request.law, dynamics, it.motion, it.straps, it.rig.ankle)), remarks)
     weights = request.weights or _weights(it)
     if request.law == "causal" and request.weights is None:
-        weights = weights if it.plans_chambers else QUICK
+        weights = _weights_where_felt(it)
 
     def rehearsed() -> tuple[NDArray[np.float64], LeastLoad]:
         plan = LeastLoad(dynamics, it.motion, it.person, it.straps, it.rig.ankle, limits, weights)
@@ -86,6 +87,13 @@ def _weights(it: Simulation) -> Weights:
     if it.motion.advance == 0.0:
         return IN_PLACE
     return SPARING if it.plans_chambers else Weights()
+
+
+def _weights_where_felt(it: Simulation) -> Weights:
+    """Return what counts in the demand of a causal controller where nobody said it."""
+    if not steps_alike(it.request, it.motion):
+        return replace(THOUGHT, smoothness=QUICK.smoothness)
+    return SPARING if it.plans_chambers else QUICK
 
 
 def _rehearsed(

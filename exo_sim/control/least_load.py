@@ -153,7 +153,8 @@ class LeastLoad:
         waves[:, 1::2] = np.cos(angle) * cosine - np.sin(angle) * sine
         waves[:, 2::2] = np.sin(angle) * cosine + np.cos(angle) * sine
         other = copy(self)
-        other._best = (self._best[0], self._within_reach(waves.reshape(-1)))
+        other._coefficients = self._within_reach(waves.reshape(-1))
+        other._best = (self._best[0], other._coefficients)
         return other
 
     def answering(self, response: WalkResponse) -> LeastLoad:

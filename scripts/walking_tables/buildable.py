@@ -22,9 +22,10 @@ level.
 
 """
 AFTER = """
-The demand prices chambers from 95 % of their rating on (`exo_sim/simulation/chamber_limits.py`), where rehearsals go by the answer along the
-walk: not from rest and not in place. Walks stay within the rating of 11 bar but for walking fast, which passes it by 0.03 bar (13.4 bar
-with a supply of 9 bar and without that price, commit 0edf261d); squats pass it, to 12.3 bar: a chamber that is shut in is pressed together. `exo-sim run` says so.
+The demand prices chambers from 95 % of their rating on (`exo_sim/simulation/chamber_limits.py`), where rehearsals go by the answer along
+the walk: not from rest and not in place. Walks stay within the rating of 11 bar but for walking fast, which passes it by 0.03 bar
+(13.4 bar with a supply of 9 bar and without that price, commit 0edf261d); squats pass it, to 12.3 bar: a chamber that is shut in is
+pressed together. `exo-sim run` says so.
 Squatting and sitting, the residual passes the guideline of 75 N m. Chambers get below freezing, so that the air must be dried.
 """
 CASES = (

@@ -83,7 +83,8 @@ class Causal:
         self._observer = PhaseObserver(it.encoders, it.period)
         self._learning = StrideLearning(it.plan, it.forces)
         self._correction = PhaseCorrection(it.plan, it.forces)
-        self._regulator = StrapFeedback(it.plan.yielding, it.period, it.forces, self.feedback) if self.feedback else None
+        along = it.plan.response
+        self._regulator = StrapFeedback(it.plan.yielding, along, it.period, it.forces, self.feedback) if self.feedback and along else None
         self._driven = list(it.plan.yielding.driven)
 
     def reset(self, context: Context) -> None:

@@ -13,11 +13,6 @@ from dataclasses import dataclass, replace
 import numpy as np
 from numpy.typing import NDArray
 
-#: Newton metres of change count as so many of load, at the start, at the least and at the most.
-_FIRST, _LEAST, _MOST = 0.3, 0.01, 100.0
-#: It grows after every second change that failed, each of two maps having had its turn, and falls after one that kept this share of its
-#: promise.
-_GROWS, _FALLS, _KEPT = 3.0, 0.5, 0.25
 #: Share of Marquardt's measure, what a change does to loads and effort, in what it counts; the rest is Levenberg's, its size in newton
 #: metres. Of 0, 0.1, 0.3 and 1 a tenth left the least cost in seven walks (level, causal, slopes, fast, stairs).
 _BY_EFFECT = 0.1
@@ -31,11 +26,21 @@ class StepDamping:
         value: Newton metres of load for one of change.
         promised: The cost that the next rehearsal was promised to have; None before there is any.
         failed: How many rehearsals failed since the last that bettered the best.
+        every: It grows after so many of these,
+        grows: by this factor,
+        falls: and falls by this one after a rehearsal that
+        kept: kept so much of its promise,
+        bounds: between these.
     """
 
-    value: float = _FIRST
+    value: float = 0.3
     promised: float | None = None
     failed: int = 0
+    every: int = 1
+    grows: float = 2.0
+    falls: float = 0.3
+    kept: float = 0.5
+    bounds: tuple[float, float] = (0.001, 1000.0)
 
     def metric(self, size: NDArray[np.float64], effect: NDArray[np.float64]) -> NDArray[np.float64]:
         """Return what to add to the diagonal of the normal matrix, shape (m,).
@@ -48,10 +53,15 @@ class StepDamping:
 
     def bettered(self, before: float, cost: float) -> StepDamping:
         """Return the damping after a rehearsal that cost less than the best before it."""
-        kept = self.promised is not None and np.isfinite(before) and before - cost > _KEPT * (before - self.promised)
-        return replace(self, value=max(_LEAST, _FALLS * self.value) if kept else self.value, failed=0)
+        kept = self.promised is not None and np.isfinite(before) and before - cost > self.kept * (before - self.promised)
+        return replace(self, value=max(self.bounds[0], self.falls * self.value) if kept else self.value, failed=0)
 
     def missed(self) -> StepDamping:
         """Return the damping after a rehearsal that bettered nothing."""
         failed = self.failed + 1
-        return replace(self, value=min(_MOST, _GROWS * self.value) if failed % 2 == 0 else self.value, failed=failed)
+        value = min(self.bounds[1], self.grows * self.value) if failed % self.every == 0 else self.value
+        return replace(self, value=value, failed=failed)
+
+
+#: Where two maps have their turns, neither worked out along the walk: both fail before a step is shortened.
+BY_TWO_MAPS = StepDamping(every=2, grows=3.0, falls=0.5, kept=0.25, bounds=(0.01, 100.0))

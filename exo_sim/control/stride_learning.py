@@ -14,8 +14,11 @@ from numpy.typing import NDArray
 from exo_sim.control.least_load import LeastLoad
 from exo_sim.control.stride_means import StrideMeans
 
-#: Share of a full correction that one stride makes.
-_SHARE = 0.1
+#: Share of a full correction that one stride makes. Of 0.1, 0.2 and 0.3 with six rows of docs/walking.md in sight (longer right step: 147,
+#: 146 and 145 J a stride, an early phase: 157, 155 and 154; by the demand of that day). Of 0.2 and 0.3 with
+#: the machine at 9 bar and a demand that was chosen (`simulation/demand_choice.py`) a late phase took 143 and 150 J, straps half as stiff
+#: 141 and 151 J.
+_SHARE = 0.2
 
 
 class StrideLearning:

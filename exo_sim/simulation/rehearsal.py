@@ -3,18 +3,24 @@
 from __future__ import annotations
 
 import math
+from copy import copy
+from functools import partial
 
 import numpy as np
 from numpy.typing import NDArray
 
 from exo_sim.control.least_load import LeastLoad
 from exo_sim.control.machine_dynamics import PICK
+from exo_sim.control.rehearsed import Rehearsed
+from exo_sim.gait.motion import Motion
 from exo_sim.gait.strides import CONTACT_FORCE
-from exo_sim.simulation.walk import Walk
+from exo_sim.simulation.chamber_limits import ChamberLimits
+from exo_sim.simulation.linearised_walk import linearised
+from exo_sim.simulation.walk import Request, Walk
 from exo_sim.simulation.wearer_load import own, with_machine
 
-#: Rehearsals go on until so many of them bettered the plan by no more than this share. A step that failed says little: the next is shorter,
-#: and six times two of them go from the longest that is tried to the shortest.
+#: Rehearsals go on until so many of them bettered the plan by no more than this share. A step that failed says little: the next is shorter
+#: and knows of it.
 _LAST, _LITTLE = 12, 0.01
 
 
@@ -59,12 +65,17 @@ class Rehearsals:
     Args:
         plan: What is bettered.
         settling: Cycles at the start of each that are left out.
+
+    Attributes:
+        bettered: Cost and plan of each rehearsal that cost less than all before it, as it was then.
     """
 
     def __init__(self, plan: LeastLoad, settling: float) -> None:
         self.plan, self._settling = plan, settling
         self._least: list[float] = []
+        self.bettered: list[tuple[float, LeastLoad]] = []
         self._body: NDArray[np.float64] | None = None
+        self._chambers: ChamberLimits | None = None
 
     @property
     def least(self) -> float:
@@ -78,6 +89,14 @@ class Rehearsals:
 
     def learn_from(self, walk: Walk) -> float:
         """Better the plan by a rehearsal; return the cost it had. All rehearsals have the same motion and the same rows."""
+        cost = self.plan.learn(self._seen(walk))
+        if cost < self.least:
+            self.bettered.append((cost, copy(self.plan)))  # what it learns it puts in the place of what was
+        self._least.append(min([cost, *self._least[-1:]]))
+        return cost
+
+    def _seen(self, walk: Walk) -> Rehearsed:
+        """Return what a rehearsal showed."""
         seen = walk.part(counted(walk, self._settling))
         ahead, up = (np.stack([seen.columns[f"{name}.strap_force_{axis}"] for name in seen.straps.names]) for axis in "xz")
         torso = [i for i, name in enumerate(seen.straps.names) if name.startswith("torso")]
@@ -90,10 +109,26 @@ class Rehearsals:
         held = it.ground if seen.moved is None else None
         residual = held.residual[:, 2] if held else np.zeros(len(body))
         at_edge = held.outside.astype(float) if held else np.zeros(len(body))
-        means = (_phase_mean(seen, each) for each in (it.moments - body, straps, carrying(seen), residual, at_edge))
-        cost = self.plan.learn(*means)
-        self._least.append(min([cost, *self._least[-1:]]))
-        return cost
+        each = (it.moments - body, straps, carrying(seen), residual, at_edge)
+        moments, forces, contacts, left, edge = (_phase_mean(seen, one) for one in each)
+        # one who is a body moves the machine otherwise, and walks worse with what was rehearsed this way for one who is none
+        response = partial(linearised, walk, self.plan.driven) if steps_alike(walk.request, walk.motion) else None
+        return Rehearsed(moments, forces, contacts, left, edge, response, *self._pressed(seen))
+
+    def _pressed(self, seen: Walk) -> tuple[NDArray[np.float64] | None, NDArray[np.float64] | None]:
+        """Return `Rehearsed.pressed` and `presses`."""
+        if seen.books is None:
+            return None, None
+        if self._chambers is None:
+            self._chambers = ChamberLimits.of(seen.rig, seen.model, seen.motion)
+        if not self._chambers.names:
+            return None, None
+        return self._chambers.torques(*(_phase_mean(seen, each) for each in self._chambers.passed(seen)))
+
+
+def steps_alike(request: Request, motion: Motion) -> bool:
+    """Return whether rehearsals go by the answer along the walk: who walks steadily, and is led by the reference."""
+    return request.moved_by == "prescribed" and not motion.from_rest and motion.advance > 0.0
 
 
 def counted(walk: Walk, settling: float) -> slice:

@@ -174,6 +174,10 @@ class Simulation:
         context = external_commands.context(self, controller, seed)
         self._asked = user_controller.RunningController(controller, context, self.request.controller)
 
+    def left_alone(self) -> None:
+        """Let nobody's controller ask for anything: the demand is played."""
+        self._asked = None
+
     @property
     def planned(self) -> bool:
         """Whether the chambers follow a plan now: one is made for the demand's own phases, which nobody else's torques keep to."""

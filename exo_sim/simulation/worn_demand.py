@@ -13,13 +13,16 @@ from numpy.typing import NDArray
 
 from exo_sim.control import demand as law_of_demand
 from exo_sim.control import machine_dynamics
+from exo_sim.control.causal import Calibration
 from exo_sim.control.least_load import LeastLoad
-from exo_sim.control.load_weights import CALM, CAUTIOUS, QUICK, SPARING, Weights
+from exo_sim.control.load_weights import CALM, IN_PLACE, QUICK, SPARING, THOUGHT, Weights
 from exo_sim.errors import Diverged
 from exo_sim.kept_solutions import kept
 from exo_sim.machine.worn_model import PAYLOAD_LIMIT, carry
 from exo_sim.simulation.causal_calibration import calibrated
-from exo_sim.simulation.rehearsal import Rehearsals
+from exo_sim.simulation.demand_choice import Choice, finalists
+from exo_sim.simulation.linearised_walk import linearised
+from exo_sim.simulation.rehearsal import Rehearsals, steps_alike
 from exo_sim.simulation.rehearsed_before import identity
 from exo_sim.simulation.torque_limits import too_weak, torque_limits
 
@@ -62,7 +65,7 @@ def rehearsed_demand(it: Simulation, payload: float) -> Demand:
         return Demand(_closed(law_of_demand.demand(request.law, dynamics, it.motion, it.straps, it.rig.ankle)), remarks)
     weights = request.weights or _weights(it)
     if request.law == "causal" and request.weights is None:
-        weights = replace(weights if it.plans_chambers else QUICK, other_straps=CAUTIOUS)
+        weights = _weights_where_felt(it)
 
     def rehearsed() -> tuple[NDArray[np.float64], LeastLoad]:
         plan = LeastLoad(dynamics, it.motion, it.person, it.straps, it.rig.ankle, limits, weights)
@@ -79,7 +82,18 @@ def _weights(it: Simulation) -> Weights:
     yields = it.request.moved_by == "torques"
     if yields and it.motion.from_rest:
         return CALM
-    return SPARING if it.plans_chambers or it.motion.from_rest or yields else Weights()
+    if yields or it.motion.from_rest:
+        return THOUGHT
+    if it.motion.advance == 0.0:
+        return IN_PLACE
+    return SPARING if it.plans_chambers else Weights()
+
+
+def _weights_where_felt(it: Simulation) -> Weights:
+    """Return what counts in the demand of a causal controller where nobody said it."""
+    if not steps_alike(it.request, it.motion):
+        return replace(THOUGHT, smoothness=QUICK.smoothness)
+    return SPARING if it.plans_chambers else QUICK
 
 
 def _rehearsed(
@@ -88,8 +102,9 @@ def _rehearsed(
     """Walk a few cycles at a time and better the plan after each time; return the best of the torques tried, and the plan they are of.
 
     Two starts have a share of the rehearsals each: torques that are handed in, shape (n, 6) [N m], and the plan's. Those that are left go
-    on with the better. One rehearsal alone cannot say which that is. For a causal controller all go on from the plan, which counts other
-    straps: begun with inverse dynamics `exo` cost 20 to 40 W more where something was not as calibrated.
+    on with the better. One rehearsal alone cannot say which that is. For a causal controller all go on from the plan: demands rehearsed
+    from inverse dynamics cost as little as calibrated, and some of them more on straps that are otherwise. Which of the last it gets is
+    chosen where something is otherwise (`demand_choice.py`).
     """
     settling, most = it.settling, it.request.rehearsals
     usual = it.demand
@@ -105,13 +120,26 @@ def _rehearsed(
             _rehearse(it, best, most)
             plan = best.plan
             if it.request.law == "causal":
-                it.demand = it.demand_added = _closed(law_of_demand.limit(plan.torque(best=True), it.rig.ankle))
-                it.reset()
-                it.calibration = calibrated(plan, it.run(), settling)
+                it.calibration = _calibration(it, best)
+                plan = it.calibration.plan
         finally:
             it.demand = usual
             carry(it.model, it.request.payload)
     return law_of_demand.limit(plan.torque(best=it.request.rehearsals > 0), it.rig.ankle), plan
+
+
+def _calibration(it: Simulation, rehearsals: Rehearsals) -> Calibration:
+    """Return what a causal controller begins with: of the best rehearsal, or, where they go by the answer along the walk, chosen."""
+
+    def of(plan: LeastLoad) -> Calibration:
+        it.demand = it.demand_added = _closed(law_of_demand.limit(plan.torque(best=True), it.rig.ankle))
+        it.reset()
+        walk = it.run()
+        return calibrated(plan if plan.response is not None else plan.answering(linearised(walk, plan.driven)), walk, it.settling)
+
+    if not steps_alike(it.request, it.motion) or not rehearsals.bettered:
+        return of(rehearsals.plan)
+    return Choice(it).of(finalists(rehearsals.bettered), of)
 
 
 def _better(it: Simulation, starts: list[Rehearsals], each: int) -> Rehearsals:

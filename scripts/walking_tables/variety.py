@@ -42,9 +42,8 @@ Bold: more than the backpack.
 AFTER = """
 The trunk's lean is chosen by residual reduction, the same way in every column; the residual is what soles on this ground cannot give. With
 the machine it is beyond the guideline of 75 N m on stairs and in starting and stopping: there the numbers say little of what a person would
-feel. Down stairs with 20 kg the machine costs more than the backpack, and from rest to rest the wearer's joints do more work. With the
-lighter `exo_250_psi` it was 798 and 328 W (commit 2e3434c); with the heavier frame and stiffer ankles rehearsals end in demands that leave
-over a moment that no sole gives.
+feel. From rest to rest the machine costs 2 W more than the backpack and the wearer's joints do more work: rehearsals there go by the feet
+as planned, since along that walk, which stands at both ends, linearised steps were tried and ended dearer.
 
 Where a load is uneven the trunk may sway unevenly, too. A wearer who is moved by torques starts and stops eight times, one after the other,
 with a demand that is smoother still (a faster one made him fall in his fifth walk). With `exo` he falls. With the lighter `exo_250_psi` he

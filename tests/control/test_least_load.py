@@ -69,3 +69,12 @@ def test_a_plan_that_is_rehearsed_by_another_wearer_stays_as_it_is(monkeypatch: 
     monkeypatch.setattr(worn, "rehearsed_by_body", watched)
     Simulation(rigs.read(rig_at_250_psi()), Request("level_walk", 20.0, cycles=3, rehearsals=2, wearer="torques"))
     assert seen == ["watched", "watched"]
+
+
+def test_a_plan_played_later_has_the_torques_of_the_phases_before() -> None:
+    plan = Simulation(rigs.read(rig_at_250_psi()), Request("level_walk", 20.0, cycles=3, rehearsals=0, law="causal"))
+    assert plan.calibration is not None
+    it = plan.calibration.plan
+    table, late = it.torque(best=True), it.later(8 / 512).torque(best=True)
+    assert np.abs(late - np.roll(table, 8, axis=0)).max() < 0.1 * np.abs(table).max()
+    np.testing.assert_array_equal(it.torque(best=True), table)

@@ -14,16 +14,14 @@ def test_a_kept_promise_lengthens_the_next_step_and_half_kept_ones_leave_it() ->
     assert it.bettered(np.inf, 100.0).value == it.value  # the first rehearsal is nobody's promise
 
 
-def test_two_maps_that_fail_shorten_it_and_it_stays_within_bounds() -> None:
+def test_a_failure_shortens_it_and_it_stays_within_bounds() -> None:
     it = StepDamping()
-    assert it.missed().value == it.value
-    assert it.missed().missed().value > it.value
-    assert it.missed().bettered(100.0, 90.0).missed().value == it.value  # each change that gains begins the count anew
+    assert it.missed().value > it.value
     longest = shortest = it
     for _ in range(100):
         shortest = shortest.missed()
         longest = replace(longest, promised=10.0).bettered(100.0, 10.0)
-    assert shortest.missed().missed().value == shortest.value > 10.0 * it.value
+    assert shortest.missed().value == shortest.value > 10.0 * it.value
     assert longest.bettered(100.0, 10.0).value == longest.value < 0.1 * it.value
 
 

@@ -41,14 +41,14 @@ def test_forces_of_the_calibration_change_nothing() -> None:
 
 
 def test_a_stride_that_is_over_takes_its_share_off() -> None:
-    """25 N instead of 5 N: each whole stride takes a tenth of 20 off, the first stride only where the second begins."""
+    """25 N instead of 5 N: each whole stride takes a fifth of 20 off, the first stride only where the second begins."""
     learnt = learning()
     walk(learnt, range(1), 25.0)
     np.testing.assert_array_equal(learnt.table, Plan.best)
     learnt.take(1.0, np.array([25.0, 5.0]))
-    np.testing.assert_allclose(learnt.table, [8.0, -4.0])
+    np.testing.assert_allclose(learnt.table, [6.0, -4.0])
     walk(learnt, range(1, 3), 25.0)
-    np.testing.assert_allclose(learnt.table[0], 10.0 - 2.0 * 2.0)
+    np.testing.assert_allclose(learnt.table[0], 10.0 - 2.0 * 4.0)
 
 
 def test_a_stride_with_gaps_teaches_nothing() -> None:

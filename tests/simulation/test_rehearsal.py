@@ -11,6 +11,7 @@ from simulation.walked import simulate
 
 from exo_sim import rig as rigs
 from exo_sim.control.least_load import LeastLoad
+from exo_sim.control.rehearsed import Rehearsed
 from exo_sim.simulation import rehearsal
 from exo_sim.simulation.rehearsal import Rehearsals, carrying, counted, cycle_mean
 from exo_sim.simulation.walk import Request, Walk
@@ -35,11 +36,12 @@ class Pupil:
     """Keeps what it is taught."""
 
     def __init__(self) -> None:
-        self.taught: list[tuple[np.ndarray, ...]] = []
+        self.taught: list[Rehearsed] = []
         self.cost = 0.0
+        self.driven = [0, 1, 3, 4]
 
-    def learn(self, *means: np.ndarray) -> float:
-        self.taught.append(means)
+    def learn(self, seen: Rehearsed) -> float:
+        self.taught.append(seen)
         return self.cost
 
 
@@ -65,11 +67,12 @@ def test_the_own_body_is_worked_out_once_where_it_moves_alike_and_only_for_the_r
     whole = cycle_mean(walk, with_machine(walk).moments - own(walk).moments, 1)
     held = with_machine(walk).ground
     left = [cycle_mean(walk, each, 1) for each in (held.residual[:, 2], held.outside.astype(float))]
-    for moments, straps, contacts, *asked in pupil.taught:
-        np.testing.assert_array_equal(moments, whole)
-        assert len(straps) == len(contacts) == len(moments)
-        for shown, known in zip(asked, left):  # a spring, and no sole, holds one who is a body
-            np.testing.assert_array_equal(shown, known if wearer == "prescribed" else np.zeros(len(moments)))
+    for one in pupil.taught:
+        np.testing.assert_array_equal(one.moments, whole)
+        assert len(one.straps) == len(one.contacts) == len(one.moments)
+        assert (one.response is not None) == (wearer == "prescribed")  # one who is a body moves the machine otherwise
+        for shown, known in zip((one.residual, one.at_edge), left):  # a spring, and no sole, holds one who is a body
+            np.testing.assert_array_equal(shown, known if wearer == "prescribed" else np.zeros(len(one.moments)))
 
 
 def test_rows_that_count_are_whole_cycles() -> None:

@@ -66,13 +66,15 @@ def doubt(finding: Finding, share: float | None, compared: bool = True, beside_u
     Odds alone do not do: where held-out time tests nothing and the number may be nil, neither speaks for the name. A sensor that is off
     is off at all times: one that held-out time does not show stands in for something else. Where laws that fit as well leave a number
     anywhere about nil, the law is in doubt and not the number alone; unless the odds against every account without it are great (the
-    height of a dip at rest may be anything where no speed is low enough, and the dip is there), or it explains nearly all that is missing.
+    height of a dip at rest may be anything where no speed is low enough, and the dip is there; how much of a lag is its time constant may
+    be anything beside the dead time of a healthy valve), or it explains nearly all that is missing.
 
     Args:
         finding: With its odds.
         share: Of the squared error beyond the noise that is missing without it, what it explains of held-out time; None where nothing
             was tested.
-        compared: Whether there was held-out time with its signals.
+        compared: Whether there was held-out time with its signals, and the machine without it differs: a lag that a healthy valve's lag
+            would take the place of is not left out.
         beside_unknown: Whether something without a name acts in its subsystem: what may be nil then stands in for a part of that.
     """
     if beside_unknown and may_be_nil(finding):
@@ -84,7 +86,8 @@ def doubt(finding: Finding, share: float | None, compared: bool = True, beside_u
         untested = "time that no number was fitted to does not test it"
         if compared and finding.kind is Kind.SENSOR:
             return f"{untested}, where a sensor at fault would be as much at fault as before"
-        return f"{untested}, and the interval of its number holds nil" if may_be_nil(finding) else ""
+        vague = may_be_nil(finding) and (compared or finding.log10_odds < validation.REFUTABLE_ODDS)
+        return f"{untested}, and the interval of its number holds nil" if vague else ""
     if not is_doubtful(share):
         return ""
     return (

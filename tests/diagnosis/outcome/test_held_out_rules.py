@@ -108,6 +108,12 @@ def test_a_number_that_may_be_nil_and_that_nothing_tested_is_no_name(low: float,
     assert bool(doubt(finding, share)) is doubted
 
 
+@pytest.mark.parametrize(("odds", "doubted"), [(114.0, False), (0.4, True)])
+def test_a_lag_that_cannot_be_left_out_is_no_name_for_want_of_odds_and_not_for_a_vague_share(odds: float, doubted: bool) -> None:
+    lag = replace(named(odds), name="valve_lag", parameters={"time_constant": Estimate(4.7e-3, "s", 0.0, 9e-3)})
+    assert bool(doubt(lag, None, compared=False)) is doubted
+
+
 def test_beside_an_unknown_a_name_stands_only_with_a_number_that_is_not_nil() -> None:
     finding = replace(named(300.0), parameters={"coefficient": Estimate(30.0, "N s^2/m^2", 0.0, 97.0)})
     assert not doubt(finding, 0.9) and "without a name" in doubt(finding, 0.9, beside_unknown=True)

@@ -86,13 +86,15 @@ class Choice:
             calibration: Walks with a plan's best torques.
         """
         least, best, plan = math.inf, calibration(plans[-1]), plans[-1]
-        tried = [(one, LATER[0]) for one in reversed(plans)]
-        for rank in range(len(plans) + len(LATER) - 1):
-            one, late = tried[rank] if rank < len(plans) else (plan, LATER[1 + rank - len(plans)])
-            it = calibration(one.later(late))
+        first, *others = LATER
+        for one in reversed(plans):
+            it = calibration(one.later(first))
             if (found := self.worst(it, least)) < least:
                 least, best, plan = found, it, one
-        return best
+        for late in others:
+            it = calibration(plan.later(late))
+            if (found := self.worst(it, least)) < least:
+                least, best = found, it
         return best
 
     def worst(self, calibration: Calibration, least: float = math.inf) -> float:

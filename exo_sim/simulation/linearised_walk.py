@@ -15,7 +15,7 @@ import mujoco
 import numpy as np
 from numpy.typing import NDArray
 
-from exo_sim.control.machine_dynamics import CONTACTS
+from exo_sim.control import machine_dynamics
 from exo_sim.control.walk_response import WalkResponse
 from exo_sim.machine.person import COORDINATES
 from exo_sim.machine.straps import StrapSet, pull
@@ -51,7 +51,7 @@ def linearised(walk: Walk, driven: list[int]) -> WalkResponse:
     torque = _columns(walk, [f"{name}.torque" for name in JOINTS], rows)
     model, straps, count, width = walk.model, walk.straps, len(walk.straps.names), 2 * len(_NAMES)
     data = mujoco.MjData(model)
-    tips = np.array([model.geom(name).id for name in CONTACTS])
+    tips = np.array([model.geom(name).id for name in machine_dynamics.CONTACTS])
     by_state, by_torque, by_strap = np.empty((n, width, width)), np.empty((n, width, len(driven))), np.empty((n, 2 * count, width))
     by_tip = np.empty((n, len(tips), width))
     scratch = _Scratch(

@@ -66,6 +66,9 @@ THROUGH: dict[str, tuple[str, ...]] = {
     "simulation/test_external_commands.py": (
         "assets/controllers/delayed_feedback.py", "assets/controllers/impedance.py", "assets/controllers/learnt_policy.py",
     ),
+    "simulation/test_linearised_walk.py": (
+        "simulation/linearised_step.py",
+    ),
     "simulation/test_plugin.py": (
         "simulation/snapshot.py",
     ),

@@ -171,7 +171,8 @@ class ModelFits:
             options.append({**begun, **{q: q.prior[0] for q in self.nuisances if q.prior}})
         for candidate in candidates:
             if any(q not in start for q in candidate.parameters):
-                own = (*candidate.starts, *(start for key, start in self.promised.items() if key == candidate.key))
+                promised = self.promised.get(candidate.key)
+                own = candidate.starts if promised is None else (*candidate.starts, promised)
                 options = [{**o, **dict(zip(candidate.parameters, values, strict=True))} for o in options for values in own]
                 options += [candidate.beside(option) for option in options if candidate.displaced]
         return parameters, options

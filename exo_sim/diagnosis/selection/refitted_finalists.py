@@ -14,7 +14,7 @@ from dataclasses import dataclass
 from exo_sim.diagnosis.estimation.candidate import Candidate
 from exo_sim.diagnosis.policy import verdicts
 from exo_sim.diagnosis.policy.budgets import MOST_REFITTED
-from exo_sim.diagnosis.selection.fitted_model import FittedModel, key_of
+from exo_sim.diagnosis.selection.fitted_model import FittedModel, SetKey, key_of
 from exo_sim.diagnosis.selection.marginal_fit import MarginalFits
 from exo_sim.diagnosis.selection.simpler_forms import poorer_than
 from exo_sim.diagnosis.selection.subset_weighing import Weighed
@@ -72,20 +72,7 @@ def best_refitted(
         refit: Fits a subset's names.
         evidence: The logarithm of a fitted model's evidence, parameters paid for and names as common as they are.
     """
-    best, most, tried = first, evidence(first.model), {key_of(first.model.candidates)}
-    for one in finalists:
-        candidates = names(one)
-        key = key_of(candidates)
-        if key in tried:
-            continue
-        if len(tried) > MOST_REFITTED:
-            break
-        tried.add(key)
-        rival = refit(one, candidates)
-        found = evidence(rival.model)
-        if found > most + verdicts.AS_GOOD:
-            best, most = rival, found
-    return best
+    return _surpassing(first, _each_set_once(finalists, names, key_of(first.model.candidates))[:MOST_REFITTED], refit, evidence)
 
 
 def best_form(
@@ -103,12 +90,27 @@ def best_form(
         alike: Subsets with the same effects, the most probable first: the fit of a form begins at the most probable one that has it.
         names, refit, evidence: As of `best_refitted`.
     """
-    best, most, tried = first, evidence(first.model), {key_of(names(first.weighed))}
-    for one in alike:
+    return _surpassing(first, _each_set_once(alike, names, key_of(names(first.weighed))), refit, evidence)
+
+
+def _each_set_once(
+    subsets: Sequence[Weighed], names: Callable[[Weighed], tuple[Candidate, ...]], fitted: SetKey
+) -> list[tuple[Weighed, tuple[Candidate, ...]]]:
+    """Return subsets with what they name, of each set of names the first one, and none of the set that was fitted already."""
+    found: dict[SetKey, tuple[Weighed, tuple[Candidate, ...]]] = {}
+    for one in subsets:
         candidates = names(one)
-        if key_of(candidates) in tried:
-            continue
-        tried.add(key_of(candidates))
+        found.setdefault(key_of(candidates), (one, candidates))
+    return [pair for key, pair in found.items() if key != fitted]
+
+
+def _surpassing(
+    first: Refitted, asked: Sequence[tuple[Weighed, tuple[Candidate, ...]]],
+    refit: Callable[[Weighed, tuple[Candidate, ...]], Refitted], evidence: Callable[[FittedModel], float],
+) -> Refitted:  # fmt: skip
+    """Return the fit with the greatest evidence; the first, unless another surpasses it plainly."""
+    best, most = first, evidence(first.model)
+    for one, candidates in asked:
         rival = refit(one, candidates)
         found = evidence(rival.model)
         if found > most + verdicts.AS_GOOD:

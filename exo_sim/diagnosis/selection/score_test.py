@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 
 import numpy as np
 from numpy.typing import NDArray
@@ -25,6 +25,11 @@ Sizes = dict[tuple[CandidateKey, tuple[float, ...]], float]
 Promised = dict[CandidateKey, tuple[float, ...]]
 
 
+def in_proportion(values: Mapping[FreeParameter, float], size: float) -> dict[FreeParameter, float]:
+    """Return so large a share of what values differ from neutral ones, within the bounds of each."""
+    return {q: float(np.clip(q.neutral + size * (v - q.neutral), q.low, q.high)) for q, v in values.items()}
+
+
 class Signatures:
     """Signatures of candidates beside one fitted model, each predicted once.
 
@@ -43,10 +48,7 @@ class Signatures:
     def promise(self, candidate: Candidate, values: dict[FreeParameter, float], share: float) -> None:
         """Keep where a candidate leaves least: at so large a share of the size that its signature has."""
         if candidate.proportional:
-            start = tuple(q.neutral + share * (values[q] - q.neutral) for q in candidate.parameters)
-            self._promised[candidate.key] = tuple(
-                float(np.clip(v, q.low, q.high)) for v, q in zip(start, candidate.parameters, strict=True)
-            )
+            self._promised[candidate.key] = tuple(in_proportion(values, share).values())
 
     def of(self, candidate: Candidate) -> list[tuple[Array, dict[FreeParameter, float]]]:
         """Return the changes of the residual by a candidate, shape (n,) each, and the size: one for each start that can be predicted."""
@@ -172,10 +174,7 @@ def signature(
     """
     size = sizes.get((candidate.key, start), 1.0)
     for _ in range(signatures.MOST_SIZES if candidate.proportional else 1):
-        values = {
-            q: float(np.clip(q.neutral + size * (v - q.neutral), q.low, q.high))
-            for q, v in zip(candidate.parameters, start, strict=True)
-        }
+        values = in_proportion(dict(zip(candidate.parameters, start, strict=True)), size)
         change = model.residual({**now.fit.values, **values}, [*fixed_now, *candidate.fixed]) - base
         if not np.isfinite(change).all():
             return None

@@ -44,9 +44,9 @@ class Correction:
         key: Where it stands, e.g. ("cylinders", "piston", "valve", "area") or ("bodies", "load", "mass").
         value: What it is, in SI.
         unit: The SI unit.
-        interval: What holds it with 95 %, in SI.
+        interval: What holds it with 95 %, in SI; None where nothing says.
         believed: The old number in SI, for the comment where the rig file does not hold it (a mass of the MJCF, a default).
-        note: What else the comment says.
+        note: What else the comment says: of a number that is no finding, why it changed.
     """
 
     key: tuple[str, ...]

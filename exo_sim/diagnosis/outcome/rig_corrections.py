@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import mujoco
 
 from exo_sim.diagnosis.data.machine_data import MachineData
@@ -25,7 +27,7 @@ BEYOND_SHEET_NOTE = "refitted further than a data sheet allows; no finding, for 
 def corrections(data: MachineData, result: SubsystemResult[SubsystemModel]) -> list[Correction]:
     """Return the corrections of what is reported as off, then of what was only refitted, as far as the rig holds these numbers.
 
-    The latter have no interval.
+    The latter have a note.
     """
     made = [_correction(data, one) for one in result.deviations if _is_the_rigs(data.rig, one.parameter)]
     found = [one for one in made if one is not None]
@@ -38,10 +40,11 @@ def corrections(data: MachineData, result: SubsystemResult[SubsystemModel]) -> l
         if whole:
             one = _correction(data, Deviation(parameter, value / whole, error / abs(whole)))
             if one is not None:
-                found.append(Correction(one.key, one.value, one.unit, None, one.believed, _note(parameter, value)))
+                found.append(replace(one, note=_note(parameter, value)))
         elif value:  # the rig has the effect and leaves the number out: the dead time of its valve's lag
             key = ("effects", parameter.effect, parameter.where, parameter.parameter)
-            found.append(Correction(key, value, parameter.unit, None, None, _note(parameter, value)))
+            ends = bounded_interval(parameter, value, error)
+            found.append(Correction(key, value, parameter.unit, ends, note=_note(parameter, value)))
     return found
 
 

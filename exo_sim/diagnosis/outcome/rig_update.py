@@ -9,6 +9,7 @@ from __future__ import annotations
 from collections.abc import Collection, Iterable, Sequence
 from dataclasses import dataclass, replace
 from enum import IntEnum
+from functools import partial
 from pathlib import Path
 
 import numpy as np
@@ -40,6 +41,12 @@ from exo_sim.signals import VALVE_COMMANDS
 _HEADER = (
     '# Numbers marked "no finding" are within what a data sheet allows or a healthy machine shows. They can stay: they were fitted\n'
     "# together with what was found, and the errors that were reported are those with them.\n"
+)
+
+#: ... and where they were fitted once more.
+_TOGETHER = (
+    "# All numbers were then fitted once more together, each within its 95 %, to the whole machine, motion and gas. The report gives them\n"
+    "# as its balances do.\n"
 )
 
 Result = SubsystemResult[SubsystemModel]
@@ -76,10 +83,17 @@ class Part:
 
 @dataclass(frozen=True)
 class RigUpdate:
-    """What changes in a rig: effects, and corrections of nominal numbers."""
+    """What changes in a rig: effects, and corrections of nominal numbers.
+
+    Attributes:
+        rig: The rig as handed in.
+        parts: What changes.
+        is_fitted_together: Whether the numbers were fitted once more to the whole machine.
+    """
 
     rig: Rig
     parts: tuple[Part, ...]
+    is_fitted_together: bool = False
 
     @property
     def entries(self) -> tuple[EffectEntry, ...]:
@@ -131,7 +145,8 @@ class RigUpdate:
         """Return the text of `improved.toml` for a folder."""
         text = improved(self.rig, list(self.entries), list(self.corrections), folder)
         refitted = any(part.rank in (Rank.REFITTED, Rank.SENSORS) for part in self.parts)
-        return f"{_HEADER}{text}" if refitted and not text.startswith(_HEADER) else text
+        header = (_HEADER if refitted else "") + (_TOGETHER if self.is_fitted_together and self.parts else "")
+        return text if text.startswith(header) else f"{header}{text}"
 
 
 def rig_update(data: MachineData, results: Sequence[Result], unknown: Sequence[UnknownEffect]) -> RigUpdate:
@@ -145,9 +160,9 @@ def rig_update(data: MachineData, results: Sequence[Result], unknown: Sequence[U
             _entry(c, one, each, data.rig) for c in one.named if c.at in reported for each in reported[c.at].at_each_place()
         ]
         corrected = corrections(data, one)
-        findings = tuple(each for each in corrected if each.interval is not None)
+        findings = tuple(each for each in corrected if not each.note)
         parts.append(Part(source, Rank.FOUND, tuple(entries), findings))
-        refitted = tuple(each for each in corrected if each.interval is None)
+        refitted = tuple(each for each in corrected if each.note)
         healthy = _healthy(data.rig, one, calibrated)
         zeros = tuple(entry for entry in healthy if declared()[entry.setting.name].cut == "sensor")
         parts.append(Part(source, Rank.REFITTED, tuple(entry for entry in healthy if entry not in zeros), refitted))
@@ -162,7 +177,15 @@ def rig_update(data: MachineData, results: Sequence[Result], unknown: Sequence[U
         if is_declared(found.name) and found.parameters and found.where.rsplit(".", 1)[-1] not in VALVE_COMMANDS
     ]
     parts.append(Part("sensors", Rank.FOUND, tuple(faults)))
-    return RigUpdate(data.rig, tuple(part for part in parts if part.entries or part.corrections))
+    return RigUpdate(data.rig, tuple(part for part in map(partial(_not_said_twice, parts), parts) if part.entries or part.corrections))
+
+
+def _not_said_twice(parts: Sequence[Part], part: Part) -> Part:
+    """Return a part of an update without what a healthy machine shows and a finding at the same place says as well."""
+    found = [entry.setting for one in parts if one.rank is Rank.FOUND for entry in one.entries]
+    said = {(poorer, setting.where) for setting in found for poorer, _ in declared()[setting.name].absorbs}
+    kept = tuple(entry for entry in part.entries if (entry.setting.name, entry.setting.where) not in said)
+    return part if part.rank is Rank.FOUND else replace(part, entries=kept)
 
 
 def _entry(candidate: Candidate, result: Result, finding: Finding, rig: Rig) -> EffectEntry:

@@ -21,6 +21,7 @@ from exo_sim.diagnosis.outcome.small_findings import small_findings
 from exo_sim.diagnosis.outcome.verdict import distinct, next_experiment, swings_astray, verdict_of
 from exo_sim.diagnosis.outcome.wrong_sizes import advice, suspected_bores
 from exo_sim.diagnosis.pipeline.freed_memory import return_freed, return_large_arrays
+from exo_sim.diagnosis.pipeline.machine_fit import fitted_to_machine
 from exo_sim.diagnosis.pipeline.machine_needs import with_what_the_machine_needs
 from exo_sim.diagnosis.pipeline.motion_stage import undecided
 from exo_sim.diagnosis.pipeline.plan import Examination, Progress
@@ -77,12 +78,12 @@ def diagnose(
         stable = examine_until_stable(data, threads, report, allowed)
         stable, left = with_supply_put_right(stable, threads, report, allowed, data)
         left.stopped |= allowed.stopped
-        answer = _reported(stable, left, report, folder)
+        answer = _reported(stable, left, report, folder, threads)
     return_freed()
     return answer
 
 
-def _reported(stable: Examination, allowed: Budget, report: Progress, folder: Path | None) -> Diagnosis:
+def _reported(stable: Examination, allowed: Budget, report: Progress, folder: Path | None, threads: Threads) -> Diagnosis:
     """Return what an examination says, and the improved rig as far as it wins."""
     allowed.allow_until(1.0)
     whole = without_doubtful(stable)
@@ -92,10 +93,12 @@ def _reported(stable: Examination, allowed: Budget, report: Progress, folder: Pa
     data, results, test, split = found.data, found.results, found.test, found.plan.split
     report("writing the rig anew")
     update = rig_update(data, results.all, found.unknown)
-    report("running it")
+    report("fitting its numbers to the whole machine")
     return_freed()
-    kept, said = accepted(data, update, split, allowed.is_spent)
-    is_cut = kept.update is not update
+    fitted = fitted_to_machine(data, update, split, threads, allowed.is_spent)
+    report("running it")
+    kept, said = accepted(data, update, split, allowed.is_spent, fitted)
+    is_changed = kept.update is not update
     without_noise = computed_columns.computed(data.recordings, list(dict.fromkeys([*test.signals, *kept.free_run])))
     noise_said = [computed_columns.remark(without_noise)] if without_noise else []
     remarks = (*data.remarks, *said, *noise_said, *([_STOPPED] if allowed.stopped else []))
@@ -110,7 +113,7 @@ def _reported(stable: Examination, allowed: Budget, report: Progress, folder: Pa
         located=located([one for one in results.all if one.findings or one.has_unknown]),
         effects=tuple(findings),
         rejected=_rejected(found, findings),
-        signals={**test.signals, **{key: fit for key, fit in kept.windows.items() if is_cut and key in test.signals}},
+        signals={**test.signals, **{key: fit for key, fit in kept.windows.items() if is_changed and key in test.signals}},
         free_run=kept.free_run,
         held_out=split.test,
         unexplained=unexplained(results.all, found.unknown),

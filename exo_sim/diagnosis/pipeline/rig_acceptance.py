@@ -100,7 +100,7 @@ def closed_gas(data: MachineData) -> set[str]:
 
 
 def accepted(
-    data: MachineData, update: RigUpdate, split: Split, is_spent: IsSpent = never
+    data: MachineData, update: RigUpdate, split: Split, is_spent: IsSpent = never, fitted: RigUpdate | None = None
 ) -> tuple[Trial, tuple[str, ...]]:
     """Return as much of an update as wins, with its errors, and remarks: what was left out and why, or that nothing could be tried.
 
@@ -113,8 +113,11 @@ def accepted(
         update: What was found.
         split: What wins over its validation time is taken, or over the test time where there is no other; errors are of the test time.
         is_spent: Whether the time is up: then it is all of the update, or nothing.
+        fitted: The same update with numbers that were fitted to the whole machine: it takes the other's place where it wins.
     """
     judge = Judge(data, split.deciding())
+    if fitted is not None and fitted is not update:
+        update = min(judge.trial(update), judge.trial(fitted), key=lambda one: (one.is_worse, one.loss)).update
     best, by_all = as_far_as_it_wins(update, judge.trial, is_spent), False
     refusals = judge.refusals
     if split.validation:

@@ -21,7 +21,7 @@ from exo_sim.diagnosis.policy.budgets import LEAD, LONGEST_FREE_RUN
 from exo_sim.diagnosis.subsystem_model import Comparison
 from exo_sim.diagnosis.subsystems.gas.model import GasModel
 from exo_sim.diagnosis.subsystems.motion.model import MotionModel
-from exo_sim.diagnosis.validation.machine_runs import judged_part
+from exo_sim.diagnosis.validation.recorded_run import judged_part
 from exo_sim.recording.table import Recording
 from exo_sim.rig import Rig
 

@@ -3,15 +3,13 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 from copy import copy
 from dataclasses import replace
 
-import mujoco
 import numpy as np
 from numpy.typing import NDArray
 
-from exo_sim.diagnosis.data.command_sign import is_reversed_command
 from exo_sim.diagnosis.data.computed_columns import shown_noise, was_computed
 from exo_sim.diagnosis.data.machine_data import MachineData
 from exo_sim.diagnosis.data.sampled_commands import early_commands
@@ -19,13 +17,12 @@ from exo_sim.diagnosis.data.split import Split
 from exo_sim.diagnosis.findings import SignalFit
 from exo_sim.diagnosis.policy.budgets import LEAD, LONGEST_FREE_RUN
 from exo_sim.diagnosis.policy.recordings import FEWEST_TO_FIT
-from exo_sim.errors import RecordingError
-from exo_sim.machine.rig_model import load
+from exo_sim.diagnosis.validation.recorded_run import Machine, judged_part, run_of
 from exo_sim.recording import noise
 from exo_sim.recording.table import Recording
 from exo_sim.rig import Rig
 from exo_sim.simulation.replay import WINDOW as REPLAY_WINDOW
-from exo_sim.simulation.replay import Run, run, usable
+from exo_sim.simulation.replay import Run
 
 Array = NDArray[np.float64]
 #: By window: number of samples and sums of squared errors before and after, shape (3,).
@@ -60,8 +57,8 @@ class MachineRuns:
         cylinders = [run for runs in data.cylinders.values() for run in runs]
         self._early = [early_commands(table.name, data.rig, cylinders) for table in self._tables]
         self._nominal: dict[tuple[int, str], tuple[Recording, Run] | None] = {}
-        self._improved: tuple[_Machine, dict[int, tuple[Recording, Run] | None]] | None = None
-        self._machine = _Machine(data.rig)
+        self._improved: tuple[Machine, dict[int, tuple[Recording, Run] | None]] | None = None
+        self._machine = Machine(data.rig)
         self._known: tuple[Rig, dict[str, Sums]] | None = None
 
     def over(self, split: Split) -> MachineRuns:
@@ -92,7 +89,7 @@ class MachineRuns:
         if sum(table.duration for table in self._tables) > LONGEST_FREE_RUN:
             return total
         if self._improved is None or self._improved[0].rig is not improved:
-            self._improved = _Machine(improved), {}
+            self._improved = Machine(improved), {}
         for number, table in enumerate(self._tables):
             self._add(total, number, self._split.in_test(table.name, table.time))
         self._known = improved, {key: sums for key, sums in total.items() if sums.count}
@@ -101,7 +98,7 @@ class MachineRuns:
     def _before(self, number: int, motion: str) -> tuple[Recording, Run] | None:
         """Return a recording as the rig handed in sees it, and its run; None where something that it depends on was not recorded."""
         if (number, motion) not in self._nominal:
-            self._nominal[number, motion] = _run(self._tables[number], self._machine, motion, self._window, self._early[number])
+            self._nominal[number, motion] = run_of(self._tables[number], self._machine, motion, self._window, self._early[number])
         return self._nominal[number, motion]
 
     def _after(self, number: int) -> tuple[Recording, Run] | None:
@@ -109,7 +106,7 @@ class MachineRuns:
         assert self._improved is not None
         machine, ran = self._improved
         if number not in ran:
-            ran[number] = _run(self._tables[number], machine, "auto", self._window, self._early[number])
+            ran[number] = run_of(self._tables[number], machine, "auto", self._window, self._early[number])
         return ran[number]
 
     def _add(self, total: dict[str, Sums], number: int, mask: NDArray[np.bool_]) -> None:
@@ -133,22 +130,6 @@ class MachineRuns:
                 sums.add(recorded[key][there], [one.predicted[key][there] for one in (before, after)], block)
                 floor = noise.floor(recorded[key], recorded.time).std
                 sums.noise = max(sums.noise, shown_noise(floor, recorded[key], computed))
-
-
-class _Machine:
-    """A rig with its model."""
-
-    def __init__(self, rig: Rig) -> None:
-        self.rig: Rig = rig
-        self.model: mujoco.MjModel = load(rig)
-
-
-def judged_part(table: Recording, data: MachineData) -> Recording:
-    """Return a recording from where its gas is judged, its valve commands with the sign that they were found to have."""
-    starts = [run.time[0] for runs in data.cylinders.values() for run in runs if run.recording == table.name]
-    table = table.span(max(starts, default=-math.inf), math.inf)
-    wrong = {finding.where for finding in data.sensors if is_reversed_command(finding)}
-    return replace(table, columns={key: -values if key in wrong else values for key, values in table.columns.items()})
 
 
 class Sums:
@@ -198,14 +179,3 @@ def _lost(ran: Run) -> Run:
     columns = {key: np.full_like(values, math.nan) for key, values in ran.predicted.columns.items()}
     return replace(ran, predicted=replace(ran.predicted, columns=columns))
 
-
-def _run(
-    table: Recording, machine: _Machine, motion: str, window: float, early: Mapping[str, float]
-) -> tuple[Recording, Run] | None:
-    """Return what a rig's sensors let one believe of a recording, and its run; None where that cannot be run."""
-    try:
-        recorded, _ = usable(table, machine.rig, machine.model)
-        found = run(recorded, machine.rig, machine.model, motion=motion, window=window, early=early)
-    except RecordingError:  # nothing that can be predicted: what is missing has been said already
-        return None
-    return None if found is None else (recorded, found)

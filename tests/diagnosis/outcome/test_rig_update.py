@@ -107,7 +107,7 @@ def test_a_deviation_corrects_the_believed_number(data: MachineData) -> None:
 def test_what_was_only_refitted_says_so_and_a_zero_becomes_a_bias(data: MachineData) -> None:
     update = rig_update(data, [replace(result({VALVE: 1.02, ZERO: 800.0}), refitted=((VALVE, 0.01), (ZERO, 50.0)))], ())
     (correction,) = update.corrections
-    assert correction.interval is None and "no finding" in correction.note
+    assert correction.interval is not None and "no finding" in correction.note
     rig = read_back(update, data)
     bias = rig.effect("sensor_bias", "piston.pressure_1")
     assert bias is not None and bias.parameters["value"] == pytest.approx(800.0)
@@ -207,3 +207,20 @@ def test_a_rig_with_numbers_that_are_no_finding_says_once_what_to_do_with_them(d
     assert not found.text(folder).startswith("#")
     again = replace(refitted, rig=parse(text, data.rig.path))
     assert again.text(folder).count("They can stay") == 1
+
+
+def test_what_a_healthy_machine_shows_is_left_out_where_a_finding_says_as_much(data: MachineData) -> None:
+    """Dry friction of two directions and dry friction exclude each other in a rig; the second is a joint's, as a healthy one's."""
+    dry = FreeParameter("coulomb_friction", "piston", "force", "N", Target.CYLINDER, 1.0, 0.0, 50.0, (0.0, 2.0))
+    forward, backward = (
+        FreeParameter("asymmetric_friction", "piston", way, "N", Target.CYLINDER, 1.0, 0.0, 50.0) for way in ("forward", "backward")
+    )
+    two = Candidate("asymmetric_friction", "piston", "force", (forward, backward), ((5.0, 5.0),))
+    reported = Finding("asymmetric_friction", "piston", Kind.MISSING_PHYSICS, "Dry.", {}, 1.0, 0.0)
+    rod = replace(result({forward: 6.0, backward: 7.0}, two), findings=(reported,))
+    joint = replace(result({dry: 1.5}), refitted=((dry, 0.5),))
+    alone = rig_update(data, [joint], ())
+    assert [entry.setting.name for entry in alone.entries] == ["coulomb_friction"]
+    both = rig_update(data, [rod, joint], ())
+    assert [entry.setting.name for entry in both.entries] == ["asymmetric_friction"]
+    read_back(both, data)

@@ -19,7 +19,7 @@ from exo_sim.diagnosis.pipeline.reading import gather
 from exo_sim.diagnosis.pipeline.rig_acceptance import Judge, accepted, as_far_as_it_wins, closed_gas
 from exo_sim.diagnosis.pipeline.rig_trial import Trial
 from exo_sim.diagnosis.policy.validation import STARTS
-from exo_sim.diagnosis.validation import machine_runs
+from exo_sim.diagnosis.validation import recorded_run
 from exo_sim.rig import EffectEntry, EffectSetting, Rig
 from exo_sim.trials.cases import make_case, write_case
 from exo_sim.trials.conditions import Conditions
@@ -214,7 +214,7 @@ def test_a_judge_by_another_time_makes_nothing_that_it_has_from_the_first(leakin
         return call
 
     judge = Judge(leaking, Split({name: ((7.0, 9.0),)}))
-    monkeypatch.setattr(machine_runs, "load", noted(machine_runs.load))
+    monkeypatch.setattr(recorded_run, "load", noted(recorded_run.load))
     monkeypatch.setattr(rig_errors, "judged_part", noted(rig_errors.judged_part))
     judge.over(Split({name: ((7.0, 10.0),)}))
     assert made == ["load"] * (1 + STARTS)  # of what is run over that time alone: in windows, and from its states

@@ -16,7 +16,7 @@ from exo_sim.diagnosis.data.machine_data import MachineData
 from exo_sim.diagnosis.data.split import Split
 from exo_sim.diagnosis.pipeline.diagnose import diagnose
 from exo_sim.diagnosis.pipeline.reading import gather
-from exo_sim.diagnosis.validation import machine_runs
+from exo_sim.diagnosis.validation import recorded_run
 from exo_sim.diagnosis.validation.machine_runs import MachineRuns, Sums
 from exo_sim.errors import ModelError, RecordingError
 from exo_sim.machine.rig_model import load
@@ -170,7 +170,7 @@ def test_a_rig_that_cannot_be_run_where_the_one_handed_in_can_is_lost(tmp_path: 
             raise RecordingError("nothing in it can be predicted")
         return usable(recording, rig, *rest)
 
-    monkeypatch.setattr(machine_runs, "usable", refusing)
+    monkeypatch.setattr(recorded_run, "usable", refusing)
     found = MachineRuns(case, kept(case)).errors(right)
     assert found and all(math.isfinite(fit.before) and math.isnan(fit.after) for fit in found.values())
 

@@ -1,0 +1,83 @@
+"""Numbers of an improved rig, fitted together to the whole machine."""
+
+from __future__ import annotations
+
+import json
+from pathlib import Path
+
+import pytest
+
+from exo_sim.diagnosis.data.machine_data import MachineData
+from exo_sim.diagnosis.data.split import Split
+from exo_sim.diagnosis.outcome.rig_numbers import open_numbers
+from exo_sim.diagnosis.outcome.rig_update import Part, Rank, RigUpdate
+from exo_sim.diagnosis.pipeline.machine_fit import fitted_to_machine
+from exo_sim.diagnosis.pipeline.reading import gather
+from exo_sim.rig import Correction, EffectEntry, EffectSetting
+from exo_sim.trials.cases import make_case, write_case
+from exo_sim.trials.conditions import Conditions
+
+
+@pytest.fixture(scope="module")
+def rubbing(tmp_path_factory: pytest.TempPathFactory) -> tuple[MachineData, float]:
+    """A bench with hidden dry friction, and how large that is [N]."""
+    folder: Path = tmp_path_factory.mktemp("rubbing")
+    write_case(make_case("a", ("coulomb_friction",), 11, 0.5, Conditions(duration=10.0, known=())), folder, "parquet", open_truth=True)
+    hidden = json.loads((folder / "truth.json").read_text())["hidden"]
+    force = float(next(iter(hidden[0]["parameters"].values()))["value"])
+    return gather([folder / "recording.parquet"], folder / "rig.toml"), force
+
+
+def kept(data: MachineData) -> Split:
+    return Split({data.recordings[0].name: ((7.0, 10.0),)})
+
+
+def found(data: MachineData, force: float, reach: float) -> RigUpdate:
+    """Return dry friction that is known to so many newtons, and a load that is known to a tenth."""
+    setting = EffectSetting("coulomb_friction", "piston", {"force": force})
+    mass = float(data.model.body("carriage").mass[0])
+    load = Correction(("bodies", "carriage", "mass"), mass, "kg", (0.9 * mass, 1.1 * mass), mass)
+    friction = EffectEntry(setting, {"force": (force - reach, force + reach)})
+    return RigUpdate(data.rig, (Part("motion of slide", Rank.FOUND, (friction,), (load,)),))
+
+
+def force_of(update: RigUpdate) -> float:
+    return next(number.value for number in open_numbers(update) if number.place[-1] == "force")
+
+
+@pytest.mark.parametrize("off", [0.85, 1.15])
+def test_a_number_that_is_off_within_its_interval_comes_close_to_the_truth(rubbing: tuple[MachineData, float], off: float) -> None:
+    data, force = rubbing
+    fitted = fitted_to_machine(data, found(data, off * force, 0.5 * force), kept(data))
+    assert abs(force_of(fitted) - force) < 0.4 * abs(off - 1.0) * force
+    mass = float(data.model.body("carriage").mass[0])
+    assert next(n.value for n in open_numbers(fitted) if n.place[-1] == "mass") == pytest.approx(mass, rel=0.01)
+
+
+def test_no_number_leaves_its_interval(rubbing: tuple[MachineData, float]) -> None:
+    data, force = rubbing
+    fitted = fitted_to_machine(data, found(data, 0.5 * force, 0.1 * force), kept(data))
+    assert force_of(fitted) == pytest.approx(0.6 * force, rel=1e-9)
+
+
+def test_numbers_that_are_true_stay_about_where_they_are(rubbing: tuple[MachineData, float]) -> None:
+    data, force = rubbing
+    assert force_of(fitted_to_machine(data, found(data, force, 0.2 * force), kept(data))) == pytest.approx(force, rel=0.03)
+
+
+def test_nothing_is_fitted_where_nothing_is_open_or_the_time_is_up(rubbing: tuple[MachineData, float]) -> None:
+    data, force = rubbing
+    friction = EffectEntry(EffectSetting("coulomb_friction", "piston", {"force": force}))
+    sure = RigUpdate(data.rig, (Part("motion of slide", Rank.FOUND, (friction,)),))
+    assert fitted_to_machine(data, sure, kept(data)) is sure
+    update = found(data, 0.8 * force, 0.5 * force)
+    assert fitted_to_machine(data, update, kept(data), is_spent=lambda: True) is update
+
+
+def test_a_rig_that_is_no_machine_is_left_as_it_is(rubbing: tuple[MachineData, float]) -> None:
+    """Why it is refused is said where it is put to the test."""
+    data, force = rubbing
+    both = EffectSetting("asymmetric_friction", "piston", {"forward": force, "backward": force})
+    richer = Part("gas of piston", Rank.FOUND, (EffectEntry(both, {"forward": (0.0, 2.0 * force)}),))
+    refused = RigUpdate(data.rig, (*found(data, force, 1.0).parts, richer))
+    assert fitted_to_machine(data, refused, kept(data)) is refused

@@ -167,7 +167,10 @@ class Rejected(_Named):
 
 @dataclass(frozen=True)
 class Unexplained:
-    """What remains unexplained: where, on what it depends, its share of the whole error, its rms and the noise in a unit."""
+    """What no name explains: where, on what it depends, its share of the whole error, its rms and the noise in a unit.
+
+    `by_curve` is the share of its variance that a curve over that signal predicts; 0 where there is none.
+    """
 
     where: str
     depends_on: tuple[str, ...]
@@ -175,6 +178,14 @@ class Unexplained:
     error: float = 0.0
     noise: float = 0.0
     unit: str = ""
+    by_curve: float = 0.0
+
+    def as_dict(self) -> dict[str, Any]:
+        found: dict[str, Any] = {
+            "where": self.where, "depends_on": list(self.depends_on), "share": round(self.share, 4), "error": self.error,
+            "noise": self.noise, "unit": self.unit,
+        }  # fmt: skip
+        return found | ({"by_curve": round(self.by_curve, 3)} if self.by_curve > 0.0 else {})
 
 
 @dataclass(frozen=True)

@@ -69,6 +69,7 @@ def versions() -> str:
 def _finding(finding: Finding) -> dict[str, Any]:
     return {
         "title": diagnosis_words.title(finding),
+        "where": finding.where,
         "kind": diagnosis_words.KINDS[finding.kind],
         "class": finding.kind,
         "says": finding.says,

@@ -102,6 +102,7 @@ def _reported(stable: Examination, allowed: Budget, report: Progress, folder: Pa
     without_noise = computed_columns.computed(data.recordings, list(dict.fromkeys([*test.signals, *kept.free_run])))
     noise_said = [computed_columns.remark(without_noise)] if without_noise else []
     remarks = (*data.remarks, *said, *noise_said, *([_STOPPED] if allowed.stopped else []))
+    by_chance = tuple(kept.by_chance())
     judged = {one.model.kind for one in results.all if not one.is_empty and not one.is_unresolved}
     verdict = verdict_of(findings, judged, data)
     astray = swings_astray(data, kept.free_run) if verdict in (Verdict.CONSISTENT, Verdict.CALIBRATION) else ()
@@ -122,7 +123,8 @@ def _reported(stable: Examination, allowed: Budget, report: Progress, folder: Pa
         open_questions=questions,
         sensor_remarks=tuple(dict.fromkeys(remarks)),
         computed=without_noise,
-        sizes=_sizes(findings, kept.free_run, data),
+        by_chance=by_chance,
+        sizes=_sizes(findings, {key: fit for key, fit in kept.free_run.items() if key not in by_chance}, data),
         checks=tuple(check.as_dict() for check in data.checks),
         series=test.series,
         improved=kept.update.text(folder or data.rig.path.parent),
@@ -135,7 +137,8 @@ def _reported(stable: Examination, allowed: Budget, report: Progress, folder: Pa
 def _sizes(findings: Sequence[Finding], free_run: Mapping[str, SignalFit], data: MachineData) -> str:
     """Return which sizes of the rig are to be checked first, and why."""
     sliding = {link.cylinder: link.joint for link in data.links if not link.turning}
-    return advice(findings, free_run, suspected_bores(findings, data.rig, sliding), data.rig)
+    levers = {link.cylinder for link in data.links if link.turning}
+    return advice(findings, free_run, suspected_bores(findings, data.rig, sliding), data.rig, levers)
 
 
 def _findings(found: Examination) -> list[Finding]:

@@ -232,9 +232,17 @@ class Series:
 
 @dataclass(frozen=True)
 class OpenQuestion:
-    """A question that these recordings cannot answer, why, and what to do for an answer."""
+    """A question that these recordings cannot answer, why, and what to do for an answer.
+
+    `effects` are names of effects; `called` says in words what they are where they are many.
+    """
 
     question: str
     effects: tuple[str, ...]
     why: str
     do: str = "record the missing signal as well"
+    called: str = ""
+
+    def as_dict(self) -> dict[str, Any]:
+        found: dict[str, Any] = {"question": self.question, "effects": list(self.effects), "why": self.why}
+        return found | ({"called": self.called} if self.called else {})

@@ -116,7 +116,7 @@ class Diagnosis:
                 }
                 for one in self.small
             ],
-            "open": [{"question": q.question, "effects": list(q.effects), "why": q.why} for q in self.open_questions],
+            "open": [question.as_dict() for question in self.open_questions],
             "sensors": list(self.sensor_remarks),
             "checks": [dict(check) for check in self.checks],
             "next_experiment": None,
@@ -133,6 +133,6 @@ class Diagnosis:
             }
             if self.next_experiment.ranked:
                 found["next_experiment"]["ranked"] = [
-                    {"do": do, "expected_log10_odds": float(f"{min(gain, 12.0):.3g}")} for do, gain in self.next_experiment.ranked
+                    {"do": do, "expected_log10_odds": float(f"{gain:.3g}")} for do, gain in self.next_experiment.ranked
                 ]
         return found

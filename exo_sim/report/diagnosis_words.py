@@ -232,10 +232,18 @@ def likelihood(probability: float) -> str:
     return f"{words} (probability {100.0 * probability:.0f} %)"
 
 
-def settles(log10_odds: float) -> str:
-    """Return how surely an experiment is expected to tell two explanations apart."""
-    ways = ((2.0, "surely"), (1.0, "most likely"), (0.5, "perhaps"))
-    return next((words for least, words in ways if log10_odds >= least), "hardly")
+def settles(ranked: Sequence[tuple[str, float]]) -> list[tuple[str, str]]:
+    """Return experiments with how surely each is expected to tell two explanations apart, and with how much of the best one's evidence.
+
+    Args:
+        ranked: Experiments with the log10 of the odds that each is expected to give, the best first.
+    """
+    ways = ((2.0, "surely"), (1.0, "most likely"), (0.5, "perhaps"), (-math.inf, "hardly"))
+    found = []
+    for place, (do, gain) in enumerate(ranked):
+        beside = f", with {amounts.share(gain / ranked[0][1])} of that evidence" if place else ""
+        found.append((do, next(words for least, words in ways if gain >= least) + beside))
+    return found
 
 
 def numbers(finding: Finding) -> list[tuple[str, str, str]]:

@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 from report import made_up_diagnoses as made_up
 
-from exo_sim.diagnosis.findings import Estimate, Finding, Kind, Rejected, SignalFit, Unexplained
+from exo_sim.diagnosis.findings import Estimate, Finding, Kind, NextExperiment, Rejected, SignalFit, Unexplained
 from exo_sim.diagnosis.result import Diagnosis, Verdict
 from exo_sim.physics.declaration import declared
 from exo_sim.report import diagnosis_picture, diagnosis_text, diagnosis_words
@@ -303,3 +303,14 @@ def test_what_a_curve_predicts_of_what_no_name_explains_is_said():
     left = Unexplained("piston/force balance", ("slide.position",), 0.999, 9.3, 0.55, "N", by_curve=0.865)
     assert diagnosis_words.unexplained(left).endswith("follows slide.position, of whose variance a curve predicts 86 %")
     assert "held-out error 60 % lower with its curve" in diagnosis_words.evidence(made_up.NAMELESS)
+
+
+def test_how_much_better_one_experiment_is_than_another_is_said():
+    ranked = (("slowly", 2057.0), ("quickly", 90.0), ("blocked", 1.2))
+    assert diagnosis_words.settles(ranked) == [
+        ("slowly", "surely"), ("quickly", "surely, with 4 % of that evidence"), ("blocked", "most likely, with under 1 % of that evidence"),
+    ]  # fmt: skip
+    assert diagnosis_words.settles(()) == []
+    following = NextExperiment("both explain it", "slowly", ("piston_leakage", "external_leakage"), ranked)
+    found = made_up.whole(next_experiment=following)
+    assert [one["expected_log10_odds"] for one in found.as_dict()["next_experiment"]["ranked"]] == [2060.0, 90.0, 1.2]

@@ -11,6 +11,7 @@ from diagnosis.cylinder_runs import run_of
 
 from exo_sim.diagnosis.data.split import Split
 from exo_sim.diagnosis.estimation.parameters import PlantParameters
+from exo_sim.diagnosis.nominal_numbers import FORCE_OFFSET
 from exo_sim.diagnosis.outcome.experiments import expected_gain, ranked
 from exo_sim.diagnosis.subsystems.gas.model import GasModel
 from exo_sim.diagnosis.subsystems.motion.experiments import resisted
@@ -60,6 +61,20 @@ def test_a_leak_past_the_piston_shows_where_the_chambers_differ(plant: PlantPara
     assert max(gains, key=lambda do: gains[do]) == apart and max(gains[do] for do in alike) < 0.01 * gains[apart]
     silent = run_of(np.full(2000, 3e5), np.full(2000, 3e5), length=moved, commanded=False, noise=(100.0, 100.0))
     assert not any("valve fully" in do for do in GasModel([silent], plant, Split({})).experiments([plant, plant]))
+
+
+def test_friction_of_two_directions_is_told_from_a_sensor_s_zero_only_where_no_pressure_makes_one_up(plant: PlantParameters) -> None:
+    both, zero = changed(plant, "coulomb_friction", force=30.0), changed(plant, "coulomb_friction", force=30.0)
+    each = changed(plant, "asymmetric_friction", forward=34.0, backward=26.0)
+    zero.sensors[FORCE_OFFSET] = -4.0
+    zero.cylinder["asymmetric_friction"] = np.zeros(1, zero.cylinder.dtype["asymmetric_friction"])
+    gains = {do: expected_gain(forces) for do, forces in resisted(0.02, 0.12, 6e5, [each, zero]).items()}
+    plain = {do: expected_gain(forces) for do, forces in resisted(0.02, 0.12, 6e5, [each, both]).items()}
+    for do, gain in gains.items():
+        if do.endswith("with both chambers open to the room"):
+            assert gain == pytest.approx(plain[do]) and gain > 100.0
+        else:
+            assert gain < 0.1 * plain[do]
 
 
 def test_friction_that_grows_with_pressure_shows_at_another_pressure(plant: PlantParameters) -> None:

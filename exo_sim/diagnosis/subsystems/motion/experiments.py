@@ -8,6 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from exo_sim.diagnosis.estimation.parameters import PlantParameters
+from exo_sim.diagnosis.nominal_numbers import FORCE_OFFSET
 from exo_sim.diagnosis.subsystems.motion.resistance import resistance_along
 
 Array = NDArray[np.float64]
@@ -16,13 +17,17 @@ Array = NDArray[np.float64]
 STEP, LENGTH = 5e-3, 10.0
 
 
-def resisted(low: float, high: float, gauge: float, plants: Sequence[PlantParameters]) -> dict[str, Array]:
-    """Return, by what is to be done, the force that each plant resists with, shape (plants, n) [N, N m].
+def resisted(low: float, high: float, gauge: float, plants: Sequence[PlantParameters], arm: float = 1.0) -> dict[str, Array]:
+    """Return, by what is to be done, the force that a balance would show of each plant, against it, shape (plants, n) [N, N m].
+
+    It is what resists less a constant force that sensors make up, which friction of two directions is as well. Where both chambers are
+    open to the room no sensor of a pressure makes up any.
 
     Args:
         low, high: Ends of the stroke that was seen [m, rad].
         gauge: Highest pressure that was seen, above the atmosphere [Pa]; 0 without a cylinder.
         plants: Whose record of the cylinder holds what resists.
+        arm: The lever between it and the balance [m/rad, or 1].
     """
     time = np.arange(0.0, LENGTH, STEP)
     middle, swing = 0.5 * (low + high), 0.5 * (high - low)
@@ -34,9 +39,10 @@ def resisted(low: float, high: float, gauge: float, plants: Sequence[PlantParame
         + 0.9 * swing * both_ways + 0.02 * swing * np.sin(4.0 * np.pi * time),
     }  # fmt: skip
     levels = {"": (0.0, 0.0)}
+    known = " with both chambers open to the room"
     if gauge > 0.0:
         levels = {
-            " with both chambers open to the room": (0.0, 0.0), " at the highest pressure in both chambers": (gauge, gauge),
+            known: (0.0, 0.0), " at the highest pressure in both chambers": (gauge, gauge),
             " at half that pressure": (0.5 * gauge, 0.5 * gauge), " with one chamber at that pressure": (gauge, 0.0),
         }  # fmt: skip
     found = {}
@@ -46,5 +52,6 @@ def resisted(low: float, high: float, gauge: float, plants: Sequence[PlantParame
             for force, plant in zip(forces, plants, strict=True):
                 gauges = np.tile(np.array(pressures), (len(time), 1))
                 resistance_along(plant.cylinder[0], time, path, np.gradient(path, time), gauges, force)
+                force -= 0.0 if level == known else plant.sensors.get(FORCE_OFFSET, 0.0) / arm
             found[f"move it {way}{level}"] = forces
     return found

@@ -287,7 +287,7 @@ class MotionModel(SubsystemModel):
         gauge = max((float(np.max(run.drive.gauge)) for run in self.runs if run.cylinder is not None), default=0.0)
         scale = float(np.median(self.scale)) if self.scale.size else 1.0
         arm = self.runs[0].drive.usual_arm
-        forces = resisted(float(np.min(place)), float(np.max(place)), gauge, plants)
+        forces = resisted(float(np.min(place)), float(np.max(place)), gauge, plants, arm)
         return {do: arm * each[:, ::4] / scale for do, each in forces.items()}  # a row of the fit takes four of its samples
 
     def twins_of_number(self, parameter: FreeParameter) -> tuple[str, ...]:

@@ -96,6 +96,11 @@ class RigUpdate:
     is_fitted_together: bool = False
 
     @property
+    def holds_findings(self) -> bool:
+        """Whether it holds more than numbers that were only refitted."""
+        return any(part.rank in (Rank.FOUND, Rank.CURVE) for part in self.parts)
+
+    @property
     def entries(self) -> tuple[EffectEntry, ...]:
         """The effects; a part of the machine holds each once."""
         every = [entry for part in self.parts for entry in part.entries]

@@ -66,9 +66,10 @@ class Trial:
 
         These are many, so that they say how far another recording's would differ: what is better by less is hardly likelier to be better
         there than worse, and the rig handed in is its owner's. A free run that is far better says the same of the whole machine. One
-        free run that is worse is by chance where runs from several measured states are surely better.
+        free run that is worse is by chance where runs from several measured states are surely better. Where nothing was found, no signal
+        pays for another: numbers that are within their data sheets may stay as the owner knows them.
         """
-        if self.is_refused or is_worse(self.windows, self.spreads):
+        if self.is_refused or is_worse(self.windows, self.spreads) or (self.update.parts and self.hurts_for_no_finding):
             return True
         if is_worse(self.free_run, self.spreads) and not self.is_surely_better_begun_anew:
             return True
@@ -82,6 +83,14 @@ class Trial:
     def strays(self) -> tuple[str, ...]:
         """Signals that free runs miss by surely more than with the rig handed in, whatever the others win."""
         return straying_further(self.starts)
+
+    @property
+    def hurts_for_no_finding(self) -> bool:
+        """Whether nothing of it is a finding, and free runs miss some signal by more than a trifle, by the mean over all of them."""
+        if self.update.holds_findings:
+            return False
+        runs = (self.free_run, *self.starts)
+        return any(_mean(_paired(runs, column)) > math.log1p(SIGNAL_WORSE) for column in self.free_run)
 
     @property
     def is_surely_better_begun_anew(self) -> bool:

@@ -139,6 +139,10 @@ class SubsystemModel(ABC):
         """Return whether the data hold a nuisance parameter, rather than whatever else is unknown at its place."""
         return True
 
+    def error_of_form(self, parameter: FreeParameter, values: Values) -> float:
+        """Return the standard error that the form of the equations leaves of a fitted parameter, however good the data, in its unit."""
+        return 0.0
+
     def as_sensor_error(self, parameter: FreeParameter, value: float) -> tuple[str, str, str, float] | None:
         """Return what a nuisance parameter says of a sensor: column, effect, its parameter and value; None where it says nothing."""
         return None

@@ -117,7 +117,7 @@ def accepted(
     """
     judge = Judge(data, split.deciding())
     if fitted is not None and fitted is not update:
-        update = min(judge.trial(update), judge.trial(fitted), key=lambda one: (one.is_worse, one.loss)).update
+        update = min(judge.trial(update), judge.trial(fitted), key=lambda one: (one.is_worse, one.loss_of_machine)).update
     best, by_all = as_far_as_it_wins(update, judge.trial, is_spent), False
     refusals = judge.refusals
     if split.validation:

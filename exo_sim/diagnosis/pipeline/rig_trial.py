@@ -120,6 +120,13 @@ class Trial:
             return math.inf
         return sum(map(_mean, (_logs(self.windows, self.spreads), self._run_free(), _logs(self.coupled, self.spreads))))
 
+    @property
+    def loss_of_machine(self) -> float:
+        """The same of the whole machine alone: a balance by itself always prefers the numbers that were fitted to it by itself."""
+        if self.is_refused:
+            return math.inf
+        return _mean(self._run_free()) + _mean(_logs(self.coupled, self.spreads))
+
     def by_chance(self) -> dict[str, tuple[float, int]]:
         """Return which signals one run from the first measured state misses by more than with the rig handed in, and runs from several
         states surely by less: by column, the ratio of the latter's errors, and how many runs these are.

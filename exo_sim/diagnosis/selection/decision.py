@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Mapping, Sequence
 from dataclasses import replace
 from functools import cached_property
@@ -79,6 +80,7 @@ class _Decision(Generic[Model]):
         final = without_unneeded(self.fits, sure, self.model.structural_error) if spare else sure
         reported = tuple(c for c in named if _is_reported(c, final, errors))
         laws = {q for c in named if c not in reported for q in c.parameters}
+        errors = {q: math.hypot(error, self.model.error_of_form(q, final.fit.values)) for q, error in errors.items()}
         findings = self._findings(reported, final, errors, strict)
         observed = {parameter: error for parameter, error in errors.items() if self.model.is_observed(parameter)}
         off = () if strict else self._deviations(final, observed)  # what has no name biases them

@@ -141,19 +141,19 @@ def rig_update(data: MachineData, results: Sequence[Result], unknown: Sequence[U
     for one in results:
         source = f"{one.model.kind} of {one.name}"
         reported = {finding.at: finding for finding in one.findings}
-        entries = [
-            _entry(c, one, each, data.rig) for c in one.named if c.at in reported for each in reported[c.at].at_each_place()
-        ]
+        entries = _sayable(
+            data.rig, one, [_entry(c, one, each, data.rig) for c in one.named if c.at in reported for each in reported[c.at].at_each_place()]
+        )
         corrected = corrections(data, one)
         findings = tuple(each for each in corrected if each.interval is not None)
         parts.append(Part(source, Rank.FOUND, tuple(entries), findings))
         refitted = tuple(each for each in corrected if each.interval is None)
-        healthy = _healthy(data.rig, one, calibrated)
+        healthy = _sayable(data.rig, one, _healthy(data.rig, one, calibrated))
         zeros = tuple(entry for entry in healthy if declared()[entry.setting.name].cut == "sensor")
         parts.append(Part(source, Rank.REFITTED, tuple(entry for entry in healthy if entry not in zeros), refitted))
         parts.append(Part(source, Rank.SENSORS, (*zeros, *late_entries(data, one, calibrated))))
         effect = effect_of(unknown, one)
-        parts.append(Part(source, Rank.CURVE, tuple(_curves(data.rig, [effect] if effect else []))))
+        parts.append(Part(source, Rank.CURVE, tuple(_sayable(data.rig, one, _curves(data.rig, [effect] if effect else [])))))
     apart = [effect for effect in unknown if all(one.key != effect.result.key for one in results)]
     parts.append(Part("elsewhere", Rank.CURVE, tuple(_curves(data.rig, apart))))
     faults = [
@@ -163,6 +163,12 @@ def rig_update(data: MachineData, results: Sequence[Result], unknown: Sequence[U
     ]
     parts.append(Part("sensors", Rank.FOUND, tuple(faults)))
     return RigUpdate(data.rig, tuple(part for part in parts if part.entries or part.corrections))
+
+
+def _sayable(rig: Rig, result: Result, entries: Sequence[EffectEntry]) -> list[EffectEntry]:
+    """Return the entries that a rig file can hold: none of a joint with the name of a cylinder, for what stands there is the cylinder's."""
+    taken = result.model.is_of_joint and result.where in rig.cylinders
+    return [entry for entry in entries if not taken or entry.setting.where != result.where]
 
 
 def _entry(candidate: Candidate, result: Result, finding: Finding, rig: Rig) -> EffectEntry:

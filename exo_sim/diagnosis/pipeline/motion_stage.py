@@ -191,11 +191,13 @@ def nominal_balance(data: MachineData, name: str, runs: Sequence[MotionRun]) -> 
 def _with_joint_effects(data: MachineData, joint: str, piston: NDArray[np.void], arm: float) -> NDArray[np.void]:
     """Return the record of a piston with the effects of its joint, which it feels through its lever `arm` [m/rad, or 1].
 
+    What stands in the rig at a name that a cylinder has is that cylinder's, whatever the joint is called.
+
     Sizes of both add up; a shape (the speed of a dip, where a spring is slack) is the mean of both, weighted by size: of springs that is
     what two of them are together.
     """
     record = piston.copy()
-    for effect in data.rig.effects:
+    for effect in () if joint in data.rig.cylinders else data.rig.effects:
         if effect.where != joint or effect.name not in (record.dtype.names or ()):
             continue
         declares, own = declared()[effect.name], record[effect.name]

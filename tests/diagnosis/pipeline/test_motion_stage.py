@@ -204,6 +204,19 @@ def test_of_laws_at_a_joint_and_at_its_piston_sizes_add_up_and_shapes_do_not(tmp
     assert (spring["stiffness"], spring["rest"]) == pytest.approx((40.0, 0.05))
 
 
+@pytest.mark.parametrize("cell", [False, True], ids=["pressures", "load cell"])
+def test_what_the_rig_says_of_a_cylinder_with_the_name_of_its_joint_is_the_cylinders_alone(tmp_path: Path, cell: bool) -> None:
+    """As on legs, whose cylinders are called as the joints that they drive."""
+    rig = benches.renamed(benches.bench(tmp_path, '[effects.coulomb_friction.piston]\nforce = "20 N"\n'), "piston", "slide")
+    model = load(rig)
+    run = motion_runs.balance(np.zeros(TIME.size), 0.3)
+    if not cell:
+        run = motion_runs.behind_cylinder(run, np.full((TIME.size, 2), 2e5))
+        run = replace(run, drive=replace(run.drive, cylinder="slide"))
+    data = MachineData(rig, model, linkages(rig, model), (), (), {}, {"slide": (run,)})
+    assert nominal_balance(data, "slide", [run]).cylinder["coulomb_friction"]["force"][0] == pytest.approx(0.0 if cell else 20.0)
+
+
 def test_what_was_refuted_is_not_named_again(tmp_path: Path) -> None:
     plan = Plan(Split({}), {("viscous_friction", "slide"): "not borne out"})
     assert "viscous_friction" not in names(examined(tmp_path, 30.0 * VELOCITY, plan=plan))

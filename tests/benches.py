@@ -51,7 +51,8 @@ def renamed(rig: Rig, cylinder: str, name: str) -> Rig:
     """Return a rig whose cylinder has another name; its actuator keeps its own."""
     text = rig.text
     for key in (f"cylinders.{cylinder}", *(f"effects.{effect.name}.{cylinder}" for effect in rig.effects)):
-        text = text.replace(f"[{key}]", f"[{key.removesuffix(cylinder)}{name}]").replace(f"[{key}.", f"[{key.removesuffix(cylinder)}{name}.")
+        for end in "].":
+            text = text.replace(f"[{key}{end}", f"[{key.removesuffix(cylinder)}{name}{end}")
     rig.path.write_text(text)
     return rigs.read(rig.path)
 

@@ -141,12 +141,12 @@ def rig_update(data: MachineData, results: Sequence[Result], unknown: Sequence[U
     for one in results:
         source = f"{one.model.kind} of {one.name}"
         reported = {finding.at: finding for finding in one.findings}
-        entries = _sayable(
-            data.rig, one, [_entry(c, one, each, data.rig) for c in one.named if c.at in reported for each in reported[c.at].at_each_place()]
-        )
+        entries = [
+            _entry(c, one, each, data.rig) for c in one.named if c.at in reported for each in reported[c.at].at_each_place()
+        ]
         corrected = corrections(data, one)
         findings = tuple(each for each in corrected if each.interval is not None)
-        parts.append(Part(source, Rank.FOUND, tuple(entries), findings))
+        parts.append(Part(source, Rank.FOUND, tuple(_sayable(data.rig, one, entries)), findings))
         refitted = tuple(each for each in corrected if each.interval is None)
         healthy = _sayable(data.rig, one, _healthy(data.rig, one, calibrated))
         zeros = tuple(entry for entry in healthy if declared()[entry.setting.name].cut == "sensor")

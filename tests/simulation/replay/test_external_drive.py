@@ -112,7 +112,7 @@ def test_what_stops_throw_back_puts_in_no_power(tmp_path: Path) -> None:
 def test_who_moves_one_joint_is_sooner_held_to_move_another(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch, shares: dict[str, float], measured: str, driven: set[str]
 ) -> None:
-    """A knee that its wearer leads along with the gas gets a share that alone would be no evidence; a hip that was measured says nothing."""
+    """A knee that its wearer leads along with the gas has a share that alone would be no evidence; a hip that was measured says nothing."""
     rig = benches.bench(tmp_path)
     rig.model.write_text(rig.model.read_text().replace('name="slide"', 'name="a"').replace('joint="slide"', 'joint="a"'))
     extra = '<body pos="0 1 0"><joint name="b" type="slide" axis="1 0 0"/><geom size="0.1" mass="1"/></body></worldbody>'

@@ -27,8 +27,8 @@ class Comparisons:
     def moves_baseline(self) -> bool:
         """Take what is known to be the best fit of the nuisance parameters alone as the baseline; return whether it is another one.
 
-        Alone they may end in an optimum where numbers stand in for an effect, far off their data sheets. A fit with an effect leads them out
-        of it, and where that is left out again, they leave less than they did before.
+        Alone they may end in an optimum where numbers stand in for an effect, far off their data sheets. A fit with an effect leads them
+        out of it, and where that is left out again, they leave less than they did before.
         """
         known = self.fits.fit((), self.baseline)
         if self.fits.deficit(known, self.baseline) >= -acceptance.SWAP_GAIN:

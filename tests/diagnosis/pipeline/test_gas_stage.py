@@ -163,7 +163,7 @@ def test_a_search_in_another_division_of_the_time_begins_with_what_the_first_fou
 
 @pytest.mark.slow
 def test_numbers_that_ended_where_they_stand_in_for_an_effect_begin_anew_where_effects_lead_them(tmp_path: Path) -> None:
-    """A hip whose valve is late, lapped and leaks: alone its numbers ended at a tenth of a dead volume, and every effect looked needless."""
+    """A hip whose valve is late, lapped and leaks: alone they ended at a tenth of a dead volume, and every effect looked needless."""
     write_worn_case(make_worn_case("walk", "N", "whole", 5501, weigh=False), tmp_path)
     data = gather([tmp_path / "recording.csv"], tmp_path / "rig.toml")
     data = replace(data, cylinders={"hip_l": data.cylinders["hip_l"]})

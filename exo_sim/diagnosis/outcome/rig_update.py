@@ -23,9 +23,9 @@ from exo_sim.diagnosis.findings import Estimate, Finding, Kind
 from exo_sim.diagnosis.nominal_numbers import ZERO
 from exo_sim.diagnosis.outcome.rig_corrections import corrections
 from exo_sim.diagnosis.outcome.sensor_entries import NO_FINDING, late_entries, sensor_entry, sensor_error_entry
-from exo_sim.diagnosis.outcome.sensor_faults import error_of, is_faulty
 from exo_sim.diagnosis.policy.off_nominal import LEAST_PART
 from exo_sim.diagnosis.selection.nuisance_calibration import is_declared
+from exo_sim.diagnosis.selection.sensor_zero import error_of, is_faulty
 from exo_sim.diagnosis.selection.subsystem_result import SubsystemResult
 from exo_sim.diagnosis.selection.unknown_effect import UnknownEffect, effect_of
 from exo_sim.diagnosis.subsystem_model import SubsystemModel

@@ -32,3 +32,15 @@ def is_faulty(one: Result, parameter: FreeParameter, error: float) -> bool:
     if parameter.effect != ZERO or one.has_unknown or one.is_empty:
         return False
     return abs(one.final.fit.values[parameter]) - SURELY_MORE * error_of(one, parameter, error) > ZEROS * PRESSURE_ZERO
+
+
+def zeros_within(one: Result) -> dict[str, float]:
+    """Return how far off zeros can be at most by what a subsystem tells of them, to two digits [Pa]; by column, none where it is unsure.
+
+    Errors of its model stand still as zeros do and are in it.
+    """
+    if one.has_unknown or one.is_empty or one.search.interrupted:
+        return {}
+    end = one.search.final
+    errors = {q: error_of(one, q, error) for q, error in one.fits.standard_errors(end).items() if q.effect == ZERO}
+    return {q.where: float(f"{abs(end.fit.values[q]) + SURELY_MORE * error:.2g}") for q, error in errors.items()}

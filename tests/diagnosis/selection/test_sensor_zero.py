@@ -11,10 +11,11 @@ from diagnosis import waves
 
 from exo_sim.diagnosis.estimation.least_squares import Fit
 from exo_sim.diagnosis.estimation.parameters import FreeParameter, Target
+from exo_sim.diagnosis.policy.acceptance import SURELY_MORE
 from exo_sim.diagnosis.policy.healthy import ZERO_MODEL
 from exo_sim.diagnosis.selection.fitted_model import FittedModel, SearchResult
 from exo_sim.diagnosis.selection.model_fits import ModelFits
-from exo_sim.diagnosis.selection.sensor_zero import error_of, is_faulty
+from exo_sim.diagnosis.selection.sensor_zero import error_of, is_faulty, zeros_within
 from exo_sim.diagnosis.selection.subsystem_result import SubsystemResult
 
 ZERO = FreeParameter("sensor_zero", "piston.pressure_1", "pressure_1.bias", "Pa", Target.SENSOR, 500.0, -1e4, 1e4, (0.0, 500.0))
@@ -43,3 +44,15 @@ def test_only_the_zero_of_a_sensor_stands_still_as_errors_of_a_model_do() -> Non
     one = result(2e-3, parameter=WIDTH)
     assert error_of(one, WIDTH, 1e-4) == 1e-4 and not is_faulty(one, WIDTH, 1e-4)
     assert error_of(result(0.0), ZERO, 50.0) == pytest.approx(math.hypot(50.0, 1000.0 * ZERO_MODEL))
+
+
+def test_a_zero_can_be_off_by_what_was_fitted_and_by_its_error_and_by_any_where_something_is_unknown(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    one = result(300.0)
+    monkeypatch.setattr(one.fits, "standard_errors", lambda model: {ZERO: 50.0, WIDTH: 1e-4})
+    end = replace(one.final, fit=replace(one.final.fit, values={ZERO: 300.0, WIDTH: 2e-3}))
+    one = replace(one, search=SearchResult(end, end))
+    assert zeros_within(one) == {"piston.pressure_1": pytest.approx(300.0 + SURELY_MORE * 1000.0 * ZERO_MODEL, rel=0.05)}
+    assert zeros_within(replace(one, has_unknown=True)) == {}
+    assert zeros_within(replace(one, search=SearchResult(end, end, interrupted=True))) == {}

@@ -66,6 +66,7 @@ class SubsystemModel(ABC):
     plant_holds_curves: ClassVar[bool] = True
     calibrates_pressures: ClassVar[bool] = False
     is_input_of_others: ClassVar[bool] = False
+    is_of_joint: bool = False
     where: str
     unit: str
     nominal: PlantParameters

@@ -145,7 +145,7 @@ def _findings(found: Examination) -> list[Finding]:
     doubtful = {one.where for one in found.results.gas if one.has_unknown}
     for one in results:
         for f in one.findings:
-            probability = confidence(f, shares.get(f.key), f.where in doubtful)
+            probability = confidence(f, shares.get(f.key), f.where in doubtful, f.at in found.plan.upheld)
             proved = replace(f, held_out_error_drop=drops.get(f.key, 0.0), cost=costs.get(f.key, 0.0), probability=probability)
             findings += proved.at_each_place()
     findings += faulty_zeros(results, findings)

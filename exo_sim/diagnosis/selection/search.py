@@ -182,11 +182,8 @@ class _Growth:
         return one if self.fits.deficit(one, best) < 0.0 and self.comparisons.accepts(best, one) else best
 
     def _reached(self, together: FittedModel) -> SearchResult:
-        """Return the result of a search that ends with what was asked together, unless another subsystem is to be asked first.
-
-        What explains as a healthy machine's model would may still lack effects: of several small ones in quiet recordings the first do.
-        """
-        return self._interrupted(together) if self._goes_elsewhere(together) else self._swapped(self._gone_on(self._completed(together)))
+        """Return the result of a search that ends with what was asked together, unless another subsystem is to be asked first."""
+        return self._interrupted(together) if self._goes_elsewhere(together) else self._swapped(self._gone_on(together))
 
     def _interrupted(self, model: FittedModel) -> SearchResult:
         """Return the result of a search that stops at a model for another subsystem to be asked first: nothing of it is assessed."""

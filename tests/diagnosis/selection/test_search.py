@@ -153,23 +153,6 @@ def test_what_was_asked_together_before_is_not_asked_together_again(asked: list[
         asked.clear()
 
 
-@pytest.mark.parametrize(("hum", "found"), [(0.0, {"base"}), (4.0, {"base", "other"})], ids=["clean", "not clean"])
-def test_what_was_found_together_is_completed_where_it_leaves_more_than_noise(
-    monkeypatch: pytest.MonkeyPatch, hum: float, found: set[str]
-) -> None:
-    """It explains as well as a healthy machine's model would, whose bound here is far above the noise."""
-    shapes = {**SHAPES, "hum": np.random.default_rng(7).choice([-1.0, 1.0], AT.size)}
-    size = 0.5 if hum == 0.0 else 6.0
-    one = Search(Waves(20.0, shapes, slow=9.0, quicker=size, hum=hum), (), (BASE, OTHER))
-
-    def together(self: JointSearch, now: FittedModel) -> Together:
-        return Together(self.fits.fit((BASE,), now), explains=True)
-
-    monkeypatch.setattr(JointSearch, "found_together", together)
-    monkeypatch.setattr(JointSearch, "is_within_bound", lambda self, model: False)
-    assert {c.effect for c in one.run().final.candidates} == found
-
-
 def test_what_ends_a_search_is_looked_for_before_all_are_asked_together(asked: list[int]) -> None:
     shapes = {**SHAPES, "hum": np.random.default_rng(7).choice([-1.0, 1.0], AT.size)}
     for last, calls in (("other", []), ("another", [1])):

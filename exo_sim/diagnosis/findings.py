@@ -167,7 +167,10 @@ class Rejected(_Named):
 
 @dataclass(frozen=True)
 class Unexplained:
-    """What remains unexplained: where, on what it depends, its share of the whole error, its rms and the noise in a unit."""
+    """What no name explains: where, on what it depends, its share of the whole error, its rms and the noise in a unit.
+
+    `by_curve` is the share of its variance that a curve over that signal predicts; 0 where there is none.
+    """
 
     where: str
     depends_on: tuple[str, ...]
@@ -175,6 +178,14 @@ class Unexplained:
     error: float = 0.0
     noise: float = 0.0
     unit: str = ""
+    by_curve: float = 0.0
+
+    def as_dict(self) -> dict[str, Any]:
+        found: dict[str, Any] = {
+            "where": self.where, "depends_on": list(self.depends_on), "share": round(self.share, 4), "error": self.error,
+            "noise": self.noise, "unit": self.unit,
+        }  # fmt: skip
+        return found | ({"by_curve": round(self.by_curve, 3)} if self.by_curve > 0.0 else {})
 
 
 @dataclass(frozen=True)
@@ -221,9 +232,17 @@ class Series:
 
 @dataclass(frozen=True)
 class OpenQuestion:
-    """A question that these recordings cannot answer, why, and what to do for an answer."""
+    """A question that these recordings cannot answer, why, and what to do for an answer.
+
+    `effects` are names of effects; `called` says in words what they are where they are many.
+    """
 
     question: str
     effects: tuple[str, ...]
     why: str
     do: str = "record the missing signal as well"
+    called: str = ""
+
+    def as_dict(self) -> dict[str, Any]:
+        found: dict[str, Any] = {"question": self.question, "effects": list(self.effects), "why": self.why}
+        return found | ({"called": self.called} if self.called else {})

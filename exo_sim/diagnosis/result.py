@@ -39,6 +39,7 @@ class Diagnosis:
         small: What the data show beyond doubt, but too little of it to matter.
         sensor_remarks: Plain sentences about clocks and sensors: what was used, repaired or left out.
         computed: Columns that were computed and not measured: noise of theirs is what a sensor shows.
+        by_chance: Columns that one free run with `improved.toml` misses by more, and runs from several measured states surely by less.
         sizes: Which sizes of the rig are to be checked before what was found is believed, and why, as a clause; "" where none.
         checks: What was asked of the recordings, and put right, before any physics: plain records of `what`, `columns` and `says`.
         improved: Text of `improved.toml`.
@@ -62,6 +63,7 @@ class Diagnosis:
     open_questions: tuple[OpenQuestion, ...] = ()
     sensor_remarks: tuple[str, ...] = ()
     computed: tuple[str, ...] = ()
+    by_chance: tuple[str, ...] = ()
     sizes: str = ""
     checks: tuple[Mapping[str, Any], ...] = ()
     series: tuple[Series, ...] = ()
@@ -106,13 +108,7 @@ class Diagnosis:
                 "measure": self.measure,
                 "free_run": {name: vars(signal) for name, signal in self.free_run.items()},
             },
-            "unexplained": [
-                {
-                    "where": u.where, "depends_on": list(u.depends_on), "share": round(u.share, 4), "error": u.error, "noise": u.noise,
-                    "unit": u.unit,
-                }
-                for u in self.unexplained
-            ],
+            "unexplained": [left.as_dict() for left in self.unexplained],
             "small": [
                 {
                     "name": one.name, "where": one.where, "kind": one.kind,
@@ -120,7 +116,7 @@ class Diagnosis:
                 }
                 for one in self.small
             ],
-            "open": [{"question": q.question, "effects": list(q.effects), "why": q.why} for q in self.open_questions],
+            "open": [question.as_dict() for question in self.open_questions],
             "sensors": list(self.sensor_remarks),
             "checks": [dict(check) for check in self.checks],
             "next_experiment": None,
@@ -137,6 +133,6 @@ class Diagnosis:
             }
             if self.next_experiment.ranked:
                 found["next_experiment"]["ranked"] = [
-                    {"do": do, "expected_log10_odds": float(f"{min(gain, 12.0):.3g}")} for do, gain in self.next_experiment.ranked
+                    {"do": do, "expected_log10_odds": float(f"{gain:.3g}")} for do, gain in self.next_experiment.ranked
                 ]
         return found

@@ -106,6 +106,36 @@ def rest(share: float, error: float, noise: float, unit: str) -> str:
     return f"It is {part} of the error that there was to explain: {error:.3g} {unit}{often}."
 
 
+def varies(acts: str, variables: Sequence[str], share: float, is_told_apart: bool) -> str:
+    """Return what varies with signals and has no name: a force, which does not turn with the motion, or a friction, which does.
+
+    Args:
+        acts: "force" or "friction", whichever follows the signals more closely.
+        variables: The signals.
+        share: Its root mean square, of all friction that acts.
+        is_told_apart: Whether the recordings tell the two apart.
+    """
+    with_what = f"varies with {' and '.join(variables)} by {100.0 * share:.0f} % of all that acts"
+    if not is_told_apart:
+        return f"A force or a friction {with_what}: which of the two, these recordings do not tell."
+    turns = "friction would, and it does not" if acts == "force" else "it does, as no force would"
+    return f"{'A force' if acts == 'force' else 'Friction'} {with_what} (turn with the direction of motion: {turns})."
+
+
+def curve(signal: str, explains: float | None, is_followed: bool) -> str:
+    """Return what a curve over a signal is worth, and why the improved rig holds none where it does not.
+
+    Args:
+        signal: The column that it depends on.
+        explains: Share of the variance of what is missing that it predicts where it was not fitted; None where that is too little.
+        is_followed: Whether a simulated machine can follow that signal.
+    """
+    if explains is None:
+        return f"No curve over {signal} predicts enough of it to be put into improved.toml."
+    predicts = f"A curve over {signal} predicts {100.0 * explains:.0f} % of its variance"
+    return f"{predicts}." if is_followed else f"{predicts}, but no rig can follow {signal}: improved.toml does without."
+
+
 def experiment(first: str, second: str) -> str:
     """Return the experiment that separates two effects: that of the one that is mistaken for fewer others."""
     known = [effect for name, effect in declared().items() if name in (first, second)]

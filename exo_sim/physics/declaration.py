@@ -180,11 +180,15 @@ def declared() -> dict[str, Effect]:
 def check_others(effect: Effect, found: Mapping[str, Effect]) -> None:
     """Raise ModelError where an effect names another that there is not."""
     asked = effect.identification
-    twins = (*asked.twins.unmeasured, *asked.twins.measured, *asked.twins.unseen, asked.twins.beside_constant)
+    twins = (*asked.twins.unmeasured, *asked.twins.measured, *asked.twins.unseen, *asked.twins.as_parts, asked.twins.beside_constant)
     effects = (effect.requires, *(name for name, _ in effect.absorbs), asked.on_top_of, *twins)
     for name, known in (*((name, found) for name in effects if name), *((name, {*found, *CALIBRATED}) for name in effect.mistaken_for)):
         if name not in known:
             raise ModelError(f"effect {effect.name}: there is no effect {name!r}{nearest(name, known)}")
+    for name, parts in asked.twins.as_parts.items():
+        own = {parameter.name for parameter in found[name].parameters}
+        if unknown := sorted(set(parts) - own):
+            raise ModelError(f"effect {effect.name}: {name} has no parameter {unknown[0]!r}{nearest(unknown[0], own)}")
 
 
 def identification_of(name: str) -> Identification:

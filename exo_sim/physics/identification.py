@@ -60,6 +60,8 @@ class Twins:
         unseen: Those that are the same where added to it they would not show: of play whose load never reverses only the give of its
             contacts does ...
         unseen_from: ... and where parameters are at least this: no contact gives as a strap does.
+        as_parts: Those that do the same where each of their parameters is so many times its own one: a shifted spool opens two edges sooner
+            and two later.
     """
 
     unmeasured: tuple[str, ...] = ()
@@ -69,6 +71,7 @@ class Twins:
     damping: int = 0
     unseen: tuple[str, ...] = ()
     unseen_from: Mapping[str, float] = field(default_factory=dict)
+    as_parts: Mapping[str, Mapping[str, float]] = field(default_factory=dict)
 
 
 @dataclass(frozen=True)

@@ -40,7 +40,7 @@ def page(diagnosis: Diagnosis, rig_text: str, rig_name: str = "rig.toml") -> str
         sentence=diagnosis_words.verdict(diagnosis),
         proof=diagnosis_words.proof(diagnosis),
         first=diagnosis_words.first_step(diagnosis),
-        experiments=[(do, diagnosis_words.settles(gain)) for do, gain in (following.ranked if following else ())],
+        experiments=diagnosis_words.settles(following.ranked if following else ()),
         unexplained=[diagnosis_words.unexplained(left) for left in diagnosis.unexplained],
         small=[
             (diagnosis_words.small(one), name, value, span)
@@ -69,6 +69,7 @@ def versions() -> str:
 def _finding(finding: Finding) -> dict[str, Any]:
     return {
         "title": diagnosis_words.title(finding),
+        "where": finding.where,
         "kind": diagnosis_words.KINDS[finding.kind],
         "class": finding.kind,
         "says": finding.says,

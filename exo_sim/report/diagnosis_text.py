@@ -98,7 +98,7 @@ def _located(diagnosis: Diagnosis) -> list[str]:
 def _rest(diagnosis: Diagnosis) -> list[str]:
     lines = []
     for left in diagnosis.unexplained:
-        lines += _wrapped(f"Unexplained: {diagnosis_words.unexplained(left)}", "")
+        lines += _wrapped(f"Explained by no name: {diagnosis_words.unexplained(left)}", "")
     for small in diagnosis.small:
         sizes = ", ".join(f"{name} {value}" for name, value, _ in diagnosis_words.numbers(small))
         lines += _wrapped(f"Small: {diagnosis_words.small(small)} ({sizes})", "")

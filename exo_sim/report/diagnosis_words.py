@@ -8,11 +8,11 @@ from dataclasses import replace
 
 from exo_sim.diagnosis.findings import Estimate, Finding, SignalFit, Unexplained
 from exo_sim.diagnosis.outcome.wrong_sizes import still_far
-from exo_sim.diagnosis.policy.recordings import LOUD_DRIFT, LOUD_REST
+from exo_sim.diagnosis.policy.recordings import LOUD_DRIFT
 from exo_sim.diagnosis.result import Diagnosis
 from exo_sim.diagnosis.wording import name_of
 from exo_sim.physics.declaration import declared
-from exo_sim.report import amounts
+from exo_sim.report import amounts, left_over
 
 #: What a verdict is called on a page.
 VERDICTS = {
@@ -63,13 +63,13 @@ def verdict(diagnosis: Diagnosis) -> str:
             return f"No physics is missing, but {off}: {listed}."
         parts.append(f"{off} as well")
     if diagnosis.verdict == "consistent":
-        if (rest := left_over(diagnosis)) is not None:
+        if rest := left_over.of_rig(diagnosis):
             return f"No physics is missing as far as these recordings tell, but the rig is not exact: {rest}."
         noise = "what a sensor could show" if diagnosis.computed else "the noise"
         return f"Recording and rig agree to within {noise} and what a healthy machine shows."
     if diagnosis.verdict == "undetermined" and not parts:
         return "These recordings cannot tell whether the rig leaves anything out."
-    if not unknown and (rest := _loud_rest(diagnosis, LOUD_DRIFT)):
+    if not unknown and (rest := left_over.of_balances(diagnosis, LOUD_DRIFT)):
         parts.append(f"{rest}, and have no name")
     sentence = "; ".join(parts) or "something is missing"
     if diagnosis.verdict == "undetermined":
@@ -77,38 +77,12 @@ def verdict(diagnosis: Diagnosis) -> str:
     return sentence[0].upper() + sentence[1:] + "."
 
 
-def left_over(diagnosis: Diagnosis) -> str | None:
-    """Return what is left far above the noise, in words: of the fitted balances, and of the run that nothing corrects; None if nothing is.
-
-    A free run drifts on its own, so that more is asked of it before it is reported.
-    """
-    parts = [rest] if (rest := _loud_rest(diagnosis, LOUD_REST)) else []
-    drifts = {key: fit for key, fit in diagnosis.free_run.items() if fit.noise > 0.0 and fit.after > LOUD_DRIFT * fit.noise}
-    if drifts:
-        key, fit = max(drifts.items(), key=lambda pair: pair[1].after / pair[1].noise)
-        parts.append(
-            f"run free, {key} is {amounts.amount(fit.after, fit.unit)} off, {amounts.digits(fit.after / fit.noise, 2)} times "
-            f"{'what a sensor shows of noise' if key in diagnosis.computed else 'the noise'}"
-        )
-    return "; ".join(parts) or None
-
-
-def _loud_rest(diagnosis: Diagnosis, times: float) -> str:
-    """Return what the fitted balances miss by more than so many times the noise, at the worst, as a clause; "" where nothing does."""
-    loud = [one for one in diagnosis.unexplained if one.error > times * one.noise > 0.0]
-    if not loud:
-        return ""
-    worst = max(loud, key=lambda one: one.error / one.noise)
-    part, _, balance = worst.where.partition("/")
-    often = amounts.digits(worst.error / worst.noise, 2)
-    return f"{amounts.amount(worst.error, worst.unit)} are left in the {balance} of {part}, {often} times the noise"
-
-
 def unexplained(left: Unexplained) -> str:
-    """Return what remains without explanation as a phrase."""
+    """Return what no name explains as a phrase."""
     size = f": {amounts.amount(left.error, left.unit)}" if left.error > 0.0 else ""
     size += f", {amounts.digits(left.error / left.noise, 2)} times the noise" if size and left.noise > 0.0 else ""
     follows = f", follows {joined(left.depends_on)}" if left.depends_on else ""
+    follows += f", of whose variance a curve predicts {amounts.share(left.by_curve)}" if left.by_curve > 0.0 else ""
     return f"{amounts.share(left.share)} of the error, in {left.where}{size}{follows}"
 
 
@@ -144,6 +118,8 @@ def first_step(diagnosis: Diagnosis) -> str:
         if not diagnosis.improves:
             return "Keep the rig as it is: with the corrected numbers it predicts held-out time no better."
         return "Simulate with improved.toml: it holds the corrected numbers."
+    if diagnosis.verdict == "consistent" and (further := left_over.of_refit(diagnosis)):
+        return f"Keep the rig as it is: {further}."
     if diagnosis.verdict == "undetermined" and diagnosis.next_experiment is not None:
         return f"Record once more: {diagnosis.next_experiment.do}."
     return ""
@@ -151,7 +127,7 @@ def first_step(diagnosis: Diagnosis) -> str:
 
 def _hardly_better(diagnosis: Diagnosis) -> str:
     """Return how far the improved rig still is, run free, as a sentence; "" where it is better."""
-    far = still_far(diagnosis.free_run)
+    far = still_far({key: fit for key, fit in diagnosis.free_run.items() if key not in diagnosis.by_chance})
     if far is None:
         return ""
     key, fit = far
@@ -221,7 +197,8 @@ def evidence(finding: Finding) -> str:
     if finding.log10_odds:
         words.append(f"{likelihood(finding.confidence)}{' that it or what looks like it acts' if finding.ambiguous_with else ''}")
     if finding.held_out_error_drop > 0.0:
-        words.append(f"held-out error {amounts.share(finding.held_out_error_drop)} lower with it")
+        put_in = "its curve" if finding.kind == "unknown" else "it"
+        words.append(f"held-out error {amounts.share(finding.held_out_error_drop)} lower with {put_in}")
     return "; ".join(words)
 
 
@@ -255,10 +232,18 @@ def likelihood(probability: float) -> str:
     return f"{words} (probability {100.0 * probability:.0f} %)"
 
 
-def settles(log10_odds: float) -> str:
-    """Return how surely an experiment is expected to tell two explanations apart."""
-    ways = ((2.0, "surely"), (1.0, "most likely"), (0.5, "perhaps"))
-    return next((words for least, words in ways if log10_odds >= least), "hardly")
+def settles(ranked: Sequence[tuple[str, float]]) -> list[tuple[str, str]]:
+    """Return experiments with how surely each is expected to tell two explanations apart, and with how much of the best one's evidence.
+
+    Args:
+        ranked: Experiments with the log10 of the odds that each is expected to give, the best first.
+    """
+    ways = ((2.0, "surely"), (1.0, "most likely"), (0.5, "perhaps"), (-math.inf, "hardly"))
+    found = []
+    for place, (do, gain) in enumerate(ranked):
+        beside = f", with {amounts.share(gain / ranked[0][1])} of that evidence" if place else ""
+        found.append((do, next(words for least, words in ways if gain >= least) + beside))
+    return found
 
 
 def numbers(finding: Finding) -> list[tuple[str, str, str]]:

@@ -8,7 +8,7 @@ import pytest
 
 from exo_sim.errors import ModelError
 from exo_sim.physics.declaration import Parameter, check_others, declared, identification_of
-from exo_sim.physics.identification import Identification
+from exo_sim.physics.identification import Identification, Twins
 
 
 def test_every_file_of_the_folder_is_an_effect_under_its_own_name() -> None:
@@ -37,6 +37,12 @@ def test_another_effect_that_there_is_not_is_refused_with_the_nearest(change: di
     wrong = replace(declared()["coulomb_friction"], **change)  # type: ignore[arg-type]
     with pytest.raises(ModelError, match='did you mean "viscous_friction"'):
         check_others(wrong, declared())
+
+
+def test_a_number_that_an_effect_in_parts_has_not_is_refused_with_the_nearest() -> None:
+    parts = Identification(twins=Twins(as_parts={"valve_edges": {"overlap_suply_1": 1.0}}))
+    with pytest.raises(ModelError, match=r'no parameter .*did you mean "overlap_supply_1"'):
+        check_others(replace(declared()["valve_offset"], identification=parts), declared())
 
 
 def test_units_turn_with_the_joint() -> None:

@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 from report import made_up_diagnoses as made_up
 
-from exo_sim.diagnosis.findings import Estimate, Finding, Kind, Rejected, SignalFit, Unexplained
+from exo_sim.diagnosis.findings import Estimate, Finding, Kind, NextExperiment, Rejected, SignalFit, Unexplained
 from exo_sim.diagnosis.result import Diagnosis, Verdict
 from exo_sim.physics.declaration import declared
 from exo_sim.report import diagnosis_picture, diagnosis_text, diagnosis_words
@@ -190,7 +190,7 @@ def test_a_rest_far_above_the_noise_is_never_silent() -> None:
     assert "agree to within the noise" in diagnosis_words.verdict(replace(agree, unexplained=(quiet,)))
     assert "60 times the noise" in diagnosis_words.verdict(replace(agree, unexplained=(loud,)))
     drifts = replace(agree, free_run={"slide.position": SignalFit("m", 1e-3, 8.6e-4, 2e-5)})
-    assert "43 times the noise" in diagnosis_words.verdict(drifts)
+    assert "50 times the noise (860 µm with improved.toml)" in diagnosis_words.verdict(drifts)
     named = Finding("coulomb_friction", "piston", Kind.MISSING_PHYSICS, "Dry friction.", {}, 60.0, 0.9)
     found = Diagnosis(Verdict.MISMATCH, ("monday",), "bench", effects=(named,), unexplained=(loud,))
     assert "Coulomb friction" in diagnosis_words.verdict(found) and "60 times the noise" in diagnosis_words.verdict(found)
@@ -288,4 +288,29 @@ def test_sizes_that_must_be_checked_come_first_with_what_the_improved_rig_still_
     said = diagnosis_words.first_step(wrong)
     assert said.startswith("Check bore in cylinders.piston of j.toml. Run free, improved.toml is still 100 mm off")
     assert "(110 before, noise 0.020)" in said
-    assert diagnosis_words.first_step(replace(wrong, free_run={})) == "Check bore in cylinders.piston of j.toml."
+    for nothing_said in (replace(wrong, free_run={}), replace(wrong, by_chance=("slide.position",))):
+        assert diagnosis_words.first_step(nothing_said) == "Check bore in cylinders.piston of j.toml."
+
+
+def test_the_curve_of_what_has_no_name_is_said_to_be_in_the_rig_only_where_it_is():
+    words, _ = read(page(made_up.whole(), made_up.RIG))
+    assert "The fitted curve, with twice" in words
+    held, _ = read(page(made_up.whole(improved="[effects.unknown.piston]"), made_up.RIG))
+    assert "The fitted curve that stands for it in improved.toml, with twice" in held
+
+
+def test_what_a_curve_predicts_of_what_no_name_explains_is_said():
+    left = Unexplained("piston/force balance", ("slide.position",), 0.999, 9.3, 0.55, "N", by_curve=0.865)
+    assert diagnosis_words.unexplained(left).endswith("follows slide.position, of whose variance a curve predicts 86 %")
+    assert "held-out error 60 % lower with its curve" in diagnosis_words.evidence(made_up.NAMELESS)
+
+
+def test_how_much_better_one_experiment_is_than_another_is_said():
+    ranked = (("slowly", 2057.0), ("quickly", 90.0), ("blocked", 1.2))
+    assert diagnosis_words.settles(ranked) == [
+        ("slowly", "surely"), ("quickly", "surely, with 4 % of that evidence"), ("blocked", "most likely, with under 1 % of that evidence"),
+    ]  # fmt: skip
+    assert diagnosis_words.settles(()) == []
+    following = NextExperiment("both explain it", "slowly", ("piston_leakage", "external_leakage"), ranked)
+    found = made_up.whole(next_experiment=following)
+    assert [one["expected_log10_odds"] for one in found.as_dict()["next_experiment"]["ranked"]] == [2060.0, 90.0, 1.2]

@@ -19,6 +19,8 @@ class Discrepancy:
         curves: Against each variable, the one that predicts most first; variables of the simulator and others (command, time).
         size: Root mean square of what is missing.
         bursts: Whether it comes in bursts too fast for the rows of the fit.
+        otherwise: Largest share of its variance that the first curve's variable predicts of it as a friction where it acts as a force, and
+            as a force where it acts as a friction; None where only one of the two was asked.
     """
 
     acts: str
@@ -27,6 +29,7 @@ class Discrepancy:
     curves: tuple[Curve, ...]
     size: float
     bursts: bool = False
+    otherwise: float | None = None
 
     @property
     def best(self) -> Curve | None:

@@ -3,14 +3,14 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 
 import numpy as np
 from numpy.typing import NDArray
 
 from exo_sim.diagnosis.estimation.candidate import drop_orphans
 from exo_sim.diagnosis.estimation.parameters import FreeParameter, PlantParameters
-from exo_sim.diagnosis.policy.budgets import RANKED
+from exo_sim.diagnosis.policy.budgets import AS_TELLING, RANKED
 from exo_sim.diagnosis.selection.fitted_model import FittedModel
 from exo_sim.diagnosis.selection.subsystem_result import SubsystemResult
 from exo_sim.diagnosis.subsystem_model import SubsystemModel
@@ -33,12 +33,27 @@ def ranked_experiments(result: SubsystemResult[SubsystemModel], effect: str, riv
     if chosen is None or instead is None:
         return ()
     final = result.final
-    other = result.fits.fit(drop_orphans([*final.without(chosen), instead]), final)
+    other = result.fits.fit(drop_orphans([*final.without(chosen), instead]), final, again=True)
     errors = result.fits.standard_errors(final)
     moved = [(q, error) for q, error in errors.items() if math.isfinite(error) and error > 0.0]
     plants = [result.plant_of(final), result.plant_of(other), *(shifted(result, final, q, error) for q, error in moved)]
-    gains = {do: expected_gain(predicted) for do, predicted in result.model.experiments(plants).items()}
-    return tuple(sorted(((do, gain) for do, gain in gains.items() if gain > 0.0), key=lambda pair: -pair[1])[:RANKED])
+    return ranked({do: expected_gain(predicted) for do, predicted in result.model.experiments(plants).items()})
+
+
+def ranked(gains: Mapping[str, float]) -> tuple[tuple[str, float], ...]:
+    """Return the experiments that tell most, the best first; of several that tell as much, the first.
+
+    Args:
+        gains: By experiment, the easiest first, the log10 of the odds that it is expected to give.
+    """
+    found: list[tuple[str, float]] = []
+    left = {do: gain for do, gain in gains.items() if gain > 0.0}
+    while left and len(found) < RANKED:
+        most = max(left.values())
+        alike = [do for do, gain in left.items() if gain >= (1.0 - AS_TELLING) * most]
+        found.append((alike[0], left[alike[0]]))
+        left = {do: gain for do, gain in left.items() if do not in alike}
+    return tuple(found)
 
 
 def shifted(result: SubsystemResult[SubsystemModel], final: FittedModel, parameter: FreeParameter, error: float) -> PlantParameters:

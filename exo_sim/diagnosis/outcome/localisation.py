@@ -48,6 +48,7 @@ def unexplained(
         beside = (one.named or one.has_unknown) and left.share > recordings.LISTED_REST
         if beside or left.times_noise > recordings.LOUD_REST:
             effect = effect_of(unknown, one)
-            follows = effect.finding.depends_on if effect else ()
-            found.append(Unexplained(f"{one.where}/{one.model.balance}", follows, left.share, left.error, left.noise, left.unit))
+            follows, curve = (effect.finding.depends_on, effect.discrepancy.best) if effect else ((), None)
+            place, by_curve = f"{one.where}/{one.model.balance}", curve.explains if curve else 0.0
+            found.append(Unexplained(place, follows, left.share, left.error, left.noise, left.unit, by_curve))
     return tuple(found)

@@ -7,7 +7,7 @@ to the piston's area. And a rig that was improved in many ways, each certain by 
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping, Sequence
+from collections.abc import Collection, Mapping, Sequence
 
 from exo_sim.diagnosis.findings import Finding, Kind, SignalFit
 from exo_sim.diagnosis.nominal_numbers import DEAD_VOLUME, FLOW_CAPACITY, PAYLOAD_MASS
@@ -46,7 +46,9 @@ def still_far(free_run: Mapping[str, SignalFit]) -> tuple[str, SignalFit] | None
     return max(far.items(), key=lambda pair: pair[1].after / pair[1].noise, default=None)
 
 
-def advice(findings: Sequence[Finding], free_run: Mapping[str, SignalFit], bores: Mapping[str, float], rig: Rig) -> str:
+def advice(
+    findings: Sequence[Finding], free_run: Mapping[str, SignalFit], bores: Mapping[str, float], rig: Rig, levers: Collection[str] = ()
+) -> str:
     """Return what sizes to check and why, as a clause of an advice; "" where nothing speaks for that.
 
     Args:
@@ -54,6 +56,7 @@ def advice(findings: Sequence[Finding], free_run: Mapping[str, SignalFit], bores
         free_run: Errors of the rig as handed in and of the improved one.
         bores: As of `suspected_bores`.
         rig: The rig as handed in.
+        levers: Cylinders that drive a joint by a lever.
     """
     if bores and findings:
         name, bore = next(iter(bores.items()))
@@ -62,7 +65,10 @@ def advice(findings: Sequence[Finding], free_run: Mapping[str, SignalFit], bores
             f"bore in {cylinder}, {1e3 * rig.cylinders[name].bore:.3g} mm: what goes with the piston's area (valve, dead volumes, mass) is "
             f"off by about one factor, as it would be with a bore of {1e3 * bore:.3g} mm"
         )
-    return f"bore, rod, stroke, moment arm and mass in {rig.path}" if findings and still_far(free_run) is not None else ""
+    if not findings or still_far(free_run) is None:
+        return ""
+    arm = ", moment arm" if levers else ""
+    return f"bore, rod, stroke{arm} and mass in {rig.path}" if rig.cylinders else f"masses and lengths in {rig.path}"
 
 
 def _factors(findings: Sequence[Finding], cylinder: str, joint: str) -> list[float]:

@@ -102,6 +102,8 @@ def _reported(stable: Examination, allowed: Budget, report: Progress, folder: Pa
     without_noise = computed_columns.computed(data.recordings, list(dict.fromkeys([*test.signals, *kept.free_run])))
     noise_said = [computed_columns.remark(without_noise)] if without_noise else []
     remarks = (*data.remarks, *said, *noise_said, *([_STOPPED] if allowed.stopped else []))
+    by_chance = tuple(kept.by_chance())
+    small = (*found.small, *small_findings(results.all, [*findings, *found.small]))
     judged = {one.model.kind for one in results.all if not one.is_empty and not one.is_unresolved}
     verdict = verdict_of(findings, judged, data)
     astray = swings_astray(data, kept.free_run) if verdict in (Verdict.CONSISTENT, Verdict.CALIBRATION) else ()
@@ -112,17 +114,18 @@ def _reported(stable: Examination, allowed: Budget, report: Progress, folder: Pa
         rig=data.rig.name,
         located=located([one for one in results.all if one.findings or one.has_unknown]),
         effects=tuple(findings),
-        rejected=_rejected(found, findings),
+        rejected=_rejected(found, [*findings, *small]),
         signals={**test.signals, **{key: fit for key, fit in kept.windows.items() if is_changed and key in test.signals}},
         free_run=kept.free_run,
         held_out=split.test,
         unexplained=unexplained(results.all, found.unknown),
-        small=(*found.small, *small_findings(results.all, [*findings, *found.small])),
+        small=small,
         next_experiment=next_experiment(findings, questions, results.all),
         open_questions=questions,
         sensor_remarks=tuple(dict.fromkeys(remarks)),
         computed=without_noise,
-        sizes=_sizes(findings, kept.free_run, data),
+        by_chance=by_chance,
+        sizes=_sizes(findings, {key: fit for key, fit in kept.free_run.items() if key not in by_chance}, data),
         checks=tuple(check.as_dict() for check in data.checks),
         series=test.series,
         improved=kept.update.text(folder or data.rig.path.parent),
@@ -135,7 +138,8 @@ def _reported(stable: Examination, allowed: Budget, report: Progress, folder: Pa
 def _sizes(findings: Sequence[Finding], free_run: Mapping[str, SignalFit], data: MachineData) -> str:
     """Return which sizes of the rig are to be checked first, and why."""
     sliding = {link.cylinder: link.joint for link in data.links if not link.turning}
-    return advice(findings, free_run, suspected_bores(findings, data.rig, sliding), data.rig)
+    levers = {link.cylinder for link in data.links if link.turning}
+    return advice(findings, free_run, suspected_bores(findings, data.rig, sliding), data.rig, levers)
 
 
 def _findings(found: Examination) -> list[Finding]:
@@ -158,8 +162,8 @@ def _findings(found: Examination) -> list[Finding]:
 
 
 def _rejected(found: Examination, findings: Sequence[Finding]) -> tuple[Rejected, ...]:
-    """Return what was refuted by validation and what was rejected before, without what stands as a finding."""
-    taken = {f.at for f in findings}
+    """Return what was refuted by validation and what was rejected before, without what is said already: a finding, small, or a rival."""
+    taken = {at for f in findings for at in (f.at, *((name, f.where) for name in f.ambiguous_with))}
     refuted = [Rejected(name, where, why) for (name, where), why in found.plan.refuted.items()]
     rejected = [*refuted, *(r for one in found.results.all for r in one.rejected)]
     return tuple(r for r in rejected if (r.name, r.where) not in taken)[:MOST_REJECTED]

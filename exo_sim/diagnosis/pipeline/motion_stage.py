@@ -117,7 +117,7 @@ def balances_left_open(found: Sequence[SubsystemResult[MotionModel]]) -> tuple[O
 def undecided(found: Sequence[SubsystemResult[MotionModel]]) -> tuple[OpenQuestion, ...]:
     """Return the question of every effect that nuisance parameters stand in for, unless it was found after all."""
     return tuple(
-        open_questions.of_undecided(wording.name_of(one.effect), one.where, declared()[one.effect].experiment)
+        open_questions.of_undecided(one.effect, wording.name_of(one.effect), one.where, declared()[one.effect].experiment)
         for result in found
         for one in result.search.undecided
         if one.effect in declared() and one.effect not in {finding.name for finding in result.findings}

@@ -125,6 +125,12 @@ MOST_IN_ONE_RUN = Count(
 )
 MOST_REJECTED = Count(20, "candidates", "that were rejected are listed at most")
 MOST_SPANS = Count(6, "spans of time", "are listed of one balance at most")
+AS_TELLING = Number(
+    0.05, "share of the expected odds (log10)",
+    "of experiments that differ by less only the first of the menu is listed, which is the easiest: a friction that no pressure changes "
+    "shows as well at any",
+    "convention, not measured: one motion at three pressures had odds that were equal to ten digits",
+)  # fmt: skip
 RANKED = Count(3, "experiments", "that would separate two explanations are listed")
 MOST_TRIALS = Count(
     12, "improved rigs",

@@ -14,10 +14,12 @@ from exo_sim.diagnosis.discrepancy.curve import Curve
 from exo_sim.diagnosis.discrepancy.signal import Discrepancy
 from exo_sim.diagnosis.estimation.uncertainty import HALF_WIDTH
 from exo_sim.diagnosis.findings import Estimate, Finding, Kind
+from exo_sim.diagnosis.policy.acceptance import LEAST_ODDS
 from exo_sim.diagnosis.policy.probability import MAY_BE_NIL
 from exo_sim.diagnosis.selection.final_residual import final_residual
 from exo_sim.diagnosis.selection.subsystem_result import SubsystemResult
 from exo_sim.diagnosis.subsystem_model import SubsystemModel
+from exo_sim.physics.effects.unknown import DEPENDS_ON
 from exo_sim.physics.effects.unknown import EFFECT as UNKNOWN
 
 
@@ -47,16 +49,17 @@ def _unknown_effect(result: SubsystemResult[SubsystemModel]) -> UnknownEffect:
     missing = model.discrepancy_over(plant, over) if unnamed else model.main_discrepancy(plant)
     best = missing.best
     variables = tuple(model.column(one.variable) for one in unnamed) or ((model.column(best.variable),) if best else ())
+    n, fit = model.size, result.final.fit
+    independent = n / max(result.fits.correlation_time(fit.residual), 1.0)
     says = f"Something without a name acts in the {missing.place} of {result.where}"
     says += f"; it follows {' and '.join(variables)}." if variables else "; it follows none of the recorded signals closely."
     if unnamed:
-        with_what = " and ".join(one.variable for one in unnamed)
-        says += f" Friction varies with {with_what} by {_percent(unnamed[0].share)} of all that acts."
+        says += " " + wording.varies(missing.acts, over, unnamed[0].share, _is_told_apart(missing, independent))
     says += " It comes in fast bursts, as a pressure that rings does." if missing.bursts else ""
     left = final_residual(result)
     says += " " + wording.rest(left.share, left.error, left.noise, left.unit)
-    n, fit = model.size, result.final.fit
-    independent = n / max(result.fits.correlation_time(fit.residual), 1.0)
+    if variables:
+        says += " " + wording.curve(variables[0], best.explains if best else None, best is not None and best.variable in DEPENDS_ON)
     size = {"size": Estimate(missing.size, missing.unit, *(missing.size * share for share in spread_of_size(independent)))}
     odds = 0.5 * independent * np.log(max(fit.sse / n, 1.0)) / np.log(10.0)
     curve = _as_dict(missing, best) if best else None
@@ -73,8 +76,17 @@ def spread_of_size(independent: float) -> tuple[float, float]:
     return max(0.0, 1.0 - apart), 1.0 + apart
 
 
-def _percent(share: float) -> str:
-    return f"{100 * share:.0f} %"
+def _is_told_apart(missing: Discrepancy, independent: float) -> bool:
+    """Return whether the recordings tell a force from a friction: one follows its signal more closely than the other, by decisive odds.
+
+    Args:
+        missing: What is missing, as the one that does so more closely.
+        independent: Number of independent rows.
+    """
+    if missing.otherwise is None:
+        return False
+    left, left_otherwise = (max(1.0 - share, 1e-12) for share in (missing.pattern, missing.otherwise))
+    return 0.5 * independent * math.log10(left_otherwise / left) > LEAST_ODDS
 
 
 def _as_dict(missing: Discrepancy, curve: Curve) -> dict[str, Any]:

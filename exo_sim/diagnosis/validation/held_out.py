@@ -221,9 +221,18 @@ def _left_out(one: SubsystemResult[SubsystemModel]) -> list[tuple[str, FittedMod
 def _drop_with_unknown(
     model: SubsystemModel, one: SubsystemResult[SubsystemModel], error: float, signals: Mapping[str, SignalFit]
 ) -> float:
-    """Return the share by which the error falls with an unknown effect; from the signal where no plant can hold its curve."""
+    """Return the share by which the error falls with the curve of an unknown effect, beside all else that was found.
+
+    Where no plant can hold the curve, it is that of the signal.
+
+    Args:
+        model: On the time that is judged.
+        one: The result that it belongs to.
+        error: With the curve [units of the noise].
+        signals: With the curve.
+    """
     if model.plant_holds_curves:
         plain = rms(model.residual_of(one.final_plant))
         return finite(1.0 - error / plain) if plain > 0.0 else 0.0
-    first = next(iter(signals.values()))
-    return finite(1.0 - first.after / first.before) if first.before > 0.0 else 0.0
+    without = next(iter(_signals(model.compared(one.model.nominal, one.final_plant)).values())).after
+    return finite(1.0 - next(iter(signals.values())).after / without) if without > 0.0 else 0.0

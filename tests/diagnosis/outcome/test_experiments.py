@@ -11,7 +11,7 @@ from diagnosis.cylinder_runs import run_of
 
 from exo_sim.diagnosis.data.split import Split
 from exo_sim.diagnosis.estimation.parameters import PlantParameters
-from exo_sim.diagnosis.outcome.experiments import expected_gain
+from exo_sim.diagnosis.outcome.experiments import expected_gain, ranked
 from exo_sim.diagnosis.subsystems.gas.model import GasModel
 from exo_sim.diagnosis.subsystems.motion.experiments import resisted
 from exo_sim.rig import assembly
@@ -43,6 +43,11 @@ def test_what_a_number_could_adapt_to_is_no_gain() -> None:
     loose = expected_gain(np.stack([np.zeros(8), second, 1e3 * second]))
     assert free > held > 100.0 * loose > 0.0
     assert expected_gain(np.stack([np.zeros(8), np.full(8, math.nan)])) == 0.0
+
+
+def test_of_experiments_that_tell_as_much_the_easiest_is_listed() -> None:
+    found = ranked({"in the room": 2057.0, "at pressure": 2060.0, "slowly": 500.0, "not at all": 0.0, "quickly": 90.0, "in the end": 3.0})
+    assert found == (("in the room", 2057.0), ("slowly", 500.0), ("quickly", 90.0))
 
 
 def test_a_leak_past_the_piston_shows_where_the_chambers_differ(plant: PlantParameters) -> None:

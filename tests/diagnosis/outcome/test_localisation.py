@@ -40,3 +40,6 @@ def test_what_is_unknown_stays_with_the_variable_it_depends_on() -> None:
     one = result("hip", waves.Waves(1.5, slow=6.0, quick=6.0), waves.candidate("nothing", "level"))
     (rest,) = unexplained([one], unknown_effects([one]))
     assert (rest.where, rest.depends_on) == ("hip/sum of waves", ("slide.position",)) and rest.share > 0.9
+    assert rest.by_curve == rest.as_dict()["by_curve"] == 0.9
+    (plain,) = unexplained([one], ())
+    assert plain.by_curve == 0.0 and "by_curve" not in plain.as_dict()

@@ -45,7 +45,10 @@ def test_two_numbers_are_too_few() -> None:
 
 def test_a_rig_that_no_finding_betters_has_its_sizes_checked() -> None:
     assert still_far({"slide.position": FAR, "piston.pressure_1": SignalFit("Pa", 8e4, 300.0, 250.0)}) == ("slide.position", FAR)
-    assert "moment arm" in advice(numbers(1.1, 1.1, 1.1), {"slide.position": FAR}, {}, RIG)
+    assert advice(numbers(1.1, 1.1, 1.1), {"slide.position": FAR}, {}, RIG) == "bore, rod, stroke and mass in j.toml"
+    assert "moment arm" in advice(numbers(1.1, 1.1, 1.1), {"hinge.position": FAR}, {}, RIG, {"piston"})
+    swing = cast(Rig, SimpleNamespace(path=Path("j.toml"), cylinders={}))
+    assert advice(numbers(1.1, 1.1, 1.1), {"hinge.position": FAR}, {}, swing) == "masses and lengths in j.toml"
     assert advice([], {"slide.position": FAR}, {}, RIG) == ""
     better, near = SignalFit("m", 0.114, 0.05, 2e-5), SignalFit("m", 1e-3, 1e-3, 2e-5)
     assert still_far({"a": better, "b": near}) is None and advice(numbers(1.1, 1.1, 1.1), {"a": better}, {}, RIG) == ""

@@ -4,13 +4,16 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from pathlib import Path
+from types import SimpleNamespace
+from typing import cast
 
 import benches
 import numpy as np
 import pytest
 
-from exo_sim.diagnosis.findings import Kind
-from exo_sim.diagnosis.pipeline.diagnose import diagnose
+from exo_sim.diagnosis.findings import Finding, Kind, Rejected
+from exo_sim.diagnosis.pipeline.diagnose import _rejected, diagnose
+from exo_sim.diagnosis.pipeline.plan import Examination
 from exo_sim.diagnosis.result import Diagnosis, Verdict
 from exo_sim.diagnosis.selection.subsystem_result import SubsystemResult
 from exo_sim.diagnosis.subsystem_model import SubsystemModel
@@ -27,6 +30,15 @@ def noisy(table: Recording) -> Recording:
 
 def diagnosed(folder: Path, table: Recording) -> Diagnosis:
     return diagnose([Reading(table, ())], folder / "rig.toml", jobs=1)
+
+
+def test_what_is_said_already_is_not_listed_as_put_aside() -> None:
+    offset = Finding("valve_offset", "piston", Kind.MISSING_PHYSICS, "", {}, 9.0, 0.9, ("valve_edges",))
+    little = Finding("wall_heat_transfer", "piston", Kind.MISSING_PHYSICS, "", {}, 0.0, 0.0)
+    names = ("valve_edges", "wall_heat_transfer", "valve_offset", "valve_lag")
+    searched = SimpleNamespace(rejected=tuple(Rejected(name, "piston", "it fits far worse") for name in names))
+    found = SimpleNamespace(plan=SimpleNamespace(refuted={}), results=SimpleNamespace(all=(searched,)))
+    assert [one.name for one in _rejected(cast(Examination, found), [offset, little])] == ["valve_lag"]
 
 
 @pytest.mark.slow

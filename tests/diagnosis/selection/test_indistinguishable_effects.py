@@ -56,3 +56,32 @@ def test_what_gives_as_a_strap_does_is_no_contact() -> None:
         return len(indistinguishable_effects(fits.model, FittedModel((mount,), fit), (play,)))
 
     assert (twins(2e4), twins(6e5)) == (0, 1)
+
+
+@pytest.mark.parametrize("alike", [True, False], ids=["the same to the data", "seen to differ"])
+def test_what_a_finding_is_in_parts_is_as_good_a_name_where_the_data_do_not_tell(alike: bool) -> None:
+    names = ("overlap_supply_1", "overlap_exhaust_1", "overlap_supply_2", "overlap_exhaust_2")
+    slow = waves.SHAPES["slow"]
+    by_name = {"shift": slow, **dict(zip(names, (-slow, 0.0 * slow, 0.0 * slow, 0.0 * slow), strict=True))}
+    if not alike:
+        by_name["overlap_exhaust_1"] = waves.SHAPES["quick"]
+
+    def number(effect: str, name: str, prior: tuple[float, float] | None = None) -> FreeParameter:
+        return FreeParameter(effect, "piston", name, "1", Target.SENSOR, 1.0, -10.0, 10.0, prior)
+
+    shift = number("valve_offset", "shift")
+    offset = Candidate("valve_offset", "piston", "shift", (shift,), ((1.0,),))
+    edges = Candidate("valve_edges", "piston", "laps", tuple(number("valve_edges", name) for name in names), ((0.0,) * 4,))
+    healthy = number("valve_edges", names[1], (0.0, 0.002))
+    fits = ModelFits(waves.Waves(shapes=by_name, shift=3.0), (healthy,), cheap=True)
+    final = fits.refined(fits.fit((offset,)))
+    found = indistinguishable_effects(fits.model, final, (edges,))
+    if not alike:
+        assert found == {}
+        return
+    ((twin, lost),) = found[offset.key]
+    size = final.fit.values[shift]
+    assert twin.at == edges.at and lost < AS_GOOD
+    assert twin.starts[0] == pytest.approx((-size, size, size, -size), abs=0.02)
+    on_top = replace(edges, prerequisite="valve_deadband")
+    assert indistinguishable_effects(fits.model, final, (on_top,)) == {}

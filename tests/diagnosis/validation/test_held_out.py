@@ -130,6 +130,17 @@ def test_an_unknown_effect_that_no_curve_describes_lowers_nothing() -> None:
     assert errors.balances[Subsystem.GAS, "piston"].log10_odds > 3.0
 
 
+def test_nor_does_one_that_no_plant_can_hold_take_the_credit_of_numbers_that_were_refitted() -> None:
+    class Forces(waves.Waves):
+        plant_holds_curves = False
+
+    one = result(Forces(slow=9.0), waves.BASE)
+    stands = replace(one, has_unknown=True)
+    errors = held_out_errors([stands], unknown_effects([stands]), SPLIT)
+    signal = errors.signals["piston.pressure_1"]
+    assert signal.after < 0.2 * signal.before and errors.drops["piston"] == 0.0
+
+
 def test_a_curve_for_what_has_no_name_is_not_to_a_name_s_credit() -> None:
     """It fits held-out time as well as nothing does; the name is worth what it is worth without it."""
 

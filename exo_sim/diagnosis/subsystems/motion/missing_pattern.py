@@ -43,6 +43,18 @@ def force_or_friction(
     return Discrepancy("force", unit, balance, along, size), Discrepancy("friction", unit, balance, against, size)
 
 
+def closer_over(both: Sequence[Discrepancy], variables: Sequence[str]) -> Discrepancy:
+    """Return what a balance lacks as what follows variables more closely, a force or a friction, its curves over these first.
+
+    Args:
+        both: It as a force, and as a friction.
+        variables: What it is known to depend on.
+    """
+    asked = [replace(one, curves=tuple(sorted(one.curves, key=lambda c: (c.variable not in variables, -c.explains)))) for one in both]
+    other, closer = sorted(asked, key=lambda one: one.pattern)
+    return replace(closer, otherwise=other.pattern)
+
+
 def signals_of(run: MotionRun) -> dict[str, Array]:
     """Return what a missing force may depend on, shape (n,) each."""
     found = {"position": run.kinematics.position, "velocity": run.kinematics.velocity, "time": run.time - run.time[0]}

@@ -5,7 +5,6 @@ from __future__ import annotations
 import math
 from collections.abc import Mapping, Sequence
 from copy import copy
-from dataclasses import replace
 from functools import cached_property
 
 import numpy as np
@@ -34,7 +33,7 @@ from exo_sim.diagnosis.subsystems.motion.indistinguishable import (
     sensor_error_of,
 )
 from exo_sim.diagnosis.subsystems.motion.missing_force import MissingForce
-from exo_sim.diagnosis.subsystems.motion.missing_pattern import force_or_friction, signals_of
+from exo_sim.diagnosis.subsystems.motion.missing_pattern import closer_over, force_or_friction, signals_of
 from exo_sim.diagnosis.subsystems.motion.onsets import Onsets, Starting, onsets_of
 from exo_sim.diagnosis.subsystems.motion.regimes import regimes
 from exo_sim.diagnosis.subsystems.motion.row_set import RowSet
@@ -266,8 +265,7 @@ class MotionModel(SubsystemModel):
         return (max(self._patterns(plant), key=lambda one: one.pattern),)
 
     def discrepancy_over(self, plant: PlantParameters, variables: Sequence[str]) -> Discrepancy:
-        friction = self._patterns(plant)[1]
-        return replace(friction, curves=tuple(sorted(friction.curves, key=lambda one: (one.variable not in variables, -one.explains))))
+        return closer_over(self._patterns(plant), variables)
 
     def _patterns(self, plant: PlantParameters) -> tuple[Discrepancy, Discrepancy]:
         missing = [self.missing(plant, index) for index in range(len(self.runs))]

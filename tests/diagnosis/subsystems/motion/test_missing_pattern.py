@@ -7,7 +7,7 @@ import pytest
 from diagnosis import motion_runs
 from diagnosis.motion_runs import POSITION, TIME, VELOCITY
 
-from exo_sim.diagnosis.subsystems.motion.missing_pattern import force_or_friction, signals_of
+from exo_sim.diagnosis.subsystems.motion.missing_pattern import closer_over, force_or_friction, signals_of
 from exo_sim.diagnosis.subsystems.motion.rows import rows_of
 
 RUN = motion_runs.balance(np.zeros(TIME.size), 0.1)
@@ -26,6 +26,16 @@ def test_the_curve_that_follows_it_is_found(missing: np.ndarray, index: int, var
     best = both[index].best
     assert best is not None and best.variable == variable
     assert both[0].size == pytest.approx(float(np.sqrt(np.mean(ROWS.means(missing) ** 2))))
+
+
+@pytest.mark.parametrize(
+    ("missing", "acts"), [(400.0 * POSITION, "force"), (-np.sign(VELOCITY) * 400.0 * POSITION, "friction")], ids=["force", "friction"]
+)
+def test_what_follows_a_place_is_a_force_or_a_friction_as_it_turns_with_the_motion(missing: np.ndarray, acts: str) -> None:
+    both = force_or_friction([RUN], [ROWS], [missing], ROWS.block, "N", "force balance")
+    found = closer_over(both, ["position"])
+    assert found.acts == acts and found.curves[0].variable == "position"
+    assert found.otherwise is not None and found.otherwise < found.pattern
 
 
 def test_pressures_count_where_a_cylinder_drives() -> None:

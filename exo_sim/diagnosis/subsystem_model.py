@@ -140,7 +140,7 @@ class SubsystemModel(ABC):
         """Return whether the data hold a nuisance parameter, rather than whatever else is unknown at its place."""
         return True
 
-    def error_of_form(self, parameter: FreeParameter, values: Values) -> float:
+    def error_of_form(self, parameter: FreeParameter, values: Values, fixed: Sequence[tuple[FreeParameter, float]] = ()) -> float:
         """Return the standard error that the form of the equations leaves of a fitted parameter, however good the data, in its unit."""
         return 0.0
 

@@ -45,8 +45,8 @@ _HEADER = (
 
 #: ... and where they were fitted once more.
 _TOGETHER = (
-    "# All numbers were then fitted once more together, each within its 95 %, to the whole machine, motion and gas. The report gives them\n"
-    "# as its balances do.\n"
+    "# Numbers of the machine were then fitted once more together, each within the 95 % of its balance, to motion and gas at once.\n"
+    "# The report gives them as the balances do.\n"
 )
 
 Result = SubsystemResult[SubsystemModel]
@@ -128,6 +128,11 @@ class RigUpdate:
             for source, ranks in gone.items()
             for rank in ranks
         )
+
+    def with_parts_of(self, other: RigUpdate) -> RigUpdate:
+        """Return the update with no more parts than another has that was made of the same."""
+        kept = {(part.source, part.rank) for part in other.parts}
+        return replace(self, parts=tuple(part for part in self.parts if (part.source, part.rank) in kept))
 
     def found_alone(self) -> tuple[RigUpdate, ...]:
         """Return the updates with nothing but what was found: by all sources, and by each where there are several; those that hold less."""

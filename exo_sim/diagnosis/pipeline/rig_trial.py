@@ -47,7 +47,8 @@ class Trial:
         uncertain: Standard error of the mean logarithm of the latter.
         starts: As `free_run`, of runs begun at measured states of held-out time, one for each, until the next one's.
         is_refused: Whether the rig cannot be read, or cannot be a machine.
-        is_first: Whether it holds all that was found: of what is tried after it some rig is better by chance sooner than any one.
+        is_first: Whether it holds all that was found, with numbers as fitted by the balances, or together: of what is tried after these
+            two some rig is better by chance sooner than any one.
     """
 
     update: RigUpdate
@@ -100,7 +101,7 @@ class Trial:
     @property
     def _doubt(self) -> float:
         """Probability with which it may be called surely better where it is equally good."""
-        return 0.5 * BETTER_BY_CHANCE / (1 if self.is_first else MOST_TRIALS - 1)
+        return 0.5 * BETTER_BY_CHANCE / (2 if self.is_first else MOST_TRIALS - 1)
 
     @property
     def hurts(self) -> bool:

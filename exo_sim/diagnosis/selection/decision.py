@@ -80,7 +80,6 @@ class _Decision(Generic[Model]):
         final = without_unneeded(self.fits, sure, self.model.structural_error) if spare else sure
         reported = tuple(c for c in named if _is_reported(c, final, errors))
         laws = {q for c in named if c not in reported for q in c.parameters}
-        errors = {q: math.hypot(error, self.model.error_of_form(q, final.fit.values)) for q, error in errors.items()}
         findings = self._findings(reported, final, errors, strict)
         observed = {parameter: error for parameter, error in errors.items() if self.model.is_observed(parameter)}
         off = () if strict else self._deviations(final, observed)  # what has no name biases them
@@ -120,9 +119,10 @@ class _Decision(Generic[Model]):
         )  # fmt: skip
 
     def _errors(self, final: FittedModel) -> dict[FreeParameter, float]:
-        """Return the standard errors of a model's parameters: those of its fit, or where they are larger those of the search."""
-        searched = self.search.errors
-        return {q: max(error, searched.get(q, 0.0)) for q, error in self.fits.standard_errors(final).items()}
+        """Return the standard errors of a model's parameters: of its fit, or where it is larger of the search, and of the model's form."""
+        searched, values, fixed = self.search.errors, final.fit.values, final.fixed
+        plain = {q: max(error, searched.get(q, 0.0)) for q, error in self.fits.standard_errors(final).items()}
+        return {q: math.hypot(error, self.model.error_of_form(q, values, fixed)) for q, error in plain.items()}
 
     def _standing(self, accepted: tuple[Candidate, ...]) -> tuple[FittedModel, tuple[Candidate, ...], bool]:
         """Return the model and the findings that stand in it, and whether something is unknown beside them."""

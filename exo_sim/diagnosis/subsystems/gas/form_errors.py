@@ -32,5 +32,7 @@ def error_of_form(parameter: FreeParameter, fitted: PlantParameters, nominal: Pl
         return 0.0
     owner = nominal.cylinder[0]
     dead = float(owner[parameter.parameter])
+    if dead <= 0.0:
+        return 0.0
     middle = dead + 0.5 * float(owner[f"area_{parameter.parameter[-1]}"]) * float(owner["stroke"])
     return math.hypot(VOLUME_FORM * middle, HOSE_FORM * volume) / dead

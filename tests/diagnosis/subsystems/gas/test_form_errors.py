@@ -54,3 +54,11 @@ def test_an_area_is_known_to_a_share_and_what_nobody_looked_at_to_what_the_data_
     assert error_of_form(factor("flow_capacity", "valve_area"), plant, plant) == AREA_FORM
     leak = FreeParameter("piston_leakage", "piston", "area", "m^2", Target.CYLINDER, 1e-8, 0.0, 1e-6)
     assert error_of_form(leak, plant, plant) == 0.0
+
+
+def test_of_a_chamber_without_dead_volume_nothing_is_left_open(plant: PlantParameters) -> None:
+    """There is nothing that a factor could stand for, as in chamber 2 of a single-acting cylinder."""
+    cylinder = plant.cylinder.copy()
+    cylinder["dead_volume_2"] = 0.0
+    bare = replace(plant, cylinder=cylinder)
+    assert error_of_form(factor("dead_volume", "dead_volume_2"), bare, bare) == 0.0

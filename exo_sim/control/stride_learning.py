@@ -3,8 +3,8 @@
 The calibration says which strap forces belong to which phase. Where a stride's forces were others, because the payload, the wearer, the
 cadence or the harness is another, the least-squares gain of `least_load` says which change of the torques' harmonics takes the loads on
 the wearer's joints back (norm-optimal iterative learning control, Amann, Owens and Rogers 1996). The mean push ahead, by which the wearer
-pulls the machine like a sledge, is known whatever the phase is: it is taken back faster, by what costs his joints least. Strides are used that
-are over, and so it is causal.
+pulls the machine like a sledge, is known whatever the phase is: it is taken back faster, by what costs his joints least. Strides are used
+that are over, and so it is causal.
 """
 
 from __future__ import annotations
@@ -23,8 +23,9 @@ from exo_sim.deciding_number import Number
 _SHARE = 0.2
 OF_PUSH = Number(
     0.4, "of the push", "what one stride takes off the mean push ahead beside that",
-    "9 rows of docs/walking.md with 0, 0.2, 0.4 and 0.6: 27, 21, 16 and 12 N where the phase is late and not corrected, 29, 18, 11 and 7 N on "
-    "straps half as stiff; metabolic power 532, 536, 541 and 544 W, and 520, 523, 525 and 526 W (backpack 556 W)",
+    "rows of docs/walking.md with 0, 0.2, 0.4 and 0.6: 27, 21, 16 and 12 N where the phase is late and not corrected, 29, 18, 11 and 7 N "
+    "on straps half as stiff, for 532, 536, 541 and 544 W, and 520, 523, 525 and 526 W (commit 48dee7f4; backpack 556 W); with the demand "
+    "of today 12, 10 and 8 N, and 1 N, with 0, 0.2 and 0.4, for no more power",
 )  # fmt: skip
 
 

@@ -49,8 +49,8 @@ FINER = Number(
 )  # fmt: skip
 STRIDES = Count(
     12, "strides", "what a disturbed walk of the choice lasts, without those that rehearsals leave out: what is learnt changed it by then",
-    "with 9 a late and an early phase that are not corrected took 0.98 and 0.98 of the backpack's work and 0.99 and 0.91 of its power, three "
-    "strides later 0.99 and 0.96, and 1.00 and 0.89: the demand was played too late for what was learnt",
+    "with 9 a late and an early phase that are not corrected took 0.98 and 0.98 of the backpack's work and 0.99 and 0.91 of its power, "
+    "three strides later 0.99 and 0.96, and 1.00 and 0.89: the demand was played too late for what was learnt",
 )  # fmt: skip
 
 
@@ -106,8 +106,8 @@ class Choice:
         for late in others:
             best = self._better(best, best.plan, late, calibration)
         middle = best.late
-        for late in (middle - FINER, middle + FINER):
-            best = self._better(best, best.plan, late, calibration)
+        for beside in (middle - FINER, middle + FINER):
+            best = self._better(best, best.plan, beside, calibration)
         return best.calibration
 
     def _better(self, best: _Played, plan: LeastLoad, late: float, calibration: Callable[[LeastLoad], Calibration]) -> _Played:

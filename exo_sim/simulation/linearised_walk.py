@@ -5,8 +5,9 @@ also tips it over, and half of what straps hold is that. So its answer follows f
 step is taken again from where it began, with each coordinate, rate and torque a little otherwise. Steps in a row, the last followed by the
 first, give what a steady change of the torques over the cycle does to a steady walk.
 
-When a foot comes down hangs on the state, and so does what it does then. A foot that bounces, or hovers and touches now and then, is another
-matter: each such touch would multiply the answer, and what is worked out along some dozens of them has nothing to do with what torques do.
+When a foot comes down hangs on the state, and so does what it does then. A foot that bounces, or hovers and touches now and then, is
+another matter: each such touch would multiply the answer, and what is worked out along some dozens of them has nothing to do with what
+torques do.
 """
 
 from __future__ import annotations
@@ -28,7 +29,7 @@ Array = NDArray[np.float64]
 #: A tip that comes down more slowly than this [m/s] meets the ground as if it came so fast.
 _SLOWEST = 0.02
 BOUNCES = Number(
-    0.03, "s", "a tip that was off the ground for no longer has bounced: contacts settle in 0.01 to 0.02 s, a step takes 0.3 s at the least",
+    0.03, "s", "a tip that was off the ground for no longer has bounced: contacts settle in 0.01 to 0.02 s, a foot swings for 0.3 s",
     "starting and stopping, 34 kg: 43 of 67 landings of a cycle were bounces; with them the answer grew by a factor of 1e9 within 0.1 s",
 )  # fmt: skip
 #: What a contact changes the state by in a step, at the least [m, rad, m/s, rad/s].
@@ -73,8 +74,8 @@ def linearised(walk: Walk, driven: list[int]) -> WalkResponse:
 def _without_touches(by_state: Array, by_torque: Array, step: float) -> None:
     """Put the step before in the place of each [s] in which the little change itself made a tip touch or leave.
 
-    No contact does more about a place in a step than to undo it: rates that answer by more than 1/step [1/s] are a force that was there with
-    the change and not without.
+    No contact does more about a place in a step than to undo it: rates that answer by more than 1/step [1/s] are a force that was there
+    with the change and not without.
     """
     for k in np.nonzero(np.linalg.norm(by_state[:, 9:, :9], axis=(1, 2)) > 1.0 / step)[0]:
         by_state[k], by_torque[k] = by_state[k - 1], by_torque[k - 1]

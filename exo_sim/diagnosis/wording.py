@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 
 from exo_sim.diagnosis.estimation.candidate import Candidate
 from exo_sim.diagnosis.nominal_numbers import DEAD_VOLUME, FLOW_CAPACITY, PAYLOAD_MASS
@@ -45,6 +45,13 @@ def beyond_data_sheet(name: str, rivals: Sequence[str]) -> str:
     """Return what a number may stand for that is further off than any data sheet allows; `rivals` are effects that explain as much."""
     explained = f"{' or '.join(map(name_of, rivals))} would explain as much" if rivals else "no effect on the list explains it as well"
     return f"No data sheet leaves so much open, and {explained}: {STANDS_FOR[name]}."
+
+
+def set_by_laws(ends: Mapping[str, Sequence[str]]) -> str:
+    """Return that ends of intervals, by parameter "lower", "upper" or both, are those of other laws."""
+    listed = " and ".join(f"the {' and the '.join(of)} end of the interval of {name_of(parameter)}" for parameter, of in ends.items())
+    verb = "is that" if sum(map(len, ends.values())) == 1 else "are those"
+    return f"{listed[0].upper()}{listed[1:]} {verb} of other laws, which explain this recording as well."
 
 
 def counted_in(effect: str) -> str:

@@ -1,16 +1,17 @@
-"""A diagnosis in the terminal: at most forty lines of plain text."""
+"""A diagnosis in the terminal: at most forty lines of plain text, more only where findings are that many."""
 
 from __future__ import annotations
 
-import textwrap
 from collections.abc import Sequence
 
 from exo_sim.diagnosis.findings import SignalFit
 from exo_sim.diagnosis.result import Diagnosis
-from exo_sim.report import amounts, diagnosis_words
+from exo_sim.report import amounts, diagnosis_words, finding_lines
+from exo_sim.report.finding_lines import wrapped
 
-WIDTH = 110
 MOST_LINES = 40
+#: Every other section keeps so many lines, the one that says how many are gone among them.
+FEWEST_LINES = 4
 
 
 def text(diagnosis: Diagnosis, written: Sequence[str] = ()) -> str:
@@ -20,50 +21,41 @@ def text(diagnosis: Diagnosis, written: Sequence[str] = ()) -> str:
         diagnosis: What was found.
         written: Lines about the files that hold the rest; they always show.
     """
-    head = _wrapped(f"{diagnosis.verdict.upper()}  {diagnosis_words.verdict(diagnosis)}", "")
+    head = wrapped(f"{diagnosis.verdict.upper()}  {diagnosis_words.verdict(diagnosis)}", "")
     if proof := diagnosis_words.proof(diagnosis):
-        head += _wrapped(proof, "")
+        head += wrapped(proof, "")
     if first := diagnosis_words.first_step(diagnosis):
-        head += _wrapped(f"First: {first}", "")
-    sections = [s for s in (_findings(diagnosis), _fit(diagnosis), _located(diagnosis), _rest(diagnosis)) if s]
+        head += wrapped(f"First: {first}", "")
+    others = [s for s in (_fit(diagnosis), _located(diagnosis), _rest(diagnosis)) if s]
     tail = ["", *written] if written else []
-    return "\n".join([*_fitting(head, sections, MOST_LINES - len(tail)), *tail])
+    room = MOST_LINES - len(head) - len(tail)
+    found = _findings(diagnosis, room - sum(min(len(section), FEWEST_LINES) + 1 for section in others))
+    sections = [found] if found else []
+    sections += _cut(others, room - sum(len(section) + 1 for section in sections))
+    return "\n".join([*head, *(line for section in sections for line in ("", *section)), *tail])
 
 
-def _fitting(head: list[str], sections: list[list[str]], room: int) -> list[str]:
+def _findings(diagnosis: Diagnosis, room: int) -> list[str]:
+    """Return every finding; the last ones each in a line of name, place and numbers where not all that is said of all has room."""
+    if not diagnosis.effects:
+        return []
+    said = [finding_lines.full(finding) for finding in diagnosis.effects]
+    for place in range(len(said) - 1, -1, -1):
+        if sum(map(len, said)) + 2 <= room:
+            break
+        said[place] = finding_lines.brief(diagnosis.effects[place])
+    return ["Found", *(line for lines in said for line in lines)]
+
+
+def _cut(sections: Sequence[list[str]], room: int) -> list[list[str]]:
     """Cut the longest sections until everything fits; a cut one says how much of it is gone, and where that stands."""
     sections, gone = [list(section) for section in sections], [0] * len(sections)
-
-    def total() -> int:
-        return len(head) + sum(len(section) + 1 for section in sections)
-
-    while total() > room and max(map(len, sections)) > 4:
+    while sections and sum(len(section) + 1 for section in sections) > room and max(map(len, sections)) > FEWEST_LINES:
         k = max(range(len(sections)), key=lambda i: len(sections[i]))
         del sections[k][-2 if gone[k] else -1]
         gone[k] += 1 if gone[k] else 2
         sections[k][-1] = f"  ({gone[k]} lines more in the report)"
-    lines = list(head)
-    for section in sections:
-        lines += ["", *section]
-    return lines[:room]
-
-
-def _findings(diagnosis: Diagnosis) -> list[str]:
-    if not diagnosis.effects:
-        return []
-    lines = ["Found"]
-    for finding in diagnosis.effects:
-        title = f"{diagnosis_words.name_of(finding.name)} at {finding.where} ({diagnosis_words.KINDS[finding.kind]})"
-        lines += _wrapped(f"{title}: {finding.says}", "  ")
-        lines += [f"    {name} = {value}  (95 %: {span})" for name, value, span in diagnosis_words.numbers(finding)]
-        if proof := diagnosis_words.evidence(finding):
-            lines += _wrapped(proof, "    ")
-        if cost := diagnosis_words.cost(finding):
-            lines += _wrapped(cost[0].lower() + cost[1:].rstrip("."), "    ")
-        if rivals := diagnosis_words.rivals(finding):
-            listed = [f"{diagnosis_words.name_of(name)}{'' if p is None else f' {amounts.share(p)}'}" for name, p in rivals]
-            lines += _wrapped(f"cannot be distinguished: {', '.join(listed)}", "    ")
-    return lines
+    return sections
 
 
 def _fit(diagnosis: Diagnosis) -> list[str]:
@@ -91,25 +83,21 @@ def _located(diagnosis: Diagnosis) -> list[str]:
     lines = ["Where the error sits"]
     for place in diagnosis.located:
         words = f"{place.where}, {place.equation}: {amounts.share(place.share)} of it; {place.regime}"
-        lines += _wrapped(words + (f"; {amounts.spans(place.when, 3)}" if place.when else ""), "  ")
+        lines += wrapped(words + (f"; {amounts.spans(place.when, 3)}" if place.when else ""), "  ")
     return lines
 
 
 def _rest(diagnosis: Diagnosis) -> list[str]:
     lines = []
     for left in diagnosis.unexplained:
-        lines += _wrapped(f"Explained by no name: {diagnosis_words.unexplained(left)}", "")
+        lines += wrapped(f"Explained by no name: {diagnosis_words.unexplained(left)}", "")
     for small in diagnosis.small:
         sizes = ", ".join(f"{name} {value}" for name, value, _ in diagnosis_words.numbers(small))
-        lines += _wrapped(f"Small: {diagnosis_words.small(small)} ({sizes})", "")
+        lines += wrapped(f"Small: {diagnosis_words.small(small)} ({sizes})", "")
     for question in diagnosis.open_questions:
-        lines += _wrapped(f"Open: {question.question.rstrip('.?')} ({question.why})", "")
+        lines += wrapped(f"Open: {question.question.rstrip('.?')} ({question.why})", "")
     for remark in diagnosis.sensor_remarks:
-        lines += _wrapped(f"Note: {remark}", "")
+        lines += wrapped(f"Note: {remark}", "")
     if diagnosis.next_experiment is not None:
-        lines += _wrapped(f"Next: {diagnosis.next_experiment.do} ({diagnosis.next_experiment.why})", "")
+        lines += wrapped(f"Next: {diagnosis.next_experiment.do} ({diagnosis.next_experiment.why})", "")
     return lines
-
-
-def _wrapped(words: str, indent: str) -> list[str]:
-    return textwrap.wrap(words, WIDTH, initial_indent=indent, subsequent_indent=indent + "  ", break_long_words=False)

@@ -10,7 +10,7 @@ from report import made_up_diagnoses as made_up
 from exo_sim.diagnosis.findings import Estimate, Finding, Kind, NextExperiment, Rejected, SignalFit, Unexplained
 from exo_sim.diagnosis.result import Diagnosis, Verdict
 from exo_sim.physics.declaration import declared
-from exo_sim.report import diagnosis_picture, diagnosis_text, diagnosis_words
+from exo_sim.report import diagnosis_picture, diagnosis_text, diagnosis_words, finding_lines
 from exo_sim.report.diagnosis_page import page
 
 
@@ -168,12 +168,22 @@ def test_the_summary_fits_on_a_screen_and_ends_with_the_files():
     for diagnosis in (made_up.whole(), many):
         lines = diagnosis_text.text(diagnosis, ["found/report.html: the page"]).splitlines()
         assert len(lines) <= diagnosis_text.MOST_LINES
-        assert max(map(len, lines)) <= diagnosis_text.WIDTH
+        assert max(map(len, lines)) <= finding_lines.WIDTH
         assert lines[-1] == "found/report.html: the page"
     text = diagnosis_text.text(made_up.whole())
     assert "area = 0.0300 mm²  (95 %: 0.0290 to 0.0310 mm²)" in text
     assert "cannot be distinguished: piston leakage 80 %, external leakage 20 %" in text
     assert re.search(r"^  \(\d+ lines more in the report\)$", diagnosis_text.text(many), re.MULTILINE)
+    assert diagnosis_text.text(many).count("0.0290 to 0.0310 mm²") == 12
+
+
+def test_every_finding_is_told_with_its_number_however_many_they_are():
+    every = tuple(replace(made_up.LEAK, where=f"cylinder_{i}", ambiguous_with=()) for i in range(50))
+    text = diagnosis_text.text(made_up.whole(effects=every))
+    assert all(f"piston leakage at cylinder_{i}: area 0.0300 mm² (95 %: 0.0290 to 0.0310 mm²)" in text for i in range(50))
+    fewer = diagnosis_text.text(made_up.whole(effects=every[:8]))
+    assert "piston leakage at cylinder_0 (missing physics): Gas leaks past the piston." in fewer  # all that is said of the first
+    assert len(fewer.splitlines()) <= diagnosis_text.MOST_LINES
 
 
 def test_the_verdict_counts_what_is_off_and_names_what_is_missing():

@@ -102,6 +102,11 @@ SHAPE_NEEDED = Number(
     "derived from the scale of Kass and Raftery (1995): very strong evidence, for contacts that creep as no law here does look like a "
     "film that thins",
 )  # fmt: skip
+SET_BY_LAWS = Number(
+    3.0, "times the half width of the interval that the fit alone has",
+    "an end of an interval that is further off is said to be that of other laws: it is no number of the law that is named",
+    "asserted; it chooses whether a sentence is said, and no finding hangs on it",
+)  # fmt: skip
 LEAST_LAW_WEIGHT = Number(
     1e-4, "probability in units of the most probable law's", "a law that is less probable does not widen an interval"
 )

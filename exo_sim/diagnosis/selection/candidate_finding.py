@@ -54,6 +54,25 @@ def finding_of(candidate: Candidate, final: FittedModel, errors: Mapping[FreePar
     )  # fmt: skip
 
 
+def with_openness_of_law(finding: Finding, candidate: Candidate, search: SearchResult, own: Mapping[FreeParameter, float]) -> Finding:
+    """Return a finding that says which ends of its intervals are those of other laws, which explain the recording about as well.
+
+    Args:
+        finding: Of a candidate.
+        candidate: The same.
+        search: Where it was found.
+        own: Standard errors that the fit alone has.
+    """
+    said = {}
+    for parameter in candidate.parameters:
+        alone = max(own.get(parameter, 0.0), MODEL_SHARE * abs(finding.parameters[_called(parameter)].value))
+        ends = zip(("lower", "upper"), search.reach.get(parameter, (0.0, 0.0)), strict=True)
+        far = [end for end, reach in ends if reach > verdicts.SET_BY_LAWS * alone > 0.0]
+        if far:
+            said[_called(parameter)] = far
+    return replace(finding, says=f"{finding.says} {wording.set_by_laws(said)}") if said else finding
+
+
 def with_all_parts(finding: Finding, candidate: Candidate, search: SearchResult, fits: ModelFits) -> Finding:
     """Return a finding whose intervals also cover its parameters in the model that has all parameters of the effect."""
     whole = search.complete.get(candidate.key)

@@ -14,7 +14,7 @@ from exo_sim.diagnosis.estimation.uncertainty import HALF_WIDTH
 from exo_sim.diagnosis.findings import Estimate, Finding, Kind
 from exo_sim.diagnosis.policy import verdicts
 from exo_sim.diagnosis.policy.off_nominal import MODEL_SHARE
-from exo_sim.diagnosis.selection.candidate_finding import finding_of, with_all_parts, with_twins
+from exo_sim.diagnosis.selection.candidate_finding import finding_of, with_all_parts, with_openness_of_law, with_twins
 from exo_sim.diagnosis.selection.fitted_model import FittedModel, SearchResult
 from exo_sim.diagnosis.selection.search import Search
 
@@ -38,6 +38,23 @@ def test_an_interval_is_never_narrower_than_what_models_are_off_by(found: Search
     wide = HALF_WIDTH * (half if half is not None else MODEL_SHARE * estimate.value)
     assert name == "slow" and estimate.value == found.final.fit.values[BASE]
     assert (estimate.low, estimate.high) == pytest.approx((estimate.value - wide, estimate.value + wide))
+
+
+@pytest.mark.parametrize(
+    ("reach", "says"),
+    [
+        ((0.5, 40.0), "The upper end of the interval of slow is that of other laws"),
+        ((30.0, 40.0), "The lower and the upper end of the interval of slow are those of other laws"),
+        ((0.5, 1.4), ""),
+    ],
+)
+def test_an_end_of_an_interval_that_other_laws_set_is_said_to_be_theirs(
+    found: SearchResult, reach: tuple[float, float], says: str
+) -> None:
+    open_ = replace(found, reach={BASE: reach})
+    plain = finding_of(waves.BASE, open_.final, {BASE: 0.5}, open_)
+    finding = with_openness_of_law(plain, waves.BASE, open_, {BASE: 0.5})
+    assert (says in finding.says) if says else finding is plain
 
 
 def test_rivals_weigh_by_what_they_explain_less(found: SearchResult) -> None:

@@ -1,0 +1,44 @@
+"""One finding in the terminal: all that is said of it, or its name, place and numbers in a line."""
+
+from __future__ import annotations
+
+import textwrap
+
+from exo_sim.diagnosis.findings import Finding
+from exo_sim.report import amounts, diagnosis_words
+
+WIDTH = 110
+#: So many numbers of a finding stand in its line; of the others it is said how many they are.
+MOST_NUMBERS = 3
+
+
+def full(finding: Finding) -> list[str]:
+    """Return all that is said of a finding."""
+    title = f"{diagnosis_words.name_of(finding.name)} at {finding.where} ({diagnosis_words.KINDS[finding.kind]})"
+    lines = wrapped(f"{title}: {finding.says}", "  ")
+    lines += [f"    {name} = {value}  (95 %: {span})" for name, value, span in diagnosis_words.numbers(finding)]
+    if proof := diagnosis_words.evidence(finding):
+        lines += wrapped(proof, "    ")
+    if cost := diagnosis_words.cost(finding):
+        lines += wrapped(cost[0].lower() + cost[1:].rstrip("."), "    ")
+    if rivals := diagnosis_words.rivals(finding):
+        listed = [f"{diagnosis_words.name_of(name)}{'' if p is None else f' {amounts.share(p)}'}" for name, p in rivals]
+        lines += wrapped(f"cannot be distinguished: {', '.join(listed)}", "    ")
+    return lines
+
+
+def brief(finding: Finding) -> list[str]:
+    """Return name, place, numbers with their 95 % intervals and probability; without a number, what is said of it."""
+    numbers, estimates = diagnosis_words.numbers(finding), diagnosis_words.estimates(finding).values()
+    off = [finding.kind == "calibration" and estimate.unit in ("", "1") for estimate in estimates]
+    shown = [f"{name} {'× ' if by else ''}{value} (95 %: {span})" for (name, value, span), by in zip(numbers, off, strict=True)]
+    left = len(numbers) - MOST_NUMBERS
+    more = [f"{left} number{'s' if left > 1 else ''} more in the report"] if left > 0 else []
+    sure = [f"probability {100.0 * finding.confidence:.0f} %"] if finding.log10_odds else []
+    name = " or ".join(map(diagnosis_words.name_of, (finding.name, *finding.ambiguous_with)))
+    return wrapped(f"{name} at {finding.where}: {'; '.join([*(shown[:MOST_NUMBERS] or [finding.says.rstrip('.')]), *more, *sure])}", "  ")
+
+
+def wrapped(words: str, indent: str) -> list[str]:
+    """Return words as lines of the terminal, all but the first set in by two more."""
+    return textwrap.wrap(words, WIDTH, initial_indent=indent, subsequent_indent=indent + "  ", break_long_words=False)

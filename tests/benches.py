@@ -47,6 +47,16 @@ def bench(folder: Path, more: str = "", cylinder: bool = True) -> Rig:
     return rigs.read(path)
 
 
+def renamed(rig: Rig, cylinder: str, name: str) -> Rig:
+    """Return a rig whose cylinder has another name; its actuator keeps its own."""
+    text = rig.text
+    for key in (f"cylinders.{cylinder}", *(f"effects.{effect.name}.{cylinder}" for effect in rig.effects)):
+        for end in "].":
+            text = text.replace(f"[{key}{end}", f"[{key.removesuffix(cylinder)}{name}{end}")
+    rig.path.write_text(text)
+    return rigs.read(rig.path)
+
+
 def recorded(rig: Rig, seconds: float = 3.0) -> Recording:
     """Return what the plug-in makes of a rig, step by step in Python, under a lively command."""
     model = load(rig)

@@ -34,6 +34,7 @@ from exo_sim.control.machine_dynamics import PICK, MachineDynamics
 from exo_sim.control.rehearsed import Rehearsed
 from exo_sim.control.step_damping import BY_TWO_MAPS, StepDamping
 from exo_sim.control.strap_loads import StrapLoads, own_moments
+from exo_sim.control.torque_harmonics import basis, basis_at, delayed, fitted
 from exo_sim.control.walk_response import WalkResponse
 from exo_sim.control.yielding import StrapResponse, Yielding
 from exo_sim.gait.motion import SAMPLES, Motion
@@ -93,7 +94,7 @@ class LeastLoad:
         harmonic = np.concatenate([[0], np.repeat(np.arange(1, self._harmonics + 1), 2)]) / self._strides
         effort = np.tile(np.hypot(self.weights.effort, self.weights.smoothness * harmonic), len(self.driven))
         self._effort: NDArray[np.float64] = effort * float(np.sqrt(self._phases))
-        self._size = np.tile(np.sum(_basis(self._phases, self._harmonics) ** 2, axis=0), len(self.driven))
+        self._size = np.tile(np.sum(basis(self._phases, self._harmonics) ** 2, axis=0), len(self.driven))
         self._reach = reach
         self._coefficients = np.zeros(len(self.driven) * (2 * self._harmonics + 1))
         self._solve(dynamics, motion, person, straps, ankle)
@@ -119,7 +120,7 @@ class LeastLoad:
     def table(self, coefficients: NDArray[np.float64]) -> NDArray[np.float64]:
         """Return the torques that harmonics make, as `torque`."""
         out = np.zeros((len(self._support), 6))
-        out[:, self.driven] = _basis(len(out), self._harmonics) @ coefficients.reshape(len(self.driven), -1).T
+        out[:, self.driven] = basis(len(out), self._harmonics) @ coefficients.reshape(len(self.driven), -1).T
         return out * self._support[:, None]
 
     def restored(self, change: NDArray[np.float64], forces: NDArray[np.float64], share: float) -> NDArray[np.float64]:
@@ -134,6 +135,16 @@ class LeastLoad:
         change = change - share * self._of_straps.correction(load, change)
         return self._within_reach(self.best + change) - self.best
 
+    def push(self, forces: NDArray[np.float64]) -> float:
+        """Return what straps with forces on the machine, across and along [N], shape (n, 2 straps), push it ahead with, the mean [N]."""
+        return float((self._strap_loads.sums[:, 2] * forces).sum(axis=1).mean())
+
+    def pushing(self) -> NDArray[np.float64]:
+        """Return the change of the harmonics for a newton more of `push` that costs the wearer's joints and the effort least."""
+        effect = np.einsum("ns,nsm->m", self._strap_loads.sums[:, 2], self._forces) / self._phases
+        change = self._of_straps.gain @ effect
+        return np.asarray(change / (effect @ change))
+
     def strap_forces(self, torques: NDArray[np.float64]) -> NDArray[np.float64]:
         """Return the strap forces on the machine that follow from small torques of the driven joints where the machine stands as rehearsed.
 
@@ -143,17 +154,12 @@ class LeastLoad:
         Returns:
             Across and along [N], shape (n, 2 straps).
         """
-        return np.asarray(self._forces @ self._harmonics_of(torques))
+        return np.asarray(self._forces @ fitted(torques, self._harmonics))
 
     def later(self, strides: float) -> LeastLoad:
         """Return a plan whose best torques come so much later than these, as if they had been rehearsed."""
-        angle = 2.0 * np.pi * np.arange(1, self._harmonics + 1) * strides / self._strides
-        waves = self.best.reshape(len(self.driven), -1).copy()
-        cosine, sine = waves[:, 1::2].copy(), waves[:, 2::2].copy()
-        waves[:, 1::2] = np.cos(angle) * cosine - np.sin(angle) * sine
-        waves[:, 2::2] = np.sin(angle) * cosine + np.cos(angle) * sine
         other = copy(self)
-        other._coefficients = self._within_reach(waves.reshape(-1))
+        other._coefficients = self._within_reach(delayed(self.best, len(self.driven), strides / self._strides))
         other._best = (self._best[0], other._coefficients)
         return other
 
@@ -207,7 +213,7 @@ class LeastLoad:
         else:
             self.response = found = seen.response()
             carried = np.interp(found.phase, np.arange(len(self._support)) / len(self._support), self._support, period=1.0)
-            self._forces = found.steady(_basis_at(found.phase, self._harmonics) * carried[:, None], self._phases)
+            self._forces = found.steady(basis_at(found.phase, self._harmonics) * carried[:, None], self._phases)
         effect = self._counted(self._strap_map @ self._forces).reshape(self._matters.size, -1)
         self._shown = LearntMap(effect, self._effort)
         if self._exact:
@@ -216,12 +222,12 @@ class LeastLoad:
 
     def _pressing(self, seen: Rehearsed) -> NDArray[np.float64]:
         """Return how chambers' pressures, as they count, answer to the harmonics, shape (n driven or 0, m)."""
-        basis = _basis(self._phases, self._harmonics) * self._support[PICK, None]
+        waves = basis(self._phases, self._harmonics) * self._support[PICK, None]
         if seen.presses is None:
             return np.zeros((0, len(self._effort)))
-        rows = np.zeros((self._phases, len(self.driven), len(self.driven), basis.shape[1]))
+        rows = np.zeros((self._phases, len(self.driven), len(self.driven), waves.shape[1]))
         for i, joint in enumerate(self.driven):
-            rows[:, i, i] = self.weights.pressed * seen.presses[:, joint, None] * basis
+            rows[:, i, i] = self.weights.pressed * seen.presses[:, joint, None] * waves
         return rows.reshape(self._phases * len(self.driven), -1)
 
     def fell(self) -> bool:
@@ -253,17 +259,13 @@ class LeastLoad:
     def begun_with(self, torques: NDArray[np.float64]) -> LeastLoad:
         """Return a plan that begins with other torques of the six joints [N m], shape (n, 6), as far as actuators can hold them."""
         again = self.begun_again()
-        again._coefficients = again._within_reach(again._harmonics_of(torques[:, again.driven]))
+        again._coefficients = again._within_reach(fitted(torques[:, again.driven], again._harmonics))
         return again
 
     def _within_reach(self, coefficients: NDArray[np.float64]) -> NDArray[np.float64]:
         """Return the harmonics that come closest to the torques cut off at what the actuators can hold."""
-        table = _basis(self._phases, self._harmonics) @ coefficients.reshape(len(self.driven), -1).T
-        return self._harmonics_of(np.clip(table, self._reach[:, self.driven, 0], self._reach[:, self.driven, 1]))
-
-    def _harmonics_of(self, table: NDArray[np.float64]) -> NDArray[np.float64]:
-        basis = _basis(self._phases, self._harmonics)
-        return np.asarray(np.linalg.lstsq(basis, table, rcond=None)[0].T.reshape(-1), dtype=np.float64)
+        table = basis(self._phases, self._harmonics) @ coefficients.reshape(len(self.driven), -1).T
+        return fitted(np.clip(table, self._reach[:, self.driven, 0], self._reach[:, self.driven, 1]), self._harmonics)
 
     def _solve(self, dynamics: MachineDynamics, motion: Motion, person: Person, straps: StrapSet, ankle: Ankle) -> None:
         """Find the effect of each torque harmonic on the loads, and the harmonics that make the loads least."""
@@ -272,7 +274,7 @@ class LeastLoad:
         self._strap_map = self._of_straps_at(np.zeros(n))
         inputs = np.zeros((n, 6, len(self.driven), 2 * self._harmonics + 1))
         for i, joint in enumerate(self.driven):
-            inputs[:, joint, i] = _basis(n, self._harmonics) * self._support[PICK, None]
+            inputs[:, joint, i] = basis(n, self._harmonics) * self._support[PICK, None]
         it, down = StrapResponse(dynamics, motion.period, straps, ankle, inputs.reshape(n, 6, -1)), motion.contact[PICK].copy()
         self._planned = it
         for _ in range(_LIFTINGS):
@@ -301,15 +303,3 @@ class LeastLoad:
         out = loads.copy()
         out[:, -1] += (self.weights.steady - 1.0) * loads[:, -1].mean(axis=0)
         return out
-
-
-def _basis(count: int, harmonics: int) -> NDArray[np.float64]:
-    """Return constant, cosines and sines of the harmonics at evenly spaced phases, shape (count, 2 harmonics + 1)."""
-    return _basis_at(np.arange(count) / count, harmonics)
-
-
-def _basis_at(phase: NDArray[np.float64], harmonics: int) -> NDArray[np.float64]:
-    """Return constant, cosines and sines of the harmonics at phases [cycles], shape (n, 2 harmonics + 1)."""
-    turned = 2.0 * np.pi * phase[:, None] * np.arange(1, harmonics + 1)
-    waves = np.stack([np.cos(turned), np.sin(turned)], axis=2).reshape(len(phase), -1)
-    return np.concatenate([np.ones((len(phase), 1)), waves], axis=1)

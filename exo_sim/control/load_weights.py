@@ -62,18 +62,21 @@ class Weights:
 
 
 #: Where both pressures of the cylinders are planned, gas goes with what the torques change by: smoother ones draw a quarter less, and the
-#: wearer hardly feels it (docs/sizing.md). From rest rehearsals find smoother ones sooner: 371 W for 398 W
-#: with `exo` and 34 kg. One who is a body walks the better with them: 508 W for 583 W, his pelvis held by 23 N at most for 74 N.
+#: wearer hardly feels it (docs/sizing.md).
 SPARING = Weights(smoothness=0.15)
-#: The same from rest and for one who is a body: maps that are not worked out along the walk go by it less well where own moments count
-#: whole. Walks from rest that are linearised end dearer (520 W for 371 W with `exo` and 34 kg): torques there are cut off by what cylinders
-#: can hold, which the linear answer does not know.
+#: For one who is a body. Of 0.15, 0.3, 0.45 and 0.7 for `smoothness` he spent 518, 458, 539 and 559 W, his pelvis held by 63, 39, 55 and
+#: 39 N at most: what his rehearsals end in hangs on trifles. With 0.7, 0.5 and 0.5 for `own`, `moving` and `torso` it was 543 W and 72 N
+#: with 0.15, 550 W and 34 N with 0.3 (`exo`, 34 kg).
+SMOOTH = Weights(smoothness=0.3)
+#: Where causal control is for one who is a body, or for what does not come again as strides do.
 THOUGHT = Weights(smoothness=0.15, own=0.7, moving=0.5, torso=0.5)
+#: From rest, where the machine leans on its wearer before it has a foot ahead. Of 0.5, 1 and 2 for `residual` 138, 79 and 67 N m were left
+#: at the most, for 329, 331 and 332 W (`exo`, 34 kg).
+FROM_REST = Weights(smoothness=0.15, own=0.7, moving=0.5, torso=0.5, residual=2.0)
 #: Who is a body walks off and stops to a demand that was not rehearsed with him: with faster torques he falls in his fifth walk.
 CALM = Weights(smoothness=0.3, own=0.7, moving=0.5, torso=0.5)
 #: Where straps are felt and learnt from, torques may change faster: what the gas does not follow is answered.
 #: Shoulders count less: with 1 for `torso` causal control cost up to a tenth of the backpack more where straps were half as stiff.
 QUICK = Weights(smoothness=0.02, torso=0.5)
-#: In place rehearsals go by maps that are not worked out along the motion, and fewer than two by the plan alone: where own moments count
-#: whole that plan throws over who squats with 45 kg.
+#: In place: with fewer than two rehearsals the plan stands, and where own moments count whole it throws over who squats with 45 kg.
 IN_PLACE = Weights(own=0.7, moving=0.5, torso=0.5)

@@ -66,6 +66,7 @@ class SubsystemModel(ABC):
     plant_holds_curves: ClassVar[bool] = True
     calibrates_pressures: ClassVar[bool] = False
     is_input_of_others: ClassVar[bool] = False
+    is_of_joint: bool = False
     where: str
     unit: str
     nominal: PlantParameters
@@ -138,6 +139,10 @@ class SubsystemModel(ABC):
     def is_observed(self, parameter: FreeParameter) -> bool:
         """Return whether the data hold a nuisance parameter, rather than whatever else is unknown at its place."""
         return True
+
+    def error_of_form(self, parameter: FreeParameter, values: Values, fixed: Sequence[tuple[FreeParameter, float]] = ()) -> float:
+        """Return the standard error that the form of the equations leaves of a fitted parameter, however good the data, in its unit."""
+        return 0.0
 
     def as_sensor_error(self, parameter: FreeParameter, value: float) -> tuple[str, str, str, float] | None:
         """Return what a nuisance parameter says of a sensor: column, effect, its parameter and value; None where it says nothing."""

@@ -111,8 +111,7 @@ class Rehearsals:
         at_edge = held.outside.astype(float) if held else np.zeros(len(body))
         each = (it.moments - body, straps, carrying(seen), residual, at_edge)
         moments, forces, contacts, left, edge = (_phase_mean(seen, one) for one in each)
-        # one who is a body moves the machine otherwise, and walks worse with what was rehearsed this way for one who is none
-        response = partial(linearised, walk, self.plan.driven) if steps_alike(walk.request, walk.motion) else None
+        response = partial(linearised, walk, self.plan.driven) if walk.moved is None else None
         return Rehearsed(moments, forces, contacts, left, edge, response, *self._pressed(seen))
 
     def _pressed(self, seen: Walk) -> tuple[NDArray[np.float64] | None, NDArray[np.float64] | None]:
@@ -127,7 +126,7 @@ class Rehearsals:
 
 
 def steps_alike(request: Request, motion: Motion) -> bool:
-    """Return whether rehearsals go by the answer along the walk: who walks steadily, and is led by the reference."""
+    """Return whether strides come again, of a wearer who is led by the reference."""
     return request.moved_by == "prescribed" and not motion.from_rest and motion.advance > 0.0
 
 

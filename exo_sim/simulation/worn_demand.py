@@ -15,7 +15,7 @@ from exo_sim.control import demand as law_of_demand
 from exo_sim.control import machine_dynamics
 from exo_sim.control.causal import Calibration
 from exo_sim.control.least_load import LeastLoad
-from exo_sim.control.load_weights import CALM, IN_PLACE, QUICK, SPARING, THOUGHT, Weights
+from exo_sim.control.load_weights import CALM, FROM_REST, IN_PLACE, QUICK, SMOOTH, SPARING, THOUGHT, Weights
 from exo_sim.errors import Diverged
 from exo_sim.kept_solutions import kept
 from exo_sim.machine.worn_model import PAYLOAD_LIMIT, carry
@@ -82,8 +82,10 @@ def _weights(it: Simulation) -> Weights:
     yields = it.request.moved_by == "torques"
     if yields and it.motion.from_rest:
         return CALM
-    if yields or it.motion.from_rest:
-        return THOUGHT
+    if yields:
+        return SMOOTH
+    if it.motion.from_rest:
+        return FROM_REST
     if it.motion.advance == 0.0:
         return IN_PLACE
     return SPARING if it.plans_chambers else Weights()

@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 
 from exo_sim import rig as rigs
+from exo_sim.control import machine_dynamics
 from exo_sim.control.least_load import LeastLoad
 from exo_sim.rig import Ankle
 from exo_sim.simulation import worn
@@ -78,3 +79,16 @@ def test_a_plan_played_later_has_the_torques_of_the_phases_before() -> None:
     table, late = it.torque(best=True), it.later(8 / 512).torque(best=True)
     assert np.abs(late - np.roll(table, 8, axis=0)).max() < 0.1 * np.abs(table).max()
     np.testing.assert_array_equal(it.torque(best=True), table)
+
+
+def test_what_pushes_a_newton_more_loads_the_joints_less_than_a_constant_torque_that_does() -> None:
+    simulation = Simulation(rigs.read(rig_at_250_psi()), Request("level_walk", 20.0, cycles=3, rehearsals=0, law="causal"))
+    assert simulation.calibration is not None
+    it = simulation.calibration.plan
+    torques = it.table(it.pushing())[machine_dynamics.PICK][:, it.driven]
+    forces = it.strap_forces(torques)
+    assert it.push(forces) == pytest.approx(1.0)
+    steady = np.zeros_like(torques)
+    steady[:, [0, 2]] = 1.0 / it.push(it.strap_forces(np.tile([1.0, 0.0, 1.0, 0.0], (len(torques), 1))))
+    loads = [np.linalg.norm(np.einsum("nij,nj->ni", it.yielding.load, one)) for one in (forces, it.strap_forces(steady))]
+    assert loads[0] < loads[1]

@@ -1,4 +1,4 @@
-"""What is learnt of one stride changes the demand of the next, and nothing else does."""
+"""What is learnt of one stride, its loads and its push ahead, changes the demand of the next, and nothing else does."""
 
 from __future__ import annotations
 
@@ -9,13 +9,22 @@ from numpy.typing import NDArray
 
 from exo_sim.control.least_load import LeastLoad
 from exo_sim.control.machine_dynamics import PHASES
-from exo_sim.control.stride_learning import StrideLearning
+from exo_sim.control.stride_learning import OF_PUSH, StrideLearning
 
 
 class Plan:
-    """Two coefficients; the mean force of each strap takes its share off one of them."""
+    """Two coefficients; the mean force of each strap takes its share off one of them, and the second pushes by so much a newton."""
 
     best = np.array([10.0, -4.0])
+
+    def __init__(self, pushed: float = 0.0) -> None:
+        self.pushed = pushed
+
+    def push(self, forces: NDArray[np.float64]) -> float:
+        return float(forces[:, 0].mean())
+
+    def pushing(self) -> NDArray[np.float64]:
+        return np.array([0.0, self.pushed])
 
     def restored(self, change: NDArray[np.float64], forces: NDArray[np.float64], share: float) -> NDArray[np.float64]:
         return np.asarray(change - share * forces.mean(axis=0))
@@ -24,8 +33,8 @@ class Plan:
         return coefficients.copy()
 
 
-def learning() -> StrideLearning:
-    return StrideLearning(cast(LeastLoad, cast(Any, Plan())), np.full((PHASES, 2), 5.0))
+def learning(pushed: float = 0.0) -> StrideLearning:
+    return StrideLearning(cast(LeastLoad, cast(Any, Plan(pushed))), np.full((PHASES, 2), 5.0))
 
 
 def walk(learnt: StrideLearning, strides: range, force: float) -> None:
@@ -49,6 +58,14 @@ def test_a_stride_that_is_over_takes_its_share_off() -> None:
     np.testing.assert_allclose(learnt.table, [6.0, -4.0])
     walk(learnt, range(1, 3), 25.0)
     np.testing.assert_allclose(learnt.table[0], 10.0 - 2.0 * 4.0)
+
+
+def test_the_push_ahead_is_taken_back_by_a_larger_share() -> None:
+    """20 N more than in the calibration, by a coefficient of which 0.1 pushes with a newton more."""
+    learnt = learning(pushed=0.1)
+    walk(learnt, range(1), 25.0)
+    learnt.take(1.0, np.array([5.0, 5.0]))
+    np.testing.assert_allclose(learnt.table, [6.0, -4.0 - OF_PUSH * 20.0 * 0.1])
 
 
 def test_a_stride_with_gaps_teaches_nothing() -> None:

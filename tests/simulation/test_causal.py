@@ -64,6 +64,7 @@ CASES: dict[str, dict[str, Any]] = {
 def test_it_relieves_the_wearer_where_nothing_was_rehearsed(exo, calibration, name):
     machine, backpack, summary = costs(walked(exo, calibration, **CASES[name]))
     assert machine < backpack
+    assert abs(summary["wearer"]["forward_push_n"]) < 20.0  # asked; on straps half as stiff it was 31 N before the push was taken back
     assert abs(summary["ledger"]["closure"]) < 1.5
 
 

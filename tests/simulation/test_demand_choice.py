@@ -10,7 +10,7 @@ from exo_sim import rig as rigs
 from exo_sim.control.causal import Calibration
 from exo_sim.control.least_load import LeastLoad
 from exo_sim.simulation import demand_choice
-from exo_sim.simulation.demand_choice import DEARER, DISTURBANCES, FINALISTS, LATER, Choice, finalists
+from exo_sim.simulation.demand_choice import DEARER, DISTURBANCES, FINALISTS, FINER, LATER, Choice, finalists
 from exo_sim.simulation.walk import Request
 from exo_sim.simulation.worn import Simulation
 
@@ -31,14 +31,14 @@ def test_the_plan_of_the_best_worst_case_is_taken_and_then_how_much_later_it_is_
 
     def worst(it: Choice, calibration: Any, least: float = math.inf) -> float:
         walked.append((calibration.name, calibration.late))
-        return price[calibration.name] + abs(calibration.late - LATER[1])
+        return price[calibration.name] + abs(calibration.late - LATER[1] - FINER)
 
     monkeypatch.setattr(Choice, "worst", worst)
     plans = cast(list[LeastLoad], [Named(name) for name in price])
     best = cast(Any, Choice(cast(Simulation, None)).of(plans, lambda plan: cast(Calibration, plan)))
-    assert (best.name, best.late) == ("middle", LATER[1])
+    assert (best.name, best.late) == ("middle", LATER[1] + FINER)
     assert walked[:3] == [(name, LATER[0]) for name in ("last", "middle", "first")]
-    assert walked[3:] == [("middle", late) for late in LATER[1:]]
+    assert walked[3:] == [("middle", late) for late in (*LATER[1:], LATER[1] - FINER, LATER[1] + FINER)]
 
 
 def test_finalists_are_the_last_that_cost_little_more_than_the_best() -> None:

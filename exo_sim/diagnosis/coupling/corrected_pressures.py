@@ -22,6 +22,7 @@ from exo_sim.diagnosis.data.split import Split
 from exo_sim.diagnosis.findings import Kind
 from exo_sim.diagnosis.nominal_numbers import CARD_OF_PRESSURES, POSITION_DELAY
 from exo_sim.diagnosis.policy.recordings import CORRECTED_PRESSURE
+from exo_sim.diagnosis.selection.sensor_zero import is_faulty, zeros_within
 from exo_sim.diagnosis.selection.subsystem_result import SubsystemResult
 from exo_sim.diagnosis.subsystems.gas.model import GasModel
 from exo_sim.diagnosis.subsystems.gas.prediction import behind_hose
@@ -51,7 +52,8 @@ def with_corrected_pressures(data: MachineData, gas: Sequence[SubsystemResult[Ga
                 kept.append(run)
         if kept:
             joints[joint] = tuple(kept)
-    return replace(data, joints=joints, open_questions=tuple(open_), externally_driven=frozenset(driven))
+    zeros = {column: most for one in gas for column, most in zeros_within(one).items()}
+    return replace(data, joints=joints, open_questions=tuple(open_), externally_driven=frozenset(driven), zeros_within=zeros)
 
 
 def _external_power(run: MotionRun) -> str:
@@ -89,6 +91,7 @@ def correction_of(data: MachineData, one: SubsystemResult[GasModel], split: Spli
     plant, late = one.final_plant, dict[str, float]()
     soft = {one.where: plant.cylinder} if gives(plant.cylinder[0]) else {}
     faults = {q.parameter for candidate in one.named if candidate.kind is Kind.SENSOR for q in candidate.parameters}
+    faults |= {q.parameter for q, error in one.refitted if is_faulty(one, q, error)}
     if not faults and not behind_hose(plant.cylinder):
         return Correction(soft=soft)
     whole = one.model.over_whole_runs(plant, split)

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 
 import mujoco
 
@@ -32,6 +32,7 @@ class MachineData:
         externally_driven: Joints that somebody moved or held by forces that were not measured.
         fed: Cylinders that were fed by something of which no command was recorded.
         checks: What was asked of the recordings, and put right, before any physics.
+        zeros_within: By column of a pressure, how far off its zero can be at most by what the gas tells of it [Pa].
     """
 
     rig: Rig
@@ -47,6 +48,7 @@ class MachineData:
     externally_driven: frozenset[str] = frozenset()
     fed: frozenset[str] = frozenset()
     checks: tuple[Check, ...] = ()
+    zeros_within: Mapping[str, float] = field(default_factory=dict)
 
     @property
     def needed_for_verdict(self) -> frozenset[Subsystem]:

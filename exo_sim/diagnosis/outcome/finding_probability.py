@@ -8,7 +8,7 @@ from exo_sim.diagnosis.policy.probability import EVEN_SHARE, LEAST_PROBABILITY, 
 from exo_sim.diagnosis.policy.verdicts import CONFIDENT_BESIDE_UNKNOWN, MOST_CONFIDENT
 
 
-def confidence(finding: Finding, share: float | None, of_doubtful_pressures: bool = False) -> float:
+def confidence(finding: Finding, share: float | None, of_doubtful_pressures: bool = False, is_upheld: bool = False) -> float:
     """Return the probability that a finding is so: as weighed or from its odds, and no more than experience with such shares bears.
 
     Args:
@@ -17,9 +17,12 @@ def confidence(finding: Finding, share: float | None, of_doubtful_pressures: boo
             predictions do not change there, so that nothing was tested.
         of_doubtful_pressures: Whether it is of forces whose pressures belong to a gas in which something has no name: a sensor behind a
             hose that was not found shows another pressure than the piston feels.
+        is_upheld: Whether it was put aside for that share, and taken back because without it more was missed: it is no less probable then
+            than what is kept at all.
     """
     most = float(CONFIDENT_BESIDE_UNKNOWN) if of_doubtful_pressures else 1.0
-    return min(finding.confidence, by_share(share), float(MAY_BE_NIL) if may_be_nil(finding) else 1.0, most)
+    tested = max(by_share(share), float(LEAST_PROBABILITY)) if is_upheld else by_share(share)
+    return min(finding.confidence, tested, float(MAY_BE_NIL) if may_be_nil(finding) else 1.0, most)
 
 
 def is_weighed_physics(finding: Finding) -> bool:

@@ -31,8 +31,8 @@ class OpenNumber:
 
     @property
     def error(self) -> float:
-        """Its standard error."""
-        return (self.high - self.low) / (2.0 * HALF_WIDTH)
+        """Its standard error, by the end of the interval that no bound has cut off."""
+        return max(self.high - self.value, self.value - self.low) / HALF_WIDTH
 
     def at(self, errors: float) -> float:
         """Return what it is so many standard errors further up, never outside its interval."""

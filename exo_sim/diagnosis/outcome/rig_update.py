@@ -24,9 +24,9 @@ from exo_sim.diagnosis.findings import Estimate, Finding, Kind
 from exo_sim.diagnosis.nominal_numbers import ZERO
 from exo_sim.diagnosis.outcome.rig_corrections import corrections
 from exo_sim.diagnosis.outcome.sensor_entries import NO_FINDING, late_entries, sensor_entry, sensor_error_entry
-from exo_sim.diagnosis.outcome.sensor_faults import error_of, is_faulty
 from exo_sim.diagnosis.policy.off_nominal import LEAST_PART
 from exo_sim.diagnosis.selection.nuisance_calibration import is_declared
+from exo_sim.diagnosis.selection.sensor_zero import error_of, is_faulty
 from exo_sim.diagnosis.selection.subsystem_result import SubsystemResult
 from exo_sim.diagnosis.selection.unknown_effect import UnknownEffect, effect_of
 from exo_sim.diagnosis.subsystem_model import SubsystemModel
@@ -45,8 +45,8 @@ _HEADER = (
 
 #: ... and where they were fitted once more.
 _TOGETHER = (
-    "# All numbers were then fitted once more together, each within its 95 %, to the whole machine, motion and gas. The report gives them\n"
-    "# as its balances do.\n"
+    "# Numbers of the machine were then fitted once more together, each within the 95 % of its balance, to motion and gas at once.\n"
+    "# The report gives them as the balances do.\n"
 )
 
 Result = SubsystemResult[SubsystemModel]
@@ -96,6 +96,11 @@ class RigUpdate:
     is_fitted_together: bool = False
 
     @property
+    def holds_findings(self) -> bool:
+        """Whether it holds more than numbers that were only refitted."""
+        return any(part.rank in (Rank.FOUND, Rank.CURVE) for part in self.parts)
+
+    @property
     def entries(self) -> tuple[EffectEntry, ...]:
         """The effects; a part of the machine holds each once."""
         every = [entry for part in self.parts for entry in part.entries]
@@ -123,6 +128,11 @@ class RigUpdate:
             for source, ranks in gone.items()
             for rank in ranks
         )
+
+    def with_parts_of(self, other: RigUpdate) -> RigUpdate:
+        """Return the update with no more parts than another has that was made of the same."""
+        kept = {(part.source, part.rank) for part in other.parts}
+        return replace(self, parts=tuple(part for part in self.parts if (part.source, part.rank) in kept))
 
     def found_alone(self) -> tuple[RigUpdate, ...]:
         """Return the updates with nothing but what was found: by all sources, and by each where there are several; those that hold less."""
@@ -161,14 +171,14 @@ def rig_update(data: MachineData, results: Sequence[Result], unknown: Sequence[U
         ]
         corrected = corrections(data, one)
         findings = tuple(each for each in corrected if not each.note)
-        parts.append(Part(source, Rank.FOUND, tuple(entries), findings))
+        parts.append(Part(source, Rank.FOUND, tuple(_sayable(data.rig, one, entries)), findings))
         refitted = tuple(each for each in corrected if each.note)
-        healthy = _healthy(data.rig, one, calibrated)
+        healthy = _sayable(data.rig, one, _healthy(data.rig, one, calibrated))
         zeros = tuple(entry for entry in healthy if declared()[entry.setting.name].cut == "sensor")
         parts.append(Part(source, Rank.REFITTED, tuple(entry for entry in healthy if entry not in zeros), refitted))
         parts.append(Part(source, Rank.SENSORS, (*zeros, *late_entries(data, one, calibrated))))
         effect = effect_of(unknown, one)
-        parts.append(Part(source, Rank.CURVE, tuple(_curves(data.rig, [effect] if effect else []))))
+        parts.append(Part(source, Rank.CURVE, tuple(_sayable(data.rig, one, _curves(data.rig, [effect] if effect else [])))))
     apart = [effect for effect in unknown if all(one.key != effect.result.key for one in results)]
     parts.append(Part("elsewhere", Rank.CURVE, tuple(_curves(data.rig, apart))))
     faults = [
@@ -186,6 +196,12 @@ def _not_said_twice(parts: Sequence[Part], part: Part) -> Part:
     said = {(poorer, setting.where) for setting in found for poorer, _ in declared()[setting.name].absorbs}
     kept = tuple(entry for entry in part.entries if (entry.setting.name, entry.setting.where) not in said)
     return part if part.rank is Rank.FOUND else replace(part, entries=kept)
+
+
+def _sayable(rig: Rig, result: Result, entries: Sequence[EffectEntry]) -> list[EffectEntry]:
+    """Return the entries that a rig file can hold: none of a joint with the name of a cylinder, for what stands there is the cylinder's."""
+    taken = result.model.is_of_joint and result.where in rig.cylinders
+    return [entry for entry in entries if not taken or entry.setting.where != result.where]
 
 
 def _entry(candidate: Candidate, result: Result, finding: Finding, rig: Rig) -> EffectEntry:

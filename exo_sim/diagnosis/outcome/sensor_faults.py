@@ -6,39 +6,18 @@ import math
 from collections.abc import Sequence
 
 from exo_sim.diagnosis import wording
-from exo_sim.diagnosis.estimation.parameters import FreeParameter
 from exo_sim.diagnosis.estimation.uncertainty import bounded_interval, interval
 from exo_sim.diagnosis.findings import Estimate, Finding, Kind
-from exo_sim.diagnosis.nominal_numbers import ZERO
-from exo_sim.diagnosis.policy.acceptance import SURELY_MORE
 from exo_sim.diagnosis.policy.healthy import ZEROS
 from exo_sim.diagnosis.policy.priors import PRESSURE_ZERO
 from exo_sim.diagnosis.policy.probability import UNTESTED
 from exo_sim.diagnosis.selection.nuisances_beyond_prior import is_beyond_data_sheet
+from exo_sim.diagnosis.selection.sensor_zero import error_of, is_faulty
 from exo_sim.diagnosis.selection.subsystem_result import SubsystemResult
-from exo_sim.diagnosis.selection.unneeded_nuisances import error_of_model
 from exo_sim.diagnosis.subsystem_model import SubsystemModel
 from exo_sim.physics.effects import sensor_bias, sensor_scale
 
 Result = SubsystemResult[SubsystemModel]
-
-
-def error_of(one: Result, parameter: FreeParameter, error: float) -> float:
-    """Return the standard error of a refitted number, with what errors of the model do to a sensor's zero: they stand still as well."""
-    return math.hypot(error, error_of_model(parameter, one.model.structural_error)) if parameter.effect == ZERO else error
-
-
-def is_faulty(one: Result, parameter: FreeParameter, error: float) -> bool:
-    """Return whether a sensor's zero is surely further off than a healthy one's; of what has something unknown in it nothing is sure.
-
-    Args:
-        one: The result that refitted it.
-        parameter: Any refitted number.
-        error: Its standard error by the fit.
-    """
-    if parameter.effect != ZERO or one.has_unknown or one.is_empty:
-        return False
-    return abs(one.final.fit.values[parameter]) - SURELY_MORE * error_of(one, parameter, error) > ZEROS * PRESSURE_ZERO
 
 
 def faulty_zeros(results: Sequence[Result], findings: Sequence[Finding]) -> tuple[Finding, ...]:

@@ -10,9 +10,9 @@ from exo_sim.diagnosis.estimation.uncertainty import bounded_interval
 from exo_sim.diagnosis.findings import Estimate, Finding, Kind
 from exo_sim.diagnosis.nominal_numbers import ZERO
 from exo_sim.diagnosis.outcome.rig_corrections import REFITTED
-from exo_sim.diagnosis.outcome.sensor_faults import error_of
 from exo_sim.diagnosis.policy.off_nominal import BEYOND_DOUBT, MODEL_SHARE
 from exo_sim.diagnosis.selection.nuisance_calibration import error_of_law, is_declared
+from exo_sim.diagnosis.selection.sensor_zero import error_of
 from exo_sim.diagnosis.selection.subsystem_result import SubsystemResult
 from exo_sim.diagnosis.subsystem_model import SubsystemModel
 from exo_sim.physics.effects import sensor_bias

@@ -38,6 +38,10 @@ from exo_sim.recording.column_map import ColumnMap
 from exo_sim.recording.reader import Reading
 from exo_sim.rig import Rig
 
+_TOGETHER = (
+    "numbers of improved.toml were fitted once more together to motion and gas at once, each within its 95 %: by less than that they "
+    "differ from those of the findings"
+)
 _STOPPED = "the time that was given was up before everything had been sought: this is the best answer until then"
 
 
@@ -101,7 +105,8 @@ def _reported(stable: Examination, allowed: Budget, report: Progress, folder: Pa
     is_changed = kept.update is not update
     without_noise = computed_columns.computed(data.recordings, list(dict.fromkeys([*test.signals, *kept.free_run])))
     noise_said = [computed_columns.remark(without_noise)] if without_noise else []
-    remarks = (*data.remarks, *said, *noise_said, *([_STOPPED] if allowed.stopped else []))
+    together = [_TOGETHER] if kept.update.is_fitted_together and kept.update.parts else []
+    remarks = (*data.remarks, *said, *together, *noise_said, *([_STOPPED] if allowed.stopped else []))
     by_chance = tuple(kept.by_chance())
     small = (*found.small, *small_findings(results.all, [*findings, *found.small]))
     judged = {one.model.kind for one in results.all if not one.is_empty and not one.is_unresolved}
@@ -149,7 +154,7 @@ def _findings(found: Examination) -> list[Finding]:
     doubtful = {one.where for one in found.results.gas if one.has_unknown}
     for one in results:
         for f in one.findings:
-            probability = confidence(f, shares.get(f.key), f.where in doubtful)
+            probability = confidence(f, shares.get(f.key), f.where in doubtful, f.at in found.plan.upheld)
             proved = replace(f, held_out_error_drop=drops.get(f.key, 0.0), cost=costs.get(f.key, 0.0), probability=probability)
             findings += proved.at_each_place()
     findings += faulty_zeros(results, findings)

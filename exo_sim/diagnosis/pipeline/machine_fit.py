@@ -2,16 +2,17 @@
 
 A gas is fitted under its recorded motion, and forces under recorded pressures. What either leaves open by a per cent (a moving mass, an
 edge of a valve) decides where a machine goes that both move together: its piston integrates every such error. So all numbers are moved
-once more by one step of Gauss and Newton on windows of the whole machine, where what they were known to before is their prior.
+once more by one step of Gauss and Newton on windows of the whole machine, with a penalty for every standard error that one moves by.
 """
 
 from __future__ import annotations
 
-import math
-from collections.abc import Mapping
+from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
+from scipy.linalg import solve_triangular
+from scipy.optimize import lsq_linear
 
 from exo_sim.diagnosis.data.machine_data import MachineData
 from exo_sim.diagnosis.data.split import Split
@@ -19,7 +20,7 @@ from exo_sim.diagnosis.estimation.budget import IsSpent, never
 from exo_sim.diagnosis.estimation.threads import SERIAL, Threads
 from exo_sim.diagnosis.outcome.rig_numbers import OpenNumber, open_numbers, with_numbers
 from exo_sim.diagnosis.outcome.rig_update import RigUpdate
-from exo_sim.diagnosis.policy.budgets import MACHINE_DAMPING, MACHINE_DIFFERENCE
+from exo_sim.diagnosis.policy.budgets import MACHINE_DIFFERENCE, MACHINE_WEIGHINGS
 from exo_sim.diagnosis.validation.training_runs import Errors, TrainingRuns
 from exo_sim.errors import ModelError, RigError
 from exo_sim.rig import parse
@@ -37,7 +38,7 @@ def fitted_to_machine(
         update: What was found.
         split: Its training time is fitted to.
         threads: For the runs, one for each number.
-        is_spent: Whether the time is up: then nothing is run.
+        is_spent: Whether the time is up: then nothing is run, and what was begun is not used.
     """
     numbers = open_numbers(update)
     if not numbers or is_spent():
@@ -50,11 +51,7 @@ def fitted_to_machine(
 
 
 class _MachineFit:
-    """A posterior over numbers of a rig: windows of the whole machine, and what each number was known to before.
-
-    The error of a window grows with time, so that its samples are far from independent. What the numbers move is no such error: how large
-    a column's is, and for how many independent samples it counts, is taken from what no numbers explain.
-    """
+    """Numbers of a rig, and what windows of the whole machine are missed by with other values of them."""
 
     def __init__(self, data: MachineData, update: RigUpdate, numbers: tuple[OpenNumber, ...], split: Split) -> None:
         self._folder, self._path = data.rig.path.parent, data.rig.path
@@ -62,29 +59,25 @@ class _MachineFit:
         self._runs = TrainingRuns(data, split, parse(update.text(self._folder), self._path))
 
     def after_a_step(self, threads: Threads, is_spent: IsSpent) -> RigUpdate:
-        """Return the update after the step, or as it was where that lowers no posterior."""
+        """Return the update after the step or half of it, or as it was where neither lowers the errors by more than it is penalised."""
         here = np.zeros(len(self._numbers))
         errors = None if self._runs.is_empty else self._errors(here)
         if errors is None:
             return self._update
-        moves = threads.predictions(lambda j: self._response(j, errors), range(len(here)))
-        responses = {key: np.stack([move[key] for move in moves], axis=1) for key in errors}
-        unexplained = _unexplained(errors, responses)
-        counts = self._runs.independent(unexplained)
-        weights = {key: counts[key] / len(own) / max(_mean_square(own), 1.0) for key, own in unexplained.items()}
-        curvature, slope = np.eye(len(here)), np.zeros(len(here))
-        for key, rows in responses.items():
-            curvature += weights[key] * (rows.T @ rows)
-            slope += weights[key] * (rows.T @ errors[key])
-        before = _cost(errors, weights, here)
-        for damping in (0.0, MACHINE_DAMPING):
-            if is_spent():
-                break
-            step = -np.linalg.solve(curvature + damping * np.diag(np.diag(curvature)), slope)
-            moved = np.array([(q.at(d) - q.value) / q.error for q, d in zip(self._numbers, step, strict=True)])
-            after = self._errors(moved)
-            if after is not None and _cost(after, weights, moved) < before:
-                return self._at(moved)
+
+        def response(j: int) -> Errors:
+            return self._response(j, errors) if not is_spent() else {}
+
+        moves = threads.predictions(response, range(len(here)))
+        if is_spent():
+            return self._update
+        line = Linearised(errors, {key: np.stack([move[key] for move in moves], axis=1) for key in errors})
+        ends = np.array([[(q.low - q.value) / q.error, (q.high - q.value) / q.error] for q in self._numbers])
+        step, weights = weighed_step(line, ends, self._runs)
+        for share in (1.0, 0.5):
+            after = self._errors(share * step)
+            if after is not None and cost(after, weights, share * step) < cost(errors, weights, here):
+                return self._at(share * step)
         return self._update
 
     def _response(self, j: int, errors: Errors) -> Errors:
@@ -108,18 +101,54 @@ class _MachineFit:
         return with_numbers(self._update, {q.place: q.at(float(d)) for q, d in zip(self._numbers, moved, strict=True)})
 
 
-def _unexplained(errors: Errors, responses: Errors) -> Errors:
-    """Return what is left of errors whatever the numbers are, to first order, every column weighing as much as another."""
-    scales = {key: math.sqrt(_mean_square(own) * len(own)) or 1.0 for key, own in errors.items()}
-    rows = np.concatenate([responses[key] / scales[key] for key in errors])
-    moved = np.linalg.lstsq(rows, -np.concatenate([own / scales[key] for key, own in errors.items()]), rcond=None)[0]
-    return {key: own + responses[key] @ moved for key, own in errors.items()}
+@dataclass(frozen=True)
+class Linearised:
+    """Errors, to first order in what numbers are moved by, in units of their standard errors.
+
+    Attributes:
+        errors: By column, where nothing is moved, shape (n,).
+        responses: By column, their derivatives, shape (n, p).
+    """
+
+    errors: Errors
+    responses: Errors
+
+    def at(self, moved: Array) -> Errors:
+        """Return the errors where numbers are moved, shape (p,)."""
+        return {key: own + self.responses[key] @ moved for key, own in self.errors.items()}
 
 
-def _cost(errors: Errors, weights: Mapping[str, float], moved: Array) -> float:
-    """Return twice the negative logarithm of the posterior, but for a constant."""
+def weighed_step(line: Linearised, ends: Array, runs: TrainingRuns) -> tuple[Array, dict[str, float]]:
+    """Return by how much each number is moved in units of its standard error, shape (p,), and the weight of each column.
+
+    The error of a window grows with time, so that its samples are far from independent, and what the numbers move is no such error: for
+    how much a sample counts is taken from what the step leaves, again and again until that changes no more. Few independent samples count
+    for less, for the numbers follow their errors.
+
+    Args:
+        line: The errors.
+        ends: How far each number may move down and up, shape (p, 2).
+        runs: What they are errors of.
+    """
+    moved, free = np.zeros(len(ends)), 0.0
+    weights: dict[str, float] = {}
+    for _ in range(MACHINE_WEIGHINGS):
+        left = line.at(moved)
+        counts = runs.independent(left)
+        total = sum(counts.values())
+        spare = total / (total + free)
+        weights = {key: spare * counts[key] / len(own) / max(float(own @ own) / len(own), 1.0) for key, own in left.items()}
+        curvature = sum((weights[key] * (rows.T @ rows) for key, rows in line.responses.items()), np.eye(len(ends)))
+        slope = sum((weights[key] * (rows.T @ line.errors[key]) for key, rows in line.responses.items()), np.zeros(len(ends)))
+        root = np.linalg.cholesky(curvature)
+        before = moved
+        moved = lsq_linear(root.T, -solve_triangular(root, slope, lower=True), (ends[:, 0], ends[:, 1])).x
+        free = len(ends) - float(np.trace(np.linalg.inv(curvature)))
+        if np.abs(moved - before).max() < 0.01:
+            break
+    return moved, weights
+
+
+def cost(errors: Errors, weights: dict[str, float], moved: Array) -> float:
+    """Return the weighed sum of squared errors, with the penalty for what was moved."""
     return float(moved @ moved) + sum(weights[key] * float(own @ own) for key, own in errors.items())
-
-
-def _mean_square(errors: Array) -> float:
-    return float(errors @ errors) / len(errors)

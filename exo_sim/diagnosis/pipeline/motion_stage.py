@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Hashable, Sequence
-from dataclasses import dataclass, field
+from collections.abc import Collection, Hashable, Sequence
+from dataclasses import dataclass, field, replace
 from typing import cast
 
 import numpy as np
@@ -15,6 +15,7 @@ from exo_sim.diagnosis.data.machine_data import MachineData
 from exo_sim.diagnosis.data.motion_run import MotionRun
 from exo_sim.diagnosis.data.split import Split
 from exo_sim.diagnosis.discrepancy.basis import joined
+from exo_sim.diagnosis.estimation.candidate import Candidate
 from exo_sim.diagnosis.estimation.linear_family import LinearFamily
 from exo_sim.diagnosis.estimation.parameters import FreeParameter, PlantParameters
 from exo_sim.diagnosis.estimation.threads import Threads
@@ -37,6 +38,7 @@ from exo_sim.diagnosis.subsystems.motion.model import MotionModel
 from exo_sim.diagnosis.subsystems.motion.nuisances import nuisance_parameters, with_damping, with_damping_if_too_large
 from exo_sim.diagnosis.subsystems.motion.rows import one_way
 from exo_sim.physics.declaration import Parameter, declared, identification_of
+from exo_sim.physics.effects import sensor_bias
 from exo_sim.physics.plant_records import CYLINDER
 from exo_sim.rig import assembly
 
@@ -51,7 +53,8 @@ class JudgedBalances:
     """Balances of forces that were judged: a round that asks the same of the very same balance gets the same answer.
 
     Attributes:
-        results: By name, test time and which of the effects that they ask were refuted, with the runs that were judged.
+        results: By name, test time, which of the effects that they ask were refuted and how far off zeros can be, with the runs
+            that were judged.
     """
 
     results: dict[tuple[Hashable, ...], tuple[tuple[MotionRun, ...], SubsystemResult[MotionModel]]] = field(default_factory=dict)
@@ -74,7 +77,8 @@ def examine_motion(
     judged, found = judged or JudgedBalances(), []
     for number, (name, runs) in enumerate(data.joints.items()):
         plan.budget.allow_until(GAS_UNTIL + (FORCES_UNTIL - GAS_UNTIL) * (number + 1) / len(data.joints))
-        key = (name, plan.test_time, _refuted_of(name, runs, data, plan))
+        zeros = tuple((column, data.zeros_within.get(column)) for column in runs[0].drive.levers)
+        key = (name, plan.test_time, _refuted_of(name, runs, data, plan), zeros)
         result = judged.of(key, runs)
         if result is None:
             result = examine_balance(name, runs, data, plan, threads, report)
@@ -133,13 +137,13 @@ def examine_balance(
     is_spent = plan.budget.is_spent
     model = MotionModel(runs, nominal_balance(data, name, runs), plan.split)
     nuisances = with_damping_if_too_large(model, nuisance_parameters(runs, model.nominal, model.where))
-    asked = plan.without_refuted(candidates(runs, model.nominal, model.where))
+    asked = asked_of(model, data, plan)
     report(f"{name}: weighing {len(asked)} effects side by side")
     standing = [one.name for one in declared().values() if one.cut == "motion" and model.nominal.is_on(one)]
     if model.size >= FEWEST_ROWS:
         every = SubsetWeighing(motion_family(model, nuisances, asked, soft=False), model.discrepancy_basis(), model.blocks, standing)
         model = with_breakaway(model.with_contact(contact_scatter(every.left_by_everything(), model.speed)))
-        asked = plan.without_refuted(candidates(runs, model.nominal, model.where, model.slowest_resolved, model.creeps_below))
+        asked = asked_of(model, data, plan, model.slowest_resolved, model.creeps_below)
 
     def search_once(model: MotionModel, nuisances: Sequence[FreeParameter], creeps: Sequence[float] = ()) -> tuple[ModelFits, SearchResult]:
         fits = ModelFits(model, nuisances, threads, True, is_spent)
@@ -164,6 +168,31 @@ def examine_balance(
         if more <= 0 and other.deficit(rival.final, outcome.final) < (AS_GOOD if more < 0 else -PLAINLY_LESS_DAMPING):
             return decide(name, cast(MotionModel, other.model), other, rival)
     return decide(name, cast(MotionModel, held.model), held, outcome)
+
+
+def asked_of(model: MotionModel, data: MachineData, plan: Plan, *seen: float) -> tuple[Candidate, ...]:
+    """Return the candidates of a balance that were not refuted, zeros of pressures no further off than the gas lets them be.
+
+    A zero that is further off looks like dry friction that differs by direction, which no gas sees.
+
+    Args:
+        model: The balance.
+        data, plan: As in `examine`.
+        seen: What its contact shows, the further arguments of `candidates`.
+    """
+    every = plan.without_refuted(candidates(model.runs, model.nominal, model.where, *seen))
+    return tuple(_bounded(one, data.zeros_within[one.where]) if _is_zero_of(one, data.zeros_within) else one for one in every)
+
+
+def _is_zero_of(candidate: Candidate, columns: Collection[str]) -> bool:
+    return candidate.effect == sensor_bias.EFFECT.name and candidate.where in columns
+
+
+def _bounded(zero: Candidate, most: float) -> Candidate:
+    """Return the zero of a sensor that is off by so much at most."""
+    (q,) = zero.parameters
+    start = min(zero.starts[0][0], 0.5 * most)
+    return replace(zero, parameters=(replace(q, low=-most, high=most, scale=min(q.scale, 0.5 * most)),), starts=((start,),))
 
 
 def _may_be_damping(outcome: SearchResult, freed: ModelFits) -> bool:
@@ -191,11 +220,13 @@ def nominal_balance(data: MachineData, name: str, runs: Sequence[MotionRun]) -> 
 def _with_joint_effects(data: MachineData, joint: str, piston: NDArray[np.void], arm: float) -> NDArray[np.void]:
     """Return the record of a piston with the effects of its joint, which it feels through its lever `arm` [m/rad, or 1].
 
+    What stands in the rig at a name that a cylinder has is that cylinder's, whatever the joint is called.
+
     Sizes of both add up; a shape (the speed of a dip, where a spring is slack) is the mean of both, weighted by size: of springs that is
     what two of them are together.
     """
     record = piston.copy()
-    for effect in data.rig.effects:
+    for effect in () if joint in data.rig.cylinders else data.rig.effects:
         if effect.where != joint or effect.name not in (record.dtype.names or ()):
             continue
         declares, own = declared()[effect.name], record[effect.name]

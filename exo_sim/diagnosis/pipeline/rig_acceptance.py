@@ -116,9 +116,12 @@ def accepted(
         fitted: The same update with numbers that were fitted to the whole machine: it takes the other's place where it wins.
     """
     judge = Judge(data, split.deciding())
-    if fitted is not None and fitted is not update:
-        update = min(judge.trial(update), judge.trial(fitted), key=lambda one: (one.is_worse, one.loss)).update
+    plain = update
+    if fitted is not None and fitted is not update and not is_spent():
+        update = better_of(judge.trial(update), judge.trial(fitted)).update
     best, by_all = as_far_as_it_wins(update, judge.trial, is_spent), False
+    if update is fitted and best.update.parts != update.parts and best.update.parts and not is_spent():
+        best = better_of(replace(judge.trial(plain.with_parts_of(best.update)), is_first=False), best)
     refusals = judge.refusals
     if split.validation:
         if best.update.parts:
@@ -131,6 +134,11 @@ def accepted(
     said = ((_CUT.format(update.without(best.update)), is_cut), (_UNPROVED, is_unproved), (_BY_ALL, by_all))
     chance = [_BY_CHANCE.format(column, count, ratio) for column, (ratio, count) in best.by_chance().items()]
     return best, (*(_REFUSED.format(why) for why in refusals[:1]), *(words for words, is_so in said if is_so), *chance)
+
+
+def better_of(one: Trial, other: Trial) -> Trial:
+    """Return the trial that is not worse than the rig handed in, of two alike the one whose whole machine is predicted better."""
+    return min(one, other, key=lambda trial: (trial.is_worse, trial.loss_of_machine))
 
 
 def as_far_as_it_wins(update: RigUpdate, tried: Callable[[RigUpdate], Trial], is_spent: IsSpent = never) -> Trial:

@@ -47,7 +47,8 @@ class Trial:
         uncertain: Standard error of the mean logarithm of the latter.
         starts: As `free_run`, of runs begun at measured states of held-out time, one for each, until the next one's.
         is_refused: Whether the rig cannot be read, or cannot be a machine.
-        is_first: Whether it holds all that was found: of what is tried after it some rig is better by chance sooner than any one.
+        is_first: Whether it holds all that was found, with numbers as fitted by the balances, or together: of what is tried after these
+            two some rig is better by chance sooner than any one.
     """
 
     update: RigUpdate
@@ -66,9 +67,10 @@ class Trial:
 
         These are many, so that they say how far another recording's would differ: what is better by less is hardly likelier to be better
         there than worse, and the rig handed in is its owner's. A free run that is far better says the same of the whole machine. One
-        free run that is worse is by chance where runs from several measured states are surely better.
+        free run that is worse is by chance where runs from several measured states are surely better. Where nothing was found, no signal
+        pays for another: numbers that are within their data sheets may stay as the owner knows them.
         """
-        if self.is_refused or is_worse(self.windows, self.spreads):
+        if self.is_refused or is_worse(self.windows, self.spreads) or (self.update.parts and self.hurts_for_no_finding):
             return True
         if is_worse(self.free_run, self.spreads) and not self.is_surely_better_begun_anew:
             return True
@@ -84,6 +86,14 @@ class Trial:
         return straying_further(self.starts)
 
     @property
+    def hurts_for_no_finding(self) -> bool:
+        """Whether nothing of it is a finding, and free runs miss some signal by more than a trifle, by the mean over all of them."""
+        if self.update.holds_findings:
+            return False
+        runs = (self.free_run, *self.starts)
+        return any(_mean(_paired(runs, column)) > math.log1p(SIGNAL_WORSE) for column in self.free_run)
+
+    @property
     def is_surely_better_begun_anew(self) -> bool:
         """Whether runs from several measured states are surely better, over their signals together."""
         return _surely_better([_mean(own) for own in (_logs(fits, self.spreads) for fits in self.starts) if own], self._doubt)
@@ -91,7 +101,7 @@ class Trial:
     @property
     def _doubt(self) -> float:
         """Probability with which it may be called surely better where it is equally good."""
-        return 0.5 * BETTER_BY_CHANCE / (1 if self.is_first else MOST_TRIALS - 1)
+        return 0.5 * BETTER_BY_CHANCE / (2 if self.is_first else MOST_TRIALS - 1)
 
     @property
     def hurts(self) -> bool:
@@ -110,6 +120,13 @@ class Trial:
         if self.is_refused:
             return math.inf
         return sum(map(_mean, (_logs(self.windows, self.spreads), self._run_free(), _logs(self.coupled, self.spreads))))
+
+    @property
+    def loss_of_machine(self) -> float:
+        """The same of the whole machine alone: a balance by itself always prefers the numbers that were fitted to it by itself."""
+        if self.is_refused:
+            return math.inf
+        return _mean(self._run_free()) + _mean(_logs(self.coupled, self.spreads))
 
     def by_chance(self) -> dict[str, tuple[float, int]]:
         """Return which signals one run from the first measured state misses by more than with the rig handed in, and runs from several

@@ -95,12 +95,10 @@ MACHINE_WINDOW = Number(
     "0.70 and 0.52, 0.93 and 0.86, 0.43 and 0.32. After four steps of 2 s: free runs 0.19, 0.56, 1.2, 0.73, windows no better",
 )  # fmt: skip
 MACHINE_ROW = Number(0.01, "s", "between two samples that count: pressures and positions of a machine hardly differ from one to the next")
-LONGEST_MACHINE_FIT = Number(60.0, "s", "of recordings are run for it, of longer ones blocks that are spread over all of them")
+LONGEST_MACHINE_FIT = Number(60.0, "s", "of training time are run for it, leads among them; of more blocks that are spread over all of it")
+MACHINE_BLOCK = Number(4.0, "s", "each of these blocks counts, behind its lead: two windows")
 MACHINE_DIFFERENCE = Number(0.3, "standard errors", "by which each number is moved for its derivative: a run that sticks is not smooth")
-MACHINE_DAMPING = Number(
-    3.0, "of the curvature", "is added to its diagonal where the full step gains nothing; where this gains nothing either, numbers stay",
-    "asserted; in none of 25 whole machines did the first step need it",
-)  # fmt: skip
+MACHINE_WEIGHINGS = Count(10, "times", "the errors of the runs are weighed anew by what the step before leaves of them, at most")
 
 # -- a time that was given -----------------------------------------------------------------------------------------------------
 _machine_a = (

@@ -159,8 +159,8 @@ STRAYS_BY_CHANCE = Number(
 BETTER_BY_CHANCE = Number(
     0.05, "probability",
     "so few searches for what to write call a rig surely better from several states, over all signals together, that is equally good: half "
-    "of it is for all that was found, which is tried first, the rest in equal parts for what is tried after it. Then one run from the "
-    "beginning that misses them by more does not speak against it, nor is that said of a signal",
+    "of it is for all that was found, with numbers of the balances and fitted together, the rest in equal parts for what is tried after. "
+    "Then one run from the beginning that misses them by more does not speak against it, nor is that said of a signal",
     "derived. Lognormal errors of four runs: 3 % with twelve rigs; with the whole of it for each rig some rig passed in 35 % with eight",
 )  # fmt: skip
 FEWEST_STARTS = Count(3, "runs", "from different measured states say how far the errors of another such run may differ")

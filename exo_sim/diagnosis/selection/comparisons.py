@@ -24,6 +24,18 @@ class Comparisons:
         self.fits, self.baseline = fits, baseline
         self._candidates, self._practical_significance = candidates, practical_significance
 
+    def moves_baseline(self) -> bool:
+        """Take what is known to be the best fit of the nuisance parameters alone as the baseline; return whether it is another one.
+
+        Alone they may end in an optimum where numbers stand in for an effect, far off their data sheets. A fit with an effect leads them
+        out of it, and where that is left out again, they leave less than they did before.
+        """
+        known = self.fits.fit((), self.baseline)
+        if self.fits.deficit(known, self.baseline) >= -acceptance.SWAP_GAIN:
+            return False
+        self.baseline = self.fits.refined(known)
+        return True
+
     def evidence(self, without: FittedModel, with_it: FittedModel) -> Evidence:
         """Return how much better `with_it` explains the training data than `without`."""
         added = with_it.parameter_count - without.parameter_count

@@ -54,8 +54,8 @@ def _as_parts(
 ) -> Iterator[tuple[Candidate, float]]:
     """Yield what a finding of one parameter is in parts, with what it costs in its place whatever else is free makes up for.
 
-    Its parts come on top of what a healthy machine has of them, and a fit of it begins there. What cannot be there, for what it comes on
-    top of is not, is no name.
+    Its parts come on top of what a healthy machine has of them, and a fit of it begins there. What comes on top of something that is not
+    there is no name.
     """
     declared_parts = identification_of(finding.effect).twins.as_parts
     if not declared_parts or len(finding.parameters) != 1:

@@ -133,21 +133,26 @@ class _Growth:
         beam = [best]
         asks_together = begun is None or not start.was_asked_together
         together: Together | None = None
+        again = False
         for _ in range(MOST_FINDINGS):
             if self._is_over():
                 break
             self._report(f"scoring {len(self.proposals.candidates)} candidates")
-            grown = self._grown(beam)
-            if not grown:
+            grown = self._grown(beam, again)
+            leader = self._leader(grown) if grown else best
+            ordered = [leader, *(model for model in self.comparisons.ranked(grown) if model is not leader)] if grown else []
+            tidied = next((model for model in map(self.simplification.tidied, ordered) if model.candidates), None)
+            if tidied is None and not best.candidates and self.comparisons.moves_baseline():
+                best, again = self.comparisons.baseline, True
+                beam = [best]
+                continue
+            if tidied is None:
                 if asks_together and together is None and not self.joint.is_within_bound(best):
                     together = self.joint.found_together(best)
                     if together.explains:
                         return self._reached(together.model)
                 break
-            leader = self._leader(grown)
-            ordered = [leader, *(model for model in self.comparisons.ranked(grown) if model is not leader)]
-            tidied = next((model for model in map(self.simplification.tidied, ordered) if model.candidates), None)
-            if tidied is None or (best.candidates and self.fits.deficit(tidied, best) >= 0.0):
+            if best.candidates and self.fits.deficit(tidied, best) >= 0.0:
                 break
             before, best = best, tidied
             self._report(f"{len(best.candidates)} found, {best.candidates[-1].effect.replace('_', ' ')} last")
@@ -279,11 +284,11 @@ class _Growth:
         better = self.comparisons.ranked([now, *self.fits.fit_all([(one, now) for one in sets])])[0]
         return None if better is now else better
 
-    def _grown(self, beam: Sequence[FittedModel]) -> list[FittedModel]:
-        """Return every accepted set that has one candidate more than one of these."""
+    def _grown(self, beam: Sequence[FittedModel], again: bool = False) -> list[FittedModel]:
+        """Return every accepted set that has one candidate more than one of these; `again` as of `ModelFits.fit`."""
         asked = [(now, candidate) for now in beam for candidate in self.proposals.additions(now)]
         grown: dict[SetKey, FittedModel] = {}
-        models = self.fits.fit_rivals([((*now.candidates, one), now) for now, one in asked])
+        models = self.fits.fit_rivals([((*now.candidates, one), now) for now, one in asked], again=again)
         for (now, candidate), model in zip(asked, models, strict=True):
             found = is_more_than_healthy(candidate, model) and not is_at_bound(candidate, model)
             if found and self.comparisons.accepts(now, model):

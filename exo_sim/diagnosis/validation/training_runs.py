@@ -2,27 +2,30 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
 
+from exo_sim.diagnosis.data.computed_columns import shown_noise, was_computed
 from exo_sim.diagnosis.data.machine_data import MachineData
 from exo_sim.diagnosis.data.sampled_commands import early_commands
 from exo_sim.diagnosis.data.split import Split
 from exo_sim.diagnosis.estimation.correlation import correlation_time
-from exo_sim.diagnosis.policy.budgets import BLOCKS, LEAD, LONGEST_MACHINE_FIT, MACHINE_ROW, MACHINE_WINDOW
+from exo_sim.diagnosis.policy.budgets import LEAD, LONGEST_MACHINE_FIT, MACHINE_BLOCK, MACHINE_ROW, MACHINE_WINDOW
 from exo_sim.diagnosis.policy.recordings import FEWEST_TO_FIT
 from exo_sim.diagnosis.validation.recorded_run import Machine, judged_part, run_of
 from exo_sim.recording import noise
 from exo_sim.recording.table import Recording
 from exo_sim.rig import Rig
-from exo_sim.simulation.replay import run
+from exo_sim.simulation.replay import Run, run
 
 Array = NDArray[np.float64]
 #: By column, errors in units of its noise, shape (n,).
 Errors = dict[str, Array]
+#: A recording with the first and the last moment of a part of it [s].
+Span = tuple[Recording, float, float]
 
 
 @dataclass(frozen=True)
@@ -40,6 +43,14 @@ class _Stretch:
     early: Mapping[str, float]
     counted: Mapping[str, NDArray[np.bool_]]
     noise: Mapping[str, float]
+
+
+def _stretch(recorded: Recording, ran: Run, early: Mapping[str, float], rows: NDArray[np.bool_]) -> _Stretch:
+    """Return the columns of a run that can be held against something: not those that never move and have no noise."""
+    computed = was_computed(recorded)
+    floors = {key: shown_noise(noise.floor(recorded[key], recorded.time).std, recorded[key], computed) for key in ran.predicted.columns}
+    counted = {key: rows & ran.simulated & np.isfinite(recorded[key]) for key, floor in floors.items() if floor > 0.0}
+    return _Stretch(recorded, early, {key: here for key, here in counted.items() if here.any()}, floors)
 
 
 class TrainingRuns:
@@ -61,15 +72,11 @@ class TrainingRuns:
         machine = Machine(rig)
         cylinders = [each for runs in data.cylinders.values() for each in runs]
         self._stretches: list[_Stretch] = []
-        for table, first in _tables(data):
+        for table, first in _parts(data, split):
             early = early_commands(table.name, data.rig, cylinders)
             ran = run_of(table, machine, "auto", MACHINE_WINDOW, early)
             if ran is not None and not ran[1].imposed:
-                recorded, here = ran[0], _rows(table.time, first) & split.in_training(table.name, table.time) & ran[1].simulated
-                counted = {key: here & np.isfinite(recorded[key]) for key in ran[1].predicted.columns}
-                counted = {key: rows for key, rows in counted.items() if rows.any()}
-                floors = {key: max(noise.floor(recorded[key], recorded.time).std, 1e-300) for key in counted}
-                self._stretches.append(_Stretch(recorded, early, counted, floors))
+                self._stretches.append(_stretch(ran[0], ran[1], early, _rows(table.time, first)))
 
     @property
     def is_empty(self) -> bool:
@@ -104,20 +111,37 @@ class TrainingRuns:
         return {key: len(own) / correlation_time(own, np.concatenate(blocks[key])) for key, own in errors.items()}
 
 
-def _tables(data: MachineData) -> Iterator[tuple[Recording, float]]:
-    """Yield the recordings, or blocks of long ones, each with the time from which on it counts [s]."""
-    tables = [judged_part(table, data) for table in data.as_read]
-    share = LONGEST_MACHINE_FIT / max(sum(table.duration for table in tables), 1e-9)
-    for table in (table for table in tables if len(table.time) >= FEWEST_TO_FIT):
-        start, length = float(table.time[0]), table.duration / BLOCKS
-        if share >= 1.0:
-            yield table, start
-            continue
-        for number in range(BLOCKS):
-            begin = start + number * length
-            block = table.span(begin, begin + min(LEAD + share * length, length))
-            if len(block.time) >= FEWEST_TO_FIT:
-                yield block, begin + LEAD
+def _parts(data: MachineData, split: Split) -> Iterator[tuple[Recording, float]]:
+    """Yield the training time of the recordings, or blocks of it, each with the time from which on it counts [s].
+
+    A run begins where the recording does, or a while before what counts, for its gas to come to its temperature.
+    """
+    spans = [span for table in data.as_read for span in _training_spans(judged_part(table, data), split)]
+    total = sum(end - begin for _, begin, end in spans)
+    for table, begin, end in spans if total <= LONGEST_MACHINE_FIT else _spread(spans, total):
+        first = begin + (LEAD if begin > table.time[0] else 0.0)
+        part = table.span(begin, float(np.nextafter(end, np.inf)))
+        if len(part.time) >= FEWEST_TO_FIT and first < end:
+            yield part, first
+
+
+def _training_spans(table: Recording, split: Split) -> list[Span]:
+    """Return the stretches of a recording that are training time."""
+    inside = np.concatenate([[False], split.in_training(table.name, table.time), [False]])
+    edges = np.flatnonzero(np.diff(inside))
+    return [(table, float(table.time[a]), float(table.time[b - 1])) for a, b in zip(edges[::2], edges[1::2], strict=True)]
+
+
+def _spread(spans: Sequence[Span], total: float) -> Iterator[Span]:
+    """Yield blocks that are evenly spread over spans of so many seconds, and with their leads are no longer than may be run."""
+    length = LEAD + MACHINE_BLOCK
+    count = max(int(LONGEST_MACHINE_FIT / length), 1)
+    middles, passed = (np.arange(count) + 0.5) * total / count, 0.0
+    for table, begin, end in spans:
+        for middle in middles[(middles >= passed) & (middles < passed + end - begin)]:
+            start = max(min(begin + float(middle) - passed - 0.5 * length, end - length), begin)
+            yield table, start, min(start + length, end)
+        passed += end - begin
 
 
 def _rows(time: Array, first: float) -> NDArray[np.bool_]:

@@ -107,7 +107,8 @@ def instrumented(
     columns += ("force",) if rng.random() < make.load_cell else ()
     true = as_built(built)
     known = rig_effects(m, make, built.known, runs[0])
-    nearest = replace(true, effects=rig_effects(m, make, (*built.known, *built.hidden), runs[0]))
+    named = rig_effects(m, make, (*built.known, *built.hidden), runs[0])
+    nearest = replace(true, dead_1=m["dead_1"], dead_2=m["dead_2"], effects=named)  # a hose that is named is not counted in as well
     own = believed(built, true, known, rng)
     tables = tuple(recorded(one, rack, built, columns, rng) for one in runs)
     fresh = recorded(unseen, rack, built, columns, rng)

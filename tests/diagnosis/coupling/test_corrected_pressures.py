@@ -18,7 +18,7 @@ from exo_sim.diagnosis.data.motion_run import MotionRun
 from exo_sim.diagnosis.data.split import Split
 from exo_sim.diagnosis.estimation.candidate import Candidate
 from exo_sim.diagnosis.estimation.least_squares import Fit
-from exo_sim.diagnosis.estimation.parameters import PlantParameters
+from exo_sim.diagnosis.estimation.parameters import FreeParameter, PlantParameters, Target
 from exo_sim.diagnosis.policy.recordings import CORRECTED_PRESSURE
 from exo_sim.diagnosis.selection.fitted_model import FittedModel, SearchResult
 from exo_sim.diagnosis.selection.model_fits import ModelFits
@@ -111,6 +111,23 @@ def test_behind_a_hose_a_fault_of_the_sensor_is_taken_off_once(tmp_path: Path, e
     (raw,) = faulty.joints["slide"]
     (mended,) = corrected_balances(faulty, [judged(faulty, effect, value)], PARTS)["slide"]
     assert force_error(mended, exact) < 0.05 * force_error(raw, case_of(rig, truth).joints["slide"][0])
+
+
+@pytest.mark.parametrize(("value", "taken_off"), [(9e3, True), (1e3, False)])
+def test_a_zero_that_was_only_refitted_is_taken_off_where_no_healthy_sensor_has_it(
+    rig: Rig, truth: Recording, value: float, taken_off: bool
+) -> None:
+    """Left in the forces, it is friction that differs by direction."""
+    (exact,) = case_of(rig, truth).joints["slide"]
+    case = case_of(rig, seen(truth, "sensor_bias", value, 2))
+    (raw,) = case.joints["slide"]
+    zero = FreeParameter("sensor_zero", "piston.pressure_2", "pressure_2.bias", "Pa", Target.SENSOR, 500.0, -1e4, 1e4, (0.0, 500.0))
+    gas = judged(case, "sensor_bias", value, 2, named=(), refitted=((zero, 50.0),))
+    final = FittedModel((), Fit((zero,), {zero: value}, np.zeros(gas.model.size), np.zeros((gas.model.size, 1))))
+    (mended,) = corrected_balances(case, [replace(gas, final=final)], PARTS)["slide"]
+    assert (mended is not raw) is taken_off
+    if taken_off:
+        assert force_error(mended, exact) < 0.01 * force_error(raw, exact)
 
 
 @pytest.mark.parametrize("seconds", [0.004, -0.003])

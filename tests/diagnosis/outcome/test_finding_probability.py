@@ -8,7 +8,7 @@ import pytest
 
 from exo_sim.diagnosis.findings import Estimate, Finding, Kind
 from exo_sim.diagnosis.outcome.finding_probability import by_share, confidence
-from exo_sim.diagnosis.policy.probability import MAY_BE_NIL, UNTESTED
+from exo_sim.diagnosis.policy.probability import LEAST_PROBABILITY, MAY_BE_NIL, UNTESTED
 from exo_sim.diagnosis.policy.verdicts import CONFIDENT_BESIDE_UNKNOWN, MOST_CONFIDENT
 
 
@@ -31,6 +31,12 @@ def test_nothing_is_more_probable_than_it_was_weighed() -> None:
 def test_a_name_of_forces_whose_pressures_nobody_understands_is_not_certain() -> None:
     assert confidence(named(300.0), 1.0, of_doubtful_pressures=True) == CONFIDENT_BESIDE_UNKNOWN < confidence(named(300.0), 1.0)
     assert confidence(named(300.0, weighed=0.6), 1.0, of_doubtful_pressures=True) == 0.6
+
+
+def test_a_name_without_which_more_was_missed_is_no_less_probable_than_what_is_kept() -> None:
+    assert confidence(named(300.0), 0.0, is_upheld=True) == LEAST_PROBABILITY > confidence(named(300.0), 0.0)
+    assert confidence(named(300.0), 1.0, is_upheld=True) == confidence(named(300.0), 1.0)
+    assert confidence(named(300.0, weighed=0.3), 0.0, is_upheld=True) == 0.3
 
 
 @pytest.mark.parametrize(("weighed", "said"), [(None, UNTESTED), (0.6, 0.6), (0.99, UNTESTED)])

@@ -91,6 +91,25 @@ def test_friction_of_two_directions_replaces_what_the_rig_says_of_its_piston(tmp
     assert written is not None and written.parameters == pytest.approx({"forward": 20.0 - at_joint, "backward": 28.0 - at_joint})
 
 
+def test_what_was_found_of_a_joint_with_the_name_of_a_cylinder_is_not_written_as_the_cylinders(tmp_path: Path) -> None:
+    """With a load cell the balance is of the joint alone, and a rig file has no place for it."""
+    said = '[effects.viscous_friction.piston]\ncoefficient = "20 N s/m"\n'
+    rig = benches.renamed(benches.bench(tmp_path, said), "piston", "slide")
+    model = load(rig)
+    data = MachineData(rig, model, linkages(rig, model), (), (), {}, {})
+    run = motion_runs.balance(np.zeros(motion_runs.TIME.size), turning=True)
+    balance = MotionModel([run], nominal_balance(data, "slide", [run]), Split({}))
+    viscous = next(c for c in candidates(balance.runs, balance.nominal, "slide") if c.effect == "viscous_friction")
+    size = viscous.parameters[0]
+    final = FittedModel((viscous,), Fit((size,), {size: 5.0}, np.zeros(4), np.zeros((4, 1))))
+    estimates = {size.parameter: Estimate(5.0, size.unit, 4.0, 6.0)}
+    finding = Finding("viscous_friction", "slide", Kind.MISSING_PHYSICS, "", estimates, 9.0, 0.5)
+    one = SubsystemResult("slide", balance, ModelFits(balance, ()), SearchResult(final, final), final, (viscous,), findings=(finding,))
+    assert size.unit == "N*m*s/rad" and rig_update(data, [one], ()).parts == ()
+    unnamed = replace(data, rig=benches.bench(tmp_path))
+    assert [part.rank for part in rig_update(unnamed, [one], ()).parts] == [Rank.FOUND]
+
+
 def test_a_finding_that_was_taken_back_is_not(data: MachineData) -> None:
     assert rig_update(data, [result({AREA: 3e-8}, LEAK)], ()).entries == ()
 

@@ -28,6 +28,7 @@ from exo_sim.diagnosis.selection.subsystem_result import SubsystemResult
 from exo_sim.diagnosis.subsystems.gas.model import GasModel
 from exo_sim.diagnosis.subsystems.gas.nuisances import healthy_walls, nuisance_parameters
 from exo_sim.recording import write_table
+from exo_sim.trials.whole_machines.walk.case import make_worn_case, write_worn_case
 
 #: A logger of 50 samples a second whose pressures come so late [s]; more than two sample periods, less than a quarter of a cycle.
 LATE, PERIOD = 0.18, 0.02
@@ -158,3 +159,15 @@ def test_a_search_in_another_division_of_the_time_begins_with_what_the_first_fou
     assert searched.standing("piston", "beginning", None, sought) is None
     assert searched.standing("piston", "end", "with friction", sought) is None
     assert searched.of_other_time("other", "beginning", sought) is None
+
+
+@pytest.mark.slow
+def test_numbers_that_ended_where_they_stand_in_for_an_effect_begin_anew_where_effects_lead_them(tmp_path: Path) -> None:
+    """A hip whose valve is late, lapped and leaks: alone they ended at a tenth of a dead volume, and every effect looked needless."""
+    write_worn_case(make_worn_case("walk", "N", "whole", 5501, weigh=False), tmp_path)
+    data = gather([tmp_path / "recording.csv"], tmp_path / "rig.toml")
+    data = replace(data, cylinders={"hip_l": data.cylinders["hip_l"]})
+    parts = split([(table.name, table.time) for table in data.recordings])
+    _, (found,) = examine_gas(data, Plan(parts), SERIAL, lambda words: None)
+    named = {finding.name for finding in found.findings}
+    assert named == {"external_leakage", "valve_deadband", "valve_lag", "valve_null_leakage", "critical_ratio"} and not found.has_unknown

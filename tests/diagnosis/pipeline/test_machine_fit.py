@@ -4,15 +4,19 @@ from __future__ import annotations
 
 import json
 from pathlib import Path
+from typing import cast
 
+import numpy as np
 import pytest
 
 from exo_sim.diagnosis.data.machine_data import MachineData
 from exo_sim.diagnosis.data.split import Split
 from exo_sim.diagnosis.outcome.rig_numbers import open_numbers
 from exo_sim.diagnosis.outcome.rig_update import Part, Rank, RigUpdate
-from exo_sim.diagnosis.pipeline.machine_fit import fitted_to_machine
+from exo_sim.diagnosis.pipeline.machine_fit import Linearised, cost, fitted_to_machine, weighed_step
 from exo_sim.diagnosis.pipeline.reading import gather
+from exo_sim.diagnosis.validation.training_runs import Errors, TrainingRuns, _Stretch
+from exo_sim.recording.table import Recording
 from exo_sim.rig import Correction, EffectEntry, EffectSetting
 from exo_sim.trials.cases import make_case, write_case
 from exo_sim.trials.conditions import Conditions
@@ -81,3 +85,55 @@ def test_a_rig_that_is_no_machine_is_left_as_it_is(rubbing: tuple[MachineData, f
     richer = Part("gas of piston", Rank.FOUND, (EffectEntry(both, {"forward": (0.0, 2.0 * force)}),))
     refused = RigUpdate(data.rig, (*found(data, force, 1.0).parts, richer))
     assert fitted_to_machine(data, refused, kept(data)) is refused
+
+
+class Windows:
+    """Runs of three windows whose columns are held against nothing but themselves."""
+
+    independent = TrainingRuns.independent
+
+    def __init__(self, rows: int, columns: tuple[str, ...]) -> None:
+        time = np.arange(rows, dtype=np.float64) * 0.01
+        counted = dict.fromkeys(columns, np.ones(rows, dtype=bool))
+        self._stretches = [_Stretch(Recording("x", time, {}, {}), {}, counted, dict.fromkeys(columns, 1.0))]
+
+
+def line(rng: np.random.Generator, numbers: int, truth: np.ndarray, drift: float, columns: tuple[str, ...] = ("a", "b")) -> Linearised:
+    """Return three windows of 2 s in which a step of smooth responses, and a drift that no number explains, add to noise of one."""
+    time = np.arange(600) * 0.01
+    within = time % 2.0
+    responses, errors = {}, Errors()
+    for column in columns:
+        shapes = [within * np.sin((0.7 + 0.4 * j) * time + rng.uniform(0.0, 6.0)) for j in range(numbers)]
+        responses[column] = 20.0 * np.stack(shapes, axis=1)
+        astray = drift * within * rng.standard_normal(3)[(time // 2.0).astype(int)]
+        errors[column] = astray + rng.standard_normal(600) - responses[column] @ truth
+    return Linearised(errors, responses)
+
+
+def moved_by(one: Linearised, numbers: int) -> np.ndarray:
+    ends = np.tile([-2.0, 2.0], (numbers, 1))
+    return weighed_step(one, ends, cast(TrainingRuns, Windows(600, tuple(one.errors))))[0]
+
+
+def test_numbers_come_to_what_the_errors_say_of_them() -> None:
+    truth = np.array([0.8, -1.1, 0.3])
+    assert moved_by(line(np.random.default_rng(1), 3, truth, 0.0), 3) == pytest.approx(truth, abs=0.15)
+
+
+def test_a_drift_that_no_number_explains_moves_many_numbers_by_little() -> None:
+    """What fits best moves twenty numbers by far more than the two standard errors that they may: they would end at their bounds."""
+    drift = line(np.random.default_rng(2), 20, np.zeros(20), 500.0)
+    rows, errors = (np.concatenate(list(one.values())) for one in (drift.responses, drift.errors))
+    assert np.sqrt(np.mean(np.linalg.lstsq(rows, -errors, rcond=None)[0] ** 2)) > 4.0
+    assert np.sqrt(np.mean(moved_by(drift, 20) ** 2)) < 0.7
+
+
+def test_a_step_that_ends_at_a_bound_takes_the_others_with_it() -> None:
+    """Two numbers that do the same: what one may not move by, the other does."""
+    one = line(np.random.default_rng(3), 1, np.array([1.8]), 0.0)
+    twice = Linearised(one.errors, {key: np.repeat(rows, 2, axis=1) for key, rows in one.responses.items()})
+    ends = np.array([[-0.2, 0.2], [-2.0, 2.0]])
+    moved, weights = weighed_step(twice, ends, cast(TrainingRuns, Windows(600, ("a", "b"))))
+    assert moved == pytest.approx([0.2, 1.6], abs=0.1)
+    assert cost(twice.at(moved), weights, moved) < cost(twice.errors, weights, np.zeros(2))

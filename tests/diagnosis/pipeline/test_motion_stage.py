@@ -17,6 +17,7 @@ from exo_sim.diagnosis.data.split import Split, split
 from exo_sim.diagnosis.estimation.threads import SERIAL
 from exo_sim.diagnosis.pipeline.motion_stage import (
     JudgedBalances,
+    asked_of,
     balances_left_open,
     examine_motion,
     judged_balances,
@@ -27,7 +28,9 @@ from exo_sim.diagnosis.pipeline.plan import Plan, Refuted
 from exo_sim.diagnosis.pipeline.reading import gather
 from exo_sim.diagnosis.selection.subsystem_result import SubsystemResult
 from exo_sim.diagnosis.subsystems.motion.candidates import candidates
+from exo_sim.diagnosis.subsystems.motion.family import motion_family
 from exo_sim.diagnosis.subsystems.motion.model import MotionModel
+from exo_sim.diagnosis.subsystems.motion.nuisances import nuisance_parameters
 from exo_sim.diagnosis.subsystems.motion.smoothing import smoothed_alike
 from exo_sim.machine.linkage import linkages
 from exo_sim.machine.rig_model import load
@@ -162,6 +165,27 @@ def test_friction_that_differs_by_direction_is_no_scale_of_a_pressure(tmp_path: 
         assert levels["forward"].value == pytest.approx(out, rel=0.15) and levels["backward"].value == pytest.approx(back, rel=0.15)
 
 
+@pytest.mark.parametrize("most", [None, 4e3], ids=["not known", "known"])
+def test_zeros_of_pressures_are_weighed_as_far_off_as_the_gas_lets_them_be(tmp_path: Path, most: float | None) -> None:
+    """One zero that is 26 kPa off pushes as friction of two directions does, which no gas sees."""
+    rig = benches.bench(tmp_path)
+    model = load(rig)
+    lost = smoothed_alike(TIME, np.where(VELOCITY > 0.0, 8.0, -50.0))
+    run = motion_runs.behind_cylinder(motion_runs.balance(lost, 0.3), np.full((TIME.size, 2), 2e5))
+    columns = {"piston.pressure_1": 8e-4, "piston.pressure_2": -7e-4}
+    run = replace(run, drive=replace(run.drive, levers={name: np.full(TIME.size, area) for name, area in columns.items()}))
+    zeros = {} if most is None else dict.fromkeys(columns, most)
+    data = MachineData(rig, model, linkages(rig, model), (), (), {}, {"slide": (run,)}, zeros_within=zeros)
+    balance = MotionModel([run], nominal_balance(data, "slide", [run]), Split({}))
+    asked = asked_of(balance, data, Plan(Split({})))
+    bounds = {c.where: c.parameters[0].high for c in asked if c.effect == "sensor_bias"}
+    assert bounds == {column: most or 1e7 for column in columns}
+    family = motion_family(balance, nuisance_parameters([run], balance.nominal, "piston"), asked, soft=False)
+    offsets = [term for term in family.linearisations[0].terms if term.candidate.effect == "sensor_bias"]
+    needed = 0.5 * (50.0 - 8.0) / 8e-4
+    assert [bool(term.spread[0] > 0.5 * needed) for term in offsets] == [most is None] * 2
+
+
 def test_a_dip_is_found_beside_friction_of_pressure_that_the_rig_has(tmp_path: Path) -> None:
     gauge = 2e5 * np.stack([1.0 + 0.8 * np.sin(2.0 * TIME), 1.0 + 0.8 * np.cos(1.3 * TIME)], axis=1)
     level = 10.0 + 4e-5 * gauge.sum(axis=1)
@@ -202,6 +226,19 @@ def test_of_laws_at_a_joint_and_at_its_piston_sizes_add_up_and_shapes_do_not(tmp
     dip, spring = both["stribeck_friction"][0], both["return_spring"][0]
     assert (dip["breakaway"], dip["velocity"], dip["exponent"]) == pytest.approx((40.0, 0.03, 2.0))
     assert (spring["stiffness"], spring["rest"]) == pytest.approx((40.0, 0.05))
+
+
+@pytest.mark.parametrize("cell", [False, True], ids=["pressures", "load cell"])
+def test_what_the_rig_says_of_a_cylinder_with_the_name_of_its_joint_is_the_cylinders_alone(tmp_path: Path, cell: bool) -> None:
+    """As on legs, whose cylinders are called as the joints that they drive."""
+    rig = benches.renamed(benches.bench(tmp_path, '[effects.coulomb_friction.piston]\nforce = "20 N"\n'), "piston", "slide")
+    model = load(rig)
+    run = motion_runs.balance(np.zeros(TIME.size), 0.3)
+    if not cell:
+        run = motion_runs.behind_cylinder(run, np.full((TIME.size, 2), 2e5))
+        run = replace(run, drive=replace(run.drive, cylinder="slide"))
+    data = MachineData(rig, model, linkages(rig, model), (), (), {}, {"slide": (run,)})
+    assert nominal_balance(data, "slide", [run]).cylinder["coulomb_friction"]["force"][0] == pytest.approx(0.0 if cell else 20.0)
 
 
 def test_what_was_refuted_is_not_named_again(tmp_path: Path) -> None:

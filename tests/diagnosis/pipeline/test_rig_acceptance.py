@@ -5,7 +5,8 @@ from __future__ import annotations
 import math
 from collections.abc import Callable
 from dataclasses import replace
-from typing import Any
+from types import SimpleNamespace
+from typing import Any, cast
 
 import benches
 import pytest
@@ -228,3 +229,38 @@ def test_a_leak_is_written_as_it_is_and_not_larger(leaking: MachineData, size: f
     assert bool(Judge(leaking, whole.kept_back()).trial(update).strays) is not wins
     kept, said = accepted(leaking, update, whole)
     assert (kept.update is update) is wins and bool(said) is not wins
+
+
+@pytest.mark.parametrize(("together", "wins"), [(0.6, True), (1.2, False)])
+def test_numbers_that_were_fitted_together_are_written_where_the_whole_machine_is_predicted_better(
+    rig: Rig, monkeypatch: pytest.MonkeyPatch, together: float, wins: bool
+) -> None:
+    """They are worse for each balance by itself, which decides nothing between the two."""
+    plain = RigUpdate(rig, (part("gas", Rank.FOUND),))
+    fitted = replace(plain, is_fitted_together=True)
+
+    def trial(update: RigUpdate) -> Trial:
+        by = together if update.is_fitted_together else 1.0
+        balance = {"gas": SignalFit("Pa", 1.0, 0.2 / by, 0.0)}
+        return Trial(update, balance, {"gas": SignalFit("Pa", 1.0, 0.5 * by, 0.0)}, {}, {"gas": SignalFit("Pa", 1.0, 0.5 * by, 0.0)})
+
+    monkeypatch.setattr(rig_acceptance, "Judge", lambda *_: SimpleNamespace(trial=trial, refusals=[]))
+    kept, _ = accepted(cast(MachineData, None), plain, Split({"a": ((0.0, 1.0),)}), fitted=fitted)
+    assert kept.update.is_fitted_together is wins
+
+
+def test_where_parts_of_it_lose_the_rest_is_tried_with_the_numbers_of_its_balances(rig: Rig, monkeypatch: pytest.MonkeyPatch) -> None:
+    plain = RigUpdate(rig, (part("gas", Rank.FOUND), part("motion", Rank.REFITTED)))
+    fitted = replace(plain, is_fitted_together=True)
+
+    def trial(update: RigUpdate) -> Trial:
+        """The refitted numbers hurt; without them, those that made up for them do."""
+        sources = [one.source for one in update.parts]
+        of_whole, of_gas, of_rest = (1.5, 0.7, 1.9) if update.is_fitted_together else (1.8, 0.4, 1.9)
+        after = of_whole if len(sources) == 2 else of_gas if sources == ["gas"] else of_rest
+        fits = {"gas": SignalFit("Pa", 1.0, after, 0.0)}
+        return Trial(update, {"gas": SignalFit("Pa", 1.0, 0.9, 0.0)}, fits, {}, fits)
+
+    monkeypatch.setattr(rig_acceptance, "Judge", lambda *_: SimpleNamespace(trial=trial, refusals=[]))
+    kept, _ = accepted(cast(MachineData, None), plain, Split({"a": ((0.0, 1.0),)}), fitted=fitted)
+    assert not kept.update.is_fitted_together and [one.source for one in kept.update.parts] == ["gas"]

@@ -9,10 +9,10 @@ import numpy as np
 import pytest
 
 from exo_sim.diagnosis.findings import SignalFit
-from exo_sim.diagnosis.outcome.rig_update import RigUpdate
+from exo_sim.diagnosis.outcome.rig_update import Part, Rank, RigUpdate
 from exo_sim.diagnosis.pipeline.rig_trial import Trial, is_worse, straying_further, uncertainty
 from exo_sim.diagnosis.policy.budgets import MOST_TRIALS
-from exo_sim.rig import Rig
+from exo_sim.rig import EffectEntry, EffectSetting, Rig
 
 
 @pytest.fixture(scope="module")
@@ -153,3 +153,17 @@ def test_what_one_run_misses_by_chance_is_told_from_what_all_miss(rig: Rig) -> N
     for ratios in ((1.2, 1.3, 1.2), (0.9, 1.05, 0.9)):  # by more in all, and by less in the mean that may be chance itself
         first, *started = runs(1.7, *ratios)
         assert Trial(RigUpdate(rig, ()), {}, first, {}, starts=tuple(started)).by_chance() == {}
+
+
+@pytest.mark.parametrize(
+    ("rank", "position", "worse"),
+    [(Rank.REFITTED, (1.3, 1.2, 1.1), True), (Rank.REFITTED, (1.3, 0.8, 0.9), False), (Rank.FOUND, (1.3, 1.2, 1.1), False)],
+)
+def test_where_nothing_was_found_no_signal_pays_for_another(rig: Rig, rank: Rank, position: tuple[float, ...], worse: bool) -> None:
+    """A bench as its rig: pressures with refitted delays and volumes are predicted four times better, its position is not."""
+    entry = EffectEntry(EffectSetting("sensor_delay", "piston.pressure_1", {"seconds": 1e-3}))
+    update = RigUpdate(rig, (Part("gas of piston", rank, (entry,)),))
+    first, *started = (
+        {"piston.pressure_1": SignalFit("Pa", 1.0, 0.25, 1e-9), "slide.position": SignalFit("m", 1.0, ratio, 1e-9)} for ratio in position
+    )
+    assert Trial(update, {}, first, {}, starts=tuple(started)).is_worse is worse

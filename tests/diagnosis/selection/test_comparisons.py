@@ -3,10 +3,11 @@
 from __future__ import annotations
 
 import math
+from dataclasses import replace
 
 import numpy as np
 import pytest
-from diagnosis.waves import AT, BASE, OTHER, SHAPES, Waves
+from diagnosis.waves import AT, BASE, OTHER, SHAPES, Waves, parameter
 
 from exo_sim.diagnosis.estimation.candidate import Candidate
 from exo_sim.diagnosis.policy import acceptance
@@ -59,3 +60,17 @@ def test_clean_is_as_small_as_the_noise_and_explained_counts_from_the_baseline(f
     assert comparisons.explains(full, full, 0.999) and not comparisons.explains(bare, full, 0.01)
     assert comparisons.is_as_good(full, fits.fit((BASE, OTHER), full)) and not comparisons.is_as_good(bare, full)
     assert np.sum(SHAPES["slow"] ** 2) * SIZE**2 == pytest.approx(bare.fit.sse - full.fit.sse, rel=0.2)
+
+
+@pytest.mark.parametrize("ended_at", [0.4 * SIZE, SIZE])
+def test_the_baseline_is_the_best_fit_of_the_nuisance_parameters_that_is_known(ended_at: float) -> None:
+    """They ended short of their optimum, and a fit that left an effect out again went there."""
+    free = parameter("nuisance", "slow", (0.0, 10.0))
+    fits = ModelFits(Waves(slow=SIZE), (free,))
+    best = fits.fit(())
+    values = {free: ended_at * best.fit.values[free] / SIZE}
+    short = FittedModel((), replace(best.fit, values=values, residual=fits.model.residual(values)))
+    comparisons = Comparisons(fits, short, 10, 0.0)
+    assert comparisons.moves_baseline() is (ended_at < SIZE)
+    assert comparisons.baseline.fit.sse == pytest.approx(best.fit.sse, rel=1e-3)
+    assert not comparisons.moves_baseline()

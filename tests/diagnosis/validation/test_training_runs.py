@@ -13,9 +13,10 @@ from exo_sim import rig as rigs
 from exo_sim.diagnosis.data.machine_data import MachineData
 from exo_sim.diagnosis.data.split import Split
 from exo_sim.diagnosis.pipeline.reading import gather
-from exo_sim.diagnosis.policy.budgets import BLOCKS, LEAD
+from exo_sim.diagnosis.policy.budgets import LEAD, LONGEST_MACHINE_FIT
 from exo_sim.diagnosis.validation import training_runs
 from exo_sim.diagnosis.validation.training_runs import TrainingRuns
+from exo_sim.recording.table import Recording
 from exo_sim.rig import Rig
 from exo_sim.trials.cases import make_case, write_case
 from exo_sim.trials.conditions import Conditions
@@ -58,7 +59,7 @@ def test_what_is_held_out_takes_no_part(rubbing: tuple[MachineData, Rig]) -> Non
     one, two = (squares(TrainingRuns(each, kept(each), true), true) for each in (data, other))
     assert two == pytest.approx(one, rel=0.02)
     whole = squares(TrainingRuns(other, Split({}), true), true)
-    assert whole["slide.position"] > 4.0 * two["slide.position"]
+    assert whole["slide.position"] > 3.0 * two["slide.position"]
 
 
 def test_errors_that_stand_together_count_for_fewer_samples_than_those_that_do_not(rubbing: tuple[MachineData, Rig]) -> None:
@@ -73,18 +74,29 @@ def test_errors_that_stand_together_count_for_fewer_samples_than_those_that_do_n
     assert runs.independent({"slide.position": slow})["slide.position"] < 0.1 * n
 
 
-def test_of_a_long_recording_blocks_count_that_begin_with_a_lead(
-    rubbing: tuple[MachineData, Rig], monkeypatch: pytest.MonkeyPatch
-) -> None:
+@pytest.mark.parametrize(("recordings", "seconds"), [(3, 20.0), (3, 30.0), (10, 12.0), (1, 61.0), (20, 30.0), (40, 60.0)])
+def test_no_more_is_run_than_may_be_and_most_of_it_counts(rubbing: tuple[MachineData, Rig], recordings: int, seconds: float) -> None:
+    """Blocks lie in training time; one that does not begin with its recording has a lead, which is run as well."""
+    data, _ = rubbing
+    time = np.arange(0.0, seconds, 0.01)
+    tables = tuple(Recording(f"{i}", time, {"slide.position": np.sin(time)}, {"slide.position": "m"}) for i in range(recordings))
+    split = Split({table.name: ((0.7 * seconds, seconds),) for table in tables})
+    parts = list(training_runs._parts(replace(data, as_read=tables), split))
+    run, counted = sum(part.duration for part, _ in parts), sum(float(part.time[-1]) - first for part, first in parts)
+    assert run <= min(LONGEST_MACHINE_FIT, 0.7 * recordings * seconds) + 1.0
+    assert counted > 0.5 * min(0.7 * recordings * seconds, LONGEST_MACHINE_FIT)
+    assert all(part.time[-1] <= 0.7 * seconds for part, _ in parts)
+    leads = [first - float(part.time[0]) for part, first in parts]
+    assert all(lead == pytest.approx(LEAD if part.time[0] > 0.0 else 0.0, abs=0.02) for lead, (part, _) in zip(leads, parts, strict=True))
+
+
+def test_a_column_without_noise_does_not_count(rubbing: tuple[MachineData, Rig], monkeypatch: pytest.MonkeyPatch) -> None:
+    """Errors in units of nothing are infinite, and no number would move."""
     data, true = rubbing
-    monkeypatch.setattr(training_runs, "LONGEST_MACHINE_FIT", 2.0)
-    monkeypatch.setattr(training_runs, "LEAD", 0.25 * LEAD)
-    blocks = list(training_runs._tables(data))
-    assert len(blocks) == BLOCKS
-    assert sum(float(block.time[-1]) - first for block, first in blocks) == pytest.approx(2.0, rel=0.1)
-    assert all(first - float(block.time[0]) == pytest.approx(0.25 * LEAD, abs=2e-3) for block, first in blocks)
+    quiet = float(data.as_read[0]["piston.pressure_2"][0])
+    monkeypatch.setattr(training_runs, "shown_noise", lambda noise, values, computed: 0.0 if values[0] == quiet else noise)
     found = TrainingRuns(data, kept(data), true).errors(true)
-    assert found is not None and 0 < len(found["slide.position"]) < 0.7 * 2.0 / training_runs.MACHINE_ROW
+    assert found is not None and set(found) == {"piston.pressure_1", "slide.position"}
 
 
 def test_motion_that_somebody_led_is_not_run(rubbing: tuple[MachineData, Rig]) -> None:

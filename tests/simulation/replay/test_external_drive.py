@@ -12,7 +12,16 @@ from numpy.typing import NDArray
 
 from exo_sim.machine.linkage import linkages
 from exo_sim.machine.rig_model import load
-from exo_sim.simulation.replay.external_drive import DRIVEN_SHARE, POWER_SMOOTHING, _is_free, _power_shares, external_power
+from exo_sim.simulation.replay import external_drive
+from exo_sim.simulation.replay.external_drive import (
+    DRIVEN_BESIDE,
+    DRIVEN_SHARE,
+    POWER_SMOOTHING,
+    _is_free,
+    _power_shares,
+    external_power,
+    externally_driven,
+)
 
 Array = NDArray[np.float64]
 TIME: Array = np.asarray(np.arange(4000) * 1e-3, dtype=np.float64)
@@ -88,6 +97,32 @@ def test_what_stops_throw_back_puts_in_no_power(tmp_path: Path) -> None:
     rig.model.write_text(rig.model.read_text().replace(joint, springy))
     model = load(rig)
     assert _power_shares(benches.recorded(rig, 8.0), rig, model, linkages(rig, model), [0])["slide"] < 0.02
+
+
+@pytest.mark.parametrize(
+    ("shares", "measured", "driven"),
+    [
+        ({"a": 0.5, "b": 0.08}, "", {"a", "b"}),
+        ({"a": 0.5, "b": 0.02}, "", {"a"}),
+        ({"a": 0.02, "b": 0.08}, "", set()),
+        ({"a": 0.5, "b": 0.08}, "a", set()),
+    ],
+    ids=["led beside", "free beside", "alone", "measured"],
+)
+def test_who_moves_one_joint_is_sooner_held_to_move_another(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, shares: dict[str, float], measured: str, driven: set[str]
+) -> None:
+    """A knee that its wearer leads along with the gas has a share that alone would be no evidence; a hip that was measured says nothing."""
+    rig = benches.bench(tmp_path)
+    rig.model.write_text(rig.model.read_text().replace('name="slide"', 'name="a"').replace('joint="slide"', 'joint="a"'))
+    extra = '<body pos="0 1 0"><joint name="b" type="slide" axis="1 0 0"/><geom size="0.1" mass="1"/></body></worldbody>'
+    rig.model.write_text(rig.model.read_text().replace("</worldbody>", extra))
+    model = load(rig)
+    columns = {f"{name}.position": 0.05 * np.sin(TIME) for name in shares}
+    columns |= {f"{measured}.external_force": 0.0 * TIME} if measured else {}
+    monkeypatch.setattr(external_drive, "_power_shares", lambda *given: shares)
+    assert DRIVEN_BESIDE < shares["b"] < DRIVEN_SHARE or shares["b"] == 0.02
+    assert set(externally_driven(benches.recording(TIME, columns), rig, model, linkages(rig, model))) == driven
 
 
 def test_a_joint_that_nothing_moves_is_not_driven() -> None:

@@ -146,6 +146,7 @@ def test_machines_that_cannot_be_moved_are_drawn_anew(monkeypatch):
         ("A", ("flow", "viscous"), 0),
         ("B", ("leak_piston", "viscous", "deadband"), 0),
         ("A", ("hose", "viscous", "silencer"), 0),
+        ("D", ("hose", "viscous", "heat"), 0),
         ("I", ("leak_out", "viscous", "spring"), 2),
     ],
 )

@@ -23,7 +23,7 @@ from exo_sim.diagnosis.estimation.budget import IsSpent, never
 from exo_sim.diagnosis.estimation.effort import Effort
 from exo_sim.diagnosis.estimation.kept_residuals import KeptResiduals
 from exo_sim.diagnosis.estimation.least_squares import Derivatives, Fit, fit
-from exo_sim.diagnosis.estimation.parameters import FreeParameter, PlantParameters, card_delays
+from exo_sim.diagnosis.estimation.parameters import FreeParameter, PlantParameters, Values, card_delays
 from exo_sim.diagnosis.estimation.threads import SERIAL, Threads
 from exo_sim.diagnosis.findings import Finding, Series, Subsystem
 from exo_sim.diagnosis.nominal_numbers import DEAD_VOLUME
@@ -31,6 +31,7 @@ from exo_sim.diagnosis.policy import healthy, significance, verdicts
 from exo_sim.diagnosis.subsystem_model import Comparison, SubsystemModel
 from exo_sim.diagnosis.subsystems.gas.bursts import burst_ratio, fast_errors
 from exo_sim.diagnosis.subsystems.gas.experiments import menu
+from exo_sim.diagnosis.subsystems.gas.form_errors import error_of_form
 from exo_sim.diagnosis.subsystems.gas.healthy_discrepancy import healthy_discrepancy
 from exo_sim.diagnosis.subsystems.gas.healthy_limits import with_healthy_losses
 from exo_sim.diagnosis.subsystems.gas.inputs import GasInputs, inputs
@@ -275,6 +276,9 @@ class GasModel(SubsystemModel):
             return True
         side = int(parameter.parameter[-1]) - 1
         return any(run.pressure[side] is not None for run in self.runs)
+
+    def error_of_form(self, parameter: FreeParameter, values: Values, fixed: Sequence[tuple[FreeParameter, float]] = ()) -> float:
+        return error_of_form(parameter, self.apply(values, fixed), self.nominal)
 
     def indistinguishable(self, findings: Sequence[Finding], fit: Fit) -> Mapping[tuple[str, str], tuple[str, ...]]:
         """Declared twins of what the gas feels and nobody measured: a supply's."""

@@ -18,6 +18,7 @@ from exo_sim.diagnosis.estimation.parameters import FreeParameter, Target
 from exo_sim.diagnosis.estimation.prior_terms import prior_terms
 from exo_sim.diagnosis.findings import Kind
 from exo_sim.diagnosis.policy import priors
+from exo_sim.diagnosis.policy.acceptance import SURELY_MORE
 from exo_sim.diagnosis.subsystems.motion.full_scale import full_force, full_travel
 from exo_sim.diagnosis.subsystems.motion.model import MotionModel
 from exo_sim.diagnosis.subsystems.motion.scales import MotionScales
@@ -104,8 +105,10 @@ class LawTerms:
         def parameters(sizes: Array, before: Values) -> dict[FreeParameter, float]:
             return {q: q.neutral + float(size) for q, size in zip(candidate.parameters, sizes, strict=True)}
 
-        group = candidate.kind.value if candidate.kind is Kind.SENSOR else self._group(candidate)
-        return [Term(candidate, np.column_stack(columns), self._spread(columns), one_sided, parameters, group)]
+        group, spread = self._group(candidate), self._spread(columns)
+        if candidate.kind is Kind.SENSOR:  # the gas may know that it is not off as far
+            group, spread = candidate.kind.value, np.minimum(spread, [(q.high - q.neutral) / SURELY_MORE for q in candidate.parameters])
+        return [Term(candidate, np.column_stack(columns), spread, one_sided, parameters, group)]
 
     def _about_known(self, candidate: Candidate, known: FreeParameter, columns: Sequence[Array]) -> Term:
         """Return what the richer form of an effect that the rig has tells apart, about the number that is fitted of the poorer one.

@@ -65,6 +65,7 @@ class MotionModel(SubsystemModel):
                  scatter: ContactScatter | None = None, creep: float = 0.0, starting: Starting | None = None):  # fmt: skip
         first = runs[0]
         self.where, self.runs, self.nominal = first.cylinder or first.joint, tuple(runs), nominal.copy()
+        self.is_of_joint = first.cylinder is None
         self.nominal.cylinder["effective_mass"] = first.inertia.effective_mass
         self.nominal.cylinder["turning"] = float(first.turning and first.cylinder is None)
         self.unit = "N*m" if first.turning else "N"

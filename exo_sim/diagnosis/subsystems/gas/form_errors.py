@@ -1,0 +1,38 @@
+"""What the form of the gas's equations leaves open of its nominal numbers, beside what noise does.
+
+Heat, leaks, flow and the way a hose's volume lies along it are never quite of the machine's form, and a fit mends that with the numbers
+that it may move: volumes first of all. However long a recording is, such a number is known no better.
+"""
+
+from __future__ import annotations
+
+import math
+
+from exo_sim.diagnosis.estimation.parameters import FreeParameter, PlantParameters
+from exo_sim.diagnosis.nominal_numbers import DEAD_VOLUME, FLOW_CAPACITY
+from exo_sim.diagnosis.policy.off_nominal import AREA_FORM, HOSE_FORM, VOLUME_FORM
+from exo_sim.physics.effects import line_restriction
+
+
+def error_of_form(parameter: FreeParameter, fitted: PlantParameters, nominal: PlantParameters) -> float:
+    """Return the standard error that the form of the equations leaves of a parameter, in its unit; 0 where it is not known to leave any.
+
+    Args:
+        parameter: The parameter.
+        fitted: The plant as it was fitted.
+        nominal: The plant as its owner describes it.
+    """
+    hose = fitted.cylinder[line_restriction.EFFECT.name]
+    volume = float(hose["volume"][0]) if float(hose["area"][0]) > 0.0 else 0.0
+    if parameter.effect == line_restriction.EFFECT.name and parameter.parameter == "volume":
+        return HOSE_FORM * volume
+    if parameter.effect == FLOW_CAPACITY:
+        return float(AREA_FORM)
+    if parameter.effect != DEAD_VOLUME:
+        return 0.0
+    owner = nominal.cylinder[0]
+    dead = float(owner[parameter.parameter])
+    if dead <= 0.0:
+        return 0.0
+    middle = dead + 0.5 * float(owner[f"area_{parameter.parameter[-1]}"]) * float(owner["stroke"])
+    return math.hypot(VOLUME_FORM * middle, HOSE_FORM * volume) / dead

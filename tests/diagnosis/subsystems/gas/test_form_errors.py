@@ -1,0 +1,64 @@
+"""What the form of the gas's equations leaves open of its numbers."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import replace
+from pathlib import Path
+
+import benches
+import pytest
+
+from exo_sim.diagnosis.estimation.parameters import FreeParameter, PlantParameters, Target
+from exo_sim.diagnosis.policy.off_nominal import AREA_FORM, HOSE_FORM, VOLUME_FORM
+from exo_sim.diagnosis.subsystems.gas.form_errors import error_of_form
+from exo_sim.machine.rig_model import load
+from exo_sim.simulation.plugin import PneumaticPlugin
+
+
+@pytest.fixture
+def plant(tmp_path: Path) -> PlantParameters:
+    rig = benches.bench(tmp_path)
+    gas = PneumaticPlugin(load(rig), rig).pneumatics
+    return PlantParameters(gas.world, gas.cylinders)
+
+
+def factor(effect: str, name: str) -> FreeParameter:
+    return FreeParameter(effect, "piston", name, "1", Target.FACTOR, 0.1, 0.05, 10.0, (1.0, 0.1), neutral=1.0)
+
+
+def with_hose(plant: PlantParameters, volume: float) -> PlantParameters:
+    cylinder = plant.cylinder.copy()
+    cylinder["line_restriction"]["area"], cylinder["line_restriction"]["volume"] = 1e-5, volume
+    return replace(plant, cylinder=cylinder)
+
+
+@pytest.mark.parametrize("side", [1, 2])
+def test_a_dead_volume_is_known_to_a_share_of_the_whole_chamber(plant: PlantParameters, side: int) -> None:
+    c = plant.cylinder[0]
+    dead = float(c[f"dead_volume_{side}"])
+    middle = dead + 0.5 * float(c["stroke"]) * float(c[f"area_{side}"])
+    assert error_of_form(factor("dead_volume", f"dead_volume_{side}"), plant, plant) == pytest.approx(VOLUME_FORM * middle / dead)
+
+
+def test_beside_a_hose_neither_volume_is_known_to_less_than_a_share_of_its_own(plant: PlantParameters) -> None:
+    hosed, dead = with_hose(plant, 4e-5), float(plant.cylinder["dead_volume_1"][0])
+    alone = error_of_form(factor("dead_volume", "dead_volume_1"), plant, plant)
+    beside = error_of_form(factor("dead_volume", "dead_volume_1"), hosed, plant)
+    assert beside == pytest.approx(math.hypot(alone, HOSE_FORM * 4e-5 / dead))
+    volume = FreeParameter("line_restriction", "piston", "volume", "m^3", Target.CYLINDER, 1e-5, 0.0, 1e-3)
+    assert error_of_form(volume, hosed, plant) == pytest.approx(HOSE_FORM * 4e-5)
+
+
+def test_an_area_is_known_to_a_share_and_what_nobody_looked_at_to_what_the_data_say(plant: PlantParameters) -> None:
+    assert error_of_form(factor("flow_capacity", "valve_area"), plant, plant) == AREA_FORM
+    leak = FreeParameter("piston_leakage", "piston", "area", "m^2", Target.CYLINDER, 1e-8, 0.0, 1e-6)
+    assert error_of_form(leak, plant, plant) == 0.0
+
+
+def test_of_a_chamber_without_dead_volume_nothing_is_left_open(plant: PlantParameters) -> None:
+    """There is nothing that a factor could stand for, as in chamber 2 of a single-acting cylinder."""
+    cylinder = plant.cylinder.copy()
+    cylinder["dead_volume_2"] = 0.0
+    bare = replace(plant, cylinder=cylinder)
+    assert error_of_form(factor("dead_volume", "dead_volume_2"), bare, bare) == 0.0

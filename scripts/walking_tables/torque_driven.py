@@ -46,7 +46,8 @@ cuff together and a shoe do. The same is done alone, with the payload as a backp
 He learns nothing from stride to stride. `least_load`, smoother for him, is rehearsed with a wearer whose motion is prescribed, by
 linearised steps, and then with him, and then he expects what the straps do to himself; both once more. What that ends in hangs on
 trifles: of four smoothnesses he spent 458 to 559 W, his pelvis held by 39 to 63 N at most (`exo_sim/control/load_weights.py`). As it was
-rehearsed before, by feet that stay where they are planned, he fell with `exo` and 8.6 bar. Toes are as stiff as people's (25 N m/rad: Sasaki, Neptune and Kautz
+rehearsed before, by feet that stay where they are planned, he fell with `exo` and 8.6 bar.
+Toes are as stiff as people's (25 N m/rad: Sasaki, Neptune and Kautz
 2009); the work of a
 joint is that of its whole moment, springs of tissue among it.
 

@@ -140,8 +140,16 @@ class SubsystemModel(ABC):
         """Return whether the data hold a nuisance parameter, rather than whatever else is unknown at its place."""
         return True
 
-    def error_of_form(self, parameter: FreeParameter, values: Values, fixed: Sequence[tuple[FreeParameter, float]] = ()) -> float:
-        """Return the standard error that the form of the equations leaves of a fitted parameter, however good the data, in its unit."""
+    def error_of_form(
+        self, parameter: FreeParameter, error: float, values: Values, fixed: Sequence[tuple[FreeParameter, float]] = ()
+    ) -> float:
+        """Return the standard error that the form of the equations leaves of a fitted parameter, beside that of the fit, in its unit.
+
+        Args:
+            parameter: The parameter.
+            error: Its standard error by the fit.
+            values, fixed: All that was fitted, and what was held.
+        """
         return 0.0
 
     def as_sensor_error(self, parameter: FreeParameter, value: float) -> tuple[str, str, str, float] | None:

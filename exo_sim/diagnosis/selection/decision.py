@@ -124,7 +124,7 @@ class _Decision(Generic[Model]):
         """Return the standard errors of a model's parameters: of its fit, or where it is larger of the search, and of the model's form."""
         searched, values, fixed = self.search.errors, final.fit.values, final.fixed
         plain = {q: max(error, searched.get(q, 0.0)) for q, error in self.fits.standard_errors(final).items()}
-        return {q: math.hypot(error, self.model.error_of_form(q, values, fixed)) for q, error in plain.items()}
+        return {q: math.hypot(error, self.model.error_of_form(q, error, values, fixed)) for q, error in plain.items()}
 
     def _standing(self, accepted: tuple[Candidate, ...]) -> tuple[FittedModel, tuple[Candidate, ...], bool]:
         """Return the model and the findings that stand in it, and whether something is unknown beside them."""

@@ -277,7 +277,9 @@ class GasModel(SubsystemModel):
         side = int(parameter.parameter[-1]) - 1
         return any(run.pressure[side] is not None for run in self.runs)
 
-    def error_of_form(self, parameter: FreeParameter, values: Values, fixed: Sequence[tuple[FreeParameter, float]] = ()) -> float:
+    def error_of_form(
+        self, parameter: FreeParameter, error: float, values: Values, fixed: Sequence[tuple[FreeParameter, float]] = ()
+    ) -> float:
         return error_of_form(parameter, self.apply(values, fixed), self.nominal)
 
     def indistinguishable(self, findings: Sequence[Finding], fit: Fit) -> Mapping[tuple[str, str], tuple[str, ...]]:

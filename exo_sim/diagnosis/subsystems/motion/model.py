@@ -18,10 +18,11 @@ from exo_sim.diagnosis.discrepancy.curve import Curve
 from exo_sim.diagnosis.discrepancy.signal import Discrepancy
 from exo_sim.diagnosis.discrepancy.trace import Trace
 from exo_sim.diagnosis.estimation.least_squares import Fit
-from exo_sim.diagnosis.estimation.parameters import FreeParameter, PlantParameters
+from exo_sim.diagnosis.estimation.parameters import FreeParameter, PlantParameters, Values
 from exo_sim.diagnosis.findings import Finding, Series, Subsystem
-from exo_sim.diagnosis.nominal_numbers import DRIVE_DELAY
+from exo_sim.diagnosis.nominal_numbers import DRIVE_DELAY, JOINT_INERTIA, PAYLOAD_MASS
 from exo_sim.diagnosis.policy import healthy, significance
+from exo_sim.diagnosis.policy.off_nominal import MASS_FORM
 from exo_sim.diagnosis.subsystem_model import Comparison, SubsystemModel
 from exo_sim.diagnosis.subsystems.motion.contact_scatter import ContactScatter, friction_of_noise
 from exo_sim.diagnosis.subsystems.motion.discrepancy_basis import friction_discrepancy
@@ -290,6 +291,11 @@ class MotionModel(SubsystemModel):
         arm = self.runs[0].drive.usual_arm
         forces = resisted(float(np.min(place)), float(np.max(place)), gauge, plants, arm)
         return {do: arm * each[:, ::4] / scale for do, each in forces.items()}  # a row of the fit takes four of its samples
+
+    def error_of_form(
+        self, parameter: FreeParameter, error: float, values: Values, fixed: Sequence[tuple[FreeParameter, float]] = ()
+    ) -> float:
+        return MASS_FORM * error if parameter.effect in (PAYLOAD_MASS, JOINT_INERTIA) else 0.0
 
     def twins_of_number(self, parameter: FreeParameter) -> tuple[str, ...]:
         return scale_instead_of_mass(self.runs, parameter)

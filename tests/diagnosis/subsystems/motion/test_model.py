@@ -14,6 +14,8 @@ from diagnosis.motion_runs import ACCELERATION, MASS, POSITION, TIME, VELOCITY
 from exo_sim.diagnosis.data.motion_run import Imputed
 from exo_sim.diagnosis.data.split import Split, split
 from exo_sim.diagnosis.estimation.least_squares import fit
+from exo_sim.diagnosis.estimation.parameters import FreeParameter, Target
+from exo_sim.diagnosis.policy.off_nominal import MASS_FORM
 from exo_sim.diagnosis.policy.validation import HELD_OUT_SHARE, TEST_SHARE
 from exo_sim.diagnosis.subsystems.motion.candidates import candidates
 from exo_sim.diagnosis.subsystems.motion.full_scale import full_force
@@ -120,3 +122,11 @@ def test_a_model_that_nobody_asks_any_more_holds_no_memory() -> None:
         assert gone() is None
     finally:
         gc.enable()
+
+
+def test_a_mass_is_known_no_better_than_the_laws_of_friction_leave_it() -> None:
+    model = model_of(np.zeros(TIME.size))
+    mass = FreeParameter("payload_mass", "slide", "payload_mass", "1", Target.SENSOR, 0.1, 0.1, 10.0, (1.0, 0.1), neutral=1.0)
+    friction = FreeParameter("coulomb_friction", "slide", "force", "N", Target.CYLINDER, 1.0, 0.0, 50.0)
+    assert model.error_of_form(mass, 0.01, {}) == pytest.approx(0.01 * MASS_FORM)
+    assert model.error_of_form(friction, 0.01, {}) == 0.0

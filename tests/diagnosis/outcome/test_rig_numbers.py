@@ -55,5 +55,5 @@ def test_other_numbers_take_their_place_in_the_file_which_says_how_they_came_the
     assert effect is not None and effect.parameters == {"force": pytest.approx(8.5)}
     assert rig.body_masses["load"] == pytest.approx(10.07)
     assert "95 %: 7 to 11 N" in text and "95 %: 9.9 to 10.1 kg" in text
-    assert "to the whole machine" in text and "to the whole machine" not in update.text(tmp_path)
+    assert "fitted once more together" in text and "fitted once more together" not in update.text(tmp_path)
     assert moved.parts[0].entries == update.parts[0].entries

@@ -44,19 +44,12 @@ Shoulder straps only pull; the low torso strap stands for a belt with loops roun
 cuff together and a shoe do. The same is done alone, with the payload as a backpack, and with the machine.
 
 He learns nothing from stride to stride. `least_load`, smoother for him, is rehearsed with a wearer whose motion is prescribed, by
-<<<<<<< HEAD
-linearised steps, and then with him, and then he expects what the straps do to himself; both once more. What that ends in hangs on trifles:
-of four smoothnesses he spent 458 to 559 W, his pelvis held by 39 to 63 N at most (`exo_sim/control/load_weights.py`). As it was rehearsed
-before, by feet that stay where they are planned, he fell with `exo` and 8.6 bar. Toes are as stiff as people's (25 N m/rad: Sasaki, Neptune
-and Kautz 2009); the work of a joint is that of its whole moment, springs of tissue among it.
-=======
 linearised steps, and then with him, and then he expects what the straps do to himself; both once more. What that ends in hangs on
 trifles: of four smoothnesses he spent 458 to 559 W, his pelvis held by 39 to 63 N at most (`exo_sim/control/load_weights.py`). As it was
 rehearsed before, by feet that stay where they are planned, he fell with `exo` and 8.6 bar.
 Toes are as stiff as people's (25 N m/rad: Sasaki, Neptune and Kautz
 2009); the work of a
 joint is that of its whole moment, springs of tissue among it.
->>>>>>> w43A
 
 A weak spring and damper hold the pelvis to the reference: 500 N/m ahead and up, 600 N m/rad. Their force is the residual. OpenSim's
 guideline for residuals is 25 N and 75 N m at most, 10 N and 50 N m rms.
@@ -80,14 +73,9 @@ What this leaves out: all is in the sagittal plane; the wearer knows the time of
 answered by another step; gains were chosen with some of these rows in sight; where the residual passes the guideline (the walk of the first
 table with the machine, rehearsed 4 kg more and straps half as stiff, and with causal control a phase that is early and not corrected) it is
 the weak spring that keeps him walking; muscles have no delay and no largest force. A run ends where he falls: with causal control he does
-<<<<<<< HEAD
-on straps half as stiff, with the valves open, since legs that drag the machine need another gait, and in a squat; sitting has no chair for
-him and is refused. The prescribed wearer stays the default.
-=======
 on straps half as stiff.
 He does so with the valves open, since legs that drag the machine need another gait, and in a squat; sitting has no chair for him and is
 refused. The prescribed wearer stays the default.
->>>>>>> w43A
 """
 
 

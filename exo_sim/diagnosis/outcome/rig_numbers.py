@@ -34,6 +34,12 @@ class OpenNumber:
         """Its standard error, by the end of the interval that no bound has cut off."""
         return max(self.high - self.value, self.value - self.low) / HALF_WIDTH
 
+    @property
+    def cut(self) -> str:
+        """Which part of the plant feels it: "gas", "motion", or "any"."""
+        part, name = self.place[:2]
+        return declared()[name].cut if part == "effects" else "motion" if part in ("bodies", "joints") else "gas"
+
     def at(self, errors: float) -> float:
         """Return what it is so many standard errors further up, never outside its interval."""
         return min(max(self.value + errors * self.error, self.low), self.high)

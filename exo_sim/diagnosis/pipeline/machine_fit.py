@@ -33,6 +33,8 @@ def fitted_to_machine(
 ) -> RigUpdate:
     """Return an update whose numbers were fitted to the training time of the whole machine; the same one where that gains nothing.
 
+    Numbers of the gas and of the motion must both be open: else one would make up for the other's errors.
+
     Args:
         data: The recordings, and the rig as handed in.
         update: What was found.
@@ -41,7 +43,7 @@ def fitted_to_machine(
         is_spent: Whether the time is up: then nothing is run, and what was begun is not used.
     """
     numbers = open_numbers(update)
-    if not numbers or is_spent():
+    if not {"gas", "motion"} <= {number.cut for number in numbers} or is_spent():
         return update
     try:
         fit = _MachineFit(data, update, numbers, split)

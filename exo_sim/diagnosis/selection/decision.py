@@ -83,7 +83,8 @@ class _Decision(Generic[Model]):
         findings = self._findings(reported, final, errors, strict)
         observed = {parameter: error for parameter, error in errors.items() if self.model.is_observed(parameter)}
         off = () if strict else self._deviations(final, observed)  # what has no name biases them
-        besides = refitted_besides(final, observed, {one.parameter for one in off}, bool(reported or laws))
+        by_fit = {parameter: error for parameter, error in self._errors_by_fit(final).items() if parameter in observed}
+        besides = refitted_besides(final, by_fit, {one.parameter for one in off}, bool(reported or laws))
         return replace(
             empty, final=final, named=reported, has_unknown=unknown, findings=findings, deviations=off,
             rejected=_without_repetition(self._rejected(accepted, strict), findings),
@@ -121,10 +122,15 @@ class _Decision(Generic[Model]):
         )  # fmt: skip
 
     def _errors(self, final: FittedModel) -> dict[FreeParameter, float]:
-        """Return the standard errors of a model's parameters: of its fit, or where it is larger of the search, and of the model's form."""
-        searched, values, fixed = self.search.errors, final.fit.values, final.fixed
-        plain = {q: max(error, searched.get(q, 0.0)) for q, error in self.fits.standard_errors(final).items()}
+        """Return the standard errors of a model's parameters: by its fit, and by what the form of its equations leaves open."""
+        values, fixed = final.fit.values, final.fixed
+        plain = self._errors_by_fit(final)
         return {q: math.hypot(error, self.model.error_of_form(q, error, values, fixed)) for q, error in plain.items()}
+
+    def _errors_by_fit(self, final: FittedModel) -> dict[FreeParameter, float]:
+        """Return the standard errors of a model's parameters: those of its fit, or where they are larger those of the search."""
+        searched = self.search.errors
+        return {q: max(error, searched.get(q, 0.0)) for q, error in self.fits.standard_errors(final).items()}
 
     def _standing(self, accepted: tuple[Candidate, ...]) -> tuple[FittedModel, tuple[Candidate, ...], bool]:
         """Return the model and the findings that stand in it, and whether something is unknown beside them."""

@@ -95,11 +95,12 @@ def refitted_besides(
     """Return nuisance parameters that the improved rig should hold as fitted and that are no finding, with their standard errors.
 
     Those that are surely off; and beside anything that is written, all that the rig holds: numbers of one fit predict well together only.
-    How warm the gas was at the start is the recording's, not the rig's.
+    How warm the gas was at the start is the recording's, not the rig's. What they are worth in a machine of another form is not asked: with
+    them the recording is predicted best.
 
     Args:
         model: The fit.
-        errors: Standard errors.
+        errors: Standard errors by the fit.
         reported: Parameters that are written as calibrations.
         named: Whether effects, or laws of them, are written.
     """

@@ -37,12 +37,25 @@ def kept(data: MachineData) -> Split:
 
 
 def found(data: MachineData, force: float, reach: float) -> RigUpdate:
-    """Return dry friction that is known to so many newtons, and a load that is known to a tenth."""
+    """Return dry friction that is known to so many newtons, a load that is known to a tenth, and a dead volume that is known well."""
     setting = EffectSetting("coulomb_friction", "piston", {"force": force})
     mass = float(data.model.body("carriage").mass[0])
     load = Correction(("bodies", "carriage", "mass"), mass, "kg", (0.9 * mass, 1.1 * mass), mass)
     friction = EffectEntry(setting, {"force": (force - reach, force + reach)})
-    return RigUpdate(data.rig, (Part("motion of slide", Rank.FOUND, (friction,), (load,)),))
+    volume = data.rig.cylinders["piston"].dead_volume_1
+    dead = Correction(("cylinders", "piston", "dead_volume_1"), volume, "m^3", (0.998 * volume, 1.002 * volume))
+    gas = Part("gas of piston", Rank.REFITTED, (), (dead,))
+    return RigUpdate(data.rig, (Part("motion of slide", Rank.FOUND, (friction,), (load,)), gas))
+
+
+def test_where_only_one_side_is_open_its_numbers_do_not_make_up_for_the_other(rubbing: tuple[MachineData, float]) -> None:
+    """Volumes of a bench moved to the ends of their intervals, for its friction."""
+    data, force = rubbing
+    both = found(data, 0.85 * force, 0.5 * force)
+    for part in both.parts:
+        alone = RigUpdate(data.rig, (part,))
+        assert fitted_to_machine(data, alone, kept(data)) is alone
+    assert fitted_to_machine(data, both, kept(data)) is not both
 
 
 def force_of(update: RigUpdate) -> float:

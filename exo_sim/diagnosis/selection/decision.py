@@ -82,8 +82,8 @@ class _Decision(Generic[Model]):
         laws = {q for c in named if c not in reported for q in c.parameters}
         findings = self._findings(reported, final, errors, strict)
         observed = {parameter: error for parameter, error in errors.items() if self.model.is_observed(parameter)}
-        off = () if strict else self._deviations(final, observed)  # what has no name biases them
         by_fit = {parameter: error for parameter, error in self._errors_by_fit(final).items() if parameter in observed}
+        off = () if strict else self._deviations(final, observed, by_fit)  # what has no name biases them
         besides = refitted_besides(final, by_fit, {one.parameter for one in off}, bool(reported or laws))
         return replace(
             empty, final=final, named=reported, has_unknown=unknown, findings=findings, deviations=off,
@@ -111,14 +111,16 @@ class _Decision(Generic[Model]):
         twins = self.model.indistinguishable(bounded, final.fit)
         return tuple(with_twins(f, twins.get(f.at, ())) for f in bounded)
 
-    def _deviations(self, final: FittedModel, observed: Mapping[FreeParameter, float]) -> tuple[Deviation, ...]:
-        """Return nominal numbers that are off, with what they may stand for; `observed` are standard errors."""
+    def _deviations(
+        self, final: FittedModel, observed: Mapping[FreeParameter, float], by_fit: Mapping[FreeParameter, float]
+    ) -> tuple[Deviation, ...]:
+        """Return nominal numbers that are off, with what they may stand for; arguments as of `deviations`."""
         return tuple(
             replace(
                 one, stands_for=self.search.stands_for.get((one.parameter.effect, one.parameter.where), ()),
                 twins=self.model.twins_of_number(one.parameter),
             )
-            for one in deviations(final, observed)
+            for one in deviations(final, observed, by_fit)
         )  # fmt: skip
 
     def _errors(self, final: FittedModel) -> dict[FreeParameter, float]:

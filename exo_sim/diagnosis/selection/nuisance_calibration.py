@@ -9,7 +9,7 @@ from dataclasses import dataclass
 from exo_sim.diagnosis import wording
 from exo_sim.diagnosis.estimation.parameters import FreeParameter
 from exo_sim.diagnosis.estimation.prior_terms import as_counted
-from exo_sim.diagnosis.estimation.uncertainty import bounded_interval, interval
+from exo_sim.diagnosis.estimation.uncertainty import HALF_WIDTH, bounded_interval, interval
 from exo_sim.diagnosis.findings import Estimate, Finding, Kind
 from exo_sim.diagnosis.nominal_numbers import DEAD_VOLUME, INITIAL_TEMPERATURE
 from exo_sim.diagnosis.policy.off_nominal import BEYOND_SHEET, LAW_SHARE, MODEL_SHARE, MOVED, OPEN_LAW_SHARE, SURE, WORTH
@@ -62,12 +62,20 @@ def error_of_law(parameter: FreeParameter, value: float, error: float) -> float:
     return math.hypot(error, clocks or declares.beside(parameter.parameter), share * abs(value))
 
 
-def deviations(model: FittedModel, errors: Mapping[FreeParameter, float]) -> tuple[Deviation, ...]:
-    """Return the nominal numbers that are surely off, and by enough to be worth correcting; `errors` are standard errors.
+def deviations(
+    model: FittedModel, errors: Mapping[FreeParameter, float], by_fit: Mapping[FreeParameter, float] | None = None
+) -> tuple[Deviation, ...]:
+    """Return the nominal numbers that are surely off, and by enough to be worth correcting.
 
     What a law is taken to be where nobody gave it is no nominal number.
+
+    Args:
+        model: The fit.
+        errors: Standard errors, with what the form of the equations leaves open: the 95 % interval by them does not hold what was believed.
+        by_fit: Standard errors by the fit alone, by which it is surely off; the same where absent.
     """
     found, effects = [], model.effect_parameters
+    plain = errors if by_fit is None else by_fit
     for parameter, value in model.fit.values.items():
         whole = parameter.prior[0] if parameter.prior and parameter.effect in declared() else 1.0
         if whole == 0.0 or (parameter.effect not in WORTH and parameter.effect not in declared()) or parameter in effects:
@@ -81,7 +89,8 @@ def deviations(model: FittedModel, errors: Mapping[FreeParameter, float]) -> tup
             is_off = abs(math.log(factor)) * factor > SURE * error if factor > 0.0 else 1.0 - factor > SURE * error
         else:
             far = parameter.prior is not None and abs(factor - 1.0) > BEYOND_SHEET.get(parameter.effect, math.inf) * parameter.prior[1]
-            is_off = far or abs(factor - 1.0) > max(SURE * error, WORTH[parameter.effect])
+            surely = max(SURE * plain.get(parameter, math.inf), HALF_WIDTH * error, WORTH[parameter.effect])
+            is_off = far or abs(factor - 1.0) > surely
         if is_off:
             with_it = as_counted(parameter, model.fit.values)
             owner = next((q.effect for q in effects if parameter.key in dict(q.displaces)), "") if with_it != value else ""

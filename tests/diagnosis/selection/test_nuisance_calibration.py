@@ -10,6 +10,7 @@ from hypothesis import strategies as st
 
 from exo_sim.diagnosis.data.split import Split
 from exo_sim.diagnosis.estimation.candidate import Candidate
+from exo_sim.diagnosis.estimation.least_squares import Fit
 from exo_sim.diagnosis.estimation.parameters import FreeParameter, PlantParameters, Target
 from exo_sim.diagnosis.policy.off_nominal import MODEL_SHARE, SURE
 from exo_sim.diagnosis.policy.probability import CALIBRATED, UNTESTED
@@ -200,3 +201,14 @@ def test_a_dead_volume_that_holds_a_hose_which_was_counted_in_is_within_its_data
         assert found.factor == 0.2 and found.is_beyond_data_sheet is beyond
         (finding,) = calibration_findings([found])
         assert ("counted in" in finding.says) is not beyond and ("No data sheet" in finding.says) is beyond
+
+
+def test_a_number_is_off_by_the_fit_and_not_within_what_the_form_of_the_laws_leaves_open() -> None:
+    area = FreeParameter("flow_capacity", "piston", "valve_area", "1", Target.FACTOR, 0.1, 0.05, 10.0, (1.0, 0.1), neutral=1.0)
+
+    def off(factor: float, by_fit: float, with_form: float) -> bool:
+        fitted = FittedModel((), Fit((area,), {area: factor}, np.zeros(4), np.zeros((4, 1))))
+        return bool(deviations(fitted, {area: with_form}, {area: by_fit}))
+
+    assert off(1.10, 0.01, 0.04) and not off(1.06, 0.01, 0.04)
+    assert not off(1.10, 0.04, 0.04) and off(1.10, 0.01, 0.01)

@@ -19,7 +19,7 @@ from exo_sim.diagnosis.estimation.candidate import Candidate
 from exo_sim.diagnosis.estimation.linear_family import LinearFamily
 from exo_sim.diagnosis.estimation.parameters import FreeParameter, PlantParameters
 from exo_sim.diagnosis.estimation.threads import Threads
-from exo_sim.diagnosis.findings import OpenQuestion
+from exo_sim.diagnosis.findings import Kind, OpenQuestion
 from exo_sim.diagnosis.pipeline.plan import Plan, Progress
 from exo_sim.diagnosis.policy.budgets import FORCES_UNTIL, GAS_UNTIL
 from exo_sim.diagnosis.policy.recordings import FEWEST_ROWS
@@ -38,7 +38,6 @@ from exo_sim.diagnosis.subsystems.motion.model import MotionModel
 from exo_sim.diagnosis.subsystems.motion.nuisances import nuisance_parameters, with_damping, with_damping_if_too_large
 from exo_sim.diagnosis.subsystems.motion.rows import one_way
 from exo_sim.physics.declaration import Parameter, declared, identification_of
-from exo_sim.physics.effects import sensor_bias
 from exo_sim.physics.plant_records import CYLINDER
 from exo_sim.rig import assembly
 
@@ -185,7 +184,7 @@ def asked_of(model: MotionModel, data: MachineData, plan: Plan, *seen: float) ->
 
 
 def _is_zero_of(candidate: Candidate, columns: Collection[str]) -> bool:
-    return candidate.effect == sensor_bias.EFFECT.name and candidate.where in columns
+    return candidate.kind is Kind.SENSOR and candidate.parameters[0].unit == "Pa" and candidate.where in columns
 
 
 def _bounded(zero: Candidate, most: float) -> Candidate:

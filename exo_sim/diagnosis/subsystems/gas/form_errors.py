@@ -11,7 +11,7 @@ import math
 from exo_sim.diagnosis.estimation.parameters import FreeParameter, PlantParameters
 from exo_sim.diagnosis.nominal_numbers import DEAD_VOLUME, FLOW_CAPACITY
 from exo_sim.diagnosis.policy.off_nominal import AREA_FORM, HOSE_FORM, VOLUME_FORM
-from exo_sim.physics.effects import line_restriction
+from exo_sim.physics.declaration import declared
 
 
 def error_of_form(parameter: FreeParameter, fitted: PlantParameters, nominal: PlantParameters) -> float:
@@ -22,10 +22,10 @@ def error_of_form(parameter: FreeParameter, fitted: PlantParameters, nominal: Pl
         fitted: The plant as it was fitted.
         nominal: The plant as its owner describes it.
     """
-    hose = fitted.cylinder[line_restriction.EFFECT.name]
-    volume = float(hose["volume"][0]) if float(hose["area"][0]) > 0.0 else 0.0
-    if parameter.effect == line_restriction.EFFECT.name and parameter.parameter == "volume":
-        return HOSE_FORM * volume
+    hoses = {one.name: one.identification.of_dead_volume for one in declared().values() if one.identification.of_dead_volume}
+    volumes = {name: float(fitted.cylinder[name][of][0]) for name, of in hoses.items() if fitted.is_on(declared()[name])}
+    if parameter.parameter == hoses.get(parameter.effect):
+        return HOSE_FORM * volumes.get(parameter.effect, 0.0)
     if parameter.effect == FLOW_CAPACITY:
         return float(AREA_FORM)
     if parameter.effect != DEAD_VOLUME:
@@ -35,4 +35,4 @@ def error_of_form(parameter: FreeParameter, fitted: PlantParameters, nominal: Pl
     if dead <= 0.0:
         return 0.0
     middle = dead + 0.5 * float(owner[f"area_{parameter.parameter[-1]}"]) * float(owner["stroke"])
-    return math.hypot(VOLUME_FORM * middle, HOSE_FORM * volume) / dead
+    return math.hypot(VOLUME_FORM * middle, HOSE_FORM * sum(volumes.values())) / dead

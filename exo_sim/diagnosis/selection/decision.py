@@ -75,14 +75,15 @@ class _Decision(Generic[Model]):
         standing, stands, unknown = self._standing(accepted)
         strict = unknown and not search.weighed_together  # then only what is beyond doubt is a finding
         sure, named = self._sure(standing, stands, unknown, strict)
-        errors = self._errors(sure)
+        by_fit = self._errors_by_fit(sure)
+        errors = self._with_form(sure, by_fit)
         spare = not unknown and not search.weighed_together
         final = without_unneeded(self.fits, sure, self.model.structural_error) if spare else sure
         reported = tuple(c for c in named if _is_reported(c, final, errors))
         laws = {q for c in named if c not in reported for q in c.parameters}
         findings = self._findings(reported, final, errors, strict)
         observed = {parameter: error for parameter, error in errors.items() if self.model.is_observed(parameter)}
-        by_fit = {parameter: error for parameter, error in self._errors_by_fit(final).items() if parameter in observed}
+        by_fit = {parameter: by_fit[parameter] for parameter in observed}
         off = () if strict else self._deviations(final, observed, by_fit)  # what has no name biases them
         besides = refitted_besides(final, by_fit, {one.parameter for one in off}, bool(reported or laws))
         return replace(
@@ -125,9 +126,12 @@ class _Decision(Generic[Model]):
 
     def _errors(self, final: FittedModel) -> dict[FreeParameter, float]:
         """Return the standard errors of a model's parameters: by its fit, and by what the form of its equations leaves open."""
+        return self._with_form(final, self._errors_by_fit(final))
+
+    def _with_form(self, final: FittedModel, by_fit: Mapping[FreeParameter, float]) -> dict[FreeParameter, float]:
+        """Return the standard errors of a model's fit with what the form of its equations leaves open beside them."""
         values, fixed = final.fit.values, final.fixed
-        plain = self._errors_by_fit(final)
-        return {q: math.hypot(error, self.model.error_of_form(q, error, values, fixed)) for q, error in plain.items()}
+        return {q: math.hypot(error, self.model.error_of_form(q, error, values, fixed)) for q, error in by_fit.items()}
 
     def _errors_by_fit(self, final: FittedModel) -> dict[FreeParameter, float]:
         """Return the standard errors of a model's parameters: those of its fit, or where they are larger those of the search."""

@@ -91,6 +91,8 @@ class Identification:
         shapes: By form, for a dead volume [m^3] that an owner may have counted it in: values of its parameters among which a fit may begin,
             where no single start is near every machine's.
         of_dead_volume: A parameter that owners count among both dead volumes: a fit may begin where it is taken off these.
+        saturates: Areas in series with the valve, which throttle nothing from their upper bound on: where one ends there, what
+            `of_dead_volume` holds is a size all the same, if it is more than data sheets of dead volumes leave open.
         within_speeds: Parameters that are speeds at which the law bends where motion begins: they are sought from half of the slowest speed
             that occurred to a quarter of the fastest, for beyond that such a bend is a number of the whole law.
         within_travels: Parameters that are positions near the travel: from far outside it a law that changes along it is a constant.
@@ -133,6 +135,7 @@ class Identification:
     starts_by_motion: Callable[[ObservedMotion], Starts] | None = None
     shapes: Mapping[tuple[str, ...], Callable[[float], Starts]] = field(default_factory=dict)
     of_dead_volume: str = ""
+    saturates: tuple[str, ...] = ()
     within_speeds: tuple[str, ...] = ()
     within_travels: tuple[str, ...] = ()
     common: tuple[str, tuple[str, ...]] = ("", ())
@@ -166,7 +169,7 @@ class Identification:
         lists = {"forms": {name for form in self.forms for name in form}}
         lists["shapes"] = {name for form in self.shapes for name in form}
         lists["further"] = {name for form, starts in self.further.items() for name in (*form, *starts)}
-        lists |= {key: set(getattr(self, key)) for key in ("within_speeds", "within_travels")}
+        lists |= {key: set(getattr(self, key)) for key in ("within_speeds", "within_travels", "saturates")}
         lists["common"] = set(self.common[1])
         named = ("neutral", "healthy", "least", "open_by", "known", "left_open", "starts_by_valve")
         tables = {key: set(getattr(self, key)) for key in named}

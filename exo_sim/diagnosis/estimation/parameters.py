@@ -81,6 +81,7 @@ class FreeParameter:
         logarithmic: Whether its typical range spans decades: a fit then moves its logarithm.
         displaces: Nuisance parameters in which an owner may have counted it, each with its share of their unit: a hose's volume in the
             dead volume.
+        saturates: Whether it throttles: what it does goes with the inverse of its square, and from its upper bound on it does nothing.
     """
 
     effect: str
@@ -97,6 +98,7 @@ class FreeParameter:
     healthy_limit: float = 0.0
     logarithmic: bool = False
     displaces: tuple[tuple[tuple[str, str, str], float], ...] = ()
+    saturates: bool = False
 
     @property
     def key(self) -> tuple[str, str, str]:

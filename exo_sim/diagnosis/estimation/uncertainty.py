@@ -115,6 +115,13 @@ def interval(value: float, error: float) -> tuple[float, float]:
 
 
 def bounded_interval(parameter: FreeParameter, value: float, error: float) -> tuple[float, float]:
-    """Return the ends of the 95 % interval, inside the parameter's bounds."""
+    """Return the ends of the 95 % interval, inside the parameter's bounds.
+
+    Of a throttle that of the inverse of its square, with which the drop of pressure goes: of one that is wide the recording says how wide
+    it is at least.
+    """
     low, high = interval(value, error)
+    if parameter.saturates and value > 0.0:
+        share = 2.0 * HALF_WIDTH * error / value
+        low, high = value / math.sqrt(1.0 + share), value / math.sqrt(1.0 - share) if share < 1.0 else math.inf
     return max(low, parameter.low), min(high, parameter.high)

@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 from exo_sim.diagnosis.estimation.candidate import Candidate, CandidateKey
 from exo_sim.diagnosis.estimation.least_squares import Fit
 from exo_sim.diagnosis.estimation.parameters import FreeParameter
-from exo_sim.diagnosis.policy import acceptance, verdicts
+from exo_sim.diagnosis.policy import acceptance, off_nominal, priors, verdicts
 from exo_sim.diagnosis.policy.budgets import LARGE
 from exo_sim.diagnosis.selection.evidence import Evidence
 from exo_sim.diagnosis.selection.quantity_parts import parts_of, quantity_of, together
@@ -196,17 +196,26 @@ def reach_of_bound(parameter: FreeParameter, value: float) -> float:
 def is_at_bound(candidate: Candidate, model: FittedModel) -> bool:
     """Return whether what decides of a candidate how large it is ended at a bound where it still acts: no number was found.
 
-    A speed of its law ends where the recording's slow motion does: a dip that is narrower than that has a size all the same.
+    A speed of its law ends where the recording's slow motion does: a dip that is narrower than that has a size all the same. So has a hose
+    that is too wide to throttle anything, by the gas that it holds.
     """
     if candidate.is_law or candidate.effect not in declared():
         return False
-    speeds = identification_of(candidate.effect).within_speeds
+    asked = identification_of(candidate.effect)
+    speeds, open_above = asked.within_speeds, asked.saturates if _holds_more_than_dead_volume(candidate, model) else ()
     needed = {p.name for p in declared()[candidate.effect].parameters if p.required and p.name not in speeds}
     if len(candidate.parameters) == 1:  # one of several ways to say how large it is
         needed.add(candidate.parameters[0].parameter)
     for q in (q for q in candidate.parameters if q.parameter in needed):
         value = model.fit.values[q]
         reach = reach_of_bound(q, value)
-        if (q.low != q.neutral and value - q.low < reach) or (q.high != q.neutral and q.high - value < reach):
+        ends_above = q.high != q.neutral and q.high - value < reach and q.parameter not in open_above
+        if ends_above or (q.low != q.neutral and value - q.low < reach):
             return True
     return False
+
+
+def _holds_more_than_dead_volume(candidate: Candidate, model: FittedModel) -> bool:
+    """Return whether what owners count among the dead volumes is more than their data sheets leave open of these."""
+    values, most = model.fit.values, off_nominal.HELD_WITHIN * priors.DEAD_VOLUME
+    return any(values[own] * per_unit > most for own, _, per_unit in candidate.displaced)

@@ -106,6 +106,7 @@ EFFECT = Effect(
         starts_by_valve={"area": (2.0, 0.6, 0.25), "volume": (5e-6, 1e-5, 5e-6), "ratio": (0.36,) * 3, "length": (1.0, 2.0, 1.0)},
         shapes={("area", "volume", "length"): _hoses_within, ("area", "volume", "conductance"): _warm_hoses_within},
         of_dead_volume="volume",
+        saturates=("area",),
         known={"ratio": (0.36, 0.08)},
         left_open={"length": (0.7, 1.5, 3.0), "conductance": (0.2, 0.45, 0.9)},
         applicability=Applicability(bursts=False),  # it delays and does not ring

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
@@ -114,6 +116,17 @@ def test_intervals_cover_as_many_where_blocks_are_as_few_as_parameters() -> None
 
 def test_an_interval_stays_inside_the_bounds() -> None:
     assert bounded_interval(MEAN, 9.5, 1.0)[1] == 10.0
+
+
+@pytest.mark.parametrize("error", [0.02, 0.2, 2.0, 200.0])
+def test_the_interval_of_a_throttle_is_that_of_its_drop_of_pressure(error: float) -> None:
+    """The drop goes with the inverse of its square; with a large error the area is as wide as it was sought, and not as narrow."""
+    throttle = replace(MEAN, low=1e-3, high=10.0, saturates=True)
+    low, high = bounded_interval(throttle, 2.0, error)
+    slope = 2.0 / 2.0**3  # of the inverse square
+    assert low**-2 == pytest.approx(2.0**-2 + HALF_WIDTH * slope * error)
+    assert high == 10.0 or high**-2 == pytest.approx(2.0**-2 - HALF_WIDTH * slope * error)
+    assert low > 0.05
     assert interval(9.5, 1.0)[1] == pytest.approx(9.5 + 1.959964)
 
 

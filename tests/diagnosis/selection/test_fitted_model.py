@@ -8,7 +8,7 @@ import pytest
 from exo_sim.diagnosis.estimation.candidate import Candidate
 from exo_sim.diagnosis.estimation.least_squares import Fit
 from exo_sim.diagnosis.estimation.parameters import FreeParameter, Target
-from exo_sim.diagnosis.selection.fitted_model import FittedModel, exceeds_healthy_limit, remains
+from exo_sim.diagnosis.selection.fitted_model import FittedModel, exceeds_healthy_limit, is_at_bound, remains
 
 
 @pytest.mark.parametrize(
@@ -71,3 +71,26 @@ def test_a_number_surely_exceeds_the_limit_where_the_odds_of_it_do(error: float,
     model = FittedModel((candidate,), Fit((width,), {width: 0.0039}, np.zeros(4), np.zeros((4, 1))))
     assert exceeds_healthy_limit(candidate, model)
     assert exceeds_healthy_limit(candidate, model, {width: error}) is surely
+
+
+@pytest.mark.parametrize(
+    ("area", "volume", "ends"),
+    [
+        (1e-6, 5e-6, False),
+        (2e-6, 5e-6, False),  # too wide to throttle, and five times the dead volume: it is there by the gas that it holds
+        (2e-6, 0.2e-6, True),  # ... and as much as a dead volume may be off: nothing was found
+        (1e-8, 5e-6, True),  # closed
+        (1e-6, 1e-7, False),  # its volume is no number that it needs
+    ],
+)
+def test_a_hose_too_wide_to_throttle_is_found_by_the_gas_that_it_holds(area: float, volume: float, ends: bool) -> None:
+    parameters = (
+        FreeParameter("line_restriction", "piston", "area", "m^2", Target.CYLINDER, 1e-6, 1e-8, 2e-6, logarithmic=True),
+        FreeParameter(
+            "line_restriction", "piston", "volume", "m^3", Target.CYLINDER, 1e-6, 1e-7, 1e-3, logarithmic=True,
+            displaces=((("dead_volume", "piston", "dead_volume_1"), 1e6),),
+        ),
+    )  # fmt: skip
+    candidate = Candidate("line_restriction", "piston", "area+volume", parameters, ((area, volume),))
+    model = FittedModel.at(dict(zip(parameters, (area, volume), strict=True)), (candidate,))
+    assert is_at_bound(candidate, model) is ends

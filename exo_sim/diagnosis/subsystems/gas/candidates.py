@@ -195,6 +195,7 @@ def _free(effect: Effect, parameter: Parameter, where: str, target: Target, plan
         nonsmooth=effect.identification.jerky, healthy_limit=healthy_limit(effect, parameter, plant),
         logarithmic=parameter.low > 0.0 and high > LOGARITHMIC * low,
         displaces=_displaced(plant, where) if parameter.name == effect.identification.of_dead_volume else (),
+        saturates=parameter.name in effect.identification.saturates,
     )  # fmt: skip
 
 

@@ -102,6 +102,9 @@ EFFECT = Effect(
             ("area", "volume", "conductance"): {"conductance": (0.3, 0.6)},
             ("area", "volume", "ratio", "conductance"): {"ratio": (0.36, 0.36), "conductance": (0.3, 0.6)},
             ("area", "volume", "length", "conductance"): {"length": (1.0, 2.0), "conductance": (0.3, 0.6)},
+            ("area", "volume", "ratio", "length", "conductance"): {
+                "ratio": (0.36, 0.36), "length": (1.0, 2.0), "conductance": (0.3, 0.6)
+            },
         },
         starts_by_valve={"area": (2.0, 0.6, 0.25), "volume": (5e-6, 1e-5, 5e-6), "ratio": (0.36,) * 3, "length": (1.0, 2.0, 1.0)},
         shapes={("area", "volume", "length"): _hoses_within, ("area", "volume", "conductance"): _warm_hoses_within},

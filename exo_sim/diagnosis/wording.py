@@ -6,6 +6,7 @@ from collections.abc import Mapping, Sequence
 
 from exo_sim.diagnosis.estimation.candidate import Candidate
 from exo_sim.diagnosis.nominal_numbers import DEAD_VOLUME, FLOW_CAPACITY, PAYLOAD_MASS
+from exo_sim.diagnosis.policy.off_nominal import WORTH
 from exo_sim.diagnosis.policy.verdicts import FAR_WORSE, HALF_EXPLAINED, NOTHING_EXPLAINED
 from exo_sim.physics.declaration import declared
 
@@ -125,8 +126,26 @@ def varies(acts: str, variables: Sequence[str], share: float, is_told_apart: boo
     with_what = f"varies with {' and '.join(variables)} by {100.0 * share:.0f} % of all that acts"
     if not is_told_apart:
         return f"A force or a friction {with_what}: which of the two, these recordings do not tell."
-    turns = "friction would, and it does not" if acts == "force" else "it does, as no force would"
-    return f"{'A force' if acts == 'force' else 'Friction'} {with_what} (turn with the direction of motion: {turns})."
+    if acts == "force":
+        return f"A force {with_what}. It does not turn with the direction of motion, as friction would."
+    return f"Friction {with_what}. It turns with the direction of motion, as no force would."
+
+
+def counted_from(area: float, beyond_dead_band: bool) -> str:
+    """Return what the numbers of single edges of a valve count from, where that is not what the rig says; "" where it is.
+
+    Args:
+        area: The valve's area as it was fitted, in units of the rig's.
+        beyond_dead_band: Whether a dead band of all edges is named beside them.
+    """
+    said = []
+    if abs(area - 1.0) >= WORTH[FLOW_CAPACITY]:
+        less = f"{abs(area - 1.0) * 100:.1f} % {'larger' if area > 1.0 else 'smaller'}"
+        said.append(f"excess counts from a valve area that is {less} than the rig's, as in improved.toml")
+    if beyond_dead_band:
+        said.append("overlap counts from the end of the dead band that is named beside it")
+    text = ", ".join(said)
+    return f"{text[0].upper()}{text[1:]}." if text else ""
 
 
 def curve(signal: str, explains: float | None, is_followed: bool) -> str:

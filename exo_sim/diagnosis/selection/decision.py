@@ -16,7 +16,13 @@ from exo_sim.diagnosis.estimation.uncertainty import HALF_WIDTH, bounded_interva
 from exo_sim.diagnosis.findings import Finding, Kind, Rejected
 from exo_sim.diagnosis.policy import verdicts
 from exo_sim.diagnosis.policy.acceptance import BESIDE_DISCREPANCY, CLEAN, STEADY_GAIN
-from exo_sim.diagnosis.selection.candidate_finding import finding_of, with_all_parts, with_openness_of_law, with_twins
+from exo_sim.diagnosis.selection.candidate_finding import (
+    finding_of,
+    with_all_parts,
+    with_openness_of_law,
+    with_twins,
+    with_what_edges_count_from,
+)
 from exo_sim.diagnosis.selection.fitted_model import (
     FittedModel,
     SearchResult,
@@ -107,6 +113,7 @@ class _Decision(Generic[Model]):
         own = self.fits.standard_errors(final) if self.search.reach else {}
         plain = [with_all_parts(finding_of(c, final, errors, self.search), c, self.search, self.fits) for c in reported]
         plain = [with_openness_of_law(f, c, self.search, own) for f, c in zip(plain, reported, strict=True)]
+        plain = [with_what_edges_count_from(f, final) for f in plain]
         most = float(verdicts.CONFIDENT_BESIDE_UNKNOWN)
         bounded = [replace(f, probability=min(f.confidence, most)) for f in plain] if strict else plain
         twins = self.model.indistinguishable(bounded, final.fit)

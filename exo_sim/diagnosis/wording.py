@@ -6,7 +6,6 @@ from collections.abc import Mapping, Sequence
 
 from exo_sim.diagnosis.estimation.candidate import Candidate
 from exo_sim.diagnosis.nominal_numbers import DEAD_VOLUME, FLOW_CAPACITY, PAYLOAD_MASS
-from exo_sim.diagnosis.policy.off_nominal import WORTH
 from exo_sim.diagnosis.policy.verdicts import FAR_WORSE, HALF_EXPLAINED, NOTHING_EXPLAINED
 from exo_sim.physics.declaration import declared
 
@@ -39,7 +38,7 @@ def calibration(name: str, parameter: str, factor: float) -> str:
         what = f"{name_of(parameter)} of the {name_of(name)} that the rig has"
         return f"The {what} is {abs(factor - 1.0) * 100:.0f} % {'larger' if factor > 1.0 else 'smaller'} than nominal."
     what = {PAYLOAD_MASS: "moved mass"}.get(name, part.get(parameter, name_of(name)))
-    return f"The {what} is {abs(factor - 1.0) * 100:.1f} % {'larger' if factor > 1.0 else 'smaller'} than nominal."
+    return f"The {what} is {more_or_less(factor)} than nominal."
 
 
 def beyond_data_sheet(name: str, rivals: Sequence[str]) -> str:
@@ -131,21 +130,9 @@ def varies(acts: str, variables: Sequence[str], share: float, is_told_apart: boo
     return f"Friction {with_what}. It turns with the direction of motion, as no force would."
 
 
-def counted_from(area: float, beyond_dead_band: bool) -> str:
-    """Return what the numbers of single edges of a valve count from, where that is not what the rig says; "" where it is.
-
-    Args:
-        area: The valve's area as it was fitted, in units of the rig's.
-        beyond_dead_band: Whether a dead band of all edges is named beside them.
-    """
-    said = []
-    if abs(area - 1.0) >= WORTH[FLOW_CAPACITY]:
-        less = f"{abs(area - 1.0) * 100:.1f} % {'larger' if area > 1.0 else 'smaller'}"
-        said.append(f"excess counts from a valve area that is {less} than the rig's, as in improved.toml")
-    if beyond_dead_band:
-        said.append("overlap counts from the end of the dead band that is named beside it")
-    text = ", ".join(said)
-    return f"{text[0].upper()}{text[1:]}." if text else ""
+def more_or_less(factor: float) -> str:
+    """Return by how much a number is off."""
+    return f"{abs(factor - 1.0) * 100:.1f} % {'larger' if factor > 1.0 else 'smaller'}"
 
 
 def curve(signal: str, explains: float | None, is_followed: bool) -> str:

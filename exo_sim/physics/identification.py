@@ -95,6 +95,8 @@ class Identification:
             that occurred to a quarter of the fastest, for beyond that such a bend is a number of the whole law.
         within_travels: Parameters that are positions near the travel: from far outside it a law that changes along it is a constant.
         common: A parameter of the effect that this comes on top of, and own ones that are added to it: only the sums show.
+        counts_from: What its numbers count from that may be another than the rig says, a number that every fit moves or an effect, with
+            what is said then; `{}` is by how much that number is off.
         scale: Typical size of its parameters where neither its ranges nor the motion say it; 0 where they do.
         logarithmic: Whether its parameters span decades and are never zero: a fit moves their logarithms.
         neutral: Values at which it does nothing, where that is not zero.
@@ -136,6 +138,7 @@ class Identification:
     within_speeds: tuple[str, ...] = ()
     within_travels: tuple[str, ...] = ()
     common: tuple[str, tuple[str, ...]] = ("", ())
+    counts_from: Mapping[str, str] = field(default_factory=dict)
     scale: float = 0.0
     logarithmic: bool = False
     neutral: Mapping[str, float] = field(default_factory=dict)

@@ -39,13 +39,6 @@ def test_a_force_and_a_friction_are_told_apart_in_a_sentence() -> None:
     assert "do not tell" in wording.varies("force", ["position"], 0.5, False)
 
 
-def test_what_edges_count_from_is_said_where_it_is_not_the_rigs() -> None:
-    assert wording.counted_from(1.004, False) == ""
-    smaller = wording.counted_from(0.956, False)
-    assert smaller == "Excess counts from a valve area that is 4.4 % smaller than the rig's, as in improved.toml."
-    assert wording.counted_from(1.0, True) == "Overlap counts from the end of the dead band that is named beside it."
-
-
 def test_another_form_is_no_other_effect() -> None:
     assert wording.rejected(candidate("base", "quick"), BASE, 4.0) == "in the form quick it fits worse"
     assert wording.rejected(OTHER, BASE, 4.25) == "in place of base it fits worse"

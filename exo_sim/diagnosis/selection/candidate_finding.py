@@ -11,14 +11,12 @@ from exo_sim.diagnosis.estimation.candidate import Candidate
 from exo_sim.diagnosis.estimation.parameters import FreeParameter, Target
 from exo_sim.diagnosis.estimation.uncertainty import bounded_interval
 from exo_sim.diagnosis.findings import Estimate, Finding
-from exo_sim.diagnosis.nominal_numbers import FLOW_CAPACITY
 from exo_sim.diagnosis.policy import verdicts
-from exo_sim.diagnosis.policy.off_nominal import MODEL_SHARE
+from exo_sim.diagnosis.policy.off_nominal import MODEL_SHARE, WORTH
 from exo_sim.diagnosis.selection.fitted_model import FittedModel, SearchResult
 from exo_sim.diagnosis.selection.model_fits import ModelFits
 from exo_sim.diagnosis.selection.nuisance_calibration import is_declared
 from exo_sim.physics.declaration import identification_of
-from exo_sim.physics.effects import valve_deadband, valve_edges
 
 #: How a parameter of a sensor is called in a finding.
 _SENSOR_PARAMETERS = {"bias": "value", "scale": "factor", "delay": "seconds"}
@@ -116,13 +114,14 @@ def _widened_by_law(candidate: Candidate, parameter: FreeParameter, low: float, 
     return max(low * down, parameter.low), min(high * up, parameter.high)
 
 
-def with_what_edges_count_from(finding: Finding, final: FittedModel) -> Finding:
-    """Return a finding of single edges of a valve that says which area and which dead band its numbers count from."""
-    if finding.name != valve_edges.EFFECT.name:
-        return finding
-    fitted = (value for q, value in final.fit.values.items() if (q.effect, q.where) == (FLOW_CAPACITY, finding.where))
-    says = wording.counted_from(next(fitted, 1.0), (valve_deadband.EFFECT.name, finding.where) in final.named)
-    return replace(finding, says=f"{finding.says} {says}") if says else finding
+def with_what_it_counts_from(finding: Finding, final: FittedModel) -> Finding:
+    """Return a finding that says what its numbers count from where that is not what the rig says: a number that was fitted beside them."""
+    said = []
+    for name, words in identification_of(finding.name).counts_from.items():
+        factor = next((value for q, value in final.fit.values.items() if (q.effect, q.where) == (name, finding.where)), 1.0)
+        if (name, finding.where) in final.named or (name in WORTH and abs(factor - 1.0) >= WORTH[name]):
+            said.append(words.format(wording.more_or_less(factor)))
+    return replace(finding, says=" ".join([finding.says, *said])) if said else finding
 
 
 def with_twins(finding: Finding, twins: Sequence[str]) -> Finding:

@@ -21,7 +21,7 @@ from exo_sim.diagnosis.selection.candidate_finding import (
     with_all_parts,
     with_openness_of_law,
     with_twins,
-    with_what_edges_count_from,
+    with_what_it_counts_from,
 )
 from exo_sim.diagnosis.selection.fitted_model import (
     FittedModel,
@@ -113,7 +113,7 @@ class _Decision(Generic[Model]):
         own = self.fits.standard_errors(final) if self.search.reach else {}
         plain = [with_all_parts(finding_of(c, final, errors, self.search), c, self.search, self.fits) for c in reported]
         plain = [with_openness_of_law(f, c, self.search, own) for f, c in zip(plain, reported, strict=True)]
-        plain = [with_what_edges_count_from(f, final) for f in plain]
+        plain = [with_what_it_counts_from(f, final) for f in plain]
         most = float(verdicts.CONFIDENT_BESIDE_UNKNOWN)
         bounded = [replace(f, probability=min(f.confidence, most)) for f in plain] if strict else plain
         twins = self.model.indistinguishable(bounded, final.fit)

@@ -19,7 +19,7 @@ from exo_sim.diagnosis.selection.candidate_finding import (
     with_all_parts,
     with_openness_of_law,
     with_twins,
-    with_what_edges_count_from,
+    with_what_it_counts_from,
 )
 from exo_sim.diagnosis.selection.fitted_model import FittedModel, SearchResult
 from exo_sim.diagnosis.selection.search import Search
@@ -69,12 +69,12 @@ def test_edges_say_which_area_and_which_dead_band_their_numbers_count_from(found
     area = replace(waves.parameter("flow_capacity", "level"), neutral=1.0)
     plain = Finding("valve_edges", "piston", Kind.MISSING_PHYSICS, "They differ.", {}, 9.0, 0.0)
     beside = replace(found.final, candidates=(edges, band), fit=replace(found.final.fit, values={area: 0.956}))
-    says = with_what_edges_count_from(plain, beside).says
+    says = with_what_it_counts_from(plain, beside).says
     assert "4.4 % smaller than the rig's" in says and "dead band that is named beside it" in says
     alone = replace(found.final, candidates=(edges,), fit=replace(found.final.fit, values={area: 1.0}))
-    assert with_what_edges_count_from(plain, alone) is plain
+    assert with_what_it_counts_from(plain, alone) is plain
     other = replace(plain, name="valve_offset")
-    assert with_what_edges_count_from(other, beside) is other
+    assert with_what_it_counts_from(other, beside) is other
 
 
 def test_rivals_weigh_by_what_they_explain_less(found: SearchResult) -> None:

@@ -71,7 +71,7 @@ def recorded(rig: Rig, seconds: float = 3.0, told: Callable[[NDArray[np.float64]
     plugin.reset(data, 4e5, 4.5e5)
     n = round(seconds / plugin.dt)
     time = np.arange(n) * plugin.dt
-    command = told(time)
+    command = told(np.asarray(time, np.float64))
     independent = rig.cylinders["piston"].valve.independent
     other = -0.8 * command * (np.sin(31.0 * time) > -0.3)
     pressure, position = np.empty((n, 2)), np.empty(n)

@@ -16,6 +16,7 @@ from exo_sim.diagnosis.estimation.uncertainty import HALF_WIDTH, bounded_interva
 from exo_sim.diagnosis.findings import Finding, Kind, Rejected
 from exo_sim.diagnosis.policy import verdicts
 from exo_sim.diagnosis.policy.acceptance import BESIDE_DISCREPANCY, CLEAN, STEADY_GAIN
+from exo_sim.diagnosis.selection.beside_curve import needed_beside_curve
 from exo_sim.diagnosis.selection.candidate_finding import (
     finding_of,
     with_all_parts,
@@ -176,9 +177,10 @@ class _Decision(Generic[Model]):
         end = self.search.final
         apart = [c for c in named if self._stands_alone(c)]
         kept = drop_orphans([c for c in apart if identification_of(c.effect).applicability.bursts or not has_bursts(self.model, end)])
-        if not kept:
+        if not kept or self._kept_back is None:
             return self.search.baseline, kept
-        return (final if kept == named else self.fits.fit(kept, end)), kept
+        beside = final if kept == named else self.fits.fit(kept, end)
+        return needed_beside_curve(self.model, self._kept_back, lambda chosen: self.fits.fit(chosen, end), beside, kept)
 
     def _surely_there(self, final: FittedModel, named: tuple[Candidate, ...]) -> tuple[FittedModel, tuple[Candidate, ...]]:
         """Return the findings whose intervals hold nothing that a healthy machine shows, and the model with them.

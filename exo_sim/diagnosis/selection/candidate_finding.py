@@ -12,7 +12,7 @@ from exo_sim.diagnosis.estimation.parameters import FreeParameter, Target
 from exo_sim.diagnosis.estimation.uncertainty import bounded_interval
 from exo_sim.diagnosis.findings import Estimate, Finding
 from exo_sim.diagnosis.policy import verdicts
-from exo_sim.diagnosis.policy.off_nominal import MODEL_SHARE, WORTH
+from exo_sim.diagnosis.policy.off_nominal import GAIN_SHARE, MODEL_SHARE, WORTH
 from exo_sim.diagnosis.selection.fitted_model import FittedModel, SearchResult
 from exo_sim.diagnosis.selection.model_fits import ModelFits
 from exo_sim.diagnosis.selection.nuisance_calibration import is_declared
@@ -94,7 +94,7 @@ def _ends(parameter: FreeParameter, value: float, error: float, search: SearchRe
 
     No law is the machine's own: by how much they differ it may differ from them to either side.
     """
-    least, nil = MODEL_SHARE * abs(value), parameter.neutral
+    least, nil = GAIN_SHARE * abs(value), parameter.neutral
     low, high = bounded_interval(parameter, value, max(error, least))
     if error > search.errors.get(parameter, 0.0):  # the fit itself knows less
         return low, high

@@ -13,7 +13,7 @@ from exo_sim.diagnosis.estimation.parameters import FreeParameter, Target
 from exo_sim.diagnosis.estimation.uncertainty import HALF_WIDTH
 from exo_sim.diagnosis.findings import Estimate, Finding, Kind
 from exo_sim.diagnosis.policy import verdicts
-from exo_sim.diagnosis.policy.off_nominal import MODEL_SHARE
+from exo_sim.diagnosis.policy.off_nominal import GAIN_SHARE
 from exo_sim.diagnosis.selection.candidate_finding import (
     finding_of,
     with_all_parts,
@@ -41,7 +41,7 @@ def found(search: Search) -> SearchResult:
 def test_an_interval_is_never_narrower_than_what_models_are_off_by(found: SearchResult, error: float, half: float | None) -> None:
     finding = finding_of(waves.BASE, found.final, {BASE: error}, found)
     ((name, estimate),) = finding.parameters.items()
-    wide = HALF_WIDTH * (half if half is not None else MODEL_SHARE * estimate.value)
+    wide = HALF_WIDTH * (half if half is not None else GAIN_SHARE * estimate.value)
     assert name == "slow" and estimate.value == found.final.fit.values[BASE]
     assert (estimate.low, estimate.high) == pytest.approx((estimate.value - wide, estimate.value + wide))
 

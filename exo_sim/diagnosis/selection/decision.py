@@ -272,7 +272,7 @@ def _may_be_of_any_contact(candidate: Candidate, model: FittedModel, errors: Map
 def _is_nozzle(candidate: Candidate, model: FittedModel) -> bool:
     if candidate.is_law or not identification_of(candidate.effect).every_law:
         return False
-    return verdicts.NOZZLE_LOW < model.fit.values[candidate.parameters[0]] < verdicts.NOZZLE_HIGH
+    return model.fit.values[candidate.parameters[0]] > verdicts.NOZZLE_LOW
 
 
 def _without_repetition(rejected: Sequence[Rejected], findings: Sequence[Finding]) -> tuple[Rejected, ...]:

@@ -2,10 +2,12 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from pathlib import Path
 
 import mujoco
 import numpy as np
+from numpy.typing import NDArray
 
 from exo_sim import rig as rigs
 from exo_sim.machine.rig_model import load
@@ -57,14 +59,19 @@ def renamed(rig: Rig, cylinder: str, name: str) -> Rig:
     return rigs.read(rig.path)
 
 
-def recorded(rig: Rig, seconds: float = 3.0) -> Recording:
-    """Return what the plug-in makes of a rig, step by step in Python, under a lively command."""
+def lively(time: NDArray[np.float64]) -> NDArray[np.float64]:
+    """Return a command that opens and closes the valve at uneven times."""
+    return 0.5 * np.sign(np.sin(9.0 * time)) * (np.sin(2.3 * time) > -0.5) * (time > 0.05)
+
+
+def recorded(rig: Rig, seconds: float = 3.0, told: Callable[[NDArray[np.float64]], NDArray[np.float64]] = lively) -> Recording:
+    """Return what the plug-in makes of a rig, step by step in Python, under a command over time."""
     model = load(rig)
     data, plugin = mujoco.MjData(model), PneumaticPlugin(model, rig)
     plugin.reset(data, 4e5, 4.5e5)
     n = round(seconds / plugin.dt)
     time = np.arange(n) * plugin.dt
-    command = 0.5 * np.sign(np.sin(9.0 * time)) * (np.sin(2.3 * time) > -0.5) * (time > 0.05)
+    command = told(np.asarray(time, np.float64))
     independent = rig.cylinders["piston"].valve.independent
     other = -0.8 * command * (np.sin(31.0 * time) > -0.3)
     pressure, position = np.empty((n, 2)), np.empty(n)

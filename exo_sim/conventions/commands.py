@@ -1,7 +1,8 @@
 """Commands that do not say what the valve did: a column that never opens it while chambers fill, or one on a clock of its own.
 
 Physics cannot precede its cause. Lags of valves, lines and pressure sensors let pressures come after their command; where pressures follow
-it far better with the command taken earlier, its column is late.
+it far better with the command taken earlier, its column is late. A command in pulses repeats itself: taken earlier by a part of their
+period it is what it is taken later by the rest, and a valve that lags needs no other clock.
 """
 
 from __future__ import annotations
@@ -126,8 +127,11 @@ def _lateness(columns: CylinderColumns, ask: partial[Explained]) -> float:
         width = max(0.5 * width, step)
         best = min((best - width, best, best + width), key=misfit)
     found = ask(_with_earlier(columns, best))
-    shown = found.share > limits.FOLLOWED and plain.misfit > limits.BETTER_IN_TIME * found.misfit
-    return float(best) if shown and best >= least else 0.0
+    needed = limits.BETTER_IN_TIME * found.misfit
+    if best < least or found.share <= limits.FOLLOWED or plain.misfit <= needed:
+        return 0.0
+    lags = np.arange(least, limits.LATEST, max(0.5 * least, step)).tolist()
+    return 0.0 if any(misfit(-lag) <= needed for lag in lags) else float(best)
 
 
 def _with_earlier(columns: CylinderColumns, seconds: float) -> CylinderColumns:

@@ -167,8 +167,12 @@ def misfits_by_zero(columns: CylinderColumns, cylinder: Cylinder, rig: Rig, cham
 
 
 def least_at(misfits: Array, contrast: float) -> float | None:
-    """Return where a parabola through misfits has its least, in atmospheres; None where they differ by less than `contrast`."""
-    if misfits.max() < contrast * misfits.min():
+    """Return where a parabola through misfits has its least, in atmospheres; None where they do not tell.
+
+    They differ by less than `contrast` then, or fall as far as anything is added: that is no zero, but flow that the rig leaves out, a leak
+    of a chamber whose valve is hardly open.
+    """
+    if misfits.max() < contrast * misfits.min() or misfits[-1] <= misfits.min():
         return None
     curvature, slope, _ = np.polyfit(np.array(_OFFSETS), misfits / misfits.min(), 2)
     return float(-0.5 * slope / curvature) if curvature > 0.0 else None

@@ -84,7 +84,9 @@ LATE = Number(
 )  # fmt: skip
 LATEST = Number(0.12, "s", "so far a command is tried earlier", "asserted: four times the bench that showed it")
 BETTER_IN_TIME = Number(
-    2.0, "ratio of misfits", "by so much the pressures must follow the command better where it is taken earlier",
-    "a bench with its command 30 ms late: 13; the same in time, taken 8 ms earlier: 0.29",
+    2.0, "ratio of misfits",
+    "by so much the pressures must follow the command better where it is taken earlier than where it is not or where it is taken later",
+    "a bench with its command 30 ms late: 13; the same in time, taken 8 ms earlier: 0.29. A valve in pulses of 40 ms that lags by 15 ms: "
+    "4.0 taken 22 ms earlier, 0.8 against 20 ms later",
 )  # fmt: skip
 FOLLOWED = Number(0.6, "share of the variance of pressure changes", "that must follow from the command where it is taken earlier")

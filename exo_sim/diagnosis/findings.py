@@ -96,6 +96,11 @@ class Finding(_Named):
     also: tuple[str, ...] = ()
 
     @property
+    def numbers(self) -> dict[str, float]:
+        """Its parameters without their intervals."""
+        return {name: one.value for name, one in self.parameters.items()}
+
+    @property
     def key(self) -> str:
         """Name and place in one word, by which errors on held-out time are kept."""
         return held_out_key(self.name, self.where)

@@ -38,7 +38,7 @@ def calibration(name: str, parameter: str, factor: float) -> str:
         what = f"{name_of(parameter)} of the {name_of(name)} that the rig has"
         return f"The {what} is {abs(factor - 1.0) * 100:.0f} % {'larger' if factor > 1.0 else 'smaller'} than nominal."
     what = {PAYLOAD_MASS: "moved mass"}.get(name, part.get(parameter, name_of(name)))
-    return f"The {what} is {abs(factor - 1.0) * 100:.1f} % {'larger' if factor > 1.0 else 'smaller'} than nominal."
+    return f"The {what} is {more_or_less(factor)} than nominal."
 
 
 def beyond_data_sheet(name: str, rivals: Sequence[str]) -> str:
@@ -125,8 +125,14 @@ def varies(acts: str, variables: Sequence[str], share: float, is_told_apart: boo
     with_what = f"varies with {' and '.join(variables)} by {100.0 * share:.0f} % of all that acts"
     if not is_told_apart:
         return f"A force or a friction {with_what}: which of the two, these recordings do not tell."
-    turns = "friction would, and it does not" if acts == "force" else "it does, as no force would"
-    return f"{'A force' if acts == 'force' else 'Friction'} {with_what} (turn with the direction of motion: {turns})."
+    if acts == "force":
+        return f"A force {with_what}. It does not turn with the direction of motion, as friction would."
+    return f"Friction {with_what}. It turns with the direction of motion, as no force would."
+
+
+def more_or_less(factor: float) -> str:
+    """Return by how much a number is off."""
+    return f"{abs(factor - 1.0) * 100:.1f} % {'larger' if factor > 1.0 else 'smaller'}"
 
 
 def curve(signal: str, explains: float | None, is_followed: bool) -> str:

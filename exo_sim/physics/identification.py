@@ -55,6 +55,7 @@ class Twins:
         unmeasured: Those that are the same where the pressure at their place was not recorded ...
         measured: ... and where it was.
         unless: A parameter that none of `measured` has: where it was fitted, they are distinguished.
+        believed: Of its numbers, whether a twin that does the same has numbers that can be believed; None where it always has.
         beside_constant: Effect that is the same as this one where a constant force, or a force sensor's bias, acts beside it.
         damping: 1 where it looks like more damping of a joint than nominal, -1 like less; 0 where neither.
         unseen: Those that are the same where added to it they would not show: of play whose load never reverses only the give of its
@@ -67,11 +68,19 @@ class Twins:
     unmeasured: tuple[str, ...] = ()
     measured: tuple[str, ...] = ()
     unless: str = ""
+    believed: Callable[[Mapping[str, float]], bool] | None = None
     beside_constant: str = ""
     damping: int = 0
     unseen: tuple[str, ...] = ()
     unseen_from: Mapping[str, float] = field(default_factory=dict)
     as_parts: Mapping[str, Mapping[str, float]] = field(default_factory=dict)
+
+    def like(self, numbers: Mapping[str, float], is_measured: bool) -> tuple[str, ...]:
+        """Return those that are the same as an effect of these numbers, where the pressure at its place was recorded or not."""
+        if is_measured and self.unless in numbers:
+            return ()
+        names = self.measured if is_measured else self.unmeasured
+        return names if self.believed is None or self.believed(numbers) else ()
 
 
 @dataclass(frozen=True)
@@ -97,6 +106,8 @@ class Identification:
             that occurred to a quarter of the fastest, for beyond that such a bend is a number of the whole law.
         within_travels: Parameters that are positions near the travel: from far outside it a law that changes along it is a constant.
         common: A parameter of the effect that this comes on top of, and own ones that are added to it: only the sums show.
+        counts_from: What its numbers count from that may be another than the rig says, a number that every fit moves or an effect, with
+            what is said then; `{}` is by how much that number is off.
         scale: Typical size of its parameters where neither its ranges nor the motion say it; 0 where they do.
         logarithmic: Whether its parameters span decades and are never zero: a fit moves their logarithms.
         neutral: Values at which it does nothing, where that is not zero.
@@ -139,6 +150,7 @@ class Identification:
     within_speeds: tuple[str, ...] = ()
     within_travels: tuple[str, ...] = ()
     common: tuple[str, tuple[str, ...]] = ("", ())
+    counts_from: Mapping[str, str] = field(default_factory=dict)
     scale: float = 0.0
     logarithmic: bool = False
     neutral: Mapping[str, float] = field(default_factory=dict)

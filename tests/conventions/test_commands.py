@@ -3,12 +3,14 @@
 from __future__ import annotations
 
 from dataclasses import replace
+from functools import partial
 
 import benches
 import numpy as np
 import pytest
 
-from exo_sim.conventions.commands import in_time, that_open
+from exo_sim.conventions.commands import _with_earlier, in_time, that_open
+from exo_sim.conventions.gas_balance import explained
 from exo_sim.conventions.machine import Machine, columns_of
 from exo_sim.diagnosis.findings import Kind
 from exo_sim.diagnosis.pipeline.reading import gather
@@ -85,6 +87,22 @@ def test_a_command_in_time_and_what_lags_behind_it_stay(rig: Rig, driven: Record
     """A valve that answers 20 ms late, and a card that is 4 ms late, are no other clock."""
     one = shifted(driven, samples)
     assert in_time(one, Machine.of(rig, load(rig))) == (one, [])
+
+
+def test_a_lag_of_pulses_that_repeat_themselves_is_no_other_clock(rig: Rig) -> None:
+    """A pulse that acts 18 ms late acts 22 ms before the next one."""
+
+    def pulses(time: np.ndarray) -> np.ndarray:
+        share = 0.8 * np.sin(4.0 * (time // 0.04) * 0.04)
+        return np.sign(share) * (time % 0.04 < 0.04 * np.abs(share))
+
+    machine, lags = Machine.of(rig, load(rig)), shifted(benches.recorded(rig, 6.0, pulses), -18)
+    link = machine.links[0]
+    columns = columns_of(lags, machine, link)
+    assert columns is not None
+    ask = partial(explained, cylinder=machine.cylinder(link), rig=rig)
+    assert ask(_with_earlier(columns, 0.022)).misfit < 0.5 * ask(columns).misfit  # that is what an earlier command alone would be taken for
+    assert in_time(lags, machine) == (lags, [])
 
 
 def test_no_interval_is_looked_at_across_a_mended_clock(rig: Rig, driven: Recording) -> None:

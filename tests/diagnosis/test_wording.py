@@ -32,6 +32,13 @@ def test_the_reason_follows_from_the_share() -> None:
     assert "as small as a healthy machine's" in wording.no_gain(OTHER, 0.5)
 
 
+def test_a_force_and_a_friction_are_told_apart_in_a_sentence() -> None:
+    force, friction = (wording.varies(acts, ["position"], 0.5, True) for acts in ("force", "friction"))
+    assert force.endswith("by 50 % of all that acts. It does not turn with the direction of motion, as friction would.")
+    assert friction.endswith("It turns with the direction of motion, as no force would.")
+    assert "do not tell" in wording.varies("force", ["position"], 0.5, False)
+
+
 def test_another_form_is_no_other_effect() -> None:
     assert wording.rejected(candidate("base", "quick"), BASE, 4.0) == "in the form quick it fits worse"
     assert wording.rejected(OTHER, BASE, 4.25) == "in place of base it fits worse"

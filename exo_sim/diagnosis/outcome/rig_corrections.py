@@ -10,7 +10,7 @@ from exo_sim.diagnosis.data.machine_data import MachineData
 from exo_sim.diagnosis.estimation.parameters import FreeParameter
 from exo_sim.diagnosis.estimation.uncertainty import bounded_interval, interval
 from exo_sim.diagnosis.nominal_numbers import DEAD_VOLUME, FLOW_CAPACITY, JOINT_DAMPING, JOINT_INERTIA, PAYLOAD_MASS, SET_PRESSURE
-from exo_sim.diagnosis.policy.off_nominal import HELD_WITHIN, MODEL_SHARE
+from exo_sim.diagnosis.policy.off_nominal import GAIN_SHARE, HELD_WITHIN
 from exo_sim.diagnosis.selection.nuisance_calibration import Deviation, is_declared
 from exo_sim.diagnosis.selection.subsystem_result import SubsystemResult
 from exo_sim.diagnosis.subsystem_model import SubsystemModel
@@ -60,7 +60,7 @@ def _is_the_rigs(rig: Rig, parameter: FreeParameter) -> bool:
 
 def _correction(data: MachineData, off: Deviation) -> Correction | None:
     """Return a deviation as a correction; None of the mass of a body without a name, which a rig file cannot say."""
-    parameter, factor, error = off.parameter, off.factor, max(off.error, MODEL_SHARE)
+    parameter, factor, error = off.parameter, off.factor, max(off.error, GAIN_SHARE)
     if parameter.prior and is_declared(parameter.effect):
         nominal = parameter.prior[0]
         low, high = interval(factor, error)

@@ -12,6 +12,14 @@ SURE = Number(
 MODEL_SHARE = Number(
     0.0015, "share, one standard deviation", "no equation describes a machine, nor a sensor its pressure, to better than this"
 )
+GAIN_SHARE = Number(
+    0.003, "share, one standard deviation",
+    "a number is known no better than the gain of the sensors that it was measured through, which no data sheet promises to better than "
+    "0.25 to 1 %: forces, and all that acts on them, are off as the pressures are",
+    "derived from a class of 0.5 %. Nine masses and viscosities on machines of two draws with gains within 0.3 and 0.5 %, known by their "
+    "fits to less than 0.5 %, are off by 0.1 to 0.6 %, their root mean square is 0.34 %: with 0.15 % six intervals held, and two "
+    "of the four that were no wider",
+)  # fmt: skip
 _forms = (
     "54 dead volumes and 7 areas that were called off on machines of six draws (X600 to X664), whose laws are not ours: without it 23 of "
     "61 intervals held"

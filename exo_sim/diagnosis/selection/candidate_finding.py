@@ -12,7 +12,7 @@ from exo_sim.diagnosis.estimation.parameters import FreeParameter, Target
 from exo_sim.diagnosis.estimation.uncertainty import bounded_interval
 from exo_sim.diagnosis.findings import Estimate, Finding
 from exo_sim.diagnosis.policy import verdicts
-from exo_sim.diagnosis.policy.off_nominal import MODEL_SHARE
+from exo_sim.diagnosis.policy.off_nominal import GAIN_SHARE, MODEL_SHARE, WORTH
 from exo_sim.diagnosis.selection.fitted_model import FittedModel, SearchResult
 from exo_sim.diagnosis.selection.model_fits import ModelFits
 from exo_sim.diagnosis.selection.nuisance_calibration import is_declared
@@ -94,7 +94,7 @@ def _ends(parameter: FreeParameter, value: float, error: float, search: SearchRe
 
     No law is the machine's own: by how much they differ it may differ from them to either side.
     """
-    least, nil = MODEL_SHARE * abs(value), parameter.neutral
+    least, nil = GAIN_SHARE * abs(value), parameter.neutral
     low, high = bounded_interval(parameter, value, max(error, least))
     if error > search.errors.get(parameter, 0.0):  # the fit itself knows less
         return low, high
@@ -112,6 +112,16 @@ def _widened_by_law(candidate: Candidate, parameter: FreeParameter, low: float, 
         return low, high
     down, up = asked.open_by.get(parameter.parameter, (1.0, 1.0))
     return max(low * down, parameter.low), min(high * up, parameter.high)
+
+
+def with_what_it_counts_from(finding: Finding, final: FittedModel) -> Finding:
+    """Return a finding that says what its numbers count from where that is not what the rig says: a number that was fitted beside them."""
+    said = []
+    for name, words in identification_of(finding.name).counts_from.items():
+        factor = next((value for q, value in final.fit.values.items() if (q.effect, q.where) == (name, finding.where)), 1.0)
+        if (name, finding.where) in final.named or (name in WORTH and abs(factor - 1.0) >= WORTH[name]):
+            said.append(words.format(wording.more_or_less(factor)))
+    return replace(finding, says=" ".join([finding.says, *said])) if said else finding
 
 
 def with_twins(finding: Finding, twins: Sequence[str]) -> Finding:

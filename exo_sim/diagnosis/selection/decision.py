@@ -16,7 +16,14 @@ from exo_sim.diagnosis.estimation.uncertainty import HALF_WIDTH, bounded_interva
 from exo_sim.diagnosis.findings import Finding, Kind, Rejected
 from exo_sim.diagnosis.policy import verdicts
 from exo_sim.diagnosis.policy.acceptance import BESIDE_DISCREPANCY, CLEAN, STEADY_GAIN
-from exo_sim.diagnosis.selection.candidate_finding import finding_of, with_all_parts, with_openness_of_law, with_twins
+from exo_sim.diagnosis.selection.beside_curve import needed_beside_curve
+from exo_sim.diagnosis.selection.candidate_finding import (
+    finding_of,
+    with_all_parts,
+    with_openness_of_law,
+    with_twins,
+    with_what_it_counts_from,
+)
 from exo_sim.diagnosis.selection.fitted_model import (
     FittedModel,
     SearchResult,
@@ -107,6 +114,7 @@ class _Decision(Generic[Model]):
         own = self.fits.standard_errors(final) if self.search.reach else {}
         plain = [with_all_parts(finding_of(c, final, errors, self.search), c, self.search, self.fits) for c in reported]
         plain = [with_openness_of_law(f, c, self.search, own) for f, c in zip(plain, reported, strict=True)]
+        plain = [with_what_it_counts_from(f, final) for f in plain]
         most = float(verdicts.CONFIDENT_BESIDE_UNKNOWN)
         bounded = [replace(f, probability=min(f.confidence, most)) for f in plain] if strict else plain
         twins = self.model.indistinguishable(bounded, final.fit)
@@ -169,9 +177,10 @@ class _Decision(Generic[Model]):
         end = self.search.final
         apart = [c for c in named if self._stands_alone(c)]
         kept = drop_orphans([c for c in apart if identification_of(c.effect).applicability.bursts or not has_bursts(self.model, end)])
-        if not kept:
+        if not kept or self._kept_back is None:
             return self.search.baseline, kept
-        return (final if kept == named else self.fits.fit(kept, end)), kept
+        beside = final if kept == named else self.fits.fit(kept, end)
+        return needed_beside_curve(self.model, self._kept_back, lambda chosen: self.fits.fit(chosen, end), beside, kept)
 
     def _surely_there(self, final: FittedModel, named: tuple[Candidate, ...]) -> tuple[FittedModel, tuple[Candidate, ...]]:
         """Return the findings whose intervals hold nothing that a healthy machine shows, and the model with them.
@@ -263,7 +272,7 @@ def _may_be_of_any_contact(candidate: Candidate, model: FittedModel, errors: Map
 def _is_nozzle(candidate: Candidate, model: FittedModel) -> bool:
     if candidate.is_law or not identification_of(candidate.effect).every_law:
         return False
-    return verdicts.NOZZLE_LOW < model.fit.values[candidate.parameters[0]] < verdicts.NOZZLE_HIGH
+    return model.fit.values[candidate.parameters[0]] > verdicts.NOZZLE_LOW
 
 
 def _without_repetition(rejected: Sequence[Rejected], findings: Sequence[Finding]) -> tuple[Rejected, ...]:

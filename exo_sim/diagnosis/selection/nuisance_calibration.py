@@ -12,7 +12,7 @@ from exo_sim.diagnosis.estimation.prior_terms import as_counted
 from exo_sim.diagnosis.estimation.uncertainty import HALF_WIDTH, bounded_interval, interval
 from exo_sim.diagnosis.findings import Estimate, Finding, Kind
 from exo_sim.diagnosis.nominal_numbers import DEAD_VOLUME, INITIAL_TEMPERATURE
-from exo_sim.diagnosis.policy.off_nominal import BEYOND_SHEET, LAW_SHARE, MODEL_SHARE, MOVED, OPEN_LAW_SHARE, SURE, WORTH
+from exo_sim.diagnosis.policy.off_nominal import BEYOND_SHEET, GAIN_SHARE, LAW_SHARE, MOVED, OPEN_LAW_SHARE, SURE, WORTH
 from exo_sim.diagnosis.policy.probability import CALIBRATED, UNTESTED
 from exo_sim.diagnosis.selection.fitted_model import FittedModel
 from exo_sim.diagnosis.selection.nuisances_beyond_prior import is_beyond_data_sheet
@@ -143,19 +143,19 @@ def _calibration(name: str, where: str, parts: Sequence[Deviation]) -> Finding:
     weights = [1.0 / max(one.error, 1e-9) ** 2 for one in parts]
     mean = sum(w * one.factor for w, one in zip(weights, parts, strict=True)) / sum(weights)
     apart = max(abs(one.factor - mean) for one in parts)
-    spread = max(math.sqrt(1.0 / sum(weights)), apart, MODEL_SHARE)
+    spread = max(math.sqrt(1.0 / sum(weights)), apart, GAIN_SHARE)
     low, high = interval(mean, spread) if is_declared(name) else bounded_interval(parts[0].parameter, mean, spread)
     estimates = {"factor": Estimate(mean, "1", low, high)}
     if name == DEAD_VOLUME:
         for one in parts:
-            ends = bounded_interval(one.parameter, one.factor, max(one.error, MODEL_SHARE))
+            ends = bounded_interval(one.parameter, one.factor, max(one.error, GAIN_SHARE))
             estimates[one.parameter.parameter] = Estimate(one.factor, "1", *ends)
     if is_declared(name):
         estimates = {
             q.parameter: Estimate(
                 one.factor * q.prior[0],
                 q.unit,
-                *sorted(q.prior[0] * end for end in interval(one.factor, max(one.error, MODEL_SHARE))),
+                *sorted(q.prior[0] * end for end in interval(one.factor, max(one.error, GAIN_SHARE))),
             )
             for one in parts
             if (q := one.parameter).prior

@@ -46,7 +46,11 @@ EFFECT = Effect(
     signature="closed chambers converge; nothing happens at equal pressures",
     # where chamber 2 is the atmosphere it is an external one
     identification=Identification(
-        proportional=True, leaks=1.0, forms=(("area",), ("laminar",)), applicability=Applicability(two_chambers=True)
+        proportional=True,
+        leaks=1.0,
+        forms=(("area",), ("laminar",)),
+        open_by={"area": (1.0, 1.2)},  # both chambers are near each other, where a way with a critical ratio of 0.3 passes 17 % less
+        applicability=Applicability(two_chambers=True),
     ),
 )
 

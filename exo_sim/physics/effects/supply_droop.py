@@ -2,9 +2,22 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
+
 from exo_sim.physics.compiled import kernel
 from exo_sim.physics.declaration import Effect, Identification, Parameter
+from exo_sim.physics.effects import supply_regulator
 from exo_sim.physics.identification import Applicability, Twins
+
+#: Square of the speed of sound in the air of a room [m^2/s^2]: a tank follows its feed within volume / (conductance times this).
+SOUND_SQUARED = 1.4 * 287.05 * 293.15
+
+
+def _is_as_quick_as_a_regulator(tank: Mapping[str, float]) -> bool:
+    """Return whether a regulator can be as slow as a tank of these numbers behind its feed."""
+    slowest = supply_regulator.EFFECT.parameter("time_constant").high
+    return tank.get("volume", 0.0) <= slowest * SOUND_SQUARED * tank.get("conductance", 0.0)
+
 
 EFFECT = Effect(
     name="supply_droop",
@@ -32,7 +45,9 @@ EFFECT = Effect(
         open_by={"volume": (1.0 / 1.4, 1.0), "conductance": (0.97, 1.025)},
         logarithmic=True,
         applicability=Applicability(commanded=True),
-        twins=Twins(unmeasured=("supply_regulator",)),  # a tank behind a feed is the same first order between flow and pressure
+        # a tank behind a feed is the same first order between flow and pressure; that its gas cools while it is drawn is less than what
+        # is known of the flow
+        twins=Twins(unmeasured=("supply_regulator",), measured=("supply_regulator",), believed=_is_as_quick_as_a_regulator),
     ),
 )
 

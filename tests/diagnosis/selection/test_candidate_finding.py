@@ -13,8 +13,14 @@ from exo_sim.diagnosis.estimation.parameters import FreeParameter, Target
 from exo_sim.diagnosis.estimation.uncertainty import HALF_WIDTH
 from exo_sim.diagnosis.findings import Estimate, Finding, Kind
 from exo_sim.diagnosis.policy import verdicts
-from exo_sim.diagnosis.policy.off_nominal import MODEL_SHARE
-from exo_sim.diagnosis.selection.candidate_finding import finding_of, with_all_parts, with_openness_of_law, with_twins
+from exo_sim.diagnosis.policy.off_nominal import GAIN_SHARE
+from exo_sim.diagnosis.selection.candidate_finding import (
+    finding_of,
+    with_all_parts,
+    with_openness_of_law,
+    with_twins,
+    with_what_it_counts_from,
+)
 from exo_sim.diagnosis.selection.fitted_model import FittedModel, SearchResult
 from exo_sim.diagnosis.selection.search import Search
 
@@ -35,7 +41,7 @@ def found(search: Search) -> SearchResult:
 def test_an_interval_is_never_narrower_than_what_models_are_off_by(found: SearchResult, error: float, half: float | None) -> None:
     finding = finding_of(waves.BASE, found.final, {BASE: error}, found)
     ((name, estimate),) = finding.parameters.items()
-    wide = HALF_WIDTH * (half if half is not None else MODEL_SHARE * estimate.value)
+    wide = HALF_WIDTH * (half if half is not None else GAIN_SHARE * estimate.value)
     assert name == "slow" and estimate.value == found.final.fit.values[BASE]
     assert (estimate.low, estimate.high) == pytest.approx((estimate.value - wide, estimate.value + wide))
 
@@ -55,6 +61,20 @@ def test_an_end_of_an_interval_that_other_laws_set_is_said_to_be_theirs(
     plain = finding_of(waves.BASE, open_.final, {BASE: 0.5}, open_)
     finding = with_openness_of_law(plain, waves.BASE, open_, {BASE: 0.5})
     assert (says in finding.says) if says else finding is plain
+
+
+def test_edges_say_which_area_and_which_dead_band_their_numbers_count_from(found: SearchResult) -> None:
+    """A fit moves the whole valve's area as well: without that number an excess is the area of no edge."""
+    edges, band = (waves.candidate(name, wave) for name, wave in (("valve_edges", "slow"), ("valve_deadband", "quick")))
+    area = replace(waves.parameter("flow_capacity", "level"), neutral=1.0)
+    plain = Finding("valve_edges", "piston", Kind.MISSING_PHYSICS, "They differ.", {}, 9.0, 0.0)
+    beside = replace(found.final, candidates=(edges, band), fit=replace(found.final.fit, values={area: 0.956}))
+    says = with_what_it_counts_from(plain, beside).says
+    assert "4.4 % smaller than the rig's" in says and "dead band that is named beside it" in says
+    alone = replace(found.final, candidates=(edges,), fit=replace(found.final.fit, values={area: 1.0}))
+    assert with_what_it_counts_from(plain, alone) is plain
+    other = replace(plain, name="valve_offset")
+    assert with_what_it_counts_from(other, beside) is other
 
 
 def test_rivals_weigh_by_what_they_explain_less(found: SearchResult) -> None:

@@ -135,6 +135,19 @@ def test_a_number_that_ended_at_a_bound_was_not_found(area: float, at_bound: boo
     assert is_at_bound(hose, FittedModel((hose,), Fit((one,), {one: area}, np.zeros(3), np.zeros((3, 1))))) is at_bound
 
 
+@pytest.mark.parametrize(("ratio", "named"), [(0.3, True), (0.52, False), (0.56, False)])
+def test_nothing_chokes_at_a_greater_ratio_than_a_nozzle(ratio: float, named: bool) -> None:
+    """A ratio that is greater mends something else, and is no finding."""
+    model = waves.Waves(1e9, slow=4.0)
+    one = FreeParameter("critical_ratio", "piston", "critical_ratio.slow", "1", Target.SENSOR, 0.1, 0.02, 0.6)
+    valve = Candidate("critical_ratio", "piston", "ratio", (one,), ((0.3,),))
+    fits = ModelFits(model, ())
+    bare = fits.refined(fits.fit(()))
+    fitted = FittedModel((valve,), Fit((one,), {one: ratio}, model.residual({one: ratio}), waves.SHAPES["slow"][:, None]))
+    result = decide("piston", model, fits, SearchResult(bare, fitted))
+    assert [found.name for found in result.findings] == (["critical_ratio"] if named else [])
+
+
 def test_an_amount_that_ended_at_nothing_is_not_at_a_bound() -> None:
     one = FreeParameter("piston_leakage", "piston", "area", "m^2", Target.CYLINDER, 1e-8, 0.0, 1e-4)
     leak = Candidate("piston_leakage", "piston", "area", (one,), ((1e-8,),))

@@ -12,7 +12,7 @@ from exo_sim.diagnosis.data.split import Split
 from exo_sim.diagnosis.estimation.candidate import Candidate
 from exo_sim.diagnosis.estimation.least_squares import Fit
 from exo_sim.diagnosis.estimation.parameters import FreeParameter, PlantParameters, Target
-from exo_sim.diagnosis.policy.off_nominal import MODEL_SHARE, SURE
+from exo_sim.diagnosis.policy.off_nominal import GAIN_SHARE, SURE
 from exo_sim.diagnosis.policy.probability import CALIBRATED, UNTESTED
 from exo_sim.diagnosis.selection.fitted_model import FittedModel
 from exo_sim.diagnosis.selection.nuisance_calibration import Deviation, calibration_findings, deviations, refitted_besides
@@ -87,7 +87,7 @@ def test_two_that_agree_are_surer_than_one(factor: float, error: float) -> None:
     for found, spread in ((alone, error), (both, error / 2.0**0.5)):
         interval = found.parameters["factor"]
         assert interval.value == pytest.approx(factor)
-        assert (interval.high - interval.low) == pytest.approx(2.0 * 1.959964 * max(spread, MODEL_SHARE), rel=1e-5)
+        assert (interval.high - interval.low) == pytest.approx(2.0 * 1.959964 * max(spread, GAIN_SHARE), rel=1e-5)
     assert both.log10_odds == pytest.approx(2.0 * alone.log10_odds)
 
 

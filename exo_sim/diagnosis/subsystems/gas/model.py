@@ -284,7 +284,7 @@ class GasModel(SubsystemModel):
 
     def indistinguishable(self, findings: Sequence[Finding], fit: Fit) -> Mapping[tuple[str, str], tuple[str, ...]]:
         """Declared twins of what the gas feels and nobody measured: a supply's."""
-        twins = {f.at: identification_of(f.name).twins.unmeasured for f in findings}
+        twins = {f.at: identification_of(f.name).twins.like(f.numbers, False) for f in findings}
         return {key: names for key, names in twins.items() if names}
 
     def experiments(self, plants: Sequence[PlantParameters]) -> Mapping[str, Array]:

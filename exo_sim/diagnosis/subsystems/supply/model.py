@@ -135,5 +135,5 @@ class SupplyModel(SubsystemModel):
 
     def indistinguishable(self, findings: Sequence[Finding], fit: Fit) -> Mapping[tuple[str, str], tuple[str, ...]]:
         """Declared twins, unless what only one of them has was fitted."""
-        twins = {f.at: (identification_of(f.name).twins, f.parameters) for f in findings}
-        return {key: one.measured for key, (one, parameters) in twins.items() if one.measured and one.unless not in parameters}
+        twins = {f.at: identification_of(f.name).twins.like(f.numbers, True) for f in findings}
+        return {key: names for key, names in twins.items() if names}

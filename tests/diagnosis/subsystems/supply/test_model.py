@@ -3,14 +3,17 @@
 from __future__ import annotations
 
 import math
+from typing import cast
 
 import numpy as np
 import pytest
 
 from exo_sim.diagnosis.data.split import split
 from exo_sim.diagnosis.estimation.parameters import PlantParameters
+from exo_sim.diagnosis.findings import Estimate, Finding, Kind
 from exo_sim.diagnosis.selection.fitted_model import FittedModel
 from exo_sim.diagnosis.selection.search import Search
+from exo_sim.diagnosis.subsystems.gas.model import GasModel
 from exo_sim.diagnosis.subsystems.supply.candidates import candidates, nuisance_parameters
 from exo_sim.diagnosis.subsystems.supply.model import SupplyModel, SupplyRun
 from exo_sim.diagnosis.subsystems.supply.prediction import follow_supply
@@ -85,6 +88,30 @@ def test_what_sagged_is_named(effect: str, numbers: dict[str, float]) -> None:
     for quantity, value in found.fit.values.items():
         if quantity.parameter in numbers:
             assert value == pytest.approx(numbers[quantity.parameter], rel=0.05)
+
+
+@pytest.mark.parametrize(
+    ("name", "numbers", "twin"),
+    [
+        ("supply_droop", {"volume": 5.9e-5, "conductance": 8.6e-9}, "supply_regulator"),
+        ("supply_droop", {"volume": 2e-3, "conductance": 4e-8}, ""),
+        ("supply_regulator", {"droop": 1.2e8, "time_constant": 0.06}, "supply_droop"),
+        ("supply_regulator", {"droop": 1.2e8, "time_constant": 0.06, "hysteresis": 8e3}, ""),
+    ],
+    ids=["58 ms", "0.42 s", "a regulator", "that sticks"],
+)
+@pytest.mark.parametrize("is_measured", [True, False])
+def test_a_tank_is_like_a_regulator_that_can_be_as_slow(name: str, numbers: dict[str, float], twin: str, is_measured: bool) -> None:
+    """Both are one first order between flow and pressure, and the flow is not known to the percent that the gas of a tank cools by."""
+    found = {key: Estimate(value, "", 0.0, 1.0) for key, value in numbers.items()}
+    finding = Finding(name, "supply", Kind.MISSING_PHYSICS, "", found, 9.0, 0.0)
+    model = problem(supplied(setting(**{name: numbers})))
+    if is_measured:
+        said = model.indistinguishable([finding], found_in(model).fit)
+    else:
+        said = GasModel.indistinguishable(cast(GasModel, model), [finding], found_in(model).fit)
+    expected = twin or ("supply_droop" if name == "supply_regulator" and not is_measured else "")
+    assert said == ({(name, "supply"): (expected,)} if expected else {})
 
 
 def test_a_steady_supply_has_nothing_to_name() -> None:

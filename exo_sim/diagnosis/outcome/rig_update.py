@@ -89,11 +89,13 @@ class RigUpdate:
         rig: The rig as handed in.
         parts: What changes.
         is_fitted_together: Whether the numbers were fitted once more to the whole machine.
+        unsayable: What was found and no rig file can hold.
     """
 
     rig: Rig
     parts: tuple[Part, ...]
     is_fitted_together: bool = False
+    unsayable: tuple[EffectEntry, ...] = ()
 
     @property
     def holds_findings(self) -> bool:
@@ -163,6 +165,7 @@ def rig_update(data: MachineData, results: Sequence[Result], unknown: Sequence[U
     """Return what was found as an update of the rig."""
     calibrated = {one.where for one in results if one.model.calibrates_pressures and not one.is_empty}
     parts: list[Part] = []
+    unsayable: list[EffectEntry] = []
     for one in results:
         source = f"{one.model.kind} of {one.name}"
         reported = {finding.at: finding for finding in one.findings}
@@ -171,7 +174,9 @@ def rig_update(data: MachineData, results: Sequence[Result], unknown: Sequence[U
         ]
         corrected = corrections(data, one)
         findings = tuple(each for each in corrected if not each.note)
-        parts.append(Part(source, Rank.FOUND, tuple(_sayable(data.rig, one, entries)), findings))
+        sayable = tuple(_sayable(data.rig, one, entries))
+        unsayable += [entry for entry in entries if entry not in sayable]
+        parts.append(Part(source, Rank.FOUND, sayable, findings))
         refitted = tuple(each for each in corrected if each.note)
         healthy = _sayable(data.rig, one, _healthy(data.rig, one, calibrated))
         zeros = tuple(entry for entry in healthy if declared()[entry.setting.name].cut == "sensor")
@@ -187,7 +192,8 @@ def rig_update(data: MachineData, results: Sequence[Result], unknown: Sequence[U
         if is_declared(found.name) and found.parameters and found.where.rsplit(".", 1)[-1] not in VALVE_COMMANDS
     ]
     parts.append(Part("sensors", Rank.FOUND, tuple(faults)))
-    return RigUpdate(data.rig, tuple(part for part in map(partial(_not_said_twice, parts), parts) if part.entries or part.corrections))
+    kept = tuple(part for part in map(partial(_not_said_twice, parts), parts) if part.entries or part.corrections)
+    return RigUpdate(data.rig, kept, unsayable=tuple(unsayable))
 
 
 def _not_said_twice(parts: Sequence[Part], part: Part) -> Part:

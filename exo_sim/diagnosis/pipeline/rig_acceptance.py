@@ -9,6 +9,7 @@ from __future__ import annotations
 from collections.abc import Callable
 from dataclasses import replace
 
+from exo_sim.diagnosis import wording
 from exo_sim.diagnosis.data.machine_data import MachineData
 from exo_sim.diagnosis.data.split import Split
 from exo_sim.diagnosis.estimation.budget import IsSpent, never
@@ -23,6 +24,7 @@ from exo_sim.rig import Rig, parse
 from exo_sim.simulation.replay import WINDOW
 
 _CUT = "improved.toml leaves out what predicts held-out time worse: {}"
+_UNSAYABLE = "improved.toml leaves out {}: {} is a joint and a cylinder, and the rig holds there what the cylinder has; rename either"
 _REFUSED = "improved.toml holds less than what was found: a rig with all of it is refused, {}"
 _UNPROVED = "improved.toml was not put to the test: nothing of the held-out time can be predicted, or the recordings are too long"
 _BY_ALL = "improved.toml was cut down by all of the held-out time, for part of that was predicted worse: its errors there are no test"
@@ -132,8 +134,9 @@ def accepted(
         best = judge.reported(best, split)
     is_cut, is_unproved = best.update.parts != update.parts and not refusals, bool(best.update.parts) and not best.is_proved
     said = ((_CUT.format(update.without(best.update)), is_cut), (_UNPROVED, is_unproved), (_BY_ALL, by_all))
+    unsayable = [_UNSAYABLE.format(wording.name_of(entry.setting.name), entry.setting.where) for entry in update.unsayable]
     chance = [_BY_CHANCE.format(column, count, ratio) for column, (ratio, count) in best.by_chance().items()]
-    return best, (*(_REFUSED.format(why) for why in refusals[:1]), *(words for words, is_so in said if is_so), *chance)
+    return best, (*(_REFUSED.format(why) for why in refusals[:1]), *(words for words, is_so in said if is_so), *unsayable, *chance)
 
 
 def better_of(one: Trial, other: Trial) -> Trial:

@@ -105,8 +105,11 @@ def test_what_was_found_of_a_joint_with_the_name_of_a_cylinder_is_not_written_as
     estimates = {size.parameter: Estimate(5.0, size.unit, 4.0, 6.0)}
     finding = Finding("viscous_friction", "slide", Kind.MISSING_PHYSICS, "", estimates, 9.0, 0.5)
     one = SubsystemResult("slide", balance, ModelFits(balance, ()), SearchResult(final, final), final, (viscous,), findings=(finding,))
-    assert size.unit == "N*m*s/rad" and rig_update(data, [one], ()).parts == ()
+    update = rig_update(data, [one], ())
+    assert size.unit == "N*m*s/rad" and update.parts == ()
+    assert [entry.setting.name for entry in update.unsayable] == ["viscous_friction"]
     unnamed = replace(data, rig=benches.bench(tmp_path))
+    assert rig_update(unnamed, [one], ()).unsayable == ()
     assert [part.rank for part in rig_update(unnamed, [one], ()).parts] == [Rank.FOUND]
 
 

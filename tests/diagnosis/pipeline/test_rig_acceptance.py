@@ -154,6 +154,13 @@ def test_where_nothing_can_be_tried_it_is_said(leaking: MachineData) -> None:
     assert kept.update.parts and len(said) == 1 and "not put to the test" in said[0]
 
 
+def test_what_no_rig_file_can_hold_is_said(leaking: MachineData) -> None:
+    found = leak(leaking, 3.6e-8)
+    entry = EffectEntry(EffectSetting("viscous_friction", "slide", {"coefficient": 5.0}))
+    _, said = accepted(leaking, replace(found, unsayable=(entry,)), Split({leaking.recordings[0].name: ((7.0, 9.0),)}))
+    assert ["viscous friction" in words and "rename" in words for words in said].count(True) == 1
+
+
 def test_runs_from_the_midst_say_nothing_of_a_gas_that_no_valve_feeds(leaking: MachineData) -> None:
     """What it was warmed to by then, nobody measured."""
     closed = {name: tuple(replace(run, commanded=False) for run in runs) for name, runs in leaking.cylinders.items()}

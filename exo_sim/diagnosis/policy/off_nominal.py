@@ -40,6 +40,12 @@ AREA_FORM = Number(
     0.04, "share, one standard deviation", "what the law of flow leaves open of a valve's area",
     f"{_forms}: areas are off by 0.001, 0.003, 0.015, 0.05, 0.07, 0.10 and 0.11",
 )  # fmt: skip
+HEAT_FORM = Number(
+    0.08, "share, one standard deviation",
+    "what the law of heat leaves open of its conductance to the wall; beside a hose, whose wall takes heat too, `HOSE_FORM` comes to it",
+    "three cylinders without a hose are off by 0.06, 0.08 and 0.14 (X605, X610, a wall of two layers), five beside one by 0.02, 0.05, "
+    "0.08, 0.27 and 0.56 (X576, X606, X641, X671, X690): without it four of eight intervals held",
+)  # fmt: skip
 MASS_FORM = Number(
     2.2, "standard errors by the fit, one standard deviation",
     "the laws of friction and the delays of cards leave open of a mass or an inertia, beside the fit's own error",

@@ -10,7 +10,7 @@ import math
 
 from exo_sim.diagnosis.estimation.parameters import FreeParameter, PlantParameters
 from exo_sim.diagnosis.nominal_numbers import DEAD_VOLUME, FLOW_CAPACITY
-from exo_sim.diagnosis.policy.off_nominal import AREA_FORM, HOSE_FORM, VOLUME_FORM
+from exo_sim.diagnosis.policy.off_nominal import AREA_FORM, HEAT_FORM, HOSE_FORM, VOLUME_FORM
 from exo_sim.physics.declaration import declared
 
 
@@ -28,6 +28,9 @@ def error_of_form(parameter: FreeParameter, fitted: PlantParameters, nominal: Pl
         return HOSE_FORM * volumes.get(parameter.effect, 0.0)
     if parameter.effect == FLOW_CAPACITY:
         return float(AREA_FORM)
+    if parameter.unit == "W/K" and parameter.effect in declared() and declared()[parameter.effect].identification.wall_heat:
+        size = float(fitted.cylinder[parameter.effect][parameter.parameter][0])
+        return size * math.hypot(HEAT_FORM, HOSE_FORM if any(volumes.values()) else 0.0)
     if parameter.effect != DEAD_VOLUME:
         return 0.0
     owner = nominal.cylinder[0]

@@ -10,7 +10,7 @@ import benches
 import pytest
 
 from exo_sim.diagnosis.estimation.parameters import FreeParameter, PlantParameters, Target
-from exo_sim.diagnosis.policy.off_nominal import AREA_FORM, HOSE_FORM, VOLUME_FORM
+from exo_sim.diagnosis.policy.off_nominal import AREA_FORM, HEAT_FORM, HOSE_FORM, VOLUME_FORM
 from exo_sim.diagnosis.subsystems.gas.form_errors import error_of_form
 from exo_sim.machine.rig_model import load
 from exo_sim.simulation.plugin import PneumaticPlugin
@@ -54,6 +54,15 @@ def test_an_area_is_known_to_a_share_and_what_nobody_looked_at_to_what_the_data_
     assert error_of_form(factor("flow_capacity", "valve_area"), plant, plant) == AREA_FORM
     leak = FreeParameter("piston_leakage", "piston", "area", "m^2", Target.CYLINDER, 1e-8, 0.0, 1e-6)
     assert error_of_form(leak, plant, plant) == 0.0
+
+
+def test_heat_to_the_wall_is_known_to_a_share_and_beside_a_hose_to_a_larger_one(plant: PlantParameters) -> None:
+    conductance = FreeParameter("wall_heat_transfer", "piston", "conductance", "W/K", Target.CYLINDER, 0.2, 0.0, 100.0)
+    cylinder = plant.cylinder.copy()
+    cylinder["wall_heat_transfer"]["conductance"] = 0.5
+    warm = replace(plant, cylinder=cylinder)
+    assert error_of_form(conductance, warm, plant) == pytest.approx(0.5 * HEAT_FORM)
+    assert error_of_form(conductance, with_hose(warm, 4e-5), plant) == pytest.approx(0.5 * math.hypot(HEAT_FORM, HOSE_FORM))
 
 
 def test_of_a_chamber_without_dead_volume_nothing_is_left_open(plant: PlantParameters) -> None:

@@ -99,6 +99,11 @@ def first_step(diagnosis: Diagnosis) -> str:
         return f"Rename column{'s' if len(misnamed) > 1 else ''} {renamed} and diagnose again: {unread} not read."
     if without := _to_put_right(diagnosis):
         return without
+    if diagnosis.sizes and diagnosis.stopped:
+        return (
+            f"Diagnose again with a longer budget: the time was up before everything had been sought.{_hardly_better(diagnosis)} "
+            f"If it stays so, check {diagnosis.sizes}."
+        )
     if diagnosis.sizes:
         return f"Check {diagnosis.sizes}.{_hardly_better(diagnosis)}"
     by_kind = {kind: [f for f in diagnosis.effects if f.kind == kind] for kind in KINDS}

@@ -302,6 +302,13 @@ def test_sizes_that_must_be_checked_come_first_with_what_the_improved_rig_still_
         assert diagnosis_words.first_step(nothing_said) == "Check bore in cylinders.piston of j.toml."
 
 
+def test_sizes_are_not_blamed_first_where_the_time_was_up_before_everything_had_been_sought():
+    far = {"slide.position": SignalFit("m", 0.114, 0.1, 2e-5)}
+    cut = replace(made_up.whole(), sizes="bore in cylinders.piston of j.toml", free_run=far, stopped=True)
+    said = diagnosis_words.first_step(cut)
+    assert said.startswith("Diagnose again with a longer budget") and "do not build on it yet. If it stays so, check bore" in said
+
+
 def test_a_column_that_could_not_be_used_is_to_be_put_right_first():
     found = made_up.whole(checks=({"what": "unread", "columns": ["piston.pressure_1 [mm]"], "says": ""},))
     assert diagnosis_words.first_step(found) == (

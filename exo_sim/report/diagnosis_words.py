@@ -97,6 +97,13 @@ def first_step(diagnosis: Diagnosis) -> str:
         renamed = joined([f'"{column}" to "{meant}"' for column, meant in misnamed])
         unread = "under that name it is" if len(misnamed) == 1 else "under those names they are"
         return f"Rename column{'s' if len(misnamed) > 1 else ''} {renamed} and diagnose again: {unread} not read."
+    if without := _to_put_right(diagnosis):
+        return without
+    if diagnosis.sizes and diagnosis.stopped:
+        return (
+            f"Diagnose again with a longer budget: the time was up before everything had been sought.{_hardly_better(diagnosis)} "
+            f"If it stays so, check {diagnosis.sizes}."
+        )
     if diagnosis.sizes:
         return f"Check {diagnosis.sizes}.{_hardly_better(diagnosis)}"
     by_kind = {kind: [f for f in diagnosis.effects if f.kind == kind] for kind in KINDS}
@@ -122,6 +129,18 @@ def first_step(diagnosis: Diagnosis) -> str:
         return f"Keep the rig as it is: {further}."
     if diagnosis.verdict == "undetermined" and diagnosis.next_experiment is not None:
         return f"Record once more: {diagnosis.next_experiment.do}."
+    return ""
+
+
+def _to_put_right(diagnosis: Diagnosis) -> str:
+    """Return which columns are to be put right because nothing could be made of them, as a sentence; "" where none."""
+    unread = [f'"{column}"' for check in diagnosis.checks if check["what"] == "unread" for column in check["columns"]]
+    blank = [f for f in diagnosis.effects if f.name == "sensor_scale" and not f.parameters and not f.where.endswith(".velocity")]
+    if unread:
+        columns, them = ("columns", "them") if len(unread) > 1 else ("column", "it")
+        return f"Put {columns} {joined(unread)} right and diagnose again: this was found without {them}."
+    if blank:
+        return f'Put the unit of "{blank[0].where}" right, or its sensor, and diagnose again: this was found without it.'
     return ""
 
 

@@ -19,6 +19,9 @@ _BY_UNIT = {
     "m^3/(s Pa)": "1 dm^3/(s bar)", "1": "0.3",
 }  # fmt: skip
 
+#: ... and texts.
+_TEXTS = {"model": 'name the MJCF file, like "machine.xml"', "actuator": "name the MJCF motor that takes the rod's force, in quotes"}
+
 
 class Table:
     """Keys of one table; `done` refuses what nobody asked for.
@@ -67,7 +70,7 @@ class Table:
         """Return a string, one of `choices` where there are any."""
         if not self.has(key):
             if default is None:
-                raise RigError(f"{self.path}: {self.name(key)} is missing{_near(key, self.values)}")
+                raise self.missing(key, _TEXTS.get(key, ""))
             return default
         value = self.values[key]
         if not isinstance(value, str):

@@ -302,6 +302,25 @@ def test_sizes_that_must_be_checked_come_first_with_what_the_improved_rig_still_
         assert diagnosis_words.first_step(nothing_said) == "Check bore in cylinders.piston of j.toml."
 
 
+def test_sizes_are_not_blamed_first_where_the_time_was_up_before_everything_had_been_sought():
+    far = {"slide.position": SignalFit("m", 0.114, 0.1, 2e-5)}
+    cut = replace(made_up.whole(), sizes="bore in cylinders.piston of j.toml", free_run=far, stopped=True)
+    said = diagnosis_words.first_step(cut)
+    assert said.startswith("Diagnose again with a longer budget") and "do not build on it yet. If it stays so, check bore" in said
+
+
+def test_a_column_that_could_not_be_used_is_to_be_put_right_first():
+    found = made_up.whole(checks=({"what": "unread", "columns": ["piston.pressure_1 [mm]"], "says": ""},))
+    assert diagnosis_words.first_step(found) == (
+        'Put column "piston.pressure_1 [mm]" right and diagnose again: this was found without it.'
+    )
+    both = replace(found, checks=({"what": "unread", "columns": ["a", "b"], "says": ""},))
+    assert diagnosis_words.first_step(both).startswith('Put columns "a" and "b" right')
+    percent = Finding("sensor_scale", "piston.valve_command", Kind.SENSOR, "", {}, 10.0, 0.0)
+    said = diagnosis_words.first_step(made_up.whole(effects=(percent,)))
+    assert said.startswith('Put the unit of "piston.valve_command" right')
+
+
 def test_the_curve_of_what_has_no_name_is_said_to_be_in_the_rig_only_where_it_is():
     words, _ = read(page(made_up.whole(), made_up.RIG))
     assert "The fitted curve, with twice" in words

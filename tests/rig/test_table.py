@@ -30,6 +30,9 @@ def test_values_come_in_si_and_defaults_where_they_are_absent() -> None:
     [
         (lambda t: t.quantity("presure", "Pa"), r'supply.presure is missing; is it spelt "pressure"\? Give it like "7 bar"$'),
         (lambda t: t.quantity("bore", "m"), 'supply.bore is missing: give it like "32 mm"$'),
+        (lambda t: t.text("model"), "supply.model is missing: name the MJCF file"),
+        (lambda t: t.text("actuator"), "supply.actuator is missing: name the MJCF motor"),
+        (lambda t: t.text("kinds"), r'supply.kinds is missing; is it spelt "kind"\?$'),
         (lambda t: t.quantity("lift", "m"), 'supply.lift is missing: give it like "50 mm"$'),
         (lambda t: t.quantity("drag", "N s/m"), 'supply.drag is missing: give it like "1 N s/m"$'),
         (lambda t: t.table("kinds"), r'the table \[supply.kinds\] is missing; is it spelt "kind"\?$'),

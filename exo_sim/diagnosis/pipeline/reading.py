@@ -64,6 +64,7 @@ def gather(handed_in: Sequence[Path | Reading], rig: Path | Rig, column_map: Pat
             name += "'"
         table = replace(settled.recording, name=name)
         checks += [check for check in settled.checks if check not in checks]
+        checks += _unread(reading, rig, model)
         remarks += [check.says for check in settled.checks]
         remarks += [finding.says for finding in reading.findings if finding.severity != "info"]
         remarks += [finding.says for finding in slow_for_gas(table, rig)]
@@ -97,6 +98,13 @@ def gather_again(data: MachineData, rig: Rig, tables: Sequence[Recording]) -> Ma
     model = load(rig)
     cleaned = tuple(_trusted(seen_through(table, rig)[0], rig, model)[0] for table in tables)
     return sort(MachineData(rig, model, linkages(rig, model), tuple(tables), cleaned, {}, {}, data.sensors))
+
+
+def _unread(reading: Reading, rig: Rig, model: mujoco.MjModel) -> list[conventions.Check]:
+    """Return a check for each column of a part of this machine that the reader had to set aside whole."""
+    parts = {*rig.cylinders, *(model.joint(number).name for number in range(model.njnt)), "supply"}
+    gone = [f for f in reading.findings if f.severity == "fault" and f.use == "set aside" and f.kind in ("unit", "empty") and not f.rows]
+    return [conventions.Check("unread", (f.column,), f.says) for f in gone if f.column.split(".")[0] in parts]
 
 
 def _late(check: conventions.Check) -> Finding:

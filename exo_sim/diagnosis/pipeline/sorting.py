@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Mapping, Sequence
 from dataclasses import replace
 
@@ -37,7 +38,8 @@ def sort(data: MachineData) -> MachineData:
     remarks, open_, driven, fed = list(data.remarks), list(data.open_questions), set(data.externally_driven), set(data.fed)
     judged_once = False
     for table in data.recordings:
-        rate = 1.0 / max(float(np.median(np.diff(table.time))), 1e-9)
+        steps = np.diff(table.time)
+        rate = 1.0 / max(float(np.median(steps)), 1e-9) if len(steps) else math.nan  # one sample, beside a gap
         fed |= fed_cylinders(table, data.rig, data.model)
         for whole in cylinder_runs(table, data.rig, data.model, data.links):
             run = from_decay_onset(whole) if whole.at_rest else whole

@@ -13,7 +13,7 @@ from exo_sim.diagnosis.findings import Kind
 from exo_sim.diagnosis.pipeline.reading import gather
 from exo_sim.diagnosis.subsystems.motion.motion_runs import motion_runs
 from exo_sim.errors import RecordingError
-from exo_sim.recording import Recording, write_table
+from exo_sim.recording import Finding, Recording, write_table
 from exo_sim.recording.reader import Reading
 from exo_sim.simulation.replay.machine import RecordedMachine
 
@@ -78,3 +78,10 @@ def test_a_misspelt_signal_is_the_first_remark(tmp_path: Path, table: Recording)
     data = gather([path], tmp_path / "rig.toml")
     assert "presure_2" in data.remarks[0] and len([one for one in data.remarks if "presure_2" in one and "set aside" in one]) >= 1
     assert data.checks[0].meant == "piston.pressure_2"
+
+
+def test_a_column_that_the_reader_could_not_use_is_a_check_where_it_is_one_of_this_machine(tmp_path: Path, table: Recording) -> None:
+    gone = [Finding(f"{part}.pressure_1 [mm]", "unit", "", severity="fault", use="set aside") for part in ("piston", "cellar")]
+    spans = Finding("slide.position", "unit", "", ((0, 4),), severity="fault", use="set aside")
+    checks = gather([Reading(table, (*gone, spans))], benches.bench(tmp_path)).checks
+    assert [check.columns for check in checks if check.what == "unread"] == [("piston.pressure_1 [mm]",)]

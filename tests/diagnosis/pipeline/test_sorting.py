@@ -88,3 +88,11 @@ def test_pressures_that_hardly_change_show_nothing(tmp_path: Path) -> None:
     data = sorted_data(tmp_path, replace(table, columns={**table.columns, **still}))
     assert whys(data)["the gas of piston in bench"] == "its pressures hardly change"
     assert not any("missing signal" in question.do for question in data.open_questions if "hardly change" in question.why)
+
+
+@pytest.mark.filterwarnings("error")
+def test_a_single_sample_has_no_rate_and_warns_of_nothing(tmp_path: Path) -> None:
+    """Beside a gap of the clock: a column with so few numbers is not kept."""
+    table = benches.led(benches.bench(tmp_path), 2.0).span(0.0, 0.0005)
+    data = sorted_data(tmp_path, table, without=tuple(table.columns))
+    assert len(table.time) == 1 and not data.cylinders and not data.joints

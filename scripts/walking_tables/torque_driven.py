@@ -44,11 +44,11 @@ Shoulder straps only pull; the low torso strap stands for a belt with loops roun
 cuff together and a shoe do. The same is done alone, with the payload as a backpack, and with the machine.
 
 Springs and dampers grow with the payload, whether it is on his back or the machine's. The dampers are small, as people's are
-(`exo_sim/control/wearer_torques.py`): with larger ones a foot was driven on when its ball met the ground, and the first peak of the force was
-1.25 of the weight.
+(`exo_sim/control/wearer_torques.py`): with larger ones a foot was driven on when its ball met the ground, and the first peak of the force
+was 1.25 of the weight.
 He learns nothing from stride to stride. `least_load`, smoother for him, is rehearsed with a wearer whose motion is prescribed, by
 linearised steps. Rehearsals with himself came after that before; they ended in 458 to 559 W with his pelvis held by 39 to 63 N at most, as
-trifles had it, and with these dampers in 514 to 643 W. Without them five smoothnesses cost 443 to 481 W with 6 to 13 N
+trifles had it, and with small dampers in 514 to 643 W. Without them five smoothnesses cost 436 to 471 W with 8 to 22 N
 (`exo_sim/control/load_weights.py`).
 Toes are as stiff as people's (25 N m/rad: Sasaki, Neptune and Kautz
 2009); the work of a
@@ -72,11 +72,11 @@ backpack.
 """
 LIMITS = """
 What this leaves out: all is in the sagittal plane; the wearer knows the time of his stride and keeps to it, so that a stumble is not
-answered by another step; gains were chosen with some of these rows in sight; where the residual passes the guideline of 25 N (`rehearsed`, but
-for a phase that is early, straps twice as stiff and 4 kg less; with causal control straps half as stiff) it is the weak spring that keeps him
-walking; muscles have no delay and no largest force. With the dampers that he had before, causal control cost 412 W as calibrated (backpack
-540 W) and he fell on straps half as stiff, while `rehearsed` cost more than the backpack in that row alone: dampers of a person leave less
-to a demand that does not answer him. A run ends where he falls.
+answered by another step; gains were chosen with some of these rows in sight; where the residual passes the guideline of 25 N
+(`rehearsed`, but for a phase that is early, straps twice as stiff and 4 kg less; with causal control straps half as stiff) it is the weak
+spring that keeps him walking; muscles have no delay and no largest force. With the dampers that he had before, causal control cost 412 W
+as calibrated (backpack 540 W) and he fell on straps half as stiff, while `rehearsed` cost more than the backpack in that row alone: dampers
+of a person leave less to a demand that does not answer him. A run ends where he falls.
 He does so with the valves open, since legs that drag the machine need another gait, and in a squat; sitting has no chair for him and is
 refused. The prescribed wearer stays the default.
 """

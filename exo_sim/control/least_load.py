@@ -249,17 +249,11 @@ class LeastLoad:
         self._coefficients = self._within_reach(best - change)
         self._damping = replace(self._damping, promised=it.promised(self._heard, best, self._coefficients - best))
 
-    def begun_again(self) -> LeastLoad:
-        """Return a plan that goes on from the best torques where rehearsals cost otherwise than before: of another wearer."""
-        again = copy(self)  # what it learns it puts in the place of what was
-        again._coefficients = self.best
-        again._best, again._by_thought = (np.inf, again._coefficients), False
-        return again
-
     def begun_with(self, torques: NDArray[np.float64]) -> LeastLoad:
         """Return a plan that begins with other torques of the six joints [N m], shape (n, 6), as far as actuators can hold them."""
-        again = self.begun_again()
-        again._coefficients = again._within_reach(fitted(torques[:, again.driven], again._harmonics))
+        again = copy(self)  # what it learns it puts in the place of what was
+        again._coefficients = self._within_reach(fitted(torques[:, self.driven], self._harmonics))
+        again._best, again._by_thought = (np.inf, self.best), False
         return again
 
     def _within_reach(self, coefficients: NDArray[np.float64]) -> NDArray[np.float64]:

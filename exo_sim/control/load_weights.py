@@ -64,10 +64,9 @@ class Weights:
 #: Where both pressures of the cylinders are planned, gas goes with what the torques change by: smoother ones draw a quarter less, and the
 #: wearer hardly feels it (docs/sizing.md).
 SPARING = Weights(smoothness=0.15)
-#: For one who is a body. Of 0.15, 0.3, 0.45 and 0.7 for `smoothness` he spent 518, 458, 539 and 559 W, his pelvis held by 63, 39, 55 and
-#: 39 N at most: what his rehearsals end in hangs on trifles. With 0.7, 0.5 and 0.5 for `own`, `moving` and `torso` it was 543 W and 72 N
-#: with 0.15, 550 W and 34 N with 0.3 (`exo`, 34 kg).
-SMOOTH = Weights(smoothness=0.3)
+#: For one who is a body. Of 0.05, 0.1, 0.15, 0.2 and 0.3 for `smoothness` he spent 471, 456, 436, 444 and 465 W, his pelvis held by 21,
+#: 8, 22, 17 and 18 N at most (`exo`, 34 kg).
+SMOOTH = Weights(smoothness=0.1)
 #: Where causal control is for one who is a body, or for what does not come again as strides do.
 THOUGHT = Weights(smoothness=0.15, own=0.7, moving=0.5, torso=0.5)
 #: From rest, where the machine leans on its wearer before it has a foot ahead. Of 0.5, 1 and 2 for `residual` 138, 79 and 67 N m were left

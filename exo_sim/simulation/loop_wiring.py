@@ -110,7 +110,7 @@ def _moving(it: Simulation) -> tuple[NDArray[np.int64], wearer_torques.Mover]:
     if it.torques is None:
         return np.empty(0, np.int64), wearer_torques.mover(it.person)
     where = wearer_body.find(it.model)
-    mover = wearer_torques.mover(it.person, 0.0, it.torques, where.dofs)
+    mover = wearer_torques.mover(it.person, it.request.payload, it.torques, where.dofs)
     wearer_torques.dampen(it.model, mover)
     return where.ground, mover
 

@@ -64,7 +64,7 @@ def expected_load(walk: Walk, settling: int) -> NDArray[np.float64]:
 class Rehearsals:
     """Better a plan by rehearsals, one after the other; only the cycles after `settling` are looked at.
 
-    A wearer whose motion is prescribed moves alike in every rehearsal: what his own body asks of him is worked out in the first.
+    The wearer's motion is prescribed, and the same in every rehearsal: what his own body asks of him is worked out in the first.
 
     Args:
         plan: What is bettered.
@@ -105,18 +105,14 @@ class Rehearsals:
         ahead, up = (np.stack([seen.columns[f"{name}.strap_force_{axis}"] for name in seen.straps.names]) for axis in "xz")
         torso = [i for i, name in enumerate(seen.straps.names) if name.startswith("torso")]
         straps = np.stack([ahead[torso].sum(axis=0), up[torso].sum(axis=0), ahead.sum(axis=0)], axis=1)
-        body = self._body if self._body is not None else own(seen).moments
-        if seen.moved is None:
-            self._body = body
+        if self._body is None:
+            self._body = own(seen).moments
         it = with_machine(seen)
-        # one who is a body is held by a spring, whatever his soles give
-        held = it.ground if seen.moved is None else None
-        residual = held.residual[:, 2] if held else np.zeros(len(body))
-        at_edge = held.outside.astype(float) if held else np.zeros(len(body))
-        each = (it.moments - body, straps, carrying(seen), residual, at_edge)
+        held = it.ground
+        each = (it.moments - self._body, straps, carrying(seen), held.residual[:, 2], held.outside.astype(float))
         moments, forces, contacts, left, edge = (_phase_mean(seen, one) for one in each)
         # who stands still shifts weight from foot to foot by 200 N with what is found along a cycle in which nothing moves
-        along = walk.moved is None and bool(np.ptp(walk.motion.position, axis=0).max() > STILL)
+        along = bool(np.ptp(walk.motion.position, axis=0).max() > STILL)
         response = partial(linearised, walk, self.plan.driven) if along else None
         return Rehearsed(moments, forces, contacts, left, edge, response, *self._pressed(seen))
 

@@ -15,7 +15,7 @@ if TYPE_CHECKING:
 
 
 def identity(it: Simulation, model: mujoco.MjModel, payload: float) -> bytes:
-    """Return what the rehearsed torques of a wearer whose motion is prescribed follow from, beside the program.
+    """Return what rehearsed torques follow from, beside the program.
 
     Args:
         it: The walk.
@@ -27,7 +27,7 @@ def identity(it: Simulation, model: mujoco.MjModel, payload: float) -> bytes:
     mujoco.mj_saveModel(model, None, compiled)
     how = (
         payload, asked.payload, asked.assist, asked.controller, asked.law, asked.rehearsals, asked.weights, asked.gains, dict(asked.tuned),
-        asked.signals, asked.ideal, it.seed if asked.signals != "exact" else 0,
+        asked.signals, asked.ideal, asked.moved_by, it.seed if asked.signals != "exact" else 0,
     )  # fmt: skip
     effects = [source.path.read_bytes() for source in external_effects.sources()]
     return compiled.tobytes() + pickle.dumps((how, it.rig, it.person, it.motion, it.straps, effects), protocol=5)

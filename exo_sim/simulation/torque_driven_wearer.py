@@ -11,7 +11,6 @@ from numpy.typing import NDArray
 
 from exo_sim.control import wearer_plan
 from exo_sim.errors import ScenarioError
-from exo_sim.gait.motion import Motion
 from exo_sim.machine.attachment import attach
 from exo_sim.machine.straps import fasten
 from exo_sim.machine.worn_model import build
@@ -45,17 +44,7 @@ def embody(it: Simulation, looked_at: float) -> None:
     it.data = mujoco.MjData(it.model)
     it.straps = fasten(it.model, it.person, one_sided=True)
     it.plugin = PneumaticPlugin(it.model, it.rig)
-    expect(it, motion, expected)
-
-
-def used_to(it: Simulation, motion: Motion, looked_at: float) -> None:
-    """Let a wearer who is a body expect what the straps do to himself; `motion` is what he goes by on a rigid ground."""
-    expect(it, motion, _felt(it, looked_at))
-
-
-def expect(it: Simulation, motion: Motion, load: NDArray[np.float64]) -> None:
-    """Let a wearer who is a body plan for a load of the straps on his segments along the motion, shape (n, 7, 3)."""
-    plan = wearer_plan.plan(motion, it.person, load)
+    plan = wearer_plan.plan(motion, it.person, expected)
     it.motion, it.torques = plan.motion, plan.torque
 
 

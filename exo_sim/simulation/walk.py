@@ -47,8 +47,7 @@ class Request:
         controller: How valves get forces, one of `CONTROLLERS`; where commands come from outside, what to call whoever gives them.
         law: What is demanded, one of `control.demand.LAWS`.
         rehearsals: How often the least-load demand is bettered before the run, at the most, and where a payload is put on the way as often
-            for it. A wearer who is a body and takes strides that are all alike then rehearses himself, twice, each time at the most half
-            as often, rounded up: 48 are 96 in all, 1 is 3. Fewer than two are walked with the plan alone (`control.least_load`).
+            for it. Fewer than two are walked with the plan alone (`control.least_load`).
         weights: What counts in the least-load demand; None for its own, or those of `load_weights` from rest, for a wearer who is
             a body, and where chambers are planned.
         gains: Of the valve controllers.

@@ -13,7 +13,6 @@ from numpy.typing import NDArray
 from exo_sim import progress
 from exo_sim.control import user_controller
 from exo_sim.control.causal import Calibration, Causal
-from exo_sim.control.least_load import LeastLoad
 from exo_sim.errors import ScenarioError
 from exo_sim.gait import scenario as scenarios
 from exo_sim.gait.motion import Motion
@@ -34,10 +33,10 @@ from exo_sim.simulation.divergence import WearerWatch
 from exo_sim.simulation.loop_wiring import wire
 from exo_sim.simulation.mujoco_calls import warnings_counted
 from exo_sim.simulation.plugin import PneumaticPlugin
-from exo_sim.simulation.torque_driven_wearer import embody, used_to
+from exo_sim.simulation.torque_driven_wearer import embody
 from exo_sim.simulation.walk import Request, Walk
 from exo_sim.simulation.wearer_load import prescribed_alone
-from exo_sim.simulation.worn_demand import LOOKED_AT, rehearsed_by_body, rehearsed_demand
+from exo_sim.simulation.worn_demand import LOOKED_AT, rehearsed_demand
 from exo_sim.simulation.worn_log import keys_of, walk_of
 
 _CHUNK = 250
@@ -45,8 +44,6 @@ _CHUNK = 250
 MOST_ROWS, FEWEST_CYCLES = 1 << 15, 3
 #: A rehearsal leaves out so many cycles or so much time [s] at its start.
 _SETTLING, _SETTLING_TIME = 2, 2.0
-#: How often demand and wearer get used to each other: once more, and the push ahead at 34 kg changes by 4 N.
-_USED = 2
 
 
 class Simulation:
@@ -104,11 +101,10 @@ class Simulation:
             raise ScenarioError(f'{request.scenario}: demand "causal" goes by the phase of a stride that comes again; write another demand')
         self.demand = self.demand_added = np.zeros((len(self.motion.position) + 1, 6))
         self.plan = self.plan_added = pressure_plans.nothing(len(self.plugin.links))
-        found = rehearsed_demand(self, request.payload)
-        self.demand, self.remarks = found.torque, found.remarks
+        self.demand, self.remarks = rehearsed_demand(self, request.payload)
         self.demand_added = self.demand
         if self.added and request.law != "causal":
-            self.demand_added, self.remarks, _ = rehearsed_demand(self, request.payload + self.added.mass)
+            self.demand_added, self.remarks = rehearsed_demand(self, request.payload + self.added.mass)
         self.lay_plans()
         if (variation := request.variation or scenario.variation) is not None:
             whole = self._varied(whole, variation)
@@ -118,23 +114,12 @@ class Simulation:
             self.demand, self.demand_added = whole.trial.played(self.demand), whole.trial.played(self.demand_added)
         if request.moved_by == "torques":
             embody(self, LOOKED_AT)
-            steady = whole.trial is None and not self.added and not whole.from_rest
-            if found.plan is not None and request.law == "least_load" and request.rehearsals and steady:
-                self._get_used(found.plan, whole)
         self.remarks = (*filter(None, [self.unreliable]), *scenario.remarks, *self.remarks)
         if controller is not None:
             self.controlled_by(controller, seed)
         elif self.calibration is not None:
             self.controlled_by(Causal(self.calibration), seed)
         self.reset()
-
-    def _get_used(self, plan: LeastLoad, motion: Motion) -> None:
-        """Let a wearer who is a body and the demand get used to each other: it is rehearsed with him, then he expects what it does."""
-        for _ in range(_USED):
-            self.demand, plan = rehearsed_by_body(self, plan, math.ceil(self.request.rehearsals / _USED))
-            self.demand_added = self.demand
-            self.lay_plans()
-            used_to(self, motion, LOOKED_AT)
 
     def _unreliable(self) -> str | None:
         doubts = self.request.found.doubts or ()

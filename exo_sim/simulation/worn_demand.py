@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterator
-from contextlib import contextmanager, suppress
+from contextlib import contextmanager
 from dataclasses import replace
 from typing import TYPE_CHECKING, NamedTuple
 
@@ -36,11 +36,10 @@ _SHARE_OF_A_START = 4
 
 
 class Demand(NamedTuple):
-    """Torques over the cycle, the first row repeated behind the last, shape (n + 1, 6) [N m]; what is to be said; how to better them."""
+    """Torques over the cycle, the first row repeated behind the last, shape (n + 1, 6) [N m]; and what is to be said."""
 
     torque: NDArray[np.float64]
     remarks: tuple[str, ...]
-    plan: LeastLoad | None = None
 
 
 def rehearsed_demand(it: Simulation, payload: float) -> Demand:
@@ -67,14 +66,13 @@ def rehearsed_demand(it: Simulation, payload: float) -> Demand:
     if request.law == "causal" and request.weights is None:
         weights = _weights_where_felt(it)
 
-    def rehearsed() -> tuple[NDArray[np.float64], LeastLoad]:
+    def rehearsed() -> NDArray[np.float64]:
         plan = LeastLoad(dynamics, it.motion, it.person, it.straps, it.rig.ankle, limits, weights)
         return _rehearsed(it, plan, needed[machine_dynamics.PICK], payload)
 
-    if request.law == "least_load" and request.moved_by == "prescribed":  # nobody asks for the plan itself
-        return Demand(_closed(kept(identity(it, model, payload), lambda: rehearsed()[0])), remarks)
-    torque, plan = rehearsed()
-    return Demand(_closed(torque), remarks, plan)
+    if request.law == "least_load":  # nobody asks for a calibration
+        return Demand(_closed(kept(identity(it, model, payload), rehearsed)), remarks)
+    return Demand(_closed(rehearsed()), remarks)
 
 
 def _weights(it: Simulation) -> Weights:
@@ -100,8 +98,8 @@ def _weights_where_felt(it: Simulation) -> Weights:
 
 def _rehearsed(
     it: Simulation, plan: LeastLoad, otherwise: NDArray[np.float64], payload: float
-) -> tuple[NDArray[np.float64], LeastLoad]:
-    """Walk a few cycles at a time and better the plan after each time; return the best of the torques tried, and the plan they are of.
+) -> NDArray[np.float64]:
+    """Walk a few cycles at a time and better the plan after each time; return the best of the torques tried.
 
     Two starts have a share of the rehearsals each: torques that are handed in, shape (n, 6) [N m], and the plan's. Those that are left go
     on with the better. One rehearsal alone cannot say which that is. For a causal controller all go on from the plan: demands rehearsed
@@ -127,7 +125,7 @@ def _rehearsed(
         finally:
             it.demand = usual
             carry(it.model, it.request.payload)
-    return law_of_demand.limit(plan.torque(best=it.request.rehearsals > 0), it.rig.ankle), plan
+    return law_of_demand.limit(plan.torque(best=it.request.rehearsals > 0), it.rig.ankle)
 
 
 def _calibration(it: Simulation, rehearsals: Rehearsals) -> Calibration:
@@ -160,18 +158,6 @@ def _better(it: Simulation, starts: list[Rehearsals], each: int) -> Rehearsals:
     if fell is not None and math.isinf(best.least):
         raise fell
     return best
-
-
-def rehearsed_by_body(it: Simulation, plan: LeastLoad, rehearsals: int) -> tuple[NDArray[np.float64], LeastLoad]:
-    """Return the demand, as `Demand.torque`, bettered by rehearsals of a wearer who is a body, and the plan that they made.
-
-    He yields, and pulls otherwise than one whose motion is prescribed. Rehearsals end where he falls in the first. The plan that is handed
-    in stays as it is.
-    """
-    own = plan.begun_again()
-    with _few_cycles(it), suppress(Diverged):
-        _rehearse(it, Rehearsals(own, it.settling), rehearsals)
-    return _closed(law_of_demand.limit(own.torque(best=True), it.rig.ankle)), own
 
 
 def _rehearse(it: Simulation, rehearsals: Rehearsals, most: int) -> None:

@@ -1,4 +1,4 @@
-"""Where the plan's torques cannot be held (an ankle that has neither spring nor actuator), and a plan that goes on for another wearer."""
+"""Where the plan's torques cannot be held (an ankle that has neither spring nor actuator), and a plan that is played later."""
 
 import dataclasses
 
@@ -7,14 +7,11 @@ import pytest
 
 from exo_sim import rig as rigs
 from exo_sim.control import machine_dynamics
-from exo_sim.control.least_load import LeastLoad
 from exo_sim.rig import Ankle
-from exo_sim.simulation import worn
 from exo_sim.simulation.rehearsal import Rehearsals
 from exo_sim.simulation.summary import summarise
 from exo_sim.simulation.walk import Request, Walk, rig_at_250_psi
 from exo_sim.simulation.worn import Simulation
-from exo_sim.simulation.worn_demand import rehearsed_by_body
 
 
 @pytest.mark.parametrize(("mode", "watts", "push"), [("free", 700.0, 70.0), ("powered", 480.0, 20.0)])
@@ -52,24 +49,6 @@ def test_inverse_dynamics_is_rehearsed_before_the_plan_where_there_are_two_rehea
     needed = Simulation(rig, Request("level_walk", 34.0, cycles=1, law="inverse_dynamics")).demand
     near, far = (np.sqrt(np.mean((one - needed) ** 2)) for one in (before, plan))
     assert near < 0.2 * far
-
-
-def test_a_plan_that_is_rehearsed_by_another_wearer_stays_as_it_is(monkeypatch: pytest.MonkeyPatch) -> None:
-    seen: list[str] = []
-
-    def watched(it: Simulation, plan: LeastLoad, rehearsals: int) -> tuple[np.ndarray, LeastLoad]:
-        before, best, stands = plan.torque(), plan.torque(best=True), plan.yielding
-        demand, own = rehearsed_by_body(it, plan, rehearsals)
-        np.testing.assert_array_equal(plan.torque(), before)
-        np.testing.assert_array_equal(plan.torque(best=True), best)
-        assert plan.yielding is stands
-        assert np.abs(own.torque() - before).max() > 0.1  # that one learnt
-        seen.append("watched")
-        return demand, own
-
-    monkeypatch.setattr(worn, "rehearsed_by_body", watched)
-    Simulation(rigs.read(rig_at_250_psi()), Request("level_walk", 20.0, cycles=3, rehearsals=2, wearer="torques"))
-    assert seen == ["watched", "watched"]
 
 
 def test_a_plan_played_later_has_the_torques_of_the_phases_before() -> None:

@@ -41,6 +41,7 @@ def test_what_changes_torques_changes_the_name(rig: Rig) -> None:
         replace(PLAIN, payload=20.0), replace(PLAIN, speed=1.1), replace(PLAIN, controller="pi"), replace(PLAIN, rehearsals=3),
         replace(PLAIN, weights=Weights(hip=2.0)), replace(PLAIN, gains=ValveGains(preview=0.001)), replace(PLAIN, scenario="slow_walk"),
         replace(PLAIN, step=0.002), replace(PLAIN, ideal=True), measured,
+        replace(PLAIN, wearer="torques"),
     )  # fmt: skip
     names = [of(rig, PLAIN), *(of(other, PLAIN) for other in other_rigs), *(of(rig, request) for request in requests), of(rig, measured, 1)]
     assert len(set(names)) == len(names)

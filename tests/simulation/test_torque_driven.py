@@ -89,8 +89,8 @@ def test_a_scenario_file_may_say_it(tmp_path):
         Request(str(path))
 
 
-def test_rehearsals_with_himself_leave_him_less_to_pull(walk, summary):
-    """He pulled it ahead with 27 N where all rehearsals were those of a wearer who does not yield; what holds his pelvis grows little."""
+def test_he_hardly_pulls_the_machine(walk, summary):
+    """He pulled it ahead with 27 N where rehearsals went by feet that stay where they are planned; what holds his pelvis grows little."""
     assert abs(summary["wearer"]["forward_push_n"]) < 23.0
     ahead = walk.moved.ground.residual[:, 0]
     assert abs(ahead.mean()) < 10.0

@@ -99,10 +99,10 @@ def test_he_walks_like_the_recording(shared_data):
     up = moved.ground.force[:, 1, 1] / (0.01 * GRAVITY * gait.mass)
     wanted = np.interp(phases(), np.arange(100) / 100, measured, period=1.0)
     assert np.sqrt(np.mean((up - wanted) ** 2)) < 9.5 and np.corrcoef(up, wanted)[0, 1] > 0.95
-    # no impact peak that the recording does not have: the load rises without a bump, and hardly higher than it was recorded
+    # no impact peak that the recording does not have: the load rises without a bump, and hardly higher than it was recorded (by 15 before)
     landing = up[: SAMPLES // 10]
     assert find_peaks(wanted[: SAMPLES // 10], prominence=5.0)[0].size == find_peaks(landing, prominence=5.0)[0].size == 0
-    assert up[: SAMPLES // 5].max() < wanted[: SAMPLES // 5].max() + 20.0
+    assert up[: SAMPLES // 5].max() < wanted[: SAMPLES // 5].max() + 5.0
     for k, (joint, most) in enumerate((("hip", 0.2), ("knee", 0.105), ("ankle", 0.145))):
         off = moved.moments[:, 3 + k] - gait.moment[joint](phases())
         assert np.sqrt(np.mean(off**2)) / gait.mass < most, joint

@@ -27,8 +27,8 @@ for walking fast, which passes it by 0.4 bar (13.4 bar with a supply of 9 bar an
 by 0.5 bar: a chamber that is shut in is pressed together. `exo-sim run` says so. Squats reach 11.0 bar; rehearsed by feet that stay where
 they are planned they saw 12.3 bar and left 310 and 425 N m (commit 23c0fca9).
 Squatting and sitting, the residual passes the guideline of 75 N m. In a squat that is the ankle's spring, which pushes the machine back as
-its ankle bends, and which nothing lets go: with 20 kg 295 N m are left with it, 184 N m with one of 80 N m/rad, 97 N m with a free ankle and
-54 N m with a powered one; alone and with the backpack it is 7 and 16 N m, and a residual that is priced ten times as high takes off a
+its ankle bends, and which nothing lets go: with 20 kg 295 N m are left with it, 184 N m with one of 80 N m/rad, 97 N m with a free ankle
+and 54 N m with a powered one; alone and with the backpack it is 7 and 16 N m, and a residual that is priced ten times as high takes off a
 tenth. Chambers get below freezing, so that the air must be dried.
 """
 CASES = (

@@ -32,6 +32,12 @@ def filling_time(cylinder: Cylinder, rig: Rig) -> float:
     return float((inside - outside) * volume / (k * r * temperature * mass_flow))
 
 
+def rate_for_gas(cylinder: Cylinder, rig: Rig) -> float:
+    """Return at how many samples a second its gas is to be recorded; 0 where no valve fills it."""
+    seconds = filling_time(cylinder, rig)
+    return min(QUICK, _round_up(ENOUGH / seconds)) if np.isfinite(seconds) else 0.0
+
+
 def slow_for_gas(recording: Recording, rig: Rig) -> list[Finding]:
     """Return a warning for every cylinder whose valve is moved and whose chambers fill within few samples."""
     step, found = float(np.median(np.diff(recording.time))) if len(recording.time) > 1 else 0.0, list[Finding]()
@@ -43,7 +49,7 @@ def slow_for_gas(recording: Recording, rig: Rig) -> list[Finding]:
         moved = any(np.ptp(recording[key][np.isfinite(recording[key])]) > 0.0 for key in keys if np.isfinite(recording[key]).any())
         if not moved or not any(f"{name}.pressure_{side}" in recording for side in (1, 2)) or seconds >= SLOW * step:
             continue
-        rate = min(QUICK, _round_up(ENOUGH / seconds))
+        rate = rate_for_gas(cylinder, rig)
         says = (
             f"{1.0 / step:.3g} samples a second are few for the gas of {name}: its valve can fill a chamber in {1e3 * seconds:.2g} ms, and "
             f"what a quicker loop told it between samples is not known; record at {rate:g} Hz or more"

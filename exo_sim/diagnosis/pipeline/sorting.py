@@ -10,6 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from exo_sim.conventions.fed_chambers import fed_cylinders
+from exo_sim.conventions.filling import rate_for_gas
 from exo_sim.diagnosis.data import open_questions
 from exo_sim.diagnosis.data.coarse_clock import on_coarse_clock
 from exo_sim.diagnosis.data.cylinder_run import CylinderRun, cylinder_runs
@@ -28,7 +29,6 @@ from exo_sim.simulation.replay.external_drive import external_power, externally_
 
 _FED = "something lets gas in of which no command was recorded"
 _RECORD_FED = "record the command of what lets gas in as well"
-_FASTER = f"record at {FEWEST_FOR_EVENTS:g} Hz or more"
 
 
 def sort(data: MachineData) -> MachineData:
@@ -59,7 +59,7 @@ def sort(data: MachineData) -> MachineData:
             if name not in cylinders and f"{name}.pressure_1" not in table and f"{name}.pressure_2" not in table:
                 open_.append(open_questions.of_gas(name, table.name, Unjudged("no pressure of it was recorded")))
         if rate < FEWEST_A_SECOND and not _moves_slowly(table):
-            slow = Unjudged(f"{rate:.3g} samples a second do not show how it moves", _FASTER)
+            slow = Unjudged(f"{rate:.3g} samples a second do not show how it moves", _faster(data.rig))
             names = [data.model.joint(j).name for j in range(data.model.njnt)]
             open_ += [open_questions.of_balance(name, table.name, slow) for name in names if f"{name}.position" in table]
             continue
@@ -100,14 +100,20 @@ def _driven_besides(runs: Sequence[MotionRun], outside: Mapping[str, str]) -> di
     return found
 
 
+def _faster(rig: Rig) -> str:
+    """Return at what rate to record a machine, the same that `inspect` asks for."""
+    rate = max([FEWEST_FOR_EVENTS, *(rate_for_gas(cylinder, rig) for cylinder in rig.cylinders.values())])
+    return f"record at {rate:g} Hz or more"
+
+
 def _why_no_gas(run: CylinderRun, rig: Rig, rate: float) -> Unjudged | None:
     """Return why the gas of a run cannot be judged, or None; `rate` in samples a second."""
     if run.length is None:
         return Unjudged("the position of its joint was not recorded, so its volumes are not known")
     if rate < FEWEST_A_SECOND and not (run.at_rest and _is_slow(run)):
-        return Unjudged(f"{rate:.3g} samples a second do not show what the gas does", _FASTER)
+        return Unjudged(f"{rate:.3g} samples a second do not show what the gas does", _faster(rig))
     if rate < FEWEST_FOR_EVENTS and not run.at_rest:
-        return Unjudged(f"{rate:.3g} samples a second do not show what a valve or a moving piston does to the gas", _FASTER)
+        return Unjudged(f"{rate:.3g} samples a second do not show what a valve or a moving piston does to the gas", _faster(rig))
     swings = [float(np.nanstd(p)) / max(noise, 1.0) for p, noise in zip(run.pressure, run.noise) if p is not None]
     if max(swings, default=0.0) < QUIET:
         return Unjudged("its pressures hardly change", "let the valve fill and vent it, or the piston move")

@@ -77,7 +77,7 @@ def test_a_clock_too_slow_for_gas_is_said_with_its_rate(tmp_path: Path) -> None:
     }  # fmt: skip
     data = sorted_data(tmp_path, benches.recording(time, columns))
     assert "1 samples a second" in whys(data)["the gas of piston in bench"] and rig.cylinders
-    assert all(question.do == "record at 25 Hz or more" for question in data.open_questions)
+    assert all(question.do == "record at 500 Hz or more" for question in data.open_questions)
     assert "nothing in these recordings can be held against the rig" in data.remarks
 
 

@@ -11,7 +11,7 @@ from dataclasses import dataclass, replace
 
 import mujoco
 
-from exo_sim.conventions import acting, commands, joint_units, positions, pressures, signs, unknown_parts
+from exo_sim.conventions import acting, commands, joint_units, missing_valves, positions, pressures, signs, unknown_parts
 from exo_sim.conventions.check import Check
 from exo_sim.conventions.machine import Machine
 from exo_sim.errors import RecordingError
@@ -20,7 +20,7 @@ from exo_sim.recording.table import Recording
 from exo_sim.rig import Rig
 
 #: Checks after which a column is not used.
-_GONE = ("part", "command")
+_GONE = ("part", "command", "valve")
 
 __all__ = ["Check", "Settled", "findings", "settle"]
 
@@ -62,8 +62,8 @@ def asked(recording: Recording, rig: Rig, model: mujoco.MjModel) -> Settled:
     """As `settle`, but refuses nothing: for those who want to hear all that is wrong."""
     machine, checks = Machine.of(rig, model), []
     steps = (
-        unknown_parts.known, joint_units.of_their_kind, pressures.in_pascal, pressures.absolute, acting.as_recorded,
-        positions.in_place, signs.in_order, commands.that_open, commands.in_time,
+        unknown_parts.known, missing_valves.without_one, joint_units.of_their_kind, pressures.in_pascal, pressures.absolute,
+        acting.as_recorded, positions.in_place, signs.in_order, commands.that_open, commands.in_time,
     )  # fmt: skip
     for step in steps:
         recording, found = step(recording, machine)

@@ -50,8 +50,7 @@ def beyond_data_sheet(name: str, rivals: Sequence[str]) -> str:
 def set_by_laws(ends: Mapping[str, Sequence[str]]) -> str:
     """Return that ends of intervals, by parameter "lower", "upper" or both, are those of other laws."""
     listed = " and ".join(f"the {' and the '.join(of)} end of the interval of {name_of(parameter)}" for parameter, of in ends.items())
-    verb = "is that" if sum(map(len, ends.values())) == 1 else "are those"
-    return f"{listed[0].upper()}{listed[1:]} {verb} of other laws, which explain this recording as well."
+    return f"Other laws explain this recording as well, and set {listed}."
 
 
 def counted_in(effect: str) -> str:

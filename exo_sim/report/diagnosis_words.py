@@ -133,9 +133,13 @@ def first_step(diagnosis: Diagnosis) -> str:
 
 
 def _to_put_right(diagnosis: Diagnosis) -> str:
-    """Return which columns are to be put right because nothing could be made of them, as a sentence; "" where none."""
+    """Return what of the columns or of the rig is to be put right, for nothing could be made of a column, as a sentence; "" where none."""
+    valveless = [check["columns"][0].rpartition(".")[0] for check in diagnosis.checks if check["what"] == "valve"]
     unread = [f'"{column}"' for check in diagnosis.checks if check["what"] == "unread" for column in check["columns"]]
     blank = [f for f in diagnosis.effects if f.name == "sensor_scale" and not f.parameters and not f.where.endswith(".velocity")]
+    if valveless:
+        tables = joined([f"[cylinders.{name}.valve]" for name in valveless])
+        return f"Write {tables} in rig.toml and diagnose again: commands were recorded, and the rig has no valve there."
     if unread:
         columns, them = ("columns", "them") if len(unread) > 1 else ("column", "it")
         return f"Put {columns} {joined(unread)} right and diagnose again: this was found without {them}."

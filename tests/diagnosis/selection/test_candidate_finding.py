@@ -49,8 +49,8 @@ def test_an_interval_is_never_narrower_than_what_models_are_off_by(found: Search
 @pytest.mark.parametrize(
     ("reach", "says"),
     [
-        ((0.5, 40.0), "The upper end of the interval of slow is that of other laws"),
-        ((30.0, 40.0), "The lower and the upper end of the interval of slow are those of other laws"),
+        ((0.5, 40.0), "Other laws explain this recording as well, and set the upper end of the interval of slow."),
+        ((30.0, 40.0), "Other laws explain this recording as well, and set the lower and the upper end of the interval of slow."),
         ((0.5, 1.4), ""),
     ],
 )

@@ -160,6 +160,7 @@ class _Decision(Generic[Model]):
         found = [
             Rejected(*rival.at, wording.rejected(rival, c, worse))
             for c in accepted
+            if not c.is_law  # nobody reads of a law what stands in its place
             for rival, worse in search.rivals.get(c.key, [])
             if worse > verdicts.AS_GOOD
         ]

@@ -50,6 +50,13 @@ def test_a_rejected_candidate_is_listed_once_and_no_finding_is() -> None:
     assert [(one.name, one.where) for one in result.rejected] == [("other", "piston")]
 
 
+@pytest.mark.parametrize("is_law", [True, False])
+def test_what_fits_worse_in_the_place_of_a_law_is_not_said(is_law: bool) -> None:
+    """Of how a law is written nobody reads: it is no finding."""
+    result = decided(waves.Waves(slow=3.0), replace(waves.BASE, is_law=is_law), waves.OTHER)
+    assert any("in place of base" in one.why for one in result.rejected) is not is_law
+
+
 @pytest.mark.parametrize(("bound", "unknown"), [(1.5, True), (1e9, False)])
 def test_more_than_a_healthy_machine_leaves_is_unknown(bound: float, unknown: bool) -> None:
     result = decided(waves.Waves(bound, slow=6.0, quick=6.0), waves.candidate("nothing", "level"))

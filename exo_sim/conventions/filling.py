@@ -51,7 +51,7 @@ def slow_for_gas(recording: Recording, rig: Rig) -> list[Finding]:
             continue
         rate = rate_for_gas(cylinder, rig)
         says = (
-            f"{1.0 / step:.3g} samples a second are few for the gas of {name}: its valve can fill a chamber in {1e3 * seconds:.2g} ms, and "
+            f"{1.0 / step:.3g} samples a second are few for the gas of {name}: its valve can fill a chamber in {1e3 * seconds:.0f} ms, and "
             f"what a quicker loop told it between samples is not known; record at {rate:g} Hz or more"
         )
         found.append(Finding(keys[0], "slow for gas", says, severity="warning"))

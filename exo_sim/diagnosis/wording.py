@@ -108,8 +108,13 @@ def rest(share: float, error: float, noise: float, unit: str) -> str:
         error, noise: Root mean square of what is left, and what sensors alone would leave, in `unit`.
     """
     part = "all" if share > 0.995 else f"{100.0 * share:.2g} %"
-    often = f", {error / noise:.2g} times what the sensors' noise leaves" if noise > 0.0 else ""
-    return f"It is {part} of the error that there was to explain: {error:.3g} {unit}{often}."
+    often = f", {_rounded(error / noise, 2)} times what the sensors' noise leaves" if noise > 0.0 else ""
+    return f"It is {part} of the error that there was to explain: {_rounded(error, 3)} {unit}{often}."
+
+
+def _rounded(value: float, digits: int) -> str:
+    """Return a number with so many digits, without a power of ten below a million."""
+    return f"{float(f'{value:.{digits}g}'):g}"
 
 
 def varies(acts: str, variables: Sequence[str], share: float, is_told_apart: bool) -> str:

@@ -38,7 +38,7 @@ def test_a_slow_recording_is_told_which_rate_it_needs(rig: Rig) -> None:
     seconds = filling_time(rig.cylinders["piston"], rig)
     slow = 0.5 * SLOW / seconds
     (finding,) = slow_for_gas(recorded(slow), rig)
-    assert finding.column == "piston.valve_command" and "record at" in finding.says and f"{1e3 * seconds:.2g} ms" in finding.says
+    assert finding.column == "piston.valve_command" and "record at" in finding.says and f"{1e3 * seconds:.0f} ms" in finding.says
     needed = float(finding.says.split("record at ")[1].split(" Hz")[0])
     assert needed > slow and slow_for_gas(recorded(needed), rig) == []
     assert slow_for_gas(recorded(QUICK), rig) == []

@@ -56,3 +56,7 @@ def test_the_experiment_is_that_of_the_effect_mistaken_for_fewer() -> None:
         fewest = one if len(one.mistaken_for) <= len(two.mistaken_for) else two
         assert wording.experiment(first, second) == fewest.experiment
     assert "calibrated" in wording.experiment("made_up", "another")
+
+
+def test_what_is_left_is_written_without_powers_of_ten() -> None:
+    assert "252000 Pa, 3200 times" in wording.rest(1.0, 252_000.0, 78.0, "Pa")

@@ -28,7 +28,8 @@ def error_of_form(parameter: FreeParameter, fitted: PlantParameters, nominal: Pl
         return HOSE_FORM * volumes.get(parameter.effect, 0.0)
     if parameter.effect == FLOW_CAPACITY:
         return float(AREA_FORM)
-    if parameter.unit == "W/K" and parameter.effect in declared() and declared()[parameter.effect].identification.wall_heat:
+    is_found = parameter.prior is None and parameter.effect in declared()  # what an owner's own law leaves open counts as the law's
+    if is_found and parameter.unit == "W/K" and declared()[parameter.effect].identification.wall_heat:
         size = float(fitted.cylinder[parameter.effect][parameter.parameter][0])
         return size * math.hypot(HEAT_FORM, HOSE_FORM if any(volumes.values()) else 0.0)
     if parameter.effect != DEAD_VOLUME:

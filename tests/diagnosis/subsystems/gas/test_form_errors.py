@@ -62,6 +62,7 @@ def test_heat_to_the_wall_is_known_to_a_share_and_beside_a_hose_to_a_larger_one(
     cylinder["wall_heat_transfer"]["conductance"] = 0.5
     warm = replace(plant, cylinder=cylinder)
     assert error_of_form(conductance, warm, plant) == pytest.approx(0.5 * HEAT_FORM)
+    assert error_of_form(replace(conductance, prior=(0.5, 0.1)), warm, plant) == 0.0  # the owner's, whose law counts elsewhere
     assert error_of_form(conductance, with_hose(warm, 4e-5), plant) == pytest.approx(0.5 * math.hypot(HEAT_FORM, HOSE_FORM))
 
 

@@ -139,18 +139,21 @@ def more_or_less(factor: float) -> str:
     return f"{abs(factor - 1.0) * 100:.1f} % {'larger' if factor > 1.0 else 'smaller'}"
 
 
-def curve(signal: str, explains: float | None, is_followed: bool) -> str:
+def curve(signal: str, explains: float | None, is_followed: bool, is_told_apart: bool = True) -> str:
     """Return what a curve over a signal is worth, and why the improved rig holds none where it does not.
 
     Args:
         signal: The column that it depends on.
         explains: Share of the variance of what is missing that it predicts where it was not fitted; None where that is too little.
         is_followed: Whether a simulated machine can follow that signal.
+        is_told_apart: Whether it is known to be a force, or a friction: taken for the other it would drive a machine astray.
     """
     if explains is None:
         return f"No curve over {signal} predicts enough of it to be put into improved.toml."
     predicts = f"A curve over {signal} predicts {100.0 * explains:.0f} % of its variance"
-    return f"{predicts}." if is_followed else f"{predicts}, but no rig can follow {signal}: improved.toml does without."
+    if not is_followed:
+        return f"{predicts}, but no rig can follow {signal}: improved.toml does without."
+    return f"{predicts}." if is_told_apart else f"{predicts}; improved.toml does without, for it may be either."
 
 
 def experiment(first: str, second: str) -> str:

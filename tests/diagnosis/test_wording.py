@@ -60,3 +60,7 @@ def test_the_experiment_is_that_of_the_effect_mistaken_for_fewer() -> None:
 
 def test_what_is_left_is_written_without_powers_of_ten() -> None:
     assert "252000 Pa, 3200 times" in wording.rest(1.0, 252_000.0, 78.0, "Pa")
+
+
+def test_a_curve_that_may_be_a_force_or_a_friction_is_said_to_be_left_out() -> None:
+    assert wording.curve("slide.position", 0.27, True, False).endswith("improved.toml does without, for it may be either.")

@@ -281,11 +281,11 @@ def _healthy(rig: Rig, result: Result, calibrated: Collection[str]) -> list[Effe
 
 
 def _curves(rig: Rig, unknown: Iterable[UnknownEffect]) -> list[EffectEntry]:
-    """Return the entries of unknown effects whose curve the simulator can follow."""
+    """Return the entries of unknown effects whose curve the simulator can follow, and of which it is known whether they are a force."""
     entries = []
     for effect in unknown:
         best, acts, where = effect.discrepancy.best, effect.discrepancy.acts, effect.result.where
-        if best is None or best.variable not in DEPENDS_ON:
+        if best is None or best.variable not in DEPENDS_ON or not effect.is_told_apart:
             continue
         numbers = {"acts": float(ACTS.index(acts)), "depends_on": float(DEPENDS_ON.index(best.variable))}
         gauge = best.variable in ("pressure_1", "pressure_2") and acts == "force"

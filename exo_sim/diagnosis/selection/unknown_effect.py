@@ -25,11 +25,12 @@ from exo_sim.physics.effects.unknown import EFFECT as UNKNOWN
 
 @dataclass(frozen=True)
 class UnknownEffect:
-    """An unknown effect: its finding, what it stands for, and the subsystem's result that it comes from."""
+    """An unknown effect: its finding, what it stands for, the subsystem's result that it comes from, and whether its kind is told."""
 
     finding: Finding
     discrepancy: Discrepancy
     result: SubsystemResult[SubsystemModel]
+    is_told_apart: bool = True
 
 
 def unknown_effects(results: Sequence[SubsystemResult[SubsystemModel]]) -> tuple[UnknownEffect, ...]:
@@ -53,13 +54,15 @@ def _unknown_effect(result: SubsystemResult[SubsystemModel]) -> UnknownEffect:
     independent = n / max(result.fits.correlation_time(fit.residual), 1.0)
     says = f"Something without a name acts in the {missing.place} of {result.where}"
     says += f"; it follows {' and '.join(variables)}." if variables else "; it follows none of the recorded signals closely."
+    told = not unnamed or _is_told_apart(missing, independent)
     if unnamed:
-        says += " " + wording.varies(missing.acts, over, unnamed[0].share, _is_told_apart(missing, independent))
+        says += " " + wording.varies(missing.acts, over, unnamed[0].share, told)
     says += " It comes in fast bursts, as a pressure that rings does." if missing.bursts else ""
     left = final_residual(result)
     says += " " + wording.rest(left.share, left.error, left.noise, left.unit)
     if variables:
-        says += " " + wording.curve(variables[0], best.explains if best else None, best is not None and best.variable in DEPENDS_ON)
+        followed = best is not None and best.variable in DEPENDS_ON
+        says += " " + wording.curve(variables[0], best.explains if best else None, followed, told)
     size = {"size": Estimate(missing.size, missing.unit, *(missing.size * share for share in spread_of_size(independent)))}
     odds = 0.5 * independent * np.log(max(fit.sse / n, 1.0)) / np.log(10.0)
     curve = _as_dict(missing, best) if best else None
@@ -67,7 +70,7 @@ def _unknown_effect(result: SubsystemResult[SubsystemModel]) -> UnknownEffect:
                       probability=unnamed[0].probability if unnamed else None)  # fmt: skip
     if size["size"].low <= 0.0:
         finding = replace(finding, probability=min(finding.confidence, float(MAY_BE_NIL)))
-    return UnknownEffect(finding, missing, result)
+    return UnknownEffect(finding, missing, result, told)
 
 
 def spread_of_size(independent: float) -> tuple[float, float]:

@@ -150,6 +150,7 @@ def test_the_curve_of_an_unknown_effect_is_one_that_the_simulator_follows(data: 
     update = rig_update(data, [], [UnknownEffect(finding, missing, result({}))])
     effect = read_back(update, data).effect("unknown", "piston")
     assert effect is not None and effect.curves["values"] == pytest.approx(tuple(np.sin(at)), rel=1e-5)
+    assert rig_update(data, [], [UnknownEffect(finding, missing, result({}), is_told_apart=False)]).entries == ()
     beyond = replace(missing, curves=(replace(curve, variable="time"),))
     assert rig_update(data, [], [UnknownEffect(finding, beyond, result({}))]).entries == ()
 

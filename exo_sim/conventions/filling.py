@@ -50,8 +50,9 @@ def slow_for_gas(recording: Recording, rig: Rig) -> list[Finding]:
         if not moved or not any(f"{name}.pressure_{side}" in recording for side in (1, 2)) or seconds >= SLOW * step:
             continue
         rate = rate_for_gas(cylinder, rig)
+        within = f"{1e3 * seconds:.{0 if seconds >= 0.01 else 1}f} ms"
         says = (
-            f"{1.0 / step:.3g} samples a second are few for the gas of {name}: its valve can fill a chamber in {1e3 * seconds:.0f} ms, and "
+            f"{1.0 / step:.3g} samples a second are few for the gas of {name}: its valve can fill a chamber in {within}, and "
             f"what a quicker loop told it between samples is not known; record at {rate:g} Hz or more"
         )
         found.append(Finding(keys[0], "slow for gas", says, severity="warning"))

@@ -32,7 +32,7 @@ def that_open(recording: Recording, machine: Machine) -> tuple[Recording, list[C
         name: keys
         for name, cylinder in machine.rig.cylinders.items()
         if (keys := tuple(key for command in cylinder.commands if (key := f"{name}.{command}") in recording))
-        and all(_never_opens(recording[key]) for key in keys)
+        and all(never_opens(recording[key]) for key in keys)
     }
     if not silent:
         return recording, []
@@ -80,7 +80,8 @@ def _follows(change: NDArray[np.float64], shrunk: NDArray[np.float64], k: float)
     return 1.0 - float(rest @ rest) / max(float(change @ change), 1e-300)
 
 
-def _never_opens(values: NDArray[np.float64]) -> bool:
+def never_opens(values: NDArray[np.float64]) -> bool:
+    """Return whether a command that was recorded opens no valve."""
     return bool(np.isfinite(values).any()) and float(np.nanmax(np.abs(values))) < limits.OPENS
 
 

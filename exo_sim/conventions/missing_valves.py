@@ -4,8 +4,8 @@ from __future__ import annotations
 
 import numpy as np
 
-from exo_sim.conventions import limits
 from exo_sim.conventions.check import Check
+from exo_sim.conventions.commands import never_opens
 from exo_sim.conventions.machine import Machine
 from exo_sim.recording.table import Recording
 
@@ -16,7 +16,7 @@ def without_one(recording: Recording, machine: Machine) -> tuple[Recording, list
     for name, cylinder in machine.rig.cylinders.items():
         key = f"{name}.valve_command"
         values = recording.get(key)
-        if cylinder.valve_area > 0.0 or values is None or not np.isfinite(values).any() or np.nanmax(np.abs(values)) <= limits.OPENS:
+        if cylinder.valve_area > 0.0 or values is None or not np.isfinite(values).any() or never_opens(values):
             continue
         says = (
             f'"{key}": the rig has no valve at {name}, so that nothing follows this command; write [cylinders.{name}.valve] with its area, '

@@ -36,7 +36,7 @@ def calibration(name: str, parameter: str, factor: float) -> str:
     }
     if name in declared():
         what = f"{name_of(parameter)} of the {name_of(name)} that the rig has"
-        return f"The {what} is {abs(factor - 1.0) * 100:.0f} % {'larger' if factor > 1.0 else 'smaller'} than nominal."
+        return f"The {what} is {more_or_less(factor, 0)} than nominal."
     what = {PAYLOAD_MASS: "moved mass"}.get(name, part.get(parameter, name_of(name)))
     return f"The {what} is {more_or_less(factor)} than nominal."
 
@@ -134,9 +134,9 @@ def varies(acts: str, variables: Sequence[str], share: float, is_told_apart: boo
     return f"Friction {with_what}. It turns with the direction of motion, as no force would."
 
 
-def more_or_less(factor: float) -> str:
+def more_or_less(factor: float, decimals: int = 1) -> str:
     """Return by how much a number is off."""
-    return f"{abs(factor - 1.0) * 100:.1f} % {'larger' if factor > 1.0 else 'smaller'}"
+    return f"{abs(factor - 1.0) * 100:.{decimals}f} % {'larger' if factor > 1.0 else 'smaller'}"
 
 
 def curve(signal: str, explains: float | None, is_followed: bool, is_told_apart: bool = True) -> str:

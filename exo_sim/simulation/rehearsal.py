@@ -22,10 +22,8 @@ from exo_sim.simulation.wearer_load import own, with_machine
 #: Rehearsals go on until so many of them bettered the plan by no more than this share. A step that failed says little: the next is shorter
 #: and knows of it.
 _LAST, _LITTLE = 12, 0.01
-
-
 #: What moves by less over a cycle stands still [m or rad]: rounding.
-STILL = 1e-6
+_STILL = 1e-6
 
 
 def cycle_mean(walk: Walk, values: NDArray[np.float64], settling: float) -> NDArray[np.float64]:
@@ -112,7 +110,7 @@ class Rehearsals:
         each = (it.moments - self._body, straps, carrying(seen), held.residual[:, 2], held.outside.astype(float))
         moments, forces, contacts, left, edge = (_phase_mean(seen, one) for one in each)
         # who stands still shifts weight from foot to foot by 200 N with what is found along a cycle in which nothing moves
-        along = bool(np.ptp(walk.motion.position, axis=0).max() > STILL)
+        along = bool(np.ptp(walk.motion.position, axis=0).max() > _STILL)
         response = partial(linearised, walk, self.plan.driven) if along else None
         return Rehearsed(moments, forces, contacts, left, edge, response, *self._pressed(seen))
 

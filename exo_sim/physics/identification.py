@@ -131,8 +131,9 @@ class Identification:
         closed_by: ... unless this parameter was fitted as well.
         prevalence: Share of machines that have it, before any data.
         known: What is known of parameters before any data: mean and standard deviation.
-        left_open: Parameters that a rig which has the effect may leave out, with values to begin with: whether its law goes on so is asked
-            as a law, no finding.
+        left_open: Questions to the law of an effect that a rig has: each a function of the numbers that the rig gives (those that it leaves
+            out are absent) to the parameters that say how the law may go on, with values to begin with; none where it makes no sense there.
+            A number that the rig gives is asked anew with them. Whether the law goes on so is asked as a law, no finding.
         is_law: Whether it only says how a law is written, in every machine: then it is no finding, but it goes into an improved rig.
         applicability: Where the question makes sense.
         twins: What cannot be distinguished from it.
@@ -170,7 +171,7 @@ class Identification:
     closed_by: str = ""
     prevalence: float = 0.1
     known: Mapping[str, tuple[float, float]] = field(default_factory=dict)
-    left_open: Mapping[str, tuple[float, ...]] = field(default_factory=dict)
+    left_open: tuple[Callable[[Mapping[str, float]], Mapping[str, tuple[float, ...]]], ...] = ()
     is_law: bool = False
     applicability: Applicability = Applicability()
     twins: Twins = Twins()
@@ -183,7 +184,7 @@ class Identification:
         lists["further"] = {name for form, starts in self.further.items() for name in (*form, *starts)}
         lists |= {key: set(getattr(self, key)) for key in ("within_speeds", "within_travels", "saturates")}
         lists["common"] = set(self.common[1])
-        named = ("neutral", "healthy", "least", "open_by", "known", "left_open", "starts_by_valve")
+        named = ("neutral", "healthy", "least", "open_by", "known", "starts_by_valve")
         tables = {key: set(getattr(self, key)) for key in named}
         single = {key: {getattr(self, key)} - {""} for key in ("every_contact", "closed_by")}
         return lists | tables | single | {"twins.unless": {self.twins.unless} - {""}, "twins.unseen_from": set(self.twins.unseen_from)}

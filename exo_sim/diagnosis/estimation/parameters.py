@@ -40,9 +40,9 @@ class PlantParameters:
     sensors: dict[str, float] = field(default_factory=dict)
 
     def is_on(self, effect: Effect) -> bool:
-        """Return whether any parameter of an effect differs from zero."""
-        record = self.world if effect.name in (self.world.dtype.names or ()) else self.cylinder
-        return any(float(record[effect.name][parameter.name][0]) != 0.0 for parameter in effect.parameters)
+        """Return whether any parameter of an effect differs from zero; of one that it has no numbers of, none does."""
+        records = [record for record in (self.world, self.cylinder) if effect.name in (record.dtype.names or ())]
+        return any(float(record[effect.name][p.name][0]) != 0.0 for record in records for p in effect.parameters)
 
     @property
     def contained_effects(self) -> set[str]:

@@ -94,6 +94,16 @@ class Searched:
         searched = [one.model.all_runs for (name, *_), one in self.results.items() if name == cylinder]
         return frozenset(run.recording for runs in searched for run in runs if run.sampled)
 
+    def of_other_friction(
+        self, cylinder: str, test_time: Hashable, friction: Hashable, asked: Sequence[Candidate]
+    ) -> FittedModel | None:
+        """Return what the latest search of the same time ended with beside another friction of the piston, or None; as `standing`."""
+        other = [
+            one for (name, time, _, f), one in self.results.items()
+            if (name, time) == (cylinder, test_time) and f != friction and not one.is_empty
+        ]  # fmt: skip
+        return _asked_of(other[-1].search.final, asked) if other else None
+
     def standing(
         self, cylinder: str, test_time: Hashable, friction: Hashable, asked: Sequence[Candidate]
     ) -> FittedModel | None:
@@ -150,7 +160,8 @@ def examine_gas(
         key = (name, plan.test_time, tuple(one.key for one in asked), friction)
         if key not in done:
             standing = searched.standing(name, plan.test_time, friction, asked)
-            begun = WarmStart(None, standing or searched.of_other_time(name, plan.test_time, asked), standing is not None)
+            other = searched.of_other_time(name, plan.test_time, asked) or searched.of_other_friction(name, plan.test_time, friction, asked)
+            begun = WarmStart(None, standing or other, standing is not None)
             soft = softens if plan.friction is None and joint in data.joints else None
             seek = partial(_searched, nuisances=nuisances, asked=asked, soft=soft, plan=plan, threads=threads, report=_naming(report, name))
             if model.size >= FEWEST_ROWS:

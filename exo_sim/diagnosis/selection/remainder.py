@@ -14,7 +14,7 @@ from exo_sim.diagnosis.selection.fitted_model import FittedModel, SearchResult
 from exo_sim.diagnosis.selection.left_beside import left_beside
 from exo_sim.diagnosis.selection.model_fits import ModelFits
 from exo_sim.diagnosis.subsystem_model import SubsystemModel
-from exo_sim.physics.declaration import identification_of
+from exo_sim.physics.declaration import declared, identification_of
 
 
 @dataclass(frozen=True)
@@ -60,7 +60,11 @@ class Remainder:
 
     @property
     def _has_bursts_without_a_name(self) -> bool:
-        return all(not identification_of(c.effect).applicability.bursts for c in self.named) and has_bursts(self.model, self.final)
+        """Whether it comes in bursts that neither a name explains nor an effect of the rig whose law passes none, such as a hose."""
+        if any(identification_of(c.effect).applicability.bursts for c in self.named) or not has_bursts(self.model, self.final):
+            return False
+        passing_none = (effect for effect in declared().values() if not effect.identification.applicability.bursts)
+        return not any(self.model.nominal.is_on(effect) for effect in passing_none)
 
     @property
     def _is_that_of_a_healthy_machine(self) -> bool:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Mapping
 
 from exo_sim.physics import nozzle
 from exo_sim.physics.compiled import inlined_kernel, kernel
@@ -39,6 +40,12 @@ def _hoses_within(
 def _warm_hoses_within(dead_volume: float) -> tuple[tuple[float, float, float], ...]:
     """Return area [m^2], volume [m^3] and conductance [W/K] of such hoses."""
     return tuple((area, volume, _HEAT * length) for area, volume, length in _hoses_within(dead_volume, (0.5, 1.0, 2.0, 3.0)))
+
+
+def _as_a_line(known: Mapping[str, float]) -> dict[str, tuple[float, ...]]:
+    """Return the question how a known hose goes on: its ratio, waves and heat together, as far as its owner does not say them."""
+    begun = {"ratio": (0.36, 0.36, 0.36), "length": (0.7, 1.5, 3.0), "conductance": (0.2, 0.45, 0.9)}
+    return {name: values for name, values in begun.items() if name not in known}
 
 
 EFFECT = Effect(
@@ -111,7 +118,7 @@ EFFECT = Effect(
         of_dead_volume="volume",
         saturates=("area",),
         known={"ratio": (0.36, 0.08)},
-        left_open={"length": (0.7, 1.5, 3.0), "conductance": (0.2, 0.45, 0.9)},
+        left_open=(_as_a_line,),
         applicability=Applicability(bursts=False),  # it delays and does not ring
     ),
 )

@@ -32,3 +32,9 @@ def limited(p, spool: float, wanted: float, h: float) -> float:
         return wanted
     reach = p.rate * h
     return min(max(wanted, spool - reach), spool + reach)
+
+
+@kernel
+def limited_speed(p, speed: float) -> float:
+    """Return the speed at which a spool goes on that would move at `speed`; rate 0 means no limit."""
+    return speed if p.rate <= 0.0 else min(max(speed, -p.rate), p.rate)

@@ -1,4 +1,4 @@
-"""A valve that answers late: dead time, then first order."""
+"""A valve that answers late: dead time, then first order, or second where the spool has mass."""
 
 from __future__ import annotations
 
@@ -8,11 +8,26 @@ from collections.abc import Mapping
 from exo_sim.physics.compiled import kernel
 from exo_sim.physics.declaration import Effect, Identification, Parameter
 
+#: A spool this near to critical damping is taken to be critically damped: share of the square of its decay rate.
+_CRITICAL = 1e-8
+
 
 def _check(place: str, parameters: Mapping[str, float], curves: Mapping[str, tuple[float, ...]]) -> str:
-    """Return what is wrong with the values together, "" where nothing is: without a time constant there is none to be longer."""
-    lacks = "closing_excess" in parameters and parameters.get("time_constant", 0.0) <= 0.0
-    return "closing_excess is a share of time_constant; give that as well, or leave closing_excess out" if lacks else ""
+    """Return what is wrong with the values together, "" where nothing is: without a time constant there is none to be shaped."""
+    lacking = [name for name in ("closing_excess", "inertia") if parameters.get(name) and parameters.get("time_constant", 0.0) <= 0.0]
+    return f"{lacking[0]} shapes time_constant; give that as well, or leave {lacking[0]} out" if lacking else ""
+
+
+def _closing_of_another_length(known: Mapping[str, float]) -> dict[str, tuple[float, ...]]:
+    """Return the question whether a known lag closes in another time than it opens."""
+    return {"closing_excess": (0.6, -0.3)} if "time_constant" in known and "closing_excess" not in known else {}
+
+
+def _of_second_order(known: Mapping[str, float]) -> dict[str, tuple[float, ...]]:
+    """Return the question whether a known lag is of second order: one of first order and a dead time say it badly, but late by as much."""
+    late = known.get("time_constant", 0.0) + known.get("delay", 0.0)
+    begun = {"time_constant": (late, 0.6 * late), "delay": (0.0, 0.4 * late), "inertia": (0.4, 0.4)}
+    return {} if "inertia" in known else begun
 
 
 EFFECT = Effect(
@@ -31,6 +46,11 @@ EFFECT = Effect(
             "time to close over time to open, less one: a solenoid works against its spring and the pressure one way only "
             "(doi 10.1177/0020294019866853); 0.4-1.2 of valves whose data sheets give both (estimate)", required=False,
         ),
+        Parameter(
+            "inertia", "1", 0.0, 25.0, (0.2, 1.0),
+            "mass times stiffness over damping squared, 1/(4 z^2) of a damping ratio z: 0.5-1.1 in data sheets of proportional valves "
+            "(estimate)", required=False,
+        ),
     ),
     any_of=(("time_constant",), ("delay",)),
     check=_check,
@@ -43,11 +63,13 @@ EFFECT = Effect(
     convention=(
         "the command first waits for the delay, then the spool follows it in first order; a rate limit comes "
         "after that. On its way back to the centre the spool follows with (1 + closing_excess) time_constant, away from it, and on from "
-        "the centre where it passes it, with time_constant. The delay is the same both ways."
+        "the centre where it passes it, with time_constant. The delay is the same both ways. With an inertia the spool is of second order, "
+        "inertia T^2 x'' + T x' + x = u with T = time_constant: its damping ratio is 1/(2 sqrt(inertia)), its natural frequency "
+        "1/(2 pi T sqrt(inertia)); full opening is where it stops."
     ),
     valid=(
-        "steps of every size take as long, without a closing_excess up and down; no overshoot: a spool on a spring shows one above its own "
-        "frequency."
+        "steps of every size take as long, without a closing_excess up and down; without an inertia no overshoot: a spool on a spring has "
+        "one above its own frequency."
     ),
     signature="onset of dP/dt rounded and late, in proportion to nothing but time",
     identification=Identification(
@@ -57,22 +79,62 @@ EFFECT = Effect(
         further={
             ("time_constant", "closing_excess"): {"closing_excess": (0.6, -0.3)},
             ("time_constant", "delay", "closing_excess"): {"time_constant": (5e-3, 5e-3), "closing_excess": (0.6, -0.3)},
+            ("time_constant", "inertia"): {"inertia": (0.5,)},
+            ("time_constant", "delay", "inertia"): {"time_constant": (5e-3,), "inertia": (0.5,)},
         },
         healthy={"time_constant": (1e-3, 3e-3), "delay": (1e-3, 3e-3)},
         least={"time_constant": 3e-3},
         adds_up=True,
+        left_open=(_closing_of_another_length, _of_second_order),
     ),
 )
 
 
 @kernel
-def follow(p, spool: float, command: float, h: float) -> float:
-    """Return the spool after `h` seconds of a held command: exact for first order, the centre at 0."""
+def follow(p, spool: float, speed: float, command: float, h: float) -> tuple[float, float]:
+    """Return place and speed of the spool after `h` seconds of a held command: exact, the centre at 0.
+
+    The speed is 0 without an inertia.
+    """
     if p.time_constant <= 0.0:
-        return command
-    if p.closing_excess != 0.0 and (command - spool) * spool < 0.0:
-        return _back(spool, command, h, p.time_constant, (1.0 + p.closing_excess) * p.time_constant)
-    return command + (spool - command) * math.exp(-h / p.time_constant)
+        return command, 0.0
+    closes = p.closing_excess != 0.0 and (command - spool) * spool < 0.0
+    back = (1.0 + p.closing_excess) * p.time_constant
+    if p.inertia > 0.0:
+        return _with_mass(spool, speed, command, h, back if closes else p.time_constant, p.inertia)
+    if closes:
+        return _back(spool, command, h, p.time_constant, back), 0.0
+    return command + (spool - command) * math.exp(-h / p.time_constant), 0.0
+
+
+@kernel
+def _with_mass(spool: float, speed: float, command: float, h: float, time_constant: float, inertia: float) -> tuple[float, float]:
+    """Return place and speed of a spool of second order after `h` seconds; it stops where it is fully open.
+
+    Args:
+        time_constant: T of inertia T^2 x'' + T x' + x = u [s].
+        inertia: Of that equation.
+    """
+    stiff = 1.0 / (inertia * time_constant * time_constant)
+    decay = 0.5 / (inertia * time_constant)
+    apart = decay * decay - stiff
+    off = spool - command
+    if apart > _CRITICAL * decay * decay:
+        root = math.sqrt(apart)
+        slow, fast = -stiff / (decay + root), -(decay + root)
+        early, late = math.exp(fast * h), math.exp(slow * h)
+        one, other = (speed - fast * off) / (slow - fast), (speed - slow * off) / (slow - fast)
+        place, moves = one * late - other * early, slow * one * late - fast * other * early
+    else:
+        root = math.sqrt(max(-apart, 0.0))
+        turned = root * h
+        along, across = math.cos(turned), (math.sin(turned) / root if root > _CRITICAL * decay else h)
+        left = math.exp(-decay * h)
+        place = left * (off * along + (speed + decay * off) * across)
+        moves = left * (speed * along - (stiff * off + decay * speed) * across)
+    if abs(command + place) > 1.0:
+        return math.copysign(1.0, command + place), 0.0
+    return command + place, moves
 
 
 @kernel

@@ -159,6 +159,10 @@ def test_a_search_in_another_division_of_the_time_begins_with_what_the_first_fou
     assert searched.standing("piston", "beginning", None, sought) is None
     assert searched.standing("piston", "end", "with friction", sought) is None
     assert searched.of_other_time("other", "beginning", sought) is None
+    before = searched.of_other_friction("piston", "end", "with friction", sought)  # found while less was known
+    assert before is not None and before.candidates == sought
+    assert searched.of_other_friction("piston", "end", None, sought) is None
+    assert searched.of_other_friction("piston", "beginning", "with friction", sought) is None
 
 
 @pytest.mark.slow

@@ -5,6 +5,7 @@ from __future__ import annotations
 from dataclasses import replace
 from typing import Any
 
+import numpy as np
 import pytest
 from diagnosis import waves
 
@@ -14,6 +15,7 @@ from exo_sim.diagnosis.nominal_numbers import FORCE_OFFSET
 from exo_sim.diagnosis.selection.fitted_model import SearchResult, Unnamed
 from exo_sim.diagnosis.selection.model_fits import ModelFits
 from exo_sim.diagnosis.selection.remainder import Remainder, has_bursts
+from exo_sim.physics.plant_records import CYLINDER, WORLD
 
 OFFSET = waves.parameter(FORCE_OFFSET, "level", prior=(0.0, 0.1))
 GAIN = waves.parameter("gain", "level", prior=(0.0, 0.1))
@@ -44,6 +46,15 @@ def test_a_curve_that_was_found_and_bursts_that_no_name_explains_are_unknown_how
     assert remainder(waves.Waves(), unnamed=(Unnamed("position", 0.9, 0.2),)).is_unknown
     bursting = remainder(Bursting())
     assert bursting.is_unknown and has_bursts(bursting.model, bursting.final)
+
+
+def test_beside_a_hose_that_the_rig_has_bursts_are_what_its_law_leaves_out() -> None:
+    model = Bursting()
+    model.nominal = PlantParameters(np.zeros(1, WORLD), np.zeros(1, CYLINDER))
+    model.nominal.cylinder["valve_lag"]["time_constant"] = 5e-3
+    assert remainder(model).is_unknown
+    model.nominal.cylinder["line_restriction"]["area"] = 1e-5
+    assert not remainder(model).is_unknown
 
 
 def test_without_a_name_little_that_is_correlated_is_noise() -> None:

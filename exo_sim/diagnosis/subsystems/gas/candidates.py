@@ -67,16 +67,17 @@ def _left_open(effect: Effect, cylinder: str, plant: PlantParameters) -> list[Ca
     How it goes on is one question: all parameters that say it are asked together.
     """
     declares = effect.identification
-    asked = [
-        {name: (mean - spread, mean + spread)} for name, (mean, spread) in declares.known.items() if declares.every_law
+    record = plant.world if effect.name in (plant.world.dtype.names or ()) else plant.cylinder
+    has = {p.name: value for p in effect.parameters if (value := float(record[effect.name][p.name][0])) != 0.0}
+    forms = [
+        {name: (mean - spread, mean + spread)} for name, (mean, spread) in declares.known.items() if declares.every_law and name not in has
     ]  # fmt: skip
     found = []
-    for values in (*asked, declares.left_open):
-        form = tuple(name for name in values if float(plant.cylinder[effect.name][name][0]) == 0.0)
-        if form:
-            one = _of_form(effect, cylinder, form, plant)[0]
-            starts = tuple(zip(*(values[name] for name in form), strict=True))
-            found.append(replace(one, form="+".join(form), is_law=True, starts=starts, fixed=()))  # the rest is the rig's
+    for values in (*forms, *(question(has) for question in declares.left_open)):
+        if values:
+            one = _of_form(effect, cylinder, tuple(values), plant)[0]
+            starts = tuple(zip(*values.values(), strict=True))
+            found.append(replace(one, form="+".join(values), is_law=True, starts=starts, fixed=()))  # the rest is the rig's
     return found
 
 

@@ -111,11 +111,11 @@ def test_a_flow_law_that_the_owner_gave_is_no_missing_physics(ratio: float, inde
 
 @pytest.mark.parametrize(
     ("length", "conductance", "asked"),
-    [(0.0, 0.0, [("length+conductance", True, ())]), (1.5, 0.0, [("conductance", True, ())]), (1.5, 0.4, [])],
+    [(0.0, 0.0, "ratio+length+conductance"), (1.5, 0.0, "ratio+conductance"), (1.5, 0.4, "ratio")],
     ids=["a lump", "its length known", "its wall known too"],
 )
 def test_how_a_hose_goes_on_that_the_rig_has_is_asked_as_its_law(
-    length: float, conductance: float, asked: list[tuple[str, bool, tuple[()]]]
+    length: float, conductance: float, asked: str
 ) -> None:
     plant = PlantParameters(np.zeros(1, WORLD), np.zeros(1, CYLINDER))
     plant.cylinder["valve_area"], plant.cylinder["area_1"], plant.cylinder["stroke"] = 2e-6, 8e-4, 0.2
@@ -125,7 +125,35 @@ def test_how_a_hose_goes_on_that_the_rig_has_is_asked_as_its_law(
     level = np.full(50, 3e5)
     run = cylinder_runs.run_of(level, level, command=np.linspace(-0.2, 0.2, 50), commanded=True)
     found = [c for c in candidates(plant, [run], "piston", "slide") if c.effect == "line_restriction"]
-    assert [(c.form, c.is_law, c.fixed) for c in found] == asked  # area and volume stay what the rig says
+    assert [(c.form, c.is_law, c.fixed) for c in found] == [(asked, True, ())]  # area and volume stay what the rig says
+
+
+@pytest.mark.parametrize(
+    ("effect", "known", "asked"),
+    [
+        ("valve_lag", {"time_constant": 4e-3, "delay": 1e-3}, {"closing_excess": [0.6, -0.3], "time_constant+delay+inertia": [5e-3, 3e-3]}),
+        ("valve_lag", {"delay": 5e-3}, {"time_constant+delay+inertia": [5e-3, 3e-3]}),  # without a time constant nothing closes in another
+        ("valve_lag", {"time_constant": 4e-3, "inertia": 0.4, "closing_excess": 0.2}, {}),
+        ("piston_leakage", {"area": 1.9e-8}, {"area+laminar": [0.95e-8]}),
+        ("piston_leakage", {"laminar": 1e-16}, {"area+laminar": [0.95e-8]}),
+        ("piston_leakage", {"area": 1.9e-8, "laminar": 1e-16}, {}),
+        ("external_leakage", {"laminar_1": 1e-16}, {"laminar_1+inertial": [2e-16]}),
+        ("external_leakage", {"laminar_1": 1e-16, "inertial": 1e20}, {}),
+        ("external_leakage", {"area_2": 1e-8}, {}),
+    ],
+)  # fmt: skip
+def test_of_what_an_owner_knows_the_law_is_asked_where_he_left_it_open(
+    effect: str, known: dict[str, float], asked: dict[str, list[float]]
+) -> None:
+    plant = PlantParameters(np.zeros(1, WORLD), np.zeros(1, CYLINDER))
+    plant.cylinder["valve_area"], plant.cylinder["area_1"], plant.cylinder["stroke"] = 2e-6, 8e-4, 0.2
+    for name, value in known.items():
+        plant.cylinder[effect][name] = value
+    level = np.full(50, 3e5)
+    run = cylinder_runs.run_of(level, level, command=np.linspace(-0.2, 0.2, 50), commanded=True)
+    found = [c for c in candidates(plant, [run], "piston", "slide") if c.effect == effect]
+    assert all(c.is_law and not c.fixed for c in found)
+    assert {c.form: pytest.approx([start[0] for start in c.starts]) for c in found} == asked
 
 
 def test_what_is_asked_only_of_a_found_effect_begins_where_that_ended() -> None:

@@ -176,7 +176,7 @@ class _Decision(Generic[Model]):
     def _beyond_doubt(self, final: FittedModel, named: tuple[Candidate, ...]) -> tuple[FittedModel, tuple[Candidate, ...]]:
         """Return the findings that stand beside an unknown effect, and the model with nothing but them."""
         end = self.search.final
-        apart = [c for c in named if self._stands_alone(c)]
+        apart = self._borne_out([c for c in named if self._may_stand_alone(c)])
         kept = drop_orphans([c for c in apart if identification_of(c.effect).applicability.bursts or not has_bursts(self.model, end)])
         if not kept or self._kept_back is None:
             return self.search.baseline, kept
@@ -224,19 +224,41 @@ class _Decision(Generic[Model]):
         evidence = self.search.evidence.get(candidate.key)
         return evidence is not None and max(evidence.log10_odds, evidence.beside_discrepancy) > verdicts.PLAIN_ODDS
 
-    def _stands_alone(self, candidate: Candidate) -> bool:
-        """Return whether a finding is beyond doubt although something else is left.
+    def _may_stand_alone(self, candidate: Candidate) -> bool:
+        """Return whether the odds of a finding, beside all others, leave no doubt although something else is left.
 
-        Beside all others its odds leave no doubt, and held-out time is predicted better with it, block for block. That does not
-        do for a sensor: what is left of a machine biases zeros, scales and delays first, at all times.
+        That does not do for a sensor: what is left of a machine biases zeros, scales and delays first, at all times.
         """
-        kept_back = self._kept_back
-        if kept_back is None or not kept_back.size or candidate.kind is Kind.SENSOR or not self._is_plain(candidate):
-            return False
-        end = self.search.final
-        without = self.fits.fit(drop_orphans(end.without(candidate)), end)
-        left = [kept_back.residual(one.fit.values, one.fixed) for one in (without, end)]
-        return gain_in_errors(kept_back, *left) > STEADY_GAIN
+        return candidate.kind is not Kind.SENSOR and self._is_plain(candidate)
+
+    def _borne_out(self, asked: Sequence[Candidate]) -> tuple[Candidate, ...]:
+        """Return the findings with which held-out time is predicted better, block for block, than without each of them.
+
+        The one that is missed least is left out first, and the others asked anew: of effects that stand in for each other none is missed
+        beside all the others.
+
+        Args:
+            asked: Findings of the search; what else it ended with stays beside them.
+        """
+        kept, model = list(asked), self.search.final
+        while kept and self._kept_back is not None and self._kept_back.size:
+            gains = {candidate.key: self._held_out_gain(candidate, model) for candidate in kept}
+            least = min(kept, key=lambda candidate: gains[candidate.key])
+            if gains[least.key] > STEADY_GAIN:
+                return tuple(kept)
+            model = self._left_out(least, model)
+            kept = [candidate for candidate in kept if candidate in model.candidates]
+        return ()
+
+    def _left_out(self, candidate: Candidate, model: FittedModel) -> FittedModel:
+        """Return the fit of a model without a candidate, and what comes on top of it."""
+        return self.fits.fit(drop_orphans(model.without(candidate)), model)
+
+    def _held_out_gain(self, candidate: Candidate, model: FittedModel) -> float:
+        """Return by how much a candidate lowers the held-out error of a model, in standard errors of that over blocks."""
+        assert self._kept_back is not None
+        both = (self._left_out(candidate, model), model)
+        return gain_in_errors(self._kept_back, *(self._kept_back.residual(one.fit.values, one.fixed) for one in both))
 
     @cached_property
     def _kept_back(self) -> SubsystemModel | None:

@@ -16,10 +16,10 @@ from exo_sim.diagnosis.estimation.parameters import FreeParameter
 from exo_sim.diagnosis.estimation.threads import SERIAL, Threads
 from exo_sim.diagnosis.estimation.uncertainty import error_of_sum, standard_errors
 from exo_sim.diagnosis.policy import acceptance
-from exo_sim.diagnosis.policy.budgets import CHEAP_STARTS, FIRST_LOOK, LAW_STARTS, MOST_STEPS, WORTH_A_LOOK
+from exo_sim.diagnosis.policy.budgets import CHEAP_STARTS, FIRST_LOOK, LAW_STARTS, MOST_SMALLER, MOST_STEPS, SMALLER, STRAY, WORTH_A_LOOK
 from exo_sim.diagnosis.selection.evidence import negative_log_likelihood
 from exo_sim.diagnosis.selection.fitted_model import FittedModel, LeastSquaresModel, SetKey, key_of
-from exo_sim.diagnosis.selection.score_test import Promised, Sizes
+from exo_sim.diagnosis.selection.score_test import Promised, Sizes, in_proportion
 
 Array = NDArray[np.float64]
 
@@ -81,6 +81,7 @@ class ModelFits:
             columns = near.fit.columns if near else None
             if any(candidate.is_law for candidate in candidates):
                 begin = self._furthest_led(residual, parameters, [options[i] for i in order], length, columns)
+            begin = self._not_astray(residual, begin, candidates, near)
             done = fit(
                 residual, parameters, begin, self.threads, max_iterations=MOST_STEPS, correlation_length=length,
                 derivatives=Derivatives(columns), is_spent=self.is_spent,
@@ -104,6 +105,7 @@ class ModelFits:
         parameters, options = self._starts(candidates, near)
         residual = self._residual_of(candidates)
         begin, length, _ = self._best_start(residual, options)
+        begin = self._not_astray(residual, begin, candidates, near)
         return FittedModel(tuple(candidates), self._first_steps(residual, parameters, begin, length, near.fit.columns))
 
     def fit_rivals(
@@ -190,6 +192,25 @@ class ModelFits:
         errors = [residual(option) for option in options]
         order = [int(i) for i in np.argsort([float(e @ e) if np.isfinite(e).all() else np.inf for e in errors])]
         return options[order[0]], min(self.correlation_time(errors[order[0]]), acceptance.LONGEST_CORRELATION), order
+
+    def _not_astray(
+        self, residual: Residual, begin: dict[FreeParameter, float], candidates: Sequence[Candidate], near: FittedModel | None
+    ) -> dict[FreeParameter, float]:
+        """Return a start at which new candidates do less where at their own far more is left than without them.
+
+        What a similar model has settled on may answer to a usual size of another effect by a hundred times what it leaves. From there a
+        linear step, which moves all together, does not come back; from a smaller size it does.
+        """
+        held = near.fit.values if near is not None and near.fit.residual.size else None
+        new = [c for c in candidates if held is not None and c.proportional and not c.is_law and not any(q in held for q in c.parameters)]
+        if near is None or not new:
+            return begin
+        for share in (SMALLER**k for k in range(MOST_SMALLER + 1)):
+            start = {**begin, **{q: v for c in new for q, v in in_proportion({q: begin[q] for q in c.parameters}, share).items()}}
+            error = residual(start)
+            if float(error @ error) <= STRAY * near.fit.sse:  # not so where it is not a number
+                return start
+        return begin
 
     def _furthest_led(
         self,

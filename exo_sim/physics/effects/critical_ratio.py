@@ -37,6 +37,7 @@ EFFECT = Effect(
     # the ellipse of 0.528 stands for the nozzle of the paper: a healthy valve may follow either
     identification=Identification(
         forms=(("ratio",), ("ratio", "index")),
+        proportional=True,
         starts=((0.4, 0.5), (0.25, 0.5)),
         least={"ratio": 0.02},
         neutral={"ratio": 0.528, "index": 0.5},

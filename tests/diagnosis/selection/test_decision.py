@@ -108,6 +108,20 @@ def test_beside_something_unknown_a_name_stands_that_time_kept_back_surely_bears
     assert decide("piston", model, fits, search).findings == ()  # nothing was kept back
 
 
+def test_of_two_that_stand_in_for_each_other_beside_something_unknown_one_stands() -> None:
+    """Beside the other neither is missed on held-out time; without both it is predicted far worse."""
+    shapes = {**waves.SHAPES, "nearly": waves.SHAPES["slow"] + 0.02 * waves.SHAPES["quicker"]}
+    model, both = waves.Waves(1.5, shapes, slow=9.5, quick=4.0), (waves.BASE, waves.candidate("second", "nearly"))
+    fits = ModelFits(model, ())
+    bare = fits.refined(fits.fit(()))
+    final = fits.refined(fits.fit(both, bare))
+    evidence = Evidence(log10_odds=99.0, gain=230.0, share=0.6, steady=1.0)
+    search = SearchResult(bare, final, {one.key: evidence for one in both})
+    result = decide("piston", model, fits, search, Split({}, {"recording": ((0.0, 400.0),)}))
+    assert result.has_unknown and len(result.findings) == 1
+    assert result.final.fit.sse < 0.5 * bare.fit.sse
+
+
 def test_an_interrupted_search_is_not_judged_but_handed_on() -> None:
     """However much it leaves unexplained: the other subsystems go on with what was found so far."""
     model = waves.Waves(1e-3, slow=9.0, quick=4.0)

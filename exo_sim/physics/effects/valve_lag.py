@@ -60,6 +60,7 @@ EFFECT = Effect(
         },
         healthy={"time_constant": (1e-3, 3e-3), "delay": (1e-3, 3e-3)},
         least={"time_constant": 3e-3},
+        left_open={"closing_excess": (0.6, -0.3)},
         adds_up=True,
     ),
 )

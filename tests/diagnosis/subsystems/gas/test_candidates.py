@@ -138,3 +138,15 @@ def test_what_is_asked_only_of_a_found_effect_begins_where_that_ended() -> None:
     assert not lag.further and closing.further == {"closing_excess"}
     assert closing.parameters[0] == lag.parameters[0]  # else a fit would not begin where the other ended
     assert [start[1] for start in closing.starts] == [0.6, -0.3]
+
+
+@pytest.mark.parametrize(("excess", "asked"), [(0.0, [("closing_excess", True)]), (0.5, [])], ids=["one number for both ways", "both known"])
+def test_whether_a_valve_that_lags_closes_as_fast_as_it_opens_is_asked_as_its_law(excess: float, asked: list[tuple[str, bool]]) -> None:
+    """An owner's lag is one number; that a spring takes the spool back more slowly is no physics that he lacks."""
+    plant = PlantParameters(np.zeros(1, WORLD), np.zeros(1, CYLINDER))
+    plant.cylinder["valve_area"], plant.cylinder["area_1"], plant.cylinder["stroke"] = 2e-6, 8e-4, 0.2
+    plant.cylinder["valve_lag"]["time_constant"], plant.cylinder["valve_lag"]["closing_excess"] = 5e-3, excess
+    level = np.full(50, 3e5)
+    run = cylinder_runs.run_of(level, level, command=np.linspace(-0.2, 0.2, 50), commanded=True)
+    found = [c for c in candidates(plant, [run], "piston", "slide") if c.effect == "valve_lag"]
+    assert [(c.form, c.is_law) for c in found] == asked

@@ -140,7 +140,7 @@ def test_what_is_asked_only_of_a_found_effect_begins_where_that_ended() -> None:
     assert [start[1] for start in closing.starts] == [0.6, -0.3]
 
 
-@pytest.mark.parametrize(("excess", "asked"), [(0.0, [("closing_excess", True)]), (0.5, [])], ids=["one number for both ways", "both known"])
+@pytest.mark.parametrize(("excess", "asked"), [(0.0, [("closing_excess", True)]), (0.5, [])], ids=["one number", "both known"])
 def test_whether_a_valve_that_lags_closes_as_fast_as_it_opens_is_asked_as_its_law(excess: float, asked: list[tuple[str, bool]]) -> None:
     """An owner's lag is one number; that a spring takes the spool back more slowly is no physics that he lacks."""
     plant = PlantParameters(np.zeros(1, WORLD), np.zeros(1, CYLINDER))

@@ -125,10 +125,10 @@ def test_an_interval_holds_a_law_that_lies_further_than_laws_differ(found: Searc
 
 @pytest.mark.parametrize(
     ("beside", "down"),
-    [((), 0.85), (("stribeck_friction", "piston"), 1.0), (("stribeck_friction", "slide"), 0.85), (("viscous_friction", "piston"), 0.85)],
+    [(None, 0.85), (("stribeck_friction", "piston"), 1.0), (("stribeck_friction", "slide"), 0.85), (("viscous_friction", "piston"), 0.85)],
     ids=["alone", "a dip there", "a dip elsewhere", "a film"],
 )
-def test_a_level_of_friction_may_hold_a_dip_that_nothing_showed_apart(beside: tuple[str, ...], down: float) -> None:
+def test_a_level_of_friction_may_hold_a_dip_that_nothing_showed_apart(beside: tuple[str, str] | None, down: float) -> None:
     """It is known downwards no better than that, unless a dip stands beside it or the rig has one."""
     force = FreeParameter("coulomb_friction", "piston", "force", "N", Target.CYLINDER, 1.0, 0.0, 1e5)
     other = [FreeParameter(*beside, "breakaway", "N", Target.CYLINDER, 1.0, 0.0, 1e5)] if beside else []
